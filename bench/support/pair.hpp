@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hgros/codec/block.hpp"
+#include "support/samples.hpp"
+
+namespace hgros::bench {
+
+/// Memory that the two processes of a measurement share through a file. It carries no payload.
+struct PairControl {
+  static constexpr std::size_t kSlots = 4096;
+  std::atomic<std::uint32_t> receiver_ready{0};
+  std::atomic<std::uint32_t> stop{0};
+  std::atomic<std::uint64_t> received{0};
+  std::atomic<std::int64_t> last_arrival_ns{0};
+  std::array<std::atomic<std::int64_t>, kSlots> latency_ns{};
+};
+/// Opens (and makes) the file; exits with a sentence if that fails.
+PairControl* OpenControl(const std::string& path);
+
+/// What the first bytes of every message say.
+struct Stamp {
+  std::int64_t sent_ns;
+  std::uint64_t index;
+};
+
+/// Called by a receiver for every message; notes when it came.
+void NoteArrival(PairControl& control, Bytes bytes);
+
+/// One way to send bytes to the other process; ours or a floor.
+class PairSender {
+ public:
+  virtual ~PairSender() = default;
+  /// Sends without copying where the carrier can. The block is not changed before it has arrived.
+  virtual void Send(const std::shared_ptr<Block>& block) = 0;
+};
+/// Its other end: calls NoteArrival until destroyed.
+class PairReceiver {
+ public:
+  virtual ~PairReceiver() = default;
+};
+
+/// Blocks that are allocated and filled before anything is measured.
+class BlockPool {
+ public:
+  BlockPool(std::size_t size_bytes, std::size_t count);
+  /// The next block with `index` and the present in its first bytes.
+  const std::shared_ptr<Block>& Stamped(std::uint64_t index);
+
+ private:
+  std::vector<std::shared_ptr<Block>> blocks_;
+  std::size_t next_ = 0;
+};
+
+/// One-way latencies of `count` messages sent `pause_us` apart, ns. Messages lost after 2 s are left out.
+Samples MeasurePair(PairControl& control, PairSender& sender, BlockPool& pool, int count, int pause_us);
+/// Messages per second, flooded, until all `count` have arrived (or nothing came for 2 s: counts what came).
+double FloodPair(PairControl& control, PairSender& sender, BlockPool& pool, int count);
+
+/// "1KB" ... "4MB".
+std::string SizeName(std::size_t size_bytes);
+inline constexpr std::array<std::size_t, 7> kSizes{1024,       4096,        16 * 1024,  64 * 1024,
+                                                   256 * 1024, 1024 * 1024, 4096 * 1024};
+
+// The carriers. `endpoint` as ZeroMQ writes it; for raw TCP "host:port".
+std::unique_ptr<PairSender> MakeZmqSender(const std::string& endpoint);
+std::unique_ptr<PairReceiver> MakeZmqReceiver(const std::string& endpoint, PairControl& control);
+std::unique_ptr<PairSender> MakeTcpSender(const std::string& endpoint);
+std::unique_ptr<PairReceiver> MakeTcpReceiver(const std::string& endpoint, PairControl& control);
+/// `executor`: inline or tbb.
+std::unique_ptr<PairSender> MakeOurSender(const std::string& endpoint, bool lossless);
+std::unique_ptr<PairReceiver> MakeOurReceiver(const std::string& endpoint, PairControl& control,
+                                              const std::string& executor, bool lossless);
+
+}  // namespace hgros::bench

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/pair.hpp"
+
+namespace hgros::bench {
+
+/// What the other process is to do.
+struct ReceiverTask {
+  std::string carrier;   ///< zmq, tcp or ours.
+  std::string endpoint;  ///< Where it connects to.
+  std::string executor = "inline";
+  bool lossless = false;
+};
+
+/// The receiving process: this same program, started again, in another network namespace if `prefix` says so.
+class ReceiverProcess {
+ public:
+  /// Starts it. `prefix`: words before the command, such as {"ip", "netns", "exec", "there"}.
+  ReceiverProcess(const ReceiverTask& task, const std::vector<std::string>& prefix);
+  ReceiverProcess(const ReceiverProcess&) = delete;
+  ReceiverProcess& operator=(const ReceiverProcess&) = delete;
+  ~ReceiverProcess();
+
+  [[nodiscard]] PairControl& control() { return *control_; }
+
+ private:
+  std::string path_;
+  PairControl* control_;
+  pid_t child_ = -1;
+};
+
+/// Runs the receiver if the arguments ask for it; -1 if they do not.
+int ReceiverMain(int argc, char** argv);
+
+/// The sender that fits the task, bound to `endpoint`.
+std::unique_ptr<PairSender> MakeSender(const ReceiverTask& task, const std::string& endpoint);
+
+/// Sends messages until one arrives, so that what follows is measured on a standing connection.
+void AwaitConnection(PairControl& control, PairSender& sender);
+
+}  // namespace hgros::bench

@@ -1,0 +1,64 @@
+# Sourced by bench/NAME/run. Reads its arguments (--quick, --csv) and turns "metric,value,unit" lines into what is
+# asked for: the plain lines, or a table and, in full mode, plots beside it in $results.
+set -euo pipefail
+
+build=${HGROS_BUILD_DIR:?Start this through ./dev bench}
+quick=
+csv=
+for argument in "$@"; do
+  case $argument in
+    --quick) quick=--quick ;;
+    --csv) csv=1 ;;
+    *) echo "The benchmarks know --quick and --csv, not \"$argument\"." >&2; exit 2 ;;
+  esac
+done
+results=$build/bench_results/$question
+mkdir -p "$results"
+
+machine() {
+  printf '%s, %s CPUs, %s, %s; load before: %s\n' \
+    "$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -1)" "$(nproc)" \
+    "$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release)" "$(uname -r)" "$(cut -d' ' -f1 /proc/loadavg)"
+}
+
+# show: standard input to the terminal
+show() {
+  if [[ -n $csv ]]; then
+    tee "$results/result.csv"
+    return
+  fi
+  machine
+  printf '%-42s %14s  %s\n' metric value unit
+  tee "$results/result.csv" | awk -F, '{ printf "%-42s %14s  %s\n", $1, $2, $3; fflush() }'
+  [[ -n $quick ]] || plot
+}
+
+# plot: every family NAME_1KB_us ... NAME_4MB_us of the result becomes a line over message size
+plot() {
+  command -v gnuplot > /dev/null || { echo "No plots: gnuplot is not installed." >&2; return; }
+  local families family lines=()
+  mapfile -t families < <(sed -nE 's/^(.*_)1KB_us,.*/\1/p' "$results/result.csv")
+  (( ${#families[@]} > 0 )) || return 0
+  for family in "${families[@]}"; do
+    awk -F, -v family="$family" '
+      index($1, family) == 1 {
+        size = substr($1, length(family) + 1)
+        if (size !~ /^[0-9]+(KB|MB)_us$/) next
+        bytes = size + 0
+        if (size ~ /MB/) bytes *= 1024
+        print bytes, $2
+      }' "$results/result.csv" > "$results/$family.dat"
+    lines+=("'$results/$family.dat' using 1:2 with linespoints title '${family//_/ }'")
+  done
+  gnuplot <<PLOT
+set terminal pngcairo size 1000,650
+set output '$results/latency.png'
+set logscale xy
+set grid
+set key left top
+set xlabel 'message size, KB'
+set ylabel 'one-way latency, median, us'
+plot $(IFS=,; echo "${lines[*]}")
+PLOT
+  echo "Plot: $results/latency.png"
+}

@@ -1,0 +1,20 @@
+include(GoogleTest)
+
+# hgros_test(NAME name SOURCES ... LINK targets... [TIMEOUT seconds] [PROPERTIES ctest properties...])
+# One GoogleTest suite: an executable <name>, and one ctest entry per TEST. Links static modules (hgros::base ...) or
+# the shared library (hgros::hgros), never both: two copies of one module in a process would register its protobuf
+# files twice.
+function(hgros_test)
+  cmake_parse_arguments(ARG "" "NAME;TIMEOUT" "SOURCES;LINK;PROPERTIES" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 60)
+  endif()
+  if(HGROS_SANITIZE)
+    math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 5")
+  endif()
+  add_executable(${ARG_NAME} ${ARG_SOURCES})
+  target_include_directories(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LINK} hgros_warnings GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${ARG_NAME} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${ARG_TIMEOUT} ${ARG_PROPERTIES})
+endfunction()

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "hgros/base/export.hpp"
+
+namespace hgros {
+
+/// Names one session among all sessions anywhere; random, never reused. Zero means none.
+struct HGROS_EXPORT SessionId {
+  std::uint64_t value = 0;
+
+  [[nodiscard]] static SessionId Random();
+  /// 16 lower-case hexadecimal digits.
+  [[nodiscard]] std::string ToString() const;
+  /// Reads what ToString() writes; zero (none) for anything else.
+  [[nodiscard]] static SessionId FromString(std::string_view text) noexcept;
+  auto operator<=>(const SessionId&) const = default;
+};
+
+/// Who sent a message, and which one it is: repeats are recognised by these three.
+struct MessageId {
+  std::uint64_t publisher = 0;    ///< The publishing session's id.
+  std::uint64_t incarnation = 0;  ///< Distinguishes lives of the publisher; grows with each start.
+  std::uint64_t sequence = 0;     ///< Counts the publisher's messages on one channel from 1, without gaps.
+  auto operator<=>(const MessageId&) const = default;
+};
+
+/// A random 64-bit number from the kernel; never zero. Thread-safe.
+[[nodiscard]] HGROS_EXPORT std::uint64_t RandomId();
+
+}  // namespace hgros
+
+template <>
+struct std::hash<hgros::SessionId> {
+  std::size_t operator()(const hgros::SessionId& id) const noexcept { return static_cast<std::size_t>(id.value); }
+};

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+
+#include "hgros/base/export.hpp"
+
+namespace hgros {
+
+using Duration = std::chrono::nanoseconds;
+
+/// A point in time: nanoseconds since the Unix epoch, or since whatever a simulation says.
+struct Time {
+  std::int64_t nanoseconds = 0;
+
+  auto operator<=>(const Time&) const = default;
+  friend Time operator+(Time t, Duration d) { return {t.nanoseconds + d.count()}; }
+  friend Duration operator-(Time a, Time b) { return Duration(a.nanoseconds - b.nanoseconds); }
+};
+
+/// The system's wall clock; it may jump.
+[[nodiscard]] HGROS_EXPORT Time WallNow() noexcept;
+
+/// CLOCK_MONOTONIC in ns: for intervals and histograms; never jumps. Comparable between processes of one host.
+[[nodiscard]] HGROS_EXPORT std::int64_t MonotonicNow() noexcept;
+
+}  // namespace hgros

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <typeindex>
+#include <typeinfo>
+
+#include "hgros/base/bytes.hpp"
+#include "hgros/codec/block.hpp"
+#include "hgros/codec/custom_codec.hpp"
+#include "hgros/codec/plain_codec.hpp"
+#include "hgros/codec/protobuf_codec.hpp"
+#include "hgros/codec/schema.hpp"
+#include "hgros/codec/type_info.hpp"
+#include "hgros/codec/type_name.hpp"
+
+namespace hgros {
+namespace codec {
+
+/// A type that stays inside one process.
+template <class T>
+struct LocalTraits {
+  static constexpr Encoding kEncoding = Encoding::kNone;
+  static std::string Name() { return CppTypeName(typeid(T)); }
+  static std::uint64_t LayoutFingerprint() { return 0; }
+  static std::size_t MemoryBytes(const T&) { return sizeof(T); }
+};
+
+/// The way in which T is written; the first that fits.
+template <class T>
+consteval auto ChooseTraits() {
+  if constexpr (HasCustomCodec<T>) {
+    return std::type_identity<CustomTraits<T>>{};
+  } else if constexpr (ProtobufMessage<T>) {
+    return std::type_identity<ProtobufTraits<T>>{};
+  } else if constexpr (SerializesItself<T>) {
+    return std::type_identity<SelfTraits<T>>{};
+  } else if constexpr (PlainStruct<T>) {
+    return std::type_identity<PlainTraits<T>>{};
+  } else {
+    return std::type_identity<LocalTraits<T>>{};
+  }
+}
+
+template <class T>
+using Traits = typename decltype(ChooseTraits<T>())::type;
+
+template <class T>
+struct SchemaOf {};
+template <ProtobufMessage T>
+requires(!HasCustomCodec<T>) struct SchemaOf<T> {
+  static const google::protobuf::Descriptor* Get() { return T::descriptor(); }
+};
+template <CustomCodecWithSchema T>
+struct SchemaOf<T> {
+  static const google::protobuf::Descriptor* Get() { return CustomCodec<T>::Schema::descriptor(); }
+};
+
+template <class T>
+TypeInfo MakeTypeInfo() {
+  using TraitsOfT = Traits<T>;
+  TypeInfo info;
+  info.name = TraitsOfT::Name();
+  info.encoding = TraitsOfT::kEncoding;
+  info.fingerprint = TraitsOfT::LayoutFingerprint();
+  info.cpp_type = typeid(T);
+  info.memory_bytes = [](const void* message) { return TraitsOfT::MemoryBytes(*static_cast<const T*>(message)); };
+  if constexpr (TraitsOfT::kEncoding != Encoding::kNone) {
+    // A codec that throws has failed to write or read one message; the caller counts that.
+    info.encode = [](const AnyMessage& message) -> Payload {
+      try {
+        return TraitsOfT::Encode(std::static_pointer_cast<const T>(message));
+      } catch (...) {
+        return {};
+      }
+    };
+    info.decode = [](const Payload& payload) -> AnyMessage {
+      try {
+        return TraitsOfT::Decode(payload);
+      } catch (...) {
+        return nullptr;
+      }
+    };
+  }
+  if constexpr (requires { SchemaOf<T>::Get(); }) {
+    info.descriptor = [] { return SchemaOf<T>::Get(); };
+    info.descriptor_set = [] { return DescriptorSet(*SchemaOf<T>::Get()); };
+  }
+  return info;
+}
+
+}  // namespace codec
+
+/// T can cross process borders. How is decided when the program is compiled, by the first that fits:
+///  1. a CustomCodec<T>;
+///  2. T is a generated protobuf class;
+///  3. T has SerializeToString and ParseFromString (SerializesItself);
+///  4. T is plain data (PlainStruct).
+/// Everything else can still be passed by pointer inside a process.
+template <class T>
+concept Message = std::is_object_v<T> && std::is_same_v<T, std::remove_cv_t<T>> && !std::is_array_v<T> &&
+                  codec::Traits<T>::kEncoding != Encoding::kNone;
+
+/// What the library knows of T, a complete object type without const or volatile; for a type that is no Message the
+/// encoding is kNone and the name is its C++ name. Made at the first call.
+template <class T>
+[[nodiscard]] const TypeInfo& TypeOf() {
+  static_assert(std::is_object_v<T> && !std::is_array_v<T> && std::is_same_v<T, std::remove_cv_t<T>>,
+                "a message type is an object type without const or volatile");
+  static const TypeInfo info = codec::MakeTypeInfo<T>();
+  return info;
+}
+
+}  // namespace hgros

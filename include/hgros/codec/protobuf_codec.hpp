@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <type_traits>
+
+#include "hgros/base/bytes.hpp"
+#include "hgros/codec/schema.hpp"
+#include "hgros/codec/type_info.hpp"
+
+namespace google::protobuf {
+class Message;
+}
+
+namespace hgros {
+
+/// T is a generated protobuf class (not the abstract Message, and not DynamicMessage, whose type is known only at
+/// run time).
+template <class T>
+concept ProtobufMessage = std::is_class_v<T> && std::is_base_of_v<google::protobuf::Message, T> && requires {
+  T::descriptor();
+};
+
+namespace codec {
+
+template <class T>
+struct ProtobufTraits {
+  static constexpr Encoding kEncoding = Encoding::kProtobuf;
+  static constexpr std::size_t kMaxBytes = std::numeric_limits<int>::max();  ///< protobuf's own limit.
+
+  static std::string Name() { return SchemaName(*T::descriptor()); }
+  static std::uint64_t LayoutFingerprint() { return SchemaFingerprint(*T::descriptor()); }
+  static std::size_t MemoryBytes(const T& message) { return message.SpaceUsedLong(); }
+
+  static Payload Encode(const std::shared_ptr<const T>& message) {
+    const std::size_t size = message->ByteSizeLong();
+    if (size > kMaxBytes || !message->IsInitialized()) return {};
+    std::shared_ptr<std::byte[]> buffer = std::make_shared_for_overwrite<std::byte[]>(size);
+    message->SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(buffer.get()));
+    const Bytes bytes(buffer.get(), size);
+    return {bytes, std::move(buffer)};
+  }
+
+  static std::shared_ptr<const T> Decode(const Payload& payload) {
+    if (payload.bytes.size() > kMaxBytes) return nullptr;
+    auto message = std::make_shared<T>();
+    // ParseFromArray would log what is missing; here a refusal is the caller's to count.
+    if (!message->ParsePartialFromArray(payload.bytes.data(), static_cast<int>(payload.bytes.size()))) return nullptr;
+    if (!message->IsInitialized()) return nullptr;
+    return message;
+  }
+};
+
+}  // namespace codec
+}  // namespace hgros

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <typeindex>
+
+#include "hgros/base/bytes.hpp"
+
+namespace google::protobuf {
+class Descriptor;
+}
+
+namespace hgros {
+
+/// A message whose C++ type is known to the channel that carries it, not to the code that passes it on. Made and
+/// read only by typed code that has compared type indices once, when publisher and subscription were wired.
+using AnyMessage = std::shared_ptr<const void>;
+
+/// How a type is written on the wire.
+enum class Encoding : std::uint8_t {
+  kNone = 0,      ///< Not at all: the type stays inside one process.
+  kProtobuf = 1,  ///< A generated protobuf class.
+  kCustom = 2,    ///< The type's own SerializeToString / ParseFromString, or a CustomCodec.
+  kPlain = 3,     ///< The bytes of a trivially copyable struct; only between equal layouts and byte orders.
+};
+
+/// What the graph and the carriers know of one C++ type. Lives as long as the program, but a shared library may have
+/// its own copy for the same type: compare cpp_type, never addresses.
+/// Thread-safe: every function may be called from any thread. None throws.
+struct TypeInfo {
+  std::string name;  ///< The wire's name: the protobuf full name, or a custom or C++ type's own.
+  Encoding encoding = Encoding::kNone;
+  std::uint64_t fingerprint = 0;  ///< Of the schema or layout; 0 where a type has none (custom codecs, kNone).
+  std::type_index cpp_type = typeid(void);
+
+  /// Memory a queued message takes, in bytes, roughly: for queues with a byte limit.
+  std::size_t (*memory_bytes)(const void* message) = nullptr;
+  /// Writes the message, or shows its bytes in place where the type is one block (then the payload shares the
+  /// message). A payload without an owner means that the message cannot be written. Null for kNone.
+  Payload (*encode)(const AnyMessage& message) = nullptr;
+  /// Reads a message; may keep sharing the payload instead of copying. Null if the bytes are not such a message.
+  /// Null for kNone.
+  AnyMessage (*decode)(const Payload& payload) = nullptr;
+  /// A serialized google.protobuf.FileDescriptorSet with all imports, dependencies first. Null where there is none.
+  std::string (*descriptor_set)() = nullptr;
+  /// The schema of a protobuf type, for CheckSchemas. Null where there is none.
+  const google::protobuf::Descriptor* (*descriptor)() = nullptr;
+};
+
+}  // namespace hgros

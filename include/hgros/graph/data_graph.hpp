@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <source_location>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hgros/base/export.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/codec/message.hpp"
+#include "hgros/graph/callback.hpp"
+#include "hgros/graph/invoke.hpp"
+#include "hgros/graph/node_options.hpp"
+#include "hgros/graph/outlet.hpp"
+#include "hgros/graph/publisher.hpp"
+#include "hgros/graph/snapshot.hpp"
+#include "hgros/graph/subscription.hpp"
+
+namespace hgros {
+
+class GraphCore;
+
+struct GraphOptions {
+  int threads = 0;          ///< Workers of the tbb executor; 0: one per CPU.
+  NodeOverrides overrides;  ///< By node name.
+  MessageId publisher;      ///< Publisher id and incarnation that local messages carry.
+};
+
+/// The intra-process graph: typed channels and the nodes on them. Messages go by pointer; every node of the process
+/// gets the same object.
+///
+/// Thread-safe. Its destructor refuses publishes, waits for callbacks in flight, stops the executors; it must not
+/// run inside one of its own callbacks. Errors: wiring throws Error and TypeMismatch; publishing never throws.
+class HGROS_EXPORT DataGraph {
+ public:
+  explicit DataGraph(GraphOptions options = {}, std::shared_ptr<Log> log = std::make_shared<Log>());
+  DataGraph(const DataGraph&) = delete;
+  DataGraph& operator=(const DataGraph&) = delete;
+  ~DataGraph();
+
+  /// Publishes inside the process. The first use of a channel fixes its type; another type throws TypeMismatch.
+  template <class T>
+  PublishStatus ToGraph(std::string_view channel, std::unique_ptr<T>&& message,
+                        const std::source_location& where = std::source_location::current()) {
+    return Publish(Open(channel, TypeOf<T>(), where), OfferOf<T>(message), Reach::kGraph);
+  }
+  template <class T>
+  PublishStatus ToGraph(std::string_view channel, const std::shared_ptr<T>& message,
+                        const std::source_location& where = std::source_location::current()) {
+    const std::shared_ptr<const T> constant = message;
+    return Publish(Open(channel, TypeOf<std::remove_const_t<T>>(), where), OfferOf<std::remove_const_t<T>>(constant),
+                   Reach::kGraph);
+  }
+
+  /// A handle that publishes inside the process without looking the name up. `latched` messages are kept for late
+  /// subscribers (0: none; the largest asked for counts).
+  template <class T>
+  [[nodiscard]] Publisher<T> Advertise(std::string_view channel, std::size_t latched = 0,
+                                       const std::source_location& where = std::source_location::current()) {
+    Channel& opened = Open(channel, TypeOf<T>(), where);
+    Latch(opened, latched);
+    return Publisher<T>(Share(opened), Reach::kGraph);
+  }
+
+  /// Calls `callback` with every message on `channel` in this process; latched ones first.
+  template <class T, CallbackFor<T> F>
+  [[nodiscard]] Subscription FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+                                       const std::source_location& where = std::source_location::current()) {
+    return Subscribe(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
+                     std::move(options));
+  }
+
+  /// Closed: what this process publishes on the channel is not delivered to its own nodes; outlets and messages
+  /// from outside are not concerned. May be called before the channel exists.
+  void SetClosed(std::string_view channel, bool closed);
+
+  [[nodiscard]] GraphSnapshot Snapshot() const;
+
+  /// Waits until no callback runs and nothing is queued, as long as nobody publishes meanwhile. False if `deadline`
+  /// came first. Must not be called inside a callback.
+  bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
+
+  // What the session needs to join the graph to carriers.
+
+  /// The channel of that name, made with this type if it is new.
+  Channel& Open(std::string_view channel, const TypeInfo& type, const std::source_location& where);
+  /// The channel together with what keeps it alive.
+  [[nodiscard]] std::shared_ptr<Channel> Share(Channel& channel) const;
+  [[nodiscard]] Subscription Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  void Latch(Channel& channel, std::size_t count);
+  /// Sets the way out; null removes it. Publishes under way may still call the former one, which is kept until then.
+  void SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet);
+  [[nodiscard]] static bool HasOutlet(const Channel& channel) noexcept;
+  /// Delivers what came from outside to the local nodes. `credit` is held until every lossless node has taken the
+  /// message out of its queue.
+  /// `latched`: how many of its messages that publisher keeps for late subscribers; so do we for local ones.
+  static void Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
+                     std::shared_ptr<const void> credit, std::size_t latched) noexcept;
+  /// Some node of the channel runs its callback on the delivering thread.
+  [[nodiscard]] static bool HasInlineNodes(const Channel& channel) noexcept;
+  /// Wakes publishers that wait for room on this channel.
+  static void NotifyRoom(Channel& channel) noexcept;
+  [[nodiscard]] static const TypeInfo& TypeOfChannel(const Channel& channel) noexcept;
+  [[nodiscard]] static const std::string& NameOf(const Channel& channel) noexcept;
+  /// Nodes on a channel; 0 if there is no such channel.
+  [[nodiscard]] std::size_t NodeCount(std::string_view channel) const noexcept;
+
+  /// Refuses publishes from now on and cancels waits.
+  void Refuse() noexcept;
+
+ private:
+  std::shared_ptr<GraphCore> core_;
+};
+
+}  // namespace hgros

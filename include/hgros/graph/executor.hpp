@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hgros/base/export.hpp"
+
+namespace hgros {
+
+/// Which thread runs a subscription's callback. A value; immutable.
+class HGROS_EXPORT Executor {
+ public:
+  enum class Kind : std::uint8_t {
+    kTbb,        ///< The graph's work-stealing workers: the default, for callbacks of any length.
+    kInline,     ///< The thread that delivers: the publisher's own, or a receiving one. Lowest latency; keep it short.
+    kDedicated,  ///< A thread of its own; runs one callback at a time, also for Invoke::kConcurrent.
+  };
+
+  /// Work stealing.
+  Executor() = default;
+  [[nodiscard]] static Executor Tbb();
+  [[nodiscard]] static Executor Inline();
+  /// `cpus`: CPU numbers the thread may run on, empty for all. `fifo_priority`: 1 to 99 asks for SCHED_FIFO, 0 for
+  /// the ordinary scheduler. What the system refuses is said once in the log; the thread then runs without it.
+  [[nodiscard]] static Executor Dedicated(std::vector<int> cpus = {}, int fifo_priority = 0);
+
+  [[nodiscard]] Kind kind() const noexcept { return kind_; }
+  [[nodiscard]] const std::vector<int>& cpus() const noexcept { return cpus_; }
+  [[nodiscard]] int fifo_priority() const noexcept { return fifo_priority_; }
+  bool operator==(const Executor&) const = default;
+
+ private:
+  Kind kind_ = Kind::kTbb;
+  std::vector<int> cpus_;
+  int fifo_priority_ = 0;
+};
+
+}  // namespace hgros

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "hgros/base/publish_status.hpp"
+#include "hgros/codec/type_info.hpp"
+
+namespace hgros {
+
+/// A channel's way out of the process. The graph knows no more of the network than this.
+///
+/// Contract: if wanted(), a publish calls Reserve(); after kOk exactly one of Commit() and Cancel() follows.
+/// Thread-safe; none of the calls blocks or runs user code.
+class Outlet {
+ public:
+  virtual ~Outlet() = default;
+  /// Somebody outside wants the next message. Cheap: called for every one.
+  [[nodiscard]] virtual bool wanted() const noexcept = 0;
+  virtual PublishStatus Reserve() noexcept = 0;
+  virtual void Commit(const AnyMessage& message) noexcept = 0;
+  virtual void Cancel() noexcept = 0;
+};
+
+}  // namespace hgros

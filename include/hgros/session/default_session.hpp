@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hgros/base/export.hpp"
+#include "hgros/session/session.hpp"
+
+namespace hgros {
+
+/// The paper's interface: free functions over one default session of the process. For small programs; larger ones own
+/// a Session.
+///
+/// Threading: Init and Shutdown from one thread; the rest thread-safe in between.
+/// Errors: throws Error if used before Init or after Shutdown, or if Init is called twice.
+
+HGROS_EXPORT void Init(Config config = {}, SessionOptions options = {});
+/// Reads the configuration from files; none is a session that stays inside the process.
+HGROS_EXPORT void Init(const std::vector<std::filesystem::path>& files, SessionOptions options = {});
+/// Ends all subscriptions and the session.
+HGROS_EXPORT void Shutdown();
+[[nodiscard]] HGROS_EXPORT Session& DefaultSession();
+/// Keeps a subscription until Shutdown.
+HGROS_EXPORT void KeepUntilShutdown(Subscription subscription);
+
+/// As Session::ToAny and Session::ToGraph: a unique_ptr, a shared_ptr, or (ToAny) a small message by value.
+template <class M>
+PublishStatus ToAny(std::string_view channel, M&& message) {
+  return DefaultSession().ToAny(channel, std::forward<M>(message));
+}
+template <class M>
+PublishStatus ToGraph(std::string_view channel, M&& message) {
+  return DefaultSession().ToGraph(channel, std::forward<M>(message));
+}
+
+/// As Session::FromAny and Session::FromGraph; the subscription lasts until Shutdown.
+template <Message T, CallbackFor<T> F>
+void FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {}) {
+  KeepUntilShutdown(DefaultSession().FromAny<T>(channel, invoke, std::forward<F>(callback), std::move(options)));
+}
+template <class T, CallbackFor<T> F>
+void FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {}) {
+  KeepUntilShutdown(DefaultSession().FromGraph<T>(channel, invoke, std::forward<F>(callback), std::move(options)));
+}
+
+}  // namespace hgros

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+/// A session came, went, or does not fit. Published inside the process on kPeerEventsChannel:
+/// session.FromGraph<PeerEvent>(kPeerEventsChannel, ...).
+struct PeerEvent {
+  enum class Kind { kCame, kGone, kTypeMismatch };
+  Kind kind = Kind::kCame;
+  PeerInfo peer;
+  std::string channel;  ///< Only for kTypeMismatch.
+  std::string reason;   ///< One sentence; empty for kCame.
+};
+
+inline constexpr std::string_view kPeerEventsChannel = "hgros/peers";
+
+}  // namespace hgros

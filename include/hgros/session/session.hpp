@@ -1,0 +1,161 @@
+#pragma once
+
+#include <chrono>
+#include <concepts>
+#include <memory>
+#include <source_location>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "hgros/base/export.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/codec/message.hpp"
+#include "hgros/graph/data_graph.hpp"
+#include "hgros/session/config.hpp"
+#include "hgros/session/peer_event.hpp"
+#include "hgros/session/snapshot.hpp"
+
+namespace hgros {
+
+struct SessionOptions {
+  std::string name;  ///< For logs and other sessions' tables; empty: the program's name.
+  LogSink log = DefaultLogSink();
+};
+
+/// How a channel is published.
+struct PublishOptions {
+  std::size_t latched = 0;  ///< So many of the last messages are kept for late subscribers, here and elsewhere.
+};
+
+/// One participant of the hypergraph: a data graph and the bridges that join it to other sessions. Several may live
+/// in one process; they then talk as two processes do.
+///
+/// Threading: thread-safe, but for construction and destruction.
+/// Lifetime: the destructor refuses publishes, stops receiving, waits for callbacks in flight (naming in the log after
+/// 2 s what hangs), and says goodbye. It must not run inside one of the session's callbacks.
+/// Errors: wiring (channels, types, endpoints) throws Error; publishing never throws and never blocks.
+class HGROS_EXPORT Session {
+ public:
+  /// A session that reaches no other process until endpoints are added.
+  Session();
+  /// Throws Error if an endpoint cannot be bound.
+  explicit Session(Config config, SessionOptions options = {});
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session();
+
+  /// Publishes to whoever subscribes: nodes of this process by pointer, other sessions over the cheapest carrier,
+  /// encoded once and only if one of them listens. The message must not be changed afterwards by anybody.
+  /// On any status but kOk nobody got it and a unique_ptr still owns it.
+  template <Message T>
+  PublishStatus ToAny(std::string_view channel, std::unique_ptr<T>&& message,
+                      const std::source_location& where = std::source_location::current()) {
+    return hgros::Publish(OpenAny(channel, TypeOf<T>(), where), OfferOf<T>(message), Reach::kAny);
+  }
+  template <class T>
+  requires Message<std::remove_const_t<T>> PublishStatus
+  ToAny(std::string_view channel, const std::shared_ptr<T>& message,
+        const std::source_location& where = std::source_location::current()) {
+    using Type = std::remove_const_t<T>;
+    const std::shared_ptr<const Type> constant = message;
+    return hgros::Publish(OpenAny(channel, TypeOf<Type>(), where), OfferOf<Type>(constant), Reach::kAny);
+  }
+  /// A copy of `message`, for small ones.
+  template <Message T>
+  requires std::copy_constructible<T> PublishStatus ToAny(
+      std::string_view channel, const T& message, const std::source_location& where = std::source_location::current()) {
+    return ToAny<T>(channel, std::make_unique<T>(message), where);
+  }
+
+  /// Publishes to nodes of this process only; any type.
+  template <class T>
+  PublishStatus ToGraph(std::string_view channel, std::unique_ptr<T>&& message,
+                        const std::source_location& where = std::source_location::current()) {
+    return hgros::Publish(Open(channel, TypeOf<T>(), where), OfferOf<T>(message), Reach::kGraph);
+  }
+  template <class T>
+  PublishStatus ToGraph(std::string_view channel, const std::shared_ptr<T>& message,
+                        const std::source_location& where = std::source_location::current()) {
+    using Type = std::remove_const_t<T>;
+    const std::shared_ptr<const Type> constant = message;
+    return hgros::Publish(Open(channel, TypeOf<Type>(), where), OfferOf<Type>(constant), Reach::kGraph);
+  }
+
+  /// Calls `callback` with every message on `channel`, wherever it was published: in this process (the same object,
+  /// no copy) or in another (decoded once, then shared by all subscriptions of this session).
+  ///
+  /// Ordering: each publisher's send order under kSerial; none between publishers.
+  /// Lifetime: ends with the returned Subscription. Messages that do not decode are dropped and counted.
+  template <Message T, CallbackFor<T> F>
+  [[nodiscard]] Subscription FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+                                     const std::source_location& where = std::source_location::current()) {
+    return SubscribeAny(OpenAny(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
+                        std::move(options));
+  }
+  /// Likewise for what this process publishes, any type.
+  template <class T, CallbackFor<T> F>
+  [[nodiscard]] Subscription FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+                                       const std::source_location& where = std::source_location::current()) {
+    return SubscribeGraph(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
+                          std::move(options));
+  }
+
+  /// Announces a channel and gives a handle that publishes on it without looking its name up.
+  template <Message T>
+  [[nodiscard]] Publisher<T> Advertise(std::string_view channel, PublishOptions options = {},
+                                       const std::source_location& where = std::source_location::current()) {
+    Channel& opened = OpenAny(channel, TypeOf<T>(), where);
+    Latch(opened, options.latched);
+    return Publisher<T>(Share(opened), Reach::kAny);
+  }
+
+  /// Waits until `channel` has at least `count` subscribers, here and elsewhere together: what is published after
+  /// that reaches them. False if `timeout` came first. The channel must be advertised or published on.
+  [[nodiscard]] bool WaitForSubscribers(std::string_view channel, std::size_t count,
+                                        std::chrono::nanoseconds timeout) const;
+  /// Waits until `channel` hears from at least `count` other sessions that publish on it.
+  [[nodiscard]] bool WaitForPublishers(std::string_view channel, std::size_t count,
+                                       std::chrono::nanoseconds timeout) const;
+
+  /// Closed: what this session publishes on the channel is not delivered to its own nodes, but still goes outside,
+  /// and what comes from outside is still delivered. Takes effect from the next message on.
+  void SetClosed(std::string_view channel, bool closed);
+
+  /// Adds to or takes from the white lists of the publisher endpoints: whether `channel` leaves through them.
+  void AllowPublishing(std::string_view channel, bool allowed);
+  /// Likewise for what enters through the subscriber endpoints.
+  void AllowSubscribing(std::string_view channel, bool allowed);
+
+  /// Binds or connects one more endpoint. Throws Error if that is not possible.
+  void AddPublisherEndpoint(const EndpointConfig& endpoint);
+  void AddSubscriberEndpoint(const EndpointConfig& endpoint);
+  void RemoveSubscriberEndpoint(std::string_view endpoint);
+  /// Where other sessions can connect to: the real addresses, also if a port was left to the system.
+  [[nodiscard]] std::vector<std::string> PublisherEndpoints() const;
+
+  [[nodiscard]] std::vector<PeerInfo> Peers() const;
+  [[nodiscard]] SessionSnapshot Snapshot() const;
+  /// Waits until nothing is queued and no callback runs in this process, as long as nothing new comes meanwhile.
+  bool WaitIdle(std::chrono::nanoseconds timeout) const;
+
+  [[nodiscard]] SessionId id() const noexcept;
+  [[nodiscard]] const std::string& name() const noexcept;
+  [[nodiscard]] const Config& config() const noexcept;
+
+ private:
+  class Core;
+
+  Channel& Open(std::string_view channel, const TypeInfo& type, const std::source_location& where);
+  Channel& OpenAny(std::string_view channel, const TypeInfo& type, const std::source_location& where);
+  std::shared_ptr<Channel> Share(Channel& channel) const;
+  void Latch(Channel& channel, std::size_t count);
+  Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  Subscription SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace hgros

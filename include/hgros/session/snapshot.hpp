@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hgros/base/histogram.hpp"
+#include "hgros/base/ids.hpp"
+#include "hgros/codec/packet.hpp"
+#include "hgros/graph/snapshot.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+/// What came from one remote publisher on one channel.
+struct PublisherTraffic {
+  SessionId publisher;
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;      ///< Gaps in its sequence: dropped on the way because somebody was too slow.
+  std::uint64_t repeated = 0;  ///< Came again and were not delivered again.
+};
+
+/// What crossed the border of the process on one channel.
+struct ChannelTraffic {
+  std::string channel;
+  OutboundChannel::Stats out;       ///< Summed over the carriers.
+  std::uint64_t not_encodable = 0;  ///< Messages whose codec refused to write them.
+  std::size_t publishers = 0;       ///< Remote sessions that publish to us now.
+  std::vector<PublisherTraffic> in;
+  std::array<std::uint64_t, kPacketFaultCount> faults{};  ///< Dropped packets by PacketFault.
+  LogHistogram transport;  ///< From the sender's publish to our delivery by the wall clocks, ns.
+};
+
+/// Everything a session counts, at one moment.
+struct SessionSnapshot {
+  SessionId id;
+  std::string name;
+  GraphSnapshot graph;
+  std::vector<ChannelTraffic> traffic;  ///< Sorted by channel; only channels that reach outside.
+  std::vector<PeerInfo> peers;
+  TransportStats transport;
+};
+
+}  // namespace hgros

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/base/bytes.hpp"
+#include "hgros/base/ids.hpp"
+#include "hgros/base/publish_status.hpp"
+#include "hgros/codec/packet.hpp"
+#include "hgros/codec/type_info.hpp"
+
+namespace hgros {
+
+/// What one subscribing session asks of a publishing one, for one channel.
+struct Demand {
+  bool lossless = false;           ///< Nothing may be dropped; the publisher is told "full" instead.
+  std::uint32_t queue_depth = 16;  ///< Keep-last: how many messages the sender keeps for us while we are slow.
+  std::uint32_t credit_messages = 64;              ///< In flight at most, from one publisher.
+  std::uint64_t credit_bytes = 64ULL * 1024 * 1024;  ///< Likewise; one message is let through whatever its size.
+
+  bool operator==(const Demand&) const = default;
+};
+
+/// One received message, checked as a packet but not decoded.
+struct InboundMessage {
+  PacketHead head;
+  Payload data;
+  SessionId from;  ///< None if the sender is not a HyperGraph ROS session.
+  /// While any copy lives the message counts as in flight, and the sender's credit stays used. Null without credits.
+  std::shared_ptr<const void> credit;
+};
+
+/// What happens to an accepted message next.
+enum class Accepted {
+  kNothing,   ///< It is taken care of.
+  kRunHere,   ///< Call Run() now, on this thread; it is quick and runs no user code.
+  kRunApart,  ///< Call Run() on a thread that owns no socket, credits or heartbeats: it may run user code.
+};
+
+/// Where a carrier puts what it receives on one channel. Implemented by the session.
+///
+/// Contract:
+///  1. The carrier calls Accept() for the messages of one publisher in their order, one call at a time per sink.
+///  2. If Accept() does not return kNothing the carrier calls Run() exactly once for it, soon.
+///  3. After InboundChannel's destructor has returned neither is called again.
+class InboundSink {
+ public:
+  virtual ~InboundSink() = default;
+  /// Never blocks, never runs user code.
+  virtual Accepted Accept(InboundMessage&& message) noexcept = 0;
+  virtual void Run() noexcept = 0;
+  /// A packet for this channel was dropped before it could be accepted. `what` is a sentence for the log.
+  virtual void OnFault(PacketFault fault, std::string_view what) noexcept = 0;
+  /// The number of publishing sessions connected to this channel has changed.
+  virtual void OnPublishers(std::size_t count) noexcept = 0;
+};
+
+/// One message of this session on its way out.
+struct OutboundMessage {
+  PacketHead head;
+  Payload data;
+};
+
+/// What a carrier asks of, and tells, the publishing side of one channel. Implemented by the session.
+class OutboundSource {
+ public:
+  virtual ~OutboundSource() = default;
+  /// The latched messages, oldest first, for a subscriber that has just come: it counts in subscriber_count() before
+  /// this is called, and what is committed from then on reaches it after them. Called on a carrier's thread.
+  virtual std::vector<OutboundMessage> Latched() noexcept = 0;
+  /// A lossless subscriber that had no credit has some again, or has gone.
+  virtual void OnRoom() noexcept = 0;
+  /// The number of remote subscribers has changed.
+  virtual void OnSubscribers(std::size_t count) noexcept = 0;
+};
+
+/// The publishing end of one channel on one carrier. Destroying it withdraws the channel.
+///
+/// Contract:
+///  1. Reserve() takes one message of credit from every lossless subscriber, or from none (kFull).
+///  2. A kOk from Reserve() is followed by exactly one Commit() or Cancel().
+///  3. Commit() hands the message to every subscriber: lossless ones have credit for it; keep-last ones without
+///     credit find it in a ring of the depth they asked for, from which the oldest is dropped and counted; plain
+///     ones get it if they keep up. It never blocks. Messages committed one after the other arrive in that order.
+///  4. A subscriber that dies gives its credit back (OnRoom); what it had not confirmed is counted as missed.
+///  5. A lossless subscriber that was only cut off for a while gets what it missed, in order, exactly once.
+/// Thread-safe.
+class OutboundChannel {
+ public:
+  struct Stats {
+    std::size_t subscribers = 0;
+    std::uint64_t sent = 0;             ///< Messages handed to the network, one per subscriber.
+    std::uint64_t dropped = 0;          ///< Dropped from the rings of slow keep-last or plain subscribers.
+    std::uint64_t missed = 0;           ///< Not confirmed by lossless subscribers that died.
+    std::uint64_t queued_bytes = 0;     ///< Waiting in rings now.
+  };
+
+  virtual ~OutboundChannel() = default;
+  /// Remote subscribers, plain ones counted as one. Cheap: one relaxed load. 0: nothing needs to be encoded.
+  [[nodiscard]] virtual std::size_t subscriber_count() const noexcept = 0;
+  virtual PublishStatus Reserve() noexcept = 0;
+  virtual void Commit(const PacketHead& head, const Payload& data) noexcept = 0;
+  virtual void Cancel() noexcept = 0;
+  [[nodiscard]] virtual Stats stats() const = 0;
+};
+
+/// The subscribing end of one channel on one carrier. Destroying it ends the subscription; the destructor waits for
+/// Accept() and Run() in flight unless it is called from within one.
+class InboundChannel {
+ public:
+  virtual ~InboundChannel() = default;
+  /// Publishing sessions connected and welcomed.
+  [[nodiscard]] virtual std::size_t publisher_count() const noexcept = 0;
+  /// Changes what is asked of the publishers, from the next message on.
+  virtual void SetDemand(const Demand& demand) = 0;
+};
+
+/// A session as seen over one carrier.
+struct PeerInfo {
+  SessionId id;
+  std::string process;   ///< Its program's name.
+  std::string host;      ///< Its host's name; for people, never compared.
+  std::int64_t pid = 0;
+  std::string endpoint;  ///< Where we connected to, or empty if it connected to us.
+};
+
+/// What a carrier tells the session as a whole. Called on carrier threads; must not block.
+class TransportListener {
+ public:
+  virtual ~TransportListener() = default;
+  virtual void OnPeerCame(const PeerInfo& peer) noexcept = 0;
+  /// `reason` is one sentence: said goodbye, connection closed, silent for 5 s ...
+  virtual void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept = 0;
+  /// Two sides of a channel do not fit. Said on both sides, once per peer and channel.
+  virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
+};
+
+/// Packets dropped before their channel was known.
+struct TransportStats {
+  std::array<std::uint64_t, kPacketFaultCount> faults{};
+};
+
+/// One way to move messages between sessions. Every carrier passes tests/conformance.
+/// Thread-safe. The carrier's threads never run user code except in InboundSink::Run() after kRunApart.
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  /// Offers `channel` to other sessions. `type` outlives the transport; `source` outlives the returned object.
+  [[nodiscard]] virtual std::unique_ptr<OutboundChannel> Advertise(std::string_view channel, const TypeInfo& type,
+                                                                   OutboundSource& source) = 0;
+  /// Asks all publishers of `channel` for its messages. `sink` outlives the returned object.
+  [[nodiscard]] virtual std::unique_ptr<InboundChannel> Subscribe(std::string_view channel, const TypeInfo& type,
+                                                                  const Demand& demand, InboundSink& sink) = 0;
+  [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;
+  [[nodiscard]] virtual TransportStats stats() const = 0;
+  /// Says goodbye, sends what was committed as far as `linger_ms` allows, stops receiving. Later calls do nothing.
+  virtual void Close(int linger_ms) noexcept = 0;
+};
+
+}  // namespace hgros

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hgros/base/export.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+/// Which channels may pass an endpoint; nothing means all.
+using ChannelList = std::optional<std::vector<std::string>>;
+
+/// Where this session publishes: it binds. `tcp://*:5553`, `tcp://127.0.0.1:*` (a free port), `ipc:///path`;
+/// without a scheme it is tcp.
+struct PublishEndpoint {
+  std::string endpoint;
+  ChannelList channels;
+};
+
+/// Where another session publishes: this one connects, again and again until it is there.
+struct SubscribeEndpoint {
+  std::string endpoint;
+  ChannelList channels;
+  std::string server_key;  ///< With ZmqSecurity: the public key of the other session.
+};
+
+/// A CurveZMQ key pair (https://rfc.zeromq.org/spec/26/), each key as 40 characters of Z85.
+struct CurveKeyPair {
+  std::string public_key;
+  std::string secret_key;
+};
+
+/// A new key pair. Errors: throws Error if ZeroMQ was built without CURVE.
+[[nodiscard]] HGROS_EXPORT CurveKeyPair GenerateCurveKeyPair();
+
+/// Encrypts and authenticates every connection of a transport.
+struct ZmqSecurity {
+  CurveKeyPair own;
+  std::vector<std::string> allowed_clients;  ///< Public keys of those who may subscribe here; empty: nobody.
+};
+
+struct ZmqOptions {
+  SessionId session;    ///< None: a random one.
+  std::string process;  ///< This program's name, for people.
+  std::vector<PublishEndpoint> publish;
+  std::vector<SubscribeEndpoint> subscribe;
+  std::chrono::milliseconds heartbeat{1000};
+  std::chrono::milliseconds peer_timeout{5000};         ///< A peer silent for longer is gone.
+  std::uint64_t peer_queue_bytes = 64ULL << 20;         ///< Waiting for one slow keep-last peer at most.
+  std::uint64_t plain_queue_bytes = 64ULL << 20;        ///< Under way to all plain subscribers of an endpoint at most.
+  std::uint64_t max_message_bytes = 1ULL << 30;         ///< Larger ones are refused and the connection is closed.
+  std::chrono::milliseconds plain_after{1000};          ///< Connected for so long without a welcome: a plain publisher.
+  std::chrono::milliseconds linger{500};                ///< Of the destructor's Close().
+  std::optional<ZmqSecurity> security;
+};
+
+/// Messages over ZeroMQ: ipc on one host, tcp between hosts. docs/wire-protocol.md is the specification.
+///
+/// Each publish endpoint is an XPUB socket, each subscribe endpoint an XSUB socket. A channel may be advertised once
+/// and subscribed to once at a time. One session that is reached through several endpoints sends a channel through
+/// one of them; if that one ends, through another.
+///
+/// Threading: thread-safe. Publishing threads write to the sockets themselves.
+/// Fork: in a forked child Reserve() returns kClosed, Commit() does nothing, wiring throws Error; destructors leave the
+/// memory to the end of the process.
+class HGROS_EXPORT ZmqTransport : public Transport {
+ public:
+  /// Change what may pass while running. Errors: throws Error if there is no such endpoint.
+  virtual void SetPublishChannels(const std::string& endpoint, ChannelList channels) = 0;
+  virtual void SetSubscribeChannels(const std::string& endpoint, ChannelList channels) = 0;
+
+  /// Errors: throws Error if the endpoint cannot be bound (port in use, somebody else listens there, path too long)
+  /// or is there already.
+  virtual void AddPublishEndpoint(const PublishEndpoint& endpoint) = 0;
+  virtual void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint) = 0;
+  /// Say goodbye there. False if there is no such endpoint.
+  virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
+  virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
+
+  /// The publish endpoints as others can connect to them: wildcard ports resolved. In the order of adding.
+  [[nodiscard]] virtual std::vector<std::string> BoundEndpoints() const = 0;
+  /// Connections refused for want of the right key.
+  [[nodiscard]] virtual std::uint64_t refused_handshakes() const = 0;
+};
+
+/// Errors: throws Error if an endpoint or a key cannot be used. `listener` and `log` outlive the transport.
+[[nodiscard]] HGROS_EXPORT std::unique_ptr<ZmqTransport> MakeZmqTransport(ZmqOptions options,
+                                                                         TransportListener& listener, Log& log);
+
+}  // namespace hgros

@@ -1,0 +1,243 @@
+#include "graph/channel.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "graph/callback_scope.hpp"
+#include "graph/epoch.hpp"
+#include "graph/graph_core.hpp"
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+Channel::Channel(std::string name, const TypeInfo& type, std::string declared_at, GraphCore& core)
+    : name_(std::move(name)),
+      type_(type),
+      declared_at_(std::move(declared_at)),
+      core_(core),
+      current_fanout_(std::make_shared<const Fanout>()) {
+  fanout_.store(current_fanout_.get(), std::memory_order_seq_cst);
+}
+
+Channel::~Channel() {
+  if (current_outlet_) epoch::Retire(std::move(current_outlet_));
+  epoch::Retire(std::move(current_fanout_));
+}
+
+PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept {
+  if (core_.refusing()) return PublishStatus::kClosed;
+  const epoch::Guard guard;
+  const Fanout& fanout = *fanout_.load(std::memory_order_seq_cst);
+  const bool local = !closed_.load(std::memory_order_relaxed);
+  Outlet* outlet = reach == Reach::kAny ? outlet_.load(std::memory_order_seq_cst) : nullptr;
+  if (outlet != nullptr && !outlet->wanted()) outlet = nullptr;
+
+  const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(offer.message) : 0;
+  const bool reserved = local && fanout.lossless;
+  if (reserved && !ReserveAll(fanout, bytes)) {
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    return PublishStatus::kFull;
+  }
+  if (outlet != nullptr) {
+    if (const PublishStatus status = outlet->Reserve(); status != PublishStatus::kOk) {
+      if (reserved) CancelAll(fanout, fanout.nodes.size(), bytes);
+      refused_.fetch_add(1, std::memory_order_relaxed);
+      return status;
+    }
+  }
+
+  const AnyMessage message = offer.take(offer.context);
+  published_.Increment();
+  MessageInfo info;
+  info.id = core_.publisher();
+  info.publish_monotonic_ns = MonotonicNow();
+  const Fanout* after = &fanout;
+  if (const std::size_t depth = latched_.load(std::memory_order_relaxed); depth > 0 && local) {
+    after = &Store(message, info, depth);
+  } else {
+    info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+  }
+  if (local) {
+    Deliver(fanout, message, info, nullptr, bytes, reserved);
+    if (after != &fanout) DeliverToNewcomers(fanout, *after, message, info, bytes);
+  }
+  if (outlet != nullptr) outlet->Commit(message);
+  return PublishStatus::kOk;
+}
+
+bool Channel::ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept {
+  for (std::size_t i = 0; i < fanout.nodes.size(); ++i) {
+    if (!fanout.nodes[i]->lossless() || fanout.nodes[i]->Reserve(bytes)) continue;
+    CancelAll(fanout, i, bytes);
+    return false;
+  }
+  return true;
+}
+
+void Channel::CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (fanout.nodes[i]->lossless()) fanout.nodes[i]->CancelReservation(bytes);
+  }
+}
+
+void Channel::Deliver(const Fanout& fanout, const AnyMessage& message, const MessageInfo& info,
+                      const std::shared_ptr<const void>& credit, std::size_t bytes, bool reserved) noexcept {
+  std::int64_t now = info.publish_monotonic_ns;
+  if (info.remote) now = MonotonicNow();
+  for (const std::shared_ptr<Node>& node : fanout.nodes) {
+    node->Deliver(QueuedMessage{message, info, credit, bytes}, reserved && node->lossless(), now);
+  }
+}
+
+void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, const AnyMessage& message,
+                                 const MessageInfo& info, std::size_t bytes) noexcept {
+  std::int64_t now = MonotonicNow();
+  for (const std::shared_ptr<Node>& node : after.nodes) {
+    if (std::find(before.nodes.begin(), before.nodes.end(), node) != before.nodes.end()) continue;
+    node->Deliver(QueuedMessage{message, info, nullptr, bytes}, false, now);
+  }
+}
+
+const Fanout& Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth) {
+  const std::scoped_lock lock(latch_mutex_);
+  if (!info.remote) info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+  std::deque<QueuedMessage>& kept = latched_messages_[info.id.publisher];
+  // A publisher that started anew has latched anew.
+  if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) kept.clear();
+  kept.push_back({message, info, nullptr, 0});
+  while (kept.size() > depth) kept.pop_front();
+  return *fanout_.load(std::memory_order_seq_cst);
+}
+
+void Channel::Inject(const AnyMessage& message, const MessageInfo& from, std::shared_ptr<const void> credit,
+                     std::size_t latched) noexcept {
+  if (core_.refusing()) return;
+  const epoch::Guard guard;
+  received_.fetch_add(1, std::memory_order_relaxed);
+  MessageInfo info = from;
+  info.remote = true;
+  const Fanout& fanout = latched > 0 ? Store(message, info, latched) : *fanout_.load(std::memory_order_seq_cst);
+  const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(message.get()) : 0;
+  Deliver(fanout, message, info, credit, bytes, false);
+}
+
+PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
+                                   std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
+  PublishStatus status = Publish(offer, reach);
+  if (status != PublishStatus::kFull) return status;
+  if (CallbackScope::InAny()) return PublishStatus::kWouldDeadlock;
+  room_waiters_.fetch_add(1, std::memory_order_seq_cst);
+  for (;;) {
+    std::uint64_t seen = 0;
+    {
+      const std::scoped_lock lock(room_mutex_);
+      seen = room_generation_;
+    }
+    status = Publish(offer, reach);
+    if (status != PublishStatus::kFull) break;
+    std::unique_lock lock(room_mutex_);
+    const bool changed = room_.wait_until(lock, stop, deadline, [&] { return room_generation_ != seen; });
+    if (changed) continue;
+    status = stop.stop_requested() ? PublishStatus::kStopped : PublishStatus::kTimedOut;
+    break;
+  }
+  room_waiters_.fetch_sub(1, std::memory_order_seq_cst);
+  return status;
+}
+
+void Channel::NotifyRoom() noexcept {
+  if (room_waiters_.load(std::memory_order_seq_cst) == 0) return;
+  {
+    const std::scoped_lock lock(room_mutex_);
+    ++room_generation_;
+  }
+  room_.notify_all();
+}
+
+void Channel::Replace(std::shared_ptr<const Fanout> fanout) {
+  fanout_.store(fanout.get(), std::memory_order_seq_cst);
+  std::swap(current_fanout_, fanout);
+  epoch::Retire(std::move(fanout));
+}
+
+namespace {
+
+std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> nodes) {
+  auto fanout = std::make_shared<Fanout>();
+  for (const std::shared_ptr<Node>& node : nodes) {
+    const NodeSetting& setting = node->setting();
+    fanout->lossless = fanout->lossless || setting.queue.lossless();
+    fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
+    fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
+  }
+  fanout->nodes = std::move(nodes);
+  return fanout;
+}
+
+}  // namespace
+
+void Channel::Add(const std::shared_ptr<Node>& node) {
+  const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
+  std::vector<QueuedMessage> kept;
+  for (const auto& [publisher, messages] : latched_messages_) kept.insert(kept.end(), messages.begin(), messages.end());
+  std::stable_sort(kept.begin(), kept.end(), [](const QueuedMessage& a, const QueuedMessage& b) {
+    return a.info.publish_monotonic_ns < b.info.publish_monotonic_ns;
+  });
+  if (!kept.empty()) node->Preload(std::move(kept));
+  std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
+  nodes.push_back(node);
+  Replace(MakeFanout(std::move(nodes)));
+}
+
+void Channel::Remove(const Node& node) {
+  const std::scoped_lock lock(wiring_mutex_);
+  std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
+  std::erase_if(nodes, [&node](const std::shared_ptr<Node>& other) { return other.get() == &node; });
+  if (nodes.size() != current_fanout_->nodes.size()) Replace(MakeFanout(std::move(nodes)));
+}
+
+void Channel::SetOutlet(std::shared_ptr<Outlet> outlet) {
+  const std::scoped_lock lock(wiring_mutex_);
+  outlet_.store(outlet.get(), std::memory_order_seq_cst);
+  std::swap(current_outlet_, outlet);
+  if (outlet) epoch::Retire(std::move(outlet));
+}
+
+void Channel::Latch(std::size_t count) {
+  const std::scoped_lock lock(latch_mutex_);
+  if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
+}
+
+std::vector<std::shared_ptr<Node>> Channel::Nodes() const {
+  const std::scoped_lock lock(wiring_mutex_);
+  return current_fanout_->nodes;
+}
+
+bool Channel::HasInlineNodes() const noexcept {
+  const epoch::Guard guard;
+  return fanout_.load(std::memory_order_seq_cst)->has_inline;
+}
+
+ChannelSnapshot Channel::Snapshot() const {
+  ChannelSnapshot snapshot;
+  snapshot.name = name_;
+  snapshot.type = type_.name;
+  snapshot.published = published_.Sum();
+  snapshot.refused = refused_.load(std::memory_order_relaxed);
+  snapshot.received = received_.load(std::memory_order_relaxed);
+  snapshot.closed = closed_.load(std::memory_order_relaxed);
+  snapshot.latched = latched_.load(std::memory_order_relaxed);
+  for (const std::shared_ptr<Node>& node : Nodes()) snapshot.nodes.push_back(node->Snapshot());
+  return snapshot;
+}
+
+PublishStatus Publish(Channel& channel, const MessageOffer& offer, Reach reach) noexcept {
+  return channel.Publish(offer, reach);
+}
+
+PublishStatus PublishWait(Channel& channel, const MessageOffer& offer, Reach reach,
+                          std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
+  return channel.PublishWait(offer, reach, deadline, stop);
+}
+
+}  // namespace hgros

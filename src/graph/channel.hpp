@@ -1,0 +1,107 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "graph/node.hpp"
+#include "graph/node_stats.hpp"
+#include "hgros/graph/outlet.hpp"
+#include "hgros/graph/publisher.hpp"
+
+namespace hgros {
+
+class GraphCore;
+
+// The nodes of a channel at one moment; replaced as a whole, never changed.
+struct Fanout {
+  std::vector<std::shared_ptr<Node>> nodes;
+  bool lossless = false;     // Some node must not lose anything.
+  bool count_bytes = false;  // Some node has a byte limit.
+  bool has_inline = false;   // Some node runs its callback in the delivering thread.
+};
+
+// A typed hyperedge.
+//
+// Thread safety: all public functions may be called from any thread.
+// Invariants: fanout_ and outlet_ are read under an epoch guard and replaced under wiring_mutex_. A new node gets a
+// latched message exactly once: under latch_mutex_ a publisher stores the message and looks which nodes there are, and
+// under the same lock a node is handed what is stored and wired.
+class Channel {
+ public:
+  Channel(std::string name, const TypeInfo& type, std::string declared_at, GraphCore& core);
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+  ~Channel();
+
+  PublishStatus Publish(const MessageOffer& offer, Reach reach) noexcept;
+  PublishStatus PublishWait(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
+                            const std::stop_token& stop);
+  void Inject(const AnyMessage& message, const MessageInfo& info, std::shared_ptr<const void> credit,
+              std::size_t latched) noexcept;
+
+  void Add(const std::shared_ptr<Node>& node);
+  void Remove(const Node& node);
+  void SetOutlet(std::shared_ptr<Outlet> outlet);
+  void Latch(std::size_t count);
+  void SetClosed(bool closed) noexcept { closed_.store(closed, std::memory_order_relaxed); }
+  void NotifyRoom() noexcept;
+
+  [[nodiscard]] std::vector<std::shared_ptr<Node>> Nodes() const;
+  [[nodiscard]] std::size_t NextNodeNumber() noexcept { return next_node_number_++; }
+  [[nodiscard]] bool HasOutlet() const noexcept { return outlet_.load(std::memory_order_acquire) != nullptr; }
+  [[nodiscard]] bool HasInlineNodes() const noexcept;
+  [[nodiscard]] ChannelSnapshot Snapshot() const;
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
+  [[nodiscard]] const std::string& declared_at() const noexcept { return declared_at_; }
+  [[nodiscard]] GraphCore& core() const noexcept { return core_; }
+
+ private:
+  void Deliver(const Fanout& fanout, const AnyMessage& message, const MessageInfo& info,
+               const std::shared_ptr<const void>& credit, std::size_t bytes, bool reserved) noexcept;
+  // Keeps the message for late nodes; returns the nodes that are wired at this moment.
+  const Fanout& Store(const AnyMessage& message, MessageInfo& info, std::size_t depth);
+  void DeliverToNewcomers(const Fanout& before, const Fanout& after, const AnyMessage& message, const MessageInfo& info,
+                          std::size_t bytes) noexcept;
+  // Takes room in every lossless node, or in none.
+  [[nodiscard]] static bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
+  static void CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
+  void Replace(std::shared_ptr<const Fanout> fanout);
+
+  const std::string name_;
+  const TypeInfo& type_;
+  const std::string declared_at_;
+  GraphCore& core_;
+
+  std::atomic<const Fanout*> fanout_;
+  std::atomic<Outlet*> outlet_{nullptr};
+  std::atomic<bool> closed_{false};
+  std::atomic<std::size_t> latched_{0};
+  std::atomic<std::uint64_t> sequence_{0};
+
+  mutable std::mutex wiring_mutex_;
+  std::shared_ptr<const Fanout> current_fanout_;
+  std::shared_ptr<Outlet> current_outlet_;
+  std::atomic<std::size_t> next_node_number_{0};
+
+  std::mutex latch_mutex_;
+  std::map<std::uint64_t, std::deque<QueuedMessage>> latched_messages_;  // By publisher id.
+
+  std::mutex room_mutex_;
+  std::condition_variable_any room_;
+  std::uint64_t room_generation_ = 0;
+  std::atomic<int> room_waiters_{0};
+
+  ShardedCounter published_;
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> received_{0};
+};
+
+}  // namespace hgros

@@ -1,0 +1,63 @@
+#include "hgros/graph/data_graph.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "graph/graph_core.hpp"
+
+namespace hgros {
+
+DataGraph::DataGraph(GraphOptions options, std::shared_ptr<Log> log)
+    : core_(std::make_shared<GraphCore>(std::move(options), std::move(log))) {}
+
+DataGraph::~DataGraph() { core_->Shutdown(); }
+
+Channel& DataGraph::Open(std::string_view channel, const TypeInfo& type, const std::source_location& where) {
+  return core_->Open(channel, type, where);
+}
+
+std::shared_ptr<Channel> DataGraph::Share(Channel& channel) const { return {core_, &channel}; }
+
+Subscription DataGraph::Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+  return Subscription(core_, channel, core_->Subscribe(channel, invoke, std::move(callback), std::move(options)));
+}
+
+void DataGraph::Latch(Channel& channel, std::size_t count) { channel.Latch(count); }
+
+void DataGraph::SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet) { channel.SetOutlet(std::move(outlet)); }
+
+bool DataGraph::HasOutlet(const Channel& channel) noexcept { return channel.HasOutlet(); }
+
+void DataGraph::Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
+                       std::shared_ptr<const void> credit, std::size_t latched) noexcept {
+  channel.Inject(message, info, std::move(credit), latched);
+}
+
+bool DataGraph::HasInlineNodes(const Channel& channel) noexcept { return channel.HasInlineNodes(); }
+
+void DataGraph::NotifyRoom(Channel& channel) noexcept { channel.NotifyRoom(); }
+
+const TypeInfo& DataGraph::TypeOfChannel(const Channel& channel) noexcept { return channel.type(); }
+
+const std::string& DataGraph::NameOf(const Channel& channel) noexcept { return channel.name(); }
+
+std::size_t DataGraph::NodeCount(std::string_view channel) const noexcept {
+  const Channel* found = core_->Find(channel);
+  return found == nullptr ? 0 : found->Nodes().size();
+}
+
+void DataGraph::SetClosed(std::string_view channel, bool closed) { core_->SetClosed(channel, closed); }
+
+GraphSnapshot DataGraph::Snapshot() const {
+  GraphSnapshot snapshot;
+  for (const Channel* channel : core_->Channels()) snapshot.channels.push_back(channel->Snapshot());
+  std::sort(snapshot.channels.begin(), snapshot.channels.end(),
+            [](const ChannelSnapshot& a, const ChannelSnapshot& b) { return a.name < b.name; });
+  return snapshot;
+}
+
+bool DataGraph::WaitIdle(std::chrono::steady_clock::time_point deadline) const { return core_->WaitIdle(deadline); }
+
+void DataGraph::Refuse() noexcept { core_->Refuse(); }
+
+}  // namespace hgros

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <thread>
+
+#include "graph/queued_node.hpp"
+
+namespace hgros {
+
+// Runs its callback on a thread of its own, one at a time.
+//
+// Lifetime: the thread ends after Close(), and is joined there if that waits, otherwise by the graph (JoinThread).
+class DedicatedNode final : public QueuedNode {
+ public:
+  DedicatedNode(NodeSetting setting, AnyCallback callback);
+  ~DedicatedNode() override;
+
+  void Start() override;
+  void Close(bool wait) override;
+  void JoinThread() override;
+
+ protected:
+  bool NeedsWake() override { return true; }
+  void Wake() noexcept override { changed_.notify_all(); }
+
+ private:
+  void Loop() noexcept;
+  void ApplyScheduling();
+
+  std::mutex join_mutex_;
+  std::thread thread_;
+};
+
+}  // namespace hgros

@@ -1,0 +1,176 @@
+#include "graph/graph_core.hpp"
+
+#include <utility>
+
+#include "graph/callback_scope.hpp"
+#include "graph/dedicated_node.hpp"
+#include "graph/epoch.hpp"
+#include "graph/inline_concurrent_node.hpp"
+#include "graph/inline_serial_node.hpp"
+#include "graph/tbb_node.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr auto kPatience = std::chrono::seconds(2);
+
+std::string Describe(const std::source_location& where) {
+  return std::string(where.file_name()) + ":" + std::to_string(where.line());
+}
+
+void RequireSameType(const Channel& channel, const TypeInfo& type, const std::source_location& where) {
+  if (&channel.type() == &type || channel.type().cpp_type == type.cpp_type) return;
+  throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + channel.type().name + " (first used so at " +
+                         channel.declared_at() + ") and cannot be used with " + type.name + ".",
+                     Describe(where), "Use one type per channel, or another channel name.");
+}
+
+}  // namespace
+
+GraphCore::GraphCore(GraphOptions options, std::shared_ptr<Log> log)
+    : options_(std::move(options)), log_(std::move(log)) {}
+
+Channel& GraphCore::Open(std::string_view name, const TypeInfo& type, const std::source_location& where) {
+  Channel* channel = channels_.Find(name);
+  if (channel == nullptr) {
+    RequireChannelName(name);
+    channel = &channels_.FindOrAdd(name, [&] {
+      auto made = std::make_unique<Channel>(std::string(name), type, Describe(where), *this);
+      const std::scoped_lock lock(mutex_);
+      made->SetClosed(closed_before_open_.contains(name));
+      return made;
+    });
+  }
+  RequireSameType(*channel, type, where);
+  return *channel;
+}
+
+TbbExecutor& GraphCore::Workers() {
+  const std::scoped_lock lock(workers_mutex_);
+  if (!workers_) workers_.emplace(options_.threads);
+  return *workers_;
+}
+
+std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+  if (refusing()) throw Error("The session is shutting down; it takes no new subscriptions.", channel.name());
+  JoinLingering();
+  NodeSetting setting;
+  setting.name =
+      options.name.empty() ? channel.name() + "#" + std::to_string(channel.NextNodeNumber()) : std::move(options.name);
+  setting.channel = channel.name();
+  setting.invoke = invoke;
+  setting.queue = options.queue;
+  setting.executor = std::move(options.executor);
+  if (const auto entry = options_.overrides.find(setting.name); entry != options_.overrides.end()) {
+    if (entry->second.queue) setting.queue = *entry->second.queue;
+    if (entry->second.executor) setting.executor = *entry->second.executor;
+  }
+  setting.graph = this;
+  setting.log = log_;
+  if (setting.queue.lossless()) setting.on_room = [&channel] { channel.NotifyRoom(); };
+
+  std::shared_ptr<Node> node;
+  switch (setting.executor.kind()) {
+    case Executor::Kind::kTbb:
+      node = std::make_shared<TbbNode>(std::move(setting), std::move(callback), Workers());
+      break;
+    case Executor::Kind::kDedicated:
+      node = std::make_shared<DedicatedNode>(std::move(setting), std::move(callback));
+      break;
+    case Executor::Kind::kInline:
+      if (invoke == Invoke::kSerial) {
+        node = std::make_shared<InlineSerialNode>(std::move(setting), std::move(callback));
+      } else {
+        node = std::make_shared<InlineConcurrentNode>(std::move(setting), std::move(callback));
+      }
+      break;
+  }
+  channel.Add(node);
+  node->Start();
+  return node;
+}
+
+void GraphCore::SetClosed(std::string_view name, bool closed) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (closed) {
+      closed_before_open_.emplace(name);
+    } else if (const auto entry = closed_before_open_.find(name); entry != closed_before_open_.end()) {
+      closed_before_open_.erase(entry);
+    }
+  }
+  if (Channel* channel = channels_.Find(name)) channel->SetClosed(closed);
+}
+
+// A node may feed one that was seen idle before, so only a whole round in which nothing ran counts.
+bool GraphCore::WaitIdle(std::chrono::steady_clock::time_point deadline) const {
+  const auto total_runs = [this] {
+    std::uint64_t runs = 0;
+    for (const Channel* channel : channels_.All()) {
+      for (const std::shared_ptr<Node>& node : channel->Nodes()) runs += node->Snapshot().run;
+    }
+    return runs;
+  };
+  for (std::uint64_t before = total_runs();;) {
+    for (const Channel* channel : channels_.All()) {
+      for (const std::shared_ptr<Node>& node : channel->Nodes()) {
+        if (!node->WaitIdle(deadline)) return false;
+      }
+    }
+    const std::uint64_t after = total_runs();
+    if (after == before) return true;
+    before = after;
+  }
+}
+
+void GraphCore::Refuse() noexcept {
+  refusing_.store(true, std::memory_order_seq_cst);
+  for (Channel* channel : channels_.All()) channel->NotifyRoom();
+}
+
+void GraphCore::Shutdown() noexcept {
+  Refuse();
+  if (!WaitIdle(std::chrono::steady_clock::now() + kPatience)) {
+    for (const Channel* channel : channels_.All()) {
+      for (const std::shared_ptr<Node>& node : channel->Nodes()) {
+        if (node->WaitIdle(std::chrono::steady_clock::now())) continue;
+        log_->Write(LogLevel::kError, "Shutting down waits for node \"" + node->setting().name + "\" on channel \"" +
+                                          channel->name() + "\", which has been busy for more than 2 s with " +
+                                          std::to_string(node->Snapshot().queued) + " messages still waiting.");
+      }
+    }
+  }
+  for (Channel* channel : channels_.All()) {
+    for (const std::shared_ptr<Node>& node : channel->Nodes()) {
+      channel->Remove(*node);
+      node->Close(true);
+    }
+  }
+  JoinLingering();
+  epoch::Collect();
+}
+
+void GraphCore::Linger(std::shared_ptr<Node> node) {
+  const std::scoped_lock lock(mutex_);
+  lingering_.push_back(std::move(node));
+}
+
+void GraphCore::JoinLingering() {
+  std::vector<std::shared_ptr<Node>> lingering;
+  {
+    const std::scoped_lock lock(mutex_);
+    lingering.swap(lingering_);
+  }
+  for (const std::shared_ptr<Node>& node : lingering) {
+    // A thread that is still in a callback of this graph may be the one that subscribes here.
+    if (CallbackScope::InGraph(this)) {
+      Linger(node);
+    } else {
+      node->JoinThread();
+    }
+  }
+}
+
+}  // namespace hgros

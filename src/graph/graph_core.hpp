@@ -1,0 +1,57 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <source_location>
+#include <string>
+#include <vector>
+
+#include "graph/channel_table.hpp"
+#include "graph/tbb_executor.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/graph/data_graph.hpp"
+
+namespace hgros {
+
+// What a DataGraph owns. Handles that outlive the graph keep it, refusing, until they go.
+//
+// Thread safety: all public functions from any thread.
+class GraphCore {
+ public:
+  GraphCore(GraphOptions options, std::shared_ptr<Log> log);
+
+  Channel& Open(std::string_view name, const TypeInfo& type, const std::source_location& where);
+  std::shared_ptr<Node> Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  void SetClosed(std::string_view name, bool closed);
+  bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
+  void Refuse() noexcept;
+  void Shutdown() noexcept;
+
+  // Takes a closed node over whose thread nobody has waited for.
+  void Linger(std::shared_ptr<Node> node);
+
+  [[nodiscard]] bool refusing() const noexcept { return refusing_.load(std::memory_order_relaxed); }
+  [[nodiscard]] const MessageId& publisher() const noexcept { return options_.publisher; }
+  [[nodiscard]] const Channel* Find(std::string_view name) const noexcept { return channels_.Find(name); }
+  [[nodiscard]] std::vector<Channel*> Channels() const { return channels_.All(); }
+
+ private:
+  TbbExecutor& Workers();
+  void JoinLingering();
+
+  const GraphOptions options_;
+  const std::shared_ptr<Log> log_;
+  std::atomic<bool> refusing_{false};
+  // Before the channels: nodes give their flow-graph nodes back when they go.
+  std::mutex workers_mutex_;
+  std::optional<TbbExecutor> workers_;
+  ChannelTable channels_;
+  std::mutex mutex_;
+  std::set<std::string, std::less<>> closed_before_open_;
+  std::vector<std::shared_ptr<Node>> lingering_;
+};
+
+}  // namespace hgros

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include "graph/node.hpp"
+
+namespace hgros {
+
+// Runs its callback in the delivering threads, any number at once. It never queues. Counters and the count of running
+// callbacks are spread over cache lines, so that delivering threads do not slow each other down.
+//
+// Invariants: a thread raises its shard's count before it looks at closed_; Close() sets closed_ before it reads the
+// counts (both sequentially consistent), so no callback starts unseen.
+class InlineConcurrentNode final : public Node {
+ public:
+  InlineConcurrentNode(NodeSetting setting, AnyCallback callback);
+
+  void Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept override;
+  bool Reserve(std::size_t) noexcept override { return true; }
+  void CancelReservation(std::size_t) noexcept override {}
+  void Preload(std::vector<QueuedMessage> messages) override;
+  void Start() override;
+  void Close(bool wait) override;
+  bool WaitIdle(std::chrono::steady_clock::time_point deadline) override;
+
+ protected:
+  std::size_t QueuedNow() const override { return 0; }
+  void AddStats(NodeSnapshot& snapshot) const override;
+
+ private:
+  struct alignas(64) Shard {
+    std::atomic<int> running{0};
+    std::atomic<std::uint64_t> received{0};
+    NodeStats stats;
+  };
+
+  [[nodiscard]] bool Idle() const noexcept;
+  void DropCallbackOnce(std::unique_lock<std::mutex>& lock) noexcept;
+
+  std::array<Shard, kShards> shards_;
+  std::atomic<bool> closed_{false};
+  std::atomic<int> watchers_{0};
+  bool callback_dropped_ = false;
+  bool dropping_ = false;
+  std::mutex mutex_;
+  std::condition_variable idle_;
+  std::vector<QueuedMessage> preloaded_;
+};
+
+}  // namespace hgros

@@ -1,0 +1,137 @@
+#include "graph/inline_serial_node.hpp"
+
+#include <utility>
+
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+InlineSerialNode::InlineSerialNode(NodeSetting setting, AnyCallback callback)
+    : Node(std::move(setting), std::move(callback)), ring_(Node::setting().queue) {}
+
+void InlineSerialNode::Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept {
+  int expected = kIdle;
+  // A reservation is given back through the ring's own count, so those take the slow way.
+  if (!reserved && state_.compare_exchange_strong(expected, kRunning, std::memory_order_seq_cst)) {
+    RunAndDrain(std::move(message), now);
+  } else if (!LeaveInRing(message, reserved)) {
+    RunAndDrain(std::move(message), now);
+  }
+}
+
+// True if the running thread will find the message in the ring; false if the caller has become the running thread.
+bool InlineSerialNode::LeaveInRing(QueuedMessage& message, bool reserved) {
+  std::optional<QueuedMessage> dropped;
+  const std::scoped_lock lock(mutex_);
+  if (reserved) ring_.Cancel(message.bytes);
+  for (int state = state_.load(std::memory_order_seq_cst);;) {
+    if (state == kIdle) {
+      if (state_.compare_exchange_weak(state, kRunning, std::memory_order_seq_cst)) return false;
+    } else if (state_.compare_exchange_weak(state, kPending, std::memory_order_seq_cst)) {
+      break;
+    }
+  }
+  received_.fetch_add(1, std::memory_order_relaxed);
+  dropped = ring_.Push(std::move(message));
+  if (dropped) dropped_.fetch_add(1, std::memory_order_relaxed);
+  return true;
+}
+
+void InlineSerialNode::RunAndDrain(QueuedMessage&& message, std::int64_t& now) noexcept {
+  if (!closed_.load(std::memory_order_seq_cst)) {
+    received_.fetch_add(1, std::memory_order_relaxed);
+    message.credit.reset();
+    Run(message.message, message.info, stats_, Writers::kOne, now);
+  }
+  for (int running = kRunning; !state_.compare_exchange_strong(running, kIdle, std::memory_order_seq_cst);
+       running = kRunning) {
+    QueuedMessage next;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!ring_.empty()) next = ring_.Pop();
+      if (ring_.empty()) state_.store(kRunning, std::memory_order_seq_cst);
+    }
+    if (next.message == nullptr || closed_.load(std::memory_order_seq_cst)) continue;
+    next.credit.reset();
+    if (lossless()) NotifyRoom();
+    Run(next.message, next.info, stats_, Writers::kOne, now);
+  }
+  Finish();
+}
+
+void InlineSerialNode::Finish() noexcept {
+  // Sequentially consistent with Close() and WaitIdle(): either they see kIdle, or this sees them.
+  if (watchers_.load(std::memory_order_seq_cst) == 0 && !closed_.load(std::memory_order_seq_cst)) return;
+  std::unique_lock lock(mutex_);
+  idle_.notify_all();
+  if (closed_) DropCallbackOnce(lock);
+}
+
+// Every thread that takes kRunning after closed_ was set leaves the callback alone, so a node that is closed and idle
+// can let go of it. Outside the lock: what the callback captured may be another handle of this node.
+void InlineSerialNode::DropCallbackOnce(std::unique_lock<std::mutex>& lock) noexcept {
+  if (callback_dropped_ || state_.load(std::memory_order_seq_cst) != kIdle) return;
+  callback_dropped_ = true;
+  dropping_ = true;
+  lock.unlock();
+  DropCallback();
+  lock.lock();
+  dropping_ = false;
+  idle_.notify_all();
+}
+
+bool InlineSerialNode::Reserve(std::size_t bytes) noexcept {
+  const std::scoped_lock lock(mutex_);
+  return closed_ || ring_.Reserve(bytes);
+}
+
+void InlineSerialNode::CancelReservation(std::size_t bytes) noexcept {
+  const std::scoped_lock lock(mutex_);
+  ring_.Cancel(bytes);
+}
+
+void InlineSerialNode::Preload(std::vector<QueuedMessage> messages) {
+  preloaded_ = std::move(messages);
+  if (!preloaded_.empty()) state_ = kRunning;
+}
+
+void InlineSerialNode::Start() {
+  if (preloaded_.empty()) return;
+  std::int64_t now = MonotonicNow();
+  for (std::size_t i = 0; i + 1 < preloaded_.size() && !closed_; ++i) {
+    received_.fetch_add(1, std::memory_order_relaxed);
+    Run(preloaded_[i].message, preloaded_[i].info, stats_, Writers::kOne, now);
+  }
+  RunAndDrain(std::exchange(preloaded_.back(), {}), now);
+  preloaded_.clear();
+}
+
+void InlineSerialNode::Close(bool wait) {
+  closed_.store(true, std::memory_order_seq_cst);
+  std::vector<QueuedMessage> discarded;  // Let go of after the lock.
+  std::unique_lock lock(mutex_);
+  while (!ring_.empty()) discarded.push_back(ring_.Pop());
+  lock.unlock();
+  NotifyRoom();  // Publishers need not wait for a node that is going.
+  lock.lock();
+  if (wait) {
+    idle_.wait(lock, [this] { return state_.load(std::memory_order_seq_cst) == kIdle && !dropping_; });
+  }
+  DropCallbackOnce(lock);
+}
+
+bool InlineSerialNode::WaitIdle(std::chrono::steady_clock::time_point deadline) {
+  watchers_.fetch_add(1, std::memory_order_seq_cst);
+  std::unique_lock lock(mutex_);
+  const bool idle =
+      idle_.wait_until(lock, deadline, [this] { return state_.load(std::memory_order_seq_cst) == kIdle; });
+  watchers_.fetch_sub(1, std::memory_order_seq_cst);
+  return idle;
+}
+
+std::size_t InlineSerialNode::QueuedNow() const {
+  const std::scoped_lock lock(mutex_);
+  return ring_.size();
+}
+
+}  // namespace hgros

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include "graph/message_ring.hpp"
+#include "graph/node.hpp"
+
+namespace hgros {
+
+// Runs its callback in the delivering thread, one at a time. Who finds it running leaves the message in the ring for
+// the running thread and goes on: nobody blocks.
+//
+// Invariants: state_ is kIdle, kRunning, or kRunning with messages in the ring (kPending). Only the thread that took
+// it from kIdle runs callbacks and writes stats_. The ring is empty when the state is kIdle.
+class InlineSerialNode final : public Node {
+ public:
+  InlineSerialNode(NodeSetting setting, AnyCallback callback);
+
+  void Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept override;
+  bool Reserve(std::size_t bytes) noexcept override;
+  void CancelReservation(std::size_t bytes) noexcept override;
+  void Preload(std::vector<QueuedMessage> messages) override;
+  void Start() override;
+  void Close(bool wait) override;
+  bool WaitIdle(std::chrono::steady_clock::time_point deadline) override;
+
+ protected:
+  std::size_t QueuedNow() const override;
+
+ private:
+  enum State : int { kIdle, kRunning, kPending };
+
+  bool LeaveInRing(QueuedMessage& message, bool reserved);
+  void RunAndDrain(QueuedMessage&& message, std::int64_t& now) noexcept;
+  void Finish() noexcept;
+  void DropCallbackOnce(std::unique_lock<std::mutex>& lock) noexcept;
+
+  std::atomic<int> state_{kIdle};
+  std::atomic<bool> closed_{false};
+  std::atomic<int> watchers_{0};  // Threads that wait for kIdle.
+  bool callback_dropped_ = false;
+  bool dropping_ = false;
+  mutable std::mutex mutex_;
+  std::condition_variable idle_;
+  MessageRing ring_;
+  std::vector<QueuedMessage> preloaded_;
+};
+
+}  // namespace hgros

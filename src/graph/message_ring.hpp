@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "graph/queued_message.hpp"
+#include "hgros/graph/queue.hpp"
+
+namespace hgros {
+
+// The bounded queue of one node. Memory grows with use, up to the depth; a keep-all queue goes beyond its limit only
+// for messages that were let in without a reservation (remote ones, bounded by their senders' credit).
+//
+// Thread safety: none, the node locks.
+// Invariants: size() == queued; bytes() == sum of their bytes; keep-last: size() <= depth.
+class MessageRing {
+ public:
+  explicit MessageRing(const Queue& queue) : queue_(queue) {}
+
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
+
+  // Keep-all: takes room for one message of `bytes`, or returns false. Keep-last always has room.
+  [[nodiscard]] bool Reserve(std::size_t bytes) noexcept {
+    if (!queue_.lossless()) return true;
+    const std::size_t messages = size_ + reserved_messages_;
+    if (messages >= queue_.depth()) return false;
+    if (messages > 0 && bytes_ + reserved_bytes_ + bytes > queue_.limit_bytes()) return false;
+    ++reserved_messages_;
+    reserved_bytes_ += bytes;
+    return true;
+  }
+  void Cancel(std::size_t bytes) noexcept {
+    if (!queue_.lossless()) return;
+    --reserved_messages_;
+    reserved_bytes_ -= bytes;
+  }
+
+  // Appends; a full keep-last ring gives its oldest message back, which the caller lets go of outside its lock.
+  std::optional<QueuedMessage> Push(QueuedMessage&& message) {
+    std::optional<QueuedMessage> dropped;
+    if (!queue_.lossless() && size_ >= queue_.depth()) dropped = Pop();
+    if (size_ == slots_.size()) Grow();
+    bytes_ += message.bytes;
+    slots_[(first_ + size_) % slots_.size()] = std::move(message);
+    ++size_;
+    return dropped;
+  }
+
+  // The oldest message; the ring must not be empty.
+  QueuedMessage Pop() {
+    QueuedMessage message = std::move(slots_[first_]);
+    slots_[first_] = QueuedMessage{};
+    first_ = (first_ + 1) % slots_.size();
+    --size_;
+    bytes_ -= message.bytes;
+    return message;
+  }
+
+ private:
+  void Grow() {
+    std::vector<QueuedMessage> grown(slots_.empty() ? 4 : slots_.size() * 2);
+    for (std::size_t i = 0; i < size_; ++i) grown[i] = std::move(slots_[(first_ + i) % slots_.size()]);
+    slots_ = std::move(grown);
+    first_ = 0;
+  }
+
+  Queue queue_;
+  std::vector<QueuedMessage> slots_;
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+  std::size_t bytes_ = 0;
+  std::size_t reserved_messages_ = 0;
+  std::size_t reserved_bytes_ = 0;
+};
+
+}  // namespace hgros

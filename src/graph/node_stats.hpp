@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "hgros/base/histogram.hpp"
+
+namespace hgros {
+
+// Adds without a locked instruction where only one thread writes at a time; readers see every value whole.
+enum class Writers { kOne, kMany };
+
+template <class T>
+void Add(std::atomic<T>& counter, T amount, Writers writers) noexcept {
+  if (writers == Writers::kOne) {
+    counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
+  } else {
+    counter.fetch_add(amount, std::memory_order_relaxed);
+  }
+}
+
+// A LogHistogram that may be read while it is written.
+class LiveHistogram {
+ public:
+  void Record(std::int64_t nanoseconds, Writers writers) noexcept {
+    Add(buckets_[LogHistogram::BucketOf(nanoseconds)], std::uint32_t{1}, writers);
+    if (nanoseconds > 0) Add(sum_, static_cast<std::uint64_t>(nanoseconds), writers);
+    std::int64_t max = max_.load(std::memory_order_relaxed);
+    while (nanoseconds > max && !max_.compare_exchange_weak(max, nanoseconds, std::memory_order_relaxed)) {
+    }
+  }
+  void AddTo(LogHistogram& total) const noexcept {
+    for (std::size_t i = 0; i < buckets_.size(); ++i) {
+      total.AddToBucket(i, buckets_[i].load(std::memory_order_relaxed));
+    }
+    total.AddTotals(sum_.load(std::memory_order_relaxed), max_.load(std::memory_order_relaxed));
+  }
+
+ private:
+  std::array<std::atomic<std::uint32_t>, LogHistogram::kBucketCount> buckets_{};
+  std::atomic<std::uint64_t> sum_{0};
+  std::atomic<std::int64_t> max_{0};
+};
+
+// What a node counts while it runs callbacks. One per node, or one per shard where many threads run it at once.
+struct alignas(64) NodeStats {
+  std::atomic<std::uint64_t> run{0};
+  std::atomic<std::uint64_t> failed{0};
+  LiveHistogram queue_wait;
+  LiveHistogram run_time;
+};
+
+// A small number for the calling thread, to spread shared counters over cache lines.
+std::size_t ThisThreadShard() noexcept;
+inline constexpr std::size_t kShards = 8;
+
+struct alignas(64) ShardedCounter {
+  struct alignas(64) Shard {
+    std::atomic<std::uint64_t> value{0};
+  };
+  std::array<Shard, kShards> shards;
+
+  void Increment() noexcept { shards[ThisThreadShard()].value.fetch_add(1, std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t Sum() const noexcept {
+    std::uint64_t sum = 0;
+    for (const Shard& shard : shards) sum += shard.value.load(std::memory_order_relaxed);
+    return sum;
+  }
+};
+
+}  // namespace hgros

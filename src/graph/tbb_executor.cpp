@@ -1,0 +1,44 @@
+#include "graph/tbb_executor.hpp"
+
+#include <algorithm>
+#include <thread>
+
+namespace hgros {
+namespace {
+
+int WorkerCount(int wanted) {
+  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+// TBB starts one thread less than it is allowed, for the caller that usually joins in; ours does not.
+TbbExecutor::TbbExecutor(int threads)
+    : workers_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(WorkerCount(threads)) + 1),
+      arena_(WorkerCount(threads), 0) {
+  arena_.execute([this] { graph_ = std::make_unique<tbb::flow::graph>(); });
+}
+
+TbbExecutor::~TbbExecutor() {
+  graph_->wait_for_all();
+  nodes_.clear();
+}
+
+TbbExecutor::FlowNode& TbbExecutor::Take() {
+  const std::scoped_lock lock(mutex_);
+  if (free_.empty()) {
+    nodes_.push_back(std::make_unique<FlowNode>(*graph_, tbb::flow::unlimited,
+                                                [](const Token& token) noexcept { token->Activate(); }));
+    return *nodes_.back();
+  }
+  FlowNode& node = *free_.back();
+  free_.pop_back();
+  return node;
+}
+
+void TbbExecutor::Give(FlowNode& node) {
+  const std::scoped_lock lock(mutex_);
+  free_.push_back(&node);
+}
+
+}  // namespace hgros

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <tbb/flow_graph.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace hgros {
+
+// Something that a ready token sets going on a worker.
+class Activation {
+ public:
+  virtual ~Activation() = default;
+  virtual void Activate() noexcept = 0;
+};
+
+// The work-stealing workers of one data graph: a TBB flow graph in an arena of its own, so that nobody who waits for
+// it runs foreign work. Each node of ours owns one flow-graph node, which is handed ready tokens, never messages:
+// TBB's own queues have no limit.
+//
+// Thread safety: Take, Give and Put from any thread. Destruction waits for all tokens; not from a worker.
+// Invariants: flow-graph nodes are never destroyed before the graph, since a body's epilogue may still touch its node
+// when our own counts say that it is done; they are reused instead.
+class TbbExecutor {
+ public:
+  using Token = std::shared_ptr<Activation>;
+  using FlowNode = tbb::flow::function_node<Token, tbb::flow::continue_msg>;
+
+  explicit TbbExecutor(int threads);
+  ~TbbExecutor();
+
+  FlowNode& Take();
+  void Give(FlowNode& node);
+  static void Put(FlowNode& node, const Token& token) { node.try_put(token); }
+
+ private:
+  tbb::global_control workers_;
+  tbb::task_arena arena_;
+  std::unique_ptr<tbb::flow::graph> graph_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<FlowNode>> nodes_;
+  std::vector<FlowNode*> free_;
+};
+
+}  // namespace hgros

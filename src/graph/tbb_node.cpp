@@ -1,0 +1,49 @@
+#include "graph/tbb_node.hpp"
+
+#include <utility>
+
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+TbbNode::TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executor)
+    : QueuedNode(std::move(setting), std::move(callback)), executor_(executor), flow_node_(executor.Take()) {}
+
+// A token that is still out does no harm in another node's hands: tokens say themselves what they set going.
+void TbbNode::Close(bool wait) {
+  QueuedNode::Close(wait);
+  if (!flow_node_given_.exchange(true)) executor_.Give(flow_node_);
+}
+
+bool TbbNode::NeedsWake() {
+  const std::size_t wanted = setting().invoke == Invoke::kSerial ? 1 : QueuedHere();
+  if (tokens_ >= wanted) return false;
+  ++tokens_;
+  return true;
+}
+
+void TbbNode::Wake() noexcept { TbbExecutor::Put(flow_node_, std::static_pointer_cast<TbbNode>(shared_from_this())); }
+
+void TbbNode::Activate() noexcept {
+  std::int64_t now = MonotonicNow();
+  std::unique_lock lock(mutex_);
+  if (setting().invoke == Invoke::kConcurrent) {
+    --tokens_;
+    QueuedMessage next;
+    if (TakeNext(next)) RunUnlocked(lock, std::move(next), now);
+    return;
+  }
+  for (int i = 0; i < kBatch; ++i) {
+    QueuedMessage next;
+    if (!TakeNext(next)) break;
+    RunUnlocked(lock, std::move(next), now);
+  }
+  if (HasMessages() && !closed_) {
+    lock.unlock();
+    Wake();  // The token goes to the end of the line.
+  } else {
+    tokens_ = 0;
+  }
+}
+
+}  // namespace hgros

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+
+#include "graph/queued_node.hpp"
+#include "graph/tbb_executor.hpp"
+
+namespace hgros {
+
+// Runs its callback on the work-stealing workers. Serial: at most one token is out, which drains the ring. Concurrent:
+// one token per waiting message.
+class TbbNode final : public QueuedNode, public Activation {
+ public:
+  TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executor);
+
+  void Activate() noexcept override;
+  void Close(bool wait) override;
+
+ protected:
+  bool NeedsWake() override;
+  void Wake() noexcept override;
+
+ private:
+  // So many messages in a row before other nodes get their turn.
+  static constexpr int kBatch = 32;
+
+  TbbExecutor& executor_;
+  TbbExecutor::FlowNode& flow_node_;
+  std::atomic<bool> flow_node_given_{false};
+  std::size_t tokens_ = 0;  // Out and not yet begun (concurrent), or out at all (serial); guarded by mutex_.
+};
+
+}  // namespace hgros

@@ -1,0 +1,132 @@
+#include "session/channel_inlet.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+namespace {
+
+// Decoding more than this is left to a thread that owns no socket.
+constexpr std::size_t kQuickBytes = 64 * 1024;
+// A peer could invent publishers; those heard longest ago are forgotten first.
+constexpr std::size_t kMaxPublishers = 4096;
+
+}  // namespace
+
+ChannelInlet::ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log,
+                           std::function<void()> on_publishers)
+    : channel_(channel), type_(type), log_(std::move(log)), on_publishers_(std::move(on_publishers)) {}
+
+void ChannelInlet::Join(Transport& transport, const Demand& demand) {
+  auto carrier = transport.Subscribe(DataGraph::NameOf(channel_), type_, demand, *this);
+  const std::scoped_lock lock(carrier_mutex_);
+  carrier_ = std::move(carrier);
+}
+
+void ChannelInlet::Detach() {
+  std::unique_ptr<InboundChannel> carrier;
+  {
+    const std::scoped_lock lock(carrier_mutex_);
+    carrier = std::move(carrier_);
+  }
+  carrier.reset();
+}
+
+void ChannelInlet::SetDemand(const Demand& demand) {
+  const std::scoped_lock lock(carrier_mutex_);
+  if (carrier_) carrier_->SetDemand(demand);
+}
+
+Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
+  const bool quick = message.data.bytes.size() <= kQuickBytes && !DataGraph::HasInlineNodes(channel_);
+  const std::scoped_lock lock(waiting_mutex_);
+  waiting_.push_back(std::move(message));
+  if (std::exchange(running_, true)) return Accepted::kNothing;
+  return quick ? Accepted::kRunHere : Accepted::kRunApart;
+}
+
+void ChannelInlet::Run() noexcept {
+  for (;;) {
+    InboundMessage message;
+    {
+      const std::scoped_lock lock(waiting_mutex_);
+      if (waiting_.empty()) {
+        running_ = false;
+        return;
+      }
+      message = std::move(waiting_.front());
+      waiting_.pop_front();
+    }
+    Deliver(std::move(message));
+  }
+}
+
+bool ChannelInlet::CountIn(const InboundMessage& message) {
+  const MessageId& id = message.head.id;
+  const std::scoped_lock lock(counts_mutex_);
+  if (message.head.publish_time_ns > 0) transport_.Record(WallNow().nanoseconds - message.head.publish_time_ns);
+  if (lives_.size() > kMaxPublishers) lives_.erase(lives_.begin());
+  Life& life = lives_[id.publisher];
+  life.traffic.publisher = SessionId{id.publisher};
+  if (id.publisher == 0) {  // It does not count; so neither gaps nor repeats can be told.
+    ++life.traffic.received;
+    return true;
+  }
+  const bool known = life.incarnation == id.incarnation;
+  if ((known && id.sequence <= life.last_sequence) || id.incarnation < life.incarnation) {
+    ++life.traffic.repeated;
+    return false;
+  }
+  if (known) life.traffic.lost += id.sequence - life.last_sequence - 1;
+  life.incarnation = id.incarnation;
+  life.last_sequence = id.sequence;
+  ++life.traffic.received;
+  return true;
+}
+
+void ChannelInlet::Deliver(InboundMessage&& message) noexcept {
+  const PacketHead& head = message.head;
+  if (!head.type_name.empty() && head.type_name != type_.name) {
+    OnFault(PacketFault::kType, "it carries " + head.type_name + ", not " + type_.name);
+    return;
+  }
+  if (!CountIn(message)) return;
+  const AnyMessage decoded = type_.decode(message.data);
+  if (decoded == nullptr) {
+    OnFault(PacketFault::kData, "its data does not parse as " + type_.name);
+    return;
+  }
+  message.data = {};
+  MessageInfo info;
+  info.id = head.id;
+  info.publish_monotonic_ns = MonotonicNow();
+  info.publish_time_ns = head.publish_time_ns;
+  DataGraph::Inject(channel_, decoded, info, std::move(message.credit), head.latched);
+}
+
+void ChannelInlet::OnFault(PacketFault fault, std::string_view what) noexcept {
+  {
+    const std::scoped_lock lock(counts_mutex_);
+    ++faults_[static_cast<std::size_t>(fault)];
+  }
+  const std::string& name = DataGraph::NameOf(channel_);
+  log_->WriteLimited(LogLevel::kWarning, "inlet " + name + " " + std::string(ToString(fault)),
+                     "A packet on channel \"" + name + "\" was dropped: " + std::string(what) + ".");
+}
+
+void ChannelInlet::OnPublishers(std::size_t count) noexcept {
+  publishers_.store(count, std::memory_order_release);
+  on_publishers_();
+}
+
+void ChannelInlet::AddTo(ChannelTraffic& traffic) const {
+  traffic.publishers = publisher_count();
+  const std::scoped_lock lock(counts_mutex_);
+  for (const auto& [publisher, life] : lives_) traffic.in.push_back(life.traffic);
+  traffic.faults = faults_;
+  traffic.transport.Merge(transport_);
+}
+
+}  // namespace hgros

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "hgros/base/log.hpp"
+#include "hgros/graph/data_graph.hpp"
+#include "hgros/session/snapshot.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+// One channel's way into the session: decodes each message once and hands it to the local nodes, in the order in
+// which each publisher sent it. Exists while the session has subscriptions to the channel.
+//
+// Thread safety: Accept() and Run() as InboundSink says; the rest from any thread.
+// Invariants: at most one thread is in Run(); running_ is set from the Accept() that asked for it until the waiting
+// messages are used up. What one publisher sends is counted by its sequence: gaps are losses, repeats are dropped.
+class ChannelInlet final : public InboundSink {
+ public:
+  ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log, std::function<void()> on_publishers);
+
+  void Join(Transport& transport, const Demand& demand);
+  void Detach();
+  void SetDemand(const Demand& demand);
+
+  Accepted Accept(InboundMessage&& message) noexcept override;
+  void Run() noexcept override;
+  void OnFault(PacketFault fault, std::string_view what) noexcept override;
+  void OnPublishers(std::size_t count) noexcept override;
+
+  [[nodiscard]] std::size_t publisher_count() const noexcept { return publishers_.load(std::memory_order_acquire); }
+  void AddTo(ChannelTraffic& traffic) const;
+
+ private:
+  struct Life {
+    std::uint64_t incarnation = 0;
+    std::uint64_t last_sequence = 0;
+    PublisherTraffic traffic;
+  };
+
+  void Deliver(InboundMessage&& message) noexcept;
+  // False for a repeat.
+  [[nodiscard]] bool CountIn(const InboundMessage& message);
+
+  Channel& channel_;
+  const TypeInfo& type_;
+  const std::shared_ptr<Log> log_;
+  const std::function<void()> on_publishers_;
+
+  std::mutex carrier_mutex_;
+  std::unique_ptr<InboundChannel> carrier_;
+  std::atomic<std::size_t> publishers_{0};
+
+  std::mutex waiting_mutex_;
+  std::deque<InboundMessage> waiting_;
+  bool running_ = false;
+
+  mutable std::mutex counts_mutex_;
+  std::map<std::uint64_t, Life> lives_;  // By publisher id.
+  std::array<std::uint64_t, kPacketFaultCount> faults_{};
+  LogHistogram transport_;
+};
+
+}  // namespace hgros

@@ -1,0 +1,126 @@
+#include "session/channel_outlet.hpp"
+
+#include <utility>
+
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+ChannelOutlet::ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
+                             OutletEvents events)
+    : channel_(std::move(channel)),
+      type_(type),
+      publisher_(publisher),
+      log_(std::move(log)),
+      events_(std::move(events)) {}
+
+void ChannelOutlet::Join(Transport& transport) {
+  std::unique_ptr<OutboundChannel> carrier = transport.Advertise(channel_, type_, *this);
+  const std::scoped_lock lock(order_mutex_);
+  carrier_ = std::move(carrier);
+}
+
+void ChannelOutlet::Detach() {
+  std::unique_ptr<OutboundChannel> carrier;
+  {
+    const std::scoped_lock lock(order_mutex_);
+    carrier = std::move(carrier_);
+  }
+  carrier.reset();
+  subscribers_.store(0, std::memory_order_release);
+}
+
+void ChannelOutlet::Latch(std::size_t count) {
+  if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
+}
+
+bool ChannelOutlet::wanted() const noexcept {
+  return subscribers_.load(std::memory_order_relaxed) > 0 || latched_.load(std::memory_order_relaxed) > 0;
+}
+
+PublishStatus ChannelOutlet::Reserve() noexcept {
+  const std::scoped_lock lock(order_mutex_);
+  return carrier_ ? carrier_->Reserve() : PublishStatus::kOk;
+}
+
+void ChannelOutlet::Cancel() noexcept {
+  const std::scoped_lock lock(order_mutex_);
+  if (carrier_) carrier_->Cancel();
+}
+
+Payload ChannelOutlet::Encode(const AnyMessage& message) noexcept {
+  Payload payload = type_.encode(message);
+  if (payload.owner == nullptr) {
+    not_encodable_.fetch_add(1, std::memory_order_relaxed);
+    log_->WriteLimited(LogLevel::kError, "encode " + channel_,
+                       "A message on channel \"" + channel_ + "\" could not be written as " + type_.name +
+                           "; other sessions do not get it.");
+  }
+  return payload;
+}
+
+void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
+  // Outside the lock: encoding a large message takes as long as sending it.
+  Payload data;
+  if (subscriber_count() > 0) data = Encode(message);
+  PacketHead head;
+  head.channel = channel_;
+  head.type_name = type_.name;
+  head.encoding = type_.encoding;
+  head.fingerprint = type_.fingerprint;
+  head.id = publisher_;
+  head.publish_time_ns = WallNow().nanoseconds;
+  head.publish_monotonic_ns = MonotonicNow();
+  const std::size_t depth = latched_.load(std::memory_order_relaxed);
+  head.latched = static_cast<std::uint32_t>(depth);
+
+  const std::scoped_lock lock(order_mutex_);
+  if (depth > 0) {
+    head.id.sequence = ++sequence_;
+    Keep(message, head, depth);
+    // A subscriber counts before it asks for what is latched: either it found this message there, or it counts now.
+    if (data.owner == nullptr && carrier_ && carrier_->subscriber_count() > 0) data = Encode(message);
+  } else if (data.owner != nullptr) {
+    head.id.sequence = ++sequence_;
+  }
+  if (!carrier_) return;
+  if (data.owner != nullptr) {
+    carrier_->Commit(head, data);
+  } else {
+    carrier_->Cancel();
+  }
+}
+
+void ChannelOutlet::Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth) {
+  const std::scoped_lock latch(latch_mutex_);
+  kept_.push_back({message, head});
+  while (kept_.size() > depth) kept_.pop_front();
+}
+
+std::vector<OutboundMessage> ChannelOutlet::Latched() noexcept {
+  std::deque<Kept> kept;
+  {
+    const std::scoped_lock lock(latch_mutex_);
+    kept = kept_;
+  }
+  std::vector<OutboundMessage> messages;
+  for (const Kept& one : kept) {
+    if (Payload data = Encode(one.message); data.owner != nullptr) messages.push_back({one.head, std::move(data)});
+  }
+  return messages;
+}
+
+void ChannelOutlet::OnRoom() noexcept { events_.on_room(); }
+
+void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
+  subscribers_.store(count, std::memory_order_release);
+  events_.on_subscribers();
+}
+
+void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
+  traffic.not_encodable = not_encodable_.load(std::memory_order_relaxed);
+  const std::scoped_lock lock(order_mutex_);
+  if (carrier_) traffic.out = carrier_->stats();
+}
+
+}  // namespace hgros

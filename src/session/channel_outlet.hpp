@@ -1,0 +1,80 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "hgros/base/log.hpp"
+#include "hgros/graph/outlet.hpp"
+#include "hgros/session/snapshot.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+// What an outlet reports. Called on publishing or carrier threads; must not block.
+struct OutletEvents {
+  std::function<void()> on_room;
+  std::function<void()> on_subscribers;
+};
+
+// One channel's way out of the session: numbers and encodes each message once, and hands it to the carrier.
+//
+// Thread safety: all functions from any thread.
+// Invariants: order_mutex_ guards the carrier and makes the order of sequence numbers the order in which it gets the
+// messages. The carrier may ask for the latched messages while it holds locks that its Commit() takes as well, so
+// Latched() takes latch_mutex_ alone and the carrier is never called under that.
+class ChannelOutlet final : public Outlet, public OutboundSource {
+ public:
+  ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
+                OutletEvents events);
+
+  void Join(Transport& transport);
+  // Withdraws from the carrier; later publishes stay inside the process.
+  void Detach();
+  void Latch(std::size_t count);
+
+  [[nodiscard]] bool wanted() const noexcept override;
+  PublishStatus Reserve() noexcept override;
+  void Commit(const AnyMessage& message) noexcept override;
+  void Cancel() noexcept override;
+
+  std::vector<OutboundMessage> Latched() noexcept override;
+  void OnRoom() noexcept override;
+  void OnSubscribers(std::size_t count) noexcept override;
+
+  [[nodiscard]] std::size_t subscriber_count() const noexcept { return subscribers_.load(std::memory_order_acquire); }
+  void AddTo(ChannelTraffic& traffic) const;
+
+ private:
+  struct Kept {
+    AnyMessage message;
+    PacketHead head;
+  };
+
+  [[nodiscard]] Payload Encode(const AnyMessage& message) noexcept;
+  void Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth);
+
+  const std::string channel_;
+  const TypeInfo& type_;
+  const MessageId publisher_;
+  const std::shared_ptr<Log> log_;
+  const OutletEvents events_;
+
+  std::atomic<std::size_t> subscribers_{0};
+  std::atomic<std::size_t> latched_{0};
+  std::atomic<std::uint64_t> not_encodable_{0};
+
+  mutable std::mutex order_mutex_;
+  std::unique_ptr<OutboundChannel> carrier_;
+  std::uint64_t sequence_ = 0;
+
+  std::mutex latch_mutex_;
+  std::deque<Kept> kept_;
+};
+
+}  // namespace hgros

@@ -1,0 +1,63 @@
+#include "hgros/session/default_session.hpp"
+
+#include <atomic>
+#include <mutex>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros {
+namespace {
+
+struct Default {
+  std::mutex mutex;
+  std::unique_ptr<Session> session;
+  std::atomic<Session*> current{nullptr};  // What session points to, to be read without the lock.
+  std::vector<Subscription> subscriptions;
+};
+
+Default& TheDefault() {
+  static Default one;
+  return one;
+}
+
+}  // namespace
+
+void Init(Config config, SessionOptions options) {
+  Default& one = TheDefault();
+  const std::scoped_lock lock(one.mutex);
+  if (one.session) throw Error("Init was called twice.", {}, "Call Shutdown first, or own a Session.");
+  one.session = std::make_unique<Session>(std::move(config), std::move(options));
+  one.current.store(one.session.get(), std::memory_order_release);
+}
+
+void Init(const std::vector<std::filesystem::path>& files, SessionOptions options) {
+  Init(Config::Load(files), std::move(options));
+}
+
+void Shutdown() {
+  Default& one = TheDefault();
+  std::vector<Subscription> subscriptions;
+  std::unique_ptr<Session> session;
+  {
+    const std::scoped_lock lock(one.mutex);
+    subscriptions.swap(one.subscriptions);
+    one.current.store(nullptr, std::memory_order_release);
+    session = std::move(one.session);
+  }
+  // Callbacks that still publish find no session; what they throw is counted as theirs.
+  subscriptions.clear();
+}
+
+Session& DefaultSession() {
+  Session* session = TheDefault().current.load(std::memory_order_acquire);
+  if (session == nullptr) throw Error("There is no default session.", {}, "Call hgros::Init first.");
+  return *session;
+}
+
+void KeepUntilShutdown(Subscription subscription) {
+  Default& one = TheDefault();
+  const std::scoped_lock lock(one.mutex);
+  one.subscriptions.push_back(std::move(subscription));
+}
+
+}  // namespace hgros

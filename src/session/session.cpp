@@ -1,0 +1,54 @@
+#include "hgros/session/session.hpp"
+
+#include <utility>
+
+#include "session/session_core.hpp"
+
+namespace hgros {
+
+Session::Session() : Session(Config{}) {}
+Session::Session(Config config, SessionOptions options)
+    : core_(std::make_unique<Core>(std::move(config), std::move(options))) {}
+Session::~Session() = default;
+
+bool Session::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const {
+  return core_->WaitForSubscribers(channel, count, timeout);
+}
+bool Session::WaitForPublishers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const {
+  return core_->WaitForPublishers(channel, count, timeout);
+}
+
+void Session::SetClosed(std::string_view channel, bool closed) { core_->graph().SetClosed(channel, closed); }
+void Session::AllowPublishing(std::string_view channel, bool allowed) { core_->AllowPublishing(channel, allowed); }
+void Session::AllowSubscribing(std::string_view channel, bool allowed) { core_->AllowSubscribing(channel, allowed); }
+void Session::AddPublisherEndpoint(const EndpointConfig& endpoint) { core_->AddPublisherEndpoint(endpoint); }
+void Session::AddSubscriberEndpoint(const EndpointConfig& endpoint) { core_->AddSubscriberEndpoint(endpoint); }
+void Session::RemoveSubscriberEndpoint(std::string_view endpoint) { core_->RemoveSubscriberEndpoint(endpoint); }
+std::vector<std::string> Session::PublisherEndpoints() const { return core_->PublisherEndpoints(); }
+
+std::vector<PeerInfo> Session::Peers() const { return core_->Peers(); }
+SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
+bool Session::WaitIdle(std::chrono::nanoseconds timeout) const {
+  return core_->graph().WaitIdle(std::chrono::steady_clock::now() + timeout);
+}
+
+SessionId Session::id() const noexcept { return core_->id(); }
+const std::string& Session::name() const noexcept { return core_->name(); }
+const Config& Session::config() const noexcept { return core_->config(); }
+
+Channel& Session::Open(std::string_view channel, const TypeInfo& type, const std::source_location& where) {
+  return core_->Open(channel, type, where);
+}
+Channel& Session::OpenAny(std::string_view channel, const TypeInfo& type, const std::source_location& where) {
+  return core_->OpenAny(channel, type, where);
+}
+std::shared_ptr<Channel> Session::Share(Channel& channel) const { return core_->graph().Share(channel); }
+void Session::Latch(Channel& channel, std::size_t count) { core_->Latch(channel, count); }
+Subscription Session::SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+  return core_->SubscribeAny(channel, invoke, std::move(callback), std::move(options));
+}
+Subscription Session::SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+  return core_->SubscribeGraph(channel, invoke, std::move(callback), std::move(options));
+}
+
+}  // namespace hgros

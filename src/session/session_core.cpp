@@ -1,0 +1,391 @@
+#include "session/session_core.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr int kLingerMs = 500;
+
+std::string ProgramName() {
+  std::ifstream file("/proc/self/comm");
+  std::string name;
+  std::getline(file, name);
+  return name.empty() ? "hgros" : name;
+}
+
+ChannelList ListOf(const EndpointConfig& endpoint) {
+  if (endpoint.all_channels) return std::nullopt;
+  return endpoint.channels;
+}
+
+// The list with or without the channel; a list of all stays one, since what it leaves out cannot be written down.
+void Allow(EndpointConfig& endpoint, std::string_view channel, bool allowed) {
+  auto& list = endpoint.channels;
+  const auto place = std::lower_bound(list.begin(), list.end(), channel);
+  const bool there = place != list.end() && *place == channel;
+  if (allowed && !there) list.emplace(place, channel);
+  if (!allowed && there) list.erase(place);
+}
+
+void RequireList(const EndpointConfig& endpoint, std::string_view channel) {
+  if (!endpoint.all_channels) return;
+  throw Error("The endpoint " + endpoint.endpoint + " lets every channel pass, so \"" + std::string(channel) +
+                  "\" cannot be taken from its list.",
+              {}, "Give the endpoint a list of channels in its configuration.");
+}
+
+Demand DemandFor(const Queue& queue) {
+  Demand demand;
+  demand.lossless = queue.lossless();
+  const auto depth = static_cast<std::uint32_t>(std::min<std::size_t>(queue.depth(), 1U << 20));
+  demand.queue_depth = depth;
+  if (queue.lossless()) {
+    demand.credit_messages = depth;
+    demand.credit_bytes = std::min<std::uint64_t>(queue.limit_bytes(), demand.credit_bytes);
+  }
+  return demand;
+}
+
+}  // namespace
+
+// Belongs to one Subscription: ends its part of what the session asks of remote publishers.
+class Session::Core::DemandTicket {
+ public:
+  DemandTicket(std::shared_ptr<Alive> alive, std::string channel, std::list<Demand>::iterator demand)
+      : alive_(std::move(alive)), channel_(std::move(channel)), demand_(demand) {}
+  DemandTicket(const DemandTicket&) = delete;
+  DemandTicket& operator=(const DemandTicket&) = delete;
+  ~DemandTicket() {
+    const std::shared_lock lock(alive_->mutex);
+    if (alive_->core != nullptr) alive_->core->Withdraw(channel_, demand_);
+  }
+
+ private:
+  std::shared_ptr<Alive> alive_;
+  std::string channel_;
+  std::list<Demand>::iterator demand_;
+};
+
+Session::Core::Core(Config config, SessionOptions options)
+    : config_(std::move(config)),
+      id_(SessionId::Random()),
+      name_(options.name.empty() ? ProgramName() : std::move(options.name)),
+      publisher_{id_.value, static_cast<std::uint64_t>(WallNow().nanoseconds), 0},
+      log_(std::make_shared<Log>(std::move(options.log))) {
+  alive_->core = this;
+  GraphOptions graph_options;
+  graph_options.threads = config_.threads;
+  graph_options.overrides = config_.nodes;
+  graph_options.publisher = publisher_;
+  graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
+  for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
+  events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
+  if (!config_.publishers.empty() || !config_.subscribers.empty()) Carrier();
+}
+
+Session::Core::~Core() {
+  graph_->Refuse();
+  {
+    const std::unique_lock lock(alive_->mutex);
+    alive_->core = nullptr;
+  }
+  errands_.reset();
+  for (auto& [name, inflow] : inflows_) inflow.inlet->Detach();
+  if (carrier_) carrier_->Close(kLingerMs);
+  for (auto& [name, outlet] : outlets_) outlet->Detach();
+  graph_.reset();  // Waits for callbacks in flight. Subscriptions that the program still holds are inert from now on.
+}
+
+ZmqTransport& Session::Core::Carrier() {
+  if (carrier_) return *carrier_;
+  if (!errands_) errands_.emplace();
+  ZmqOptions options;
+  options.session = id_;
+  options.process = name_;
+  for (const EndpointConfig& endpoint : config_.publishers) {
+    options.publish.push_back({endpoint.endpoint, ListOf(endpoint)});
+  }
+  for (const EndpointConfig& endpoint : config_.subscribers) {
+    const auto key = config_.security.servers.find(endpoint.endpoint);
+    options.subscribe.push_back(
+        {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});
+  }
+  options.heartbeat = std::chrono::milliseconds(config_.heartbeat_ms);
+  options.peer_timeout = std::chrono::milliseconds(config_.peer_timeout_ms);
+  options.peer_queue_bytes = config_.peer_queue_bytes;
+  options.plain_queue_bytes = config_.peer_queue_bytes;
+  options.linger = std::chrono::milliseconds(kLingerMs);
+  if (config_.security.enabled()) {
+    options.security =
+        ZmqSecurity{{config_.security.public_key, config_.security.secret_key}, config_.security.allowed_clients};
+  }
+  carrier_ = MakeZmqTransport(std::move(options), *this, *log_);
+  for (auto& [name, outlet] : outlets_) outlet->Join(*carrier_);
+  for (auto& [name, inflow] : inflows_) {
+    if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
+    inflow.inlet->Join(*carrier_, Combine(inflow.wanted));
+    inflow.joined = true;
+  }
+  return *carrier_;
+}
+
+Channel& Session::Core::Open(std::string_view name, const TypeInfo& type, const std::source_location& where) {
+  return graph_->Open(name, type, where);
+}
+
+Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, const std::source_location& where) {
+  Channel& channel = graph_->Open(name, type, where);
+  if (DataGraph::HasOutlet(channel)) return channel;
+  const std::scoped_lock lock(mutex_);
+  if (DataGraph::HasOutlet(channel)) return channel;
+  auto outlet = std::make_shared<ChannelOutlet>(
+      std::string(name), type, publisher_, log_,
+      OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { Notify(); }});
+  if (carrier_) outlet->Join(*carrier_);
+  outlets_.emplace(name, outlet);
+  graph_->SetOutlet(channel, outlet);
+  if (const auto entry = config_.channels.find(name); entry != config_.channels.end() && entry->second.latched) {
+    graph_->Latch(channel, *entry->second.latched);
+    outlet->Latch(*entry->second.latched);
+  }
+  return channel;
+}
+
+void Session::Core::Latch(Channel& channel, std::size_t count) {
+  if (count == 0) return;
+  graph_->Latch(channel, count);
+  const std::scoped_lock lock(mutex_);
+  outlets_.at(DataGraph::NameOf(channel))->Latch(count);
+}
+
+NodeOptions Session::Core::WithChannelConfig(const Channel& channel, NodeOptions options) const {
+  const auto entry = config_.channels.find(DataGraph::NameOf(channel));
+  if (entry != config_.channels.end() && entry->second.queue) options.queue = *entry->second.queue;
+  return options;
+}
+
+Subscription Session::Core::SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+  Subscription subscription =
+      graph_->Subscribe(channel, invoke, std::move(callback), WithChannelConfig(channel, std::move(options)));
+  Notify();
+  return subscription;
+}
+
+Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+  Subscription subscription = SubscribeGraph(channel, invoke, std::move(callback), std::move(options));
+  const Demand demand = DemandFor(subscription.stats().queue);
+  const std::string& name = DataGraph::NameOf(channel);
+  {
+    const std::scoped_lock lock(mutex_);
+    Inflow& inflow = inflows_[name];
+    const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
+    if (!inflow.inlet) {
+      inflow.inlet =
+          std::make_shared<ChannelInlet>(channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); });
+    }
+    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
+    subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
+  }
+  Reconcile(name);
+  return subscription;
+}
+
+void Session::Core::Withdraw(const std::string& channel, std::list<Demand>::iterator demand) {
+  const std::scoped_lock lock(mutex_);
+  Inflow& inflow = inflows_.at(channel);
+  inflow.wanted.erase(demand);
+  if (!inflow.wanted.empty()) {
+    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
+    return;
+  }
+  // Ending the inbound channel waits for its callbacks, which may themselves be ending subscriptions just now.
+  if (errands_ && inflow.joined) errands_->Post([this, channel] { Reconcile(channel); });
+}
+
+void Session::Core::Reconcile(const std::string& channel) {
+  std::unique_lock lock(mutex_);
+  const auto entry = inflows_.find(channel);
+  if (entry == inflows_.end() || entry->second.busy) return;
+  Inflow& inflow = entry->second;
+  inflow.busy = true;
+  while (carrier_ && inflow.joined == inflow.wanted.empty()) {
+    if (inflow.joined) {
+      lock.unlock();
+      inflow.inlet->Detach();
+      lock.lock();
+      inflow.joined = false;
+    } else {
+      inflow.inlet->Join(*carrier_, Combine(inflow.wanted));
+      inflow.joined = true;
+    }
+  }
+  inflow.busy = false;
+}
+
+// What satisfies all of them: lossless if one is, as much credit as the one with the least room among those allows.
+Demand Session::Core::Combine(const std::list<Demand>& wanted) {
+  Demand combined = wanted.front();
+  for (const Demand& demand : wanted) {
+    if (demand.lossless && !combined.lossless) {
+      combined = demand;
+    } else if (demand.lossless == combined.lossless && demand.lossless) {
+      combined.credit_messages = std::min(combined.credit_messages, demand.credit_messages);
+      combined.credit_bytes = std::min(combined.credit_bytes, demand.credit_bytes);
+    } else if (demand.lossless == combined.lossless) {
+      combined.queue_depth = std::max(combined.queue_depth, demand.queue_depth);
+    }
+  }
+  return combined;
+}
+
+void Session::Core::Notify() noexcept {
+  {
+    const std::scoped_lock lock(changed_mutex_);
+    ++changes_;
+  }
+  changed_.notify_all();
+}
+
+// The predicate takes other locks, so it is asked outside this one.
+template <class Predicate>
+bool Session::Core::WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    std::unique_lock lock(changed_mutex_);
+    const std::uint64_t seen = changes_;
+    lock.unlock();
+    if (predicate()) return true;
+    lock.lock();
+    if (!changed_.wait_until(lock, deadline, [&] { return changes_ != seen; })) return predicate();
+  }
+}
+
+bool Session::Core::WaitForSubscribers(std::string_view channel, std::size_t count,
+                                       std::chrono::nanoseconds timeout) const {
+  return WaitUntil(timeout, [&] {
+    const std::scoped_lock lock(mutex_);
+    const auto outlet = outlets_.find(channel);
+    return graph_->NodeCount(channel) + (outlet == outlets_.end() ? 0 : outlet->second->subscriber_count()) >= count;
+  });
+}
+
+bool Session::Core::WaitForPublishers(std::string_view channel, std::size_t count,
+                                      std::chrono::nanoseconds timeout) const {
+  return WaitUntil(timeout, [&] {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = inflows_.find(channel);
+    return entry != inflows_.end() && entry->second.inlet->publisher_count() >= count;
+  });
+}
+
+void Session::Core::AllowPublishing(std::string_view channel, bool allowed) {
+  RequireChannelName(channel);
+  const std::scoped_lock lock(mutex_);
+  for (EndpointConfig& endpoint : config_.publishers) {
+    if (endpoint.all_channels && allowed) continue;
+    RequireList(endpoint, channel);
+    Allow(endpoint, channel, allowed);
+    Carrier().SetPublishChannels(endpoint.endpoint, ListOf(endpoint));
+  }
+}
+
+void Session::Core::AllowSubscribing(std::string_view channel, bool allowed) {
+  RequireChannelName(channel);
+  const std::scoped_lock lock(mutex_);
+  for (EndpointConfig& endpoint : config_.subscribers) {
+    if (endpoint.all_channels && allowed) continue;
+    RequireList(endpoint, channel);
+    Allow(endpoint, channel, allowed);
+    Carrier().SetSubscribeChannels(endpoint.endpoint, ListOf(endpoint));
+  }
+}
+
+void Session::Core::AddPublisherEndpoint(const EndpointConfig& endpoint) {
+  const std::scoped_lock lock(mutex_);
+  Carrier().AddPublishEndpoint({endpoint.endpoint, ListOf(endpoint)});
+  config_.publishers.push_back(endpoint);
+}
+
+void Session::Core::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
+  const std::scoped_lock lock(mutex_);
+  const auto key = config_.security.servers.find(endpoint.endpoint);
+  Carrier().AddSubscribeEndpoint(
+      {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});
+  config_.subscribers.push_back(endpoint);
+}
+
+void Session::Core::RemoveSubscriberEndpoint(std::string_view endpoint) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(config_.subscribers, [&](const EndpointConfig& one) { return one.endpoint == endpoint; });
+  if (!carrier_ || !carrier_->RemoveSubscribeEndpoint(std::string(endpoint))) {
+    throw Error("There is no subscriber endpoint " + std::string(endpoint) + ".");
+  }
+}
+
+std::vector<std::string> Session::Core::PublisherEndpoints() const {
+  const std::scoped_lock lock(mutex_);
+  return carrier_ ? carrier_->BoundEndpoints() : std::vector<std::string>();
+}
+
+std::vector<PeerInfo> Session::Core::Peers() const {
+  const std::scoped_lock lock(mutex_);
+  return carrier_ ? carrier_->Peers() : std::vector<PeerInfo>();
+}
+
+SessionSnapshot Session::Core::Snapshot() const {
+  SessionSnapshot snapshot;
+  snapshot.id = id_;
+  snapshot.name = name_;
+  snapshot.graph = graph_->Snapshot();
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [name, outlet] : outlets_) {
+    ChannelTraffic traffic;
+    traffic.channel = name;
+    outlet->AddTo(traffic);
+    if (const auto entry = inflows_.find(name); entry != inflows_.end()) entry->second.inlet->AddTo(traffic);
+    snapshot.traffic.push_back(std::move(traffic));
+  }
+  if (carrier_) {
+    snapshot.peers = carrier_->Peers();
+    snapshot.transport = carrier_->stats();
+  }
+  return snapshot;
+}
+
+// Not on the carrier's thread: a node on this channel may run inline.
+void Session::Core::PublishEvent(PeerEvent event) noexcept {
+  errands_->Post([this, shared = std::make_shared<const PeerEvent>(std::move(event))] {
+    if (events_(shared) == PublishStatus::kFull) {
+      log_->WriteLimited(LogLevel::kWarning, "peer events", "A peer event was not delivered: a lossless node is full.");
+    }
+  });
+  Notify();
+}
+
+void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
+  log_->Write(LogLevel::kInfo,
+              "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
+                  (peer.endpoint.empty() ? ") has connected." : ") answers at " + peer.endpoint + "."));
+  PublishEvent({PeerEvent::Kind::kCame, peer, {}, {}});
+}
+
+void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
+  log_->Write(LogLevel::kInfo, "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
+                                   ") is gone: " + std::string(reason));
+  PublishEvent({PeerEvent::Kind::kGone, peer, {}, std::string(reason)});
+}
+
+void Session::Core::OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept {
+  log_->Write(LogLevel::kError, "Channel \"" + std::string(channel) + "\" does not fit session " + peer.id.ToString() +
+                                    " (" + peer.process + "): " + std::string(what));
+  PublishEvent({PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), std::string(what)});
+}
+
+}  // namespace hgros

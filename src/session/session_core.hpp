@@ -1,0 +1,108 @@
+#pragma once
+
+#include <condition_variable>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <string>
+
+#include "hgros/session/session.hpp"
+#include "hgros/transport/zmq_transport.hpp"
+#include "session/channel_inlet.hpp"
+#include "session/channel_outlet.hpp"
+#include "session/errand_thread.hpp"
+
+namespace hgros {
+
+// Joins the data graph to the carrier.
+//
+// Thread safety: all public functions from any thread.
+// Invariants: mutex_ guards the wiring; neither the carrier's callbacks nor the publish path takes it, so the carrier
+// may be called under it, except for what waits for callbacks: ending an inbound channel. That is done outside the
+// lock, by Reconcile(), one thread per channel at a time, and from within callbacks by the errand thread.
+class Session::Core final : public TransportListener {
+ public:
+  Core(Config config, SessionOptions options);
+  ~Core() override;
+
+  Channel& Open(std::string_view name, const TypeInfo& type, const std::source_location& where);
+  Channel& OpenAny(std::string_view name, const TypeInfo& type, const std::source_location& where);
+  void Latch(Channel& channel, std::size_t count);
+  Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  Subscription SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+
+  bool WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const;
+  bool WaitForPublishers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const;
+
+  void AllowPublishing(std::string_view channel, bool allowed);
+  void AllowSubscribing(std::string_view channel, bool allowed);
+  void AddPublisherEndpoint(const EndpointConfig& endpoint);
+  void AddSubscriberEndpoint(const EndpointConfig& endpoint);
+  void RemoveSubscriberEndpoint(std::string_view endpoint);
+  std::vector<std::string> PublisherEndpoints() const;
+
+  std::vector<PeerInfo> Peers() const;
+  SessionSnapshot Snapshot() const;
+
+  void OnPeerCame(const PeerInfo& peer) noexcept override;
+  void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
+  void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+
+  [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
+  [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
+  [[nodiscard]] SessionId id() const noexcept { return id_; }
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const Config& config() const noexcept { return config_; }
+
+ private:
+  // What this session's subscriptions to one channel ask of remote publishers, and how far that is put into effect.
+  struct Inflow {
+    std::shared_ptr<ChannelInlet> inlet;
+    std::list<Demand> wanted;
+    bool joined = false;
+    bool busy = false;  // A thread is in Reconcile() for this channel.
+  };
+  // Lets subscriptions that outlive the session find out that it is gone.
+  struct Alive {
+    std::shared_mutex mutex;
+    Core* core = nullptr;
+  };
+  class DemandTicket;
+
+  ZmqTransport& Carrier();
+  NodeOptions WithChannelConfig(const Channel& channel, NodeOptions options) const;
+  void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);
+  // Joins or ends the inbound channel as the wanted demands say.
+  void Reconcile(const std::string& channel);
+  static Demand Combine(const std::list<Demand>& wanted);
+  void Notify() noexcept;
+  void PublishEvent(PeerEvent event) noexcept;
+
+  template <class Predicate>
+  bool WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const;
+
+  Config config_;
+  const SessionId id_;
+  const std::string name_;
+  const MessageId publisher_;
+  const std::shared_ptr<Log> log_;
+
+  const std::shared_ptr<Alive> alive_ = std::make_shared<Alive>();
+
+  mutable std::mutex changed_mutex_;
+  mutable std::condition_variable changed_;
+  std::uint64_t changes_ = 0;
+
+  mutable std::mutex mutex_;
+  std::unique_ptr<DataGraph> graph_;
+  Publisher<PeerEvent> events_;
+  std::optional<ErrandThread> errands_;
+  std::unique_ptr<ZmqTransport> carrier_;
+  std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
+  std::map<std::string, Inflow, std::less<>> inflows_;
+};
+
+}  // namespace hgros

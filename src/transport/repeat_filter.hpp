@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+
+#include "hgros/base/ids.hpp"
+
+namespace hgros {
+
+/// Recognises messages that came before, by publisher, incarnation and sequence.
+///
+/// Threads that publish through one handle may overtake each other between numbering and sending, so a window of the
+/// last kWindow sequences is remembered bit by bit; what is older counts as a repeat.
+/// Thread safety: none; the owner guards it.
+class RepeatFilter {
+ public:
+  static constexpr std::uint64_t kWindow = 256;
+
+  /// True if the message is new, and remembers it. Messages without a publisher or sequence are always new.
+  [[nodiscard]] bool Pass(const MessageId& id);
+
+ private:
+  struct Seen {
+    std::uint64_t incarnation = 0;
+    std::uint64_t highest = 0;
+    std::array<std::uint64_t, kWindow / 64> bits{};  // Bit s % kWindow belongs to sequence s.
+  };
+  std::unordered_map<std::uint64_t, Seen> publishers_;
+};
+
+}  // namespace hgros

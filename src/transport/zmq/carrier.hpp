@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "hgros/base/log.hpp"
+#include "hgros/transport/transport.hpp"
+#include "hgros/transport/zmq_transport.hpp"
+#include "transport/fork_guard.hpp"
+#include "transport/waker.hpp"
+#include "transport/zmq/control.hpp"
+#include "transport/zmq/socket.hpp"
+
+namespace hgros::zmq {
+
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+/// Calls into the session, collected under an endpoint's mutex and made when no mutex is held.
+using Actions = std::vector<std::function<void()>>;
+
+/// The sessions in reach. One that is connected both ways comes and goes once.
+/// Thread safety: Came and Gone on the leading thread only; List anywhere.
+class PeerRegistry {
+ public:
+  explicit PeerRegistry(TransportListener& listener) : listener_(listener) {}
+  void Came(const PeerInfo& peer);
+  void Gone(const PeerInfo& peer, std::string_view reason);
+  [[nodiscard]] std::vector<PeerInfo> List() const;
+
+ private:
+  struct Entry {
+    PeerInfo info;
+    std::size_t connections = 0;
+  };
+  TransportListener& listener_;
+  mutable std::mutex mutex_;
+  std::unordered_map<SessionId, Entry> peers_;
+};
+
+/// What all endpoints of one transport share.
+/// Thread safety: all of it; `options` and `self` never change.
+struct Carrier {
+  Carrier(ZmqOptions given, TransportListener& told, Log& voice);
+
+  /// Counts a packet that was dropped, and says so once in a while. `where` is an endpoint or a peer.
+  void CountFault(PacketFault fault, std::string_view where, std::string_view what);
+  /// Has the leading thread make these calls.
+  void Post(Actions&& actions);
+  [[nodiscard]] Actions TakePosted();
+
+  const ZmqOptions options;
+  const SessionFacts self;
+  TransportListener& listener;
+  Log& log;
+  ForkGuard fork;
+  const std::shared_ptr<Waker> waker = std::make_shared<Waker>();
+  PeerRegistry peers;
+  std::array<std::atomic<std::uint64_t>, kPacketFaultCount> faults{};
+  std::atomic<bool> closing{false};
+  Context context;
+
+ private:
+  std::mutex posted_mutex_;
+  Actions posted_;
+};
+
+/// Uses a socket from a thread that does not read from it. Sending works through the socket's commands as well, and
+/// that may swallow the signal for input that has come: so at the end of use the waiting thread is told to look.
+class SocketUse {
+ public:
+  SocketUse(std::mutex& mutex, Socket& socket, std::atomic<bool>& input, Waker& waker)
+      : lock_(mutex), socket_(socket), input_(input), waker_(waker) {}
+  ~SocketUse() {
+    if (!socket_.HasInput()) return;
+    if (!input_.exchange(true)) waker_.Wake();
+  }
+  SocketUse(const SocketUse&) = delete;
+  SocketUse& operator=(const SocketUse&) = delete;
+
+ private:
+  std::scoped_lock<std::mutex> lock_;
+  Socket& socket_;
+  std::atomic<bool>& input_;
+  Waker& waker_;
+};
+
+}  // namespace hgros::zmq

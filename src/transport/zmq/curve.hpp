@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "transport/zmq/socket.hpp"
+
+namespace hgros {
+struct ZmqSecurity;
+class Log;
+}  // namespace hgros
+
+namespace hgros::zmq {
+
+/// Make a socket speak CURVE only. Throw Error for keys that are none.
+void SecureServer(Socket& socket, const ZmqSecurity& security);
+void SecureClient(Socket& socket, const ZmqSecurity& security, const std::string& server_key);
+
+/// Answers ZeroMQ's question whether a client may connect (https://rfc.zeromq.org/spec/27/): only those whose public
+/// key is on the list. Made before the first socket is bound.
+/// Thread safety: Serve() is the leading thread's; refused() anywhere.
+class AdmissionDesk {
+ public:
+  AdmissionDesk(Context& context, const ZmqSecurity& security, Log& log);
+  [[nodiscard]] int fd() const noexcept { return fd_; }
+  void Serve();
+  [[nodiscard]] std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
+  void Close() { socket_.Close(0); }
+
+ private:
+  Socket socket_;
+  int fd_;
+  Log& log_;
+  std::set<std::string, std::less<>> allowed_;  // 32-byte keys.
+  std::atomic<std::uint64_t> refused_{0};
+};
+
+}  // namespace hgros::zmq

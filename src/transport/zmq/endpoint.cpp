@@ -1,0 +1,100 @@
+#include "transport/zmq/endpoint.hpp"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/ids.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+constexpr std::string_view kIpc = "ipc://";
+constexpr std::string_view kTcp = "tcp://";
+constexpr std::size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
+
+/// Whether a process accepts connections on the unix socket. '@' stands for the abstract name space.
+bool SomebodyListens(std::string_view path) {
+  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd < 0) return false;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.data(), path.size());
+  if (path.front() == '@') address.sun_path[0] = '\0';
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() +
+                                           (path.front() == '@' ? 0 : 1));
+  const int rc = connect(fd, reinterpret_cast<const sockaddr*>(&address), size);
+  // A full backlog belongs to somebody who listens, if slowly.
+  const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS;
+  close(fd);
+  return listens;
+}
+
+std::string Mend(int error, bool ipc) {
+  switch (error) {
+    case EADDRINUSE:
+      return "Another program uses the port: end it, or choose another port; \"tcp://127.0.0.1:*\" takes a free one.";
+    case EACCES:
+      return ipc ? "Choose a folder this user may write to." : "Ports below 1024 need privileges: choose a higher one.";
+    case ENOENT: return "Create the folder of the ipc path first.";
+    case ENODEV:
+    case EADDRNOTAVAIL: return "The address is not one of this machine's: use one of them, or tcp://*:port for all.";
+    case EINVAL: return "Write it as tcp://address:port or ipc:///path.";
+    default: return {};
+  }
+}
+
+}  // namespace
+
+std::string FullEndpoint(std::string_view endpoint) {
+  const std::string full =
+      endpoint.find("://") == std::string_view::npos ? std::string(kTcp).append(endpoint) : std::string(endpoint);
+  if (full.starts_with(kIpc)) {
+    const std::size_t path_bytes = full.size() - kIpc.size();
+    if (path_bytes == 0) throw Error("The endpoint " + full + " has no path.", {}, "Write it as ipc:///path.");
+    if (path_bytes > kMaxPathBytes) {
+      throw Error("The path of the endpoint " + full + " has " + std::to_string(path_bytes) + " bytes; a unix socket's may have " +
+                      std::to_string(kMaxPathBytes) + ".",
+                  {}, "Choose a shorter path.");
+    }
+  } else if (!full.starts_with(kTcp) || full.size() == kTcp.size()) {
+    throw Error("The endpoint " + full + " cannot be used.", {}, "Write it as tcp://address:port or ipc:///path.");
+  }
+  return full;
+}
+
+void BindOrThrow(Socket& socket, const std::string& endpoint) {
+  const bool ipc = endpoint.starts_with(kIpc);
+  if (ipc && endpoint != "ipc://*") {
+    const std::string_view path = std::string_view(endpoint).substr(kIpc.size());
+    if (SomebodyListens(path)) {
+      throw Error("Cannot publish at " + endpoint + ": another program listens there.", {},
+                  "End the other program, or choose another path.");
+    }
+  }
+  const int error = socket.Bind(endpoint);
+  if (error != 0) {
+    throw Error("Cannot publish at " + endpoint + ": " + zmq_strerror(error) + ".", {}, Mend(error, ipc));
+  }
+}
+
+void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept {
+  constexpr int kPatienceMs = 1000;
+  // ZeroMQ closes the listening socket on its own thread, and tells of it on a monitor.
+  void* monitor = zmq_socket(context.raw(), ZMQ_PAIR);
+  if (monitor == nullptr) return;
+  const std::string monitored = "inproc://closing-" + std::to_string(RandomId());
+  if (zmq_socket_monitor(socket.raw(), monitored.c_str(), ZMQ_EVENT_CLOSED | ZMQ_EVENT_CLOSE_FAILED) == 0 &&
+      zmq_connect(monitor, monitored.c_str()) == 0 && zmq_unbind(socket.raw(), bound.c_str()) == 0) {
+    zmq_pollitem_t item{monitor, 0, ZMQ_POLLIN, 0};
+    zmq_poll(&item, 1, kPatienceMs);
+  }
+  zmq_socket_monitor(socket.raw(), nullptr, 0);
+  zmq_close(monitor);
+}
+
+}  // namespace hgros::zmq

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "hgros/transport/transport.hpp"
+#include "transport/call_gate.hpp"
+#include "transport/zmq/carrier.hpp"
+
+namespace hgros::zmq {
+
+/// One advertised channel, as all publish endpoints see it.
+/// Thread safety: all of it.
+struct OutboundCore {
+  OutboundCore(std::string_view channel, const TypeInfo& message_type, OutboundSource& owner)
+      : name(channel), plain_topic(PlainTopic(channel)), type(message_type), source(owner) {}
+
+  /// A subscriber (a session, or the plain ones of one endpoint) has come or gone.
+  static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, bool plain, int change, Actions& actions);
+  /// Tells the source of room if it was refused some. The caller holds the mutex of an endpoint.
+  static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
+
+  const std::string name;
+  const std::string plain_topic;
+  const TypeInfo& type;
+  OutboundSource& source;  // Called through `gate` only.
+  CallGate gate;
+  std::atomic<std::size_t> subscribers{0};
+  std::atomic<std::size_t> lossless{0};
+  std::atomic<bool> refused{false};  // Reserve() said kFull since the source was last told of room.
+  std::atomic<std::uint64_t> sent{0};
+  std::atomic<std::uint64_t> dropped{0};
+  std::atomic<std::uint64_t> missed{0};
+  std::atomic<std::uint64_t> queued_bytes{0};
+
+ private:
+  std::mutex count_mutex_;
+  int peers_ = 0;
+  int plain_endpoints_ = 0;
+};
+
+}  // namespace hgros::zmq

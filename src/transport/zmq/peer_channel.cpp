@@ -1,0 +1,134 @@
+#include "transport/zmq/peer_channel.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace hgros::zmq {
+namespace {
+
+constexpr std::uint32_t kMaxDepth = 1u << 20;
+constexpr std::uint32_t kMaxCreditMessages = 1u << 16;
+constexpr std::uint64_t kMaxCreditBytes = 4ULL << 30;
+
+}  // namespace
+
+PeerChannel::PeerChannel(const Demand& granted) : demand_(granted) {}
+
+Demand PeerChannel::Granted(const Demand& asked) noexcept {
+  return {.lossless = asked.lossless,
+          .queue_depth = std::clamp(asked.queue_depth, 1u, kMaxDepth),
+          .credit_messages = std::clamp(asked.credit_messages, 1u, kMaxCreditMessages),
+          .credit_bytes = std::clamp<std::uint64_t>(asked.credit_bytes, 1, kMaxCreditBytes)};
+}
+
+std::size_t PeerChannel::SetDemand(const Demand& granted) {
+  if (demand_.lossless && !granted.lossless) {
+    unconfirmed_.clear();
+    reserved_ = 0;
+  }
+  // What went before cannot be sent again: only messages from now on are promised.
+  if (!demand_.lossless && granted.lossless) {
+    confirmed_messages_ = sent_messages_;
+    confirmed_bytes_ = sent_bytes_;
+  }
+  demand_ = granted;
+  return Trim(~std::uint64_t{0});
+}
+
+bool PeerChannel::HasCredit() const noexcept {
+  return sent_messages_ - confirmed_messages_ < demand_.credit_messages &&
+         sent_bytes_ - confirmed_bytes_ < demand_.credit_bytes;
+}
+
+bool PeerChannel::HasRoom() const noexcept {
+  const std::uint64_t live = ring_.size() - latched_waiting_;
+  return sent_messages_ - confirmed_messages_ + live + reserved_ < demand_.credit_messages &&
+         sent_bytes_ - confirmed_bytes_ + waiting_bytes_ < demand_.credit_bytes;
+}
+
+bool PeerChannel::IsLatched(const MessageId& id) const {
+  if (id.publisher == 0 || id.sequence == 0) return false;
+  const auto last = last_latched_.find(id.publisher);
+  return last != last_latched_.end() && last->second.incarnation == id.incarnation &&
+         id.sequence <= last->second.sequence;
+}
+
+void PeerChannel::Push(QueuedMessage message) {
+  CancelReservation();
+  if (IsLatched(message.id)) return;
+  waiting_bytes_ += message.bytes;
+  ring_.push_back(std::move(message));
+}
+
+std::optional<QueuedMessage> PeerChannel::Pop() {
+  if (!begun_ || paused_ || ring_.empty() || !HasCredit()) return std::nullopt;
+  QueuedMessage message = std::move(ring_.front());
+  ring_.pop_front();
+  if (latched_waiting_ > 0) --latched_waiting_;
+  waiting_bytes_ -= message.bytes;
+  ++sent_messages_;
+  sent_bytes_ += message.bytes;
+  if (demand_.lossless) unconfirmed_.push_back(message);
+  return message;
+}
+
+std::size_t PeerChannel::Trim(std::uint64_t spare_bytes) {
+  if (demand_.lossless) return 0;
+  std::size_t dropped = 0;
+  std::uint64_t freed = 0;
+  const std::uint64_t excess = waiting_bytes_ > spare_bytes ? waiting_bytes_ - spare_bytes : 0;
+  while (ring_.size() - latched_waiting_ > demand_.queue_depth ||
+         (freed < excess && ring_.size() - latched_waiting_ > 1)) {
+    const auto oldest = ring_.begin() + static_cast<std::ptrdiff_t>(latched_waiting_);
+    freed += oldest->bytes;
+    waiting_bytes_ -= oldest->bytes;
+    ring_.erase(oldest);
+    ++dropped;
+  }
+  return dropped;
+}
+
+void PeerChannel::Begin(std::vector<QueuedMessage> latched) {
+  for (const auto& message : latched) {
+    auto& last = last_latched_[message.id.publisher];
+    if (std::pair(message.id.incarnation, message.id.sequence) > std::pair(last.incarnation, last.sequence)) {
+      last = message.id;
+    }
+  }
+  std::erase_if(ring_, [this](const QueuedMessage& waiting) { return IsLatched(waiting.id); });
+  latched_waiting_ = latched.size();
+  ring_.insert(ring_.begin(), std::make_move_iterator(latched.begin()), std::make_move_iterator(latched.end()));
+  waiting_bytes_ = 0;
+  for (const auto& message : ring_) waiting_bytes_ += message.bytes;
+  begun_ = true;
+}
+
+bool PeerChannel::Confirm(std::uint64_t messages, std::uint64_t bytes) {
+  if (messages > sent_messages_ || bytes > sent_bytes_) return false;
+  if (messages < confirmed_messages_ || bytes < confirmed_bytes_) return true;  // Old news.
+  if (demand_.lossless) {
+    const auto count = std::min<std::uint64_t>(messages - confirmed_messages_, unconfirmed_.size());
+    unconfirmed_.erase(unconfirmed_.begin(), unconfirmed_.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  confirmed_messages_ = messages;
+  confirmed_bytes_ = bytes;
+  return true;
+}
+
+std::optional<std::uint64_t> PeerChannel::Resume(std::uint64_t received_messages, std::uint64_t received_bytes) {
+  if (received_messages < confirmed_messages_ || received_messages > sent_messages_) return std::nullopt;
+  if (received_bytes < confirmed_bytes_ || received_bytes > sent_bytes_) return std::nullopt;
+  std::uint64_t lost = sent_messages_ - received_messages;
+  while (demand_.lossless && lost > 0 && !unconfirmed_.empty()) {
+    waiting_bytes_ += unconfirmed_.back().bytes;
+    ring_.push_front(std::move(unconfirmed_.back()));
+    unconfirmed_.pop_back();
+    --lost;
+  }
+  sent_messages_ = received_messages;
+  sent_bytes_ = received_bytes;
+  paused_ = false;
+  return lost;
+}
+
+}  // namespace hgros::zmq

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "hgros/base/ids.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros::zmq {
+
+class WireMessage;
+
+/// A message waiting for one peer, or sent and not confirmed.
+struct QueuedMessage {
+  std::shared_ptr<const WireMessage> wire;
+  MessageId id;
+  std::uint64_t bytes = 0;
+};
+
+/// The sending side of one channel towards one peer: a ring of what waits, the credit of what may go, and for
+/// lossless peers what went and was not confirmed. Knows no socket; its owner sends what Pop() gives.
+///
+/// Messages are numbered from 1 in the order of Pop(); these numbers are the link's, not the publisher's. All counts
+/// are cumulative, so a lost confirmation is made good by the next one.
+///
+/// Thread safety: none; the endpoint's mutex guards it.
+/// Invariants: confirmed <= sent; Pop() gives nothing while sent - confirmed has used up the credit, or while the
+/// link is paused or not begun. Lossless: nothing is ever dropped, and the unconfirmed are exactly the messages
+/// confirmed + 1 ... sent. Keep-last: at most queue_depth live messages wait.
+class PeerChannel {
+ public:
+  explicit PeerChannel(const Demand& granted);
+
+  /// A window no publisher grants more than, whatever a peer asks for; zeros become the least that works.
+  [[nodiscard]] static Demand Granted(const Demand& asked) noexcept;
+
+  [[nodiscard]] bool lossless() const noexcept { return demand_.lossless; }
+  [[nodiscard]] const Demand& demand() const noexcept { return demand_; }
+  /// From the next message on; granted. Returns how many waiting messages were dropped for a smaller depth.
+  std::size_t SetDemand(const Demand& granted);
+
+  /// Lossless: whether a message can be promised.
+  [[nodiscard]] bool HasRoom() const noexcept;
+  void Reserve() noexcept { ++reserved_; }
+  void CancelReservation() noexcept {
+    if (reserved_ > 0) --reserved_;
+  }
+
+  /// Takes a committed message and its reservation, if it has one.
+  void Push(QueuedMessage message);
+  /// The next message that may be sent now, counted as sent; its number on the link is sent(). None: credit is used
+  /// up, or nothing waits.
+  [[nodiscard]] std::optional<QueuedMessage> Pop();
+  /// Keep-last: drops the oldest live messages beyond the depth, and beyond `spare_bytes` as long as another is left.
+  /// Returns how many. To be called when Pop() has given all it can.
+  std::size_t Trim(std::uint64_t spare_bytes);
+
+  /// Opens the link. The latched messages go first; waiting and later live ones that they include are skipped.
+  void Begin(std::vector<QueuedMessage> latched);
+
+  /// The peer has consumed so much, all in all; less than before changes nothing. False if it is more than was sent:
+  /// that is ignored as well.
+  bool Confirm(std::uint64_t messages, std::uint64_t bytes);
+
+  /// Nothing goes until Resume(); commits wait in the ring.
+  void Pause() noexcept { paused_ = true; }
+  [[nodiscard]] bool paused() const noexcept { return paused_; }
+  /// Goes on after a cut, the peer having received so much, all in all: a lossless link sends the rest again.
+  /// Returns how many messages are lost for good (keep-last), or nothing if the peer's counts cannot be.
+  [[nodiscard]] std::optional<std::uint64_t> Resume(std::uint64_t received_messages, std::uint64_t received_bytes);
+
+  [[nodiscard]] std::uint64_t sent() const noexcept { return sent_messages_; }
+  [[nodiscard]] std::uint64_t waiting_bytes() const noexcept { return waiting_bytes_; }
+  [[nodiscard]] std::size_t waiting() const noexcept { return ring_.size(); }
+  /// What a lossless peer would miss if it died now.
+  [[nodiscard]] std::size_t unfinished() const noexcept { return unconfirmed_.size() + ring_.size(); }
+
+ private:
+  [[nodiscard]] bool HasCredit() const noexcept;
+  [[nodiscard]] bool IsLatched(const MessageId& id) const;
+
+  Demand demand_;
+  bool begun_ = false;
+  bool paused_ = false;
+  std::deque<QueuedMessage> ring_;
+  std::size_t latched_waiting_ = 0;  // The first so many of ring_ are latched ones: not subject to the depth.
+  std::uint64_t waiting_bytes_ = 0;
+  std::deque<QueuedMessage> unconfirmed_;
+  std::uint64_t reserved_ = 0;
+  std::uint64_t sent_messages_ = 0;
+  std::uint64_t sent_bytes_ = 0;
+  std::uint64_t confirmed_messages_ = 0;
+  std::uint64_t confirmed_bytes_ = 0;
+  std::unordered_map<std::uint64_t, MessageId> last_latched_;  // By publisher.
+};
+
+}  // namespace hgros::zmq

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "transport/zmq/carrier.hpp"
+#include "transport/zmq/outbound.hpp"
+#include "transport/zmq/peer_channel.hpp"
+#include "transport/zmq/wire_message.hpp"
+
+namespace hgros::zmq {
+
+/// One bound XPUB socket, the sessions that subscribe there, and their links.
+///
+/// Thread safety: all functions; `mutex_` guards socket, peers and links. Publishing threads send under it. Serve()
+/// and Tick() are the leading thread's; calls into the session are handed back as actions, made without the mutex.
+/// Invariants: a peer is one whose Hello answered our last Welcome. A link belongs to a peer's wish and is listed in
+/// its channel. Between a Welcome and the Subscribe that answers it a link is paused: so what the subscriber had
+/// received when it saw the Welcome is all it will ever receive of what was sent before.
+class PublisherEndpoint {
+ public:
+  /// Binds. Throws Error.
+  PublisherEndpoint(Carrier& carrier, const PublishEndpoint& endpoint);
+  ~PublisherEndpoint();
+
+  [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
+  [[nodiscard]] const std::string& bound() const noexcept { return bound_; }
+  [[nodiscard]] int fd() const noexcept { return fd_; }
+
+  void Offer(const std::shared_ptr<OutboundCore>& core);
+  void Withdraw(const std::shared_ptr<OutboundCore>& core);
+  void SetChannels(const ChannelList& list);
+
+  /// For Reserve(), which needs all endpoints at once: all are locked, asked, and then made to promise.
+  [[nodiscard]] std::mutex& mutex() noexcept { return mutex_; }
+  [[nodiscard]] bool HasRoomLocked(const OutboundCore& core) const;
+  void ReserveLocked(const OutboundCore& core);
+  void Cancel(const OutboundCore& core);
+  void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message);
+
+  /// Reads what has come. `readable`: the descriptor is. True if there may be more.
+  bool Serve(bool readable, Actions& actions);
+  void Tick(SteadyTime now, Actions& actions);
+  /// The waiting thread was asleep itself: nobody's silence counts.
+  void Forgive(SteadyTime now);
+  [[nodiscard]] bool AllSent() const;
+  /// Says goodbye.
+  void Close(int linger_ms, Actions& actions);
+
+ private:
+  struct Peer;
+  struct Link {
+    Link(Peer& owner, std::shared_ptr<OutboundCore> channel, const Demand& granted, SessionId subscriber);
+    Peer& peer;
+    const std::shared_ptr<OutboundCore> core;
+    const std::uint64_t id;
+    PeerChannel flow;
+    std::string topic;                  // The last 8 bytes are the message's number.
+    std::uint64_t counted_bytes = 0;    // Of flow.waiting_bytes(), in the peer's and the channel's sums.
+    SteadyTime paused_since{};
+  };
+  struct Wish {
+    wire::Subscribe asked;
+    std::unique_ptr<Link> link;
+  };
+  struct Peer {
+    SessionFacts facts;
+    std::string topic;  // Its control topic.
+    std::uint64_t handshake = 0;
+    SteadyTime last_heard{};
+    bool cut = false;
+    std::uint64_t waiting_bytes = 0;
+    std::unordered_map<std::string, Wish> wishes;  // By channel.
+    std::unordered_set<std::string> told_mismatch;
+  };
+  struct Channel {
+    std::shared_ptr<OutboundCore> core;
+    bool allowed = true;
+    bool plain = false;
+    std::vector<Link*> links;
+  };
+  struct Greeting {
+    std::uint64_t handshake = 0;
+    SteadyTime when{};
+  };
+
+  // publisher_endpoint.cpp: channels and data.
+  void Drain(Link& link);
+  void CountWaiting(Link& link);
+  void UpdatePlain(Channel& channel, Actions& actions);
+  void RemoveLink(Wish& wish, bool died, Actions& actions);
+  void CloseChannel(Channel& channel, Actions& actions);
+  void OpenChannel(Channel& channel, Actions& actions);
+  [[nodiscard]] bool Allowed(const std::string& channel) const;
+  void StartLink(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link_id);
+
+  // publisher_control.cpp: what subscribers say.
+  void OnFrame(Message& frame, Actions& actions);
+  void OnTopic(bool subscribed, std::string_view topic, Actions& actions);
+  void OnUpstream(Bytes bytes, Actions& actions);
+  void OnHello(SessionId session, const wire::Hello& hello, Actions& actions);
+  void OnSubscribe(Peer& peer, const wire::Subscribe& subscribe, Actions& actions);
+  void OnUnsubscribe(Peer& peer, const wire::Unsubscribe& unsubscribe, Actions& actions);
+  void OnCredit(Peer& peer, const wire::Credit& credit, Actions& actions);
+  void Activate(Peer& peer, Wish& wish, Actions& actions);
+  void Greet(SessionId session, bool at_once);
+  void DropPeer(SessionId session, std::string_view reason, Actions& actions);
+  void PauseLinks(Peer& peer);
+  void TellMismatch(Peer& peer, const std::string& channel, const std::string& what, Actions& actions);
+  void SendSubscribed(Peer& peer, const Link& link, const std::string& descriptor_set);
+  void Say(const Peer& peer, const wire::Control& control) { Say(peer.topic, control); }
+  void Say(const std::string& topic, const wire::Control& control);
+
+  Carrier& carrier_;
+  const std::string endpoint_;
+  std::string bound_;
+  mutable std::mutex mutex_;
+  Socket socket_;
+  int fd_ = -1;
+  std::atomic<bool> input_{true};  // Input waits that the descriptor may no longer tell of.
+  std::optional<std::set<std::string, std::less<>>> allowed_;
+  std::unordered_map<std::string, Channel> channels_;
+  std::unordered_map<SessionId, std::unique_ptr<Peer>> peers_;
+  std::unordered_map<SessionId, Greeting> greetings_;
+  std::uint64_t last_handshake_;
+  std::set<std::string, std::less<>> plain_topics_;
+  const OutstandingBytes plain_bytes_ = std::make_shared<std::atomic<std::uint64_t>>(0);
+};
+
+}  // namespace hgros::zmq

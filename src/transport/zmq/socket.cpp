@@ -1,0 +1,134 @@
+#include "transport/zmq/socket.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <new>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+[[noreturn]] void ThrowZmq(std::string_view what) {
+  throw Error(std::string(what) + ": " + zmq_strerror(zmq_errno()) + ".");
+}
+
+}  // namespace
+
+Context::Context() : raw_(zmq_ctx_new()) {
+  if (raw_ == nullptr) ThrowZmq("Cannot create a ZeroMQ context");
+}
+
+Context::~Context() {
+  if (raw_ == nullptr) return;
+  while (zmq_ctx_term(raw_) != 0 && zmq_errno() == EINTR) {
+  }
+}
+
+Message Message::CopyOf(Bytes bytes) {
+  Message message;
+  if (zmq_msg_init_size(&message.raw_, bytes.size()) != 0) {
+    zmq_msg_init(&message.raw_);
+    throw std::bad_alloc();
+  }
+  if (!bytes.empty()) std::memcpy(zmq_msg_data(&message.raw_), bytes.data(), bytes.size());
+  return message;
+}
+
+Message Message::View(Bytes bytes, void (*release)(void*, void*), void* hint) {
+  Message message;
+  // ZeroMQ wants a mutable pointer but does not write to what it sends.
+  auto* data = const_cast<std::byte*>(bytes.data());
+  if (zmq_msg_init_data(&message.raw_, data, bytes.size(), release, hint) != 0) {
+    zmq_msg_init(&message.raw_);
+    release(data, hint);
+    throw std::bad_alloc();
+  }
+  return message;
+}
+
+Socket::Socket(Context& context, int type) : raw_(zmq_socket(context.raw(), type)) {
+  if (raw_ == nullptr) ThrowZmq("Cannot create a ZeroMQ socket");
+}
+
+void Socket::Set(int option, int value) {
+  if (zmq_setsockopt(raw_, option, &value, sizeof value) != 0) {
+    ThrowZmq("ZeroMQ refuses option " + std::to_string(option) + " = " + std::to_string(value));
+  }
+}
+
+void Socket::Set(int option, std::int64_t value) {
+  if (zmq_setsockopt(raw_, option, &value, sizeof value) != 0) {
+    ThrowZmq("ZeroMQ refuses option " + std::to_string(option) + " = " + std::to_string(value));
+  }
+}
+
+void Socket::Set(int option, std::string_view value) {
+  // The value may be a secret key: it is not repeated.
+  if (zmq_setsockopt(raw_, option, value.data(), value.size()) != 0) {
+    ThrowZmq("ZeroMQ refuses the text of option " + std::to_string(option));
+  }
+}
+
+int Socket::Bind(const std::string& endpoint) { return zmq_bind(raw_, endpoint.c_str()) == 0 ? 0 : zmq_errno(); }
+
+int Socket::Connect(const std::string& endpoint) {
+  return zmq_connect(raw_, endpoint.c_str()) == 0 ? 0 : zmq_errno();
+}
+
+std::string Socket::LastEndpoint() const {
+  char text[512];
+  std::size_t size = sizeof text;
+  if (zmq_getsockopt(raw_, ZMQ_LAST_ENDPOINT, text, &size) != 0 || size == 0) return {};
+  return std::string(text, size - 1);
+}
+
+int Socket::Fd() const {
+  int fd = -1;
+  std::size_t size = sizeof fd;
+  if (zmq_getsockopt(raw_, ZMQ_FD, &fd, &size) != 0) ThrowZmq("ZeroMQ tells no descriptor");
+  return fd;
+}
+
+bool Socket::HasInput() noexcept {
+  if (raw_ == nullptr) return false;
+  int events = 0;
+  std::size_t size = sizeof events;
+  while (zmq_getsockopt(raw_, ZMQ_EVENTS, &events, &size) != 0) {
+    if (zmq_errno() != EINTR) return false;
+  }
+  return (events & ZMQ_POLLIN) != 0;
+}
+
+bool Socket::Receive(Message& frame) noexcept {
+  if (raw_ == nullptr) return false;
+  while (zmq_msg_recv(frame.raw(), raw_, ZMQ_DONTWAIT) < 0) {
+    if (zmq_errno() != EINTR) return false;
+  }
+  return true;
+}
+
+bool Socket::Send(std::string_view frame, bool more) noexcept {
+  if (raw_ == nullptr) return false;
+  while (zmq_send(raw_, frame.data(), frame.size(), ZMQ_DONTWAIT | (more ? ZMQ_SNDMORE : 0)) < 0) {
+    if (zmq_errno() != EINTR) return false;
+  }
+  return true;
+}
+
+bool Socket::Send(Message& frame, bool more) noexcept {
+  if (raw_ == nullptr) return false;
+  while (zmq_msg_send(frame.raw(), raw_, ZMQ_DONTWAIT | (more ? ZMQ_SNDMORE : 0)) < 0) {
+    if (zmq_errno() != EINTR) return false;
+  }
+  return true;
+}
+
+void Socket::Close(int linger_ms) noexcept {
+  if (raw_ == nullptr) return;
+  zmq_setsockopt(raw_, ZMQ_LINGER, &linger_ms, sizeof linger_ms);
+  zmq_close(raw_);
+  raw_ = nullptr;
+}
+
+}  // namespace hgros::zmq

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <zmq.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hgros/base/bytes.hpp"
+
+namespace hgros::zmq {
+
+/// Owns a ZeroMQ context. Destroyed after its sockets; then waits for their linger.
+class Context {
+ public:
+  Context();
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  [[nodiscard]] void* raw() const noexcept { return raw_; }
+  /// Forgets the context without touching it: for a forked child.
+  void Abandon() noexcept { raw_ = nullptr; }
+
+ private:
+  void* raw_;
+};
+
+/// Owns one frame.
+class Message {
+ public:
+  Message() noexcept { zmq_msg_init(&raw_); }
+  ~Message() { zmq_msg_close(&raw_); }
+  Message(Message&& other) noexcept {
+    zmq_msg_init(&raw_);
+    zmq_msg_move(&raw_, &other.raw_);
+  }
+  Message& operator=(Message&& other) noexcept {
+    if (this != &other) zmq_msg_move(&raw_, &other.raw_);
+    return *this;
+  }
+
+  /// Throws std::bad_alloc.
+  [[nodiscard]] static Message CopyOf(Bytes bytes);
+  /// Shows `bytes` to the network in place; `release` is called with `hint` on any thread when it has done with them.
+  [[nodiscard]] static Message View(Bytes bytes, void (*release)(void* data, void* hint), void* hint);
+
+  [[nodiscard]] Bytes bytes() const noexcept {
+    auto* message = const_cast<zmq_msg_t*>(&raw_);
+    return {static_cast<const std::byte*>(zmq_msg_data(message)), zmq_msg_size(message)};
+  }
+  [[nodiscard]] bool more() const noexcept { return zmq_msg_more(&raw_) != 0; }
+  [[nodiscard]] zmq_msg_t* raw() noexcept { return &raw_; }
+
+ private:
+  zmq_msg_t raw_;
+};
+
+/// Owns a socket.
+///
+/// Thread safety: none; the owner guards it with a mutex, which is the full fence that ZeroMQ asks for when a socket
+/// changes threads. The descriptor of Fd() may be polled without it.
+class Socket {
+ public:
+  /// Throws Error.
+  Socket(Context& context, int type);
+  ~Socket() { Close(0); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  void Set(int option, int value);
+  void Set(int option, std::int64_t value);
+  void Set(int option, std::string_view value);
+  /// 0, or the errno of the attempt.
+  [[nodiscard]] int Bind(const std::string& endpoint);
+  [[nodiscard]] int Connect(const std::string& endpoint);
+  [[nodiscard]] std::string LastEndpoint() const;
+  [[nodiscard]] int Fd() const;
+  /// True if a message can be received. Also works through the socket's pending commands, after which Fd() tells of
+  /// new ones only: who sees true must receive or make sure that somebody does.
+  [[nodiscard]] bool HasInput() noexcept;
+  /// Receives one frame without waiting; false if there is none.
+  bool Receive(Message& frame) noexcept;
+  /// Sends without waiting; false only if the socket is closed or its context is ending.
+  bool Send(std::string_view frame, bool more) noexcept;
+  bool Send(Message& frame, bool more) noexcept;
+  void Close(int linger_ms) noexcept;
+  void Abandon() noexcept { raw_ = nullptr; }
+  [[nodiscard]] bool closed() const noexcept { return raw_ == nullptr; }
+  [[nodiscard]] void* raw() const noexcept { return raw_; }
+
+ private:
+  void* raw_;
+};
+
+}  // namespace hgros::zmq

@@ -1,0 +1,278 @@
+// What a publisher says to a subscribe endpoint, and what it answers.
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "hgros/codec/packet.hpp"
+#include "transport/zmq/subscriber_endpoint.hpp"
+
+namespace hgros::zmq {
+
+void SubscriberEndpoint::Say(const wire::Control& control) { socket_.Send(UpstreamFrame(control), false); }
+
+void SubscriberEndpoint::SayHello(std::uint64_t handshake) {
+  auto said = ControlFrom(carrier_.self.info.id);
+  WriteFacts(carrier_.self, *said.mutable_hello()->mutable_facts());
+  said.mutable_hello()->set_handshake(handshake);
+  Say(said);
+}
+
+void SubscriberEndpoint::OnMonitor(Actions& actions) {
+  Message event;
+  Message address;
+  while (monitor_.Receive(event)) {
+    if (event.more()) monitor_.Receive(address);
+    std::uint16_t what = 0;
+    if (event.bytes().size() < sizeof what) continue;
+    std::memcpy(&what, event.bytes().data(), sizeof what);
+    if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+      connected_ = true;
+      welcomed_ = false;
+      connected_since_ = std::chrono::steady_clock::now();
+    } else if (what == ZMQ_EVENT_DISCONNECTED) {
+      connected_ = false;
+      plain_mode_ = false;
+      for (auto& [name, link] : links_) SetPlain(link, false);
+      LosePublisher("the connection was closed", false, actions);
+    }
+  }
+}
+
+void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& actions) {
+  const auto control = frames.size() == 1 ? ParseControl(frames[0].bytes()) : std::nullopt;
+  if (!control) {
+    carrier_.CountFault(PacketFault::kHead, endpoint_, "a control message that does not parse");
+    return;
+  }
+  const SessionId session{control->session()};
+  if (control->has_welcome()) {
+    OnWelcome(session, control->welcome(), actions);
+    return;
+  }
+  if (!publisher_ || publisher_->facts.info.id != session) return;
+  if (!publisher_->alive) {
+    // We gave it up, and it does not know, or was asleep.
+    if (connected_ && !control->has_bye()) SayHello(0);
+    return;
+  }
+  switch (control->what_case()) {
+    case wire::Control::kSubscribed: OnSubscribed(control->subscribed(), actions); break;
+    case wire::Control::kRefused: OnRefused(control->refused(), actions); break;
+    case wire::Control::kWithdrawn:
+      if (const auto found = links_.find(control->withdrawn().channel()); found != links_.end()) {
+        EndLink(found->second, actions);
+      }
+      break;
+    case wire::Control::kHeartbeat: break;
+    case wire::Control::kBye: LosePublisher("it said goodbye", true, actions); break;
+    default: carrier_.CountFault(PacketFault::kHead, endpoint_, "a subscriber's control message");
+  }
+}
+
+void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions) {
+  // All that the connection went through before this message is known to the monitor by now: first things first.
+  OnMonitor(actions);
+  welcomed_ = true;
+  plain_mode_ = false;
+  for (auto& [name, link] : links_) SetPlain(link, false);
+  if (session == carrier_.self.info.id) {
+    carrier_.log.WriteLimited(LogLevel::kInfo, "zmq self " + endpoint_,
+                              "The subscribe endpoint " + endpoint_ + " is this session's own: nothing is received there.",
+                              std::chrono::hours(24));
+    return;
+  }
+  if (welcome.facts().wire_major() != kWireMajor) {
+    carrier_.CountFault(PacketFault::kVersion, endpoint_,
+                        "the publisher speaks version " + std::to_string(welcome.facts().wire_major()));
+    return;
+  }
+  SessionFacts facts = ReadFacts(session, welcome.facts());
+  facts.info.endpoint = endpoint_;
+  if (publisher_ && (publisher_->facts.info.id != session || publisher_->facts.incarnation != facts.incarnation)) {
+    LosePublisher("another session took its place", true, actions);
+    publisher_.reset();
+  }
+  if (!publisher_) publisher_.emplace();
+  const bool came = !publisher_->alive;
+  publisher_->facts = std::move(facts);
+  publisher_->handshake = welcome.handshake();
+  publisher_->last_heard = std::chrono::steady_clock::now();
+  publisher_->alive = true;
+  connected_ = true;  // The monitor may be late.
+  if (came) actions.emplace_back([this, info = publisher_->facts.info] { carrier_.peers.Came(info); });
+  SayHello(welcome.handshake());
+  for (auto& [name, link] : links_) {
+    link.asked = false;
+    Ask(link);
+  }
+}
+
+void SubscriberEndpoint::Ask(Link& link) {
+  if (!publisher_ || !publisher_->alive || !link.allowed || link.asked) return;
+  if (!link.core->Claim(publisher_->facts.info.id, this)) return;
+  if (!link.subscribed) {
+    link.subscribed = true;
+    SubscribeTopic(PeerTopic(link.core->name, carrier_.self.info.id), true);
+  }
+  link.asked = true;
+  SendSubscribe(link, false);
+}
+
+void SubscriberEndpoint::SendSubscribe(const Link& link, bool change_only) {
+  const Demand demand = link.core->demand();
+  auto said = ControlFrom(carrier_.self.info.id);
+  auto& subscribe = *said.mutable_subscribe();
+  WriteType(link.core->name, link.core->type, *subscribe.mutable_wanted());
+  subscribe.set_handshake(publisher_->handshake);
+  subscribe.set_lossless(demand.lossless);
+  subscribe.set_queue_depth(demand.queue_depth);
+  subscribe.set_credit_messages(demand.credit_messages);
+  subscribe.set_credit_bytes(demand.credit_bytes);
+  subscribe.set_change_only(change_only);
+  if (link.id != 0) {
+    const auto received = link.credit->received();
+    subscribe.set_link(link.id);
+    subscribe.set_received_messages(received.messages);
+    subscribe.set_received_bytes(received.bytes);
+  }
+  Say(said);
+}
+
+void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Actions& actions) {
+  const std::string& name = subscribed.offered().channel();
+  const auto found = links_.find(name);
+  if (found == links_.end() || !found->second.asked || subscribed.link() == 0) return;
+  Link& link = found->second;
+  if (link.id == subscribed.link()) {
+    link.credit->SetWindow(subscribed.credit_messages(), subscribed.credit_bytes());
+    link.credit->Retell();
+  } else {
+    std::string fault;
+    switch (CompareTypes(subscribed.offered(), link.core->type)) {
+      case TypeFit::kEqual: break;
+      case TypeFit::kEvolved:
+        fault = SchemaFault(subscribed.descriptor_set(), link.core->type);
+        if (fault.empty()) {
+          carrier_.log.Write(LogLevel::kInfo, "Channel " + name + ": " + publisher_->facts.info.process +
+                                                  " publishes another, compatible version of " +
+                                                  link.core->type.name + ".");
+        }
+        break;
+      case TypeFit::kDiffer: fault = "the types differ"; break;
+    }
+    if (!fault.empty()) {
+      const std::string what = DescribeMismatch(subscribed.offered(), link.core->type) + ": " + fault;
+      StopAsking(link, what, actions);
+      link.asked = true;  // And refused: not again before the next Welcome.
+      TellMismatch(name, what, actions);
+      return;
+    }
+    link.id = subscribed.link();
+    link.credit = std::make_shared<LinkCredit>(subscribed.credit_messages(), subscribed.credit_bytes(), carrier_.waker);
+  }
+  if (!link.active) {
+    link.active = true;
+    InboundCore::CountPublisher(link.core, 1, actions);
+  }
+}
+
+void SubscriberEndpoint::OnRefused(const wire::Refused& refused, Actions& actions) {
+  const auto found = links_.find(refused.offered().channel());
+  if (found == links_.end() || !found->second.asked) return;
+  EndLink(found->second, actions);
+  TellMismatch(found->first, DescribeMismatch(refused.offered(), found->second.core->type), actions);
+}
+
+void SubscriberEndpoint::TellMismatch(const std::string& channel, const std::string& what, Actions& actions) {
+  if (!publisher_->told_mismatch.insert(channel).second) return;
+  actions.emplace_back([this, info = publisher_->facts.info, channel, what] {
+    carrier_.listener.OnTypeMismatch(channel, info, what);
+  });
+}
+
+void SubscriberEndpoint::EndLink(Link& link, Actions& actions) {
+  link.id = 0;
+  link.credit.reset();
+  if (!link.active) return;
+  link.active = false;
+  InboundCore::CountPublisher(link.core, -1, actions);
+}
+
+void SubscriberEndpoint::StopAsking(Link& link, std::string_view mismatch, Actions& actions) {
+  SetPlain(link, false);
+  if (link.subscribed) {
+    link.subscribed = false;
+    SubscribeTopic(PeerTopic(link.core->name, carrier_.self.info.id), false);
+  }
+  if (link.asked && publisher_ && publisher_->alive) {
+    auto said = ControlFrom(carrier_.self.info.id);
+    said.mutable_unsubscribe()->set_channel(link.core->name);
+    said.mutable_unsubscribe()->set_mismatch(std::string(mismatch));
+    Say(said);
+  }
+  link.asked = false;
+  if (publisher_ && link.core->Release(publisher_->facts.info.id, this)) actions.emplace_back(claims_freed_);
+  EndLink(link, actions);
+}
+
+void SubscriberEndpoint::LosePublisher(std::string_view reason, bool for_good, Actions& actions) {
+  if (!publisher_) return;
+  const SessionId id = publisher_->facts.info.id;
+  bool freed = false;
+  for (auto& [name, link] : links_) {
+    freed = link.core->Release(id, this) || freed;
+    link.asked = false;
+    if (for_good) {
+      EndLink(link, actions);
+    } else if (link.active) {
+      // The link itself stays: it may go on where it was cut.
+      link.active = false;
+      InboundCore::CountPublisher(link.core, -1, actions);
+    }
+  }
+  if (publisher_->alive) {
+    publisher_->alive = false;
+    actions.emplace_back([this, info = publisher_->facts.info, said = std::string(reason)] {
+      carrier_.peers.Gone(info, said);
+    });
+  }
+  if (freed) actions.emplace_back(claims_freed_);
+}
+
+void SubscriberEndpoint::Tick(SteadyTime now) {
+  Actions actions;
+  {
+    const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
+    if (connected_ && !welcomed_ && !plain_mode_ && now - connected_since_ >= carrier_.options.plain_after) {
+      plain_mode_ = true;
+      for (auto& [name, link] : links_) {
+        if (link.allowed) SetPlain(link, true);
+      }
+    }
+    const auto timeout = carrier_.options.peer_timeout;
+    if (publisher_ && publisher_->alive && now - publisher_->last_heard > timeout) {
+      LosePublisher("silent for " + std::to_string(timeout.count()) + " ms", false, actions);
+    }
+    if (connected_ && publisher_ && welcomed_) {
+      auto said = ControlFrom(carrier_.self.info.id);
+      said.mutable_heartbeat();
+      Say(said);
+    }
+  }
+  // From here on the inbox is the place of all calls: they keep their order with what was read before.
+  AddActions(actions);
+  TellCredits(true);
+}
+
+std::optional<SteadyTime> SubscriberEndpoint::Deadline() const {
+  const std::scoped_lock lock(mutex_);
+  if (!connected_ || welcomed_ || plain_mode_) return std::nullopt;
+  return connected_since_ + carrier_.options.plain_after;
+}
+
+void SubscriberEndpoint::Forgive(SteadyTime now) {
+  const std::scoped_lock lock(mutex_);
+  if (publisher_) publisher_->last_heard = now;
+}
+
+}  // namespace hgros::zmq

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "transport/zmq/carrier.hpp"
+#include "transport/zmq/inbound.hpp"
+#include "transport/zmq/link_credit.hpp"
+
+namespace hgros::zmq {
+
+/// One XSUB socket connected to one publish endpoint of another session, and the links over it.
+///
+/// Thread safety: all functions; `mutex_` guards socket, publisher and links. Serve() and Tick() are the leading
+/// thread's. `inbox_` belongs to the leading thread alone: what was read waits there in its order, packets and calls
+/// into the session alike, and goes on without the mutex.
+/// Invariants: a link has an id only between Subscribed and the end of that link; then every packet on it has the
+/// number received + 1, others are repeats, or the first ones after a cut that will be sent again.
+class SubscriberEndpoint {
+ public:
+  /// Connects. `claims_freed` is called without a lock when channels may be asked for at another endpoint.
+  /// Throws Error.
+  SubscriberEndpoint(Carrier& carrier, const SubscribeEndpoint& endpoint, std::function<void()> claims_freed);
+  ~SubscriberEndpoint();
+
+  [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
+  [[nodiscard]] int fd() const noexcept { return fd_; }
+  [[nodiscard]] int monitor_fd() const noexcept { return monitor_fd_; }
+
+  void Want(const std::shared_ptr<InboundCore>& core);
+  void Unwant(const std::shared_ptr<InboundCore>& core);
+  void ChangeDemand(const std::shared_ptr<InboundCore>& core);
+  void SetChannels(const ChannelList& list);
+  /// Asks for channels whose claims are free now.
+  void AskAgain();
+
+  /// Reads and delivers what has come; returns early with what has to run apart. `readable`: a descriptor is.
+  /// `busy` is set if there may be more.
+  [[nodiscard]] LeaderPool::Task Serve(bool readable, bool& busy);
+  /// Tells the publisher of consumed messages where it waits for that, or of all.
+  void TellCredits(bool all);
+  void Tick(SteadyTime now);
+  void Forgive(SteadyTime now);
+  /// When Tick() must be called next besides the heartbeats.
+  [[nodiscard]] std::optional<SteadyTime> Deadline() const;
+  /// Says goodbye.
+  void Close(int linger_ms, Actions& actions);
+
+ private:
+  struct Link {
+    std::shared_ptr<InboundCore> core;
+    bool allowed = true;
+    bool subscribed = false;  // The peer topic, with ZeroMQ.
+    bool plain = false;       // The plain topic, likewise.
+    bool asked = false;       // Subscribe was sent since the last Welcome.
+    bool active = false;      // Counted as a publisher.
+    std::uint64_t id = 0;
+    std::shared_ptr<LinkCredit> credit;
+  };
+  struct Publisher {
+    SessionFacts facts;
+    std::uint64_t handshake = 0;
+    SteadyTime last_heard{};
+    bool alive = false;
+    std::unordered_set<std::string> told_mismatch;
+  };
+  struct Arrival {
+    std::shared_ptr<InboundCore> core;  // Null: `action` is to be done.
+    InboundPacket packet;
+    std::function<void()> action;
+  };
+
+  // subscriber_endpoint.cpp: channels and data.
+  bool ReadBatch();
+  void OnData(Message& topic, std::vector<Message>& frames);
+  void AddActions(Actions& actions);
+  void SubscribeTopic(std::string topic, bool subscribe);
+  void SetPlain(Link& link, bool plain);
+  [[nodiscard]] bool Allowed(const std::string& channel) const;
+
+  // subscriber_control.cpp: what the publisher says.
+  void OnControl(const std::vector<Message>& frames, Actions& actions);
+  void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
+  void OnSubscribed(const wire::Subscribed& subscribed, Actions& actions);
+  void OnRefused(const wire::Refused& refused, Actions& actions);
+  void OnMonitor(Actions& actions);
+  void Ask(Link& link);
+  void SendSubscribe(const Link& link, bool change_only);
+  void EndLink(Link& link, Actions& actions);
+  void StopAsking(Link& link, std::string_view mismatch, Actions& actions);
+  void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
+  void TellMismatch(const std::string& channel, const std::string& what, Actions& actions);
+  void SayHello(std::uint64_t handshake);
+  void Say(const wire::Control& control);
+
+  Carrier& carrier_;
+  const std::string endpoint_;
+  const std::function<void()> claims_freed_;
+  mutable std::mutex mutex_;
+  Socket socket_;
+  Socket monitor_;
+  int fd_ = -1;
+  int monitor_fd_ = -1;
+  std::atomic<bool> input_{true};  // Input waits that the descriptor may no longer tell of.
+  std::optional<std::set<std::string, std::less<>>> allowed_;
+  std::unordered_map<std::string, Link> links_;
+  std::optional<Publisher> publisher_;
+  bool connected_ = false;
+  bool welcomed_ = false;  // Since it was connected.
+  bool plain_mode_ = false;
+  SteadyTime connected_since_{};
+  std::deque<Arrival> inbox_;
+};
+
+}  // namespace hgros::zmq

@@ -1,0 +1,320 @@
+#include "transport/zmq/zmq_core.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "transport/zmq/endpoint.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+template <typename Endpoint>
+auto Find(std::vector<std::shared_ptr<Endpoint>>& list, const std::string& endpoint) {
+  const std::string full = FullEndpoint(endpoint);
+  return std::ranges::find_if(list, [&](const auto& entry) { return entry->endpoint() == full; });
+}
+
+template <typename Endpoint>
+Endpoint& Require(std::vector<std::shared_ptr<Endpoint>>& list, const std::string& endpoint) {
+  const auto found = Find(list, endpoint);
+  if (found == list.end()) {
+    throw Error("There is no endpoint " + endpoint + " here.", {}, "Name one of those that were configured or added.");
+  }
+  return **found;
+}
+
+template <typename Cores>
+void RequireNew(const Cores& cores, const std::string& channel, std::string_view what) {
+  for (const auto& core : cores) {
+    if (core->name == channel) {
+      throw Error("Channel " + channel + " is " + std::string(what) + " here already.", {},
+                  "Share the first object, or destroy it before.");
+    }
+  }
+}
+
+void Make(Actions& actions) {
+  for (auto& action : actions) action();
+  actions.clear();
+}
+
+}  // namespace
+
+ZmqCore::ZmqCore(ZmqOptions options, TransportListener& listener, Log& log)
+    : carrier_(std::move(options), listener, log),
+      next_tick_(std::chrono::steady_clock::now() + carrier_.options.heartbeat) {
+  if (const auto& security = carrier_.options.security) {
+    desk_ = std::make_unique<AdmissionDesk>(carrier_.context, *security, log);
+  }
+  for (const auto& endpoint : carrier_.options.publish) AddPublisher(endpoint);
+  for (const auto& endpoint : carrier_.options.subscribe) AddSubscriber(endpoint);
+}
+
+ZmqCore::~ZmqCore() { Close(0); }
+
+void ZmqCore::Start() { pool_.Start(); }
+
+void ZmqCore::Wake() noexcept { carrier_.waker->Wake(); }
+
+void ZmqCore::Close(int linger_ms) noexcept {
+  if (carrier_.closing.exchange(true)) return;
+  WaitUntilSent(linger_ms);
+  pool_.Stop();
+  const std::unique_lock lock(mutex_);
+  closed_ = true;
+  Actions nobody_listens;
+  for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, nobody_listens);
+  for (const auto& endpoint : publishers_) endpoint->Close(linger_ms, nobody_listens);
+  if (desk_) desk_->Close();
+}
+
+void ZmqCore::WaitUntilSent(int linger_ms) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(linger_ms);
+  const auto all_sent = [this] {
+    const std::shared_lock lock(mutex_);
+    return std::ranges::all_of(publishers_, [](const auto& endpoint) { return endpoint->AllSent(); });
+  };
+  std::unique_lock lock(sent_mutex_);
+  while (!all_sent()) {
+    // The leading thread counts its rounds: whatever empties a ring happens in one of them.
+    const auto seen = rounds_;
+    if (!sent_.wait_until(lock, deadline, [&] { return rounds_ != seen; })) return;
+  }
+}
+
+void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
+  const std::unique_lock lock(mutex_);
+  if (closed_) return;
+  if (Find(publishers_, endpoint.endpoint) != publishers_.end()) {
+    throw Error("The endpoint " + endpoint.endpoint + " is published at already.", {}, "Name it once, with all channels.");
+  }
+  auto added = std::make_shared<PublisherEndpoint>(carrier_, endpoint);
+  for (const auto& core : outbound_) added->Offer(core);
+  publishers_.push_back(std::move(added));
+  ++version_;
+  Wake();
+}
+
+void ZmqCore::AddSubscriber(const SubscribeEndpoint& endpoint) {
+  const std::unique_lock lock(mutex_);
+  if (closed_) return;
+  if (Find(subscribers_, endpoint.endpoint) != subscribers_.end()) {
+    throw Error("The endpoint " + endpoint.endpoint + " is subscribed at already.", {},
+                "Name it once, with all channels.");
+  }
+  auto added = std::make_shared<SubscriberEndpoint>(carrier_, endpoint, [this] { AskAgain(); });
+  for (const auto& core : inbound_) added->Want(core);
+  subscribers_.push_back(std::move(added));
+  ++version_;
+  Wake();
+}
+
+bool ZmqCore::RemovePublisher(const std::string& endpoint) {
+  const std::unique_lock lock(mutex_);
+  const auto found = Find(publishers_, endpoint);
+  if (found == publishers_.end()) return false;
+  Actions actions;
+  for (const auto& core : outbound_) (*found)->Withdraw(core);
+  (*found)->Close(static_cast<int>(carrier_.options.linger.count()), actions);
+  carrier_.Post(std::move(actions));
+  old_publishers_.push_back(std::move(*found));
+  publishers_.erase(found);
+  ++version_;
+  Wake();
+  return true;
+}
+
+bool ZmqCore::RemoveSubscriber(const std::string& endpoint) {
+  {
+    const std::unique_lock lock(mutex_);
+    const auto found = Find(subscribers_, endpoint);
+    if (found == subscribers_.end()) return false;
+    Actions actions;
+    (*found)->Close(static_cast<int>(carrier_.options.linger.count()), actions);
+    carrier_.Post(std::move(actions));
+    old_subscribers_.push_back(std::move(*found));
+    subscribers_.erase(found);
+    ++version_;
+  }
+  Wake();
+  return true;
+}
+
+void ZmqCore::SetPublishChannels(const std::string& endpoint, const ChannelList& channels) {
+  const std::unique_lock lock(mutex_);
+  Require(publishers_, endpoint).SetChannels(channels);
+}
+
+void ZmqCore::SetSubscribeChannels(const std::string& endpoint, const ChannelList& channels) {
+  const std::unique_lock lock(mutex_);
+  Require(subscribers_, endpoint).SetChannels(channels);
+}
+
+std::vector<std::string> ZmqCore::BoundEndpoints() const {
+  const std::shared_lock lock(mutex_);
+  std::vector<std::string> bound;
+  for (const auto& endpoint : publishers_) bound.push_back(endpoint->bound());
+  return bound;
+}
+
+void ZmqCore::Offer(const std::shared_ptr<OutboundCore>& core) {
+  const std::unique_lock lock(mutex_);
+  RequireNew(outbound_, core->name, "advertised");
+  outbound_.insert(core);
+  for (const auto& endpoint : publishers_) endpoint->Offer(core);
+}
+
+void ZmqCore::Withdraw(const std::shared_ptr<OutboundCore>& core) {
+  {
+    const std::unique_lock lock(mutex_);
+    outbound_.erase(core);
+    for (const auto& endpoint : publishers_) endpoint->Withdraw(core);
+  }
+  core->gate.Close();
+}
+
+void ZmqCore::Want(const std::shared_ptr<InboundCore>& core) {
+  const std::unique_lock lock(mutex_);
+  RequireNew(inbound_, core->name, "subscribed to");
+  inbound_.insert(core);
+  for (const auto& endpoint : subscribers_) endpoint->Want(core);
+}
+
+void ZmqCore::Unwant(const std::shared_ptr<InboundCore>& core) {
+  {
+    const std::unique_lock lock(mutex_);
+    inbound_.erase(core);
+    for (const auto& endpoint : subscribers_) endpoint->Unwant(core);
+  }
+  core->Close();
+}
+
+void ZmqCore::ChangeDemand(const std::shared_ptr<InboundCore>& core) {
+  const std::shared_lock lock(mutex_);
+  for (const auto& endpoint : subscribers_) endpoint->ChangeDemand(core);
+}
+
+void ZmqCore::AskAgain() {
+  const std::shared_lock lock(mutex_);
+  for (const auto& endpoint : subscribers_) endpoint->AskAgain();
+}
+
+PublishStatus ZmqCore::Reserve(OutboundCore& core) {
+  if (carrier_.closing.load(std::memory_order_relaxed)) return PublishStatus::kClosed;
+  if (core.lossless.load() == 0) return PublishStatus::kOk;
+  const std::shared_lock lock(mutex_);
+  std::vector<std::unique_lock<std::mutex>> locks;
+  locks.reserve(publishers_.size());
+  for (const auto& endpoint : publishers_) locks.emplace_back(endpoint->mutex());
+  const bool room =
+      std::ranges::all_of(publishers_, [&](const auto& endpoint) { return endpoint->HasRoomLocked(core); });
+  if (!room) {
+    core.refused = true;
+    return PublishStatus::kFull;
+  }
+  for (const auto& endpoint : publishers_) endpoint->ReserveLocked(core);
+  return PublishStatus::kOk;
+}
+
+void ZmqCore::Cancel(const OutboundCore& core) {
+  if (core.lossless.load() == 0) return;
+  const std::shared_lock lock(mutex_);
+  for (const auto& endpoint : publishers_) endpoint->Cancel(core);
+}
+
+void ZmqCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data) {
+  if (carrier_.closing.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) {
+    return;
+  }
+  const auto message = std::make_shared<const WireMessage>(head, data);
+  const std::shared_lock lock(mutex_);
+  for (const auto& endpoint : publishers_) endpoint->Commit(core, message);
+}
+
+void ZmqCore::UpdateWatch() {
+  if (watch_.version == version_.load()) return;
+  const std::shared_lock lock(mutex_);
+  watch_.version = version_.load();
+  watch_.publishers = publishers_;
+  watch_.subscribers = subscribers_;
+  watch_.fds.clear();
+  // Everything is looked at once before the first wait.
+  const auto add = [this](int fd) { watch_.fds.push_back({.fd = fd, .events = POLLIN, .revents = POLLIN}); };
+  add(carrier_.waker->fd());
+  add(desk_ ? desk_->fd() : -1);
+  for (const auto& endpoint : watch_.publishers) add(endpoint->fd());
+  for (const auto& endpoint : watch_.subscribers) {
+    add(endpoint->fd());
+    add(endpoint->monitor_fd());
+  }
+}
+
+LeaderPool::Task ZmqCore::Lead() noexcept {
+  for (;;) {
+    UpdateWatch();
+    if (const auto now = std::chrono::steady_clock::now(); now >= next_tick_) Tick(now);
+    const auto take = [](pollfd& fd) { return std::exchange(fd.revents, short{0}) != 0; };
+    std::size_t i = 0;
+    const bool woken = take(watch_.fds[i++]);
+    if (woken) carrier_.waker->Clear();
+    if (take(watch_.fds[i++]) && desk_) desk_->Serve();
+
+    bool busy = false;
+    Actions actions = carrier_.TakePosted();
+    busy = !actions.empty();
+    Make(actions);
+    for (const auto& endpoint : watch_.publishers) {
+      busy = endpoint->Serve(take(watch_.fds[i++]), actions) || busy;
+      busy = !actions.empty() || busy;
+      Make(actions);
+    }
+    for (const auto& endpoint : watch_.subscribers) {
+      const bool readable = take(watch_.fds[i]) | take(watch_.fds[i + 1]);
+      i += 2;
+      if (auto task = endpoint->Serve(readable, busy)) {
+        // What the other descriptors told is still in watch_: the next leader goes on with it.
+        return task;
+      }
+      endpoint->TellCredits(false);
+    }
+    if (carrier_.closing.load()) {
+      const std::scoped_lock lock(sent_mutex_);
+      ++rounds_;
+      sent_.notify_all();
+      if (woken) return {};  // The pool may want its threads back.
+    }
+    if (!busy) Poll();
+  }
+}
+
+void ZmqCore::Tick(SteadyTime now) {
+  const auto period = carrier_.options.heartbeat;
+  const bool overslept = now - next_tick_ > period;
+  next_tick_ = now + period;
+  Actions actions;
+  for (const auto& endpoint : watch_.publishers) {
+    if (overslept) endpoint->Forgive(now);
+    endpoint->Tick(now, actions);
+    Make(actions);
+  }
+  for (const auto& endpoint : watch_.subscribers) {
+    if (overslept) endpoint->Forgive(now);
+    endpoint->Tick(now);
+  }
+}
+
+void ZmqCore::Poll() {
+  SteadyTime until = next_tick_;
+  for (const auto& endpoint : watch_.subscribers) {
+    if (const auto deadline = endpoint->Deadline(); deadline && *deadline < until) next_tick_ = until = *deadline;
+  }
+  const auto wait = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+  const int timeout_ms = static_cast<int>(std::clamp<std::int64_t>(wait, 0, 60'000));
+  if (poll(watch_.fds.data(), watch_.fds.size(), timeout_ms) < 0) {
+    // Interrupted: the results are not filled in; look everywhere.
+    for (auto& fd : watch_.fds) fd.revents = POLLIN;
+  }
+}
+
+}  // namespace hgros::zmq

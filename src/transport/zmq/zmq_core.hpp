@@ -1,0 +1,98 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <shared_mutex>
+#include <string>
+#include <vector>
+
+#include <poll.h>
+
+#include "transport/leader_pool.hpp"
+#include "transport/zmq/carrier.hpp"
+#include "transport/zmq/curve.hpp"
+#include "transport/zmq/inbound.hpp"
+#include "transport/zmq/outbound.hpp"
+#include "transport/zmq/publisher_endpoint.hpp"
+#include "transport/zmq/subscriber_endpoint.hpp"
+
+namespace hgros::zmq {
+
+/// The endpoints of one transport and the threads that wait for them. Shared by the transport and its channels, so
+/// that these may outlive it.
+///
+/// Thread safety: all functions. Order of locks: `mutex_`, then an endpoint's, in the order of the list.
+class ZmqCore : public LeaderPool::Input {
+ public:
+  ZmqCore(ZmqOptions options, TransportListener& listener, Log& log);
+  ~ZmqCore() override;
+
+  void Start();
+  void Close(int linger_ms) noexcept;
+
+  void AddPublisher(const PublishEndpoint& endpoint);
+  void AddSubscriber(const SubscribeEndpoint& endpoint);
+  bool RemovePublisher(const std::string& endpoint);
+  bool RemoveSubscriber(const std::string& endpoint);
+  void SetPublishChannels(const std::string& endpoint, const ChannelList& channels);
+  void SetSubscribeChannels(const std::string& endpoint, const ChannelList& channels);
+  [[nodiscard]] std::vector<std::string> BoundEndpoints() const;
+  [[nodiscard]] std::uint64_t refused_handshakes() const { return desk_ ? desk_->refused() : 0; }
+
+  void Offer(const std::shared_ptr<OutboundCore>& core);
+  void Withdraw(const std::shared_ptr<OutboundCore>& core);
+  void Want(const std::shared_ptr<InboundCore>& core);
+  void Unwant(const std::shared_ptr<InboundCore>& core);
+  void ChangeDemand(const std::shared_ptr<InboundCore>& core);
+
+  [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
+  void Cancel(const OutboundCore& core);
+  void Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data);
+
+  [[nodiscard]] Carrier& carrier() noexcept { return carrier_; }
+
+  LeaderPool::Task Lead() noexcept override;
+  void Wake() noexcept override;
+
+ private:
+  /// What the leading thread polls, and whether it has news, by position.
+  struct Watch {
+    std::uint64_t version = 0;
+    std::vector<std::shared_ptr<PublisherEndpoint>> publishers;
+    std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers;
+    std::vector<pollfd> fds;  // Waker, admission desk, publishers, then two per subscriber.
+  };
+  void UpdateWatch();
+  void Tick(SteadyTime now);
+  void Poll();
+  void AskAgain();
+  void WaitUntilSent(int linger_ms);
+
+  Carrier carrier_;
+  std::unique_ptr<AdmissionDesk> desk_;
+  mutable std::shared_mutex mutex_;
+  std::vector<std::shared_ptr<PublisherEndpoint>> publishers_;
+  std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers_;
+  // Closed, but calls into them may be under way; they go with the transport.
+  std::vector<std::shared_ptr<PublisherEndpoint>> old_publishers_;
+  std::vector<std::shared_ptr<SubscriberEndpoint>> old_subscribers_;
+  std::set<std::shared_ptr<OutboundCore>> outbound_;
+  std::set<std::shared_ptr<InboundCore>> inbound_;
+  std::atomic<std::uint64_t> version_{1};
+  bool closed_ = false;
+  // The leading thread's.
+  Watch watch_;
+  SteadyTime next_tick_;
+  // Close() waits here for rings to run empty.
+  std::mutex sent_mutex_;
+  std::condition_variable sent_;
+  std::uint64_t rounds_ = 0;
+  LeaderPool pool_{*this};
+};
+
+}  // namespace hgros::zmq

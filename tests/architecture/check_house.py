@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Fails where a source breaks a house rule that a pattern can see.
+
+    check_house.py [ROOT]
+
+Faults go to standard error, one a line. Comments and string literals are blanked before the code rules look.
+"""
+
+import pathlib
+import re
+import sys
+
+CODE = re.compile(
+    r'//[^\n]*|/\*.*?\*/|R"(?P<tag>[^(\s]*)\(.*?\)(?P=tag)"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL)
+
+PUBLIC = ("include",)
+LIBRARY = ("include", "src")
+PRODUCT = ("include", "src", "apps")
+ALL = ("include", "src", "apps", "tests", "examples", "bench")
+
+# (folders, only headers?, pattern in the code, what to do instead)
+CODE_RULES = [
+    (("include", "src", "apps", "tests"), False, r"\b(sleep_for|sleep_until|usleep|nanosleep)\b",
+     "sleeps; wait on something that wakes"),
+    (ALL, False, r"\bshared_ptr<\s*void\s*>", "shares a message without its type; keep the type, or const void beside it"),
+    (ALL, False, r"\b(?:class|struct|enum|namespace|using)\s+(?:class\s+)?(?:HGROS_EXPORT\s+)?"
+                 r"\w*(?:Manager|Helper|Util|manager|helper|util)\w*\b(?!::)",
+     "is named manager, helper or util; name the thing"),
+    (PUBLIC, True, r"^[ \t]*#[ \t]*define[ \t]+(?!HGROS_EXPORT\b)", "defines a macro; only HGROS_EXPORT is one"),
+    (LIBRARY, False, r"\bstd::cout\b|(?<![\w:.>])(?:std::)?(?:printf|puts|putchar)\s*\(|\bstdout\b",
+     "writes to standard output, which belongs to the program; use the log"),
+    (PRODUCT, True, r"^(?:inline\s+)?static\s", "has a static function or variable in a header; use inline"),
+    (PRODUCT, True, r"^using namespace\b", "opens a namespace for everyone who includes it"),
+]
+TEXT_RULE = re.compile(r"\b(TODO|FIXME|XXX)\b")
+NAME_RULE = re.compile(r"(^|_)(manager|helpers?|utils?|common|misc)(_|$)", re.IGNORECASE)
+HEADERS = {".hpp", ".h"}
+SUFFIXES = HEADERS | {".cpp"}
+
+
+def without_comments_and_strings(text):
+    """The same text with comments and literals blanked; the lines keep their numbers."""
+    return CODE.sub(lambda match: re.sub(r"[^\n]", " ", match.group()), text)
+
+
+def check_file(root, path):
+    """Yields (line, fault)."""
+    text = (root / path).read_text(encoding="utf-8", errors="replace")
+    for match in TEXT_RULE.finditer(text):
+        yield text.count("\n", 0, match.start()) + 1, f"leaves a {match.group()}; do it or open an issue"
+    if NAME_RULE.search(path.stem):
+        yield 1, "has a file name that says nothing; name the thing"
+    code = without_comments_and_strings(text)
+    for folders, only_headers, pattern, fault in CODE_RULES:
+        if path.parts[0] not in folders or (only_headers and path.suffix not in HEADERS):
+            continue
+        for match in re.finditer(pattern, code, re.MULTILINE):
+            yield code.count("\n", 0, match.start()) + 1, fault
+    if path.suffix in HEADERS and "#pragma once" not in code:
+        yield 1, "has no #pragma once"
+
+
+def check_tree(root):
+    """All faults of a tree as "path:line: fault", and how many files were read."""
+    root = pathlib.Path(root).resolve()
+    faults = []
+    files = 0
+    for top in ALL:
+        for file in sorted((root / top).rglob("*")):
+            if file.suffix in SUFFIXES and file.is_file():
+                files += 1
+                path = pathlib.PurePosixPath(file.relative_to(root).as_posix())
+                faults += [f"{path}:{line}: {fault}" for line, fault in sorted(check_file(root, path))]
+    return faults, files
+
+
+def main():
+    faults, files = check_tree(sys.argv[1] if len(sys.argv) > 1 else ".")
+    for fault in faults:
+        print(fault, file=sys.stderr)
+    if files == 0:
+        print("No source was found: is this the root of the tree?", file=sys.stderr)
+        return 2
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,50 @@
+#include "hgros/base/error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace hgros {
+namespace {
+
+TEST(FilePosition, LeavesOutWhatIsUnknown) {
+  EXPECT_EQ((FilePosition{"net.yaml", 3, 7}).ToString(), "net.yaml:3:7");
+  EXPECT_EQ((FilePosition{"net.yaml", 3, 0}).ToString(), "net.yaml:3");
+  EXPECT_EQ((FilePosition{"net.yaml", 0, 7}).ToString(), "net.yaml");
+  EXPECT_EQ(FilePosition{}.ToString(), "");
+}
+
+TEST(Error, SaysWhereWhatAndHowToMendIt) {
+  const Error error("The port is taken.", "net.yaml:3", "Choose another one.");
+  EXPECT_STREQ(error.what(), "net.yaml:3: The port is taken. Choose another one.");
+  EXPECT_EQ(error.where(), "net.yaml:3");
+  EXPECT_EQ(error.mend(), "Choose another one.");
+}
+
+TEST(Error, IsOnlyTheSentenceWhenNothingElseIsKnown) {
+  EXPECT_STREQ(Error("The port is taken.").what(), "The port is taken.");
+}
+
+TEST(Error, KeepsItsPartsWhenCopiedAsThrowingDoes) {
+  Error copy("");
+  {
+    const Error original("What.", "where", "Mend.");
+    copy = original;
+  }
+  EXPECT_STREQ(copy.what(), "where: What. Mend.");
+  EXPECT_EQ(copy.where(), "where");
+}
+
+TEST(ConfigError, PutsTheFilePositionFirstAndIsAnError) {
+  try {
+    throw ConfigError("Unknown key \"ipp\".", FilePosition{"net.yaml", 4, 2}, "Did you mean \"ip\"?");
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "net.yaml:4:2: Unknown key \"ipp\". Did you mean \"ip\"?");
+    EXPECT_EQ(error.where(), "net.yaml:4:2");
+  }
+}
+
+TEST(TypeMismatch, IsCaughtAsError) { EXPECT_THROW(throw TypeMismatch("Two types."), Error); }
+
+}  // namespace
+}  // namespace hgros

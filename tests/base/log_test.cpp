@@ -1,0 +1,108 @@
+#include "hgros/base/log.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace hgros {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct Recorder {
+  std::vector<std::string> lines;
+  std::vector<LogLevel> levels;
+
+  LogSink Sink() {
+    return [this](LogLevel level, std::string_view text) {
+      levels.push_back(level);
+      lines.emplace_back(text);
+    };
+  }
+};
+
+TEST(Log, GivesLevelAndTextToTheSink) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  log.Write(LogLevel::kInfo, "One.");
+  log.Write(LogLevel::kError, "Two.");
+  EXPECT_THAT(recorder.lines, ElementsAre("One.", "Two."));
+  EXPECT_THAT(recorder.levels, ElementsAre(LogLevel::kInfo, LogLevel::kError));
+}
+
+TEST(Log, IsSilentWithoutASink) {
+  Log log(nullptr);
+  log.Write(LogLevel::kError, "Nobody hears.");
+  log.WriteLimited(LogLevel::kError, "key", "Nobody hears.");
+}
+
+TEST(Log, WritesOncePerKeyAndInterval) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  for (int i = 0; i < 5; ++i) {
+    log.WriteLimited(LogLevel::kWarning, "a", "A.", hours(1));
+    log.WriteLimited(LogLevel::kWarning, "b", "B.", hours(1));
+  }
+  EXPECT_THAT(recorder.lines, ElementsAre("A.", "B."));
+}
+
+TEST(Log, AddsHowManyWereHeldBackToTheNextThatPasses) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  for (int i = 0; i < 4; ++i) log.WriteLimited(LogLevel::kWarning, "a", "A.", hours(1));
+  log.WriteLimited(LogLevel::kWarning, "a", "A.", milliseconds(0));
+  log.WriteLimited(LogLevel::kWarning, "a", "A.", milliseconds(0));
+  EXPECT_THAT(recorder.lines, ElementsAre("A.", "A. (and 3 times more since the last such line)", "A."));
+}
+
+TEST(Log, ForgetsTheOldestKeyFirstWhenThereAreVeryMany) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  for (int i = 0; i < 1025; ++i) log.WriteLimited(LogLevel::kWarning, std::to_string(i), "New.", hours(1));
+  recorder.lines.clear();
+  log.WriteLimited(LogLevel::kWarning, "1024", "Remembered.", hours(1));
+  log.WriteLimited(LogLevel::kWarning, "512", "Remembered.", hours(1));
+  log.WriteLimited(LogLevel::kWarning, "0", "Forgotten.", hours(1));
+  EXPECT_THAT(recorder.lines, ElementsAre("Forgotten."));
+}
+
+TEST(Log, CallsTheSinkOneAtATimeAndLosesNoCount) {
+  constexpr int kEach = 500;
+  for (const int thread_count : {1, 2, 4}) {
+    int inside = 0;  // not atomic on purpose: the sink's exclusiveness protects it
+    int calls = 0;
+    Log log([&](LogLevel, std::string_view) {
+      EXPECT_EQ(++inside, 1);
+      ++calls;
+      --inside;
+    });
+    {
+      std::vector<std::jthread> threads;
+      for (int t = 0; t < thread_count; ++t) {
+        threads.emplace_back([&] {
+          for (int i = 0; i < kEach; ++i) log.Write(LogLevel::kInfo, "Line.");
+        });
+      }
+    }
+    EXPECT_EQ(calls, thread_count * kEach);
+  }
+}
+
+TEST(DefaultLogSink, WritesToStandardErrorOnly) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Log().Write(LogLevel::kWarning, "Braces {} are text, not a format.");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("Braces {} are text, not a format."));
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+}  // namespace
+}  // namespace hgros

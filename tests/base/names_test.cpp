@@ -1,0 +1,99 @@
+#include "hgros/base/names.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(ChannelName, MayHaveSlashesAndUtf8) {
+  for (const char* name :
+       {"scan", "/scan", "robot1/scan", "a", "caméra/gauche", "激光", "\xf0\x9f\xa4\x96", "a.b:c-d_e#~"}) {
+    EXPECT_EQ(ChannelNameFault(name), "") << name;
+    EXPECT_NO_THROW(RequireChannelName(name));
+  }
+}
+
+TEST(ChannelName, MayNotBeEmptyOrTooLong) {
+  EXPECT_EQ(ChannelNameFault(""), "it is empty");
+  EXPECT_EQ(ChannelNameFault(std::string(kMaxChannelNameLength, 'x')), "");
+  EXPECT_EQ(ChannelNameFault(std::string(kMaxChannelNameLength + 1, 'x')), "it has 201 bytes, more than 200");
+}
+
+TEST(ChannelName, MayNotHaveBlanksOrControlCharacters) {
+  for (int c = 0; c <= 0x20; ++c) {
+    const std::string name{'a', static_cast<char>(c), 'b'};
+    EXPECT_EQ(ChannelNameFault(name), "byte 2 is a blank or control character") << c;
+  }
+  EXPECT_EQ(ChannelNameFault("ab\x7f"), "byte 3 is a blank or control character");
+}
+
+TEST(ChannelName, MustBeUtf8) {
+  const std::vector<std::string> bad = {
+      "a\x80",              // a continuation byte alone
+      "a\xc3",              // cut short
+      "a\xc0\xaf",          // overlong in two bytes
+      "a\xe0\x9f\xbf",      // overlong in three
+      "a\xed\xa0\x80",      // a surrogate
+      "a\xf0\x8f\xbf\xbf",  // overlong in four
+      "a\xf4\x90\x80\x80",  // past U+10FFFF
+      "a\xff",              // never a UTF-8 byte
+      "a\xe2\x82 ",         // a blank inside a character
+  };
+  for (const std::string& name : bad) EXPECT_EQ(ChannelNameFault(name), "byte 2 does not begin a UTF-8 character");
+}
+
+TEST(ChannelName, FaultIsThrownWithTheNameAndAnExample) {
+  try {
+    RequireChannelName("two words");
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("\"two words\""));
+    EXPECT_THAT(error.what(), HasSubstr("byte 4 is a blank"));
+    EXPECT_THAT(error.mend(), HasSubstr("robot1/scan"));
+  }
+}
+
+TEST(ChannelName, ErrorsShowNothingThatATerminalWouldObey) {
+  try {
+    RequireChannelName("a\x1b[31m\xff" + std::string(63, 'b') + "\xc3\xa9");
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("\"a?[31m?b"));
+    EXPECT_EQ(std::string(error.what()).find('\x1b'), std::string::npos);
+    EXPECT_EQ(std::string(error.what()).find('\xc3'), std::string::npos);
+  }
+}
+
+TEST(NearestName, FindsTheKeyThatWasMeant) {
+  const std::vector<std::string> keys = {"publisher", "subscribers", "ip", "channels", "close_channels"};
+  EXPECT_EQ(NearestName("publishers", keys), "publisher");
+  EXPECT_EQ(NearestName("subscriber", keys), "subscribers");
+  EXPECT_EQ(NearestName("chanels", keys), "channels");
+  EXPECT_EQ(NearestName("ipp", keys), "ip");
+  EXPECT_EQ(NearestName("closed_channels", keys), "close_channels");
+}
+
+TEST(NearestName, IsEmptyWhenNothingIsNear) {
+  const std::vector<std::string> keys = {"publisher", "ip"};
+  EXPECT_EQ(NearestName("xy", keys), "");
+  EXPECT_EQ(NearestName("q", keys), "");
+  EXPECT_EQ(NearestName("bandwidth", keys), "");
+  EXPECT_EQ(NearestName("", keys), "");
+  EXPECT_EQ(NearestName("ip", {}), "");
+}
+
+TEST(NearestName, PrefersTheFirstAmongEquals) {
+  const std::vector<std::string> keys = {"camera_l", "camera_r"};
+  EXPECT_EQ(NearestName("camera_x", keys), "camera_l");
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "foxglove/Quaternion.pb.h"
+#include "foxglove/Vector3.pb.h"
+#include "hgros/codec/message.hpp"
+#include "hgros/codec/packet.hpp"
+
+// Runs every file of vectors/; docs/wire-protocol.md ("Test vectors") describes their form.
+namespace hgros {
+namespace {
+
+struct Vector {
+  std::map<std::string, std::string> frames;  ///< topic, head, data; absent if the frame is.
+  std::string reader;
+  std::map<std::string, std::string> expected;
+};
+
+std::string FromHex(const std::string& hex) {
+  std::string bytes;
+  EXPECT_EQ(hex.size() % 2, 0U);
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    unsigned value = 0;
+    const auto [end, fault] = std::from_chars(hex.data() + i, hex.data() + i + 2, value, 16);
+    EXPECT_TRUE(fault == std::errc{} && end == hex.data() + i + 2) << hex;
+    bytes += static_cast<char>(value);
+  }
+  return bytes;
+}
+
+Vector Load(const std::filesystem::path& path) {
+  Vector vector;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    const std::size_t colon = line.find(':');
+    if (colon == std::string::npos) {
+      ADD_FAILURE() << path << ": " << line;
+      continue;
+    }
+    std::string key = line.substr(0, colon);
+    const std::string value = colon + 2 <= line.size() ? line.substr(colon + 2) : "";
+    if (key.starts_with("expect ")) {
+      vector.expected[key.substr(7)] = value;
+    } else if (key == "reader") {
+      vector.reader = value;
+    } else {
+      EXPECT_TRUE(key == "topic" || key == "head" || key == "data") << line;
+      vector.frames[key] = FromHex(value);
+    }
+  }
+  return vector;
+}
+
+std::string Hex(std::uint64_t value) { return SessionId{value}.ToString(); }
+
+void AddHead(const PacketHead& head, std::map<std::string, std::string>& found) {
+  found["channel"] = head.channel;
+  found["type"] = head.type_name;
+  found["encoding"] = std::to_string(static_cast<int>(head.encoding));
+  found["fingerprint"] = Hex(head.fingerprint);
+  found["publisher_id"] = Hex(head.id.publisher);
+  found["incarnation"] = std::to_string(head.id.incarnation);
+  found["sequence"] = std::to_string(head.id.sequence);
+  found["publish_time_ns"] = std::to_string(head.publish_time_ns);
+  found["publish_monotonic_ns"] = std::to_string(head.publish_monotonic_ns);
+  found["latched"] = std::to_string(head.latched);
+}
+
+/// Reads a packet as a receiver does, and says what it found.
+std::map<std::string, std::string> Read(const Vector& vector) {
+  std::map<std::string, std::string> found;
+  const auto result = [&found](PacketFault fault) {
+    found["fault"] = ToString(fault);
+    return found;
+  };
+  for (const char* frame : {"topic", "head", "data"}) {
+    if (!vector.frames.contains(frame)) return result(PacketFault::kTruncated);
+  }
+  const std::optional<Topic> topic = ParseTopic(AsBytes(vector.frames.at("topic")));
+  if (!topic) return result(PacketFault::kTopic);
+  found["session"] = topic->session.ToString();
+  PacketHead head;
+  const PacketFault fault = DecodeHeadFrame(AsBytes(vector.frames.at("head")), head);
+  if (fault != PacketFault::kNone) return result(fault);
+  AddHead(head, found);
+  if (head.channel != topic->channel) return result(PacketFault::kTopic);
+
+  const TypeInfo& reader =
+      vector.reader == "foxglove.Quaternion" ? TypeOf<foxglove::Quaternion>() : TypeOf<foxglove::Vector3>();
+  EXPECT_EQ(reader.name, vector.reader);
+  if (!head.type_name.empty() && head.type_name != reader.name) return result(PacketFault::kType);
+  const AnyMessage message = reader.decode({AsBytes(vector.frames.at("data")), nullptr});
+  if (!message) return result(PacketFault::kData);
+  const auto& value = *std::static_pointer_cast<const foxglove::Vector3>(message);
+  found["x"] = std::to_string(value.x());
+  found["y"] = std::to_string(value.y());
+  found["z"] = std::to_string(value.z());
+  return result(PacketFault::kNone);
+}
+
+TEST(PacketVectors, AreAllReadAsTheySay) {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& entry : std::filesystem::directory_iterator(HGROS_TEST_VECTORS)) {
+    if (entry.path().extension() == ".hex") paths.push_back(entry.path());
+  }
+  std::ranges::sort(paths);
+  ASSERT_GE(paths.size(), 20U);
+  std::map<std::string, int> faults;
+  for (const auto& path : paths) {
+    SCOPED_TRACE(path.filename().string());
+    const Vector vector = Load(path);
+    const auto found = Read(vector);
+    EXPECT_TRUE(vector.expected.contains("fault"));
+    for (const auto& [key, value] : vector.expected) {
+      if (!found.contains(key)) {
+        ADD_FAILURE() << "no " << key;
+      } else if (key.size() == 1) {  // x, y, z
+        EXPECT_EQ(std::stod(found.at(key)), std::stod(value)) << key;
+      } else {
+        EXPECT_EQ(found.at(key), value) << key;
+      }
+    }
+    ++faults[found.at("fault")];
+  }
+  EXPECT_EQ(faults.size(), kPacketFaultCount) << "some kind of fault has no vector";
+}
+
+TEST(PacketVectors, FullHeadIsWhatTheLibraryWrites) {
+  const Vector vector = Load(std::filesystem::path(HGROS_TEST_VECTORS) / "good_full.hex");
+  PacketHead head;
+  ASSERT_EQ(DecodeHeadFrame(AsBytes(vector.frames.at("head")), head), PacketFault::kNone);
+  std::string frame;
+  EncodeHeadFrame(head, frame);
+  EXPECT_EQ(frame, vector.frames.at("head"));
+  EXPECT_EQ(PlainTopic(head.channel), vector.frames.at("topic"));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,75 @@
+#include "hgros/codec/protobuf_codec.hpp"
+
+#include <google/protobuf/descriptor.pb.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "foxglove/PointCloud.pb.h"
+#include "hgros/Imu.pb.h"
+#include "hgros/codec/message.hpp"
+
+namespace hgros {
+namespace {
+
+std::shared_ptr<const foxglove::PointCloud> Cloud() {
+  auto cloud = std::make_shared<foxglove::PointCloud>();
+  cloud->set_frame_id("lidar");
+  cloud->set_point_stride(16);
+  auto* const field = cloud->add_fields();
+  field->set_name("x");
+  field->set_type(foxglove::PackedElementField::FLOAT32);
+  cloud->set_data(std::string(16'000, 'p'));
+  return cloud;
+}
+
+TEST(ProtobufCodec, GivesBackWhatWasSent) {
+  const auto cloud = Cloud();
+  const TypeInfo& info = TypeOf<foxglove::PointCloud>();
+  const Payload payload = info.encode(cloud);
+  ASSERT_TRUE(payload.owner);
+  EXPECT_EQ(AsText(payload.bytes), cloud->SerializeAsString());
+  const auto back = std::static_pointer_cast<const foxglove::PointCloud>(info.decode(payload));
+  ASSERT_NE(back, nullptr);
+  EXPECT_EQ(back->SerializeAsString(), cloud->SerializeAsString());
+}
+
+TEST(ProtobufCodec, WritesAnEmptyMessageAsNoBytes) {
+  const Payload payload = TypeOf<Imu>().encode(std::make_shared<const Imu>());
+  EXPECT_TRUE(payload.owner);
+  EXPECT_TRUE(payload.bytes.empty());
+  EXPECT_NE(TypeOf<Imu>().decode(payload), nullptr);
+}
+
+TEST(ProtobufCodec, RefusesBytesThatAreNoSuchMessage) {
+  const TypeInfo& info = TypeOf<foxglove::PointCloud>();
+  const Payload payload = info.encode(Cloud());
+  EXPECT_EQ(info.decode({payload.bytes.first(payload.bytes.size() - 1), payload.owner}), nullptr);
+  EXPECT_EQ(info.decode({AsBytes("\xff\xff\xff"), nullptr}), nullptr);
+}
+
+TEST(ProtobufCodec, RefusesAMessageWithoutARequiredField) {
+  google::protobuf::UninterpretedOption option;
+  option.add_name()->set_name_part("x");  // NamePart.is_extension is required.
+  const TypeInfo& info = TypeOf<google::protobuf::UninterpretedOption>();
+  const std::string bytes = option.SerializePartialAsString();
+  EXPECT_FALSE(info.encode(std::make_shared<const google::protobuf::UninterpretedOption>(option)).owner);
+  EXPECT_EQ(info.decode({AsBytes(bytes), nullptr}), nullptr);
+}
+
+TEST(ProtobufCodec, CountsBulkBytesAsMemory) {
+  EXPECT_GE(TypeOf<foxglove::PointCloud>().memory_bytes(Cloud().get()), 16'000U);
+}
+
+TEST(ProtobufCodec, KnowsNameAndSchema) {
+  const TypeInfo& info = TypeOf<Imu>();
+  EXPECT_EQ(info.name, "hgros.Imu");
+  EXPECT_EQ(info.encoding, Encoding::kProtobuf);
+  EXPECT_EQ(info.descriptor(), Imu::descriptor());
+  EXPECT_EQ(info.fingerprint, SchemaFingerprint(*Imu::descriptor()));
+  EXPECT_EQ(info.descriptor_set(), DescriptorSet(*Imu::descriptor()));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,113 @@
+#include "hgros/codec/schema.hpp"
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "foxglove/FrameTransform.pb.h"
+#include "foxglove/SceneUpdate.pb.h"
+#include "foxglove/Vector3.pb.h"
+#include "hgros/codec/fingerprint.hpp"
+
+namespace hgros {
+namespace {
+
+using google::protobuf::DescriptorPool;
+using google::protobuf::FileDescriptorProto;
+using google::protobuf::FileDescriptorSet;
+
+/// The fingerprint of message t.M in a file given in protobuf's text format.
+std::uint64_t FingerprintOf(const std::string& file_text) {
+  FileDescriptorProto file;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(file_text, &file));
+  DescriptorPool pool;
+  EXPECT_NE(pool.BuildFile(file), nullptr);
+  return SchemaFingerprint(*pool.FindMessageTypeByName("t.M"));
+}
+
+std::string File(const std::string& fields, const std::string& name = "f.proto") {
+  return "name: '" + name + "' package: 't' syntax: 'proto3' enum_type { name: 'E' value { name: 'A' number: 0 } } " +
+         "message_type { name: 'M' " + fields + " }";
+}
+
+const std::string kX = "field { name: 'x' number: 1 type: TYPE_DOUBLE label: LABEL_OPTIONAL } ";
+const std::string kY = "field { name: 'y' number: 2 type: TYPE_DOUBLE label: LABEL_OPTIONAL } ";
+
+TEST(Fingerprint, IsFnv1a) {
+  EXPECT_EQ(Fingerprint(""), 0xcbf29ce484222325U);
+  EXPECT_EQ(Fingerprint("a"), 0xaf63dc4c8601ec8cU);
+  EXPECT_EQ(Fingerprint("foobar"), 0x85944171f73967e8U);
+}
+
+TEST(SchemaFingerprint, IsOfTheCanonicalText) {
+  EXPECT_EQ(CanonicalSchema(*foxglove::Vector3::descriptor()),
+            "protobuf 1 foxglove.Vector3\n"
+            "message foxglove.Vector3\n"
+            "1 optional double x\n"
+            "2 optional double y\n"
+            "3 optional double z\n");
+}
+
+TEST(SchemaFingerprint, CoversReachableMessagesAndEnums) {
+  const std::string text = CanonicalSchema(*foxglove::SceneUpdate::descriptor());
+  EXPECT_NE(text.find("message foxglove.LinePrimitive\n"
+                      "1 optional enum foxglove.LinePrimitive.Type type\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("enum foxglove.LinePrimitive.Type\n0 LINE_STRIP\n1 LINE_LOOP\n2 LINE_LIST\n"), std::string::npos);
+  EXPECT_NE(text.find("message google.protobuf.Duration\n"), std::string::npos);
+  EXPECT_EQ(text.find("foxglove.PointCloud"), std::string::npos);
+}
+
+TEST(SchemaFingerprint, StaysTheSameForever) {
+  EXPECT_EQ(SchemaFingerprint(*foxglove::Vector3::descriptor()), 0xe77328b18d56202aU);
+  EXPECT_EQ(SchemaFingerprint(*foxglove::FrameTransform::descriptor()), 0x94b3ed65d36ffdfaU);
+}
+
+TEST(SchemaFingerprint, DoesNotSeeOrderAndFile) {
+  EXPECT_EQ(FingerprintOf(File(kX + kY)), FingerprintOf(File(kY + kX, "moved/elsewhere.proto")));
+}
+
+TEST(SchemaFingerprint, SeesEveryChangeOfMeaning) {
+  const std::string cases[] = {
+      kX,
+      kX + kY,
+      "field { name: 'z' number: 1 type: TYPE_DOUBLE label: LABEL_OPTIONAL } ",
+      "field { name: 'x' number: 3 type: TYPE_DOUBLE label: LABEL_OPTIONAL } ",
+      "field { name: 'x' number: 1 type: TYPE_FLOAT label: LABEL_OPTIONAL } ",
+      "field { name: 'x' number: 1 type: TYPE_DOUBLE label: LABEL_REPEATED } ",
+      "field { name: 'x' number: 1 type: TYPE_ENUM type_name: '.t.E' label: LABEL_OPTIONAL } ",
+      "field { name: 'x' number: 1 type: TYPE_MESSAGE type_name: '.t.M' label: LABEL_OPTIONAL } ",
+  };
+  std::set<std::uint64_t> seen;
+  for (const std::string& fields : cases) EXPECT_TRUE(seen.insert(FingerprintOf(File(fields))).second) << fields;
+}
+
+TEST(DescriptorSet, HasEveryImportOnceAndBeforeItsUser) {
+  FileDescriptorSet set;
+  ASSERT_TRUE(set.ParseFromString(DescriptorSet(*foxglove::SceneUpdate::descriptor())));
+  std::set<std::string> seen;
+  for (const FileDescriptorProto& file : set.file()) {
+    for (const std::string& import : file.dependency()) EXPECT_TRUE(seen.contains(import)) << import;
+    EXPECT_TRUE(seen.insert(file.name()).second) << file.name();
+  }
+  EXPECT_TRUE(seen.contains("google/protobuf/timestamp.proto"));
+  EXPECT_EQ(set.file(set.file_size() - 1).name(), "foxglove/SceneUpdate.proto");
+}
+
+TEST(DescriptorSet, IsEnoughToBuildTheTypeElsewhere) {
+  FileDescriptorSet set;
+  ASSERT_TRUE(set.ParseFromString(DescriptorSet(*foxglove::SceneUpdate::descriptor())));
+  DescriptorPool pool;
+  for (const FileDescriptorProto& file : set.file()) ASSERT_NE(pool.BuildFile(file), nullptr);
+  const auto* const rebuilt = pool.FindMessageTypeByName("foxglove.SceneUpdate");
+  ASSERT_NE(rebuilt, nullptr);
+  EXPECT_EQ(SchemaFingerprint(*rebuilt), SchemaFingerprint(*foxglove::SceneUpdate::descriptor()));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "conformance/transport_conformance.hpp"
+
+namespace hgros::conformance {
+
+/// Passes TCP connections on to another port of this host, and can stall and cut them.
+class TcpForwarder : public Cable {
+ public:
+  explicit TcpForwarder(std::uint16_t target_port);
+  ~TcpForwarder() override;
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  void Stall() override;
+  void Resume() override;
+  void Cut() override;
+
+ private:
+  struct Pair {
+    int client = -1;
+    int server = -1;
+  };
+  enum class State { kOpen, kStalled, kCut };
+  void Run();
+  void Set(State state);
+
+  const std::uint16_t target_port_;
+  std::uint16_t port_ = 0;
+  int listener_ = -1;
+  int wake_[2] = {-1, -1};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  State wanted_ = State::kOpen;
+  State reached_ = State::kOpen;
+  bool stop_ = false;
+  std::vector<Pair> pairs_;  // The thread's.
+  std::thread thread_;
+};
+
+}  // namespace hgros::conformance

@@ -1,0 +1,171 @@
+#include "conformance/transport_conformance.hpp"
+
+#include <google/protobuf/descriptor.pb.h>
+
+namespace hgros::conformance {
+
+bool Eventually(const std::function<bool()>& done) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr auto kPatience = std::chrono::seconds(60);
+#else
+  constexpr auto kPatience = std::chrono::seconds(20);
+#endif
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > deadline) return done();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+void Listener::OnPeerCame(const PeerInfo&) noexcept { ++came; }
+void Listener::OnPeerGone(const PeerInfo&, std::string_view) noexcept { ++gone; }
+void Listener::OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept { ++mismatches; }
+
+Session::Session(World& world, Role role, SessionId session) : id(session) {
+  transport = role == Role::kPublisher ? world.MakePublisher(listener, log, id) : world.MakeSubscriber(listener, log, id);
+}
+
+std::vector<OutboundMessage> Source::Latched() noexcept {
+  ++latched_calls;
+  const std::scoped_lock lock(mutex);
+  return latched;
+}
+
+void Source::Latch(OutboundMessage message) {
+  const std::scoped_lock lock(mutex);
+  latched.push_back(std::move(message));
+}
+
+Publication::Publication(Session& session, std::string name, const TypeInfo& message_type)
+    : channel_name(std::move(name)), type(message_type) {
+  channel = session.transport->Advertise(channel_name, type, source);
+}
+
+PacketHead Publication::NextHead() {
+  PacketHead head;
+  head.channel = channel_name;
+  head.type_name = type.name;
+  head.encoding = type.encoding;
+  head.fingerprint = type.fingerprint;
+  head.id = {publisher, 1, ++sequence};
+  head.publish_time_ns = WallNow().nanoseconds;
+  head.publish_monotonic_ns = MonotonicNow();
+  return head;
+}
+
+Payload Publication::PayloadOf(const std::string& text) {
+  auto owner = std::make_shared<const std::string>(text);
+  return {AsBytes(*owner), owner};
+}
+
+PublishStatus Publication::Publish(const std::string& text) {
+  const auto status = channel->Reserve();
+  if (status == PublishStatus::kOk) channel->Commit(NextHead(), PayloadOf(text));
+  return status;
+}
+
+bool Publication::PublishSoon(const std::string& text) {
+  return Eventually([&] { return Publish(text) == PublishStatus::kOk; });
+}
+
+Accepted Sink::Accept(InboundMessage&& message) noexcept {
+  if (inside.fetch_add(1) != 0) overlapped = true;
+  {
+    const std::scoped_lock lock(mutex_);
+    texts_.emplace_back(AsText(message.data.bytes));
+    ids.push_back(message.head.id);
+    if (hold_credit) credits_.push_back(std::move(message.credit));
+  }
+  --inside;
+  return answer;
+}
+
+void Sink::Run() noexcept {
+  if (on_run) on_run();
+  ++runs;
+}
+
+void Sink::OnFault(PacketFault, std::string_view) noexcept { ++faults; }
+
+std::vector<std::string> Sink::texts() const {
+  const std::scoped_lock lock(mutex_);
+  return texts_;
+}
+
+std::size_t Sink::count() const {
+  const std::scoped_lock lock(mutex_);
+  return texts_.size();
+}
+
+void Sink::Release(std::size_t count) {
+  std::deque<std::shared_ptr<const void>> released;
+  const std::scoped_lock lock(mutex_);
+  for (; count > 0 && !credits_.empty(); --count) {
+    released.push_back(std::move(credits_.front()));
+    credits_.pop_front();
+  }
+}
+
+Reception::Reception(Session& session, const std::string& name, const TypeInfo& type, const Demand& demand,
+                     const std::function<void(Sink&)>& prepare) {
+  if (prepare) prepare(sink);
+  channel = session.transport->Subscribe(name, type, demand, sink);
+}
+
+const TypeInfo& TextType() {
+  static const TypeInfo type = [] {
+    TypeInfo made;
+    made.name = "hgros.test.Text";
+    made.encoding = Encoding::kCustom;
+    return made;
+  }();
+  return type;
+}
+
+namespace {
+
+// A descriptor_set is a plain function: each type of a test has its own.
+template <int kSlot>
+std::string& Schema() {
+  static std::string schema;
+  return schema;
+}
+template <int kSlot>
+std::string SchemaFunction() {
+  return Schema<kSlot>();
+}
+
+}  // namespace
+
+TypeInfo ProtobufType(const std::string& name, const std::vector<std::pair<std::string, int>>& fields) {
+  namespace pb = google::protobuf;
+  pb::FileDescriptorSet set;
+  auto& file = *set.add_file();
+  file.set_name(name + ".proto");
+  file.set_syntax("proto3");
+  file.set_package(name.substr(0, name.rfind('.')));
+  auto& message = *file.add_message_type();
+  message.set_name(name.substr(name.rfind('.') + 1));
+  for (const auto& [kind, number] : fields) {
+    auto& field = *message.add_field();
+    field.set_name("f" + std::to_string(number));
+    field.set_number(number);
+    field.set_label(pb::FieldDescriptorProto::LABEL_OPTIONAL);
+    field.set_type(kind == "string" ? pb::FieldDescriptorProto::TYPE_STRING : pb::FieldDescriptorProto::TYPE_INT32);
+  }
+  TypeInfo type;
+  type.name = name;
+  type.encoding = Encoding::kProtobuf;
+  type.fingerprint = std::hash<std::string>()(set.SerializeAsString());
+  static std::atomic<int> next{0};
+  switch (next++ % 4) {
+    case 0: Schema<0>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<0>; break;
+    case 1: Schema<1>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<1>; break;
+    case 2: Schema<2>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<2>; break;
+    default: Schema<3>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<3>; break;
+  }
+  return type;
+}
+
+}  // namespace hgros::conformance

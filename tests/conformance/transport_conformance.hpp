@@ -1,0 +1,158 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hgros/base/log.hpp"
+#include "hgros/clock/time.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros::conformance {
+
+/// Waits until `done()`, at most ten seconds (more under a sanitizer). Returns the last answer.
+bool Eventually(const std::function<bool()>& done);
+
+/// Stalls and cuts the way between two sessions. Only carriers that have such a way offer it.
+class Cable {
+ public:
+  virtual ~Cable() = default;
+  virtual void Stall() = 0;   ///< Nothing passes, nothing is closed.
+  virtual void Resume() = 0;  ///< Everything passes again, new connections too.
+  virtual void Cut() = 0;     ///< All connections are closed, new ones refused until Resume().
+};
+
+/// A carrier under test, and a place where its sessions meet.
+class World {
+ public:
+  virtual ~World() = default;
+  /// A session others subscribe to; one at a time, always at the same place.
+  virtual std::unique_ptr<Transport> MakePublisher(TransportListener& listener, Log& log, SessionId id) = 0;
+  /// A session that subscribes to it, whether it exists yet or not.
+  virtual std::unique_ptr<Transport> MakeSubscriber(TransportListener& listener, Log& log, SessionId id) = 0;
+  /// The way all subscribers take; null if it cannot be cut.
+  virtual Cable* cable() { return nullptr; }
+};
+
+struct Carrier {
+  std::string name;
+  std::function<std::unique_ptr<World>()> make;
+};
+
+/// Remembers what it is told.
+class Listener : public TransportListener {
+ public:
+  void OnPeerCame(const PeerInfo& peer) noexcept override;
+  void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
+  void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+
+  std::atomic<int> came{0};
+  std::atomic<int> gone{0};
+  std::atomic<int> mismatches{0};
+};
+
+/// A session of a test.
+struct Session {
+  enum class Role { kPublisher, kSubscriber };
+  Session(World& world, Role role, SessionId id = SessionId::Random());
+
+  Listener listener;
+  Log log{[](LogLevel, std::string_view) {}};
+  SessionId id;
+  std::unique_ptr<Transport> transport;
+};
+
+/// The publishing side of a channel: numbers messages, counts calls.
+class Source : public OutboundSource {
+ public:
+  std::vector<OutboundMessage> Latched() noexcept override;
+  void OnRoom() noexcept override { ++rooms; }
+  void OnSubscribers(std::size_t count) noexcept override { subscribers = count; }
+
+  void Latch(OutboundMessage message);
+
+  std::mutex mutex;
+  std::vector<OutboundMessage> latched;  // Guarded by mutex.
+  std::atomic<int> rooms{0};
+  std::atomic<int> latched_calls{0};
+  std::atomic<std::size_t> subscribers{0};
+};
+
+class Publication {
+ public:
+  Publication(Session& session, std::string channel, const TypeInfo& type);
+  /// Reserve and Commit; only kOk uses up a number.
+  PublishStatus Publish(const std::string& text);
+  /// Until it is accepted; false at the deadline.
+  bool PublishSoon(const std::string& text);
+  [[nodiscard]] PacketHead NextHead();
+  [[nodiscard]] static Payload PayloadOf(const std::string& text);
+
+  std::string channel_name;
+  const TypeInfo& type;
+  const std::uint64_t publisher = RandomId();
+  std::atomic<std::uint64_t> sequence{0};
+  Source source;
+  std::unique_ptr<OutboundChannel> channel;
+};
+
+/// The subscribing side of a channel: keeps what comes.
+class Sink : public InboundSink {
+ public:
+  Accepted Accept(InboundMessage&& message) noexcept override;
+  void Run() noexcept override;
+  void OnFault(PacketFault fault, std::string_view what) noexcept override;
+  void OnPublishers(std::size_t count) noexcept override { publishers = count; }
+
+  [[nodiscard]] std::vector<std::string> texts() const;
+  [[nodiscard]] std::size_t count() const;
+  /// Gives credit back for the oldest `count` messages that still hold it.
+  void Release(std::size_t count);
+
+  std::atomic<Accepted> answer = Accepted::kNothing;
+  std::function<void()> on_run;
+  std::atomic<bool> hold_credit{false};
+  std::atomic<int> runs{0};
+  std::atomic<int> inside{0};
+  std::atomic<bool> overlapped{false};  ///< Accept() was called twice at once.
+  std::atomic<int> faults{0};
+  std::atomic<std::size_t> publishers{0};
+  std::vector<MessageId> ids;  // Guarded by mutex_ until the subscription has ended.
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> texts_;
+  std::deque<std::shared_ptr<const void>> credits_;
+};
+
+class Reception {
+ public:
+  /// `prepare` sets up the sink before anything can reach it.
+  Reception(Session& session, const std::string& channel, const TypeInfo& type, const Demand& demand = {},
+            const std::function<void(Sink&)>& prepare = {});
+  Sink sink;
+  std::unique_ptr<InboundChannel> channel;
+};
+
+/// A custom type without a schema.
+const TypeInfo& TextType();
+/// A type of this name and schema: a protobuf message with the fields of `fields`, such as "int32 a = 1".
+TypeInfo ProtobufType(const std::string& name, const std::vector<std::pair<std::string, int>>& fields);
+
+class TransportConformance : public testing::TestWithParam<Carrier> {
+ protected:
+  void SetUp() override { world = GetParam().make(); }
+  std::unique_ptr<World> world;
+};
+
+}  // namespace hgros::conformance

@@ -1,0 +1,282 @@
+// What the contracts of transport.hpp say about deaths, cuts, threads and destruction, for every carrier.
+#include <set>
+
+#include "conformance/transport_conformance.hpp"
+
+namespace hgros::conformance {
+namespace {
+
+using Role = Session::Role;
+
+constexpr Demand kLossless{.lossless = true, .queue_depth = 16, .credit_messages = 8, .credit_bytes = 1 << 20};
+constexpr Demand kRoomy{.lossless = false, .queue_depth = 10000, .credit_messages = 64, .credit_bytes = 64 << 20};
+
+bool Joined(const Publication& publication, std::size_t subscribers = 1) {
+  return Eventually([&] { return publication.channel->subscriber_count() == subscribers; });
+}
+
+TEST_P(TransportConformance, APublisherMayRestartAgainAndAgain) {
+  Session b(*world, Role::kSubscriber);
+  Reception in(b, "scan", TextType());
+  for (std::size_t life = 1; life <= 5; ++life) {
+    Session a(*world, Role::kPublisher);
+    Publication out(a, "scan", TextType());
+    ASSERT_TRUE(Joined(out)) << "life " << life;
+    ASSERT_EQ(out.Publish(std::to_string(life)), PublishStatus::kOk);
+    ASSERT_TRUE(Eventually([&] { return in.sink.count() == life; })) << "life " << life;
+  }
+}
+
+TEST_P(TransportConformance, ASubscriberMayRestartWithTheSameSessionId) {
+  Session a(*world, Role::kPublisher);
+  Publication out(a, "scan", TextType());
+  const SessionId id = SessionId::Random();
+  for (int life = 1; life <= 5; ++life) {
+    Session b(*world, Role::kSubscriber, id);
+    Reception in(b, "scan", TextType(), kLossless);
+    ASSERT_TRUE(Joined(out)) << "life " << life;
+    ASSERT_TRUE(Eventually([&] { return in.channel->publisher_count() == 1; }));
+    ASSERT_TRUE(out.PublishSoon(std::to_string(life)));
+    ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; })) << "life " << life;
+    in.channel.reset();
+    b.transport.reset();
+    ASSERT_TRUE(Joined(out, 0)) << "life " << life;
+  }
+}
+
+TEST_P(TransportConformance, ALosslessSubscriberThatLeavesGivesItsCreditBack) {
+  Session a(*world, Role::kPublisher);
+  Publication out(a, "scan", TextType());
+  auto b = std::make_unique<Session>(*world, Role::kSubscriber);
+  auto in = std::make_unique<Reception>(*b, "scan", TextType(), kLossless);
+  in->sink.hold_credit = true;
+  ASSERT_TRUE(Joined(out));
+  for (int i = 0; i < 8; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  ASSERT_EQ(out.Publish("x"), PublishStatus::kFull);
+  b->transport->Close(0);
+  ASSERT_TRUE(Eventually([&] { return out.source.rooms > 0; }));
+  EXPECT_EQ(out.Publish("y"), PublishStatus::kOk);
+  EXPECT_EQ(out.channel->stats().missed, 8u);
+  in.reset();
+}
+
+TEST_P(TransportConformance, ALosslessSubscriberThatFallsSilentGivesItsCreditBack) {
+  if (world->cable() == nullptr) GTEST_SKIP() << "this carrier cannot be cut";
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  Reception in(b, "scan", TextType(), kLossless);
+  ASSERT_TRUE(Joined(out));
+  world->cable()->Stall();
+  for (int i = 0; i < 8; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  ASSERT_EQ(out.Publish("x"), PublishStatus::kFull);
+  ASSERT_TRUE(Eventually([&] { return out.source.rooms > 0 && out.channel->subscriber_count() == 0; }));
+  EXPECT_EQ(out.channel->stats().missed, 8u);
+  EXPECT_EQ(out.Publish("y"), PublishStatus::kOk);
+  world->cable()->Resume();
+  EXPECT_TRUE(Joined(out));
+}
+
+TEST_P(TransportConformance, ALosslessSubscriberGetsWhatItMissedInACutExactlyOnce) {
+  if (world->cable() == nullptr) GTEST_SKIP() << "this carrier cannot be cut";
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  Reception in(b, "scan", TextType(), kLossless);
+  ASSERT_TRUE(Joined(out));
+  std::vector<std::string> sent;
+  std::atomic<bool> stop{false};
+  std::thread publishing([&] {
+    while (!stop) {
+      const std::string text = std::to_string(sent.size());
+      if (out.Publish(text) == PublishStatus::kOk) sent.push_back(text);
+      std::this_thread::yield();
+    }
+  });
+  for (int cut = 0; cut < 8; ++cut) {
+    const std::size_t before = in.sink.count();
+    EXPECT_TRUE(Eventually([&] { return in.sink.count() > before + 50; })) << "cut " << cut;
+    if (cut % 2 == 0) {
+      world->cable()->Cut();
+    } else {
+      world->cable()->Stall();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // Some of it in the middle of a message.
+      world->cable()->Cut();
+    }
+    world->cable()->Resume();
+  }
+  const std::size_t before = in.sink.count();
+  EXPECT_TRUE(Eventually([&] { return in.sink.count() > before + 50; }));
+  stop = true;
+  publishing.join();
+  EXPECT_TRUE(Eventually([&] { return in.sink.count() == sent.size(); }));
+  EXPECT_EQ(in.sink.texts(), sent);
+  EXPECT_EQ(out.channel->stats().missed, 0u);
+}
+
+TEST_P(TransportConformance, AKeepLastSubscriberComesBackAfterACutWithoutRepeats) {
+  if (world->cable() == nullptr) GTEST_SKIP() << "this carrier cannot be cut";
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  Reception in(b, "scan", TextType(), kRoomy);
+  ASSERT_TRUE(Joined(out));
+  for (int cut = 0; cut < 4; ++cut) {
+    world->cable()->Cut();
+    for (int i = 0; i < 10; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+    world->cable()->Resume();
+    const std::size_t before = in.sink.count();
+    ASSERT_TRUE(Eventually([&] { return out.Publish("x") == PublishStatus::kOk && in.sink.count() > before; }));
+  }
+  b.transport->Close(0);
+  const std::set<MessageId> unique(in.sink.ids.begin(), in.sink.ids.end());
+  EXPECT_EQ(unique.size(), in.sink.ids.size());
+}
+
+TEST_P(TransportConformance, ConcurrentPublishersKeepEachThreadsOrder) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  Reception in(b, "scan", TextType(), kLossless);
+  ASSERT_TRUE(Joined(out));
+  constexpr int kThreads = 4;
+  constexpr int kEach = 300;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < kEach; ++i) EXPECT_TRUE(out.PublishSoon(std::to_string(t) + " " + std::to_string(i)));
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == kThreads * kEach; }));
+  std::array<int, kThreads> next{};
+  for (const auto& text : in.sink.texts()) {
+    const auto t = static_cast<std::size_t>(text[0] - '0');
+    EXPECT_EQ(std::stoi(text.substr(2)), next[t]++);
+  }
+}
+
+TEST_P(TransportConformance, SeveralChannelsAlternateWithoutPause) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  constexpr int kChannels = 8;
+  std::vector<std::unique_ptr<Publication>> out;
+  std::vector<std::unique_ptr<Reception>> in;
+  for (int c = 0; c < kChannels; ++c) {
+    out.push_back(std::make_unique<Publication>(a, "channel" + std::to_string(c), TextType()));
+    in.push_back(std::make_unique<Reception>(b, "channel" + std::to_string(c), TextType(), kLossless));
+    in.back()->sink.answer = c % 2 == 0 ? Accepted::kRunApart : Accepted::kRunHere;
+  }
+  for (const auto& publication : out) ASSERT_TRUE(Joined(*publication));
+  for (int i = 0; i < 300; ++i) {
+    for (const auto& publication : out) ASSERT_TRUE(publication->PublishSoon(std::to_string(i)));
+  }
+  for (const auto& reception : in) {
+    ASSERT_TRUE(Eventually([&] { return reception->sink.count() == 300 && reception->sink.runs == 300; }));
+    EXPECT_FALSE(reception->sink.overlapped);
+    for (int i = 0; i < 300; ++i) EXPECT_EQ(reception->sink.texts()[static_cast<std::size_t>(i)], std::to_string(i));
+  }
+}
+
+TEST_P(TransportConformance, ALongRunOfOneChannelDoesNotHoldUpAnother) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication long_out(a, "long", TextType()), short_out(a, "short", TextType());
+  std::atomic<bool> go_on{false};
+  Reception long_in(b, "long", TextType(), {}, [&](Sink& sink) {
+    sink.answer = Accepted::kRunApart;
+    sink.on_run = [&] { EXPECT_TRUE(Eventually([&] { return go_on.load(); })); };
+  });
+  Reception short_in(b, "short", TextType(), kLossless, [](Sink& sink) { sink.answer = Accepted::kRunApart; });
+  ASSERT_TRUE(Joined(long_out) && Joined(short_out));
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(long_out.Publish("x"), PublishStatus::kOk);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(short_out.PublishSoon("y"));
+  EXPECT_TRUE(Eventually([&] { return short_in.sink.runs == 100; }));
+  EXPECT_EQ(long_in.sink.runs, 0);
+  go_on = true;
+  EXPECT_TRUE(Eventually([&] { return long_in.sink.runs == 10; }));
+}
+
+TEST_P(TransportConformance, ASubscriptionMayEndWithinItsOwnRun) {
+  for (const auto answer : {Accepted::kRunApart, Accepted::kRunHere}) {
+    Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+    Publication out(a, "scan", TextType());
+    std::atomic<bool> ended{false}, ready{false};
+    std::unique_ptr<Reception> in;
+    in = std::make_unique<Reception>(b, "scan", TextType(), Demand{}, [&](Sink& sink) {
+      sink.answer = answer;
+      sink.on_run = [&] {
+        EXPECT_TRUE(Eventually([&] { return ready.load(); }));
+        in->channel.reset();
+        ended = true;
+      };
+    });
+    ready = true;
+    ASSERT_TRUE(Joined(out));
+    ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+    ASSERT_TRUE(Eventually([&] { return ended.load(); }));
+    ASSERT_TRUE(Joined(out, 0));
+    EXPECT_EQ(in->sink.count(), 1u);
+    b.transport->Close(0);  // Run() has ended before the sink does.
+  }
+}
+
+TEST_P(TransportConformance, EndingASubscriptionWaitsForItsRun) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  std::atomic<bool> started{false}, finished{false};
+  Reception in(b, "scan", TextType(), {}, [&](Sink& sink) {
+    sink.answer = Accepted::kRunApart;
+    sink.on_run = [&] {
+      started = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      finished = true;
+    };
+  });
+  ASSERT_TRUE(Joined(out));
+  ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  ASSERT_TRUE(Eventually([&] { return started.load(); }));
+  in.channel.reset();
+  EXPECT_TRUE(finished);
+}
+
+TEST_P(TransportConformance, EverythingMayBeDestroyedUnderLoad) {
+  for (int round = 0; round < 5; ++round) {
+    auto a = std::make_unique<Session>(*world, Role::kPublisher);
+    auto b = std::make_unique<Session>(*world, Role::kSubscriber);
+    auto out = std::make_unique<Publication>(*a, "scan", TextType());
+    auto in = std::make_unique<Reception>(*b, "scan", TextType(), kRoomy);
+    in->sink.answer = Accepted::kRunApart;
+    std::atomic<bool> stop{false};
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 2; ++t) {
+      threads.emplace_back([&] {
+        while (!stop) {
+          // A closed transport refuses.
+          if (out->Publish(std::string(5000, 'x')) == PublishStatus::kClosed) std::this_thread::yield();
+        }
+      });
+    }
+    EXPECT_TRUE(Eventually([&] { return in->sink.count() > 100; }));
+    if (round % 2 == 0) {
+      in->channel.reset();
+      b->transport.reset();
+      a->transport.reset();
+    } else {
+      a->transport.reset();
+      b->transport.reset();
+      in->channel.reset();
+    }
+    stop = true;
+    for (auto& thread : threads) thread.join();
+  }
+}
+
+TEST_P(TransportConformance, AClosedTransportRefusesAndStaysQuiet) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  Reception in(b, "scan", TextType(), kRoomy);
+  ASSERT_TRUE(Joined(out));
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  a.transport->Close(5000);
+  EXPECT_EQ(out.Publish("y"), PublishStatus::kClosed);
+  EXPECT_TRUE(Eventually([&] { return in.sink.count() == 100; })) << "what was committed was not sent";
+  a.transport->Close(0);
+}
+
+}  // namespace
+}  // namespace hgros::conformance

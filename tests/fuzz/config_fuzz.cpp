@@ -1,0 +1,41 @@
+// The configuration reader takes any text: it returns a configuration or throws ConfigError, in bounded time.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "hgros/base/error.hpp"
+#include "hgros/session/config.hpp"
+
+namespace {
+
+void Require(bool condition) {
+  if (!condition) std::abort();
+}
+
+template <typename List>
+bool SortedWithoutRepeats(const List& list) {
+  return std::adjacent_find(list.begin(), list.end(), [](const auto& a, const auto& b) { return !(a < b); }) ==
+         list.end();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  try {
+    const hgros::Config config = hgros::Config::Parse(text, "fuzz");
+    Require(SortedWithoutRepeats(config.closed_channels));
+    Require(SortedWithoutRepeats(config.security.allowed_clients));
+    Require(config.peer_timeout_ms > config.heartbeat_ms);
+    for (const auto* side : {&config.publishers, &config.subscribers}) {
+      for (const hgros::EndpointConfig& endpoint : *side) {
+        Require(endpoint.endpoint.starts_with("tcp://") || endpoint.endpoint.starts_with("ipc://"));
+        Require(SortedWithoutRepeats(endpoint.channels));
+      }
+    }
+  } catch (const hgros::ConfigError& error) {
+    Require(error.where().starts_with("fuzz"));
+  }
+  return 0;
+}

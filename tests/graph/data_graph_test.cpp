@@ -1,0 +1,294 @@
+#include "hgros/graph/data_graph.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include "graph/graph_fixture.hpp"
+#include "hgros/base/error.hpp"
+
+namespace hgros {
+namespace {
+
+using test::AllExecutors;
+using test::Await;
+using test::Collected;
+using test::Counting;
+using test::Options;
+
+// Counts how often it is copied.
+struct Counted {
+  Counted() = default;
+  Counted(const Counted&) { ++copies; }
+  Counted& operator=(const Counted&) = delete;
+  inline static std::atomic<int> copies{0};
+};
+
+class EveryExecutor : public testing::TestWithParam<std::size_t> {
+ protected:
+  [[nodiscard]] Executor executor() const { return AllExecutors()[GetParam()]; }
+};
+INSTANTIATE_TEST_SUITE_P(DataGraph, EveryExecutor, testing::Values(0U, 1U, 2U));
+
+TEST_P(EveryExecutor, AllNodesGetTheSameObjectAndNothingIsCopied) {
+  DataGraph graph;
+  Counted::copies = 0;
+  std::mutex mutex;
+  std::multiset<const Counted*> seen;
+  std::vector<Subscription> subscriptions;
+  for (const Invoke invoke : {Invoke::kSerial, Invoke::kConcurrent}) {
+    subscriptions.push_back(graph.FromGraph<Counted>(
+        "c", invoke,
+        [&](std::shared_ptr<const Counted> message) {
+          const std::scoped_lock lock(mutex);
+          seen.insert(message.get());
+        },
+        Options(executor())));
+  }
+  auto message = std::make_unique<Counted>();
+  const Counted* address = message.get();
+  EXPECT_EQ(graph.ToGraph("c", std::move(message)), PublishStatus::kOk);
+  EXPECT_EQ(message, nullptr);
+  EXPECT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return seen.count(address) == 2;
+  }));
+  EXPECT_EQ(Counted::copies, 0);
+}
+
+TEST_P(EveryExecutor, SerialNodesKeepEachPublishersOrder) {
+  DataGraph graph;
+  for (const int threads : {1, 2, 3, 7, 16}) {
+    constexpr int kEach = 500;
+    std::vector<std::vector<int>> got(static_cast<std::size_t>(threads));
+    std::atomic<int> inside{0};
+    std::atomic<int> overlaps{0};
+    std::atomic<int> count{0};
+    const std::string channel = "order" + std::to_string(threads);
+    const auto subscription = graph.FromGraph<std::pair<int, int>>(
+        channel, Invoke::kSerial,
+        [&](const std::pair<int, int>& message) {
+          if (inside.fetch_add(1) != 0) ++overlaps;
+          got[static_cast<std::size_t>(message.first)].push_back(message.second);
+          inside.fetch_sub(1);
+          ++count;
+        },
+        Options(executor(), Queue::KeepAll(100000)));
+    {
+      std::vector<std::jthread> publishers;
+      for (int t = 0; t < threads; ++t) {
+        publishers.emplace_back([&, t] {
+          for (int i = 0; i < kEach; ++i) {
+            EXPECT_EQ(graph.ToGraph(channel, std::make_unique<std::pair<int, int>>(t, i)), PublishStatus::kOk);
+          }
+        });
+      }
+    }
+    ASSERT_TRUE(Await([&] { return count == threads * kEach; })) << threads << " threads";
+    EXPECT_EQ(overlaps, 0);
+    for (const auto& values : got) EXPECT_EQ(values, Counting(0, kEach));
+  }
+}
+
+TEST_P(EveryExecutor, ConcurrentNodesGetEveryMessageOnce) {
+  DataGraph graph;
+  for (const int threads : {1, 2, 3, 7, 16}) {
+    constexpr int kEach = 300;
+    std::vector<std::atomic<int>> got(static_cast<std::size_t>(threads * kEach));
+    std::atomic<int> count{0};
+    const std::string channel = "all" + std::to_string(threads);
+    const auto subscription = graph.FromGraph<int>(
+        channel, Invoke::kConcurrent,
+        [&](const int& message) {
+          ++got[static_cast<std::size_t>(message)];
+          ++count;
+        },
+        Options(executor(), Queue::KeepAll(100000)));
+    {
+      std::vector<std::jthread> publishers;
+      for (int t = 0; t < threads; ++t) {
+        publishers.emplace_back([&, t] {
+          for (int i = 0; i < kEach; ++i) {
+            EXPECT_EQ(graph.ToGraph(channel, std::make_unique<int>(t * kEach + i)), PublishStatus::kOk);
+          }
+        });
+      }
+    }
+    ASSERT_TRUE(Await([&] { return count == threads * kEach; })) << threads << " threads";
+    for (const auto& times : got) EXPECT_EQ(times, 1);
+  }
+}
+
+TEST_P(EveryExecutor, ACallbackThatThrowsIsCountedLoggedAndIsolated) {
+  test::Heard heard;
+  DataGraph graph({}, heard.MakeLog());
+  Collected good;
+  const auto bad = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [](const int&) { throw std::runtime_error("no map yet"); },
+      Options(executor(), {}, "planner"));
+  const auto other = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&](const int& value) { good.Add(value); }, Options(executor()));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(i)), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return good.size() == 10 && bad.stats().failed == 10; }));
+  EXPECT_TRUE(heard.Contains("planner"));
+  EXPECT_TRUE(heard.Contains("no map yet"));
+  EXPECT_EQ(bad.stats().run, 10U);
+}
+
+TEST_P(EveryExecutor, ASlowKeepLastNodeGetsTheNewestAndCountsTheRest) {
+  if (executor().kind() == Executor::Kind::kInline) GTEST_SKIP() << "an inline node makes its publisher wait instead";
+  DataGraph graph;
+  test::Door door;
+  Collected got;
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&](const int& value) {
+        got.Add(value);
+        door.Pass();
+      },
+      Options(executor(), Queue::KeepLast(3)));
+  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(0)), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return got.size() == 1; }));
+  for (int i = 1; i <= 10; ++i) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(i)), PublishStatus::kOk);
+  door.Open();
+  ASSERT_TRUE(Await([&] { return got.size() == 4; }));
+  EXPECT_EQ(got.values(), (std::vector<int>{0, 8, 9, 10}));
+  EXPECT_EQ(subscription.stats().dropped, 7U);
+  EXPECT_EQ(subscription.stats().received, 11U);
+}
+
+TEST(DataGraph, AnInlineSerialNodeThatPublishesToItselfFindsTheMessageWhenItReturns) {
+  DataGraph graph;
+  Collected got;
+  int depth = 0;
+  int deepest = 0;
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&](const int& value) {
+        deepest = std::max(deepest, ++depth);
+        got.Add(value);
+        if (value < 5) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(value + 1)), PublishStatus::kOk);
+        --depth;
+      },
+      Options(Executor::Inline()));
+  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(0)), PublishStatus::kOk);
+  EXPECT_EQ(got.values(), Counting(0, 6));
+  EXPECT_EQ(deepest, 1);
+}
+
+TEST(DataGraph, AnotherTypeOnAChannelIsAnErrorThatNamesBothAndThePlace) {
+  DataGraph graph;
+  (void)graph.Advertise<int>("scan");
+  try {
+    (void)graph.ToGraph("scan", std::make_unique<double>(1.0));
+    FAIL() << "no error";
+  } catch (const TypeMismatch& error) {
+    const std::string text = error.what();
+    for (const char* part : {"scan", "int", "double", "data_graph_test.cpp"}) {
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+    }
+  }
+}
+
+TEST(DataGraph, ABadChannelNameIsAnError) {
+  DataGraph graph;
+  EXPECT_THROW((void)graph.Advertise<int>(""), Error);
+  EXPECT_THROW((void)graph.Advertise<int>("two words"), Error);
+  EXPECT_THROW((void)graph.Advertise<int>(std::string(201, 'a')), Error);
+}
+
+TEST(DataGraph, AClosedChannelDeliversNothingLocally) {
+  DataGraph graph;
+  graph.SetClosed("c", true);
+  Collected got;
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline()));
+  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
+  graph.SetClosed("c", false);
+  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(2)), PublishStatus::kOk);
+  EXPECT_EQ(got.values(), std::vector<int>{2});
+}
+
+TEST(DataGraph, WhatComesFromOutsideIsDeliveredAlsoOnAClosedChannel) {
+  DataGraph graph;
+  graph.SetClosed("c", true);
+  Collected got;
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&](const int& value, const MessageInfo& info) {
+        EXPECT_TRUE(info.remote);
+        got.Add(value);
+      },
+      Options(Executor::Inline()));
+  Channel& channel = graph.Open("c", TypeOf<int>(), std::source_location::current());
+  DataGraph::Inject(channel, std::make_shared<const int>(7), MessageInfo{}, nullptr, 0);
+  EXPECT_EQ(got.values(), std::vector<int>{7});
+}
+
+TEST(DataGraph, NodesAreNamedAfterTheirChannelUnlessTheyHaveAName) {
+  DataGraph graph;
+  const auto first = graph.FromGraph<int>("scan", Invoke::kSerial, [](const int&) {});
+  const auto second = graph.FromGraph<int>("scan", Invoke::kSerial, [](const int&) {});
+  const auto third = graph.FromGraph<int>("scan", Invoke::kSerial, [](const int&) {},
+                                          {.name = "matcher", .queue = {}, .executor = {}});
+  EXPECT_EQ(first.name(), "scan#0");
+  EXPECT_EQ(second.name(), "scan#1");
+  EXPECT_EQ(third.name(), "matcher");
+}
+
+TEST(DataGraph, ConfigurationOverridesWhatTheProgramSaysOfANode) {
+  GraphOptions options;
+  options.overrides["matcher"] = {Queue::Latest(), Executor::Inline()};
+  DataGraph graph(options);
+  const auto subscription = graph.FromGraph<int>(
+      "scan", Invoke::kSerial, [](const int&) {}, Options(Executor::Tbb(), Queue::KeepLast(9), "matcher"));
+  EXPECT_EQ(subscription.stats().queue, Queue::Latest());
+  EXPECT_EQ(subscription.stats().executor.kind(), Executor::Kind::kInline);
+}
+
+TEST(DataGraph, ASnapshotCountsWhatHappened) {
+  DataGraph graph;
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [](const int&) {}, Options(Executor::Inline(), {}, "node"));
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(i)), PublishStatus::kOk);
+  const GraphSnapshot snapshot = graph.Snapshot();
+  ASSERT_EQ(snapshot.channels.size(), 1U);
+  EXPECT_EQ(snapshot.channels[0].published, 100U);
+  ASSERT_EQ(snapshot.channels[0].nodes.size(), 1U);
+  const NodeSnapshot& node = snapshot.channels[0].nodes[0];
+  EXPECT_EQ(node.received, 100U);
+  EXPECT_EQ(node.run, 100U);
+  EXPECT_EQ(node.run_time.count(), 100U);
+  EXPECT_EQ(node.queue_wait.count(), 100U);
+}
+
+TEST(DataGraph, TakesCallbacksThatCannotBeCopied) {
+  DataGraph graph;
+  Collected got;
+  auto owned = std::make_unique<int>(41);
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&got, owned = std::move(owned)](const int& value) { got.Add(*owned + value); },
+      Options(Executor::Inline()));
+  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
+  EXPECT_EQ(got.values(), std::vector<int>{42});
+}
+
+TEST(DataGraph, WaitIdleWaitsForAWholePipeline) {
+  DataGraph graph;
+  std::vector<Subscription> stages;
+  Collected got;
+  for (int i = 0; i < 10; ++i) {
+    stages.push_back(graph.FromGraph<int>("s" + std::to_string(i), Invoke::kSerial, [&graph, i](const int& value) {
+      (void)graph.ToGraph("s" + std::to_string(i + 1), std::make_unique<int>(value + 1));
+    }));
+  }
+  stages.push_back(graph.FromGraph<int>("s10", Invoke::kSerial, [&](const int& value) { got.Add(value); }));
+  for (int i = 0; i < 10; ++i) (void)graph.ToGraph("s0", std::make_unique<int>(i));
+  EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_EQ(got.values(), Counting(10, 20));
+}
+
+}  // namespace
+}  // namespace hgros

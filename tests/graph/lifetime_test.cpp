@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <random>
+#include <thread>
+
+#include "graph/graph_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Options;
+
+class LifetimeOnEveryExecutor : public testing::TestWithParam<std::size_t> {
+ protected:
+  [[nodiscard]] Executor executor() const { return test::AllExecutors()[GetParam()]; }
+};
+INSTANTIATE_TEST_SUITE_P(Lifetime, LifetimeOnEveryExecutor, testing::Values(0U, 1U, 2U));
+
+TEST_P(LifetimeOnEveryExecutor, DestroyingASubscriptionWaitsForItsCallbackAndNoneRunsAfterwards) {
+  DataGraph graph;
+  const auto publish = graph.Advertise<int>("c");
+  std::atomic<bool> stop{false};
+  std::jthread publisher([&] {
+    while (!stop) (void)publish(std::make_unique<int>(1));
+  });
+  for (int round = 0; round < 100; ++round) {
+    auto alive = std::make_unique<std::atomic<bool>>(true);
+    auto subscription = graph.FromGraph<int>(
+        "c", round % 2 == 0 ? Invoke::kSerial : Invoke::kConcurrent,
+        [state = alive.get()](const int&) { EXPECT_TRUE(state->load()); }, Options(executor()));
+    if (round % 3 == 0) (void)Await([&] { return subscription.stats().run > 0; });
+    subscription.Reset();
+    *alive = false;
+    alive.reset();  // Under the address sanitizer a late callback would be seen here.
+  }
+  stop = true;
+}
+
+TEST_P(LifetimeOnEveryExecutor, ASubscriptionMayBeDestroyedInItsOwnCallback) {
+  DataGraph graph;
+  std::optional<Subscription> subscription;
+  test::Door wired;
+  std::atomic<int> calls{0};
+  auto captured = std::make_shared<int>(5);
+  const std::weak_ptr<int> watch = captured;
+  const auto publish = graph.Advertise<int>("c");
+  subscription.emplace(graph.FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&, captured](const int&) {
+        wired.Pass();
+        EXPECT_FALSE(subscription->Join()) << "it cannot wait for itself";
+        subscription.reset();
+        ++calls;
+        EXPECT_EQ(*captured, 5) << "what the callback captured lives until it returns";
+      },
+      Options(executor())));
+  captured.reset();
+  wired.Open();
+  for (int i = 0; i < 5; ++i) (void)publish(std::make_unique<int>(i));
+  ASSERT_TRUE(Await([&] { return calls == 1 && watch.expired(); }));
+  (void)publish(std::make_unique<int>(9));
+  EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_EQ(calls, 1);
+}
+
+TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallbacks) {
+  for (int round = 0; round < 20; ++round) {
+    DataGraph graph;
+    std::optional<Subscription> first;
+    std::optional<Subscription> second;
+    std::atomic<int> inside{0};
+    std::atomic<int> done{0};
+    const auto destroy = [&](std::optional<Subscription>& other) {
+      ++inside;
+      // Both in flight at once where threads allow it.
+      (void)Await([&] { return inside >= 2; }, std::chrono::milliseconds(20));
+      other->Reset();
+      ++done;
+    };
+    const Executor own = executor().kind() == Executor::Kind::kInline ? Executor::Dedicated() : executor();
+    first.emplace(graph.FromGraph<int>(
+        "a", Invoke::kSerial, [&](const int&) { destroy(second); }, Options(executor())));
+    second.emplace(graph.FromGraph<int>(
+        "b", Invoke::kSerial, [&](const int&) { destroy(first); }, Options(own)));
+    std::jthread publisher([&] { (void)graph.ToGraph("b", std::make_unique<int>(1)); });
+    (void)graph.ToGraph("a", std::make_unique<int>(1));
+    publisher.join();
+    // Either both ran, or one was ended before it began.
+    EXPECT_TRUE(Await([&] { return done >= 1; }));
+    EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  }
+}
+
+TEST_P(LifetimeOnEveryExecutor, AGraphDestroyedUnderLoadRefusesPublishesAndStops) {
+  for (int round = 0; round < 20; ++round) {
+    auto graph = std::make_unique<DataGraph>();
+    std::vector<Subscription> subscriptions;
+    for (int i = 0; i < 3; ++i) {
+      subscriptions.push_back(graph->FromGraph<int>(
+          "c", i == 0 ? Invoke::kConcurrent : Invoke::kSerial, [](const int&) {}, Options(executor())));
+    }
+    const auto publish = graph->Advertise<int>("c");
+    std::atomic<int> refused{0};
+    std::vector<std::jthread> publishers;
+    for (int t = 0; t < 3; ++t) {
+      publishers.emplace_back([&, publish] {
+        while (publish(std::make_unique<int>(1)) != PublishStatus::kClosed) {
+        }
+        ++refused;
+      });
+    }
+    ASSERT_TRUE(Await([&] { return subscriptions[1].stats().run > 10; }));
+    graph.reset();
+    publishers.clear();
+    EXPECT_EQ(refused, 3) << "a handle that outlives its graph says closed";
+    subscriptions.clear();
+  }
+}
+
+TEST(Lifetime, AGraphThatHangsNamesTheNodeInTheLog) {
+  test::Heard heard;
+  test::Door door;
+  std::atomic<bool> begun{false};
+  auto graph = std::make_unique<DataGraph>(GraphOptions{}, heard.MakeLog());
+  const auto subscription = graph->FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&](const int&) {
+        begun = true;
+        door.Pass();
+      },
+      Options(Executor::Tbb(), {}, "stuck_planner"));
+  (void)graph->ToGraph("c", std::make_unique<int>(1));
+  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  std::jthread destroyer([&] { graph.reset(); });
+  EXPECT_TRUE(Await([&] { return heard.Contains("stuck_planner"); }));
+  door.Open();
+}
+
+TEST(Lifetime, SubscriptionsComeAndGoWhileMessagesFlowAtAnyThreadCount) {
+  for (const int threads : {1, 2, 3, 7, 16}) {
+    const std::uint64_t seed = std::random_device{}();
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", threads " + std::to_string(threads));
+    DataGraph graph;
+    std::atomic<bool> stop{false};
+    std::atomic<std::uint64_t> published{0};
+    std::vector<std::jthread> publishers;
+    for (int t = 0; t < threads; ++t) {
+      publishers.emplace_back([&, t] {
+        while (!stop) {
+          (void)graph.ToGraph("c" + std::to_string(t % 3), std::make_unique<int>(t));
+          ++published;
+        }
+      });
+    }
+    std::mt19937_64 random(seed);
+    std::vector<Subscription> subscriptions;
+    for (int i = 0; i < 300; ++i) {
+      if (subscriptions.size() < 10 && random() % 2 == 0) {
+        const auto executors = test::AllExecutors();
+        subscriptions.push_back(graph.FromGraph<int>(
+            "c" + std::to_string(random() % 3), random() % 2 == 0 ? Invoke::kSerial : Invoke::kConcurrent,
+            [](const int&) {}, Options(executors[random() % executors.size()])));
+      } else if (!subscriptions.empty()) {
+        subscriptions.erase(subscriptions.begin() + static_cast<std::ptrdiff_t>(random() % subscriptions.size()));
+      }
+    }
+    EXPECT_TRUE(Await([&] { return published > 100; }));
+    stop = true;
+  }
+}
+
+TEST(Lifetime, ASubscriptionMayOutliveItsGraph) {
+  Subscription subscription;
+  {
+    DataGraph graph;
+    subscription = graph.FromGraph<int>("c", Invoke::kSerial, [](const int&) {});
+  }
+  EXPECT_EQ(subscription.name(), "c#0");
+  subscription.Reset();
+}
+
+}  // namespace
+}  // namespace hgros

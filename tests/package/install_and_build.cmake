@@ -1,0 +1,44 @@
+# Run by ctest with -P. Every step stops the test when it fails.
+cmake_minimum_required(VERSION 3.25)
+set(prefix ${SCRATCH}/prefix)
+set(build ${SCRATCH}/build)
+file(REMOVE_RECURSE ${SCRATCH})
+set(ENV{DESTDIR})
+
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --strip
+  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+
+# Nothing of the tree may be needed: no static module is installed, and no installed file names the tree.
+file(GLOB_RECURSE archives ${prefix}/*.a)
+if(archives)
+  message(FATAL_ERROR "Static libraries were installed: ${archives}")
+endif()
+file(GLOB_RECURSE package_files ${prefix}/*.cmake)
+if(NOT package_files)
+  message(FATAL_ERROR "No CMake package was installed below ${prefix}.")
+endif()
+foreach(file IN LISTS package_files)
+  file(READ ${file} text)
+  string(FIND "${text}" "${BUILD_DIR}" at)
+  if(NOT at EQUAL -1)
+    message(FATAL_ERROR "${file} names the build folder ${BUILD_DIR}.")
+  endif()
+endforeach()
+
+# The library shows its own names and nobody else's.
+file(GLOB_RECURSE library ${prefix}/*/libhgros.so)
+execute_process(COMMAND ${NM} --dynamic --defined-only --demangle ${library}
+  OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+string(REPLACE "\n" ";" symbols "${symbols}")
+list(FILTER symbols EXCLUDE REGEX "(^| )hgros::|(typeinfo|vtable|VTT|guard variable|TLS [a-z]+ function|thunk)[a-z ]* (for|to) hgros::")
+list(FILTER symbols EXCLUDE REGEX "\\[abi:|^$| for hgros::| to hgros::| hgros::")
+if(symbols)
+  list(JOIN symbols "\n  " symbols)
+  message(FATAL_ERROR "libhgros.so exports names outside hgros:\n  ${symbols}")
+endif()
+
+execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${build} -D CMAKE_CXX_COMPILER=${COMPILER}
+    -D CMAKE_PREFIX_PATH=${prefix} -D HGROS_WANTED_VERSION=${VERSION} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
+  COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${build} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${build}/consumer COMMAND_ERROR_IS_FATAL ANY)

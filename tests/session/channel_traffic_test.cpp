@@ -1,0 +1,83 @@
+// What is lost or refused on the way is counted where the user looks.
+#include <gtest/gtest.h>
+
+#include "session/session_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::kPatience;
+using test::Note;
+using test::Notes;
+using test::Robot;
+
+ChannelTraffic TrafficOf(const Robot& robot, const std::string& channel) {
+  for (ChannelTraffic& traffic : robot->Snapshot().traffic) {
+    if (traffic.channel == channel) return std::move(traffic);
+  }
+  return {};
+}
+
+TEST(ChannelTraffic, CountsWhatASlowKeepLastSessionMisses) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  test::Door door;
+  std::atomic<int> got{0};
+  const auto subscription = listener->FromAny<Note>("notes", Invoke::kSerial,
+                                                    [&](const Note&) {
+                                                      door.Pass();
+                                                      ++got;
+                                                    },
+                                                    {{}, Queue::KeepLast(2), Executor::Inline()});
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  constexpr std::uint64_t kCount = 500;
+  for (std::uint64_t i = 0; i < kCount; ++i) ASSERT_EQ(publish(std::make_unique<Note>("x")), PublishStatus::kOk);
+  door.Open();
+  const auto accounted = [&] {
+    const ChannelTraffic traffic = TrafficOf(listener, "notes");
+    return traffic.in.size() == 1 && traffic.in[0].received + traffic.in[0].lost == kCount;
+  };
+  EXPECT_TRUE(Await(accounted)) << "every message was received or is counted as lost";
+  EXPECT_GT(TrafficOf(listener, "notes").in[0].lost, 0U);
+  EXPECT_EQ(TrafficOf(talker, "notes").out.dropped, TrafficOf(listener, "notes").in[0].lost);
+}
+
+TEST(ChannelTraffic, CountsWhatCannotBeWrittenAndWhatCannotBeRead) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  for (const char* text : {"unwritable", "unreadable", "good"}) {
+    EXPECT_EQ(publish(std::make_unique<Note>(text)), PublishStatus::kOk);
+  }
+  ASSERT_TRUE(Await([&] { return notes.size() == 1; }));
+  EXPECT_EQ(notes.texts()[0], "good");
+  EXPECT_EQ(TrafficOf(talker, "notes").not_encodable, 1U);
+  const ChannelTraffic in = TrafficOf(listener, "notes");
+  EXPECT_EQ(in.faults[static_cast<std::size_t>(PacketFault::kData)], 1U);
+  EXPECT_EQ(in.in[0].lost, 0U);
+  EXPECT_TRUE(listener.Said("notes"));
+}
+
+TEST(ChannelTraffic, MeasuresTheWayBetweenProcesses) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<Note>("x")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
+  EXPECT_EQ(TrafficOf(listener, "notes").transport.count(), 10U);
+}
+
+}  // namespace
+}  // namespace hgros

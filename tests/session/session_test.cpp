@@ -1,0 +1,378 @@
+#include "hgros/session/session.hpp"
+
+#include <optional>
+#include <thread>
+
+#include <foxglove/Log.pb.h>
+#include <foxglove/Vector3.pb.h>
+
+#include "session/session_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::Inline;
+using test::kPatience;
+using test::Note;
+using test::Notes;
+using test::Robot;
+
+constexpr auto kSerial = Invoke::kSerial;
+
+std::vector<std::string> Numbered(int from, int to) {
+  std::vector<std::string> texts;
+  for (int i = from; i < to; ++i) texts.push_back(std::to_string(i));
+  return texts;
+}
+
+TEST(Session, WithoutListenersOutsideNothingIsWrittenAndMessagesGoByPointer) {
+  const Bus bus;
+  Robot robot(bus.Publishing("a"));
+  Note::written = 0;
+  const Note* seen = nullptr;
+  const auto subscription = robot->FromAny<Note>(
+      "notes", kSerial, [&](const std::shared_ptr<const Note>& note) { seen = note.get(); }, Inline());
+  auto note = std::make_unique<Note>("x");
+  const Note* sent = note.get();
+  EXPECT_EQ(robot->ToAny("notes", std::move(note)), PublishStatus::kOk);
+  EXPECT_EQ(seen, sent);
+  EXPECT_EQ(Note::written, 0);
+}
+
+TEST(Session, AMessageCrossesToAnotherSession) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  ASSERT_TRUE(listener->WaitForPublishers("notes", 1, kPatience));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
+  EXPECT_EQ(notes.texts(), Numbered(0, 10));
+  EXPECT_EQ(talker->Peers().size(), 1U);
+}
+
+TEST(Session, AProtobufMessageCrossesOverTcp) {
+  Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
+  ASSERT_EQ(talker->PublisherEndpoints().size(), 1U);
+  Robot listener("network: {subscribers: [{ip: \"" + talker->PublisherEndpoints()[0] + "\"}]}");
+  std::mutex mutex;
+  std::string text;
+  const auto subscription = listener->FromAny<foxglove::Log>("log", kSerial, [&](const foxglove::Log& log) {
+    const std::scoped_lock lock(mutex);
+    text = log.message();
+  });
+  (void)talker->Advertise<foxglove::Log>("log");
+  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  foxglove::Log log;
+  log.set_message("hello");
+  EXPECT_EQ(talker->ToAny("log", log), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return text == "hello";
+  }));
+}
+
+TEST(Session, AnOutsideObserverLeavesLocalPointerPassingAsItWas) {
+  const Bus bus;
+  Robot robot(bus.Publishing("a"));
+  std::vector<const Note*> seen;
+  std::vector<Subscription> local;
+  for (int i = 0; i < 3; ++i) {
+    local.push_back(robot->FromAny<Note>(
+        "notes", kSerial, [&](const std::shared_ptr<const Note>& note) { seen.push_back(note.get()); }, Inline()));
+  }
+  std::vector<std::unique_ptr<Robot>> observers;
+  std::vector<Subscription> outside;
+  Notes notes;
+  for (int i = 0; i < 2; ++i) {
+    observers.push_back(std::make_unique<Robot>(bus.Subscribing("a")));
+    for (int k = 0; k < 3; ++k) {
+      outside.push_back((*observers.back())->FromAny<Note>("notes", kSerial, std::ref(notes)));
+    }
+  }
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 5, kPatience));
+  Note::written = 0;
+  Note::read = 0;
+  auto note = std::make_unique<Note>("x");
+  const Note* sent = note.get();
+  EXPECT_EQ(robot->ToAny("notes", std::move(note)), PublishStatus::kOk);
+  EXPECT_EQ(seen, (std::vector<const Note*>{sent, sent, sent})) << "delivered by pointer, before publishing returned";
+  ASSERT_TRUE(Await([&] { return notes.size() == 6; }));
+  EXPECT_EQ(Note::written, 1) << "written once, however many listen";
+  EXPECT_EQ(Note::read, 2) << "read once in each session, however many subscriptions it has";
+}
+
+TEST(Session, BridgedRobotsDoNotEcho) {
+  const Bus bus;
+  Robot first(bus.Both("a", "b"));
+  Robot second(bus.Both("b", "a"));
+  Notes at_first;
+  Notes at_second;
+  const auto one = first->FromAny<Note>("notes", kSerial, std::ref(at_first));
+  const auto two = second->FromAny<Note>("notes", kSerial, std::ref(at_second));
+  ASSERT_TRUE(first->WaitForSubscribers("notes", 2, kPatience));
+  ASSERT_TRUE(second->WaitForSubscribers("notes", 2, kPatience));
+  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("from first")), PublishStatus::kOk);
+  EXPECT_EQ(second->ToAny("notes", std::make_unique<Note>("from second")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return at_first.size() == 2 && at_second.size() == 2; }));
+  // An echo would come after one more message on the same way has come.
+  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("last")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return at_second.size() >= 3; }));
+  EXPECT_EQ(at_second.size(), 3U);
+  EXPECT_EQ(at_first.size(), 3U);
+}
+
+TEST(Session, AClosedChannelStillLeavesAndStillReceives) {
+  const Bus bus;
+  Robot first(bus.Both("a", "b") + "data_graph: {close_channels: [notes]}\n");
+  Robot second(bus.Both("b", "a"));
+  Notes at_first;
+  Notes at_second;
+  const auto one = first->FromAny<Note>("notes", kSerial, std::ref(at_first));
+  const auto two = second->FromAny<Note>("notes", kSerial, std::ref(at_second));
+  ASSERT_TRUE(first->WaitForSubscribers("notes", 2, kPatience));
+  ASSERT_TRUE(second->WaitForSubscribers("notes", 2, kPatience));
+  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("out")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return at_second.size() == 1; }));
+  EXPECT_EQ(second->ToAny("notes", std::make_unique<Note>("in")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return at_first.size() == 1; }));
+  EXPECT_EQ(at_first.texts(), std::vector<std::string>{"in"});
+  first->SetClosed("notes", false);
+  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("both")), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return at_first.size() == 2; }));
+}
+
+TEST(Session, OnlyListedChannelsLeaveAndTheListCanChangeWhileRunning) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a", "open"));
+  Robot listener(bus.Subscribing("a"));
+  Notes open;
+  Notes hidden;
+  const auto one = listener->FromAny<Note>("open", kSerial, std::ref(open));
+  const auto two = listener->FromAny<Note>("hidden", kSerial, std::ref(hidden));
+  (void)talker->Advertise<Note>("open");
+  (void)talker->Advertise<Note>("hidden");
+  ASSERT_TRUE(talker->WaitForSubscribers("open", 1, kPatience));
+  EXPECT_FALSE(talker->WaitForSubscribers("hidden", 1, std::chrono::milliseconds(100)));
+  EXPECT_EQ(talker->ToAny("hidden", std::make_unique<Note>("secret")), PublishStatus::kOk);
+  talker->AllowPublishing("hidden", true);
+  ASSERT_TRUE(talker->WaitForSubscribers("hidden", 1, kPatience));
+  EXPECT_EQ(talker->ToAny("hidden", std::make_unique<Note>("told")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return hidden.size() == 1; }));
+  EXPECT_EQ(hidden.texts()[0], "told");
+  talker->AllowPublishing("hidden", false);
+  ASSERT_TRUE(Await([&] { return !talker->WaitForSubscribers("hidden", 1, std::chrono::nanoseconds(0)); }));
+  EXPECT_EQ(talker->ToAny("hidden", std::make_unique<Note>("again secret")), PublishStatus::kOk);
+  EXPECT_EQ(talker->ToAny("open", std::make_unique<Note>("marker")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return open.size() == 1; }));
+  EXPECT_EQ(hidden.size(), 1U);
+}
+
+TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  const auto publish = talker->Advertise<Note>("map", {.latched = 2});
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+  Robot listener(bus.Subscribing("a"));
+  Notes first;
+  const auto one = listener->FromAny<Note>("map", kSerial, std::ref(first));
+  ASSERT_TRUE(Await([&] { return first.size() == 2; }));
+  Notes second;
+  const auto two = listener->FromAny<Note>("map", kSerial, std::ref(second));
+  ASSERT_TRUE(Await([&] { return second.size() == 2; }));
+  EXPECT_EQ(publish(std::make_unique<Note>("5")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return first.size() == 3 && second.size() == 3; }));
+  EXPECT_EQ(first.texts(), Numbered(3, 6));
+  EXPECT_EQ(second.texts(), Numbered(3, 6));
+}
+
+TEST(Session, ALosslessChannelLosesNothingToASlowSession) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  std::atomic<int> slow{20};
+  const auto subscription = listener->FromAny<Note>("notes", kSerial,
+                                                    [&](const Note& note) {
+                                                      if (slow-- > 0)
+                                                        (void)Await([] { return false; }, std::chrono::milliseconds(2));
+                                                      notes(note);
+                                                    },
+                                                    {{}, Queue::KeepAll(4), Executor::Dedicated()});
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  int full = 0;
+  constexpr int kCount = 500;
+  for (int i = 0; i < kCount; ++i) {
+    auto note = std::make_unique<Note>(std::to_string(i));
+    PublishStatus status = publish(std::move(note));
+    if (status == PublishStatus::kFull) {
+      ++full;
+      ASSERT_NE(note, nullptr);
+      status = publish.Wait(std::move(note), std::chrono::steady_clock::now() + kPatience);
+    }
+    ASSERT_EQ(status, PublishStatus::kOk);
+  }
+  ASSERT_TRUE(Await([&] { return notes.size() == kCount; }));
+  EXPECT_EQ(notes.texts(), Numbered(0, kCount));
+  EXPECT_GT(full, 0);
+}
+
+TEST(Session, EitherSideMayStartAnewAgainAndAgain) {
+  const Bus bus;
+  std::optional<Robot> talker;
+  std::optional<Robot> listener;
+  Notes notes;
+  std::optional<Subscription> subscription;
+  const auto listen = [&] {
+    listener.emplace(bus.Subscribing("a"));
+    subscription.emplace((*listener)->FromAny<Note>("notes", kSerial, std::ref(notes)));
+  };
+  talker.emplace(bus.Publishing("a"));
+  listen();
+  for (int round = 0; round < 10; ++round) {
+    (void)(*talker)->Advertise<Note>("notes");
+    ASSERT_TRUE((*talker)->WaitForSubscribers("notes", 1, kPatience)) << "round " << round;
+    EXPECT_EQ((*talker)->ToAny("notes", std::make_unique<Note>(std::to_string(round))), PublishStatus::kOk);
+    ASSERT_TRUE(Await([&] { return notes.size() == static_cast<std::size_t>(round) + 1; })) << "round " << round;
+    if (round % 2 == 0) {
+      talker.reset();
+      talker.emplace(bus.Publishing("a"));
+    } else {
+      subscription.reset();
+      listener.reset();
+      listen();
+    }
+  }
+  EXPECT_EQ(notes.texts(), Numbered(0, 10));
+}
+
+TEST(Session, TypesThatDoNotFitAreSaidOnBothSides) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  std::atomic<int> events{0};
+  const auto watch = listener->FromGraph<PeerEvent>(kPeerEventsChannel, kSerial, [&](const PeerEvent& event) {
+    if (event.kind == PeerEvent::Kind::kTypeMismatch && event.channel == "pose") ++events;
+  });
+  (void)talker->Advertise<foxglove::Vector3>("pose");
+  const auto subscription = listener->FromAny<foxglove::Log>("pose", kSerial, [](const foxglove::Log&) {});
+  for (Robot* robot : {&talker, &listener}) {
+    EXPECT_TRUE(Await([&] { return robot->Said("foxglove.Vector3") && robot->Said("foxglove.Log"); }));
+  }
+  EXPECT_TRUE(Await([&] { return events == 1; }));
+}
+
+TEST(Session, PeersThatComeAndGoAreEvents) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"), "talker");
+  std::atomic<int> came{0};
+  std::atomic<int> gone{0};
+  const auto watch = talker->FromGraph<PeerEvent>(
+      kPeerEventsChannel, kSerial,
+      [&](const PeerEvent& event) {
+        if (event.kind == PeerEvent::Kind::kCame && event.peer.process == "listener") ++came;
+        if (event.kind == PeerEvent::Kind::kGone && event.peer.process == "listener") ++gone;
+      },
+      Inline());
+  {
+    Robot listener(bus.Subscribing("a"), "listener");
+    EXPECT_TRUE(Await([&] { return came == 1; }));
+  }
+  EXPECT_TRUE(Await([&] { return gone == 1; }));
+}
+
+TEST(Session, AnEndpointCanBeAddedWhileRunning) {
+  const Bus bus;
+  Robot talker("");
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  EXPECT_EQ(publish(std::make_unique<Note>("unheard")), PublishStatus::kOk);
+  talker->AddPublisherEndpoint({bus.Endpoint("a"), {}, true});
+  listener->AddSubscriberEndpoint({bus.Endpoint("a"), {}, true});
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_EQ(publish(std::make_unique<Note>("heard")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 1; }));
+  EXPECT_EQ(notes.texts()[0], "heard");
+}
+
+TEST(Session, ASubscriptionMayEndItselfInACallbackForARemoteMessageAndStartAgain) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  const auto publish = talker->Advertise<Note>("notes");
+  for (int round = 0; round < 5; ++round) {
+    std::optional<Subscription> subscription;
+    test::Door wired;
+    std::atomic<int> calls{0};
+    subscription.emplace(listener->FromAny<Note>(
+        "notes", kSerial,
+        [&](const Note&) {
+          wired.Pass();
+          ++calls;
+          subscription->Reset();
+        },
+        Inline()));
+    wired.Open();
+    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience)) << "round " << round;
+    ASSERT_TRUE(Await([&] {
+      (void)publish(std::make_unique<Note>("x"));
+      return calls > 0;
+    })) << "round "
+        << round;
+    EXPECT_EQ(calls, 1);
+  }
+}
+
+TEST(Session, MayBeDestroyedUnderLoad) {
+  const Bus bus;
+  for (int round = 0; round < 5; ++round) {
+    auto talker = std::make_unique<Robot>(bus.Publishing("a"));
+    auto listener = std::make_unique<Robot>(bus.Subscribing("a"));
+    Notes notes;
+    auto subscription = (*listener)->FromAny<Note>("notes", kSerial, std::ref(notes));
+    const auto publish = (*talker)->Advertise<Note>("notes");
+    std::jthread publisher([&, publish] {
+      while (publish(std::make_unique<Note>("x")) != PublishStatus::kClosed) {
+      }
+    });
+    ASSERT_TRUE(Await([&] { return notes.size() > 10; }));
+    if (round % 2 == 0) {
+      listener.reset();
+      talker.reset();
+    } else {
+      talker.reset();
+      listener.reset();
+    }
+  }
+}
+
+TEST(Session, PublishingAlternatelyOnTwoChannelsCostsNoPause) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  std::atomic<int> count{0};
+  const auto one = listener->FromAny<Note>(
+      "one", kSerial, [&](const Note&) { ++count; }, Inline(Queue::KeepAll(100)));
+  const auto two = listener->FromAny<Note>(
+      "two", kSerial, [&](const Note&) { ++count; }, Inline(Queue::KeepAll(100)));
+  const auto publish_one = talker->Advertise<Note>("one");
+  const auto publish_two = talker->Advertise<Note>("two");
+  ASSERT_TRUE(talker->WaitForSubscribers("one", 1, kPatience));
+  ASSERT_TRUE(talker->WaitForSubscribers("two", 1, kPatience));
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  for (int i = 0; i < 2000; ++i) {
+    ASSERT_EQ((i % 2 == 0 ? publish_one : publish_two).Wait(std::make_unique<Note>("x"), deadline), PublishStatus::kOk);
+  }
+  EXPECT_TRUE(Await([&] { return count == 2000; }));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace hgros::test {
+
+inline constexpr auto kPatience = std::chrono::seconds(20);
+
+/// Waits until `predicate` holds, looking again every millisecond; false after `patience`.
+inline bool Await(const std::function<bool()>& predicate, std::chrono::nanoseconds patience = kPatience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  std::mutex mutex;
+  std::condition_variable never;
+  while (!predicate()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::unique_lock lock(mutex);
+    never.wait_for(lock, std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+/// A door that callbacks wait at until the test opens it.
+class Door {
+ public:
+  void Open() {
+    {
+      const std::scoped_lock lock(mutex_);
+      open_ = true;
+    }
+    changed_.notify_all();
+  }
+  void Pass() {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kPatience, [this] { return open_; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = false;
+};
+
+}  // namespace hgros::test

@@ -1,0 +1,72 @@
+#include "transport/zmq/link_credit.hpp"
+
+#include <poll.h>
+
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace hgros::zmq {
+namespace {
+
+bool Woken(Waker& waker) {
+  pollfd fd{waker.fd(), POLLIN, 0};
+  const bool woken = poll(&fd, 1, 0) == 1;
+  waker.Clear();
+  return woken;
+}
+
+TEST(LinkCredit, WakesWhenAQuarterOfTheWindowWasConsumed) {
+  auto waker = std::make_shared<Waker>();
+  auto credit = std::make_shared<LinkCredit>(16, 1 << 20, waker);
+  std::vector<std::shared_ptr<const void>> tokens;
+  for (int i = 0; i < 8; ++i) tokens.push_back(credit->Take(1));
+  for (int i = 0; i < 3; ++i) tokens.pop_back();
+  EXPECT_FALSE(Woken(*waker));
+  tokens.pop_back();
+  EXPECT_TRUE(Woken(*waker));
+  EXPECT_TRUE(credit->TakeDue());
+  LinkCredit::Totals totals;
+  ASSERT_TRUE(credit->TellIfNews(totals));
+  EXPECT_EQ(totals.messages, 4u);
+  EXPECT_EQ(totals.bytes, 4u);
+  EXPECT_FALSE(credit->TellIfNews(totals));
+}
+
+TEST(LinkCredit, WakesForTheFirstMessageWhenThePublisherHasUsedUpItsCredit) {
+  auto waker = std::make_shared<Waker>();
+  auto credit = std::make_shared<LinkCredit>(16, 1 << 20, waker);
+  std::vector<std::shared_ptr<const void>> tokens;
+  for (int i = 0; i < 16; ++i) tokens.push_back(credit->Take(1));
+  tokens.pop_back();
+  EXPECT_TRUE(Woken(*waker));
+}
+
+TEST(LinkCredit, CountsBytesLikeMessages) {
+  auto waker = std::make_shared<Waker>();
+  auto credit = std::make_shared<LinkCredit>(1000, 100, waker);
+  auto token = credit->Take(30);
+  token.reset();
+  EXPECT_TRUE(Woken(*waker));
+}
+
+TEST(LinkCredit, TokensMayOutliveTheLinkAndEndOnAnyThread) {
+  auto waker = std::make_shared<Waker>();
+  auto credit = std::make_shared<LinkCredit>(64, 1 << 20, waker);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    std::vector<std::shared_ptr<const void>> tokens;
+    for (int i = 0; i < 100; ++i) tokens.push_back(credit->Take(2));
+    threads.emplace_back([held = std::move(tokens)]() mutable { held.clear(); });
+  }
+  LinkCredit* seen = credit.get();
+  for (auto& thread : threads) thread.join();
+  LinkCredit::Totals totals;
+  ASSERT_TRUE(seen->TellIfNews(totals));
+  EXPECT_EQ(totals.messages, 400u);
+  EXPECT_EQ(totals.bytes, 800u);
+}
+
+}  // namespace
+}  // namespace hgros::zmq

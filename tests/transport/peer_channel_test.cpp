@@ -1,0 +1,170 @@
+#include "transport/zmq/peer_channel.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace hgros::zmq {
+namespace {
+
+QueuedMessage Make(std::uint64_t sequence, std::uint64_t bytes = 10) { return {nullptr, {1, 1, sequence}, bytes}; }
+
+TEST(PeerChannel, SendsNothingBeforeItHasBegun) {
+  PeerChannel channel(PeerChannel::Granted({}));
+  channel.Push(Make(1));
+  EXPECT_FALSE(channel.Pop());
+  channel.Begin({});
+  ASSERT_TRUE(channel.Pop());
+  EXPECT_EQ(channel.sent(), 1u);
+}
+
+TEST(PeerChannel, LatchedGoesFirstAndReplacesWaitingOnes) {
+  PeerChannel channel(PeerChannel::Granted({}));
+  channel.Push(Make(3));
+  channel.Push(Make(5));
+  channel.Begin({Make(2), Make(4)});
+  channel.Push(Make(4));
+  std::vector<std::uint64_t> order;
+  while (const auto message = channel.Pop()) order.push_back(message->id.sequence);
+  EXPECT_EQ(order, (std::vector<std::uint64_t>{2, 4, 5}));
+  EXPECT_EQ(channel.waiting_bytes(), 0u);
+}
+
+TEST(PeerChannel, IgnoresCountsThatCannotBe) {
+  PeerChannel channel(PeerChannel::Granted({.lossless = true}));
+  channel.Begin({});
+  channel.Push(Make(1));
+  ASSERT_TRUE(channel.Pop());
+  EXPECT_FALSE(channel.Confirm(2, 10));
+  EXPECT_FALSE(channel.Confirm(1, 11));
+  EXPECT_TRUE(channel.Confirm(1, 10));
+  EXPECT_TRUE(channel.Confirm(0, 0));
+  EXPECT_FALSE(channel.Resume(0, 0));
+  EXPECT_FALSE(channel.Resume(2, 10));
+  EXPECT_TRUE(channel.Resume(1, 10));
+}
+
+TEST(PeerChannel, CapsAbsurdDemands) {
+  const Demand granted = PeerChannel::Granted({.lossless = false,
+                                               .queue_depth = ~0u,
+                                               .credit_messages = ~0u,
+                                               .credit_bytes = ~std::uint64_t{0}});
+  EXPECT_LT(granted.queue_depth, 1u << 24);
+  EXPECT_LT(granted.credit_messages, 1u << 24);
+  const Demand least = PeerChannel::Granted({.lossless = true, .queue_depth = 0, .credit_messages = 0, .credit_bytes = 0});
+  EXPECT_EQ(least.credit_messages, 1u);
+}
+
+TEST(PeerChannel, DropsTheOldestBeyondThePeersBytesButKeepsOne) {
+  PeerChannel channel(PeerChannel::Granted({.queue_depth = 100, .credit_messages = 1}));
+  channel.Begin({});
+  for (std::uint64_t i = 1; i <= 5; ++i) channel.Push(Make(i, 100));
+  ASSERT_TRUE(channel.Pop());
+  EXPECT_EQ(channel.Trim(250), 2u);
+  EXPECT_EQ(channel.waiting_bytes(), 200u);
+  EXPECT_EQ(channel.Trim(0), 1u);
+  ASSERT_TRUE(channel.Confirm(1, 100));
+  EXPECT_EQ(channel.Pop()->id.sequence, 5u);
+}
+
+/// The same thing, slowly: everything ever sent and received is kept.
+struct Model {
+  Demand demand;
+  std::deque<std::uint64_t> ring;
+  std::vector<std::uint64_t> sent;       // Sequences by link number - 1.
+  std::vector<std::uint64_t> received;   // What the peer has, in order.
+  std::size_t consumed = 0;
+  std::size_t confirmed = 0;
+};
+
+class PeerChannelModel : public testing::TestWithParam<bool> {};
+
+TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
+  const bool lossless = GetParam();
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    const auto below = [&](unsigned n) { return static_cast<unsigned>(random() % n); };
+    Model model;
+    model.demand = PeerChannel::Granted({.lossless = lossless,
+                                         .queue_depth = 1 + below(5),
+                                         .credit_messages = 1 + below(6),
+                                         .credit_bytes = 10000});
+    PeerChannel channel(model.demand);
+    channel.Begin({});
+    std::vector<std::uint64_t> wire;  // Under way: sequences, with numbers model.received.size() + 1 onwards.
+    std::vector<std::uint64_t> all;
+    std::uint64_t sequence = 0;
+    for (int step = 0; step < 500; ++step) {
+      switch (below(5)) {
+        case 0:
+        case 1: {
+          if (lossless) {
+            const bool room = model.sent.size() - model.confirmed + model.ring.size() < model.demand.credit_messages;
+            ASSERT_EQ(channel.HasRoom(), room);
+            if (!room) break;
+            channel.Reserve();
+          }
+          channel.Push(Make(++sequence));
+          all.push_back(sequence);
+          model.ring.push_back(sequence);
+          break;
+        }
+        case 2:  // Some of what is under way arrives and is consumed.
+          for (unsigned n = below(4); n > 0 && !wire.empty(); --n) {
+            model.received.push_back(wire.front());
+            wire.erase(wire.begin());
+          }
+          model.consumed += below(static_cast<unsigned>(model.received.size() - model.consumed) + 1);
+          break;
+        case 3:
+          model.confirmed = model.consumed;
+          ASSERT_TRUE(channel.Confirm(model.consumed, 10 * model.consumed));
+          break;
+        default: {  // A cut: what is under way is lost.
+          if (below(4) != 0) break;
+          channel.Pause();
+          ASSERT_FALSE(channel.Pop());
+          const auto lost = channel.Resume(model.received.size(), 10 * model.received.size());
+          ASSERT_TRUE(lost);
+          ASSERT_EQ(*lost, lossless ? 0 : wire.size());
+          if (lossless) model.ring.insert(model.ring.begin(), wire.begin(), wire.end());
+          wire.clear();
+          model.sent.resize(model.received.size());
+          break;
+        }
+      }
+      while (const auto message = channel.Pop()) {
+        ASSERT_FALSE(model.ring.empty());
+        ASSERT_EQ(message->id.sequence, model.ring.front());
+        ASSERT_LT(model.sent.size() - model.confirmed, model.demand.credit_messages);
+        model.sent.push_back(model.ring.front());
+        model.ring.pop_front();
+        wire.push_back(message->id.sequence);
+        ASSERT_EQ(channel.sent(), model.sent.size());
+      }
+      ASSERT_TRUE(model.ring.empty() || model.sent.size() - model.confirmed >= model.demand.credit_messages);
+      std::size_t dropped = 0;
+      while (!lossless && model.ring.size() > model.demand.queue_depth) {
+        model.ring.pop_front();
+        ++dropped;
+      }
+      ASSERT_EQ(channel.Trim(~std::uint64_t{0}), dropped);
+      ASSERT_EQ(channel.waiting(), model.ring.size());
+      ASSERT_EQ(channel.waiting_bytes(), 10 * model.ring.size());
+    }
+    ASSERT_TRUE(std::ranges::is_sorted(model.received));
+    if (lossless) {
+      ASSERT_TRUE(std::equal(model.received.begin(), model.received.end(), all.begin()));
+      ASSERT_EQ(channel.unfinished(), all.size() - model.confirmed);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, PeerChannelModel, testing::Bool(),
+                         [](const auto& test) { return test.param ? "Lossless" : "KeepLast"; });
+
+}  // namespace
+}  // namespace hgros::zmq

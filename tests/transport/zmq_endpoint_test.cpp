@@ -1,0 +1,182 @@
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include <gmock/gmock.h>
+
+#include "hgros/base/error.hpp"
+#include "transport/zmq_places.hpp"
+
+namespace hgros {
+namespace {
+
+using conformance::Eventually;
+using conformance::TextType;
+using test::Folder;
+using test::Place;
+using test::PublishAt;
+using test::SubscribeAt;
+
+std::string ErrorOf(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(ZmqEndpoint, AnIpcPathInUseIsNotStolen) {
+  Folder folder;
+  const Place first(PublishAt(folder.Ipc()));
+  EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(folder.Ipc())); }), testing::HasSubstr(folder.Ipc()));
+  Place subscriber(SubscribeAt(folder.Ipc()));
+  EXPECT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
+}
+
+TEST(ZmqEndpoint, AnIpcPathOfADeadProcessIsTakenOver) {
+  Folder folder;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strcpy(address.sun_path, (folder.path() + "/socket").c_str());
+  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  close(fd);
+  const Place publisher(PublishAt(folder.Ipc()));
+  Place subscriber(SubscribeAt(folder.Ipc()));
+  EXPECT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
+}
+
+TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheMend) {
+  const Place first(PublishAt("tcp://127.0.0.1:*"));
+  const std::string taken = first.transport->BoundEndpoints().front();
+  EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(taken)); }),
+              testing::AllOf(testing::HasSubstr(taken), testing::HasSubstr("another port")));
+  EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("ipc:///tmp/" + std::string(200, 'x'))); }), testing::HasSubstr("107"));
+  EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("ipc:///no/such/folder/socket")); }), testing::HasSubstr("folder"));
+  EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("udp://127.0.0.1:1")); }), testing::HasSubstr("udp"));
+  EXPECT_THAT(ErrorOf([&] { Place second(SubscribeAt("tcp://")); }), testing::HasSubstr("tcp"));
+}
+
+TEST(ZmqEndpoint, WithoutASchemeItIsTcp) {
+  const Place publisher(PublishAt("127.0.0.1:*"));
+  EXPECT_THAT(publisher.transport->BoundEndpoints().front(), testing::StartsWith("tcp://127.0.0.1:"));
+}
+
+TEST(ZmqEndpoint, ChannelListsAreAWhiteListAndChangeWhileRunning) {
+  Folder folder;
+  ZmqOptions options = PublishAt(folder.Ipc());
+  options.publish[0].channels = std::vector<std::string>{"open"};
+  Place a(std::move(options));
+  Place b(SubscribeAt(folder.Ipc()));
+  conformance::Source source;
+  conformance::Sink open_sink, closed_sink;
+  const auto open_out = a.transport->Advertise("open", TextType(), source);
+  const auto closed_out = a.transport->Advertise("closed", TextType(), source);
+  const auto open_in = b.transport->Subscribe("open", TextType(), {}, open_sink);
+  const auto closed_in = b.transport->Subscribe("closed", TextType(), {}, closed_sink);
+  ASSERT_TRUE(Eventually([&] { return open_out->subscriber_count() == 1; }));
+  EXPECT_EQ(closed_out->subscriber_count(), 0u);
+  a.transport->SetPublishChannels(folder.Ipc(), std::vector<std::string>{"closed"});
+  ASSERT_TRUE(Eventually([&] { return closed_in->publisher_count() == 1 && open_in->publisher_count() == 0; }));
+  EXPECT_EQ(open_out->subscriber_count(), 0u);
+  b.transport->SetSubscribeChannels(folder.Ipc(), std::vector<std::string>{"open"});
+  ASSERT_TRUE(Eventually([&] { return closed_out->subscriber_count() == 0; }));
+  a.transport->SetPublishChannels(folder.Ipc(), std::nullopt);
+  ASSERT_TRUE(Eventually([&] { return open_in->publisher_count() == 1; }));
+  EXPECT_EQ(closed_in->publisher_count(), 0u);
+  EXPECT_THROW(a.transport->SetPublishChannels("ipc:///nowhere", std::nullopt), Error);
+}
+
+TEST(ZmqEndpoint, EndpointsComeAndGoWhileRunning) {
+  Folder folder;
+  Place a{ZmqOptions{}}, b{ZmqOptions{}};
+  conformance::Source source;
+  conformance::Sink sink;
+  const auto out = a.transport->Advertise("scan", TextType(), source);
+  const auto in = b.transport->Subscribe("scan", TextType(), {}, sink);
+  for (int round = 0; round < 3; ++round) {
+    a.transport->AddPublishEndpoint({folder.Ipc(), std::nullopt});
+    b.transport->AddSubscribeEndpoint({folder.Ipc(), std::nullopt, {}});
+    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && in->publisher_count() == 1; }));
+    EXPECT_TRUE(b.transport->RemoveSubscribeEndpoint(folder.Ipc()));
+    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 0 && in->publisher_count() == 0; }));
+    EXPECT_TRUE(a.transport->RemovePublishEndpoint(folder.Ipc()));
+    EXPECT_TRUE(Eventually([&] { return a.transport->Peers().empty() && b.transport->Peers().empty(); }));
+  }
+  EXPECT_FALSE(a.transport->RemovePublishEndpoint(folder.Ipc()));
+}
+
+TEST(ZmqEndpoint, TwoWaysToOnePublisherCarryAChannelOnce) {
+  Folder folder;
+  ZmqOptions both;
+  both.publish = {{folder.Ipc("one"), std::nullopt}, {folder.Ipc("two"), std::nullopt}};
+  Place a(std::move(both));
+  ZmqOptions to_both;
+  to_both.subscribe = {{folder.Ipc("one"), std::nullopt, {}}, {folder.Ipc("two"), std::nullopt, {}}};
+  Place b(std::move(to_both));
+  conformance::Source source;
+  conformance::Sink sink;
+  const auto out = a.transport->Advertise("scan", TextType(), source);
+  const auto in = b.transport->Subscribe("scan", TextType(), {}, sink);
+  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && b.listener.came == 1; }));
+  EXPECT_TRUE(a.transport->RemovePublishEndpoint(folder.Ipc("one")));
+  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && in->publisher_count() == 1; }));
+  EXPECT_EQ(b.transport->Peers().size(), 1u);
+}
+
+TEST(ZmqEndpoint, ASessionDoesNotHearItself) {
+  Folder folder;
+  ZmqOptions options = PublishAt(folder.Ipc());
+  options.subscribe = {{folder.Ipc(), std::nullopt, {}}};
+  Place self(std::move(options));
+  Place other(SubscribeAt(folder.Ipc()));
+  conformance::Source source;
+  conformance::Sink own_sink, other_sink;
+  const auto out = self.transport->Advertise("scan", TextType(), source);
+  const auto own = self.transport->Subscribe("scan", TextType(), {}, own_sink);
+  const auto in = other.transport->Subscribe("scan", TextType(), {}, other_sink);
+  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+  PacketHead head;
+  head.channel = "scan";
+  head.type_name = TextType().name;
+  head.encoding = Encoding::kCustom;
+  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+  out->Commit(head, conformance::Publication::PayloadOf("x"));
+  ASSERT_TRUE(Eventually([&] { return other_sink.count() == 1; }));
+  EXPECT_EQ(own_sink.count(), 0u);
+}
+
+TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentGoesOn) {
+  Folder folder;
+  Place a(PublishAt(folder.Ipc()));
+  Place b(SubscribeAt(folder.Ipc()));
+  conformance::Source source;
+  conformance::Sink sink;
+  auto out = a.transport->Advertise("scan", TextType(), source);
+  const auto in = b.transport->Subscribe("scan", TextType(), {}, sink);
+  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+  PacketHead head;
+  head.channel = "scan";
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool refused = out->Reserve() == PublishStatus::kClosed;
+    out->Commit(head, conformance::Publication::PayloadOf("x"));
+    out.reset();
+    a.transport.reset();
+    _exit(refused ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+  out->Commit(head, conformance::Publication::PayloadOf("y"));
+  ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
+  EXPECT_EQ(sink.texts().front(), "y");
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <stdlib.h>
+#include <zmq.h>
+
+#include "conformance/transport_conformance.hpp"
+#include "hgros/transport/zmq_transport.hpp"
+
+namespace hgros::test {
+
+/// A folder that goes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = std::filesystem::temp_directory_path() / "hgros-XXXXXX";
+    path_ = mkdtemp(pattern.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  [[nodiscard]] std::string Ipc(const std::string& name = "socket") const { return "ipc://" + path_ + "/" + name; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// A transport with its listener.
+struct Place {
+  explicit Place(ZmqOptions options) {
+    options.heartbeat = std::chrono::milliseconds(100);
+    options.peer_timeout = std::chrono::milliseconds(3000);
+    options.plain_after = std::chrono::milliseconds(50);
+    transport = MakeZmqTransport(std::move(options), listener, log);
+  }
+  conformance::Listener listener;
+  Log log{[](LogLevel, std::string_view) {}};
+  std::unique_ptr<ZmqTransport> transport;
+};
+
+inline ZmqOptions PublishAt(const std::string& endpoint) {
+  ZmqOptions options;
+  options.publish = {{endpoint, std::nullopt}};
+  return options;
+}
+
+inline ZmqOptions SubscribeAt(const std::string& endpoint) {
+  ZmqOptions options;
+  options.subscribe = {{endpoint, std::nullopt, {}}};
+  return options;
+}
+
+/// ZeroMQ without any of ours.
+class RawSocket {
+ public:
+  explicit RawSocket(int type) : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
+    const int linger = 0;
+    zmq_setsockopt(socket_, ZMQ_LINGER, &linger, sizeof linger);
+  }
+  ~RawSocket() {
+    zmq_close(socket_);
+    zmq_ctx_term(context_);
+  }
+  [[nodiscard]] void* get() const { return socket_; }
+  void Send(const std::vector<std::string>& frames) const {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      zmq_send(socket_, frames[i].data(), frames[i].size(), i + 1 < frames.size() ? ZMQ_SNDMORE : 0);
+    }
+  }
+  /// The next message's frames; empty at the deadline.
+  [[nodiscard]] std::vector<std::string> Receive(int deadline_ms = 10000) const {
+    zmq_setsockopt(socket_, ZMQ_RCVTIMEO, &deadline_ms, sizeof deadline_ms);
+    std::vector<std::string> frames;
+    for (bool more = true; more;) {
+      zmq_msg_t frame;
+      zmq_msg_init(&frame);
+      if (zmq_msg_recv(&frame, socket_, 0) < 0) return {};
+      frames.emplace_back(static_cast<const char*>(zmq_msg_data(&frame)), zmq_msg_size(&frame));
+      more = zmq_msg_more(&frame) != 0;
+      zmq_msg_close(&frame);
+    }
+    return frames;
+  }
+
+ private:
+  void* context_;
+  void* socket_;
+};
+
+}  // namespace hgros::test
