@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstring>
 #include <thread>
@@ -22,8 +23,7 @@ class Burners {
       const pid_t child = fork();
       if (child == 0) {
         alarm(60);  // Ends by itself whatever happens to us.
-        for (volatile unsigned spin = 0;; spin = spin + 1) {
-        }
+        for (std::atomic<unsigned> spin{0};;) spin.fetch_add(1, std::memory_order_relaxed);
       }
       if (child > 0) children_.push_back(child);
     }

@@ -34,6 +34,10 @@ PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept 
 
   const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(offer.message) : 0;
   const bool reserved = local && fanout.lossless;
+  if (reserved && outlet == nullptr && fanout.sole_lossless != nullptr &&
+      latched_.load(std::memory_order_relaxed) == 0) {
+    return PublishToSole(fanout, offer, bytes);
+  }
   if (reserved && !ReserveAll(fanout, bytes)) {
     refused_.fetch_add(1, std::memory_order_relaxed);
     return PublishStatus::kFull;
@@ -46,8 +50,7 @@ PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept 
     }
   }
 
-  const AnyMessage message = offer.take(offer.context);
-  published_.Increment();
+  AnyMessage message = offer.take(offer.context);
   MessageInfo info;
   info.id = core_.publisher();
   info.publish_monotonic_ns = MonotonicNow();
@@ -58,10 +61,27 @@ PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept 
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   }
   if (local) {
-    Deliver(fanout, message, info, nullptr, bytes, reserved);
+    const bool last = outlet == nullptr && after == &fanout;
+    Deliver(fanout, message, info, nullptr, {bytes, reserved, last, nullptr});
     if (after != &fanout) DeliverToNewcomers(fanout, *after, message, info, bytes);
   }
   if (outlet != nullptr) outlet->Commit(message);
+  return PublishStatus::kOk;
+}
+
+// With one lossless party there is nothing to take back from others, so room and message are taken in one step.
+PublishStatus Channel::PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept {
+  AnyMessage message;
+  MessageInfo info;
+  info.id = core_.publisher();
+  info.publish_monotonic_ns = MonotonicNow();
+  std::int64_t now = info.publish_monotonic_ns;
+  const bool alone = fanout.nodes.size() == 1;
+  if (!fanout.sole_lossless->Take({offer, sequence_, bytes, alone}, message, info, now)) {
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    return PublishStatus::kFull;
+  }
+  if (!alone) Deliver(fanout, message, info, nullptr, {bytes, false, true, fanout.sole_lossless});
   return PublishStatus::kOk;
 }
 
@@ -80,21 +100,23 @@ void Channel::CancelAll(const Fanout& fanout, std::size_t count, std::size_t byt
   }
 }
 
-void Channel::Deliver(const Fanout& fanout, const AnyMessage& message, const MessageInfo& info,
-                      const std::shared_ptr<const void>& credit, std::size_t bytes, bool reserved) noexcept {
-  std::int64_t now = info.publish_monotonic_ns;
-  if (info.remote) now = MonotonicNow();
+void Channel::Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
+                      const std::shared_ptr<const void>& credit, const Handing& handing) noexcept {
+  std::int64_t now = info.remote ? MonotonicNow() : info.publish_monotonic_ns;
   for (const std::shared_ptr<Node>& node : fanout.nodes) {
-    node->Deliver(QueuedMessage{message, info, credit, bytes}, reserved && node->lossless(), now);
+    if (node.get() == handing.except) continue;
+    const bool last = handing.last && &node == &fanout.nodes.back();
+    node->Deliver({message, info, credit, handing.bytes, last}, handing.reserved && node->lossless(), now);
   }
 }
 
-void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, const AnyMessage& message,
+void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message,
                                  const MessageInfo& info, std::size_t bytes) noexcept {
   std::int64_t now = MonotonicNow();
+  const std::shared_ptr<const void> no_credit;
   for (const std::shared_ptr<Node>& node : after.nodes) {
     if (std::find(before.nodes.begin(), before.nodes.end(), node) != before.nodes.end()) continue;
-    node->Deliver(QueuedMessage{message, info, nullptr, bytes}, false, now);
+    node->Deliver({message, info, no_credit, bytes, false}, false, now);
   }
 }
 
@@ -109,7 +131,7 @@ const Fanout& Channel::Store(const AnyMessage& message, MessageInfo& info, std::
   return *fanout_.load(std::memory_order_seq_cst);
 }
 
-void Channel::Inject(const AnyMessage& message, const MessageInfo& from, std::shared_ptr<const void> credit,
+void Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,
                      std::size_t latched) noexcept {
   if (core_.refusing()) return;
   const epoch::Guard guard;
@@ -118,7 +140,7 @@ void Channel::Inject(const AnyMessage& message, const MessageInfo& from, std::sh
   info.remote = true;
   const Fanout& fanout = latched > 0 ? Store(message, info, latched) : *fanout_.load(std::memory_order_seq_cst);
   const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(message.get()) : 0;
-  Deliver(fanout, message, info, credit, bytes, false);
+  Deliver(fanout, message, info, credit, {bytes, false, true, nullptr});
 }
 
 PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
@@ -166,6 +188,7 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
   auto fanout = std::make_shared<Fanout>();
   for (const std::shared_ptr<Node>& node : nodes) {
     const NodeSetting& setting = node->setting();
+    if (setting.queue.lossless()) fanout->sole_lossless = fanout->lossless ? nullptr : node.get();
     fanout->lossless = fanout->lossless || setting.queue.lossless();
     fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
     fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
@@ -222,7 +245,7 @@ ChannelSnapshot Channel::Snapshot() const {
   ChannelSnapshot snapshot;
   snapshot.name = name_;
   snapshot.type = type_.name;
-  snapshot.published = published_.Sum();
+  snapshot.published = sequence_.load(std::memory_order_relaxed);
   snapshot.refused = refused_.load(std::memory_order_relaxed);
   snapshot.received = received_.load(std::memory_order_relaxed);
   snapshot.closed = closed_.load(std::memory_order_relaxed);

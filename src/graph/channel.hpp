@@ -21,9 +21,10 @@ class GraphCore;
 // The nodes of a channel at one moment; replaced as a whole, never changed.
 struct Fanout {
   std::vector<std::shared_ptr<Node>> nodes;
-  bool lossless = false;     // Some node must not lose anything.
-  bool count_bytes = false;  // Some node has a byte limit.
-  bool has_inline = false;   // Some node runs its callback in the delivering thread.
+  bool lossless = false;          // Some node must not lose anything.
+  Node* sole_lossless = nullptr;  // That one, if it is the only one.
+  bool count_bytes = false;       // Some node has a byte limit.
+  bool has_inline = false;        // Some node runs its callback in the delivering thread.
 };
 
 // A typed hyperedge.
@@ -42,7 +43,7 @@ class Channel {
   PublishStatus Publish(const MessageOffer& offer, Reach reach) noexcept;
   PublishStatus PublishWait(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
                             const std::stop_token& stop);
-  void Inject(const AnyMessage& message, const MessageInfo& info, std::shared_ptr<const void> credit,
+  void Inject(AnyMessage message, const MessageInfo& info, std::shared_ptr<const void> credit,
               std::size_t latched) noexcept;
 
   void Add(const std::shared_ptr<Node>& node);
@@ -64,11 +65,19 @@ class Channel {
   [[nodiscard]] GraphCore& core() const noexcept { return core_; }
 
  private:
-  void Deliver(const Fanout& fanout, const AnyMessage& message, const MessageInfo& info,
-               const std::shared_ptr<const void>& credit, std::size_t bytes, bool reserved) noexcept;
+  // Hands the message to the nodes, but not to `except`. `last`: nobody needs the message afterwards.
+  struct Handing {
+    std::size_t bytes = 0;
+    bool reserved = false;
+    bool last = false;
+    const Node* except = nullptr;
+  };
+  void Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
+               const std::shared_ptr<const void>& credit, const Handing& handing) noexcept;
+  PublishStatus PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept;
   // Keeps the message for late nodes; returns the nodes that are wired at this moment.
   const Fanout& Store(const AnyMessage& message, MessageInfo& info, std::size_t depth);
-  void DeliverToNewcomers(const Fanout& before, const Fanout& after, const AnyMessage& message, const MessageInfo& info,
+  void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message, const MessageInfo& info,
                           std::size_t bytes) noexcept;
   // Takes room in every lossless node, or in none.
   [[nodiscard]] static bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
@@ -84,9 +93,9 @@ class Channel {
   std::atomic<Outlet*> outlet_{nullptr};
   std::atomic<bool> closed_{false};
   std::atomic<std::size_t> latched_{0};
-  std::atomic<std::uint64_t> sequence_{0};
+  alignas(64) std::atomic<std::uint64_t> sequence_{0};  // Of the last message that this process published.
 
-  mutable std::mutex wiring_mutex_;
+  alignas(64) mutable std::mutex wiring_mutex_;
   std::shared_ptr<const Fanout> current_fanout_;
   std::shared_ptr<Outlet> current_outlet_;
   std::atomic<std::size_t> next_node_number_{0};
@@ -97,9 +106,8 @@ class Channel {
   std::mutex room_mutex_;
   std::condition_variable_any room_;
   std::uint64_t room_generation_ = 0;
-  std::atomic<int> room_waiters_{0};
+  alignas(64) std::atomic<int> room_waiters_{0};  // Read for every message that a lossless node runs.
 
-  ShardedCounter published_;
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> received_{0};
 };

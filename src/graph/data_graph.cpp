@@ -10,7 +10,13 @@ namespace hgros {
 DataGraph::DataGraph(GraphOptions options, std::shared_ptr<Log> log)
     : core_(std::make_shared<GraphCore>(std::move(options), std::move(log))) {}
 
-DataGraph::~DataGraph() { core_->Shutdown(); }
+DataGraph::~DataGraph() {
+  if (core_->in_forked_child()) {
+    LeaveToParent(std::move(core_));
+  } else {
+    core_->Shutdown();
+  }
+}
 
 Channel& DataGraph::Open(std::string_view channel, const TypeInfo& type, const std::source_location& where) {
   return core_->Open(channel, type, where);

@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <limits>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -22,6 +23,11 @@ void DedicatedNode::JoinThread() {
 }
 
 void DedicatedNode::Close(bool wait) {
+  {
+    const std::scoped_lock lock(mutex_);
+    closed_ = true;
+  }
+  came_.notify_one();
   QueuedNode::Close(wait);
   if (wait) JoinThread();
 }
@@ -38,11 +44,10 @@ void DedicatedNode::Start() {
 void DedicatedNode::Loop() noexcept {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return closed_ || HasMessages(); });
+    came_.wait(lock, [this] { return closed_ || HasMessages(); });
     if (closed_) return;
     std::int64_t now = MonotonicNow();
-    QueuedMessage next;
-    while (TakeNext(next)) RunUnlocked(lock, std::move(next), now);
+    RunSome(lock, std::numeric_limits<std::size_t>::max(), now);
   }
 }
 

@@ -20,12 +20,13 @@ class DedicatedNode final : public QueuedNode {
 
  protected:
   bool NeedsWake() override { return true; }
-  void Wake() noexcept override { changed_.notify_all(); }
+  void Wake() noexcept override { came_.notify_one(); }
 
  private:
   void Loop() noexcept;
   void ApplyScheduling();
 
+  std::condition_variable came_;  // A message came, or the node was closed; only the node's own thread waits here.
   std::mutex join_mutex_;
   std::thread thread_;
 };

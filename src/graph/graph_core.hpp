@@ -11,6 +11,7 @@
 
 #include "graph/channel_table.hpp"
 #include "graph/tbb_executor.hpp"
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/graph/data_graph.hpp"
 
@@ -33,7 +34,11 @@ class GraphCore {
   // Takes a closed node over whose thread nobody has waited for.
   void Linger(std::shared_ptr<Node> node);
 
-  [[nodiscard]] bool refusing() const noexcept { return refusing_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool refusing() const noexcept {
+    return refusing_.load(std::memory_order_relaxed) || fork_.IsChild();
+  }
+  // Nothing of the graph may be waited for or destroyed here.
+  [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] const MessageId& publisher() const noexcept { return options_.publisher; }
   [[nodiscard]] const Channel* Find(std::string_view name) const noexcept { return channels_.Find(name); }
   [[nodiscard]] std::vector<Channel*> Channels() const { return channels_.All(); }
@@ -45,6 +50,7 @@ class GraphCore {
   const GraphOptions options_;
   const std::shared_ptr<Log> log_;
   std::atomic<bool> refusing_{false};
+  const ForkGuard fork_;
   // Before the channels: nodes give their flow-graph nodes back when they go.
   std::mutex workers_mutex_;
   std::optional<TbbExecutor> workers_;

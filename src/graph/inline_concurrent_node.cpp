@@ -10,13 +10,11 @@ namespace hgros {
 InlineConcurrentNode::InlineConcurrentNode(NodeSetting setting, AnyCallback callback)
     : Node(std::move(setting), std::move(callback)) {}
 
-void InlineConcurrentNode::Deliver(QueuedMessage&& message, bool, std::int64_t& now) noexcept {
+void InlineConcurrentNode::Deliver(const Delivery& delivery, bool, std::int64_t& now) noexcept {
   Shard& shard = shards_[ThisThreadShard()];
   shard.running.fetch_add(1, std::memory_order_seq_cst);
   if (!closed_.load(std::memory_order_seq_cst)) {
-    shard.received.fetch_add(1, std::memory_order_relaxed);
-    message.credit.reset();
-    Run(message.message, message.info, shard.stats, Writers::kMany, now);
+    Run(delivery.message, delivery.info, shard.stats, Writers::kMany, now);
   }
   shard.running.fetch_sub(1, std::memory_order_seq_cst);
   if (watchers_.load(std::memory_order_seq_cst) == 0 && !closed_.load(std::memory_order_seq_cst)) return;
@@ -29,7 +27,9 @@ void InlineConcurrentNode::Preload(std::vector<QueuedMessage> messages) { preloa
 
 void InlineConcurrentNode::Start() {
   std::int64_t now = MonotonicNow();
-  for (QueuedMessage& message : std::exchange(preloaded_, {})) Deliver(std::move(message), false, now);
+  for (QueuedMessage& message : std::exchange(preloaded_, {})) {
+    Deliver({message.message, message.info, message.credit, message.bytes, true}, false, now);
+  }
 }
 
 bool InlineConcurrentNode::Idle() const noexcept {
@@ -65,12 +65,12 @@ bool InlineConcurrentNode::WaitIdle(std::chrono::steady_clock::time_point deadli
 
 void InlineConcurrentNode::AddStats(NodeSnapshot& snapshot) const {
   for (const Shard& shard : shards_) {
-    snapshot.received += shard.received.load(std::memory_order_relaxed);
     snapshot.run += shard.stats.run.load(std::memory_order_relaxed);
     snapshot.failed += shard.stats.failed.load(std::memory_order_relaxed);
     shard.stats.queue_wait.AddTo(snapshot.queue_wait);
     shard.stats.run_time.AddTo(snapshot.run_time);
   }
+  snapshot.received = snapshot.run;
 }
 
 }  // namespace hgros

@@ -18,7 +18,7 @@ class InlineConcurrentNode final : public Node {
  public:
   InlineConcurrentNode(NodeSetting setting, AnyCallback callback);
 
-  void Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept override;
+  void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept override;
   bool Reserve(std::size_t) noexcept override { return true; }
   void CancelReservation(std::size_t) noexcept override {}
   void Preload(std::vector<QueuedMessage> messages) override;
@@ -33,7 +33,6 @@ class InlineConcurrentNode final : public Node {
  private:
   struct alignas(64) Shard {
     std::atomic<int> running{0};
-    std::atomic<std::uint64_t> received{0};
     NodeStats stats;
   };
 

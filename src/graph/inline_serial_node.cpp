@@ -1,5 +1,7 @@
 #include "graph/inline_serial_node.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "hgros/clock/time.hpp"
@@ -9,21 +11,22 @@ namespace hgros {
 InlineSerialNode::InlineSerialNode(NodeSetting setting, AnyCallback callback)
     : Node(std::move(setting), std::move(callback)), ring_(Node::setting().queue) {}
 
-void InlineSerialNode::Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept {
+void InlineSerialNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept {
   int expected = kIdle;
   // A reservation is given back through the ring's own count, so those take the slow way.
-  if (!reserved && state_.compare_exchange_strong(expected, kRunning, std::memory_order_seq_cst)) {
-    RunAndDrain(std::move(message), now);
-  } else if (!LeaveInRing(message, reserved)) {
-    RunAndDrain(std::move(message), now);
+  if ((reserved || !state_.compare_exchange_strong(expected, kRunning, std::memory_order_seq_cst)) &&
+      LeaveInRing(delivery, reserved)) {
+    return;
   }
+  RunOne(delivery.message, delivery.info, now);
+  Drain(now);
 }
 
 // True if the running thread will find the message in the ring; false if the caller has become the running thread.
-bool InlineSerialNode::LeaveInRing(QueuedMessage& message, bool reserved) {
-  std::optional<QueuedMessage> dropped;
+bool InlineSerialNode::LeaveInRing(const Delivery& delivery, bool reserved) {
+  std::optional<QueuedMessage> dropped;  // Let go of after the lock.
   const std::scoped_lock lock(mutex_);
-  if (reserved) ring_.Cancel(message.bytes);
+  if (reserved) ring_.Cancel(delivery.bytes);
   for (int state = state_.load(std::memory_order_seq_cst);;) {
     if (state == kIdle) {
       if (state_.compare_exchange_weak(state, kRunning, std::memory_order_seq_cst)) return false;
@@ -31,18 +34,18 @@ bool InlineSerialNode::LeaveInRing(QueuedMessage& message, bool reserved) {
       break;
     }
   }
-  received_.fetch_add(1, std::memory_order_relaxed);
-  dropped = ring_.Push(std::move(message));
+  left_in_ring_.fetch_add(1, std::memory_order_relaxed);
+  dropped = ring_.Push(delivery);
   if (dropped) dropped_.fetch_add(1, std::memory_order_relaxed);
   return true;
 }
 
-void InlineSerialNode::RunAndDrain(QueuedMessage&& message, std::int64_t& now) noexcept {
-  if (!closed_.load(std::memory_order_seq_cst)) {
-    received_.fetch_add(1, std::memory_order_relaxed);
-    message.credit.reset();
-    Run(message.message, message.info, stats_, Writers::kOne, now);
-  }
+void InlineSerialNode::RunOne(const AnyMessage& message, const MessageInfo& info, std::int64_t& now) noexcept {
+  if (!closed_.load(std::memory_order_seq_cst)) Run(message, info, stats_, Writers::kOne, now);
+}
+
+// Runs what others left in the ring meanwhile, then becomes idle.
+void InlineSerialNode::Drain(std::int64_t& now) noexcept {
   for (int running = kRunning; !state_.compare_exchange_strong(running, kIdle, std::memory_order_seq_cst);
        running = kRunning) {
     QueuedMessage next;
@@ -51,10 +54,11 @@ void InlineSerialNode::RunAndDrain(QueuedMessage&& message, std::int64_t& now) n
       if (!ring_.empty()) next = ring_.Pop();
       if (ring_.empty()) state_.store(kRunning, std::memory_order_seq_cst);
     }
-    if (next.message == nullptr || closed_.load(std::memory_order_seq_cst)) continue;
+    if (next.message == nullptr) continue;
     next.credit.reset();
     if (lossless()) NotifyRoom();
-    Run(next.message, next.info, stats_, Writers::kOne, now);
+    ran_from_ring_.fetch_add(1, std::memory_order_relaxed);
+    RunOne(next.message, next.info, now);
   }
   Finish();
 }
@@ -98,12 +102,9 @@ void InlineSerialNode::Preload(std::vector<QueuedMessage> messages) {
 void InlineSerialNode::Start() {
   if (preloaded_.empty()) return;
   std::int64_t now = MonotonicNow();
-  for (std::size_t i = 0; i + 1 < preloaded_.size() && !closed_; ++i) {
-    received_.fetch_add(1, std::memory_order_relaxed);
-    Run(preloaded_[i].message, preloaded_[i].info, stats_, Writers::kOne, now);
-  }
-  RunAndDrain(std::exchange(preloaded_.back(), {}), now);
+  for (const QueuedMessage& message : preloaded_) RunOne(message.message, message.info, now);
   preloaded_.clear();
+  Drain(now);
 }
 
 void InlineSerialNode::Close(bool wait) {
@@ -127,6 +128,14 @@ bool InlineSerialNode::WaitIdle(std::chrono::steady_clock::time_point deadline) 
       idle_.wait_until(lock, deadline, [this] { return state_.load(std::memory_order_seq_cst) == kIdle; });
   watchers_.fetch_sub(1, std::memory_order_seq_cst);
   return idle;
+}
+
+// Every callback was for a message that was received; of those left in the ring, count the ones that were not run.
+void InlineSerialNode::AddStats(NodeSnapshot& snapshot) const {
+  Node::AddStats(snapshot);
+  snapshot.received =
+      snapshot.run + left_in_ring_.load(std::memory_order_relaxed) -
+      std::min(left_in_ring_.load(std::memory_order_relaxed), ran_from_ring_.load(std::memory_order_relaxed));
 }
 
 std::size_t InlineSerialNode::QueuedNow() const {

@@ -18,7 +18,7 @@ class InlineSerialNode final : public Node {
  public:
   InlineSerialNode(NodeSetting setting, AnyCallback callback);
 
-  void Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept override;
+  void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept override;
   bool Reserve(std::size_t bytes) noexcept override;
   void CancelReservation(std::size_t bytes) noexcept override;
   void Preload(std::vector<QueuedMessage> messages) override;
@@ -28,12 +28,14 @@ class InlineSerialNode final : public Node {
 
  protected:
   std::size_t QueuedNow() const override;
+  void AddStats(NodeSnapshot& snapshot) const override;
 
  private:
   enum State : int { kIdle, kRunning, kPending };
 
-  bool LeaveInRing(QueuedMessage& message, bool reserved);
-  void RunAndDrain(QueuedMessage&& message, std::int64_t& now) noexcept;
+  bool LeaveInRing(const Delivery& delivery, bool reserved);
+  void RunOne(const AnyMessage& message, const MessageInfo& info, std::int64_t& now) noexcept;
+  void Drain(std::int64_t& now) noexcept;
   void Finish() noexcept;
   void DropCallbackOnce(std::unique_lock<std::mutex>& lock) noexcept;
 
@@ -46,6 +48,8 @@ class InlineSerialNode final : public Node {
   std::condition_variable idle_;
   MessageRing ring_;
   std::vector<QueuedMessage> preloaded_;
+  std::atomic<std::uint64_t> left_in_ring_{0};
+  std::atomic<std::uint64_t> ran_from_ring_{0};
 };
 
 }  // namespace hgros

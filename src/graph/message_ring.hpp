@@ -23,11 +23,15 @@ class MessageRing {
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
 
+  // Whether one more message may come, not looking at bytes. `popped` messages were taken out but still count.
+  [[nodiscard]] bool HasRoom(std::size_t popped = 0) const noexcept {
+    return !queue_.lossless() || size_ + reserved_messages_ + popped < queue_.depth();
+  }
   // Keep-all: takes room for one message of `bytes`, or returns false. Keep-last always has room.
-  [[nodiscard]] bool Reserve(std::size_t bytes) noexcept {
+  [[nodiscard]] bool Reserve(std::size_t bytes, std::size_t popped = 0) noexcept {
     if (!queue_.lossless()) return true;
-    const std::size_t messages = size_ + reserved_messages_;
-    if (messages >= queue_.depth()) return false;
+    if (!HasRoom(popped)) return false;
+    const std::size_t messages = size_ + reserved_messages_ + popped;
     if (messages > 0 && bytes_ + reserved_bytes_ + bytes > queue_.limit_bytes()) return false;
     ++reserved_messages_;
     reserved_bytes_ += bytes;
@@ -40,12 +44,21 @@ class MessageRing {
   }
 
   // Appends; a full keep-last ring gives its oldest message back, which the caller lets go of outside its lock.
-  std::optional<QueuedMessage> Push(QueuedMessage&& message) {
+  // `credit` is kept only where losing nothing depends on it.
+  std::optional<QueuedMessage> Push(const Delivery& delivery) {
     std::optional<QueuedMessage> dropped;
     if (!queue_.lossless() && size_ >= queue_.depth()) dropped = Pop();
     if (size_ == slots_.size()) Grow();
-    bytes_ += message.bytes;
-    slots_[(first_ + size_) % slots_.size()] = std::move(message);
+    QueuedMessage& slot = slots_[(first_ + size_) & (slots_.size() - 1)];
+    if (delivery.last) {
+      slot.message = std::move(delivery.message);
+    } else {
+      slot.message = delivery.message;
+    }
+    slot.info = delivery.info;
+    if (queue_.lossless()) slot.credit = delivery.credit;
+    slot.bytes = delivery.bytes;
+    bytes_ += delivery.bytes;
     ++size_;
     return dropped;
   }
@@ -53,8 +66,7 @@ class MessageRing {
   // The oldest message; the ring must not be empty.
   QueuedMessage Pop() {
     QueuedMessage message = std::move(slots_[first_]);
-    slots_[first_] = QueuedMessage{};
-    first_ = (first_ + 1) % slots_.size();
+    first_ = (first_ + 1) & (slots_.size() - 1);
     --size_;
     bytes_ -= message.bytes;
     return message;
@@ -63,13 +75,13 @@ class MessageRing {
  private:
   void Grow() {
     std::vector<QueuedMessage> grown(slots_.empty() ? 4 : slots_.size() * 2);
-    for (std::size_t i = 0; i < size_; ++i) grown[i] = std::move(slots_[(first_ + i) % slots_.size()]);
+    for (std::size_t i = 0; i < size_; ++i) grown[i] = std::move(slots_[(first_ + i) & (slots_.size() - 1)]);
     slots_ = std::move(grown);
     first_ = 0;
   }
 
   Queue queue_;
-  std::vector<QueuedMessage> slots_;
+  std::vector<QueuedMessage> slots_;  // As many as a power of two.
   std::size_t first_ = 0;
   std::size_t size_ = 0;
   std::size_t bytes_ = 0;

@@ -35,6 +35,15 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
   stats.run_time.Record(now - start, writers);
 }
 
+bool Node::Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t& now) noexcept {
+  if (!Reserve(sole.bytes)) return false;
+  message = sole.offer.take(sole.offer.context);
+  info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+  const std::shared_ptr<const void> no_credit;
+  Deliver({message, info, no_credit, sole.bytes, sole.last}, true, now);
+  return true;
+}
+
 void Node::DropCallback() noexcept { callback_ = nullptr; }
 
 void Node::NotifyRoom() const noexcept {

@@ -12,6 +12,7 @@
 #include "hgros/base/log.hpp"
 #include "hgros/graph/callback.hpp"
 #include "hgros/graph/node_options.hpp"
+#include "hgros/graph/publisher.hpp"
 #include "hgros/graph/snapshot.hpp"
 
 namespace hgros {
@@ -42,7 +43,18 @@ class Node : public std::enable_shared_from_this<Node> {
 
   // Hands a message over. `now` is the present (CLOCK_MONOTONIC, ns); a node that runs its callback at once sets it
   // to the time at which that returned. `reserved`: room was taken by Reserve() before.
-  virtual void Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept = 0;
+  virtual void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept = 0;
+
+  // For a channel's only lossless node: takes room, the message and its number, all or nothing, and hands the message
+  // over; `message` is set so that other nodes can have it too.
+  struct SoleOffer {
+    const MessageOffer& offer;
+    std::atomic<std::uint64_t>& sequence;
+    std::size_t bytes;
+    bool last;  // As in Delivery.
+  };
+  [[nodiscard]] virtual bool Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& info,
+                                  std::int64_t& now) noexcept;
 
   // Lossless nodes: takes room for one message, or returns false.
   [[nodiscard]] virtual bool Reserve(std::size_t bytes) noexcept = 0;
@@ -77,13 +89,16 @@ class Node : public std::enable_shared_from_this<Node> {
   void DropCallback() noexcept;
   void NotifyRoom() const noexcept;
 
-  NodeStats stats_;
-  std::atomic<std::uint64_t> received_{0};
-  std::atomic<std::uint64_t> dropped_{0};
-
+  // Delivering threads write the last group, running threads the one before it, and both read the first: each has
+  // cache lines of its own.
  private:
   NodeSetting setting_;
   AnyCallback callback_;
+
+ protected:
+  NodeStats stats_;
+  alignas(64) std::atomic<std::uint64_t> received_{0};
+  std::atomic<std::uint64_t> dropped_{0};
 };
 
 }  // namespace hgros

@@ -56,18 +56,4 @@ struct alignas(64) NodeStats {
 std::size_t ThisThreadShard() noexcept;
 inline constexpr std::size_t kShards = 8;
 
-struct alignas(64) ShardedCounter {
-  struct alignas(64) Shard {
-    std::atomic<std::uint64_t> value{0};
-  };
-  std::array<Shard, kShards> shards;
-
-  void Increment() noexcept { shards[ThisThreadShard()].value.fetch_add(1, std::memory_order_relaxed); }
-  [[nodiscard]] std::uint64_t Sum() const noexcept {
-    std::uint64_t sum = 0;
-    for (const Shard& shard : shards) sum += shard.value.load(std::memory_order_relaxed);
-    return sum;
-  }
-};
-
 }  // namespace hgros

@@ -16,4 +16,13 @@ struct QueuedMessage {
   std::size_t bytes = 0;               // Only counted where a node has a byte limit.
 };
 
+// The same while it is handed over: borrowed, so that a node that runs its callback at once copies nothing.
+struct Delivery {
+  AnyMessage& message;
+  const MessageInfo& info;
+  const std::shared_ptr<const void>& credit;
+  std::size_t bytes = 0;
+  bool last = false;  // Nobody needs `message` after this node, which may move from it.
+};
+
 }  // namespace hgros

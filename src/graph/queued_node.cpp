@@ -1,8 +1,11 @@
 #include "graph/queued_node.hpp"
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
+#include "graph/spin_then_lock.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -10,26 +13,53 @@ namespace hgros {
 QueuedNode::QueuedNode(NodeSetting setting, AnyCallback callback)
     : Node(std::move(setting), std::move(callback)), ring_(Node::setting().queue) {}
 
-void QueuedNode::Deliver(QueuedMessage&& message, bool reserved, std::int64_t&) noexcept {
+void QueuedNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t&) noexcept {
   std::optional<QueuedMessage> dropped;  // Let go of after the lock.
   bool wake = false;
   {
-    const std::scoped_lock lock(mutex_);
-    if (reserved) ring_.Cancel(message.bytes);
+    std::unique_lock lock(mutex_, std::defer_lock);
+    SpinThenLock(lock);
+    if (reserved) ring_.Cancel(delivery.bytes);
     if (closed_) return;
     // Single writers under the lock; the atomics are for readers outside it.
     Add(received_, std::uint64_t{1}, Writers::kOne);
-    if (!lossless()) message.credit.reset();
-    dropped = ring_.Push(std::move(message));
+    dropped = ring_.Push(delivery);
     if (dropped) Add(dropped_, std::uint64_t{1}, Writers::kOne);
     wake = NeedsWake();
   }
   if (wake) Wake();
 }
 
+// One lock for what Reserve() and Deliver() would do with two.
+bool QueuedNode::Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t&) noexcept {
+  const std::shared_ptr<const void> no_credit;
+  bool wake = false;
+  {
+    std::unique_lock lock(mutex_, std::defer_lock);
+    SpinThenLock(lock);
+    if (!closed_ && !ReserveHere(sole.bytes)) return false;
+    message = sole.offer.take(sole.offer.context);
+    info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+    if (closed_) return true;
+    ring_.Cancel(sole.bytes);
+    Add(received_, std::uint64_t{1}, Writers::kOne);
+    ring_.Push({message, info, no_credit, sole.bytes, sole.last});
+    wake = NeedsWake();
+  }
+  if (wake) Wake();
+  return true;
+}
+
+// The exact number of unstarted messages lies in a cache line of the running thread: asked for only if it matters.
+bool QueuedNode::ReserveHere(std::size_t bytes) noexcept {
+  const std::size_t popped = ring_.HasRoom(batched_) ? batched_ : unstarted_.load(std::memory_order_relaxed);
+  return ring_.Reserve(bytes, popped);
+}
+
 bool QueuedNode::Reserve(std::size_t bytes) noexcept {
-  const std::scoped_lock lock(mutex_);
-  return ring_.Reserve(bytes);
+  std::unique_lock lock(mutex_, std::defer_lock);
+  SpinThenLock(lock);
+  return ReserveHere(bytes);
 }
 
 void QueuedNode::CancelReservation(std::size_t bytes) noexcept {
@@ -65,19 +95,51 @@ bool QueuedNode::TakeNext(QueuedMessage& next) {
   return true;
 }
 
-void QueuedNode::RunUnlocked(std::unique_lock<std::mutex>& lock, QueuedMessage&& next, std::int64_t& now) noexcept {
-  ++running_;
-  lock.unlock();
-  next.credit.reset();
+// A keep-last ring must be able to drop its oldest until the callback begins, concurrent callbacks share the ring, and
+// bytes are not counted outside of it: those take one message at a time.
+bool QueuedNode::Batches() const noexcept {
+  return lossless() && setting().invoke == Invoke::kSerial && setting().queue.limit_bytes() == Queue::kUnlimitedBytes;
+}
+
+void QueuedNode::RunTaken(QueuedMessage& message, Writers writers, std::int64_t& now) noexcept {
+  message.credit.reset();
+  unstarted_.fetch_sub(1, std::memory_order_relaxed);
+  if (closed_) return;
   if (lossless()) NotifyRoom();
+  Run(message.message, message.info, stats_, writers, now);
+  message.message.reset();
+}
+
+void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept {
+  if (Batches()) {
+    std::array<QueuedMessage, kBatch> batch;
+    RunThrough(batch, lock, most, now);
+  } else {
+    QueuedMessage one;
+    RunThrough({&one, 1}, lock, most, now);
+  }
+}
+
+void QueuedNode::RunThrough(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock, std::size_t most,
+                            std::int64_t& now) noexcept {
   // Concurrent callbacks of one node share its counters.
   const Writers writers = setting().invoke == Invoke::kSerial ? Writers::kOne : Writers::kMany;
-  Run(next.message, next.info, stats_, writers, now);
-  next.message.reset();
-  lock.lock();
-  --running_;
-  if (closed_ || watchers_ > 0) changed_.notify_all();
-  if (closed_) DropCallbackOnce(lock);
+  while (most > 0) {
+    std::size_t taken = 0;
+    while (taken < std::min(most, batch.size()) && TakeNext(batch[taken])) ++taken;
+    if (taken == 0) return;
+    most -= taken;
+    unstarted_.fetch_add(taken, std::memory_order_relaxed);
+    batched_ = taken;
+    ++running_;
+    lock.unlock();
+    for (QueuedMessage& message : batch.first(taken)) RunTaken(message, writers, now);
+    SpinThenLock(lock);
+    batched_ = 0;
+    --running_;
+    if (closed_ || watchers_ > 0) changed_.notify_all();
+    if (closed_) DropCallbackOnce(lock);
+  }
 }
 
 // Outside the lock: what the callback captured may be a handle of this very node. It counts as running meanwhile, so
@@ -121,7 +183,7 @@ bool QueuedNode::WaitIdle(std::chrono::steady_clock::time_point deadline) {
 
 std::size_t QueuedNode::QueuedNow() const {
   const std::scoped_lock lock(mutex_);
-  return QueuedHere();
+  return QueuedHere() + unstarted_.load(std::memory_order_relaxed);
 }
 
 }  // namespace hgros

@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "graph/message_ring.hpp"
@@ -17,7 +18,8 @@ class QueuedNode : public Node {
  public:
   QueuedNode(NodeSetting setting, AnyCallback callback);
 
-  void Deliver(QueuedMessage&& message, bool reserved, std::int64_t& now) noexcept override;
+  void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept override;
+  bool Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t& now) noexcept override;
   bool Reserve(std::size_t bytes) noexcept override;
   void CancelReservation(std::size_t bytes) noexcept override;
   void Preload(std::vector<QueuedMessage> messages) override;
@@ -32,27 +34,44 @@ class QueuedNode : public Node {
 
   std::size_t QueuedNow() const override;
 
-  // Takes the oldest message, latched ones first; `lock` is held. False if there is none or the node is closed.
-  bool TakeNext(QueuedMessage& next);
-  // Runs the callback with `lock` released meanwhile.
-  void RunUnlocked(std::unique_lock<std::mutex>& lock, QueuedMessage&& next, std::int64_t& now) noexcept;
+  // Runs up to `most` waiting messages, the oldest first and latched ones before all, with `lock` released while
+  // callbacks run. Returns at once if there is none or the node is closed.
+  void RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept;
   // Waiting messages; the lock is held.
   [[nodiscard]] std::size_t QueuedHere() const noexcept { return ring_.size() + preloaded_.size() - next_preloaded_; }
   [[nodiscard]] bool HasMessages() const noexcept { return QueuedHere() > 0; }
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;  // running_ fell, closed_ was set, or a message came (dedicated threads)
-  bool closed_ = false;
+  alignas(64) mutable std::mutex mutex_;
+  std::condition_variable changed_;  // running_ fell, or closed_ was set
   int running_ = 0;
 
  private:
+  // So many messages are taken out at a time, where nobody can tell the difference: taking one by one costs a lock
+  // each.
+  static constexpr std::size_t kBatch = 32;
+
+  // Takes room; the lock is held.
+  [[nodiscard]] bool ReserveHere(std::size_t bytes) noexcept;
+  [[nodiscard]] bool Batches() const noexcept;
+  void RunThrough(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock, std::size_t most,
+                  std::int64_t& now) noexcept;
+  // Takes the oldest message; false if there is none or the node is closed. The lock is held.
+  bool TakeNext(QueuedMessage& next);
+  void RunTaken(QueuedMessage& message, Writers writers, std::int64_t& now) noexcept;
   void DropCallbackOnce(std::unique_lock<std::mutex>& lock) noexcept;
 
   MessageRing ring_;
   std::vector<QueuedMessage> preloaded_;
   std::size_t next_preloaded_ = 0;
+  std::size_t batched_ = 0;  // Messages in the batch that runs now, if nodes of this kind batch.
   int watchers_ = 0;
   bool callback_dropped_ = false;
+
+  // The running thread's own cache line.
+  alignas(64) std::atomic<std::size_t> unstarted_{0};  // Taken out, callback not begun: still queued.
+
+ protected:
+  alignas(64) std::atomic<bool> closed_{false};  // Set under the lock; read without it between callbacks.
 };
 
 }  // namespace hgros

@@ -37,9 +37,16 @@ bool Subscription::Join() {
 
 void Subscription::End(bool wait) {
   // First the source of messages, then the node; both are taken out of this object, which the callback may own.
-  const auto node = std::move(node_);
-  const auto core = std::move(core_);
-  std::exchange(companion_, nullptr).reset();
+  auto node = std::move(node_);
+  auto core = std::move(core_);
+  auto companion = std::exchange(companion_, nullptr);
+  if (core->in_forked_child()) {
+    LeaveToParent(std::move(companion));
+    LeaveToParent(std::move(node));
+    LeaveToParent(std::move(core));
+    return;
+  }
+  companion.reset();
   channel_->Remove(*node);
   node->Close(wait);
   if (!wait) core->Linger(node);

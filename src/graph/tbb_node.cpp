@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "graph/spin_then_lock.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -26,18 +27,14 @@ void TbbNode::Wake() noexcept { TbbExecutor::Put(flow_node_, std::static_pointer
 
 void TbbNode::Activate() noexcept {
   std::int64_t now = MonotonicNow();
-  std::unique_lock lock(mutex_);
+  std::unique_lock lock(mutex_, std::defer_lock);
+  SpinThenLock(lock);
   if (setting().invoke == Invoke::kConcurrent) {
     --tokens_;
-    QueuedMessage next;
-    if (TakeNext(next)) RunUnlocked(lock, std::move(next), now);
+    RunSome(lock, 1, now);
     return;
   }
-  for (int i = 0; i < kBatch; ++i) {
-    QueuedMessage next;
-    if (!TakeNext(next)) break;
-    RunUnlocked(lock, std::move(next), now);
-  }
+  RunSome(lock, kTurn, now);
   if (HasMessages() && !closed_) {
     lock.unlock();
     Wake();  // The token goes to the end of the line.

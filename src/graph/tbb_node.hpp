@@ -22,7 +22,7 @@ class TbbNode final : public QueuedNode, public Activation {
 
  private:
   // So many messages in a row before other nodes get their turn.
-  static constexpr int kBatch = 32;
+  static constexpr std::size_t kTurn = 64;
 
   TbbExecutor& executor_;
   TbbExecutor::FlowNode& flow_node_;

@@ -32,6 +32,9 @@ void ChannelInlet::Detach() {
     carrier = std::move(carrier_);
   }
   carrier.reset();
+  // What is published while nobody here wants it is not lost.
+  const std::scoped_lock lock(counts_mutex_);
+  for (auto& [publisher, life] : lives_) life.away = true;
 }
 
 void ChannelInlet::SetDemand(const Demand& demand) {
@@ -79,7 +82,8 @@ bool ChannelInlet::CountIn(const InboundMessage& message) {
     ++life.traffic.repeated;
     return false;
   }
-  if (known) life.traffic.lost += id.sequence - life.last_sequence - 1;
+  if (known && !life.away) life.traffic.lost += id.sequence - life.last_sequence - 1;
+  life.away = false;
   life.incarnation = id.incarnation;
   life.last_sequence = id.sequence;
   ++life.traffic.received;

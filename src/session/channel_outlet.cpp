@@ -35,7 +35,7 @@ void ChannelOutlet::Latch(std::size_t count) {
 }
 
 bool ChannelOutlet::wanted() const noexcept {
-  return subscribers_.load(std::memory_order_relaxed) > 0 || latched_.load(std::memory_order_relaxed) > 0;
+  return heard_.load(std::memory_order_relaxed) || latched_.load(std::memory_order_relaxed) > 0;
 }
 
 PublishStatus ChannelOutlet::Reserve() noexcept {
@@ -60,9 +60,17 @@ Payload ChannelOutlet::Encode(const AnyMessage& message) noexcept {
 }
 
 void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
+  const std::size_t depth = latched_.load(std::memory_order_relaxed);
+  const bool listened = subscriber_count() > 0;
+  if (!listened && depth == 0) {
+    const std::scoped_lock lock(order_mutex_);
+    ++sequence_;
+    if (carrier_) carrier_->Cancel();
+    return;
+  }
   // Outside the lock: encoding a large message takes as long as sending it.
   Payload data;
-  if (subscriber_count() > 0) data = Encode(message);
+  if (listened) data = Encode(message);
   PacketHead head;
   head.channel = channel_;
   head.type_name = type_.name;
@@ -71,7 +79,6 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
   head.id = publisher_;
   head.publish_time_ns = WallNow().nanoseconds;
   head.publish_monotonic_ns = MonotonicNow();
-  const std::size_t depth = latched_.load(std::memory_order_relaxed);
   head.latched = static_cast<std::uint32_t>(depth);
 
   const std::scoped_lock lock(order_mutex_);
@@ -114,6 +121,7 @@ void ChannelOutlet::OnRoom() noexcept { events_.on_room(); }
 
 void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
   subscribers_.store(count, std::memory_order_release);
+  if (count > 0) heard_.store(true, std::memory_order_relaxed);
   events_.on_subscribers();
 }
 

@@ -66,6 +66,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   const OutletEvents events_;
 
   std::atomic<std::size_t> subscribers_{0};
+  std::atomic<bool> heard_{false};  // There has been a subscriber: what a cut keeps from it is numbered, so it counts.
   std::atomic<std::size_t> latched_{0};
   std::atomic<std::uint64_t> not_encodable_{0};
 

@@ -9,7 +9,9 @@ namespace hgros {
 Session::Session() : Session(Config{}) {}
 Session::Session(Config config, SessionOptions options)
     : core_(std::make_unique<Core>(std::move(config), std::move(options))) {}
-Session::~Session() = default;
+Session::~Session() {
+  if (core_->in_forked_child()) LeaveToParent(std::shared_ptr<const Core>(std::move(core_)));
+}
 
 bool Session::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const {
   return core_->WaitForSubscribers(channel, count, timeout);

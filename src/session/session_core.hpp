@@ -9,6 +9,7 @@
 #include <shared_mutex>
 #include <string>
 
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/session/session.hpp"
 #include "hgros/transport/zmq_transport.hpp"
 #include "session/channel_inlet.hpp"
@@ -53,6 +54,8 @@ class Session::Core final : public TransportListener {
 
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
+  // Nothing of the session may be waited for or destroyed here.
+  [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const Config& config() const noexcept { return config_; }
@@ -84,6 +87,7 @@ class Session::Core final : public TransportListener {
   template <class Predicate>
   bool WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const;
 
+  const ForkGuard fork_;
   Config config_;
   const SessionId id_;
   const std::string name_;

@@ -12,9 +12,7 @@
 namespace hgros {
 namespace {
 
-// One follower always stands by, so that passing the turn on costs a wake-up and not a new thread. Others go after a
-// while.
-constexpr std::size_t kKeptIdle = 1;
+constexpr std::size_t kStanding = 2;  // Threads that wait for input; others are parked, and retire after a while.
 constexpr auto kRetireAfter = std::chrono::seconds(5);
 
 }  // namespace
@@ -22,12 +20,21 @@ constexpr auto kRetireAfter = std::chrono::seconds(5);
 struct LeaderPool::State {
   explicit State(Input& what) : input(what) {}
 
+  /// Under the mutex: takes the calling thread off the list, to be joined by another.
+  void Retire() {
+    const auto self = threads.find(std::this_thread::get_id());
+    retired.push_back(std::move(self->second));
+    threads.erase(self);
+  }
+
   Input& input;  // Not touched once `stop` is set, except by threads that Stop() joins.
   std::mutex mutex;
-  std::condition_variable turn;
+  std::condition_variable turn;    // The leader has finished.
+  std::condition_variable needed;  // A parked thread is to stand.
   std::map<std::thread::id, std::thread> threads;
   std::vector<std::thread> retired;  // Have left Run(), still to be joined.
-  std::size_t idle = 0;
+  std::size_t standing = 0;          // Inside Wait(), Lead() or on the way from one to the other.
+  std::size_t parked = 0;
   bool led = false;  // A thread is inside Lead().
   bool stop = false;
 };
@@ -39,11 +46,10 @@ LeaderPool::~LeaderPool() { Stop(); }
 void LeaderPool::Start() {
   const std::scoped_lock lock(state_->mutex);
   if (state_->stop || !state_->threads.empty()) return;
-  SpawnLocked(state_);
-  SpawnLocked(state_);
+  for (std::size_t i = 0; i < kStanding; ++i) Spawn(state_);
 }
 
-void LeaderPool::SpawnLocked(const std::shared_ptr<State>& state) {
+void LeaderPool::Spawn(const std::shared_ptr<State>& state) {
   std::thread thread([state] { Run(state); });
   const auto id = thread.get_id();
   state->threads.emplace(id, std::move(thread));
@@ -51,43 +57,50 @@ void LeaderPool::SpawnLocked(const std::shared_ptr<State>& state) {
 
 void LeaderPool::Run(const std::shared_ptr<State>& state) {
   std::unique_lock lock(state->mutex);
-  for (;;) {
-    // Wait for the turn; a surplus follower retires.
-    ++state->idle;
-    while (state->led && !state->stop) {
-      if (state->idle <= kKeptIdle) {
-        state->turn.wait(lock);
-      } else if (state->turn.wait_for(lock, kRetireAfter) == std::cv_status::timeout && state->led && !state->stop &&
-                 state->idle > kKeptIdle) {
-        --state->idle;
-        const auto self = state->threads.find(std::this_thread::get_id());
-        state->retired.push_back(std::move(self->second));
-        state->threads.erase(self);
+  while (!state->stop) {
+    if (state->standing >= kStanding) {
+      ++state->parked;
+      const bool late = state->needed.wait_for(lock, kRetireAfter) == std::cv_status::timeout;
+      --state->parked;
+      if (late && !state->stop && state->standing >= kStanding) {
+        state->Retire();
         return;
       }
+      continue;
     }
-    --state->idle;
+    ++state->standing;
+    lock.unlock();
+    state->input.Wait();
+    lock.lock();
+    if (state->stop) {
+      state->input.Wake();  // One wake-up ends one wait: the next thread gets its own.
+      return;
+    }
+    state->turn.wait(lock, [&] { return !state->led || state->stop; });
     if (state->stop) return;
     state->led = true;
     auto gone = std::exchange(state->retired, {});
     lock.unlock();
     for (auto& thread : gone) thread.join();
+    gone.clear();
     Task task = state->input.Lead();
     lock.lock();
     state->led = false;
-    if (!task) {
-      if (state->stop) return;
-      continue;
-    }
-    if (state->idle == 0 && !state->stop) {
-      try {
-        SpawnLocked(state);
-      } catch (const std::system_error&) {
-        // No more threads: waiting pauses until this task or another one ends.
+    --state->standing;
+    if (task && state->standing == 0 && !state->stop) {
+      if (state->parked > 0) {
+        state->needed.notify_one();
+      } else {
+        try {
+          Spawn(state);
+        } catch (const std::system_error&) {
+          // No more threads: reading pauses until this task or another one ends.
+        }
       }
     }
+    if (state->standing > 0) state->turn.notify_one();
+    if (!task) continue;
     lock.unlock();
-    state->turn.notify_one();
     task();
     task = nullptr;  // Its last reference may run a destructor: not under the lock.
     lock.lock();
@@ -104,8 +117,8 @@ void LeaderPool::Stop() noexcept {
     retired.swap(state_->retired);
   }
   state_->turn.notify_all();
-  if (threads.empty()) return;
-  state_->input.Wake();
+  state_->needed.notify_all();
+  if (!threads.empty()) state_->input.Wake();
   for (auto& [id, thread] : threads) {
     if (id == std::this_thread::get_id()) {
       thread.detach();

@@ -6,23 +6,26 @@
 
 namespace hgros {
 
-/// Threads that take turns waiting for input. The one whose turn it is, the leader, waits and reads; before it runs
-/// something that may take long it passes its turn on, so that waiting never stops.
+/// Threads that take turns reading input. Two of them wait for it, so that one is left when the other has found
+/// something that may take long and runs it: nothing has to be passed on, and waiting never stops.
 ///
 /// Thread safety: all functions. Start() and Stop() once each.
-/// Invariants: at most one thread is inside Input::Lead(). While started, a thread is inside it or on its way there,
-/// whatever tasks do. A task runs on the thread that got it, right after the turn was passed on.
+/// Invariants: at most one thread is inside Input::Lead(). While started, at least one thread waits or reads or is on
+/// its way there, whatever tasks do. A task runs on the thread that read it.
 class LeaderPool {
  public:
   using Task = std::function<void()>;
 
-  /// What a leader does. Implemented by a carrier.
+  /// Where input comes from. Implemented by a carrier.
   class Input {
    public:
     virtual ~Input() = default;
-    /// Waits and reads until there is a task to run or Wake() was called; then returns the task, or none.
+    /// Waits until there may be something to read, or something is due, or Wake() was called. Several threads wait at
+    /// once; what comes wakes at least one of them, and what comes while none waits is kept for the next.
+    virtual void Wait() noexcept = 0;
+    /// Reads without waiting, until there is a task to run or nothing left. Who returns early makes sure (Wake) that
+    /// another thread reads the rest. One call at a time; each sees what the ones before did.
     virtual Task Lead() noexcept = 0;
-    /// Makes the Lead() that runs, or else the next one, return soon.
     virtual void Wake() noexcept = 0;
   };
 
@@ -41,7 +44,7 @@ class LeaderPool {
  private:
   struct State;  // Shared with the threads: a task may destroy the pool.
   static void Run(const std::shared_ptr<State>& state);
-  static void SpawnLocked(const std::shared_ptr<State>& state);
+  static void Spawn(const std::shared_ptr<State>& state);
 
   const std::shared_ptr<State> state_;
 };

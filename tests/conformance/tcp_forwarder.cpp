@@ -96,7 +96,8 @@ void TcpForwarder::Run() {
     }
     changed_.notify_all();
 
-    std::vector<pollfd> fds{{wake_[0], POLLIN, 0}, {listener_, static_cast<short>(state == State::kStalled ? 0 : POLLIN), 0}};
+    std::vector<pollfd> fds{{wake_[0], POLLIN, 0},
+                            {listener_, static_cast<short>(state == State::kStalled ? 0 : POLLIN), 0}};
     if (state == State::kOpen) {
       for (const auto& pair : pairs_) {
         fds.push_back({pair.client, POLLIN, 0});

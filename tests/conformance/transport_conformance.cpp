@@ -23,7 +23,8 @@ void Listener::OnPeerGone(const PeerInfo&, std::string_view) noexcept { ++gone; 
 void Listener::OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept { ++mismatches; }
 
 Session::Session(World& world, Role role, SessionId session) : id(session) {
-  transport = role == Role::kPublisher ? world.MakePublisher(listener, log, id) : world.MakeSubscriber(listener, log, id);
+  transport =
+      role == Role::kPublisher ? world.MakePublisher(listener, log, id) : world.MakeSubscriber(listener, log, id);
 }
 
 std::vector<OutboundMessage> Source::Latched() noexcept {
@@ -160,10 +161,22 @@ TypeInfo ProtobufType(const std::string& name, const std::vector<std::pair<std::
   type.fingerprint = std::hash<std::string>()(set.SerializeAsString());
   static std::atomic<int> next{0};
   switch (next++ % 4) {
-    case 0: Schema<0>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<0>; break;
-    case 1: Schema<1>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<1>; break;
-    case 2: Schema<2>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<2>; break;
-    default: Schema<3>() = set.SerializeAsString(); type.descriptor_set = SchemaFunction<3>; break;
+    case 0:
+      Schema<0>() = set.SerializeAsString();
+      type.descriptor_set = SchemaFunction<0>;
+      break;
+    case 1:
+      Schema<1>() = set.SerializeAsString();
+      type.descriptor_set = SchemaFunction<1>;
+      break;
+    case 2:
+      Schema<2>() = set.SerializeAsString();
+      type.descriptor_set = SchemaFunction<2>;
+      break;
+    default:
+      Schema<3>() = set.SerializeAsString();
+      type.descriptor_set = SchemaFunction<3>;
+      break;
   }
   return type;
 }

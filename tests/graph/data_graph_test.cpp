@@ -169,7 +169,7 @@ TEST(DataGraph, AnInlineSerialNodeThatPublishesToItselfFindsTheMessageWhenItRetu
       [&](const int& value) {
         deepest = std::max(deepest, ++depth);
         got.Add(value);
-        if (value < 5) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(value + 1)), PublishStatus::kOk);
+        if (value < 5) (void)graph.ToGraph("c", std::make_unique<int>(value + 1));
         --depth;
       },
       Options(Executor::Inline()));

@@ -15,13 +15,17 @@ QueuedMessage Make(int value, std::size_t bytes = 0) {
   return message;
 }
 
+std::optional<QueuedMessage> Push(MessageRing& ring, QueuedMessage message) {
+  return ring.Push({message.message, message.info, message.credit, message.bytes, true});
+}
+
 int ValueOf(const QueuedMessage& message) { return *static_cast<const int*>(message.message.get()); }
 
 TEST(MessageRing, DropsTheOldestWhenTheQueueIsFull) {
   MessageRing ring(Queue::KeepLast(2));
-  EXPECT_FALSE(ring.Push(Make(1)));
-  EXPECT_FALSE(ring.Push(Make(2)));
-  const auto dropped = ring.Push(Make(3));
+  EXPECT_FALSE(Push(ring, Make(1)));
+  EXPECT_FALSE(Push(ring, Make(2)));
+  const auto dropped = Push(ring, Make(3));
   ASSERT_TRUE(dropped);
   EXPECT_EQ(ValueOf(*dropped), 1);
   EXPECT_EQ(ValueOf(ring.Pop()), 2);
@@ -42,7 +46,7 @@ TEST(MessageRing, KeepAllTakesOneMessageWhateverItsSize) {
   MessageRing ring(Queue::KeepAll(100, 1000));
   EXPECT_TRUE(ring.Reserve(5000));
   ring.Cancel(5000);
-  ring.Push(Make(1, 5000));
+  Push(ring, Make(1, 5000));
   EXPECT_FALSE(ring.Reserve(1));
   ring.Pop();
   EXPECT_TRUE(ring.Reserve(600));
@@ -53,7 +57,8 @@ TEST(MessageRing, LetsGoOfWhatItGivesAway) {
   MessageRing ring(Queue::KeepLast(4));
   QueuedMessage message = Make(1);
   const std::weak_ptr<const void> watch = message.message;
-  ring.Push(std::move(message));
+  Push(ring, message);
+  message.message.reset();
   EXPECT_FALSE(watch.expired());
   ring.Pop();
   EXPECT_TRUE(watch.expired());
@@ -77,7 +82,7 @@ TEST(MessageRing, BehavesAsANaiveModelUnderRandomOperations) {
         ASSERT_EQ(ring.Reserve(bytes), room);
         if (!room) continue;
         ring.Cancel(bytes);
-        const auto dropped = ring.Push(Make(i, bytes));
+        const auto dropped = Push(ring, Make(i, bytes));
         if (!lossless && model.size() == depth) {
           ASSERT_TRUE(dropped);
           ASSERT_EQ(ValueOf(*dropped), model.front().first);

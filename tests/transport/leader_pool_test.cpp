@@ -1,11 +1,11 @@
 #include "transport/leader_pool.hpp"
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <queue>
-
-#include <gtest/gtest.h>
 
 #include "conformance/transport_conformance.hpp"
 
@@ -17,16 +17,20 @@ using conformance::Eventually;
 /// Hands out queued tasks; counts leaders.
 class Queue : public LeaderPool::Input {
  public:
-  LeaderPool::Task Lead() noexcept override {
-    if (++leaders > 1) two_leaders = true;
+  void Wait() noexcept override {
     std::unique_lock lock(mutex);
     ready.wait(lock, [this] { return woken || !tasks.empty(); });
+    woken = false;
+  }
+  LeaderPool::Task Lead() noexcept override {
+    if (++leaders > 1) two_leaders = true;
     LeaderPool::Task task;
-    if (!tasks.empty()) {
-      task = std::move(tasks.front());
-      tasks.pop();
-    } else {
-      woken = false;
+    {
+      const std::scoped_lock lock(mutex);
+      if (!tasks.empty()) {
+        task = std::move(tasks.front());
+        tasks.pop();
+      }
     }
     --leaders;
     return task;
@@ -36,14 +40,14 @@ class Queue : public LeaderPool::Input {
       const std::scoped_lock lock(mutex);
       woken = true;
     }
-    ready.notify_all();
+    ready.notify_one();
   }
   void Put(LeaderPool::Task task) {
     {
       const std::scoped_lock lock(mutex);
       tasks.push(std::move(task));
     }
-    ready.notify_all();
+    ready.notify_one();
   }
 
   std::mutex mutex;

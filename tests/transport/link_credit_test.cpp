@@ -1,11 +1,10 @@
 #include "transport/zmq/link_credit.hpp"
 
+#include <gtest/gtest.h>
 #include <poll.h>
 
 #include <thread>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 namespace hgros::zmq {
 namespace {

@@ -1,10 +1,10 @@
 #include "transport/zmq/peer_channel.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <deque>
 #include <random>
-
-#include <gtest/gtest.h>
 
 namespace hgros::zmq {
 namespace {
@@ -47,13 +47,12 @@ TEST(PeerChannel, IgnoresCountsThatCannotBe) {
 }
 
 TEST(PeerChannel, CapsAbsurdDemands) {
-  const Demand granted = PeerChannel::Granted({.lossless = false,
-                                               .queue_depth = ~0u,
-                                               .credit_messages = ~0u,
-                                               .credit_bytes = ~std::uint64_t{0}});
+  const Demand granted = PeerChannel::Granted(
+      {.lossless = false, .queue_depth = ~0u, .credit_messages = ~0u, .credit_bytes = ~std::uint64_t{0}});
   EXPECT_LT(granted.queue_depth, 1u << 24);
   EXPECT_LT(granted.credit_messages, 1u << 24);
-  const Demand least = PeerChannel::Granted({.lossless = true, .queue_depth = 0, .credit_messages = 0, .credit_bytes = 0});
+  const Demand least =
+      PeerChannel::Granted({.lossless = true, .queue_depth = 0, .credit_messages = 0, .credit_bytes = 0});
   EXPECT_EQ(least.credit_messages, 1u);
 }
 
@@ -73,8 +72,8 @@ TEST(PeerChannel, DropsTheOldestBeyondThePeersBytesButKeepsOne) {
 struct Model {
   Demand demand;
   std::deque<std::uint64_t> ring;
-  std::vector<std::uint64_t> sent;       // Sequences by link number - 1.
-  std::vector<std::uint64_t> received;   // What the peer has, in order.
+  std::vector<std::uint64_t> sent;      // Sequences by link number - 1.
+  std::vector<std::uint64_t> received;  // What the peer has, in order.
   std::size_t consumed = 0;
   std::size_t confirmed = 0;
 };
@@ -88,10 +87,8 @@ TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
     std::mt19937 random(seed);
     const auto below = [&](unsigned n) { return static_cast<unsigned>(random() % n); };
     Model model;
-    model.demand = PeerChannel::Granted({.lossless = lossless,
-                                         .queue_depth = 1 + below(5),
-                                         .credit_messages = 1 + below(6),
-                                         .credit_bytes = 10000});
+    model.demand = PeerChannel::Granted(
+        {.lossless = lossless, .queue_depth = 1 + below(5), .credit_messages = 1 + below(6), .credit_bytes = 10000});
     PeerChannel channel(model.demand);
     channel.Begin({});
     std::vector<std::uint64_t> wire;  // Under way: sequences, with numbers model.received.size() + 1 onwards.

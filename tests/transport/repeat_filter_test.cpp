@@ -1,9 +1,9 @@
 #include "transport/repeat_filter.hpp"
 
+#include <gtest/gtest.h>
+
 #include <random>
 #include <set>
-
-#include <gtest/gtest.h>
 
 namespace hgros {
 namespace {

@@ -1,11 +1,10 @@
+#include <gmock/gmock.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstring>
-
-#include <gmock/gmock.h>
 
 #include "hgros/base/error.hpp"
 #include "transport/zmq_places.hpp"
@@ -55,7 +54,8 @@ TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheMend) {
   const std::string taken = first.transport->BoundEndpoints().front();
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(taken)); }),
               testing::AllOf(testing::HasSubstr(taken), testing::HasSubstr("another port")));
-  EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("ipc:///tmp/" + std::string(200, 'x'))); }), testing::HasSubstr("107"));
+  EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("ipc:///tmp/" + std::string(200, 'x'))); }),
+              testing::HasSubstr("107"));
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("ipc:///no/such/folder/socket")); }), testing::HasSubstr("folder"));
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("udp://127.0.0.1:1")); }), testing::HasSubstr("udp"));
   EXPECT_THAT(ErrorOf([&] { Place second(SubscribeAt("tcp://")); }), testing::HasSubstr("tcp"));

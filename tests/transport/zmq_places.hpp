@@ -1,12 +1,12 @@
 #pragma once
 
+#include <stdlib.h>
+#include <zmq.h>
+
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
-
-#include <stdlib.h>
-#include <zmq.h>
 
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/zmq_transport.hpp"

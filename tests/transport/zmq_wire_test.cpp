@@ -1,7 +1,7 @@
 // What comes from, and goes to, programs that are not HyperGraph ROS sessions.
-#include <random>
-
 #include <gmock/gmock.h>
+
+#include <random>
 
 #include "hgros/codec/packet.hpp"
 #include "hgros/control.pb.h"

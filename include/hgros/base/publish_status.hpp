@@ -4,8 +4,10 @@
 
 namespace hgros {
 
-/// What became of a publish call. The data path never throws and never blocks.
-enum class [[nodiscard]] PublishStatus{
+/// What became of a publish call. The data path never throws and never blocks. Without lossless subscribers there is
+/// nothing to check but the end of the session, so the result may be ignored; refused messages are counted either way
+/// (ChannelSnapshot::refused).
+enum class PublishStatus{
     kOk,             ///< Handed to every subscriber there is (possibly none); keep-last queues may drop it later.
     kFull,           ///< A lossless subscriber has no room: nobody got the message, the caller still owns it.
     kClosed,         ///< The session is shutting down: nobody got the message.

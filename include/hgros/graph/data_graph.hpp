@@ -24,7 +24,7 @@ namespace hgros {
 class GraphCore;
 
 struct GraphOptions {
-  int threads = 0;          ///< Workers of the tbb executor; 0: one per CPU.
+  int threads = 0;          ///< Workers of the tbb executor; 0: one less than there are CPUs, as TBB has it.
   NodeOverrides overrides;  ///< By node name.
   MessageId publisher;      ///< Publisher id and incarnation that local messages carry.
 };

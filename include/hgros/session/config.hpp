@@ -53,7 +53,7 @@ struct HGROS_EXPORT Config {
   int peer_timeout_ms = 5000;  ///< A peer silent for longer is gone.
 
   std::vector<std::string> closed_channels;  ///< Not delivered to this process' own nodes.
-  int threads = 0;                           ///< Workers of the tbb executor; 0: one per CPU.
+  int threads = 0;                           ///< Workers of the tbb executor; 0: one less than there are CPUs.
   NodeOverrides nodes;
   std::map<std::string, ChannelConfig, std::less<>> channels;
 

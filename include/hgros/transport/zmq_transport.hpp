@@ -51,12 +51,12 @@ struct ZmqOptions {
   std::vector<PublishEndpoint> publish;
   std::vector<SubscribeEndpoint> subscribe;
   std::chrono::milliseconds heartbeat{1000};
-  std::chrono::milliseconds peer_timeout{5000};         ///< A peer silent for longer is gone.
-  std::uint64_t peer_queue_bytes = 64ULL << 20;         ///< Waiting for one slow keep-last peer at most.
-  std::uint64_t plain_queue_bytes = 64ULL << 20;        ///< Under way to all plain subscribers of an endpoint at most.
-  std::uint64_t max_message_bytes = 1ULL << 30;         ///< Larger ones are refused and the connection is closed.
-  std::chrono::milliseconds plain_after{1000};          ///< Connected for so long without a welcome: a plain publisher.
-  std::chrono::milliseconds linger{500};                ///< Of the destructor's Close().
+  std::chrono::milliseconds peer_timeout{5000};   ///< A peer silent for longer is gone.
+  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Waiting for one slow keep-last peer at most.
+  std::uint64_t plain_queue_bytes = 64ULL << 20;  ///< Under way to all plain subscribers of an endpoint at most.
+  std::uint64_t max_message_bytes = 1ULL << 30;   ///< Larger ones are refused and the connection is closed.
+  std::chrono::milliseconds plain_after{1000};    ///< Connected for so long without a welcome: a plain publisher.
+  std::chrono::milliseconds linger{500};          ///< Of the destructor's Close().
   std::optional<ZmqSecurity> security;
 };
 
@@ -91,6 +91,6 @@ class HGROS_EXPORT ZmqTransport : public Transport {
 
 /// Errors: throws Error if an endpoint or a key cannot be used. `listener` and `log` outlive the transport.
 [[nodiscard]] HGROS_EXPORT std::unique_ptr<ZmqTransport> MakeZmqTransport(ZmqOptions options,
-                                                                         TransportListener& listener, Log& log);
+                                                                          TransportListener& listener, Log& log);
 
 }  // namespace hgros

@@ -10,10 +10,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/transport/transport.hpp"
 #include "hgros/transport/zmq_transport.hpp"
-#include "transport/fork_guard.hpp"
 #include "transport/waker.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/socket.hpp"

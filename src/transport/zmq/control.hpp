@@ -8,8 +8,8 @@
 #include "hgros/base/bytes.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/codec/type_info.hpp"
-#include "hgros/transport/transport.hpp"
 #include "hgros/control.pb.h"
+#include "hgros/transport/transport.hpp"
 
 namespace hgros::zmq {
 

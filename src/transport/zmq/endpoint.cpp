@@ -25,8 +25,8 @@ bool SomebodyListens(std::string_view path) {
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, path.data(), path.size());
   if (path.front() == '@') address.sun_path[0] = '\0';
-  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() +
-                                           (path.front() == '@' ? 0 : 1));
+  const auto size =
+      static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() + (path.front() == '@' ? 0 : 1));
   const int rc = connect(fd, reinterpret_cast<const sockaddr*>(&address), size);
   // A full backlog belongs to somebody who listens, if slowly.
   const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS;
@@ -57,8 +57,8 @@ std::string FullEndpoint(std::string_view endpoint) {
     const std::size_t path_bytes = full.size() - kIpc.size();
     if (path_bytes == 0) throw Error("The endpoint " + full + " has no path.", {}, "Write it as ipc:///path.");
     if (path_bytes > kMaxPathBytes) {
-      throw Error("The path of the endpoint " + full + " has " + std::to_string(path_bytes) + " bytes; a unix socket's may have " +
-                      std::to_string(kMaxPathBytes) + ".",
+      throw Error("The path of the endpoint " + full + " has " + std::to_string(path_bytes) +
+                      " bytes; a unix socket's may have " + std::to_string(kMaxPathBytes) + ".",
                   {}, "Choose a shorter path.");
     }
   } else if (!full.starts_with(kTcp) || full.size() == kTcp.size()) {

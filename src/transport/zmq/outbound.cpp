@@ -9,9 +9,7 @@ void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, bo
     (plain ? core->plain_endpoints_ : core->peers_) += change;
     core->subscribers.store(static_cast<std::size_t>(core->peers_ + (core->plain_endpoints_ > 0 ? 1 : 0)));
   }
-  actions.emplace_back([core] {
-    core->gate.Through([&] { core->source.OnSubscribers(core->subscribers.load()); });
-  });
+  actions.emplace_back([core] { core->gate.Through([&] { core->source.OnSubscribers(core->subscribers.load()); }); });
 }
 
 void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions) {

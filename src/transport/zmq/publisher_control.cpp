@@ -188,9 +188,8 @@ void PublisherEndpoint::OnSubscribe(Peer& peer, const wire::Subscribe& asked, Ac
   const Demand granted = DemandOf(asked);
   if (Link* link = wish.link.get()) {
     if (!asked.change_only()) {
-      const auto lost = asked.link() == link->id
-                            ? link->flow.Resume(asked.received_messages(), asked.received_bytes())
-                            : std::nullopt;
+      const auto lost = asked.link() == link->id ? link->flow.Resume(asked.received_messages(), asked.received_bytes())
+                                                 : std::nullopt;
       if (!lost) {
         RemoveLink(wish, true, actions);
         Activate(peer, wish, actions);
@@ -198,7 +197,8 @@ void PublisherEndpoint::OnSubscribe(Peer& peer, const wire::Subscribe& asked, Ac
       }
       link->core->dropped.fetch_add(*lost, std::memory_order_relaxed);
     }
-    if (link->flow.lossless() != granted.lossless) link->core->lossless.fetch_add(granted.lossless ? 1 : std::size_t(-1));
+    if (link->flow.lossless() != granted.lossless)
+      link->core->lossless.fetch_add(granted.lossless ? 1 : std::size_t(-1));
     link->core->dropped.fetch_add(link->flow.SetDemand(granted), std::memory_order_relaxed);
     SendSubscribed(peer, *link, {});
     Drain(*link);
@@ -259,7 +259,8 @@ void PublisherEndpoint::OnUnsubscribe(Peer& peer, const wire::Unsubscribe& unsub
   if (wish == peer.wishes.end()) return;
   const bool linked = wish->second.link != nullptr;
   RemoveLink(wish->second, false, actions);
-  if (linked && !unsubscribe.mismatch().empty()) TellMismatch(peer, wish->first, Readable(unsubscribe.mismatch()), actions);
+  if (linked && !unsubscribe.mismatch().empty())
+    TellMismatch(peer, wish->first, Readable(unsubscribe.mismatch()), actions);
   peer.wishes.erase(wish);
 }
 
@@ -278,18 +279,16 @@ void PublisherEndpoint::OnCredit(Peer& peer, const wire::Credit& credit, Actions
 void PublisherEndpoint::TellMismatch(Peer& peer, const std::string& channel, const std::string& what,
                                      Actions& actions) {
   if (peer.told_mismatch.size() >= kMaxWishes || !peer.told_mismatch.insert(channel).second) return;
-  actions.emplace_back([this, info = peer.facts.info, channel, what] {
-    carrier_.listener.OnTypeMismatch(channel, info, what);
-  });
+  actions.emplace_back(
+      [this, info = peer.facts.info, channel, what] { carrier_.listener.OnTypeMismatch(channel, info, what); });
 }
 
 void PublisherEndpoint::DropPeer(SessionId session, std::string_view reason, Actions& actions) {
   const auto found = peers_.find(session);
   if (found == peers_.end()) return;
   for (auto& [channel, wish] : found->second->wishes) RemoveLink(wish, true, actions);
-  actions.emplace_back([this, info = found->second->facts.info, said = std::string(reason)] {
-    carrier_.peers.Gone(info, said);
-  });
+  actions.emplace_back(
+      [this, info = found->second->facts.info, said = std::string(reason)] { carrier_.peers.Gone(info, said); });
   peers_.erase(found);
 }
 

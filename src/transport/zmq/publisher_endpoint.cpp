@@ -196,8 +196,7 @@ void PublisherEndpoint::RemoveLink(Wish& wish, bool died, Actions& actions) {
   OutboundCore::CountSubscriber(link->core, false, -1, actions);
 }
 
-void PublisherEndpoint::StartLink(const std::shared_ptr<OutboundCore>& core, SessionId session,
-                                  std::uint64_t link_id) {
+void PublisherEndpoint::StartLink(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link_id) {
   std::vector<QueuedMessage> latched;
   const bool open = core->gate.Through([&] {
     for (const auto& message : core->source.Latched()) {
@@ -216,8 +215,8 @@ void PublisherEndpoint::StartLink(const std::shared_ptr<OutboundCore>& core, Ses
   Drain(*wish->second.link);
 }
 
-bool PublisherEndpoint::Serve(bool readable, Actions& actions) {
-  if (!input_.exchange(false) && !readable) return false;
+bool PublisherEndpoint::Serve(Actions& actions) {
+  if (!input_.load() || !input_.exchange(false)) return false;
   const std::scoped_lock lock(mutex_);
   Message frame;
   for (int i = 0; i < kBatch; ++i) {

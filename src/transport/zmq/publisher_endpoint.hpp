@@ -45,8 +45,10 @@ class PublisherEndpoint {
   void Cancel(const OutboundCore& core);
   void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message);
 
-  /// Reads what has come. `readable`: the descriptor is. True if there may be more.
-  bool Serve(bool readable, Actions& actions);
+  /// To be set when the descriptor has become readable.
+  [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
+  /// Reads what has come, if input() is set. True if there may be more.
+  bool Serve(Actions& actions);
   void Tick(SteadyTime now, Actions& actions);
   /// The waiting thread was asleep itself: nobody's silence counts.
   void Forgive(SteadyTime now);
@@ -62,8 +64,8 @@ class PublisherEndpoint {
     const std::shared_ptr<OutboundCore> core;
     const std::uint64_t id;
     PeerChannel flow;
-    std::string topic;                  // The last 8 bytes are the message's number.
-    std::uint64_t counted_bytes = 0;    // Of flow.waiting_bytes(), in the peer's and the channel's sums.
+    std::string topic;                // The last 8 bytes are the message's number.
+    std::uint64_t counted_bytes = 0;  // Of flow.waiting_bytes(), in the peer's and the channel's sums.
     SteadyTime paused_since{};
   };
   struct Wish {
@@ -124,7 +126,7 @@ class PublisherEndpoint {
   mutable std::mutex mutex_;
   Socket socket_;
   int fd_ = -1;
-  std::atomic<bool> input_{true};  // Input waits that the descriptor may no longer tell of.
+  std::atomic<bool> input_{true};  // There may be input to read.
   std::optional<std::set<std::string, std::less<>>> allowed_;
   std::unordered_map<std::string, Channel> channels_;
   std::unordered_map<SessionId, std::unique_ptr<Peer>> peers_;

@@ -72,9 +72,7 @@ void Socket::Set(int option, std::string_view value) {
 
 int Socket::Bind(const std::string& endpoint) { return zmq_bind(raw_, endpoint.c_str()) == 0 ? 0 : zmq_errno(); }
 
-int Socket::Connect(const std::string& endpoint) {
-  return zmq_connect(raw_, endpoint.c_str()) == 0 ? 0 : zmq_errno();
-}
+int Socket::Connect(const std::string& endpoint) { return zmq_connect(raw_, endpoint.c_str()) == 0 ? 0 : zmq_errno(); }
 
 std::string Socket::LastEndpoint() const {
   char text[512];

@@ -76,9 +76,10 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   plain_mode_ = false;
   for (auto& [name, link] : links_) SetPlain(link, false);
   if (session == carrier_.self.info.id) {
-    carrier_.log.WriteLimited(LogLevel::kInfo, "zmq self " + endpoint_,
-                              "The subscribe endpoint " + endpoint_ + " is this session's own: nothing is received there.",
-                              std::chrono::hours(24));
+    carrier_.log.WriteLimited(
+        LogLevel::kInfo, "zmq self " + endpoint_,
+        "The subscribe endpoint " + endpoint_ + " is this session's own: nothing is received there.",
+        std::chrono::hours(24));
     return;
   }
   if (welcome.facts().wire_major() != kWireMajor) {
@@ -154,8 +155,8 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
         fault = SchemaFault(subscribed.descriptor_set(), link.core->type);
         if (fault.empty()) {
           carrier_.log.Write(LogLevel::kInfo, "Channel " + name + ": " + publisher_->facts.info.process +
-                                                  " publishes another, compatible version of " +
-                                                  link.core->type.name + ".");
+                                                  " publishes another, compatible version of " + link.core->type.name +
+                                                  ".");
         }
         break;
       case TypeFit::kDiffer: fault = "the types differ"; break;
@@ -185,9 +186,8 @@ void SubscriberEndpoint::OnRefused(const wire::Refused& refused, Actions& action
 
 void SubscriberEndpoint::TellMismatch(const std::string& channel, const std::string& what, Actions& actions) {
   if (!publisher_->told_mismatch.insert(channel).second) return;
-  actions.emplace_back([this, info = publisher_->facts.info, channel, what] {
-    carrier_.listener.OnTypeMismatch(channel, info, what);
-  });
+  actions.emplace_back(
+      [this, info = publisher_->facts.info, channel, what] { carrier_.listener.OnTypeMismatch(channel, info, what); });
 }
 
 void SubscriberEndpoint::EndLink(Link& link, Actions& actions) {
@@ -232,9 +232,8 @@ void SubscriberEndpoint::LosePublisher(std::string_view reason, bool for_good, A
   }
   if (publisher_->alive) {
     publisher_->alive = false;
-    actions.emplace_back([this, info = publisher_->facts.info, said = std::string(reason)] {
-      carrier_.peers.Gone(info, said);
-    });
+    actions.emplace_back(
+        [this, info = publisher_->facts.info, said = std::string(reason)] { carrier_.peers.Gone(info, said); });
   }
   if (freed) actions.emplace_back(claims_freed_);
 }

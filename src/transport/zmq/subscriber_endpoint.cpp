@@ -35,8 +35,8 @@ SubscriberEndpoint::SubscriberEndpoint(Carrier& carrier, const SubscribeEndpoint
   if (carrier.options.security) SecureClient(socket_, *carrier.options.security, endpoint.server_key);
 
   const std::string monitored = "inproc://monitor-" + std::to_string(RandomId());
-  if (zmq_socket_monitor(socket_.raw(), monitored.c_str(),
-                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) != 0) {
+  if (zmq_socket_monitor(socket_.raw(), monitored.c_str(), ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) !=
+      0) {
     throw Error(std::string("Cannot watch the connection to ") + endpoint_ + ": " + zmq_strerror(zmq_errno()) + ".");
   }
   if (const int error = monitor_.Connect(monitored); error != 0) {
@@ -122,11 +122,13 @@ void SubscriberEndpoint::AddActions(Actions& actions) {
   actions.clear();
 }
 
-LeaderPool::Task SubscriberEndpoint::Serve(bool readable, bool& busy) {
-  const bool look = input_.exchange(false) || readable;
-  if (look && (!inbox_.empty() || ReadBatch())) {
-    input_ = true;  // Until a batch finds nothing more.
-    busy = true;
+LeaderPool::Task SubscriberEndpoint::Serve(bool& busy) {
+  if (inbox_.empty() && (input_.load() || monitor_input_.load())) {
+    input_ = false;
+    if (ReadBatch()) {
+      input_ = true;  // Until a batch finds nothing more.
+      busy = true;
+    }
   }
   while (!inbox_.empty()) {
     busy = true;
@@ -145,8 +147,10 @@ LeaderPool::Task SubscriberEndpoint::Serve(bool readable, bool& busy) {
 bool SubscriberEndpoint::ReadBatch() {
   const std::scoped_lock lock(mutex_);
   Actions actions;
-  OnMonitor(actions);
-  AddActions(actions);
+  if (monitor_input_.exchange(false)) {
+    OnMonitor(actions);
+    AddActions(actions);
+  }
   Message topic;
   std::vector<Message> frames;
   for (int i = 0; i < kBatch; ++i) {

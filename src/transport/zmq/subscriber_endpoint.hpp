@@ -42,9 +42,13 @@ class SubscriberEndpoint {
   /// Asks for channels whose claims are free now.
   void AskAgain();
 
-  /// Reads and delivers what has come; returns early with what has to run apart. `readable`: a descriptor is.
-  /// `busy` is set if there may be more.
-  [[nodiscard]] LeaderPool::Task Serve(bool readable, bool& busy);
+  /// To be set when the descriptors have become readable.
+  [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
+  [[nodiscard]] std::atomic<bool>& monitor_input() noexcept { return monitor_input_; }
+  /// Something is left to be read or delivered.
+  [[nodiscard]] bool pending() const noexcept { return !inbox_.empty() || input_.load() || monitor_input_.load(); }
+  /// Reads and delivers what has come; returns early with what has to run apart. `busy` is set if there may be more.
+  [[nodiscard]] LeaderPool::Task Serve(bool& busy);
   /// Tells the publisher of consumed messages where it waits for that, or of all.
   void TellCredits(bool all);
   void Tick(SteadyTime now);
@@ -109,7 +113,8 @@ class SubscriberEndpoint {
   Socket monitor_;
   int fd_ = -1;
   int monitor_fd_ = -1;
-  std::atomic<bool> input_{true};  // Input waits that the descriptor may no longer tell of.
+  std::atomic<bool> input_{true};  // There may be input to read.
+  std::atomic<bool> monitor_input_{true};
   std::optional<std::set<std::string, std::less<>>> allowed_;
   std::unordered_map<std::string, Link> links_;
   std::optional<Publisher> publisher_;

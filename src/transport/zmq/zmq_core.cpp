@@ -43,9 +43,12 @@ void Make(Actions& actions) {
 
 ZmqCore::ZmqCore(ZmqOptions options, TransportListener& listener, Log& log)
     : carrier_(std::move(options), listener, log),
-      next_tick_(std::chrono::steady_clock::now() + carrier_.options.heartbeat) {
+      next_tick_(std::chrono::steady_clock::now() + carrier_.options.heartbeat),
+      deadline_(next_tick_) {
+  poller_.Add(carrier_.waker->fd(), woken_);
   if (const auto& security = carrier_.options.security) {
     desk_ = std::make_unique<AdmissionDesk>(carrier_.context, *security, log);
+    poller_.Add(desk_->fd(), desk_input_);
   }
   for (const auto& endpoint : carrier_.options.publish) AddPublisher(endpoint);
   for (const auto& endpoint : carrier_.options.subscribe) AddSubscriber(endpoint);
@@ -87,10 +90,12 @@ void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
   const std::unique_lock lock(mutex_);
   if (closed_) return;
   if (Find(publishers_, endpoint.endpoint) != publishers_.end()) {
-    throw Error("The endpoint " + endpoint.endpoint + " is published at already.", {}, "Name it once, with all channels.");
+    throw Error("The endpoint " + endpoint.endpoint + " is published at already.", {},
+                "Name it once, with all channels.");
   }
   auto added = std::make_shared<PublisherEndpoint>(carrier_, endpoint);
   for (const auto& core : outbound_) added->Offer(core);
+  poller_.Add(added->fd(), added->input());
   publishers_.push_back(std::move(added));
   ++version_;
   Wake();
@@ -105,6 +110,8 @@ void ZmqCore::AddSubscriber(const SubscribeEndpoint& endpoint) {
   }
   auto added = std::make_shared<SubscriberEndpoint>(carrier_, endpoint, [this] { AskAgain(); });
   for (const auto& core : inbound_) added->Want(core);
+  poller_.Add(added->fd(), added->input());
+  poller_.Add(added->monitor_fd(), added->monitor_input());
   subscribers_.push_back(std::move(added));
   ++version_;
   Wake();
@@ -238,54 +245,55 @@ void ZmqCore::UpdateWatch() {
   watch_.version = version_.load();
   watch_.publishers = publishers_;
   watch_.subscribers = subscribers_;
-  watch_.fds.clear();
-  // Everything is looked at once before the first wait.
-  const auto add = [this](int fd) { watch_.fds.push_back({.fd = fd, .events = POLLIN, .revents = POLLIN}); };
-  add(carrier_.waker->fd());
-  add(desk_ ? desk_->fd() : -1);
-  for (const auto& endpoint : watch_.publishers) add(endpoint->fd());
-  for (const auto& endpoint : watch_.subscribers) {
-    add(endpoint->fd());
-    add(endpoint->monitor_fd());
-  }
+}
+
+void ZmqCore::Wait() noexcept {
+  const auto left = deadline_.load(std::memory_order_relaxed) - std::chrono::steady_clock::now();
+  const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
+  poller_.Wait(static_cast<int>(std::clamp<std::int64_t>(left_ms, 0, 60'000)));
 }
 
 LeaderPool::Task ZmqCore::Lead() noexcept {
   for (;;) {
     UpdateWatch();
     if (const auto now = std::chrono::steady_clock::now(); now >= next_tick_) Tick(now);
-    const auto take = [](pollfd& fd) { return std::exchange(fd.revents, short{0}) != 0; };
-    std::size_t i = 0;
-    const bool woken = take(watch_.fds[i++]);
-    if (woken) carrier_.waker->Clear();
-    if (take(watch_.fds[i++]) && desk_) desk_->Serve();
+    if (desk_ && desk_input_.exchange(false)) desk_->Serve();
 
-    bool busy = false;
     Actions actions = carrier_.TakePosted();
-    busy = !actions.empty();
+    bool busy = !actions.empty();
     Make(actions);
     for (const auto& endpoint : watch_.publishers) {
-      busy = endpoint->Serve(take(watch_.fds[i++]), actions) || busy;
+      busy = endpoint->Serve(actions) || busy;
       busy = !actions.empty() || busy;
       Make(actions);
     }
     for (const auto& endpoint : watch_.subscribers) {
-      const bool readable = take(watch_.fds[i]) | take(watch_.fds[i + 1]);
-      i += 2;
-      if (auto task = endpoint->Serve(readable, busy)) {
-        // What the other descriptors told is still in watch_: the next leader goes on with it.
-        return task;
-      }
+      auto task = endpoint->Serve(busy);
       endpoint->TellCredits(false);
+      if (!task) continue;
+      if (Pending()) Wake();
+      return task;
     }
     if (carrier_.closing.load()) {
-      const std::scoped_lock lock(sent_mutex_);
-      ++rounds_;
-      sent_.notify_all();
-      if (woken) return {};  // The pool may want its threads back.
+      {
+        const std::scoped_lock lock(sent_mutex_);
+        ++rounds_;
+        sent_.notify_all();
+      }
+      // The pool may want its threads back.
+      if (busy) Wake();
+      busy = false;
     }
-    if (!busy) Poll();
+    if (!busy) {
+      SetDeadline();
+      return {};
+    }
   }
+}
+
+bool ZmqCore::Pending() const {
+  return std::ranges::any_of(watch_.subscribers, [](const auto& endpoint) { return endpoint->pending(); }) ||
+         std::ranges::any_of(watch_.publishers, [](const auto& endpoint) { return endpoint->input().load(); });
 }
 
 void ZmqCore::Tick(SteadyTime now) {
@@ -304,17 +312,11 @@ void ZmqCore::Tick(SteadyTime now) {
   }
 }
 
-void ZmqCore::Poll() {
-  SteadyTime until = next_tick_;
+void ZmqCore::SetDeadline() {
   for (const auto& endpoint : watch_.subscribers) {
-    if (const auto deadline = endpoint->Deadline(); deadline && *deadline < until) next_tick_ = until = *deadline;
+    if (const auto deadline = endpoint->Deadline(); deadline && *deadline < next_tick_) next_tick_ = *deadline;
   }
-  const auto wait = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
-  const int timeout_ms = static_cast<int>(std::clamp<std::int64_t>(wait, 0, 60'000));
-  if (poll(watch_.fds.data(), watch_.fds.size(), timeout_ms) < 0) {
-    // Interrupted: the results are not filled in; look everywhere.
-    for (auto& fd : watch_.fds) fd.revents = POLLIN;
-  }
+  deadline_.store(next_tick_, std::memory_order_relaxed);
 }
 
 }  // namespace hgros::zmq

@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include <poll.h>
-
 #include "transport/leader_pool.hpp"
+#include "transport/poller.hpp"
 #include "transport/zmq/carrier.hpp"
 #include "transport/zmq/curve.hpp"
 #include "transport/zmq/inbound.hpp"
@@ -56,24 +55,29 @@ class ZmqCore : public LeaderPool::Input {
 
   [[nodiscard]] Carrier& carrier() noexcept { return carrier_; }
 
+  void Wait() noexcept override;
   LeaderPool::Task Lead() noexcept override;
   void Wake() noexcept override;
 
  private:
-  /// What the leading thread polls, and whether it has news, by position.
+  /// The endpoints that the leading thread serves.
   struct Watch {
     std::uint64_t version = 0;
     std::vector<std::shared_ptr<PublisherEndpoint>> publishers;
     std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers;
-    std::vector<pollfd> fds;  // Waker, admission desk, publishers, then two per subscriber.
   };
   void UpdateWatch();
   void Tick(SteadyTime now);
-  void Poll();
+  void SetDeadline();
+  [[nodiscard]] bool Pending() const;
   void AskAgain();
   void WaitUntilSent(int linger_ms);
 
   Carrier carrier_;
+  Poller poller_;
+  std::atomic<bool> woken_{
+      false};  // Only so that the poller has a flag to set: after any wait everything is looked at.
+  std::atomic<bool> desk_input_{true};
   std::unique_ptr<AdmissionDesk> desk_;
   mutable std::shared_mutex mutex_;
   std::vector<std::shared_ptr<PublisherEndpoint>> publishers_;
@@ -88,6 +92,8 @@ class ZmqCore : public LeaderPool::Input {
   // The leading thread's.
   Watch watch_;
   SteadyTime next_tick_;
+  // When waiting ends at the latest; set by the leading thread, read by those that wait.
+  std::atomic<SteadyTime> deadline_;
   // Close() waits here for rings to run empty.
   std::mutex sent_mutex_;
   std::condition_variable sent_;

@@ -10,9 +10,6 @@ namespace hgros {
 namespace zmq {
 namespace {
 
-// Objects of a forked child share their sockets with the parent: they are left alone, and so is their memory.
-void LeaveToParent(std::shared_ptr<ZmqCore> core) { new std::shared_ptr<ZmqCore>(std::move(core)); }
-
 class ZmqOutbound final : public OutboundChannel {
  public:
   ZmqOutbound(std::shared_ptr<ZmqCore> core, std::string_view channel, const TypeInfo& type, OutboundSource& source)

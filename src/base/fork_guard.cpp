@@ -1,14 +1,23 @@
-#include "transport/fork_guard.hpp"
+#include "hgros/base/fork_guard.hpp"
 
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstddef>
+#include <utility>
 
 namespace hgros {
 namespace {
 
 constexpr std::size_t kPageBytes = 4096;
+
+// What a child keeps; a list without a lock, since the parent may have forked while another thread held it.
+struct Left {
+  std::shared_ptr<const void> object;
+  Left* next;
+};
+std::atomic<Left*> left_to_parent{nullptr};
 
 }  // namespace
 
@@ -30,6 +39,12 @@ ForkGuard::~ForkGuard() {
 bool ForkGuard::IsChild() const noexcept {
   if (page_ != nullptr) return *page_ == 0;
   return getpid() != pid_;
+}
+
+void LeaveToParent(std::shared_ptr<const void> object) {
+  auto* left = new Left{std::move(object), left_to_parent.load(std::memory_order_relaxed)};
+  while (!left_to_parent.compare_exchange_weak(left->next, left, std::memory_order_relaxed)) {
+  }
 }
 
 }  // namespace hgros

@@ -1,0 +1,258 @@
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include <hgros/hgros.hpp>
+
+#include "../carmen_log.hpp"
+#include "../relations_error.hpp"
+#include "../simulated_building.hpp"
+#include "await.hpp"
+#include "channels.hpp"
+#include "console.hpp"
+#include "ending.hpp"
+#include "mapper_move.hpp"
+#include "mapper_node.hpp"
+#include "matcher_node.hpp"
+#include "options.hpp"
+#include "plan.hpp"
+#include "report.hpp"
+#include "roll_call.hpp"
+#include "signal_watch.hpp"
+#include "source_node.hpp"
+#include "writer_node.hpp"
+
+namespace slam2d {
+namespace {
+
+// The nodes of this process. They end when the ending is decided, so it is at the latest when they go.
+struct Crew {
+  explicit Crew(Ending& its_ending) : ending(its_ending) {}
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+  ~Crew() { ending.Fail("The nodes were taken down."); }
+
+  Ending& ending;
+  std::optional<WriterNode> writer;
+  std::optional<MapperNode> mapper;
+  std::optional<MatcherNode> matcher;
+  std::optional<SourceNode> source;
+};
+
+// The last word on `done`.
+class DoneWatch {
+ public:
+  DoneWatch(hgros::Session& session, Ending& ending)
+      : subscription_(
+            session.FromAny<msg::Done>(kDone, hgros::Invoke::kSerial,
+                                       [this, &ending](const msg::Done& done) {
+                                         {
+                                           const std::scoped_lock lock(mutex_);
+                                           done_ = done;
+                                         }
+                                         if (done.error().empty()) {
+                                           ending.Succeed();
+                                         } else {
+                                           ending.Fail(done.error());
+                                         }
+                                       },
+                                       {.name = "ending", .queue = hgros::Queue::KeepAll(1), .executor = {}})) {}
+
+  [[nodiscard]] std::optional<msg::Done> done() const {
+    const std::scoped_lock lock(mutex_);
+    return done_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<msg::Done> done_;
+  hgros::Subscription subscription_;
+};
+
+ScanReader OpenSource(const Options& options) {
+  if (options.log) {
+    auto reader = std::make_shared<CarmenLogReader>(*options.log);
+    return [reader](LaserScan2& scan) {
+      std::optional<LaserScan2> next = reader->Next();
+      if (next) scan = std::move(*next);
+      return next.has_value();
+    };
+  }
+  SimulationOptions simulation;
+  simulation.scans = options.scans.value_or(Options::kSimulatedScans);
+  auto building = std::make_shared<SimulatedBuilding>(simulation);
+  return [building](LaserScan2& scan) { return building->Next(scan); };
+}
+
+void MakeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error("The folder " + folder.string() + " cannot be made: " + error.message() + ".");
+}
+
+// Waits for the other processes, answers the roll call, and starts the source when all have answered.
+void Begin(const Plan& plan, const Options& options, hgros::Session& session, RollCall& roll_call, Crew& crew,
+           Console& console) {
+  struct Input {
+    std::string_view channel;
+    const char* from;  // The node that publishes it.
+    bool needed;
+  };
+  const Input inputs[] = {{kScan, "source", plan.Runs("matcher")},
+                          {kPreChannel, "matcher", plan.Runs("mapper") && !plan.standby},
+                          {kNextChannel, "mapper", plan.Runs("matcher") || plan.Runs("writer")},
+                          {kDone, "writer", true},
+                          {kMapState, "mapper", plan.standby}};
+  const auto deadline = std::chrono::steady_clock::now() + options.patience;
+  for (const Input& input : inputs) {
+    const bool here = plan.Runs(input.from) && !(plan.standby && input.channel == kMapState);
+    if (!input.needed || here) continue;
+    if (!session.WaitForPublishers(input.channel, 1, std::chrono::milliseconds(300))) {
+      console.Say("Waiting for the " + std::string(input.from) + " of another process, up to " +
+                  std::to_string(options.patience.count()) + " s.");
+    }
+    if (!AwaitUnlessStopped(crew.ending.token(), deadline,
+                            [&](auto timeout) { return session.WaitForPublishers(input.channel, 1, timeout); })) {
+      crew.ending.Fail("Nobody publishes \"" + std::string(input.channel) + "\": no other process with the " +
+                       input.from + " was found within " + std::to_string(options.patience.count()) +
+                       " s. Start it, and compare the endpoints and channels of the configuration files.");
+      return;
+    }
+  }
+  if (plan.standby) return;  // It answers when it has taken over.
+  roll_call.Answer(plan.nodes);
+  if (!crew.source) return;
+
+  const std::vector<std::string> needed{"matcher", "mapper", "writer"};
+  auto missing = roll_call.WaitFor(needed, std::chrono::steady_clock::now() + std::chrono::milliseconds(300));
+  if (!missing.empty()) {
+    console.Say("The source waits for " + Enumerate(missing) + ".");
+    missing = roll_call.WaitFor(needed, deadline);
+  }
+  if (!missing.empty()) {
+    crew.ending.Fail("No process with " + Enumerate(missing) + " was ready within " +
+                     std::to_string(options.patience.count()) + " s.");
+    return;
+  }
+  crew.source->Start();
+}
+
+std::uint64_t ScansSoFar(const Crew& crew) {
+  if (crew.writer) return crew.writer->scans();
+  if (crew.mapper) return crew.mapper->next_scan();
+  if (crew.matcher) return crew.matcher->matched();
+  return crew.source->sent();
+}
+
+void ShowProgress(const Plan& plan, const Options& options, const Crew& crew, Ending& ending, Console& console) {
+  std::optional<std::uint64_t> all = options.scans;
+  if (plan.Runs("source") && !options.log && !all) all = Options::kSimulatedScans;
+  std::optional<std::chrono::steady_clock::time_point> began;
+  std::uint64_t first = 0;
+  while (!ending.WaitUntil(std::chrono::steady_clock::now() + console.period())) {
+    const std::uint64_t scans = ScansSoFar(crew);
+    if (scans == 0) continue;
+    const auto now = std::chrono::steady_clock::now();
+    if (!began) {
+      began = now;
+      first = scans;
+      continue;
+    }
+    char text[128];
+    const double per_second = static_cast<double>(scans - first) / std::chrono::duration<double>(now - *began).count();
+    if (all) {
+      std::snprintf(text, sizeof text, "scan %llu of %llu, %.0f scans/s", static_cast<unsigned long long>(scans),
+                    static_cast<unsigned long long>(*all), per_second);
+    } else {
+      std::snprintf(text, sizeof text, "scan %llu, %.0f scans/s", static_cast<unsigned long long>(scans), per_second);
+    }
+    console.Progress(text);
+  }
+  console.EndProgress();
+}
+
+int Run(const Options& options) {
+  const Plan plan = ReadPlan(options.configs);
+  CheckAgainst(plan, options);
+  const std::vector<std::string> own_sections{kPlanSection};
+  const hgros::Config config = hgros::Config::Load(options.configs, own_sections);
+  const auto relations = options.relations ? ReadRelations(*options.relations) : std::vector<Relation>();
+  ScanReader reader;
+  if (plan.Runs("source")) reader = OpenSource(options);
+  if (plan.Runs("writer")) MakeFolder(options.out);
+
+  Console console(options.quiet);
+  Ending ending;
+  const SignalWatch signals([&ending](int signal) { ending.Interrupt(signal); });
+  hgros::Session session(config, {.name = "slam2d", .log = [&console](hgros::LogLevel level, std::string_view text) {
+                                    if (level >= hgros::LogLevel::kWarning) console.Warn(text);
+                                  }});
+  RollCall roll_call(session, ending);
+  const DoneWatch done(session, ending);
+  Report report;
+  {
+    Crew crew(ending);
+    if (plan.Runs("writer")) crew.writer.emplace(session, options.out, ending);
+    if (plan.Runs("mapper")) {
+      std::function<void(std::uint64_t)> taken_over;
+      if (plan.standby) {
+        console.Say("On standby.");
+        taken_over = [&](std::uint64_t next_scan) {
+          console.Say("The mapper has come here; it goes on with scan " + std::to_string(next_scan) + ".");
+          roll_call.Answer(plan.nodes, next_scan);
+        };
+      }
+      crew.mapper.emplace(session, ending, std::move(taken_over));
+    }
+    if (plan.Runs("matcher")) crew.matcher.emplace(session, ending);
+    if (plan.Runs("source")) {
+      crew.source.emplace(session, std::move(reader),
+                          SourceOptions{options.rate, options.scans, options.move_mapper_at}, ending);
+    }
+
+    std::jthread move;
+    std::jthread begin(
+        [&] { ending.Guard("start", [&] { Begin(plan, options, session, roll_call, crew, console); }); });
+    if (options.move_mapper_at) {
+      move = std::jthread([&] {
+        ending.Guard("move", [&] {
+          MoveMapper(*options.move_mapper_at, options.patience, session, *crew.source, *crew.mapper, roll_call, ending,
+                     console);
+        });
+      });
+    }
+    ShowProgress(plan, options, crew, ending, console);
+
+    report.graph = session.Snapshot().graph;
+    if (crew.source) report.scans_sent = crew.source->sent();
+    if (crew.writer) {
+      // Who interrupts a long log still gets the map so far.
+      if (ending.exit_code() > 128 && crew.writer->scans() > 0) crew.writer->WriteFiles();
+      report.written = crew.writer->written();
+    }
+    if (report.written && options.relations) {
+      report.relations_error = CompareWithRelations(crew.writer->trajectory(), relations);
+    }
+  }
+  report.done = done.done();
+  if (!ending.sentence().empty()) console.Warn(ending.sentence());
+  if (report.done || report.written) options.json ? PrintJson(report) : PrintText(report);
+  return ending.exit_code();
+}
+
+}  // namespace
+}  // namespace slam2d
+
+int main(int argc, char** argv) {
+  const auto options = slam2d::ReadCommandLine(argc, argv);
+  if (const int* exit_code = std::get_if<int>(&options)) return *exit_code;
+  try {
+    return slam2d::Run(std::get<slam2d::Options>(options));
+  } catch (const std::exception& error) {  // wiring: nothing has run yet
+    std::fprintf(stderr, "slam2d: %s\n", error.what());
+    return slam2d::kBadInput;
+  }
+}

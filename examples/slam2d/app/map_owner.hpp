@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "../laser_scan.hpp"
+#include "../occupancy_map.hpp"
+#include "../scan_matcher.hpp"
+#include "messages.hpp"
+
+namespace slam2d {
+
+/// The core's Mapper with a state that can be handed on: where one owner stops, another goes on, bit for bit.
+///
+/// Threading: one thread at a time.
+class MapOwner {
+ public:
+  /// As Mapper::Add.
+  MapDelta Add(const LaserScan2& scan, const ScanMatch& match);
+
+  /// The sequence of the scan that is due.
+  [[nodiscard]] std::uint64_t next_scan() const { return next_scan_; }
+  [[nodiscard]] const OccupancyMap& map() const { return map_; }
+
+  void Save(msg::MapState& state) const;
+  /// Errors: throws std::invalid_argument if the state contradicts itself.
+  void Restore(const msg::MapState& state);
+
+ private:
+  OccupancyMap map_;
+  std::optional<Pose2> T_map_drawn_;
+  std::uint64_t next_scan_ = 0;
+};
+
+}  // namespace slam2d

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <stop_token>
+
+#include <foxglove/PoseInFrame.pb.h>
+#include <hgros/hgros.hpp>
+
+#include "../scan_matcher.hpp"
+#include "ending.hpp"
+#include "messages.hpp"
+
+namespace slam2d {
+
+/// Takes scans and the map's updates; publishes matched scans on `pre_channel` and their poses on `trajectory`.
+///
+/// A scan waits inside its callback (on a thread of its own) until the map after the scan before is there: joined by
+/// sequence, so that the result does not depend on who is faster. The scans behind it fill the queue, and that holds
+/// the source back.
+///
+/// Lifetime: to be destroyed after the ending has been decided.
+class MatcherNode {
+ public:
+  static constexpr const char* kName = "matcher";
+
+  MatcherNode(hgros::Session& session, Ending& ending);
+
+  [[nodiscard]] std::uint64_t matched() const { return matched_.load(std::memory_order_relaxed); }
+
+ private:
+  void TakeScan(const msg::Scan& message);
+  void TakeMap(const msg::MapUpdate& message);
+
+  Ending& ending_;
+  const std::stop_token stop_;
+  hgros::Publisher<msg::MatchedScan> matches_;
+  hgros::Publisher<foxglove::PoseInFrame> trajectory_;
+  std::atomic<std::uint64_t> matched_{0};
+
+  std::mutex mutex_;
+  std::condition_variable_any map_changed_;
+  ScanMatcher matcher_;
+  std::uint64_t updates_ = 0;  // The replica is the map after scan updates_ - 1.
+
+  hgros::Subscription map_subscription_;
+  hgros::Subscription scan_subscription_;
+};
+
+}  // namespace slam2d

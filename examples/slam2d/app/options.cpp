@@ -1,0 +1,64 @@
+#include "options.hpp"
+
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "ending.hpp"
+
+namespace slam2d {
+
+std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
+  Options options;
+  int patience_s = static_cast<int>(options.patience.count());
+  CLI::App app{"2D laser SLAM as a hypergraph of nodes: source, matcher, mapper, writer."};
+  app.footer(
+      "Without --log a simulated building is driven through. Exit codes: 0 done, 1 failed while running,\n"
+      "2 unusable command line, configuration or log, 130 interrupted.");
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+  app.add_option("--log", options.log, "CARMEN log to play, plain or gzip")->option_text("FILE");
+  app.add_option("--rate", options.rate, "Play at N times real time; 0, the default: as fast as it is processed")
+      ->option_text("N")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--scans", options.scans, "Stop after N scans")->option_text("N")->check(CLI::PositiveNumber);
+  app.add_option("--out", options.out, "Folder for the files (default: slam2d_out)")->option_text("DIR");
+  app.add_option("--config", options.configs, "YAML: which nodes run here, and how others are reached; repeatable")
+      ->option_text("FILE")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--move-mapper-at", options.move_mapper_at,
+                 "At scan K hand the mapper to a process on standby, while running")
+      ->option_text("K")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--relations", options.relations, "Compare with these relations: errors of relative poses")
+      ->option_text("FILE");
+  app.add_option("--patience", patience_s, "Seconds to wait for other processes (default: 30)")
+      ->option_text("S")
+      ->check(CLI::Range(1, 86400));
+  app.add_flag("--quiet", options.quiet, "No progress on standard error, only what goes wrong");
+  app.add_flag("--json", options.json, "The result as JSON, an object a line");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? static_cast<int>(kSuccess) : static_cast<int>(kBadInput);
+  }
+  options.patience = std::chrono::seconds(patience_s);
+  return options;
+}
+
+void CheckAgainst(const Plan& plan, const Options& options) {
+  const auto require = [&plan](bool given, const char* option, const char* node) {
+    if (!given || plan.Runs(node)) return;
+    throw std::runtime_error(std::string(option) + " is for the process that runs the " + node +
+                             "; this one runs only " + Enumerate({plan.nodes.begin(), plan.nodes.end()}) + ".");
+  };
+  require(options.log.has_value(), "--log", "source");
+  require(options.rate > 0.0, "--rate", "source");
+  require(options.scans.has_value(), "--scans", "source");
+  require(options.move_mapper_at.has_value(), "--move-mapper-at", "source");
+  require(options.move_mapper_at.has_value(), "--move-mapper-at", "matcher");
+  require(options.move_mapper_at.has_value(), "--move-mapper-at", "mapper");
+  require(options.relations.has_value(), "--relations", "writer");
+}
+
+}  // namespace slam2d

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "plan.hpp"
+
+namespace slam2d {
+
+struct Options {
+  std::optional<std::filesystem::path> log;  ///< None: the simulated building.
+  double rate = 0.0;                         ///< 0: as fast as it is processed.
+  std::optional<std::uint64_t> scans;
+  std::filesystem::path out = "slam2d_out";
+  std::vector<std::filesystem::path> configs;
+  std::optional<std::uint64_t> move_mapper_at;
+  std::optional<std::filesystem::path> relations;
+  std::chrono::seconds patience{30};  ///< How long to wait for other processes.
+  bool quiet = false;
+  bool json = false;
+
+  static constexpr std::uint64_t kSimulatedScans = 1500;
+};
+
+/// The options, or the exit code if help was asked for or the command line cannot be used (it has been said why).
+[[nodiscard]] std::variant<Options, int> ReadCommandLine(int argc, char** argv);
+
+/// Throws std::runtime_error with a sentence if an option is for a node that another process runs.
+void CheckAgainst(const Plan& plan, const Options& options);
+
+}  // namespace slam2d

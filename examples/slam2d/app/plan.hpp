@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace slam2d {
+
+inline constexpr const char* kNodeNames[] = {"source", "matcher", "mapper", "writer"};
+
+/// Which nodes run in this process.
+struct Plan {
+  std::set<std::string> nodes{std::begin(kNodeNames), std::end(kNodeNames)};
+  bool standby = false;  ///< The mapper takes over from another process' one.
+
+  [[nodiscard]] bool Runs(const std::string& node) const { return nodes.contains(node); }
+};
+
+/// The key of the plan in the configuration files: `slam2d: {nodes: [mapper], standby: true}`.
+inline constexpr const char* kPlanSection = "slam2d";
+
+/// Reads the plan from the files' `slam2d` sections, joined; without one it is all nodes.
+///
+/// Errors: throws std::runtime_error with file, line and what is known.
+[[nodiscard]] Plan ReadPlan(const std::vector<std::filesystem::path>& files);
+
+/// "a, b and c".
+[[nodiscard]] std::string Enumerate(const std::vector<std::string>& names);
+
+}  // namespace slam2d

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "laser_scan.hpp"
+#include "occupancy_map.hpp"
+#include "scan_matcher.hpp"
+
+namespace slam2d {
+
+/// Owns the map: takes every matched scan and draws those into it that show something new.
+///
+/// Threading: one thread at a time.
+class Mapper {
+ public:
+  explicit Mapper(const MapOptions& options) : map_(options) {}
+
+  /// Draws `scan` at `match` into the map if the laser has moved or turned enough since the last scan drawn. The delta
+  /// carries the scan's sequence as version either way.
+  MapDelta Add(const LaserScan2& scan, const ScanMatch& match);
+
+  [[nodiscard]] const OccupancyMap& map() const { return map_; }
+
+ private:
+  OccupancyMap map_;
+  bool started_ = false;
+  Pose2 T_map_drawn_;
+};
+
+}  // namespace slam2d

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "laser_scan.hpp"
+#include "likelihood_field.hpp"
+#include "occupancy_map.hpp"
+#include "pose2.hpp"
+#include "revisit_detector.hpp"
+
+namespace slam2d {
+
+struct MatcherOptions {
+  double max_range_m = 25.0;         ///< Farther returns are not matched.
+  double min_range_m = 0.1;          ///< Nearer returns are the robot itself.
+  double point_spacing_m = 0.08;     ///< Points nearer to the one kept last than this are left out.
+  std::size_t min_points = 20;       ///< With fewer points odometry stands alone.
+  double field_sigma_m = 0.05;       ///< Smoothing of the likelihood field.
+  double skip_translation_m = 0.02;  ///< Below this much motion since the last match, and ...
+  double skip_rotation_rad = 0.01;   ///< ... this much turning, odometry stands alone.
+  double half_width_m = 0.15;        ///< Search window along x and y: this much ...
+  double half_width_per_m = 0.4;     ///< ... and this much per m of motion since the last match.
+  double max_half_width_m = 0.5;     ///< At most so wide.
+  double half_angle_rad = 0.12;      ///< Search window of the heading: this much ...
+  double half_angle_per_rad = 0.5;   ///< ... and this much per rad of turning since the last match.
+  double angle_step_rad = 0.0075;    ///< Grid of headings; the refinement goes between.
+  double cost_per_m2 = 4.0;          ///< Score lost per squared distance from the predicted pose ...
+  double cost_per_rad2 = 0.4;        ///< ... and per squared angle: decides where the walls leave it open.
+  double min_score = 0.25;           ///< Below this score odometry stands alone.
+  int max_refinements = 12;          ///< Gauss-Newton steps after the search.
+  RevisitOptions revisit;            ///< How old places are recognised.
+};
+
+/// Where a scan was taken, and how sure that is.
+struct ScanMatch {
+  std::uint64_t sequence = 0;
+  double stamp_seconds = 0.0;
+  Pose2 T_map_laser;
+  double score = 0.0;                  ///< Mean likelihood of the matched points, 0..1; 0 if odometry stood alone.
+  bool drawable = true;                ///< False while the pose contradicts older parts of the map.
+  std::array<double, 6> covariance{};  ///< Upper triangle over (x, y, theta), m^2, m rad, rad^2; 0 if not matched.
+
+  friend bool operator==(const ScanMatch&, const ScanMatch&) = default;
+};
+
+/// The matched part of a scan as points in the laser frame: returns within the options' ranges, thinned so that near
+/// walls, which many beams meet, do not outweigh far ones.
+[[nodiscard]] std::vector<Point2> MatchedPoints(const LaserScan2& scan, const MatcherOptions& options);
+
+/// Climbs from `T_map_start` to the nearest maximum of `field`'s smooth interpolation, by Gauss-Newton on the
+/// residuals 1 - M(T p) (Kohlbrecher et al., A Flexible and Scalable SLAM System, SSRR 2011) with a pull towards
+/// `T_map_predicted`. Returns the start itself if no step improves it. `sequence` and stamp are left 0.
+[[nodiscard]] ScanMatch RefineMatch(const LikelihoodField& field, const std::vector<Point2>& points,
+                                    const Pose2& T_map_start, const Pose2& T_map_predicted,
+                                    const MatcherOptions& options);
+
+/// Follows the laser: matches every scan against a replica of the map, which it knows through deltas alone.
+///
+/// The map for scan k is the one after scan k - 1: Match(k) must follow Apply of the delta with version k - 1.
+/// Threading: one thread at a time.
+class ScanMatcher {
+ public:
+  ScanMatcher(const MatcherOptions& matcher_options, const MapOptions& map_options);
+
+  /// The pose of `scan`. The first scan's is its odometry.
+  ///
+  /// Errors: throws std::logic_error if the delta of the scan before has not been applied.
+  [[nodiscard]] ScanMatch Match(const LaserScan2& scan);
+
+  /// Errors: throws std::invalid_argument as OccupancyMap::Apply does.
+  void Apply(const MapDelta& delta);
+
+  [[nodiscard]] const OccupancyMap& replica() const { return replica_; }
+  [[nodiscard]] const LikelihoodField& field() const { return field_; }
+
+ private:
+  MatcherOptions options_;
+  OccupancyMap replica_;
+  LikelihoodField field_;
+  RevisitDetector revisits_;
+  double travelled_m_ = 0.0;
+  bool started_ = false;
+  std::uint64_t last_sequence_ = 0;
+  Pose2 T_odometry_matched_;  // Odometry and pose of the scan matched last.
+  Pose2 T_map_matched_;
+};
+
+}  // namespace slam2d

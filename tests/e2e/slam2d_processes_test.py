@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""Runs the SLAM example as one, two and three processes and as two robots, and compares what they come to.
+
+    SLAM2D=<binary> SLAM2D_REFERENCE=<binary> slam2d_processes_test.py [TEST...]
+"""
+
+import contextlib
+import gzip
+import json
+import os
+import pathlib
+import pty
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BINARY = os.environ["SLAM2D"]
+REFERENCE = os.environ["SLAM2D_REFERENCE"]
+DATA = os.environ.get("HGROS_DATA", "")
+DEADLINE_S = float(os.environ.get("SLAM2D_DEADLINE_S", "50"))
+SCANS = 300
+
+THREE = {
+    "source": ("[source]", "source", "scan, odometry, ready", {"matcher": "ready", "mapper": "ready, done"}),
+    "matcher": ("[matcher]", "matcher", "pre_channel, trajectory, ready",
+                {"source": "scan, ready", "mapper": "next_channel, ready, done"}),
+    "mapper": ("[mapper, writer]", "mapper", "next_channel, map, ready, done",
+               {"source": "ready", "matcher": "pre_channel, ready"}),
+}
+TWO = {
+    "front": ("[source, matcher]", "front", "pre_channel, ready", {"back": "next_channel, ready, done"}),
+    "back": ("[mapper, writer]", "back", "next_channel, map, ready, done", {"front": "pre_channel, ready"}),
+}
+ROBOTS = {
+    "robot1": ("[source, matcher, mapper, writer]", "robot1", "map_state, ready, done", {"robot2": "ready"}),
+    "robot2": ("[mapper]\n  standby: true", "robot2", "next_channel, ready",
+               {"robot1": "map_state, pre_channel, ready, done"}),
+}
+
+
+class Slam2dProcesses(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="slam2d_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.processes = []
+        self.addCleanup(self.end_processes)
+
+    def end_processes(self):
+        for process in self.processes:
+            if process.poll() is None:
+                process.kill()
+            with contextlib.suppress(ValueError):
+                process.communicate()
+
+    def write_config(self, name, plan):
+        nodes, endpoint, published, subscribed = plan
+        subscribers = "".join(f"    - {{ip: \"ipc://{self.folder}/{other}.ipc\", channels: [{channels}]}}\n"
+                              for other, channels in subscribed.items())
+        closed = "data_graph: {close_channels: [next_channel]}\n" if "standby" in nodes else ""
+        file = self.folder / f"{name}.yaml"
+        file.write_text(f"slam2d:\n  nodes: {nodes}\n"
+                        f"network:\n  publisher:\n"
+                        f"    {{ip: \"ipc://{self.folder}/{endpoint}.ipc\", channels: [{published}]}}\n"
+                        f"  subscribers:\n{subscribers}{closed}")
+        return file
+
+    def start(self, *arguments, **options):
+        options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}
+        process = subprocess.Popen([BINARY, *map(str, arguments)], cwd=self.folder, **options)
+        self.processes.append(process)
+        return process
+
+    def start_plan(self, plan, extra=None):
+        """Starts every process of the plan; returns them by name."""
+        extra = extra or {}
+        return {name: self.start("--json", "--config", self.write_config(name, part), *extra.get(name, []))
+                for name, part in plan.items()}
+
+    def end(self, process):
+        """Waits for a process; returns exit code, standard output and standard error."""
+        try:
+            out, err = process.communicate(timeout=DEADLINE_S)
+        except subprocess.TimeoutExpired:
+            self.fail(f"{process.args} hangs")
+        return process.returncode, out, err
+
+    def hashes(self, process):
+        code, out, err = self.end(process)
+        self.assertEqual(code, 0, err)
+        results = [json.loads(line) for line in out.splitlines()]
+        for node in results:
+            if node["kind"] == "node":
+                self.assertEqual(node["dropped"], 0, node)
+        result = next(one for one in results if one["kind"] == "result")
+        return result["map_hash"], result["trajectory_hash"]
+
+    def reference(self, *arguments):
+        done = subprocess.run([REFERENCE, *map(str, arguments)], check=True, text=True, capture_output=True,
+                              timeout=DEADLINE_S)
+        return tuple(done.stdout.split())
+
+    def assert_all_agree(self, processes, expected):
+        self.assertEqual({name: self.hashes(process) for name, process in processes.items()},
+                         dict.fromkeys(processes, expected))
+
+    def test_one_process_comes_to_the_reference(self):
+        self.assertEqual(self.hashes(self.start("--json", "--scans", SCANS)), self.reference(SCANS))
+        self.assertTrue((self.folder / "slam2d_out/map.png").read_bytes().startswith(b"\x89PNG"))
+        self.assertEqual(len((self.folder / "slam2d_out/trajectory.tum").read_text().splitlines()), SCANS)
+
+    def test_two_processes_come_to_the_reference(self):
+        self.assert_all_agree(self.start_plan(TWO, {"front": ["--scans", SCANS]}), self.reference(SCANS))
+
+    def test_three_processes_come_to_the_reference(self):
+        self.assert_all_agree(self.start_plan(THREE, {"source": ["--scans", SCANS]}), self.reference(SCANS))
+
+    def test_the_mapper_moves_to_another_robot_while_running(self):
+        extra = {"robot1": ["--scans", SCANS, "--move-mapper-at", 120]}
+        processes = self.start_plan(ROBOTS, extra)
+        code, out, err = self.end(processes["robot2"])
+        self.assertEqual(code, 0, err)
+        mapped = [json.loads(line) for line in out.splitlines()]
+        # The scans from 120 on, and the end.
+        self.assertEqual([one["messages"] for one in mapped if one.get("node") == "mapper"], [SCANS - 120 + 1])
+        self.assertEqual(self.hashes(processes["robot1"]), self.reference(SCANS))
+
+    def test_a_paced_log_comes_to_the_same(self):
+        self.assertEqual(self.hashes(self.start("--json", "--scans", 50, "--rate", 10)), self.reference(50))
+
+    def test_a_log_comes_to_the_reference_in_one_and_three_processes(self):
+        log = pathlib.Path(DATA) / "lidar2d/intel.clf.gz"
+        if not DATA or not log.exists():
+            self.skipTest("HGROS_DATA names no folder with lidar2d/intel.clf.gz")
+        expected = self.reference(1500, log)
+        self.assertEqual(self.hashes(self.start("--json", "--scans", 1500, "--log", log)), expected)
+        self.assert_all_agree(self.start_plan(THREE, {"source": ["--scans", 1500, "--log", log]}), expected)
+
+    def test_ctrl_c_writes_the_map_so_far(self):
+        ours, theirs = pty.openpty()
+        process = self.start("--rate", 1, "--out", "so_far", stderr=theirs, text=False)
+        os.close(theirs)
+        seen = b""
+        while b"scan " not in seen:
+            seen += os.read(ours, 4096)
+        process.send_signal(signal.SIGINT)
+        code, out, _ = self.end(process)
+        os.close(ours)
+        self.assertEqual(code, 130)
+        self.assertIn(b"so_far/map.png", out)
+        self.assertTrue((self.folder / "so_far/map.png").exists())
+
+    def test_a_process_that_dies_ends_the_others(self):
+        processes = self.start_plan(THREE, {"source": ["--rate", 1]})
+        err = ""
+        while "scan " not in err:  # the first line of progress: it runs
+            err = processes["mapper"].stderr.readline()
+            self.assertNotEqual(err, "", "the mapper has ended")
+        processes["mapper"].kill()
+        for name in ("source", "matcher"):
+            code, _, err = self.end(processes[name])
+            self.assertEqual(code, 1, err)
+            self.assertIn("which ran mapper and writer, is gone before the work was done", err)
+
+    def test_nobody_to_work_with_ends_with_a_sentence(self):
+        process = self.start("--config", self.write_config("matcher", THREE["matcher"]), "--patience", 1)
+        code, _, err = self.end(process)
+        self.assertEqual(code, 1)
+        self.assertIn("no other process with the source was found within 1 s", err)
+
+    def test_input_that_cannot_be_used_ends_with_code_2_and_a_sentence(self):
+        cut = self.folder / "cut.clf.gz"
+        cut.write_bytes(gzip.compress(os.urandom(10000))[:5000])
+        empty = self.folder / "empty.clf"
+        empty.write_text("# nothing\n")
+        unknown_node = self.folder / "node.yaml"
+        unknown_node.write_text("slam2d: {nodes: [maper]}\n")
+        unknown_key = self.folder / "key.yaml"
+        unknown_key.write_text("slam2d: {node: [mapper]}\n")
+        front = self.write_config("front", TWO["front"])
+        cases = {("--log", self.folder / "none.clf"): "none.clf",
+                 ("--log", cut): "cut.clf.gz",
+                 ("--log", empty): "empty.clf",
+                 ("--rate", "fast"): "--rate",
+                 ("--config", unknown_node): "node.yaml:1:18: There is no node \"maper\"",
+                 ("--config", unknown_key): "key.yaml:1:10: Unknown key \"node\" in slam2d",
+                 ("--config", front, "--move-mapper-at", 5): "--move-mapper-at is for the process that runs the mapper",
+                 ("--config", self.folder / "none.yaml"): "none.yaml"}
+        for arguments, sentence in cases.items():
+            with self.subTest(arguments=arguments):
+                code, out, err = self.end(self.start(*arguments))
+                self.assertEqual((code, out), (2, ""), err)
+                self.assertIn(sentence, err)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *(f"Slam2dProcesses.{name}" for name in sys.argv[1:])])

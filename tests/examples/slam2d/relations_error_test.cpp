@@ -1,0 +1,62 @@
+#include "relations_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "temporary_folder.hpp"
+
+namespace slam2d {
+namespace {
+
+ScanMatch At(double stamp, const Pose2& pose) {
+  ScanMatch match;
+  match.stamp_seconds = stamp;
+  match.T_map_laser = pose;
+  return match;
+}
+
+TEST(RelationsError, IsAsComputedByHand) {
+  // The robot faces +y, so 2 m further in y are 2 m straight ahead.
+  const std::vector<ScanMatch> trajectory{At(1.0, {5.0, 5.0, M_PI / 2}), At(2.0, {5.0, 7.0, M_PI / 2}),
+                                          At(3.0, {4.0, 7.0, M_PI / 2 + 0.1})};
+  const std::vector<Relation> relations{
+      {1.0, 2.0, {1.5, 0.0, 0.0}},   // 0.5 m off.
+      {2.0, 3.0, {0.0, 1.0, 0.0}},   // 0.1 rad off.
+      {1.0, 99.0, {0.0, 0.0, 0.0}},  // No such stamp.
+  };
+  const RelationsError error = CompareWithRelations(trajectory, relations);
+  EXPECT_EQ(error.relations, 2U);
+  EXPECT_EQ(error.unmatched, 1U);
+  EXPECT_NEAR(error.mean_translation_m, 0.25, 1e-12);
+  EXPECT_NEAR(error.std_translation_m, 0.25, 1e-12);
+  EXPECT_NEAR(error.max_translation_m, 0.5, 1e-12);
+  EXPECT_NEAR(error.mean_rotation_rad, 0.05, 1e-12);
+  EXPECT_NEAR(error.std_rotation_rad, 0.05, 1e-12);
+}
+
+TEST(RelationsError, TakesTheNearestStampWithinTheTolerance) {
+  const std::vector<ScanMatch> trajectory{At(1.0, {}), At(1.008, {1.0, 0.0, 0.0}), At(2.0, {3.0, 0.0, 0.0})};
+  const std::vector<Relation> relations{{1.006, 2.001, {2.0, 0.0, 0.0}}};
+  EXPECT_NEAR(CompareWithRelations(trajectory, relations).mean_translation_m, 0.0, 1e-12);
+  EXPECT_EQ(CompareWithRelations(trajectory, relations, 1e-4).unmatched, 1U);
+}
+
+TEST(RelationsError, ReadsRelationsAndNamesABadLine) {
+  const TemporaryFolder folder;
+  const auto good = ReadRelations(folder.Write("good", "1.5 2.5 0.1 0.2 0 0 0 0.3\n\n"));
+  ASSERT_EQ(good.size(), 1U);
+  EXPECT_EQ(good[0].stamp_2_seconds, 2.5);
+  EXPECT_EQ(good[0].T_1_2, (Pose2{0.1, 0.2, 0.3}));
+  try {
+    (void)ReadRelations(folder.Write("bad", "1 2 0 0 0 0 0 0\n1 2 oops\n"));
+    FAIL() << "no error";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("bad:2:"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW((void)ReadRelations(folder / "missing"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace slam2d

@@ -1,0 +1,73 @@
+#include "scan_matcher.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "pipeline.hpp"
+#include "simulated_building.hpp"
+
+namespace slam2d {
+namespace {
+
+TEST(ScanMatcher, StartsAtTheFirstOdometryPose) {
+  SimulatedBuilding building;
+  LaserScan2 scan;
+  ASSERT_TRUE(building.Next(scan));
+  ScanMatcher matcher({}, {});
+  const ScanMatch match = matcher.Match(scan);
+  EXPECT_EQ(match.T_map_laser, scan.odometry);
+  EXPECT_EQ(match.score, 0.0);
+}
+
+TEST(ScanMatcher, RefusesAScanBeforeTheMapOfTheOneBefore) {
+  SimulatedBuilding building;
+  LaserScan2 scan;
+  ScanMatcher matcher({}, {});
+  Mapper mapper{MapOptions{}};
+  ASSERT_TRUE(building.Next(scan));
+  matcher.Apply(mapper.Add(scan, matcher.Match(scan)));
+  ASSERT_TRUE(building.Next(scan));
+  (void)matcher.Match(scan);
+  ASSERT_TRUE(building.Next(scan));
+  EXPECT_THROW((void)matcher.Match(scan), std::logic_error);
+}
+
+TEST(ScanMatcher, HoldsTheMappersMapBitForBit) {
+  SimulationOptions options;
+  options.scans = 30;
+  SimulatedBuilding building(options);
+  Pipeline pipeline;
+  LaserScan2 scan;
+  while (building.Next(scan)) {
+    pipeline.Add(scan);
+    ASSERT_EQ(HashMap(pipeline.matcher().replica()), HashMap(pipeline.map())) << "scan " << scan.sequence;
+  }
+}
+
+TEST(ScanMatcher, TrustsOdometryAloneWhenTheScanIsEmpty) {
+  SimulatedBuilding building;
+  LaserScan2 scan;
+  ASSERT_TRUE(building.Next(scan));
+  Pipeline pipeline;
+  pipeline.Add(scan);
+  scan.sequence = 1;
+  scan.odometry = scan.odometry * Pose2{0.3, 0.0, 0.1};
+  scan.ranges_m.assign(scan.ranges_m.size(), static_cast<float>(scan.max_range_m));
+  const ScanMatch& match = pipeline.Add(scan);
+  EXPECT_EQ(match.T_map_laser, scan.odometry);
+  EXPECT_EQ(match.score, 0.0);
+}
+
+TEST(ScanMatcher, ThinsNearPointsAndDropsFarOnes) {
+  LaserScan2 scan;
+  scan.angle_step_rad = 0.01;
+  scan.max_range_m = 50.0;
+  scan.ranges_m.assign(100, 1.0F);
+  scan.ranges_m.push_back(49.0F);
+  MatcherOptions options;
+  EXPECT_NEAR(static_cast<double>(MatchedPoints(scan, options).size()), 1.0 / options.point_spacing_m, 2.0);
+}
+
+}  // namespace
+}  // namespace slam2d
