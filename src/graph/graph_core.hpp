@@ -34,9 +34,7 @@ class GraphCore {
   // Takes a closed node over whose thread nobody has waited for.
   void Linger(std::shared_ptr<Node> node);
 
-  [[nodiscard]] bool refusing() const noexcept {
-    return refusing_.load(std::memory_order_relaxed) || fork_.IsChild();
-  }
+  [[nodiscard]] bool refusing() const noexcept { return refusing_.load(std::memory_order_relaxed) || fork_.IsChild(); }
   // Nothing of the graph may be waited for or destroyed here.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] const MessageId& publisher() const noexcept { return options_.publisher; }

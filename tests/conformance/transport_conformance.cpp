@@ -2,21 +2,11 @@
 
 #include <google/protobuf/descriptor.pb.h>
 
+#include "support/await.hpp"
+
 namespace hgros::conformance {
 
-bool Eventually(const std::function<bool()>& done) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr auto kPatience = std::chrono::seconds(60);
-#else
-  constexpr auto kPatience = std::chrono::seconds(20);
-#endif
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > deadline) return done();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
+bool Eventually(const std::function<bool()>& done) { return test::Await(done); }
 
 void Listener::OnPeerCame(const PeerInfo&) noexcept { ++came; }
 void Listener::OnPeerGone(const PeerInfo&, std::string_view) noexcept { ++gone; }

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "conformance/transport_conformance.hpp"
+#include "support/await.hpp"
 
 namespace hgros::conformance {
 namespace {
@@ -98,7 +99,7 @@ TEST_P(TransportConformance, ALosslessSubscriberGetsWhatItMissedInACutExactlyOnc
       world->cable()->Cut();
     } else {
       world->cable()->Stall();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // Some of it in the middle of a message.
+      test::Linger(std::chrono::milliseconds(5));  // Some of it in the middle of a message.
       world->cable()->Cut();
     }
     world->cable()->Resume();
@@ -223,7 +224,7 @@ TEST_P(TransportConformance, EndingASubscriptionWaitsForItsRun) {
     sink.answer = Accepted::kRunApart;
     sink.on_run = [&] {
       started = true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      test::Linger(std::chrono::milliseconds(50));
       finished = true;
     };
   });

@@ -8,7 +8,11 @@
 
 namespace hgros::test {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr auto kPatience = std::chrono::seconds(60);
+#else
 inline constexpr auto kPatience = std::chrono::seconds(20);
+#endif
 
 /// Waits until `predicate` holds, looking again every millisecond; false after `patience`.
 inline bool Await(const std::function<bool()>& predicate, std::chrono::nanoseconds patience = kPatience) {
@@ -21,6 +25,11 @@ inline bool Await(const std::function<bool()>& predicate, std::chrono::nanosecon
     never.wait_for(lock, std::chrono::milliseconds(1));
   }
   return true;
+}
+
+/// Stays for `time`: only for what time itself defines, such as a stalled cable or a slow callback.
+inline void Linger(std::chrono::nanoseconds time) {
+  (void)Await([] { return false; }, time);
 }
 
 /// A door that callbacks wait at until the test opens it.

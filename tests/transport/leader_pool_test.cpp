@@ -8,6 +8,7 @@
 #include <queue>
 
 #include "conformance/transport_conformance.hpp"
+#include "support/await.hpp"
 
 namespace hgros {
 namespace {
@@ -101,7 +102,7 @@ TEST(LeaderPool, StopWaitsForTasks) {
     pool.Start();
     queue.Put([&] {
       started = true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      test::Linger(std::chrono::milliseconds(20));
       ended = true;
     });
     ASSERT_TRUE(Eventually([&] { return started.load(); }));

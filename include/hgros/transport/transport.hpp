@@ -18,9 +18,9 @@ namespace hgros {
 
 /// What one subscribing session asks of a publishing one, for one channel.
 struct Demand {
-  bool lossless = false;           ///< Nothing may be dropped; the publisher is told "full" instead.
-  std::uint32_t queue_depth = 16;  ///< Keep-last: how many messages the sender keeps for us while we are slow.
-  std::uint32_t credit_messages = 64;              ///< In flight at most, from one publisher.
+  bool lossless = false;               ///< Nothing may be dropped; the publisher is told "full" instead.
+  std::uint32_t queue_depth = 16;      ///< Keep-last: how many messages the sender keeps for us while we are slow.
+  std::uint32_t credit_messages = 64;  ///< In flight at most, from one publisher.
   std::uint64_t credit_bytes = 64ULL * 1024 * 1024;  ///< Likewise; one message is let through whatever its size.
 
   bool operator==(const Demand&) const = default;
@@ -94,10 +94,10 @@ class OutboundChannel {
  public:
   struct Stats {
     std::size_t subscribers = 0;
-    std::uint64_t sent = 0;             ///< Messages handed to the network, one per subscriber.
-    std::uint64_t dropped = 0;          ///< Dropped from the rings of slow keep-last or plain subscribers.
-    std::uint64_t missed = 0;           ///< Not confirmed by lossless subscribers that died.
-    std::uint64_t queued_bytes = 0;     ///< Waiting in rings now.
+    std::uint64_t sent = 0;          ///< Messages handed to the network, one per subscriber.
+    std::uint64_t dropped = 0;       ///< Dropped from the rings of slow keep-last or plain subscribers.
+    std::uint64_t missed = 0;        ///< Not confirmed by lossless subscribers that died.
+    std::uint64_t queued_bytes = 0;  ///< Waiting in rings now.
   };
 
   virtual ~OutboundChannel() = default;
@@ -123,8 +123,8 @@ class InboundChannel {
 /// A session as seen over one carrier.
 struct PeerInfo {
   SessionId id;
-  std::string process;   ///< Its program's name.
-  std::string host;      ///< Its host's name; for people, never compared.
+  std::string process;  ///< Its program's name.
+  std::string host;     ///< Its host's name; for people, never compared.
   std::int64_t pid = 0;
   std::string endpoint;  ///< Where we connected to, or empty if it connected to us.
 };
