@@ -1,8 +1,8 @@
 #include "graph/graph_core.hpp"
 
+#include <algorithm>
 #include <utility>
 
-#include "graph/callback_scope.hpp"
 #include "graph/dedicated_node.hpp"
 #include "graph/epoch.hpp"
 #include "graph/inline_concurrent_node.hpp"
@@ -55,7 +55,7 @@ TbbExecutor& GraphCore::Workers() {
 
 std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
   if (refusing()) throw Error("The session is shutting down; it takes no new subscriptions.", channel.name());
-  JoinLingering();
+  PruneLingering();
   NodeSetting setting;
   setting.name =
       options.name.empty() ? channel.name() + "#" + std::to_string(channel.NextNodeNumber()) : std::move(options.name);
@@ -148,7 +148,12 @@ void GraphCore::Shutdown() noexcept {
       node->Close(true);
     }
   }
-  JoinLingering();
+  std::vector<std::shared_ptr<Node>> lingering;
+  {
+    const std::scoped_lock lock(mutex_);
+    lingering.swap(lingering_);
+  }
+  for (const std::shared_ptr<Node>& node : lingering) node->Close(true);
   epoch::Collect();
 }
 
@@ -157,20 +162,19 @@ void GraphCore::Linger(std::shared_ptr<Node> node) {
   lingering_.push_back(std::move(node));
 }
 
-void GraphCore::JoinLingering() {
-  std::vector<std::shared_ptr<Node>> lingering;
+// Lets go of those whose callbacks have returned.
+void GraphCore::PruneLingering() {
+  std::vector<std::shared_ptr<Node>> done;
   {
     const std::scoped_lock lock(mutex_);
-    lingering.swap(lingering_);
+    const auto busy = [](const std::shared_ptr<Node>& node) {
+      return !node->WaitIdle(std::chrono::steady_clock::now());
+    };
+    const auto first_done = std::stable_partition(lingering_.begin(), lingering_.end(), busy);
+    done.assign(first_done, lingering_.end());
+    lingering_.erase(first_done, lingering_.end());
   }
-  for (const std::shared_ptr<Node>& node : lingering) {
-    // A thread that is still in a callback of this graph may be the one that subscribes here.
-    if (CallbackScope::InGraph(this)) {
-      Linger(node);
-    } else {
-      node->JoinThread();
-    }
-  }
+  for (const std::shared_ptr<Node>& node : done) node->JoinThread();
 }
 
 }  // namespace hgros

@@ -31,7 +31,7 @@ class GraphCore {
   void Refuse() noexcept;
   void Shutdown() noexcept;
 
-  // Takes a closed node over whose thread nobody has waited for.
+  // Takes a closed node over whose callbacks nobody has waited for.
   void Linger(std::shared_ptr<Node> node);
 
   [[nodiscard]] bool refusing() const noexcept { return refusing_.load(std::memory_order_relaxed) || fork_.IsChild(); }
@@ -43,7 +43,7 @@ class GraphCore {
 
  private:
   TbbExecutor& Workers();
-  void JoinLingering();
+  void PruneLingering();
 
   const GraphOptions options_;
   const std::shared_ptr<Log> log_;

@@ -176,7 +176,7 @@ bool QueuedNode::WaitIdle(std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   ++watchers_;
   const bool idle =
-      changed_.wait_until(lock, deadline, [this] { return closed_ || (running_ == 0 && !HasMessages()); });
+      changed_.wait_until(lock, deadline, [this] { return running_ == 0 && (closed_ || !HasMessages()); });
   --watchers_;
   return idle;
 }

@@ -96,10 +96,11 @@ Session::Core::~Core() {
     const std::unique_lock lock(alive_->mutex);
     alive_->core = nullptr;
   }
-  errands_.reset();
   for (auto& [name, inflow] : inflows_) inflow.inlet->Detach();
-  if (carrier_) carrier_->Close(kLingerMs);
+  if (carrier_) carrier_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
   for (auto& [name, outlet] : outlets_) outlet->Detach();
+  errands_.reset();
+  carrier_.reset();
   graph_.reset();  // Waits for callbacks in flight. Subscriptions that the program still holds are inert from now on.
 }
 

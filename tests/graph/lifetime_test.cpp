@@ -67,23 +67,24 @@ TEST_P(LifetimeOnEveryExecutor, ASubscriptionMayBeDestroyedInItsOwnCallback) {
 
 TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallbacks) {
   for (int round = 0; round < 20; ++round) {
-    DataGraph graph;
-    std::optional<Subscription> first;
-    std::optional<Subscription> second;
+    // Before the graph, whose destructor waits for callbacks that are still in flight.
+    Subscription first;
+    Subscription second;
     std::atomic<int> inside{0};
     std::atomic<int> done{0};
-    const auto destroy = [&](std::optional<Subscription>& other) {
+    const auto destroy = [&](Subscription& other) {
       ++inside;
       // Both in flight at once where threads allow it.
       (void)Await([&] { return inside >= 2; }, std::chrono::milliseconds(20));
-      other->Reset();
+      other.Reset();
       ++done;
     };
+    DataGraph graph;
     const Executor own = executor().kind() == Executor::Kind::kInline ? Executor::Dedicated() : executor();
-    first.emplace(graph.FromGraph<int>(
-        "a", Invoke::kSerial, [&](const int&) { destroy(second); }, Options(executor())));
-    second.emplace(graph.FromGraph<int>(
-        "b", Invoke::kSerial, [&](const int&) { destroy(first); }, Options(own)));
+    first = graph.FromGraph<int>(
+        "a", Invoke::kSerial, [&](const int&) { destroy(second); }, Options(executor()));
+    second = graph.FromGraph<int>(
+        "b", Invoke::kSerial, [&](const int&) { destroy(first); }, Options(own));
     std::jthread publisher([&] { (void)graph.ToGraph("b", std::make_unique<int>(1)); });
     (void)graph.ToGraph("a", std::make_unique<int>(1));
     publisher.join();

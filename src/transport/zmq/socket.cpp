@@ -74,6 +74,8 @@ int Socket::Bind(const std::string& endpoint) { return zmq_bind(raw_, endpoint.c
 
 int Socket::Connect(const std::string& endpoint) { return zmq_connect(raw_, endpoint.c_str()) == 0 ? 0 : zmq_errno(); }
 
+void Socket::Disconnect(const std::string& endpoint) noexcept { zmq_disconnect(raw_, endpoint.c_str()); }
+
 std::string Socket::LastEndpoint() const {
   char text[512];
   std::size_t size = sizeof text;

@@ -76,6 +76,7 @@ class Socket {
   /// 0, or the errno of the attempt.
   [[nodiscard]] int Bind(const std::string& endpoint);
   [[nodiscard]] int Connect(const std::string& endpoint);
+  void Disconnect(const std::string& endpoint) noexcept;
   [[nodiscard]] std::string LastEndpoint() const;
   [[nodiscard]] int Fd() const;
   /// True if a message can be received. Also works through the socket's pending commands, after which Fd() tells of

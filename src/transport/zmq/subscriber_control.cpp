@@ -7,6 +7,11 @@
 #include "transport/zmq/subscriber_endpoint.hpp"
 
 namespace hgros::zmq {
+namespace {
+
+constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
+
+}  // namespace
 
 void SubscriberEndpoint::Say(const wire::Control& control) { socket_.Send(UpstreamFrame(control), false); }
 
@@ -34,6 +39,9 @@ void SubscriberEndpoint::OnMonitor(Actions& actions) {
       plain_mode_ = false;
       for (auto& [name, link] : links_) SetPlain(link, false);
       LosePublisher("the connection was closed", false, actions);
+      given_up_since_ = std::chrono::steady_clock::now();
+    } else if (what == ZMQ_EVENT_CONNECT_RETRIED) {
+      given_up_since_.reset();
     }
   }
 }
@@ -246,6 +254,13 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
       plain_mode_ = true;
       for (auto& [name, link] : links_) {
         if (link.allowed) SetPlain(link, true);
+      }
+    }
+    if (given_up_since_ && now - *given_up_since_ >= kGivenUpAfter) {
+      given_up_since_.reset();
+      socket_.Disconnect(endpoint_);
+      if (const int error = socket_.Connect(endpoint_); error != 0) {
+        carrier_.log.Write(LogLevel::kError, "Cannot subscribe at " + endpoint_ + " again: " + zmq_strerror(error) + ".");
       }
     }
     const auto timeout = carrier_.options.peer_timeout;

@@ -35,8 +35,8 @@ SubscriberEndpoint::SubscriberEndpoint(Carrier& carrier, const SubscribeEndpoint
   if (carrier.options.security) SecureClient(socket_, *carrier.options.security, endpoint.server_key);
 
   const std::string monitored = "inproc://monitor-" + std::to_string(RandomId());
-  if (zmq_socket_monitor(socket_.raw(), monitored.c_str(), ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) !=
-      0) {
+  if (zmq_socket_monitor(socket_.raw(), monitored.c_str(),
+                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED) != 0) {
     throw Error(std::string("Cannot watch the connection to ") + endpoint_ + ": " + zmq_strerror(zmq_errno()) + ".");
   }
   if (const int error = monitor_.Connect(monitored); error != 0) {

@@ -122,6 +122,9 @@ class SubscriberEndpoint {
   bool welcomed_ = false;  // Since it was connected.
   bool plain_mode_ = false;
   SteadyTime connected_since_{};
+  // Disconnected, and ZeroMQ has not said that it will try again: after a breach of its protocol (somebody else had
+  // the publisher's port) it never does.
+  std::optional<SteadyTime> given_up_since_;
   std::deque<Arrival> inbox_;
 };
 
