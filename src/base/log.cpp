@@ -34,9 +34,17 @@ LogSink DefaultLogSink() {
 
 Log::Log(LogSink sink) : sink_(std::move(sink)) {}
 
+// Called from code that must not throw; a sink that throws loses its own line.
+void Log::Say(LogLevel level, std::string_view text) noexcept {
+  try {
+    sink_(level, text);
+  } catch (...) {
+  }
+}
+
 void Log::Write(LogLevel level, std::string_view text) {
   const std::scoped_lock lock(mutex_);
-  if (sink_) sink_(level, text);
+  if (sink_) Say(level, text);
 }
 
 void Log::WriteLimited(LogLevel level, std::string_view key, std::string_view text,
@@ -61,9 +69,9 @@ void Log::WriteLimited(LogLevel level, std::string_view key, std::string_view te
   }
   entry->second = Held{now, 0};
   if (count == 0) {
-    sink_(level, text);
+    Say(level, text);
   } else {
-    sink_(level, std::string(text) + " (and " + std::to_string(count) + " times more since the last such line)");
+    Say(level, std::string(text) + " (and " + std::to_string(count) + " times more since the last such line)");
   }
 }
 

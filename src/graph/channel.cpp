@@ -121,14 +121,30 @@ void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyM
 }
 
 const Fanout& Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth) {
+  std::deque<QueuedMessage> dropped;  // Let go of after the lock: a message's destructor is the user's code.
   const std::scoped_lock lock(latch_mutex_);
-  if (!info.remote) info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+  if (!info.remote) {  // Numbered and timed in one order.
+    info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+    info.publish_monotonic_ns = MonotonicNow();
+  }
   std::deque<QueuedMessage>& kept = latched_messages_[info.id.publisher];
   // A publisher that started anew has latched anew.
-  if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) kept.clear();
+  if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) dropped.swap(kept);
   kept.push_back({message, info, nullptr, 0});
-  while (kept.size() > depth) kept.pop_front();
+  while (kept.size() > depth) {
+    dropped.push_back(std::move(kept.front()));
+    kept.pop_front();
+  }
   return *fanout_.load(std::memory_order_seq_cst);
+}
+
+void Channel::ForgetLatched(std::uint64_t publisher) {
+  std::deque<QueuedMessage> dropped;
+  const std::scoped_lock lock(latch_mutex_);
+  const auto kept = latched_messages_.find(publisher);
+  if (kept == latched_messages_.end()) return;
+  dropped.swap(kept->second);
+  latched_messages_.erase(kept);
 }
 
 void Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,

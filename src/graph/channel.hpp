@@ -50,6 +50,7 @@ class Channel {
   void Remove(const Node& node);
   void SetOutlet(std::shared_ptr<Outlet> outlet);
   void Latch(std::size_t count);
+  void ForgetLatched(std::uint64_t publisher);
   void SetClosed(bool closed) noexcept { closed_.store(closed, std::memory_order_relaxed); }
   void NotifyRoom() noexcept;
 

@@ -18,7 +18,7 @@ DataGraph::~DataGraph() {
   }
 }
 
-Channel& DataGraph::Open(std::string_view channel, const TypeInfo& type, const std::source_location& where) {
+Channel& DataGraph::Open(std::string_view channel, const TypeInfo& type, const CallSite& where) {
   return core_->Open(channel, type, where);
 }
 
@@ -64,6 +64,10 @@ GraphSnapshot DataGraph::Snapshot() const {
 
 bool DataGraph::WaitIdle(std::chrono::steady_clock::time_point deadline) const { return core_->WaitIdle(deadline); }
 
+void DataGraph::ForgetPublisher(std::uint64_t publisher) { core_->ForgetPublisher(publisher); }
+
 void DataGraph::Refuse() noexcept { core_->Refuse(); }
+
+void DataGraph::Shutdown() noexcept { core_->Shutdown(); }
 
 }  // namespace hgros

@@ -16,15 +16,11 @@ namespace {
 
 constexpr auto kPatience = std::chrono::seconds(2);
 
-std::string Describe(const std::source_location& where) {
-  return std::string(where.file_name()) + ":" + std::to_string(where.line());
-}
-
-void RequireSameType(const Channel& channel, const TypeInfo& type, const std::source_location& where) {
+void RequireSameType(const Channel& channel, const TypeInfo& type, const CallSite& where) {
   if (&channel.type() == &type || channel.type().cpp_type == type.cpp_type) return;
   throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + channel.type().name + " (first used so at " +
                          channel.declared_at() + ") and cannot be used with " + type.name + ".",
-                     Describe(where), "Use one type per channel, or another channel name.");
+                     where.ToString(), "Use one type per channel, or another channel name.");
 }
 
 }  // namespace
@@ -32,12 +28,12 @@ void RequireSameType(const Channel& channel, const TypeInfo& type, const std::so
 GraphCore::GraphCore(GraphOptions options, std::shared_ptr<Log> log)
     : options_(std::move(options)), log_(std::move(log)) {}
 
-Channel& GraphCore::Open(std::string_view name, const TypeInfo& type, const std::source_location& where) {
+Channel& GraphCore::Open(std::string_view name, const TypeInfo& type, const CallSite& where) {
   Channel* channel = channels_.Find(name);
   if (channel == nullptr) {
     RequireChannelName(name);
     channel = &channels_.FindOrAdd(name, [&] {
-      auto made = std::make_unique<Channel>(std::string(name), type, Describe(where), *this);
+      auto made = std::make_unique<Channel>(std::string(name), type, where.ToString(), *this);
       const std::scoped_lock lock(mutex_);
       made->SetClosed(closed_before_open_.contains(name));
       return made;
@@ -88,7 +84,13 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, Invoke invoke, AnyC
       break;
   }
   channel.Add(node);
-  node->Start();
+  try {
+    node->Start();
+  } catch (...) {  // No thread to be had.
+    channel.Remove(*node);
+    node->Close(true);
+    throw;
+  }
   return node;
 }
 
@@ -148,18 +150,26 @@ void GraphCore::Shutdown() noexcept {
       node->Close(true);
     }
   }
-  std::vector<std::shared_ptr<Node>> lingering;
-  {
-    const std::scoped_lock lock(mutex_);
-    lingering.swap(lingering_);
+  // A lingering callback may end further subscriptions.
+  for (std::vector<std::shared_ptr<Node>> lingering = TakeLingering(); !lingering.empty();
+       lingering = TakeLingering()) {
+    for (const std::shared_ptr<Node>& node : lingering) node->Close(true);
   }
-  for (const std::shared_ptr<Node>& node : lingering) node->Close(true);
   epoch::Collect();
+}
+
+void GraphCore::ForgetPublisher(std::uint64_t publisher) {
+  for (Channel* channel : channels_.All()) channel->ForgetLatched(publisher);
 }
 
 void GraphCore::Linger(std::shared_ptr<Node> node) {
   const std::scoped_lock lock(mutex_);
   lingering_.push_back(std::move(node));
+}
+
+std::vector<std::shared_ptr<Node>> GraphCore::TakeLingering() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(lingering_, {});
 }
 
 // Lets go of those whose callbacks have returned.

@@ -5,7 +5,6 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <source_location>
 #include <string>
 #include <vector>
 
@@ -24,13 +23,15 @@ class GraphCore {
  public:
   GraphCore(GraphOptions options, std::shared_ptr<Log> log);
 
-  Channel& Open(std::string_view name, const TypeInfo& type, const std::source_location& where);
+  Channel& Open(std::string_view name, const TypeInfo& type, const CallSite& where);
   std::shared_ptr<Node> Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
   void SetClosed(std::string_view name, bool closed);
   bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
   void Refuse() noexcept;
   void Shutdown() noexcept;
 
+  // Lets go of what a remote publisher that is gone has latched.
+  void ForgetPublisher(std::uint64_t publisher);
   // Takes a closed node over whose callbacks nobody has waited for.
   void Linger(std::shared_ptr<Node> node);
 
@@ -43,6 +44,7 @@ class GraphCore {
 
  private:
   TbbExecutor& Workers();
+  [[nodiscard]] std::vector<std::shared_ptr<Node>> TakeLingering();
   void PruneLingering();
 
   const GraphOptions options_;

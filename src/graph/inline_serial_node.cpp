@@ -18,6 +18,7 @@ void InlineSerialNode::Deliver(const Delivery& delivery, bool reserved, std::int
       LeaveInRing(delivery, reserved)) {
     return;
   }
+  Add(direct_, std::uint64_t{1}, Writers::kOne);
   RunOne(delivery.message, delivery.info, now);
   Drain(now);
 }
@@ -57,7 +58,6 @@ void InlineSerialNode::Drain(std::int64_t& now) noexcept {
     if (next.message == nullptr) continue;
     next.credit.reset();
     if (lossless()) NotifyRoom();
-    ran_from_ring_.fetch_add(1, std::memory_order_relaxed);
     RunOne(next.message, next.info, now);
   }
   Finish();
@@ -102,6 +102,7 @@ void InlineSerialNode::Preload(std::vector<QueuedMessage> messages) {
 void InlineSerialNode::Start() {
   if (preloaded_.empty()) return;
   std::int64_t now = MonotonicNow();
+  Add(direct_, std::uint64_t{preloaded_.size()}, Writers::kOne);
   for (const QueuedMessage& message : preloaded_) RunOne(message.message, message.info, now);
   preloaded_.clear();
   Drain(now);
@@ -130,12 +131,9 @@ bool InlineSerialNode::WaitIdle(std::chrono::steady_clock::time_point deadline) 
   return idle;
 }
 
-// Every callback was for a message that was received; of those left in the ring, count the ones that were not run.
 void InlineSerialNode::AddStats(NodeSnapshot& snapshot) const {
   Node::AddStats(snapshot);
-  snapshot.received =
-      snapshot.run + left_in_ring_.load(std::memory_order_relaxed) -
-      std::min(left_in_ring_.load(std::memory_order_relaxed), ran_from_ring_.load(std::memory_order_relaxed));
+  snapshot.received = direct_.load(std::memory_order_relaxed) + left_in_ring_.load(std::memory_order_relaxed);
 }
 
 std::size_t InlineSerialNode::QueuedNow() const {

@@ -49,7 +49,7 @@ class InlineSerialNode final : public Node {
   MessageRing ring_;
   std::vector<QueuedMessage> preloaded_;
   std::atomic<std::uint64_t> left_in_ring_{0};
-  std::atomic<std::uint64_t> ran_from_ring_{0};
+  std::atomic<std::uint64_t> direct_{0};  // Messages that were run without going through the ring.
 };
 
 }  // namespace hgros

@@ -44,7 +44,11 @@ bool Node::Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, s
   return true;
 }
 
-void Node::DropCallback() noexcept { callback_ = nullptr; }
+// Among what the callback captured may be a handle of this very node, which must not wait for it.
+void Node::DropCallback() noexcept {
+  const CallbackScope scope(nullptr, this);
+  callback_ = nullptr;
+}
 
 void Node::NotifyRoom() const noexcept {
   if (setting_.on_room) setting_.on_room();

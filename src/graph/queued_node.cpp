@@ -52,7 +52,7 @@ bool QueuedNode::Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& i
 
 // The exact number of unstarted messages lies in a cache line of the running thread: asked for only if it matters.
 bool QueuedNode::ReserveHere(std::size_t bytes) noexcept {
-  const std::size_t popped = ring_.HasRoom(batched_) ? batched_ : unstarted_.load(std::memory_order_relaxed);
+  const std::size_t popped = ring_.HasRoom(batched_) ? batched_ : unstarted_.load(std::memory_order_seq_cst);
   return ring_.Reserve(bytes, popped);
 }
 
@@ -103,7 +103,7 @@ bool QueuedNode::Batches() const noexcept {
 
 void QueuedNode::RunTaken(QueuedMessage& message, Writers writers, std::int64_t& now) noexcept {
   message.credit.reset();
-  unstarted_.fetch_sub(1, std::memory_order_relaxed);
+  unstarted_.fetch_sub(1, std::memory_order_seq_cst);  // Before NotifyRoom() looks who waits.
   if (closed_) return;
   if (lossless()) NotifyRoom();
   Run(message.message, message.info, stats_, writers, now);

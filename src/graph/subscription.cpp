@@ -1,22 +1,39 @@
 #include "hgros/graph/subscription.hpp"
 
+#include <mutex>
 #include <utility>
 
 #include "graph/callback_scope.hpp"
 #include "graph/graph_core.hpp"
+#include "hgros/base/fork_guard.hpp"
 
 namespace hgros {
 
+// What a live subscription holds. Whoever ends it takes all of it out under the lock.
+struct Subscription::State {
+  std::mutex mutex;
+  std::shared_ptr<GraphCore> core;
+  Channel* channel = nullptr;
+  std::shared_ptr<Node> node;
+  std::shared_ptr<const void> companion;
+
+  [[nodiscard]] std::shared_ptr<Node> NodeNow() {
+    const std::scoped_lock lock(mutex);
+    return node;
+  }
+};
+
 Subscription::Subscription(std::shared_ptr<GraphCore> core, Channel& channel, std::shared_ptr<Node> node)
-    : core_(std::move(core)), channel_(&channel), node_(std::move(node)) {}
+    : state_(std::make_shared<State>()) {
+  state_->core = std::move(core);
+  state_->channel = &channel;
+  state_->node = std::move(node);
+}
 
 Subscription& Subscription::operator=(Subscription&& other) noexcept {
   if (this != &other) {
     Reset();
-    core_ = std::move(other.core_);
-    channel_ = other.channel_;
-    node_ = std::move(other.node_);
-    companion_ = std::move(other.companion_);
+    state_ = std::move(other.state_);
   }
   return *this;
 }
@@ -24,38 +41,61 @@ Subscription& Subscription::operator=(Subscription&& other) noexcept {
 Subscription::~Subscription() { Reset(); }
 
 void Subscription::Reset() {
-  if (!node_) return;
-  End(!CallbackScope::InGraph(core_.get()));
+  const std::shared_ptr<Node> node = Current();
+  if (!node) return;
+  End(!CallbackScope::InGraph(node->setting().graph) && !CallbackScope::InNode(node.get()));
 }
 
 bool Subscription::Join() {
-  if (!node_) return true;
-  if (CallbackScope::InNode(node_.get())) return false;
+  const std::shared_ptr<Node> node = Current();
+  if (!node) return true;
+  if (CallbackScope::InNode(node.get())) return false;
   End(true);
   return true;
 }
 
 void Subscription::End(bool wait) {
-  // First the source of messages, then the node; both are taken out of this object, which the callback may own.
-  auto node = std::move(node_);
-  auto core = std::move(core_);
-  auto companion = std::exchange(companion_, nullptr);
+  const std::shared_ptr<State> state = state_;
+  std::shared_ptr<GraphCore> core;
+  std::shared_ptr<Node> node;
+  std::shared_ptr<const void> companion;
+  {
+    const std::scoped_lock lock(state->mutex);
+    if (!state->node) return;  // Another thread is ending it.
+    core = std::move(state->core);
+    node = std::move(state->node);
+    companion = std::move(state->companion);
+  }
   if (core->in_forked_child()) {
     LeaveToParent(std::move(companion));
     LeaveToParent(std::move(node));
     LeaveToParent(std::move(core));
     return;
   }
-  companion.reset();
-  channel_->Remove(*node);
-  node->Close(wait);
+  companion.reset();  // First the source of messages, then the node.
+  state->channel->Remove(*node);
   if (!wait) core->Linger(node);
+  node->Close(wait);
 }
 
-std::string Subscription::name() const { return node_ ? node_->setting().name : std::string(); }
+std::shared_ptr<Node> Subscription::Current() const { return state_ ? state_->NodeNow() : nullptr; }
 
-NodeSnapshot Subscription::stats() const { return node_ ? node_->Snapshot() : NodeSnapshot(); }
+bool Subscription::active() const { return Current() != nullptr; }
 
-void Subscription::Attach(std::shared_ptr<const void> companion) { companion_ = std::move(companion); }
+std::string Subscription::name() const {
+  const std::shared_ptr<Node> node = Current();
+  return node ? node->setting().name : std::string();
+}
+
+NodeSnapshot Subscription::stats() const {
+  const std::shared_ptr<Node> node = Current();
+  return node ? node->Snapshot() : NodeSnapshot();
+}
+
+void Subscription::Attach(std::shared_ptr<const void> companion) {
+  if (!state_) return;
+  const std::scoped_lock lock(state_->mutex);
+  if (state_->node) state_->companion = std::move(companion);
+}
 
 }  // namespace hgros

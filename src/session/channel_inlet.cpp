@@ -32,6 +32,14 @@ void ChannelInlet::Detach() {
     carrier = std::move(carrier_);
   }
   carrier.reset();
+  // Nobody is inside any more. A Run() that was asked for may not have been made.
+  std::deque<InboundMessage> left;  // Let go of after the lock, for the credits.
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    left.swap(waiting_);
+    running_ = false;
+  }
+  publishers_.store(0, std::memory_order_release);
   // What is published while nobody here wants it is not lost.
   const std::scoped_lock lock(counts_mutex_);
   for (auto& [publisher, life] : lives_) life.away = true;
@@ -70,8 +78,13 @@ bool ChannelInlet::CountIn(const InboundMessage& message) {
   const MessageId& id = message.head.id;
   const std::scoped_lock lock(counts_mutex_);
   if (message.head.publish_time_ns > 0) transport_.Record(WallNow().nanoseconds - message.head.publish_time_ns);
-  if (lives_.size() > kMaxPublishers) lives_.erase(lives_.begin());
+  if (lives_.size() >= kMaxPublishers && !lives_.contains(id.publisher)) {
+    lives_.erase(std::min_element(lives_.begin(), lives_.end(), [](const auto& a, const auto& b) {
+      return a.second.last_heard_ns < b.second.last_heard_ns;
+    }));
+  }
   Life& life = lives_[id.publisher];
+  life.last_heard_ns = MonotonicNow();
   life.traffic.publisher = SessionId{id.publisher};
   if (id.publisher == 0) {  // It does not count; so neither gaps nor repeats can be told.
     ++life.traffic.received;

@@ -43,6 +43,7 @@ class ChannelInlet final : public InboundSink {
   struct Life {
     std::uint64_t incarnation = 0;
     std::uint64_t last_sequence = 0;
+    std::int64_t last_heard_ns = 0;
     bool away = false;  // We did not want its messages for a while.
     PublisherTraffic traffic;
   };

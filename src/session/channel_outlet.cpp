@@ -81,12 +81,13 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
   head.publish_monotonic_ns = MonotonicNow();
   head.latched = static_cast<std::uint32_t>(depth);
 
+  std::deque<Kept> dropped;  // Let go of after the locks: a message's destructor is the user's code.
   const std::scoped_lock lock(order_mutex_);
   if (depth > 0) {
     head.id.sequence = ++sequence_;
-    Keep(message, head, depth);
+    Keep(message, head, depth, dropped);
     // A subscriber counts before it asks for what is latched: either it found this message there, or it counts now.
-    if (data.owner == nullptr && carrier_ && carrier_->subscriber_count() > 0) data = Encode(message);
+    if (!listened && carrier_ && carrier_->subscriber_count() > 0) data = Encode(message);
   } else if (data.owner != nullptr) {
     head.id.sequence = ++sequence_;
   }
@@ -98,10 +99,14 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
   }
 }
 
-void ChannelOutlet::Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth) {
+void ChannelOutlet::Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth,
+                         std::deque<Kept>& dropped) {
   const std::scoped_lock latch(latch_mutex_);
   kept_.push_back({message, head});
-  while (kept_.size() > depth) kept_.pop_front();
+  while (kept_.size() > depth) {
+    dropped.push_back(std::move(kept_.front()));
+    kept_.pop_front();
+  }
 }
 
 std::vector<OutboundMessage> ChannelOutlet::Latched() noexcept {

@@ -57,7 +57,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   };
 
   [[nodiscard]] Payload Encode(const AnyMessage& message) noexcept;
-  void Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth);
+  void Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth, std::deque<Kept>& dropped);
 
   const std::string channel_;
   const TypeInfo& type_;

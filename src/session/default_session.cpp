@@ -16,7 +16,8 @@ struct Default {
 };
 
 Default& TheDefault() {
-  static Default one;
+  // Never destroyed: a program that forgets Shutdown must not have its session end after its threads' own state.
+  static Default& one = *new Default;
   return one;
 }
 

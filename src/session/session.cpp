@@ -36,12 +36,12 @@ bool Session::WaitIdle(std::chrono::nanoseconds timeout) const {
 
 SessionId Session::id() const noexcept { return core_->id(); }
 const std::string& Session::name() const noexcept { return core_->name(); }
-const Config& Session::config() const noexcept { return core_->config(); }
+Config Session::config() const { return core_->config(); }
 
-Channel& Session::Open(std::string_view channel, const TypeInfo& type, const std::source_location& where) {
+Channel& Session::Open(std::string_view channel, const TypeInfo& type, const CallSite& where) {
   return core_->Open(channel, type, where);
 }
-Channel& Session::OpenAny(std::string_view channel, const TypeInfo& type, const std::source_location& where) {
+Channel& Session::OpenAny(std::string_view channel, const TypeInfo& type, const CallSite& where) {
   return core_->OpenAny(channel, type, where);
 }
 std::shared_ptr<Channel> Session::Share(Channel& channel) const { return core_->graph().Share(channel); }

@@ -90,21 +90,35 @@ Session::Core::Core(Config config, SessionOptions options)
   if (!config_.publishers.empty() || !config_.subscribers.empty()) Carrier();
 }
 
+// Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
 Session::Core::~Core() {
   graph_->Refuse();
   {
     const std::unique_lock lock(alive_->mutex);
     alive_->core = nullptr;
   }
-  for (auto& [name, inflow] : inflows_) inflow.inlet->Detach();
+  std::vector<std::shared_ptr<ChannelInlet>> inlets;
+  std::vector<std::shared_ptr<ChannelOutlet>> outlets;
+  {
+    const std::scoped_lock lock(mutex_);
+    closing_ = true;  // From here on no wiring changes.
+    for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
+    for (auto& [name, outlet] : outlets_) outlets.push_back(outlet);
+  }
+  Notify();
+  for (const auto& inlet : inlets) inlet->Detach();
   if (carrier_) carrier_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
-  for (auto& [name, outlet] : outlets_) outlet->Detach();
+  for (const auto& outlet : outlets) outlet->Detach();
+  graph_->Shutdown();
   errands_.reset();
-  carrier_.reset();
-  graph_.reset();  // Waits for callbacks in flight. Subscriptions that the program still holds are inert from now on.
+}
+
+void Session::Core::RequireOpen() const {
+  if (closing_) throw Error("The session is shutting down.");
 }
 
 ZmqTransport& Session::Core::Carrier() {
+  RequireOpen();
   if (carrier_) return *carrier_;
   if (!errands_) errands_.emplace();
   ZmqOptions options;
@@ -137,25 +151,25 @@ ZmqTransport& Session::Core::Carrier() {
   return *carrier_;
 }
 
-Channel& Session::Core::Open(std::string_view name, const TypeInfo& type, const std::source_location& where) {
+Channel& Session::Core::Open(std::string_view name, const TypeInfo& type, const CallSite& where) {
   return graph_->Open(name, type, where);
 }
 
-Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, const std::source_location& where) {
+Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where) {
   Channel& channel = graph_->Open(name, type, where);
   if (DataGraph::HasOutlet(channel)) return channel;
   const std::scoped_lock lock(mutex_);
-  if (DataGraph::HasOutlet(channel)) return channel;
+  if (DataGraph::HasOutlet(channel) || closing_) return channel;
   auto outlet = std::make_shared<ChannelOutlet>(
       std::string(name), type, publisher_, log_,
       OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { Notify(); }});
-  if (carrier_) outlet->Join(*carrier_);
-  outlets_.emplace(name, outlet);
-  graph_->SetOutlet(channel, outlet);
   if (const auto entry = config_.channels.find(name); entry != config_.channels.end() && entry->second.latched) {
     graph_->Latch(channel, *entry->second.latched);
     outlet->Latch(*entry->second.latched);
   }
+  if (carrier_) outlet->Join(*carrier_);
+  outlets_.emplace(name, outlet);
+  graph_->SetOutlet(channel, outlet);  // Last: from now on other threads publish through it.
   return channel;
 }
 
@@ -163,7 +177,9 @@ void Session::Core::Latch(Channel& channel, std::size_t count) {
   if (count == 0) return;
   graph_->Latch(channel, count);
   const std::scoped_lock lock(mutex_);
-  outlets_.at(DataGraph::NameOf(channel))->Latch(count);
+  if (const auto outlet = outlets_.find(DataGraph::NameOf(channel)); outlet != outlets_.end()) {
+    outlet->second->Latch(count);
+  }
 }
 
 NodeOptions Session::Core::WithChannelConfig(const Channel& channel, NodeOptions options) const {
@@ -216,7 +232,7 @@ void Session::Core::Reconcile(const std::string& channel) {
   if (entry == inflows_.end() || entry->second.busy) return;
   Inflow& inflow = entry->second;
   inflow.busy = true;
-  while (carrier_ && inflow.joined == inflow.wanted.empty()) {
+  while (carrier_ && !closing_ && inflow.joined == inflow.wanted.empty()) {
     if (inflow.joined) {
       lock.unlock();
       inflow.inlet->Detach();
@@ -263,6 +279,7 @@ bool Session::Core::WaitUntil(std::chrono::nanoseconds timeout, Predicate predic
     const std::uint64_t seen = changes_;
     lock.unlock();
     if (predicate()) return true;
+    if (closing_) return false;
     lock.lock();
     if (!changed_.wait_until(lock, deadline, [&] { return changes_ != seen; })) return predicate();
   }
@@ -340,6 +357,11 @@ std::vector<PeerInfo> Session::Core::Peers() const {
   return carrier_ ? carrier_->Peers() : std::vector<PeerInfo>();
 }
 
+Config Session::Core::config() const {
+  const std::scoped_lock lock(mutex_);
+  return config_;
+}
+
 SessionSnapshot Session::Core::Snapshot() const {
   SessionSnapshot snapshot;
   snapshot.id = id_;
@@ -378,6 +400,7 @@ void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
 }
 
 void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
+  graph_->ForgetPublisher(peer.id.value);
   log_->Write(LogLevel::kInfo, "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
                                    ") is gone: " + std::string(reason));
   PublishEvent({PeerEvent::Kind::kGone, peer, {}, std::string(reason)});

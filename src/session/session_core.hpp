@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <list>
 #include <map>
@@ -29,8 +30,8 @@ class Session::Core final : public TransportListener {
   Core(Config config, SessionOptions options);
   ~Core() override;
 
-  Channel& Open(std::string_view name, const TypeInfo& type, const std::source_location& where);
-  Channel& OpenAny(std::string_view name, const TypeInfo& type, const std::source_location& where);
+  Channel& Open(std::string_view name, const TypeInfo& type, const CallSite& where);
+  Channel& OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where);
   void Latch(Channel& channel, std::size_t count);
   Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
   Subscription SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
@@ -58,7 +59,7 @@ class Session::Core final : public TransportListener {
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  [[nodiscard]] const Config& config() const noexcept { return config_; }
+  [[nodiscard]] Config config() const;
 
  private:
   // What this session's subscriptions to one channel ask of remote publishers, and how far that is put into effect.
@@ -75,6 +76,8 @@ class Session::Core final : public TransportListener {
   };
   class DemandTicket;
 
+  // Throws Error while the session shuts down.
+  void RequireOpen() const;
   ZmqTransport& Carrier();
   NodeOptions WithChannelConfig(const Channel& channel, NodeOptions options) const;
   void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);
@@ -100,6 +103,7 @@ class Session::Core final : public TransportListener {
   mutable std::condition_variable changed_;
   std::uint64_t changes_ = 0;
 
+  std::atomic<bool> closing_{false};
   mutable std::mutex mutex_;
   std::unique_ptr<DataGraph> graph_;
   Publisher<PeerEvent> events_;

@@ -222,7 +222,7 @@ TEST(DataGraph, WhatComesFromOutsideIsDeliveredAlsoOnAClosedChannel) {
         got.Add(value);
       },
       Options(Executor::Inline()));
-  Channel& channel = graph.Open("c", TypeOf<int>(), std::source_location::current());
+  Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   DataGraph::Inject(channel, std::make_shared<const int>(7), MessageInfo{}, nullptr, 0);
   EXPECT_EQ(got.values(), std::vector<int>{7});
 }

@@ -68,7 +68,7 @@ TEST(Latch, AConcurrentNodeGetsWhatIsLatchedToo) {
 
 TEST(Latch, ARemotePublishersNewLifeReplacesWhatItLatchedBefore) {
   DataGraph graph;
-  Channel& channel = graph.Open("map", TypeOf<int>(), std::source_location::current());
+  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
   MessageInfo info;
   info.id = {77, 1, 1};
   DataGraph::Inject(channel, std::make_shared<const int>(1), info, nullptr, 5);

@@ -190,7 +190,7 @@ TEST(Lossless, AFullOutletMakesThePublishFailForLocalNodesToo) {
   DataGraph graph;
   Collected got;
   const auto outlet = std::make_shared<CountingOutlet>();
-  Channel& channel = graph.Open("c", TypeOf<int>(), std::source_location::current());
+  Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   graph.SetOutlet(channel, outlet);
   const auto subscription = graph.FromGraph<int>(
       "c", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline(), Queue::KeepAll(1)));
@@ -217,7 +217,7 @@ TEST(Lossless, CreditIsHeldUntilTheMessageLeavesTheQueue) {
         door.Pass();
       },
       Options(Executor::Dedicated(), Queue::KeepAll(1)));
-  Channel& channel = graph.Open("c", TypeOf<int>(), std::source_location::current());
+  Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   auto first = std::make_shared<const int>(1);
   auto second = std::make_shared<const int>(2);
   const std::weak_ptr<const int> first_watch = first;

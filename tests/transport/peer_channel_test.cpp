@@ -20,16 +20,28 @@ TEST(PeerChannel, SendsNothingBeforeItHasBegun) {
   EXPECT_EQ(channel.sent(), 1u);
 }
 
-TEST(PeerChannel, LatchedGoesFirstAndReplacesWaitingOnes) {
-  PeerChannel channel(PeerChannel::Granted({}));
-  channel.Push(Make(3));
-  channel.Push(Make(5));
-  channel.Begin({Make(2), Make(4)});
-  channel.Push(Make(4));
+std::vector<std::uint64_t> Drained(PeerChannel& channel) {
   std::vector<std::uint64_t> order;
   while (const auto message = channel.Pop()) order.push_back(message->id.sequence);
-  EXPECT_EQ(order, (std::vector<std::uint64_t>{2, 4, 5}));
+  return order;
+}
+
+TEST(PeerChannel, LatchedGoesFirstAndNothingThatWaitsIsLostOrRepeated) {
+  PeerChannel channel(PeerChannel::Granted({}));
+  channel.Push(Make(3));
+  channel.Push(Make(4));
+  channel.Begin({Make(2), Make(3)});
+  channel.Push(Make(5));
+  EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{2, 3, 4, 5}));
   EXPECT_EQ(channel.waiting_bytes(), 0u);
+}
+
+TEST(PeerChannel, AMessageThatIsLatchedBeforeItIsCommittedGoesOnce) {
+  PeerChannel channel(PeerChannel::Granted({}));
+  channel.Begin({Make(4)});
+  channel.Push(Make(4));
+  channel.Push(Make(5));
+  EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{4, 5}));
 }
 
 TEST(PeerChannel, IgnoresCountsThatCannotBe) {

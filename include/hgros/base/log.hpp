@@ -34,6 +34,8 @@ class HGROS_EXPORT Log {
                     std::chrono::milliseconds interval = std::chrono::seconds(10));
 
  private:
+  void Say(LogLevel level, std::string_view text) noexcept;
+
   struct Held {
     std::chrono::steady_clock::time_point last;
     std::uint64_t count = 0;

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <source_location>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "hgros/base/call_site.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/codec/message.hpp"
@@ -44,12 +44,12 @@ class HGROS_EXPORT DataGraph {
   /// Publishes inside the process. The first use of a channel fixes its type; another type throws TypeMismatch.
   template <class T>
   PublishStatus ToGraph(std::string_view channel, std::unique_ptr<T>&& message,
-                        const std::source_location& where = std::source_location::current()) {
+                        const CallSite& where = CallSite::Current()) {
     return Publish(Open(channel, TypeOf<T>(), where), OfferOf<T>(message), Reach::kGraph);
   }
   template <class T>
   PublishStatus ToGraph(std::string_view channel, const std::shared_ptr<T>& message,
-                        const std::source_location& where = std::source_location::current()) {
+                        const CallSite& where = CallSite::Current()) {
     const std::shared_ptr<const T> constant = message;
     return Publish(Open(channel, TypeOf<std::remove_const_t<T>>(), where), OfferOf<std::remove_const_t<T>>(constant),
                    Reach::kGraph);
@@ -59,7 +59,7 @@ class HGROS_EXPORT DataGraph {
   /// subscribers (0: none; the largest asked for counts).
   template <class T>
   [[nodiscard]] Publisher<T> Advertise(std::string_view channel, std::size_t latched = 0,
-                                       const std::source_location& where = std::source_location::current()) {
+                                       const CallSite& where = CallSite::Current()) {
     Channel& opened = Open(channel, TypeOf<T>(), where);
     Latch(opened, latched);
     return Publisher<T>(Share(opened), Reach::kGraph);
@@ -68,7 +68,7 @@ class HGROS_EXPORT DataGraph {
   /// Calls `callback` with every message on `channel` in this process; latched ones first.
   template <class T, CallbackFor<T> F>
   [[nodiscard]] Subscription FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
-                                       const std::source_location& where = std::source_location::current()) {
+                                       const CallSite& where = CallSite::Current()) {
     return Subscribe(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
                      std::move(options));
   }
@@ -86,7 +86,7 @@ class HGROS_EXPORT DataGraph {
   // What the session needs to join the graph to carriers.
 
   /// The channel of that name, made with this type if it is new.
-  Channel& Open(std::string_view channel, const TypeInfo& type, const std::source_location& where);
+  Channel& Open(std::string_view channel, const TypeInfo& type, const CallSite& where);
   /// The channel together with what keeps it alive.
   [[nodiscard]] std::shared_ptr<Channel> Share(Channel& channel) const;
   [[nodiscard]] Subscription Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
@@ -108,8 +108,13 @@ class HGROS_EXPORT DataGraph {
   /// Nodes on a channel; 0 if there is no such channel.
   [[nodiscard]] std::size_t NodeCount(std::string_view channel) const noexcept;
 
+  /// Lets go of what a remote publisher that is gone has latched.
+  void ForgetPublisher(std::uint64_t publisher);
+
   /// Refuses publishes from now on and cancels waits.
   void Refuse() noexcept;
+  /// What the destructor does; afterwards all calls are still safe and do nothing.
+  void Shutdown() noexcept;
 
  private:
   std::shared_ptr<GraphCore> core_;

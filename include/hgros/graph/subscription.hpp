@@ -16,7 +16,7 @@ class Node;
 ///
 /// Lifetime: destroying it stops new callbacks at once. Outside callbacks it waits for those in flight; inside any
 /// callback of the same graph it does not wait, and what the callback captured lives until it returns.
-/// It may outlive its graph; it is then inert. Thread-safe but for moves.
+/// It may outlive its graph; it is then inert. Thread-safe but for moves and the destructor.
 class HGROS_EXPORT Subscription {
  public:
   Subscription() = default;
@@ -32,7 +32,7 @@ class HGROS_EXPORT Subscription {
   /// Ends the subscription as the destructor does.
   void Reset();
 
-  [[nodiscard]] bool active() const noexcept { return node_ != nullptr; }
+  [[nodiscard]] bool active() const;
   /// The node's name, as configuration and tables know it; empty if inactive.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] NodeSnapshot stats() const;
@@ -40,12 +40,12 @@ class HGROS_EXPORT Subscription {
   void Attach(std::shared_ptr<const void> companion);
 
  private:
+  struct State;
+
+  [[nodiscard]] std::shared_ptr<Node> Current() const;
   void End(bool wait);
 
-  std::shared_ptr<GraphCore> core_;
-  Channel* channel_ = nullptr;
-  std::shared_ptr<Node> node_;
-  std::shared_ptr<const void> companion_;
+  std::shared_ptr<State> state_;
 };
 
 }  // namespace hgros

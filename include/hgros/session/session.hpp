@@ -3,13 +3,13 @@
 #include <chrono>
 #include <concepts>
 #include <memory>
-#include <source_location>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "hgros/base/call_site.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/codec/message.hpp"
@@ -52,33 +52,33 @@ class HGROS_EXPORT Session {
   /// On any status but kOk nobody got it and a unique_ptr still owns it.
   template <Message T>
   PublishStatus ToAny(std::string_view channel, std::unique_ptr<T>&& message,
-                      const std::source_location& where = std::source_location::current()) {
+                      const CallSite& where = CallSite::Current()) {
     return hgros::Publish(OpenAny(channel, TypeOf<T>(), where), OfferOf<T>(message), Reach::kAny);
   }
   template <class T>
-  requires Message<std::remove_const_t<T>> PublishStatus
-  ToAny(std::string_view channel, const std::shared_ptr<T>& message,
-        const std::source_location& where = std::source_location::current()) {
+  requires Message<std::remove_const_t<T>> PublishStatus ToAny(std::string_view channel,
+                                                               const std::shared_ptr<T>& message,
+                                                               const CallSite& where = CallSite::Current()) {
     using Type = std::remove_const_t<T>;
     const std::shared_ptr<const Type> constant = message;
     return hgros::Publish(OpenAny(channel, TypeOf<Type>(), where), OfferOf<Type>(constant), Reach::kAny);
   }
   /// A copy of `message`, for small ones.
   template <Message T>
-  requires std::copy_constructible<T> PublishStatus ToAny(
-      std::string_view channel, const T& message, const std::source_location& where = std::source_location::current()) {
+  requires std::copy_constructible<T> PublishStatus ToAny(std::string_view channel, const T& message,
+                                                          const CallSite& where = CallSite::Current()) {
     return ToAny<T>(channel, std::make_unique<T>(message), where);
   }
 
   /// Publishes to nodes of this process only; any type.
   template <class T>
   PublishStatus ToGraph(std::string_view channel, std::unique_ptr<T>&& message,
-                        const std::source_location& where = std::source_location::current()) {
+                        const CallSite& where = CallSite::Current()) {
     return hgros::Publish(Open(channel, TypeOf<T>(), where), OfferOf<T>(message), Reach::kGraph);
   }
   template <class T>
   PublishStatus ToGraph(std::string_view channel, const std::shared_ptr<T>& message,
-                        const std::source_location& where = std::source_location::current()) {
+                        const CallSite& where = CallSite::Current()) {
     using Type = std::remove_const_t<T>;
     const std::shared_ptr<const Type> constant = message;
     return hgros::Publish(Open(channel, TypeOf<Type>(), where), OfferOf<Type>(constant), Reach::kGraph);
@@ -91,14 +91,15 @@ class HGROS_EXPORT Session {
   /// Lifetime: ends with the returned Subscription. Messages that do not decode are dropped and counted.
   template <Message T, CallbackFor<T> F>
   [[nodiscard]] Subscription FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
-                                     const std::source_location& where = std::source_location::current()) {
+                                     const CallSite& where = CallSite::Current()) {
     return SubscribeAny(OpenAny(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
                         std::move(options));
   }
-  /// Likewise for what this process publishes, any type.
+  /// Likewise without asking other sessions: what this process publishes (and what comes from outside for a FromAny on
+  /// the same channel); any type.
   template <class T, CallbackFor<T> F>
   [[nodiscard]] Subscription FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
-                                       const std::source_location& where = std::source_location::current()) {
+                                       const CallSite& where = CallSite::Current()) {
     return SubscribeGraph(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
                           std::move(options));
   }
@@ -106,7 +107,7 @@ class HGROS_EXPORT Session {
   /// Announces a channel and gives a handle that publishes on it without looking its name up.
   template <Message T>
   [[nodiscard]] Publisher<T> Advertise(std::string_view channel, PublishOptions options = {},
-                                       const std::source_location& where = std::source_location::current()) {
+                                       const CallSite& where = CallSite::Current()) {
     Channel& opened = OpenAny(channel, TypeOf<T>(), where);
     Latch(opened, options.latched);
     return Publisher<T>(Share(opened), Reach::kAny);
@@ -143,13 +144,14 @@ class HGROS_EXPORT Session {
 
   [[nodiscard]] SessionId id() const noexcept;
   [[nodiscard]] const std::string& name() const noexcept;
-  [[nodiscard]] const Config& config() const noexcept;
+  /// As it is now, with endpoints and lists that were changed while running.
+  [[nodiscard]] Config config() const;
 
  private:
   class Core;
 
-  Channel& Open(std::string_view channel, const TypeInfo& type, const std::source_location& where);
-  Channel& OpenAny(std::string_view channel, const TypeInfo& type, const std::source_location& where);
+  Channel& Open(std::string_view channel, const TypeInfo& type, const CallSite& where);
+  Channel& OpenAny(std::string_view channel, const TypeInfo& type, const CallSite& where);
   std::shared_ptr<Channel> Share(Channel& channel) const;
   void Latch(Channel& channel, std::size_t count);
   Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);

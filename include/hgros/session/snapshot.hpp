@@ -17,7 +17,7 @@ namespace hgros {
 struct PublisherTraffic {
   SessionId publisher;
   std::uint64_t received = 0;
-  std::uint64_t lost = 0;      ///< Gaps in its sequence: dropped on the way because somebody was too slow.
+  std::uint64_t lost = 0;      ///< Gaps in its sequence: somebody was too slow, or cut off for a while.
   std::uint64_t repeated = 0;  ///< Came again and were not delivered again.
 };
 

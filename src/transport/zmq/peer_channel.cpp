@@ -88,14 +88,21 @@ std::size_t PeerChannel::Trim(std::uint64_t spare_bytes) {
   return dropped;
 }
 
+// The ring holds everything since the link was made, in order: what is latched only has to fill in what came before.
 void PeerChannel::Begin(std::vector<QueuedMessage> latched) {
+  if (!ring_.empty()) {
+    const MessageId first = ring_.front().id;
+    std::erase_if(latched, [&first](const QueuedMessage& one) {
+      return one.id.publisher == first.publisher && one.id.incarnation == first.incarnation &&
+             one.id.sequence >= first.sequence;
+    });
+  }
   for (const auto& message : latched) {
     auto& last = last_latched_[message.id.publisher];
     if (std::pair(message.id.incarnation, message.id.sequence) > std::pair(last.incarnation, last.sequence)) {
       last = message.id;
     }
   }
-  std::erase_if(ring_, [this](const QueuedMessage& waiting) { return IsLatched(waiting.id); });
   latched_waiting_ = latched.size();
   ring_.insert(ring_.begin(), std::make_move_iterator(latched.begin()), std::make_move_iterator(latched.end()));
   waiting_bytes_ = 0;

@@ -60,7 +60,8 @@ class PeerChannel {
   /// Returns how many. To be called when Pop() has given all it can.
   std::size_t Trim(std::uint64_t spare_bytes);
 
-  /// Opens the link. The latched messages go first; waiting and later live ones that they include are skipped.
+  /// Opens the link. The latched messages go first, but for those that wait as live ones already; later live ones that
+  /// they include are skipped.
   void Begin(std::vector<QueuedMessage> latched);
 
   /// The peer has consumed so much, all in all; less than before changes nothing. False if it is more than was sent:

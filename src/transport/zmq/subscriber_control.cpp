@@ -101,7 +101,7 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
     LosePublisher("another session took its place", true, actions);
     publisher_.reset();
   }
-  if (!publisher_) publisher_.emplace();
+  if (!publisher_) publisher_ = Publisher{};
   const bool came = !publisher_->alive;
   publisher_->facts = std::move(facts);
   publisher_->handshake = welcome.handshake();
@@ -260,7 +260,8 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
       given_up_since_.reset();
       socket_.Disconnect(endpoint_);
       if (const int error = socket_.Connect(endpoint_); error != 0) {
-        carrier_.log.Write(LogLevel::kError, "Cannot subscribe at " + endpoint_ + " again: " + zmq_strerror(error) + ".");
+        carrier_.log.Write(LogLevel::kError,
+                           "Cannot subscribe at " + endpoint_ + " again: " + zmq_strerror(error) + ".");
       }
     }
     const auto timeout = carrier_.options.peer_timeout;

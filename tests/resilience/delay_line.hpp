@@ -1,0 +1,53 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <string>
+#include <thread>
+
+namespace hgros::resilience {
+
+/// Passes TCP connections on to another port of this host; each byte comes out `each_way` after it went in.
+class DelayLine {
+ public:
+  DelayLine(std::uint16_t target_port, std::chrono::milliseconds each_way);
+  DelayLine(const DelayLine&) = delete;
+  DelayLine& operator=(const DelayLine&) = delete;
+  ~DelayLine();
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  using Time = std::chrono::steady_clock::time_point;
+  struct Piece {
+    Time due;
+    std::string bytes;
+  };
+  /// One direction of a connection.
+  struct Lane {
+    int from = -1;
+    int to = -1;
+    std::deque<Piece> pieces;
+  };
+  struct Connection {
+    Lane lanes[2];
+    bool ended = false;
+  };
+
+  void Run();
+  void Accept();
+  void Read(Connection& connection, Lane& lane);
+  static void Write(Connection& connection, Lane& lane, Time now);
+  static void Close(const Connection& connection);
+
+  const std::uint16_t target_port_;
+  const std::chrono::milliseconds each_way_;
+  std::uint16_t port_ = 0;
+  int listener_ = -1;
+  int stop_[2] = {-1, -1};
+  std::list<Connection> connections_;  // The thread's.
+  std::thread thread_;
+};
+
+}  // namespace hgros::resilience

@@ -1,0 +1,144 @@
+// A process with a session that forks.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/hgros.hpp"
+#include "resilience/places.hpp"
+#include "support/await.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using foxglove::Log;
+using test::Await;
+using test::kPatience;
+
+SessionOptions Quiet() {
+  return {"forking", [](LogLevel, std::string_view) {}};
+}
+Config Parse(const std::string& argument) { return Config::Parse(argument.substr(std::string("--config=").size())); }
+
+/// Runs `child` in a forked child; its exit status, or -1 if it did not end in time.
+int InChild(const std::function<int()>& child) {
+  (void)std::fflush(nullptr);
+  const pid_t pid = fork();
+  if (pid == 0) std::exit(child());
+  int status = 0;
+  if (!Await([&] { return waitpid(pid, &status, WNOHANG) == pid; })) {
+    kill(pid, SIGKILL);
+    waitpid(pid, &status, 0);
+    return -1;
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// Two sessions of this process that talk, as their children inherit them.
+class Fork : public testing::Test {
+ protected:
+  Fork() {
+    listener.emplace(Parse(Subscribing(bus)), Quiet());
+    subscription = listener->FromAny<Log>("log", Invoke::kSerial, [this](const Log&) { ++received; },
+                                          {{}, Queue::KeepAll(64), {}});
+    talker.emplace(Parse(Publishing(bus)), Quiet());
+    publish = talker->Advertise<Log>("log");
+  }
+  void ExpectUndisturbed() {
+    const int before = received;
+    for (int i = 0; i < 100; ++i) {
+      ASSERT_EQ(publish.Wait(std::make_unique<Log>(), std::chrono::steady_clock::now() + kPatience),
+                PublishStatus::kOk);
+    }
+    EXPECT_TRUE(Await([&] { return received == before + 100; })) << received - before;
+  }
+
+  const ScratchFolder folder;
+  const std::string bus = folder.Endpoint("bus");
+  std::atomic<int> received{0};
+  std::optional<Session> listener;
+  Subscription subscription;
+  std::optional<Session> talker;
+  Publisher<Log> publish;
+};
+
+TEST_F(Fork, AChildThatExitsAtOnceDisturbsNothing) {
+  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(InChild([] { return 0; }), 0);
+  ExpectUndisturbed();
+}
+
+TEST_F(Fork, AChildThatPublishesIsRefused) {
+  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  EXPECT_EQ(InChild([this] {
+              for (int i = 0; i < 100; ++i) {
+                if (publish(std::make_unique<Log>()) != PublishStatus::kClosed) return 1;
+                if (talker->ToAny("log", Log()) != PublishStatus::kClosed) return 2;
+              }
+              return 0;
+            }),
+            0);
+  ExpectUndisturbed();
+}
+
+TEST_F(Fork, AChildOfABusyProcessEndsToo) {
+  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  int published = 0;
+  {
+    std::jthread busy([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) published += publish(std::make_unique<Log>()) == PublishStatus::kOk ? 1 : 0;
+    });
+    ASSERT_TRUE(Await([&] { return received > 100; }));
+    for (int i = 0; i < 10; ++i) {
+      EXPECT_EQ(InChild([this] { return publish(std::make_unique<Log>()) == PublishStatus::kClosed ? 0 : 1; }), 0);
+    }
+  }
+  EXPECT_TRUE(Await([&] { return received == published; })) << received << " of " << published;
+}
+
+TEST_F(Fork, AChildThatDestroysTheSessionsEnds) {
+  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  EXPECT_EQ(InChild([this] {
+              subscription.Reset();
+              talker.reset();
+              listener.reset();
+              return 0;
+            }),
+            0);
+  ExpectUndisturbed();
+}
+
+TEST_F(Fork, AChildMayMakeASessionOfItsOwn) {
+  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  EXPECT_EQ(InChild([this] {
+              std::atomic<int> heard{0};
+              Session own(Parse(Subscribing(bus)), Quiet());
+              const auto mine = own.FromAny<Log>("log", Invoke::kSerial, [&](const Log&) { ++heard; });
+              return own.WaitForPublishers("log", 1, kPatience) ? 0 : 1;
+            }),
+            0);
+  ExpectUndisturbed();
+}
+
+TEST(ForkOfADefaultSession, AChildThatExitsEnds) {
+  const ScratchFolder folder;
+  Init(Parse(Both(folder.Endpoint("a"), folder.Endpoint("b"))), Quiet());
+  FromAny<Log>("log", Invoke::kSerial, [](const Log&) {}, {{}, {}, Executor::Dedicated()});
+  FromAny<Log>("log", Invoke::kSerial, [](const Log&) {});
+  EXPECT_EQ(ToAny("log", Log()), PublishStatus::kOk);
+  EXPECT_EQ(InChild([] { return ToAny("log", Log()) == PublishStatus::kClosed ? 0 : 1; }), 0);
+  Shutdown();
+}
+
+}  // namespace
+}  // namespace hgros::resilience

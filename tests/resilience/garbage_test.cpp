@@ -1,0 +1,221 @@
+// Nonsense from the network: at a publisher's endpoint, and where a subscriber expects a publisher.
+#include <gtest/gtest.h>
+#include <zmq.h>
+
+#include <cstring>
+#include <iostream>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "resilience/places.hpp"
+#include "resilience/worker_process.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using test::Await;
+
+/// Random bytes, the same for the same seed; the seed is printed.
+class Noise {
+ public:
+  Noise() : seed_(std::random_device{}()), random_(seed_) { std::cout << "seed " << seed_ << std::endl; }
+  std::string operator()(std::size_t most_bytes) {
+    std::string bytes(Number(most_bytes), '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random_());
+    return bytes;
+  }
+  /// Up to and with `most`.
+  std::size_t Number(std::size_t most) { return std::uniform_int_distribution<std::size_t>(0, most)(random_); }
+
+ private:
+  std::uint32_t seed_;
+  std::mt19937 random_;
+};
+
+class RawSocket {
+ public:
+  explicit RawSocket(int type) : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
+    const int none = 0;
+    zmq_setsockopt(socket_, ZMQ_LINGER, &none, sizeof none);
+    zmq_setsockopt(socket_, ZMQ_SNDHWM, &none, sizeof none);
+  }
+  RawSocket(const RawSocket&) = delete;
+  RawSocket& operator=(const RawSocket&) = delete;
+  ~RawSocket() {
+    zmq_close(socket_);
+    zmq_ctx_term(context_);
+  }
+  [[nodiscard]] bool Bind(const std::string& endpoint) { return zmq_bind(socket_, endpoint.c_str()) == 0; }
+  void Connect(const std::string& endpoint) { ASSERT_EQ(zmq_connect(socket_, endpoint.c_str()), 0); }
+  void Send(const std::string& bytes, bool more = false) {
+    (void)zmq_send(socket_, bytes.data(), bytes.size(), ZMQ_DONTWAIT | (more ? ZMQ_SNDMORE : 0));
+  }
+  /// What is there now.
+  std::string Receive() {
+    std::string bytes(4096, '\0');
+    const int size = zmq_recv(socket_, bytes.data(), bytes.size(), ZMQ_DONTWAIT);
+    bytes.resize(size < 0 ? 0 : std::min(static_cast<std::size_t>(size), bytes.size()));
+    return bytes;
+  }
+
+ private:
+  void* context_;
+  void* socket_;
+};
+
+/// A TCP connection to the loopback; -1 if refused.
+int Dial(std::uint16_t port) {
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const sockaddr_in address = LoopbackAddress(port);
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
+  close(fd);
+  return -1;
+}
+
+/// A TCP server of the loopback.
+class Listener {
+ public:
+  explicit Listener(std::uint16_t port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const int one = 1;
+    setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
+    const timeval patience{20, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    const sockaddr_in address = LoopbackAddress(port);
+    if (bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || listen(fd_, 8) != 0) {
+      throw std::runtime_error("cannot listen");
+    }
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  ~Listener() { close(fd_); }
+
+  /// Answers the next connection so and closes it; false if none came in time.
+  [[nodiscard]] bool Answer(const std::string& bytes) {
+    const int fd = accept4(fd_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (fd < 0) return false;
+    (void)send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    // Until it has had enough: closed earlier, its own words would make the system take back ours.
+    shutdown(fd, SHUT_WR);
+    char buffer[4096];
+    while (recv(fd, buffer, sizeof buffer, 0) > 0) {
+    }
+    close(fd);
+    return true;
+  }
+
+ private:
+  int fd_;
+};
+
+// The greeting of ZMTP 3 (rfc.zeromq.org/spec/23), as another implementation would send it.
+std::string Greeting(const std::string& mechanism = "NULL") {
+  std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0", 12);
+  greeting += mechanism;
+  greeting.resize(64);
+  return greeting;
+}
+
+TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNobody) {
+  Noise noise;
+  const std::uint16_t port = FreePort();
+  const WorkerProcess publisher({Publishing(TcpEndpoint(port)), "--out=images"});
+  const WorkerProcess subscriber({Subscribing(TcpEndpoint(port)), "--in=images", "--keep-all=64"});
+  ASSERT_TRUE(subscriber.Reaches({{"received", 10}})) << publisher << subscriber;
+  const std::size_t files = publisher.open_files();
+
+  for (int i = 0; i < 100; ++i) {
+    const int fd = Dial(port);
+    ASSERT_GE(fd, 0) << publisher;
+    const std::string bytes = (i % 2 == 0 ? Greeting() : std::string()) + noise(5000);
+    (void)send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    close(fd);
+  }
+  ASSERT_TRUE(subscriber.Gains("received", 50)) << publisher << subscriber;
+
+  {
+    RawSocket pub(ZMQ_PUB);  // The wrong kind of socket.
+    pub.Connect(TcpEndpoint(port));
+    RawSocket stranger(ZMQ_XSUB);  // It may speak; nothing that it says makes sense.
+    stranger.Connect(TcpEndpoint(port));
+    ASSERT_TRUE(Await([&] {
+      pub.Send(noise(300));
+      for (int i = 0; i < 20; ++i) {
+        const std::string bytes = noise(300);
+        switch (noise.Number(3)) {
+          case 0: stranger.Send(bytes); break;
+          case 1: stranger.Send(std::string("\1", 1) + bytes); break;
+          case 2: stranger.Send("\2" + bytes); break;
+          default: stranger.Send("\2" + bytes, true); stranger.Send(noise(300));
+        }
+      }
+      return publisher["faults"] > 300;
+    })) << publisher;
+  }
+  ASSERT_TRUE(subscriber.Gains("received", 50)) << publisher << subscriber;
+  EXPECT_TRUE(publisher.alive());
+  EXPECT_EQ(subscriber["gaps"] + subscriber["disorder"] + subscriber["corrupt"] + subscriber["faults"], 0U)
+      << subscriber;
+  const WorkerProcess late({Subscribing(TcpEndpoint(port)), "--in=images"});
+  EXPECT_TRUE(late.Reaches({{"received", 10}})) << publisher << late;
+  EXPECT_TRUE(Await([&] { return publisher.open_files() <= files + 4; }))
+      << publisher.open_files() << " were " << files;
+}
+
+// ZeroMQ itself gives a connection up for good when the other side breaks its protocol.
+TEST(Garbage, OfABrokenZeroMqPeerDoesNotEndASubscribersAttempts) {
+  const std::uint16_t port = FreePort();
+  const WorkerProcess subscriber({Subscribing(TcpEndpoint(port), kImpatient), "--in=images"});
+  {
+    Listener listener(port);
+    ASSERT_TRUE(listener.Answer(Greeting("NONE"))) << "another mechanism" << subscriber;
+    ASSERT_TRUE(listener.Answer(Greeting() + std::string("\4\1x", 3))) << "a broken command" << subscriber;
+    ASSERT_TRUE(listener.Answer(Greeting() + std::string("\6\0", 2))) << "a reserved flag" << subscriber;
+  }
+  const WorkerProcess publisher({Publishing(TcpEndpoint(port), kImpatient), "--out=images"});
+  ASSERT_TRUE(subscriber.Reaches({{"received", 10}})) << publisher << subscriber;
+}
+
+TEST(Garbage, WhereASubscriberExpectsAPublisherIsCountedAndForgotten) {
+  Noise noise;
+  const std::uint16_t port = FreePort();
+  const WorkerProcess subscriber({Subscribing(TcpEndpoint(port), kImpatient), "--in=images", "--keep-all=64"});
+
+  {
+    Listener listener(port);
+    for (int i = 0; i < 6; ++i) {
+      ASSERT_TRUE(listener.Answer((i % 2 == 0 ? Greeting() : std::string()) + noise(2000))) << i << subscriber;
+    }
+  }
+  EXPECT_TRUE(subscriber.alive()) << subscriber;
+
+  {
+    RawSocket pub(ZMQ_XPUB);
+    ASSERT_TRUE(Await([&] { return pub.Bind(TcpEndpoint(port)); }));
+    std::vector<std::string> topics;
+    ASSERT_TRUE(Await([&] {
+      const std::string asked = pub.Receive();
+      if (asked.size() > 1 && asked[0] == '\1') topics.push_back(asked.substr(1));
+      // What it has subscribed to passes ZeroMQ's filter; whatever follows is noise.
+      for (int i = 0; i < 20 && !topics.empty(); ++i) {
+        const std::string& topic = topics[noise.Number(topics.size() - 1)];
+        const std::size_t frames = noise.Number(4);
+        pub.Send(topic + (i % 2 == 0 ? std::string() : noise(16)), frames > 0);
+        for (std::size_t frame = 1; frame <= frames; ++frame) pub.Send(noise(500), frame < frames);
+      }
+      return topics.size() > 1 && subscriber["faults"] > 300;
+    })) << subscriber
+        << topics.size() << " topics";
+  }
+  EXPECT_TRUE(subscriber.alive()) << subscriber;
+  EXPECT_EQ(subscriber["received"], 0U) << subscriber;
+
+  const WorkerProcess publisher({Publishing(TcpEndpoint(port)), "--out=images", "--await=1", "--count=200"});
+  ASSERT_TRUE(subscriber.Reaches({{"received", 200}})) << publisher << subscriber;
+  EXPECT_EQ(subscriber["first"], 1U);
+  EXPECT_EQ(subscriber["gaps"] + subscriber["disorder"] + subscriber["corrupt"], 0U) << subscriber;
+}
+
+}  // namespace
+}  // namespace hgros::resilience

@@ -1,0 +1,170 @@
+// Networks that are slow, delay, stall and break.
+#include <gtest/gtest.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "conformance/tcp_forwarder.hpp"
+#include "resilience/delay_line.hpp"
+#include "resilience/places.hpp"
+#include "resilience/worker_process.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using conformance::TcpForwarder;
+using test::Await;
+
+/// Two network namespaces, named after this process, and the cable between them, at 1 Gbit/s. Removed at the end;
+/// what a killed process left is removed by the next.
+class GigabitCable {
+ public:
+  GigabitCable() : left("hgrl" + std::to_string(getpid())), right("hgrr" + std::to_string(getpid())) {
+    RemoveLeftovers();
+    const std::string left_end = "vl" + std::to_string(getpid());
+    const std::string right_end = "vr" + std::to_string(getpid());
+    ready = RunCommand({"ip", "netns", "add", left}) == 0 && RunCommand({"ip", "netns", "add", right}) == 0 &&
+            RunCommand({"ip", "link", "add", left_end, "netns", left, "type", "veth", "peer", "name", right_end,
+                        "netns", right}) == 0 &&
+            Configure(left, left_end, "10.197.0.1/24") && Configure(right, right_end, "10.197.0.2/24");
+  }
+  GigabitCable(const GigabitCable&) = delete;
+  GigabitCable& operator=(const GigabitCable&) = delete;
+  ~GigabitCable() {
+    (void)RunCommand({"ip", "netns", "del", left});
+    (void)RunCommand({"ip", "netns", "del", right});
+  }
+
+  const std::string left;
+  const std::string right;
+  bool ready = false;
+
+ private:
+  static void RemoveLeftovers() {
+    if (!std::filesystem::exists("/run/netns")) return;
+    for (const auto& entry : std::filesystem::directory_iterator("/run/netns")) {
+      const std::string name = entry.path().filename();
+      const bool ours = name.starts_with("hgrl") || name.starts_with("hgrr");
+      if (ours && !std::filesystem::exists("/proc/" + name.substr(4))) (void)RunCommand({"ip", "netns", "del", name});
+    }
+  }
+  static bool Configure(const std::string& where, const std::string& device, const std::string& address) {
+    return RunCommand({"ip", "-n", where, "addr", "add", address, "dev", device}) == 0 &&
+           RunCommand({"ip", "-n", where, "link", "set", device, "up"}) == 0 &&
+           RunCommand({"ip", "netns", "exec", where, "tc", "qdisc", "add", "dev", device, "root", "tbf", "rate",
+                       "1gbit", "burst", "64kb", "latency", "50ms"}) == 0;
+  }
+};
+
+TEST(Gigabit, LargeMessagesArriveIntactAtASubscriberThatStartedFirst) {
+  if (geteuid() != 0) GTEST_SKIP() << "network namespaces need root";
+  const GigabitCable cable;
+  if (!cable.ready) GTEST_SKIP() << "no network namespaces with veth and tbf here";
+  const WorkerProcess subscriber({Subscribing("tcp://10.197.0.1:5553"), "--in=images", "--keep-all=4"}, cable.right);
+  ASSERT_TRUE(subscriber.Reaches({{"ready", 1}})) << subscriber;
+  const WorkerProcess publisher(
+      {Publishing("tcp://*:5553"), "--out=images", "--await=1", "--count=40", "--size=4194304"}, cable.left);
+  ASSERT_TRUE(subscriber.Reaches({{"received", 40}}, 2 * test::kPatience)) << subscriber << publisher;
+  EXPECT_EQ(subscriber["first"], 1U);
+  EXPECT_EQ(subscriber["last"], 40U);
+  EXPECT_EQ(subscriber["gaps"] + subscriber["disorder"] + subscriber["corrupt"] + subscriber["lost"], 0U) << subscriber;
+  EXPECT_EQ(publisher["missed"], 0U) << publisher;
+}
+
+TEST(LongCable, DelaysMessagesByItsLengthAndLosesNone) {
+  const std::uint16_t port = FreePort();
+  DelayLine line(port, std::chrono::milliseconds(50));
+  const WorkerProcess publisher(
+      {Publishing(TcpEndpoint(port)), "--out=images", "--await=1", "--count=500", "--size=20000"});
+  const WorkerProcess subscriber({Subscribing(TcpEndpoint(line.port())), "--in=images", "--keep-all=64"});
+  ASSERT_TRUE(subscriber.Reaches({{"received", 500}})) << subscriber << publisher;
+  EXPECT_EQ(subscriber["gaps"] + subscriber["disorder"] + subscriber["corrupt"], 0U) << subscriber;
+  EXPECT_GE(subscriber["delay_ns"], 50'000'000U) << subscriber;
+}
+
+/// A publisher and a subscriber with a cable between them.
+class BrokenCable : public testing::Test {
+ protected:
+  void Start(const std::string& queue, const std::string& count, const std::string& more = {}) {
+    publisher.emplace(std::vector<std::string>{Publishing(TcpEndpoint(port), more), "--out=images", "--await=1", count,
+                                               "--size=20000"});
+    subscriber.emplace(std::vector<std::string>{Subscribing(TcpEndpoint(cable.port()), more), "--in=images", queue});
+  }
+  /// Lets time pass on a cable that lets nothing pass.
+  static void Endure(std::chrono::milliseconds time) {
+    (void)Await([] { return false; }, time);
+  }
+
+  const std::uint16_t port = FreePort();
+  TcpForwarder cable{port};
+  std::optional<WorkerProcess> publisher;
+  std::optional<WorkerProcess> subscriber;
+};
+
+TEST_F(BrokenCable, ThatStallsForTwoSecondsCostsALosslessSubscriberNothing) {
+  Start("--keep-all=32", "--count=1500");
+  ASSERT_TRUE(subscriber->Reaches({{"received", 200}})) << *subscriber << *publisher;
+  cable.Stall();
+  ASSERT_TRUE(publisher->Reaches({{"waiting", 1}})) << *publisher;
+  Endure(std::chrono::seconds(2));
+  const std::uint64_t before = (*publisher)["published"];
+  EXPECT_LT(before, 1500U) << "it waits";
+  cable.Resume();
+  ASSERT_TRUE(subscriber->Reaches({{"received", 1500}})) << *subscriber << *publisher;
+  EXPECT_EQ((*subscriber)["first"], 1U);
+  EXPECT_EQ((*subscriber)["last"], 1500U);
+  EXPECT_EQ((*subscriber)["gaps"] + (*subscriber)["disorder"] + (*subscriber)["corrupt"], 0U) << *subscriber;
+  EXPECT_EQ((*publisher)["missed"], 0U) << *publisher;
+}
+
+TEST_F(BrokenCable, ThatIsMendedAfterASecondCostsALosslessSubscriberNothing) {
+  Start("--keep-all=32", "--count=1500");
+  for (const std::uint64_t received : {200U, 700U}) {
+    ASSERT_TRUE(subscriber->Reaches({{"received", received}})) << *subscriber << *publisher;
+    cable.Cut();
+    ASSERT_TRUE(publisher->Reaches({{"waiting", 1}})) << *publisher;
+    Endure(std::chrono::seconds(1));
+    cable.Resume();
+  }
+  ASSERT_TRUE(subscriber->Reaches({{"received", 1500}})) << *subscriber << *publisher;
+  EXPECT_EQ((*subscriber)["first"], 1U);
+  EXPECT_EQ((*subscriber)["last"], 1500U);
+  EXPECT_EQ((*subscriber)["gaps"] + (*subscriber)["disorder"] + (*subscriber)["corrupt"], 0U) << *subscriber;
+  EXPECT_EQ((*publisher)["missed"], 0U) << *publisher;
+}
+
+TEST_F(BrokenCable, LosesAKeepLastSubscriberWhatItCounts) {
+  Start("--keep-last=1000", "--count=4000");
+  for (const std::uint64_t received : {200U, 700U}) {
+    ASSERT_TRUE(subscriber->Reaches({{"received", received}})) << *subscriber << *publisher;
+    cable.Cut();
+    Endure(std::chrono::seconds(1));
+    cable.Resume();
+    ASSERT_TRUE(subscriber->Gains("received", 100)) << *subscriber << *publisher;
+  }
+  ASSERT_TRUE(subscriber->Reaches({{"last", 4000}})) << *subscriber << *publisher;
+  EXPECT_TRUE(publisher->Reaches({{"published", 4000}})) << *publisher;
+  EXPECT_GT((*subscriber)["gaps"], 0U) << "two seconds were lost";
+  EXPECT_EQ((*subscriber)["disorder"] + (*subscriber)["corrupt"], 0U) << *subscriber;
+  EXPECT_EQ((*subscriber)["came"] + (*subscriber)["lost"], 4000U) << *subscriber << *publisher;
+}
+
+TEST_F(BrokenCable, ThatStallsForLongerThanThePeersArePatientIsFollowedByNewMessages) {
+  for (const std::string queue : {"--keep-last=32", "--keep-all=32"}) {
+    Start(queue, "--count=0", kImpatient);
+    ASSERT_TRUE(subscriber->Reaches({{"received", 100}})) << *subscriber << *publisher;
+    cable.Stall();
+    ASSERT_TRUE(Await([&] { return (*publisher)["subscribers"] == 0 && (*subscriber)["publishers"] == 0; }))
+        << queue << *subscriber << *publisher;
+    cable.Resume();
+    ASSERT_TRUE(subscriber->Gains("received", 100)) << queue << *subscriber << *publisher;
+    EXPECT_EQ((*subscriber)["disorder"] + (*subscriber)["corrupt"], 0U) << queue << *subscriber;
+    subscriber.reset();
+    publisher.reset();
+  }
+}
+
+}  // namespace
+}  // namespace hgros::resilience

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace hgros::resilience {
+
+/// A folder for ipc endpoints, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "hgros_resilience_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder");
+    path_ = name;
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  [[nodiscard]] std::string Endpoint(const std::string& name) const { return "ipc://" + (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline sockaddr_in LoopbackAddress(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return address;
+}
+
+/// A port of the loopback that nobody uses now. Below those that the system gives to outgoing connections: one that
+/// tries again and again to reach such a port would sooner or later get it as its own, and talk to itself.
+inline std::uint16_t FreePort() {
+  static int next = getpid() % 18000 * 37;
+  for (int tries = 0; tries < 1000; ++tries) {
+    const auto port = static_cast<std::uint16_t>(12000 + next++ % 18000);
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const sockaddr_in address = LoopbackAddress(port);
+    const bool free = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    close(fd);
+    if (free) return port;
+  }
+  throw std::runtime_error("no free port");
+}
+
+inline std::string TcpEndpoint(std::uint16_t port) { return "tcp://127.0.0.1:" + std::to_string(port); }
+
+/// "--config=" with the network section; `more` holds further keys of it, as in ", heartbeat_ms: 100".
+inline std::string Publishing(const std::string& endpoint, const std::string& more = {}) {
+  return "--config=network: {publisher: {ip: \"" + endpoint + "\"}" + more + "}";
+}
+inline std::string Subscribing(const std::string& endpoint, const std::string& more = {}) {
+  return "--config=network: {subscribers: [{ip: \"" + endpoint + "\"}]" + more + "}";
+}
+inline std::string Both(const std::string& publish, const std::string& subscribe, const std::string& more = {}) {
+  return "--config=network: {publisher: {ip: \"" + publish + "\"}, subscribers: [{ip: \"" + subscribe + "\"}]" + more +
+         "}";
+}
+
+/// Peers that fall silent are given up soon.
+inline constexpr const char* kImpatient = ", heartbeat_ms: 100, peer_timeout_ms: 500";
+
+}  // namespace hgros::resilience

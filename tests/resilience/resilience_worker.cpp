@@ -1,0 +1,293 @@
+// One participant of a resilience test. It publishes numbered, checksummed messages, receives and checks them, or
+// both, and says on standard output every 20 ms how far it is: "status name=number ...", and what the session logs:
+// "log ...". It ends in order on SIGTERM, and is killed when its parent ends.
+//
+//   --config=YAML        of the session
+//   --out=CHANNEL        publish there: --count=N messages (0: without end) of --size=BYTES, one every --period-us=N,
+//                        after --await=N subscribers have come; waits for room where there is none
+//   --in=CHANNEL         subscribe there: --keep-all=N or --keep-last=N, with a callback that takes --slow-ms=N
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include <foxglove/RawImage.pb.h>
+
+#include "hgros/hgros.hpp"
+#include "support/await.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using Image = foxglove::RawImage;
+
+constexpr auto kRoomPatience = std::chrono::seconds(60);
+constexpr auto kReportPeriod = std::chrono::milliseconds(20);
+
+class Arguments {
+ public:
+  Arguments(int count, char** texts) {
+    for (int i = 1; i < count; ++i) {
+      const std::string_view text = texts[i];
+      const std::size_t equals = text.find('=');
+      values_.emplace(text.substr(2, equals - 2), text.substr(equals + 1));
+    }
+  }
+  [[nodiscard]] std::string Text(const std::string& name) const {
+    const auto found = values_.find(name);
+    return found == values_.end() ? std::string() : found->second;
+  }
+  [[nodiscard]] std::uint64_t Number(const std::string& name, std::uint64_t otherwise) const {
+    const auto found = values_.find(name);
+    return found == values_.end() ? otherwise : std::stoull(found->second);
+  }
+
+ private:
+  std::map<std::string, std::string> values_;
+};
+
+/// In front of each message's data; the rest follows from the sequence.
+struct Stamp {
+  std::uint64_t publisher = 0;  ///< Its process.
+  std::uint64_t sequence = 0;   ///< From 1.
+  std::uint64_t checksum = 0;   ///< Of the data with this field as 0.
+};
+
+std::uint64_t Checksum(std::string_view data) {
+  std::uint64_t sum = data.size();
+  for (; data.size() >= sizeof sum; data.remove_prefix(sizeof sum)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, data.data(), sizeof word);
+    sum = (sum ^ word) * 0x9E3779B97F4A7C15ULL;
+    sum ^= sum >> 29;
+  }
+  for (const char byte : data) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
+  return sum;
+}
+
+std::unique_ptr<Image> MakeImage(std::uint64_t sequence, std::size_t size_bytes) {
+  auto image = std::make_unique<Image>();
+  std::string& data = *image->mutable_data();
+  data.resize(std::max(size_bytes, sizeof(Stamp)));
+  std::uint64_t word = sequence;
+  for (std::size_t i = sizeof(Stamp); i + sizeof word <= data.size(); i += sizeof word) {
+    word = word * 6364136223846793005ULL + 1442695040888963407ULL;
+    std::memcpy(data.data() + i, &word, sizeof word);
+  }
+  Stamp stamp{static_cast<std::uint64_t>(getpid()), sequence, 0};
+  std::memcpy(data.data(), &stamp, sizeof stamp);
+  stamp.checksum = Checksum(data);
+  std::memcpy(data.data(), &stamp, sizeof stamp);
+  return image;
+}
+
+/// Nothing in it if the data is not what was published.
+Stamp ReadStamp(const Image& image) {
+  std::string data = image.data();
+  Stamp stamp;
+  if (data.size() < sizeof stamp) return {};
+  std::memcpy(&stamp, data.data(), sizeof stamp);
+  std::memset(data.data() + offsetof(Stamp, checksum), 0, sizeof stamp.checksum);
+  return Checksum(data) == stamp.checksum ? stamp : Stamp{};
+}
+
+/// Publishes on a thread of its own.
+class Source {
+ public:
+  Source(Session& session, const Arguments& arguments)
+      : session_(session),
+        channel_(arguments.Text("out")),
+        publish_(session.Advertise<Image>(channel_)),
+        count_(arguments.Number("count", 0)),
+        size_bytes_(arguments.Number("size", 64)),
+        await_(arguments.Number("await", 0)),
+        period_(arguments.Number("period-us", 1000)),
+        thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+  void Report(std::string& line) const {
+    line += " published=" + std::to_string(published_) + " full=" + std::to_string(full_) +
+            " waiting=" + std::to_string(waiting_) + " refused=" + std::to_string(refused_);
+  }
+
+ private:
+  void Run(const std::stop_token& stop) {
+    if (!session_.WaitForSubscribers(channel_, await_, test::kPatience)) return;
+    auto next = std::chrono::steady_clock::now();
+    for (std::uint64_t sequence = 1; (count_ == 0 || sequence <= count_) && !stop.stop_requested(); ++sequence) {
+      auto image = MakeImage(sequence, size_bytes_);
+      PublishStatus status = publish_(std::move(image));
+      if (status == PublishStatus::kFull) {
+        ++full_;
+        waiting_ = 1;
+        status = publish_.Wait(std::move(image), std::chrono::steady_clock::now() + kRoomPatience, stop);
+        waiting_ = 0;
+      }
+      if (status == PublishStatus::kOk) {
+        ++published_;
+      } else {
+        ++refused_;
+      }
+      next = std::max(next + period_, std::chrono::steady_clock::now() - period_);
+      std::unique_lock lock(mutex_);
+      stopped_.wait_until(lock, stop, next, [] { return false; });
+    }
+  }
+
+  Session& session_;
+  const std::string channel_;
+  const Publisher<Image> publish_;
+  const std::uint64_t count_;
+  const std::size_t size_bytes_;
+  const std::size_t await_;
+  const std::chrono::microseconds period_;
+  std::atomic<std::uint64_t> published_{0};
+  std::atomic<std::uint64_t> full_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<int> waiting_{0};
+  std::mutex mutex_;
+  std::condition_variable_any stopped_;
+  std::jthread thread_;
+};
+
+/// Receives and checks. A new publisher, told by its process, begins a new count.
+class Sink {
+ public:
+  Sink(Session& session, const Arguments& arguments) : slow_(arguments.Number("slow-ms", 0)) {
+    NodeOptions options;
+    options.queue = Queue::KeepLast(arguments.Number("keep-last", 64));
+    if (const auto depth = arguments.Number("keep-all", 0); depth > 0) options.queue = Queue::KeepAll(depth);
+    options.executor = Executor::Dedicated();
+    subscription_ = session.FromAny<Image>(
+        arguments.Text("in"), Invoke::kSerial, [this](const Image& image) { Take(image); }, options);
+  }
+
+  void Report(std::string& line) const {
+    const auto node = subscription_.stats();
+    const std::scoped_lock lock(mutex_);
+    line += " received=" + std::to_string(received_) + " from=" + std::to_string(from_) +
+            " first=" + std::to_string(first_) + " last=" + std::to_string(last_) + " gaps=" + std::to_string(gaps_) +
+            " disorder=" + std::to_string(disorder_) + " corrupt=" + std::to_string(corrupt_) +
+            " pushed_out=" + std::to_string(node.dropped);
+  }
+
+ private:
+  void Take(const Image& image) {
+    const Stamp stamp = ReadStamp(image);
+    {
+      const std::scoped_lock lock(mutex_);
+      ++received_;
+      if (stamp.sequence == 0) {
+        ++corrupt_;
+      } else if (stamp.publisher != from_) {
+        from_ = stamp.publisher;
+        first_ = last_ = stamp.sequence;
+      } else if (stamp.sequence > last_) {
+        gaps_ += stamp.sequence - last_ - 1;
+        last_ = stamp.sequence;
+      } else {
+        ++disorder_;
+      }
+    }
+    if (slow_.count() > 0) (void)test::Await([] { return false; }, slow_);
+  }
+
+  const std::chrono::milliseconds slow_;
+  mutable std::mutex mutex_;
+  std::uint64_t received_ = 0;
+  std::uint64_t from_ = 0;
+  std::uint64_t first_ = 0;
+  std::uint64_t last_ = 0;
+  std::uint64_t gaps_ = 0;
+  std::uint64_t disorder_ = 0;  // Repeats among them.
+  std::uint64_t corrupt_ = 0;
+  Subscription subscription_;
+};
+
+void ReportSession(const Session& session, std::string& line) {
+  const SessionSnapshot snapshot = session.Snapshot();
+  OutboundChannel::Stats out;
+  PublisherTraffic in;
+  std::uint64_t faults = 0;
+  std::size_t publishers = 0;
+  LogHistogram transport;
+  for (const ChannelTraffic& traffic : snapshot.traffic) {
+    out.subscribers += traffic.out.subscribers;
+    out.sent += traffic.out.sent;
+    out.dropped += traffic.out.dropped;
+    out.missed += traffic.out.missed;
+    out.queued_bytes += traffic.out.queued_bytes;
+    publishers += traffic.publishers;
+    for (const PublisherTraffic& one : traffic.in) {
+      in.received += one.received;
+      in.lost += one.lost;
+      in.repeated += one.repeated;
+    }
+    for (const std::uint64_t count : traffic.faults) faults += count;
+    transport.Merge(traffic.transport);
+  }
+  for (const std::uint64_t count : snapshot.transport.faults) faults += count;
+  line += " subscribers=" + std::to_string(out.subscribers) + " sent=" + std::to_string(out.sent) +
+          " dropped=" + std::to_string(out.dropped) + " missed=" + std::to_string(out.missed) +
+          " queued_bytes=" + std::to_string(out.queued_bytes) + " publishers=" + std::to_string(publishers) +
+          " came=" + std::to_string(in.received) + " lost=" + std::to_string(in.lost) +
+          " repeated=" + std::to_string(in.repeated) + " faults=" + std::to_string(faults) +
+          " peers=" + std::to_string(snapshot.peers.size()) + " delay_ns=" + std::to_string(transport.Quantile(0.5));
+}
+
+int Run(const Arguments& arguments, const sigset_t& end) {
+  std::mutex writing;
+  const auto say = [&writing](const std::string& line) {
+    const std::scoped_lock lock(writing);
+    (void)std::fprintf(stdout, "%s\n", line.c_str());
+    (void)std::fflush(stdout);
+  };
+  Session session(
+      Config::Parse(arguments.Text("config")),
+      SessionOptions{"worker", [&say](LogLevel, std::string_view text) { say("log " + std::string(text)); }});
+  std::optional<Sink> sink;
+  std::optional<Source> source;
+  if (!arguments.Text("in").empty()) sink.emplace(session, arguments);
+  if (!arguments.Text("out").empty()) source.emplace(session, arguments);
+  const timespec period{0, std::chrono::nanoseconds(kReportPeriod).count()};
+  int signal = 0;
+  do {
+    std::string line = "status ready=1";
+    // First what came from the network, then what the callbacks saw: the latter never lags behind in the report.
+    ReportSession(session, line);
+    if (source) source->Report(line);
+    if (sink) sink->Report(line);
+    say(line);
+    signal = sigtimedwait(&end, nullptr, &period);
+  } while (signal < 0);
+  return 0;
+}
+
+}  // namespace
+}  // namespace hgros::resilience
+
+int main(int count, char** texts) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  sigset_t end;
+  sigemptyset(&end);
+  sigaddset(&end, SIGTERM);
+  sigprocmask(SIG_BLOCK, &end, nullptr);
+  try {
+    return hgros::resilience::Run(hgros::resilience::Arguments(count, texts), end);
+  } catch (const std::exception& error) {
+    (void)std::fprintf(stdout, "log %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,121 @@
+// Subscribers that are stopped, slow or killed while a publisher is at work.
+#include <gtest/gtest.h>
+
+#include "resilience/places.hpp"
+#include "resilience/worker_process.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using test::Await;
+
+constexpr std::size_t kLargeBytes = 256 * 1024;
+
+TEST(StoppedSubscriber, HoldsBackNeitherTheOthersNorThePublishersMemory) {
+  const ScratchFolder folder;
+  const std::string bus = folder.Endpoint("bus");
+  const WorkerProcess publisher({Publishing(bus, ", peer_queue_bytes: 4MiB"), "--out=images", "--await=2",
+                                 "--size=" + std::to_string(kLargeBytes), "--count=2000", "--period-us=2000"});
+  const WorkerProcess other({Subscribing(bus), "--in=images", "--keep-all=16"});
+  const WorkerProcess stopped({Subscribing(bus), "--in=images", "--keep-last=1000"});
+  ASSERT_TRUE(stopped.Reaches({{"received", 50}})) << publisher << stopped;
+  stopped.Stop();
+  const std::size_t before = publisher.resident_bytes();
+  std::size_t most = before;
+  // 500 MB pass meanwhile.
+  ASSERT_TRUE(Await(
+      [&] {
+        most = std::max(most, publisher.resident_bytes());
+        return publisher["published"] == 2000;
+      },
+      3 * test::kPatience))
+      << publisher << other;
+  ASSERT_TRUE(other.Reaches({{"received", 2000}})) << publisher << other;
+  EXPECT_EQ(other["gaps"] + other["disorder"] + other["corrupt"], 0U) << other;
+  // What waits in its ring, what credit has let into the socket, and some room for the allocator.
+  EXPECT_LE(most, before + (4 << 20) + 64 * kLargeBytes + (24 << 20)) << before << " before" << publisher;
+  EXPECT_LE(publisher["queued_bytes"], (4U << 20) + kLargeBytes);
+  EXPECT_GT(publisher["dropped"], 1000U) << publisher;
+  stopped.Continue();
+  ASSERT_TRUE(stopped.Reaches({{"last", 2000}})) << publisher << stopped;
+  EXPECT_EQ(stopped["disorder"] + stopped["corrupt"], 0U) << stopped;
+  EXPECT_EQ(stopped["came"] + stopped["lost"], 2000U) << stopped;
+  EXPECT_EQ(stopped["lost"], publisher["dropped"]) << publisher << stopped;
+}
+
+TEST(StoppedSubscriber, HearsAgainAfterItWasGivenUp) {
+  for (const bool ipc : {true, false}) {
+    const ScratchFolder folder;
+    const std::string bus = ipc ? folder.Endpoint("bus") : TcpEndpoint(FreePort());
+    const WorkerProcess publisher({Publishing(bus, kImpatient), "--out=images", "--size=4096"});
+    const WorkerProcess other({Subscribing(bus, kImpatient), "--in=images", "--keep-last=1000"});
+    for (const std::string queue : {"--keep-last=16", "--keep-all=16"}) {
+      const WorkerProcess stopped({Subscribing(bus, kImpatient), "--in=images", queue});
+      for (int round = 0; round < 2; ++round) {
+        ASSERT_TRUE(stopped.Gains("received", 20)) << queue << publisher << stopped;
+        stopped.Stop();
+        ASSERT_TRUE(Await([&] { return publisher["subscribers"] == 1; })) << queue << publisher << stopped;
+        ASSERT_TRUE(other.Gains("received", 200)) << queue << publisher << other;
+        stopped.Continue();
+        ASSERT_TRUE(Await([&] { return publisher["subscribers"] == 2; })) << queue << publisher << stopped;
+        ASSERT_TRUE(stopped.Gains("received", 100)) << queue << publisher << stopped;
+      }
+      EXPECT_EQ(stopped["disorder"] + stopped["corrupt"], 0U) << queue << stopped;
+    }
+    ASSERT_TRUE(Await([&] { return publisher["subscribers"] == 1; })) << "killed ones are noticed" << publisher;
+    EXPECT_EQ(other["disorder"] + other["corrupt"], 0U) << other;
+  }
+}
+
+TEST(StoppedSubscriber, ThatIsLosslessAndComesBackInTimeMissesNothing) {
+  const ScratchFolder folder;
+  const std::string bus = folder.Endpoint("bus");
+  const WorkerProcess publisher(
+      {Publishing(bus), "--out=images", "--await=1", "--count=1000", "--size=65536", "--period-us=100"});
+  const WorkerProcess stopped({Subscribing(bus), "--in=images", "--keep-all=16"});
+  ASSERT_TRUE(stopped.Reaches({{"received", 50}})) << publisher << stopped;
+  stopped.Stop();
+  ASSERT_TRUE(publisher.Reaches({{"waiting", 1}})) << publisher;
+  stopped.Continue();
+  ASSERT_TRUE(stopped.Reaches({{"received", 1000}})) << publisher << stopped;
+  EXPECT_EQ(stopped["first"], 1U);
+  EXPECT_EQ(stopped["last"], 1000U);
+  EXPECT_EQ(stopped["gaps"] + stopped["disorder"] + stopped["corrupt"], 0U) << stopped;
+  EXPECT_EQ(publisher["missed"], 0U);
+}
+
+TEST(LosslessSubscriber, ThatIsSlowGetsEveryMessageOnceAndInOrder) {
+  const ScratchFolder folder;
+  const std::string bus = folder.Endpoint("bus");
+  const WorkerProcess slow({Subscribing(bus), "--in=images", "--keep-all=8", "--slow-ms=1"});
+  const WorkerProcess publisher({Publishing(bus), "--out=images", "--await=1", "--count=1500", "--period-us=0"});
+  ASSERT_TRUE(publisher.Reaches({{"published", 1500}}, 2 * test::kPatience)) << publisher << slow;
+  ASSERT_TRUE(slow.Reaches({{"received", 1500}})) << publisher << slow;
+  EXPECT_EQ(slow["first"], 1U);
+  EXPECT_EQ(slow["last"], 1500U);
+  EXPECT_EQ(slow["gaps"] + slow["disorder"] + slow["corrupt"] + slow["pushed_out"], 0U) << slow;
+  EXPECT_GT(publisher["full"], 0U);
+  EXPECT_EQ(publisher["missed"] + publisher["dropped"] + publisher["refused"], 0U) << publisher;
+}
+
+TEST(LosslessSubscriber, ThatIsKilledLetsThePublisherGoOnAndIsCounted) {
+  const ScratchFolder folder;
+  const std::string bus = folder.Endpoint("bus");
+  const WorkerProcess publisher(
+      {Publishing(bus, kImpatient), "--out=images", "--await=1", "--size=4096", "--period-us=0"});
+  for (std::uint64_t life = 1; life <= 3; ++life) {
+    WorkerProcess slow({Subscribing(bus, kImpatient), "--in=images", "--keep-all=8", "--slow-ms=20"});
+    ASSERT_TRUE(slow.Reaches({{"received", 10}})) << publisher << slow;
+    ASSERT_TRUE(publisher.Reaches({{"waiting", 1}})) << publisher;
+    const std::uint64_t missed = publisher["missed"];
+    slow.Kill();
+    // The worker waits for room for 60 s: only that the dead one was given up can let it go on.
+    ASSERT_TRUE(publisher.Gains("published", 1000)) << publisher;
+    EXPECT_TRUE(Await([&] { return publisher["missed"] > missed && publisher["subscribers"] == 0; })) << publisher;
+    EXPECT_LE(publisher["missed"], missed + 8) << "more than its queue holds" << publisher;
+  }
+  EXPECT_EQ(publisher["refused"], 0U) << publisher;
+}
+
+}  // namespace
+}  // namespace hgros::resilience

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <ostream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/await.hpp"
+
+namespace hgros::resilience {
+
+/// Runs a command to its end and returns its exit status; -1 if it cannot be run. What it prints is thrown away.
+int RunCommand(const std::vector<std::string>& command);
+
+/// A resilience_worker and what it last said of itself. Killed when this object ends.
+class WorkerProcess {
+ public:
+  /// `network_namespace`: where it runs; empty: here.
+  explicit WorkerProcess(const std::vector<std::string>& arguments, const std::string& network_namespace = {});
+  WorkerProcess(const WorkerProcess&) = delete;
+  WorkerProcess& operator=(const WorkerProcess&) = delete;
+  ~WorkerProcess();
+
+  /// SIGKILL, and waits until the process is gone.
+  void Kill();
+  void Stop() const;
+  void Continue() const;
+  /// SIGTERM; the exit status, or -1 if it did not end in order and in time.
+  int Finish();
+  [[nodiscard]] bool alive() const;
+  [[nodiscard]] pid_t pid() const { return pid_; }
+
+  /// The last reported number of that name; 0 if none came yet.
+  [[nodiscard]] std::uint64_t operator[](const std::string& name) const;
+  /// Waits until all of them hold at once for one report.
+  [[nodiscard]] bool Reaches(const std::map<std::string, std::uint64_t>& at_least,
+                             std::chrono::nanoseconds patience = test::kPatience) const;
+  /// Waits for `more` of a number than is reported now: what is counted from now on.
+  [[nodiscard]] bool Gains(const std::string& name, std::uint64_t more) const;
+
+  [[nodiscard]] std::size_t open_files() const;
+  [[nodiscard]] std::size_t resident_bytes() const;
+
+ private:
+  void Read(int fd);
+  friend std::ostream& operator<<(std::ostream& out, const WorkerProcess& worker);
+
+  pid_t pid_ = -1;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::uint64_t> status_;  // Guarded by mutex_.
+  std::deque<std::string> log_;                  // Likewise; the last lines.
+  std::thread reader_;
+};
+
+/// What it last said, for failures.
+std::ostream& operator<<(std::ostream& out, const WorkerProcess& worker);
+
+}  // namespace hgros::resilience
