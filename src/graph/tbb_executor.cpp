@@ -2,12 +2,21 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 namespace hgros {
 namespace {
 
 int WorkerCount(int wanted) {
   return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
+}
+
+// By value, so that the token itself is read inside TBB's code, which put it there.
+tbb::flow::continue_msg RunToken(TbbExecutor::Token token) noexcept {
+  (void)token->handed_over.load(std::memory_order_acquire);
+  const std::unique_ptr<TbbExecutor::Ticket> ticket(token);
+  ticket->activation->Activate();
+  return {};
 }
 
 }  // namespace
@@ -27,13 +36,19 @@ TbbExecutor::~TbbExecutor() {
 TbbExecutor::FlowNode& TbbExecutor::Take() {
   const std::scoped_lock lock(mutex_);
   if (free_.empty()) {
-    nodes_.push_back(std::make_unique<FlowNode>(*graph_, tbb::flow::unlimited,
-                                                [](const Token& token) noexcept { token->Activate(); }));
+    nodes_.push_back(std::make_unique<FlowNode>(*graph_, tbb::flow::unlimited, &RunToken));
     return *nodes_.back();
   }
   FlowNode& node = *free_.back();
   free_.pop_back();
   return node;
+}
+
+void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation) {
+  auto ticket = std::make_unique<Ticket>();
+  ticket->activation = std::move(activation);
+  ticket->handed_over.store(true, std::memory_order_release);
+  if (node.try_put(ticket.get())) (void)ticket.release();
 }
 
 void TbbExecutor::Give(FlowNode& node) {

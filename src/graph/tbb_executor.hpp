@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -26,7 +27,13 @@ class Activation {
 // when our own counts say that it is done; they are reused instead.
 class TbbExecutor {
  public:
-  using Token = std::shared_ptr<Activation>;
+  // Made by Put(), ended by the body that it sets going. What happened before Put() happens before that body: TBB
+  // guarantees it, and the flag says it again where ThreadSanitizer can see it.
+  struct Ticket {
+    std::shared_ptr<Activation> activation;
+    std::atomic<bool> handed_over{false};
+  };
+  using Token = Ticket*;
   using FlowNode = tbb::flow::function_node<Token, tbb::flow::continue_msg>;
 
   explicit TbbExecutor(int threads);
@@ -34,7 +41,7 @@ class TbbExecutor {
 
   FlowNode& Take();
   void Give(FlowNode& node);
-  static void Put(FlowNode& node, const Token& token) { node.try_put(token); }
+  static void Put(FlowNode& node, std::shared_ptr<Activation> activation);
 
  private:
   tbb::global_control workers_;
