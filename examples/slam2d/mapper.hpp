@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "laser_scan.hpp"
 #include "occupancy_map.hpp"
 #include "scan_matcher.hpp"
@@ -12,17 +15,20 @@ namespace slam2d {
 class Mapper {
  public:
   explicit Mapper(const MapOptions& options) : map_(options) {}
+  /// Goes on where another one stopped, with its map() and its T_map_drawn().
+  Mapper(OccupancyMap map, std::optional<Pose2> T_map_drawn) : map_(std::move(map)), T_map_drawn_(T_map_drawn) {}
 
   /// Draws `scan` at `match` into the map if the laser has moved or turned enough since the last scan drawn. The delta
   /// carries the scan's sequence as version either way.
   MapDelta Add(const LaserScan2& scan, const ScanMatch& match);
 
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
+  /// Where the laser was when the last scan was drawn; nothing before the first.
+  [[nodiscard]] const std::optional<Pose2>& T_map_drawn() const { return T_map_drawn_; }
 
  private:
   OccupancyMap map_;
-  bool started_ = false;
-  Pose2 T_map_drawn_;
+  std::optional<Pose2> T_map_drawn_;
 };
 
 }  // namespace slam2d

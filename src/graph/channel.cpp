@@ -25,6 +25,14 @@ Channel::~Channel() {
 }
 
 PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept {
+  const PublishStatus status = Try(offer, reach);
+  if (status != PublishStatus::kFull) return status;
+  failed_tries_.fetch_add(1, std::memory_order_seq_cst);
+  refused_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
   if (core_.refusing()) return PublishStatus::kClosed;
   const epoch::Guard guard;
   const Fanout& fanout = *fanout_.load(std::memory_order_seq_cst);
@@ -38,14 +46,17 @@ PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept 
       latched_.load(std::memory_order_relaxed) == 0) {
     return PublishToSole(fanout, offer, bytes);
   }
+  const std::uint64_t failed_before = reserved ? failed_tries_.load(std::memory_order_seq_cst) : 0;
   if (reserved && !ReserveAll(fanout, bytes)) {
-    refused_.fetch_add(1, std::memory_order_relaxed);
+    NotifyIfTried(failed_before);
     return PublishStatus::kFull;
   }
   if (outlet != nullptr) {
     if (const PublishStatus status = outlet->Reserve(); status != PublishStatus::kOk) {
-      if (reserved) CancelAll(fanout, fanout.nodes.size(), bytes);
-      refused_.fetch_add(1, std::memory_order_relaxed);
+      if (reserved) {
+        CancelAll(fanout, fanout.nodes.size(), bytes);
+        NotifyIfTried(failed_before);
+      }
       return status;
     }
   }
@@ -78,7 +89,6 @@ PublishStatus Channel::PublishToSole(const Fanout& fanout, const MessageOffer& o
   std::int64_t now = info.publish_monotonic_ns;
   const bool alone = fanout.nodes.size() == 1;
   if (!fanout.sole_lossless->Take({offer, sequence_, bytes, alone}, message, info, now)) {
-    refused_.fetch_add(1, std::memory_order_relaxed);
     return PublishStatus::kFull;
   }
   if (!alone) Deliver(fanout, message, info, nullptr, {bytes, false, true, fanout.sole_lossless});
@@ -161,9 +171,22 @@ void Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_pt
 
 PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
                                    std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
-  PublishStatus status = Publish(offer, reach);
+  // Twice: what was full may only have been held by a publish that failed elsewhere and looks, after giving it back,
+  // whether somebody failed meanwhile. Either it sees this failure, or the second try finds the room.
+  const auto try_twice = [&] {
+    PublishStatus status = PublishStatus::kFull;
+    for (int i = 0; i < 2 && status == PublishStatus::kFull; ++i) {
+      status = Try(offer, reach);
+      if (status == PublishStatus::kFull) failed_tries_.fetch_add(1, std::memory_order_seq_cst);
+    }
+    return status;
+  };
+  PublishStatus status = Try(offer, reach);
   if (status != PublishStatus::kFull) return status;
-  if (CallbackScope::InAny()) return PublishStatus::kWouldDeadlock;
+  if (CallbackScope::InAny()) {
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    return PublishStatus::kWouldDeadlock;
+  }
   room_waiters_.fetch_add(1, std::memory_order_seq_cst);
   for (;;) {
     std::uint64_t seen = 0;
@@ -171,16 +194,22 @@ PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
       const std::scoped_lock lock(room_mutex_);
       seen = room_generation_;
     }
-    status = Publish(offer, reach);
+    status = try_twice();
     if (status != PublishStatus::kFull) break;
     std::unique_lock lock(room_mutex_);
     const bool changed = room_.wait_until(lock, stop, deadline, [&] { return room_generation_ != seen; });
     if (changed) continue;
     status = stop.stop_requested() ? PublishStatus::kStopped : PublishStatus::kTimedOut;
+    refused_.fetch_add(1, std::memory_order_relaxed);
     break;
   }
   room_waiters_.fetch_sub(1, std::memory_order_seq_cst);
   return status;
+}
+
+// A publish has given back what it took in vain: whoever failed meanwhile may have failed only for that.
+void Channel::NotifyIfTried(std::uint64_t failed_before) noexcept {
+  if (failed_tries_.load(std::memory_order_seq_cst) != failed_before) NotifyRoom();
 }
 
 void Channel::NotifyRoom() noexcept {

@@ -66,6 +66,7 @@ class Channel {
   [[nodiscard]] GraphCore& core() const noexcept { return core_; }
 
  private:
+  PublishStatus Try(const MessageOffer& offer, Reach reach) noexcept;
   // Hands the message to the nodes, but not to `except`. `last`: nobody needs the message afterwards.
   struct Handing {
     std::size_t bytes = 0;
@@ -83,6 +84,7 @@ class Channel {
   // Takes room in every lossless node, or in none.
   [[nodiscard]] static bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
   static void CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
+  void NotifyIfTried(std::uint64_t failed_before) noexcept;
   void Replace(std::shared_ptr<const Fanout> fanout);
 
   const std::string name_;
@@ -109,6 +111,7 @@ class Channel {
   std::uint64_t room_generation_ = 0;
   alignas(64) std::atomic<int> room_waiters_{0};  // Read for every message that a lossless node runs.
 
+  std::atomic<std::uint64_t> failed_tries_{0};  // Refused, also those of a PublishWait() that goes on waiting.
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> received_{0};
 };

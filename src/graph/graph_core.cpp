@@ -1,6 +1,7 @@
 #include "graph/graph_core.hpp"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 #include "graph/dedicated_node.hpp"
@@ -128,33 +129,54 @@ bool GraphCore::WaitIdle(std::chrono::steady_clock::time_point deadline) const {
 }
 
 void GraphCore::Refuse() noexcept {
-  refusing_.store(true, std::memory_order_seq_cst);
+  if (refusing_.exchange(true, std::memory_order_seq_cst)) return;
   for (Channel* channel : channels_.All()) channel->NotifyRoom();
+  try {
+    auto watch = std::make_unique<HangWatch>(kPatience, [this] { NameBusyNodes(); });
+    const std::scoped_lock lock(mutex_);
+    hang_watch_ = std::move(watch);
+  } catch (const std::system_error&) {  // No thread to be had: then nothing is said.
+  }
+}
+
+void GraphCore::NameBusyNodes() const {
+  std::vector<std::shared_ptr<Node>> nodes = Lingering();
+  for (const Channel* channel : channels_.All()) {
+    const std::vector<std::shared_ptr<Node>> wired = channel->Nodes();
+    nodes.insert(nodes.end(), wired.begin(), wired.end());
+  }
+  for (const std::shared_ptr<Node>& node : nodes) {
+    if (node->WaitIdle(std::chrono::steady_clock::now())) continue;
+    log_->Write(LogLevel::kError, "Shutting down waits for node \"" + node->setting().name + "\" on channel \"" +
+                                      node->setting().channel + "\", which has been busy for more than 2 s with " +
+                                      std::to_string(node->Snapshot().queued) + " messages still waiting.");
+  }
 }
 
 void GraphCore::Shutdown() noexcept {
   Refuse();
-  if (!WaitIdle(std::chrono::steady_clock::now() + kPatience)) {
-    for (const Channel* channel : channels_.All()) {
-      for (const std::shared_ptr<Node>& node : channel->Nodes()) {
-        if (node->WaitIdle(std::chrono::steady_clock::now())) continue;
-        log_->Write(LogLevel::kError, "Shutting down waits for node \"" + node->setting().name + "\" on channel \"" +
-                                          channel->name() + "\", which has been busy for more than 2 s with " +
-                                          std::to_string(node->Snapshot().queued) + " messages still waiting.");
-      }
-    }
-  }
+  (void)WaitIdle(std::chrono::steady_clock::now() + kPatience);
+  // Closed before it is taken out, so that the watch can still name what does not end.
   for (Channel* channel : channels_.All()) {
     for (const std::shared_ptr<Node>& node : channel->Nodes()) {
-      channel->Remove(*node);
       node->Close(true);
+      channel->Remove(*node);
     }
   }
   // A lingering callback may end further subscriptions.
-  for (std::vector<std::shared_ptr<Node>> lingering = TakeLingering(); !lingering.empty();
-       lingering = TakeLingering()) {
+  for (std::vector<std::shared_ptr<Node>> lingering = Lingering(); !lingering.empty(); lingering = Lingering()) {
     for (const std::shared_ptr<Node>& node : lingering) node->Close(true);
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(lingering_, [&](const std::shared_ptr<Node>& node) {
+      return std::find(lingering.begin(), lingering.end(), node) != lingering.end();
+    });
   }
+  std::unique_ptr<HangWatch> watch;  // Ended outside the lock, which its thread takes.
+  {
+    const std::scoped_lock lock(mutex_);
+    watch = std::move(hang_watch_);
+  }
+  watch.reset();
   epoch::Collect();
 }
 
@@ -167,9 +189,9 @@ void GraphCore::Linger(std::shared_ptr<Node> node) {
   lingering_.push_back(std::move(node));
 }
 
-std::vector<std::shared_ptr<Node>> GraphCore::TakeLingering() {
+std::vector<std::shared_ptr<Node>> GraphCore::Lingering() const {
   const std::scoped_lock lock(mutex_);
-  return std::exchange(lingering_, {});
+  return lingering_;
 }
 
 // Lets go of those whose callbacks have returned.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/channel_table.hpp"
+#include "graph/hang_watch.hpp"
 #include "graph/tbb_executor.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
@@ -27,6 +28,7 @@ class GraphCore {
   std::shared_ptr<Node> Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
   void SetClosed(std::string_view name, bool closed);
   bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
+  // The first call also begins to watch: what still runs after 2 s is named in the log, until Shutdown() is done.
   void Refuse() noexcept;
   void Shutdown() noexcept;
 
@@ -44,8 +46,9 @@ class GraphCore {
 
  private:
   TbbExecutor& Workers();
-  [[nodiscard]] std::vector<std::shared_ptr<Node>> TakeLingering();
+  [[nodiscard]] std::vector<std::shared_ptr<Node>> Lingering() const;
   void PruneLingering();
+  void NameBusyNodes() const;
 
   const GraphOptions options_;
   const std::shared_ptr<Log> log_;
@@ -55,9 +58,10 @@ class GraphCore {
   std::mutex workers_mutex_;
   std::optional<TbbExecutor> workers_;
   ChannelTable channels_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::set<std::string, std::less<>> closed_before_open_;
   std::vector<std::shared_ptr<Node>> lingering_;
+  std::unique_ptr<HangWatch> hang_watch_;  // Last: its thread reads the others.
 };
 
 }  // namespace hgros

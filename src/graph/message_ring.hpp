@@ -1,22 +1,41 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <deque>
+#include <memory>
 #include <optional>
+#include <span>
 #include <utility>
-#include <vector>
 
 #include "graph/queued_message.hpp"
 #include "hgros/graph/queue.hpp"
 
 namespace hgros {
 
-// The bounded queue of one node. Memory grows with use, up to the depth; a keep-all queue goes beyond its limit only
-// for messages that were let in without a reservation (remote ones, bounded by their senders' credit).
+// The bounded queue of one node. Memory grows with use, a block at a time, up to the depth; a keep-all queue goes
+// beyond its limit only for messages that were let in without a reservation (remote ones, bounded by their senders'
+// credit).
 //
 // Thread safety: none, the node locks.
-// Invariants: size() == queued; bytes() == sum of their bytes; keep-last: size() <= depth.
+// Invariants: size() == queued; bytes() == sum of their bytes; keep-last: size() <= depth; no block but the last has
+// room, and none is empty.
 class MessageRing {
  public:
+  // Messages in the order in which they came. One that was taken belongs to its taker, who may empty it without locks.
+  class Block {
+   public:
+    static constexpr std::size_t kSize = 32;
+    [[nodiscard]] std::span<QueuedMessage> messages() noexcept { return {slots_.data() + first_, end_ - first_}; }
+
+   private:
+    friend class MessageRing;
+    std::array<QueuedMessage, kSize> slots_;
+    std::size_t first_ = 0;
+    std::size_t end_ = 0;
+  };
+
   explicit MessageRing(const Queue& queue) : queue_(queue) {}
 
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
@@ -48,8 +67,11 @@ class MessageRing {
   std::optional<QueuedMessage> Push(const Delivery& delivery) {
     std::optional<QueuedMessage> dropped;
     if (!queue_.lossless() && size_ >= queue_.depth()) dropped = Pop();
-    if (size_ == slots_.size()) Grow();
-    QueuedMessage& slot = slots_[(first_ + size_) & (slots_.size() - 1)];
+    if (blocks_.empty() || blocks_.back()->end_ == Block::kSize) {
+      blocks_.push_back(spare_ ? std::move(spare_) : std::make_unique<Block>());
+    }
+    Block& block = *blocks_.back();
+    QueuedMessage& slot = block.slots_[block.end_++];
     if (delivery.last) {
       slot.message = std::move(delivery.message);
     } else {
@@ -65,24 +87,37 @@ class MessageRing {
 
   // The oldest message; the ring must not be empty.
   QueuedMessage Pop() {
-    QueuedMessage message = std::move(slots_[first_]);
-    first_ = (first_ + 1) & (slots_.size() - 1);
+    Block& block = *blocks_.front();
+    QueuedMessage message = std::move(block.slots_[block.first_++]);
     --size_;
     bytes_ -= message.bytes;
+    if (block.first_ == block.end_) GiveBack(TakeFront());
     return message;
   }
 
+  // The oldest messages, a block of them, without touching one; the ring must not be empty. Only for queues without a
+  // byte limit.
+  std::unique_ptr<Block> PopBlock() {
+    std::unique_ptr<Block> block = TakeFront();
+    size_ -= block->messages().size();
+    return block;
+  }
+  // A block whose messages were moved from or let go of, to be used again.
+  void GiveBack(std::unique_ptr<Block> block) noexcept {
+    block->first_ = block->end_ = 0;
+    if (!spare_) spare_ = std::move(block);
+  }
+
  private:
-  void Grow() {
-    std::vector<QueuedMessage> grown(slots_.empty() ? 4 : slots_.size() * 2);
-    for (std::size_t i = 0; i < size_; ++i) grown[i] = std::move(slots_[(first_ + i) & (slots_.size() - 1)]);
-    slots_ = std::move(grown);
-    first_ = 0;
+  std::unique_ptr<Block> TakeFront() {
+    std::unique_ptr<Block> block = std::move(blocks_.front());
+    blocks_.pop_front();
+    return block;
   }
 
   Queue queue_;
-  std::vector<QueuedMessage> slots_;  // As many as a power of two.
-  std::size_t first_ = 0;
+  std::deque<std::unique_ptr<Block>> blocks_;
+  std::unique_ptr<Block> spare_;
   std::size_t size_ = 0;
   std::size_t bytes_ = 0;
   std::size_t reserved_messages_ = 0;

@@ -84,15 +84,9 @@ void QueuedNode::Start() {
   }
 }
 
-bool QueuedNode::TakeNext(QueuedMessage& next) {
-  if (closed_) return false;
-  if (next_preloaded_ < preloaded_.size()) {
-    next = std::move(preloaded_[next_preloaded_++]);
-    return true;
-  }
-  if (ring_.empty()) return false;
-  next = ring_.Pop();
-  return true;
+QueuedMessage QueuedNode::TakeNext() {
+  if (next_preloaded_ < preloaded_.size()) return std::move(preloaded_[next_preloaded_++]);
+  return ring_.Pop();
 }
 
 // A keep-last ring must be able to drop its oldest until the callback begins, concurrent callbacks share the ring, and
@@ -104,42 +98,53 @@ bool QueuedNode::Batches() const noexcept {
 void QueuedNode::RunTaken(QueuedMessage& message, Writers writers, std::int64_t& now) noexcept {
   message.credit.reset();
   unstarted_.fetch_sub(1, std::memory_order_seq_cst);  // Before NotifyRoom() looks who waits.
-  if (closed_) return;
-  if (lossless()) NotifyRoom();
-  Run(message.message, message.info, stats_, writers, now);
+  if (!closed_) {
+    if (lossless()) NotifyRoom();
+    Run(message.message, message.info, stats_, writers, now);
+  }
   message.message.reset();
 }
 
 void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept {
-  if (Batches()) {
-    std::array<QueuedMessage, kBatch> batch;
-    RunThrough(batch, lock, most, now);
-  } else {
-    QueuedMessage one;
-    RunThrough({&one, 1}, lock, most, now);
-  }
-}
-
-void QueuedNode::RunThrough(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock, std::size_t most,
-                            std::int64_t& now) noexcept {
-  // Concurrent callbacks of one node share its counters.
-  const Writers writers = setting().invoke == Invoke::kSerial ? Writers::kOne : Writers::kMany;
-  while (most > 0) {
-    std::size_t taken = 0;
-    while (taken < std::min(most, batch.size()) && TakeNext(batch[taken])) ++taken;
-    if (taken == 0) return;
-    most -= taken;
-    unstarted_.fetch_add(taken, std::memory_order_relaxed);
-    batched_ = taken;
-    ++running_;
-    lock.unlock();
-    for (QueuedMessage& message : batch.first(taken)) RunTaken(message, writers, now);
-    SpinThenLock(lock);
-    batched_ = 0;
-    --running_;
+  const bool batches = Batches();
+  for (std::size_t taken = 0; taken < most && !closed_;) {
+    if (!HasMessages() && (taken < kFlood || !MoreCame(lock))) return;
+    if (batches && next_preloaded_ == preloaded_.size()) {
+      std::unique_ptr<MessageRing::Block> block = ring_.PopBlock();
+      taken += block->messages().size();
+      RunUnlocked(block->messages(), lock, now);
+      ring_.GiveBack(std::move(block));
+    } else {
+      QueuedMessage one = TakeNext();
+      ++taken;
+      RunUnlocked({&one, 1}, lock, now);
+    }
     if (closed_ || watchers_ > 0) changed_.notify_all();
     if (closed_) DropCallbackOnce(lock);
   }
+}
+
+// Messages come in quick succession: waiting a moment for the next ones costs less than being woken for each, and
+// leaves the lock to the publisher meanwhile.
+bool QueuedNode::MoreCame(std::unique_lock<std::mutex>& lock) noexcept {
+  lock.unlock();
+  for (int i = 0; i < kPauses; ++i) PauseBriefly();
+  SpinThenLock(lock);
+  return HasMessages();
+}
+
+void QueuedNode::RunUnlocked(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock,
+                             std::int64_t& now) noexcept {
+  // Concurrent callbacks of one node share its counters.
+  const Writers writers = setting().invoke == Invoke::kSerial ? Writers::kOne : Writers::kMany;
+  unstarted_.fetch_add(batch.size(), std::memory_order_relaxed);
+  batched_ = batch.size();
+  ++running_;
+  lock.unlock();
+  for (QueuedMessage& message : batch) RunTaken(message, writers, now);
+  SpinThenLock(lock);
+  batched_ = 0;
+  --running_;
 }
 
 // Outside the lock: what the callback captured may be a handle of this very node. It counts as running meanwhile, so

@@ -34,8 +34,8 @@ class QueuedNode : public Node {
 
   std::size_t QueuedNow() const override;
 
-  // Runs up to `most` waiting messages, the oldest first and latched ones before all, with `lock` released while
-  // callbacks run. Returns at once if there is none or the node is closed.
+  // Runs `most` waiting messages (or a few more), the oldest first and latched ones before all, with `lock` released
+  // while callbacks run. Returns at once if there is none or the node is closed.
   void RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept;
   // Waiting messages; the lock is held.
   [[nodiscard]] std::size_t QueuedHere() const noexcept { return ring_.size() + preloaded_.size() - next_preloaded_; }
@@ -46,17 +46,19 @@ class QueuedNode : public Node {
   int running_ = 0;
 
  private:
-  // So many messages are taken out at a time, where nobody can tell the difference: taking one by one costs a lock
-  // each.
-  static constexpr std::size_t kBatch = 32;
+  static constexpr std::size_t kFlood = 16;  // So many messages run in one go are a flood.
+  static constexpr int kPauses = 400;        // A few microseconds.
 
   // Takes room; the lock is held.
   [[nodiscard]] bool ReserveHere(std::size_t bytes) noexcept;
+  // Whether a block of messages may be taken out at once, which costs one lock instead of one for each.
   [[nodiscard]] bool Batches() const noexcept;
-  void RunThrough(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock, std::size_t most,
-                  std::int64_t& now) noexcept;
-  // Takes the oldest message; false if there is none or the node is closed. The lock is held.
-  bool TakeNext(QueuedMessage& next);
+  // The oldest message; there must be one. The lock is held.
+  QueuedMessage TakeNext();
+  // Waits a moment for messages, with the lock released; whether there are any now.
+  [[nodiscard]] bool MoreCame(std::unique_lock<std::mutex>& lock) noexcept;
+  // Runs messages that were taken out; the lock is released meanwhile.
+  void RunUnlocked(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock, std::int64_t& now) noexcept;
   void RunTaken(QueuedMessage& message, Writers writers, std::int64_t& now) noexcept;
   void DropCallbackOnce(std::unique_lock<std::mutex>& lock) noexcept;
 

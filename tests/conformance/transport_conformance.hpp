@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <ostream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -47,6 +48,8 @@ class World {
 struct Carrier {
   std::string name;
   std::function<std::unique_ptr<World>()> make;
+
+  friend void PrintTo(const Carrier& carrier, std::ostream* out) { *out << carrier.name; }
 };
 
 /// Remembers what it is told.

@@ -206,6 +206,28 @@ TEST(Lossless, AFullOutletMakesThePublishFailForLocalNodesToo) {
   EXPECT_EQ(outlet->committed, 2) << "ToGraph stays inside";
 }
 
+TEST(Lossless, RoomThatAPublishHeldInVainWakesWhoWaitsForIt) {
+  DataGraph graph;
+  std::atomic<int> run{0};
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&](const int&) { ++run; }, Options(Executor::Dedicated(), Queue::KeepAll(1)));
+  const auto outlet = std::make_shared<CountingOutlet>();
+  outlet->full = true;
+  Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
+  graph.SetOutlet(channel, outlet);
+  std::atomic<bool> stop{false};
+  std::jthread in_vain([&] {
+    const Publisher<int> everywhere(graph.Share(channel), Reach::kAny);
+    while (!stop) (void)everywhere(std::make_unique<int>(-1));
+  });
+  const auto inside = graph.Advertise<int>("c");
+  for (int i = 0; i < 2000; ++i) {
+    ASSERT_EQ(inside.Wait(std::make_unique<int>(i), steady_clock::now() + test::kPatience), PublishStatus::kOk);
+  }
+  stop = true;
+  EXPECT_TRUE(Await([&] { return run == 2000; }));
+}
+
 TEST(Lossless, CreditIsHeldUntilTheMessageLeavesTheQueue) {
   DataGraph graph;
   test::Door door;

@@ -64,6 +64,27 @@ TEST(MessageRing, LetsGoOfWhatItGivesAway) {
   EXPECT_TRUE(watch.expired());
 }
 
+TEST(MessageRing, GivesItsMessagesAwayInBlocksInOrder) {
+  MessageRing ring(Queue::KeepAll(1000));
+  for (int i = 0; i < 100; ++i) Push(ring, Make(i));
+  EXPECT_EQ(ValueOf(ring.Pop()), 0);
+  int pushed = 100;
+  int next = 1;
+  while (next < 300) {
+    std::unique_ptr<MessageRing::Block> block = ring.PopBlock();
+    ASSERT_FALSE(block->messages().empty());
+    if (pushed < 300) Push(ring, Make(pushed++));  // While the block is out.
+    for (QueuedMessage& message : block->messages()) {
+      ASSERT_EQ(ValueOf(message), next++);
+      message.message.reset();
+    }
+    ASSERT_EQ(ring.size(), static_cast<std::size_t>(pushed - next));
+    ring.GiveBack(std::move(block));
+    while (pushed < 300 && pushed - next < 5) Push(ring, Make(pushed++));
+  }
+  EXPECT_TRUE(ring.empty());
+}
+
 TEST(MessageRing, BehavesAsANaiveModelUnderRandomOperations) {
   const std::uint64_t seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));

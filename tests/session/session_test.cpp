@@ -331,6 +331,28 @@ TEST(Session, ASubscriptionMayEndItselfInACallbackForARemoteMessageAndStartAgain
   }
 }
 
+TEST(Session, ThatCannotEndNamesTheInlineCallbackOfARemoteMessageThatHangs) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  test::Door door;
+  std::atomic<bool> inside{false};
+  const auto subscription = listener->FromAny<Note>(
+      "notes", kSerial,
+      [&](const Note&) {
+        inside = true;
+        door.Pass();
+      },
+      Inline());
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_EQ(publish(std::make_unique<Note>("x")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return inside.load(); }));
+  std::jthread ender([&] { listener.session.reset(); });
+  EXPECT_TRUE(Await([&] { return listener.Said("waits for node \"notes#0\" on channel \"notes\""); }));
+  door.Open();
+}
+
 TEST(Session, MayBeDestroyedUnderLoad) {
   const Bus bus;
   for (int round = 0; round < 5; ++round) {

@@ -1,11 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "../laser_scan.hpp"
-#include "../occupancy_map.hpp"
-#include "../scan_matcher.hpp"
+#include "../mapper.hpp"
 #include "messages.hpp"
 
 namespace slam2d {
@@ -20,15 +18,14 @@ class MapOwner {
 
   /// The sequence of the scan that is due.
   [[nodiscard]] std::uint64_t next_scan() const { return next_scan_; }
-  [[nodiscard]] const OccupancyMap& map() const { return map_; }
+  [[nodiscard]] const OccupancyMap& map() const { return mapper_.map(); }
 
   void Save(msg::MapState& state) const;
   /// Errors: throws std::invalid_argument if the state contradicts itself.
   void Restore(const msg::MapState& state);
 
  private:
-  OccupancyMap map_;
-  std::optional<Pose2> T_map_drawn_;
+  Mapper mapper_{MapOptions{}};
   std::uint64_t next_scan_ = 0;
 };
 
