@@ -26,13 +26,12 @@ Channel::~Channel() {
 
 PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept {
   const PublishStatus status = Try(offer, reach);
-  if (status != PublishStatus::kFull) return status;
-  failed_tries_.fetch_add(1, std::memory_order_seq_cst);
-  refused_.fetch_add(1, std::memory_order_relaxed);
+  if (status != PublishStatus::kOk) refused_.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
 
 PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
+  if (offer.message == nullptr) return PublishStatus::kEmpty;
   if (core_.refusing()) return PublishStatus::kClosed;
   const epoch::Guard guard;
   const Fanout& fanout = *fanout_.load(std::memory_order_seq_cst);
@@ -46,17 +45,10 @@ PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
       latched_.load(std::memory_order_relaxed) == 0) {
     return PublishToSole(fanout, offer, bytes);
   }
-  const std::uint64_t failed_before = reserved ? failed_tries_.load(std::memory_order_seq_cst) : 0;
-  if (reserved && !ReserveAll(fanout, bytes)) {
-    NotifyIfTried(failed_before);
-    return PublishStatus::kFull;
-  }
+  if (reserved && !ReserveAll(fanout, bytes)) return PublishStatus::kFull;
   if (outlet != nullptr) {
     if (const PublishStatus status = outlet->Reserve(); status != PublishStatus::kOk) {
-      if (reserved) {
-        CancelAll(fanout, fanout.nodes.size(), bytes);
-        NotifyIfTried(failed_before);
-      }
+      if (reserved) CancelAll(fanout, fanout.nodes.size(), bytes);
       return status;
     }
   }
@@ -105,9 +97,11 @@ bool Channel::ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept {
 }
 
 void Channel::CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept {
+  bool missed = false;
   for (std::size_t i = 0; i < count; ++i) {
-    if (fanout.nodes[i]->lossless()) fanout.nodes[i]->CancelReservation(bytes);
+    if (fanout.nodes[i]->lossless()) missed = fanout.nodes[i]->CancelReservation(bytes) || missed;
   }
+  if (missed) NotifyRoom();
 }
 
 void Channel::Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
@@ -131,30 +125,35 @@ void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyM
 }
 
 const Fanout& Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth) {
-  std::deque<QueuedMessage> dropped;  // Let go of after the lock: a message's destructor is the user's code.
+  LatchedMessages::Messages dropped;  // Let go of after the lock: a message's destructor is the user's code.
   const std::scoped_lock lock(latch_mutex_);
   if (!info.remote) {  // Numbered and timed in one order.
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
     info.publish_monotonic_ns = MonotonicNow();
   }
-  std::deque<QueuedMessage>& kept = latched_messages_[info.id.publisher];
-  // A publisher that started anew has latched anew.
-  if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) dropped.swap(kept);
-  kept.push_back({message, info, nullptr, 0});
-  while (kept.size() > depth) {
-    dropped.push_back(std::move(kept.front()));
-    kept.pop_front();
-  }
+  dropped = latched_messages_.Store(message, info, depth);
   return *fanout_.load(std::memory_order_seq_cst);
 }
 
-void Channel::ForgetLatched(std::uint64_t publisher) {
-  std::deque<QueuedMessage> dropped;
+void Channel::PublisherIsGone(std::uint64_t publisher) {
+  LatchedMessages::Messages dropped;
   const std::scoped_lock lock(latch_mutex_);
-  const auto kept = latched_messages_.find(publisher);
-  if (kept == latched_messages_.end()) return;
-  dropped.swap(kept->second);
-  latched_messages_.erase(kept);
+  dropped = latched_messages_.Leave(publisher);
+}
+
+void Channel::PublisherIsBack(std::uint64_t publisher) {
+  LatchedMessages::Return back;
+  {
+    const std::scoped_lock lock(latch_mutex_);
+    back = latched_messages_.Come(publisher);
+  }
+  std::int64_t now = MonotonicNow();
+  for (const std::shared_ptr<Node>& node : back.nodes) {
+    for (QueuedMessage& one : back.messages) {
+      const std::size_t bytes = type_.memory_bytes(one.message.get());
+      node->Deliver({one.message, one.info, one.credit, bytes, false}, false, now);
+    }
+  }
 }
 
 void Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,
@@ -171,22 +170,17 @@ void Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_pt
 
 PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
                                    std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
-  // Twice: what was full may only have been held by a publish that failed elsewhere and looks, after giving it back,
-  // whether somebody failed meanwhile. Either it sees this failure, or the second try finds the room.
-  const auto try_twice = [&] {
-    PublishStatus status = PublishStatus::kFull;
-    for (int i = 0; i < 2 && status == PublishStatus::kFull; ++i) {
-      status = Try(offer, reach);
-      if (status == PublishStatus::kFull) failed_tries_.fetch_add(1, std::memory_order_seq_cst);
-    }
-    return status;
-  };
   PublishStatus status = Try(offer, reach);
-  if (status != PublishStatus::kFull) return status;
-  if (CallbackScope::InAny()) {
-    refused_.fetch_add(1, std::memory_order_relaxed);
-    return PublishStatus::kWouldDeadlock;
+  if (status == PublishStatus::kFull) {
+    status = CallbackScope::InAny() ? PublishStatus::kWouldDeadlock : WaitForRoom(offer, reach, deadline, stop);
   }
+  if (status != PublishStatus::kOk) refused_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+PublishStatus Channel::WaitForRoom(const MessageOffer& offer, Reach reach,
+                                   std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
+  PublishStatus status = PublishStatus::kFull;
   room_waiters_.fetch_add(1, std::memory_order_seq_cst);
   for (;;) {
     std::uint64_t seen = 0;
@@ -194,22 +188,16 @@ PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
       const std::scoped_lock lock(room_mutex_);
       seen = room_generation_;
     }
-    status = try_twice();
+    status = Try(offer, reach);
     if (status != PublishStatus::kFull) break;
     std::unique_lock lock(room_mutex_);
     const bool changed = room_.wait_until(lock, stop, deadline, [&] { return room_generation_ != seen; });
-    if (changed) continue;
+    if (changed && !stop.stop_requested() && std::chrono::steady_clock::now() < deadline) continue;
     status = stop.stop_requested() ? PublishStatus::kStopped : PublishStatus::kTimedOut;
-    refused_.fetch_add(1, std::memory_order_relaxed);
     break;
   }
   room_waiters_.fetch_sub(1, std::memory_order_seq_cst);
   return status;
-}
-
-// A publish has given back what it took in vain: whoever failed meanwhile may have failed only for that.
-void Channel::NotifyIfTried(std::uint64_t failed_before) noexcept {
-  if (failed_tries_.load(std::memory_order_seq_cst) != failed_before) NotifyRoom();
 }
 
 void Channel::NotifyRoom() noexcept {
@@ -246,11 +234,7 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
 
 void Channel::Add(const std::shared_ptr<Node>& node) {
   const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
-  std::vector<QueuedMessage> kept;
-  for (const auto& [publisher, messages] : latched_messages_) kept.insert(kept.end(), messages.begin(), messages.end());
-  std::stable_sort(kept.begin(), kept.end(), [](const QueuedMessage& a, const QueuedMessage& b) {
-    return a.info.publish_monotonic_ns < b.info.publish_monotonic_ns;
-  });
+  std::vector<QueuedMessage> kept = latched_messages_.ForNewNode(node);
   if (!kept.empty()) node->Preload(std::move(kept));
   std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
   nodes.push_back(node);

@@ -2,13 +2,12 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <deque>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "graph/latched_messages.hpp"
 #include "graph/node.hpp"
 #include "graph/node_stats.hpp"
 #include "hgros/graph/outlet.hpp"
@@ -50,7 +49,9 @@ class Channel {
   void Remove(const Node& node);
   void SetOutlet(std::shared_ptr<Outlet> outlet);
   void Latch(std::size_t count);
-  void ForgetLatched(std::uint64_t publisher);
+  // New nodes get nothing that a remote publisher has latched while it is gone, and get it when it is back.
+  void PublisherIsGone(std::uint64_t publisher);
+  void PublisherIsBack(std::uint64_t publisher);
   void SetClosed(bool closed) noexcept { closed_.store(closed, std::memory_order_relaxed); }
   void NotifyRoom() noexcept;
 
@@ -67,6 +68,8 @@ class Channel {
 
  private:
   PublishStatus Try(const MessageOffer& offer, Reach reach) noexcept;
+  PublishStatus WaitForRoom(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
+                            const std::stop_token& stop);
   // Hands the message to the nodes, but not to `except`. `last`: nobody needs the message afterwards.
   struct Handing {
     std::size_t bytes = 0;
@@ -82,9 +85,8 @@ class Channel {
   void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message, const MessageInfo& info,
                           std::size_t bytes) noexcept;
   // Takes room in every lossless node, or in none.
-  [[nodiscard]] static bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
-  static void CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
-  void NotifyIfTried(std::uint64_t failed_before) noexcept;
+  [[nodiscard]] bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
+  void CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
   void Replace(std::shared_ptr<const Fanout> fanout);
 
   const std::string name_;
@@ -104,14 +106,13 @@ class Channel {
   std::atomic<std::size_t> next_node_number_{0};
 
   std::mutex latch_mutex_;
-  std::map<std::uint64_t, std::deque<QueuedMessage>> latched_messages_;  // By publisher id.
+  LatchedMessages latched_messages_;
 
   std::mutex room_mutex_;
   std::condition_variable_any room_;
   std::uint64_t room_generation_ = 0;
   alignas(64) std::atomic<int> room_waiters_{0};  // Read for every message that a lossless node runs.
 
-  std::atomic<std::uint64_t> failed_tries_{0};  // Refused, also those of a PublishWait() that goes on waiting.
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> received_{0};
 };

@@ -64,7 +64,8 @@ GraphSnapshot DataGraph::Snapshot() const {
 
 bool DataGraph::WaitIdle(std::chrono::steady_clock::time_point deadline) const { return core_->WaitIdle(deadline); }
 
-void DataGraph::ForgetPublisher(std::uint64_t publisher) { core_->ForgetPublisher(publisher); }
+void DataGraph::PublisherIsGone(std::uint64_t publisher) { core_->PublisherIsGone(publisher); }
+void DataGraph::PublisherIsBack(std::uint64_t publisher) { core_->PublisherIsBack(publisher); }
 
 void DataGraph::Refuse() noexcept { core_->Refuse(); }
 

@@ -180,8 +180,12 @@ void GraphCore::Shutdown() noexcept {
   epoch::Collect();
 }
 
-void GraphCore::ForgetPublisher(std::uint64_t publisher) {
-  for (Channel* channel : channels_.All()) channel->ForgetLatched(publisher);
+void GraphCore::PublisherIsGone(std::uint64_t publisher) {
+  for (Channel* channel : channels_.All()) channel->PublisherIsGone(publisher);
+}
+
+void GraphCore::PublisherIsBack(std::uint64_t publisher) {
+  for (Channel* channel : channels_.All()) channel->PublisherIsBack(publisher);
 }
 
 void GraphCore::Linger(std::shared_ptr<Node> node) {

@@ -32,8 +32,8 @@ class GraphCore {
   void Refuse() noexcept;
   void Shutdown() noexcept;
 
-  // Lets go of what a remote publisher that is gone has latched.
-  void ForgetPublisher(std::uint64_t publisher);
+  void PublisherIsGone(std::uint64_t publisher);
+  void PublisherIsBack(std::uint64_t publisher);
   // Takes a closed node over whose callbacks nobody has waited for.
   void Linger(std::shared_ptr<Node> node);
 

@@ -20,7 +20,7 @@ class InlineConcurrentNode final : public Node {
 
   void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept override;
   bool Reserve(std::size_t) noexcept override { return true; }
-  void CancelReservation(std::size_t) noexcept override {}
+  bool CancelReservation(std::size_t) noexcept override { return false; }
   void Preload(std::vector<QueuedMessage> messages) override;
   void Start() override;
   void Close(bool wait) override;

@@ -18,6 +18,7 @@ void InlineSerialNode::Deliver(const Delivery& delivery, bool reserved, std::int
       LeaveInRing(delivery, reserved)) {
     return;
   }
+  if (reserved) NotifyRoom();  // It was given back unused: the callback runs now.
   Add(direct_, std::uint64_t{1}, Writers::kOne);
   RunOne(delivery.message, delivery.info, now);
   Drain(now);
@@ -86,12 +87,15 @@ void InlineSerialNode::DropCallbackOnce(std::unique_lock<std::mutex>& lock) noex
 
 bool InlineSerialNode::Reserve(std::size_t bytes) noexcept {
   const std::scoped_lock lock(mutex_);
-  return closed_ || ring_.Reserve(bytes);
+  if (closed_ || ring_.Reserve(bytes)) return true;
+  refused_ = true;
+  return false;
 }
 
-void InlineSerialNode::CancelReservation(std::size_t bytes) noexcept {
+bool InlineSerialNode::CancelReservation(std::size_t bytes) noexcept {
   const std::scoped_lock lock(mutex_);
   ring_.Cancel(bytes);
+  return std::exchange(refused_, false);
 }
 
 void InlineSerialNode::Preload(std::vector<QueuedMessage> messages) {

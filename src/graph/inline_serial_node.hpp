@@ -20,7 +20,7 @@ class InlineSerialNode final : public Node {
 
   void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept override;
   bool Reserve(std::size_t bytes) noexcept override;
-  void CancelReservation(std::size_t bytes) noexcept override;
+  bool CancelReservation(std::size_t bytes) noexcept override;
   void Preload(std::vector<QueuedMessage> messages) override;
   void Start() override;
   void Close(bool wait) override;
@@ -46,6 +46,7 @@ class InlineSerialNode final : public Node {
   bool dropping_ = false;
   mutable std::mutex mutex_;
   std::condition_variable idle_;
+  bool refused_ = false;  // A reservation, since one was last given back.
   MessageRing ring_;
   std::vector<QueuedMessage> preloaded_;
   std::atomic<std::uint64_t> left_in_ring_{0};

@@ -58,7 +58,9 @@ class Node : public std::enable_shared_from_this<Node> {
 
   // Lossless nodes: takes room for one message, or returns false.
   [[nodiscard]] virtual bool Reserve(std::size_t bytes) noexcept = 0;
-  virtual void CancelReservation(std::size_t bytes) noexcept = 0;
+  // Gives the room back. True if somebody was refused since the last time: perhaps only for this, so whoever waits for
+  // room has to look again.
+  [[nodiscard]] virtual bool CancelReservation(std::size_t bytes) noexcept = 0;
 
   // Messages that were latched before this node came. Called once, before any Deliver().
   virtual void Preload(std::vector<QueuedMessage> messages) = 0;

@@ -50,10 +50,14 @@ bool QueuedNode::Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& i
   return true;
 }
 
-// The exact number of unstarted messages lies in a cache line of the running thread: asked for only if it matters.
+// Where blocks are taken out, the exact number of unstarted messages lies in a cache line of the running thread and is
+// asked for only if it matters.
 bool QueuedNode::ReserveHere(std::size_t bytes) noexcept {
-  const std::size_t popped = ring_.HasRoom(batched_) ? batched_ : unstarted_.load(std::memory_order_seq_cst);
-  return ring_.Reserve(bytes, popped);
+  const bool roughly = Batches() && ring_.HasRoom(batched_);
+  const std::size_t popped = roughly ? batched_ : unstarted_.load(std::memory_order_seq_cst);
+  if (ring_.Reserve(bytes, popped)) return true;
+  refused_ = true;
+  return false;
 }
 
 bool QueuedNode::Reserve(std::size_t bytes) noexcept {
@@ -62,9 +66,10 @@ bool QueuedNode::Reserve(std::size_t bytes) noexcept {
   return ReserveHere(bytes);
 }
 
-void QueuedNode::CancelReservation(std::size_t bytes) noexcept {
+bool QueuedNode::CancelReservation(std::size_t bytes) noexcept {
   const std::scoped_lock lock(mutex_);
   ring_.Cancel(bytes);
+  return std::exchange(refused_, false);
 }
 
 void QueuedNode::Preload(std::vector<QueuedMessage> messages) {
@@ -108,7 +113,10 @@ void QueuedNode::RunTaken(QueuedMessage& message, Writers writers, std::int64_t&
 void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept {
   const bool batches = Batches();
   for (std::size_t taken = 0; taken < most && !closed_;) {
-    if (!HasMessages() && (taken < kFlood || !MoreCame(lock))) return;
+    if (!HasMessages()) {
+      if (taken < kFlood || !MoreCame(lock)) return;
+      now = MonotonicNow();
+    }
     if (batches && next_preloaded_ == preloaded_.size()) {
       std::unique_ptr<MessageRing::Block> block = ring_.PopBlock();
       taken += block->messages().size();

@@ -21,7 +21,7 @@ class QueuedNode : public Node {
   void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept override;
   bool Take(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t& now) noexcept override;
   bool Reserve(std::size_t bytes) noexcept override;
-  void CancelReservation(std::size_t bytes) noexcept override;
+  bool CancelReservation(std::size_t bytes) noexcept override;
   void Preload(std::vector<QueuedMessage> messages) override;
   void Start() override;
   void Close(bool wait) override;
@@ -63,6 +63,7 @@ class QueuedNode : public Node {
   void DropCallbackOnce(std::unique_lock<std::mutex>& lock) noexcept;
 
   MessageRing ring_;
+  bool refused_ = false;  // A reservation, since one was last given back.
   std::vector<QueuedMessage> preloaded_;
   std::size_t next_preloaded_ = 0;
   std::size_t batched_ = 0;  // Messages in the batch that runs now, if nodes of this kind batch.

@@ -16,6 +16,9 @@ struct Subscription::State {
   Channel* channel = nullptr;
   std::shared_ptr<Node> node;
   std::shared_ptr<const void> companion;
+  // What was taken out, for those who want to wait for its last callbacks.
+  std::weak_ptr<GraphCore> ended_core;
+  std::weak_ptr<Node> ended_node;
 
   [[nodiscard]] std::shared_ptr<Node> NodeNow() {
     const std::scoped_lock lock(mutex);
@@ -42,15 +45,34 @@ Subscription::~Subscription() { Reset(); }
 
 void Subscription::Reset() {
   const std::shared_ptr<Node> node = Current();
-  if (!node) return;
+  if (!node) {
+    (void)WaitForEnded(false);
+    return;
+  }
   End(!CallbackScope::InGraph(node->setting().graph) && !CallbackScope::InNode(node.get()));
 }
 
 bool Subscription::Join() {
   const std::shared_ptr<Node> node = Current();
-  if (!node) return true;
+  if (!node) return WaitForEnded(true);
   if (CallbackScope::InNode(node.get())) return false;
   End(true);
+  return true;
+}
+
+// It was ended inside a callback, or another thread is ending it: callbacks may still be in flight.
+bool Subscription::WaitForEnded(bool in_callbacks_too) {
+  if (!state_) return true;
+  std::shared_ptr<GraphCore> core;
+  std::shared_ptr<Node> node;
+  {
+    const std::scoped_lock lock(state_->mutex);
+    core = state_->ended_core.lock();
+    node = state_->ended_node.lock();
+  }
+  if (!core || !node || core->in_forked_child()) return true;
+  if (CallbackScope::InNode(node.get())) return false;
+  if (in_callbacks_too || !CallbackScope::InGraph(node->setting().graph)) node->Close(true);
   return true;
 }
 
@@ -65,6 +87,8 @@ void Subscription::End(bool wait) {
     core = std::move(state->core);
     node = std::move(state->node);
     companion = std::move(state->companion);
+    state->ended_core = core;
+    state->ended_node = node;
   }
   if (core->in_forked_child()) {
     LeaveToParent(std::move(companion));

@@ -51,7 +51,9 @@ void ChannelInlet::SetDemand(const Demand& demand) {
 }
 
 Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
-  const bool quick = message.data.bytes.size() <= kQuickBytes && !DataGraph::HasInlineNodes(channel_);
+  // A custom codec is the user's code, as are inline nodes.
+  const bool quick = message.data.bytes.size() <= kQuickBytes && type_.encoding != Encoding::kCustom &&
+                     !DataGraph::HasInlineNodes(channel_);
   const std::scoped_lock lock(waiting_mutex_);
   waiting_.push_back(std::move(message));
   if (std::exchange(running_, true)) return Accepted::kNothing;

@@ -125,8 +125,9 @@ std::vector<OutboundMessage> ChannelOutlet::Latched() noexcept {
 void ChannelOutlet::OnRoom() noexcept { events_.on_room(); }
 
 void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
-  subscribers_.store(count, std::memory_order_release);
+  // First: who sees the subscriber and publishes must find the outlet wanted.
   if (count > 0) heard_.store(true, std::memory_order_relaxed);
+  subscribers_.store(count, std::memory_order_release);
   events_.on_subscribers();
 }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "hgros/clock/time.hpp"
 #include "session/session_core.hpp"
 
 namespace hgros {
@@ -30,9 +31,7 @@ std::vector<std::string> Session::PublisherEndpoints() const { return core_->Pub
 
 std::vector<PeerInfo> Session::Peers() const { return core_->Peers(); }
 SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
-bool Session::WaitIdle(std::chrono::nanoseconds timeout) const {
-  return core_->graph().WaitIdle(std::chrono::steady_clock::now() + timeout);
-}
+bool Session::WaitIdle(std::chrono::nanoseconds timeout) const { return core_->graph().WaitIdle(DeadlineIn(timeout)); }
 
 SessionId Session::id() const noexcept { return core_->id(); }
 const std::string& Session::name() const noexcept { return core_->name(); }

@@ -273,7 +273,7 @@ void Session::Core::Notify() noexcept {
 // The predicate takes other locks, so it is asked outside this one.
 template <class Predicate>
 bool Session::Core::WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  const auto deadline = DeadlineIn(timeout);
   for (;;) {
     std::unique_lock lock(changed_mutex_);
     const std::uint64_t seen = changes_;
@@ -396,11 +396,12 @@ void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
   log_->Write(LogLevel::kInfo,
               "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
                   (peer.endpoint.empty() ? ") has connected." : ") answers at " + peer.endpoint + "."));
+  errands_->Post([this, id = peer.id.value] { graph_->PublisherIsBack(id); });
   PublishEvent({PeerEvent::Kind::kCame, peer, {}, {}});
 }
 
 void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
-  graph_->ForgetPublisher(peer.id.value);
+  errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });  // In order with its return.
   log_->Write(LogLevel::kInfo, "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
                                    ") is gone: " + std::string(reason));
   PublishEvent({PeerEvent::Kind::kGone, peer, {}, std::string(reason)});

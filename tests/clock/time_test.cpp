@@ -54,5 +54,15 @@ TEST(MonotonicNow, IsTheClockOfTheStandardLibrarysIntervals) {
   EXPECT_LE(now, steady_now());
 }
 
+TEST(DeadlineIn, KeepsTheLongestTimeoutInTheFuture) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point before = Clock::now();
+  EXPECT_EQ(DeadlineIn(std::chrono::nanoseconds::max()), Clock::time_point::max());
+  const Clock::time_point deadline = DeadlineIn(2s);
+  EXPECT_GE(deadline, before + 2s);
+  EXPECT_LE(deadline, Clock::now() + 2s);
+  EXPECT_LE(DeadlineIn(-1s), before);
+}
+
 }  // namespace
 }  // namespace hgros

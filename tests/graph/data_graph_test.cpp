@@ -290,5 +290,21 @@ TEST(DataGraph, WaitIdleWaitsForAWholePipeline) {
   EXPECT_EQ(got.values(), Counting(10, 20));
 }
 
+TEST(DataGraph, ANullMessageIsRefusedAndCounted) {
+  DataGraph graph;
+  int seen = 0;
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&](const int&) { ++seen; }, Options(Executor::Inline()));
+  auto message = std::make_unique<int>(1);
+  const auto publish = graph.Advertise<int>("c");
+  EXPECT_EQ(publish(std::move(message)), PublishStatus::kOk);
+  EXPECT_EQ(publish(std::move(message)), PublishStatus::kEmpty);  // NOLINT(bugprone-use-after-move): that is the test.
+  EXPECT_EQ(publish.Wait(std::unique_ptr<int>(), std::chrono::steady_clock::now()), PublishStatus::kEmpty);
+  EXPECT_EQ(graph.ToGraph("c", std::shared_ptr<const int>()), PublishStatus::kEmpty);
+  EXPECT_EQ(Publisher<int>()(std::make_unique<int>(1)), PublishStatus::kClosed) << "a handle of nothing";
+  EXPECT_EQ(seen, 1);
+  EXPECT_EQ(graph.Snapshot().channels[0].refused, 3U);
+}
+
 }  // namespace
 }  // namespace hgros

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "graph/graph_fixture.hpp"
@@ -52,6 +53,46 @@ TEST_P(LatchOnEveryExecutor, NodesThatComeWhileMessagesFlowMissNothingAndGetNoth
     ASSERT_TRUE(Await([&] { return got->size() >= static_cast<std::size_t>(kMessages); }));
     EXPECT_EQ(got->values(), Counting(0, kMessages));
   }
+}
+
+TEST_P(LatchOnEveryExecutor, WhatAPublisherThatIsGoneHasLatchedReachesNewNodesWhenItIsBackOnce) {
+  DataGraph graph;
+  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
+  const auto inject = [&](int value, std::uint64_t sequence) {
+    MessageInfo info;
+    info.id = {7, 1, sequence};
+    DataGraph::Inject(channel, std::make_shared<const int>(value), info, nullptr, 2);
+  };
+  for (int i = 0; i < 3; ++i) inject(i, static_cast<std::uint64_t>(i) + 1);
+  graph.PublisherIsGone(7);
+  Collected got;
+  const auto subscription = graph.FromGraph<int>(
+      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor()));
+  ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_EQ(got.size(), 0U) << "perhaps it is dead";
+  graph.PublisherIsBack(7);
+  ASSERT_TRUE(Await([&] { return got.size() == 2; }));
+  graph.PublisherIsGone(7);
+  graph.PublisherIsBack(7);
+  inject(3, 4);
+  ASSERT_TRUE(Await([&] { return got.size() == 3; }));
+  EXPECT_EQ(got.values(), Counting(1, 4));
+}
+
+TEST(Latch, OfPublishersThatStayAwayOnlyAFewAreRemembered) {
+  DataGraph graph;
+  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
+  std::vector<std::weak_ptr<const int>> kept;
+  for (std::uint64_t publisher = 1; publisher <= 10; ++publisher) {
+    const auto message = std::make_shared<const int>(1);
+    kept.push_back(message);
+    MessageInfo info;
+    info.id = {publisher, 1, 1};
+    DataGraph::Inject(channel, message, info, nullptr, 1);
+    graph.PublisherIsGone(publisher);
+  }
+  EXPECT_EQ(std::count_if(kept.begin(), kept.end(), [](const auto& one) { return !one.expired(); }), 4);
+  EXPECT_FALSE(kept.back().expired());
 }
 
 TEST(Latch, AConcurrentNodeGetsWhatIsLatchedToo) {

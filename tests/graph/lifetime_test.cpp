@@ -120,6 +120,30 @@ TEST_P(LifetimeOnEveryExecutor, AGraphDestroyedUnderLoadRefusesPublishesAndStops
   }
 }
 
+TEST_P(LifetimeOnEveryExecutor, AnEndedSubscriptionStillWaitsForTheCallbackInWhichItEnded) {
+  DataGraph graph;
+  test::Door door;
+  std::atomic<bool> ended{false};
+  std::atomic<bool> returned{false};
+  std::optional<Subscription> subscription;
+  const auto publish = graph.Advertise<int>("c");
+  subscription.emplace(graph.FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&](const int&) {
+        subscription->Reset();
+        ended = true;
+        door.Pass();
+        returned = true;
+      },
+      Options(executor())));
+  std::jthread publisher([&] { (void)publish(std::make_unique<int>(1)); });
+  ASSERT_TRUE(Await([&] { return ended.load(); }));
+  std::jthread opener([&] { door.Open(); });
+  EXPECT_TRUE(subscription->Join());
+  EXPECT_TRUE(returned) << "what the callback uses may go now";
+  subscription.reset();
+}
+
 TEST(Lifetime, AGraphThatHangsNamesTheNodeInTheLog) {
   test::Heard heard;
   test::Door door;

@@ -228,6 +228,55 @@ TEST(Lossless, RoomThatAPublishHeldInVainWakesWhoWaitsForIt) {
   EXPECT_TRUE(Await([&] { return run == 2000; }));
 }
 
+TEST(Lossless, AnInlineNodeThatRunsAMessageAtOnceWakesWhoWaitsForTheRoomItHadTaken) {
+  DataGraph graph;
+  test::Door door;
+  std::atomic<bool> inside{false};
+  std::atomic<int> run{0};
+  const auto slow = graph.FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&](const int& value) {
+        if (value != 0) return;
+        inside = true;
+        door.Pass();
+      },
+      Options(Executor::Inline(), Queue::KeepAll(10)));
+  const auto narrow = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&](const int&) { ++run; }, Options(Executor::Inline(), Queue::KeepAll(1)));
+  const auto publish = graph.Advertise<int>("c");
+  std::jthread first([&] { EXPECT_EQ(publish(std::make_unique<int>(0)), PublishStatus::kOk); });
+  ASSERT_TRUE(Await([&] { return inside.load(); }));
+  EXPECT_EQ(publish(std::make_unique<int>(1)), PublishStatus::kFull) << "the room is taken though nothing waits there";
+  std::jthread second([&] {
+    EXPECT_EQ(publish.Wait(std::make_unique<int>(1), steady_clock::now() + test::kPatience), PublishStatus::kOk);
+  });
+  door.Open();
+  EXPECT_TRUE(Await([&] { return run == 2; }, test::kPatience / 2));
+}
+
+TEST(Lossless, AMessageBeyondTheByteLimitIsTakenWhileTheOneBeforeItRuns) {
+  struct Big {
+    char bytes[200];
+  };
+  for (const Invoke invoke : {Invoke::kSerial, Invoke::kConcurrent}) {
+    DataGraph graph;
+    test::Door door;
+    std::atomic<int> begun{0};
+    const auto subscription = graph.FromGraph<Big>(
+        "c", invoke,
+        [&](const Big&) {
+          ++begun;
+          door.Pass();
+        },
+        Options(Executor::Tbb(), Queue::KeepAll(10, 100)));
+    EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kOk);
+    ASSERT_TRUE(Await([&] { return begun == 1; }));
+    EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kOk) << "the queue is empty";
+    EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kFull);
+    door.Open();
+  }
+}
+
 TEST(Lossless, CreditIsHeldUntilTheMessageLeavesTheQueue) {
   DataGraph graph;
   test::Door door;

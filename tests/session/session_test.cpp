@@ -6,6 +6,7 @@
 #include <foxglove/Log.pb.h>
 #include <foxglove/Vector3.pb.h>
 
+#include "conformance/tcp_forwarder.hpp"
 #include "session/session_fixture.hpp"
 
 namespace hgros {
@@ -189,6 +190,28 @@ TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
   ASSERT_TRUE(Await([&] { return first.size() == 3 && second.size() == 3; }));
   EXPECT_EQ(first.texts(), Numbered(3, 6));
   EXPECT_EQ(second.texts(), Numbered(3, 6));
+}
+
+TEST(Session, WhatIsLatchedReachesALateNodeThoughTheCableWasCutBeforeItCame) {
+  Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
+  const std::string endpoint = talker->PublisherEndpoints()[0];
+  conformance::TcpForwarder cable(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+  Robot listener("network: {subscribers: [{ip: \"tcp://127.0.0.1:" + std::to_string(cable.port()) + "\"}]}");
+  const auto publish = talker->Advertise<Note>("map", {.latched = 1});
+  EXPECT_EQ(publish(std::make_unique<Note>("1")), PublishStatus::kOk);
+  Notes first;
+  const auto one = listener->FromAny<Note>("map", kSerial, std::ref(first));
+  ASSERT_TRUE(Await([&] { return first.size() == 1; }));
+  cable.Cut();
+  ASSERT_TRUE(Await([&] { return listener->Peers().empty(); }));
+  Notes second;
+  const auto two = listener->FromAny<Note>("map", kSerial, std::ref(second));
+  cable.Resume();
+  ASSERT_TRUE(Await([&] { return second.size() == 1; }));
+  EXPECT_EQ(publish(std::make_unique<Note>("2")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return first.size() == 2 && second.size() == 2; }));
+  EXPECT_EQ(first.texts(), Numbered(1, 3));
+  EXPECT_EQ(second.texts(), Numbered(1, 3));
 }
 
 TEST(Session, ALosslessChannelLosesNothingToASlowSession) {

@@ -13,6 +13,7 @@ enum class PublishStatus {
   kClosed,         ///< The session is shutting down: nobody got the message.
   kWouldDeadlock,  ///< Waiting was refused: the caller runs inside a callback or on a library thread.
   kTimedOut,       ///< Waited for room until the deadline: nobody got the message.
+  kEmpty,          ///< There was no message: a null or moved-from pointer was published.
   kStopped,        ///< Waited for room until a stop was requested: nobody got the message.
 };
 
@@ -23,6 +24,7 @@ enum class PublishStatus {
     case PublishStatus::kClosed: return "closed";
     case PublishStatus::kWouldDeadlock: return "would dead-lock";
     case PublishStatus::kTimedOut: return "timed out";
+    case PublishStatus::kEmpty: return "empty";
     case PublishStatus::kStopped: return "stopped";
   }
   return "unknown";

@@ -25,4 +25,7 @@ struct Time {
 /// CLOCK_MONOTONIC in ns: for intervals and histograms; never jumps. Comparable between processes of one host.
 [[nodiscard]] HGROS_EXPORT std::int64_t MonotonicNow() noexcept;
 
+/// The moment `timeout` from now; the end of time if that lies beyond it, so that the longest timeout means for ever.
+[[nodiscard]] HGROS_EXPORT std::chrono::steady_clock::time_point DeadlineIn(std::chrono::nanoseconds timeout) noexcept;
+
 }  // namespace hgros

@@ -108,8 +108,11 @@ class HGROS_EXPORT DataGraph {
   /// Nodes on a channel; 0 if there is no such channel.
   [[nodiscard]] std::size_t NodeCount(std::string_view channel) const noexcept;
 
-  /// Lets go of what a remote publisher that is gone has latched.
-  void ForgetPublisher(std::uint64_t publisher);
+  /// A remote publisher was lost: until it is back, new nodes get nothing of what it has latched. Of publishers that
+  /// do not come back only the last few are remembered.
+  void PublisherIsGone(std::uint64_t publisher);
+  /// Nodes that came meanwhile get what it has latched; inline ones on this thread.
+  void PublisherIsBack(std::uint64_t publisher);
 
   /// Refuses publishes from now on and cancels waits.
   void Refuse() noexcept;

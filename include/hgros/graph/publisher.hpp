@@ -53,7 +53,7 @@ template <class T>
 }
 
 /// Publishes on one channel without looking its name up each time. Copying shares; a handle that outlives its session
-/// (or graph) answers kClosed. Thread-safe.
+/// (or graph), or never had one, answers kClosed. Thread-safe.
 template <class T>
 class Publisher {
  public:
@@ -63,20 +63,20 @@ class Publisher {
 
   /// Hands the message to every subscriber. On kFull, kClosed nobody got it and `message` still owns it.
   PublishStatus operator()(std::unique_ptr<T>&& message) const {
-    return Publish(*channel_, OfferOf<T>(message), reach_);
+    return channel_ ? Publish(*channel_, OfferOf<T>(message), reach_) : PublishStatus::kClosed;
   }
   PublishStatus operator()(const std::shared_ptr<const T>& message) const {
-    return Publish(*channel_, OfferOf<T>(message), reach_);
+    return channel_ ? Publish(*channel_, OfferOf<T>(message), reach_) : PublishStatus::kClosed;
   }
 
   /// As above, but waits for room in lossless subscribers: until `deadline`, or until `stop` is requested.
   PublishStatus Wait(std::unique_ptr<T>&& message, std::chrono::steady_clock::time_point deadline,
                      const std::stop_token& stop = {}) const {
-    return PublishWait(*channel_, OfferOf<T>(message), reach_, deadline, stop);
+    return channel_ ? PublishWait(*channel_, OfferOf<T>(message), reach_, deadline, stop) : PublishStatus::kClosed;
   }
   PublishStatus Wait(const std::shared_ptr<const T>& message, std::chrono::steady_clock::time_point deadline,
                      const std::stop_token& stop = {}) const {
-    return PublishWait(*channel_, OfferOf<T>(message), reach_, deadline, stop);
+    return channel_ ? PublishWait(*channel_, OfferOf<T>(message), reach_, deadline, stop) : PublishStatus::kClosed;
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return channel_ != nullptr; }

@@ -31,7 +31,7 @@ struct ChannelSnapshot {
   std::string name;
   std::string type;
   std::uint64_t published = 0;  ///< By this process.
-  std::uint64_t refused = 0;    ///< Publishes that did not find room: kFull, kTimedOut, kStopped or kWouldDeadlock.
+  std::uint64_t refused = 0;    ///< Publishes that ended with any status but kOk.
   std::uint64_t received = 0;   ///< From outside.
   bool closed = false;          ///< Not delivered to this process' own nodes.
   std::size_t latched = 0;

@@ -44,6 +44,7 @@ class HGROS_EXPORT Subscription {
 
   [[nodiscard]] std::shared_ptr<Node> Current() const;
   void End(bool wait);
+  bool WaitForEnded(bool in_callbacks_too);
 
   std::shared_ptr<State> state_;
 };

@@ -1,0 +1,74 @@
+#include "graph/latched_messages.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "graph/node.hpp"
+
+namespace hgros {
+
+LatchedMessages::Messages LatchedMessages::Store(const AnyMessage& message, const MessageInfo& info,
+                                                 std::size_t depth) {
+  Messages dropped;
+  Entry& entry = entries_[info.id.publisher];
+  entry.absent_since = 0;  // It speaks, so it is here, and whoever missed older ones gets this one.
+  entry.missed.clear();
+  Messages& kept = entry.messages;
+  // A publisher that started anew has latched anew.
+  if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) dropped.swap(kept);
+  kept.push_back({message, info, nullptr, 0});
+  while (kept.size() > depth) {
+    dropped.push_back(std::move(kept.front()));
+    kept.pop_front();
+  }
+  return dropped;
+}
+
+std::vector<QueuedMessage> LatchedMessages::ForNewNode(const std::shared_ptr<Node>& node) {
+  std::vector<QueuedMessage> messages;
+  for (auto& [publisher, entry] : entries_) {
+    if (entry.absent_since > 0) {
+      entry.missed.push_back(node);
+    } else {
+      messages.insert(messages.end(), entry.messages.begin(), entry.messages.end());
+    }
+  }
+  std::stable_sort(messages.begin(), messages.end(), [](const QueuedMessage& a, const QueuedMessage& b) {
+    return a.info.publish_monotonic_ns < b.info.publish_monotonic_ns;
+  });
+  return messages;
+}
+
+LatchedMessages::Messages LatchedMessages::Leave(std::uint64_t publisher) {
+  Messages dropped;
+  const auto gone = entries_.find(publisher);
+  if (gone == entries_.end()) return dropped;
+  gone->second.absent_since = ++leaves_;
+  auto longest = entries_.end();
+  std::size_t absent = 0;
+  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+    if (entry->second.absent_since == 0) continue;
+    ++absent;
+    if (longest == entries_.end() || entry->second.absent_since < longest->second.absent_since) longest = entry;
+  }
+  if (absent > kMostAbsent) {
+    dropped.swap(longest->second.messages);
+    entries_.erase(longest);
+  }
+  return dropped;
+}
+
+LatchedMessages::Return LatchedMessages::Come(std::uint64_t publisher) {
+  Return back;
+  const auto found = entries_.find(publisher);
+  if (found == entries_.end()) return back;
+  Entry& entry = found->second;
+  entry.absent_since = 0;
+  for (const std::weak_ptr<Node>& missed : std::exchange(entry.missed, {})) {
+    if (std::shared_ptr<Node> node = missed.lock()) back.nodes.push_back(std::move(node));
+  }
+  if (!back.nodes.empty()) back.messages.assign(entry.messages.begin(), entry.messages.end());
+  return back;
+}
+
+}  // namespace hgros
