@@ -80,13 +80,14 @@ void Run(bool quick) {
     pipeline.Add(Pipeline10(Executor::Tbb(), latencies));
     pipeline_inline.Add(Pipeline10(Executor::Inline(), latencies));
   }
-  Samples tbb_busy, dedicated_busy, floor_busy;
+  Samples tbb_busy, dedicated_busy, floor_busy, floor_tbb_busy;
   {
     const Burners burners;
     const int busy = quick ? 300 : 2000;
     tbb_busy = Latency(Executor::Tbb(), busy);
     dedicated_busy = Latency(Executor::Dedicated(), busy);
     floor_busy = FloorThreadLatency(busy);
+    floor_tbb_busy = FloorTbbLatency(busy);
   }
 
   Report("inline_handle_ns", handle.Median(), "ns");
@@ -113,6 +114,7 @@ void Run(bool quick) {
   ReportLatency("pipeline10_inline", pipeline_inline);
   ReportLatency("tbb_busy", tbb_busy);
   ReportLatency("dedicated_busy", dedicated_busy);
+  ReportLatency("tbb_handoff_busy", floor_tbb_busy);
   ReportLatency("thread_handoff_busy", floor_busy);
 }
 

@@ -8,7 +8,8 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <system_error>
+
+#include "replace_file.hpp"
 
 namespace slam2d {
 namespace {
@@ -121,24 +122,16 @@ MapImage RenderMap(const OccupancyMap& map, std::span<const PathOverlay> overlay
 }
 
 void WritePng(const MapImage& image, const std::filesystem::path& path) {
-  const std::filesystem::path temporary = path.string() + ".part";
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  header.width = image.width;
-  header.height = image.height;
-  header.format = image.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
-  std::error_code error;
-  if (png_image_write_to_file(&header, temporary.c_str(), 0, image.bytes.data(), 0, nullptr) == 0) {
-    const std::string reason = header.message;
-    std::filesystem::remove(temporary, error);
-    throw std::runtime_error("The map image " + path.string() + " cannot be written: " + reason + ".");
-  }
-  std::filesystem::rename(temporary, path, error);
-  if (error) {
-    const std::string reason = error.message();
-    std::filesystem::remove(temporary, error);
-    throw std::runtime_error("The map image " + path.string() + " cannot be renamed into place: " + reason + ".");
-  }
+  ReplaceFile(path, "The map image", [&](const std::filesystem::path& temporary) {
+    png_image header{};
+    header.version = PNG_IMAGE_VERSION;
+    header.width = image.width;
+    header.height = image.height;
+    header.format = image.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+    if (png_image_write_to_file(&header, temporary.c_str(), 0, image.bytes.data(), 0, nullptr) == 0) {
+      throw std::runtime_error("The map image " + path.string() + " cannot be written: " + header.message + ".");
+    }
+  });
 }
 
 }  // namespace slam2d

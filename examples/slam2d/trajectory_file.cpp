@@ -6,7 +6,8 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
-#include <system_error>
+
+#include "replace_file.hpp"
 
 namespace slam2d {
 namespace {
@@ -20,9 +21,7 @@ void Append(double value, std::string& line) {
 }  // namespace
 
 void WriteTrajectory(std::span<const ScanMatch> trajectory, const std::filesystem::path& path) {
-  const std::filesystem::path temporary = path.string() + ".part";
-  std::error_code error;
-  {
+  ReplaceFile(path, "The trajectory", [&](const std::filesystem::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
     std::string line;
     for (const ScanMatch& match : trajectory) {
@@ -40,17 +39,8 @@ void WriteTrajectory(std::span<const ScanMatch> trajectory, const std::filesyste
       file << line;
     }
     file.close();
-    if (!file) {
-      std::filesystem::remove(temporary, error);
-      throw std::runtime_error("The trajectory " + path.string() + " cannot be written.");
-    }
-  }
-  std::filesystem::rename(temporary, path, error);
-  if (error) {
-    const std::string reason = error.message();
-    std::filesystem::remove(temporary, error);
-    throw std::runtime_error("The trajectory " + path.string() + " cannot be renamed into place: " + reason + ".");
-  }
+    if (!file) throw std::runtime_error("The trajectory " + path.string() + " cannot be written.");
+  });
 }
 
 }  // namespace slam2d
