@@ -20,6 +20,7 @@ ChannelInlet::ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_p
     : channel_(channel), type_(type), log_(std::move(log)), on_publishers_(std::move(on_publishers)) {}
 
 void ChannelInlet::Join(Transport& transport, const Demand& demand) {
+  lossless_.store(demand.lossless, std::memory_order_relaxed);
   auto carrier = transport.Subscribe(DataGraph::NameOf(channel_), type_, demand, *this);
   const std::scoped_lock lock(carrier_mutex_);
   carrier_ = std::move(carrier);
@@ -46,6 +47,7 @@ void ChannelInlet::Detach() {
 }
 
 void ChannelInlet::SetDemand(const Demand& demand) {
+  lossless_.store(demand.lossless, std::memory_order_relaxed);
   const std::scoped_lock lock(carrier_mutex_);
   if (carrier_) carrier_->SetDemand(demand);
 }
@@ -76,7 +78,7 @@ void ChannelInlet::Run() noexcept {
   }
 }
 
-bool ChannelInlet::CountIn(const InboundMessage& message) {
+bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
   const MessageId& id = message.head.id;
   const std::scoped_lock lock(counts_mutex_);
   if (message.head.publish_time_ns > 0) transport_.Record(WallNow().nanoseconds - message.head.publish_time_ns);
@@ -97,7 +99,10 @@ bool ChannelInlet::CountIn(const InboundMessage& message) {
     ++life.traffic.repeated;
     return false;
   }
-  if (known && !life.away) life.traffic.lost += id.sequence - life.last_sequence - 1;
+  if (known && !life.away && id.sequence > life.last_sequence + 1) {
+    lost = id.sequence - life.last_sequence - 1;
+    life.traffic.lost += lost;
+  }
   life.away = false;
   life.incarnation = id.incarnation;
   life.last_sequence = id.sequence;
@@ -111,7 +116,9 @@ void ChannelInlet::Deliver(InboundMessage&& message) noexcept {
     OnFault(PacketFault::kType, "it carries " + head.type_name + ", not " + type_.name);
     return;
   }
-  if (!CountIn(message)) return;
+  std::uint64_t lost = 0;
+  if (!CountIn(message, lost)) return;
+  if (lost > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost);
   const AnyMessage decoded = type_.decode(message.data);
   if (decoded == nullptr) {
     OnFault(PacketFault::kData, "its data does not parse as " + type_.name);
@@ -123,6 +130,15 @@ void ChannelInlet::Deliver(InboundMessage&& message) noexcept {
   info.publish_monotonic_ns = MonotonicNow();
   info.publish_time_ns = head.publish_time_ns;
   DataGraph::Inject(channel_, decoded, info, std::move(message.credit), head.latched);
+}
+
+// Keep-last subscribers expect it and find it counted; a lossless one was away for too long.
+void ChannelInlet::SayLost(std::uint64_t count) {
+  const std::string& name = DataGraph::NameOf(channel_);
+  log_->WriteLimited(LogLevel::kWarning, "inlet lost " + name,
+                     std::to_string(count) + " messages of the lossless channel \"" + name +
+                         "\" did not arrive: their publisher could not reach this process for longer than the peer "
+                         "timeout.");
 }
 
 void ChannelInlet::OnFault(PacketFault fault, std::string_view what) noexcept {

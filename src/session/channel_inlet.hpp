@@ -49,8 +49,9 @@ class ChannelInlet final : public InboundSink {
   };
 
   void Deliver(InboundMessage&& message) noexcept;
-  // False for a repeat.
-  [[nodiscard]] bool CountIn(const InboundMessage& message);
+  void SayLost(std::uint64_t count);
+  // False for a repeat. `lost` is set to how many before it did not arrive.
+  [[nodiscard]] bool CountIn(const InboundMessage& message, std::uint64_t& lost);
 
   Channel& channel_;
   const TypeInfo& type_;
@@ -60,6 +61,7 @@ class ChannelInlet final : public InboundSink {
   std::mutex carrier_mutex_;
   std::unique_ptr<InboundChannel> carrier_;
   std::atomic<std::size_t> publishers_{0};
+  std::atomic<bool> lossless_{false};
 
   std::mutex waiting_mutex_;
   std::deque<InboundMessage> waiting_;

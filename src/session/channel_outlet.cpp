@@ -35,6 +35,9 @@ void ChannelOutlet::Latch(std::size_t count) {
 }
 
 bool ChannelOutlet::wanted() const noexcept {
+  if (!published_.load(std::memory_order_relaxed) && events_.on_first_publish()) {
+    published_.store(true, std::memory_order_relaxed);
+  }
   return heard_.load(std::memory_order_relaxed) || latched_.load(std::memory_order_relaxed) > 0;
 }
 

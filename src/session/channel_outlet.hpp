@@ -20,6 +20,7 @@ namespace hgros {
 struct OutletEvents {
   std::function<void()> on_room;
   std::function<void()> on_subscribers;
+  std::function<bool()> on_first_publish;  // Called again at the next publish until it returns true.
 };
 
 // One channel's way out of the session: numbers and encodes each message once, and hands it to the carrier.
@@ -67,6 +68,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
 
   std::atomic<std::size_t> subscribers_{0};
   std::atomic<bool> heard_{false};  // There has been a subscriber: what a cut keeps from it is numbered, so it counts.
+  mutable std::atomic<bool> published_{false};
   std::atomic<std::size_t> latched_{0};
   std::atomic<std::uint64_t> not_encodable_{0};
 

@@ -162,7 +162,8 @@ Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, con
   if (DataGraph::HasOutlet(channel) || closing_) return channel;
   auto outlet = std::make_shared<ChannelOutlet>(
       std::string(name), type, publisher_, log_,
-      OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { Notify(); }});
+      OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { Notify(); },
+                   [this, channel_name = std::string(name)] { return SayIfItCannotLeave(channel_name); }});
   if (const auto entry = config_.channels.find(name); entry != config_.channels.end() && entry->second.latched) {
     graph_->Latch(channel, *entry->second.latched);
     outlet->Latch(*entry->second.latched);
@@ -171,6 +172,36 @@ Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, con
   outlets_.emplace(name, outlet);
   graph_->SetOutlet(channel, outlet);  // Last: from now on other threads publish through it.
   return channel;
+}
+
+// A slip of the pen in a white list is otherwise nothing but silence. Empty if the channel may pass.
+std::string Session::Core::Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints) {
+  std::vector<std::string> listed;
+  for (const EndpointConfig& endpoint : endpoints) {
+    if (endpoint.all_channels || std::binary_search(endpoint.channels.begin(), endpoint.channels.end(), channel)) {
+      return {};
+    }
+    listed.insert(listed.end(), endpoint.channels.begin(), endpoint.channels.end());
+  }
+  if (endpoints.empty()) return {};
+  const std::string nearest = NearestName(channel, listed);
+  return " endpoint has it in its list of channels." +
+         (nearest.empty() ? std::string() : " Did you mean \"" + nearest + "\"?");
+}
+
+// Part of a publish, so it must not wait; false if it could not look.
+bool Session::Core::SayIfItCannotLeave(const std::string& channel) {
+  std::string confined;
+  {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return false;
+    confined = Confined(channel, config_.publishers);
+  }
+  if (!confined.empty()) {
+    log_->Write(LogLevel::kInfo,
+                "Channel \"" + channel + "\" is published, but does not leave this process: no publisher" + confined);
+  }
+  return true;
 }
 
 void Session::Core::Latch(Channel& channel, std::size_t count) {
@@ -211,6 +242,15 @@ Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCal
     subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
   }
   Reconcile(name);
+  std::string confined;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (said_confined_.insert(name).second) confined = Confined(name, config_.subscribers);
+  }
+  if (!confined.empty()) {
+    log_->Write(LogLevel::kInfo,
+                "Channel \"" + name + "\" is subscribed to, but nothing enters this process: no subscriber" + confined);
+  }
   return subscription;
 }
 

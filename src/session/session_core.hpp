@@ -7,8 +7,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <shared_mutex>
 #include <string>
+#include <vector>
 
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/session/session.hpp"
@@ -79,6 +81,8 @@ class Session::Core final : public TransportListener {
   // Throws Error while the session shuts down.
   void RequireOpen() const;
   ZmqTransport& Carrier();
+  static std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints);
+  bool SayIfItCannotLeave(const std::string& channel);
   NodeOptions WithChannelConfig(const Channel& channel, NodeOptions options) const;
   void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);
   // Joins or ends the inbound channel as the wanted demands say.
@@ -111,6 +115,7 @@ class Session::Core final : public TransportListener {
   std::unique_ptr<ZmqTransport> carrier_;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
   std::map<std::string, Inflow, std::less<>> inflows_;
+  std::set<std::string> said_confined_;  // Subscribed channels that were looked up in the white lists.
 };
 
 }  // namespace hgros

@@ -174,6 +174,20 @@ TEST(Session, OnlyListedChannelsLeaveAndTheListCanChangeWhileRunning) {
   EXPECT_EQ(hidden.size(), 1U);
 }
 
+TEST(Session, AChannelThatNoListLetsPassIsSaidOnceWithTheNameThatWasMeant) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a", "wheel"));
+  Robot listener(bus.Subscribing("a", "wheel"));
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(talker->ToAny("wheels", std::make_unique<Note>("x")), PublishStatus::kOk);
+  EXPECT_TRUE(
+      talker.Said("Channel \"wheels\" is published, but does not leave this process: no publisher endpoint has "
+                  "it in its list of channels. Did you mean \"wheel\"?"));
+  const auto subscription = listener->FromAny<Note>("battery", kSerial, [](const Note&) {});
+  EXPECT_TRUE(listener.Said("Channel \"battery\" is subscribed to, but nothing enters this process"));
+  const auto heard = listener->FromAny<Note>("wheel", kSerial, [](const Note&) {});
+  EXPECT_FALSE(listener.Said("\"wheel\" is subscribed to"));
+}
+
 TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));

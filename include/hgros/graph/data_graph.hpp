@@ -67,8 +67,9 @@ class HGROS_EXPORT DataGraph {
 
   /// Calls `callback` with every message on `channel` in this process; latched ones first.
   template <class T, CallbackFor<T> F>
-  [[nodiscard]] Subscription FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
-                                       const CallSite& where = CallSite::Current()) {
+  [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromGraph(
+      std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+      const CallSite& where = CallSite::Current()) {
     return Subscribe(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
                      std::move(options));
   }

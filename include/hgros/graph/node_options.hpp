@@ -11,9 +11,9 @@ namespace hgros {
 
 /// What a program says of one node when it subscribes.
 struct NodeOptions {
-  std::string name;  ///< For logs, tables and configuration; empty: channel and a number, as in "scan#0".
-  Queue queue;
-  Executor executor;
+  std::string name{};  ///< For logs, tables and configuration; empty: channel and a number, as in "scan#0".
+  Queue queue{};
+  Executor executor{};
 };
 
 /// What configuration says of a node by its name; it wins over what the program says.

@@ -69,7 +69,12 @@ class Publisher {
     return channel_ ? Publish(*channel_, OfferOf<T>(message), reach_) : PublishStatus::kClosed;
   }
 
-  /// As above, but waits for room in lossless subscribers: until `deadline`, or until `stop` is requested.
+  /// A copy of `message`, for small ones.
+  PublishStatus operator()(const T& message) const requires std::copy_constructible<T> {
+    return (*this)(std::make_unique<T>(message));
+  }
+
+  /// As the first two, but waits for room in lossless subscribers: until `deadline`, or until `stop` is requested.
   PublishStatus Wait(std::unique_ptr<T>&& message, std::chrono::steady_clock::time_point deadline,
                      const std::stop_token& stop = {}) const {
     return channel_ ? PublishWait(*channel_, OfferOf<T>(message), reach_, deadline, stop) : PublishStatus::kClosed;

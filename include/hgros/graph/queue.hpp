@@ -13,6 +13,7 @@ class HGROS_EXPORT Queue {
   enum class Kind : std::uint8_t {
     kKeepLast,  ///< The newest `depth` wait; older ones are dropped and counted.
     kKeepAll,   ///< Lossless: nothing is dropped; publishing returns PublishStatus::kFull while there is no room.
+                ///< A remote subscriber that stays silent for the peer timeout is gone and no longer holds anybody up.
   };
   static constexpr std::size_t kDefaultDepth = 16;
   static constexpr std::size_t kUnlimitedBytes = SIZE_MAX;

@@ -8,7 +8,8 @@
 namespace hgros {
 
 /// A session came, went, or does not fit. Published inside the process on kPeerEventsChannel:
-/// session.FromGraph<PeerEvent>(kPeerEventsChannel, ...).
+/// session.FromGraph<PeerEvent>(kPeerEventsChannel, ...). Who came before that is in Session::Peers(): ask for it after
+/// subscribing.
 struct PeerEvent {
   enum class Kind { kCame, kGone, kTypeMismatch };
   Kind kind = Kind::kCame;

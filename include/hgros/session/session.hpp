@@ -90,16 +90,18 @@ class HGROS_EXPORT Session {
   /// Ordering: each publisher's send order under kSerial; none between publishers.
   /// Lifetime: ends with the returned Subscription. Messages that do not decode are dropped and counted.
   template <Message T, CallbackFor<T> F>
-  [[nodiscard]] Subscription FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
-                                     const CallSite& where = CallSite::Current()) {
+  [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromAny(
+      std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+      const CallSite& where = CallSite::Current()) {
     return SubscribeAny(OpenAny(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
                         std::move(options));
   }
   /// Likewise without asking other sessions: what this process publishes (and what comes from outside for a FromAny on
   /// the same channel); any type.
   template <class T, CallbackFor<T> F>
-  [[nodiscard]] Subscription FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
-                                       const CallSite& where = CallSite::Current()) {
+  [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromGraph(
+      std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+      const CallSite& where = CallSite::Current()) {
     return SubscribeGraph(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
                           std::move(options));
   }
