@@ -8,6 +8,22 @@
 #include "ending.hpp"
 
 namespace slam2d {
+namespace {
+
+// CLI11's own checks speak of the limits of double.
+std::string WholeNumberFromOne(const std::string& text) {
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  if (digits && text.find_first_not_of('0') != std::string::npos && text.size() <= 9) return {};
+  return "must be a whole number from 1 to 999999999, but is \"" + text + "\".";
+}
+
+std::string RateOrNothing(const std::string& text) {
+  double rate = -1;
+  if (CLI::detail::lexical_cast(text, rate) && rate >= 0 && rate <= 1e6) return {};
+  return "must be a number from 0 to 1000000, but is \"" + text + "\".";
+}
+
+}  // namespace
 
 std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   Options options;
@@ -20,8 +36,8 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   app.add_option("--log", options.log, "CARMEN log to play, plain or gzip")->option_text("FILE");
   app.add_option("--rate", options.rate, "Play at N times real time; 0, the default: as fast as it is processed")
       ->option_text("N")
-      ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--scans", options.scans, "Stop after N scans")->option_text("N")->check(CLI::PositiveNumber);
+      ->check(RateOrNothing);
+  app.add_option("--scans", options.scans, "Stop after N scans")->option_text("N")->check(WholeNumberFromOne);
   app.add_option("--out", options.out, "Folder for the files (default: slam2d_out)")->option_text("DIR");
   app.add_option("--config", options.configs, "YAML: which nodes run here, and how others are reached; repeatable")
       ->option_text("FILE")
@@ -29,7 +45,7 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   app.add_option("--move-mapper-at", options.move_mapper_at,
                  "At scan K hand the mapper to a process on standby, while running")
       ->option_text("K")
-      ->check(CLI::PositiveNumber);
+      ->check(WholeNumberFromOne);
   app.add_option("--relations", options.relations, "Compare with these relations: errors of relative poses")
       ->option_text("FILE");
   app.add_option("--patience", patience_s, "Seconds to wait for other processes (default: 30)")
