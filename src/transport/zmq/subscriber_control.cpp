@@ -104,8 +104,6 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   publisher_->handshake = welcome.handshake();
   publisher_->last_heard = std::chrono::steady_clock::now();
   publisher_->alive = true;
-  publisher_->offers.clear();
-  for (const auto& offer : welcome.offers()) publisher_->offers.insert(offer.channel());
   connected_ = true;  // The monitor may be late.
   if (came) actions.emplace_back([this, info = publisher_->facts.info] { carrier_.peers.Came(info); });
   SayHello(welcome.handshake());
@@ -117,10 +115,8 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
 
 void SubscriberEndpoint::Ask(Link& link) {
   if (!publisher_ || !publisher_->alive || !link.allowed || link.asked) return;
-  // A channel that it does not offer here may come over another of its endpoints: asked for, but not claimed before
-  // the answer.
-  const bool offered = publisher_->offers.contains(link.core->name);
-  if (offered && !link.core->Claim(publisher_->facts.info.id, this)) return;
+  // Until an answer says that the channel is not to be had here.
+  if (!link.core->Claim(publisher_->facts.info.id, this)) return;
   if (!link.subscribed) {
     link.subscribed = true;
     SubscribeTopic(PeerTopic(link.core->name, carrier_.self.info.id), true);
@@ -155,7 +151,6 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
   const std::string& name = subscribed.offered().channel();
   if (subscribed.link() == 0) return;
   const auto found = links_.find(name);
-  if (found != links_.end()) publisher_->offers.insert(name);
   if (found == links_.end() || !found->second.asked) {
     // It remembers what was asked for before a cut, or what we have ended since: a link that nobody reads would use up
     // its credit.
@@ -164,6 +159,7 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
   }
   Link& link = found->second;
   if (!link.core->Claim(publisher_->facts.info.id, this)) {
+    // It was withdrawn here, or not offered yet, and comes over another endpoint since.
     StopAsking(link, {}, actions);
     return;
   }
@@ -206,14 +202,12 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
 void SubscriberEndpoint::OnRefused(const wire::Refused& refused, Actions& actions) {
   const auto found = links_.find(refused.offered().channel());
   if (found == links_.end() || !found->second.asked) return;
-  publisher_->offers.erase(found->first);
   EndLink(found->second, actions);
   ReleaseClaim(found->second, actions);
   TellMismatch(found->first, DescribeMismatch(refused.offered(), found->second.core->type), actions);
 }
 
 void SubscriberEndpoint::OnWithdrawn(const std::string& channel, Actions& actions) {
-  publisher_->offers.erase(channel);
   const auto found = links_.find(channel);
   if (found == links_.end()) return;
   EndLink(found->second, actions);

@@ -79,7 +79,6 @@ class SubscriberEndpoint {
     std::uint64_t handshake = 0;
     SteadyTime last_heard{};
     bool alive = false;
-    std::unordered_set<std::string> offers;  // What it publishes at this endpoint now, as far as it said.
     std::unordered_set<std::string> told_mismatch;
   };
   struct Arrival {
