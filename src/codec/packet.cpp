@@ -223,6 +223,7 @@ std::string_view ToString(PacketFault fault) noexcept {
     case PacketFault::kTopic: return "topic";
     case PacketFault::kType: return "type";
     case PacketFault::kData: return "data";
+    case PacketFault::kOverrun: return "overrun";
   }
   return "unknown";
 }

@@ -20,6 +20,10 @@ using google::protobuf::FileDescriptorSet;
 
 // Real sets have some ten kilobytes; what is hostile should not cost us more than some tens of milliseconds.
 constexpr std::size_t kMaxSetBytes = 1 << 20;
+constexpr int kMaxFiles = 256;
+constexpr std::size_t kMaxNameBytes = 512;
+constexpr std::size_t kMaxDeclarations = 10'000;
+constexpr int kMaxNesting = 32;
 constexpr std::size_t kMaxComparedPairs = 10'000;
 constexpr std::size_t kMaxNotes = 16;
 
@@ -62,6 +66,65 @@ class FirstError : public DescriptorPool::ErrorCollector {
 
  private:
   std::string text_;
+};
+
+/// Finds what would make a pool spend far more than the set's own size: it stores every declaration's full name, and
+/// follows public imports from every file to all before it.
+class SizeCheck {
+ public:
+  /// What is too large, or an empty text.
+  [[nodiscard]] std::string Fault(const FileDescriptorSet& set) {
+    if (set.file_size() > kMaxFiles) TooMany("files", kMaxFiles);
+    for (const auto& file : set.file()) {
+      if (!fault_.empty()) break;
+      Name(0, file.name());
+      for (const auto& import : file.dependency()) Name(0, import);
+      Count(file.dependency_size() + file.public_dependency_size() + file.weak_dependency_size());
+      const std::size_t package = Name(0, file.package());
+      for (const auto& type : file.message_type()) Message(package, type, 1);
+      for (const auto& type : file.enum_type()) Enum(package, type);
+    }
+    return std::move(fault_);
+  }
+
+ private:
+  void Message(std::size_t scope, const DescriptorProto& type, int depth) {
+    if (depth > kMaxNesting) TooMany("levels of nested types", kMaxNesting);
+    if (!fault_.empty()) return;
+    const std::size_t inside = Name(scope, type.name());
+    Count(1 + type.field_size() + type.oneof_decl_size());
+    for (const auto& field : type.field()) {
+      Name(inside, field.name());
+      Name(0, field.type_name());
+      Name(0, field.extendee());
+    }
+    for (const auto& oneof : type.oneof_decl()) Name(inside, oneof.name());
+    for (const auto& nested : type.nested_type()) Message(inside, nested, depth + 1);
+    for (const auto& nested : type.enum_type()) Enum(inside, nested);
+  }
+  void Enum(std::size_t scope, const EnumDescriptorProto& type) {
+    Name(scope, type.name());
+    Count(1 + type.value_size());
+    for (const auto& value : type.value()) Name(scope, value.name());
+  }
+  /// The length of the full name of `name` in a scope whose own has `scope` bytes.
+  std::size_t Name(std::size_t scope, const std::string& name) {
+    const std::size_t full = scope + (scope > 0 ? 1 : 0) + name.size();
+    if (full > kMaxNameBytes && fault_.empty()) {
+      fault_ = "a name of " + std::to_string(full) + " bytes, more than " + std::to_string(kMaxNameBytes);
+    }
+    return full;
+  }
+  void Count(int declarations) {
+    declarations_ += static_cast<std::size_t>(declarations);
+    if (declarations_ > kMaxDeclarations) TooMany("types, fields, enum values and imports", kMaxDeclarations);
+  }
+  void TooMany(std::string_view what, std::size_t most) {
+    if (fault_.empty()) fault_ = "more than " + std::to_string(most) + " " + std::string(what);
+  }
+
+  std::size_t declarations_ = 0;
+  std::string fault_;
 };
 
 // What the comparison does not read is taken out before the set is built: options, defaults, ranges and services are
@@ -174,6 +237,9 @@ SchemaVerdict CheckSchemas(std::string_view their_descriptor_set, const std::str
   if (!set.ParsePartialFromArray(their_descriptor_set.data(), static_cast<int>(their_descriptor_set.size())) ||
       !set.IsInitialized()) {
     return Refuse("The peer's schema is not a FileDescriptorSet.");
+  }
+  if (const std::string fault = SizeCheck().Fault(set); !fault.empty()) {
+    return Refuse("The peer's schema has " + fault + ".");
   }
   DescriptorPool pool;
   for (FileDescriptorProto& file : *set.mutable_file()) {

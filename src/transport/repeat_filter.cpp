@@ -8,12 +8,13 @@ constexpr std::size_t kMaxPublishers = 1024;
 
 }  // namespace
 
-bool RepeatFilter::Pass(const MessageId& id) {
+bool RepeatFilter::Pass(SessionId from, const MessageId& id) {
   if (id.publisher == 0 || id.sequence == 0) return true;
-  auto found = publishers_.find(id.publisher);
+  const std::pair key(from, id.publisher);
+  auto found = publishers_.find(key);
   if (found == publishers_.end()) {
     if (publishers_.size() >= kMaxPublishers) publishers_.clear();
-    found = publishers_.emplace(id.publisher, Seen{.incarnation = id.incarnation}).first;
+    found = publishers_.emplace(key, Seen{.incarnation = id.incarnation}).first;
   }
   Seen& seen = found->second;
   if (id.incarnation < seen.incarnation) return false;

@@ -2,13 +2,15 @@
 
 #include <array>
 #include <cstdint>
-#include <unordered_map>
+#include <map>
+#include <utility>
 
 #include "hgros/base/ids.hpp"
 
 namespace hgros {
 
-/// Recognises messages that came before, by publisher, incarnation and sequence.
+/// Recognises messages that came before, by who handed them over, publisher, incarnation and sequence. What one sender
+/// hands over says nothing about another's messages: nobody can make us take them for repeats.
 ///
 /// Threads that publish through one handle may overtake each other between numbering and sending, so a window of the
 /// last kWindow sequences is remembered bit by bit; what is older counts as a repeat.
@@ -18,7 +20,7 @@ class RepeatFilter {
   static constexpr std::uint64_t kWindow = 256;
 
   /// True if the message is new, and remembers it. Messages without a publisher or sequence are always new.
-  [[nodiscard]] bool Pass(const MessageId& id);
+  [[nodiscard]] bool Pass(SessionId from, const MessageId& id);
 
  private:
   struct Seen {
@@ -26,7 +28,7 @@ class RepeatFilter {
     std::uint64_t highest = 0;
     std::array<std::uint64_t, kWindow / 64> bits{};  // Bit s % kWindow belongs to sequence s.
   };
-  std::unordered_map<std::uint64_t, Seen> publishers_;
+  std::map<std::pair<SessionId, std::uint64_t>, Seen> publishers_;  // By sender and publisher.
 };
 
 }  // namespace hgros

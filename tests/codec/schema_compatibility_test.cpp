@@ -158,6 +158,55 @@ TEST(SchemaCompatibility, RefusesWhatIsNoSchemaQuietly) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
+FileDescriptorProto& AddFile(FileDescriptorSet& set) {
+  auto& file = *set.add_file();
+  file.set_name(std::to_string(set.file_size()));
+  return file;
+}
+
+std::string RefusalOf(const FileDescriptorSet& set) {
+  const auto* const type = foxglove::SceneUpdate::descriptor();
+  return CheckSchemas(set.SerializeAsString(), type->full_name(), *type).reason;
+}
+
+// Each would cost a pool gigabytes or minutes if it were larger, within the set's megabyte.
+TEST(SchemaCompatibility, RefusesWhatWouldCostMoreThanItsSize) {
+  FileDescriptorSet chain;
+  for (int i = 0; i < 300; ++i) {
+    auto& file = AddFile(chain);
+    if (i == 0) continue;
+    file.add_dependency(std::to_string(i));
+    file.add_public_dependency(0);
+  }
+  EXPECT_EQ(RefusalOf(chain), "The peer's schema has more than 256 files.");
+
+  FileDescriptorSet long_name;
+  auto& message = *AddFile(long_name).add_message_type();
+  message.set_name(std::string(1000, 'M'));
+  for (int i = 0; i < 100; ++i) message.add_field();
+  EXPECT_EQ(RefusalOf(long_name), "The peer's schema has a name of 1000 bytes, more than 512.");
+
+  FileDescriptorSet long_scopes;
+  auto* scope = AddFile(long_scopes).add_message_type();
+  for (int i = 0; i < 8; ++i, scope = scope->add_nested_type()) scope->set_name(std::string(100, 'M'));
+  EXPECT_THAT(RefusalOf(long_scopes), HasSubstr("a name of 605 bytes"));
+
+  FileDescriptorSet deep;
+  scope = AddFile(deep).add_message_type();
+  for (int i = 0; i < 40; ++i, scope = scope->add_nested_type()) scope->set_name("M");
+  EXPECT_EQ(RefusalOf(deep), "The peer's schema has more than 32 levels of nested types.");
+
+  const std::string counted = "The peer's schema has more than 10000 types, fields, enum values and imports.";
+  FileDescriptorSet fields;
+  auto& wide = *AddFile(fields).add_message_type();
+  for (int i = 0; i < 10'000; ++i) wide.add_field();
+  EXPECT_EQ(RefusalOf(fields), counted);
+  FileDescriptorSet values;
+  auto& type = *AddFile(values).add_enum_type();
+  for (int i = 0; i < 10'000; ++i) type.add_value();
+  EXPECT_EQ(RefusalOf(values), counted);
+}
+
 TEST(SchemaCompatibility, SurvivesRandomDamageQuietly) {
   const auto* const type = foxglove::SceneUpdate::descriptor();
   const std::string good = DescriptorSet(*type);

@@ -6,6 +6,15 @@
 
 namespace hgros::conformance {
 
+namespace {
+
+std::uint64_t NextIncarnation() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
+
 bool Eventually(const std::function<bool()>& done) { return test::Await(done); }
 
 void Listener::OnPeerCame(const PeerInfo&) noexcept { ++came; }
@@ -29,7 +38,7 @@ void Source::Latch(OutboundMessage message) {
 }
 
 Publication::Publication(Session& session, std::string name, const TypeInfo& message_type)
-    : channel_name(std::move(name)), type(message_type) {
+    : channel_name(std::move(name)), type(message_type), id{session.id.value, NextIncarnation(), 0} {
   channel = session.transport->Advertise(channel_name, type, source);
 }
 
@@ -39,7 +48,8 @@ PacketHead Publication::NextHead() {
   head.type_name = type.name;
   head.encoding = type.encoding;
   head.fingerprint = type.fingerprint;
-  head.id = {publisher, 1, ++sequence};
+  head.id = id;
+  head.id.sequence = ++sequence;
   head.publish_time_ns = WallNow().nanoseconds;
   head.publish_monotonic_ns = MonotonicNow();
   return head;

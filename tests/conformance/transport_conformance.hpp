@@ -103,7 +103,7 @@ class Publication {
 
   std::string channel_name;
   const TypeInfo& type;
-  const std::uint64_t publisher = RandomId();
+  const MessageId id;  // Of its session, and another life of it for each publication.
   std::atomic<std::uint64_t> sequence{0};
   Source source;
   std::unique_ptr<OutboundChannel> channel;

@@ -98,6 +98,36 @@ TEST_P(TransportConformance, CancelGivesTheReservationBack) {
   EXPECT_EQ(out.Publish("1"), PublishStatus::kOk);
 }
 
+TEST_P(TransportConformance, AReservationThatIsGivenBackIsToldToWhoWasRefused) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  Demand one = kLossless;
+  one.credit_messages = 1;
+  Reception in(b, "scan", TextType(), one);
+  ASSERT_TRUE(Joined(out));
+  ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
+  ASSERT_EQ(out.channel->Reserve(), PublishStatus::kFull);
+  EXPECT_EQ(out.source.rooms, 0);
+  out.channel->Cancel();
+  EXPECT_TRUE(Eventually([&] { return out.source.rooms > 0; }));
+}
+
+TEST_P(TransportConformance, AReservationThatALatchedMessageMadeNeedlessIsToldToWhoWasRefused) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "map", TextType());
+  const PacketHead head = out.NextHead();
+  out.source.Latch({head, Publication::PayloadOf("1")});
+  Demand two = kLossless;
+  two.credit_messages = 2;
+  Reception in(b, "map", TextType(), two, [](Sink& sink) { sink.hold_credit = true; });
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
+  ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
+  ASSERT_EQ(out.channel->Reserve(), PublishStatus::kFull);
+  out.channel->Commit(head, Publication::PayloadOf("1"));
+  EXPECT_TRUE(Eventually([&] { return out.source.rooms > 0; }));
+  EXPECT_EQ(out.Publish("2"), PublishStatus::kOk);
+}
+
 TEST_P(TransportConformance, OneMessageLargerThanTheWindowIsLetThrough) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "cloud", TextType());
@@ -313,8 +343,63 @@ TEST_P(TransportConformance, DemandMayChangeWhileMessagesFlow) {
     ++accepted;
     return false;
   }));
-  ASSERT_TRUE(Eventually([&] { return in.sink.count() == static_cast<std::size_t>(accepted); }));
+  // One that was reserved before the change and committed after it waits for the narrower window.
+  ASSERT_TRUE(Eventually([&] {
+    in.sink.Release(static_cast<std::size_t>(accepted));
+    return in.sink.count() == static_cast<std::size_t>(accepted);
+  }));
   EXPECT_EQ(in.sink.texts(), Numbers(1, accepted));
+}
+
+TEST_P(TransportConformance, AMessageEndsWithoutALock) {
+  for (const bool lossless : {false, true}) {
+    Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+    Publication out(a, "scan", TextType());
+    Demand demand = kLossless;
+    demand.lossless = lossless;
+    demand.queue_depth = 1;
+    demand.credit_messages = 3;
+    Reception in(b, "scan", TextType(), demand, [](Sink& sink) { sink.hold_credit = true; });
+    ASSERT_TRUE(Joined(out));
+    // The end of a message wires: another thread does, which gets nowhere while this one holds a lock that it needs.
+    std::atomic<int> ended{0};
+    std::atomic<int> wired{0};
+    std::atomic<int> returned{0};
+    std::mutex mutex;
+    std::vector<std::thread> threads;
+    const auto end = [&](const std::string* text) {
+      delete text;
+      const int turn = ++ended;
+      {
+        const std::scoped_lock lock(mutex);
+        threads.emplace_back([&, turn] {
+          Source source;
+          (void)a.transport->Advertise("other" + std::to_string(turn), TextType(), source);
+          ++wired;
+        });
+      }
+      EXPECT_TRUE(Eventually([&] { return wired >= turn; }));
+      ++returned;
+    };
+    // Large ones: they are shown in place, and end with the carrier's last use of them.
+    for (int i = 0; i < 3; ++i) {
+      const std::shared_ptr<const std::string> text(new std::string(10'000, 'x'), end);
+      if (out.channel->Reserve() == PublishStatus::kOk) out.channel->Commit(out.NextHead(), {AsBytes(*text), text});
+    }
+    ASSERT_TRUE(Eventually([&] { return in.sink.count() == 3; }));
+    for (int i = 0; i < 3 && !lossless; ++i) {
+      const std::shared_ptr<const std::string> text(new std::string(10'000, 'x'), end);
+      ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
+      out.channel->Commit(out.NextHead(), {AsBytes(*text), text});
+    }
+    if (lossless) {
+      in.sink.Release(1);
+      ASSERT_TRUE(Eventually([&] { return ended >= 1; }));
+    }
+    b.transport->Close(0);
+    EXPECT_TRUE(Eventually([&] { return returned == (lossless ? 3 : 6); }));
+    for (auto& thread : threads) thread.join();
+  }
 }
 
 }  // namespace

@@ -9,10 +9,16 @@
 namespace hgros::zmq {
 namespace {
 
+constexpr std::uint64_t kMaxCreditBytes = 256 << 20;
+
+Demand Granted(const Demand& asked) { return PeerChannel::Granted(asked, kMaxCreditBytes); }
+
+PeerChannel::Dropped nowhere;
+
 QueuedMessage Make(std::uint64_t sequence, std::uint64_t bytes = 10) { return {nullptr, {1, 1, sequence}, bytes}; }
 
 TEST(PeerChannel, SendsNothingBeforeItHasBegun) {
-  PeerChannel channel(PeerChannel::Granted({}));
+  PeerChannel channel(Granted({}));
   channel.Push(Make(1));
   EXPECT_FALSE(channel.Pop());
   channel.Begin({});
@@ -27,7 +33,7 @@ std::vector<std::uint64_t> Drained(PeerChannel& channel) {
 }
 
 TEST(PeerChannel, LatchedGoesFirstAndNothingThatWaitsIsLostOrRepeated) {
-  PeerChannel channel(PeerChannel::Granted({}));
+  PeerChannel channel(Granted({}));
   channel.Push(Make(3));
   channel.Push(Make(4));
   channel.Begin({Make(2), Make(3)});
@@ -37,7 +43,7 @@ TEST(PeerChannel, LatchedGoesFirstAndNothingThatWaitsIsLostOrRepeated) {
 }
 
 TEST(PeerChannel, AMessageThatIsLatchedBeforeItIsCommittedGoesOnce) {
-  PeerChannel channel(PeerChannel::Granted({}));
+  PeerChannel channel(Granted({}));
   channel.Begin({Make(4)});
   channel.Push(Make(4));
   channel.Push(Make(5));
@@ -45,39 +51,70 @@ TEST(PeerChannel, AMessageThatIsLatchedBeforeItIsCommittedGoesOnce) {
 }
 
 TEST(PeerChannel, IgnoresCountsThatCannotBe) {
-  PeerChannel channel(PeerChannel::Granted({.lossless = true}));
+  PeerChannel channel(Granted({.lossless = true}));
   channel.Begin({});
   channel.Push(Make(1));
   ASSERT_TRUE(channel.Pop());
-  EXPECT_FALSE(channel.Confirm(2, 10));
-  EXPECT_FALSE(channel.Confirm(1, 11));
-  EXPECT_TRUE(channel.Confirm(1, 10));
-  EXPECT_TRUE(channel.Confirm(0, 0));
+  EXPECT_FALSE(channel.Confirm(2, 10, nowhere));
+  EXPECT_FALSE(channel.Confirm(1, 11, nowhere));
+  EXPECT_TRUE(channel.Confirm(1, 10, nowhere));
+  EXPECT_TRUE(channel.Confirm(0, 0, nowhere));
   EXPECT_FALSE(channel.Resume(0, 0));
   EXPECT_FALSE(channel.Resume(2, 10));
   EXPECT_TRUE(channel.Resume(1, 10));
 }
 
 TEST(PeerChannel, CapsAbsurdDemands) {
-  const Demand granted = PeerChannel::Granted(
-      {.lossless = false, .queue_depth = ~0u, .credit_messages = ~0u, .credit_bytes = ~std::uint64_t{0}});
+  const Demand granted =
+      Granted({.lossless = false, .queue_depth = ~0u, .credit_messages = ~0u, .credit_bytes = ~std::uint64_t{0}});
   EXPECT_LT(granted.queue_depth, 1u << 24);
   EXPECT_LT(granted.credit_messages, 1u << 24);
-  const Demand least =
-      PeerChannel::Granted({.lossless = true, .queue_depth = 0, .credit_messages = 0, .credit_bytes = 0});
+  EXPECT_EQ(granted.credit_bytes, kMaxCreditBytes);
+  const Demand least = Granted({.lossless = true, .queue_depth = 0, .credit_messages = 0, .credit_bytes = 0});
   EXPECT_EQ(least.credit_messages, 1u);
 }
 
 TEST(PeerChannel, DropsTheOldestBeyondThePeersBytesButKeepsOne) {
-  PeerChannel channel(PeerChannel::Granted({.queue_depth = 100, .credit_messages = 1}));
+  PeerChannel channel(Granted({.queue_depth = 100, .credit_messages = 1}));
   channel.Begin({});
   for (std::uint64_t i = 1; i <= 5; ++i) channel.Push(Make(i, 100));
   ASSERT_TRUE(channel.Pop());
-  EXPECT_EQ(channel.Trim(250), 2u);
+  EXPECT_EQ(channel.Trim(250, nowhere), 2u);
   EXPECT_EQ(channel.waiting_bytes(), 200u);
-  EXPECT_EQ(channel.Trim(0), 1u);
-  ASSERT_TRUE(channel.Confirm(1, 100));
+  EXPECT_EQ(channel.Trim(0, nowhere), 1u);
+  ASSERT_TRUE(channel.Confirm(1, 100, nowhere));
   EXPECT_EQ(channel.Pop()->id.sequence, 5u);
+}
+
+TEST(PeerChannel, AWindowHoldsForWhatWentBeforeTheLinkBecameLossless) {
+  PeerChannel channel(Granted({.credit_messages = 2}));
+  channel.Begin({});
+  channel.Push(Make(1));
+  channel.Push(Make(2));
+  EXPECT_EQ(Drained(channel).size(), 2u);
+  EXPECT_EQ(channel.SetDemand(Granted({.lossless = true, .credit_messages = 3}), nowhere), 0u);
+  channel.Push(Make(3));
+  channel.Push(Make(4));
+  EXPECT_EQ(Drained(channel), std::vector<std::uint64_t>{3});
+  ASSERT_TRUE(channel.Confirm(1, 10, nowhere));
+  EXPECT_EQ(Drained(channel), std::vector<std::uint64_t>{4});
+  EXPECT_EQ(channel.Resume(1, 10), 1u) << "what went as keep-last is lost";
+  EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{3, 4}));
+}
+
+TEST(PeerChannel, WhatIsNoLongerNeededIsHandedBackToEndElsewhere) {
+  PeerChannel::Dropped dropped;
+  PeerChannel lossless(Granted({.lossless = true}));
+  lossless.Begin({});
+  lossless.Push(Make(1));
+  ASSERT_TRUE(lossless.Pop());
+  ASSERT_TRUE(lossless.Confirm(1, 10, dropped));
+  EXPECT_EQ(dropped.size(), 1u);
+  PeerChannel keep_last(Granted({.queue_depth = 1}));
+  keep_last.Push(Make(1));
+  keep_last.Push(Make(2));
+  EXPECT_EQ(keep_last.Trim(~std::uint64_t{0}, dropped), 1u);
+  EXPECT_EQ(dropped.size(), 2u);
 }
 
 /// The same thing, slowly: everything ever sent and received is kept.
@@ -99,7 +136,7 @@ TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
     std::mt19937 random(seed);
     const auto below = [&](unsigned n) { return static_cast<unsigned>(random() % n); };
     Model model;
-    model.demand = PeerChannel::Granted(
+    model.demand = Granted(
         {.lossless = lossless, .queue_depth = 1 + below(5), .credit_messages = 1 + below(6), .credit_bytes = 10000});
     PeerChannel channel(model.demand);
     channel.Begin({});
@@ -130,7 +167,7 @@ TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
           break;
         case 3:
           model.confirmed = model.consumed;
-          ASSERT_TRUE(channel.Confirm(model.consumed, 10 * model.consumed));
+          ASSERT_TRUE(channel.Confirm(model.consumed, 10 * model.consumed, nowhere));
           break;
         default: {  // A cut: what is under way is lost.
           if (below(4) != 0) break;
@@ -160,7 +197,7 @@ TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
         model.ring.pop_front();
         ++dropped;
       }
-      ASSERT_EQ(channel.Trim(~std::uint64_t{0}), dropped);
+      ASSERT_EQ(channel.Trim(~std::uint64_t{0}, nowhere), dropped);
       ASSERT_EQ(channel.waiting(), model.ring.size());
       ASSERT_EQ(channel.waiting_bytes(), 10 * model.ring.size());
     }

@@ -10,16 +10,24 @@ namespace {
 
 TEST(RepeatFilter, PassesWhatHasNoNumber) {
   RepeatFilter filter;
-  EXPECT_TRUE(filter.Pass({}));
-  EXPECT_TRUE(filter.Pass({}));
+  EXPECT_TRUE(filter.Pass(SessionId{}, {}));
+  EXPECT_TRUE(filter.Pass(SessionId{}, {}));
 }
 
 TEST(RepeatFilter, ANewLifeOfAPublisherCountsAnew) {
   RepeatFilter filter;
-  EXPECT_TRUE(filter.Pass({7, 1, 5}));
-  EXPECT_TRUE(filter.Pass({7, 2, 5}));
-  EXPECT_FALSE(filter.Pass({7, 1, 6}));
-  EXPECT_FALSE(filter.Pass({7, 2, 5}));
+  EXPECT_TRUE(filter.Pass(SessionId{}, {7, 1, 5}));
+  EXPECT_TRUE(filter.Pass(SessionId{}, {7, 2, 5}));
+  EXPECT_FALSE(filter.Pass(SessionId{}, {7, 1, 6}));
+  EXPECT_FALSE(filter.Pass(SessionId{}, {7, 2, 5}));
+}
+
+TEST(RepeatFilter, NobodyCanHaveAnothersMessagesTakenForRepeats) {
+  RepeatFilter filter;
+  EXPECT_TRUE(filter.Pass(SessionId{9}, {7, ~std::uint64_t{0}, 1}));
+  EXPECT_TRUE(filter.Pass(SessionId{7}, {7, 1, 1}));
+  EXPECT_TRUE(filter.Pass(SessionId{}, {7, 1, 1}));
+  EXPECT_FALSE(filter.Pass(SessionId{7}, {7, 1, 1}));
 }
 
 TEST(RepeatFilter, BehavesLikeASetWithinItsWindow) {
@@ -35,7 +43,8 @@ TEST(RepeatFilter, BehavesLikeASetWithinItsWindow) {
       if (const std::uint64_t back = random() % 300; random() % 2 == 0 && back < sequence) sequence -= back;
       if (sequence == 0) continue;
       const bool old = sequence <= highest && highest - sequence >= RepeatFilter::kWindow;
-      ASSERT_EQ(filter.Pass({1, 1, sequence}), !old && !seen.contains(sequence)) << "sequence " << sequence;
+      ASSERT_EQ(filter.Pass(SessionId{}, {1, 1, sequence}), !old && !seen.contains(sequence))
+          << "sequence " << sequence;
       seen.insert(sequence);
       highest = std::max(highest, sequence);
     }

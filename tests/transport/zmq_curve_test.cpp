@@ -39,6 +39,7 @@ TEST(ZmqCurve, TheRightKeysMeet) {
   ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
   PacketHead head;
   head.channel = "scan";
+  head.encoding = Encoding::kCustom;
   ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
   out->Commit(head, conformance::Publication::PayloadOf(std::string(100'000, 'x')));
   EXPECT_TRUE(Eventually([&] { return sink.count() == 1; }));

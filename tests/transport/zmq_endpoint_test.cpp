@@ -128,6 +128,88 @@ TEST(ZmqEndpoint, TwoWaysToOnePublisherCarryAChannelOnce) {
   EXPECT_EQ(b.transport->Peers().size(), 1u);
 }
 
+TEST(ZmqEndpoint, EachChannelOfAPublisherComesOverTheEndpointThatOffersIt) {
+  Folder folder;
+  ZmqOptions apart;
+  apart.publish = {{folder.Ipc("one"), std::vector<std::string>{"x"}},
+                   {folder.Ipc("two"), std::vector<std::string>{"y"}}};
+  Place a(std::move(apart));
+  conformance::Source source;
+  const auto x_out = a.transport->Advertise("x", TextType(), source);
+  const auto y_out = a.transport->Advertise("y", TextType(), source);
+  ZmqOptions to_both;
+  to_both.subscribe = {{folder.Ipc("one"), std::nullopt, {}}, {folder.Ipc("two"), std::nullopt, {}}};
+  Place b(std::move(to_both));
+  conformance::Sink x_sink, y_sink;
+  const auto x_in = b.transport->Subscribe("x", TextType(), {}, x_sink);
+  const auto y_in = b.transport->Subscribe("y", TextType(), {}, y_sink);
+  EXPECT_TRUE(Eventually([&] { return x_in->publisher_count() == 1 && y_in->publisher_count() == 1; }));
+}
+
+TEST(ZmqEndpoint, AChannelThatOneEndpointGivesUpComesOverAnotherThatHasIt) {
+  Folder folder;
+  ZmqOptions both;
+  both.publish = {{folder.Ipc("one"), std::nullopt}, {folder.Ipc("two"), std::nullopt}};
+  Place a(std::move(both));
+  conformance::Source source;
+  const auto out = a.transport->Advertise("x", TextType(), source);
+  ZmqOptions to_both;
+  to_both.subscribe = {{folder.Ipc("one"), std::nullopt, {}}, {folder.Ipc("two"), std::nullopt, {}}};
+  Place b(std::move(to_both));
+  conformance::Sink sink;
+  const auto in = b.transport->Subscribe("x", TextType(), {}, sink);
+  PacketHead head;
+  head.channel = "x";
+  head.encoding = Encoding::kCustom;
+  const auto arrives = [&] {
+    const std::size_t before = sink.count();
+    return Eventually([&] {
+      if (out->Reserve() == PublishStatus::kOk) out->Commit(head, conformance::Publication::PayloadOf("x"));
+      return sink.count() > before;
+    });
+  };
+  ASSERT_TRUE(arrives());
+  for (int round = 0; round < 4; ++round) {
+    const std::string shut = folder.Ipc(round % 2 == 0 ? "one" : "two");
+    const std::string open = folder.Ipc(round % 2 == 0 ? "two" : "one");
+    a.transport->SetPublishChannels(open, std::nullopt);
+    a.transport->SetPublishChannels(shut, std::vector<std::string>{});
+    ASSERT_TRUE(arrives()) << "round " << round;
+    ASSERT_TRUE(Eventually([&] { return in->publisher_count() == 1 && out->subscriber_count() == 1; }));
+  }
+}
+
+TEST(ZmqEndpoint, RemovingAPublishEndpointTellsOfRoomAndOfFewerSubscribers) {
+  Folder folder;
+  Place a(PublishAt(folder.Ipc()));
+  Place b(SubscribeAt(folder.Ipc()));
+  conformance::Source source;
+  conformance::Sink sink;
+  sink.hold_credit = true;
+  const auto out = a.transport->Advertise("scan", TextType(), source);
+  const auto in = b.transport->Subscribe("scan", TextType(), {.lossless = true, .credit_messages = 1}, sink);
+  ASSERT_TRUE(Eventually([&] { return source.subscribers == 1; }));
+  PacketHead head;
+  head.channel = "scan";
+  head.encoding = Encoding::kCustom;
+  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+  out->Commit(head, conformance::Publication::PayloadOf("x"));
+  ASSERT_EQ(out->Reserve(), PublishStatus::kFull);
+  EXPECT_TRUE(a.transport->RemovePublishEndpoint(folder.Ipc()));
+  EXPECT_TRUE(Eventually([&] { return source.rooms > 0 && source.subscribers == 0; }));
+}
+
+TEST(ZmqEndpoint, ATypeNameTooLongForTheWireIsRefused) {
+  Folder folder;
+  Place a(PublishAt(folder.Ipc()));
+  TypeInfo type = TextType();
+  type.name = std::string(2000, 'T');
+  conformance::Source source;
+  conformance::Sink sink;
+  EXPECT_THAT(ErrorOf([&] { (void)a.transport->Advertise("scan", type, source); }), testing::HasSubstr("2000 bytes"));
+  EXPECT_THAT(ErrorOf([&] { (void)a.transport->Subscribe("scan", type, {}, sink); }), testing::HasSubstr("2000 bytes"));
+}
+
 TEST(ZmqEndpoint, ASessionDoesNotHearItself) {
   Folder folder;
   ZmqOptions options = PublishAt(folder.Ipc());
@@ -161,6 +243,7 @@ TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentGoesOn) {
   ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
   PacketHead head;
   head.channel = "scan";
+  head.encoding = Encoding::kCustom;
   const pid_t child = fork();
   if (child == 0) {
     const bool refused = out->Reserve() == PublishStatus::kClosed;

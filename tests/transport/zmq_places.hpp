@@ -3,10 +3,14 @@
 #include <stdlib.h>
 #include <zmq.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/zmq_transport.hpp"
@@ -36,8 +40,18 @@ struct Place {
     options.plain_after = std::chrono::milliseconds(50);
     transport = MakeZmqTransport(std::move(options), listener, log);
   }
+  /// Whether a line of the log has this text.
+  [[nodiscard]] bool Said(std::string_view text) {
+    const std::scoped_lock lock(mutex);
+    return std::ranges::any_of(lines, [&](const auto& line) { return line.find(text) != std::string::npos; });
+  }
+  std::mutex mutex;
+  std::vector<std::string> lines;  // Guarded by mutex.
   conformance::Listener listener;
-  Log log{[](LogLevel, std::string_view) {}};
+  Log log{[this](LogLevel, std::string_view text) {
+    const std::scoped_lock lock(mutex);
+    lines.emplace_back(text);
+  }};
   std::unique_ptr<ZmqTransport> transport;
 };
 

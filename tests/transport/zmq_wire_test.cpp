@@ -65,6 +65,7 @@ TEST_F(PlainPublisher, RepeatsOfNumberedMessagesAreDropped) {
   pub.Send({PlainTopic("scan"), Head("scan", 6), "last"});
   ASSERT_TRUE(Eventually([&] { return sink.count() >= 2; }));
   EXPECT_EQ(sink.texts(), (std::vector<std::string>{"once", "last"}));
+  EXPECT_EQ(place->transport->stats().repeats, 2u);
 }
 
 TEST_F(PlainPublisher, MalformedPacketsAreDroppedAndCountedByKind) {
@@ -165,11 +166,64 @@ TEST(PlainSubscriber, ThatDoesNotReadIsBoundedInBytes) {
   ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
   PacketHead head;
   head.channel = "cloud";
+  head.encoding = Encoding::kCustom;
   for (int i = 0; i < 200; ++i) {
     ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
     out->Commit(head, Publication::PayloadOf(std::string(100'000, 'x')));
   }
   EXPECT_GT(out->stats().dropped, 50u);
+}
+
+TEST_F(PlainPublisher, IsCutShortWhileTooMuchIsInFlight) {
+  sink.hold_credit = true;
+  channel->SetDemand({.queue_depth = 4, .credit_messages = 4});
+  for (int i = 1; i <= 10; ++i) pub.Send({PlainTopic("scan"), Head("scan"), std::to_string(i)});
+  const auto overruns = [&] {
+    return place->transport->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)];
+  };
+  ASSERT_TRUE(Eventually([&] { return overruns() == 6; }));
+  ASSERT_TRUE(Eventually([&] { return sink.faults == 6; }));
+  EXPECT_EQ(sink.texts(), (std::vector<std::string>{"1", "2", "3", "4"}));
+  sink.Release(1);
+  pub.Send({PlainTopic("scan"), Head("scan"), "11"});
+  ASSERT_TRUE(Eventually([&] { return sink.count() == 5; }));
+  EXPECT_EQ(sink.texts().back(), "11");
+}
+
+TEST(PlainReception, OfAnotherLayoutIsRefusedThoughTheHeadNamesNoType) {
+  Folder folder;
+  RawSocket pub(ZMQ_XPUB);
+  zmq_bind(pub.get(), folder.Ipc().c_str());
+  Place place(SubscribeAt(folder.Ipc()));
+  TypeInfo type = TextType();
+  type.encoding = Encoding::kPlain;
+  type.fingerprint = 1;
+  conformance::Sink sink;
+  const auto channel = place.transport->Subscribe("scan", type, {}, sink);
+  EXPECT_EQ(pub.Receive().front()[1], '\2');
+  EXPECT_EQ(pub.Receive().front(), '\1' + PlainTopic("scan"));
+  for (const std::uint64_t fingerprint : {2u, 1u}) {
+    PacketHead head;
+    head.channel = "scan";
+    head.encoding = Encoding::kPlain;
+    head.fingerprint = fingerprint;
+    std::string frame;
+    EncodeHeadFrame(head, frame);
+    pub.Send({PlainTopic("scan"), frame, std::to_string(fingerprint)});
+  }
+  ASSERT_TRUE(Eventually([&] { return sink.count() > 0; }));
+  EXPECT_EQ(sink.texts(), std::vector<std::string>{"1"});
+  EXPECT_EQ(place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kType)], 1u);
+}
+
+TEST(PlainSubscriber, IsNotRememberedWithATopicLongerThanAnyChannels) {
+  Folder folder;
+  Place place(PublishAt(folder.Ipc()));
+  RawSocket sub(ZMQ_SUB);
+  zmq_connect(sub.get(), folder.Ipc().c_str());
+  const std::string topic(300, 'x');
+  zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, topic.data(), topic.size());
+  EXPECT_TRUE(Eventually([&] { return place.Said("300 bytes"); }));
 }
 
 /// A subscriber that says what it likes.
@@ -188,6 +242,12 @@ class LyingSubscriber : public testing::Test {
       wire::Control control;
       if (frames.empty()) return control;
       if (frames.size() == 2 && control.ParseFromString(frames[1]) && !control.has_heartbeat()) return control;
+    }
+  }
+  std::vector<std::string> NextData() {
+    for (;;) {
+      auto frames = sub.Receive();
+      if (frames.empty() || frames.size() == 3) return frames;
     }
   }
   wire::Control Speak() const {
@@ -228,7 +288,51 @@ TEST_F(LyingSubscriber, IsGrantedNoAbsurdWindow) {
   Join(~0u);
   EXPECT_GT(subscribed.credit_messages(), 0u);
   EXPECT_LE(subscribed.credit_messages(), 1u << 16);
-  EXPECT_LT(subscribed.credit_bytes(), std::uint64_t{1} << 40);
+  EXPECT_EQ(subscribed.credit_bytes(), ZmqOptions().max_credit_bytes);
+}
+
+TEST_F(LyingSubscriber, IsNotHeardOutWhenItTalksTooLong) {
+  sub.Send({'\2' + std::string(100'000, 'x')});
+  // The connection was closed; ZeroMQ makes another one, which is welcomed anew.
+  EXPECT_NE(Next().welcome().handshake(), 0u);
+}
+
+TEST_F(LyingSubscriber, CannotAskForATypeNameOfAnyLength) {
+  auto hello = Speak();
+  hello.mutable_hello()->mutable_facts()->set_wire_major(1);
+  hello.mutable_hello()->set_handshake(welcome.handshake());
+  Say(hello);
+  auto subscribe = Speak();
+  subscribe.mutable_subscribe()->mutable_wanted()->set_channel("scan");
+  subscribe.mutable_subscribe()->mutable_wanted()->set_type_name(std::string(2000, 'T'));
+  subscribe.mutable_subscribe()->set_handshake(welcome.handshake());
+  Say(subscribe);
+  EXPECT_TRUE(Eventually([&] { return FaultSum(*place.transport) == 1; }));
+}
+
+TEST_F(LyingSubscriber, IsStillOwedWhatWasPromisedWhenItDidNotLearnOfItsLink) {
+  Join(4);
+  PacketHead head;
+  head.channel = "scan";
+  head.encoding = Encoding::kCustom;
+  for (const char* text : {"1", "2"}) {
+    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+    out->Commit(head, Publication::PayloadOf(text));
+  }
+  // As after a cut: the same session subscribes again, is welcomed, and knows of no link.
+  const std::uint64_t link = subscribed.link();
+  sub.Send({"\1\2" + id.ToString()});
+  welcome = Next().welcome();
+  ASSERT_NE(welcome.handshake(), 0u);
+  Join(4);
+  EXPECT_EQ(subscribed.link(), link);
+  EXPECT_EQ(subscribed.next_message(), 1u);
+  for (const char* text : {"1", "2"}) {
+    const auto frames = NextData();
+    ASSERT_EQ(frames.size(), 3u);
+    EXPECT_EQ(frames[2], text);
+  }
+  EXPECT_EQ(out->stats().missed, 0u);
 }
 
 TEST_F(LyingSubscriber, GetsNoCreditForWhatItWasNotSent) {
@@ -241,6 +345,7 @@ TEST_F(LyingSubscriber, GetsNoCreditForWhatItWasNotSent) {
   ASSERT_TRUE(Eventually([&] { return FaultSum(*place.transport) > 0; }));
   PacketHead head;
   head.channel = "scan";
+  head.encoding = Encoding::kCustom;
   for (int i = 0; i < 2; ++i) {
     ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
     out->Commit(head, Publication::PayloadOf("x"));
@@ -283,10 +388,129 @@ TEST_F(LyingSubscriber, RandomControlMessagesDoNoHarm) {
   const auto in = honest.transport->Subscribe("scan", TextType(), {}, sink);
   PacketHead head;
   head.channel = "scan";
+  head.encoding = Encoding::kCustom;
   EXPECT_TRUE(Eventually([&] {
     if (out->Reserve() == PublishStatus::kOk) out->Commit(head, Publication::PayloadOf("x"));
     return sink.count() > 0;
   }));
+}
+
+/// A publisher that says what it likes.
+class LyingPublisher : public testing::Test {
+ protected:
+  LyingPublisher() : pub(ZMQ_XPUB) {
+    zmq_bind(pub.get(), folder.Ipc().c_str());
+    place = std::make_unique<Place>(SubscribeAt(folder.Ipc()));
+    subscriber = SessionId::FromString(pub.Receive().front().substr(2));
+  }
+  /// Until a message of the subscriber that `is`.
+  wire::Control Await(const std::function<bool(const wire::Control&)>& is) {
+    for (;;) {
+      const auto frames = pub.Receive();
+      if (frames.empty()) return {};
+      wire::Control control;
+      if (frames[0][0] == '\2' && control.ParseFromString(frames[0].substr(1)) && is(control)) return control;
+    }
+  }
+  void Say(wire::Control control) {
+    control.set_session(id.value);
+    pub.Send({'\2' + subscriber.ToString(), control.SerializeAsString()});
+  }
+  /// Welcomes the subscriber, and opens the link that it asks for.
+  void Join(const TypeInfo& type, std::uint64_t fingerprint) {
+    wire::Control welcome;
+    welcome.mutable_welcome()->mutable_facts()->set_wire_major(1);
+    welcome.mutable_welcome()->set_handshake(++handshake);
+    Say(welcome);
+    const auto asked = Await(
+        [&](const wire::Control& said) { return said.has_subscribe() && said.subscribe().handshake() == handshake; });
+    wire::Control subscribed;
+    auto& offered = *subscribed.mutable_subscribed()->mutable_offered();
+    offered = asked.subscribe().wanted();
+    offered.set_fingerprint(fingerprint);
+    if (type.descriptor_set != nullptr) subscribed.mutable_subscribed()->set_descriptor_set(type.descriptor_set());
+    subscribed.mutable_subscribed()->set_link(handshake);
+    subscribed.mutable_subscribed()->set_credit_messages(~0u);
+    subscribed.mutable_subscribed()->set_credit_bytes(~std::uint64_t{0});
+    Say(subscribed);
+    number = 0;
+  }
+  void SendData(const PacketHead& head, const std::string& text) {
+    std::string topic = PeerTopic("scan", subscriber);
+    ++number;
+    for (int i = 0; i < 8; ++i) topic += static_cast<char>(number >> (8 * i) & 0xff);
+    std::string frame;
+    EncodeHeadFrame(head, frame);
+    pub.Send({topic, frame, text});
+  }
+  [[nodiscard]] std::uint64_t Faults(PacketFault fault) const {
+    return place->transport->stats().faults[static_cast<std::size_t>(fault)];
+  }
+
+  Folder folder;
+  RawSocket pub;
+  const SessionId id = SessionId::Random();
+  SessionId subscriber;
+  conformance::Sink sink;
+  std::unique_ptr<Place> place;
+  std::uint64_t handshake = 0;
+  std::uint64_t number = 0;
+};
+
+PacketHead HeadOf(const TypeInfo& type, const MessageId& id) {
+  PacketHead head;
+  head.channel = "scan";
+  head.type_name = type.name;
+  head.encoding = type.encoding;
+  head.fingerprint = type.fingerprint;
+  head.id = id;
+  return head;
+}
+
+TEST_F(LyingPublisher, CannotSpeakForAnotherSession) {
+  const auto in = place->transport->Subscribe("scan", TextType(), {}, sink);
+  Join(TextType(), 0);
+  SendData(HeadOf(TextType(), {id.value + 1, ~std::uint64_t{0}, 1}), "pretender");
+  SendData(HeadOf(TextType(), {id.value, 1, 1}), "itself");
+  SendData(HeadOf(TextType(), {}), "nobody");
+  ASSERT_TRUE(Eventually([&] { return sink.count() == 2; }));
+  EXPECT_EQ(sink.texts(), (std::vector<std::string>{"itself", "nobody"}));
+  EXPECT_EQ(Faults(PacketFault::kHead), 1u);
+  EXPECT_EQ(sink.faults, 1);
+}
+
+TEST_F(LyingPublisher, CannotSendAnotherSchemaThanItNamed) {
+  const TypeInfo ours = conformance::ProtobufType("hgros.test.Evolving", {{"int32", 1}});
+  TypeInfo theirs = conformance::ProtobufType("hgros.test.Evolving", {{"int32", 1}, {"string", 2}});
+  const auto in = place->transport->Subscribe("scan", ours, {}, sink);
+  Join(theirs, theirs.fingerprint);
+  SendData(HeadOf(theirs, {id.value, 1, 1}), "named");
+  SendData(HeadOf(ours, {id.value, 1, 2}), "ours");
+  ++theirs.fingerprint;
+  SendData(HeadOf(theirs, {id.value, 1, 3}), "another");
+  SendData(HeadOf(ours, {id.value, 1, 4}), "last");
+  ASSERT_TRUE(Eventually([&] { return sink.count() == 3; }));
+  EXPECT_EQ(sink.texts(), (std::vector<std::string>{"named", "ours", "last"}));
+  EXPECT_EQ(Faults(PacketFault::kType), 1u);
+}
+
+TEST_F(LyingPublisher, ThatOverdrawsItsCreditIsLostAndMayComeBack) {
+  sink.hold_credit = true;
+  const auto in = place->transport->Subscribe("scan", TextType(), {.credit_messages = 4}, sink);
+  Join(TextType(), 0);
+  for (std::uint64_t i = 1; i <= 5; ++i) SendData(HeadOf(TextType(), {id.value, 1, i}), std::to_string(i));
+  ASSERT_TRUE(Eventually([&] { return Faults(PacketFault::kOverrun) == 1 && place->listener.gone == 1; }));
+  EXPECT_EQ(sink.count(), 4u);
+  EXPECT_EQ(in->publisher_count(), 0u);
+  sink.Release(4);
+  // It connects anew, and its control topic comes with the connection.
+  ASSERT_TRUE(Eventually([&] {
+    const auto frames = pub.Receive(100);
+    return !frames.empty() && frames[0] == "\1\2" + subscriber.ToString();
+  }));
+  Join(TextType(), 0);
+  SendData(HeadOf(TextType(), {id.value, 1, 6}), "6");
+  EXPECT_TRUE(Eventually([&] { return sink.count() == 5; }));
 }
 
 }  // namespace

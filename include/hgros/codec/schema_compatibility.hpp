@@ -28,7 +28,9 @@ struct SchemaVerdict {
 /// sfixed64; string and bytes; float, double, message and group each alone.
 ///
 /// `their_descriptor_set` comes from the network: anything may be in it. It is refused (not compatible, with the
-/// reason) if it is larger than 1 MiB, does not parse, or lacks a file or the type. Nothing is logged.
+/// reason) if it is larger than 1 MiB, does not parse, or lacks a file or the type; and if it has more than 256 files,
+/// 10,000 types, fields, enum values and imports in all, 32 levels of nested types, or 512 bytes in a full name.
+/// Nothing is logged.
 ///
 /// Threading: thread-safe. Takes from 0.1 ms up: once per peer and channel, never per message.
 [[nodiscard]] HGROS_EXPORT SchemaVerdict CheckSchemas(std::string_view their_descriptor_set,

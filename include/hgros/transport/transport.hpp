@@ -31,7 +31,8 @@ struct InboundMessage {
   PacketHead head;
   Payload data;
   SessionId from;  ///< None if the sender is not a HyperGraph ROS session.
-  /// While any copy lives the message counts as in flight, and the sender's credit stays used. Null without credits.
+  /// While any copy lives the message counts as in flight, and the sender's credit stays used. A sender that knows no
+  /// credit is cut short instead: what it sends while too much is in flight is dropped (PacketFault::kOverrun).
   std::shared_ptr<const void> credit;
 };
 
@@ -140,9 +141,10 @@ class TransportListener {
   virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
 };
 
-/// Packets dropped before their channel was known.
+/// Packets that were dropped, those of unknown channels included.
 struct TransportStats {
   std::array<std::uint64_t, kPacketFaultCount> faults{};
+  std::uint64_t repeats = 0;  ///< Came again and were not delivered again.
 };
 
 /// One way to move messages between sessions. Every carrier passes tests/conformance.

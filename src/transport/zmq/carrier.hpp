@@ -63,6 +63,7 @@ struct Carrier {
   const std::shared_ptr<Waker> waker = std::make_shared<Waker>();
   PeerRegistry peers;
   std::array<std::atomic<std::uint64_t>, kPacketFaultCount> faults{};
+  std::atomic<std::uint64_t> repeats{0};
   std::atomic<bool> closing{false};
   Context context;
 

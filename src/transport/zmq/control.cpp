@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kIdDigits = 16;
 constexpr std::size_t kNumberBytes = 8;
-constexpr std::size_t kMaxPeerTextBytes = 512;
 
 std::string_view EncodingName(std::uint32_t encoding) {
   constexpr std::array<std::string_view, 4> kNames{"none", "protobuf", "custom", "plain"};
@@ -30,7 +29,7 @@ std::string DescribeType(const std::string& name, std::uint32_t encoding, std::u
 }  // namespace
 
 std::string Readable(const std::string& text) {
-  std::string readable = text.substr(0, kMaxPeerTextBytes);
+  std::string readable = text.substr(0, kMaxTextBytes);
   for (char& c : readable) {
     if (static_cast<unsigned char>(c) < 0x20 || c == '\x7f') c = '?';
   }
@@ -93,8 +92,8 @@ std::string UpstreamFrame(const wire::Control& control) {
 
 void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to) {
   to.set_incarnation(facts.incarnation);
-  to.set_process(facts.info.process);
-  to.set_host(facts.info.host);
+  to.set_process(facts.info.process.substr(0, kMaxTextBytes));
+  to.set_host(facts.info.host.substr(0, kMaxTextBytes));
   to.set_pid(facts.info.pid);
   to.set_wire_major(kWireMajor);
   to.set_wire_minor(kWireMinor);

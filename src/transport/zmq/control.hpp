@@ -18,6 +18,12 @@ namespace hgros::zmq {
 inline constexpr char kControlByte = '\x02';
 /// Larger control messages are refused; a descriptor set is the largest part of one.
 inline constexpr std::size_t kMaxControlBytes = 4u << 20;
+/// Likewise upstream: the largest there is a Subscribe with a long type name. ZeroMQ closes the connection for more.
+inline constexpr std::size_t kMaxUpstreamBytes = 64u << 10;
+/// The longest type name that can be asked for.
+inline constexpr std::size_t kMaxTypeNameBytes = 1024;
+/// The longest text for people in a control message; a longer one is cut.
+inline constexpr std::size_t kMaxTextBytes = 512;
 
 /// What a session says of itself in its handshakes.
 struct SessionFacts {

@@ -30,14 +30,17 @@ InboundCore::InboundCore(std::string_view channel, const TypeInfo& message_type,
                          InboundSink& sink)
     : name(channel), plain_topic(PlainTopic(channel)), type(message_type), sink_(sink), demand_(demand) {}
 
-std::string InboundCore::HeadFault(const PacketHead& head) const {
+std::string InboundCore::TypeFault(const PacketHead& head, const InboundPacket& packet) const {
   // The paper's own head has the channel and nothing else.
-  if (head.type_name.empty()) return {};
-  if (head.type_name != type.name) return "it carries " + head.type_name + ", not " + type.name;
+  if (!head.type_name.empty() && head.type_name != type.name)
+    return "it carries " + head.type_name + ", not " + type.name;
   if (head.encoding != Encoding::kNone && head.encoding != type.encoding) return "it is encoded in another way";
-  const bool other = head.fingerprint != 0 && type.fingerprint != 0 && head.fingerprint != type.fingerprint;
-  if (other && type.encoding != Encoding::kProtobuf) return "its " + type.name + " has another layout";
-  return {};
+  if (head.fingerprint == 0 || type.fingerprint == 0 || head.fingerprint == type.fingerprint) return {};
+  if (type.encoding != Encoding::kProtobuf) return "its " + type.name + " has another layout";
+  // A session's schema was compared when the link was made. Nobody could compare a plain publisher's: it is trusted to
+  // send what the type's name says.
+  const bool compared = packet.from.value == 0 || head.fingerprint == packet.fingerprint;
+  return compared ? std::string() : "its " + type.name + " has another schema than the publisher named";
 }
 
 LeaderPool::Task InboundCore::Deliver(const std::shared_ptr<InboundCore>& core, InboundPacket&& packet,
@@ -51,11 +54,20 @@ LeaderPool::Task InboundCore::Deliver(const std::shared_ptr<InboundCore>& core, 
     core->Fault(carrier, endpoint, PacketFault::kTopic, "its topic names " + core->name + ", its head another channel");
     return {};
   }
-  if (const auto fault = core->HeadFault(message.head); !fault.empty()) {
+  const std::uint64_t publisher = message.head.id.publisher;
+  if (packet.from.value != 0 && publisher != 0 && publisher != packet.from.value) {
+    core->Fault(carrier, endpoint, PacketFault::kHead,
+                "channel " + core->name + ": its head names another publisher than the session it came from");
+    return {};
+  }
+  if (const auto fault = core->TypeFault(message.head, packet); !fault.empty()) {
     core->Fault(carrier, endpoint, PacketFault::kType, "channel " + core->name + ": " + fault);
     return {};
   }
-  if (!core->repeats_.Pass(message.head.id)) return {};
+  if (!core->repeats_.Pass(packet.from, message.head.id)) {
+    carrier.repeats.fetch_add(1, std::memory_order_relaxed);
+    return {};
+  }
   message.data = PayloadOf(std::move(packet.data));
   message.from = packet.from;
   message.credit = std::move(packet.credit);

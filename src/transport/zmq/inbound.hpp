@@ -19,8 +19,9 @@ namespace hgros::zmq {
 struct InboundPacket {
   Message head;
   Message data;
-  SessionId from;                      // None from a plain publisher.
-  std::shared_ptr<const void> credit;  // Null likewise.
+  SessionId from;  // None from a plain publisher.
+  std::shared_ptr<const void> credit;
+  std::uint64_t fingerprint = 0;  // Of the type that the session named for the link, and that was compared with ours.
 };
 
 /// One subscribed channel, as all subscribe endpoints see it.
@@ -52,7 +53,7 @@ class InboundCore {
   std::atomic<std::size_t> publishers{0};
 
  private:
-  [[nodiscard]] std::string HeadFault(const PacketHead& head) const;
+  [[nodiscard]] std::string TypeFault(const PacketHead& head, const InboundPacket& packet) const;
   [[nodiscard]] bool StartRun();
   void RunApart();
 

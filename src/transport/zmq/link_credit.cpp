@@ -1,5 +1,6 @@
 #include "transport/zmq/link_credit.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hgros::zmq {
@@ -14,7 +15,11 @@ struct LinkCredit::Token {
 };
 
 LinkCredit::LinkCredit(std::uint64_t window_messages, std::uint64_t window_bytes, std::shared_ptr<Waker> waker)
-    : window_messages_(window_messages), window_bytes_(window_bytes), waker_(std::move(waker)) {}
+    : window_messages_(window_messages),
+      window_bytes_(window_bytes),
+      widest_messages_(window_messages),
+      widest_bytes_(window_bytes),
+      waker_(std::move(waker)) {}
 
 std::shared_ptr<const void> LinkCredit::Take(std::uint64_t bytes) {
   auto token = std::make_shared<const Token>(shared_from_this(), bytes);
@@ -64,6 +69,19 @@ bool LinkCredit::TellIfNews(Totals& consumed) noexcept {
 void LinkCredit::SetWindow(std::uint64_t messages, std::uint64_t bytes) noexcept {
   window_messages_.store(messages, std::memory_order_relaxed);
   window_bytes_.store(bytes, std::memory_order_relaxed);
+  widest_messages_ = std::max(widest_messages_, messages);
+  widest_bytes_ = std::max(widest_bytes_, bytes);
 }
+
+bool LinkCredit::Within(std::uint64_t messages, std::uint64_t bytes) const noexcept {
+  return received_messages_.load() - consumed_messages_.load() < messages &&
+         received_bytes_.load() - consumed_bytes_.load() < bytes;
+}
+
+bool LinkCredit::HasRoom() const noexcept {
+  return Within(window_messages_.load(std::memory_order_relaxed), window_bytes_.load(std::memory_order_relaxed));
+}
+
+bool LinkCredit::HadRoom() const noexcept { return Within(widest_messages_, widest_bytes_); }
 
 }  // namespace hgros::zmq

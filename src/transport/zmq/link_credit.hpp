@@ -38,6 +38,10 @@ class LinkCredit : public std::enable_shared_from_this<LinkCredit> {
   /// All consumed so far, if the publisher does not know yet; afterwards it counts as told.
   [[nodiscard]] bool TellIfNews(Totals& consumed) noexcept;
   void SetWindow(std::uint64_t messages, std::uint64_t bytes) noexcept;
+  /// Whether a publisher that keeps to the window may send one more message.
+  [[nodiscard]] bool HasRoom() const noexcept;
+  /// Likewise, for one that may not have heard yet that its window has shrunk.
+  [[nodiscard]] bool HadRoom() const noexcept;
   /// The publisher is to be told again, whatever it was told before: after a cut.
   void Retell() noexcept { untold_ = true; }
 
@@ -45,9 +49,12 @@ class LinkCredit : public std::enable_shared_from_this<LinkCredit> {
   struct Token;
   void Consume(std::uint64_t bytes) noexcept;
   [[nodiscard]] bool Due() const noexcept;
+  [[nodiscard]] bool Within(std::uint64_t messages, std::uint64_t bytes) const noexcept;
 
   std::atomic<std::uint64_t> window_messages_;
   std::atomic<std::uint64_t> window_bytes_;
+  std::uint64_t widest_messages_;  // Of all windows so far; the endpoint's mutex guards both.
+  std::uint64_t widest_bytes_;
   std::atomic<std::uint64_t> received_messages_{0};
   std::atomic<std::uint64_t> received_bytes_{0};
   std::atomic<std::uint64_t> consumed_messages_{0};

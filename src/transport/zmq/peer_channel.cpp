@@ -1,6 +1,7 @@
 #include "transport/zmq/peer_channel.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace hgros::zmq {
@@ -8,31 +9,28 @@ namespace {
 
 constexpr std::uint32_t kMaxDepth = 1u << 20;
 constexpr std::uint32_t kMaxCreditMessages = 1u << 16;
-constexpr std::uint64_t kMaxCreditBytes = 4ULL << 30;
 
 }  // namespace
 
 PeerChannel::PeerChannel(const Demand& granted) : demand_(granted) {}
 
-Demand PeerChannel::Granted(const Demand& asked) noexcept {
-  return {.lossless = asked.lossless,
-          .queue_depth = std::clamp(asked.queue_depth, 1u, kMaxDepth),
-          .credit_messages = std::clamp(asked.credit_messages, 1u, kMaxCreditMessages),
-          .credit_bytes = std::clamp<std::uint64_t>(asked.credit_bytes, 1, kMaxCreditBytes)};
+Demand PeerChannel::Granted(const Demand& asked, std::uint64_t max_credit_bytes) noexcept {
+  return {
+      .lossless = asked.lossless,
+      .queue_depth = std::clamp(asked.queue_depth, 1u, kMaxDepth),
+      .credit_messages = std::clamp(asked.credit_messages, 1u, kMaxCreditMessages),
+      .credit_bytes = std::clamp<std::uint64_t>(asked.credit_bytes, 1, std::max<std::uint64_t>(max_credit_bytes, 1))};
 }
 
-std::size_t PeerChannel::SetDemand(const Demand& granted) {
+// When a link becomes lossless, what went before cannot be sent again: only messages from now on are promised.
+std::size_t PeerChannel::SetDemand(const Demand& granted, Dropped& dropped) {
   if (demand_.lossless && !granted.lossless) {
+    std::ranges::move(unconfirmed_, std::back_inserter(dropped));
     unconfirmed_.clear();
     reserved_ = 0;
   }
-  // What went before cannot be sent again: only messages from now on are promised.
-  if (!demand_.lossless && granted.lossless) {
-    confirmed_messages_ = sent_messages_;
-    confirmed_bytes_ = sent_bytes_;
-  }
   demand_ = granted;
-  return Trim(~std::uint64_t{0});
+  return Trim(~std::uint64_t{0}, dropped);
 }
 
 bool PeerChannel::HasCredit() const noexcept {
@@ -53,11 +51,12 @@ bool PeerChannel::IsLatched(const MessageId& id) const {
          id.sequence <= last->second.sequence;
 }
 
-void PeerChannel::Push(QueuedMessage message) {
+bool PeerChannel::Push(QueuedMessage message) {
   CancelReservation();
-  if (IsLatched(message.id)) return;
+  if (IsLatched(message.id)) return false;
   waiting_bytes_ += message.bytes;
   ring_.push_back(std::move(message));
+  return true;
 }
 
 std::optional<QueuedMessage> PeerChannel::Pop() {
@@ -72,9 +71,9 @@ std::optional<QueuedMessage> PeerChannel::Pop() {
   return message;
 }
 
-std::size_t PeerChannel::Trim(std::uint64_t spare_bytes) {
+std::size_t PeerChannel::Trim(std::uint64_t spare_bytes, Dropped& dropped) {
   if (demand_.lossless) return 0;
-  std::size_t dropped = 0;
+  std::size_t count = 0;
   std::uint64_t freed = 0;
   const std::uint64_t excess = waiting_bytes_ > spare_bytes ? waiting_bytes_ - spare_bytes : 0;
   while (ring_.size() - latched_waiting_ > demand_.queue_depth ||
@@ -82,10 +81,11 @@ std::size_t PeerChannel::Trim(std::uint64_t spare_bytes) {
     const auto oldest = ring_.begin() + static_cast<std::ptrdiff_t>(latched_waiting_);
     freed += oldest->bytes;
     waiting_bytes_ -= oldest->bytes;
+    dropped.push_back(std::move(*oldest));
     ring_.erase(oldest);
-    ++dropped;
+    ++count;
   }
-  return dropped;
+  return count;
 }
 
 // The ring holds everything since the link was made, in order: what is latched only has to fill in what came before.
@@ -110,12 +110,12 @@ void PeerChannel::Begin(std::vector<QueuedMessage> latched) {
   begun_ = true;
 }
 
-bool PeerChannel::Confirm(std::uint64_t messages, std::uint64_t bytes) {
+bool PeerChannel::Confirm(std::uint64_t messages, std::uint64_t bytes, Dropped& dropped) {
   if (messages > sent_messages_ || bytes > sent_bytes_) return false;
   if (messages < confirmed_messages_ || bytes < confirmed_bytes_) return true;  // Old news.
-  if (demand_.lossless) {
-    const auto count = std::min<std::uint64_t>(messages - confirmed_messages_, unconfirmed_.size());
-    unconfirmed_.erase(unconfirmed_.begin(), unconfirmed_.begin() + static_cast<std::ptrdiff_t>(count));
+  while (unconfirmed_.size() > sent_messages_ - messages) {
+    dropped.push_back(std::move(unconfirmed_.front()));
+    unconfirmed_.pop_front();
   }
   confirmed_messages_ = messages;
   confirmed_bytes_ = bytes;

@@ -31,18 +31,22 @@ struct QueuedMessage {
 /// Thread safety: none; the endpoint's mutex guards it.
 /// Invariants: confirmed <= sent; Pop() gives nothing while sent - confirmed has used up the credit, or while the
 /// link is paused or not begun. Lossless: nothing is ever dropped, and the unconfirmed are exactly the messages
-/// confirmed + 1 ... sent. Keep-last: at most queue_depth live messages wait.
+/// confirmed + 1 ... sent, but for those that went while the link was keep-last. Keep-last: at most queue_depth live
+/// messages wait.
 class PeerChannel {
  public:
+  /// Messages that are no longer needed, to be destroyed when no mutex is held: their destructors are the user's code.
+  using Dropped = std::vector<QueuedMessage>;
+
   explicit PeerChannel(const Demand& granted);
 
   /// A window no publisher grants more than, whatever a peer asks for; zeros become the least that works.
-  [[nodiscard]] static Demand Granted(const Demand& asked) noexcept;
+  [[nodiscard]] static Demand Granted(const Demand& asked, std::uint64_t max_credit_bytes) noexcept;
 
   [[nodiscard]] bool lossless() const noexcept { return demand_.lossless; }
   [[nodiscard]] const Demand& demand() const noexcept { return demand_; }
   /// From the next message on; granted. Returns how many waiting messages were dropped for a smaller depth.
-  std::size_t SetDemand(const Demand& granted);
+  std::size_t SetDemand(const Demand& granted, Dropped& dropped);
 
   /// Lossless: whether a message can be promised.
   [[nodiscard]] bool HasRoom() const noexcept;
@@ -51,14 +55,15 @@ class PeerChannel {
     if (reserved_ > 0) --reserved_;
   }
 
-  /// Takes a committed message and its reservation, if it has one.
-  void Push(QueuedMessage message);
+  /// Takes a committed message and its reservation, if it has one. False if the message is skipped because a latched
+  /// one includes it; then only the reservation is given back.
+  bool Push(QueuedMessage message);
   /// The next message that may be sent now, counted as sent; its number on the link is sent(). None: credit is used
   /// up, or nothing waits.
   [[nodiscard]] std::optional<QueuedMessage> Pop();
   /// Keep-last: drops the oldest live messages beyond the depth, and beyond `spare_bytes` as long as another is left.
   /// Returns how many. To be called when Pop() has given all it can.
-  std::size_t Trim(std::uint64_t spare_bytes);
+  std::size_t Trim(std::uint64_t spare_bytes, Dropped& dropped);
 
   /// Opens the link. The latched messages go first, but for those that wait as live ones already; later live ones that
   /// they include are skipped.
@@ -66,7 +71,7 @@ class PeerChannel {
 
   /// The peer has consumed so much, all in all; less than before changes nothing. False if it is more than was sent:
   /// that is ignored as well.
-  bool Confirm(std::uint64_t messages, std::uint64_t bytes);
+  bool Confirm(std::uint64_t messages, std::uint64_t bytes, Dropped& dropped);
 
   /// Nothing goes until Resume(); commits wait in the ring.
   void Pause() noexcept { paused_ = true; }

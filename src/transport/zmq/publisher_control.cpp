@@ -14,13 +14,15 @@ constexpr std::size_t kMaxPeers = 1024;
 constexpr std::size_t kMaxGreetings = 4096;
 constexpr std::size_t kMaxWishes = 4096;
 constexpr std::size_t kMaxPlainTopics = 16384;
+constexpr std::size_t kMaxPlainTopicBytes = kMaxChannelNameLength + 1;
 constexpr auto kGreetAgainAfter = std::chrono::milliseconds(200);
 
-Demand DemandOf(const wire::Subscribe& asked) {
+Demand DemandOf(const wire::Subscribe& asked, const ZmqOptions& options) {
   return PeerChannel::Granted({.lossless = asked.lossless(),
                                .queue_depth = asked.queue_depth(),
                                .credit_messages = asked.credit_messages(),
-                               .credit_bytes = asked.credit_bytes()});
+                               .credit_bytes = asked.credit_bytes()},
+                              options.max_credit_bytes);
 }
 
 std::string Who(const PeerInfo& peer) { return peer.process + " (session " + peer.id.ToString() + ")"; }
@@ -68,7 +70,18 @@ void PublisherEndpoint::OnTopic(bool subscribed, std::string_view topic, Actions
   }
   if (topic.find_first_of("\1\2") != std::string_view::npos) return;  // A peer's data topic.
   if (subscribed) {
-    if (plain_topics_.size() >= kMaxPlainTopics) return;
+    if (topic.size() > kMaxPlainTopicBytes) {
+      carrier_.log.WriteLimited(LogLevel::kWarning, "zmq long topic " + bound_,
+                                "A plain subscription at " + bound_ + " has " + std::to_string(topic.size()) +
+                                    " bytes, more than any channel's: it is ignored.");
+      return;
+    }
+    if (plain_topics_.size() >= kMaxPlainTopics) {
+      carrier_.log.WriteLimited(LogLevel::kWarning, "zmq plain topics " + bound_,
+                                "More than " + std::to_string(kMaxPlainTopics) + " plain subscriptions at " + bound_ +
+                                    "; further ones are ignored.");
+      return;
+    }
     plain_topics_.emplace(topic);
   } else {
     plain_topics_.erase(std::string(topic));
@@ -179,17 +192,28 @@ void PublisherEndpoint::OnHello(SessionId session, const wire::Hello& hello, Act
 void PublisherEndpoint::OnSubscribe(Peer& peer, const wire::Subscribe& asked, Actions& actions) {
   if (asked.handshake() != peer.handshake) return;
   const std::string& name = asked.wanted().channel();
-  if (!ChannelNameFault(name).empty() || (peer.wishes.size() >= kMaxWishes && !peer.wishes.contains(name))) {
+  if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
+      (peer.wishes.size() >= kMaxWishes && !peer.wishes.contains(name))) {
     carrier_.CountFault(PacketFault::kHead, Who(peer.facts.info), "a subscription that cannot be");
     return;
   }
   Wish& wish = peer.wishes[name];
   wish.asked = asked;
-  const Demand granted = DemandOf(asked);
+  const Demand granted = DemandOf(asked, carrier_.options);
+  PeerChannel::Dropped dropped;
+  std::string descriptor_set;
   if (Link* link = wish.link.get()) {
     if (!asked.change_only()) {
-      const auto lost = asked.link() == link->id ? link->flow.Resume(asked.received_messages(), asked.received_bytes())
-                                                 : std::nullopt;
+      std::optional<std::uint64_t> lost;
+      if (asked.link() == link->id) {
+        lost = link->flow.Resume(asked.received_messages(), asked.received_bytes());
+      } else if (asked.link() == 0 && granted.lossless && link->flow.lossless()) {
+        // The connection ended before our Subscribed was read: what was promised on the link since is still owed.
+        if (auto schema = SchemaFor(asked.wanted(), link->core->type)) {
+          lost = link->flow.Resume(0, 0);
+          descriptor_set = std::move(*schema);
+        }
+      }
       if (!lost) {
         RemoveLink(wish, true, actions);
         Activate(peer, wish, actions);
@@ -199,41 +223,51 @@ void PublisherEndpoint::OnSubscribe(Peer& peer, const wire::Subscribe& asked, Ac
     }
     if (link->flow.lossless() != granted.lossless)
       link->core->lossless.fetch_add(granted.lossless ? 1 : std::size_t(-1));
-    link->core->dropped.fetch_add(link->flow.SetDemand(granted), std::memory_order_relaxed);
-    SendSubscribed(peer, *link, {});
-    Drain(*link);
+    link->core->dropped.fetch_add(link->flow.SetDemand(granted, dropped), std::memory_order_relaxed);
+    SendSubscribed(peer, *link, descriptor_set);
+    Drain(*link, dropped);
+    Discard(std::move(dropped), actions);
     OutboundCore::TellRoom(link->core, actions);
     return;
   }
   Activate(peer, wish, actions);
 }
 
+std::optional<std::string> PublisherEndpoint::SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type) {
+  switch (CompareTypes(wanted, type)) {
+    case TypeFit::kEqual: return std::string();
+    case TypeFit::kEvolved: return type.descriptor_set != nullptr ? type.descriptor_set() : std::string();
+    case TypeFit::kDiffer: break;
+  }
+  return std::nullopt;
+}
+
 void PublisherEndpoint::Activate(Peer& peer, Wish& wish, Actions& actions) {
   const auto& wanted = wish.asked.wanted();
   const auto found = channels_.find(wanted.channel());
-  if (found == channels_.end() || !found->second.allowed) return;
-  const auto& core = found->second.core;
-  std::string descriptor_set;
-  switch (CompareTypes(wanted, core->type)) {
-    case TypeFit::kEqual: break;
-    case TypeFit::kEvolved:
-      if (core->type.descriptor_set != nullptr) descriptor_set = core->type.descriptor_set();
-      break;
-    case TypeFit::kDiffer: {
-      const std::string what = DescribeMismatch(wanted, core->type);
-      auto said = ControlFrom(carrier_.self.info.id);
-      WriteType(core->name, core->type, *said.mutable_refused()->mutable_offered());
-      said.mutable_refused()->set_reason(what);
-      Say(peer, said);
-      TellMismatch(peer, core->name, what, actions);
-      return;
-    }
+  if (found == channels_.end() || !found->second.allowed) {
+    // The subscriber may have asked because of a Welcome that said otherwise.
+    auto said = ControlFrom(carrier_.self.info.id);
+    said.mutable_withdrawn()->set_channel(wanted.channel());
+    Say(peer, said);
+    return;
   }
-  wish.link = std::make_unique<Link>(peer, core, DemandOf(wish.asked), peer.facts.info.id);
+  const auto& core = found->second.core;
+  const auto descriptor_set = SchemaFor(wanted, core->type);
+  if (!descriptor_set) {
+    const std::string what = DescribeMismatch(wanted, core->type);
+    auto said = ControlFrom(carrier_.self.info.id);
+    WriteType(core->name, core->type, *said.mutable_refused()->mutable_offered());
+    said.mutable_refused()->set_reason(what);
+    Say(peer, said);
+    TellMismatch(peer, core->name, what, actions);
+    return;
+  }
+  wish.link = std::make_unique<Link>(peer, core, DemandOf(wish.asked, carrier_.options), peer.facts.info.id);
   found->second.links.push_back(wish.link.get());
   if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
   OutboundCore::CountSubscriber(core, false, 1, actions);
-  SendSubscribed(peer, *wish.link, descriptor_set);
+  SendSubscribed(peer, *wish.link, *descriptor_set);
   if (peer.cut) {
     wish.link->flow.Pause();
     wish.link->paused_since = std::chrono::steady_clock::now();
@@ -268,11 +302,13 @@ void PublisherEndpoint::OnCredit(Peer& peer, const wire::Credit& credit, Actions
   const auto wish = peer.wishes.find(credit.channel());
   if (wish == peer.wishes.end() || !wish->second.link || wish->second.link->id != credit.link()) return;
   Link& link = *wish->second.link;
-  if (!link.flow.Confirm(credit.consumed_messages(), credit.consumed_bytes())) {
+  PeerChannel::Dropped dropped;
+  if (!link.flow.Confirm(credit.consumed_messages(), credit.consumed_bytes(), dropped)) {
     carrier_.CountFault(PacketFault::kHead, Who(peer.facts.info), "it confirms more than it was sent");
     return;
   }
-  Drain(link);
+  Drain(link, dropped);
+  Discard(std::move(dropped), actions);
   if (link.flow.lossless() && HasRoomLocked(*link.core)) OutboundCore::TellRoom(link.core, actions);
 }
 

@@ -31,7 +31,7 @@ PublisherEndpoint::PublisherEndpoint(Carrier& carrier, const PublishEndpoint& en
   // Every subscription is told, also one that another connection has already: after a reconnect the old connection
   // may end after the new one has begun. Unsubscriptions are told when the last is gone.
   socket_.Set(ZMQ_XPUB_VERBOSE, 1);
-  socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxControlBytes));
+  socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxUpstreamBytes));
   socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
   socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * carrier.options.peer_timeout.count()));
   if (carrier.options.security) SecureServer(socket_, *carrier.options.security);
@@ -55,12 +55,11 @@ void PublisherEndpoint::Offer(const std::shared_ptr<OutboundCore>& core) {
   carrier_.Post(std::move(actions));
 }
 
-void PublisherEndpoint::Withdraw(const std::shared_ptr<OutboundCore>& core) {
+void PublisherEndpoint::Withdraw(const std::shared_ptr<OutboundCore>& core, Actions& actions) {
   const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
   const auto found = channels_.find(core->name);
   if (found == channels_.end() || found->second.core != core) return;
-  Actions nobody_listens;
-  CloseChannel(found->second, nobody_listens);
+  CloseChannel(found->second, actions);
   channels_.erase(found);
 }
 
@@ -134,21 +133,33 @@ void PublisherEndpoint::ReserveLocked(const OutboundCore& core) {
   }
 }
 
-void PublisherEndpoint::Cancel(const OutboundCore& core) {
-  const std::scoped_lock lock(mutex_);
-  const auto found = channels_.find(core.name);
-  if (found == channels_.end()) return;
-  for (Link* link : found->second.links) link->flow.CancelReservation();
+void PublisherEndpoint::Cancel(const std::shared_ptr<OutboundCore>& core) {
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = channels_.find(core->name);
+    if (found == channels_.end()) return;
+    for (Link* link : found->second.links) link->flow.CancelReservation();
+    if (HasRoomLocked(*core)) OutboundCore::TellRoom(core, actions);
+  }
+  carrier_.Post(std::move(actions));
 }
 
 void PublisherEndpoint::Commit(const std::shared_ptr<OutboundCore>& core,
-                               const std::shared_ptr<const WireMessage>& message) {
+                               const std::shared_ptr<const WireMessage>& message, PeerChannel::Dropped& dropped) {
+  Actions actions;
   const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
   const auto found = channels_.find(core->name);
   if (found == channels_.end() || found->second.core != core) return;
+  bool skipped = false;
   for (Link* link : found->second.links) {
-    link->flow.Push({message, message->id(), message->bytes()});
-    Drain(*link);
+    skipped = !link->flow.Push({message, message->id(), message->bytes()}) || skipped;
+    Drain(*link, dropped);
+  }
+  // Its reservation is free again, and somebody may have been refused meanwhile.
+  if (skipped && HasRoomLocked(*core)) {
+    OutboundCore::TellRoom(core, actions);
+    carrier_.Post(std::move(actions));
   }
   if (!found->second.plain) return;
   if (plain_bytes_->load(std::memory_order_relaxed) >= carrier_.options.plain_queue_bytes) {
@@ -159,7 +170,11 @@ void PublisherEndpoint::Commit(const std::shared_ptr<OutboundCore>& core,
   core->sent.fetch_add(1, std::memory_order_relaxed);
 }
 
-void PublisherEndpoint::Drain(Link& link) {
+void PublisherEndpoint::Discard(PeerChannel::Dropped&& dropped, Actions& actions) {
+  if (!dropped.empty()) actions.emplace_back([ended = std::move(dropped)] {});
+}
+
+void PublisherEndpoint::Drain(Link& link, PeerChannel::Dropped& dropped) {
   while (const auto message = link.flow.Pop()) {
     WriteLinkNumber(link.topic, link.flow.sent());
     message->wire->SendTo(socket_, link.topic);
@@ -167,8 +182,8 @@ void PublisherEndpoint::Drain(Link& link) {
   }
   const std::uint64_t others = link.peer.waiting_bytes - link.counted_bytes;
   const std::uint64_t limit = carrier_.options.peer_queue_bytes;
-  if (const auto dropped = link.flow.Trim(limit > others ? limit - others : 0); dropped > 0) {
-    link.core->dropped.fetch_add(dropped, std::memory_order_relaxed);
+  if (const auto count = link.flow.Trim(limit > others ? limit - others : 0, dropped); count > 0) {
+    link.core->dropped.fetch_add(count, std::memory_order_relaxed);
   }
   CountWaiting(link);
 }
@@ -182,7 +197,7 @@ void PublisherEndpoint::CountWaiting(Link& link) {
 
 void PublisherEndpoint::RemoveLink(Wish& wish, bool died, Actions& actions) {
   if (!wish.link) return;
-  const std::unique_ptr<Link> link = std::move(wish.link);
+  const std::shared_ptr<Link> link = std::move(wish.link);
   if (const auto channel = channels_.find(link->core->name); channel != channels_.end()) {
     std::erase(channel->second.links, link.get());
   }
@@ -194,6 +209,7 @@ void PublisherEndpoint::RemoveLink(Wish& wish, bool died, Actions& actions) {
     OutboundCore::TellRoom(link->core, actions);
   }
   OutboundCore::CountSubscriber(link->core, false, -1, actions);
+  actions.emplace_back([link] {});  // Its messages end when no mutex is held: their destructors are the user's code.
 }
 
 void PublisherEndpoint::StartLink(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link_id) {
@@ -206,13 +222,15 @@ void PublisherEndpoint::StartLink(const std::shared_ptr<OutboundCore>& core, Ses
     }
   });
   if (!open) return;
+  const PeerChannel::Dropped held = latched;  // Those that are not needed end after the lock.
+  PeerChannel::Dropped dropped;
   const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
   const auto peer = peers_.find(session);
   if (peer == peers_.end()) return;
   const auto wish = peer->second->wishes.find(core->name);
   if (wish == peer->second->wishes.end() || !wish->second.link || wish->second.link->id != link_id) return;
   wish->second.link->flow.Begin(std::move(latched));
-  Drain(*wish->second.link);
+  Drain(*wish->second.link, dropped);
 }
 
 bool PublisherEndpoint::Serve(Actions& actions) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -35,15 +36,16 @@ class PublisherEndpoint {
   [[nodiscard]] int fd() const noexcept { return fd_; }
 
   void Offer(const std::shared_ptr<OutboundCore>& core);
-  void Withdraw(const std::shared_ptr<OutboundCore>& core);
+  void Withdraw(const std::shared_ptr<OutboundCore>& core, Actions& actions);
   void SetChannels(const ChannelList& list);
 
   /// For Reserve(), which needs all endpoints at once: all are locked, asked, and then made to promise.
   [[nodiscard]] std::mutex& mutex() noexcept { return mutex_; }
   [[nodiscard]] bool HasRoomLocked(const OutboundCore& core) const;
   void ReserveLocked(const OutboundCore& core);
-  void Cancel(const OutboundCore& core);
-  void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message);
+  void Cancel(const std::shared_ptr<OutboundCore>& core);
+  void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message,
+              PeerChannel::Dropped& dropped);
 
   /// To be set when the descriptor has become readable.
   [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
@@ -94,7 +96,9 @@ class PublisherEndpoint {
   };
 
   // publisher_endpoint.cpp: channels and data.
-  void Drain(Link& link);
+  void Drain(Link& link, PeerChannel::Dropped& dropped);
+  /// Has the messages end when no mutex is held.
+  static void Discard(PeerChannel::Dropped&& dropped, Actions& actions);
   void CountWaiting(Link& link);
   void UpdatePlain(Channel& channel, Actions& actions);
   void RemoveLink(Wish& wish, bool died, Actions& actions);
@@ -116,6 +120,9 @@ class PublisherEndpoint {
   void DropPeer(SessionId session, std::string_view reason, Actions& actions);
   void PauseLinks(Peer& peer);
   void TellMismatch(Peer& peer, const std::string& channel, const std::string& what, Actions& actions);
+  /// The schema for a subscriber that has another version of the type; empty if the types are equal, none if they
+  /// differ.
+  [[nodiscard]] static std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type);
   void SendSubscribed(Peer& peer, const Link& link, const std::string& descriptor_set);
   void Say(const Peer& peer, const wire::Control& control) { Say(peer.topic, control); }
   void Say(const std::string& topic, const wire::Control& control);

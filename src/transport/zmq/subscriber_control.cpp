@@ -1,4 +1,5 @@
 // What a publisher says to a subscribe endpoint, and what it answers.
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -66,11 +67,7 @@ void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& 
   switch (control->what_case()) {
     case wire::Control::kSubscribed: OnSubscribed(control->subscribed(), actions); break;
     case wire::Control::kRefused: OnRefused(control->refused(), actions); break;
-    case wire::Control::kWithdrawn:
-      if (const auto found = links_.find(control->withdrawn().channel()); found != links_.end()) {
-        EndLink(found->second, actions);
-      }
-      break;
+    case wire::Control::kWithdrawn: OnWithdrawn(control->withdrawn().channel(), actions); break;
     case wire::Control::kHeartbeat: break;
     case wire::Control::kBye: LosePublisher("it said goodbye", true, actions); break;
     default: carrier_.CountFault(PacketFault::kHead, endpoint_, "a subscriber's control message");
@@ -118,6 +115,7 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
 
 void SubscriberEndpoint::Ask(Link& link) {
   if (!publisher_ || !publisher_->alive || !link.allowed || link.asked) return;
+  // Until an answer says that the channel is not to be had here.
   if (!link.core->Claim(publisher_->facts.info.id, this)) return;
   if (!link.subscribed) {
     link.subscribed = true;
@@ -127,8 +125,10 @@ void SubscriberEndpoint::Ask(Link& link) {
   SendSubscribe(link, false);
 }
 
-void SubscriberEndpoint::SendSubscribe(const Link& link, bool change_only) {
+void SubscriberEndpoint::SendSubscribe(Link& link, bool change_only) {
   const Demand demand = link.core->demand();
+  link.asked_messages = std::max<std::uint64_t>(link.asked_messages, demand.credit_messages);
+  link.asked_bytes = std::max(link.asked_bytes, demand.credit_bytes);
   auto said = ControlFrom(carrier_.self.info.id);
   auto& subscribe = *said.mutable_subscribe();
   WriteType(link.core->name, link.core->type, *subscribe.mutable_wanted());
@@ -149,11 +149,24 @@ void SubscriberEndpoint::SendSubscribe(const Link& link, bool change_only) {
 
 void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Actions& actions) {
   const std::string& name = subscribed.offered().channel();
+  if (subscribed.link() == 0) return;
   const auto found = links_.find(name);
-  if (found == links_.end() || !found->second.asked || subscribed.link() == 0) return;
+  if (found == links_.end() || !found->second.asked) {
+    // It remembers what was asked for before a cut, or what we have ended since: a link that nobody reads would use up
+    // its credit.
+    Unsubscribe(name, {});
+    return;
+  }
   Link& link = found->second;
+  if (!link.core->Claim(publisher_->facts.info.id, this)) {
+    // It was withdrawn here, or not offered yet, and comes over another endpoint since.
+    StopAsking(link, {}, actions);
+    return;
+  }
+  const std::uint64_t window_messages = std::min<std::uint64_t>(subscribed.credit_messages(), link.asked_messages);
+  const std::uint64_t window_bytes = std::min(subscribed.credit_bytes(), link.asked_bytes);
   if (link.id == subscribed.link()) {
-    link.credit->SetWindow(subscribed.credit_messages(), subscribed.credit_bytes());
+    link.credit->SetWindow(window_messages, window_bytes);
     link.credit->Retell();
   } else {
     std::string fault;
@@ -177,7 +190,8 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
       return;
     }
     link.id = subscribed.link();
-    link.credit = std::make_shared<LinkCredit>(subscribed.credit_messages(), subscribed.credit_bytes(), carrier_.waker);
+    link.fingerprint = subscribed.offered().fingerprint();
+    link.credit = std::make_shared<LinkCredit>(window_messages, window_bytes, carrier_.waker);
   }
   if (!link.active) {
     link.active = true;
@@ -189,7 +203,19 @@ void SubscriberEndpoint::OnRefused(const wire::Refused& refused, Actions& action
   const auto found = links_.find(refused.offered().channel());
   if (found == links_.end() || !found->second.asked) return;
   EndLink(found->second, actions);
+  ReleaseClaim(found->second, actions);
   TellMismatch(found->first, DescribeMismatch(refused.offered(), found->second.core->type), actions);
+}
+
+void SubscriberEndpoint::OnWithdrawn(const std::string& channel, Actions& actions) {
+  const auto found = links_.find(channel);
+  if (found == links_.end()) return;
+  EndLink(found->second, actions);
+  ReleaseClaim(found->second, actions);
+}
+
+void SubscriberEndpoint::ReleaseClaim(const Link& link, Actions& actions) {
+  if (publisher_ && link.core->Release(publisher_->facts.info.id, this)) actions.emplace_back(claims_freed_);
 }
 
 void SubscriberEndpoint::TellMismatch(const std::string& channel, const std::string& what, Actions& actions) {
@@ -206,20 +232,22 @@ void SubscriberEndpoint::EndLink(Link& link, Actions& actions) {
   InboundCore::CountPublisher(link.core, -1, actions);
 }
 
+void SubscriberEndpoint::Unsubscribe(const std::string& channel, std::string_view mismatch) {
+  auto said = ControlFrom(carrier_.self.info.id);
+  said.mutable_unsubscribe()->set_channel(channel);
+  said.mutable_unsubscribe()->set_mismatch(std::string(mismatch.substr(0, kMaxTextBytes)));
+  Say(said);
+}
+
 void SubscriberEndpoint::StopAsking(Link& link, std::string_view mismatch, Actions& actions) {
   SetPlain(link, false);
   if (link.subscribed) {
     link.subscribed = false;
     SubscribeTopic(PeerTopic(link.core->name, carrier_.self.info.id), false);
   }
-  if (link.asked && publisher_ && publisher_->alive) {
-    auto said = ControlFrom(carrier_.self.info.id);
-    said.mutable_unsubscribe()->set_channel(link.core->name);
-    said.mutable_unsubscribe()->set_mismatch(std::string(mismatch));
-    Say(said);
-  }
+  if (link.asked && publisher_ && publisher_->alive) Unsubscribe(link.core->name, mismatch);
   link.asked = false;
-  if (publisher_ && link.core->Release(publisher_->facts.info.id, this)) actions.emplace_back(claims_freed_);
+  ReleaseClaim(link, actions);
   EndLink(link, actions);
 }
 

@@ -63,7 +63,18 @@ void SubscriberEndpoint::SubscribeTopic(std::string topic, bool subscribe) {
 void SubscriberEndpoint::SetPlain(Link& link, bool plain) {
   if (link.plain == plain) return;
   link.plain = plain;
+  // One account for all connections: what an earlier one left is still in flight.
+  if (plain && !link.plain_credit) link.plain_credit = std::make_shared<LinkCredit>(0, 0, carrier_.waker);
+  SetPlainWindow(link);
   SubscribeTopic(link.core->plain_topic, plain);
+}
+
+void SubscriberEndpoint::SetPlainWindow(const Link& link) {
+  if (!link.plain_credit) return;
+  // A session would keep the rest of the queue's depth for us.
+  const Demand demand = link.core->demand();
+  link.plain_credit->SetWindow(std::max({demand.credit_messages, demand.queue_depth, 1u}),
+                               std::max<std::uint64_t>(demand.credit_bytes, 1));
 }
 
 void SubscriberEndpoint::Want(const std::shared_ptr<InboundCore>& core) {
@@ -88,7 +99,9 @@ void SubscriberEndpoint::Unwant(const std::shared_ptr<InboundCore>& core) {
 void SubscriberEndpoint::ChangeDemand(const std::shared_ptr<InboundCore>& core) {
   const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
   const auto found = links_.find(core->name);
-  if (found != links_.end() && found->second.core == core && found->second.asked) SendSubscribe(found->second, true);
+  if (found == links_.end() || found->second.core != core) return;
+  SetPlainWindow(found->second);
+  if (found->second.asked) SendSubscribe(found->second, true);
 }
 
 void SubscriberEndpoint::SetChannels(const ChannelList& list) {
@@ -190,27 +203,53 @@ void SubscriberEndpoint::OnData(Message& topic_frame, std::vector<Message>& fram
   if (found == links_.end()) return;  // Just unsubscribed.
   Link& link = found->second;
   InboundPacket packet;
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(frames.size(), 2); ++i) bytes += frames[i].bytes().size();
   if (topic->session.value != 0) {
     if (link.id == 0 || !publisher_ || topic->number != link.credit->received().messages + 1) return;
-    std::uint64_t bytes = 0;
-    for (std::size_t i = 0; i < std::min<std::size_t>(frames.size(), 2); ++i) bytes += frames[i].bytes().size();
+    if (!link.credit->HadRoom()) {
+      OnOverdraft(link);
+      return;
+    }
     packet.credit = link.credit->Take(bytes);
     packet.from = publisher_->facts.info.id;
+    packet.fingerprint = link.fingerprint;
   } else if (!link.plain) {
     return;  // Asked for before the publisher turned out to be a session.
+  } else if (!link.plain_credit->HasRoom()) {
+    Drop(link, PacketFault::kOverrun, "a plain publisher sends faster than it is read", {});
+    return;
+  } else {
+    packet.credit = link.plain_credit->Take(bytes);
   }
   if (frames.size() != 2) {
-    Actions actions;
     const auto fault = frames.size() < 2 ? PacketFault::kTruncated : PacketFault::kLength;
-    actions.emplace_back([this, core = link.core, fault, credit = std::move(packet.credit)] {
-      core->Fault(carrier_, endpoint_, fault, "channel " + core->name + ": a packet has three frames");
-    });
-    AddActions(actions);
+    Drop(link, fault, "a packet has three frames", std::move(packet.credit));
     return;
   }
   packet.head = std::move(frames[0]);
   packet.data = std::move(frames[1]);
   inbox_.push_back({.core = link.core, .packet = std::move(packet), .action = {}});
+}
+
+void SubscriberEndpoint::Drop(const Link& link, PacketFault fault, std::string_view what,
+                              std::shared_ptr<const void> credit) {
+  Actions actions;
+  actions.emplace_back([this, core = link.core, fault, said = std::string(what), held = std::move(credit)] {
+    core->Fault(carrier_, endpoint_, fault, "channel " + core->name + ": " + said);
+  });
+  AddActions(actions);
+}
+
+// It does not do as it was told, or is not what it says it is: nothing more is read from this connection.
+void SubscriberEndpoint::OnOverdraft(const Link& link) {
+  Drop(link, PacketFault::kOverrun, "the publisher sent more than it had credit for", {});
+  Actions actions;
+  LosePublisher("it sent more than it had credit for", true, actions);
+  AddActions(actions);
+  socket_.Disconnect(endpoint_);
+  connected_ = false;
+  given_up_since_ = std::chrono::steady_clock::now();  // Tick() connects again.
 }
 
 void SubscriberEndpoint::TellCredits(bool all) {

@@ -67,7 +67,12 @@ class SubscriberEndpoint {
     bool asked = false;       // Subscribe was sent since the last Welcome.
     bool active = false;      // Counted as a publisher.
     std::uint64_t id = 0;
+    std::uint64_t fingerprint = 0;  // Of the publisher's type, compared with ours.
+    // The widest window that was asked for: whatever a publisher says, it was granted no more.
+    std::uint64_t asked_messages = 1;
+    std::uint64_t asked_bytes = 1;
     std::shared_ptr<LinkCredit> credit;
+    std::shared_ptr<LinkCredit> plain_credit;  // Of plain publishers, who are told nothing of it.
   };
   struct Publisher {
     SessionFacts facts;
@@ -85,9 +90,12 @@ class SubscriberEndpoint {
   // subscriber_endpoint.cpp: channels and data.
   bool ReadBatch();
   void OnData(Message& topic, std::vector<Message>& frames);
+  void Drop(const Link& link, PacketFault fault, std::string_view what, std::shared_ptr<const void> credit);
+  void OnOverdraft(const Link& link);
   void AddActions(Actions& actions);
   void SubscribeTopic(std::string topic, bool subscribe);
   void SetPlain(Link& link, bool plain);
+  static void SetPlainWindow(const Link& link);
   [[nodiscard]] bool Allowed(const std::string& channel) const;
 
   // subscriber_control.cpp: what the publisher says.
@@ -95,10 +103,13 @@ class SubscriberEndpoint {
   void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
   void OnSubscribed(const wire::Subscribed& subscribed, Actions& actions);
   void OnRefused(const wire::Refused& refused, Actions& actions);
+  void OnWithdrawn(const std::string& channel, Actions& actions);
   void OnMonitor(Actions& actions);
   void Ask(Link& link);
-  void SendSubscribe(const Link& link, bool change_only);
+  void SendSubscribe(Link& link, bool change_only);
   void EndLink(Link& link, Actions& actions);
+  void Unsubscribe(const std::string& channel, std::string_view mismatch);
+  void ReleaseClaim(const Link& link, Actions& actions);
   void StopAsking(Link& link, std::string_view mismatch, Actions& actions);
   void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
   void TellMismatch(const std::string& channel, const std::string& what, Actions& actions);

@@ -64,9 +64,9 @@ void ZmqCore::Close(int linger_ms) noexcept {
   if (carrier_.closing.exchange(true)) return;
   WaitUntilSent(linger_ms);
   pool_.Stop();
+  Actions nobody_listens;  // Ends after the lock: messages may end with it.
   const std::unique_lock lock(mutex_);
   closed_ = true;
-  Actions nobody_listens;
   for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, nobody_listens);
   for (const auto& endpoint : publishers_) endpoint->Close(linger_ms, nobody_listens);
   if (desk_) desk_->Close();
@@ -122,7 +122,7 @@ bool ZmqCore::RemovePublisher(const std::string& endpoint) {
   const auto found = Find(publishers_, endpoint);
   if (found == publishers_.end()) return false;
   Actions actions;
-  for (const auto& core : outbound_) (*found)->Withdraw(core);
+  for (const auto& core : outbound_) (*found)->Withdraw(core, actions);
   (*found)->Close(static_cast<int>(carrier_.options.linger.count()), actions);
   carrier_.Post(std::move(actions));
   old_publishers_.push_back(std::move(*found));
@@ -173,10 +173,11 @@ void ZmqCore::Offer(const std::shared_ptr<OutboundCore>& core) {
 }
 
 void ZmqCore::Withdraw(const std::shared_ptr<OutboundCore>& core) {
+  Actions nobody_listens;
   {
     const std::unique_lock lock(mutex_);
     outbound_.erase(core);
-    for (const auto& endpoint : publishers_) endpoint->Withdraw(core);
+    for (const auto& endpoint : publishers_) endpoint->Withdraw(core, nobody_listens);
   }
   core->gate.Close();
 }
@@ -224,8 +225,8 @@ PublishStatus ZmqCore::Reserve(OutboundCore& core) {
   return PublishStatus::kOk;
 }
 
-void ZmqCore::Cancel(const OutboundCore& core) {
-  if (core.lossless.load() == 0) return;
+void ZmqCore::Cancel(const std::shared_ptr<OutboundCore>& core) {
+  if (core->lossless.load() == 0) return;
   const std::shared_lock lock(mutex_);
   for (const auto& endpoint : publishers_) endpoint->Cancel(core);
 }
@@ -235,8 +236,9 @@ void ZmqCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead
     return;
   }
   const auto message = std::make_shared<const WireMessage>(head, data);
+  PeerChannel::Dropped dropped;  // Ends after the lock: the messages' destructors are the user's code.
   const std::shared_lock lock(mutex_);
-  for (const auto& endpoint : publishers_) endpoint->Commit(core, message);
+  for (const auto& endpoint : publishers_) endpoint->Commit(core, message, dropped);
 }
 
 void ZmqCore::UpdateWatch() {

@@ -50,7 +50,7 @@ class ZmqCore : public LeaderPool::Input {
   void ChangeDemand(const std::shared_ptr<InboundCore>& core);
 
   [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
-  void Cancel(const OutboundCore& core);
+  void Cancel(const std::shared_ptr<OutboundCore>& core);
   void Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data);
 
   [[nodiscard]] Carrier& carrier() noexcept { return carrier_; }

@@ -32,7 +32,7 @@ class ZmqOutbound final : public OutboundChannel {
     if (!IsChild()) core_->Commit(channel_, head, data);
   }
   void Cancel() noexcept override {
-    if (!IsChild()) core_->Cancel(*channel_);
+    if (!IsChild()) core_->Cancel(channel_);
   }
   Stats stats() const override {
     return {.subscribers = channel_->subscribers.load(),
@@ -96,18 +96,21 @@ class ZmqCarrierTransport final : public ZmqTransport {
                                              OutboundSource& source) override {
     RequireParent();
     RequireChannelName(channel);
+    RequireTypeName(type);
     return std::make_unique<ZmqOutbound>(core_, channel, type, source);
   }
   std::unique_ptr<InboundChannel> Subscribe(std::string_view channel, const TypeInfo& type, const Demand& demand,
                                             InboundSink& sink) override {
     RequireParent();
     RequireChannelName(channel);
+    RequireTypeName(type);
     return std::make_unique<ZmqInbound>(core_, channel, type, demand, sink);
   }
   std::vector<PeerInfo> Peers() const override { return core_->carrier().peers.List(); }
   TransportStats stats() const override {
     TransportStats stats;
     for (std::size_t i = 0; i < stats.faults.size(); ++i) stats.faults[i] = core_->carrier().faults[i].load();
+    stats.repeats = core_->carrier().repeats.load();
     return stats;
   }
   void Close(int linger_ms) noexcept override {
@@ -143,6 +146,12 @@ class ZmqCarrierTransport final : public ZmqTransport {
 
  private:
   bool IsChild() const noexcept { return core_->carrier().fork.IsChild(); }
+  static void RequireTypeName(const TypeInfo& type) {
+    if (type.name.size() <= kMaxTypeNameBytes) return;
+    throw Error("The type's name has " + std::to_string(type.name.size()) + " bytes, more than " +
+                    std::to_string(kMaxTypeNameBytes) + ": " + type.name.substr(0, 100) + "...",
+                {}, "Give it a shorter one.");
+  }
   void RequireParent() const {
     if (!IsChild()) return;
     throw Error("A session cannot be used in a forked child.", {}, "Make the session after fork().");
