@@ -82,12 +82,13 @@ bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
   const MessageId& id = message.head.id;
   const std::scoped_lock lock(counts_mutex_);
   if (message.head.publish_time_ns > 0) transport_.Record(WallNow().nanoseconds - message.head.publish_time_ns);
-  if (lives_.size() >= kMaxPublishers && !lives_.contains(id.publisher)) {
+  const std::pair who{message.from.value, id.publisher};
+  if (lives_.size() >= kMaxPublishers && !lives_.contains(who)) {
     lives_.erase(std::min_element(lives_.begin(), lives_.end(), [](const auto& a, const auto& b) {
       return a.second.last_heard_ns < b.second.last_heard_ns;
     }));
   }
-  Life& life = lives_[id.publisher];
+  Life& life = lives_[who];
   life.last_heard_ns = MonotonicNow();
   life.traffic.publisher = SessionId{id.publisher};
   if (id.publisher == 0) {  // It does not count; so neither gaps nor repeats can be told.

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hgros/base/log.hpp"
@@ -68,7 +69,8 @@ class ChannelInlet final : public InboundSink {
   bool running_ = false;
 
   mutable std::mutex counts_mutex_;
-  std::map<std::uint64_t, Life> lives_;  // By publisher id.
+  // By the session that sent it (0: none) and the publisher that it names, so that nobody can speak for another.
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Life> lives_;
   std::array<std::uint64_t, kPacketFaultCount> faults_{};
   LogHistogram transport_;
 };
