@@ -1,9 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,7 +18,7 @@ namespace hgros {
 //
 // Thread safety: none, the node locks.
 // Invariants: size() == queued; bytes() == sum of their bytes; keep-last: size() <= depth; no block but the last has
-// room, and none is empty.
+// room, and none but the last is empty; back_ is the last of the chain that begins at front_, or null.
 class MessageRing {
  public:
   // Messages in the order in which they came. One that was taken belongs to its taker, who may empty it without locks.
@@ -34,9 +32,15 @@ class MessageRing {
     std::array<QueuedMessage, kSize> slots_;
     std::size_t first_ = 0;
     std::size_t end_ = 0;
+    std::unique_ptr<Block> next_;
   };
 
   explicit MessageRing(const Queue& queue) : queue_(queue) {}
+  MessageRing(const MessageRing&) = delete;
+  MessageRing& operator=(const MessageRing&) = delete;
+  ~MessageRing() {
+    while (front_) TakeFront();  // One by one: as a chain they would end within each other.
+  }
 
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
@@ -67,10 +71,8 @@ class MessageRing {
   std::optional<QueuedMessage> Push(const Delivery& delivery) {
     std::optional<QueuedMessage> dropped;
     if (!queue_.lossless() && size_ >= queue_.depth()) dropped = Pop();
-    if (blocks_.empty() || blocks_.back()->end_ == Block::kSize) {
-      blocks_.push_back(spare_ ? std::move(spare_) : std::make_unique<Block>());
-    }
-    Block& block = *blocks_.back();
+    if (back_ == nullptr || back_->end_ == Block::kSize) Append();
+    Block& block = *back_;
     QueuedMessage& slot = block.slots_[block.end_++];
     if (delivery.last) {
       slot.message = std::move(delivery.message);
@@ -87,11 +89,16 @@ class MessageRing {
 
   // The oldest message; the ring must not be empty.
   QueuedMessage Pop() {
-    Block& block = *blocks_.front();
+    Block& block = *front_;
     QueuedMessage message = std::move(block.slots_[block.first_++]);
     --size_;
     bytes_ -= message.bytes;
-    if (block.first_ == block.end_) GiveBack(TakeFront());
+    if (block.first_ < block.end_) return message;
+    if (&block == back_) {
+      block.first_ = block.end_ = 0;  // Its first places are those that lie in the caches.
+    } else {
+      GiveBack(TakeFront());
+    }
     return message;
   }
 
@@ -109,14 +116,22 @@ class MessageRing {
   }
 
  private:
+  void Append() {
+    std::unique_ptr<Block> block = spare_ ? std::move(spare_) : std::make_unique<Block>();
+    Block* const appended = block.get();
+    (back_ == nullptr ? front_ : back_->next_) = std::move(block);
+    back_ = appended;
+  }
   std::unique_ptr<Block> TakeFront() {
-    std::unique_ptr<Block> block = std::move(blocks_.front());
-    blocks_.pop_front();
+    std::unique_ptr<Block> block = std::move(front_);
+    front_ = std::move(block->next_);
+    if (!front_) back_ = nullptr;
     return block;
   }
 
   Queue queue_;
-  std::deque<std::unique_ptr<Block>> blocks_;
+  std::unique_ptr<Block> front_;
+  Block* back_ = nullptr;
   std::unique_ptr<Block> spare_;
   std::size_t size_ = 0;
   std::size_t bytes_ = 0;

@@ -14,8 +14,9 @@ int WorkerCount(int wanted) {
 // By value, so that the token itself is read inside TBB's code, which put it there.
 tbb::flow::continue_msg RunToken(TbbExecutor::Token token) noexcept {
   (void)token->handed_over.load(std::memory_order_acquire);
-  const std::unique_ptr<TbbExecutor::Ticket> ticket(token);
-  ticket->activation->Activate();
+  const std::shared_ptr<Activation> activation = std::move(token->activation);
+  if (token->owned) delete token;
+  activation->Activate();
   return {};
 }
 
@@ -46,9 +47,14 @@ TbbExecutor::FlowNode& TbbExecutor::Take() {
 
 void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation) {
   auto ticket = std::make_unique<Ticket>();
-  ticket->activation = std::move(activation);
-  ticket->handed_over.store(true, std::memory_order_release);
-  if (node.try_put(ticket.get())) (void)ticket.release();
+  ticket->owned = true;
+  Put(node, std::move(activation), *ticket.release());  // An unlimited node takes everything.
+}
+
+void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket) {
+  ticket.activation = std::move(activation);
+  ticket.handed_over.store(true, std::memory_order_release);
+  node.try_put(&ticket);
 }
 
 void TbbExecutor::Give(FlowNode& node) {

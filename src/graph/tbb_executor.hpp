@@ -27,11 +27,12 @@ class Activation {
 // when our own counts say that it is done; they are reused instead.
 class TbbExecutor {
  public:
-  // Made by Put(), ended by the body that it sets going. What happened before Put() happens before that body: TBB
-  // guarantees it, and the flag says it again where ThreadSanitizer can see it.
+  // What happened before Put() happens before the body that it sets going: TBB guarantees it, and the flag says it
+  // again where ThreadSanitizer can see it.
   struct Ticket {
     std::shared_ptr<Activation> activation;
     std::atomic<bool> handed_over{false};
+    bool owned = false;  // Made by Put(), ended by that body.
   };
   using Token = Ticket*;
   using FlowNode = tbb::flow::function_node<Token, tbb::flow::continue_msg>;
@@ -42,6 +43,8 @@ class TbbExecutor {
   FlowNode& Take();
   void Give(FlowNode& node);
   static void Put(FlowNode& node, std::shared_ptr<Activation> activation);
+  // Likewise with a ticket of the caller's, who keeps it until the activation has begun.
+  static void Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket);
 
  private:
   tbb::global_control workers_;

@@ -23,7 +23,14 @@ bool TbbNode::NeedsWake() {
   return true;
 }
 
-void TbbNode::Wake() noexcept { TbbExecutor::Put(flow_node_, std::static_pointer_cast<TbbNode>(shared_from_this())); }
+void TbbNode::Wake() noexcept {
+  auto self = std::static_pointer_cast<TbbNode>(shared_from_this());
+  if (setting().invoke == Invoke::kSerial) {
+    TbbExecutor::Put(flow_node_, std::move(self), ticket_);
+  } else {
+    TbbExecutor::Put(flow_node_, std::move(self));
+  }
+}
 
 void TbbNode::Activate() noexcept {
   std::int64_t now = MonotonicNow();

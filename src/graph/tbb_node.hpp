@@ -26,6 +26,7 @@ class TbbNode final : public QueuedNode, public Activation {
 
   TbbExecutor& executor_;
   TbbExecutor::FlowNode& flow_node_;
+  TbbExecutor::Ticket ticket_;  // Of a serial node, which has one token out at most.
   std::atomic<bool> flow_node_given_{false};
   std::size_t tokens_ = 0;  // Out and not yet begun (concurrent), or out at all (serial); guarded by mutex_.
 };
