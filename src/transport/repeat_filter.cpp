@@ -10,7 +10,7 @@ constexpr std::size_t kMaxPublishers = 1024;
 
 bool RepeatFilter::Pass(SessionId from, const MessageId& id) {
   if (id.publisher == 0 || id.sequence == 0) return true;
-  const std::pair key(from, id.publisher);
+  const std::pair key(from.value, id.publisher);
   auto found = publishers_.find(key);
   if (found == publishers_.end()) {
     if (publishers_.size() >= kMaxPublishers) publishers_.clear();

@@ -28,7 +28,7 @@ class RepeatFilter {
     std::uint64_t highest = 0;
     std::array<std::uint64_t, kWindow / 64> bits{};  // Bit s % kWindow belongs to sequence s.
   };
-  std::map<std::pair<SessionId, std::uint64_t>, Seen> publishers_;  // By sender and publisher.
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Seen> publishers_;  // By ids of sender and publisher.
 };
 
 }  // namespace hgros
