@@ -111,10 +111,22 @@ TEST(PeerChannel, WhatIsNoLongerNeededIsHandedBackToEndElsewhere) {
   ASSERT_TRUE(lossless.Confirm(1, 10, dropped));
   EXPECT_EQ(dropped.size(), 1u);
   PeerChannel keep_last(Granted({.queue_depth = 1}));
+  keep_last.Begin({});
   keep_last.Push(Make(1));
   keep_last.Push(Make(2));
   EXPECT_EQ(keep_last.Trim(~std::uint64_t{0}, dropped), 1u);
   EXPECT_EQ(dropped.size(), 2u);
+}
+
+TEST(PeerChannel, LosesNothingToItsDepthBeforeItHasBegun) {
+  PeerChannel channel(Granted({.queue_depth = 1}));
+  PeerChannel::Dropped dropped;
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    channel.Push(Make(i));
+    EXPECT_EQ(channel.Trim(~std::uint64_t{0}, dropped), 0u);
+  }
+  channel.Begin({});
+  EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{1, 2, 3}));
 }
 
 /// The same thing, slowly: everything ever sent and received is kept.

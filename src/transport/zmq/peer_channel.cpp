@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::uint32_t kMaxDepth = 1u << 20;
 constexpr std::uint32_t kMaxCreditMessages = 1u << 16;
+constexpr std::uint32_t kDepthBeforeBegin = 64;
 
 }  // namespace
 
@@ -73,11 +74,13 @@ std::optional<QueuedMessage> PeerChannel::Pop() {
 
 std::size_t PeerChannel::Trim(std::uint64_t spare_bytes, Dropped& dropped) {
   if (demand_.lossless) return 0;
+  // A subscriber counts from the moment its link is made, and what is published then is not to be lost for the moment
+  // that the link takes to begin.
+  const std::size_t depth = begun_ ? demand_.queue_depth : std::max(demand_.queue_depth, kDepthBeforeBegin);
   std::size_t count = 0;
   std::uint64_t freed = 0;
   const std::uint64_t excess = waiting_bytes_ > spare_bytes ? waiting_bytes_ - spare_bytes : 0;
-  while (ring_.size() - latched_waiting_ > demand_.queue_depth ||
-         (freed < excess && ring_.size() - latched_waiting_ > 1)) {
+  while (ring_.size() - latched_waiting_ > depth || (freed < excess && ring_.size() - latched_waiting_ > 1)) {
     const auto oldest = ring_.begin() + static_cast<std::ptrdiff_t>(latched_waiting_);
     freed += oldest->bytes;
     waiting_bytes_ -= oldest->bytes;
