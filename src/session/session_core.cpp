@@ -174,8 +174,8 @@ Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, con
   return channel;
 }
 
-// A slip of the pen in a white list is otherwise nothing but silence. Empty if the channel may pass.
-std::string Session::Core::Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints) {
+// A slip of the pen in a white list is otherwise nothing but silence. A sentence, or nothing if the channel may pass.
+std::string Session::Core::Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way) {
   std::vector<std::string> listed;
   for (const EndpointConfig& endpoint : endpoints) {
     if (endpoint.all_channels || std::binary_search(endpoint.channels.begin(), endpoint.channels.end(), channel)) {
@@ -185,7 +185,10 @@ std::string Session::Core::Confined(std::string_view channel, const std::vector<
   }
   if (endpoints.empty()) return {};
   const std::string nearest = NearestName(channel, listed);
-  return " endpoint has it in its list of channels." +
+  return "Channel \"" + std::string(channel) +
+         (way == Way::kOut ? "\" is published, but does not leave this process: no publisher"
+                           : "\" is subscribed to, but nothing enters this process: no subscriber") +
+         " endpoint has it in its list of channels." +
          (nearest.empty() ? std::string() : " Did you mean \"" + nearest + "\"?");
 }
 
@@ -195,12 +198,9 @@ bool Session::Core::SayIfItCannotLeave(const std::string& channel) {
   {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return false;
-    confined = Confined(channel, config_.publishers);
+    confined = Confined(channel, config_.publishers, Way::kOut);
   }
-  if (!confined.empty()) {
-    log_->Write(LogLevel::kInfo,
-                "Channel \"" + channel + "\" is published, but does not leave this process: no publisher" + confined);
-  }
+  if (!confined.empty()) log_->Write(LogLevel::kInfo, confined);
   return true;
 }
 
@@ -230,6 +230,7 @@ Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCal
   Subscription subscription = SubscribeGraph(channel, invoke, std::move(callback), std::move(options));
   const Demand demand = DemandFor(subscription.stats().queue);
   const std::string& name = DataGraph::NameOf(channel);
+  std::string confined;
   {
     const std::scoped_lock lock(mutex_);
     Inflow& inflow = inflows_[name];
@@ -240,17 +241,10 @@ Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCal
     }
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
     subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
+    if (said_confined_.insert(name).second) confined = Confined(name, config_.subscribers, Way::kIn);
   }
   Reconcile(name);
-  std::string confined;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (said_confined_.insert(name).second) confined = Confined(name, config_.subscribers);
-  }
-  if (!confined.empty()) {
-    log_->Write(LogLevel::kInfo,
-                "Channel \"" + name + "\" is subscribed to, but nothing enters this process: no subscriber" + confined);
-  }
+  if (!confined.empty()) log_->Write(LogLevel::kInfo, confined);
   return subscription;
 }
 

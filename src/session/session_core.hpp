@@ -81,7 +81,8 @@ class Session::Core final : public TransportListener {
   // Throws Error while the session shuts down.
   void RequireOpen() const;
   ZmqTransport& Carrier();
-  static std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints);
+  enum class Way { kOut, kIn };
+  static std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way);
   bool SayIfItCannotLeave(const std::string& channel);
   NodeOptions WithChannelConfig(const Channel& channel, NodeOptions options) const;
   void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);

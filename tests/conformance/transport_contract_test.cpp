@@ -13,6 +13,7 @@ std::vector<std::string> Numbers(int first, int last) {
 }
 
 constexpr Demand kLossless{.lossless = true, .queue_depth = 16, .credit_messages = 8, .credit_bytes = 1 << 20};
+constexpr Demand kOneMessage{.lossless = true, .queue_depth = 16, .credit_messages = 1, .credit_bytes = 1 << 20};
 constexpr Demand kRoomy{.lossless = false, .queue_depth = 10000, .credit_messages = 64, .credit_bytes = 64 << 20};
 
 bool Joined(const Publication& publication, std::size_t subscribers = 1) {
@@ -86,9 +87,7 @@ TEST_P(TransportConformance, ReserveTakesCreditFromAllLosslessSubscribersOrNone)
 TEST_P(TransportConformance, CancelGivesTheReservationBack) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
-  Demand one = kLossless;
-  one.credit_messages = 1;
-  Reception in(b, "scan", TextType(), one);
+  Reception in(b, "scan", TextType(), kOneMessage);
   ASSERT_TRUE(Joined(out));
   for (int i = 0; i < 10; ++i) {
     ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
@@ -101,9 +100,7 @@ TEST_P(TransportConformance, CancelGivesTheReservationBack) {
 TEST_P(TransportConformance, AReservationThatIsGivenBackIsToldToWhoWasRefused) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
-  Demand one = kLossless;
-  one.credit_messages = 1;
-  Reception in(b, "scan", TextType(), one);
+  Reception in(b, "scan", TextType(), kOneMessage);
   ASSERT_TRUE(Joined(out));
   ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
   ASSERT_EQ(out.channel->Reserve(), PublishStatus::kFull);

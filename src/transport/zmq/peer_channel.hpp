@@ -32,7 +32,7 @@ struct QueuedMessage {
 /// Invariants: confirmed <= sent; Pop() gives nothing while sent - confirmed has used up the credit, or while the
 /// link is paused or not begun. Lossless: nothing is ever dropped, and the unconfirmed are exactly the messages
 /// confirmed + 1 ... sent, but for those that went while the link was keep-last. Keep-last: at most queue_depth live
-/// messages wait.
+/// messages wait; 64 if that is more, until the link begins.
 class PeerChannel {
  public:
   /// Messages that are no longer needed, to be destroyed when no mutex is held: their destructors are the user's code.
