@@ -28,6 +28,7 @@ std::vector<QueuedMessage> LatchedMessages::ForNewNode(const std::shared_ptr<Nod
   std::vector<QueuedMessage> messages;
   for (auto& [publisher, entry] : entries_) {
     if (entry.absent_since > 0) {
+      std::erase_if(entry.missed, [](const std::weak_ptr<Node>& one) { return one.expired(); });
       entry.missed.push_back(node);
     } else {
       messages.insert(messages.end(), entry.messages.begin(), entry.messages.end());

@@ -17,8 +17,9 @@ namespace hgros {
 // credit).
 //
 // Thread safety: none, the node locks.
-// Invariants: size() == queued; bytes() == sum of their bytes; keep-last: size() <= depth; no block but the last has
-// room, and none but the last is empty; back_ is the last of the chain that begins at front_, or null.
+// Invariants: size() == queued; bytes() == sum of their bytes, which count only under a byte limit; keep-last: size()
+// <= depth; no block but the last has room, and none but the last is empty; back_ is the last of the chain that begins
+// at front_, or null.
 class MessageRing {
  public:
   // Messages in the order in which they came. One that was taken belongs to its taker, who may empty it without locks.
@@ -81,8 +82,8 @@ class MessageRing {
     }
     slot.info = delivery.info;
     if (queue_.lossless()) slot.credit = delivery.credit;
-    slot.bytes = delivery.bytes;
-    bytes_ += delivery.bytes;
+    slot.bytes = queue_.limit_bytes() == Queue::kUnlimitedBytes ? 0 : delivery.bytes;
+    bytes_ += slot.bytes;
     ++size_;
     return dropped;
   }
