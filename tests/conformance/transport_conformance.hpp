@@ -43,6 +43,8 @@ class World {
   virtual std::unique_ptr<Transport> MakeSubscriber(TransportListener& listener, Log& log, SessionId id) = 0;
   /// The way all subscribers take; null if it cannot be cut.
   virtual Cable* cable() { return nullptr; }
+  /// Whether a large payload is kept and shown where it is, or copied once when it is committed.
+  [[nodiscard]] virtual bool shows_in_place() const { return true; }
 };
 
 struct Carrier {

@@ -55,7 +55,9 @@ TEST_P(TransportConformance, ALargePayloadIsKeptUntilSentAndThenReleased) {
   in.sink.hold_credit = true;
   ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
   out.channel->Commit(out.NextHead(), payload);
-  EXPECT_GT(owner.use_count(), 1) << "the bytes were copied";
+  if (world->shows_in_place()) {
+    EXPECT_GT(owner.use_count(), 1) << "the bytes were copied";
+  }
   payload = {};
   ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
   EXPECT_EQ(in.sink.texts().front(), text);

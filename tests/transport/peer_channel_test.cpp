@@ -1,4 +1,4 @@
-#include "transport/zmq/peer_channel.hpp"
+#include "transport/peer_channel.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ Demand Granted(const Demand& asked) { return PeerChannel::Granted(asked, kMaxCre
 
 PeerChannel::Dropped nowhere;
 
-QueuedMessage Make(std::uint64_t sequence, std::uint64_t bytes = 10) { return {nullptr, {1, 1, sequence}, bytes}; }
+PendingMessage Make(std::uint64_t sequence, std::uint64_t bytes = 10) { return {nullptr, {1, 1, sequence}, bytes}; }
 
 TEST(PeerChannel, SendsNothingBeforeItHasBegun) {
   PeerChannel channel(Granted({}));

@@ -3,17 +3,17 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string_view>
-#include <unordered_map>
-#include <vector>
 
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/transport/transport.hpp"
 #include "hgros/transport/zmq_transport.hpp"
+#include "transport/actions.hpp"
+#include "transport/agreement.hpp"
+#include "transport/peer_registry.hpp"
 #include "transport/waker.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/socket.hpp"
@@ -21,28 +21,6 @@
 namespace hgros::zmq {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
-
-/// Calls into the session, collected under an endpoint's mutex and made when no mutex is held.
-using Actions = std::vector<std::function<void()>>;
-
-/// The sessions in reach. One that is connected both ways comes and goes once.
-/// Thread safety: Came and Gone on the leading thread only; List anywhere.
-class PeerRegistry {
- public:
-  explicit PeerRegistry(TransportListener& listener) : listener_(listener) {}
-  void Came(const PeerInfo& peer);
-  void Gone(const PeerInfo& peer, std::string_view reason);
-  [[nodiscard]] std::vector<PeerInfo> List() const;
-
- private:
-  struct Entry {
-    PeerInfo info;
-    std::size_t connections = 0;
-  };
-  TransportListener& listener_;
-  mutable std::mutex mutex_;
-  std::unordered_map<SessionId, Entry> peers_;
-};
 
 /// What all endpoints of one transport share.
 /// Thread safety: all of it; `options` and `self` never change.

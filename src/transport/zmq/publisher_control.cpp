@@ -233,15 +233,6 @@ void PublisherEndpoint::OnSubscribe(Peer& peer, const wire::Subscribe& asked, Ac
   Activate(peer, wish, actions);
 }
 
-std::optional<std::string> PublisherEndpoint::SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type) {
-  switch (CompareTypes(wanted, type)) {
-    case TypeFit::kEqual: return std::string();
-    case TypeFit::kEvolved: return type.descriptor_set != nullptr ? type.descriptor_set() : std::string();
-    case TypeFit::kDiffer: break;
-  }
-  return std::nullopt;
-}
-
 void PublisherEndpoint::Activate(Peer& peer, Wish& wish, Actions& actions) {
   const auto& wanted = wish.asked.wanted();
   const auto found = channels_.find(wanted.channel());

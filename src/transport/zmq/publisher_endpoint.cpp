@@ -177,7 +177,7 @@ void PublisherEndpoint::Discard(PeerChannel::Dropped&& dropped, Actions& actions
 void PublisherEndpoint::Drain(Link& link, PeerChannel::Dropped& dropped) {
   while (const auto message = link.flow.Pop()) {
     WriteLinkNumber(link.topic, link.flow.sent());
-    message->wire->SendTo(socket_, link.topic);
+    static_cast<const WireMessage&>(*message->packed).SendTo(socket_, link.topic);
     link.core->sent.fetch_add(1, std::memory_order_relaxed);
   }
   const std::uint64_t others = link.peer.waiting_bytes - link.counted_bytes;
@@ -213,7 +213,7 @@ void PublisherEndpoint::RemoveLink(Wish& wish, bool died, Actions& actions) {
 }
 
 void PublisherEndpoint::StartLink(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link_id) {
-  std::vector<QueuedMessage> latched;
+  std::vector<PendingMessage> latched;
   const bool open = core->gate.Through([&] {
     for (const auto& message : core->source.Latched()) {
       auto wire = std::make_shared<const WireMessage>(message.head, message.data);

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "transport/zmq/carrier.hpp"
-#include "transport/zmq/outbound.hpp"
-#include "transport/zmq/peer_channel.hpp"
+#include "transport/outbound_core.hpp"
+#include "transport/peer_channel.hpp"
 #include "transport/zmq/wire_message.hpp"
 
 namespace hgros::zmq {
@@ -120,9 +120,6 @@ class PublisherEndpoint {
   void DropPeer(SessionId session, std::string_view reason, Actions& actions);
   void PauseLinks(Peer& peer);
   void TellMismatch(Peer& peer, const std::string& channel, const std::string& what, Actions& actions);
-  /// The schema for a subscriber that has another version of the type; empty if the types are equal, none if they
-  /// differ.
-  [[nodiscard]] static std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type);
   void SendSubscribed(Peer& peer, const Link& link, const std::string& descriptor_set);
   void Say(const Peer& peer, const wire::Control& control) { Say(peer.topic, control); }
   void Say(const std::string& topic, const wire::Control& control);

@@ -151,7 +151,7 @@ LeaderPool::Task SubscriberEndpoint::Serve(bool& busy) {
       arrival.action();
       continue;
     }
-    auto task = InboundCore::Deliver(arrival.core, std::move(arrival.packet), carrier_, endpoint_);
+    auto task = Deliver(arrival.core, std::move(arrival.packet), carrier_, endpoint_);
     if (task) return task;
   }
   return {};
@@ -236,7 +236,7 @@ void SubscriberEndpoint::Drop(const Link& link, PacketFault fault, std::string_v
                               std::shared_ptr<const void> credit) {
   Actions actions;
   actions.emplace_back([this, core = link.core, fault, said = std::string(what), held = std::move(credit)] {
-    core->Fault(carrier_, endpoint_, fault, "channel " + core->name + ": " + said);
+    Fault(*core, carrier_, endpoint_, fault, "channel " + core->name + ": " + said);
   });
   AddActions(actions);
 }

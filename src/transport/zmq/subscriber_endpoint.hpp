@@ -12,7 +12,8 @@
 #include <unordered_set>
 
 #include "transport/zmq/carrier.hpp"
-#include "transport/zmq/inbound.hpp"
+#include "transport/inbound_core.hpp"
+#include "transport/zmq/inbound_packet.hpp"
 #include "transport/zmq/link_credit.hpp"
 
 namespace hgros::zmq {

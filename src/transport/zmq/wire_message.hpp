@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hgros/codec/packet.hpp"
+#include "transport/peer_channel.hpp"
 #include "transport/zmq/socket.hpp"
 
 namespace hgros::zmq {
@@ -17,7 +18,7 @@ using OutstandingBytes = std::shared_ptr<std::atomic<std::uint64_t>>;
 /// payload is copied, a large one is shown in place and kept alive until the network has sent it.
 ///
 /// Thread-safe: SendTo from any number of threads, each with its own socket's mutex.
-class WireMessage {
+class WireMessage final : public Outgoing {
  public:
   /// Throws std::bad_alloc.
   WireMessage(const PacketHead& head, const Payload& data);

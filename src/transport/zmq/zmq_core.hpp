@@ -15,8 +15,8 @@
 #include "transport/poller.hpp"
 #include "transport/zmq/carrier.hpp"
 #include "transport/zmq/curve.hpp"
-#include "transport/zmq/inbound.hpp"
-#include "transport/zmq/outbound.hpp"
+#include "transport/inbound_core.hpp"
+#include "transport/outbound_core.hpp"
 #include "transport/zmq/publisher_endpoint.hpp"
 #include "transport/zmq/subscriber_endpoint.hpp"
 

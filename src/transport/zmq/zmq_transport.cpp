@@ -34,13 +34,7 @@ class ZmqOutbound final : public OutboundChannel {
   void Cancel() noexcept override {
     if (!IsChild()) core_->Cancel(channel_);
   }
-  Stats stats() const override {
-    return {.subscribers = channel_->subscribers.load(),
-            .sent = channel_->sent.load(),
-            .dropped = channel_->dropped.load(),
-            .missed = channel_->missed.load(),
-            .queued_bytes = channel_->queued_bytes.load()};
-  }
+  Stats stats() const override { return channel_->stats(); }
 
  private:
   bool IsChild() const noexcept { return core_->carrier().fork.IsChild(); }
@@ -146,12 +140,6 @@ class ZmqCarrierTransport final : public ZmqTransport {
 
  private:
   bool IsChild() const noexcept { return core_->carrier().fork.IsChild(); }
-  static void RequireTypeName(const TypeInfo& type) {
-    if (type.name.size() <= kMaxTypeNameBytes) return;
-    throw Error("The type's name has " + std::to_string(type.name.size()) + " bytes, more than " +
-                    std::to_string(kMaxTypeNameBytes) + ": " + type.name.substr(0, 100) + "...",
-                {}, "Give it a shorter one.");
-  }
   void RequireParent() const {
     if (!IsChild()) return;
     throw Error("A session cannot be used in a forked child.", {}, "Make the session after fork().");

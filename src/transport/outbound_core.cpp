@@ -1,6 +1,6 @@
-#include "transport/zmq/outbound.hpp"
+#include "transport/outbound_core.hpp"
 
-namespace hgros::zmq {
+namespace hgros {
 
 void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, bool plain, int change,
                                    Actions& actions) {
@@ -17,4 +17,12 @@ void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& 
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnRoom(); }); });
 }
 
-}  // namespace hgros::zmq
+OutboundChannel::Stats OutboundCore::stats() const {
+  return {.subscribers = subscribers.load(),
+          .sent = sent.load(),
+          .dropped = dropped.load(),
+          .missed = missed.load(),
+          .queued_bytes = queued_bytes.load()};
+}
+
+}  // namespace hgros

@@ -1,10 +1,10 @@
-#include "transport/zmq/peer_channel.hpp"
+#include "transport/peer_channel.hpp"
 
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
-namespace hgros::zmq {
+namespace hgros {
 namespace {
 
 constexpr std::uint32_t kMaxDepth = 1u << 20;
@@ -52,7 +52,7 @@ bool PeerChannel::IsLatched(const MessageId& id) const {
          id.sequence <= last->second.sequence;
 }
 
-bool PeerChannel::Push(QueuedMessage message) {
+bool PeerChannel::Push(PendingMessage message) {
   CancelReservation();
   if (IsLatched(message.id)) return false;
   waiting_bytes_ += message.bytes;
@@ -60,9 +60,9 @@ bool PeerChannel::Push(QueuedMessage message) {
   return true;
 }
 
-std::optional<QueuedMessage> PeerChannel::Pop() {
+std::optional<PendingMessage> PeerChannel::Pop() {
   if (!begun_ || paused_ || ring_.empty() || !HasCredit()) return std::nullopt;
-  QueuedMessage message = std::move(ring_.front());
+  PendingMessage message = std::move(ring_.front());
   ring_.pop_front();
   if (latched_waiting_ > 0) --latched_waiting_;
   waiting_bytes_ -= message.bytes;
@@ -92,10 +92,10 @@ std::size_t PeerChannel::Trim(std::uint64_t spare_bytes, Dropped& dropped) {
 }
 
 // The ring holds everything since the link was made, in order: what is latched only has to fill in what came before.
-void PeerChannel::Begin(std::vector<QueuedMessage> latched) {
+void PeerChannel::Begin(std::vector<PendingMessage> latched) {
   if (!ring_.empty()) {
     const MessageId first = ring_.front().id;
-    std::erase_if(latched, [&first](const QueuedMessage& one) {
+    std::erase_if(latched, [&first](const PendingMessage& one) {
       return one.id.publisher == first.publisher && one.id.incarnation == first.incarnation &&
              one.id.sequence >= first.sequence;
     });
@@ -141,4 +141,4 @@ std::optional<std::uint64_t> PeerChannel::Resume(std::uint64_t received_messages
   return lost;
 }
 
-}  // namespace hgros::zmq
+}  // namespace hgros

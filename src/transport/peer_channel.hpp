@@ -11,13 +11,17 @@
 #include "hgros/base/ids.hpp"
 #include "hgros/transport/transport.hpp"
 
-namespace hgros::zmq {
+namespace hgros {
 
-class WireMessage;
+/// A message as a carrier has packed it, once for all its peers.
+class Outgoing {
+ public:
+  virtual ~Outgoing() = default;
+};
 
 /// A message waiting for one peer, or sent and not confirmed.
-struct QueuedMessage {
-  std::shared_ptr<const WireMessage> wire;
+struct PendingMessage {
+  std::shared_ptr<const Outgoing> packed;
   MessageId id;
   std::uint64_t bytes = 0;
 };
@@ -36,7 +40,7 @@ struct QueuedMessage {
 class PeerChannel {
  public:
   /// Messages that are no longer needed, to be destroyed when no mutex is held: their destructors are the user's code.
-  using Dropped = std::vector<QueuedMessage>;
+  using Dropped = std::vector<PendingMessage>;
 
   explicit PeerChannel(const Demand& granted);
 
@@ -57,17 +61,17 @@ class PeerChannel {
 
   /// Takes a committed message and its reservation, if it has one. False if the message is skipped because a latched
   /// one includes it; then only the reservation is given back.
-  bool Push(QueuedMessage message);
+  bool Push(PendingMessage message);
   /// The next message that may be sent now, counted as sent; its number on the link is sent(). None: credit is used
   /// up, or nothing waits.
-  [[nodiscard]] std::optional<QueuedMessage> Pop();
+  [[nodiscard]] std::optional<PendingMessage> Pop();
   /// Keep-last: drops the oldest live messages beyond the depth, and beyond `spare_bytes` as long as another is left.
   /// Returns how many. To be called when Pop() has given all it can.
   std::size_t Trim(std::uint64_t spare_bytes, Dropped& dropped);
 
   /// Opens the link. The latched messages go first, but for those that wait as live ones already; later live ones that
   /// they include are skipped.
-  void Begin(std::vector<QueuedMessage> latched);
+  void Begin(std::vector<PendingMessage> latched);
 
   /// The peer has consumed so much, all in all; less than before changes nothing. False if it is more than was sent:
   /// that is ignored as well.
@@ -93,10 +97,10 @@ class PeerChannel {
   Demand demand_;
   bool begun_ = false;
   bool paused_ = false;
-  std::deque<QueuedMessage> ring_;
+  std::deque<PendingMessage> ring_;
   std::size_t latched_waiting_ = 0;  // The first so many of ring_ are latched ones: not subject to the depth.
   std::uint64_t waiting_bytes_ = 0;
-  std::deque<QueuedMessage> unconfirmed_;
+  std::deque<PendingMessage> unconfirmed_;
   std::uint64_t reserved_ = 0;
   std::uint64_t sent_messages_ = 0;
   std::uint64_t sent_bytes_ = 0;
@@ -105,4 +109,4 @@ class PeerChannel {
   std::unordered_map<std::uint64_t, MessageId> last_latched_;  // By publisher.
 };
 
-}  // namespace hgros::zmq
+}  // namespace hgros

@@ -8,21 +8,12 @@
 #include <unordered_map>
 
 #include "hgros/transport/transport.hpp"
+#include "transport/actions.hpp"
 #include "transport/call_gate.hpp"
 #include "transport/leader_pool.hpp"
 #include "transport/repeat_filter.hpp"
-#include "transport/zmq/carrier.hpp"
 
-namespace hgros::zmq {
-
-/// A data packet as it came, its topic already read.
-struct InboundPacket {
-  Message head;
-  Message data;
-  SessionId from;  // None from a plain publisher.
-  std::shared_ptr<const void> credit;
-  std::uint64_t fingerprint = 0;  // Of the type that the session named for the link, and that was compared with ours.
-};
+namespace hgros {
 
 /// One subscribed channel, as all subscribe endpoints see it.
 /// Thread safety: Deliver() is the leading thread's; the rest anywhere.
@@ -30,13 +21,20 @@ class InboundCore {
  public:
   InboundCore(std::string_view channel, const TypeInfo& message_type, const Demand& demand, InboundSink& sink);
 
-  /// Checks a packet and gives it to the sink. What is returned runs apart.
-  [[nodiscard]] static LeaderPool::Task Deliver(const std::shared_ptr<InboundCore>& core, InboundPacket&& packet,
-                                                Carrier& carrier, const std::string& endpoint);
-  /// A packet was dropped: counted, logged and told.
-  void Fault(Carrier& carrier, const std::string& where, PacketFault fault, std::string_view what);
+  /// What is wrong with a message's head: the kind, and a text that goes on "channel so-and-so: ". `compared` is the
+  /// fingerprint that was compared with ours when the sender's link was made; 0: nothing was.
+  struct HeadFault {
+    PacketFault fault = PacketFault::kNone;
+    std::string what;
+  };
+  [[nodiscard]] HeadFault Check(const PacketHead& head, SessionId from, std::uint64_t compared) const;
+  /// Gives a message to the sink, unless it came before: that is counted in `repeats`. What is returned runs apart.
+  [[nodiscard]] static LeaderPool::Task Deliver(const std::shared_ptr<InboundCore>& core, InboundMessage&& message,
+                                                std::atomic<std::uint64_t>& repeats);
+  /// Tells the sink of a packet that was dropped.
+  void TellFault(PacketFault fault, std::string_view what);
 
-  /// A publisher sends us this channel over one endpoint only: the first that claims it.
+  /// A publisher sends us this channel over one endpoint only, the first that claims it.
   [[nodiscard]] bool Claim(SessionId publisher, const void* endpoint);
   /// True if `endpoint` had the claim.
   bool Release(SessionId publisher, const void* endpoint);
@@ -53,7 +51,6 @@ class InboundCore {
   std::atomic<std::size_t> publishers{0};
 
  private:
-  [[nodiscard]] std::string TypeFault(const PacketHead& head, const InboundPacket& packet) const;
   [[nodiscard]] bool StartRun();
   void RunApart();
 
@@ -68,4 +65,4 @@ class InboundCore {
   std::size_t owed_runs_ = 0;
 };
 
-}  // namespace hgros::zmq
+}  // namespace hgros

@@ -6,13 +6,14 @@
 #include <mutex>
 #include <string>
 
+#include "hgros/codec/packet.hpp"
 #include "hgros/transport/transport.hpp"
+#include "transport/actions.hpp"
 #include "transport/call_gate.hpp"
-#include "transport/zmq/carrier.hpp"
 
-namespace hgros::zmq {
+namespace hgros {
 
-/// One advertised channel, as all publish endpoints see it.
+/// One advertised channel, as all endpoints of a carrier see it.
 /// Thread safety: all of it.
 struct OutboundCore {
   OutboundCore(std::string_view channel, const TypeInfo& message_type, OutboundSource& owner)
@@ -20,8 +21,10 @@ struct OutboundCore {
 
   /// A subscriber (a session, or the plain ones of one endpoint) has come or gone.
   static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, bool plain, int change, Actions& actions);
-  /// Tells the source of room if it was refused some. The caller holds the mutex of an endpoint.
+  /// Tells the source of room if it was refused some. Under a carrier's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
+
+  [[nodiscard]] OutboundChannel::Stats stats() const;
 
   const std::string name;
   const std::string plain_topic;
@@ -42,4 +45,4 @@ struct OutboundCore {
   int plain_endpoints_ = 0;
 };
 
-}  // namespace hgros::zmq
+}  // namespace hgros

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "hgros/base/ids.hpp"
+#include "hgros/codec/type_info.hpp"
+#include "hgros/control.pb.h"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+// What two sessions tell each other of themselves and of their types, and how it is compared: the same for all
+// carriers.
+
+/// The longest type name that can be asked for.
+inline constexpr std::size_t kMaxTypeNameBytes = 1024;
+/// The longest text for people in a control message; a longer one is cut.
+inline constexpr std::size_t kMaxTextBytes = 512;
+
+/// What a session says of itself in its handshakes.
+struct SessionFacts {
+  PeerInfo info;
+  std::uint64_t incarnation = 0;
+};
+
+/// A peer's text, fit for a line of a log: not too long, without control characters.
+[[nodiscard]] std::string Readable(const std::string& text);
+
+void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to);
+[[nodiscard]] SessionFacts ReadFacts(SessionId session, const wire::SessionFacts& from);
+
+void WriteType(std::string_view channel, const TypeInfo& type, wire::ChannelType& to);
+
+/// Whether what one side publishes can be what the other side reads.
+enum class TypeFit {
+  kEqual,    ///< As far as both know.
+  kEvolved,  ///< One protobuf type name, two schemas: they must be compared.
+  kDiffer,
+};
+[[nodiscard]] TypeFit CompareTypes(const wire::ChannelType& theirs, const TypeInfo& ours) noexcept;
+/// "channel scan: here foo.Scan (protobuf, 0x12), there foo.Image (protobuf, 0x34)".
+[[nodiscard]] std::string DescribeMismatch(const wire::ChannelType& theirs, const TypeInfo& ours);
+
+/// Compares our protobuf type with the peer's of the same name. An empty text: compatible.
+[[nodiscard]] std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo& ours);
+
+/// What this process says of a session of its own.
+[[nodiscard]] SessionFacts OwnFacts(SessionId session, const std::string& process);
+
+/// The schema for a subscriber that has another version of the type; empty if the types are equal, none if they differ.
+[[nodiscard]] std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type);
+
+/// Throws Error if the type's name is longer than kMaxTypeNameBytes.
+void RequireTypeName(const TypeInfo& type);
+
+}  // namespace hgros

@@ -1,0 +1,137 @@
+#include "transport/shm/block_pool.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <mutex>
+#include <utility>
+
+namespace hgros::shm {
+namespace {
+
+constexpr std::size_t kSmallestBlock = 256;
+constexpr std::size_t kPage = 4096;
+// Small blocks share a segment of this size; a larger block has its own.
+constexpr std::size_t kSharedSegment = 256 * 1024;
+
+}  // namespace
+
+// Returns its block at the end, wherever that is.
+struct BlockPool::BlockOwner {
+  BlockOwner(std::shared_ptr<BlockPool> owner, PoolSegment& where, std::byte* first) noexcept
+      : pool(std::move(owner)), segment(where), begin(first) {}
+  ~BlockOwner() { pool->GiveBack(segment, begin); }
+  BlockOwner(const BlockOwner&) = delete;
+  BlockOwner& operator=(const BlockOwner&) = delete;
+
+  const std::shared_ptr<BlockPool> pool;
+  PoolSegment& segment;
+  std::byte* const begin;
+};
+
+// Four classes per power of two above a page: at most a fifth of a block is wasted.
+std::size_t BlockPool::BlockBytes(std::size_t size_bytes) noexcept {
+  if (size_bytes <= kPage) return std::max(std::bit_ceil(size_bytes), kSmallestBlock);
+  const std::size_t step = std::max(std::bit_floor(size_bytes) / 4, kPage);
+  return (size_bytes + step - 1) / step * step;
+}
+
+std::optional<BlockPool::Loan> BlockPool::Take(std::size_t size_bytes, std::string* fault) {
+  if (size_bytes > limit_bytes_) {
+    if (fault != nullptr) *fault = "it is larger than all shared memory this session may use";
+    return std::nullopt;
+  }
+  const std::size_t block_bytes = BlockBytes(size_bytes);
+  Free block;
+  {
+    const std::unique_lock lock(mutex_);
+    std::vector<Free>& free = free_[block_bytes];
+    if (free.empty() && !Grow(block_bytes, fault)) return std::nullopt;
+    block = free.back();
+    free.pop_back();
+    ++block.segment->in_use;
+    ++in_use_;
+  }
+  const auto offset = static_cast<std::uint64_t>(block.begin - block.segment->mapping->bytes().data());
+  return Loan{.bytes = {block.begin, size_bytes},
+              .owner = std::make_shared<const BlockOwner>(shared_from_this(), *block.segment, block.begin),
+              .place = {block.segment->id, offset}};
+}
+
+bool BlockPool::Grow(std::size_t block_bytes, std::string* fault) {
+  const std::size_t blocks = std::max<std::size_t>(kSharedSegment / block_bytes, 1);
+  const std::size_t bytes = (blocks * block_bytes + kPage - 1) / kPage * kPage;
+  if (!MakeRoom(bytes)) {
+    if (fault != nullptr) *fault = "all " + std::to_string(limit_bytes_ >> 20) + " MB of it are in use";
+    return false;
+  }
+  Segment made = MakeSegment("hgros-payload", bytes, Access::kOwnerOnly, Pages::kAtOnce);
+  if (!made.mapping) {
+    if (fault != nullptr) *fault = made.fault;
+    return false;
+  }
+  auto segment = std::make_unique<PoolSegment>();
+  segment->id = next_id_++;
+  segment->block_bytes = block_bytes;
+  segment->mapping = std::move(made.mapping);
+  segment->handle = std::make_shared<const Handle>(std::move(made.handle));
+  segment_bytes_ += bytes;
+  std::byte* const begin = segment->mapping->bytes().data();
+  std::vector<Free>& free = free_[block_bytes];
+  for (std::size_t i = blocks; i-- > 0;) free.push_back({segment.get(), begin + i * block_bytes});
+  segments_.emplace(begin, std::move(segment));
+  return true;
+}
+
+bool BlockPool::MakeRoom(std::uint64_t bytes) {
+  for (auto entry = segments_.begin(); segment_bytes_ + bytes > limit_bytes_ && entry != segments_.end();) {
+    PoolSegment& segment = *entry->second;
+    if (segment.in_use > 0) {
+      ++entry;
+      continue;
+    }
+    std::erase_if(free_[segment.block_bytes], [&](const Free& block) { return block.segment == &segment; });
+    segment_bytes_ -= segment.mapping->bytes().size();
+    gone_.push_back(segment.id);
+    entry = segments_.erase(entry);
+  }
+  return segment_bytes_ + bytes <= limit_bytes_;
+}
+
+void BlockPool::GiveBack(PoolSegment& segment, std::byte* begin) noexcept {
+  const std::unique_lock lock(mutex_);
+  --segment.in_use;
+  --in_use_;
+  free_[segment.block_bytes].push_back({&segment, begin});
+}
+
+std::optional<Place> BlockPool::Find(Bytes bytes) const {
+  if (bytes.empty()) return std::nullopt;
+  const std::shared_lock lock(mutex_);
+  auto next = segments_.upper_bound(bytes.data());
+  if (next == segments_.begin()) return std::nullopt;
+  const auto& [begin, segment] = *std::prev(next);
+  const auto offset = static_cast<std::size_t>(bytes.data() - begin);
+  const std::size_t size = segment->mapping->bytes().size();
+  if (offset >= size || bytes.size() > size - offset) return std::nullopt;
+  return Place{segment->id, offset};
+}
+
+std::shared_ptr<const Handle> BlockPool::HandleOf(std::uint32_t id) const {
+  const std::shared_lock lock(mutex_);
+  for (const auto& [begin, segment] : segments_) {
+    if (segment->id == id) return segment->handle;
+  }
+  return nullptr;
+}
+
+std::vector<std::uint32_t> BlockPool::TakeGone() {
+  const std::unique_lock lock(mutex_);
+  return std::exchange(gone_, {});
+}
+
+BlockPool::Usage BlockPool::usage() const {
+  const std::shared_lock lock(mutex_);
+  return {segment_bytes_, segments_.size(), in_use_};
+}
+
+}  // namespace hgros::shm

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <shared_mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hgros/base/bytes.hpp"
+#include "transport/shm/memory.hpp"
+
+namespace hgros::shm {
+
+/// Where bytes lie in a session's shared memory.
+struct Place {
+  std::uint32_t segment = 0;
+  std::uint64_t offset_bytes = 0;
+};
+
+/// This session's memory for payloads: segments that are grown on demand up to a limit, cut into blocks of size
+/// classes, and used again and again. A block is free again with the last owner of its bytes.
+///
+/// Thread safety: all functions. Blocks may outlive the pool's owner.
+/// Invariants: a segment belongs to one size class. Memory of another class is given back to the kernel before the
+/// limit refuses a block.
+class BlockPool : public std::enable_shared_from_this<BlockPool> {
+ public:
+  explicit BlockPool(std::uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
+
+  /// Bytes to be written and what keeps them.
+  struct Loan {
+    std::span<std::byte> bytes;
+    std::shared_ptr<const void> owner;
+    Place place;
+  };
+  /// Nothing if the limit is reached or the system has no more memory; `fault` says which.
+  [[nodiscard]] std::optional<Loan> Take(std::size_t size_bytes, std::string* fault = nullptr);
+
+  /// Where `bytes` lie, if they lie in a block of this pool.
+  [[nodiscard]] std::optional<Place> Find(Bytes bytes) const;
+  /// The segment's descriptor, for passing on; kept open by the returned owner. Null: there is no such segment.
+  [[nodiscard]] std::shared_ptr<const Handle> HandleOf(std::uint32_t segment) const;
+  /// Segments that were given back since the last call.
+  [[nodiscard]] std::vector<std::uint32_t> TakeGone();
+
+  struct Usage {
+    std::uint64_t segment_bytes = 0;
+    std::size_t segments = 0;
+    std::size_t blocks_in_use = 0;
+  };
+  [[nodiscard]] Usage usage() const;
+
+  /// The size that a block for `size_bytes` really has.
+  [[nodiscard]] static std::size_t BlockBytes(std::size_t size_bytes) noexcept;
+
+ private:
+  struct PoolSegment {
+    std::uint32_t id = 0;
+    std::size_t block_bytes = 0;
+    std::shared_ptr<Mapping> mapping;
+    std::shared_ptr<const Handle> handle;
+    std::size_t in_use = 0;
+  };
+  struct Free {
+    PoolSegment* segment = nullptr;
+    std::byte* begin = nullptr;
+  };
+  struct BlockOwner;
+
+  [[nodiscard]] bool Grow(std::size_t block_bytes, std::string* fault);
+  [[nodiscard]] bool MakeRoom(std::uint64_t bytes);
+  void GiveBack(PoolSegment& segment, std::byte* begin) noexcept;
+
+  const std::uint64_t limit_bytes_;
+  mutable std::shared_mutex mutex_;
+  std::map<const std::byte*, std::unique_ptr<PoolSegment>> segments_;  // By where they begin.
+  std::map<std::size_t, std::vector<Free>> free_;                      // By block size; the last one was used last.
+  std::vector<std::uint32_t> gone_;
+  std::uint64_t segment_bytes_ = 0;
+  std::size_t in_use_ = 0;
+  std::uint32_t next_id_ = 1;
+};
+
+}  // namespace hgros::shm

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "transport/shm/bell.hpp"
+#include "transport/shm/layout.hpp"
+#include "transport/shm/memory.hpp"
+
+namespace hgros::shm {
+
+/// The receiving session's page for one publishing session: returns slots, counts what was consumed. Lives for as long
+/// as any message of that publisher does, and keeps the socket open for as long: that is how the publisher knows.
+///
+/// Thread safety: all functions. Invariants: each slot that was read from the lane is returned once.
+class Slip {
+ public:
+  ~Slip();
+  Slip(const Slip&) = delete;
+  Slip& operator=(const Slip&) = delete;
+  /// Null, and `fault` is set, if there is no shared memory.
+  [[nodiscard]] static std::shared_ptr<Slip> Make(std::shared_ptr<const Handle> socket, std::string& fault);
+
+  [[nodiscard]] const std::shared_ptr<const Handle>& handle() const noexcept { return handle_; }
+  /// Once, before the first descriptor is read.
+  void SetPublisher(std::shared_ptr<Mapping> lane, std::shared_ptr<const PeerBell> bell);
+
+  /// A slot was read and is not returned yet.
+  void Hold() noexcept { held_.fetch_add(1, std::memory_order_relaxed); }
+  [[nodiscard]] std::size_t held() const noexcept { return held_.load(std::memory_order_relaxed); }
+  void Return(std::uint32_t slot) noexcept;
+
+  /// A cell with zeros; nothing if all are taken.
+  [[nodiscard]] std::optional<std::uint32_t> TakeCell();
+  void FreeCell(std::uint32_t cell) noexcept;
+  /// One more message was consumed.
+  void Count(std::uint32_t cell, std::uint64_t bytes) noexcept;
+  /// Has the publisher look if it waits for this.
+  void TellIfHungry(std::uint32_t what) const noexcept;
+  void Beat() noexcept { page().heartbeat.fetch_add(1, std::memory_order_relaxed); }
+
+ private:
+  Slip(Segment segment, std::shared_ptr<const Handle> socket);
+  [[nodiscard]] SlipPage& page() const noexcept { return mapping_->as<SlipPage>(); }
+
+  const std::shared_ptr<Mapping> mapping_;
+  const std::shared_ptr<const Handle> handle_;
+  const std::shared_ptr<const Handle> socket_;
+  std::shared_ptr<Mapping> lane_;
+  std::shared_ptr<const PeerBell> bell_;
+  std::atomic<std::size_t> held_{0};
+  std::mutex mutex_;  // Guards the ring of slots and the cells that are free.
+  std::vector<std::uint32_t> free_cells_;
+};
+
+/// The receiving end of what comes from one peer.
+/// Thread safety: none; one thread reads.
+class LaneReader {
+ public:
+  /// Null, and `fault` is set, if this is no lane.
+  [[nodiscard]] static std::unique_ptr<LaneReader> Open(const Handle& lane, std::string& fault);
+
+  enum class Read { kNothing, kDescriptor, kLie };
+  /// Copies the next descriptor, and stays where it is.
+  [[nodiscard]] Read Peek(Descriptor& descriptor) noexcept;
+  void Next() noexcept { ++read_; }
+  [[nodiscard]] std::uint32_t peer_heartbeat() const noexcept {
+    return mapping_->as<LanePage>().heartbeat.load(std::memory_order_relaxed);
+  }
+  [[nodiscard]] const std::shared_ptr<Mapping>& mapping() const noexcept { return mapping_; }
+
+ private:
+  explicit LaneReader(std::shared_ptr<Mapping> mapping) noexcept : mapping_(std::move(mapping)) {}
+  const std::shared_ptr<Mapping> mapping_;
+  std::uint64_t read_ = 0;
+};
+
+}  // namespace hgros::shm

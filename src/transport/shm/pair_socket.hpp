@@ -1,0 +1,74 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hgros/pair.pb.h"
+#include "transport/shm/memory.hpp"
+
+namespace hgros::shm {
+
+/// The unix socket between two sessions: frames with descriptors, never waiting.
+///
+/// A frame is its length (u32, in the host's byte order), the count of descriptors that come with it (u32), and a
+/// wire::PairMessage. Descriptors travel with the first byte of their frame.
+/// Thread safety: none; its owner guards it.
+class PairSocket {
+ public:
+  using Handles = std::vector<std::shared_ptr<const Handle>>;
+
+  PairSocket(std::shared_ptr<const Handle> socket, std::size_t max_frame_bytes) noexcept
+      : socket_(std::move(socket)), max_frame_bytes_(max_frame_bytes) {}
+
+  [[nodiscard]] const std::shared_ptr<const Handle>& handle() const noexcept { return socket_; }
+  /// The user on the other side, or -1.
+  [[nodiscard]] uid_t PeerUser() const noexcept;
+
+  /// Sends, or keeps what the socket does not take now for Flush(). After an error everything is dropped.
+  void Send(const wire::PairMessage& message, const Handles& handles = {});
+  void Flush() noexcept;
+  [[nodiscard]] bool all_sent() const noexcept { return outgoing_.empty(); }
+
+  struct Frame {
+    wire::PairMessage message;
+    std::vector<Handle> handles;
+  };
+  enum class Read { kNothing, kFrame, kClosed, kFault };
+  /// The next frame. kNothing: not yet. After kClosed and kFault nothing comes any more.
+  [[nodiscard]] Read Receive(Frame& frame);
+  [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
+
+ private:
+  struct Piece {
+    std::string bytes;
+    std::size_t sent = 0;
+    Handles handles;
+  };
+  [[nodiscard]] Read ReadMore();
+  [[nodiscard]] Read Fail(std::string what);
+
+  const std::shared_ptr<const Handle> socket_;
+  const std::size_t max_frame_bytes_;
+  std::deque<Piece> outgoing_;
+  bool broken_ = false;
+  std::string incoming_;
+  std::size_t parsed_ = 0;
+  std::deque<Handle> handles_;
+  bool closed_ = false;
+  std::string fault_;
+};
+
+/// A listening socket at `place`, a name in the abstract name space: nothing of it is left behind. Not valid, and
+/// `fault` is set, if there is none.
+[[nodiscard]] Handle ListenAt(const std::string& place, std::string& fault);
+/// A connection from a listening socket; not valid if there is none now.
+[[nodiscard]] Handle AcceptFrom(const Handle& listening) noexcept;
+/// A connection to whoever listens at `place`; not valid, and `fault` is set, if nobody does.
+[[nodiscard]] Handle ConnectTo(const std::string& place, std::string& fault);
+
+}  // namespace hgros::shm

@@ -1,0 +1,161 @@
+// What subscribing peers say, and what a publisher answers. All on the core's own thread.
+#include <algorithm>
+#include <utility>
+
+#include "hgros/base/names.hpp"
+#include "transport/shm/shm_core.hpp"
+
+namespace hgros::shm {
+namespace {
+
+constexpr std::size_t kMaxWishes = kCells;
+
+Demand DemandOf(const wire::Wish& asked, std::uint64_t max_credit_bytes) {
+  return PeerChannel::Granted({.lossless = asked.lossless(),
+                               .queue_depth = asked.queue_depth(),
+                               .credit_messages = asked.credit_messages(),
+                               .credit_bytes = asked.credit_bytes()},
+                              max_credit_bytes);
+}
+
+}  // namespace
+
+void ShmCore::OnWish(Pair& pair, const wire::Wish& asked) {
+  const std::string& name = asked.wanted().channel();
+  Actions actions;
+  Leavings leavings;
+  Bells bells;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!pair.alive) return;
+    if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
+        asked.cell() >= kCells || (pair.wishes.size() >= kMaxWishes && !pair.wishes.contains(name))) {
+      Distrust(pair.number, "it asks for what cannot be");
+      return;
+    }
+    // It has not heard yet that the link has ended.
+    if (const auto ended = pair.ended.find(name); ended != pair.ended.end() && ended->second == asked.link()) return;
+    PeerWish& wish = pair.wishes[name];
+    const bool change = wish.link && wish.link->link == asked.link();
+    wish.asked = asked;
+    if (change) {
+      OutLink& link = *wish.link;
+      const Demand granted = DemandOf(asked, options_.max_credit_bytes);
+      if (link.flow.lossless() != granted.lossless) {
+        link.core->lossless.fetch_add(granted.lossless ? 1 : static_cast<std::size_t>(-1));
+      }
+      link.core->dropped.fetch_add(link.flow.SetDemand(granted, leavings.messages), std::memory_order_relaxed);
+      SayGranted(pair, link, {});
+      Drain(link, leavings, bells);
+      OutboundCore::TellRoom(link.core, actions);
+    } else {
+      RemoveLink(wish, true, actions);
+      Activate(pair, wish, actions);
+    }
+  }
+  for (const auto& bell : bells) bell->Ring();
+  for (const auto& action : actions) action();
+}
+
+void ShmCore::Activate(Pair& pair, PeerWish& wish, Actions& actions) {
+  const auto& wanted = wish.asked.wanted();
+  const auto found = channels_.find(wanted.channel());
+  if (found == channels_.end()) return;  // Granted when it is offered.
+  const auto& core = found->second.core;
+  const auto descriptor_set = SchemaFor(wanted, core->type);
+  if (!descriptor_set) {
+    const std::string what = DescribeMismatch(wanted, core->type);
+    wire::PairMessage said;
+    said.mutable_misfit()->set_link(wish.asked.link());
+    WriteType(core->name, core->type, *said.mutable_misfit()->mutable_offered());
+    said.mutable_misfit()->set_reason(what);
+    pair.socket.Send(said);
+    actions.emplace_back([this, number = pair.number, channel = core->name, what] {
+      if (const auto still = PairAt(number)) TellMismatch(*still, channel, what);
+    });
+    return;
+  }
+  wish.link = std::make_unique<OutLink>(pair, core, wish.asked.link(), wish.asked.cell(),
+                                        DemandOf(wish.asked, options_.max_credit_bytes));
+  found->second.links.push_back(wish.link.get());
+  if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
+  OutboundCore::CountSubscriber(core, false, 1, actions);
+  SayGranted(pair, *wish.link, *descriptor_set);
+  actions.emplace_back([this, core, number = pair.number, link = wish.link->link] { StartLink(core, number, link); });
+}
+
+void ShmCore::SayGranted(Pair& pair, const OutLink& link, const std::string& descriptor_set) {
+  wire::PairMessage said;
+  auto& granted = *said.mutable_granted();
+  granted.set_link(link.link);
+  WriteType(link.core->name, link.core->type, *granted.mutable_offered());
+  granted.set_credit_messages(link.flow.demand().credit_messages);
+  granted.set_credit_bytes(link.flow.demand().credit_bytes);
+  granted.set_descriptor_set(descriptor_set);
+  pair.socket.Send(said);
+}
+
+void ShmCore::StartLink(const std::shared_ptr<OutboundCore>& core, std::uint32_t number, std::uint64_t link) {
+  std::vector<PendingMessage> latched;
+  const bool open = core->gate.Through([&] {
+    for (const auto& message : core->source.Latched()) {
+      const auto packed = Pack(message.head, message.data);
+      latched.push_back({packed, packed->id, packed->data.bytes.size()});
+    }
+  });
+  if (!open) return;
+  Leavings leavings;
+  leavings.messages = latched;  // Those that are not needed end after the lock.
+  Bells bells;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto pair = PairAt(number);
+    if (!pair) return;
+    const auto wish = pair->wishes.find(core->name);
+    if (wish == pair->wishes.end() || !wish->second.link || wish->second.link->link != link) return;
+    wish->second.link->flow.Begin(std::move(latched));
+    Drain(*wish->second.link, leavings, bells);
+  }
+  for (const auto& bell : bells) bell->Ring();
+}
+
+void ShmCore::RemoveLink(PeerWish& wish, bool died, Actions& actions) {
+  if (!wish.link) return;
+  const std::shared_ptr<OutLink> link = std::move(wish.link);
+  if (const auto channel = channels_.find(link->core->name); channel != channels_.end()) {
+    std::erase(channel->second.links, link.get());
+  }
+  link->pair.waiting_bytes -= link->counted_bytes;
+  link->core->queued_bytes.fetch_sub(link->counted_bytes, std::memory_order_relaxed);
+  if (link->flow.lossless()) {
+    const auto ended = std::make_shared<Leavings>();
+    ReadCredit(*link, *ended);
+    actions.emplace_back([ended] {});
+    if (died) link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
+    link->core->lossless.fetch_sub(1);
+    OutboundCore::TellRoom(link->core, actions);
+  }
+  OutboundCore::CountSubscriber(link->core, false, -1, actions);
+  actions.emplace_back([link] {});  // Its messages end when no mutex is held: their destructors are the user's code.
+}
+
+void ShmCore::OnUnwish(Pair& pair, const wire::Unwish& unwish) {
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto wish = std::ranges::find_if(
+        pair.wishes, [&](const auto& entry) { return entry.second.asked.link() == unwish.link(); });
+    if (wish == pair.wishes.end()) return;
+    const std::string channel = wish->first;
+    const bool linked = wish->second.link != nullptr;
+    RemoveLink(wish->second, false, actions);
+    pair.wishes.erase(wish);
+    if (linked && !unwish.mismatch().empty()) {
+      actions.emplace_back(
+          [this, &pair, channel, what = Readable(unwish.mismatch())] { TellMismatch(pair, channel, what); });
+    }
+  }
+  for (const auto& action : actions) action();
+}
+
+}  // namespace hgros::shm

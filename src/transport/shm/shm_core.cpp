@@ -1,0 +1,508 @@
+#include "transport/shm/shm_core.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::shm {
+namespace {
+
+constexpr std::size_t kFrameOverheadBytes = 1u << 20;
+constexpr auto kFirstPause = std::chrono::milliseconds(100);
+constexpr auto kLongestPause = std::chrono::milliseconds(1000);
+// epoll's marks of what is no pair.
+constexpr std::uint64_t kListening = 1ULL << 32;
+constexpr std::uint64_t kWoken = 1ULL << 33;
+
+ShmOptions Completed(ShmOptions options) {
+  if (options.session.value == 0) options.session = SessionId::Random();
+  if (options.place.empty()) options.place = "hgros-" + options.session.ToString();
+  return options;
+}
+
+void Watch(const Handle& epoll, int fd, std::uint64_t mark, std::uint32_t events) {
+  epoll_event event{};
+  event.events = events;
+  event.data.u64 = mark;
+  if (epoll_ctl(epoll.fd(), EPOLL_CTL_ADD, fd, &event) != 0) {
+    throw Error(std::string("Cannot wait for a descriptor: ") + std::strerror(errno) + ".");
+  }
+}
+
+template <class Cores>
+void RequireNew(const Cores& cores, const std::string& channel, std::string_view what) {
+  if (!cores.contains(channel)) return;
+  throw Error("Channel " + channel + " is " + std::string(what) + " here already.", {},
+              "Share the first object, or destroy it before.");
+}
+
+}  // namespace
+
+ShmCore::ShmCore(ShmOptions options, TransportListener& listener, Log& log)
+    : options_(Completed(std::move(options))),
+      self_(OwnFacts(options_.session, options_.process)),
+      listener_(listener),
+      log_(log),
+      registry_(listener),
+      bell_(Patience{.busy = options_.wait == ShmWait::kBusy,
+                     .spin = options_.wait == ShmWait::kSpin ? options_.spin : std::chrono::microseconds(0)}),
+      pool_(std::make_shared<BlockPool>(options_.limit_bytes)),
+      epoll_(epoll_create1(EPOLL_CLOEXEC)),
+      next_tick_(std::chrono::steady_clock::now() + options_.heartbeat) {
+  if (!epoll_.valid()) {
+    throw Error(std::string("Cannot create an epoll descriptor: ") + std::strerror(errno) + ".", {},
+                "Raise the limit of open files (ulimit -n).");
+  }
+  std::string fault;
+  listening_ = ListenAt(options_.place, fault);
+  if (!listening_.valid()) {
+    throw Error("Other sessions of this host cannot be reached through shared memory: " + fault + ".", {},
+                "Choose another place, or none to have one chosen.");
+  }
+  Watch(epoll_, listening_.fd(), kListening, EPOLLIN);
+  Watch(epoll_, waker_.fd(), kWoken, EPOLLIN);
+  for (const std::string& place : options_.peers) destinations_.emplace_back().place = place;
+}
+
+ShmCore::~ShmCore() { Close(0); }
+
+void ShmCore::Start() {
+  pool_of_readers_.Start();
+  minder_ = std::jthread([this](const std::stop_token& stop) { Mind(stop); });
+}
+
+void ShmCore::Close(int linger_ms) noexcept {
+  if (closing_.exchange(true)) return;
+  WaitUntilSent(linger_ms);
+  minder_.request_stop();
+  waker_.Wake();
+  if (minder_.joinable()) minder_.join();
+  pool_of_readers_.Stop();
+  Actions nobody_listens;  // Ends after the lock: messages may end with it.
+  std::map<std::uint32_t, std::shared_ptr<Pair>> pairs;
+  {
+    const std::scoped_lock lock(mutex_);
+    closed_ = true;
+    {
+      const std::scoped_lock pairs_lock(pairs_mutex_);
+      pairs.swap(pairs_);
+    }
+    wire::PairMessage bye;
+    bye.mutable_bye()->set_reason("the session ends");
+    for (const auto& [number, pair] : pairs) {
+      if (pair->alive.exchange(false)) pair->socket.Send(bye);
+      for (auto& [name, wish] : pair->wishes) RemoveLink(wish, true, nobody_listens);
+      pair->wishes.clear();
+    }
+  }
+  for (const auto& [number, pair] : pairs) {
+    if (std::exchange(pair->came, false)) registry_.Gone(pair->facts.info, "the session ends");
+  }
+  listening_ = {};
+}
+
+void ShmCore::WaitUntilSent(int linger_ms) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(linger_ms);
+  const auto all_sent = [this] {
+    const std::scoped_lock lock(mutex_);
+    return std::ranges::all_of(Pairs(), [](const auto& pair) {
+      return !pair->alive || (pair->waiting_bytes == 0 && pair->socket.all_sent() &&
+                              std::ranges::all_of(pair->wishes, [](const auto& entry) {
+                                return !entry.second.link || entry.second.link->flow.waiting() == 0;
+                              }));
+    });
+  };
+  std::unique_lock lock(sent_mutex_);
+  while (!all_sent()) {
+    // Whatever lets messages go counts a round.
+    const auto seen = rounds_;
+    if (!sent_.wait_until(lock, deadline, [&] { return rounds_ != seen; })) return;
+  }
+}
+
+void ShmCore::CountRound() {
+  if (!closing_.load()) return;
+  const std::scoped_lock lock(sent_mutex_);
+  ++rounds_;
+  sent_.notify_all();
+}
+
+void ShmCore::Post(std::function<void()> action) {
+  {
+    const std::scoped_lock lock(posted_mutex_);
+    posted_.push_back(std::move(action));
+  }
+  waker_.Wake();
+}
+
+void ShmCore::Post(Actions&& actions) {
+  if (actions.empty()) return;
+  {
+    const std::scoped_lock lock(posted_mutex_);
+    for (auto& action : actions) posted_.push_back(std::move(action));
+  }
+  actions.clear();
+  waker_.Wake();
+}
+
+std::vector<std::shared_ptr<Pair>> ShmCore::Pairs() const {
+  const std::scoped_lock lock(pairs_mutex_);
+  std::vector<std::shared_ptr<Pair>> list;
+  list.reserve(pairs_.size());
+  for (const auto& [number, pair] : pairs_) list.push_back(pair);
+  return list;
+}
+
+std::shared_ptr<Pair> ShmCore::PairAt(std::uint32_t number) const {
+  const std::scoped_lock lock(pairs_mutex_);
+  const auto found = pairs_.find(number);
+  return found == pairs_.end() ? nullptr : found->second;
+}
+
+void ShmCore::AddPeer(const std::string& place) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (closed_ || place == options_.place) return;
+    if (std::ranges::any_of(destinations_, [&](const auto& known) { return known.place == place; })) return;
+    destinations_.emplace_back().place = place;
+  }
+  waker_.Wake();
+}
+
+void ShmCore::RemovePeer(const std::string& place) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(destinations_, [&](const auto& known) { return known.place == place; });
+}
+
+void ShmCore::Offer(const std::shared_ptr<OutboundCore>& core) {
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    RequireNew(channels_, core->name, "advertised");
+    channels_[core->name].core = core;
+    if (closed_) return;
+    for (const auto& pair : Pairs()) {
+      const auto wish = pair->wishes.find(core->name);
+      if (pair->alive && wish != pair->wishes.end() && !wish->second.link) Activate(*pair, wish->second, actions);
+    }
+  }
+  Post(std::move(actions));
+}
+
+void ShmCore::Withdraw(const std::shared_ptr<OutboundCore>& core) {
+  Actions nobody_listens;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = channels_.find(core->name);
+    if (found != channels_.end() && found->second.core == core) {
+      while (!found->second.links.empty()) {
+        OutLink& link = *found->second.links.back();
+        Pair& pair = link.pair;
+        wire::PairMessage said;
+        said.mutable_ended()->set_link(link.link);
+        said.mutable_ended()->set_messages(link.flow.sent());
+        pair.socket.Send(said);
+        RemoveLink(pair.wishes.at(core->name), true, nobody_listens);
+        pair.ended[core->name] = pair.wishes.at(core->name).asked.link();
+        pair.wishes.erase(core->name);  // It asks again.
+      }
+      channels_.erase(found);
+    }
+  }
+  core->gate.Close();
+}
+
+void ShmCore::Want(const std::shared_ptr<InboundCore>& core) {
+  const std::scoped_lock lock(mutex_);
+  RequireNew(inbound_, core->name, "subscribed to");
+  inbound_.emplace(core->name, core);
+  if (closed_) return;
+  for (const auto& pair : Pairs()) {
+    if (pair->alive) Ask(*pair, core);
+  }
+}
+
+void ShmCore::Unwant(const std::shared_ptr<InboundCore>& core) {
+  Actions nobody_listens;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = inbound_.find(core->name);
+    if (found != inbound_.end() && found->second == core) {
+      inbound_.erase(found);
+      for (const auto& pair : Pairs()) ForgetWish(*pair, core->name, {}, nobody_listens);
+    }
+  }
+  core->Close();
+}
+
+void ShmCore::ChangeDemand(const std::shared_ptr<InboundCore>& core) {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& pair : Pairs()) {
+    const std::scoped_lock in_lock(pair->in_mutex);
+    const auto link = pair->in_channels.find(core->name);
+    if (link != pair->in_channels.end()) SayWish(*pair, *pair->in_links.at(link->second));
+  }
+}
+
+ShmUsage ShmCore::usage() const {
+  const auto usage = pool_->usage();
+  return {.segment_bytes = usage.segment_bytes,
+          .segments = usage.segments,
+          .blocks_in_use = usage.blocks_in_use,
+          .sent_apart = sent_apart_.load(std::memory_order_relaxed)};
+}
+
+TransportStats ShmCore::stats() const {
+  TransportStats stats;
+  for (std::size_t i = 0; i < stats.faults.size(); ++i) stats.faults[i] = faults_[i].load();
+  stats.repeats = repeats_.load();
+  return stats;
+}
+
+SteadyTime ShmCore::NextDeadline() const {
+  SteadyTime next = next_tick_;
+  const std::scoped_lock lock(mutex_);
+  for (const Destination& destination : destinations_) {
+    if (destination.pair.expired()) next = std::min(next, destination.next_try);
+  }
+  return next;
+}
+
+void ShmCore::Mind(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const auto now = std::chrono::steady_clock::now();
+    TryDestinations(now);
+    if (now >= next_tick_) Tick(now);
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(NextDeadline() - std::chrono::steady_clock::now());
+    std::array<epoll_event, 16> events;
+    const int count = epoll_wait(epoll_.fd(), events.data(), static_cast<int>(events.size()),
+                                 static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 60'000)));
+    for (int i = 0; i < count; ++i) {
+      const std::uint64_t mark = events[static_cast<std::size_t>(i)].data.u64;
+      if (mark == kListening) {
+        AcceptPairs();
+      } else if (mark == kWoken) {
+        waker_.Clear();
+      } else if (const auto pair = PairAt(static_cast<std::uint32_t>(mark))) {
+        Read(pair);
+      }
+    }
+    Actions posted;
+    {
+      const std::scoped_lock lock(posted_mutex_);
+      posted.swap(posted_);
+    }
+    for (const auto& action : posted) action();
+    CountRound();
+  }
+}
+
+void ShmCore::TryDestinations(SteadyTime now) {
+  std::vector<std::string> places;
+  {
+    const auto pairs = Pairs();
+    const std::scoped_lock lock(mutex_);
+    for (Destination& destination : destinations_) {
+      if (!destination.pair.expired() || now < destination.next_try) continue;
+      destination.pause = std::clamp(destination.pause * 2, kFirstPause, kLongestPause);
+      destination.next_try = now + destination.pause;
+      const bool connected = std::ranges::any_of(pairs, [&](const auto& pair) {
+        return pair->alive && destination.session.value != 0 && pair->facts.info.id == destination.session;
+      });
+      if (!connected) places.push_back(destination.place);
+    }
+  }
+  for (const std::string& place : places) {
+    std::string fault;
+    Handle connection = ConnectTo(place, fault);
+    if (!connection.valid()) continue;
+    const auto pair = AddPair(std::move(connection), true, place);
+    const std::scoped_lock lock(mutex_);
+    for (Destination& destination : destinations_) {
+      if (destination.place != place) continue;
+      destination.pair = pair;
+      destination.pause = std::chrono::milliseconds(0);
+    }
+  }
+}
+
+void ShmCore::AcceptPairs() {
+  for (;;) {
+    Handle connection = AcceptFrom(listening_);
+    if (!connection.valid()) return;
+    (void)AddPair(std::move(connection), false, {});
+  }
+}
+
+std::shared_ptr<Pair> ShmCore::AddPair(Handle connection, bool by_us, const std::string& place) {
+  const auto refuse = [this](const std::string& why) -> std::shared_ptr<Pair> {
+    log_.WriteLimited(LogLevel::kWarning, "shm refuse", "No memory is shared with another session: " + why + ".");
+    return nullptr;
+  };
+  auto handle = std::make_shared<const Handle>(std::move(connection));
+  std::string fault;
+  std::unique_ptr<LaneWriter> lane = LaneWriter::Make(fault);
+  if (!lane) return refuse(fault);
+  std::shared_ptr<Slip> slip = Slip::Make(handle, fault);
+  if (!slip) return refuse(fault);
+  std::shared_ptr<Pair> pair;
+  {
+    const std::scoped_lock lock(pairs_mutex_);
+    std::uint32_t number = 0;
+    while (pairs_.contains(number)) ++number;
+    if (number >= kMaxPeers) return refuse("there are " + std::to_string(kMaxPeers) + " already");
+    pair = std::make_shared<Pair>(number, std::move(handle), by_us, options_.max_message_bytes + kFrameOverheadBytes);
+    pairs_.emplace(number, pair);
+  }
+  if (const uid_t user = pair->socket.PeerUser(); user != geteuid()) {
+    ForgetPair(pair);
+    return refuse("it belongs to another user (" + std::to_string(user) + ")");
+  }
+  pair->place = place;
+  pair->out = std::move(lane);
+  pair->slip = std::move(slip);
+  wire::PairMessage said;
+  auto& hello = *said.mutable_hello();
+  hello.set_session(self_.info.id.value);
+  WriteFacts(self_, *hello.mutable_facts());
+  hello.set_layout(kLayoutVersion);
+  hello.set_bell_number(pair->number);
+  {
+    const std::scoped_lock lock(mutex_);
+    pair->socket.Send(said, {bell_.handle(), pair->out->handle(), pair->slip->handle()});
+  }
+  Watch(epoll_, pair->socket.handle()->fd(), pair->number, EPOLLIN | EPOLLOUT | EPOLLET);
+  return pair;
+}
+
+void ShmCore::Read(const std::shared_ptr<Pair>& pair) {
+  {
+    const std::scoped_lock lock(mutex_);
+    pair->socket.Flush();
+  }
+  PairSocket::Frame frame;
+  for (bool more = true; more;) {
+    switch (pair->socket.Receive(frame)) {
+      case PairSocket::Read::kFrame: OnFrame(pair, frame); break;
+      case PairSocket::Read::kNothing: more = false; break;
+      case PairSocket::Read::kFault:
+        Distrust(pair->number, pair->socket.fault());
+        pair->eof = true;
+        more = false;
+        break;
+      case PairSocket::Read::kClosed:
+        pair->eof = true;
+        EndPair(pair, "its process has ended", false);
+        more = false;
+        break;
+    }
+  }
+  bool look = false;
+  {
+    const std::scoped_lock lock(pair->in_mutex);
+    look = std::exchange(pair->blocked, false);
+  }
+  if (look) bell_.Ring(pair->number);
+}
+
+// Its links out end now, those in behind what it has written.
+void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye) {
+  if (pair->ending.load()) {
+    if (pair->eof && pair->finishing) ForgetPair(pair);
+    return;
+  }
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    pair->alive = false;
+    if (say_bye) {
+      wire::PairMessage bye;
+      bye.mutable_bye()->set_reason(reason);
+      pair->socket.Send(bye);
+    }
+    for (auto& [name, wish] : pair->wishes) RemoveLink(wish, true, actions);
+    pair->wishes.clear();
+  }
+  pair->end_reason = reason;
+  pair->ending = true;
+  for (const auto& action : actions) action();
+  bell_.Ring(pair->number);  // The reading thread takes what is left, and then has the pair finished.
+}
+
+void ShmCore::FinishPair(const std::shared_ptr<Pair>& pair) {
+  Actions actions;
+  std::shared_ptr<Slip> slip;
+  {
+    const std::scoped_lock lock(pair->in_mutex);
+    for (const auto& [number, link] : pair->in_links) {
+      if (link->granted) InboundCore::CountPublisher(link->core, -1, actions);
+    }
+    pair->in_links.clear();
+    pair->in_channels.clear();
+    pair->segments.clear();
+    pair->apart.clear();
+    pair->in.reset();
+    slip = std::move(pair->slip);
+  }
+  for (const auto& action : actions) action();
+  if (std::exchange(pair->came, false)) registry_.Gone(pair->facts.info, pair->end_reason);
+  if (pair->eof) ForgetPair(pair);
+}
+
+void ShmCore::ForgetPair(const std::shared_ptr<Pair>& pair) {
+  Leavings leavings;
+  std::unique_ptr<LaneWriter> out;
+  {
+    const std::scoped_lock lock(mutex_, pairs_mutex_);
+    out = std::move(pair->out);
+    pairs_.erase(pair->number);
+    for (Destination& destination : destinations_) {
+      if (destination.pair.lock() == pair) destination.pair.reset();
+    }
+  }
+  epoll_ctl(epoll_.fd(), EPOLL_CTL_DEL, pair->socket.handle()->fd(), nullptr);
+}
+
+void ShmCore::Tick(SteadyTime now) {
+  const bool overslept = now - next_tick_ > options_.heartbeat;
+  next_tick_ = now + options_.heartbeat;
+  const auto gone = pool_->TakeGone();
+  std::vector<std::shared_ptr<Pair>> silent;
+  Leavings leavings;
+  for (const auto& pair : Pairs()) {
+    bool beats = overslept;
+    {
+      const std::scoped_lock lock(mutex_, pair->in_mutex);
+      if (!pair->out) continue;
+      pair->out->Beat();
+      if (pair->slip) pair->slip->Beat();
+      Collect(*pair, leavings);
+      for (auto& [name, wish] : pair->wishes) {
+        if (wish.link) ReadCredit(*wish.link, leavings);
+      }
+      RemoveSegments(*pair, gone);
+      const std::uint32_t heartbeat = pair->out->peer_heartbeat();
+      beats = std::exchange(pair->seen_heartbeat, heartbeat) != heartbeat || beats;
+    }
+    if (!pair->alive) continue;
+    if (beats) {
+      pair->last_heard = now;
+    } else if (now - pair->last_heard > options_.peer_timeout) {
+      silent.push_back(pair);
+    }
+    if (pair->hungry) bell_.Ring(pair->number);
+  }
+  for (const auto& pair : silent) {
+    EndPair(pair, "silent for " + std::to_string(options_.peer_timeout.count()) + " ms", true);
+  }
+}
+
+}  // namespace hgros::shm

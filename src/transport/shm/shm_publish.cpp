@@ -1,0 +1,251 @@
+// How messages leave: under the mutex into the lanes, and the bells are rung after it.
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+#include "transport/shm/shm_core.hpp"
+
+namespace hgros::shm {
+
+std::shared_ptr<const ShmMessage> ShmCore::Pack(const PacketHead& head, const Payload& data) {
+  auto message = std::make_shared<ShmMessage>();
+  message->id = head.id;
+  message->publish_time_ns = head.publish_time_ns;
+  message->publish_monotonic_ns = head.publish_monotonic_ns;
+  message->latched = head.latched;
+  if (data.bytes.empty()) {
+    message->place = Place{};
+    return message;
+  }
+  if (data.owner) message->place = pool_->Find(data.bytes);
+  if (message->place) {
+    message->data = data;
+    return message;
+  }
+  std::string fault;
+  if (auto loan = pool_->Take(data.bytes.size(), &fault)) {
+    std::memcpy(loan->bytes.data(), data.bytes.data(), data.bytes.size());
+    message->place = loan->place;
+    message->data = {loan->bytes, std::move(loan->owner)};
+    return message;
+  }
+  log_.WriteLimited(LogLevel::kWarning, "shm apart",
+                    "There is no shared memory for a message of " + std::to_string(data.bytes.size()) +
+                        " bytes on channel \"" + head.channel + "\": " + fault +
+                        ". It goes over a socket, which takes longer. Raise the limit of shared memory, or let go of "
+                        "messages sooner.");
+  if (data.owner) {
+    message->data = data;
+  } else {
+    auto copy = std::make_shared<const std::string>(AsText(data.bytes));
+    message->data = {AsBytes(*copy), copy};
+  }
+  return message;
+}
+
+bool ShmCore::HasRoom(const Channel& channel) {
+  return std::ranges::all_of(channel.links,
+                             [](const OutLink* link) { return !link->flow.lossless() || link->flow.HasRoom(); });
+}
+
+// First by what is known, then by what the peers say now, and last after they were asked to tell.
+bool ShmCore::FindRoom(const Channel& channel, Leavings& leavings) {
+  if (HasRoom(channel)) return true;
+  for (const bool asked : {false, true}) {
+    for (OutLink* link : channel.links) {
+      if (!link->flow.lossless()) continue;
+      if (asked) {
+        link->pair.hungry = true;
+        link->pair.out->SetHungry(link->pair.out->hungry() | kForCredit);
+      }
+      ReadCredit(*link, leavings);
+    }
+    if (HasRoom(channel)) return true;
+  }
+  return false;
+}
+
+PublishStatus ShmCore::Reserve(OutboundCore& core) {
+  if (closing_.load(std::memory_order_relaxed)) return PublishStatus::kClosed;
+  if (core.lossless.load() == 0) return PublishStatus::kOk;
+  Leavings leavings;
+  const std::scoped_lock lock(mutex_);
+  const auto found = channels_.find(core.name);
+  if (found == channels_.end() || found->second.core.get() != &core) return PublishStatus::kOk;
+  if (!HasRoom(found->second)) {
+    core.refused = true;  // Before asking: the answer may come at once.
+    if (!FindRoom(found->second, leavings)) return PublishStatus::kFull;
+  }
+  for (OutLink* link : found->second.links) {
+    if (link->flow.lossless()) link->flow.Reserve();
+  }
+  return PublishStatus::kOk;
+}
+
+void ShmCore::Cancel(const std::shared_ptr<OutboundCore>& core) {
+  if (core->lossless.load() == 0) return;
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = channels_.find(core->name);
+    if (found == channels_.end() || found->second.core != core) return;
+    for (OutLink* link : found->second.links) link->flow.CancelReservation();
+    if (HasRoom(found->second)) OutboundCore::TellRoom(core, actions);
+  }
+  Post(std::move(actions));
+}
+
+void ShmCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data) {
+  if (closing_.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) return;
+  const auto message = Pack(head, data);
+  Leavings leavings;
+  Bells bells;
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = channels_.find(core->name);
+    if (found == channels_.end() || found->second.core != core) return;
+    bool skipped = false;
+    for (OutLink* link : found->second.links) {
+      skipped = !link->flow.Push({message, message->id, message->data.bytes.size()}) || skipped;
+      Drain(*link, leavings, bells);
+    }
+    // Its reservation is free again, and somebody may have been refused meanwhile.
+    if (skipped && HasRoom(found->second)) OutboundCore::TellRoom(core, actions);
+  }
+  for (const auto& bell : bells) bell->Ring();
+  Post(std::move(actions));
+}
+
+void ShmCore::ReadCredit(OutLink& link, Leavings& leavings) {
+  const auto consumed = link.pair.out->ConsumedOf(link.cell);
+  if (link.flow.Confirm(consumed.messages, consumed.bytes, leavings.messages)) return;
+  Distrust(link.pair.number, "it says that it has consumed more than it was sent");
+}
+
+void ShmCore::Collect(Pair& pair, Leavings& leavings) {
+  if (pair.out->Collect(leavings.owners)) return;
+  Distrust(pair.number, "it returns what it was not given");
+}
+
+bool ShmCore::Send(OutLink& link) {
+  bool any = false;
+  while (link.pair.out->HasSlot()) {
+    const auto message = link.flow.Pop();
+    if (!message) break;
+    Write(link, *message);
+    any = true;
+  }
+  return any;
+}
+
+void ShmCore::Drain(OutLink& link, Leavings& leavings, Bells& bells) {
+  Pair& pair = link.pair;
+  bool sent = Send(link);
+  Collect(pair, leavings);
+  if (link.flow.lossless() || link.flow.waiting() > 0) ReadCredit(link, leavings);
+  if (link.flow.waiting() > 0) {
+    sent = Send(link) || sent;
+    if (link.flow.waiting() > 0) {
+      pair.hungry = true;
+      pair.out->SetHungry(pair.out->hungry() | kForCredit | (pair.out->HasSlot() ? 0 : kForSlots));
+      Collect(pair, leavings);
+      ReadCredit(link, leavings);
+      sent = Send(link) || sent;
+    }
+  }
+  if (sent) bells.push_back(pair.bell);
+  const std::uint64_t others = pair.waiting_bytes - link.counted_bytes;
+  const std::uint64_t limit = options_.peer_queue_bytes;
+  if (const auto count = link.flow.Trim(limit > others ? limit - others : 0, leavings.messages); count > 0) {
+    link.core->dropped.fetch_add(count, std::memory_order_relaxed);
+  }
+  CountWaiting(link);
+}
+
+void ShmCore::Write(OutLink& link, const PendingMessage& queued) {
+  const auto& message = static_cast<const ShmMessage&>(*queued.packed);
+  Pair& pair = link.pair;
+  Descriptor descriptor{};
+  descriptor.link = link.link;
+  descriptor.number = link.flow.sent();
+  descriptor.size_bytes = message.data.bytes.size();
+  descriptor.publisher = message.id.publisher;
+  descriptor.incarnation = message.id.incarnation;
+  descriptor.sequence = message.id.sequence;
+  descriptor.publish_time_ns = message.publish_time_ns;
+  descriptor.publish_monotonic_ns = message.publish_monotonic_ns;
+  descriptor.latched = message.latched;
+  if (message.place) {
+    const std::uint32_t segment = message.place->segment;
+    if (segment != 0 && pair.told_segments.insert(segment).second) {
+      wire::PairMessage said;
+      said.mutable_segment_added()->set_segment(segment);
+      pair.socket.Send(said, {pool_->HandleOf(segment)});
+    }
+    descriptor.segment = segment;
+    descriptor.offset_bytes = message.place->offset_bytes;
+    pair.out->Write(descriptor, queued.packed);
+  } else {
+    wire::PairMessage said;
+    said.mutable_payload()->set_link(descriptor.link);
+    said.mutable_payload()->set_number(descriptor.number);
+    said.mutable_payload()->set_data(message.data.bytes.data(), message.data.bytes.size());
+    pair.socket.Send(said);
+    descriptor.segment = kOnSocket;
+    pair.out->Write(descriptor, nullptr);
+    sent_apart_.fetch_add(1, std::memory_order_relaxed);
+  }
+  link.core->sent.fetch_add(1, std::memory_order_relaxed);
+}
+
+void ShmCore::CountWaiting(OutLink& link) {
+  const std::uint64_t now = link.flow.waiting_bytes();
+  link.pair.waiting_bytes += now - link.counted_bytes;  // Wraps around to the right sum.
+  link.core->queued_bytes.fetch_add(now - link.counted_bytes, std::memory_order_relaxed);
+  link.counted_bytes = now;
+}
+
+void ShmCore::Pump(Pair& pair) {
+  Leavings leavings;
+  Bells bells;
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!pair.out) return;  // It has just ended.
+    pair.hungry = false;
+    pair.out->SetHungry(0);
+    Collect(pair, leavings);
+    for (auto& [name, wish] : pair.wishes) {
+      if (!wish.link) continue;
+      OutLink& link = *wish.link;
+      Drain(link, leavings, bells);
+      if (!link.flow.lossless() || !link.core->refused.load()) continue;
+      const auto channel = channels_.find(name);
+      if (channel != channels_.end() && FindRoom(channel->second, leavings)) {
+        OutboundCore::TellRoom(link.core, actions);
+      }
+    }
+  }
+  for (const auto& bell : bells) bell->Ring();
+  for (const auto& action : actions) action();
+  CountRound();
+}
+
+void ShmCore::RemoveSegments(Pair& pair, const std::vector<std::uint32_t>& gone) {
+  for (const std::uint32_t segment : gone) {
+    if (pair.told_segments.erase(segment) == 0) continue;
+    wire::PairMessage said;
+    said.mutable_segment_removed()->set_segment(segment);
+    pair.socket.Send(said);
+  }
+}
+
+std::optional<Block> ShmCore::Loan(std::size_t size_bytes) {
+  auto loan = pool_->Take(size_bytes);
+  if (!loan) return std::nullopt;
+  return Block::Adopt(loan->bytes, std::move(loan->owner));
+}
+
+}  // namespace hgros::shm

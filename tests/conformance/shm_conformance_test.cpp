@@ -1,0 +1,52 @@
+// The shared-memory carrier's places for the suite.
+#include "conformance/transport_conformance.hpp"
+#include "hgros/transport/shm_transport.hpp"
+
+namespace hgros::conformance {
+namespace {
+
+class ShmWorld : public World {
+ public:
+  explicit ShmWorld(ShmWait wait, std::uint64_t limit_bytes) : wait_(wait), limit_bytes_(limit_bytes) {}
+
+  std::unique_ptr<Transport> MakePublisher(TransportListener& listener, Log& log, SessionId id) override {
+    ShmOptions options = Options(id);
+    options.place = place_;
+    return MakeShmTransport(std::move(options), listener, log);
+  }
+  std::unique_ptr<Transport> MakeSubscriber(TransportListener& listener, Log& log, SessionId id) override {
+    ShmOptions options = Options(id);
+    options.peers = {place_};
+    return MakeShmTransport(std::move(options), listener, log);
+  }
+  bool shows_in_place() const override { return false; }
+
+ private:
+  ShmOptions Options(SessionId id) const {
+    ShmOptions options;
+    options.session = id;
+    options.process = "conformance";
+    options.wait = wait_;
+    options.spin = std::chrono::microseconds(20);
+    options.limit_bytes = limit_bytes_;
+    options.heartbeat = std::chrono::milliseconds(100);
+    options.peer_timeout = std::chrono::milliseconds(3000);
+    return options;
+  }
+
+  const std::string place_ = "hgros-test-" + SessionId::Random().ToString();
+  const ShmWait wait_;
+  const std::uint64_t limit_bytes_;
+};
+
+std::function<std::unique_ptr<World>()> Make(ShmWait wait, std::uint64_t limit_bytes = 64 << 20) {
+  return [=] { return std::make_unique<ShmWorld>(wait, limit_bytes); };
+}
+
+INSTANTIATE_TEST_SUITE_P(Shm, TransportConformance,
+                         testing::Values(Carrier{"Sleep", Make(ShmWait::kSleep)}, Carrier{"Spin", Make(ShmWait::kSpin)},
+                                         Carrier{"NoMemory", Make(ShmWait::kSleep, 0)}),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace hgros::conformance
