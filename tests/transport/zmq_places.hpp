@@ -70,14 +70,19 @@ inline ZmqOptions SubscribeAt(const std::string& endpoint) {
 /// ZeroMQ without any of ours.
 class RawSocket {
  public:
-  explicit RawSocket(int type) : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
+  explicit RawSocket(int type) : context_(zmq_ctx_new(), zmq_ctx_term), socket_(zmq_socket(context_.get(), type)) {
     const int linger = 0;
     zmq_setsockopt(socket_, ZMQ_LINGER, &linger, sizeof linger);
   }
-  ~RawSocket() {
-    zmq_close(socket_);
-    zmq_ctx_term(context_);
+  /// Is told of these `events` of another.
+  RawSocket(const RawSocket& watched, const char* address, int events)
+      : context_(watched.context_), socket_(zmq_socket(context_.get(), ZMQ_PAIR)) {
+    zmq_socket_monitor(watched.get(), address, events);
+    zmq_connect(socket_, address);
   }
+  RawSocket(const RawSocket&) = delete;
+  RawSocket& operator=(const RawSocket&) = delete;
+  ~RawSocket() { zmq_close(socket_); }
   [[nodiscard]] void* get() const { return socket_; }
   void Send(const std::vector<std::string>& frames) const {
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -100,7 +105,7 @@ class RawSocket {
   }
 
  private:
-  void* context_;
+  std::shared_ptr<void> context_;
   void* socket_;
 };
 
