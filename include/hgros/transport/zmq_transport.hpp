@@ -81,7 +81,7 @@ class HGROS_EXPORT ZmqTransport : public Transport {
   /// or is there already.
   virtual void AddPublishEndpoint(const PublishEndpoint& endpoint) = 0;
   virtual void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint) = 0;
-  /// Say goodbye there. False if there is no such endpoint.
+  /// Say goodbye there. What a subscribe endpoint has read is still delivered. False if there is no such endpoint.
   virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
   virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
 

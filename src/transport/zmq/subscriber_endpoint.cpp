@@ -164,6 +164,7 @@ bool SubscriberEndpoint::ReadBatch() {
     OnMonitor(actions);
     AddActions(actions);
   }
+  AddActions(last_);
   Message topic;
   std::vector<Message> frames;
   for (int i = 0; i < kBatch; ++i) {
@@ -290,6 +291,12 @@ void SubscriberEndpoint::Close(int linger_ms, Actions& actions) {
   zmq_socket_monitor(socket_.raw(), nullptr, 0);
   socket_.Close(linger_ms);
   monitor_.Close(0);
+}
+
+void SubscriberEndpoint::MakeLast(Actions&& actions) {
+  const std::scoped_lock lock(mutex_);
+  last_ = std::move(actions);
+  input_ = true;
 }
 
 }  // namespace hgros::zmq

@@ -57,6 +57,8 @@ class SubscriberEndpoint {
   [[nodiscard]] std::optional<SteadyTime> Deadline() const;
   /// Says goodbye.
   void Close(int linger_ms, Actions& actions);
+  /// After Close(): Serve() makes these calls when it has delivered what was received.
+  void MakeLast(Actions&& actions);
 
  private:
   struct Link {
@@ -136,6 +138,7 @@ class SubscriberEndpoint {
   // Disconnected, and ZeroMQ has not said that it will try again: after a breach of its protocol (somebody else had
   // the publisher's port) it never does.
   std::optional<SteadyTime> given_up_since_;
+  Actions last_;  // When the inbox of a closed endpoint is empty.
   std::deque<Arrival> inbox_;
 };
 
