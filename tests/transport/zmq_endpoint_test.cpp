@@ -147,6 +147,19 @@ TEST(ZmqEndpoint, WhatARemovedSubscribeEndpointHasReceivedIsStillDelivered) {
   EXPECT_TRUE(Eventually([&] { return b.transport->Peers().empty(); }));
 }
 
+TEST(ZmqEndpoint, ThatCannotBeReachedIsSaidOnceForEachOutage) {
+  Folder folder;
+  const std::string said = "No connection to " + folder.Ipc() + " for 200 ms: is the other program running";
+  Place subscriber(SubscribeAt(folder.Ipc()));
+  for (int outage = 1; outage <= 2; ++outage) {
+    ASSERT_TRUE(Eventually([&] { return subscriber.TimesSaid(said) == outage; }));
+    test::Linger(std::chrono::milliseconds(500));  // Further attempts fail.
+    EXPECT_EQ(subscriber.TimesSaid("No connection to"), outage);
+    const Place publisher(PublishAt(folder.Ipc()));
+    ASSERT_TRUE(Eventually([&] { return subscriber.listener.came == outage; }));
+  }
+}
+
 TEST(ZmqEndpoint, TwoWaysToOnePublisherCarryAChannelOnce) {
   Folder folder;
   ZmqOptions both;

@@ -36,7 +36,9 @@ SubscriberEndpoint::SubscriberEndpoint(Carrier& carrier, const SubscribeEndpoint
 
   const std::string monitored = "inproc://monitor-" + std::to_string(RandomId());
   if (zmq_socket_monitor(socket_.raw(), monitored.c_str(),
-                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED) != 0) {
+                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) != 0) {
     throw Error(std::string("Cannot watch the connection to ") + endpoint_ + ": " + zmq_strerror(zmq_errno()) + ".");
   }
   if (const int error = monitor_.Connect(monitored); error != 0) {
@@ -250,7 +252,7 @@ void SubscriberEndpoint::OnOverdraft(const Link& link) {
   AddActions(actions);
   socket_.Disconnect(endpoint_);
   connected_ = false;
-  given_up_since_ = std::chrono::steady_clock::now();  // Tick() connects again.
+  given_up_since_ = unreached_since_ = std::chrono::steady_clock::now();  // Tick() connects again.
 }
 
 void SubscriberEndpoint::TellCredits(bool all) {

@@ -107,6 +107,7 @@ class SubscriberEndpoint {
   void OnRefused(const wire::Refused& refused, Actions& actions);
   void OnWithdrawn(const std::string& channel, Actions& actions);
   void OnMonitor(Actions& actions);
+  void TellUnreachable();
   void Ask(Link& link);
   void SendSubscribe(Link& link, bool change_only);
   void EndLink(Link& link, Actions& actions);
@@ -138,6 +139,9 @@ class SubscriberEndpoint {
   // Disconnected, and ZeroMQ has not said that it will try again: after a breach of its protocol (somebody else had
   // the publisher's port) it never does.
   std::optional<SteadyTime> given_up_since_;
+  // Since when there is no connection, until that was said.
+  std::optional<SteadyTime> unreached_since_ = std::chrono::steady_clock::now();
+  int handshake_failure_ = 0;  // The event that tells most of the attempts since the last connection.
   Actions last_;  // When the inbox of a closed endpoint is empty.
   std::deque<Arrival> inbox_;
 };
