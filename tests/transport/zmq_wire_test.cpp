@@ -590,5 +590,21 @@ TEST_F(LyingPublisher, ThatOverdrawsItsCreditIsLostAndMayComeBack) {
   EXPECT_TRUE(Eventually([&] { return sink.count() == 5; }));
 }
 
+TEST_F(LyingPublisher, HasNoNewWindowForEachOfManyLinks) {
+  sink.hold_credit = true;
+  const auto in = place->transport->Subscribe("scan", TextType(), {.credit_messages = 4}, sink);
+  std::uint64_t sequence = 0;
+  const auto send_four = [&] {
+    Join(TextType(), 0);
+    for (int i = 0; i < 4; ++i) SendData(HeadOf(TextType(), {id.value, 1, ++sequence}), "x");
+  };
+  for (int link = 0; link < 8; ++link) send_four();
+  ASSERT_TRUE(Eventually([&] { return sink.count() + Faults(PacketFault::kOverrun) == 32; }));
+  EXPECT_EQ(sink.count(), 16u);
+  sink.Release(16);
+  send_four();
+  EXPECT_TRUE(Eventually([&] { return sink.count() == 20; }));
+}
+
 }  // namespace
 }  // namespace hgros

@@ -214,6 +214,7 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
     }
     link.id = subscribed.link();
     link.fingerprint = subscribed.offered().fingerprint();
+    EndCredit(link);
     link.credit = std::make_shared<LinkCredit>(window_messages, window_bytes, carrier_.waker);
   }
   if (!link.active) {
@@ -249,10 +250,16 @@ void SubscriberEndpoint::TellMismatch(const std::string& channel, const std::str
 
 void SubscriberEndpoint::EndLink(Link& link, Actions& actions) {
   link.id = 0;
-  link.credit.reset();
+  EndCredit(link);
   if (!link.active) return;
   link.active = false;
   InboundCore::CountPublisher(link.core, -1, actions);
+}
+
+void SubscriberEndpoint::EndCredit(Link& link) {
+  const std::weak_ptr<LinkCredit> ended = link.credit;
+  link.credit.reset();
+  if (!ended.expired()) link.earlier.push_back(ended);
 }
 
 void SubscriberEndpoint::Unsubscribe(const std::string& channel, std::string_view mismatch) {

@@ -12,6 +12,9 @@ namespace hgros::zmq {
 namespace {
 
 constexpr int kBatch = 32;  // Messages read before others have their turn.
+// A link that ends leaves its messages in flight, and the next one has a window of its own: a publisher that begins
+// one after another has so many of them at most.
+constexpr std::uint64_t kWindowsInFlight = 4;
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
 
@@ -214,6 +217,11 @@ void SubscriberEndpoint::OnData(Message& topic_frame, std::vector<Message>& fram
       OnOverdraft(link);
       return;
     }
+    if (IsCrowded(link)) {
+      link.credit->Skip(bytes);
+      Drop(link, PacketFault::kOverrun, "the publisher's earlier links have left too much in flight", {});
+      return;
+    }
     packet.credit = link.credit->Take(bytes);
     packet.from = publisher_->facts.info.id;
     packet.fingerprint = link.fingerprint;
@@ -233,6 +241,20 @@ void SubscriberEndpoint::OnData(Message& topic_frame, std::vector<Message>& fram
   packet.head = std::move(frames[0]);
   packet.data = std::move(frames[1]);
   inbox_.push_back({.core = link.core, .packet = std::move(packet), .action = {}});
+}
+
+bool SubscriberEndpoint::IsCrowded(Link& link) {
+  if (link.earlier.empty()) return false;
+  std::erase_if(link.earlier, [](const auto& one) { return one.expired(); });
+  LinkCredit::Totals sum = link.credit->in_flight();
+  for (const auto& one : link.earlier) {
+    if (const auto credit = one.lock()) {
+      const auto left = credit->in_flight();
+      sum.messages += left.messages;
+      sum.bytes += left.bytes;
+    }
+  }
+  return sum.messages / kWindowsInFlight >= link.asked_messages || sum.bytes / kWindowsInFlight >= link.asked_bytes;
 }
 
 void SubscriberEndpoint::Drop(const Link& link, PacketFault fault, std::string_view what,
