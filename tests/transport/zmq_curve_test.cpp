@@ -53,6 +53,7 @@ TEST(ZmqCurve, AStrangersKeyIsRefusedAndCounted) {
   EXPECT_TRUE(Eventually([&] { return server.transport->refused_handshakes() > 0; }));
   EXPECT_EQ(server.listener.came, 0);
   EXPECT_EQ(stranger.listener.came, 0);
+  EXPECT_TRUE(Eventually([&] { return stranger.Said("`allowed_clients`"); }));
 }
 
 TEST(ZmqCurve, NobodyWithoutKeysOrWithAnotherServersKeyGetsIn) {
@@ -65,6 +66,19 @@ TEST(ZmqCurve, NobodyWithoutKeysOrWithAnotherServersKeyGetsIn) {
   EXPECT_TRUE(Eventually([&] { return server.listener.came == 1; }));
   EXPECT_EQ(server.transport->Peers().size(), 1u);
   EXPECT_EQ(keyless.listener.came + mistaken.listener.came, 0);
+  const std::string endpoint = server.transport->BoundEndpoints().front();
+  EXPECT_TRUE(
+      Eventually([&] { return mistaken.Said("No connection to " + endpoint) && mistaken.Said("`server_key`"); }));
+  EXPECT_TRUE(Eventually([&] { return keyless.Said("asks for keys"); }));
+  EXPECT_FALSE(right.Said("No connection to"));
+}
+
+TEST(ZmqCurve, APublisherWithoutKeysIsSaidToHaveNone) {
+  const Keys keys;
+  Place open(test::PublishAt("tcp://127.0.0.1:*"));
+  Place client(keys.Client(keys.client, keys.server, open));
+  EXPECT_TRUE(Eventually([&] { return client.Said("does not encrypt"); }));
+  EXPECT_EQ(client.listener.came, 0);
 }
 
 TEST(ZmqCurve, AKeyThatIsNoneIsAnError) {

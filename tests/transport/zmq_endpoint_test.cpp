@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "hgros/base/error.hpp"
+#include "support/await.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {
@@ -108,6 +109,55 @@ TEST(ZmqEndpoint, EndpointsComeAndGoWhileRunning) {
     EXPECT_TRUE(Eventually([&] { return a.transport->Peers().empty() && b.transport->Peers().empty(); }));
   }
   EXPECT_FALSE(a.transport->RemovePublishEndpoint(folder.Ipc()));
+}
+
+TEST(ZmqEndpoint, WhatARemovedSubscribeEndpointHasReceivedIsStillDelivered) {
+  Folder folder;
+  Place a(PublishAt(folder.Ipc()));
+  Place b(SubscribeAt(folder.Ipc())), other(SubscribeAt(folder.Ipc()));
+  conformance::Source source;
+  conformance::Sink sink, other_sink;
+  test::Door first, second;
+  sink.answer = Accepted::kRunHere;
+  sink.on_run = [&] { (sink.runs == 0 ? first : second).Pass(); };
+  const Demand demand{.queue_depth = 100, .credit_messages = 100};
+  const auto out = a.transport->Advertise("scan", TextType(), source);
+  const auto in = b.transport->Subscribe("scan", TextType(), demand, sink);
+  const auto other_in = other.transport->Subscribe("scan", TextType(), demand, other_sink);
+  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 2 && sink.publishers == 1; }));
+  PacketHead head;
+  head.channel = "scan";
+  head.encoding = Encoding::kCustom;
+  const auto publish = [&] {
+    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+    out->Commit(head, conformance::Publication::PayloadOf("x"));
+  };
+  publish();
+  ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
+  // These wait in ZeroMQ until the first has run, and are read together.
+  for (int i = 0; i < 20; ++i) publish();
+  ASSERT_TRUE(Eventually([&] { return other_sink.count() == 21; }));
+  first.Open();
+  ASSERT_TRUE(Eventually([&] { return sink.count() == 2; }));
+  EXPECT_TRUE(b.transport->RemoveSubscribeEndpoint(folder.Ipc()));
+  EXPECT_EQ(sink.publishers, 1u) << "it goes when its messages have gone";
+  second.Open();
+  EXPECT_TRUE(Eventually([&] { return sink.publishers == 0; }));
+  EXPECT_GT(sink.count(), 2u);
+  EXPECT_TRUE(Eventually([&] { return b.transport->Peers().empty(); }));
+}
+
+TEST(ZmqEndpoint, ThatCannotBeReachedIsSaidOnceForEachOutage) {
+  Folder folder;
+  const std::string said = "No connection to " + folder.Ipc() + " for 200 ms: is the other program running";
+  Place subscriber(SubscribeAt(folder.Ipc()));
+  for (int outage = 1; outage <= 2; ++outage) {
+    ASSERT_TRUE(Eventually([&] { return subscriber.TimesSaid(said) == outage; }));
+    test::Linger(std::chrono::milliseconds(500));  // Further attempts fail.
+    EXPECT_EQ(subscriber.TimesSaid("No connection to"), outage);
+    const Place publisher(PublishAt(folder.Ipc()));
+    ASSERT_TRUE(Eventually([&] { return subscriber.listener.came == outage; }));
+  }
 }
 
 TEST(ZmqEndpoint, TwoWaysToOnePublisherCarryAChannelOnce) {

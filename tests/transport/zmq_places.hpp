@@ -38,12 +38,14 @@ struct Place {
     options.heartbeat = std::chrono::milliseconds(100);
     options.peer_timeout = std::chrono::milliseconds(3000);
     options.plain_after = std::chrono::milliseconds(50);
+    options.unreachable_after = std::chrono::milliseconds(200);
     transport = MakeZmqTransport(std::move(options), listener, log);
   }
   /// Whether a line of the log has this text.
-  [[nodiscard]] bool Said(std::string_view text) {
+  [[nodiscard]] bool Said(std::string_view text) { return TimesSaid(text) > 0; }
+  [[nodiscard]] std::ptrdiff_t TimesSaid(std::string_view text) {
     const std::scoped_lock lock(mutex);
-    return std::ranges::any_of(lines, [&](const auto& line) { return line.find(text) != std::string::npos; });
+    return std::ranges::count_if(lines, [&](const auto& line) { return line.find(text) != std::string::npos; });
   }
   std::mutex mutex;
   std::vector<std::string> lines;  // Guarded by mutex.
@@ -70,14 +72,19 @@ inline ZmqOptions SubscribeAt(const std::string& endpoint) {
 /// ZeroMQ without any of ours.
 class RawSocket {
  public:
-  explicit RawSocket(int type) : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
+  explicit RawSocket(int type) : context_(std::make_shared<Context>()), socket_(zmq_socket(context_->raw, type)) {
     const int linger = 0;
     zmq_setsockopt(socket_, ZMQ_LINGER, &linger, sizeof linger);
   }
-  ~RawSocket() {
-    zmq_close(socket_);
-    zmq_ctx_term(context_);
+  /// Is told of these `events` of another.
+  RawSocket(const RawSocket& watched, const char* address, int events)
+      : context_(watched.context_), socket_(zmq_socket(context_->raw, ZMQ_PAIR)) {
+    zmq_socket_monitor(watched.get(), address, events);
+    zmq_connect(socket_, address);
   }
+  RawSocket(const RawSocket&) = delete;
+  RawSocket& operator=(const RawSocket&) = delete;
+  ~RawSocket() { zmq_close(socket_); }
   [[nodiscard]] void* get() const { return socket_; }
   void Send(const std::vector<std::string>& frames) const {
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -100,7 +107,14 @@ class RawSocket {
   }
 
  private:
-  void* context_;
+  struct Context {
+    Context() = default;
+    ~Context() { zmq_ctx_term(raw); }
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+    void* raw = zmq_ctx_new();
+  };
+  std::shared_ptr<Context> context_;
   void* socket_;
 };
 

@@ -162,7 +162,7 @@ TEST(PlainSubscriber, ThatDoesNotReadIsBoundedInBytes) {
   const int few = 1;
   zmq_setsockopt(sub.get(), ZMQ_RCVHWM, &few, sizeof few);
   zmq_connect(sub.get(), folder.Ipc().c_str());
-  zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, "", 0);
+  zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, "cloud", sizeof "cloud");
   ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
   PacketHead head;
   head.channel = "cloud";
@@ -216,15 +216,92 @@ TEST(PlainReception, OfAnotherLayoutIsRefusedThoughTheHeadNamesNoType) {
   EXPECT_EQ(place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kType)], 1u);
 }
 
-TEST(PlainSubscriber, IsNotRememberedWithATopicLongerThanAnyChannels) {
+TEST(PlainSubscriber, ThatLeavesDoesNotTakeAnotherAlong) {
   Folder folder;
   Place place(PublishAt(folder.Ipc()));
-  RawSocket sub(ZMQ_SUB);
-  zmq_connect(sub.get(), folder.Ipc().c_str());
-  const std::string topic(300, 'x');
-  zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, topic.data(), topic.size());
-  EXPECT_TRUE(Eventually([&] { return place.Said("300 bytes"); }));
+  conformance::Source source;
+  const auto out = place.transport->Advertise("scan", TextType(), source);
+  PacketHead head;
+  head.channel = "scan";
+  head.encoding = Encoding::kCustom;
+  const auto hears = [&](const RawSocket& sub) {
+    return Eventually([&] {
+      if (out->Reserve() == PublishStatus::kOk) out->Commit(head, Publication::PayloadOf("x"));
+      return !sub.Receive(0).empty();
+    });
+  };
+  const std::string topic = PlainTopic("scan");
+  RawSocket stays(ZMQ_SUB);
+  zmq_setsockopt(stays.get(), ZMQ_SUBSCRIBE, topic.data(), topic.size());
+  zmq_connect(stays.get(), folder.Ipc().c_str());
+  {
+    RawSocket leaves(ZMQ_SUB);
+    zmq_setsockopt(leaves.get(), ZMQ_SUBSCRIBE, topic.data(), topic.size());
+    zmq_connect(leaves.get(), folder.Ipc().c_str());
+    ASSERT_TRUE(hears(stays) && hears(leaves));
+    zmq_setsockopt(leaves.get(), ZMQ_UNSUBSCRIBE, topic.data(), topic.size());
+  }
+  while (!stays.Receive(100).empty()) {
+  }
+  EXPECT_TRUE(hears(stays));
+  EXPECT_EQ(out->subscriber_count(), 1u);
 }
+
+/// At an ipc or a tcp endpoint.
+class FilterThatIsNoTopic : public testing::TestWithParam<bool> {
+ protected:
+  FilterThatIsNoTopic() : publisher(PublishAt(GetParam() ? folder.Ipc() : "tcp://127.0.0.1:*")) {}
+  Folder folder;
+  Place publisher;
+};
+
+TEST_P(FilterThatIsNoTopic, LetsNothingWaitThatIsMeantForASession) {
+  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  Place session(SubscribeAt(endpoint));
+  conformance::Source source;
+  conformance::Sink sink;
+  const auto out = publisher.transport->Advertise("scan", TextType(), source);
+  const auto in = session.transport->Subscribe("scan", TextType(), {.lossless = true, .credit_messages = 8}, sink);
+  RawSocket sub(ZMQ_SUB);
+  const int few = 1;
+  const int small = 1 << 16;
+  zmq_setsockopt(sub.get(), ZMQ_RCVHWM, &few, sizeof few);
+  zmq_setsockopt(sub.get(), ZMQ_RCVBUF, &small, sizeof small);
+  zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, "", 0);
+  zmq_connect(sub.get(), endpoint.c_str());
+  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && publisher.Said("a zero byte"); }));
+  PacketHead head;
+  head.channel = "scan";
+  head.encoding = Encoding::kCustom;
+  constexpr std::size_t kCount = 200;
+  std::vector<std::weak_ptr<const void>> held;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    ASSERT_TRUE(Eventually([&] { return out->Reserve() == PublishStatus::kOk; }));
+    Payload data = Publication::PayloadOf(std::string(100'000, 'x'));
+    held.emplace_back(data.owner);
+    out->Commit(head, data);
+  }
+  ASSERT_TRUE(Eventually([&] { return sink.count() == kCount; }));
+  EXPECT_TRUE(Eventually([&] { return std::ranges::all_of(held, [](const auto& one) { return one.expired(); }); }))
+      << std::ranges::count_if(held, [](const auto& one) { return !one.expired(); }) << " messages wait for a filter";
+  EXPECT_EQ(out->subscriber_count(), 1u);
+}
+
+TEST_P(FilterThatIsNoTopic, IsRefusedWhateverItBeginsLike) {
+  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  const std::string peer = PeerTopic("scan", SessionId::Random());
+  for (const std::string& filter : {std::string(), std::string("scan"), peer.substr(0, 5), peer.substr(0, 20),
+                                    peer + '\3', std::string("\2"), PlainTopic("scan") + 'x', std::string(300, 'x')}) {
+    RawSocket sub(ZMQ_SUB);
+    RawSocket monitor(sub, "inproc://monitor", ZMQ_EVENT_DISCONNECTED);
+    zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, filter.data(), filter.size());
+    zmq_connect(sub.get(), endpoint.c_str());
+    EXPECT_FALSE(monitor.Receive().empty()) << testing::PrintToString(filter);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(PlainSubscriber, FilterThatIsNoTopic, testing::Bool(),
+                         [](const auto& test) { return test.param ? "Ipc" : "Tcp"; });
 
 /// A subscriber that says what it likes.
 class LyingSubscriber : public testing::Test {
@@ -511,6 +588,22 @@ TEST_F(LyingPublisher, ThatOverdrawsItsCreditIsLostAndMayComeBack) {
   Join(TextType(), 0);
   SendData(HeadOf(TextType(), {id.value, 1, 6}), "6");
   EXPECT_TRUE(Eventually([&] { return sink.count() == 5; }));
+}
+
+TEST_F(LyingPublisher, HasNoNewWindowForEachOfManyLinks) {
+  sink.hold_credit = true;
+  const auto in = place->transport->Subscribe("scan", TextType(), {.credit_messages = 4}, sink);
+  std::uint64_t sequence = 0;
+  const auto send_four = [&] {
+    Join(TextType(), 0);
+    for (int i = 0; i < 4; ++i) SendData(HeadOf(TextType(), {id.value, 1, ++sequence}), "x");
+  };
+  for (int link = 0; link < 8; ++link) send_four();
+  ASSERT_TRUE(Eventually([&] { return sink.count() + Faults(PacketFault::kOverrun) == 32; }));
+  EXPECT_EQ(sink.count(), 16u);
+  sink.Release(16);
+  send_four();
+  EXPECT_TRUE(Eventually([&] { return sink.count() == 20; }));
 }
 
 }  // namespace

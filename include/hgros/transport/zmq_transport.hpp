@@ -56,9 +56,10 @@ struct ZmqOptions {
   std::uint64_t plain_queue_bytes = 64ULL << 20;  ///< Under way to all plain subscribers of an endpoint at most.
   std::uint64_t max_credit_bytes = 256ULL
                                    << 20;  ///< In flight to one subscriber of a channel at most, if it asks for more.
-  std::uint64_t max_message_bytes = 1ULL << 30;  ///< Larger ones are refused and the connection is closed.
-  std::chrono::milliseconds plain_after{1000};   ///< Connected for so long without a welcome: a plain publisher.
-  std::chrono::milliseconds linger{500};         ///< Of the destructor's Close().
+  std::uint64_t max_message_bytes = 1ULL << 30;       ///< Larger ones are refused and the connection is closed.
+  std::chrono::milliseconds plain_after{1000};        ///< Connected for so long without a welcome: a plain publisher.
+  std::chrono::milliseconds unreachable_after{3000};  ///< Without a connection for so long: the log says so.
+  std::chrono::milliseconds linger{500};              ///< Of the destructor's Close().
   std::optional<ZmqSecurity> security;
 };
 
@@ -81,7 +82,7 @@ class HGROS_EXPORT ZmqTransport : public Transport {
   /// or is there already.
   virtual void AddPublishEndpoint(const PublishEndpoint& endpoint) = 0;
   virtual void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint) = 0;
-  /// Say goodbye there. False if there is no such endpoint.
+  /// Say goodbye there. What a subscribe endpoint has read is still delivered. False if there is no such endpoint.
   virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
   virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
 

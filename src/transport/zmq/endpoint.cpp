@@ -1,10 +1,14 @@
 #include "transport/zmq/endpoint.hpp"
 
+#include <fcntl.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 #include "hgros/base/error.hpp"
@@ -32,6 +36,27 @@ bool SomebodyListens(std::string_view path) {
   const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS;
   close(fd);
   return listens;
+}
+
+/// Whether the socket is a connection that was accepted at the endpoint.
+bool AcceptedAt(int fd, std::string_view bound) {
+  sockaddr_storage name{};
+  socklen_t size = sizeof name;
+  sockaddr_storage other{};
+  socklen_t other_size = sizeof other;
+  if (getpeername(fd, reinterpret_cast<sockaddr*>(&other), &other_size) != 0) return false;
+  if (getsockname(fd, reinterpret_cast<sockaddr*>(&name), &size) != 0) return false;
+  if (name.ss_family == AF_UNIX) {
+    const std::size_t offset = offsetof(sockaddr_un, sun_path);
+    if (size <= offset || !bound.starts_with(kIpc)) return false;
+    std::string path(reinterpret_cast<const sockaddr_un*>(&name)->sun_path, size - offset);
+    if (path.front() == '\0') path.front() = '@';
+    return path.substr(0, path.find('\0')) == bound.substr(kIpc.size());
+  }
+  std::uint16_t port = 0;
+  if (name.ss_family == AF_INET) port = ntohs(reinterpret_cast<const sockaddr_in*>(&name)->sin_port);
+  if (name.ss_family == AF_INET6) port = ntohs(reinterpret_cast<const sockaddr_in6*>(&name)->sin6_port);
+  return port != 0 && bound.starts_with(kTcp) && bound.ends_with(":" + std::to_string(port));
 }
 
 std::string Mend(int error, bool ipc) {
@@ -95,6 +120,18 @@ void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept
   }
   zmq_socket_monitor(socket.raw(), nullptr, 0);
   zmq_close(monitor);
+}
+
+void HangUp(Message& frame, std::string_view bound) noexcept {
+  const int named = zmq_msg_get(frame.raw(), ZMQ_SRCFD);
+  if (named < 0) return;
+  // ZeroMQ's thread may have closed the descriptor, and another file may have its number since: what is looked at and
+  // shut down is our own reference, whatever that is to. At worst it is another connection to the endpoint, which
+  // will be made again.
+  const int fd = fcntl(named, F_DUPFD_CLOEXEC, 0);
+  if (fd < 0) return;
+  if (AcceptedAt(fd, bound)) shutdown(fd, SHUT_RDWR);
+  close(fd);
 }
 
 }  // namespace hgros::zmq

@@ -19,4 +19,8 @@ void BindOrThrow(Socket& socket, const std::string& endpoint);
 /// to those connected still has the socket's linger time.
 void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept;
 
+/// Closes the connection that `frame` came over, if it still is one to the endpoint `bound`. Its other side sees it end
+/// and may connect again.
+void HangUp(Message& frame, std::string_view bound) noexcept;
+
 }  // namespace hgros::zmq

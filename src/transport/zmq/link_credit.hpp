@@ -29,6 +29,12 @@ class LinkCredit : public std::enable_shared_from_this<LinkCredit> {
     std::uint64_t bytes = 0;
   };
   [[nodiscard]] Totals received() const noexcept { return {received_messages_.load(), received_bytes_.load()}; }
+  /// Received and not consumed.
+  [[nodiscard]] Totals in_flight() const noexcept {
+    // What was consumed first: it may grow meanwhile.
+    const Totals consumed{consumed_messages_.load(), consumed_bytes_.load()};
+    return {received_messages_.load() - consumed.messages, received_bytes_.load() - consumed.bytes};
+  }
   /// The publisher waits for news, or soon will: a quarter of the window was consumed, or it has used up its credit.
   /// For the thread that waits for input: answers a wake-up.
   [[nodiscard]] bool TakeDue() noexcept {

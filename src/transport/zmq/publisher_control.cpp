@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hgros/base/names.hpp"
+#include "transport/zmq/endpoint.hpp"
 #include "transport/zmq/publisher_endpoint.hpp"
 
 namespace hgros::zmq {
@@ -13,8 +14,7 @@ namespace {
 constexpr std::size_t kMaxPeers = 1024;
 constexpr std::size_t kMaxGreetings = 4096;
 constexpr std::size_t kMaxWishes = 4096;
-constexpr std::size_t kMaxPlainTopics = 16384;
-constexpr std::size_t kMaxPlainTopicBytes = kMaxChannelNameLength + 1;
+constexpr std::size_t kMaxPlainChannels = 16384;
 constexpr auto kGreetAgainAfter = std::chrono::milliseconds(200);
 
 Demand DemandOf(const wire::Subscribe& asked, const ZmqOptions& options) {
@@ -39,7 +39,7 @@ void PublisherEndpoint::OnFrame(Message& frame, Actions& actions) {
   if (text.empty()) {
     carrier_.CountFault(PacketFault::kTruncated, bound_, "an empty control message");
   } else if (text[0] == '\0' || text[0] == '\1') {
-    OnTopic(text[0] == '\1', text.substr(1), actions);
+    OnTopic(text[0] == '\1', text.substr(1), frame, actions);
   } else if (text[0] == kControlByte) {
     OnUpstream(frame.bytes().subspan(1), actions);
   } else {
@@ -47,8 +47,8 @@ void PublisherEndpoint::OnFrame(Message& frame, Actions& actions) {
   }
 }
 
-void PublisherEndpoint::OnTopic(bool subscribed, std::string_view topic, Actions& actions) {
-  if (const auto session = ParseControlTopic(topic)) {
+void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions) {
+  if (const auto session = ParseControlTopic(text)) {
     if (subscribed) {
       Greet(*session, true);
       return;
@@ -68,27 +68,35 @@ void PublisherEndpoint::OnTopic(bool subscribed, std::string_view topic, Actions
     }
     return;
   }
-  if (topic.find_first_of("\1\2") != std::string_view::npos) return;  // A peer's data topic.
-  if (subscribed) {
-    if (topic.size() > kMaxPlainTopicBytes) {
-      carrier_.log.WriteLimited(LogLevel::kWarning, "zmq long topic " + bound_,
-                                "A plain subscription at " + bound_ + " has " + std::to_string(topic.size()) +
-                                    " bytes, more than any channel's: it is ignored.");
-      return;
-    }
-    if (plain_topics_.size() >= kMaxPlainTopics) {
-      carrier_.log.WriteLimited(LogLevel::kWarning, "zmq plain topics " + bound_,
-                                "More than " + std::to_string(kMaxPlainTopics) + " plain subscriptions at " + bound_ +
-                                    "; further ones are ignored.");
-      return;
-    }
-    plain_topics_.emplace(topic);
+  const auto topic = ParseTopic(AsBytes(text));
+  if (!topic) {
+    if (subscribed) Refuse(text, frame);
+    return;
+  }
+  if (topic->session.value != 0) return;  // A session's data: it says by itself which it wants.
+  if (!subscribed) {
+    plain_channels_.erase(std::string(topic->channel));
+  } else if (plain_channels_.size() < kMaxPlainChannels) {
+    plain_channels_.emplace(topic->channel);
   } else {
-    plain_topics_.erase(std::string(topic));
+    carrier_.log.WriteLimited(LogLevel::kWarning, "zmq plain topics " + bound_,
+                              "More than " + std::to_string(kMaxPlainChannels) + " plain subscriptions at " + bound_ +
+                                  "; further ones are ignored.");
   }
-  for (auto& [name, channel] : channels_) {
-    if (channel.core->plain_topic.starts_with(topic)) UpdatePlain(channel, actions);
-  }
+  const auto channel = channels_.find(std::string(topic->channel));
+  if (channel != channels_.end()) UpdatePlain(channel->second, actions);
+}
+
+// ZeroMQ matches it as a prefix: it would be sent what is meant for sessions, and nobody would know how much of that
+// waits for it. ZeroMQ 4.3 has no sound way of giving a connection another filter than the one it asks for.
+void PublisherEndpoint::Refuse(std::string_view filter, Message& frame) {
+  HangUp(frame, bound_);
+  carrier_.log.WriteLimited(LogLevel::kWarning, "zmq filter " + bound_,
+                            "A plain subscriber at " + bound_ + " asks for all that begins with \"" +
+                                Readable(std::string(filter.substr(0, kMaxTextBytes))) +
+                                "\", which is no topic as a whole: its connection is closed. Let it subscribe to the "
+                                "name of a channel followed by a zero byte.",
+                            std::chrono::hours(1));
 }
 
 void PublisherEndpoint::Greet(SessionId session, bool at_once) {

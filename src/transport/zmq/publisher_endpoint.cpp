@@ -106,13 +106,7 @@ void PublisherEndpoint::CloseChannel(Channel& channel, Actions& actions) {
 }
 
 void PublisherEndpoint::UpdatePlain(Channel& channel, Actions& actions) {
-  const std::string_view topic = channel.core->plain_topic;
-  bool plain = false;
-  // Subscriptions are prefixes; those of this topic are among the few that sort before it.
-  for (std::size_t length = 0; length <= topic.size() && !plain; ++length) {
-    plain = plain_topics_.contains(topic.substr(0, length));
-  }
-  plain = plain && channel.allowed;
+  const bool plain = channel.allowed && plain_channels_.contains(channel.core->name);
   if (plain == channel.plain) return;
   channel.plain = plain;
   OutboundCore::CountSubscriber(channel.core, true, plain ? 1 : -1, actions);

@@ -24,7 +24,8 @@ namespace hgros::zmq {
 /// and Tick() are the leading thread's; calls into the session are handed back as actions, made without the mutex.
 /// Invariants: a peer is one whose Hello answered our last Welcome. A link belongs to a peer's wish and is listed in
 /// its channel. Between a Welcome and the Subscribe that answers it a link is paused: so what the subscriber had
-/// received when it saw the Welcome is all it will ever receive of what was sent before.
+/// received when it saw the Welcome is all it will ever receive of what was sent before. A connection whose filter is
+/// none of the three topics is closed: what waits for it is bounded by nobody's credit.
 class PublisherEndpoint {
  public:
   /// Binds. Throws Error.
@@ -109,7 +110,8 @@ class PublisherEndpoint {
 
   // publisher_control.cpp: what subscribers say.
   void OnFrame(Message& frame, Actions& actions);
-  void OnTopic(bool subscribed, std::string_view topic, Actions& actions);
+  void OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions);
+  void Refuse(std::string_view filter, Message& frame);
   void OnUpstream(Bytes bytes, Actions& actions);
   void OnHello(SessionId session, const wire::Hello& hello, Actions& actions);
   void OnSubscribe(Peer& peer, const wire::Subscribe& subscribe, Actions& actions);
@@ -136,7 +138,7 @@ class PublisherEndpoint {
   std::unordered_map<SessionId, std::unique_ptr<Peer>> peers_;
   std::unordered_map<SessionId, Greeting> greetings_;
   std::uint64_t last_handshake_;
-  std::set<std::string, std::less<>> plain_topics_;
+  std::set<std::string, std::less<>> plain_channels_;  // That plain subscribers ask for.
   const OutstandingBytes plain_bytes_ = std::make_shared<std::atomic<std::uint64_t>>(0);
 };
 

@@ -35,7 +35,10 @@ void SubscriberEndpoint::OnMonitor(Actions& actions) {
       connected_ = true;
       welcomed_ = false;
       connected_since_ = std::chrono::steady_clock::now();
+      unreached_since_.reset();
+      handshake_failure_ = 0;
     } else if (what == ZMQ_EVENT_DISCONNECTED) {
+      if (connected_) unreached_since_ = std::chrono::steady_clock::now();
       connected_ = false;
       plain_mode_ = false;
       for (auto& [name, link] : links_) SetPlain(link, false);
@@ -43,8 +46,27 @@ void SubscriberEndpoint::OnMonitor(Actions& actions) {
       given_up_since_ = std::chrono::steady_clock::now();
     } else if (what == ZMQ_EVENT_CONNECT_RETRIED) {
       given_up_since_.reset();
+    } else if (handshake_failure_ != ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+      handshake_failure_ = what;
     }
   }
+}
+
+void SubscriberEndpoint::TellUnreachable() {
+  std::string_view why = "is the other program running, is the port right, and does it bind that address?";
+  if (handshake_failure_ == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+    why = "it refuses our key; have its `allowed_clients` list our public key.";
+  } else if (handshake_failure_ != 0 && carrier_.options.security) {
+    // Whichever side sees first that they do not fit: a wrong key and none at all look the same from here.
+    why =
+        "what answers there has another key than we were told, or does not encrypt; have `servers` (the endpoint's "
+        "`server_key`) name the publisher's public key, and give it a `secret_key`.";
+  } else if (handshake_failure_ != 0) {
+    why = "what answers there asks for keys, or is no ZeroMQ; give us a `secret_key`, or check the port.";
+  }
+  carrier_.log.Write(LogLevel::kWarning, "No connection to " + endpoint_ + " for " +
+                                             std::to_string(carrier_.options.unreachable_after.count()) +
+                                             " ms: " + std::string(why));
 }
 
 void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& actions) {
@@ -105,6 +127,7 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   publisher_->last_heard = std::chrono::steady_clock::now();
   publisher_->alive = true;
   connected_ = true;  // The monitor may be late.
+  unreached_since_.reset();
   if (came) actions.emplace_back([this, info = publisher_->facts.info] { carrier_.peers.Came(info); });
   SayHello(welcome.handshake());
   for (auto& [name, link] : links_) {
@@ -191,6 +214,7 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
     }
     link.id = subscribed.link();
     link.fingerprint = subscribed.offered().fingerprint();
+    EndCredit(link);
     link.credit = std::make_shared<LinkCredit>(window_messages, window_bytes, carrier_.waker);
   }
   if (!link.active) {
@@ -226,10 +250,16 @@ void SubscriberEndpoint::TellMismatch(const std::string& channel, const std::str
 
 void SubscriberEndpoint::EndLink(Link& link, Actions& actions) {
   link.id = 0;
-  link.credit.reset();
+  EndCredit(link);
   if (!link.active) return;
   link.active = false;
   InboundCore::CountPublisher(link.core, -1, actions);
+}
+
+void SubscriberEndpoint::EndCredit(Link& link) {
+  const std::weak_ptr<LinkCredit> ended = link.credit;
+  link.credit.reset();
+  if (!ended.expired()) link.earlier.push_back(ended);
 }
 
 void SubscriberEndpoint::Unsubscribe(const std::string& channel, std::string_view mismatch) {
@@ -284,6 +314,10 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
         if (link.allowed) SetPlain(link, true);
       }
     }
+    if (unreached_since_ && now - *unreached_since_ >= carrier_.options.unreachable_after) {
+      unreached_since_.reset();
+      TellUnreachable();
+    }
     if (given_up_since_ && now - *given_up_since_ >= kGivenUpAfter) {
       given_up_since_.reset();
       socket_.Disconnect(endpoint_);
@@ -309,6 +343,7 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
 
 std::optional<SteadyTime> SubscriberEndpoint::Deadline() const {
   const std::scoped_lock lock(mutex_);
+  if (unreached_since_) return *unreached_since_ + carrier_.options.unreachable_after;
   if (!connected_ || welcomed_ || plain_mode_) return std::nullopt;
   return connected_since_ + carrier_.options.plain_after;
 }

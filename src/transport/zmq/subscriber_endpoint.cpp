@@ -12,6 +12,9 @@ namespace hgros::zmq {
 namespace {
 
 constexpr int kBatch = 32;  // Messages read before others have their turn.
+// A link that ends leaves its messages in flight, and the next one has a window of its own: a publisher that begins
+// one after another has so many of them at most.
+constexpr std::uint64_t kWindowsInFlight = 4;
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
 
@@ -36,7 +39,9 @@ SubscriberEndpoint::SubscriberEndpoint(Carrier& carrier, const SubscribeEndpoint
 
   const std::string monitored = "inproc://monitor-" + std::to_string(RandomId());
   if (zmq_socket_monitor(socket_.raw(), monitored.c_str(),
-                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED) != 0) {
+                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) != 0) {
     throw Error(std::string("Cannot watch the connection to ") + endpoint_ + ": " + zmq_strerror(zmq_errno()) + ".");
   }
   if (const int error = monitor_.Connect(monitored); error != 0) {
@@ -164,6 +169,7 @@ bool SubscriberEndpoint::ReadBatch() {
     OnMonitor(actions);
     AddActions(actions);
   }
+  AddActions(last_);
   Message topic;
   std::vector<Message> frames;
   for (int i = 0; i < kBatch; ++i) {
@@ -211,6 +217,11 @@ void SubscriberEndpoint::OnData(Message& topic_frame, std::vector<Message>& fram
       OnOverdraft(link);
       return;
     }
+    if (IsCrowded(link)) {
+      link.credit->Skip(bytes);
+      Drop(link, PacketFault::kOverrun, "the publisher's earlier links have left too much in flight", {});
+      return;
+    }
     packet.credit = link.credit->Take(bytes);
     packet.from = publisher_->facts.info.id;
     packet.fingerprint = link.fingerprint;
@@ -232,6 +243,20 @@ void SubscriberEndpoint::OnData(Message& topic_frame, std::vector<Message>& fram
   inbox_.push_back({.core = link.core, .packet = std::move(packet), .action = {}});
 }
 
+bool SubscriberEndpoint::IsCrowded(Link& link) {
+  if (link.earlier.empty()) return false;
+  std::erase_if(link.earlier, [](const auto& one) { return one.expired(); });
+  LinkCredit::Totals sum = link.credit->in_flight();
+  for (const auto& one : link.earlier) {
+    if (const auto credit = one.lock()) {
+      const auto left = credit->in_flight();
+      sum.messages += left.messages;
+      sum.bytes += left.bytes;
+    }
+  }
+  return sum.messages / kWindowsInFlight >= link.asked_messages || sum.bytes / kWindowsInFlight >= link.asked_bytes;
+}
+
 void SubscriberEndpoint::Drop(const Link& link, PacketFault fault, std::string_view what,
                               std::shared_ptr<const void> credit) {
   Actions actions;
@@ -249,7 +274,7 @@ void SubscriberEndpoint::OnOverdraft(const Link& link) {
   AddActions(actions);
   socket_.Disconnect(endpoint_);
   connected_ = false;
-  given_up_since_ = std::chrono::steady_clock::now();  // Tick() connects again.
+  given_up_since_ = unreached_since_ = std::chrono::steady_clock::now();  // Tick() connects again.
 }
 
 void SubscriberEndpoint::TellCredits(bool all) {
@@ -290,6 +315,12 @@ void SubscriberEndpoint::Close(int linger_ms, Actions& actions) {
   zmq_socket_monitor(socket_.raw(), nullptr, 0);
   socket_.Close(linger_ms);
   monitor_.Close(0);
+}
+
+void SubscriberEndpoint::MakeLast(Actions&& actions) {
+  const std::scoped_lock lock(mutex_);
+  last_ = std::move(actions);
+  input_ = true;
 }
 
 }  // namespace hgros::zmq

@@ -10,6 +10,7 @@
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
 #include "transport/zmq/carrier.hpp"
 #include "transport/inbound_core.hpp"
@@ -58,6 +59,8 @@ class SubscriberEndpoint {
   [[nodiscard]] std::optional<SteadyTime> Deadline() const;
   /// Says goodbye.
   void Close(int linger_ms, Actions& actions);
+  /// After Close(): Serve() makes these calls when it has delivered what was received.
+  void MakeLast(Actions&& actions);
 
  private:
   struct Link {
@@ -73,7 +76,8 @@ class SubscriberEndpoint {
     std::uint64_t asked_messages = 1;
     std::uint64_t asked_bytes = 1;
     std::shared_ptr<LinkCredit> credit;
-    std::shared_ptr<LinkCredit> plain_credit;  // Of plain publishers, who are told nothing of it.
+    std::vector<std::weak_ptr<LinkCredit>> earlier;  // Of ended links; they live while messages are in flight.
+    std::shared_ptr<LinkCredit> plain_credit;        // Of plain publishers, who are told nothing of it.
   };
   struct Publisher {
     SessionFacts facts;
@@ -97,6 +101,8 @@ class SubscriberEndpoint {
   void SubscribeTopic(std::string topic, bool subscribe);
   void SetPlain(Link& link, bool plain);
   static void SetPlainWindow(const Link& link);
+  /// Its earlier links have left so much in flight that no more is taken.
+  [[nodiscard]] static bool IsCrowded(Link& link);
   [[nodiscard]] bool Allowed(const std::string& channel) const;
 
   // subscriber_control.cpp: what the publisher says.
@@ -106,9 +112,11 @@ class SubscriberEndpoint {
   void OnRefused(const wire::Refused& refused, Actions& actions);
   void OnWithdrawn(const std::string& channel, Actions& actions);
   void OnMonitor(Actions& actions);
+  void TellUnreachable();
   void Ask(Link& link);
   void SendSubscribe(Link& link, bool change_only);
   void EndLink(Link& link, Actions& actions);
+  static void EndCredit(Link& link);
   void Unsubscribe(const std::string& channel, std::string_view mismatch);
   void ReleaseClaim(const Link& link, Actions& actions);
   void StopAsking(Link& link, std::string_view mismatch, Actions& actions);
@@ -137,6 +145,10 @@ class SubscriberEndpoint {
   // Disconnected, and ZeroMQ has not said that it will try again: after a breach of its protocol (somebody else had
   // the publisher's port) it never does.
   std::optional<SteadyTime> given_up_since_;
+  // Since when there is no connection, until that was said.
+  std::optional<SteadyTime> unreached_since_ = std::chrono::steady_clock::now();
+  int handshake_failure_ = 0;  // The event that tells most of the attempts since the last connection.
+  Actions last_;               // When the inbox of a closed endpoint is empty.
   std::deque<Arrival> inbox_;
 };
 

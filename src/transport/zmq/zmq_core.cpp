@@ -139,7 +139,7 @@ bool ZmqCore::RemoveSubscriber(const std::string& endpoint) {
     if (found == subscribers_.end()) return false;
     Actions actions;
     (*found)->Close(static_cast<int>(carrier_.options.linger.count()), actions);
-    carrier_.Post(std::move(actions));
+    (*found)->MakeLast(std::move(actions));
     old_subscribers_.push_back(std::move(*found));
     subscribers_.erase(found);
     ++version_;
@@ -247,6 +247,8 @@ void ZmqCore::UpdateWatch() {
   watch_.version = version_.load();
   watch_.publishers = publishers_;
   watch_.subscribers = subscribers_;
+  watch_.removed = old_subscribers_;
+  std::erase_if(watch_.removed, [](const auto& endpoint) { return !endpoint->pending(); });
 }
 
 void ZmqCore::Wait() noexcept {
@@ -269,12 +271,17 @@ LeaderPool::Task ZmqCore::Lead() noexcept {
       busy = !actions.empty() || busy;
       Make(actions);
     }
-    for (const auto& endpoint : watch_.subscribers) {
-      auto task = endpoint->Serve(busy);
-      endpoint->TellCredits(false);
-      if (!task) continue;
-      if (Pending()) Wake();
-      return task;
+    for (const auto* endpoints : {&watch_.removed, &watch_.subscribers}) {
+      for (const auto& endpoint : *endpoints) {
+        auto task = endpoint->Serve(busy);
+        endpoint->TellCredits(false);
+        if (!task) continue;
+        if (Pending()) Wake();
+        return task;
+      }
+    }
+    if (!watch_.removed.empty()) {
+      std::erase_if(watch_.removed, [](const auto& endpoint) { return !endpoint->pending(); });
     }
     if (carrier_.closing.load()) {
       {
@@ -294,7 +301,8 @@ LeaderPool::Task ZmqCore::Lead() noexcept {
 }
 
 bool ZmqCore::Pending() const {
-  return std::ranges::any_of(watch_.subscribers, [](const auto& endpoint) { return endpoint->pending(); }) ||
+  const auto pending = [](const auto& endpoint) { return endpoint->pending(); };
+  return std::ranges::any_of(watch_.subscribers, pending) || std::ranges::any_of(watch_.removed, pending) ||
          std::ranges::any_of(watch_.publishers, [](const auto& endpoint) { return endpoint->input().load(); });
 }
 

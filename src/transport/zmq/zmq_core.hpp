@@ -65,6 +65,7 @@ class ZmqCore : public LeaderPool::Input {
     std::uint64_t version = 0;
     std::vector<std::shared_ptr<PublisherEndpoint>> publishers;
     std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers;
+    std::vector<std::shared_ptr<SubscriberEndpoint>> removed;  // That still hold something they received.
   };
   void UpdateWatch();
   void Tick(SteadyTime now);
