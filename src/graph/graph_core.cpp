@@ -21,7 +21,7 @@ void RequireSameType(const Channel& channel, const TypeInfo& type, const CallSit
   if (&channel.type() == &type || channel.type().cpp_type == type.cpp_type) return;
   throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + channel.type().name + " (first used so at " +
                          channel.declared_at() + ") and cannot be used with " + type.name + ".",
-                     where.ToString(), "Use one type per channel, or another channel name.");
+                     where.ToString(), "Use one type for a channel everywhere, or give one of the two another channel name.");
 }
 
 }  // namespace

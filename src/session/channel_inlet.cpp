@@ -114,7 +114,9 @@ bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
 void ChannelInlet::Deliver(InboundMessage&& message) noexcept {
   const PacketHead& head = message.head;
   if (!head.type_name.empty() && head.type_name != type_.name) {
-    OnFault(PacketFault::kType, "it carries " + head.type_name + ", not " + type_.name);
+    OnFault(PacketFault::kType,
+            "it carries " + head.type_name + ", but the channel is used with " + type_.name +
+                " here; build both programs with one type, or give one of them another channel name");
     return;
   }
   std::uint64_t lost = 0;

@@ -441,10 +441,13 @@ void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) no
   PublishEvent({PeerEvent::Kind::kGone, peer, {}, std::string(reason)});
 }
 
+// `what` names the channel and both types.
 void Session::Core::OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept {
-  log_->Write(LogLevel::kError, "Channel \"" + std::string(channel) + "\" does not fit session " + peer.id.ToString() +
-                                    " (" + peer.process + "): " + std::string(what));
-  PublishEvent({PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), std::string(what)});
+  std::string sentence = "Nothing passes between this session and " + peer.id.ToString() + " (" + peer.process +
+                         ") on a channel that they use with different types, " + std::string(what) +
+                         ". Build both programs with one type, or give one of them another channel name.";
+  log_->Write(LogLevel::kError, sentence);
+  PublishEvent({PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), std::move(sentence)});
 }
 
 }  // namespace hgros

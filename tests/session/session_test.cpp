@@ -300,7 +300,10 @@ TEST(Session, TypesThatDoNotFitAreSaidOnBothSides) {
   (void)talker->Advertise<foxglove::Vector3>("pose");
   const auto subscription = listener->FromAny<foxglove::Log>("pose", kSerial, [](const foxglove::Log&) {});
   for (Robot* robot : {&talker, &listener}) {
-    EXPECT_TRUE(Await([&] { return robot->Said("foxglove.Vector3") && robot->Said("foxglove.Log"); }));
+    ASSERT_TRUE(Await([&] { return robot->Said("foxglove.Vector3"); }));
+    EXPECT_TRUE(robot->Said("different types, channel pose: here foxglove."));
+    EXPECT_TRUE(robot->Said(". Build both programs with one type, or give one of them another channel name."));
+    EXPECT_FALSE(robot->Said("\"pose\"")) << "the channel is named once";
   }
   EXPECT_TRUE(Await([&] { return events == 1; }));
 }

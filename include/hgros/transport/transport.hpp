@@ -137,7 +137,8 @@ class TransportListener {
   virtual void OnPeerCame(const PeerInfo& peer) noexcept = 0;
   /// `reason` is one sentence: said goodbye, connection closed, silent for 5 s ...
   virtual void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept = 0;
-  /// Two sides of a channel do not fit. Said on both sides, once per peer and channel.
+  /// Two sides of a channel do not fit. Said on both sides, once per peer and channel. `what` names the channel and both
+  /// types, without a final full stop.
   virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
 };
 
