@@ -67,6 +67,8 @@ bool DataGraph::WaitIdle(std::chrono::steady_clock::time_point deadline) const {
 void DataGraph::PublisherIsGone(std::uint64_t publisher) { core_->PublisherIsGone(publisher); }
 void DataGraph::PublisherIsBack(std::uint64_t publisher) { core_->PublisherIsBack(publisher); }
 
+void DataGraph::SayUntakenNames() { core_->SayUntakenNames(); }
+
 void DataGraph::Refuse() noexcept { core_->Refuse(); }
 
 void DataGraph::Shutdown() noexcept { core_->Shutdown(); }

@@ -12,6 +12,8 @@ namespace hgros {
 namespace {
 
 constexpr int kLingerMs = 500;
+// A node that nobody has made so long after the session is perhaps a slip of the pen in the configuration.
+constexpr auto kTimeForNodes = std::chrono::seconds(5);
 
 std::string ProgramName() {
   std::ifstream file("/proc/self/comm");
@@ -87,6 +89,10 @@ Session::Core::Core(Config config, SessionOptions options)
   graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
   events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
+  if (!config_.nodes.empty()) {
+    errands_.emplace();
+    errands_->PostIn(kTimeForNodes, [this] { graph_->SayUntakenNames(); });
+  }
   if (!config_.publishers.empty() || !config_.subscribers.empty()) Carrier();
 }
 

@@ -188,6 +188,40 @@ TEST(Session, AChannelThatNoListLetsPassIsSaidOnceWithTheNameThatWasMeant) {
   EXPECT_FALSE(listener.Said("\"wheel\" is subscribed to"));
 }
 
+constexpr const char* kMisspelled = "data_graph: {nodes: {planner: {queue: latest}, localisation: {queue: latest}}}\n";
+
+TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidAtTheEndWithTheNameThatWasMeant) {
+  Robot robot(kMisspelled);
+  {
+    const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
+    const auto localizer = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "localization"});
+  }
+  EXPECT_FALSE(robot.Said("data_graph: nodes"));
+  robot.session.reset();
+  EXPECT_TRUE(
+      robot.Said("names that no node of this process has taken so far: \"localisation\" (did you mean "
+                 "\"localization\"?)."));
+  EXPECT_EQ(robot.lines.size(), 1U);
+}
+
+TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidOnceSomeSecondsAfterTheStart) {
+  Robot robot(kMisspelled);
+  const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
+  EXPECT_TRUE(Await([&] { return robot.Said("has taken so far: \"localisation\"."); }));
+  robot.session.reset();
+  EXPECT_EQ(robot.lines.size(), 1U);
+}
+
+TEST(Session, NodeNamesOfTheConfigurationThatAreTakenNeedNoWord) {
+  Robot robot(kMisspelled);
+  {
+    const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
+    const auto localizer = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "localisation"});
+  }
+  robot.session.reset();
+  EXPECT_TRUE(robot.lines.empty());
+}
+
 TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
