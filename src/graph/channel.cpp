@@ -59,7 +59,7 @@ PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
   info.publish_monotonic_ns = MonotonicNow();
   const Fanout* after = &fanout;
   if (const std::size_t depth = latched_.load(std::memory_order_relaxed); depth > 0 && local) {
-    after = &Store(message, info, depth);
+    after = Store(message, info, depth, UserCode::kAllowed);
   } else {
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   }
@@ -124,15 +124,17 @@ void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyM
   }
 }
 
-const Fanout& Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth) {
+const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, UserCode user_code) {
   LatchedMessages::Messages dropped;  // Let go of after the lock: a message's destructor is the user's code.
   const std::scoped_lock lock(latch_mutex_);
+  const Fanout* fanout = fanout_.load(std::memory_order_seq_cst);
+  if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
   if (!info.remote) {  // Numbered and timed in one order.
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
     info.publish_monotonic_ns = MonotonicNow();
   }
   dropped = latched_messages_.Store(message, info, depth);
-  return *fanout_.load(std::memory_order_seq_cst);
+  return fanout;
 }
 
 void Channel::PublisherIsGone(std::uint64_t publisher) {
@@ -156,16 +158,19 @@ void Channel::PublisherIsBack(std::uint64_t publisher) {
   }
 }
 
-void Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,
-                     std::size_t latched) noexcept {
-  if (core_.refusing()) return;
+bool Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,
+                     std::size_t latched, UserCode user_code) noexcept {
+  if (core_.refusing()) return true;
   const epoch::Guard guard;
-  received_.fetch_add(1, std::memory_order_relaxed);
   MessageInfo info = from;
   info.remote = true;
-  const Fanout& fanout = latched > 0 ? Store(message, info, latched) : *fanout_.load(std::memory_order_seq_cst);
-  const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(message.get()) : 0;
-  Deliver(fanout, message, info, credit, {bytes, false, true, nullptr});
+  const Fanout* fanout =
+      latched > 0 ? Store(message, info, latched, user_code) : fanout_.load(std::memory_order_seq_cst);
+  if (fanout == nullptr || (user_code == UserCode::kRefused && fanout->has_inline)) return false;
+  received_.fetch_add(1, std::memory_order_relaxed);
+  const std::size_t bytes = fanout->count_bytes ? type_.memory_bytes(message.get()) : 0;
+  Deliver(*fanout, message, info, credit, {bytes, false, true, nullptr});
+  return true;
 }
 
 PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,

@@ -242,8 +242,9 @@ Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCal
     Inflow& inflow = inflows_[name];
     const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
     if (!inflow.inlet) {
-      inflow.inlet =
-          std::make_shared<ChannelInlet>(channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); });
+      inflow.inlet = std::make_shared<ChannelInlet>(
+          channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); },
+          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); });
     }
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
     subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));

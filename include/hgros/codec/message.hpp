@@ -66,6 +66,7 @@ TypeInfo MakeTypeInfo() {
   info.encoding = TraitsOfT::kEncoding;
   info.fingerprint = TraitsOfT::LayoutFingerprint();
   info.cpp_type = typeid(T);
+  info.users_codec = HasCustomCodec<T> || TraitsOfT::kEncoding == Encoding::kCustom;
   info.memory_bytes = [](const void* message) { return TraitsOfT::MemoryBytes(*static_cast<const T*>(message)); };
   if constexpr (TraitsOfT::kEncoding != Encoding::kNone) {
     // A codec that throws has failed to write or read one message; the caller counts that.
