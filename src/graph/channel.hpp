@@ -71,12 +71,26 @@ class Channel {
   PublishStatus Try(const MessageOffer& offer, Reach reach) noexcept;
   PublishStatus WaitForRoom(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
                             const std::stop_token& stop);
+  // A local message that was taken and numbered, on its way to everybody. The pointers hold as long as the epoch guard.
+  struct Publication {
+    AnyMessage message;
+    MessageInfo info;
+    const Fanout* fanout;
+    const Fanout* after;  // The nodes that were wired when it was latched.
+    Outlet* outlet;       // Null: it does not leave the process.
+    std::size_t bytes;
+    bool reserved;
+    bool local;
+  };
+  class Handover;
+  void HandOver(Publication& publication, std::int64_t now) noexcept;
   // Hands the message to the nodes, but not to `except`. `last`: nobody needs the message afterwards.
   struct Handing {
     std::size_t bytes = 0;
     bool reserved = false;
     bool last = false;
     const Node* except = nullptr;
+    std::int64_t now = 0;
   };
   void Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
                const std::shared_ptr<const void>& credit, const Handing& handing) noexcept;
