@@ -240,6 +240,62 @@ TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
   EXPECT_EQ(second.texts(), Numbered(3, 6));
 }
 
+/// A message whose own code remembers which threads have written it.
+struct Traced {
+  bool SerializeToString(std::string* out) const {
+    const std::scoped_lock lock(mutex);
+    writers.push_back(std::this_thread::get_id());
+    *out = "traced";
+    return true;
+  }
+  bool ParseFromString(const std::string& in) { return in == "traced"; }
+
+  inline static std::mutex mutex;
+  inline static std::vector<std::thread::id> writers;
+};
+
+TEST(Session, ALatchedMessageWithCodeOfItsOwnIsWrittenOnTheThreadThatPublishesIt) {
+  const Bus bus;
+  const EndpointConfig endpoint{bus.Endpoint("late"), {}, true};
+  for (const bool joins_late : {false, true}) {
+    Traced::writers.clear();
+    Robot talker(joins_late ? "" : bus.Publishing("a"));
+    const auto publish = talker->Advertise<Traced>("map", {.latched = 2});
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(publish(std::make_unique<Traced>()), PublishStatus::kOk);
+    EXPECT_EQ(Traced::writers.size(), joins_late ? 0U : 3U) << "nothing is written where nobody can ask for it";
+    if (joins_late) talker->AddPublisherEndpoint(endpoint);
+    Robot listener(bus.Subscribing(joins_late ? "late" : "a"));
+    std::atomic<int> heard{0};
+    const auto subscription = listener->FromAny<Traced>("map", kSerial, [&](const Traced&) { ++heard; });
+    ASSERT_TRUE(Await([&] { return heard == 2; }));
+    EXPECT_EQ(publish(std::make_unique<Traced>()), PublishStatus::kOk);
+    ASSERT_TRUE(Await([&] { return heard == 3; }));
+    for (const std::thread::id writer : Traced::writers) EXPECT_EQ(writer, std::this_thread::get_id());
+    EXPECT_EQ(Traced::writers.size(), joins_late ? 3U : 4U) << "each once";
+  }
+}
+
+TEST(Session, WhatAnInlineCallbackPublishesOnItsOwnChannelComesAfterItsMessageElsewhere) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  const auto there = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  const auto here = talker->FromAny<Note>(
+      "notes", kSerial,
+      [&](const Note& note) {
+        if (note.text.size() > 1) return;
+        EXPECT_EQ(publish(std::make_unique<Note>(note.text + " answer")), PublishStatus::kOk);
+      },
+      Inline());
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 2, kPatience));
+  EXPECT_EQ(publish(std::make_unique<Note>("1")), PublishStatus::kOk);
+  EXPECT_EQ(publish(std::make_unique<Note>("2")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 4; }));
+  EXPECT_EQ(notes.texts(), (std::vector<std::string>{"1", "1 answer", "2", "2 answer"}));
+}
+
 TEST(Session, WhatIsLatchedReachesALateNodeThoughTheCableWasCutBeforeItCame) {
   Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
   const std::string endpoint = talker->PublisherEndpoints()[0];

@@ -27,7 +27,9 @@ struct SessionOptions {
 
 /// How a channel is published.
 struct PublishOptions {
-  std::size_t latched = 0;  ///< So many of the last messages are kept for late subscribers, here and elsewhere.
+  /// So many of the last messages are kept for late subscribers, here and elsewhere. If the type has a codec of its own
+  /// and the session has endpoints, each is written when it is published, whether somebody listens or not.
+  std::size_t latched = 0;
 };
 
 /// One participant of the hypergraph: a data graph and the bridges that join it to other sessions. Several may live
@@ -51,6 +53,7 @@ class HGROS_EXPORT Session {
   /// Publishes to whoever subscribes: nodes of this process by pointer, other sessions over the cheapest carrier,
   /// encoded once and only if one of them listens. The message must not be changed afterwards by anybody.
   /// On any status but kOk nobody got it and a unique_ptr still owns it.
+  /// Ordering: as Publisher::operator().
   template <class T>
   PublishStatus ToAny(std::string_view channel, std::unique_ptr<T>&& message,
                       const CallSite& where = CallSite::Current()) {

@@ -72,7 +72,7 @@ class OutboundSource {
  public:
   virtual ~OutboundSource() = default;
   /// The latched messages, oldest first, for a subscriber that has just come: it counts in subscriber_count() before
-  /// this is called, and what is committed from then on reaches it after them. Called on a carrier's thread.
+  /// this is called, and what is committed from then on reaches it after them. Called on a carrier's thread; runs no user code.
   virtual std::vector<OutboundMessage> Latched() noexcept = 0;
   /// A lossless subscriber that had no credit has some again, or has gone.
   virtual void OnRoom() noexcept = 0;
