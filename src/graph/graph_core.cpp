@@ -168,7 +168,6 @@ void GraphCore::SayUntakenNames() {
 }
 
 void GraphCore::Shutdown() noexcept {
-  SayUntakenNames();
   Refuse();
   (void)WaitIdle(std::chrono::steady_clock::now() + kPatience);
   // Closed before it is taken out, so that the watch can still name what does not end.

@@ -98,6 +98,7 @@ Session::Core::Core(Config config, SessionOptions options)
 
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
 Session::Core::~Core() {
+  graph_->SayUntakenNames();
   graph_->Refuse();
   {
     const std::unique_lock lock(alive_->mutex);

@@ -46,8 +46,7 @@ struct Inflow {
     return inlet.Accept(std::move(message));
   }
   [[nodiscard]] Subscription Listen(Executor executor = Executor::Inline()) {
-    return graph.FromGraph<T>("lines", Invoke::kSerial,
-                              [this](const T& log) { got.push_back(log.message()); },
+    return graph.FromGraph<T>("lines", Invoke::kSerial, [this](const T& log) { got.push_back(log.message()); },
                               {{}, {}, std::move(executor)});
   }
   void RunErrands() {

@@ -120,8 +120,8 @@ class HGROS_EXPORT DataGraph {
   /// Nodes that came meanwhile get what it has latched; inline ones on this thread.
   void PublisherIsBack(std::uint64_t publisher);
 
-  /// Says once in the log, now or at the latest at the end, which names in GraphOptions::overrides no node has taken:
-  /// with the nearest name that a node has, should it be a slip of the pen.
+  /// Says in the log which names in GraphOptions::overrides no node has taken, each with the nearest name that a node
+  /// has, should it be a slip of the pen. Only the first time.
   void SayUntakenNames();
 
   /// Refuses publishes from now on and cancels waits.

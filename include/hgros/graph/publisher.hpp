@@ -63,7 +63,7 @@ class Publisher {
 
   /// Hands the message to every subscriber. On kFull, kClosed nobody got it and `message` still owns it.
   /// Ordering: what is published one after the other arrives so everywhere. What an inline callback publishes on the
-  /// channel that it is called for is therefore handed over only after everybody has got the message it was called with.
+  /// channel that it is called for is therefore handed over only after everybody has got the message of that call.
   PublishStatus operator()(std::unique_ptr<T>&& message) const {
     return channel_ ? Publish(*channel_, OfferOf<T>(message), reach_) : PublishStatus::kClosed;
   }
