@@ -212,6 +212,14 @@ TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidOnceSomeSecondsAf
   EXPECT_EQ(robot.lines.size(), 1U);
 }
 
+TEST(Session, NodeNamesOfTheConfigurationAreNoMatterWhereNoSessionBegan) {
+  std::vector<std::string> lines;
+  const std::string yaml = std::string(kMisspelled) + "network: {publisher: {ip: \"ipc:///nowhere/at/all\"}}\n";
+  const auto log = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
+  EXPECT_THROW(Session(Config::Parse(yaml), {"robot", log}), Error);
+  EXPECT_EQ(lines, std::vector<std::string>{});
+}
+
 TEST(Session, NodeNamesOfTheConfigurationThatAreTakenNeedNoWord) {
   Robot robot(kMisspelled);
   {
