@@ -3,9 +3,11 @@
 #include <zlib.h>
 
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -76,7 +78,10 @@ const char* ParseFlaser(std::string_view line, double no_return_m, LaserScan2& s
 class CarmenLogReader::Input {
  public:
   explicit Input(const std::string& path) : path_(path), file_(gzopen(path.c_str(), "rb")) {
-    if (file_ == nullptr) throw std::runtime_error("The log " + path + " cannot be opened.");
+    if (file_ == nullptr) {
+      throw std::runtime_error("The log " + path + " cannot be opened: " + std::strerror(errno) +
+                               ". Name a CARMEN log, plain or gzip.");
+    }
     gzbuffer(file_, 1U << 17U);
   }
   ~Input() { gzclose(file_); }

@@ -44,38 +44,55 @@ std::uint8_t Gray(int value, const MapOptions& options) {
   return static_cast<std::uint8_t>(kUnknown - kUnknown * std::min(value, full) / full);
 }
 
+using Rgb = std::array<std::uint8_t, 3>;
+
 class Canvas {
  public:
-  Canvas(const CellBox& box, std::uint32_t channels) : box_(box) {
+  Canvas(const CellBox& box, std::uint32_t channels, int edge_pixels) : box_(box) {
     const auto width = static_cast<std::uint32_t>(box.max_x - box.min_x + 1);
     const auto height = static_cast<std::uint32_t>(box.max_y - box.min_y + 1);
-    if (width > kMaxEdgePixels || height > kMaxEdgePixels) {
+    const std::uint32_t edge = std::max(width, height);
+    if (edge > kMaxEdgePixels) {
       throw std::runtime_error("The map is over 32768 cells wide or high, too large for an image.");
     }
-    image_ = {width, height, channels, {}};
-    image_.bytes.assign(std::size_t{width} * height * channels, kUnknown);
+    scale_ = std::clamp(edge_pixels / static_cast<int>(edge), 1, kMostPixelsPerCell);
+    const auto scale = static_cast<std::uint32_t>(scale_);
+    image_ = {width * scale, height * scale, channels, {}};
+    image_.bytes.assign(std::size_t{image_.width} * image_.height * channels, kUnknown);
   }
 
-  void Set(int x, int y, const std::array<std::uint8_t, 3>& rgb) {
-    const auto row = static_cast<std::size_t>(box_.max_y - y);
-    const std::size_t pixel = row * image_.width + static_cast<std::size_t>(x - box_.min_x);
-    std::copy_n(rgb.begin(), image_.channels,
-                image_.bytes.begin() + static_cast<std::ptrdiff_t>(pixel * image_.channels));
-  }
+  void Cell(int x, int y, const Rgb& rgb) { Square((x - box_.min_x) * scale_, (box_.max_y - y) * scale_, scale_, rgb); }
 
-  void Line(const Point2& from, const Point2& to, const std::array<std::uint8_t, 3>& rgb) {
-    const double steps = std::ceil(std::max({1.0, std::abs(to.x - from.x), std::abs(to.y - from.y)}));
+  // From and to in cells; finer than these, and half as wide.
+  void Line(const Point2& from, const Point2& to, const Rgb& rgb) {
+    const int pen = (scale_ + 1) / 2;
+    const double columns = (to.x - from.x) * scale_;
+    const double rows = (to.y - from.y) * scale_;
+    const double steps = std::ceil(std::max({1.0, std::abs(columns), std::abs(rows)}));
     for (double i = 0.0; i <= steps; i += 1.0) {
       const double part = i / steps;
-      Set(static_cast<int>(std::floor(from.x + part * (to.x - from.x))),
-          static_cast<int>(std::floor(from.y + part * (to.y - from.y))), rgb);
+      const double column = (from.x - box_.min_x) * scale_ + part * columns;
+      const double row = (from.y - box_.min_y) * scale_ + part * rows;
+      Square(static_cast<int>(std::floor(column)) - pen / 2,
+             static_cast<int>(image_.height) - 1 - static_cast<int>(std::floor(row)) - pen / 2, pen, rgb);
     }
   }
 
   MapImage Take() { return std::move(image_); }
 
  private:
+  void Square(int left, int top, int edge, const Rgb& rgb) {
+    for (int row = top; row < top + edge; ++row) {
+      for (int column = left; column < left + edge; ++column) {
+        const std::size_t pixel = static_cast<std::size_t>(row) * image_.width + static_cast<std::size_t>(column);
+        std::copy_n(rgb.begin(), image_.channels,
+                    image_.bytes.begin() + static_cast<std::ptrdiff_t>(pixel * image_.channels));
+      }
+    }
+  }
+
   CellBox box_;
+  int scale_ = 1;  // Pixels a cell.
   MapImage image_;
 };
 
@@ -88,7 +105,7 @@ std::vector<Point2> InCells(const PathOverlay& overlay, double cell_size_m) {
 
 }  // namespace
 
-MapImage RenderMap(const OccupancyMap& map, std::span<const PathOverlay> overlays) {
+MapImage RenderMap(const OccupancyMap& map, std::span<const PathOverlay> overlays, int edge_pixels) {
   CellBox box;
   for (const auto& [index, tile] : map.tiles()) {
     for (std::size_t cell = 0; cell < tile.size(); ++cell) {
@@ -107,12 +124,12 @@ MapImage RenderMap(const OccupancyMap& map, std::span<const PathOverlay> overlay
   box.Add(box.min_x - 1, box.min_y - 1);
   box.Add(box.max_x + 1, box.max_y + 1);
 
-  Canvas canvas(box, overlays.empty() ? 1 : 3);
+  Canvas canvas(box, overlays.empty() ? 1 : 3, edge_pixels);
   for (const auto& [index, tile] : map.tiles()) {
     for (std::size_t cell = 0; cell < tile.size(); ++cell) {
       if (tile[cell] == 0) continue;
       const std::uint8_t gray = Gray(tile[cell], map.options());
-      canvas.Set(index.x * kTileEdgeCells + CellX(cell), index.y * kTileEdgeCells + CellY(cell), {gray, gray, gray});
+      canvas.Cell(index.x * kTileEdgeCells + CellX(cell), index.y * kTileEdgeCells + CellY(cell), {gray, gray, gray});
     }
   }
   for (std::size_t i = 0; i < paths.size(); ++i) {

@@ -1,7 +1,9 @@
 #include "relations_error.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -25,7 +27,10 @@ std::optional<Pose2> Nearest(const PoseByStamp& poses, double stamp, double tole
 
 std::vector<Relation> ReadRelations(const std::filesystem::path& path) {
   std::ifstream file(path);
-  if (!file) throw std::runtime_error("The relations " + path.string() + " cannot be opened.");
+  if (!file) {
+    throw std::runtime_error("The relations " + path.string() + " cannot be opened: " + std::strerror(errno) +
+                             ". Name a file with a relation a line.");
+  }
   std::vector<Relation> relations;
   std::string line;
   for (std::size_t number = 1; std::getline(file, line); ++number) {

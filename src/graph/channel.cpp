@@ -30,6 +30,32 @@ PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept 
   return status;
 }
 
+// Marks this thread as handing over messages that this process published on a channel and whose callbacks it runs
+// itself. What those publish on the same channel waits here for its turn, so that everybody, nodes and other sessions,
+// gets the messages in the order of publishing.
+class Channel::Handover {
+ public:
+  explicit Handover(const Channel& channel) noexcept : channel_(channel), outer_(std::exchange(innermost, this)) {}
+  Handover(const Handover&) = delete;
+  Handover& operator=(const Handover&) = delete;
+  ~Handover() { innermost = outer_; }
+
+  // The one of this thread and `channel`, or null.
+  static Handover* Of(const Channel& channel) noexcept {
+    Handover* one = innermost;
+    while (one != nullptr && &one->channel_ != &channel) one = one->outer_;
+    return one;
+  }
+
+  std::vector<Publication> waiting;
+
+ private:
+  static inline thread_local Handover* innermost = nullptr;
+
+  const Channel& channel_;
+  Handover* const outer_;
+};
+
 PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
   if (offer.message == nullptr) return PublishStatus::kEmpty;
   if (core_.refusing()) return PublishStatus::kClosed;
@@ -41,8 +67,9 @@ PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
 
   const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(offer.message) : 0;
   const bool reserved = local && fanout.lossless;
-  if (reserved && outlet == nullptr && fanout.sole_lossless != nullptr &&
-      latched_.load(std::memory_order_relaxed) == 0) {
+  Handover* const outer = Handover::Of(*this);
+  if (reserved && outer == nullptr && outlet == nullptr && fanout.sole_lossless != nullptr &&
+      (fanout.nodes.size() == 1 || !fanout.has_inline) && latched_.load(std::memory_order_relaxed) == 0) {
     return PublishToSole(fanout, offer, bytes);
   }
   if (reserved && !ReserveAll(fanout, bytes)) return PublishStatus::kFull;
@@ -53,23 +80,37 @@ PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
     }
   }
 
-  AnyMessage message = offer.take(offer.context);
-  MessageInfo info;
+  Publication publication{offer.take(offer.context), {}, &fanout, &fanout, outlet, bytes, reserved, local};
+  MessageInfo& info = publication.info;
   info.id = core_.publisher();
   info.publish_monotonic_ns = MonotonicNow();
-  const Fanout* after = &fanout;
   if (const std::size_t depth = latched_.load(std::memory_order_relaxed); depth > 0 && local) {
-    after = &Store(message, info, depth);
+    publication.after = Store(publication.message, info, depth, UserCode::kAllowed);
   } else {
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   }
+  if (outer != nullptr) {
+    outer->waiting.push_back(std::move(publication));
+  } else if (local && (fanout.has_inline || publication.after->has_inline)) {
+    Handover handover(*this);
+    HandOver(publication, info.publish_monotonic_ns);
+    while (!handover.waiting.empty()) {
+      for (Publication& next : std::exchange(handover.waiting, {})) HandOver(next, MonotonicNow());
+    }
+  } else {
+    HandOver(publication, info.publish_monotonic_ns);
+  }
+  return PublishStatus::kOk;
+}
+
+void Channel::HandOver(Publication& publication, std::int64_t now) noexcept {
+  const auto& [message, info, fanout, after, outlet, bytes, reserved, local] = publication;
   if (local) {
-    const bool last = outlet == nullptr && after == &fanout;
-    Deliver(fanout, message, info, nullptr, {bytes, reserved, last, nullptr});
-    if (after != &fanout) DeliverToNewcomers(fanout, *after, message, info, bytes);
+    const bool last = outlet == nullptr && after == fanout;
+    Deliver(*fanout, publication.message, info, nullptr, {bytes, reserved, last, nullptr, now});
+    if (after != fanout) DeliverToNewcomers(*fanout, *after, publication.message, info, bytes);
   }
   if (outlet != nullptr) outlet->Commit(message);
-  return PublishStatus::kOk;
 }
 
 // With one lossless party there is nothing to take back from others, so room and message are taken in one step.
@@ -83,7 +124,7 @@ PublishStatus Channel::PublishToSole(const Fanout& fanout, const MessageOffer& o
   if (!fanout.sole_lossless->Take({offer, sequence_, bytes, alone}, message, info, now)) {
     return PublishStatus::kFull;
   }
-  if (!alone) Deliver(fanout, message, info, nullptr, {bytes, false, true, fanout.sole_lossless});
+  if (!alone) Deliver(fanout, message, info, nullptr, {bytes, false, true, fanout.sole_lossless, now});
   return PublishStatus::kOk;
 }
 
@@ -106,7 +147,7 @@ void Channel::CancelAll(const Fanout& fanout, std::size_t count, std::size_t byt
 
 void Channel::Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
                       const std::shared_ptr<const void>& credit, const Handing& handing) noexcept {
-  std::int64_t now = info.remote ? MonotonicNow() : info.publish_monotonic_ns;
+  std::int64_t now = handing.now;
   for (const std::shared_ptr<Node>& node : fanout.nodes) {
     if (node.get() == handing.except) continue;
     const bool last = handing.last && &node == &fanout.nodes.back();
@@ -124,15 +165,17 @@ void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyM
   }
 }
 
-const Fanout& Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth) {
+const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, UserCode user_code) {
   LatchedMessages::Messages dropped;  // Let go of after the lock: a message's destructor is the user's code.
   const std::scoped_lock lock(latch_mutex_);
+  const Fanout* fanout = fanout_.load(std::memory_order_seq_cst);
+  if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
   if (!info.remote) {  // Numbered and timed in one order.
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
     info.publish_monotonic_ns = MonotonicNow();
   }
   dropped = latched_messages_.Store(message, info, depth);
-  return *fanout_.load(std::memory_order_seq_cst);
+  return fanout;
 }
 
 void Channel::PublisherIsGone(std::uint64_t publisher) {
@@ -156,16 +199,19 @@ void Channel::PublisherIsBack(std::uint64_t publisher) {
   }
 }
 
-void Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,
-                     std::size_t latched) noexcept {
-  if (core_.refusing()) return;
+bool Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,
+                     std::size_t latched, UserCode user_code) noexcept {
+  if (core_.refusing()) return true;
   const epoch::Guard guard;
-  received_.fetch_add(1, std::memory_order_relaxed);
   MessageInfo info = from;
   info.remote = true;
-  const Fanout& fanout = latched > 0 ? Store(message, info, latched) : *fanout_.load(std::memory_order_seq_cst);
-  const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(message.get()) : 0;
-  Deliver(fanout, message, info, credit, {bytes, false, true, nullptr});
+  const Fanout* fanout =
+      latched > 0 ? Store(message, info, latched, user_code) : fanout_.load(std::memory_order_seq_cst);
+  if (fanout == nullptr || (user_code == UserCode::kRefused && fanout->has_inline)) return false;
+  received_.fetch_add(1, std::memory_order_relaxed);
+  const std::size_t bytes = fanout->count_bytes ? type_.memory_bytes(message.get()) : 0;
+  Deliver(*fanout, message, info, credit, {bytes, false, true, nullptr, MonotonicNow()});
+  return true;
 }
 
 PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,

@@ -10,6 +10,7 @@
 #include "graph/latched_messages.hpp"
 #include "graph/node.hpp"
 #include "graph/node_stats.hpp"
+#include "hgros/graph/data_graph.hpp"
 #include "hgros/graph/outlet.hpp"
 #include "hgros/graph/publisher.hpp"
 
@@ -42,8 +43,8 @@ class Channel {
   PublishStatus Publish(const MessageOffer& offer, Reach reach) noexcept;
   PublishStatus PublishWait(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
                             const std::stop_token& stop);
-  void Inject(AnyMessage message, const MessageInfo& info, std::shared_ptr<const void> credit,
-              std::size_t latched) noexcept;
+  [[nodiscard]] bool Inject(AnyMessage message, const MessageInfo& info, std::shared_ptr<const void> credit,
+                            std::size_t latched, UserCode user_code) noexcept;
 
   void Add(const std::shared_ptr<Node>& node);
   void Remove(const Node& node);
@@ -70,18 +71,33 @@ class Channel {
   PublishStatus Try(const MessageOffer& offer, Reach reach) noexcept;
   PublishStatus WaitForRoom(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
                             const std::stop_token& stop);
+  // A local message that was taken and numbered, on its way to everybody. The pointers hold as long as the epoch guard.
+  struct Publication {
+    AnyMessage message;
+    MessageInfo info;
+    const Fanout* fanout;
+    const Fanout* after;  // The nodes that were wired when it was latched.
+    Outlet* outlet;       // Null: it does not leave the process.
+    std::size_t bytes;
+    bool reserved;
+    bool local;
+  };
+  class Handover;
+  void HandOver(Publication& publication, std::int64_t now) noexcept;
   // Hands the message to the nodes, but not to `except`. `last`: nobody needs the message afterwards.
   struct Handing {
     std::size_t bytes = 0;
     bool reserved = false;
     bool last = false;
     const Node* except = nullptr;
+    std::int64_t now = 0;
   };
   void Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
                const std::shared_ptr<const void>& credit, const Handing& handing) noexcept;
   PublishStatus PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept;
-  // Keeps the message for late nodes; returns the nodes that are wired at this moment.
-  const Fanout& Store(const AnyMessage& message, MessageInfo& info, std::size_t depth);
+  // Keeps the message for late nodes; returns the nodes that are wired at this moment, or null (and keeps nothing) if
+  // one of them is inline and user code is refused.
+  const Fanout* Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, UserCode user_code);
   void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message, const MessageInfo& info,
                           std::size_t bytes) noexcept;
   // Takes room in every lossless node, or in none.

@@ -34,9 +34,9 @@ void DataGraph::SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet) { ch
 
 bool DataGraph::HasOutlet(const Channel& channel) noexcept { return channel.HasOutlet(); }
 
-void DataGraph::Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
-                       std::shared_ptr<const void> credit, std::size_t latched) noexcept {
-  channel.Inject(message, info, std::move(credit), latched);
+bool DataGraph::Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
+                       std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept {
+  return channel.Inject(message, info, std::move(credit), latched, user_code);
 }
 
 bool DataGraph::HasInlineNodes(const Channel& channel) noexcept { return channel.HasInlineNodes(); }
@@ -66,6 +66,8 @@ bool DataGraph::WaitIdle(std::chrono::steady_clock::time_point deadline) const {
 
 void DataGraph::PublisherIsGone(std::uint64_t publisher) { core_->PublisherIsGone(publisher); }
 void DataGraph::PublisherIsBack(std::uint64_t publisher) { core_->PublisherIsBack(publisher); }
+
+void DataGraph::SayUntakenNames() { core_->SayUntakenNames(); }
 
 void DataGraph::Refuse() noexcept { core_->Refuse(); }
 

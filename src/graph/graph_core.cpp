@@ -21,13 +21,14 @@ void RequireSameType(const Channel& channel, const TypeInfo& type, const CallSit
   if (&channel.type() == &type || channel.type().cpp_type == type.cpp_type) return;
   throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + channel.type().name + " (first used so at " +
                          channel.declared_at() + ") and cannot be used with " + type.name + ".",
-                     where.ToString(), "Use one type per channel, or another channel name.");
+                     where.ToString(),
+                     "Use one type for a channel everywhere, or give one of the two another channel name.");
 }
 
 }  // namespace
 
 GraphCore::GraphCore(GraphOptions options, std::shared_ptr<Log> log)
-    : options_(std::move(options)), log_(std::move(log)) {}
+    : options_(std::move(options)), log_(std::move(log)), untaken_names_(options_.overrides) {}
 
 Channel& GraphCore::Open(std::string_view name, const TypeInfo& type, const CallSite& where) {
   Channel* channel = channels_.Find(name);
@@ -63,6 +64,10 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, Invoke invoke, AnyC
   if (const auto entry = options_.overrides.find(setting.name); entry != options_.overrides.end()) {
     if (entry->second.queue) setting.queue = *entry->second.queue;
     if (entry->second.executor) setting.executor = *entry->second.executor;
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    untaken_names_.Take(setting.name);
   }
   setting.graph = this;
   setting.log = log_;
@@ -151,6 +156,15 @@ void GraphCore::NameBusyNodes() const {
                                       node->setting().channel + "\", which has been busy for more than 2 s with " +
                                       std::to_string(node->Snapshot().queued) + " messages still waiting.");
   }
+}
+
+void GraphCore::SayUntakenNames() {
+  std::string sentence;
+  {
+    const std::scoped_lock lock(mutex_);
+    sentence = untaken_names_.Say();
+  }
+  if (!sentence.empty()) log_->Write(LogLevel::kInfo, sentence);
 }
 
 void GraphCore::Shutdown() noexcept {

@@ -11,6 +11,7 @@
 #include "graph/channel_table.hpp"
 #include "graph/hang_watch.hpp"
 #include "graph/tbb_executor.hpp"
+#include "graph/untaken_names.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/graph/data_graph.hpp"
@@ -34,6 +35,8 @@ class GraphCore {
 
   void PublisherIsGone(std::uint64_t publisher);
   void PublisherIsBack(std::uint64_t publisher);
+  // Says once in the log which node names of the configuration nobody has taken.
+  void SayUntakenNames();
   // Takes a closed node over whose callbacks nobody has waited for.
   void Linger(std::shared_ptr<Node> node);
 
@@ -61,6 +64,7 @@ class GraphCore {
   mutable std::mutex mutex_;
   std::set<std::string, std::less<>> closed_before_open_;
   std::vector<std::shared_ptr<Node>> lingering_;
+  UntakenNames untaken_names_;
   std::unique_ptr<HangWatch> hang_watch_;  // Last: its thread reads the others.
 };
 

@@ -12,12 +12,17 @@ namespace {
 constexpr std::size_t kQuickBytes = 64 * 1024;
 // A peer could invent publishers; those heard longest ago are forgotten first.
 constexpr std::size_t kMaxPublishers = 4096;
+constexpr int kMessagesPerErrand = 16;
 
 }  // namespace
 
 ChannelInlet::ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log,
-                           std::function<void()> on_publishers)
-    : channel_(channel), type_(type), log_(std::move(log)), on_publishers_(std::move(on_publishers)) {}
+                           std::function<void()> on_publishers, std::function<void(Errand)> run_apart)
+    : channel_(channel),
+      type_(type),
+      log_(std::move(log)),
+      on_publishers_(std::move(on_publishers)),
+      run_apart_(std::move(run_apart)) {}
 
 void ChannelInlet::Join(Transport& transport, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);
@@ -33,12 +38,14 @@ void ChannelInlet::Detach() {
     carrier = std::move(carrier_);
   }
   carrier.reset();
-  // Nobody is inside any more. A Run() that was asked for may not have been made.
+  // No thread of the carrier is inside any more, and a Run() that was asked for may not have been made; an errand is.
   std::deque<InboundMessage> left;  // Let go of after the lock, for the credits.
+  std::optional<Decoded> undelivered;
   {
     const std::scoped_lock lock(waiting_mutex_);
     left.swap(waiting_);
-    running_ = false;
+    undelivered.swap(handed_over_);
+    if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
   }
   publishers_.store(0, std::memory_order_release);
   // What is published while nobody here wants it is not lost.
@@ -52,30 +59,68 @@ void ChannelInlet::SetDemand(const Demand& demand) {
   if (carrier_) carrier_->SetDemand(demand);
 }
 
+bool ChannelInlet::IsQuick(const InboundMessage& message) const noexcept {
+  return message.data.bytes.size() <= kQuickBytes && !type_.users_codec;
+}
+
 Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
-  // A custom codec is the user's code, as are inline nodes.
-  const bool quick = message.data.bytes.size() <= kQuickBytes && type_.encoding != Encoding::kCustom &&
-                     !DataGraph::HasInlineNodes(channel_);
+  const bool quick = IsQuick(message) && !DataGraph::HasInlineNodes(channel_);
   const std::scoped_lock lock(waiting_mutex_);
   waiting_.push_back(std::move(message));
-  if (std::exchange(running_, true)) return Accepted::kNothing;
+  if (runner_ != Runner::kNobody) return Accepted::kNothing;
+  runner_ = quick ? Runner::kCarrier : Runner::kCarrierApart;
   return quick ? Accepted::kRunHere : Accepted::kRunApart;
 }
 
-void ChannelInlet::Run() noexcept {
-  for (;;) {
-    InboundMessage message;
-    {
-      const std::scoped_lock lock(waiting_mutex_);
-      if (waiting_.empty()) {
-        running_ = false;
-        return;
-      }
-      message = std::move(waiting_.front());
-      waiting_.pop_front();
-    }
-    Deliver(std::move(message));
+ChannelInlet::Taken ChannelInlet::Take(InboundMessage& message, UserCode user_code) {
+  const std::scoped_lock lock(waiting_mutex_);
+  if (waiting_.empty()) {
+    runner_ = Runner::kNobody;
+    return Taken::kNone;
   }
+  if (user_code == UserCode::kRefused && !IsQuick(waiting_.front())) return Taken::kNotQuick;
+  message = std::move(waiting_.front());
+  waiting_.pop_front();
+  return Taken::kMessage;
+}
+
+void ChannelInlet::Run() noexcept {
+  UserCode user_code = UserCode::kAllowed;
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    if (runner_ == Runner::kCarrier) user_code = UserCode::kRefused;
+  }
+  std::optional<Decoded> undelivered;
+  while (!undelivered) {
+    InboundMessage message;
+    const Taken taken = Take(message, user_code);
+    if (taken == Taken::kNone) return;
+    if (taken == Taken::kNotQuick) break;
+    std::optional<Decoded> decoded = Decode(std::move(message));
+    if (decoded && !Inject(*decoded, user_code)) undelivered = std::move(decoded);
+  }
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    runner_ = Runner::kErrand;
+    handed_over_ = std::move(undelivered);
+  }
+  run_apart_([this] { RunErrand(); });
+}
+
+// A few at a time, so that other errands have their turn.
+void ChannelInlet::RunErrand() noexcept {
+  std::optional<Decoded> first;
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    first = std::exchange(handed_over_, std::nullopt);
+  }
+  if (first) (void)Inject(*first, UserCode::kAllowed);
+  for (int i = 0; i < kMessagesPerErrand; ++i) {
+    InboundMessage message;
+    if (Take(message, UserCode::kAllowed) == Taken::kNone) return;
+    if (const auto decoded = Decode(std::move(message))) (void)Inject(*decoded, UserCode::kAllowed);
+  }
+  run_apart_([this] { RunErrand(); });
 }
 
 bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
@@ -111,26 +156,33 @@ bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
   return true;
 }
 
-void ChannelInlet::Deliver(InboundMessage&& message) noexcept {
+std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message) noexcept {
   const PacketHead& head = message.head;
   if (!head.type_name.empty() && head.type_name != type_.name) {
-    OnFault(PacketFault::kType, "it carries " + head.type_name + ", not " + type_.name);
-    return;
+    OnFault(PacketFault::kType,
+            "it carries " + head.type_name + ", but the channel is used with " + type_.name +
+                " here; build both programs with one type, or give one of them another channel name");
+    return std::nullopt;
   }
   std::uint64_t lost = 0;
-  if (!CountIn(message, lost)) return;
+  if (!CountIn(message, lost)) return std::nullopt;
   if (lost > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost);
-  const AnyMessage decoded = type_.decode(message.data);
-  if (decoded == nullptr) {
+  Decoded decoded;
+  decoded.message = type_.decode(message.data);
+  if (decoded.message == nullptr) {
     OnFault(PacketFault::kData, "its data does not parse as " + type_.name);
-    return;
+    return std::nullopt;
   }
-  message.data = {};
-  MessageInfo info;
-  info.id = head.id;
-  info.publish_monotonic_ns = MonotonicNow();
-  info.publish_time_ns = head.publish_time_ns;
-  DataGraph::Inject(channel_, decoded, info, std::move(message.credit), head.latched);
+  decoded.info.id = head.id;
+  decoded.info.publish_monotonic_ns = MonotonicNow();
+  decoded.info.publish_time_ns = head.publish_time_ns;
+  decoded.credit = std::move(message.credit);
+  decoded.latched = head.latched;
+  return decoded;
+}
+
+bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
+  return DataGraph::Inject(channel_, decoded.message, decoded.info, decoded.credit, decoded.latched, user_code);
 }
 
 // Keep-last subscribers expect it and find it counted; a lossless one was away for too long.

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,11 +23,17 @@ namespace hgros {
 // which each publisher sent it. Exists while the session has subscriptions to the channel.
 //
 // Thread safety: Accept() and Run() as InboundSink says; the rest from any thread.
-// Invariants: at most one thread is in Run(); running_ is set from the Accept() that asked for it until the waiting
-// messages are used up. What one publisher sends is counted by its sequence: gaps are losses, repeats are dropped.
+// Invariants: at most one thread delivers; runner_ names it from the Accept() that asked for it until the waiting
+// messages are used up. A carrier's thread runs no user code: what turns out to need some, such as a node that has come
+// since Accept(), goes with all that follows to a thread of the session. What one publisher sends is counted by its
+// sequence: gaps are losses, repeats are dropped.
 class ChannelInlet final : public InboundSink {
  public:
-  ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log, std::function<void()> on_publishers);
+  using Errand = std::function<void()>;
+
+  // `run_apart` has its errand run, later, on a thread that owns no socket and that the channel outlives.
+  ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log, std::function<void()> on_publishers,
+               std::function<void(Errand)> run_apart);
 
   void Join(Transport& transport, const Demand& demand);
   void Detach();
@@ -49,7 +56,28 @@ class ChannelInlet final : public InboundSink {
     PublisherTraffic traffic;
   };
 
-  void Deliver(InboundMessage&& message) noexcept;
+  enum class Runner {
+    kNobody,
+    kCarrier,       // The carrier's own thread, without user code.
+    kCarrierApart,  // A thread of the carrier without sockets.
+    kErrand,        // The session's thread, to which a kCarrier has handed over.
+  };
+  struct Decoded {
+    AnyMessage message;
+    MessageInfo info;
+    std::shared_ptr<const void> credit;
+    std::size_t latched = 0;
+  };
+
+  // Small, and decoded without user code.
+  [[nodiscard]] bool IsQuick(const InboundMessage& message) const noexcept;
+  enum class Taken { kMessage, kNone, kNotQuick };
+  // The next message. If there is none, nobody runs any more.
+  Taken Take(InboundMessage& message, UserCode user_code);
+  // Counts and decodes; nothing if the message is not to be delivered.
+  [[nodiscard]] std::optional<Decoded> Decode(InboundMessage&& message) noexcept;
+  [[nodiscard]] bool Inject(const Decoded& decoded, UserCode user_code) noexcept;
+  void RunErrand() noexcept;
   void SayLost(std::uint64_t count);
   // False for a repeat. `lost` is set to how many before it did not arrive.
   [[nodiscard]] bool CountIn(const InboundMessage& message, std::uint64_t& lost);
@@ -58,6 +86,7 @@ class ChannelInlet final : public InboundSink {
   const TypeInfo& type_;
   const std::shared_ptr<Log> log_;
   const std::function<void()> on_publishers_;
+  const std::function<void(Errand)> run_apart_;
 
   std::mutex carrier_mutex_;
   std::unique_ptr<InboundChannel> carrier_;
@@ -66,7 +95,8 @@ class ChannelInlet final : public InboundSink {
 
   std::mutex waiting_mutex_;
   std::deque<InboundMessage> waiting_;
-  bool running_ = false;
+  Runner runner_ = Runner::kNobody;
+  std::optional<Decoded> handed_over_;  // Comes before those that wait.
 
   mutable std::mutex counts_mutex_;
   // By the session that sent it (0: none) and the publisher that it names, so that nobody can speak for another.

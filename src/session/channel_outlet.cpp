@@ -15,6 +15,13 @@ ChannelOutlet::ChannelOutlet(std::string channel, const TypeInfo& type, MessageI
       events_(std::move(events)) {}
 
 void ChannelOutlet::Join(Transport& transport) {
+  {
+    const std::scoped_lock lock(order_mutex_, latch_mutex_);
+    joined_ = true;
+    if (type_.users_codec) {
+      for (Kept& one : kept_) one.data = Encode(one.message);
+    }
+  }
   std::unique_ptr<OutboundChannel> carrier = transport.Advertise(channel_, type_, *this);
   const std::scoped_lock lock(order_mutex_);
   carrier_ = std::move(carrier);
@@ -72,8 +79,8 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
     return;
   }
   // Outside the lock: encoding a large message takes as long as sending it.
-  Payload data;
-  if (listened) data = Encode(message);
+  std::optional<Payload> data;
+  if (listened || WritesWhenLatched()) data = Encode(message);
   PacketHead head;
   head.channel = channel_;
   head.type_name = type_.name;
@@ -86,26 +93,32 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
 
   std::deque<Kept> dropped;  // Let go of after the locks: a message's destructor is the user's code.
   const std::scoped_lock lock(order_mutex_);
+  bool counted = listened;
   if (depth > 0) {
     head.id.sequence = ++sequence_;
-    Keep(message, head, depth, dropped);
+    if (!data && WritesWhenLatched()) data = Encode(message);  // It has joined meanwhile.
+    Keep({message, head, WritesWhenLatched() ? data : std::nullopt}, depth, dropped);
     // A subscriber counts before it asks for what is latched: either it found this message there, or it counts now.
-    if (!listened && carrier_ && carrier_->subscriber_count() > 0) data = Encode(message);
-  } else if (data.owner != nullptr) {
+    counted = listened || (carrier_ && carrier_->subscriber_count() > 0);
+    if (counted && !data) data = Encode(message);
+  } else if (data->owner != nullptr) {
     head.id.sequence = ++sequence_;
   }
   if (!carrier_) return;
-  if (data.owner != nullptr) {
-    carrier_->Commit(head, data);
+  if (counted && data->owner != nullptr) {
+    carrier_->Commit(head, *data);
   } else {
     carrier_->Cancel();
   }
 }
 
-void ChannelOutlet::Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth,
-                         std::deque<Kept>& dropped) {
+bool ChannelOutlet::WritesWhenLatched() const noexcept {
+  return type_.users_codec && joined_.load(std::memory_order_relaxed);
+}
+
+void ChannelOutlet::Keep(Kept&& message, std::size_t depth, std::deque<Kept>& dropped) {
   const std::scoped_lock latch(latch_mutex_);
-  kept_.push_back({message, head});
+  kept_.push_back(std::move(message));
   while (kept_.size() > depth) {
     dropped.push_back(std::move(kept_.front()));
     kept_.pop_front();
@@ -119,8 +132,9 @@ std::vector<OutboundMessage> ChannelOutlet::Latched() noexcept {
     kept = kept_;
   }
   std::vector<OutboundMessage> messages;
-  for (const Kept& one : kept) {
-    if (Payload data = Encode(one.message); data.owner != nullptr) messages.push_back({one.head, std::move(data)});
+  for (Kept& one : kept) {
+    if (!one.data) one.data = Encode(one.message);
+    if (one.data->owner != nullptr) messages.push_back({one.head, std::move(*one.data)});
   }
   return messages;
 }

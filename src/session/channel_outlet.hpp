@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct OutletEvents {
 // Thread safety: all functions from any thread.
 // Invariants: order_mutex_ guards the carrier and makes the order of sequence numbers the order in which it gets the
 // messages. The carrier may ask for the latched messages while it holds locks that its Commit() takes as well, so
-// Latched() takes latch_mutex_ alone and the carrier is never called under that.
+// Latched() takes latch_mutex_ alone and the carrier is never called under that. It asks on a thread of its own, where
+// no code of the user's may run: from Join() on, what such a codec writes is written when it is latched.
 class ChannelOutlet final : public Outlet, public OutboundSource {
  public:
   ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
@@ -55,10 +57,13 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   struct Kept {
     AnyMessage message;
     PacketHead head;
+    std::optional<Payload> data;  // Written already; without owner: it cannot be.
   };
 
+  // The carrier may ask for it on its thread, where the user's codec must not run.
+  [[nodiscard]] bool WritesWhenLatched() const noexcept;
   [[nodiscard]] Payload Encode(const AnyMessage& message) noexcept;
-  void Keep(const AnyMessage& message, const PacketHead& head, std::size_t depth, std::deque<Kept>& dropped);
+  void Keep(Kept&& message, std::size_t depth, std::deque<Kept>& dropped);
 
   const std::string channel_;
   const TypeInfo& type_;
@@ -70,6 +75,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   std::atomic<bool> heard_{false};  // There has been a subscriber: what a cut keeps from it is numbered, so it counts.
   mutable std::atomic<bool> published_{false};
   std::atomic<std::size_t> latched_{0};
+  std::atomic<bool> joined_{false};  // A carrier may ask for what is latched. Set under order_mutex_.
   std::atomic<std::uint64_t> not_encodable_{0};
 
   mutable std::mutex order_mutex_;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -11,7 +13,8 @@ namespace hgros {
 // A thread for what neither a carrier's thread nor a callback may do itself because it can run user code or wait for
 // it: runs errands one after the other.
 //
-// Thread safety: Post() from any thread. The destructor runs what is waiting and joins.
+// Thread safety: Post() and PostIn() from any thread. The destructor runs what is waiting, but not what is not due yet,
+// and joins.
 class ErrandThread {
  public:
   ErrandThread();
@@ -20,13 +23,18 @@ class ErrandThread {
   ~ErrandThread();
 
   void Post(std::function<void()> errand);
+  // Runs it when `delay` has passed.
+  void PostIn(std::chrono::nanoseconds delay, std::function<void()> errand);
 
  private:
   void Loop(const std::stop_token& stop);
+  // Waits for the next errand; false if the thread is to end. The lock is held.
+  [[nodiscard]] bool WaitForErrand(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<std::function<void()>> errands_;
+  std::multimap<std::chrono::steady_clock::time_point, std::function<void()>> later_;
   std::jthread thread_;
 };
 

@@ -12,6 +12,8 @@ namespace hgros {
 namespace {
 
 constexpr int kLingerMs = 500;
+// A node that nobody has made so long after the session is perhaps a slip of the pen in the configuration.
+constexpr auto kTimeForNodes = std::chrono::seconds(5);
 
 std::string ProgramName() {
   std::ifstream file("/proc/self/comm");
@@ -87,11 +89,16 @@ Session::Core::Core(Config config, SessionOptions options)
   graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
   events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
+  if (!config_.nodes.empty()) {
+    errands_.emplace();
+    errands_->PostIn(kTimeForNodes, [this] { graph_->SayUntakenNames(); });
+  }
   if (!config_.publishers.empty() || !config_.subscribers.empty()) Carrier();
 }
 
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
 Session::Core::~Core() {
+  graph_->SayUntakenNames();
   graph_->Refuse();
   {
     const std::unique_lock lock(alive_->mutex);
@@ -236,8 +243,9 @@ Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCal
     Inflow& inflow = inflows_[name];
     const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
     if (!inflow.inlet) {
-      inflow.inlet =
-          std::make_shared<ChannelInlet>(channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); });
+      inflow.inlet = std::make_shared<ChannelInlet>(
+          channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); },
+          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); });
     }
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
     subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
@@ -441,10 +449,13 @@ void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) no
   PublishEvent({PeerEvent::Kind::kGone, peer, {}, std::string(reason)});
 }
 
+// `what` names the channel and both types.
 void Session::Core::OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept {
-  log_->Write(LogLevel::kError, "Channel \"" + std::string(channel) + "\" does not fit session " + peer.id.ToString() +
-                                    " (" + peer.process + "): " + std::string(what));
-  PublishEvent({PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), std::string(what)});
+  std::string sentence = "Nothing passes between this session and " + peer.id.ToString() + " (" + peer.process +
+                         ") on a channel that they use with different types, " + std::string(what) +
+                         ". Build both programs with one type, or give one of them another channel name.";
+  log_->Write(LogLevel::kError, sentence);
+  PublishEvent({PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), std::move(sentence)});
 }
 
 }  // namespace hgros

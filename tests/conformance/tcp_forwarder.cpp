@@ -1,25 +1,12 @@
 #include "conformance/tcp_forwarder.hpp"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <stdexcept>
 
 namespace hgros::conformance {
 namespace {
-
-sockaddr_in Local(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
 
 // False when the connection has ended.
 bool Pump(int from, int to) {
@@ -36,15 +23,8 @@ bool Pump(int from, int to) {
 
 }  // namespace
 
-TcpForwarder::TcpForwarder(std::uint16_t target_port) : target_port_(target_port) {
-  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  auto address = Local(0);
-  socklen_t size = sizeof address;
-  if (bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 || listen(listener_, 16) != 0 ||
-      getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0 || pipe2(wake_, O_CLOEXEC) != 0) {
-    throw std::runtime_error("no forwarder");
-  }
-  port_ = ntohs(address.sin_port);
+TcpForwarder::TcpForwarder(std::uint16_t target_port) : relay_(target_port) {
+  if (pipe2(wake_, O_CLOEXEC) != 0) throw std::runtime_error("no forwarder");
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -55,11 +35,7 @@ TcpForwarder::~TcpForwarder() {
   }
   [[maybe_unused]] const auto written = write(wake_[1], "", 1);
   thread_.join();
-  for (const auto& pair : pairs_) {
-    close(pair.client);
-    close(pair.server);
-  }
-  close(listener_);
+  for (const auto& pair : pairs_) pair.Close();
   close(wake_[0]);
   close(wake_[1]);
 }
@@ -84,10 +60,7 @@ void TcpForwarder::Run() {
       state = wanted_;
     }
     if (state == State::kCut) {
-      for (const auto& pair : pairs_) {
-        close(pair.client);
-        close(pair.server);
-      }
+      for (const auto& pair : pairs_) pair.Close();
       pairs_.clear();
     }
     {
@@ -97,7 +70,7 @@ void TcpForwarder::Run() {
     changed_.notify_all();
 
     std::vector<pollfd> fds{{wake_[0], POLLIN, 0},
-                            {listener_, static_cast<short>(state == State::kStalled ? 0 : POLLIN), 0}};
+                            {relay_.listener(), static_cast<short>(state == State::kStalled ? 0 : POLLIN), 0}};
     if (state == State::kOpen) {
       for (const auto& pair : pairs_) {
         fds.push_back({pair.client, POLLIN, 0});
@@ -111,31 +84,22 @@ void TcpForwarder::Run() {
       continue;
     }
     if (fds[1].revents != 0) {
-      const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-      const int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-      const auto address = Local(target_port_);
-      const int one = 1;
-      setsockopt(server, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
-      setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
-      if (state == State::kCut || client < 0 ||
-          connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-        close(client);
-        close(server);
-      } else {
-        pairs_.push_back({client, server});
+      if (state == State::kCut) {
+        relay_.Refuse();
+      } else if (const auto pair = relay_.Accept()) {
+        pairs_.push_back(*pair);
       }
       continue;
     }
-    std::vector<Pair> kept;
+    std::vector<test::RelayPort::Pair> kept;
     for (std::size_t i = 0; i < pairs_.size() && 2 * i + 3 < fds.size(); ++i) {
-      const Pair pair = pairs_[i];
+      const test::RelayPort::Pair pair = pairs_[i];
       const bool alive = (fds[2 + 2 * i].revents == 0 || Pump(pair.client, pair.server)) &&
                          (fds[3 + 2 * i].revents == 0 || Pump(pair.server, pair.client));
       if (alive) {
         kept.push_back(pair);
       } else {
-        close(pair.client);
-        close(pair.server);
+        pair.Close();
       }
     }
     pairs_ = std::move(kept);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "conformance/transport_conformance.hpp"
+#include "support/relay_port.hpp"
 
 namespace hgros::conformance {
 
@@ -16,30 +17,24 @@ class TcpForwarder : public Cable {
  public:
   explicit TcpForwarder(std::uint16_t target_port);
   ~TcpForwarder() override;
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::uint16_t port() const { return relay_.port(); }
   void Stall() override;
   void Resume() override;
   void Cut() override;
 
  private:
-  struct Pair {
-    int client = -1;
-    int server = -1;
-  };
   enum class State { kOpen, kStalled, kCut };
   void Run();
   void Set(State state);
 
-  const std::uint16_t target_port_;
-  std::uint16_t port_ = 0;
-  int listener_ = -1;
+  const test::RelayPort relay_;
   int wake_[2] = {-1, -1};
   std::mutex mutex_;
   std::condition_variable changed_;
   State wanted_ = State::kOpen;
   State reached_ = State::kOpen;
   bool stop_ = false;
-  std::vector<Pair> pairs_;  // The thread's.
+  std::vector<test::RelayPort::Pair> pairs_;  // The thread's.
   std::thread thread_;
 };
 

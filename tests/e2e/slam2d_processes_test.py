@@ -106,6 +106,18 @@ class Slam2dProcesses(unittest.TestCase):
         self.assertEqual({name: self.hashes(process) for name, process in processes.items()},
                          dict.fromkeys(processes, expected))
 
+    def test_what_a_command_line_cannot_mean_is_a_sentence_with_the_mend(self):
+        for arguments, sentence in (
+                (["--log", "missing.log"], "The log missing.log cannot be opened: No such file or directory. Name a "),
+                (["--log"], "--log needs a value after it."),
+                (["--log", "--quiet"], "--log needs a value, but the option --quiet follows."),
+                (["--scans", "none"], "--scans must be a whole number from 1 to 999999999, but is \"none\"."),
+                (["--scans", "1", "--scans", "2"], "--scans may be given only once."),
+                (["--scan", "5"], "There is no option --scan. Did you mean --scans?"),
+                (["5"], "\"5\" follows no option.")):
+            code, _, err = self.end(self.start(*arguments))
+            self.assertEqual((code, err.startswith(f"slam2d: {sentence}")), (2, True), err)
+
     def test_one_process_comes_to_the_reference(self):
         self.assertEqual(self.hashes(self.start("--json", "--scans", SCANS)), self.reference(SCANS))
         self.assertTrue((self.folder / "slam2d_out/map.png").read_bytes().startswith(b"\x89PNG"))
@@ -150,6 +162,7 @@ class Slam2dProcesses(unittest.TestCase):
         os.close(ours)
         self.assertEqual(code, 130)
         self.assertIn(b"so_far/map.png", out)
+        self.assertIn(b"so_far/odometry.png", out)
         self.assertTrue((self.folder / "so_far/map.png").exists())
 
     def test_a_process_that_dies_ends_the_others(self):

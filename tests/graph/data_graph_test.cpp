@@ -186,7 +186,7 @@ TEST(DataGraph, AnotherTypeOnAChannelIsAnErrorThatNamesBothAndThePlace) {
     FAIL() << "no error";
   } catch (const TypeMismatch& error) {
     const std::string text = error.what();
-    for (const char* part : {"scan", "int", "double", "data_graph_test.cpp"}) {
+    for (const char* part : {"scan", "int", "double", "data_graph_test.cpp", "another channel name."}) {
       EXPECT_NE(text.find(part), std::string::npos) << text;
     }
   }

@@ -1,25 +1,18 @@
 #include "resilience/delay_line.hpp"
 
 #include <fcntl.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <stdexcept>
 #include <vector>
-
-#include "resilience/places.hpp"
 
 namespace hgros::resilience {
 
 DelayLine::DelayLine(std::uint16_t target_port, std::chrono::milliseconds each_way)
-    : target_port_(target_port), each_way_(each_way), listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-  sockaddr_in address = LoopbackAddress(0);
-  socklen_t size = sizeof address;
-  if (bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 || listen(listener_, 16) != 0 ||
-      getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0 || pipe2(stop_, O_CLOEXEC) != 0) {
-    throw std::runtime_error("no delay line");
-  }
-  port_ = ntohs(address.sin_port);
+    : relay_(target_port), each_way_(each_way) {
+  if (pipe2(stop_, O_CLOEXEC) != 0) throw std::runtime_error("no delay line");
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -28,7 +21,6 @@ DelayLine::~DelayLine() {
   thread_.join();
   for (const Connection& connection : connections_) Close(connection);
   close(stop_[0]);
-  close(listener_);
 }
 
 void DelayLine::Close(const Connection& connection) {
@@ -37,21 +29,13 @@ void DelayLine::Close(const Connection& connection) {
 }
 
 void DelayLine::Accept() {
-  const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-  const int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const sockaddr_in address = LoopbackAddress(target_port_);
-  const int one = 1;
-  setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
-  setsockopt(server, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
-  if (client < 0 || connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      fcntl(server, F_SETFL, O_NONBLOCK) != 0) {
-    close(client);
-    close(server);
-    return;
-  }
+  const auto pair = relay_.Accept();
+  if (!pair) return;
+  fcntl(pair->client, F_SETFL, O_NONBLOCK);
+  fcntl(pair->server, F_SETFL, O_NONBLOCK);
   Connection& connection = connections_.emplace_back();
-  connection.lanes[0] = {client, server, {}};
-  connection.lanes[1] = {server, client, {}};
+  connection.lanes[0] = {pair->client, pair->server, {}};
+  connection.lanes[1] = {pair->server, pair->client, {}};
 }
 
 void DelayLine::Read(Connection& connection, Lane& lane) {
@@ -80,7 +64,7 @@ void DelayLine::Write(Connection& connection, Lane& lane, Time now) {
 
 void DelayLine::Run() {
   for (;;) {
-    std::vector<pollfd> fds{{stop_[0], POLLIN, 0}, {listener_, POLLIN, 0}};
+    std::vector<pollfd> fds{{stop_[0], POLLIN, 0}, {relay_.listener(), POLLIN, 0}};
     const Time now = std::chrono::steady_clock::now();
     Time wake = now + std::chrono::hours(1);
     for (Connection& connection : connections_) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <thread>
 
+#include "support/relay_port.hpp"
+
 namespace hgros::resilience {
 
 /// Passes TCP connections on to another port of this host; each byte comes out `each_way` after it went in.
@@ -16,7 +18,7 @@ class DelayLine {
   DelayLine(const DelayLine&) = delete;
   DelayLine& operator=(const DelayLine&) = delete;
   ~DelayLine();
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::uint16_t port() const { return relay_.port(); }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
@@ -41,10 +43,8 @@ class DelayLine {
   static void Write(Connection& connection, Lane& lane, Time now);
   static void Close(const Connection& connection);
 
-  const std::uint16_t target_port_;
+  const test::RelayPort relay_;
   const std::chrono::milliseconds each_way_;
-  std::uint16_t port_ = 0;
-  int listener_ = -1;
   int stop_[2] = {-1, -1};
   std::list<Connection> connections_;  // The thread's.
   std::thread thread_;

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+
+#include "support/relay_port.hpp"
 
 namespace hgros::resilience {
 
@@ -30,13 +27,7 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-inline sockaddr_in LoopbackAddress(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
+using test::LoopbackAddress;
 
 /// A port of the loopback that nobody uses now. Below those that the system gives to outgoing connections: one that
 /// tries again and again to reach such a port would sooner or later get it as its own, and talk to itself.

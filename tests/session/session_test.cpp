@@ -188,6 +188,48 @@ TEST(Session, AChannelThatNoListLetsPassIsSaidOnceWithTheNameThatWasMeant) {
   EXPECT_FALSE(listener.Said("\"wheel\" is subscribed to"));
 }
 
+constexpr const char* kMisspelled = "data_graph: {nodes: {planner: {queue: latest}, localisation: {queue: latest}}}\n";
+
+TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidAtTheEndWithTheNameThatWasMeant) {
+  Robot robot(kMisspelled);
+  {
+    const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
+    const auto localizer = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "localization"});
+  }
+  EXPECT_FALSE(robot.Said("data_graph: nodes"));
+  robot.session.reset();
+  EXPECT_TRUE(
+      robot.Said("names that no node of this process has taken so far: \"localisation\" (did you mean "
+                 "\"localization\"?)."));
+  EXPECT_EQ(robot.lines.size(), 1U);
+}
+
+TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidOnceSomeSecondsAfterTheStart) {
+  Robot robot(kMisspelled);
+  const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
+  EXPECT_TRUE(Await([&] { return robot.Said("has taken so far: \"localisation\"."); }));
+  robot.session.reset();
+  EXPECT_EQ(robot.lines.size(), 1U);
+}
+
+TEST(Session, NodeNamesOfTheConfigurationAreNoMatterWhereNoSessionBegan) {
+  std::vector<std::string> lines;
+  const std::string yaml = std::string(kMisspelled) + "network: {publisher: {ip: \"ipc:///nowhere/at/all\"}}\n";
+  const auto log = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
+  EXPECT_THROW(Session(Config::Parse(yaml), {"robot", log}), Error);
+  EXPECT_EQ(lines, std::vector<std::string>{});
+}
+
+TEST(Session, NodeNamesOfTheConfigurationThatAreTakenNeedNoWord) {
+  Robot robot(kMisspelled);
+  {
+    const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
+    const auto localizer = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "localisation"});
+  }
+  robot.session.reset();
+  EXPECT_TRUE(robot.lines.empty());
+}
+
 TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
@@ -204,6 +246,62 @@ TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
   ASSERT_TRUE(Await([&] { return first.size() == 3 && second.size() == 3; }));
   EXPECT_EQ(first.texts(), Numbered(3, 6));
   EXPECT_EQ(second.texts(), Numbered(3, 6));
+}
+
+/// A message whose own code remembers which threads have written it.
+struct Traced {
+  bool SerializeToString(std::string* out) const {
+    const std::scoped_lock lock(mutex);
+    writers.push_back(std::this_thread::get_id());
+    *out = "traced";
+    return true;
+  }
+  bool ParseFromString(const std::string& in) { return in == "traced"; }
+
+  inline static std::mutex mutex;
+  inline static std::vector<std::thread::id> writers;
+};
+
+TEST(Session, ALatchedMessageWithCodeOfItsOwnIsWrittenOnTheThreadThatPublishesIt) {
+  const Bus bus;
+  const EndpointConfig endpoint{bus.Endpoint("late"), {}, true};
+  for (const bool joins_late : {false, true}) {
+    Traced::writers.clear();
+    Robot talker(joins_late ? "" : bus.Publishing("a"));
+    const auto publish = talker->Advertise<Traced>("map", {.latched = 2});
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(publish(std::make_unique<Traced>()), PublishStatus::kOk);
+    EXPECT_EQ(Traced::writers.size(), joins_late ? 0U : 3U) << "nothing is written where nobody can ask for it";
+    if (joins_late) talker->AddPublisherEndpoint(endpoint);
+    Robot listener(bus.Subscribing(joins_late ? "late" : "a"));
+    std::atomic<int> heard{0};
+    const auto subscription = listener->FromAny<Traced>("map", kSerial, [&](const Traced&) { ++heard; });
+    ASSERT_TRUE(Await([&] { return heard == 2; }));
+    EXPECT_EQ(publish(std::make_unique<Traced>()), PublishStatus::kOk);
+    ASSERT_TRUE(Await([&] { return heard == 3; }));
+    for (const std::thread::id writer : Traced::writers) EXPECT_EQ(writer, std::this_thread::get_id());
+    EXPECT_EQ(Traced::writers.size(), joins_late ? 3U : 4U) << "each once";
+  }
+}
+
+TEST(Session, WhatAnInlineCallbackPublishesOnItsOwnChannelComesAfterItsMessageElsewhere) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  const auto there = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  const auto here = talker->FromAny<Note>(
+      "notes", kSerial,
+      [&](const Note& note) {
+        if (note.text.size() > 1) return;
+        EXPECT_EQ(publish(std::make_unique<Note>(note.text + " answer")), PublishStatus::kOk);
+      },
+      Inline());
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 2, kPatience));
+  EXPECT_EQ(publish(std::make_unique<Note>("1")), PublishStatus::kOk);
+  EXPECT_EQ(publish(std::make_unique<Note>("2")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 4; }));
+  EXPECT_EQ(notes.texts(), (std::vector<std::string>{"1", "1 answer", "2", "2 answer"}));
 }
 
 TEST(Session, WhatIsLatchedReachesALateNodeThoughTheCableWasCutBeforeItCame) {
@@ -300,7 +398,10 @@ TEST(Session, TypesThatDoNotFitAreSaidOnBothSides) {
   (void)talker->Advertise<foxglove::Vector3>("pose");
   const auto subscription = listener->FromAny<foxglove::Log>("pose", kSerial, [](const foxglove::Log&) {});
   for (Robot* robot : {&talker, &listener}) {
-    EXPECT_TRUE(Await([&] { return robot->Said("foxglove.Vector3") && robot->Said("foxglove.Log"); }));
+    ASSERT_TRUE(Await([&] { return robot->Said("foxglove.Vector3"); }));
+    EXPECT_TRUE(robot->Said("different types, channel pose: here foxglove."));
+    EXPECT_TRUE(robot->Said(". Build both programs with one type, or give one of them another channel name."));
+    EXPECT_FALSE(robot->Said("\"pose\"")) << "the channel is named once";
   }
   EXPECT_TRUE(Await([&] { return events == 1; }));
 }

@@ -1,26 +1,63 @@
 #include "options.hpp"
 
+#include <algorithm>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
+#include <hgros/base/names.hpp>
 
 #include "ending.hpp"
 
 namespace slam2d {
 namespace {
 
+// CLI11 takes whatever follows for the value.
+std::string NoOption(const std::string& text) {
+  return text.starts_with("--") ? "needs a value, but the option " + text + " follows." : std::string();
+}
+
 // CLI11's own checks speak of the limits of double.
 std::string WholeNumberFromOne(const std::string& text) {
+  if (std::string fault = NoOption(text); !fault.empty()) return fault;
   const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
   if (digits && text.find_first_not_of('0') != std::string::npos && text.size() <= 9) return {};
   return "must be a whole number from 1 to 999999999, but is \"" + text + "\".";
 }
 
 std::string RateOrNothing(const std::string& text) {
+  if (std::string fault = NoOption(text); !fault.empty()) return fault;
   double rate = -1;
   if (CLI::detail::lexical_cast(text, rate) && rate >= 0 && rate <= 1e6) return {};
   return "must be a number from 0 to 1000000, but is \"" + text + "\".";
+}
+
+std::string UnknownOption(const CLI::App& app) {
+  const std::vector<std::string> unknown = app.remaining();
+  const auto option =
+      std::find_if(unknown.begin(), unknown.end(), [](const std::string& text) { return text.starts_with("-"); });
+  if (option == unknown.end()) return "\"" + unknown.front() + "\" follows no option.";
+  const std::string name = option->substr(0, option->find('='));
+  std::vector<std::string> known;
+  for (const CLI::Option* one : app.get_options()) known.push_back("--" + one->get_single_name());
+  const std::string nearest = hgros::NearestName(name, known);
+  return "There is no option " + name + "." + (nearest.empty() ? std::string() : " Did you mean " + nearest + "?");
+}
+
+// CLI11 says "--scans: what is wrong"; a person reads a sentence with the mend.
+std::string Sentence(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string what = error.what();
+  const std::string option = what.substr(0, what.find(':'));
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) return UnknownOption(app);
+  if (error.get_name() == "ValidationError" && option.size() < what.size())
+    return option + what.substr(option.size() + 1);
+  if (error.get_name() == "ArgumentMismatch") {
+    return option +
+           (what.find("At Most") == std::string::npos ? " needs a value after it." : " may be given only once.");
+  }
+  return what + ".";
 }
 
 }  // namespace
@@ -33,30 +70,36 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
       "Without --log a simulated building is driven through. Exit codes: 0 done, 1 failed while running,\n"
       "2 unusable command line, configuration or log, 130 interrupted.");
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::Throw);
-  app.add_option("--log", options.log, "CARMEN log to play, plain or gzip")->option_text("FILE");
+  app.add_option("--log", options.log, "CARMEN log to play, plain or gzip")->option_text("FILE")->check(NoOption);
   app.add_option("--rate", options.rate, "Play at N times real time; 0, the default: as fast as it is processed")
       ->option_text("N")
       ->check(RateOrNothing);
   app.add_option("--scans", options.scans, "Stop after N scans")->option_text("N")->check(WholeNumberFromOne);
-  app.add_option("--out", options.out, "Folder for the files (default: slam2d_out)")->option_text("DIR");
+  app.add_option("--out", options.out, "Folder for the files (default: slam2d_out)")
+      ->option_text("DIR")
+      ->check(NoOption);
   app.add_option("--config", options.configs, "YAML: which nodes run here, and how others are reached; repeatable")
       ->option_text("FILE")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->check(NoOption);
   app.add_option("--move-mapper-at", options.move_mapper_at,
                  "At scan K hand the mapper to a process on standby, while running")
       ->option_text("K")
       ->check(WholeNumberFromOne);
   app.add_option("--relations", options.relations, "Compare with these relations: errors of relative poses")
-      ->option_text("FILE");
+      ->option_text("FILE")
+      ->check(NoOption);
   app.add_option("--patience", patience_s, "Seconds to wait for other processes (default: 30)")
       ->option_text("S")
-      ->check(CLI::Range(1, 86400));
+      ->check(WholeNumberFromOne);
   app.add_flag("--quiet", options.quiet, "No progress on standard error, only what goes wrong");
   app.add_flag("--json", options.json, "The result as JSON, an object a line");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? static_cast<int>(kSuccess) : static_cast<int>(kBadInput);
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "slam2d: %s --help lists the options.\n", Sentence(app, error).c_str());
+    return static_cast<int>(kBadInput);
   }
   options.patience = std::chrono::seconds(patience_s);
   return options;

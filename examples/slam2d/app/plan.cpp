@@ -46,7 +46,7 @@ Plan ReadPlan(const std::vector<std::filesystem::path>& files) {
     try {
       document = YAML::LoadFile(file.string());
     } catch (const YAML::BadFile&) {
-      throw std::runtime_error(file.string() + ": The file cannot be opened.");
+      throw std::runtime_error("The configuration " + file.string() + " cannot be opened. Name a YAML file.");
     } catch (const YAML::ParserException& error) {
       Refuse(file, error.mark, error.msg + ".");
     }

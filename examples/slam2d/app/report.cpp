@@ -89,8 +89,9 @@ void PrintNodes(const Report& report) {
 
 void PrintText(const Report& report) {
   if (const auto& written = report.written) {
-    std::printf("map         %s, %.1f m x %.1f m, %.2f m a pixel\n", written->map_file.c_str(), written->width_m,
+    std::printf("map         %s, %.1f m x %.1f m, cells of %.2f m\n", written->map_file.c_str(), written->width_m,
                 written->height_m, written->cell_size_m);
+    std::printf("odometry    %s, with the path by odometry alone in red\n", written->odometry_file.c_str());
     std::printf("trajectory  %s, %" PRIu64 " poses\n", written->trajectory_file.c_str(), written->scans);
     std::printf("speed       %.2f s, %.0f scans/s\n", written->seconds,
                 written->seconds > 0.0 ? static_cast<double>(written->scans) / written->seconds : 0.0);

@@ -47,7 +47,7 @@ void RollCall::TakeReady(const msg::Ready& message) {
 void RollCall::TakeEvent(const hgros::PeerEvent& event) {
   const std::string who = event.peer.process + " (session " + event.peer.id.ToString() + " on " + event.peer.host + ")";
   if (event.kind == hgros::PeerEvent::Kind::kTypeMismatch) {
-    ending_.Fail("Channel " + event.channel + " does not fit " + who + ": " + event.reason);
+    ending_.Fail(event.reason);
   }
   if (event.kind != hgros::PeerEvent::Kind::kGone) return;
   const std::scoped_lock lock(mutex_);

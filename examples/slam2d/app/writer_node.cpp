@@ -138,14 +138,15 @@ Written WriterNode::WriteFiles() {
 
   Written written;
   written.map_file = folder_ / "map.png";
+  written.odometry_file = folder_ / "odometry.png";
   written.trajectory_file = folder_ / "trajectory.tum";
   const double cell_size = map_.options().cell_size_m;
   const MapImage extent = RenderMap(map_);
   written.width_m = extent.width * cell_size;
   written.height_m = extent.height * cell_size;
   written.cell_size_m = cell_size;
-  WritePng(RenderMap(map_, {&corrected, 1}), written.map_file);
-  WritePng(RenderMap(map_, both), folder_ / "odometry.png");
+  WritePng(RenderMap(map_, {&corrected, 1}, kScreenEdgePixels), written.map_file);
+  WritePng(RenderMap(map_, both, kScreenEdgePixels), written.odometry_file);
   WriteTrajectory(trajectory_, written.trajectory_file);
   written.scans = trajectory_.size();
   written.map_hash = HashMap(map_);

@@ -22,6 +22,7 @@ namespace slam2d {
 /// What the writer has written.
 struct Written {
   std::filesystem::path map_file;
+  std::filesystem::path odometry_file;
   std::filesystem::path trajectory_file;
   std::uint64_t scans = 0;
   std::uint64_t map_hash = 0;

@@ -66,6 +66,7 @@ TypeInfo MakeTypeInfo() {
   info.encoding = TraitsOfT::kEncoding;
   info.fingerprint = TraitsOfT::LayoutFingerprint();
   info.cpp_type = typeid(T);
+  info.users_codec = HasCustomCodec<T> || TraitsOfT::kEncoding == Encoding::kCustom;
   info.memory_bytes = [](const void* message) { return TraitsOfT::MemoryBytes(*static_cast<const T*>(message)); };
   if constexpr (TraitsOfT::kEncoding != Encoding::kNone) {
     // A codec that throws has failed to write or read one message; the caller counts that.
@@ -102,6 +103,21 @@ TypeInfo MakeTypeInfo() {
 template <class T>
 concept Message = std::is_object_v<T> && std::is_same_v<T, std::remove_cv_t<T>> && !std::is_array_v<T> &&
                   codec::Traits<T>::kEncoding != Encoding::kNone;
+
+template <class T>
+inline constexpr bool kIsMessage = Message<T>;  ///< As a plain truth, whose failure compilers state in one line.
+
+/// Where a Message is asked for: any other T is refused in one sentence.
+template <class T>
+constexpr void RequireMessage() noexcept {
+  static_assert(
+      kIsMessage<T>,
+      "This type cannot be a message. A message is a class that protoc generated, a plain struct of numbers, enums and "
+      "arrays of these (no std::string, no std::vector, no pointer), a class with SerializeToString and "
+      "ParseFromString, or a type for which hgros::CustomCodec is specialised before its first use. What stays inside "
+      "the process (ToGraph, FromGraph) may be any type. Read on in hgros/codec/message.hpp, or in README.md under "
+      "\"Send your own types\".");
+}
 
 /// What the library knows of T, a complete object type without const or volatile; for a type that is no Message the
 /// encoding is kNone and the name is its C++ name. Made at the first call.

@@ -35,6 +35,9 @@ struct TypeInfo {
   std::uint64_t fingerprint = 0;  ///< Of the schema or layout; 0 where a type has none (custom codecs, kNone).
   std::type_index cpp_type = typeid(void);
 
+  /// The functions below run code of the user's, which has no place on a thread that owns a socket.
+  bool users_codec = false;
+
   /// Memory a queued message takes, in bytes, roughly: for queues with a byte limit.
   std::size_t (*memory_bytes)(const void* message) = nullptr;
   /// Writes the message, or shows its bytes in place where the type is one block (then the payload shares the

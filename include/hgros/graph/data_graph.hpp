@@ -29,6 +29,9 @@ struct GraphOptions {
   MessageId publisher;      ///< Publisher id and incarnation that local messages carry.
 };
 
+/// Whether a thread that hands a message over may run callbacks.
+enum class UserCode { kAllowed, kRefused };
+
 /// The intra-process graph: typed channels and the nodes on them. Messages go by pointer; every node of the process
 /// gets the same object.
 ///
@@ -98,8 +101,10 @@ class HGROS_EXPORT DataGraph {
   /// Delivers what came from outside to the local nodes. `credit` is held until every lossless node has taken the
   /// message out of its queue.
   /// `latched`: how many of its messages that publisher keeps for late subscribers; so do we for local ones.
-  static void Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
-                     std::shared_ptr<const void> credit, std::size_t latched) noexcept;
+  /// False: user code is refused, but some node is inline; nobody got the message.
+  static bool Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
+                     std::shared_ptr<const void> credit, std::size_t latched,
+                     UserCode user_code = UserCode::kAllowed) noexcept;
   /// Some node of the channel runs its callback on the delivering thread.
   [[nodiscard]] static bool HasInlineNodes(const Channel& channel) noexcept;
   /// Wakes publishers that wait for room on this channel.
@@ -114,6 +119,10 @@ class HGROS_EXPORT DataGraph {
   void PublisherIsGone(std::uint64_t publisher);
   /// Nodes that came meanwhile get what it has latched; inline ones on this thread.
   void PublisherIsBack(std::uint64_t publisher);
+
+  /// Says in the log which names in GraphOptions::overrides no node has taken, each with the nearest name that a node
+  /// has, should it be a slip of the pen. Only the first time.
+  void SayUntakenNames();
 
   /// Refuses publishes from now on and cancels waits.
   void Refuse() noexcept;

@@ -62,6 +62,8 @@ class Publisher {
   Publisher(std::shared_ptr<Channel> channel, Reach reach) : channel_(std::move(channel)), reach_(reach) {}
 
   /// Hands the message to every subscriber. On kFull, kClosed nobody got it and `message` still owns it.
+  /// Ordering: what is published one after the other arrives so everywhere. What an inline callback publishes on the
+  /// channel that it is called for is therefore handed over only after everybody has got the message of that call.
   PublishStatus operator()(std::unique_ptr<T>&& message) const {
     return channel_ ? Publish(*channel_, OfferOf<T>(message), reach_) : PublishStatus::kClosed;
   }

@@ -37,7 +37,7 @@ PublishStatus ToGraph(std::string_view channel, M&& message) {
 }
 
 /// As Session::FromAny and Session::FromGraph; the subscription lasts until Shutdown.
-template <Message T, CallbackFor<T> F>
+template <class T, CallbackFor<T> F>
 void FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {}) {
   KeepUntilShutdown(DefaultSession().FromAny<T>(channel, invoke, std::forward<F>(callback), std::move(options)));
 }

@@ -15,7 +15,7 @@ struct PeerEvent {
   Kind kind = Kind::kCame;
   PeerInfo peer;
   std::string channel;  ///< Only for kTypeMismatch.
-  std::string reason;   ///< One sentence; empty for kCame.
+  std::string reason;   ///< In words, for kTypeMismatch with the mend; empty for kCame.
 };
 
 inline constexpr std::string_view kPeerEventsChannel = "hgros/peers";

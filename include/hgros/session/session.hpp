@@ -27,7 +27,9 @@ struct SessionOptions {
 
 /// How a channel is published.
 struct PublishOptions {
-  std::size_t latched = 0;  ///< So many of the last messages are kept for late subscribers, here and elsewhere.
+  /// So many of the last messages are kept for late subscribers, here and elsewhere. If the type has a codec of its own
+  /// and the session has endpoints, each is written when it is published, whether somebody listens or not.
+  std::size_t latched = 0;
 };
 
 /// One participant of the hypergraph: a data graph and the bridges that join it to other sessions. Several may live
@@ -36,7 +38,8 @@ struct PublishOptions {
 /// Threading: thread-safe, but for construction and destruction.
 /// Lifetime: the destructor refuses publishes, stops receiving, waits for callbacks in flight (naming in the log after
 /// 2 s what hangs), and says goodbye. It must not run inside one of the session's callbacks.
-/// Errors: wiring (channels, types, endpoints) throws Error; publishing never throws and never blocks.
+/// Errors: wiring (channels, types, endpoints) throws Error; publishing never throws and never blocks. ToAny, FromAny
+/// and Advertise do not compile with a type that is no Message.
 class HGROS_EXPORT Session {
  public:
   /// A session that reaches no other process until endpoints are added.
@@ -50,23 +53,26 @@ class HGROS_EXPORT Session {
   /// Publishes to whoever subscribes: nodes of this process by pointer, other sessions over the cheapest carrier,
   /// encoded once and only if one of them listens. The message must not be changed afterwards by anybody.
   /// On any status but kOk nobody got it and a unique_ptr still owns it.
-  template <Message T>
+  /// Ordering: as Publisher::operator().
+  template <class T>
   PublishStatus ToAny(std::string_view channel, std::unique_ptr<T>&& message,
                       const CallSite& where = CallSite::Current()) {
+    RequireMessage<T>();
     return hgros::Publish(OpenAny(channel, TypeOf<T>(), where), OfferOf<T>(message), Reach::kAny);
   }
   template <class T>
-  requires Message<std::remove_const_t<T>> PublishStatus ToAny(std::string_view channel,
-                                                               const std::shared_ptr<T>& message,
-                                                               const CallSite& where = CallSite::Current()) {
+  PublishStatus ToAny(std::string_view channel, const std::shared_ptr<T>& message,
+                      const CallSite& where = CallSite::Current()) {
     using Type = std::remove_const_t<T>;
+    RequireMessage<Type>();
     const std::shared_ptr<const Type> constant = message;
     return hgros::Publish(OpenAny(channel, TypeOf<Type>(), where), OfferOf<Type>(constant), Reach::kAny);
   }
   /// A copy of `message`, for small ones.
-  template <Message T>
+  template <class T>
   requires std::copy_constructible<T> PublishStatus ToAny(std::string_view channel, const T& message,
                                                           const CallSite& where = CallSite::Current()) {
+    RequireMessage<T>();
     return ToAny<T>(channel, std::make_unique<T>(message), where);
   }
 
@@ -89,10 +95,11 @@ class HGROS_EXPORT Session {
   ///
   /// Ordering: each publisher's send order under kSerial; none between publishers.
   /// Lifetime: ends with the returned Subscription. Messages that do not decode are dropped and counted.
-  template <Message T, CallbackFor<T> F>
+  template <class T, CallbackFor<T> F>
   [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromAny(
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
       const CallSite& where = CallSite::Current()) {
+    RequireMessage<T>();
     return SubscribeAny(OpenAny(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
                         std::move(options));
   }
@@ -107,9 +114,10 @@ class HGROS_EXPORT Session {
   }
 
   /// Announces a channel and gives a handle that publishes on it without looking its name up.
-  template <Message T>
+  template <class T>
   [[nodiscard]] Publisher<T> Advertise(std::string_view channel, PublishOptions options = {},
                                        const CallSite& where = CallSite::Current()) {
+    RequireMessage<T>();
     Channel& opened = OpenAny(channel, TypeOf<T>(), where);
     Latch(opened, options.latched);
     return Publisher<T>(Share(opened), Reach::kAny);

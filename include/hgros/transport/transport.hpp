@@ -72,7 +72,7 @@ class OutboundSource {
  public:
   virtual ~OutboundSource() = default;
   /// The latched messages, oldest first, for a subscriber that has just come: it counts in subscriber_count() before
-  /// this is called, and what is committed from then on reaches it after them. Called on a carrier's thread.
+  /// this is called, and what is committed from then on reaches it after them. On a carrier's thread: no user code.
   virtual std::vector<OutboundMessage> Latched() noexcept = 0;
   /// A lossless subscriber that had no credit has some again, or has gone.
   virtual void OnRoom() noexcept = 0;
@@ -137,7 +137,8 @@ class TransportListener {
   virtual void OnPeerCame(const PeerInfo& peer) noexcept = 0;
   /// `reason` is one sentence: said goodbye, connection closed, silent for 5 s ...
   virtual void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept = 0;
-  /// Two sides of a channel do not fit. Said on both sides, once per peer and channel.
+  /// Two sides of a channel do not fit. Said on both sides, once per peer and channel. `what` names the channel and
+  /// both types, without a final full stop.
   virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
 };
 

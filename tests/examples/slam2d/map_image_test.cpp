@@ -65,6 +65,30 @@ TEST(MapImage, IsReadBackByLibpngAsWritten) {
   EXPECT_EQ(colour.bytes[(colour.width + 5) * 3 + 2], kCorrectedRgb[2]);
 }
 
+TEST(MapImage, IsDrawnLargerWhileItFitsTheEdgeThatWasAskedFor) {
+  const MapImage cells = RenderMap(OneBeamMap());
+  const MapImage larger = RenderMap(OneBeamMap(), {}, 3 * 23 + 5);
+  ASSERT_EQ(larger.width, 3 * cells.width);
+  ASSERT_EQ(larger.height, 3 * cells.height);
+  for (std::uint32_t row = 0; row < larger.height; ++row) {
+    for (std::uint32_t column = 0; column < larger.width; ++column) {
+      ASSERT_EQ(larger.bytes[row * larger.width + column], cells.bytes[row / 3 * cells.width + column / 3]);
+    }
+  }
+  EXPECT_EQ(RenderMap(OneBeamMap(), {}, 1000).width, kMostPixelsPerCell * cells.width);
+  EXPECT_EQ(RenderMap(OneBeamMap(), {}, 10).width, cells.width);
+}
+
+TEST(MapImage, DrawsPathsFinerThanCellsWhereACellHasSeveralPixels) {
+  const std::vector<PathOverlay> paths{{{{0.2, -0.3, 0.0}, {0.2, 0.4, 0.0}}, kCorrectedRgb}};
+  const MapImage image = RenderMap(OneBeamMap(), paths, 1000);
+  std::size_t blue = 0;
+  for (std::size_t i = 0; i < image.bytes.size(); i += 3) blue += image.bytes[i] == kCorrectedRgb[0] ? 1 : 0;
+  // From cell -6 to cell 8, four pixels a cell, two wide, and the ends.
+  EXPECT_GE(blue, 14U * 4 * 2);
+  EXPECT_LE(blue, 15U * 4 * 2);
+}
+
 TEST(MapImage, OfAnEmptyMapIsOneUnknownPixel) {
   const MapImage image = RenderMap(OccupancyMap());
   EXPECT_EQ(image.width * image.height, 1U);

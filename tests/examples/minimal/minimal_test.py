@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""Runs the minimal publisher and subscriber until Ctrl-C.
+
+    minimal_test.py PUBLISHER SUBSCRIBER
+"""
+
+import os
+import pathlib
+import pty
+import signal
+import subprocess
+import sys
+import tempfile
+
+END_S = 20
+
+
+def main():
+    publisher, subscriber = sys.argv[1:]
+    with tempfile.TemporaryDirectory(prefix="minimal_") as folder:
+        ours = pathlib.Path(folder, "publisher.yaml")
+        theirs = pathlib.Path(folder, "subscriber.yaml")
+        ours.write_text(f'network: {{publisher: {{ip: "ipc://{folder}/bus", channels: [greetings]}}}}\n')
+        theirs.write_text(f'network: {{subscribers: [{{ip: "ipc://{folder}/bus", channels: [greetings]}}]}}\n')
+        terminal, end = pty.openpty()  # Lines come out as they are printed.
+        programs = [subprocess.Popen([subscriber, theirs], stdout=end), subprocess.Popen([publisher, ours])]
+        try:
+            os.close(end)
+            line = os.read(terminal, 100)
+            assert line.startswith(b"Hello number "), line
+            for program in programs:
+                program.send_signal(signal.SIGINT)
+            codes = [program.wait(END_S) for program in programs]
+            assert codes == [0, 0], f"the subscriber and the publisher ended with {codes}"
+        finally:
+            for program in programs:
+                program.kill()
+                program.wait()
+
+
+if __name__ == "__main__":
+    main()

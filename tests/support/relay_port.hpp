@@ -1,0 +1,77 @@
+#pragma once
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+
+namespace hgros::test {
+
+inline sockaddr_in LoopbackAddress(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return address;
+}
+
+/// A TCP port of the loopback, chosen by the system, whose connections are to go on to another one.
+class RelayPort {
+ public:
+  explicit RelayPort(std::uint16_t target_port)
+      : target_port_(target_port), listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address = LoopbackAddress(0);
+    socklen_t size = sizeof address;
+    if (bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 || listen(listener_, 16) != 0 ||
+        getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+      close(listener_);
+      throw std::runtime_error("no port to relay");
+    }
+    port_ = ntohs(address.sin_port);
+  }
+  RelayPort(const RelayPort&) = delete;
+  RelayPort& operator=(const RelayPort&) = delete;
+  ~RelayPort() { close(listener_); }
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  /// Readable when somebody connects.
+  [[nodiscard]] int listener() const { return listener_; }
+
+  /// The two sockets of a relayed connection; whoever has them closes them.
+  struct Pair {
+    int client = -1;
+    int server = -1;
+
+    void Close() const {
+      close(client);
+      close(server);
+    }
+  };
+  /// Accepts the connection that waits and makes its other half; nothing if that is not possible.
+  [[nodiscard]] std::optional<Pair> Accept() const {
+    const Pair pair{accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC), socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+    const sockaddr_in address = LoopbackAddress(target_port_);
+    const int one = 1;
+    setsockopt(pair.client, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    setsockopt(pair.server, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    if (pair.client >= 0 && connect(pair.server, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+      return pair;
+    }
+    pair.Close();
+    return std::nullopt;
+  }
+  /// Accepts the connection that waits and closes it.
+  void Refuse() const { close(accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC)); }
+
+ private:
+  const std::uint16_t target_port_;
+  const int listener_;
+  std::uint16_t port_ = 0;
+};
+
+}  // namespace hgros::test
