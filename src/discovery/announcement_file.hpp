@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "hgros/base/bytes.hpp"
+#include "hgros/discovery/announcement.hpp"
+
+namespace hgros::discovery {
+
+inline constexpr std::uint32_t kFileVersion = 1;
+inline constexpr std::size_t kMaxFileBytes = 1 << 20;
+inline constexpr std::size_t kMaxPathBytes = 4096;
+inline constexpr std::size_t kMaxEndpoints = 16;
+
+/// The content of a session's file. Throws Error if it would not be read back: no session, too many or too long texts,
+/// too large.
+[[nodiscard]] std::string EncodeFile(const Announcement& announcement);
+
+struct ParsedFile {
+  std::optional<Announcement> announcement;
+  std::string fault;  // Why there is none; goes on from "the file ... is ignored: ".
+};
+
+/// Never throws on whatever bytes. Texts for people come without control characters.
+[[nodiscard]] ParsedFile ParseFile(Bytes bytes);
+
+}  // namespace hgros::discovery

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+
+#include "hgros/discovery/registry.hpp"
+
+namespace hgros::discovery {
+
+/// The folder of one domain, and its parent. Immutable.
+class RegistryFolder {
+ public:
+  /// Throws Error if the domain is none.
+  explicit RegistryFolder(const RegistryOptions& options);
+
+  /// Makes sure that the folder exists, is this user's and closed to writing by others. Throws Error otherwise.
+  void Make() const;
+  /// Removes the folder if it is empty; who is just arriving makes it again.
+  void RemoveIfEmpty() const noexcept;
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path parent_;
+  std::filesystem::path path_;
+};
+
+}  // namespace hgros::discovery

@@ -1,0 +1,113 @@
+#include "hgros/base/own_descriptor.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace hgros {
+namespace {
+
+/// Both ends of a pipe. The reading end sees the end of the file once nobody anywhere holds the writing end.
+struct Pipe {
+  Pipe() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) throw std::runtime_error("no pipe");
+    read_end = ends[0];
+    write_end = OwnDescriptor([&] { return ends[1]; });
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  ~Pipe() { close(read_end); }
+  [[nodiscard]] bool ended() const {
+    char byte = 0;
+    return read(read_end, &byte, 1) == 0;
+  }
+
+  int read_end;
+  OwnDescriptor write_end;
+};
+
+/// The exit status of a forked child that runs `child`.
+int InChild(const std::function<int()>& child) {
+  (void)std::fflush(nullptr);
+  const pid_t pid = fork();
+  if (pid == 0) _exit(child());
+  int status = 0;
+  return waitpid(pid, &status, 0) == pid && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(OwnDescriptor, IsClosedAtItsEnd) {
+  Pipe pipe;
+  EXPECT_FALSE(pipe.ended());
+  pipe.write_end = {};
+  EXPECT_TRUE(pipe.ended());
+}
+
+TEST(OwnDescriptor, MovesAndIsClosedOnce) {
+  Pipe pipe;
+  OwnDescriptor other = std::move(pipe.write_end);
+  EXPECT_FALSE(pipe.write_end);  // NOLINT(bugprone-use-after-move): that it is empty is promised.
+  EXPECT_TRUE(other);
+  EXPECT_FALSE(pipe.ended());
+  other = {};
+  EXPECT_TRUE(pipe.ended());
+}
+
+TEST(OwnDescriptor, IsNoneWhereNothingWasOpened) {
+  const OwnDescriptor none([] { return open("/nowhere/at/all", O_RDONLY | O_CLOEXEC); });
+  EXPECT_EQ(errno, ENOENT);
+  EXPECT_FALSE(none);
+}
+
+TEST(OwnDescriptor, IsClosedInAForkedChildAndStaysOpenInItsParent) {
+  Pipe pipe;
+  Pipe second;
+  const int number = pipe.write_end.get();
+  EXPECT_EQ(InChild([&] {
+              const bool closed = !pipe.write_end && !second.write_end && fcntl(number, F_GETFD) < 0;
+              // What the child opens now may have the old number: it must survive the end of the object.
+              const int reused = open("/dev/null", O_RDONLY | O_CLOEXEC);
+              pipe.write_end = {};
+              return closed && fcntl(reused, F_GETFD) >= 0 ? 0 : 1;
+            }),
+            0);
+  EXPECT_FALSE(pipe.ended());
+  pipe.write_end = {};
+  EXPECT_TRUE(pipe.ended());
+}
+
+/// How many descriptors of this process show a memory file called own_descriptor_test.
+int OpenMemoryFiles() {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    if (std::filesystem::read_symlink(entry, gone).string().find("own_descriptor_test") != std::string::npos) ++count;
+  }
+  return count;
+}
+
+TEST(OwnDescriptor, IsNeverInheritedWhileOtherThreadsOpenAndClose) {
+  std::atomic<bool> done = false;
+  std::thread opener([&] {
+    while (!done) const OwnDescriptor one([] { return memfd_create("own_descriptor_test", MFD_CLOEXEC); });
+  });
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(InChild(OpenMemoryFiles), 0);
+  done = true;
+  opener.join();
+}
+
+}  // namespace
+}  // namespace hgros

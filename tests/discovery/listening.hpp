@@ -1,0 +1,155 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "hgros/base/log.hpp"
+#include "hgros/discovery/discovery.hpp"
+#include "support/await.hpp"
+
+namespace hgros::discovery {
+
+/// Writes down what it hears, and fails where the contract of DiscoveryListener is broken.
+class Listening final : public DiscoveryListener {
+ public:
+  void OnCame(const Announcement& peer) override {
+    const std::scoped_lock lock(mutex_);
+    if (!here_.emplace(peer.session, peer).second) broken_ = "came twice";
+    ++came_[peer.session];
+    if (on_came) on_came();
+  }
+  void OnChanged(const Announcement& peer) override {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = here_.find(peer.session);
+    if (entry == here_.end()) {
+      broken_ = "changed without having come";
+      return;
+    }
+    if (entry->second == peer) broken_ = "changed without a change";
+    entry->second = peer;
+  }
+  void OnGone(const Announcement& last, std::string_view reason) override {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = here_.find(last.session);
+    if (entry == here_.end() || entry->second != last) broken_ = "gone as another than it was";
+    if (entry != here_.end()) here_.erase(entry);
+    gone_[last.session] = reason;
+  }
+
+  /// Runs at the end of each OnCame; set before the first one.
+  std::function<void()> on_came;
+
+  [[nodiscard]] std::vector<Announcement> here() const {
+    const std::scoped_lock lock(mutex_);
+    std::vector<Announcement> all;
+    for (const auto& [session, peer] : here_) all.push_back(peer);
+    return all;
+  }
+  [[nodiscard]] bool Sees(const Announcement& peer) const {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = here_.find(peer.session);
+    return entry != here_.end() && entry->second == peer;
+  }
+  [[nodiscard]] bool AwaitPeer(const Announcement& peer) const {
+    return test::Await([&] { return Sees(peer); });
+  }
+  [[nodiscard]] bool AwaitCount(std::size_t count) const {
+    return test::Await([&] { return here().size() == count; });
+  }
+  /// How often it came.
+  [[nodiscard]] int came(SessionId session) const {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = came_.find(session);
+    return entry == came_.end() ? 0 : entry->second;
+  }
+  /// Why it went; empty if it did not.
+  [[nodiscard]] std::string gone(SessionId session) const {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = gone_.find(session);
+    return entry == gone_.end() ? std::string() : entry->second;
+  }
+  /// What was wrong with the calls; empty if nothing was.
+  [[nodiscard]] std::string broken() const {
+    const std::scoped_lock lock(mutex_);
+    return broken_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<SessionId, Announcement> here_;
+  std::map<SessionId, int> came_;
+  std::map<SessionId, std::string> gone_;
+  std::string broken_;
+};
+
+/// A log that keeps its lines.
+class KeptLog {
+ public:
+  Log log{[this](LogLevel, std::string_view text) {
+    const std::scoped_lock lock(mutex_);
+    lines_.emplace_back(text);
+  }};
+
+  /// How many lines contain all of `words`.
+  [[nodiscard]] std::size_t Count(const std::vector<std::string>& words) const {
+    const std::scoped_lock lock(mutex_);
+    return static_cast<std::size_t>(std::count_if(lines_.begin(), lines_.end(), [&](const std::string& line) {
+      return std::all_of(words.begin(), words.end(),
+                         [&](const std::string& word) { return line.find(word) != std::string::npos; });
+    }));
+  }
+  [[nodiscard]] std::string text() const {
+    const std::scoped_lock lock(mutex_);
+    std::string all;
+    for (const std::string& line : lines_) all += line + "\n";
+    return all;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
+/// A new folder, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "hgros_discovery_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder");
+    path_ = name;
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Whether nothing lies in `folder`. A registry that closes removes it when it is empty, and others make it again.
+inline bool IsEmptyOrGone(const std::filesystem::path& folder) {
+  std::error_code gone;
+  return std::filesystem::directory_iterator(folder, gone) == std::filesystem::directory_iterator();
+}
+
+inline Announcement NewAnnouncement(const std::string& process = "test") {
+  Announcement own = AnnouncementOfThisProcess(SessionId::Random(), 1);
+  own.process = process;
+  own.shared_memory = "/run/place of memory";
+  own.endpoints = {"ipc:///run/bus", "tcp://127.0.0.1:5555"};
+  own.channels = {{"scan", "foxglove.LaserScan", Encoding::kProtobuf, 17, true, false, false},
+                  {"robot1/pose", "Pose", Encoding::kPlain, 18, false, true, true}};
+  return own;
+}
+
+}  // namespace hgros::discovery
