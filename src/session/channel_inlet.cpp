@@ -24,15 +24,15 @@ ChannelInlet::ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_p
       on_publishers_(std::move(on_publishers)),
       run_apart_(std::move(run_apart)) {}
 
-void ChannelInlet::Join(Transport& transport, const Demand& demand) {
+void ChannelInlet::Join(Carriers& carriers, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);
-  auto carrier = transport.Subscribe(DataGraph::NameOf(channel_), type_, demand, *this);
+  auto carrier = carriers.Subscribe(DataGraph::NameOf(channel_), type_, demand, *this);
   const std::scoped_lock lock(carrier_mutex_);
   carrier_ = std::move(carrier);
 }
 
 void ChannelInlet::Detach() {
-  std::unique_ptr<InboundChannel> carrier;
+  std::shared_ptr<JoinedInbound> carrier;
   {
     const std::scoped_lock lock(carrier_mutex_);
     carrier = std::move(carrier_);

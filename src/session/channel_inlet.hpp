@@ -16,6 +16,7 @@
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/snapshot.hpp"
 #include "hgros/transport/transport.hpp"
+#include "session/carriers.hpp"
 
 namespace hgros {
 
@@ -35,7 +36,7 @@ class ChannelInlet final : public InboundSink {
   ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log, std::function<void()> on_publishers,
                std::function<void(Errand)> run_apart);
 
-  void Join(Transport& transport, const Demand& demand);
+  void Join(Carriers& carriers, const Demand& demand);
   void Detach();
   void SetDemand(const Demand& demand);
 
@@ -89,7 +90,7 @@ class ChannelInlet final : public InboundSink {
   const std::function<void(Errand)> run_apart_;
 
   std::mutex carrier_mutex_;
-  std::unique_ptr<InboundChannel> carrier_;
+  std::shared_ptr<JoinedInbound> carrier_;
   std::atomic<std::size_t> publishers_{0};
   std::atomic<bool> lossless_{false};
 

@@ -14,7 +14,7 @@ ChannelOutlet::ChannelOutlet(std::string channel, const TypeInfo& type, MessageI
       log_(std::move(log)),
       events_(std::move(events)) {}
 
-void ChannelOutlet::Join(Transport& transport) {
+void ChannelOutlet::Join(Carriers& carriers) {
   {
     const std::scoped_lock lock(order_mutex_, latch_mutex_);
     joined_ = true;
@@ -22,13 +22,13 @@ void ChannelOutlet::Join(Transport& transport) {
       for (Kept& one : kept_) one.data = Encode(one.message);
     }
   }
-  std::unique_ptr<OutboundChannel> carrier = transport.Advertise(channel_, type_, *this);
+  std::shared_ptr<JoinedOutbound> carrier = carriers.Advertise(channel_, type_, *this);
   const std::scoped_lock lock(order_mutex_);
   carrier_ = std::move(carrier);
 }
 
 void ChannelOutlet::Detach() {
-  std::unique_ptr<OutboundChannel> carrier;
+  std::shared_ptr<JoinedOutbound> carrier;
   {
     const std::scoped_lock lock(order_mutex_);
     carrier = std::move(carrier_);

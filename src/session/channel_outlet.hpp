@@ -14,6 +14,7 @@
 #include "hgros/graph/outlet.hpp"
 #include "hgros/session/snapshot.hpp"
 #include "hgros/transport/transport.hpp"
+#include "session/carriers.hpp"
 
 namespace hgros {
 
@@ -36,7 +37,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
                 OutletEvents events);
 
-  void Join(Transport& transport);
+  void Join(Carriers& carriers);
   // Withdraws from the carrier; later publishes stay inside the process.
   void Detach();
   void Latch(std::size_t count);
@@ -79,7 +80,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   std::atomic<std::uint64_t> not_encodable_{0};
 
   mutable std::mutex order_mutex_;
-  std::unique_ptr<OutboundChannel> carrier_;
+  std::shared_ptr<JoinedOutbound> carrier_;
   std::uint64_t sequence_ = 0;
 
   std::mutex latch_mutex_;

@@ -39,6 +39,12 @@ struct ConfigDraft {
   Maybe<int> heartbeat_ms;
   Maybe<int> peer_timeout_ms;
 
+  Maybe<bool> discovery_local;
+  Maybe<std::string> domain;
+  Maybe<std::uint64_t> shared_memory_limit_bytes;
+  Maybe<ShmWait> shared_memory_wait;
+  Maybe<int> shared_memory_spin_us;
+
   Maybe<std::string> public_key;
   Maybe<std::string> secret_key;
   std::map<std::string, FilePosition> allowed_clients;  ///< By key.
@@ -56,6 +62,8 @@ struct ConfigDraft {
 /// Each reads one section into the draft. Throws ConfigError.
 void ReadNetwork(const yaml::Value& section, ConfigDraft& draft);
 void ReadSecurity(const yaml::Value& section, ConfigDraft& draft);
+void ReadDiscovery(const yaml::Value& section, ConfigDraft& draft);
+void ReadSharedMemory(const yaml::Value& section, ConfigDraft& draft);
 void ReadDataGraph(const yaml::Value& section, ConfigDraft& draft);
 void ReadChannels(const yaml::Value& section, ConfigDraft& draft);
 

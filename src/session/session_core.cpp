@@ -1,6 +1,7 @@
 #include "session/session_core.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <utility>
 
@@ -43,6 +44,19 @@ void RequireList(const EndpointConfig& endpoint, std::string_view channel) {
               {}, "Give the endpoint a list of channels in its configuration.");
 }
 
+// Nothing: the session neither finds nor is found by others of this host.
+std::optional<std::string> DomainOf(const Config& config) {
+  const char* const environment = std::getenv("HGROS_DOMAIN");
+  const bool set = environment != nullptr && *environment != '\0';
+  const std::string domain = set ? environment : config.discovery.domain;
+  if (!config.discovery.local || domain == kNoDomain) return std::nullopt;
+  if (!IsDomain(domain)) {
+    throw Error("\"" + domain + "\" cannot name a domain" + (set ? ", as HGROS_DOMAIN says." : "."), {},
+                "Use 1 to 64 letters, digits, '_', '-' and '.', or \"none\" to be found by nobody.");
+  }
+  return domain;
+}
+
 Demand DemandFor(const Queue& queue) {
   Demand demand;
   demand.lossless = queue.lossless();
@@ -80,7 +94,8 @@ Session::Core::Core(Config config, SessionOptions options)
       id_(SessionId::Random()),
       name_(options.name.empty() ? ProgramName() : std::move(options.name)),
       publisher_{id_.value, static_cast<std::uint64_t>(WallNow().nanoseconds), 0},
-      log_(std::make_shared<Log>(std::move(options.log))) {
+      log_(std::make_shared<Log>(std::move(options.log))),
+      domain_(DomainOf(config_)) {
   alive_->core = this;
   GraphOptions graph_options;
   graph_options.threads = config_.threads;
@@ -93,7 +108,7 @@ Session::Core::Core(Config config, SessionOptions options)
     errands_.emplace();
     errands_->PostIn(kTimeForNodes, [this] { graph_->SayUntakenNames(); });
   }
-  if (!config_.publishers.empty() || !config_.subscribers.empty()) Carrier();
+  if (!config_.publishers.empty() || !config_.subscribers.empty()) Reach();
 }
 
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
@@ -114,7 +129,7 @@ Session::Core::~Core() {
   }
   Notify();
   for (const auto& inlet : inlets) inlet->Detach();
-  if (carrier_) carrier_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
+  if (carriers_) carriers_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
   for (const auto& outlet : outlets) outlet->Detach();
   graph_->Shutdown();
   errands_.reset();
@@ -124,38 +139,58 @@ void Session::Core::RequireOpen() const {
   if (closing_) throw Error("The session is shutting down.");
 }
 
-ZmqTransport& Session::Core::Carrier() {
+Carriers& Session::Core::Reach() {
   RequireOpen();
-  if (carrier_) return *carrier_;
+  if (carriers_) return *carriers_;
   if (!errands_) errands_.emplace();
-  ZmqOptions options;
-  options.session = id_;
-  options.process = name_;
+  carriers_ = std::make_unique<Carriers>(OptionsForCarriers(), *this, *log_);
+  for (auto& [name, outlet] : outlets_) outlet->Join(*carriers_);
+  for (auto& [name, inflow] : inflows_) {
+    if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
+    inflow.inlet->Join(*carriers_, Combine(inflow.wanted));
+    inflow.joined = true;
+  }
+  return *carriers_;
+}
+
+CarrierOptions Session::Core::OptionsForCarriers() {
+  CarrierOptions options;
+  ZmqOptions& zmq = options.zmq;
+  zmq.session = id_;
+  zmq.process = name_;
   for (const EndpointConfig& endpoint : config_.publishers) {
-    options.publish.push_back({endpoint.endpoint, ListOf(endpoint)});
+    zmq.publish.push_back({endpoint.endpoint, ListOf(endpoint)});
   }
   for (const EndpointConfig& endpoint : config_.subscribers) {
     const auto key = config_.security.servers.find(endpoint.endpoint);
-    options.subscribe.push_back(
+    zmq.subscribe.push_back(
         {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});
   }
-  options.heartbeat = std::chrono::milliseconds(config_.heartbeat_ms);
-  options.peer_timeout = std::chrono::milliseconds(config_.peer_timeout_ms);
-  options.peer_queue_bytes = config_.peer_queue_bytes;
-  options.plain_queue_bytes = config_.peer_queue_bytes;
-  options.linger = std::chrono::milliseconds(kLingerMs);
+  zmq.heartbeat = std::chrono::milliseconds(config_.heartbeat_ms);
+  zmq.peer_timeout = std::chrono::milliseconds(config_.peer_timeout_ms);
+  zmq.peer_queue_bytes = config_.peer_queue_bytes;
+  zmq.plain_queue_bytes = config_.peer_queue_bytes;
+  zmq.linger = std::chrono::milliseconds(kLingerMs);
   if (config_.security.enabled()) {
-    options.security =
+    zmq.security =
         ZmqSecurity{{config_.security.public_key, config_.security.secret_key}, config_.security.allowed_clients};
   }
-  carrier_ = MakeZmqTransport(std::move(options), *this, *log_);
-  for (auto& [name, outlet] : outlets_) outlet->Join(*carrier_);
-  for (auto& [name, inflow] : inflows_) {
-    if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
-    inflow.inlet->Join(*carrier_, Combine(inflow.wanted));
-    inflow.joined = true;
+  if (domain_) {
+    ShmOptions& shm = options.shm.emplace();
+    shm.session = id_;
+    shm.process = name_;
+    shm.wait = config_.shared_memory.wait;
+    shm.spin = std::chrono::microseconds(config_.shared_memory.spin_us);
+    shm.limit_bytes = config_.shared_memory.limit_bytes;
+    shm.heartbeat = zmq.heartbeat;
+    shm.peer_timeout = zmq.peer_timeout;
+    shm.peer_queue_bytes = zmq.peer_queue_bytes;
+    options.registry.emplace().domain = *domain_;
   }
-  return *carrier_;
+  options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
+    errands_->PostIn(delay, std::move(errand));
+  };
+  return options;
 }
 
 Channel& Session::Core::Open(std::string_view name, const TypeInfo& type, const CallSite& where) {
@@ -175,7 +210,8 @@ Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, con
     graph_->Latch(channel, *entry->second.latched);
     outlet->Latch(*entry->second.latched);
   }
-  if (carrier_) outlet->Join(*carrier_);
+  if (domain_) Reach();
+  if (carriers_) outlet->Join(*carriers_);
   outlets_.emplace(name, outlet);
   graph_->SetOutlet(channel, outlet);  // Last: from now on other threads publish through it.
   return channel;
@@ -240,6 +276,7 @@ Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCal
   std::string confined;
   {
     const std::scoped_lock lock(mutex_);
+    if (domain_ && !closing_) Reach();
     Inflow& inflow = inflows_[name];
     const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
     if (!inflow.inlet) {
@@ -274,14 +311,15 @@ void Session::Core::Reconcile(const std::string& channel) {
   if (entry == inflows_.end() || entry->second.busy) return;
   Inflow& inflow = entry->second;
   inflow.busy = true;
-  while (carrier_ && !closing_ && inflow.joined == inflow.wanted.empty()) {
+  while (carriers_ && !closing_ && inflow.joined == inflow.wanted.empty()) {
     if (inflow.joined) {
       lock.unlock();
       inflow.inlet->Detach();
       lock.lock();
       inflow.joined = false;
+      carriers_->Unannounce(channel);
     } else {
-      inflow.inlet->Join(*carrier_, Combine(inflow.wanted));
+      inflow.inlet->Join(*carriers_, Combine(inflow.wanted));
       inflow.joined = true;
     }
   }
@@ -352,7 +390,7 @@ void Session::Core::AllowPublishing(std::string_view channel, bool allowed) {
     if (endpoint.all_channels && allowed) continue;
     RequireList(endpoint, channel);
     Allow(endpoint, channel, allowed);
-    Carrier().SetPublishChannels(endpoint.endpoint, ListOf(endpoint));
+    Reach().Zmq().SetPublishChannels(endpoint.endpoint, ListOf(endpoint));
   }
 }
 
@@ -363,20 +401,20 @@ void Session::Core::AllowSubscribing(std::string_view channel, bool allowed) {
     if (endpoint.all_channels && allowed) continue;
     RequireList(endpoint, channel);
     Allow(endpoint, channel, allowed);
-    Carrier().SetSubscribeChannels(endpoint.endpoint, ListOf(endpoint));
+    Reach().Zmq().SetSubscribeChannels(endpoint.endpoint, ListOf(endpoint));
   }
 }
 
 void Session::Core::AddPublisherEndpoint(const EndpointConfig& endpoint) {
   const std::scoped_lock lock(mutex_);
-  Carrier().AddPublishEndpoint({endpoint.endpoint, ListOf(endpoint)});
+  Reach().Zmq().AddPublishEndpoint({endpoint.endpoint, ListOf(endpoint)});
   config_.publishers.push_back(endpoint);
 }
 
 void Session::Core::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
   const std::scoped_lock lock(mutex_);
   const auto key = config_.security.servers.find(endpoint.endpoint);
-  Carrier().AddSubscribeEndpoint(
+  Reach().Zmq().AddSubscribeEndpoint(
       {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});
   config_.subscribers.push_back(endpoint);
 }
@@ -384,19 +422,21 @@ void Session::Core::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
 void Session::Core::RemoveSubscriberEndpoint(std::string_view endpoint) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(config_.subscribers, [&](const EndpointConfig& one) { return one.endpoint == endpoint; });
-  if (!carrier_ || !carrier_->RemoveSubscribeEndpoint(std::string(endpoint))) {
+  ZmqTransport* const zmq = carriers_ ? carriers_->zmq() : nullptr;
+  if (zmq == nullptr || !zmq->RemoveSubscribeEndpoint(std::string(endpoint))) {
     throw Error("There is no subscriber endpoint " + std::string(endpoint) + ".");
   }
 }
 
 std::vector<std::string> Session::Core::PublisherEndpoints() const {
   const std::scoped_lock lock(mutex_);
-  return carrier_ ? carrier_->BoundEndpoints() : std::vector<std::string>();
+  const ZmqTransport* const zmq = carriers_ ? carriers_->zmq() : nullptr;
+  return zmq != nullptr ? zmq->BoundEndpoints() : std::vector<std::string>();
 }
 
 std::vector<PeerInfo> Session::Core::Peers() const {
   const std::scoped_lock lock(mutex_);
-  return carrier_ ? carrier_->Peers() : std::vector<PeerInfo>();
+  return carriers_ ? carriers_->Peers() : std::vector<PeerInfo>();
 }
 
 Config Session::Core::config() const {
@@ -417,9 +457,9 @@ SessionSnapshot Session::Core::Snapshot() const {
     if (const auto entry = inflows_.find(name); entry != inflows_.end()) entry->second.inlet->AddTo(traffic);
     snapshot.traffic.push_back(std::move(traffic));
   }
-  if (carrier_) {
-    snapshot.peers = carrier_->Peers();
-    snapshot.transport = carrier_->stats();
+  if (carriers_) {
+    snapshot.peers = carriers_->Peers();
+    snapshot.transport = carriers_->stats();
   }
   return snapshot;
 }
@@ -437,7 +477,8 @@ void Session::Core::PublishEvent(PeerEvent event) noexcept {
 void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
   log_->Write(LogLevel::kInfo,
               "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
-                  (peer.endpoint.empty() ? ") has connected." : ") answers at " + peer.endpoint + "."));
+                  (peer.endpoint.empty() ? ") has connected" : ") answers at " + peer.endpoint) + ", over " +
+                  peer.carrier + ".");
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsBack(id); });
   PublishEvent({PeerEvent::Kind::kCame, peer, {}, {}});
 }

@@ -14,7 +14,7 @@
 
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/session/session.hpp"
-#include "hgros/transport/zmq_transport.hpp"
+#include "session/carriers.hpp"
 #include "session/channel_inlet.hpp"
 #include "session/channel_outlet.hpp"
 #include "session/errand_thread.hpp"
@@ -80,7 +80,9 @@ class Session::Core final : public TransportListener {
 
   // Throws Error while the session shuts down.
   void RequireOpen() const;
-  ZmqTransport& Carrier();
+  // Under mutex_: makes the carriers at the first call.
+  Carriers& Reach();
+  CarrierOptions OptionsForCarriers();
   enum class Way { kOut, kIn };
   static std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way);
   bool SayIfItCannotLeave(const std::string& channel);
@@ -101,6 +103,7 @@ class Session::Core final : public TransportListener {
   const std::string name_;
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
+  const std::optional<std::string> domain_;
 
   const std::shared_ptr<Alive> alive_ = std::make_shared<Alive>();
 
@@ -113,7 +116,7 @@ class Session::Core final : public TransportListener {
   std::unique_ptr<DataGraph> graph_;
   Publisher<PeerEvent> events_;
   std::optional<ErrandThread> errands_;
-  std::unique_ptr<ZmqTransport> carrier_;
+  std::unique_ptr<Carriers> carriers_;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
   std::map<std::string, Inflow, std::less<>> inflows_;
   std::set<std::string> said_confined_;  // Subscribed channels that were looked up in the white lists.

@@ -18,6 +18,7 @@ import unittest
 
 BINARY = os.environ["SLAM2D"]
 REFERENCE = os.environ["SLAM2D_REFERENCE"]
+os.environ.setdefault("HGROS_DOMAIN", "none")
 DATA = os.environ.get("HGROS_DATA", "")
 DEADLINE_S = float(os.environ.get("SLAM2D_DEADLINE_S", "50"))
 SCANS = 300

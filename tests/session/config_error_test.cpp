@@ -22,7 +22,7 @@ void ExpectSubscriberFault(const std::string& ip, const std::vector<std::string>
 TEST(ConfigKeys, AnUnknownOneIsMetWithTheNearestAndTheList) {
   ExpectFault("netwrok:\n", "1:1",
               {"Unknown key \"netwrok\" at the top level.", "Did you mean \"network\"?",
-               "Known keys: channels, data_graph, network."});
+               "Known keys: channels, data_graph, discovery, network, shared_memory."});
   ExpectFault("network:\n  publishers:\n", "2:3", {"Unknown key \"publishers\" in network.", "\"publisher\"?"});
   ExpectFault(
       "network:\n  publisher: {ip: x, chanels: []}\n", "2:22",
@@ -35,9 +35,16 @@ TEST(ConfigKeys, AnUnknownOneIsMetWithTheNearestAndTheList) {
 }
 
 TEST(ConfigKeys, SectionsOfLaterVersionsAreUnknown) {
-  ExpectFault("discovery: {local: true}", "1:1", {"Unknown key \"discovery\""});
   ExpectFault("params: {}", "1:1", {"Unknown key \"params\""});
   ExpectFault("domain: 3", "1:1", {"Unknown key \"domain\""});
+}
+
+TEST(ConfigHost, FaultsOfDomainAndSharedMemoryAreExplained) {
+  ExpectFault("discovery: {domain: a/b}", "1:21", {"discovery.domain is \"a/b\", which cannot name a domain"});
+  ExpectFault("discovery: {local: maybe}", "1:20", {"discovery.local"});
+  ExpectFault("discovery: {lokal: true}", "1:13", {"Did you mean \"local\"?"});
+  ExpectFault("shared_memory: {wait: nap}", "1:23", {"shared_memory.wait", "sleep"});
+  ExpectFault("shared_memory: {limit_bytes: -1}", "1:30", {"shared_memory.limit_bytes"});
 }
 
 TEST(ConfigKeys, OneBelowTheDashesIsExplained) {
@@ -73,7 +80,7 @@ TEST(ConfigTypes, AreSaidAsWantedAndFound) {
   ExpectFault("data_graph: {close_channels: [[a]]}", "1:31",
               {"close_channels[0] must be a channel name, but is a list."});
   ExpectFault("channels: {a: {lossless: yes}}", "1:26", {"must be true or false, but is the text \"yes\"."});
-  ExpectFault("- network", "1:1", {"The file must be a map with network, data_graph and channels, but is a list."});
+  ExpectFault("- network", "1:1", {"The file must be a map with network, discovery, shared_memory, data_graph and channels, but is a list."});
   ExpectFault("network:x", "1:1", {"The file must be a map", "Put a blank after the colon"});
 }
 

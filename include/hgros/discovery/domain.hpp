@@ -10,6 +10,9 @@ namespace hgros {
 /// Sessions of different domains do not find each other: two robots on one host, a test beside the real thing.
 inline constexpr std::string_view kDefaultDomain = "default";
 
+/// Who is configured for this domain looks for nobody.
+inline constexpr std::string_view kNoDomain = "none";
+
 inline constexpr std::size_t kMaxDomainLength = 64;
 
 /// Whether `name` can name a domain: 1 to 64 letters, digits, '_', '-' and '.', but not beginning with a '.'.

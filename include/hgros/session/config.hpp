@@ -13,6 +13,7 @@
 
 #include "hgros/base/export.hpp"
 #include "hgros/graph/node_options.hpp"
+#include "hgros/transport/shm_transport.hpp"
 
 namespace hgros {
 
@@ -43,12 +44,31 @@ struct ChannelConfig {
   bool operator==(const ChannelConfig&) const = default;
 };
 
+/// How sessions find each other.
+struct DiscoveryConfig {
+  bool local = true;  ///< On this host, by themselves.
+  /// Sessions of different domains do not find each other; "none": nobody is found. The environment variable
+  /// HGROS_DOMAIN goes before it.
+  std::string domain = "default";
+  bool operator==(const DiscoveryConfig&) const = default;
+};
+
+/// How sessions of this host exchange messages.
+struct SharedMemoryConfig {
+  std::uint64_t limit_bytes = 256ULL * 1024 * 1024;  ///< For payloads, at most.
+  ShmWait wait = ShmWait::kSleep;
+  int spin_us = 50;  ///< With ShmWait::kSpin.
+  bool operator==(const SharedMemoryConfig&) const = default;
+};
+
 /// Everything a session takes from YAML. docs/configuration.md lists the keys.
 struct HGROS_EXPORT Config {
   std::vector<EndpointConfig> publishers;  ///< Sorted by endpoint, as the subscribers; those switched off are left out.
   std::vector<EndpointConfig> subscribers;
   SecurityConfig security;
   std::uint64_t peer_queue_bytes = 64ULL * 1024 * 1024;  ///< Waiting for one slow remote subscriber at most.
+  DiscoveryConfig discovery;
+  SharedMemoryConfig shared_memory;
   int heartbeat_ms = 1000;
   int peer_timeout_ms = 5000;  ///< A peer silent for longer is gone.
 

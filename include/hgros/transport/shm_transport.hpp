@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,9 @@ struct ShmOptions {
   std::uint64_t max_credit_bytes = 256ULL << 20;  ///< In flight to one subscriber of a channel at most.
   std::uint64_t max_message_bytes = 1ULL << 30;   ///< Without shared memory; larger ones end the connection.
   std::chrono::milliseconds linger{500};          ///< Of the destructor's Close().
+  /// Whether messages of that session are to be received here, and not by another carrier; empty: always. Must be
+  /// quick, and must not call the transport.
+  std::function<bool(SessionId publisher)> takes;
 };
 
 /// What a session's payloads take.
@@ -65,6 +69,8 @@ class HGROS_EXPORT ShmTransport : public Transport {
   virtual void AddPeer(const std::string& place) = 0;
   /// Connects no more; what is connected stays until either side ends.
   virtual void RemovePeer(const std::string& place) = 0;
+  /// Sessions that were left to another carrier are asked about again, and what they publish is asked for.
+  virtual void AskAgain() = 0;
   /// Where others find this session.
   [[nodiscard]] virtual const std::string& place() const noexcept = 0;
 

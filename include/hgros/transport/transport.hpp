@@ -128,6 +128,7 @@ struct PeerInfo {
   std::string host;     ///< Its host's name; for people, never compared.
   std::int64_t pid = 0;
   std::string endpoint;  ///< Where we connected to, or empty if it connected to us.
+  std::string carrier;   ///< What reaches it: "shared memory" or "ZeroMQ"; told by the session.
 };
 
 /// What a carrier tells the session as a whole. Called on carrier threads; must not block.

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,6 +62,9 @@ struct ZmqOptions {
   std::chrono::milliseconds unreachable_after{3000};  ///< Without a connection for so long: the log says so.
   std::chrono::milliseconds linger{500};              ///< Of the destructor's Close().
   std::optional<ZmqSecurity> security;
+  /// Whether messages of that session are to be received here, and not by another carrier; empty: always. Must be
+  /// quick, and must not call the transport.
+  std::function<bool(SessionId publisher)> takes;
 };
 
 /// Messages over ZeroMQ: ipc on one host, tcp between hosts. docs/wire-protocol.md is the specification.
@@ -85,6 +89,9 @@ class HGROS_EXPORT ZmqTransport : public Transport {
   /// Say goodbye there. What a subscribe endpoint has read is still delivered. False if there is no such endpoint.
   virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
   virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
+
+  /// Sessions that were left to another carrier are asked about again, and what they publish is asked for.
+  virtual void AskAgain() = 0;
 
   /// The publish endpoints as others can connect to them: wildcard ports resolved. In the order of adding.
   [[nodiscard]] virtual std::vector<std::string> BoundEndpoints() const = 0;

@@ -120,6 +120,7 @@ struct Pair {
   std::unordered_map<std::string, PeerWish> wishes;      ///< By channel.
   std::unordered_map<std::string, std::uint64_t> ended;  ///< The last link of each channel that we have withdrawn.
   std::unordered_set<std::uint32_t> told_segments;
+  bool asks = false;  ///< Its messages are received here, and not over another carrier.
   std::uint64_t waiting_bytes = 0;
 
   std::mutex in_mutex;

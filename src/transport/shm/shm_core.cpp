@@ -182,6 +182,13 @@ void ShmCore::RemovePeer(const std::string& place) {
   std::erase_if(destinations_, [&](const auto& known) { return known.place == place; });
 }
 
+void ShmCore::AskAgain() {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& pair : Pairs()) {
+    if (pair->alive) AskForAll(*pair);
+  }
+}
+
 void ShmCore::Offer(const std::shared_ptr<OutboundCore>& core) {
   Actions actions;
   {
@@ -226,7 +233,7 @@ void ShmCore::Want(const std::shared_ptr<InboundCore>& core) {
   inbound_.emplace(core->name, core);
   if (closed_) return;
   for (const auto& pair : Pairs()) {
-    if (pair->alive) Ask(*pair, core);
+    if (pair->asks) Ask(*pair, core);
   }
 }
 
@@ -423,6 +430,7 @@ void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reas
   {
     const std::scoped_lock lock(mutex_);
     pair->alive = false;
+    pair->asks = false;
     if (say_bye) {
       wire::PairMessage bye;
       bye.mutable_bye()->set_reason(reason);

@@ -40,6 +40,7 @@ class ShmCore : public LeaderPool::Input {
 
   void AddPeer(const std::string& place);
   void RemovePeer(const std::string& place);
+  void AskAgain();
 
   void Offer(const std::shared_ptr<OutboundCore>& core);
   void Withdraw(const std::shared_ptr<OutboundCore>& core);
@@ -111,6 +112,7 @@ class ShmCore : public LeaderPool::Input {
   void OnEnded(Pair& pair, const wire::Ended& ended);
   void EndLink(Pair& pair, std::uint64_t link);
   void OnSegment(Pair& pair, std::uint32_t segment, PairSocket::Frame& frame);
+  void AskForAll(Pair& pair);
   void Ask(Pair& pair, const std::shared_ptr<InboundCore>& core);
   void SayWish(Pair& pair, InLink& link);
   void ForgetWish(Pair& pair, const std::string& channel, std::string_view mismatch, Actions& actions);

@@ -112,6 +112,9 @@ class ShmCarrierTransport final : public ShmTransport {
     RequireParent();
     core_->RemovePeer(place);
   }
+  void AskAgain() override {
+    if (!core_->IsChild()) core_->AskAgain();
+  }
   const std::string& place() const noexcept override { return core_->options().place; }
   std::optional<Block> Loan(std::size_t size_bytes) override { return core_->Loan(size_bytes); }
   ShmUsage usage() const override { return core_->usage(); }

@@ -86,7 +86,7 @@ void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
   registry_.Came(pair->facts.info);
   const std::scoped_lock lock(mutex_);
   pair->alive = true;
-  for (const auto& [name, core] : inbound_) Ask(*pair, core);
+  AskForAll(*pair);
 }
 
 // Empty: all is well.
@@ -113,7 +113,7 @@ std::string ShmCore::OpenPages(Pair& pair, const wire::PairHello& hello, PairSoc
 // session with the smaller id: both sides come to the same end.
 bool ShmCore::IsSecond(const std::shared_ptr<Pair>& pair) {
   const SessionId peer = pair->facts.info.id;
-  const SessionId smaller = std::min(self_.info.id, peer);
+  const SessionId smaller = self_.info.id.value < peer.value ? self_.info.id : peer;
   for (const auto& other : Pairs()) {
     if (other == pair || !other->alive || other->facts.info.id != peer) continue;
     const SessionId maker = other->by_us ? self_.info.id : peer;
@@ -122,6 +122,12 @@ bool ShmCore::IsSecond(const std::shared_ptr<Pair>& pair) {
     EndPair(other, "another connection took its place", true);
   }
   return false;
+}
+
+void ShmCore::AskForAll(Pair& pair) {
+  if (pair.asks || (options_.takes && !options_.takes(pair.facts.info.id))) return;
+  pair.asks = true;
+  for (const auto& [name, core] : inbound_) Ask(pair, core);
 }
 
 void ShmCore::Ask(Pair& pair, const std::shared_ptr<InboundCore>& core) {
@@ -249,7 +255,7 @@ void ShmCore::EndLink(Pair& pair, std::uint64_t number) {
     }
     ForgetWish(pair, core->name, {}, actions);
     const auto wanted = inbound_.find(core->name);
-    if (pair.alive && wanted != inbound_.end() && wanted->second == core) Ask(pair, core);
+    if (pair.asks && wanted != inbound_.end() && wanted->second == core) Ask(pair, core);
   }
   for (const auto& action : actions) action();
 }

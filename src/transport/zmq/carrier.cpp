@@ -14,7 +14,11 @@ ZmqOptions Completed(ZmqOptions options) {
 }  // namespace
 
 Carrier::Carrier(ZmqOptions given, TransportListener& told, Log& voice)
-    : options(Completed(std::move(given))), self(OwnFacts(options.session, options.process)), listener(told), log(voice), peers(told) {}
+    : options(Completed(std::move(given))),
+      self(OwnFacts(options.session, options.process)),
+      listener(told),
+      log(voice),
+      peers(told) {}
 
 void Carrier::CountFault(PacketFault fault, std::string_view where, std::string_view what) {
   faults[static_cast<std::size_t>(fault)].fetch_add(1, std::memory_order_relaxed);

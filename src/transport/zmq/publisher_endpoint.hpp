@@ -11,9 +11,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "transport/zmq/carrier.hpp"
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
+#include "transport/zmq/carrier.hpp"
 #include "transport/zmq/wire_message.hpp"
 
 namespace hgros::zmq {

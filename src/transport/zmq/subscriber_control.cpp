@@ -138,6 +138,7 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
 
 void SubscriberEndpoint::Ask(Link& link) {
   if (!publisher_ || !publisher_->alive || !link.allowed || link.asked) return;
+  if (carrier_.options.takes && !carrier_.options.takes(publisher_->facts.info.id)) return;
   // Until an answer says that the channel is not to be had here.
   if (!link.core->Claim(publisher_->facts.info.id, this)) return;
   if (!link.subscribed) {

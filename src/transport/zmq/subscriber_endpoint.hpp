@@ -12,8 +12,8 @@
 #include <unordered_set>
 #include <vector>
 
-#include "transport/zmq/carrier.hpp"
 #include "transport/inbound_core.hpp"
+#include "transport/zmq/carrier.hpp"
 #include "transport/zmq/inbound_packet.hpp"
 #include "transport/zmq/link_credit.hpp"
 

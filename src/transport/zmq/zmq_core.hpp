@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "transport/inbound_core.hpp"
 #include "transport/leader_pool.hpp"
+#include "transport/outbound_core.hpp"
 #include "transport/poller.hpp"
 #include "transport/zmq/carrier.hpp"
 #include "transport/zmq/curve.hpp"
-#include "transport/inbound_core.hpp"
-#include "transport/outbound_core.hpp"
 #include "transport/zmq/publisher_endpoint.hpp"
 #include "transport/zmq/subscriber_endpoint.hpp"
 
@@ -48,6 +48,7 @@ class ZmqCore : public LeaderPool::Input {
   void Want(const std::shared_ptr<InboundCore>& core);
   void Unwant(const std::shared_ptr<InboundCore>& core);
   void ChangeDemand(const std::shared_ptr<InboundCore>& core);
+  void AskAgain();
 
   [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
   void Cancel(const std::shared_ptr<OutboundCore>& core);
@@ -71,7 +72,6 @@ class ZmqCore : public LeaderPool::Input {
   void Tick(SteadyTime now);
   void SetDeadline();
   [[nodiscard]] bool Pending() const;
-  void AskAgain();
   void WaitUntilSent(int linger_ms);
 
   Carrier carrier_;

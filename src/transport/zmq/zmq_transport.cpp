@@ -135,6 +135,9 @@ class ZmqCarrierTransport final : public ZmqTransport {
     RequireParent();
     return core_->RemoveSubscriber(endpoint);
   }
+  void AskAgain() override {
+    if (!IsChild()) core_->AskAgain();
+  }
   std::vector<std::string> BoundEndpoints() const override { return core_->BoundEndpoints(); }
   std::uint64_t refused_handshakes() const override { return core_->refused_handshakes(); }
 

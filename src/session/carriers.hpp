@@ -1,0 +1,97 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/base/log.hpp"
+#include "hgros/discovery/registry.hpp"
+#include "hgros/transport/shm_transport.hpp"
+#include "hgros/transport/zmq_transport.hpp"
+#include "session/joined_channels.hpp"
+#include "session/peer_carriers.hpp"
+
+namespace hgros {
+
+struct CarrierOptions {
+  ZmqOptions zmq;                           ///< With endpoints, or for some that come later.
+  std::optional<ShmOptions> shm;            ///< Nothing: no memory is shared with anybody.
+  std::optional<RegistryOptions> registry;  ///< Nothing: nobody is looked for on this host.
+  /// Runs something after a while, on a thread that may wait; not after the carriers have been closed.
+  std::function<void(std::chrono::nanoseconds delay, std::function<void()> errand)> later;
+};
+
+/// All carriers of one session, and how it finds others on its host. Each other session is received from over one
+/// carrier, the cheapest that reaches it, so no message comes twice.
+///
+/// Thread safety: all functions, but wiring (all but stats and lists) by one thread at a time. Calls into the listener
+/// come from the carriers' threads, in one order for each peer.
+class Carriers final : private DiscoveryListener {
+ public:
+  /// Makes the carriers that the options ask for and lets others find this session. Throws Error. `listener` and `log`
+  /// outlive it.
+  Carriers(CarrierOptions options, TransportListener& listener, Log& log);
+  ~Carriers() override;
+
+  [[nodiscard]] std::shared_ptr<JoinedOutbound> Advertise(const std::string& channel, const TypeInfo& type,
+                                                          OutboundSource& source);
+  [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
+                                                         const Demand& demand, InboundSink& sink);
+  /// For others to see: the session no longer subscribes to the channel.
+  void Unannounce(const std::string& channel);
+
+  /// The one for endpoints; made at the first call. Throws Error.
+  ZmqTransport& Zmq();
+  [[nodiscard]] ZmqTransport* zmq() noexcept { return zmq_.get(); }
+  [[nodiscard]] const ZmqTransport* zmq() const noexcept { return zmq_.get(); }
+
+  [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
+  [[nodiscard]] TransportStats stats() const;
+  /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
+  void Close(int linger_ms) noexcept;
+
+ private:
+  // One carrier's voice.
+  class Ear final : public TransportListener {
+   public:
+    Ear(Carriers& carriers, CarrierKind kind) : carriers_(carriers), kind_(kind) {}
+    void OnPeerCame(const PeerInfo& peer) noexcept override;
+    void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
+    void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+
+   private:
+    Carriers& carriers_;
+    const CarrierKind kind_;
+  };
+
+  void OnCame(const Announcement& peer) override;
+  void OnChanged(const Announcement& peer) override;
+  void OnGone(const Announcement& last, std::string_view reason) override;
+
+  // Under announcing_: what is said of the channel.
+  ChannelAnnouncement& Own(const std::string& channel, const TypeInfo& type);
+  void Announce();
+  void AskAgain(CarrierKind kind) noexcept;
+  void AwaitSharedMemory(SessionId peer);
+
+  TransportListener& listener_;
+  Log& log_;
+  CarrierOptions options_;
+  PeerCarriers peers_;
+  Ear zmq_ear_{*this, CarrierKind::kZmq};
+  Ear shm_ear_{*this, CarrierKind::kShm};
+  std::unique_ptr<ShmTransport> shm_;
+  std::mutex announcing_;
+  Announcement own_;
+  std::unique_ptr<Discovery> registry_;
+  std::unique_ptr<ZmqTransport> zmq_;
+  std::vector<std::weak_ptr<JoinedOutbound>> outbound_;
+  std::vector<std::weak_ptr<JoinedInbound>> inbound_;
+};
+
+}  // namespace hgros

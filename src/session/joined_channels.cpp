@@ -1,0 +1,146 @@
+#include "session/joined_channels.hpp"
+
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace hgros {
+
+// One carrier's view of the publishing side.
+class JoinedOutbound::Part final : public OutboundSource {
+ public:
+  Part(JoinedOutbound& joined, std::size_t index) : joined_(joined), index_(index) {}
+
+  std::vector<OutboundMessage> Latched() noexcept override { return joined_.source_.Latched(); }
+  void OnRoom() noexcept override { joined_.source_.OnRoom(); }
+  void OnSubscribers(std::size_t count) noexcept override {
+    const std::scoped_lock lock(joined_.telling_);
+    auto& counts = joined_.subscribers_;
+    counts[index_] = count;
+    joined_.source_.OnSubscribers(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+  }
+
+  std::unique_ptr<OutboundChannel> channel;
+
+ private:
+  JoinedOutbound& joined_;
+  const std::size_t index_;
+};
+
+JoinedOutbound::JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source)
+    : channel_(std::move(channel)), type_(type), source_(source) {}
+
+// Each part's channel waits for the calls into the source that are under way.
+JoinedOutbound::~JoinedOutbound() {
+  for (const auto& part : parts_) {
+    if (part) part->channel.reset();
+  }
+}
+
+void JoinedOutbound::Add(Transport& transport) {
+  const std::scoped_lock lock(adding_);
+  const std::size_t index = count_.load();
+  parts_.at(index) = std::make_unique<Part>(*this, index);
+  parts_[index]->channel = transport.Advertise(channel_, type_, *parts_[index]);
+  count_.store(index + 1, std::memory_order_release);
+}
+
+std::size_t JoinedOutbound::subscriber_count() const noexcept {
+  std::size_t sum = 0;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->subscriber_count();
+  return sum;
+}
+
+PublishStatus JoinedOutbound::Reserve() noexcept {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    const PublishStatus status = parts_[i]->channel->Reserve();
+    if (status == PublishStatus::kOk) continue;
+    for (std::size_t before = 0; before < i; ++before) parts_[before]->channel->Cancel();
+    return status;
+  }
+  return PublishStatus::kOk;
+}
+
+void JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcept {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Commit(head, data);
+}
+
+void JoinedOutbound::Cancel() noexcept {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Cancel();
+}
+
+OutboundChannel::Stats JoinedOutbound::stats() const {
+  OutboundChannel::Stats sum;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto stats = parts_[i]->channel->stats();
+    sum.subscribers += stats.subscribers;
+    sum.sent += stats.sent;
+    sum.dropped += stats.dropped;
+    sum.missed += stats.missed;
+    sum.queued_bytes += stats.queued_bytes;
+  }
+  return sum;
+}
+
+// One carrier's view of the sink.
+class JoinedInbound::Part final : public InboundSink {
+ public:
+  Part(JoinedInbound& joined, std::size_t index) : joined_(joined), index_(index) {}
+
+  Accepted Accept(InboundMessage&& message) noexcept override {
+    const std::scoped_lock lock(joined_.accepting_);
+    return joined_.sink_.Accept(std::move(message));
+  }
+  void Run() noexcept override { joined_.sink_.Run(); }
+  void OnFault(PacketFault fault, std::string_view what) noexcept override { joined_.sink_.OnFault(fault, what); }
+  void OnPublishers(std::size_t count) noexcept override {
+    const std::scoped_lock lock(joined_.telling_);
+    auto& counts = joined_.publishers_;
+    counts[index_] = count;
+    joined_.sink_.OnPublishers(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+  }
+
+  std::unique_ptr<InboundChannel> channel;
+
+ private:
+  JoinedInbound& joined_;
+  const std::size_t index_;
+};
+
+JoinedInbound::JoinedInbound(std::string channel, const TypeInfo& type, const Demand& demand, InboundSink& sink)
+    : channel_(std::move(channel)), type_(type), sink_(sink), demand_(demand) {}
+
+JoinedInbound::~JoinedInbound() {
+  for (const auto& part : parts_) {
+    if (part) part->channel.reset();
+  }
+}
+
+void JoinedInbound::Add(Transport& transport) {
+  const std::scoped_lock lock(adding_);
+  const std::size_t index = count_.load();
+  parts_.at(index) = std::make_unique<Part>(*this, index);
+  parts_[index]->channel = transport.Subscribe(channel_, type_, demand_, *parts_[index]);
+  count_.store(index + 1, std::memory_order_release);
+}
+
+std::size_t JoinedInbound::publisher_count() const noexcept {
+  std::size_t sum = 0;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->publisher_count();
+  return sum;
+}
+
+void JoinedInbound::SetDemand(const Demand& demand) {
+  const std::scoped_lock lock(adding_);
+  demand_ = demand;
+  const std::size_t count = count_.load();
+  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->SetDemand(demand);
+}
+
+}  // namespace hgros

@@ -1,0 +1,221 @@
+// Sessions of one host that are told nothing of each other.
+#include <cstdlib>
+#include <optional>
+
+#include <foxglove/Log.pb.h>
+
+#include "session/session_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::Inline;
+using test::kPatience;
+using test::Linger;
+using test::Note;
+using test::Notes;
+using test::Robot;
+
+constexpr auto kSerial = Invoke::kSerial;
+
+// A domain of its own for each test, as the environment says it.
+class LocalDiscovery : public testing::Test {
+ protected:
+  LocalDiscovery() { Enter("test-" + SessionId::Random().ToString()); }
+  ~LocalDiscovery() override { Enter("none"); }
+  static void Enter(const std::string& domain) { setenv("HGROS_DOMAIN", domain.c_str(), 1); }
+};
+
+TEST_F(LocalDiscovery, TwoProgramsWithOneChannelFindEachOther) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  Robot talker("");
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  ASSERT_TRUE(listener->WaitForPublishers("notes", 1, kPatience));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
+  ASSERT_EQ(talker->Peers().size(), 1U);
+  EXPECT_EQ(talker->Peers()[0].id, listener->id());
+  EXPECT_EQ(talker->Peers()[0].carrier, "shared memory");
+  EXPECT_TRUE(talker->PublisherEndpoints().empty()) << "no socket was opened to the network";
+}
+
+TEST_F(LocalDiscovery, MessagesGoBothWaysOnOneChannelWithoutEcho) {
+  Robot one(""), two("");
+  Notes at_one, at_two;
+  const auto first = one->FromAny<Note>("notes", kSerial, std::ref(at_one));
+  const auto second = two->FromAny<Note>("notes", kSerial, std::ref(at_two));
+  (void)one->Advertise<Note>("notes");
+  (void)two->Advertise<Note>("notes");
+  ASSERT_TRUE(one->WaitForSubscribers("notes", 2, kPatience));
+  ASSERT_TRUE(two->WaitForSubscribers("notes", 2, kPatience));
+  one->ToAny("notes", Note("from one"));
+  ASSERT_TRUE(Await([&] { return at_one.size() == 1 && at_two.size() == 1; }));
+  two->ToAny("notes", Note("from two"));
+  ASSERT_TRUE(Await([&] { return at_one.size() == 2 && at_two.size() == 2; }));
+  EXPECT_EQ(at_one.texts(), (std::vector<std::string>{"from one", "from two"}));
+  EXPECT_EQ(at_two.texts(), at_one.texts());
+}
+
+TEST_F(LocalDiscovery, DomainsKeepRobotsApart) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  Enter("other-" + SessionId::Random().ToString());
+  Robot stranger("");
+  (void)stranger->Advertise<Note>("notes");
+  EXPECT_FALSE(stranger->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
+}
+
+TEST_F(LocalDiscovery, TheDomainMayStandInTheConfiguration) {
+  setenv("HGROS_DOMAIN", "", 1);
+  const std::string yaml = "discovery: {domain: test-" + SessionId::Random().ToString() + "}";
+  Robot talker(yaml), listener(yaml);
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  (void)talker->Advertise<Note>("notes");
+  EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+}
+
+TEST_F(LocalDiscovery, ADomainThatCannotBeIsRefused) {
+  Enter("../etc");
+  try {
+    Robot robot("");
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("HGROS_DOMAIN"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(LocalDiscovery, CanBeSwitchedOff) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  Robot hermit("discovery: {local: false}");
+  (void)hermit->Advertise<Note>("notes");
+  EXPECT_FALSE(hermit->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
+}
+
+TEST_F(LocalDiscovery, AnOutsideObserverLeavesPointerPassingAsItWas) {
+  Robot robot("");
+  const Note* seen = nullptr;
+  const auto subscription = robot->FromAny<Note>(
+      "notes", kSerial, [&](const std::shared_ptr<const Note>& note) { seen = note.get(); }, Inline());
+  const auto publish = robot->Advertise<Note>("notes");
+  for (const bool observed : {false, true, false}) {
+    std::optional<Robot> observer;
+    Notes notes;
+    Subscription outside;
+    if (observed) {
+      observer.emplace("");
+      outside = (*observer)->FromAny<Note>("notes", kSerial, std::ref(notes));
+      ASSERT_TRUE(robot->WaitForSubscribers("notes", 2, kPatience));
+    } else {
+      ASSERT_TRUE(Await([&] { return robot->Snapshot().traffic.at(0).out.subscribers == 0; }));
+    }
+    Note::written = 0;
+    auto note = std::make_unique<Note>("x");
+    const Note* const sent = note.get();
+    EXPECT_EQ(publish(std::move(note)), PublishStatus::kOk);
+    EXPECT_EQ(seen, sent);
+    EXPECT_EQ(Note::written, observed ? 1 : 0);
+    if (observed) {
+      EXPECT_TRUE(Await([&] { return notes.size() == 1; }));
+    }
+  }
+}
+
+TEST_F(LocalDiscovery, APeerThatIsFoundTwiceIsOnePeerAndSharedMemoryCarries) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  NodeOptions options;
+  options.queue = Queue::KeepAll(200);
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes), options);
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 100; }));
+  Linger(std::chrono::milliseconds(300));  // Time for ZeroMQ to connect, and for repeats to come.
+  EXPECT_EQ(notes.size(), 100U);
+  ASSERT_EQ(listener->Peers().size(), 1U);
+  EXPECT_EQ(listener->Peers()[0].carrier, "shared memory");
+  EXPECT_EQ(talker->Snapshot().traffic.at(0).out.subscribers, 1U);
+}
+
+TEST_F(LocalDiscovery, LosslessMessagesAllArriveInOrder) {
+  Robot talker(""), listener("");
+  NodeOptions options;
+  options.queue = Queue::KeepAll(64);
+  std::uint64_t next = 0;
+  std::atomic<std::uint64_t> received{0};
+  std::atomic<bool> ordered{true};
+  const auto subscription = listener->FromAny<Note>(
+      "notes", kSerial,
+      [&](const Note& note) {
+        if (note.text != std::to_string(next)) ordered = false;
+        ++next;
+        ++received;
+      },
+      options);
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  constexpr std::uint64_t kCount = 5000;
+  for (std::uint64_t i = 0; i < kCount; ++i) {
+    ASSERT_EQ(publish.Wait(std::make_unique<Note>(std::to_string(i)), std::chrono::steady_clock::now() + kPatience),
+              PublishStatus::kOk);
+  }
+  ASSERT_TRUE(Await([&] { return received == kCount; }));
+  EXPECT_TRUE(ordered);
+}
+
+TEST_F(LocalDiscovery, LatchedMessagesReachWhoComesLater) {
+  Robot talker("");
+  const auto publish = talker->Advertise<Note>("map", {.latched = 2});
+  for (const char* text : {"1", "2", "3"}) publish(std::make_unique<Note>(text));
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("map", kSerial, std::ref(notes));
+  ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
+  EXPECT_EQ(notes.texts(), (std::vector<std::string>{"2", "3"}));
+}
+
+TEST_F(LocalDiscovery, WhoComesBackIsFoundAgain) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  for (std::size_t life = 1; life <= 5; ++life) {
+    Robot talker("");
+    const auto publish = talker->Advertise<Note>("notes");
+    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience)) << life;
+    publish(std::make_unique<Note>("x"));
+    ASSERT_TRUE(Await([&] { return notes.size() == life; })) << life;
+  }
+}
+
+TEST_F(LocalDiscovery, DifferentTypesAreSaidOnBothSides) {
+  Robot talker(""), listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  (void)talker->Advertise<foxglove::Log>("notes");
+  EXPECT_TRUE(Await([&] { return talker.Said("different types") && listener.Said("different types"); }));
+}
+
+TEST_F(LocalDiscovery, WithoutSharedMemoryLeftMessagesStillArrive) {
+  Robot talker("shared_memory: {limit_bytes: 0}"), listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  for (int i = 0; i < 10; ++i) publish(std::make_unique<Note>(std::to_string(i)));
+  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
+  EXPECT_TRUE(talker.Said("There is no shared memory for a message"));
+}
+
+}  // namespace
+}  // namespace hgros
