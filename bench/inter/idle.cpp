@@ -28,6 +28,7 @@ std::string Endpoint(const std::string& directory, int peer) {
 [[noreturn]] void RunPeer(const std::string& directory, int peer) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   Config config;
+  config.discovery.local = false;
   config.publishers.push_back({Endpoint(directory, peer), {}, true});
   Session session(std::move(config), {"idle_peer", nullptr});
   std::vector<Publisher<Block>> publishers;
@@ -68,6 +69,7 @@ int Run(double seconds) {
   }
   {
     Config config;
+    config.discovery.local = false;
     for (int peer = 0; peer < 2; ++peer) config.subscribers.push_back({Endpoint(directory, peer), {}, true});
     Session session(std::move(config), {"idle", nullptr});
     std::vector<Subscription> subscriptions;

@@ -21,17 +21,21 @@ struct Side {
 
 std::string Endpoint(const std::string& scheme, const std::string& who) {
   static int port = 24600 + static_cast<int>(getpid() % 1000) * 8;
+  if (scheme == "shm")
+    return (who == "shm" ? "/dev/shm/hgros_bench_ring_" : "domain:bench-") + std::to_string(getpid()) + who;
   if (scheme == "tcp") return "tcp://127.0.0.1:" + std::to_string(port++);
   return "ipc:///tmp/hgros_bench_" + std::to_string(getpid()) + "_" + who;
 }
 
 Side MakeSide(const std::string& scheme, const std::string& carrier, const std::string& executor, bool lossless) {
-  const std::string endpoint = Endpoint(scheme, carrier + executor + (lossless ? "_lossless" : ""));
+  const std::string who =
+      scheme == "shm" && carrier == "shm" ? carrier : carrier + executor + (lossless ? "_lossless" : "");
+  const std::string endpoint = Endpoint(scheme, who);
   return Side({carrier, endpoint, executor, lossless}, endpoint);
 }
 
 void Latency(const std::string& scheme, int rounds, int each) {
-  Side raw = MakeSide(scheme, "zmq", "inline", false);
+  Side raw = MakeSide(scheme, scheme == "shm" ? "shm" : "zmq", "inline", false);
   Side ours = MakeSide(scheme, "ours", "inline", false);
   Side tbb = MakeSide(scheme, "ours", "tbb", false);
   for (const std::size_t size : kSizes) {
@@ -102,7 +106,7 @@ int main(int argc, char** argv) {
   using namespace hgros::bench;
   if (const int code = ReceiverMain(argc, argv); code >= 0) return code;
   const bool quick = argc > 1 && std::strcmp(argv[1], "--quick") == 0;
-  for (const char* scheme : {"ipc", "tcp"}) Latency(scheme, quick ? 9 : 25, quick ? 16 : 100);
+  for (const char* scheme : {"shm", "ipc", "tcp"}) Latency(scheme, quick ? 9 : 25, quick ? 16 : 100);
   Throughput(quick ? 3 : 9, quick ? 50'000 : 200'000);
   Protobuf();
   return 0;

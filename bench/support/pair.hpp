@@ -70,11 +70,14 @@ std::string SizeName(std::size_t size_bytes);
 inline constexpr std::array<std::size_t, 7> kSizes{1024,       4096,        16 * 1024,  64 * 1024,
                                                    256 * 1024, 1024 * 1024, 4096 * 1024};
 
-// The carriers. `endpoint` as ZeroMQ writes it; for raw TCP "host:port".
+// The carriers. `endpoint` as ZeroMQ writes it; for raw TCP "host:port"; for raw shared memory a path; for ours through
+// shared memory "domain:" and the domain in which the two sessions find each other.
 std::unique_ptr<PairSender> MakeZmqSender(const std::string& endpoint);
 std::unique_ptr<PairReceiver> MakeZmqReceiver(const std::string& endpoint, PairControl& control);
 std::unique_ptr<PairSender> MakeTcpSender(const std::string& endpoint);
 std::unique_ptr<PairReceiver> MakeTcpReceiver(const std::string& endpoint, PairControl& control);
+std::unique_ptr<PairSender> MakeShmSender(const std::string& path);
+std::unique_ptr<PairReceiver> MakeShmReceiver(const std::string& path, PairControl& control);
 /// `executor`: inline or tbb.
 std::unique_ptr<PairSender> MakeOurSender(const std::string& endpoint, bool lossless);
 std::unique_ptr<PairReceiver> MakeOurReceiver(const std::string& endpoint, PairControl& control,

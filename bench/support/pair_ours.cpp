@@ -2,6 +2,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+#include <vector>
 
 #include "hgros/hgros.hpp"
 #include "support/pair.hpp"
@@ -16,16 +18,24 @@ void Quiet(LogLevel level, std::string_view text) {
   if (level >= LogLevel::kWarning) std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
 }
 
+// A session that either finds the other one by itself or knows nothing but its endpoint.
+Config ConfigFor(const std::string& endpoint, std::vector<EndpointConfig> Config::*side) {
+  constexpr std::string_view kDomain = "domain:";
+  Config config;
+  if (endpoint.starts_with(kDomain)) {
+    unsetenv("HGROS_DOMAIN");
+    config.discovery.domain = endpoint.substr(kDomain.size());
+  } else {
+    config.discovery.local = false;
+    (config.*side).push_back({endpoint, {}, true});
+  }
+  return config;
+}
+
 class OurSender final : public PairSender {
  public:
   explicit OurSender(const std::string& endpoint)
-      : session_(
-            [&] {
-              Config config;
-              config.publishers.push_back({endpoint, {}, true});
-              return config;
-            }(),
-            {"bench_pub", Quiet}),
+      : session_(ConfigFor(endpoint, &Config::publishers), {"bench_pub", Quiet}),
         publish_(session_.Advertise<Block>(kChannel)) {
     if (!session_.WaitForSubscribers(kChannel, 1, std::chrono::seconds(20))) {
       std::fprintf(stderr, "our receiver did not come within 20 s\n");
@@ -48,13 +58,7 @@ class OurSender final : public PairSender {
 class OurReceiver final : public PairReceiver {
  public:
   OurReceiver(const std::string& endpoint, PairControl& control, const std::string& executor, bool lossless)
-      : session_(
-            [&] {
-              Config config;
-              config.subscribers.push_back({endpoint, {}, true});
-              return config;
-            }(),
-            {"bench_sub", Quiet}),
+      : session_(ConfigFor(endpoint, &Config::subscribers), {"bench_sub", Quiet}),
         subscription_(session_.FromAny<Block>(
             kChannel, Invoke::kSerial, [&control](const Block& block) { NoteArrival(control, block.bytes()); },
             {{},

@@ -47,6 +47,7 @@ int ReceiverMain(int argc, char** argv) {
   std::unique_ptr<PairReceiver> receiver;
   if (carrier == "zmq") receiver = MakeZmqReceiver(argv[3], control);
   if (carrier == "tcp") receiver = MakeTcpReceiver(argv[3], control);
+  if (carrier == "shm") receiver = MakeShmReceiver(argv[3], control);
   if (carrier == "ours") {
     receiver = MakeOurReceiver(argv[3], control, argv[5], std::strcmp(argv[6], "lossless") == 0);
   }
@@ -58,6 +59,7 @@ int ReceiverMain(int argc, char** argv) {
 std::unique_ptr<PairSender> MakeSender(const ReceiverTask& task, const std::string& endpoint) {
   if (task.carrier == "zmq") return MakeZmqSender(endpoint);
   if (task.carrier == "tcp") return MakeTcpSender(endpoint);
+  if (task.carrier == "shm") return MakeShmSender(endpoint);
   return MakeOurSender(endpoint, task.lossless);
 }
 
