@@ -1,4 +1,5 @@
-// Says hello once a second to whoever listens, until Ctrl-C: ./publisher publisher.yaml
+// Says hello once a second to whoever listens, until Ctrl-C: ./publisher; for another machine: ./publisher
+// publisher.yaml
 #include <csignal>
 #include <cstdio>
 #include <ctime>
@@ -14,7 +15,7 @@ int main(int argc, char** argv) try {
   sigaddset(&stop, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &stop, nullptr);
 
-  hgros::Session session(hgros::Config::Load(argc > 1 ? argv[1] : "publisher.yaml"));
+  hgros::Session session(argc > 1 ? hgros::Config::Load(argv[1]) : hgros::Config());
   const auto greetings = session.Advertise<foxglove::Log>("greetings");
 
   const timespec one_second{1, 0};

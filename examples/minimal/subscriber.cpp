@@ -1,4 +1,4 @@
-// Prints greetings until Ctrl-C: ./subscriber subscriber.yaml
+// Prints greetings until Ctrl-C: ./subscriber; for another machine: ./subscriber subscriber.yaml
 #include <csignal>
 #include <cstdio>
 
@@ -12,7 +12,7 @@ int main(int argc, char** argv) try {
   sigaddset(&stop, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &stop, nullptr);
 
-  hgros::Session session(hgros::Config::Load(argc > 1 ? argv[1] : "subscriber.yaml"));
+  hgros::Session session(argc > 1 ? hgros::Config::Load(argv[1]) : hgros::Config());
   const auto subscription = session.FromAny<foxglove::Log>(
       "greetings", hgros::Invoke::kSerial, [](const foxglove::Log& log) { std::puts(log.message().c_str()); });
 

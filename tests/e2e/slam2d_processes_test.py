@@ -130,6 +130,16 @@ class Slam2dProcesses(unittest.TestCase):
     def test_three_processes_come_to_the_reference(self):
         self.assert_all_agree(self.start_plan(THREE, {"source": ["--scans", SCANS]}), self.reference(SCANS))
 
+    def test_three_processes_find_each_other_by_themselves(self):
+        domain = {**os.environ, "HGROS_DOMAIN": f"slam2d-test-{os.getpid()}"}
+        processes = {}
+        for name, (nodes, *_) in THREE.items():
+            config = self.folder / f"{name}.yaml"
+            config.write_text(f"slam2d:\n  nodes: {nodes}\n")
+            more = ["--scans", SCANS] if name == "source" else []
+            processes[name] = self.start("--json", "--config", config, *more, env=domain)
+        self.assert_all_agree(processes, self.reference(SCANS))
+
     def test_the_mapper_moves_to_another_robot_while_running(self):
         extra = {"robot1": ["--scans", SCANS, "--move-mapper-at", 120]}
         processes = self.start_plan(ROBOTS, extra)
