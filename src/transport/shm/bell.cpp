@@ -12,11 +12,9 @@
 namespace hgros::shm {
 namespace {
 
-// Values of the word: only the second one makes a ring wake somebody.
-constexpr std::uint32_t kAwake = 0;
+// The word's lowest bit. The rest changes with every change of it: nobody sleeps on a value that is no longer true.
 constexpr std::uint32_t kAsleep = 1;
-constexpr std::uint32_t kWoken = 2;
-constexpr std::uint32_t kWokenAgain = 3;
+constexpr std::uint32_t kTurn = 2;
 
 // Not the private variants: the word lies in memory that processes share.
 void FutexWait(Shared32& word, std::uint32_t value) noexcept {
@@ -33,12 +31,34 @@ void Pause() noexcept {
 #endif
 }
 
+/// Says that a thread sleeps or is about to; returns the word to sleep on.
+std::uint32_t MarkAsleep(Shared32& word) noexcept {
+  std::uint32_t seen = word.load();
+  while (!word.compare_exchange_weak(seen, (seen + kTurn) | kAsleep)) {
+  }
+  return (seen + kTurn) | kAsleep;
+}
+
+void MarkAwake(Shared32& word) noexcept { word.fetch_and(~kAsleep); }
+
+// The word says that somebody sleeps until after the wake-up: whoever rings may be killed or stopped between any two of
+// these steps, and the next one still wakes the sleeper. It changes before the wake-up, so that a thread which is about
+// to sleep does not; and the mark is not taken away if a thread has gone to sleep anew.
+void WakeSleeper(Shared32& word) noexcept {
+  const std::uint32_t seen = word.load();
+  if ((seen & kAsleep) == 0) return;
+  std::uint32_t expected = seen;
+  const bool turned = word.compare_exchange_strong(expected, seen + kTurn);
+  FutexWakeOne(word);
+  expected = seen + kTurn;
+  if (turned) word.compare_exchange_strong(expected, seen + kTurn + 1);
+}
+
 void RingPage(BellPage& page, std::uint32_t number) noexcept {
   const std::uint64_t bit = std::uint64_t{1} << (number % 64);
-  Shared64& word = page.ready[number / 64 % (kMaxPeers / 64)];
   // Both are sequentially consistent: either the sleeper's last look sees the bit, or this sees that it sleeps.
-  word.fetch_or(bit);
-  if (page.asleep.load() == kAsleep && page.asleep.exchange(kAwake) == kAsleep) FutexWakeOne(page.asleep);
+  page.ready[number / 64 % (kMaxPeers / 64)].fetch_or(bit);
+  WakeSleeper(page.asleep);
 }
 
 }  // namespace
@@ -75,7 +95,7 @@ bool Bell::Spin() const noexcept {
 void Bell::Wait() noexcept {
   if (patience_.busy || patience_.spin.count() > 0) {
     if (!spinning_.exchange(true)) {
-      page_.asleep.store(kAwake);
+      MarkAwake(page_.asleep);
       const bool rung = Spin();
       spinning_.store(false);
       if (rung) {
@@ -84,15 +104,19 @@ void Bell::Wait() noexcept {
       }
     } else {
       const std::uint32_t seen = page_.asleep.load();
-      if (!woken_.exchange(false)) FutexWait(page_.asleep, seen);
-      return;
+      // Whoever looks changes the word after it has stopped looking; if it has stopped already, this thread sleeps as
+      // any other.
+      if (spinning_.load()) {
+        if (!woken_.exchange(false)) FutexWait(page_.asleep, seen);
+        return;
+      }
     }
   }
-  page_.asleep.store(kAsleep);
+  const std::uint32_t marked = MarkAsleep(page_.asleep);
   if (Rung()) {
-    page_.asleep.store(kAwake);
+    MarkAwake(page_.asleep);
   } else {
-    FutexWait(page_.asleep, kAsleep);
+    FutexWait(page_.asleep, marked);
   }
   woken_.store(false);
 }
@@ -101,15 +125,20 @@ void Bell::Ring(std::uint32_t number) noexcept { RingPage(page_, number); }
 
 void Bell::Wake() noexcept {
   woken_.store(true);
-  // Another value each time: whoever has read the word and is about to sleep on it does not.
-  page_.asleep.store(page_.asleep.load() == kWoken ? kWokenAgain : kWoken);
+  page_.asleep.fetch_add(kTurn);
   FutexWakeOne(page_.asleep);
+}
+
+void Bell::Mend() noexcept {
+  page_.magic = kBellMagic;
+  page_.version = kLayoutVersion;
+  if (Rung()) Wake();
 }
 
 void Bell::PassOn() noexcept {
   if (spinning_.load()) return;
-  page_.asleep.store(kAsleep);
-  if (Rung() && page_.asleep.exchange(kAwake) == kAsleep) FutexWakeOne(page_.asleep);
+  (void)MarkAsleep(page_.asleep);
+  if (Rung()) WakeSleeper(page_.asleep);
 }
 
 std::unique_ptr<PeerBell> PeerBell::Open(const Handle& handle, std::uint32_t number, std::string& fault) {

@@ -20,8 +20,9 @@ struct Patience {
 /// This session's bell: its threads sleep here until a peer rings.
 ///
 /// Thread safety: all functions.
-/// Invariants: who finds `asleep` at 1 and sets it to 0 wakes a sleeper. A thread that goes to sleep sets it to 1
-/// before it looks for the last time, so a ring is either seen in that look or finds the 1. While one thread looks
+/// Invariants: a thread that goes to sleep makes `asleep` odd before it looks for the last time, so a ring is either
+/// seen in that look or finds the word odd, and then wakes a sleeper. The word turns even only after that wake-up: a
+/// peer that is killed while it rings leaves nobody asleep whom the next one would not wake. While one thread looks
 /// without sleeping, others sleep through rings.
 class Bell {
  public:
@@ -49,6 +50,8 @@ class Bell {
   void Ring(std::uint32_t number) noexcept;
   /// Ends one wait.
   void Wake() noexcept;
+  /// Undoes what a peer may have done to the page, which all of them can write: now and then, for those that lie.
+  void Mend() noexcept;
   /// The calling thread stops looking for a while: a sleeping one is to be woken by what comes, or has come.
   void PassOn() noexcept;
 

@@ -5,13 +5,19 @@
 #include <mutex>
 #include <utility>
 
+#include "transport/shm/layout.hpp"
+
 namespace hgros::shm {
 namespace {
 
 constexpr std::size_t kSmallestBlock = 256;
 constexpr std::size_t kPage = 4096;
-// Small blocks share a segment of this size; a larger block has its own.
-constexpr std::size_t kSharedSegment = 256 * 1024;
+// Blocks share a segment. A class that is used much gets larger ones, because each costs every session a descriptor or
+// a mapping; a block that is larger still has its own.
+constexpr std::size_t kFirstSegment = 256 * 1024;
+constexpr std::size_t kLargestSegment = 4 * 1024 * 1024;
+// More than there will be memory for: sizes below it can be rounded up.
+constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 46;
 
 }  // namespace
 
@@ -28,6 +34,8 @@ struct BlockPool::BlockOwner {
   std::byte* const begin;
 };
 
+BlockPool::BlockPool(std::uint64_t limit_bytes) noexcept : limit_bytes_(std::min(limit_bytes, kMaxLimit)) {}
+
 // Four classes per power of two above a page: at most a fifth of a block is wasted.
 std::size_t BlockPool::BlockBytes(std::size_t size_bytes) noexcept {
   if (size_bytes <= kPage) return std::max(std::bit_ceil(size_bytes), kSmallestBlock);
@@ -36,6 +44,10 @@ std::size_t BlockPool::BlockBytes(std::size_t size_bytes) noexcept {
 }
 
 std::optional<BlockPool::Loan> BlockPool::Take(std::size_t size_bytes, std::string* fault) {
+  if (fork_.IsChild()) {
+    if (fault != nullptr) *fault = "it belongs to the parent of this process";
+    return std::nullopt;
+  }
   if (size_bytes > limit_bytes_) {
     if (fault != nullptr) *fault = "it is larger than all shared memory this session may use";
     return std::nullopt;
@@ -44,6 +56,10 @@ std::optional<BlockPool::Loan> BlockPool::Take(std::size_t size_bytes, std::stri
   Free block;
   {
     const std::unique_lock lock(mutex_);
+    if (closed_) {
+      if (fault != nullptr) *fault = "the session has ended";
+      return std::nullopt;
+    }
     std::vector<Free>& free = free_[block_bytes];
     if (free.empty() && !Grow(block_bytes, fault)) return std::nullopt;
     block = free.back();
@@ -58,9 +74,14 @@ std::optional<BlockPool::Loan> BlockPool::Take(std::size_t size_bytes, std::stri
 }
 
 bool BlockPool::Grow(std::size_t block_bytes, std::string* fault) {
-  const std::size_t blocks = std::max<std::size_t>(kSharedSegment / block_bytes, 1);
-  const std::size_t bytes = (blocks * block_bytes + kPage - 1) / kPage * kPage;
-  if (!MakeRoom(bytes)) {
+  std::size_t bytes = SegmentBytes(block_bytes);
+  bool room = MakeRoom(bytes);
+  if (!room) {  // Perhaps for one block.
+    bytes = (block_bytes + kPage - 1) / kPage * kPage;
+    room = MakeRoom(bytes);
+  }
+  const std::size_t blocks = bytes / block_bytes;
+  if (!room) {
     if (fault != nullptr) *fault = "all " + std::to_string(limit_bytes_ >> 20) + " MB of it are in use";
     return false;
   }
@@ -70,7 +91,7 @@ bool BlockPool::Grow(std::size_t block_bytes, std::string* fault) {
     return false;
   }
   auto segment = std::make_unique<PoolSegment>();
-  segment->id = next_id_++;
+  segment->id = NextId();
   segment->block_bytes = block_bytes;
   segment->mapping = std::move(made.mapping);
   segment->handle = std::make_shared<const Handle>(std::move(made.handle));
@@ -82,8 +103,30 @@ bool BlockPool::Grow(std::size_t block_bytes, std::string* fault) {
   return true;
 }
 
+// Doubles what the class has.
+std::size_t BlockPool::SegmentBytes(std::size_t block_bytes) const {
+  std::size_t held = 0;
+  for (const auto& [begin, segment] : segments_) {
+    if (segment->block_bytes == block_bytes) held += segment->mapping->bytes().size();
+  }
+  const std::size_t blocks = std::max<std::size_t>(std::clamp(held, kFirstSegment, kLargestSegment) / block_bytes, 1);
+  return (blocks * block_bytes + kPage - 1) / kPage * kPage;
+}
+
+// 0 stands for no segment, and one number for none at all.
+std::uint32_t BlockPool::NextId() {
+  const auto taken = [this](std::uint32_t id) {
+    return id == 0 || id == kOnSocket ||
+           std::ranges::any_of(segments_, [id](const auto& entry) { return entry.second->id == id; });
+  };
+  while (taken(++last_id_)) {
+  }
+  return last_id_;
+}
+
 bool BlockPool::MakeRoom(std::uint64_t bytes) {
-  for (auto entry = segments_.begin(); segment_bytes_ + bytes > limit_bytes_ && entry != segments_.end();) {
+  const auto room = [&] { return segment_bytes_ + bytes <= limit_bytes_ && segments_.size() < kMaxSegments; };
+  for (auto entry = segments_.begin(); !room() && entry != segments_.end();) {
     PoolSegment& segment = *entry->second;
     if (segment.in_use > 0) {
       ++entry;
@@ -94,14 +137,20 @@ bool BlockPool::MakeRoom(std::uint64_t bytes) {
     gone_.push_back(segment.id);
     entry = segments_.erase(entry);
   }
-  return segment_bytes_ + bytes <= limit_bytes_;
+  return room();
 }
 
 void BlockPool::GiveBack(PoolSegment& segment, std::byte* begin) noexcept {
+  if (fork_.IsChild()) return;
   const std::unique_lock lock(mutex_);
   --segment.in_use;
   --in_use_;
   free_[segment.block_bytes].push_back({&segment, begin});
+}
+
+void BlockPool::Close() {
+  const std::unique_lock lock(mutex_);
+  closed_ = true;
 }
 
 std::optional<Place> BlockPool::Find(Bytes bytes) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hgros/base/bytes.hpp"
+#include "hgros/base/fork_guard.hpp"
 #include "transport/shm/memory.hpp"
 
 namespace hgros::shm {
@@ -25,11 +26,11 @@ struct Place {
 /// classes, and used again and again. A block is free again with the last owner of its bytes.
 ///
 /// Thread safety: all functions. Blocks may outlive the pool's owner.
-/// Invariants: a segment belongs to one size class. Memory of another class is given back to the kernel before the
-/// limit refuses a block.
+/// Invariants: a segment belongs to one size class; there are never more than kMaxSegments. Memory of another class is
+/// given back to the kernel before the limit refuses a block.
 class BlockPool : public std::enable_shared_from_this<BlockPool> {
  public:
-  explicit BlockPool(std::uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
+  explicit BlockPool(std::uint64_t limit_bytes) noexcept;
 
   /// Bytes to be written and what keeps them.
   struct Loan {
@@ -37,8 +38,12 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
     std::shared_ptr<const void> owner;
     Place place;
   };
-  /// Nothing if the limit is reached or the system has no more memory; `fault` says which.
+  /// Nothing if the limit is reached, the system has no more memory, the pool is closed or this is a forked child, to
+  /// which the memory does not belong; `fault` says which.
   [[nodiscard]] std::optional<Loan> Take(std::size_t size_bytes, std::string* fault = nullptr);
+
+  /// No block is given out any more: what is free now may still be read elsewhere.
+  void Close();
 
   /// Where `bytes` lie, if they lie in a block of this pool.
   [[nodiscard]] std::optional<Place> Find(Bytes bytes) const;
@@ -72,17 +77,21 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   struct BlockOwner;
 
   [[nodiscard]] bool Grow(std::size_t block_bytes, std::string* fault);
+  [[nodiscard]] std::size_t SegmentBytes(std::size_t block_bytes) const;
+  [[nodiscard]] std::uint32_t NextId();
   [[nodiscard]] bool MakeRoom(std::uint64_t bytes);
   void GiveBack(PoolSegment& segment, std::byte* begin) noexcept;
 
   const std::uint64_t limit_bytes_;
+  const ForkGuard fork_;
   mutable std::shared_mutex mutex_;
   std::map<const std::byte*, std::unique_ptr<PoolSegment>> segments_;  // By where they begin.
   std::map<std::size_t, std::vector<Free>> free_;                      // By block size; the last one was used last.
   std::vector<std::uint32_t> gone_;
   std::uint64_t segment_bytes_ = 0;
   std::size_t in_use_ = 0;
-  std::uint32_t next_id_ = 1;
+  std::uint32_t last_id_ = 0;
+  bool closed_ = false;
 };
 
 }  // namespace hgros::shm

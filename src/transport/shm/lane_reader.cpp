@@ -7,19 +7,21 @@
 
 namespace hgros::shm {
 
-std::shared_ptr<Slip> Slip::Make(std::shared_ptr<const Handle> socket, std::string& fault) {
+std::shared_ptr<Slip> Slip::Make(std::shared_ptr<const Handle> socket, std::shared_ptr<const ForkGuard> fork,
+                                 std::string& fault) {
   Segment segment = MakeSegment("hgros-slip", sizeof(SlipPage), Access::kOwnerOnly, Pages::kOnTouch);
   if (!segment.mapping) {
     fault = segment.fault;
     return nullptr;
   }
-  return std::shared_ptr<Slip>(new Slip(std::move(segment), std::move(socket)));
+  return std::shared_ptr<Slip>(new Slip(std::move(segment), std::move(socket), std::move(fork)));
 }
 
-Slip::Slip(Segment segment, std::shared_ptr<const Handle> socket)
+Slip::Slip(Segment segment, std::shared_ptr<const Handle> socket, std::shared_ptr<const ForkGuard> fork)
     : mapping_(std::move(segment.mapping)),
       handle_(std::make_shared<const Handle>(std::move(segment.handle))),
-      socket_(std::move(socket)) {
+      socket_(std::move(socket)),
+      fork_(std::move(fork)) {
   page().magic = kSlipMagic;
   page().version = kLayoutVersion;
   free_cells_.reserve(kCells);
@@ -27,7 +29,9 @@ Slip::Slip(Segment segment, std::shared_ptr<const Handle> socket)
 }
 
 // The publisher reads it as: nothing of yours is read here any more.
-Slip::~Slip() { shutdown(socket_->fd(), SHUT_WR); }
+Slip::~Slip() {
+  if (!fork_->IsChild()) shutdown(socket_->fd(), SHUT_WR);
+}
 
 void Slip::SetPublisher(std::shared_ptr<Mapping> lane, std::shared_ptr<const PeerBell> bell) {
   lane_ = std::move(lane);
@@ -35,6 +39,7 @@ void Slip::SetPublisher(std::shared_ptr<Mapping> lane, std::shared_ptr<const Pee
 }
 
 void Slip::Return(std::uint32_t slot) noexcept {
+  if (fork_->IsChild()) return;
   {
     const std::scoped_lock lock(mutex_);
     const std::uint64_t returned = page().returned.load(std::memory_order_relaxed);
@@ -56,11 +61,13 @@ std::optional<std::uint32_t> Slip::TakeCell() {
 }
 
 void Slip::FreeCell(std::uint32_t cell) noexcept {
+  if (fork_->IsChild()) return;
   const std::scoped_lock lock(mutex_);
   free_cells_.push_back(cell);
 }
 
 void Slip::Count(std::uint32_t cell, std::uint64_t bytes) noexcept {
+  if (fork_->IsChild()) return;
   CreditCell& counts = page().cells[cell];
   // Bytes first: who sees the message counted sees its bytes as well.
   counts.bytes.fetch_add(bytes);
@@ -68,7 +75,7 @@ void Slip::Count(std::uint32_t cell, std::uint64_t bytes) noexcept {
 }
 
 void Slip::TellIfHungry(std::uint32_t what) const noexcept {
-  if (lane_ && (lane_->as<LanePage>().hungry.load() & what) != 0) bell_->Ring();
+  if (!fork_->IsChild() && lane_ && (lane_->as<LanePage>().hungry.load() & what) != 0) bell_->Ring();
 }
 
 std::unique_ptr<LaneReader> LaneReader::Open(const Handle& lane, std::string& fault) {
@@ -88,6 +95,8 @@ LaneReader::Read LaneReader::Peek(Descriptor& descriptor) noexcept {
   if (written == read_) return Read::kNothing;
   if (written - read_ > kSlots) return Read::kLie;
   std::memcpy(&descriptor, &page.descriptors[read_ % kSlots], sizeof descriptor);
+  // The peer may change the page at any time: what is checked is the copy, which the compiler may not read anew.
+  std::atomic_signal_fence(std::memory_order_seq_cst);
   return Read::kDescriptor;
 }
 

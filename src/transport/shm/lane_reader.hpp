@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/base/fork_guard.hpp"
 #include "transport/shm/bell.hpp"
 #include "transport/shm/layout.hpp"
 #include "transport/shm/memory.hpp"
@@ -18,14 +19,16 @@ namespace hgros::shm {
 /// The receiving session's page for one publishing session: returns slots, counts what was consumed. Lives for as long
 /// as any message of that publisher does, and keeps the socket open for as long: that is how the publisher knows.
 ///
-/// Thread safety: all functions. Invariants: each slot that was read from the lane is returned once.
+/// Thread safety: all functions. Invariants: each slot that was read from the lane is returned once. In a forked child
+/// nothing is returned, counted or closed: page and socket are the parent's.
 class Slip {
  public:
   ~Slip();
   Slip(const Slip&) = delete;
   Slip& operator=(const Slip&) = delete;
   /// Null, and `fault` is set, if there is no shared memory.
-  [[nodiscard]] static std::shared_ptr<Slip> Make(std::shared_ptr<const Handle> socket, std::string& fault);
+  [[nodiscard]] static std::shared_ptr<Slip> Make(std::shared_ptr<const Handle> socket,
+                                                  std::shared_ptr<const ForkGuard> fork, std::string& fault);
 
   [[nodiscard]] const std::shared_ptr<const Handle>& handle() const noexcept { return handle_; }
   /// Once, before the first descriptor is read.
@@ -46,12 +49,13 @@ class Slip {
   void Beat() noexcept { page().heartbeat.fetch_add(1, std::memory_order_relaxed); }
 
  private:
-  Slip(Segment segment, std::shared_ptr<const Handle> socket);
+  Slip(Segment segment, std::shared_ptr<const Handle> socket, std::shared_ptr<const ForkGuard> fork);
   [[nodiscard]] SlipPage& page() const noexcept { return mapping_->as<SlipPage>(); }
 
   const std::shared_ptr<Mapping> mapping_;
   const std::shared_ptr<const Handle> handle_;
   const std::shared_ptr<const Handle> socket_;
+  const std::shared_ptr<const ForkGuard> fork_;
   std::shared_ptr<Mapping> lane_;
   std::shared_ptr<const PeerBell> bell_;
   std::atomic<std::size_t> held_{0};

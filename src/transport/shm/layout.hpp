@@ -26,6 +26,9 @@ inline constexpr std::uint32_t kSlots = 512;
 /// Channels between two sessions, one direction.
 inline constexpr std::uint32_t kCells = 1024;
 
+/// Segments of one session at a time; a receiver takes as many again that it was not yet told the end of.
+inline constexpr std::uint32_t kMaxSegments = 4096;
+
 using Shared32 = std::atomic<std::uint32_t>;
 using Shared64 = std::atomic<std::uint64_t>;
 static_assert(Shared32::is_always_lock_free && Shared64::is_always_lock_free);
@@ -35,7 +38,7 @@ static_assert(sizeof(Shared32) == 4 && sizeof(Shared64) == 8);
 struct BellPage {
   std::uint32_t magic;
   std::uint32_t version;
-  alignas(kCacheLine) Shared32 asleep;  ///< 1: a thread of the owner sleeps on this word, or is about to.
+  alignas(kCacheLine) Shared32 asleep;  ///< Odd: a thread of the owner sleeps on this word, or is about to.
   alignas(kCacheLine) Shared64 ready[kMaxPeers / 64];  ///< Bit n: look at the peer that has number n at the owner.
 };
 

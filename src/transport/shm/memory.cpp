@@ -91,11 +91,16 @@ std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes
     return nullptr;
   }
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size == 0 || size < size_bytes) {
+  if (status.st_size <= 0 || size < size_bytes) {
     fault = "it has " + std::to_string(size) + " bytes instead of " + std::to_string(size_bytes);
     return nullptr;
   }
-  return Map(handle.fd(), size, writable, size_bytes == 0, fault);
+  constexpr std::size_t kBlockBytes = 512;  // What st_blocks counts, whatever the file.
+  if (size_bytes == 0 && static_cast<std::size_t>(status.st_blocks) < size / kBlockBytes) {
+    fault = "it has holes";
+    return nullptr;
+  }
+  return Map(handle.fd(), size_bytes == 0 ? size : WholePages(size_bytes), writable, size_bytes == 0, fault);
 }
 
 }  // namespace hgros::shm

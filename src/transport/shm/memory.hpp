@@ -67,7 +67,8 @@ enum class Pages {
 [[nodiscard]] Segment MakeSegment(const char* name, std::size_t size_bytes, Access access, Pages pages);
 
 /// Maps what a peer has passed on. Null, and `fault` is set, unless it is a memfd that can neither shrink nor grow and
-/// has at least `size_bytes`: then no access to it can fail later. Maps all of it if `size_bytes` is 0.
+/// has at least `size_bytes`: then no access to it can fail later. Maps all of it if `size_bytes` is 0; then all its
+/// pages must be there already, because reading a hole would use up memory that nobody has asked for.
 [[nodiscard]] std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes, bool writable,
                                                   std::string& fault);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -26,6 +28,9 @@
 #include "transport/shm/receipt.hpp"
 
 namespace hgros::shm {
+
+/// What a frame may have beside its payload.
+inline constexpr std::size_t kFrameOverheadBytes = 1u << 20;
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
@@ -77,6 +82,7 @@ struct InLink {
   bool granted = false;              ///< And counted as a publisher.
   std::uint64_t asked_messages = 1;  ///< The widest window that was asked for: it was granted no more.
   std::uint64_t asked_bytes = 1;
+  std::uint64_t apart_bytes = 0;  ///< Of payloads that came before their messages.
   std::string type_name;
   Encoding encoding = Encoding::kNone;
   std::uint64_t fingerprint = 0;
@@ -88,7 +94,7 @@ struct InLink {
 /// Thread safety: `out` and all below it are guarded by the core's mutex; `in` and all below it by in_mutex, which is
 /// taken after the core's. What stands above is set before the pair is known to other threads than the core's own.
 /// Invariants: the reading thread moves `in`; the core's own thread does the rest.
-struct Pair {
+struct Pair : std::enable_shared_from_this<Pair> {
   Pair(std::uint32_t bell_number, std::shared_ptr<const Handle> connection, bool connected_by_us,
        std::size_t max_frame_bytes)
       : number(bell_number), by_us(connected_by_us), socket(std::move(connection), max_frame_bytes) {}
@@ -99,7 +105,10 @@ struct Pair {
 
   // The core's own thread.
   SessionFacts facts;
-  SteadyTime last_heard{};
+  pid_t process = 0;        ///< Of the peer, as the kernel says.
+  Handle process_end;       ///< See WatchProcess(): a child that holds the socket does not hide the end.
+  SteadyTime last_heard{};  ///< Before the greeting: when the connection was made.
+  SteadyTime last_read{};   ///< From the socket.
   std::uint32_t seen_heartbeat = 0;
   std::unordered_set<std::string> told_mismatch;
   bool came = false;  ///< The listener was told.
@@ -111,6 +120,7 @@ struct Pair {
   std::atomic<bool> ending{false};
   std::string end_reason;              ///< Set before `ending`.
   std::atomic<bool> finishing{false};  ///< All was read.
+  bool finished = false;               ///< And what that leaves to do is done. The core's own thread.
   bool eof = false;                    ///< The peer holds nothing of ours any more. The core's own thread.
   /// Something waits for slots or credit.
   std::atomic<bool> hungry{false};
@@ -129,7 +139,8 @@ struct Pair {
   std::unordered_map<std::uint64_t, std::shared_ptr<InLink>> in_links;  ///< By link.
   std::unordered_map<std::string, std::uint64_t> in_channels;           ///< Our wish for each channel: its link.
   std::unordered_map<std::uint32_t, std::shared_ptr<Mapping>> segments;
-  std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> apart;  ///< Payloads by link and number.
+  /// Payloads by link and number; of each link no more than its credit.
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> apart;
   std::uint64_t last_link = 0;
   bool blocked = false;  ///< The next message needs something that has not come over the socket yet.
 };

@@ -1,6 +1,8 @@
 #include "transport/shm/pair_socket.hpp"
 
+#include <poll.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -18,6 +20,7 @@ constexpr std::size_t kHeaderBytes = 2 * sizeof(std::uint32_t);
 constexpr std::size_t kMaxHandles = 4;        // With one frame.
 constexpr std::size_t kMaxStrayHandles = 64;  // That came before their frames.
 constexpr std::size_t kReadBytes = 64 * 1024;
+constexpr int kReadsAtOnce = 64;
 
 bool AddressOf(const std::string& place, sockaddr_un& address, socklen_t& size, std::string& fault) {
   address = {};
@@ -45,6 +48,13 @@ uid_t PairSocket::PeerUser() const noexcept {
   socklen_t size = sizeof credentials;
   if (getsockopt(socket_->fd(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return static_cast<uid_t>(-1);
   return credentials.uid;
+}
+
+pid_t PairSocket::PeerProcess() const noexcept {
+  ucred credentials{};
+  socklen_t size = sizeof credentials;
+  if (getsockopt(socket_->fd(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return 0;
+  return credentials.pid;
 }
 
 void PairSocket::Send(const wire::PairMessage& message, const Handles& handles) {
@@ -85,7 +95,8 @@ void PairSocket::Flush() noexcept {
     const auto sent = sendmsg(socket_->fd(), &header, MSG_NOSIGNAL);
     if (sent < 0) {
       if (errno == EINTR) continue;
-      if (errno == EAGAIN || errno == EWOULDBLOCK) return;
+      // Whatever else it is, such as too many descriptors on their way to sessions that stand still, may pass.
+      if (errno != EPIPE && errno != ECONNRESET) return;
       // The other side has gone, which reading tells.
       broken_ = true;
       outgoing_.clear();
@@ -97,7 +108,6 @@ void PairSocket::Flush() noexcept {
 }
 
 PairSocket::Read PairSocket::Fail(std::string what) {
-  closed_ = true;
   fault_ = std::move(what);
   return Read::kFault;
 }
@@ -120,7 +130,8 @@ PairSocket::Read PairSocket::ReadMore() {
   const int error = errno;
   incoming_.resize(before + (got > 0 ? static_cast<std::size_t>(got) : 0));
   if (got < 0) {
-    if (error == EAGAIN || error == EWOULDBLOCK || error == EINTR) return Read::kNothing;
+    if (error == EINTR) return Read::kFrame;  // Again.
+    if (error == EAGAIN || error == EWOULDBLOCK) return Read::kNothing;
     closed_ = true;
     return Read::kClosed;
   }
@@ -142,7 +153,19 @@ PairSocket::Read PairSocket::ReadMore() {
   return Read::kFrame;
 }
 
+PairSocket::Read PairSocket::ThrowAway() {
+  for (int i = 0; i < kReadsAtOnce; ++i) {
+    incoming_.clear();
+    parsed_ = 0;
+    handles_.clear();
+    if (closed_) return Read::kClosed;
+    if (ReadMore() == Read::kNothing) return Read::kNothing;
+  }
+  return Read::kFault;
+}
+
 PairSocket::Read PairSocket::Receive(Frame& frame) {
+  if (!fault_.empty()) return ThrowAway();
   for (;;) {
     const std::size_t available = incoming_.size() - parsed_;
     if (available >= kHeaderBytes) {
@@ -166,11 +189,21 @@ PairSocket::Read PairSocket::Receive(Frame& frame) {
         return Read::kFrame;
       }
     }
-    if (closed_) return fault_.empty() ? Read::kClosed : Read::kFault;
+    if (closed_) return Read::kClosed;
     if (const Read read = ReadMore(); read != Read::kFrame) {
       if (read != Read::kClosed) return read;
     }
   }
+}
+
+Handle WatchProcess(pid_t pid) noexcept {
+  constexpr long kPidfdOpen = 434;  // The same number everywhere; older headers do not name it.
+  return pid > 0 ? Handle(static_cast<int>(syscall(kPidfdOpen, pid, 0))) : Handle();
+}
+
+bool HasEnded(const Handle& process) noexcept {
+  pollfd ask{process.fd(), POLLIN, 0};
+  return process.valid() && poll(&ask, 1, 0) > 0 && (ask.revents & POLLIN) != 0;
 }
 
 Handle ListenAt(const std::string& place, std::string& fault) {
@@ -186,8 +219,10 @@ Handle ListenAt(const std::string& place, std::string& fault) {
   return made;
 }
 
-Handle AcceptFrom(const Handle& listening) noexcept {
-  return Handle(accept4(listening.fd(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+Handle AcceptFrom(const Handle& listening, bool& out_of_descriptors) noexcept {
+  Handle made(accept4(listening.fd(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  out_of_descriptors = !made.valid() && (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
+  return made;
 }
 
 Handle ConnectTo(const std::string& place, std::string& fault) {

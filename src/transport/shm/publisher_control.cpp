@@ -30,11 +30,14 @@ void ShmCore::OnWish(Pair& pair, const wire::Wish& asked) {
     if (!pair.alive) return;
     if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
         asked.cell() >= kCells || (pair.wishes.size() >= kMaxWishes && !pair.wishes.contains(name))) {
-      Distrust(pair.number, "it asks for what cannot be");
+      Distrust(pair, "it asks for what cannot be");
       return;
     }
     // It has not heard yet that the link has ended.
-    if (const auto ended = pair.ended.find(name); ended != pair.ended.end() && ended->second == asked.link()) return;
+    if (const auto ended = pair.ended.find(name); ended != pair.ended.end()) {
+      if (ended->second == asked.link()) return;
+      pair.ended.erase(ended);
+    }
     PeerWish& wish = pair.wishes[name];
     const bool change = wish.link && wish.link->link == asked.link();
     wish.asked = asked;
@@ -70,9 +73,8 @@ void ShmCore::Activate(Pair& pair, PeerWish& wish, Actions& actions) {
     WriteType(core->name, core->type, *said.mutable_misfit()->mutable_offered());
     said.mutable_misfit()->set_reason(what);
     pair.socket.Send(said);
-    actions.emplace_back([this, number = pair.number, channel = core->name, what] {
-      if (const auto still = PairAt(number)) TellMismatch(*still, channel, what);
-    });
+    actions.emplace_back(
+        [this, to = pair.shared_from_this(), channel = core->name, what] { TellMismatch(*to, channel, what); });
     return;
   }
   wish.link = std::make_unique<OutLink>(pair, core, wish.asked.link(), wish.asked.cell(),
@@ -81,7 +83,8 @@ void ShmCore::Activate(Pair& pair, PeerWish& wish, Actions& actions) {
   if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
   OutboundCore::CountSubscriber(core, false, 1, actions);
   SayGranted(pair, *wish.link, *descriptor_set);
-  actions.emplace_back([this, core, number = pair.number, link = wish.link->link] { StartLink(core, number, link); });
+  actions.emplace_back(
+      [this, core, to = pair.shared_from_this(), link = wish.link->link] { StartLink(core, *to, link); });
 }
 
 void ShmCore::SayGranted(Pair& pair, const OutLink& link, const std::string& descriptor_set) {
@@ -95,7 +98,7 @@ void ShmCore::SayGranted(Pair& pair, const OutLink& link, const std::string& des
   pair.socket.Send(said);
 }
 
-void ShmCore::StartLink(const std::shared_ptr<OutboundCore>& core, std::uint32_t number, std::uint64_t link) {
+void ShmCore::StartLink(const std::shared_ptr<OutboundCore>& core, Pair& pair, std::uint64_t link) {
   std::vector<PendingMessage> latched;
   const bool open = core->gate.Through([&] {
     for (const auto& message : core->source.Latched()) {
@@ -109,10 +112,8 @@ void ShmCore::StartLink(const std::shared_ptr<OutboundCore>& core, std::uint32_t
   Bells bells;
   {
     const std::scoped_lock lock(mutex_);
-    const auto pair = PairAt(number);
-    if (!pair) return;
-    const auto wish = pair->wishes.find(core->name);
-    if (wish == pair->wishes.end() || !wish->second.link || wish->second.link->link != link) return;
+    const auto wish = pair.wishes.find(core->name);
+    if (wish == pair.wishes.end() || !wish->second.link || wish->second.link->link != link) return;
     wish->second.link->flow.Begin(std::move(latched));
     Drain(*wish->second.link, leavings, bells);
   }

@@ -15,26 +15,21 @@
 namespace hgros::shm {
 namespace {
 
-constexpr std::size_t kFrameOverheadBytes = 1u << 20;
+// Who has not greeted yet says no more than that at once.
+constexpr std::size_t kMaxHelloBytes = 64 * 1024;
+constexpr int kFramesAtOnce = 256;  // Of one peer before others have their turn.
 constexpr auto kFirstPause = std::chrono::milliseconds(100);
 constexpr auto kLongestPause = std::chrono::milliseconds(1000);
 // epoll's marks of what is no pair.
 constexpr std::uint64_t kListening = 1ULL << 32;
 constexpr std::uint64_t kWoken = 1ULL << 33;
+// With a pair's number: its process.
+constexpr std::uint64_t kProcess = 1ULL << 34;
 
 ShmOptions Completed(ShmOptions options) {
   if (options.session.value == 0) options.session = SessionId::Random();
   if (options.place.empty()) options.place = "hgros-" + options.session.ToString();
   return options;
-}
-
-void Watch(const Handle& epoll, int fd, std::uint64_t mark, std::uint32_t events) {
-  epoll_event event{};
-  event.events = events;
-  event.data.u64 = mark;
-  if (epoll_ctl(epoll.fd(), EPOLL_CTL_ADD, fd, &event) != 0) {
-    throw Error(std::string("Cannot wait for a descriptor: ") + std::strerror(errno) + ".");
-  }
 }
 
 template <class Cores>
@@ -67,12 +62,20 @@ ShmCore::ShmCore(ShmOptions options, TransportListener& listener, Log& log)
     throw Error("Other sessions of this host cannot be reached through shared memory: " + fault + ".", {},
                 "Choose another place, or none to have one chosen.");
   }
-  Watch(epoll_, listening_.fd(), kListening, EPOLLIN);
-  Watch(epoll_, waker_.fd(), kWoken, EPOLLIN);
+  if (!Watch(listening_.fd(), kListening, EPOLLIN) || !Watch(waker_.fd(), kWoken, EPOLLIN)) {
+    throw Error(std::string("Cannot wait for a descriptor: ") + std::strerror(errno) + ".");
+  }
   for (const std::string& place : options_.peers) destinations_.emplace_back().place = place;
 }
 
 ShmCore::~ShmCore() { Close(0); }
+
+bool ShmCore::Watch(int fd, std::uint64_t mark, std::uint32_t events) noexcept {
+  epoll_event event{};
+  event.events = events;
+  event.data.u64 = mark;
+  return epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, fd, &event) == 0;
+}
 
 void ShmCore::Start() {
   pool_of_readers_.Start();
@@ -86,6 +89,7 @@ void ShmCore::Close(int linger_ms) noexcept {
   waker_.Wake();
   if (minder_.joinable()) minder_.join();
   pool_of_readers_.Stop();
+  pool_->Close();          // Peers may read on what is let go of below.
   Actions nobody_listens;  // Ends after the lock: messages may end with it.
   std::map<std::uint32_t, std::shared_ptr<Pair>> pairs;
   {
@@ -141,6 +145,12 @@ void ShmCore::Post(std::function<void()> action) {
     posted_.push_back(std::move(action));
   }
   waker_.Wake();
+}
+
+void ShmCore::PostFor(Pair& pair, std::function<void(const std::shared_ptr<Pair>&)> action) {
+  Post([pair = pair.weak_from_this(), action = std::move(action)] {
+    if (const auto still = pair.lock()) action(still);
+  });
 }
 
 void ShmCore::Post(Actions&& actions) {
@@ -278,7 +288,7 @@ SteadyTime ShmCore::NextDeadline() const {
   SteadyTime next = next_tick_;
   const std::scoped_lock lock(mutex_);
   for (const Destination& destination : destinations_) {
-    if (destination.pair.expired()) next = std::min(next, destination.next_try);
+    if (!destination.Connected()) next = std::min(next, destination.next_try);
   }
   return next;
 }
@@ -293,14 +303,7 @@ void ShmCore::Mind(const std::stop_token& stop) {
     const int count = epoll_wait(epoll_.fd(), events.data(), static_cast<int>(events.size()),
                                  static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 60'000)));
     for (int i = 0; i < count; ++i) {
-      const std::uint64_t mark = events[static_cast<std::size_t>(i)].data.u64;
-      if (mark == kListening) {
-        AcceptPairs();
-      } else if (mark == kWoken) {
-        waker_.Clear();
-      } else if (const auto pair = PairAt(static_cast<std::uint32_t>(mark))) {
-        Read(pair);
-      }
+      Turn(events[static_cast<std::size_t>(i)].data.u64);
     }
     Actions posted;
     {
@@ -312,13 +315,27 @@ void ShmCore::Mind(const std::stop_token& stop) {
   }
 }
 
+void ShmCore::Turn(std::uint64_t mark) {
+  if (mark == kListening) {
+    AcceptPairs();
+  } else if (mark == kWoken) {
+    waker_.Clear();
+  } else if (const auto pair = PairAt(static_cast<std::uint32_t>(mark))) {
+    if ((mark & kProcess) != 0) {
+      OnProcessEnd(pair);
+    } else {
+      Read(pair);
+    }
+  }
+}
+
 void ShmCore::TryDestinations(SteadyTime now) {
   std::vector<std::string> places;
   {
     const auto pairs = Pairs();
     const std::scoped_lock lock(mutex_);
     for (Destination& destination : destinations_) {
-      if (!destination.pair.expired() || now < destination.next_try) continue;
+      if (destination.Connected() || now < destination.next_try) continue;
       destination.pause = std::clamp(destination.pause * 2, kFirstPause, kLongestPause);
       destination.next_try = now + destination.pause;
       const bool connected = std::ranges::any_of(pairs, [&](const auto& pair) {
@@ -343,9 +360,18 @@ void ShmCore::TryDestinations(SteadyTime now) {
 
 void ShmCore::AcceptPairs() {
   for (;;) {
-    Handle connection = AcceptFrom(listening_);
-    if (!connection.valid()) return;
-    (void)AddPair(std::move(connection), false, {});
+    bool out_of_descriptors = false;
+    Handle connection = AcceptFrom(listening_, out_of_descriptors);
+    if (connection.valid()) {
+      (void)AddPair(std::move(connection), false, {});
+      continue;
+    }
+    if (!out_of_descriptors) return;
+    // It stays readable: asking on would use up a CPU.
+    listens_ = epoll_ctl(epoll_.fd(), EPOLL_CTL_DEL, listening_.fd(), nullptr) != 0;
+    log_.WriteLimited(LogLevel::kWarning, "shm accept",
+                      "Another session cannot be let in: the limit of open files is reached. Raise it (ulimit -n).");
+    return;
   }
 }
 
@@ -358,7 +384,7 @@ std::shared_ptr<Pair> ShmCore::AddPair(Handle connection, bool by_us, const std:
   std::string fault;
   std::unique_ptr<LaneWriter> lane = LaneWriter::Make(fault);
   if (!lane) return refuse(fault);
-  std::shared_ptr<Slip> slip = Slip::Make(handle, fault);
+  std::shared_ptr<Slip> slip = Slip::Make(handle, fork_, fault);
   if (!slip) return refuse(fault);
   std::shared_ptr<Pair> pair;
   {
@@ -366,13 +392,16 @@ std::shared_ptr<Pair> ShmCore::AddPair(Handle connection, bool by_us, const std:
     std::uint32_t number = 0;
     while (pairs_.contains(number)) ++number;
     if (number >= kMaxPeers) return refuse("there are " + std::to_string(kMaxPeers) + " already");
-    pair = std::make_shared<Pair>(number, std::move(handle), by_us, options_.max_message_bytes + kFrameOverheadBytes);
+    pair = std::make_shared<Pair>(number, std::move(handle), by_us, kMaxHelloBytes);
     pairs_.emplace(number, pair);
   }
   if (const uid_t user = pair->socket.PeerUser(); user != geteuid()) {
     ForgetPair(pair);
     return refuse("it belongs to another user (" + std::to_string(user) + ")");
   }
+  pair->process = pair->socket.PeerProcess();
+  if (pair->process != getpid()) pair->process_end = WatchProcess(pair->process);
+  pair->last_heard = pair->last_read = std::chrono::steady_clock::now();
   pair->place = place;
   pair->out = std::move(lane);
   pair->slip = std::move(slip);
@@ -386,7 +415,12 @@ std::shared_ptr<Pair> ShmCore::AddPair(Handle connection, bool by_us, const std:
     const std::scoped_lock lock(mutex_);
     pair->socket.Send(said, {bell_.handle(), pair->out->handle(), pair->slip->handle()});
   }
-  Watch(epoll_, pair->socket.handle()->fd(), pair->number, EPOLLIN | EPOLLOUT | EPOLLET);
+  if (!Watch(pair->socket.handle()->fd(), pair->number, EPOLLIN | EPOLLOUT | EPOLLET) ||
+      (pair->process_end.valid() && !Watch(pair->process_end.fd(), kProcess | pair->number, EPOLLIN | EPOLLONESHOT))) {
+    const int error = errno;
+    ForgetPair(pair);
+    return refuse(std::string("its socket cannot be waited for: ") + std::strerror(error));
+  }
   return pair;
 }
 
@@ -396,15 +430,27 @@ void ShmCore::Read(const std::shared_ptr<Pair>& pair) {
     pair->socket.Flush();
   }
   PairSocket::Frame frame;
-  for (bool more = true; more;) {
+  int left = kFramesAtOnce;
+  for (bool more = true; more; --left) {
+    if (left == 0) {
+      PostFor(*pair, [this](const auto& same) { Read(same); });
+      break;
+    }
     switch (pair->socket.Receive(frame)) {
-      case PairSocket::Read::kFrame: OnFrame(pair, frame); break;
+      case PairSocket::Read::kFrame:
+        pair->last_read = std::chrono::steady_clock::now();
+        OnFrame(pair, frame);
+        break;
       case PairSocket::Read::kNothing: more = false; break;
       case PairSocket::Read::kFault:
-        Distrust(pair->number, pair->socket.fault());
-        pair->eof = true;
-        more = false;
-        break;
+        if (pair->alive) {
+          Distrust(*pair, pair->socket.fault());
+        } else if (!pair->ending) {
+          log_.WriteLimited(LogLevel::kWarning, "shm refuse",
+                            "No memory is shared with another session: " + pair->socket.fault() + ".");
+          EndPair(pair, pair->socket.fault(), true);
+        }
+        break;  // What it holds of ours, it holds until its socket ends.
       case PairSocket::Read::kClosed:
         pair->eof = true;
         EndPair(pair, "its process has ended", false);
@@ -423,12 +469,13 @@ void ShmCore::Read(const std::shared_ptr<Pair>& pair) {
 // Its links out end now, those in behind what it has written.
 void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye) {
   if (pair->ending.load()) {
-    if (pair->eof && pair->finishing) ForgetPair(pair);
+    if (pair->eof && pair->finished) ForgetPair(pair);
     return;
   }
   Actions actions;
   {
     const std::scoped_lock lock(mutex_);
+    if (!pair->alive) pair->eof = true;  // It was never given anything.
     pair->alive = false;
     pair->asks = false;
     if (say_bye) {
@@ -443,6 +490,15 @@ void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reas
   pair->ending = true;
   for (const auto& action : actions) action();
   bell_.Ring(pair->number);  // The reading thread takes what is left, and then has the pair finished.
+}
+
+// Whether or not its socket is still open in a child of its own.
+void ShmCore::OnProcessEnd(const std::shared_ptr<Pair>& pair) {
+  if (!HasEnded(pair->process_end)) return;  // The number was another pair's.
+  Read(pair);
+  if (pair->eof) return;
+  pair->eof = true;
+  EndPair(pair, "its process has ended", false);
 }
 
 void ShmCore::FinishPair(const std::shared_ptr<Pair>& pair) {
@@ -462,28 +518,32 @@ void ShmCore::FinishPair(const std::shared_ptr<Pair>& pair) {
   }
   for (const auto& action : actions) action();
   if (std::exchange(pair->came, false)) registry_.Gone(pair->facts.info, pair->end_reason);
+  pair->finished = true;
   if (pair->eof) ForgetPair(pair);
 }
 
 void ShmCore::ForgetPair(const std::shared_ptr<Pair>& pair) {
-  Leavings leavings;
-  std::unique_ptr<LaneWriter> out;
+  std::unique_ptr<LaneWriter> out;  // Ends without a lock: what it holds may be the user's.
   {
     const std::scoped_lock lock(mutex_, pairs_mutex_);
+    const auto known = pairs_.find(pair->number);
+    if (known == pairs_.end() || known->second != pair) return;
     out = std::move(pair->out);
-    pairs_.erase(pair->number);
+    pairs_.erase(known);
     for (Destination& destination : destinations_) {
       if (destination.pair.lock() == pair) destination.pair.reset();
     }
   }
   epoll_ctl(epoll_.fd(), EPOLL_CTL_DEL, pair->socket.handle()->fd(), nullptr);
+  if (pair->process_end.valid()) epoll_ctl(epoll_.fd(), EPOLL_CTL_DEL, pair->process_end.fd(), nullptr);
 }
 
 void ShmCore::Tick(SteadyTime now) {
   const bool overslept = now - next_tick_ > options_.heartbeat;
   next_tick_ = now + options_.heartbeat;
+  if (!listens_) listens_ = Watch(listening_.fd(), kListening, EPOLLIN);
   const auto gone = pool_->TakeGone();
-  std::vector<std::shared_ptr<Pair>> silent;
+  std::vector<std::pair<std::shared_ptr<Pair>, std::string>> silent;
   Leavings leavings;
   for (const auto& pair : Pairs()) {
     bool beats = overslept;
@@ -499,18 +559,23 @@ void ShmCore::Tick(SteadyTime now) {
       RemoveSegments(*pair, gone);
       const std::uint32_t heartbeat = pair->out->peer_heartbeat();
       beats = std::exchange(pair->seen_heartbeat, heartbeat) != heartbeat || beats;
+      pair->socket.Flush();  // What failed may go now.
+      if (!pair->blocked || overslept) pair->last_read = now;
     }
-    if (!pair->alive) continue;
+    if (pair->ending) continue;
+    const std::string timeout = std::to_string(options_.peer_timeout.count()) + " ms";
     if (beats) {
       pair->last_heard = now;
     } else if (now - pair->last_heard > options_.peer_timeout) {
-      silent.push_back(pair);
+      silent.emplace_back(pair, (pair->alive ? "silent for " : "it did not greet for ") + timeout);
     }
-    if (pair->hungry) bell_.Ring(pair->number);
+    if (now - pair->last_read > options_.peer_timeout) {
+      Distrust(*pair, "a message needs what was not passed on for " + timeout);
+    }
+    bell_.Ring(pair->number);  // In case a peer has taken a ring back.
   }
-  for (const auto& pair : silent) {
-    EndPair(pair, "silent for " + std::to_string(options_.peer_timeout.count()) + " ms", true);
-  }
+  bell_.Mend();
+  for (const auto& [pair, reason] : silent) EndPair(pair, reason, true);
 }
 
 }  // namespace hgros::shm

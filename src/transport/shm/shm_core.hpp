@@ -57,7 +57,7 @@ class ShmCore : public LeaderPool::Input {
   [[nodiscard]] TransportStats stats() const;
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return registry_.List(); }
   [[nodiscard]] const ShmOptions& options() const noexcept { return options_; }
-  [[nodiscard]] bool IsChild() const noexcept { return fork_.IsChild(); }
+  [[nodiscard]] bool IsChild() const noexcept { return fork_->IsChild(); }
 
   void Wait() noexcept override;
   LeaderPool::Task Lead() noexcept override;
@@ -74,6 +74,10 @@ class ShmCore : public LeaderPool::Input {
     std::chrono::milliseconds pause{0};
     std::weak_ptr<Pair> pair;
     SessionId session;  // Who was found there.
+    [[nodiscard]] bool Connected() const {
+      const auto known = pair.lock();
+      return known && !known->ending;  // One that has ended may hold messages for a long time.
+    }
   };
 
   // shm_core.cpp: wiring, and the core's own thread.
@@ -82,12 +86,17 @@ class ShmCore : public LeaderPool::Input {
   void TryDestinations(SteadyTime now);
   [[nodiscard]] SteadyTime NextDeadline() const;
   void AcceptPairs();
+  void Turn(std::uint64_t mark);
+  [[nodiscard]] bool Watch(int fd, std::uint64_t mark, std::uint32_t events) noexcept;
   [[nodiscard]] std::shared_ptr<Pair> AddPair(Handle connection, bool by_us, const std::string& place);
   void Read(const std::shared_ptr<Pair>& pair);
   void EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye);
+  void OnProcessEnd(const std::shared_ptr<Pair>& pair);
   void FinishPair(const std::shared_ptr<Pair>& pair);
   void ForgetPair(const std::shared_ptr<Pair>& pair);
   void Post(std::function<void()> action);
+  /// For as long as the pair is known: its number may be another's by then.
+  void PostFor(Pair& pair, std::function<void(const std::shared_ptr<Pair>&)> action);
   void Post(Actions&& actions);
   void WaitUntilSent(int linger_ms);
   void CountRound();
@@ -99,20 +108,21 @@ class ShmCore : public LeaderPool::Input {
   void OnUnwish(Pair& pair, const wire::Unwish& unwish);
   void Activate(Pair& pair, PeerWish& wish, Actions& actions);
   void SayGranted(Pair& pair, const OutLink& link, const std::string& descriptor_set);
-  void StartLink(const std::shared_ptr<OutboundCore>& core, std::uint32_t number, std::uint64_t link);
+  void StartLink(const std::shared_ptr<OutboundCore>& core, Pair& pair, std::uint64_t link);
   void RemoveLink(PeerWish& wish, bool died, Actions& actions);
 
   // subscriber_control.cpp: what publishing peers say.
   void OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
   void OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
   [[nodiscard]] std::string OpenPages(Pair& pair, const wire::PairHello& hello, PairSocket::Frame& frame);
-  [[nodiscard]] bool IsSecond(const std::shared_ptr<Pair>& pair);
+  [[nodiscard]] std::string WhyNot(const std::shared_ptr<Pair>& pair);
   void OnGranted(Pair& pair, const wire::Granted& granted);
   void OnMisfit(Pair& pair, const wire::Misfit& misfit);
   void OnEnded(Pair& pair, const wire::Ended& ended);
   void EndLink(Pair& pair, std::uint64_t link);
   void OnSegment(Pair& pair, std::uint32_t segment, PairSocket::Frame& frame);
   void AskForAll(Pair& pair);
+  void OnPayload(Pair& pair, wire::PayloadApart& payload);
   void Ask(Pair& pair, const std::shared_ptr<InboundCore>& core);
   void SayWish(Pair& pair, InLink& link);
   void ForgetWish(Pair& pair, const std::string& channel, std::string_view mismatch, Actions& actions);
@@ -138,13 +148,13 @@ class ShmCore : public LeaderPool::Input {
   [[nodiscard]] static Payload PayloadOf(const std::shared_ptr<Slip>& slip, const Descriptor& descriptor,
                                          std::shared_ptr<Mapping> segment);
   // The pair ends: its peer says what cannot be.
-  void Distrust(std::uint32_t number, const std::string& what);
+  void Distrust(Pair& pair, const std::string& what);
 
   const ShmOptions options_;
   const SessionFacts self_;
   TransportListener& listener_;
   Log& log_;
-  ForkGuard fork_;
+  const std::shared_ptr<const ForkGuard> fork_ = std::make_shared<const ForkGuard>();
   PeerRegistry registry_;
   Bell bell_;
   const std::shared_ptr<BlockPool> pool_;
@@ -167,6 +177,7 @@ class ShmCore : public LeaderPool::Input {
   Handle epoll_;
   Waker waker_;
   SteadyTime next_tick_;
+  bool listens_ = true;  // Until there are no descriptors left; then again at the next tick.
   std::mutex posted_mutex_;
   Actions posted_;
 

@@ -121,12 +121,12 @@ void ShmCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead
 void ShmCore::ReadCredit(OutLink& link, Leavings& leavings) {
   const auto consumed = link.pair.out->ConsumedOf(link.cell);
   if (link.flow.Confirm(consumed.messages, consumed.bytes, leavings.messages)) return;
-  Distrust(link.pair.number, "it says that it has consumed more than it was sent");
+  Distrust(link.pair, "it says that it has consumed more than it was sent");
 }
 
 void ShmCore::Collect(Pair& pair, Leavings& leavings) {
   if (pair.out->Collect(leavings.owners)) return;
-  Distrust(pair.number, "it returns what it was not given");
+  Distrust(pair, "it returns what it was not given");
 }
 
 bool ShmCore::Send(OutLink& link) {
@@ -147,9 +147,13 @@ void ShmCore::Drain(OutLink& link, Leavings& leavings, Bells& bells) {
   if (link.flow.lossless() || link.flow.waiting() > 0) ReadCredit(link, leavings);
   if (link.flow.waiting() > 0) {
     sent = Send(link) || sent;
-    if (link.flow.waiting() > 0) {
+    // Each time after having asked for what is missing: what came before the peer read that rings no bell.
+    for (std::uint32_t asked = 0; link.flow.waiting() > 0;) {
+      const std::uint32_t missing = kForCredit | (pair.out->HasSlot() ? 0 : kForSlots);
+      if ((asked & missing) == missing) break;
+      asked |= missing;
       pair.hungry = true;
-      pair.out->SetHungry(pair.out->hungry() | kForCredit | (pair.out->HasSlot() ? 0 : kForSlots));
+      pair.out->SetHungry(pair.out->hungry() | missing);
       Collect(pair, leavings);
       ReadCredit(link, leavings);
       sent = Send(link) || sent;

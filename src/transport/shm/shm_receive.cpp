@@ -62,7 +62,7 @@ LeaderPool::Task ShmCore::Serve(const std::shared_ptr<Pair>& pair) {
     const char* lie = nullptr;
     switch (Next(*pair, link, message, lie)) {
       case Step::kSkipped: continue;
-      case Step::kLie: Distrust(pair->number, lie); return {};
+      case Step::kLie: Distrust(*pair, lie); return {};
       case Step::kNothing:
         if (pair->ending.load() && !pair->finishing.exchange(true)) Post([this, pair] { FinishPair(pair); });
         return {};
@@ -105,7 +105,6 @@ ShmCore::Step ShmCore::Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMe
     pair.in->Next();
     pair.slip->Hold();
     pair.slip->Return(descriptor.slot);
-    pair.apart.erase({descriptor.link, descriptor.number});
     return Step::kSkipped;
   }
   link = found->second;
@@ -146,6 +145,7 @@ ShmCore::Step ShmCore::Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMe
   if (descriptor.segment == kOnSocket) {
     pair.slip->Return(descriptor.slot);
     auto owner = std::make_shared<const std::string>(std::move(apart->second));
+    link->apart_bytes -= descriptor.size_bytes;
     pair.apart.erase(apart);
     message.data = {AsBytes(*owner), owner};
   } else {
@@ -161,9 +161,7 @@ ShmCore::Step ShmCore::Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMe
   message.head.publish_monotonic_ns = descriptor.publish_monotonic_ns;
   message.head.latched = descriptor.latched;
   if (link->ends_after == link->receipt->received()) {
-    Post([this, number = pair.number, ended = link->link] {
-      if (const auto owner = PairAt(number)) EndLink(*owner, ended);
-    });
+    PostFor(pair, [this, ended = link->link](const auto& owner) { EndLink(*owner, ended); });
   }
   return Step::kMessage;
 }
@@ -184,10 +182,10 @@ Payload ShmCore::PayloadOf(const std::shared_ptr<Slip>& slip, const Descriptor& 
   return {bytes, std::make_shared<const Borrow>(slip, std::move(segment), descriptor.slot)};
 }
 
-void ShmCore::Distrust(std::uint32_t number, const std::string& what) {
-  Post([this, number, what] {
-    const auto pair = PairAt(number);
-    if (!pair || pair->ending.load()) return;
+void ShmCore::Distrust(Pair& liar, const std::string& what) {
+  if (liar.ending.load()) return;
+  PostFor(liar, [this, what](const auto& pair) {
+    if (pair->ending.load()) return;
     faults_[static_cast<std::size_t>(PacketFault::kHead)].fetch_add(1, std::memory_order_relaxed);
     log_.WriteLimited(LogLevel::kWarning, "shm lie " + pair->facts.info.id.ToString(),
                       "The shared memory of " + pair->facts.info.process + " (session " +

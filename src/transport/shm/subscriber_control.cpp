@@ -12,7 +12,6 @@ namespace hgros::shm {
 namespace {
 
 constexpr std::size_t kMaxTold = 1024;
-constexpr std::size_t kMaxSegments = 1u << 16;
 
 std::string Who(const Pair& pair) {
   return pair.facts.info.process + " (session " + pair.facts.info.id.ToString() + ")";
@@ -43,15 +42,7 @@ void ShmCore::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
       pair->segments.erase(said.segment_removed().segment());
       break;
     }
-    case wire::PairMessage::kPayload: {
-      const std::scoped_lock lock(pair->in_mutex);
-      const auto& payload = frame.message.payload();
-      if (pair->in_links.contains(payload.link())) {
-        pair->apart.emplace(std::pair(payload.link(), payload.number()),
-                            std::move(*frame.message.mutable_payload()->mutable_data()));
-      }
-      break;
-    }
+    case wire::PairMessage::kPayload: OnPayload(*pair, *frame.message.mutable_payload()); break;
     default: break;  // Of a newer version.
   }
 }
@@ -59,7 +50,7 @@ void ShmCore::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
 void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame) {
   const wire::PairHello& hello = frame.message.hello();
   if (pair->alive || pair->ending) {
-    Distrust(pair->number, "it greets twice");
+    Distrust(*pair, "it greets twice");
     return;
   }
   pair->facts = ReadFacts(SessionId{hello.session()}, hello.facts());
@@ -70,8 +61,8 @@ void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
       if (destination.place == pair->place) destination.session = pair->facts.info.id;
     }
   }
-  if (hello.session() == 0 || pair->facts.info.id == self_.info.id || IsSecond(pair)) {
-    EndPair(pair, "it is connected already", true);
+  if (const std::string why = WhyNot(pair); !why.empty()) {
+    EndPair(pair, why, true);
     return;
   }
   if (const std::string fault = OpenPages(*pair, hello, frame); !fault.empty()) {
@@ -81,6 +72,7 @@ void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
     EndPair(pair, fault, true);
     return;
   }
+  pair->socket.SetMaxFrame(options_.max_message_bytes + kFrameOverheadBytes);
   pair->last_heard = std::chrono::steady_clock::now();
   pair->came = true;
   registry_.Came(pair->facts.info);
@@ -109,19 +101,32 @@ std::string ShmCore::OpenPages(Pair& pair, const wire::PairHello& hello, PairSoc
   return {};
 }
 
+// Why the connection is not wanted; empty: it is.
+//
 // Two sessions may connect to each other at the same time. Of the two connections the one stays that was made by the
-// session with the smaller id: both sides come to the same end.
-bool ShmCore::IsSecond(const std::shared_ptr<Pair>& pair) {
+// session with the smaller id: both sides come to the same end. Nobody puts an end to the connection of another living
+// process by using its id.
+std::string ShmCore::WhyNot(const std::shared_ptr<Pair>& pair) {
   const SessionId peer = pair->facts.info.id;
+  if (peer.value == 0) return "it has no id";
+  if (peer == self_.info.id) return "it is this session";
   const SessionId smaller = self_.info.id.value < peer.value ? self_.info.id : peer;
   for (const auto& other : Pairs()) {
     if (other == pair || !other->alive || other->facts.info.id != peer) continue;
+    if (other->process != pair->process && other->process_end.valid() && !HasEnded(other->process_end)) {
+      log_.WriteLimited(LogLevel::kWarning, "shm id " + peer.ToString(),
+                        "Another process uses the id of " + Who(*other) +
+                            ": no memory is shared with it. Give each session an id of its own, or none.");
+      return "another process has its id";
+    }
     const SessionId maker = other->by_us ? self_.info.id : peer;
     const bool same_maker = other->by_us == pair->by_us;
-    if (other->facts.incarnation == pair->facts.incarnation && maker == smaller && !same_maker) return true;
+    if (other->facts.incarnation == pair->facts.incarnation && maker == smaller && !same_maker) {
+      return "it is connected already";
+    }
     EndPair(other, "another connection took its place", true);
   }
-  return false;
+  return {};
 }
 
 void ShmCore::AskForAll(Pair& pair) {
@@ -168,6 +173,7 @@ void ShmCore::ForgetWish(Pair& pair, const std::string& channel, std::string_vie
   const auto found = pair.in_channels.find(channel);
   if (found == pair.in_channels.end()) return;
   const auto link = pair.in_links.at(found->second);
+  pair.apart.erase(pair.apart.lower_bound({link->link, 0}), pair.apart.lower_bound({link->link + 1, 0}));
   pair.in_links.erase(found->second);
   pair.in_channels.erase(found);
   wire::PairMessage said;
@@ -264,14 +270,30 @@ void ShmCore::OnSegment(Pair& pair, std::uint32_t segment, PairSocket::Frame& fr
   std::string fault = "it comes without a descriptor";
   auto mapping = frame.handles.size() == 1 ? MapForeign(frame.handles[0], 0, false, fault) : nullptr;
   if (!mapping) {
-    Distrust(pair.number, "of a segment, " + fault);
+    Distrust(pair, "of a segment, " + fault);
     return;
   }
   const std::scoped_lock lock(pair.in_mutex);
-  if (segment == 0 || segment == kOnSocket || pair.segments.size() >= kMaxSegments ||
+  if (segment == 0 || segment == kOnSocket || pair.segments.size() >= 2 * kMaxSegments ||
       !pair.segments.emplace(segment, std::move(mapping)).second) {
-    Distrust(pair.number, "it passes a segment on twice");
+    Distrust(pair, "it passes a segment on twice, or too many");
   }
+}
+
+// What comes before its message takes our memory: never more than the credit that the messages need.
+void ShmCore::OnPayload(Pair& pair, wire::PayloadApart& payload) {
+  const std::scoped_lock lock(pair.in_mutex);
+  const auto found = pair.in_links.find(payload.link());
+  if (found == pair.in_links.end()) return;
+  InLink& link = *found->second;
+  const std::uint64_t ahead = payload.number() - link.receipt->received();  // Wraps around for what is past.
+  if (ahead == 0 || ahead > link.asked_messages || link.apart_bytes >= link.asked_bytes ||
+      pair.apart.contains({payload.link(), payload.number()})) {
+    Distrust(pair, "it sends payloads that no message is to have");
+    return;
+  }
+  link.apart_bytes += payload.data().size();
+  pair.apart.emplace(std::pair(payload.link(), payload.number()), std::move(*payload.mutable_data()));
 }
 
 void ShmCore::TellMismatch(Pair& pair, const std::string& channel, const std::string& what) {

@@ -1,0 +1,168 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <future>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/await.hpp"
+#include "transport/shm/bell.hpp"
+
+namespace hgros::shm {
+namespace {
+
+using test::Await;
+
+struct Ringer {
+  explicit Ringer(const Bell& bell, std::uint32_t number) {
+    std::string fault;
+    peer = PeerBell::Open(*bell.handle(), number, fault);
+    EXPECT_NE(peer, nullptr) << fault;
+    page = MapForeign(*bell.handle(), sizeof(BellPage), true, fault);
+  }
+  std::unique_ptr<PeerBell> peer;
+  std::shared_ptr<Mapping> page;
+};
+
+/// Every number is rung and must be seen before it is rung again: one lost ring hangs its ringer.
+void RingAndWait(Patience patience, int ringers, int waiters, int rounds) {
+  Bell bell(patience);
+  std::vector<std::atomic<int>> seen(static_cast<std::size_t>(ringers));
+  std::atomic<bool> stop{false};
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < waiters; ++i) {
+    threads.emplace_back([&] {
+      while (!stop) {
+        bell.Wait();
+        (void)bell.Take([&](std::uint32_t number) { ++seen[number]; });
+      }
+      bell.Wake();
+    });
+  }
+  std::atomic<int> done{0};
+  for (int i = 0; i < ringers; ++i) {
+    threads.emplace_back([&, i] {
+      const Ringer ringer(bell, static_cast<std::uint32_t>(i));
+      std::minstd_rand random(static_cast<unsigned>(i));
+      for (int round = 1; round <= rounds && !stop; ++round) {
+        ringer.peer->Ring();
+        while (seen[static_cast<std::size_t>(i)] < round && !stop) std::this_thread::yield();
+        for (auto pause = random() % 300; pause > 0; --pause) std::atomic_signal_fence(std::memory_order_seq_cst);
+      }
+      ++done;
+    });
+  }
+  EXPECT_TRUE(Await([&] { return done == ringers; })) << "a ring was lost";
+  stop = true;
+  bell.Wake();
+}
+
+TEST(ShmBell, NoRingIsLost) {
+  for (const int ringers : {1, 2, 5}) {
+    for (const int waiters : {1, 2, 3}) RingAndWait({}, ringers, waiters, 1500);
+  }
+}
+
+TEST(ShmBell, NoRingIsLostWhileSomebodyLooks) {
+  for (const int waiters : {1, 2, 3})
+    RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500);
+}
+
+TEST(ShmBell, APeerThatDiesBetweenMarkAndWakeUpLeavesNobodyAsleep) {
+  Bell bell({});
+  std::atomic<int> seen{0};
+  std::atomic<bool> stop{false};
+  std::jthread waiter([&] {
+    while (!stop) {
+      bell.Wait();
+      (void)bell.Take([&](std::uint32_t) { ++seen; });
+    }
+  });
+  const Ringer living(bell, 1);
+  auto& page = living.page->as<BellPage>();
+  for (int step = 0; step < 50; ++step) {
+    ASSERT_TRUE(Await([&] { return (page.asleep.load() & 1) != 0; }));
+    // What a ringing peer does before it wakes anybody; then it is killed.
+    page.ready[0].fetch_or(4);
+    page.asleep.fetch_add(2);
+    const int before = seen;
+    living.peer->Ring();
+    ASSERT_TRUE(Await([&] { return seen >= before + 2; })) << step;
+  }
+  stop = true;
+  bell.Wake();
+}
+
+TEST(ShmBell, WhatAPeerDidToThePageIsMended) {
+  Bell bell({});
+  std::atomic<int> seen{0};
+  std::atomic<bool> stop{false};
+  std::jthread waiter([&] {
+    while (!stop) {
+      bell.Wait();
+      (void)bell.Take([&](std::uint32_t) { ++seen; });
+    }
+  });
+  const Ringer liar(bell, 1);
+  auto& page = liar.page->as<BellPage>();
+  ASSERT_TRUE(Await([&] { return (page.asleep.load() & 1) != 0; }));
+  page.asleep.fetch_and(~1u);
+  page.magic = 0;
+  bell.Ring(7);
+  bell.Mend();
+  EXPECT_TRUE(Await([&] { return seen == 1; }));
+  std::string fault;
+  EXPECT_NE(PeerBell::Open(*bell.handle(), 2, fault), nullptr) << fault;
+  stop = true;
+  bell.Wake();
+}
+
+TEST(ShmBell, WhoStopsLookingHandsARingOn) {
+  for (const Patience patience : {Patience{}, Patience{.busy = false, .spin = std::chrono::microseconds(5)}}) {
+    Bell bell(patience);
+    std::atomic<bool> waiting{false};
+    for (int round = 0; round < 200; ++round) {
+      auto other = std::async(std::launch::async, [&] {
+        waiting = true;
+        bell.Wait();
+      });
+      ASSERT_TRUE(Await([&] { return waiting.load(); }));
+      bell.Ring(3);
+      bell.PassOn();
+      const bool woken = other.wait_for(test::kPatience) == std::future_status::ready;
+      if (!woken) bell.Wake();
+      ASSERT_TRUE(woken);
+      waiting = false;
+      ASSERT_TRUE(bell.Take([](std::uint32_t number) { EXPECT_EQ(number, 3u); }));
+    }
+  }
+}
+
+TEST(ShmBell, AWakeUpEndsOneWait) {
+  Bell bell({});
+  std::atomic<int> ended{0};
+  std::vector<std::jthread> waiters;
+  for (int i = 0; i < 3; ++i) {
+    waiters.emplace_back([&] {
+      bell.Wait();
+      ++ended;
+      bell.Wake();  // Each passes it on, as threads do that are to end.
+    });
+  }
+  bell.Wake();
+  EXPECT_TRUE(Await([&] { return ended == 3; }));
+}
+
+TEST(ShmBell, HasNoMoreNumbersThanBits) {
+  Bell bell({});
+  std::string fault;
+  EXPECT_NE(PeerBell::Open(*bell.handle(), kMaxPeers - 1, fault), nullptr);
+  EXPECT_EQ(PeerBell::Open(*bell.handle(), kMaxPeers, fault), nullptr);
+  EXPECT_NE(fault.find("1024"), std::string::npos) << fault;
+}
+
+}  // namespace
+}  // namespace hgros::shm

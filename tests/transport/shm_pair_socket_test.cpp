@@ -1,0 +1,177 @@
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+#include <random>
+#include <string>
+
+#include "hgros/base/ids.hpp"
+#include "support/await.hpp"
+#include "transport/shm/pair_socket.hpp"
+
+namespace hgros::shm {
+namespace {
+
+constexpr std::size_t kMaxFrame = 1 << 20;
+
+struct Ends {
+  Ends() {
+    int fds[2];
+    EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, fds), 0);
+    raw = fds[0];
+    here = std::make_unique<PairSocket>(std::make_shared<const Handle>(fds[0]), kMaxFrame);
+    there = std::make_unique<PairSocket>(std::make_shared<const Handle>(fds[1]), kMaxFrame);
+  }
+  void Write(const std::string& bytes) const {
+    ASSERT_EQ(write(raw, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  int raw = -1;
+  std::unique_ptr<PairSocket> here;
+  std::unique_ptr<PairSocket> there;
+};
+
+std::string Header(std::uint32_t length, std::uint32_t handles) {
+  std::string bytes(8, '\0');
+  std::memcpy(bytes.data(), &length, 4);
+  std::memcpy(bytes.data() + 4, &handles, 4);
+  return bytes;
+}
+
+wire::PairMessage Payload(std::uint64_t number, std::size_t size) {
+  wire::PairMessage message;
+  message.mutable_payload()->set_number(number);
+  message.mutable_payload()->set_data(std::string(size, static_cast<char>(number)));
+  return message;
+}
+
+std::shared_ptr<const Handle> File() {
+  return std::make_shared<const Handle>(MakeSegment("hgros-test", 4096, Access::kOwnerOnly, Pages::kOnTouch).handle);
+}
+
+TEST(ShmPairSocket, FramesOfAllSizesComeInOrderWithTheirDescriptors) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::minstd_rand random(seed);
+    Ends ends;
+    std::vector<std::pair<std::size_t, std::vector<ino_t>>> sent;
+    std::size_t received = 0;
+    PairSocket::Frame frame;
+    for (int step = 0; step < 1000 || received < sent.size(); ++step) {
+      if (step < 1000 && random() % 2 == 0) {
+        const std::size_t size = random() % 10 == 0 ? random() % 700'000 : random() % 300;
+        PairSocket::Handles handles;
+        std::vector<ino_t> files;
+        for (auto i = random() % 5; i > 0 && random() % 3 == 0; --i) {
+          handles.push_back(File());
+          struct stat status {};
+          fstat(handles.back()->fd(), &status);
+          files.push_back(status.st_ino);
+        }
+        sent.emplace_back(size, files);
+        ends.here->Send(Payload(sent.size(), size), handles);
+      } else {
+        ends.here->Flush();
+        const auto read = ends.there->Receive(frame);
+        if (read == PairSocket::Read::kNothing) continue;
+        ASSERT_EQ(read, PairSocket::Read::kFrame) << ends.there->fault();
+        const auto& [size, files] = sent[received++];
+        ASSERT_EQ(frame.message.payload().number(), received);
+        ASSERT_EQ(frame.message.payload().data().size(), size);
+        ASSERT_EQ(frame.handles.size(), files.size());
+        for (std::size_t i = 0; i < files.size(); ++i) {
+          struct stat status {};
+          ASSERT_EQ(fstat(frame.handles[i].fd(), &status), 0);
+          ASSERT_EQ(status.st_ino, files[i]);
+        }
+      }
+    }
+    EXPECT_TRUE(ends.here->all_sent());
+  }
+}
+
+TEST(ShmPairSocket, AFrameThatCannotBeIsAFaultAndTheEndIsStillSeen) {
+  const std::pair<std::string, std::string> lies[] = {
+      {Header(kMaxFrame + 1, 0), "a frame of"},
+      {Header(0xffffffff, 0), "a frame of"},
+      {Header(3, 5), "too many descriptors"},
+      {Header(0, 1), "without its descriptors"},
+      {Header(4, 0) + "\xff\xff\xff\xff", "does not parse"},
+  };
+  for (const auto& [bytes, fault] : lies) {
+    Ends ends;
+    ends.Write(bytes + std::string(100'000, 'x'));
+    PairSocket::Frame frame;
+    EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kFault);
+    EXPECT_NE(ends.there->fault().find(fault), std::string::npos) << ends.there->fault();
+    EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kNothing);
+    ends.Write(Header(0, 0));
+    EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kNothing);
+    ends.here.reset();
+    EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kClosed);
+  }
+}
+
+TEST(ShmPairSocket, ACutFrameIsTheEnd) {
+  Ends ends;
+  ends.Write(Header(100, 0) + "half");
+  PairSocket::Frame frame;
+  EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kNothing);
+  ends.here.reset();
+  EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kClosed);
+  EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kClosed);
+}
+
+TEST(ShmPairSocket, SendingToNobodyDropsEverything) {
+  Ends ends;
+  ends.there.reset();
+  for (int i = 0; i < 100; ++i) ends.here->Send(Payload(1, 10'000));
+  EXPECT_TRUE(ends.here->all_sent());
+}
+
+TEST(ShmPairSocket, TheEndOfAProcessIsSeenThroughItsPlace) {
+  const std::string place = "hgros-test-" + SessionId::Random().ToString();
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    std::string fault;
+    const Handle listening = ListenAt(place, fault);
+    (void)!write(ready[1], "x", 1);
+    for (;;) pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  close(ready[0]);
+  close(ready[1]);
+  std::string fault;
+  const PairSocket socket(std::make_shared<const Handle>(ConnectTo(place, fault)), kMaxFrame);
+  EXPECT_EQ(socket.PeerProcess(), child);
+  EXPECT_EQ(socket.PeerUser(), geteuid());
+  const Handle process = WatchProcess(socket.PeerProcess());
+  if (!process.valid()) GTEST_SKIP() << "this kernel has no descriptors of processes";
+  EXPECT_FALSE(HasEnded(process));
+  kill(child, SIGKILL);
+  EXPECT_TRUE(test::Await([&] { return HasEnded(process); }));
+  EXPECT_EQ(waitpid(child, nullptr, 0), child);
+}
+
+TEST(ShmPairSocket, APlaceIsOneSessionsAndLeavesNothing) {
+  const std::string place = "hgros-test-" + SessionId::Random().ToString();
+  std::string fault;
+  {
+    const Handle first = ListenAt(place, fault);
+    EXPECT_TRUE(first.valid());
+    EXPECT_FALSE(ListenAt(place, fault).valid());
+    EXPECT_NE(fault.find(place), std::string::npos);
+  }
+  EXPECT_TRUE(ListenAt(place, fault).valid());
+  EXPECT_FALSE(ListenAt("", fault).valid());
+  EXPECT_FALSE(ListenAt(std::string(200, 'a'), fault).valid());
+}
+
+}  // namespace
+}  // namespace hgros::shm
