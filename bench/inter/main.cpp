@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include <foxglove/PointCloud.pb.h>
 
@@ -32,6 +33,38 @@ Side MakeSide(const std::string& scheme, const std::string& carrier, const std::
       scheme == "shm" && carrier == "shm" ? carrier : carrier + executor + (lossless ? "_lossless" : "");
   const std::string endpoint = Endpoint(scheme, who);
   return Side({carrier, endpoint, executor, lossless}, endpoint);
+}
+
+// What it costs to copy so many bytes once, from one buffer of a dozen to another.
+Samples CopyTimes(std::size_t size, int count) {
+  std::vector<std::vector<char>> from(12, std::vector<char>(size, 'x')), to(12, std::vector<char>(size, 'y'));
+  Samples samples;
+  for (int i = 0; i < count; ++i) {
+    const auto slot = static_cast<std::size_t>(i % 12);
+    const std::int64_t start = MonotonicNow();
+    std::memcpy(to[slot].data(), from[slot].data(), size);
+    samples.Add(static_cast<double>(MonotonicNow() - start));
+    asm volatile("" : : "r"(to[slot].data()) : "memory");
+  }
+  return samples;
+}
+
+// A protobuf message through shared memory: written into it, parsed from it.
+void Plain(int rounds, int each) {
+  Side plain = MakeSide("shm", "plain", "inline", false);
+  for (const std::size_t size : kSizes) {
+    BlockPool pool(size, size >= 1024 * 1024 ? 12 : 64);
+    const int pause_us = size >= 1024 * 1024 ? 8000 : 2000;
+    Samples ratio, mine;
+    MeasurePair(plain.receiver.control(), *plain.sender, pool, size >= 1024 * 1024 ? 12 : 64, pause_us);  // Makes them.
+    for (int round = 0; round < rounds; ++round) {
+      const Samples now = MeasurePair(plain.receiver.control(), *plain.sender, pool, each, pause_us);
+      ratio.Add(now.Median() / CopyTimes(size, each).Median());
+      mine.Add(now);
+    }
+    ReportLatency("shm_plain_" + SizeName(size), mine);
+    Report("shm_plain_" + SizeName(size) + "_over_memcpy", ratio.Median(), "ratio");
+  }
 }
 
 void Latency(const std::string& scheme, int rounds, int each) {
@@ -107,6 +140,7 @@ int main(int argc, char** argv) {
   if (const int code = ReceiverMain(argc, argv); code >= 0) return code;
   const bool quick = argc > 1 && std::strcmp(argv[1], "--quick") == 0;
   for (const char* scheme : {"shm", "ipc", "tcp"}) Latency(scheme, quick ? 9 : 25, quick ? 16 : 100);
+  Plain(quick ? 9 : 25, quick ? 16 : 100);
   Throughput(quick ? 3 : 9, quick ? 50'000 : 200'000);
   Protobuf();
   return 0;

@@ -78,6 +78,9 @@ std::unique_ptr<PairSender> MakeTcpSender(const std::string& endpoint);
 std::unique_ptr<PairReceiver> MakeTcpReceiver(const std::string& endpoint, PairControl& control);
 std::unique_ptr<PairSender> MakeShmSender(const std::string& path);
 std::unique_ptr<PairReceiver> MakeShmReceiver(const std::string& path, PairControl& control);
+/// Ours with the bytes as the data of a foxglove::PointCloud, on the inline executor.
+std::unique_ptr<PairSender> MakeOurPlainSender(const std::string& endpoint);
+std::unique_ptr<PairReceiver> MakeOurPlainReceiver(const std::string& endpoint, PairControl& control);
 /// `executor`: inline or tbb.
 std::unique_ptr<PairSender> MakeOurSender(const std::string& endpoint, bool lossless);
 std::unique_ptr<PairReceiver> MakeOurReceiver(const std::string& endpoint, PairControl& control,

@@ -2,8 +2,12 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <map>
 #include <string>
 #include <vector>
+
+#include <foxglove/PointCloud.pb.h>
 
 #include "hgros/hgros.hpp"
 #include "support/pair.hpp"
@@ -12,6 +16,7 @@ namespace hgros::bench {
 namespace {
 
 constexpr const char* kChannel = "blocks";
+constexpr const char* kPlainChannel = "clouds";
 constexpr std::size_t kLosslessDepth = 1000;
 
 void Quiet(LogLevel level, std::string_view text) {
@@ -55,6 +60,50 @@ class OurSender final : public PairSender {
   Publisher<Block> publish_;
 };
 
+// The same bytes inside an ordinary protobuf message.
+class OurPlainSender final : public PairSender {
+ public:
+  explicit OurPlainSender(const std::string& endpoint)
+      : session_(ConfigFor(endpoint, &Config::publishers), {"bench_pub", Quiet}),
+        publish_(session_.Advertise<foxglove::PointCloud>(kPlainChannel)) {
+    if (!session_.WaitForSubscribers(kPlainChannel, 1, std::chrono::seconds(20))) {
+      std::fprintf(stderr, "our receiver did not come within 20 s\n");
+      std::exit(2);
+    }
+  }
+  void Send(const std::shared_ptr<Block>& block) override {
+    // One message for each block, made and filled before it counts; as with the blocks, none is changed on its way.
+    std::shared_ptr<foxglove::PointCloud>& cloud = clouds_[block.get()];
+    if (!cloud) {
+      cloud = std::make_shared<foxglove::PointCloud>();
+      cloud->set_frame_id("lidar");
+      cloud->set_point_stride(16);
+      cloud->set_data(block->bytes().data(), block->size());
+    }
+    std::memcpy(cloud->mutable_data()->data(), block->bytes().data(), sizeof(Stamp));
+    publish_(std::shared_ptr<const foxglove::PointCloud>(cloud));
+  }
+
+ private:
+  Session session_;
+  Publisher<foxglove::PointCloud> publish_;
+  std::map<const Block*, std::shared_ptr<foxglove::PointCloud>> clouds_;
+};
+
+class OurPlainReceiver final : public PairReceiver {
+ public:
+  OurPlainReceiver(const std::string& endpoint, PairControl& control)
+      : session_(ConfigFor(endpoint, &Config::subscribers), {"bench_sub", Quiet}),
+        subscription_(session_.FromAny<foxglove::PointCloud>(
+            kPlainChannel, Invoke::kSerial,
+            [&control](const foxglove::PointCloud& cloud) { NoteArrival(control, AsBytes(cloud.data())); },
+            {{}, {}, Executor::Inline()})) {}
+
+ private:
+  Session session_;
+  Subscription subscription_;
+};
+
 class OurReceiver final : public PairReceiver {
  public:
   OurReceiver(const std::string& endpoint, PairControl& control, const std::string& executor, bool lossless)
@@ -74,6 +123,12 @@ class OurReceiver final : public PairReceiver {
 
 std::unique_ptr<PairSender> MakeOurSender(const std::string& endpoint, bool) {
   return std::make_unique<OurSender>(endpoint);
+}
+std::unique_ptr<PairSender> MakeOurPlainSender(const std::string& endpoint) {
+  return std::make_unique<OurPlainSender>(endpoint);
+}
+std::unique_ptr<PairReceiver> MakeOurPlainReceiver(const std::string& endpoint, PairControl& control) {
+  return std::make_unique<OurPlainReceiver>(endpoint, control);
 }
 std::unique_ptr<PairReceiver> MakeOurReceiver(const std::string& endpoint, PairControl& control,
                                               const std::string& executor, bool lossless) {

@@ -19,7 +19,7 @@ void ChannelOutlet::Join(Carriers& carriers) {
     const std::scoped_lock lock(order_mutex_, latch_mutex_);
     joined_ = true;
     if (type_.users_codec) {
-      for (Kept& one : kept_) one.data = Encode(one.message);
+      for (Kept& one : kept_) one.data = Encode(one.message, nullptr);
     }
   }
   std::shared_ptr<JoinedOutbound> carrier = carriers.Advertise(channel_, type_, *this);
@@ -58,8 +58,17 @@ void ChannelOutlet::Cancel() noexcept {
   if (carrier_) carrier_->Cancel();
 }
 
-Payload ChannelOutlet::Encode(const AnyMessage& message) noexcept {
-  Payload payload = type_.encode(message);
+Payload ChannelOutlet::EncodeInto(const AnyMessage& message, JoinedOutbound& carrier) const noexcept {
+  if (type_.encode_into == nullptr) return {};
+  auto block = carrier.Loan(type_.encoded_bytes(message.get()));
+  if (!block || !type_.encode_into(message.get(), block->writable())) return {};
+  return block->payload();
+}
+
+Payload ChannelOutlet::Encode(const AnyMessage& message, JoinedOutbound* carrier) noexcept {
+  Payload payload;
+  if (carrier != nullptr) payload = EncodeInto(message, *carrier);
+  if (payload.owner == nullptr) payload = type_.encode(message);
   if (payload.owner == nullptr) {
     not_encodable_.fetch_add(1, std::memory_order_relaxed);
     log_->WriteLimited(LogLevel::kError, "encode " + channel_,
@@ -80,7 +89,14 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
   }
   // Outside the lock: encoding a large message takes as long as sending it.
   std::optional<Payload> data;
-  if (listened || WritesWhenLatched()) data = Encode(message);
+  if (listened || WritesWhenLatched()) {
+    std::shared_ptr<JoinedOutbound> carrier;
+    {
+      const std::scoped_lock lock(order_mutex_);
+      carrier = carrier_;
+    }
+    data = Encode(message, WritesWhenLatched() ? nullptr : carrier.get());
+  }
   PacketHead head;
   head.channel = channel_;
   head.type_name = type_.name;
@@ -96,11 +112,11 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
   bool counted = listened;
   if (depth > 0) {
     head.id.sequence = ++sequence_;
-    if (!data && WritesWhenLatched()) data = Encode(message);  // It has joined meanwhile.
+    if (!data && WritesWhenLatched()) data = Encode(message, nullptr);  // It has joined meanwhile.
     Keep({message, head, WritesWhenLatched() ? data : std::nullopt}, depth, dropped);
     // A subscriber counts before it asks for what is latched: either it found this message there, or it counts now.
     counted = listened || (carrier_ && carrier_->subscriber_count() > 0);
-    if (counted && !data) data = Encode(message);
+    if (counted && !data) data = Encode(message, carrier_.get());
   } else if (data->owner != nullptr) {
     head.id.sequence = ++sequence_;
   }
@@ -133,7 +149,7 @@ std::vector<OutboundMessage> ChannelOutlet::Latched() noexcept {
   }
   std::vector<OutboundMessage> messages;
   for (Kept& one : kept) {
-    if (!one.data) one.data = Encode(one.message);
+    if (!one.data) one.data = Encode(one.message, nullptr);
     if (one.data->owner != nullptr) messages.push_back({one.head, std::move(*one.data)});
   }
   return messages;

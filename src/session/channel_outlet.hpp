@@ -63,7 +63,9 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
 
   // The carrier may ask for it on its thread, where the user's codec must not run.
   [[nodiscard]] bool WritesWhenLatched() const noexcept;
-  [[nodiscard]] Payload Encode(const AnyMessage& message) noexcept;
+  // Into the memory of `carrier`, if it is there and has some.
+  [[nodiscard]] Payload Encode(const AnyMessage& message, JoinedOutbound* carrier) noexcept;
+  [[nodiscard]] Payload EncodeInto(const AnyMessage& message, JoinedOutbound& carrier) const noexcept;
   void Keep(Kept&& message, std::size_t depth, std::deque<Kept>& dropped);
 
   const std::string channel_;

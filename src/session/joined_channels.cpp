@@ -73,6 +73,16 @@ void JoinedOutbound::Cancel() noexcept {
   for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Cancel();
 }
 
+std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    OutboundChannel& channel = *parts_[i]->channel;
+    if (channel.subscriber_count() == 0) continue;
+    if (auto block = channel.Loan(size_bytes)) return block;
+  }
+  return std::nullopt;
+}
+
 OutboundChannel::Stats JoinedOutbound::stats() const {
   OutboundChannel::Stats sum;
   const std::size_t count = count_.load(std::memory_order_acquire);

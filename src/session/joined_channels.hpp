@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -32,6 +33,8 @@ class JoinedOutbound {
   PublishStatus Reserve() noexcept;
   void Commit(const PacketHead& head, const Payload& data) noexcept;
   void Cancel() noexcept;
+  /// Memory of a carrier that has subscribers.
+  [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
   [[nodiscard]] OutboundChannel::Stats stats() const;
 
  private:

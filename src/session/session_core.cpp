@@ -475,10 +475,9 @@ void Session::Core::PublishEvent(PeerEvent event) noexcept {
 }
 
 void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
-  log_->Write(LogLevel::kInfo,
-              "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
-                  (peer.endpoint.empty() ? ") has connected" : ") answers at " + peer.endpoint) + ", over " +
-                  peer.carrier + ".");
+  log_->Write(LogLevel::kInfo, "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
+                                   (peer.endpoint.empty() ? ") has connected" : ") answers at " + peer.endpoint) +
+                                   ", over " + peer.carrier + ".");
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsBack(id); });
   PublishEvent({PeerEvent::Kind::kCame, peer, {}, {}});
 }

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <typeindex>
@@ -77,6 +78,15 @@ TypeInfo MakeTypeInfo() {
         return {};
       }
     };
+    if constexpr (requires(const T& message, std::span<std::byte> bytes) {
+                    TraitsOfT::EncodedBytes(message);
+                    TraitsOfT::EncodeInto(message, bytes);
+                  }) {
+      info.encoded_bytes = [](const void* message) { return TraitsOfT::EncodedBytes(*static_cast<const T*>(message)); };
+      info.encode_into = [](const void* message, std::span<std::byte> bytes) {
+        return TraitsOfT::EncodeInto(*static_cast<const T*>(message), bytes);
+      };
+    }
     info.decode = [](const Payload& payload) -> AnyMessage {
       try {
         return TraitsOfT::Decode(payload);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 
@@ -35,12 +36,20 @@ struct ProtobufTraits {
   static std::uint64_t LayoutFingerprint() { return SchemaFingerprint(*T::descriptor()); }
   static std::size_t MemoryBytes(const T& message) { return message.SpaceUsedLong(); }
 
+  static std::size_t EncodedBytes(const T& message) { return message.ByteSizeLong(); }
+  /// After EncodedBytes(), which computes the sizes of what lies inside.
+  static bool EncodeInto(const T& message, std::span<std::byte> bytes) {
+    if (bytes.size() > kMaxBytes || !message.IsInitialized()) return false;
+    message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data()));
+    return true;
+  }
+
   static Payload Encode(const std::shared_ptr<const T>& message) {
-    const std::size_t size = message->ByteSizeLong();
-    if (size > kMaxBytes || !message->IsInitialized()) return {};
+    const std::size_t size = EncodedBytes(*message);
+    if (size > kMaxBytes) return {};
     std::shared_ptr<std::byte[]> buffer = std::make_shared_for_overwrite<std::byte[]>(size);
-    message->SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(buffer.get()));
-    const Bytes bytes(buffer.get(), size);
+    const std::span<std::byte> bytes(buffer.get(), size);
+    if (!EncodeInto(*message, bytes)) return {};
     return {bytes, std::move(buffer)};
   }
 

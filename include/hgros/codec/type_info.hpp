@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <typeindex>
 
@@ -43,6 +44,10 @@ struct TypeInfo {
   /// Writes the message, or shows its bytes in place where the type is one block (then the payload shares the
   /// message). A payload without an owner means that the message cannot be written. Null for kNone.
   Payload (*encode)(const AnyMessage& message) = nullptr;
+  /// The same in two steps, into memory of the caller's, such as a block that the receivers will read: how many bytes,
+  /// and then writing exactly so many; false: it cannot be written. Both null where a type is written by encode alone.
+  std::size_t (*encoded_bytes)(const void* message) = nullptr;
+  bool (*encode_into)(const void* message, std::span<std::byte> bytes) = nullptr;
   /// Reads a message; may keep sharing the payload instead of copying. Null if the bytes are not such a message.
   /// Null for kNone.
   AnyMessage (*decode)(const Payload& payload) = nullptr;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "hgros/base/bytes.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/base/publish_status.hpp"
+#include "hgros/codec/block.hpp"
 #include "hgros/codec/packet.hpp"
 #include "hgros/codec/type_info.hpp"
 
@@ -107,6 +109,9 @@ class OutboundChannel {
   virtual PublishStatus Reserve() noexcept = 0;
   virtual void Commit(const PacketHead& head, const Payload& data) noexcept = 0;
   virtual void Cancel() noexcept = 0;
+  /// Memory of this carrier's, in which a message that is written is committed without a copy. Nothing if the carrier
+  /// has no such memory, or none left.
+  [[nodiscard]] virtual std::optional<Block> Loan(std::size_t /*size_bytes*/) { return std::nullopt; }
   [[nodiscard]] virtual Stats stats() const = 0;
 };
 

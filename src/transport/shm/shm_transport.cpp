@@ -36,6 +36,9 @@ class ShmOutbound final : public OutboundChannel {
   void Cancel() noexcept override {
     if (!core_->IsChild()) core_->Cancel(channel_);
   }
+  std::optional<Block> Loan(std::size_t size_bytes) override {
+    return core_->IsChild() ? std::nullopt : core_->Loan(size_bytes);
+  }
   Stats stats() const override { return channel_->stats(); }
 
  private:
