@@ -12,8 +12,8 @@ for argument in "$@"; do
     *) echo "The benchmarks know --quick and --csv, not \"$argument\"." >&2; exit 2 ;;
   esac
 done
-results=$build/bench_results/$question
-mkdir -p "$results"
+mkdir -p "$(dirname -- "$0")/../results/$question"
+results=$(cd -- "$(dirname -- "$0")/../results/$question" && pwd)
 
 machine() {
   printf '%s, %s CPUs, %s, %s; load before: %s\n' \

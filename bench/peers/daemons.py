@@ -1,0 +1,110 @@
+"""What some peers need beside them: a network of its own, rosmaster, iox-roudi. Everything ends with the benchmark."""
+
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+INSIDE = "HGROS_PEERS_ISOLATED"  # set in the process that already runs alone
+
+
+def isolate():
+    """Runs this program again where there is nothing but loopback and an empty /dev/shm, if the system lets us."""
+    if os.environ.get(INSIDE):
+        subprocess.run("""mount -t tmpfs none /dev/shm && ip link set lo up && ip link set lo multicast on &&
+            ip route add 224.0.0.0/4 dev lo""", shell=True, check=True)
+        return
+    if shutil.which("unshare") and shutil.which("ip"):
+        for command in (["unshare", "-n", "-m"], ["unshare", "-r", "-n", "-m"]):
+            if subprocess.run([*command, "true"], capture_output=True, check=False).returncode == 0:
+                os.environ[INSIDE] = "1"
+                os.execvp(command[0], [*command, sys.executable, "-B", *sys.argv])
+    print("The peers share this machine's network and /dev/shm: it lets nobody make namespaces of their own.",
+          file=sys.stderr)
+
+
+def free_ports(count):
+    """The first of `count` ports in a row that were free just now."""
+    for base in range(20_000, 30_000, count):
+        sockets = [socket.socket() for _ in range(count)]
+        try:
+            for offset, one in enumerate(sockets):
+                one.bind(("127.0.0.1", base + offset))
+            return base
+        except OSError:
+            continue
+        finally:
+            for one in sockets:
+                one.close()
+    raise RuntimeError(f"There are no {count} free ports in a row.")
+
+
+def end(process, patience_s=2.0):
+    """Ends one process that we started."""
+    if process.poll() is not None:
+        return
+    process.send_signal(signal.SIGTERM)
+    try:
+        process.wait(patience_s)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+class Daemons:
+    """Starts a daemon when a mode first needs it; a context that ends them all."""
+
+    def __init__(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="hgros_peers_")
+        self.running = {}
+        self.refused = {}
+        self.environment = {"ROS_IP": "127.0.0.1", "ROS_LOG_DIR": self.folder.name, "ROS_HOME": self.folder.name}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.running.values():
+            end(process, 5)
+        self.folder.cleanup()
+
+    def need(self, name):
+        """Empty once the daemon runs, or one sentence that says why it does not."""
+        if not name or name in self.running:
+            return ""
+        if name not in self.refused:
+            self.refused[name] = self.start(name) if shutil.which(name) else f"{name} is not installed."
+        return self.refused[name]
+
+    def start(self, name):
+        log = pathlib.Path(self.folder.name, f"{name}.log")
+        if name == "rosmaster":
+            port = free_ports(1)
+            self.environment["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
+            command = [name, "--core", "-p", str(port)]
+        else:
+            command = [name, "-c", str(HERE / "roudi.toml"), "-m", "off", "-l", "warning"]
+        with log.open("wb") as output:
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
+                                       env={**os.environ, **self.environment})
+        ready = (lambda: answers(port)) if name == "rosmaster" else (lambda: b"RouDi is ready" in log.read_bytes())
+        limit = time.monotonic() + 15
+        while process.poll() is None and time.monotonic() < limit and not ready():
+            time.sleep(0.05)
+        if process.poll() is not None or not ready():
+            end(process)
+            words = log.read_text(errors="replace").strip().splitlines()
+            return f"{name} did not start: {words[-1] if words else 'it said nothing'}"
+        self.running[name] = process
+        return ""
+
+
+def answers(port):
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0

@@ -1,0 +1,158 @@
+// The measurement, the same for every peer. What is found goes to standard output, a line each:
+//   latency,LANE,SENT,NS NS NS ...      one-way latencies of the timed messages that arrived
+//   flood,LANE,SENT,RECEIVED,SECONDS    from the first publish to the last arrival
+//   silent,LANE                         no message of this size arrives at all
+//   damaged,COUNT                       messages that were not what had been sent, over all lanes
+#include <sys/prctl.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <thread>
+
+#include "buffers.hpp"
+#include "peer.hpp"
+#include "stamp.hpp"
+
+namespace hgros::bench {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kStartLimitNs = 10'000 * kMs;
+constexpr std::int64_t kSilentAfterNs = 4'000 * kMs;
+constexpr std::int64_t kLostAfterNs = 250 * kMs;
+constexpr int kWarmUp = 10;
+constexpr int kSlowWarmUp = 1;  // Where messages are far apart.
+constexpr int kSlowPauseUs = 50'000;
+constexpr int kLossesInARow = 4;  // Then nothing arrives at this size, and the lane is given up.
+
+class Sending {
+ public:
+  Sending(const Lane& lane, Control& control, Outlet& outlet)
+      : lane_(lane), control_(control), outlet_(outlet), pattern_(FilledBuffer(lane.size_bytes)) {}
+
+  /// Sends probes until one arrives; false if none does.
+  bool AwaitWay() {
+    const std::int64_t deadline = NowNs() + (lane_.index == 0 ? kStartLimitNs : kSilentAfterNs);
+    for (std::uint64_t index = 0; !control_.probed.AwaitAtLeast(lane_.index + 1, index == 0 ? 0 : 10 * kMs); ++index) {
+      if (NowNs() > deadline) {
+        std::printf("silent,%u\n", lane_.index);
+        control_.probed.Add(1);
+        return false;
+      }
+      Send(Phase::kProbe, index);
+    }
+    return true;
+  }
+
+  void Time() {
+    for (int i = 0; i < lane_.timed; ++i) control_.latency_ns[static_cast<std::size_t>(i)] = 0;
+    int lost_in_a_row = 0;
+    int sent = 0;
+    const int warm_up = lane_.pause_us < kSlowPauseUs ? kWarmUp : kSlowWarmUp;
+    for (int i = -warm_up; i < lane_.timed && lost_in_a_row < kLossesInARow; ++i) {
+      std::this_thread::sleep_for(std::chrono::microseconds(lane_.pause_us));
+      const std::uint32_t arrived = control_.timed.Get();
+      // Warm-up messages fall into slots that are not read.
+      if (Send(Phase::kTimed, i < 0 ? Control::kTimed - 1 : static_cast<std::uint64_t>(i))) sent += i >= 0 ? 1 : 0;
+      const bool here = control_.timed.AwaitAtLeast(arrived + 1, kLostAfterNs);
+      lost_in_a_row = here ? 0 : lost_in_a_row + 1;
+    }
+    std::printf("latency,%u,%d,", lane_.index, sent);
+    for (int i = 0; i < lane_.timed; ++i) {
+      const std::int64_t latency = control_.latency_ns[static_cast<std::size_t>(i)];
+      if (latency > 0) std::printf("%lld ", static_cast<long long>(latency));
+    }
+    std::printf("\n");
+  }
+
+  void Flood() {
+    control_.flooded = 0;
+    std::uint64_t sent = 0;
+    const std::int64_t start = NowNs();
+    const std::int64_t end = start + lane_.flood_ms * kMs;
+    while (NowNs() < end) {
+      if (Send(Phase::kFlood, sent)) ++sent;
+    }
+    std::uint64_t seen = 0;
+    for (std::int64_t since = NowNs(); (seen = control_.flooded) < sent && NowNs() - since < kLostAfterNs;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      if (control_.flooded != seen) since = NowNs();
+    }
+    const std::int64_t last = seen > 0 ? control_.last_flooded_ns.load() : start;
+    std::printf("flood,%u,%llu,%llu,%.9f\n", lane_.index, static_cast<unsigned long long>(sent),
+                static_cast<unsigned long long>(seen), static_cast<double>(last - start) / 1e9);
+  }
+
+ private:
+  bool Send(Phase phase, std::uint64_t index) {
+    std::byte* bytes = outlet_.Take();
+    if (bytes == nullptr) return false;
+    // Filling stands for the program that makes the data, and is not timed.
+    if (outlet_.lends() && phase != Phase::kFlood) std::memcpy(bytes, pattern_.data(), lane_.size_bytes);
+    WriteStamp(bytes, lane_.size_bytes, {0, index, lane_.index, phase});
+    return outlet_.Publish();
+  }
+
+  const Lane& lane_;
+  Control& control_;
+  Outlet& outlet_;
+  const std::vector<std::byte> pattern_;
+};
+
+/// Counts a lane that nothing is wanted of, so that both sides go on to the next.
+void SkipLane(const Task& task, Control& control) {
+  if (task.role != Task::Role::kPublish) control.subscribed.Add(1);
+  if (task.role == Task::Role::kSubscribe) return;
+  control.probed.Add(1);
+  control.finished.Add(1);
+}
+
+void RunLane(const Task& task, Peer& peer, const Lane& lane, Control& control) {
+  Sink sink(lane, control);
+  std::unique_ptr<Inlet> inlet;
+  if (task.role != Task::Role::kPublish) {
+    inlet = peer.Subscribe(lane, sink);
+    control.subscribed.Add(1);
+  }
+  if (task.role == Task::Role::kSubscribe) {
+    if (!control.finished.AwaitAtLeast(lane.index + 1, 60'000 * kMs)) Fail("the sender did not finish within 60 s");
+    return;
+  }
+  if (!control.subscribed.AwaitAtLeast(lane.index + 1, kStartLimitNs)) Fail("the receiver did not come within 10 s");
+  const std::unique_ptr<Outlet> outlet = peer.Publish(lane);
+  Sending sending(lane, control, *outlet);
+  if (sending.AwaitWay()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (lane.timed > 0) sending.Time();
+    if (lane.flood_ms > 0) sending.Flood();
+  }
+  std::fflush(stdout);
+  control.finished.Add(1);
+  // The receiver goes first, so that no sender says goodbye to one that still counts.
+  if (task.role == Task::Role::kBoth) inlet.reset();
+}
+
+int Run(int argc, char** argv) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const Task task = Task::Parse(argc, argv);
+  Control& control = OpenControl(task);
+  const std::unique_ptr<Peer> peer = MakePeer(task);
+  for (const Lane& lane : task.lanes) {
+    if (lane.timed == 0 && lane.flood_ms == 0) {
+      SkipLane(task, control);
+    } else {
+      RunLane(task, *peer, lane, control);
+    }
+  }
+  if (task.role != Task::Role::kSubscribe) {
+    std::printf("damaged,%llu\n", static_cast<unsigned long long>(control.damaged.load()));
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace hgros::bench
+
+int main(int argc, char** argv) { return hgros::bench::Run(argc, argv); }

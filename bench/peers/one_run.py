@@ -1,0 +1,125 @@
+"""One run of one mode: starts its programs, reads what they found, ends them."""
+
+import dataclasses
+import os
+import pathlib
+import statistics
+import subprocess
+import tempfile
+import time
+
+import daemons
+import plan as plans
+
+
+@dataclasses.dataclass
+class Found:
+    """What one run says of one lane."""
+
+    lane: plans.Lane
+    latencies_us: list = dataclasses.field(default_factory=list)
+    lost: int = 0
+    silent: bool = False  # no message of this size arrived at all
+    per_s: float = 0.0  # messages that arrived, flooded
+    flood_lost_percent: float = 0.0
+
+    @property
+    def p50_us(self):
+        return statistics.median(self.latencies_us) if self.latencies_us else None
+
+    @property
+    def paced_mb_per_s(self):
+        """As the paper computes it: all bytes over the sum of the latencies."""
+        total_us = sum(self.latencies_us)
+        return self.lane.size * len(self.latencies_us) / total_us if total_us else None
+
+
+def parse(text, lanes):
+    """The lines of measure.cpp as one Found a lane, in order. Raises ValueError with a sentence for any other text."""
+    found = [Found(lane) for lane in lanes]
+    damaged = 0
+    for line in text.splitlines():
+        kind, _, rest = line.partition(",")
+        try:
+            if kind == "latency":
+                index, sent, values = rest.split(",")
+                one = found[int(index)]
+                one.latencies_us = [int(value) / 1e3 for value in values.split()]
+                one.lost = int(sent) - len(one.latencies_us)
+            elif kind == "flood":
+                index, sent, received, seconds = rest.split(",")
+                one = found[int(index)]
+                one.per_s = int(received) / float(seconds) if float(seconds) > 0 else 0.0
+                one.flood_lost_percent = 100 * (1 - int(received) / int(sent)) if int(sent) else 0.0
+            elif kind == "silent":
+                found[int(rest)].silent = True
+            elif kind == "damaged":
+                damaged += int(rest)
+            else:
+                raise ValueError(kind)
+        except IndexError:
+            raise ValueError(f'"{line}" names a lane that was not asked for') from None
+        except ValueError:
+            raise ValueError(f'"{line}" is no line of a result') from None
+    if damaged:
+        raise ValueError(f"{damaged} messages arrived damaged")
+    return found
+
+
+def failure(output):
+    """The last words of a program that failed, as one line."""
+    words = [line for line in output.splitlines() if line.strip()]
+    return words[-1] if words else "it said nothing"
+
+
+def usual_limit_s(lanes):
+    """Longer than a run of these lanes takes unless it hangs."""
+    return 20 + 3 * sum((lane.timed + 10) * lane.pause_us / 1e6 + lane.flood_ms / 1e3 for lane in lanes)
+
+
+def measure(mode, lanes, programs, environment, number, limit_s):
+    """(what was found, what went wrong): the second is empty if all went well, and a sentence otherwise."""
+    program = pathlib.Path(programs, f"peer_{mode.program}").resolve()
+    with tempfile.TemporaryDirectory(prefix="hgros_peer_") as folder:
+        common = ["--name", f"hgb{os.getpid()}x{number}", "--folder", folder,
+                  "--port", str(daemons.free_ports(len(lanes))),
+                  "--lanes", ",".join(lane.argument() for lane in lanes)]
+        if mode.inter:
+            common += ["--control", f"{folder}/control"]
+        roles = ["sub", "pub"] if mode.inter else ["both"]
+        processes, outputs = [], [pathlib.Path(folder, f"{role}.out") for role in roles]
+        try:
+            for role, output in zip(roles, outputs):
+                with output.open("wb") as out, output.with_suffix(".err").open("wb") as err:
+                    processes.append(subprocess.Popen(
+                        [program, role, mode.argument, *common], cwd=folder, stdin=subprocess.DEVNULL, stdout=out,
+                        stderr=err, env={**os.environ, **environment, **dict(mode.environment)}))
+            fault = wait(processes, limit_s)
+        finally:
+            for process in processes:
+                daemons.end(process)
+        if fault:
+            said = "\n".join(output.with_suffix(".err").read_text(errors="replace") for output in outputs)
+            fault = f"{fault}: {failure(said)}"
+        try:
+            return parse(outputs[-1].read_text(), lanes), fault
+        except ValueError as error:
+            return [], fault or str(error)
+
+
+def wait(processes, limit_s):
+    """Waits for the last program, which sends; why it failed, if it did. A receiver that failed ends the wait."""
+    limit = time.monotonic() + limit_s
+    while processes[-1].poll() is None:
+        if time.monotonic() > limit:
+            return f"nothing came to an end within {limit_s:.0f} s"
+        if processes[0].poll() not in (None, 0):
+            return "the receiver failed"
+        time.sleep(0.005)
+    if processes[-1].returncode != 0:
+        return "the sender failed"
+    try:
+        processes[0].wait(3)
+    except subprocess.TimeoutExpired:
+        pass  # All messages are counted; it is only slow to leave.
+    return ""

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Runs the benchmark against other middleware with scripts in place of its programs, and checks what it reports.
+
+    HGROS_BENCH_PEERS=<bench/peers> peers_test.py [TEST...]
+"""
+
+import csv
+import io
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BENCH = pathlib.Path(os.environ["HGROS_BENCH_PEERS"])
+sys.path.insert(0, str(BENCH))
+
+import modes  # noqa: E402
+import one_run  # noqa: E402
+import plan  # noqa: E402
+import plots  # noqa: E402
+import report  # noqa: E402
+
+KB = 1024
+# Stands for a program: says of every lane that 1, 2 and 6 times FACTOR us passed; silent lanes as they are named.
+PROGRAM = """#!/bin/sh
+[ "$1" != sub ] || exit 0
+index=0
+for lane in $(echo "${10}" | tr , ' '); do
+  case $lane in
+    *:0:0:*) ;;
+    SILENT:*) echo "silent,$index" ;;
+    *) echo "latency,$index,4,1000FACTOR 2000FACTOR 6000FACTOR " ;;
+  esac
+  index=$((index + 1))
+done
+echo "damaged,DAMAGED"
+"""
+
+
+def mode(peer, name, inter=True):
+    return modes.Mode(peer, name, "script", name, inter)
+
+
+def found(lane, *latencies_us, per_s=0.0):
+    return one_run.Found(lane, list(latencies_us), per_s=per_s)
+
+
+class Peers(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="hgros_peers_test_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def program(self, name, factor="", damaged="0", silent="none"):
+        path = self.folder / f"peer_{name}"
+        # ROLE MODE --name N --folder F --port P --lanes L: the lanes are the tenth word.
+        path.write_text(PROGRAM.replace("FACTOR", factor).replace("DAMAGED", damaged).replace("SILENT", silent))
+        path.chmod(0o755)
+
+    def run_peers(self, *arguments):
+        return subprocess.run(
+            [sys.executable, "-B", str(BENCH / "run_peers.py"), "--programs", str(self.folder),
+             "--runs", str(self.folder / "runs.csv"), "--quick", *arguments],
+            capture_output=True, text=True, check=False, timeout=50)
+
+    def test_lines_of_a_program_become_numbers(self):
+        lanes = [plan.Lane(KB, 3, 50, 0), plan.Lane(4 * KB, 3, 0, 0)]
+        first, second = one_run.parse("latency,0,3,1500 2500 \nflood,0,200,150,0.5\nsilent,1\ndamaged,0\n", lanes)
+        self.assertEqual(first.latencies_us, [1.5, 2.5])
+        self.assertEqual((first.lost, first.per_s, first.flood_lost_percent), (1, 300, 25))
+        self.assertTrue(second.silent)
+
+    def test_what_is_no_result_is_refused_with_a_sentence(self):
+        lanes = [plan.Lane(KB, 3, 0, 0)]
+        for text, words in (("hello", "no line of a result"), ("latency,0,3", "no line of a result"),
+                            ("silent,7", "a lane that was not asked for"), ("damaged,2", "2 messages arrived damaged")):
+            with self.assertRaisesRegex(ValueError, words):
+                one_run.parse(text, lanes)
+
+    def test_paced_throughput_is_all_bytes_over_the_sum_of_the_latencies(self):
+        self.assertEqual(found(plan.Lane(3_000_000, 2, 0, 0, paced=True), 1000, 2000).paced_mb_per_s, 2000)
+
+    def test_ratios_are_medians_of_the_rounds_and_compare_only_alike(self):
+        ours, other, inside = mode("ours", "ipc"), mode("ros1", "tcpros"), mode("ros1", "nodelet", inter=False)
+        lane = plan.Lane(KB, 1, 50, 0)
+        results = report.Results([ours, other, inside], plan.Plan(True, 3, 1, (lane,), (lane,)))
+        for mine, theirs in ((1, 2), (9, 3), (4, 4)):
+            results.begin_round()
+            results.add(ours, [found(lane, mine, per_s=100)])
+            results.add(other, [found(lane, theirs, per_s=50)])
+        results.begin_round()
+        results.add(ours, [found(lane, 1000)])  # Without the other in its round, this counts for no ratio.
+        metrics = {name: value for name, value, _ in results.metrics()}
+        self.assertEqual(metrics["ours_ipc_vs_ros1_tcpros_1KB"], 1)
+        self.assertEqual(metrics["ours_ipc_vs_ros1_tcpros_msgs_per_s_1KB"], 2)
+        self.assertEqual(metrics["ros1_tcpros_p50_us_1KB"], 3)
+        self.assertFalse([name for name in metrics if "nodelet" in name])
+
+    def test_a_run_reports_medians_means_and_losses(self):
+        self.program("raw_call")
+        done = self.run_peers("--only", "raw_call")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = list(csv.reader(io.StringIO(done.stdout)))
+        self.assertTrue(all(len(line) == 3 for line in lines), done.stdout)
+        values = {name: (float(value), unit) for name, value, unit in lines}
+        self.assertEqual(values["rounds"], (3, "count"))
+        self.assertEqual(values["raw_call_p50_us_1KB"], (2, "us"))
+        self.assertEqual(values["raw_call_mean_us_4MB"], (3, "us"))
+        self.assertEqual(values["raw_call_p99_us_4MB"], (6, "us"))
+        self.assertEqual(values["raw_call_lost_1KB"], (3, "messages"))
+        self.assertIn("raw_call_paced_mb_per_s_1MB", values)
+        with open(self.folder / "runs.csv", newline="", encoding="utf-8") as file:
+            self.assertEqual(len(list(csv.DictReader(file))), 3 * len(plan.QUICK.intra))
+
+    def test_what_is_not_installed_is_left_out_with_one_sentence(self):
+        self.program("raw_call")
+        done = self.run_peers("--only", "raw_call,fastdds")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr.count("fastdds is left out: it needs libfastrtps-dev."), 1, done.stderr)
+        self.assertNotIn("fastdds", done.stdout)
+
+    def test_a_failing_program_is_named_with_its_last_words_and_given_up(self):
+        self.program("raw_call")
+        broken = self.folder / "peer_zeromq"
+        broken.write_text("#!/bin/sh\necho 'the port is taken' >&2\nexit 2\n")
+        broken.chmod(0o755)
+        done = self.run_peers("--only", "raw_call,zeromq_ipc")
+        self.assertIn("zeromq_ipc failed in round 2, and is left out from now on", done.stderr)
+        self.assertIn("the port is taken", done.stderr)
+        self.assertIn("raw_call_p50_us_1KB", done.stdout)
+
+    def test_a_size_that_does_not_arrive_is_said_once_and_skipped(self):
+        self.program("raw_call", silent=str(4 * 1024 * KB))
+        done = self.run_peers("--only", "raw_call")
+        self.assertEqual(done.stderr.count("raw_call carries no message of 4MB here."), 1, done.stderr)
+        self.assertNotIn("raw_call_p50_us_4MB", done.stdout)
+        self.assertIn("raw_call_p50_us_1KB", done.stdout)
+
+    def test_damaged_messages_are_no_result(self):
+        self.program("raw_call", damaged="1")
+        done = self.run_peers("--only", "raw_call")
+        self.assertIn("1 messages arrived damaged", done.stderr)
+        self.assertNotIn("raw_call_p50_us_1KB", done.stdout)
+
+    def test_an_unknown_peer_is_an_error_that_names_those_there_are(self):
+        done = self.run_peers("--only", "fastdd")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, "There is no peer or mode fastdd; there are: .*fastdds_loan")
+
+    def test_figures_take_each_mode_by_its_own_name_and_size(self):
+        values = {"ours_pointer_p50_us_1MB": 2, "ours_pointer_p50_us_4KB": 1, "ours_pointer_tbb_p50_us_4KB": 7,
+                  "ours_ipc_p50_us_4KB": 9}
+        self.assertEqual(plots.curves(values, "p50_us", False),
+                         {"ours pointer": [(4, 1), (1024, 2)], "ours pointer tbb": [(4, 7)]})
+
+
+if __name__ == "__main__":
+    unittest.main()
