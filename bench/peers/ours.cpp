@@ -14,7 +14,8 @@ namespace {
 struct Place {
   std::function<std::string(const Task&)> endpoint;  ///< Where the sender binds; none if the two need none.
   Executor executor;
-  Block (*lend)(Session&, std::size_t) = nullptr;  ///< Gives memory for each message; none: a ring of blocks is reused.
+  ShmWait wait = ShmWait::kSleep;
+  bool lends = false;  ///< Each message is lent by the session; otherwise a ring of blocks is reused.
 };
 
 const std::map<std::string, Place>& Places() {
@@ -22,6 +23,10 @@ const std::map<std::string, Place>& Places() {
       {"ipc", {[](const Task& task) { return "ipc://" + task.folder + "/" + task.name; }, Executor::Inline()}},
       {"tcp",
        {[](const Task& task) { return "tcp://127.0.0.1:" + std::to_string(task.lanes[0].port); }, Executor::Inline()}},
+      {"shm", {nullptr, Executor::Inline()}},
+      {"shm_loan", {nullptr, Executor::Inline(), ShmWait::kSleep, true}},
+      {"shm_busy", {nullptr, Executor::Inline(), ShmWait::kBusy}},
+      {"shm_busy_loan", {nullptr, Executor::Inline(), ShmWait::kBusy, true}},
       {"pointer", {nullptr, Executor::Inline()}},
       {"pointer_tbb", {nullptr, Executor::Tbb()}},
   };
@@ -30,7 +35,11 @@ const std::map<std::string, Place>& Places() {
 
 Config ConfigOf(const Task& task, const Place& place) {
   Config config;
+  config.shared_memory.wait = place.wait;
+  // The two processes of a measurement, and nobody else.
+  config.discovery.domain = "bench-" + std::to_string(std::hash<std::string>()(task.folder + "/" + task.name));
   if (!place.endpoint) return config;
+  config.discovery.local = false;
   auto& side = task.role == Task::Role::kPublish ? config.publishers : config.subscribers;
   side.push_back({place.endpoint(task), {}, true});
   return config;
@@ -47,7 +56,7 @@ class OurOutlet final : public Outlet {
         lane_(lane),
         place_(place),
         publish_(session.Advertise<Block>(lane.name)),
-        ring_(place.lend != nullptr ? 0 : 2 * lane.depth() + 8, [&] {
+        ring_(place.lends ? 0 : 2 * lane.depth() + 8, [&] {
           auto block = std::make_shared<Block>(Block::Allocate(lane.size_bytes));
           Fill(block->writable().data(), lane.size_bytes);
           return block;
@@ -55,14 +64,14 @@ class OurOutlet final : public Outlet {
     if (!session.WaitForSubscribers(lane.name, 1, std::chrono::seconds(10))) Fail("our receiver did not come in 10 s");
   }
   std::byte* Take() override {
-    taken_ = lends() ? std::make_shared<Block>(place_.lend(session_, lane_.size_bytes)) : ring_.Take();
+    taken_ = lends() ? std::shared_ptr<Block>(session_.Loan<Block>(lane_.name, lane_.size_bytes)) : ring_.Take();
     return taken_->writable().data();
   }
   bool Publish() override {
     const std::shared_ptr<const Block> message = std::move(taken_);
     return publish_.Wait(message, std::chrono::steady_clock::now() + std::chrono::seconds(5)) == PublishStatus::kOk;
   }
-  [[nodiscard]] bool lends() const override { return place_.lend != nullptr; }
+  [[nodiscard]] bool lends() const override { return place_.lends; }
 
  private:
   Session& session_;

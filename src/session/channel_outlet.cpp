@@ -41,6 +41,15 @@ void ChannelOutlet::Latch(std::size_t count) {
   if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
 }
 
+std::optional<Block> ChannelOutlet::Loan(std::size_t size_bytes) {
+  std::shared_ptr<JoinedOutbound> carrier;
+  {
+    const std::scoped_lock lock(order_mutex_);
+    carrier = carrier_;
+  }
+  return carrier ? carrier->Loan(size_bytes) : std::nullopt;
+}
+
 bool ChannelOutlet::wanted() const noexcept {
   if (!published_.load(std::memory_order_relaxed) && events_.on_first_publish()) {
     published_.store(true, std::memory_order_relaxed);

@@ -41,6 +41,8 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   // Withdraws from the carrier; later publishes stay inside the process.
   void Detach();
   void Latch(std::size_t count);
+  // Memory in which a message is published without a copy, if a carrier with subscribers has some.
+  [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
 
   [[nodiscard]] bool wanted() const noexcept override;
   PublishStatus Reserve() noexcept override;

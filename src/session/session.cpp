@@ -44,6 +44,10 @@ Channel& Session::OpenAny(std::string_view channel, const TypeInfo& type, const 
   return core_->OpenAny(channel, type, where);
 }
 std::shared_ptr<Channel> Session::Share(Channel& channel) const { return core_->graph().Share(channel); }
+Block Session::LoanBlock(std::string_view channel, std::size_t size_bytes) {
+  return core_->LoanBlock(channel, size_bytes);
+}
+
 void Session::Latch(Channel& channel, std::size_t count) { core_->Latch(channel, count); }
 Subscription Session::SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
   return core_->SubscribeAny(channel, invoke, std::move(callback), std::move(options));

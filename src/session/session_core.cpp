@@ -256,6 +256,16 @@ void Session::Core::Latch(Channel& channel, std::size_t count) {
   }
 }
 
+Block Session::Core::LoanBlock(std::string_view channel, std::size_t size_bytes) {
+  std::shared_ptr<ChannelOutlet> outlet;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto entry = outlets_.find(channel); entry != outlets_.end()) outlet = entry->second;
+  }
+  auto block = outlet ? outlet->Loan(size_bytes) : std::nullopt;
+  return block ? std::move(*block) : Block::Allocate(size_bytes);
+}
+
 NodeOptions Session::Core::WithChannelConfig(const Channel& channel, NodeOptions options) const {
   const auto entry = config_.channels.find(DataGraph::NameOf(channel));
   if (entry != config_.channels.end() && entry->second.queue) options.queue = *entry->second.queue;

@@ -35,6 +35,7 @@ class Session::Core final : public TransportListener {
   Channel& Open(std::string_view name, const TypeInfo& type, const CallSite& where);
   Channel& OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where);
   void Latch(Channel& channel, std::size_t count);
+  Block LoanBlock(std::string_view channel, std::size_t size_bytes);
   Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
   Subscription SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
 

@@ -206,6 +206,40 @@ TEST_F(LocalDiscovery, DifferentTypesAreSaidOnBothSides) {
   EXPECT_TRUE(Await([&] { return talker.Said("different types") && listener.Said("different types"); }));
 }
 
+TEST_F(LocalDiscovery, ALoanedBlockIsReadWhereItWasWritten) {
+  Robot talker(""), listener("");
+  std::mutex mutex;
+  std::shared_ptr<const Block> received;
+  const auto subscription = listener->FromAny<Block>("blocks", kSerial, [&](const std::shared_ptr<const Block>& block) {
+    const std::scoped_lock lock(mutex);
+    received = block;
+  });
+  const auto publish = talker->Advertise<Block>("blocks");
+  ASSERT_TRUE(talker->WaitForSubscribers("blocks", 1, kPatience));
+  auto loan = talker->Loan<Block>("blocks", 1 << 20);
+  ASSERT_EQ(loan->size(), 1U << 20);
+  std::byte* const written = loan->writable().data();
+  written[0] = std::byte{1};
+  ASSERT_EQ(publish(std::move(loan)), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return received != nullptr;
+  }));
+  EXPECT_EQ(received->bytes()[0], std::byte{1});
+  // The publisher's mapping of the same memory: nobody else does this.
+  written[0] = std::byte{2};
+  EXPECT_EQ(received->bytes()[0], std::byte{2});
+  received.reset();
+}
+
+TEST_F(LocalDiscovery, ALoanForNobodyIsOrdinaryMemory) {
+  Robot talker("");
+  const auto publish = talker->Advertise<Block>("blocks");
+  auto loan = talker->Loan<Block>("blocks", 100);
+  ASSERT_EQ(loan->size(), 100U);
+  EXPECT_EQ(publish(std::move(loan)), PublishStatus::kOk);
+}
+
 TEST_F(LocalDiscovery, WithoutSharedMemoryLeftMessagesStillArrive) {
   Robot talker("shared_memory: {limit_bytes: 0}"), listener("");
   Notes notes;

@@ -12,6 +12,7 @@
 #include "hgros/base/call_site.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/codec/block.hpp"
 #include "hgros/codec/message.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/config.hpp"
@@ -123,6 +124,14 @@ class HGROS_EXPORT Session {
     return Publisher<T>(Share(opened), Reach::kAny);
   }
 
+  /// A block to be filled and published on `channel`, in the memory that receivers on this host will read: then
+  /// publishing it copies nothing. While nobody there receives the channel, or no such memory is left, it is ordinary
+  /// memory. Errors: throws std::bad_alloc.
+  template <std::same_as<Block> T>
+  [[nodiscard]] std::unique_ptr<T> Loan(std::string_view channel, std::size_t size_bytes) {
+    return std::make_unique<Block>(LoanBlock(channel, size_bytes));
+  }
+
   /// Waits until `channel` has at least `count` subscribers, here and elsewhere together: what is published after
   /// that reaches them. False if `timeout` came first. The channel must be advertised or published on.
   [[nodiscard]] bool WaitForSubscribers(std::string_view channel, std::size_t count,
@@ -163,6 +172,7 @@ class HGROS_EXPORT Session {
   Channel& Open(std::string_view channel, const TypeInfo& type, const CallSite& where);
   Channel& OpenAny(std::string_view channel, const TypeInfo& type, const CallSite& where);
   std::shared_ptr<Channel> Share(Channel& channel) const;
+  Block LoanBlock(std::string_view channel, std::size_t size_bytes);
   void Latch(Channel& channel, std::size_t count);
   Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
   Subscription SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
