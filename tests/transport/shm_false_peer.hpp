@@ -54,11 +54,25 @@ class FalsePeer {
     auto& hello = *said.mutable_hello();
     hello.set_session(id_.value);
     WriteFacts(OwnFacts(id_, "false"), *hello.mutable_facts());
+    hello.mutable_facts()->set_incarnation(1);
     hello.set_layout(kLayoutVersion);
     hello.set_bell_number(3);
     return said;
   }
   void Greet() { Say(Hello(), {Copy(bell_), Copy(lane_), Copy(slip_)}); }
+  /// Greets, and chooses this connection if that is for the smaller id to do and ours is it.
+  bool Meet() {
+    Greet();
+    SessionId theirs;
+    const bool met = ReadUntil([&theirs](const wire::PairMessage& message) {
+      theirs = SessionId{message.hello().session()};
+      return message.has_hello();
+    });
+    wire::PairMessage welcome;
+    welcome.mutable_welcome();
+    if (met && id_ < theirs) Say(welcome);
+    return met;
+  }
   void Say(const wire::PairMessage& message, const PairSocket::Handles& handles = {}) {
     socket_->Send(message, handles);
   }
@@ -100,7 +114,7 @@ class FalsePeer {
 
   /// Greets, and publishes the channel `lies`. False if the other side does not ask for it.
   bool Publish(std::uint32_t messages = 4, std::uint64_t bytes = 10'000) {
-    Greet();
+    if (!Meet()) return false;
     if (!ReadUntil([](const auto& message) { return message.wish().wanted().channel() == "lies"; })) return false;
     wire::PairMessage said;
     auto& granted = *said.mutable_granted();

@@ -404,24 +404,48 @@ TEST_F(HostilePeer, AHeartbeatThatStopsIsTheEnd) {
   EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
 }
 
-TEST_F(HostilePeer, AnotherProcesssIdIsNotTaken) {
-  // In one process the newer connection stays; the other one ends.
-  const SessionId id = SessionId::Random();
-  FalsePeer first(place, id);
+TEST_F(HostilePeer, IdsThatAreTakenAreRefused) {
+  const SessionId larger{~std::uint64_t{0}};
+  FalsePeer first(place, larger);
   ASSERT_TRUE(first.Publish());
-  FalsePeer second(place, id);
-  ASSERT_TRUE(second.Publish());
-  EXPECT_TRUE(first.IsEnded());
-  second.Write(second.NextMessage());
+  FalsePeer second(place, larger);
+  second.Greet();
+  EXPECT_TRUE(second.IsEnded());
+  first.Write(first.NextMessage());
   EXPECT_TRUE(Await([&] { return from_liars->sink.count() == 1; }));
+  FalsePeer reborn(place, larger);
+  auto hello = reborn.Hello();
+  hello.mutable_hello()->mutable_facts()->set_incarnation(2);
+  reborn.Say(hello, {FalsePeer::Copy(FalsePeer::Page<BellPage>(kBellMagic)),
+                     FalsePeer::Copy(FalsePeer::Page<LanePage>(kLaneMagic)),
+                     FalsePeer::Copy(FalsePeer::Page<SlipPage>(kSlipMagic))});
+  EXPECT_TRUE(first.IsEnded());
+  reborn.Hang();
   FalsePeer third(place, victim->id);
   third.Greet();
   EXPECT_TRUE(third.IsEnded());
   FalsePeer fourth(place, SessionId{0});
   fourth.Greet();
   EXPECT_TRUE(fourth.IsEnded());
-  second.Hang();
   EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
+}
+
+TEST_F(HostilePeer, TheSmallerIdChoosesAmongConnections) {
+  const SessionId smaller{1};
+  FalsePeer first(place, smaller);
+  ASSERT_TRUE(first.Publish());
+  FalsePeer second(place, smaller);
+  second.Greet();  // Does not choose yet: the first one goes on.
+  ASSERT_TRUE(second.ReadUntil(wire::PairMessage::kHello));
+  first.Write(first.NextMessage());
+  EXPECT_TRUE(Await([&] { return from_liars->sink.count() == 1; }));
+  wire::PairMessage welcome;
+  welcome.mutable_welcome();
+  second.Say(welcome);
+  EXPECT_TRUE(first.IsEnded());
+  EXPECT_TRUE(second.ReadUntil(wire::PairMessage::kWish));
+  second.Say(welcome);
+  ExpectEnd(second, "it is not its turn");
 }
 
 TEST_F(HostilePeer, MorePeersThanNumbersAreSentAway) {

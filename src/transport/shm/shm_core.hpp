@@ -114,7 +114,9 @@ class ShmCore : public LeaderPool::Input {
   void OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
   void OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
   [[nodiscard]] std::string OpenPages(Pair& pair, const wire::PairHello& hello, PairSocket::Frame& frame);
-  [[nodiscard]] std::string WhyNot(const std::shared_ptr<Pair>& pair);
+  [[nodiscard]] std::string WhyNot(Pair& pair);
+  void OnWelcome(const std::shared_ptr<Pair>& pair);
+  void BeginPair(const std::shared_ptr<Pair>& pair);
   void OnGranted(Pair& pair, const wire::Granted& granted);
   void OnMisfit(Pair& pair, const wire::Misfit& misfit);
   void OnEnded(Pair& pair, const wire::Ended& ended);
