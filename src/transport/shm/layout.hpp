@@ -93,4 +93,17 @@ struct SlipPage {
   alignas(kCacheLine) CreditCell cells[kCells];  ///< By the receiver's choice, told when it subscribes.
 };
 
+// docs/shared-memory.md has these numbers too.
+static_assert(sizeof(BellPage) == 256 && offsetof(BellPage, asleep) == 64 && offsetof(BellPage, ready) == 128);
+static_assert(offsetof(Descriptor, number) == 8 && offsetof(Descriptor, slot) == 16);
+static_assert(offsetof(Descriptor, segment) == 20 && offsetof(Descriptor, offset_bytes) == 24);
+static_assert(offsetof(Descriptor, size_bytes) == 32 && offsetof(Descriptor, publisher) == 40);
+static_assert(offsetof(Descriptor, incarnation) == 48 && offsetof(Descriptor, sequence) == 56);
+static_assert(offsetof(Descriptor, publish_time_ns) == 64 && offsetof(Descriptor, publish_monotonic_ns) == 72);
+static_assert(offsetof(Descriptor, latched) == 80 && offsetof(Descriptor, reserved) == 84);
+static_assert(sizeof(LanePage) == 65728 && offsetof(LanePage, written) == 64 && offsetof(LanePage, hungry) == 128);
+static_assert(offsetof(LanePage, heartbeat) == 132 && offsetof(LanePage, descriptors) == 192);
+static_assert(sizeof(SlipPage) == 18560 && offsetof(SlipPage, returned) == 64 && offsetof(SlipPage, heartbeat) == 72);
+static_assert(offsetof(SlipPage, slots) == 128 && offsetof(SlipPage, cells) == 2176 && sizeof(CreditCell) == 16);
+
 }  // namespace hgros::shm

@@ -111,7 +111,8 @@ struct Pair : std::enable_shared_from_this<Pair> {
   SteadyTime last_read{};   ///< From the socket.
   std::uint32_t seen_heartbeat = 0;
   std::unordered_set<std::string> told_mismatch;
-  bool came = false;  ///< The listener was told.
+  bool greeted = false;  ///< Its pages are open.
+  bool came = false;     ///< The listener was told.
 
   PairSocket socket;  ///< Receiving: the core's own thread. Sending: guarded by the core's mutex.
   /// Greeted, and not ended.

@@ -80,20 +80,16 @@ class ShmCore : public LeaderPool::Input {
     }
   };
 
+  // What epoll says of what is no pair's socket.
+  static constexpr std::uint64_t kListening = 1ULL << 32;
+  static constexpr std::uint64_t kWoken = 1ULL << 33;
+  static constexpr std::uint64_t kProcess = 1ULL << 34;  ///< With a pair's number.
+
   // shm_core.cpp: wiring, and the core's own thread.
   void Mind(const std::stop_token& stop);
-  void Tick(SteadyTime now);
-  void TryDestinations(SteadyTime now);
   [[nodiscard]] SteadyTime NextDeadline() const;
-  void AcceptPairs();
   void Turn(std::uint64_t mark);
   [[nodiscard]] bool Watch(int fd, std::uint64_t mark, std::uint32_t events) noexcept;
-  [[nodiscard]] std::shared_ptr<Pair> AddPair(Handle connection, bool by_us, const std::string& place);
-  void Read(const std::shared_ptr<Pair>& pair);
-  void EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye);
-  void OnProcessEnd(const std::shared_ptr<Pair>& pair);
-  void FinishPair(const std::shared_ptr<Pair>& pair);
-  void ForgetPair(const std::shared_ptr<Pair>& pair);
   void Post(std::function<void()> action);
   /// For as long as the pair is known: its number may be another's by then.
   void PostFor(Pair& pair, std::function<void(const std::shared_ptr<Pair>&)> action);
@@ -102,6 +98,17 @@ class ShmCore : public LeaderPool::Input {
   void CountRound();
   [[nodiscard]] std::vector<std::shared_ptr<Pair>> Pairs() const;
   [[nodiscard]] std::shared_ptr<Pair> PairAt(std::uint32_t number) const;
+
+  // pair_life.cpp: how pairs begin and end.
+  void Tick(SteadyTime now);
+  void TryDestinations(SteadyTime now);
+  void AcceptPairs();
+  [[nodiscard]] std::shared_ptr<Pair> AddPair(Handle connection, bool by_us, const std::string& place);
+  void Read(const std::shared_ptr<Pair>& pair);
+  void EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye);
+  void OnProcessEnd(const std::shared_ptr<Pair>& pair);
+  void FinishPair(const std::shared_ptr<Pair>& pair);
+  void ForgetPair(const std::shared_ptr<Pair>& pair);
 
   // publisher_control.cpp: what subscribing peers say.
   void OnWish(Pair& pair, const wire::Wish& wish);
@@ -115,7 +122,9 @@ class ShmCore : public LeaderPool::Input {
   void OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
   void OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
   [[nodiscard]] std::string OpenPages(Pair& pair, const wire::PairHello& hello, PairSocket::Frame& frame);
-  [[nodiscard]] std::string WhyNot(const std::shared_ptr<Pair>& pair);
+  [[nodiscard]] std::string WhyNot(Pair& pair);
+  void OnWelcome(const std::shared_ptr<Pair>& pair);
+  void BeginPair(const std::shared_ptr<Pair>& pair);
   void OnGranted(Pair& pair, const wire::Granted& granted);
   void OnMisfit(Pair& pair, const wire::Misfit& misfit);
   void OnEnded(Pair& pair, const wire::Ended& ended);

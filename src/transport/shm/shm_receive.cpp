@@ -60,7 +60,9 @@ LeaderPool::Task ShmCore::Serve(const std::shared_ptr<Pair>& pair) {
     std::shared_ptr<InLink> link;
     InboundMessage message;
     const char* lie = nullptr;
-    switch (Next(*pair, link, message, lie)) {
+    Step step = Next(*pair, link, message, lie);
+    if (step == Step::kLie && pair->ending.load()) step = Step::kNothing;  // It has ended for another reason.
+    switch (step) {
       case Step::kSkipped: continue;
       case Step::kLie: Distrust(*pair, lie); return {};
       case Step::kNothing:

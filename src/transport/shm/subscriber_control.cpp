@@ -25,6 +25,10 @@ void ShmCore::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
     OnHello(pair, frame);
     return;
   }
+  if (said.has_welcome()) {
+    OnWelcome(pair);
+    return;
+  }
   if (said.has_bye()) {
     EndPair(pair, "it said goodbye", false);
     return;
@@ -49,7 +53,7 @@ void ShmCore::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
 
 void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame) {
   const wire::PairHello& hello = frame.message.hello();
-  if (pair->alive || pair->ending) {
+  if (pair->greeted || pair->ending) {
     Distrust(*pair, "it greets twice");
     return;
   }
@@ -61,7 +65,7 @@ void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
       if (destination.place == pair->place) destination.session = pair->facts.info.id;
     }
   }
-  if (const std::string why = WhyNot(pair); !why.empty()) {
+  if (const std::string why = WhyNot(*pair); !why.empty()) {
     EndPair(pair, why, true);
     return;
   }
@@ -72,8 +76,33 @@ void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
     EndPair(pair, fault, true);
     return;
   }
+  pair->greeted = true;
   pair->socket.SetMaxFrame(options_.max_message_bytes + kFrameOverheadBytes);
   pair->last_heard = std::chrono::steady_clock::now();
+  if (pair->facts.info.id < self_.info.id) return;  // It says which connection stays.
+  {
+    const std::scoped_lock lock(mutex_);
+    wire::PairMessage said;
+    said.mutable_welcome();
+    pair->socket.Send(said);
+  }
+  BeginPair(pair);
+}
+
+void ShmCore::OnWelcome(const std::shared_ptr<Pair>& pair) {
+  if (!pair->greeted || pair->alive || self_.info.id < pair->facts.info.id) {
+    Distrust(*pair, "it says which connection stays, and it is not its turn");
+    return;
+  }
+  for (const auto& other : Pairs()) {
+    if (other != pair && other->alive && other->facts.info.id == pair->facts.info.id) {
+      EndPair(other, "another connection took its place", true);
+    }
+  }
+  BeginPair(pair);
+}
+
+void ShmCore::BeginPair(const std::shared_ptr<Pair>& pair) {
   pair->came = true;
   registry_.Came(pair->facts.info);
   const std::scoped_lock lock(mutex_);
@@ -103,28 +132,24 @@ std::string ShmCore::OpenPages(Pair& pair, const wire::PairHello& hello, PairSoc
 
 // Why the connection is not wanted; empty: it is.
 //
-// Two sessions may connect to each other at the same time. Of the two connections the one stays that was made by the
-// session with the smaller id: both sides come to the same end. Nobody puts an end to the connection of another living
-// process by using its id.
-std::string ShmCore::WhyNot(const std::shared_ptr<Pair>& pair) {
-  const SessionId peer = pair->facts.info.id;
+// Two sessions may connect to each other at the same time, and both connections may be half made. The session with the
+// smaller id chooses the first whose hello it reads; the other one begins nothing before it is told. Nobody puts an end
+// to the connection of another living process by using its id.
+std::string ShmCore::WhyNot(Pair& pair) {
+  const SessionId peer = pair.facts.info.id;
   if (peer.value == 0) return "it has no id";
   if (peer == self_.info.id) return "it is this session";
-  const SessionId smaller = self_.info.id.value < peer.value ? self_.info.id : peer;
   for (const auto& other : Pairs()) {
-    if (other == pair || !other->alive || other->facts.info.id != peer) continue;
-    if (other->process != pair->process && other->process_end.valid() && !HasEnded(other->process_end)) {
+    if (other.get() == &pair || !other->alive || other->facts.info.id != peer) continue;
+    if (other->process != pair.process && other->process_end.valid() && !HasEnded(other->process_end)) {
       log_.WriteLimited(LogLevel::kWarning, "shm id " + peer.ToString(),
                         "Another process uses the id of " + Who(*other) +
                             ": no memory is shared with it. Give each session an id of its own, or none.");
       return "another process has its id";
     }
-    const SessionId maker = other->by_us ? self_.info.id : peer;
-    const bool same_maker = other->by_us == pair->by_us;
-    if (other->facts.incarnation == pair->facts.incarnation && maker == smaller && !same_maker) {
-      return "it is connected already";
-    }
-    EndPair(other, "another connection took its place", true);
+    if (peer < self_.info.id) continue;
+    if (other->facts.incarnation == pair.facts.incarnation) return "it is connected already";
+    EndPair(other, "another life of it took its place", true);
   }
   return {};
 }

@@ -1,0 +1,218 @@
+// Processes that share memory and are killed, stopped and forked while they do.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <list>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "resilience/shm_numbers.hpp"
+#include "resilience/worker_process.hpp"
+#include "support/await.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using test::Await;
+using test::kPatience;
+
+std::uint64_t Setting(const char* name, std::uint64_t otherwise) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? otherwise : std::stoull(value);
+}
+
+std::size_t OpenFiles() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+
+/// Pages that belong to pairs, ours and others'.
+std::size_t PairMappings() {
+  std::ifstream maps("/proc/self/maps");
+  std::size_t count = 0;
+  for (std::string line; std::getline(maps, line);) {
+    count += line.find("memfd:hgros-") != std::string::npos && line.find("hgros-bell") == std::string::npos &&
+                     line.find("rw-s") == std::string::npos
+                 ? 1
+                 : 0;
+    count += line.find("hgros-lane") != std::string::npos || line.find("hgros-slip") != std::string::npos ? 1 : 0;
+  }
+  return count;
+}
+
+/// What lies there; other tests may run beside this one, but none of them leaves anything either.
+std::set<std::string> SharedFiles() {
+  std::set<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", error)) names.insert(entry.path());
+  return names;
+}
+
+/// A session that publishes "down" and subscribes to "up", without loss, while workers come and go.
+class ShmProcesses : public testing::Test {
+ protected:
+  ShmProcesses() {
+    ShmOptions options = NumberOptions("hub");
+    options.place = place;
+    hub = MakeShmTransport(options, listener, log);
+    down.emplace(*hub, "down");
+    inbound = hub->Subscribe("up", NumberType(), {.lossless = true}, up);
+    (void)down->channel().stats();
+    open_files = OpenFiles();
+    publishing = std::jthread([this](const std::stop_token& stop) {
+      while (down->PublishNext(stop)) {
+      }
+    });
+  }
+  /// All workers have gone: nothing of them is left.
+  void ExpectNothingLeft() {
+    EXPECT_TRUE(Await([&] { return hub->Peers().empty() && down->channel().subscriber_count() == 0; }));
+    EXPECT_TRUE(Await([&] { return up.publishers == 0; }));
+    publishing = {};
+    inbound.reset();
+    up.LetGo();
+    EXPECT_TRUE(Await([&] { return hub->usage().blocks_in_use == 0; })) << hub->usage().blocks_in_use;
+    // Segments that no block of is used keep their descriptors, for the next message.
+    EXPECT_TRUE(Await([&] { return OpenFiles() == open_files + hub->usage().segments; }))
+        << OpenFiles() << " instead of " << open_files << " and " << hub->usage().segments;
+    EXPECT_TRUE(Await([&] { return PairMappings() == 0; })) << PairMappings();
+    EXPECT_LE(hub->usage().segment_bytes, NumberOptions("").limit_bytes);
+    EXPECT_TRUE(Await([&] { return std::ranges::includes(shared_files, SharedFiles()); }));
+  }
+
+  const std::string place = "hgros-test-" + SessionId::Random().ToString();
+  QuietListener listener;
+  Log log{[](LogLevel, std::string_view) {}};
+  NumberSink up;
+  std::unique_ptr<ShmTransport> hub;
+  std::optional<NumberStream> down;
+  std::unique_ptr<InboundChannel> inbound;
+  const std::set<std::string> shared_files = SharedFiles();
+  std::size_t open_files = 0;
+  std::jthread publishing;
+};
+
+TEST_F(ShmProcesses, KilledAtAnyMomentTheyTakeNothingFromOthers) {
+  const std::uint64_t rounds = Setting("HGROS_SHM_KILLS", 100);
+  const auto seed = static_cast<unsigned>(Setting("HGROS_SEED", std::random_device()()));
+  SCOPED_TRACE("HGROS_SEED=" + std::to_string(seed));
+  std::minstd_rand random(seed);
+  {
+    WorkerProcess survivor({place, "work"});
+    ASSERT_TRUE(survivor.Reaches({{"received", 100}, {"published", 100}})) << survivor;
+    std::list<WorkerProcess> victims;
+    for (std::uint64_t round = 0; round < rounds; ++round) {
+      const std::uint64_t before = up.received;
+      while (victims.size() < 2) victims.emplace_back(std::vector<std::string>{place, "work"});
+      if (random() % 4 != 0) {
+        ASSERT_TRUE(victims.back().Reaches({{"received", 10}, {"published", 10}})) << victims.back();
+      }
+      test::Linger(std::chrono::microseconds(random() % 20'000));
+      victims.pop_front();  // Kills it.
+      ASSERT_TRUE(Await([&] { return up.received > before; }));
+      ASSERT_TRUE(survivor.Gains("received", 10)) << survivor;
+      ASSERT_EQ(survivor["faults"], 0u) << survivor;
+      ASSERT_EQ(up.faults, 0u);
+    }
+    victims.clear();
+    ASSERT_TRUE(survivor.Gains("received", 100)) << survivor;
+    ASSERT_TRUE(survivor.Gains("published", 100)) << survivor;
+    EXPECT_EQ(survivor["faults"], 0u) << survivor;
+  }
+  EXPECT_EQ(up.faults, 0u);
+  ExpectNothingLeft();
+}
+
+TEST_F(ShmProcesses, AStoppedOneDoesNotStopOthersAndComesBack) {
+  {
+    WorkerProcess survivor({place, "work"});
+    WorkerProcess stopped({place, "work"});
+    ASSERT_TRUE(survivor.Reaches({{"received", 100}})) << survivor;
+    ASSERT_TRUE(stopped.Reaches({{"received", 100}})) << stopped;
+    for (int round = 0; round < 2; ++round) {
+      const int gone = listener.gone;
+      stopped.Stop();
+      ASSERT_TRUE(survivor.Gains("published", 100)) << survivor;
+      ASSERT_TRUE(Await([&] { return listener.gone > gone; })) << "it stands still and nobody notices";
+      ASSERT_TRUE(survivor.Gains("received", 1000)) << survivor;
+      // It held messages all the time, and holds them when it connects anew.
+      stopped.Continue();
+      ASSERT_TRUE(stopped.Gains("received", 1000)) << stopped;
+    }
+    EXPECT_EQ(survivor["faults"], 0u) << survivor;
+  }
+  ExpectNothingLeft();
+}
+
+TEST_F(ShmProcesses, AChildThatIsLeftBehindHoldsNothingUp) {
+  pid_t child = 0;
+  {
+    WorkerProcess parent({place, "fork"});
+    ASSERT_TRUE(parent.Reaches({{"child", 1}})) << parent;
+    ASSERT_TRUE(parent.Gains("received", 1000)) << parent;
+    ASSERT_TRUE(parent.Gains("published", 100)) << parent;
+    EXPECT_EQ(parent["faults"], 0u) << parent;
+    EXPECT_EQ(listener.gone, 0);
+    child = static_cast<pid_t>(parent["child"]);
+    parent.Kill();
+    EXPECT_EQ(kill(child, 0), 0);
+    ExpectNothingLeft();
+    kill(child, SIGKILL);
+  }
+}
+
+TEST_F(ShmProcesses, InOrderTheyEndInOrder) {
+  {
+    WorkerProcess worker({place, "work"});
+    ASSERT_TRUE(worker.Reaches({{"received", 100}, {"published", 100}})) << worker;
+    EXPECT_EQ(worker.Finish(), 0) << worker;
+  }
+  EXPECT_EQ(up.faults, 0u);
+  ExpectNothingLeft();
+}
+
+TEST_F(ShmProcesses, ManySmallMessagesNeedNoMoreMemoryThanFew) {
+  const std::uint64_t messages = Setting("HGROS_SHM_SOAK", 1'000'000);
+  publishing = {};
+  down.reset();
+  inbound.reset();
+  QuietListener other_listener;
+  ShmOptions options = NumberOptions("listener");
+  options.peers = {place};
+  NumberSink sink;
+  {
+    const auto other = MakeShmTransport(options, other_listener, log);
+    const auto received = other->Subscribe("down", NumberType(), {.lossless = true}, sink);
+    NumberStream stream(*hub, "down", 200);
+    const auto resident = [] {
+      std::ifstream file("/proc/self/statm");
+      std::size_t pages = 0;
+      file >> pages >> pages;
+      return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    };
+    const auto publish = [&](std::uint64_t until) {
+      while (stream.published < until) ASSERT_TRUE(stream.PublishNext({}));
+      ASSERT_TRUE(Await([&] { return sink.received == until; })) << sink.received;
+    };
+    publish(messages / 10);
+    const std::size_t before = resident();
+    const auto segments = hub->usage().segments;
+    const std::size_t files = OpenFiles();
+    publish(messages);
+    EXPECT_LT(resident(), before + (4 << 20));
+    EXPECT_EQ(hub->usage().segments, segments);
+    EXPECT_EQ(OpenFiles(), files);
+    EXPECT_EQ(sink.faults, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace hgros::resilience

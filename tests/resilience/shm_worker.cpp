@@ -1,0 +1,70 @@
+// A process that publishes and subscribes through shared memory, to be killed.
+//
+//     shm_worker PLACE MODE
+//
+// Publishes "up" and subscribes to "down" at the session at PLACE, without loss. MODE: "work"; "listen", which
+// publishes nothing; "fork", which leaves a child behind that does nothing. Reports on standard output.
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <deque>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "hgros/transport/shm_transport.hpp"
+#include "resilience/shm_numbers.hpp"
+#include "support/await.hpp"
+
+namespace {
+
+volatile std::sig_atomic_t terminated = 0;
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace hgros;
+  using namespace hgros::resilience;
+  if (argc != 3) return 2;
+  const std::string mode = argv[2];
+  std::signal(SIGTERM, [](int) { terminated = 1; });
+  Log log([](LogLevel, std::string_view text) {
+    std::printf("log %.*s\n", static_cast<int>(text.size()), text.data());
+    (void)std::fflush(nullptr);
+  });
+  QuietListener listener;
+  ShmOptions options = NumberOptions("worker");
+  options.peers = {argv[1]};
+  const auto transport = MakeShmTransport(options, listener, log);
+  NumberSink down;
+  const auto inbound = transport->Subscribe("down", NumberType(), {.lossless = true}, down);
+  std::unique_ptr<NumberStream> up;
+  std::jthread publishing;
+  if (mode != "listen") {
+    up = std::make_unique<NumberStream>(*transport, "up");
+    publishing = std::jthread([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) up->PublishNext(stop);
+    });
+  }
+  pid_t child = 0;
+  while (terminated == 0) {
+    if (mode == "fork" && child == 0 && down.received > 100) {
+      child = fork();
+      if (child == 0) {
+        close(STDOUT_FILENO);
+        down.LetGo();  // What the child inherited is not the child's to give back.
+        for (;;) pause();
+      }
+    }
+    std::printf("status received=%llu faults=%llu published=%llu child=%llu\n",
+                static_cast<unsigned long long>(down.received), static_cast<unsigned long long>(down.faults),
+                static_cast<unsigned long long>(up ? up->published.load() : 0), static_cast<unsigned long long>(child));
+    (void)std::fflush(nullptr);
+    test::Linger(std::chrono::milliseconds(10));
+  }
+  publishing = {};
+  return 0;
+}

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "support/await.hpp"
+#include "transport/agreement.hpp"
+#include "transport/shm/bell.hpp"
+#include "transport/shm/layout.hpp"
+#include "transport/shm/memory.hpp"
+#include "transport/shm/pair_socket.hpp"
+
+namespace hgros::shm {
+
+/// The other side of a pair, made by hand: it can say and write whatever it likes.
+class FalsePeer {
+ public:
+  /// Connects to the session at `place`; `id` is what it says of itself.
+  explicit FalsePeer(const std::string& place, SessionId id = SessionId::Random())
+      : id_(id),
+        bell_(Page<BellPage>(kBellMagic)),
+        lane_(Page<LanePage>(kLaneMagic)),
+        slip_(Page<SlipPage>(kSlipMagic)) {
+    std::string fault;
+    socket_ = std::make_unique<PairSocket>(std::make_shared<const Handle>(ConnectTo(place, fault)), 1 << 28);
+  }
+
+  template <class PageKind>
+  static Segment Page(std::uint32_t magic) {
+    Segment made = MakeSegment("hgros-false", sizeof(PageKind), Access::kEverybody, Pages::kOnTouch);
+    made.mapping->as<PageKind>().magic = magic;
+    made.mapping->as<PageKind>().version = kLayoutVersion;
+    return made;
+  }
+  static std::shared_ptr<const Handle> Copy(const Segment& segment) {
+    return std::make_shared<const Handle>(dup(segment.handle.fd()));
+  }
+
+  [[nodiscard]] SessionId id() const { return id_; }
+  [[nodiscard]] BellPage& bell() const { return bell_.mapping->as<BellPage>(); }
+  [[nodiscard]] LanePage& lane() const { return lane_.mapping->as<LanePage>(); }
+  [[nodiscard]] SlipPage& slip() const { return slip_.mapping->as<SlipPage>(); }
+  [[nodiscard]] PairSocket& socket() const { return *socket_; }
+  void Hang() { socket_.reset(); }
+
+  [[nodiscard]] wire::PairMessage Hello() const {
+    wire::PairMessage said;
+    auto& hello = *said.mutable_hello();
+    hello.set_session(id_.value);
+    WriteFacts(OwnFacts(id_, "false"), *hello.mutable_facts());
+    hello.mutable_facts()->set_incarnation(1);
+    hello.set_layout(kLayoutVersion);
+    hello.set_bell_number(3);
+    return said;
+  }
+  void Greet() { Say(Hello(), {Copy(bell_), Copy(lane_), Copy(slip_)}); }
+  /// Greets, and chooses this connection if that is for the smaller id to do and ours is it.
+  bool Meet() {
+    Greet();
+    SessionId theirs;
+    const bool met = ReadUntil([&theirs](const wire::PairMessage& message) {
+      theirs = SessionId{message.hello().session()};
+      return message.has_hello();
+    });
+    wire::PairMessage welcome;
+    welcome.mutable_welcome();
+    if (met && id_ < theirs) Say(welcome);
+    return met;
+  }
+  void Say(const wire::PairMessage& message, const PairSocket::Handles& handles = {}) {
+    socket_->Send(message, handles);
+  }
+  void SayRaw(const std::string& bytes) const {
+    [[maybe_unused]] const auto sent = send(socket_->handle()->fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+  /// A heartbeat, and the bell rung.
+  void Ring() const {
+    lane().heartbeat.fetch_add(1);
+    slip().heartbeat.fetch_add(1);
+    if (their_bell_) their_bell_->Ring();
+  }
+
+  /// Reads until `done`; false if the other side ends first or takes too long.
+  bool ReadUntil(const std::function<bool(const wire::PairMessage&)>& done) {
+    PairSocket::Frame frame;
+    bool found = false;
+    (void)test::Await([&] {
+      Ring();
+      socket_->Flush();
+      for (;;) {
+        const auto read = socket_->Receive(frame);
+        if (read == PairSocket::Read::kNothing) return false;
+        if (read != PairSocket::Read::kFrame) {
+          ended_ = true;
+          return true;
+        }
+        Note(frame);
+        if (done(frame.message)) return found = true;
+      }
+    });
+    return found;
+  }
+  [[nodiscard]] bool ReadUntil(wire::PairMessage::WhatCase what) {
+    return ReadUntil([what](const wire::PairMessage& message) { return message.what_case() == what; });
+  }
+  /// The other side ends the connection: says so, and closes the socket when it holds nothing any more.
+  [[nodiscard]] bool IsEnded() { return ReadUntil(wire::PairMessage::kBye) || ended_; }
+
+  /// Greets, and publishes the channel `lies`. False if the other side does not ask for it.
+  bool Publish(std::uint32_t messages = 4, std::uint64_t bytes = 10'000) {
+    if (!Meet()) return false;
+    if (!ReadUntil([](const auto& message) { return message.wish().wanted().channel() == "lies"; })) return false;
+    wire::PairMessage said;
+    auto& granted = *said.mutable_granted();
+    granted.set_link(wish.link());
+    *granted.mutable_offered() = wish.wanted();
+    granted.set_credit_messages(messages);
+    granted.set_credit_bytes(bytes);
+    Say(said);
+    return true;
+  }
+  /// The next message in order, without a payload.
+  [[nodiscard]] Descriptor NextMessage() {
+    Descriptor next{};
+    next.link = wish.link();
+    next.number = ++number_;
+    next.slot = static_cast<std::uint32_t>(number_ % kSlots);
+    next.publisher = id_.value;
+    next.incarnation = 1;
+    next.sequence = number_;
+    return next;
+  }
+  void Write(const Descriptor& descriptor) {
+    const std::uint64_t written = lane().written.load();
+    lane().descriptors[written % kSlots] = descriptor;
+    lane().written.store(written + 1);
+    Ring();
+  }
+  void AddSegment(std::uint32_t number, std::shared_ptr<const Handle> handle) {
+    wire::PairMessage said;
+    said.mutable_segment_added()->set_segment(number);
+    PairSocket::Handles handles;
+    if (handle) handles.push_back(std::move(handle));
+    Say(said, handles);
+  }
+
+  wire::Wish wish;  ///< For `lies`.
+
+ private:
+  void Note(PairSocket::Frame& frame) {
+    if (frame.message.wish().wanted().channel() == "lies") wish = frame.message.wish();
+    if (!frame.message.has_hello() || frame.handles.size() != 3) return;
+    std::string fault;
+    their_bell_ = PeerBell::Open(frame.handles[0], frame.message.hello().bell_number(), fault);
+  }
+
+  const SessionId id_;
+  Segment bell_;
+  Segment lane_;
+  Segment slip_;
+  std::unique_ptr<PairSocket> socket_;
+  std::unique_ptr<PeerBell> their_bell_;
+  std::uint64_t number_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace hgros::shm

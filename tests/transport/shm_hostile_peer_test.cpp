@@ -1,0 +1,554 @@
+// Peers that lie, and what others notice of them: nothing.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "conformance/transport_conformance.hpp"
+#include "hgros/transport/shm_transport.hpp"
+#include "support/await.hpp"
+#include "transport/shm_false_peer.hpp"
+
+namespace hgros::shm {
+namespace {
+
+using conformance::Publication;
+using conformance::Reception;
+using conformance::TextType;
+using test::Await;
+
+std::size_t OpenFiles() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+
+class HostilePeer : public testing::Test, public conformance::World {
+ protected:
+  std::unique_ptr<Transport> MakePublisher(TransportListener& listener, Log&, SessionId id) override {
+    auto made = MakeShmTransport(Options(id, place), listener, log);
+    victim_transport = made.get();
+    return made;
+  }
+  std::unique_ptr<Transport> MakeSubscriber(TransportListener& listener, Log&, SessionId id) override {
+    ShmOptions options = Options(id, {});
+    options.peers = {place};
+    return MakeShmTransport(std::move(options), listener, quiet);
+  }
+  static ShmOptions Options(SessionId id, const std::string& at) {
+    ShmOptions options;
+    options.session = id;
+    options.process = "honest";
+    options.place = at;
+    options.heartbeat = std::chrono::milliseconds(50);
+    options.peer_timeout = std::chrono::milliseconds(1500);
+    options.limit_bytes = 8 << 20;
+    return options;
+  }
+
+  void SetUp() override {
+    open_files = OpenFiles();
+    victim.emplace(*this, conformance::Session::Role::kPublisher);
+    honest.emplace(*this, conformance::Session::Role::kSubscriber);
+    const Demand lossless{.lossless = true};
+    news.emplace(*victim, "news", TextType());
+    heard.emplace(*honest, "news", TextType(), lossless);
+    answers.emplace(*honest, "answers", TextType());
+    heard_answers.emplace(*victim, "answers", TextType(), lossless);
+    ASSERT_TRUE(
+        Await([&] { return news->channel->subscriber_count() == 1 && answers->channel->subscriber_count() == 1; }));
+    // What liars publish; the honest one does not.
+    from_liars.emplace(*victim, "lies", TextType(), Demand{.credit_messages = 4, .credit_bytes = 10'000});
+  }
+  void TearDown() override {
+    ExpectHonestUndisturbed();
+    EXPECT_EQ(victim->listener.gone - liars_gone(), 0);
+    from_liars.reset();
+    heard_answers.reset();
+    answers.reset();
+    heard.reset();
+    news.reset();
+    honest.reset();
+    victim.reset();
+    EXPECT_TRUE(Await([&] { return OpenFiles() == open_files; })) << OpenFiles() << " instead of " << open_files;
+  }
+  void ExpectHonestUndisturbed() {
+    const std::size_t first = heard->sink.count();
+    const std::size_t second = heard_answers->sink.count();
+    for (int i = 0; i < 100; ++i) {
+      ASSERT_TRUE(news->PublishSoon("news " + std::to_string(i)));
+      ASSERT_TRUE(answers->PublishSoon("answer " + std::to_string(i)));
+    }
+    EXPECT_TRUE(
+        Await([&] { return heard->sink.count() == first + 100 && heard_answers->sink.count() == second + 100; }));
+    EXPECT_EQ(honest->listener.gone, 0);
+  }
+  int liars_gone() const { return victim->listener.came - 1; }
+
+  std::vector<std::string> Said(const std::string& part) {
+    const std::scoped_lock lock(mutex);
+    std::vector<std::string> found;
+    std::ranges::copy_if(lines, std::back_inserter(found),
+                         [&](const std::string& line) { return line.find(part) != std::string::npos; });
+    return found;
+  }
+  /// The pair ends, and one sentence says why.
+  void ExpectEnd(FalsePeer& peer, const std::string& why) {
+    EXPECT_TRUE(peer.IsEnded());
+    EXPECT_TRUE(Await([&] { return Said(why).size() == 1; })) << why << ": " << testing::PrintToString(Said(""));
+    EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
+  }
+  /// Publishes properly, then `lie`.
+  void ExpectLie(const std::function<void(FalsePeer&)>& lie, const std::string& why) {
+    {
+      const std::scoped_lock lock(mutex);
+      lines.clear();
+    }
+    FalsePeer peer(place);
+    ASSERT_TRUE(peer.Publish());
+    lie(peer);
+    ExpectEnd(peer, why);
+  }
+  void ExpectBadHello(const std::function<void(wire::PairHello&, PairSocket::Handles&)>& spoil,
+                      const std::string& why) {
+    FalsePeer peer(place);
+    auto hello = peer.Hello();
+    PairSocket::Handles handles{FalsePeer::Copy(FalsePeer::Page<BellPage>(kBellMagic)),
+                                FalsePeer::Copy(FalsePeer::Page<LanePage>(kLaneMagic)),
+                                FalsePeer::Copy(FalsePeer::Page<SlipPage>(kSlipMagic))};
+    spoil(*hello.mutable_hello(), handles);
+    peer.Say(hello, handles);
+    ExpectEnd(peer, why);
+  }
+
+  const std::string place = "hgros-test-" + SessionId::Random().ToString();
+  std::size_t open_files = 0;
+  std::mutex mutex;
+  std::vector<std::string> lines;  // Guarded by mutex.
+  Log log{[this](LogLevel, std::string_view text) {
+    const std::scoped_lock lock(mutex);
+    lines.emplace_back(text);
+  }};
+  Log quiet{[](LogLevel, std::string_view) {}};
+  ShmTransport* victim_transport = nullptr;
+  std::optional<conformance::Session> victim;
+  std::optional<conformance::Session> honest;
+  std::optional<Publication> news;
+  std::optional<Reception> heard;
+  std::optional<Publication> answers;
+  std::optional<Reception> heard_answers;
+  std::optional<Reception> from_liars;
+};
+
+std::shared_ptr<const Handle> FileOf(std::size_t size, bool sealed) {
+  const int fd = memfd_create("false", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  EXPECT_EQ(ftruncate(fd, static_cast<off_t>(size)), 0);
+  if (sealed) {
+    EXPECT_EQ(fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW), 0);
+  }
+  return std::make_shared<const Handle>(fd);
+}
+
+TEST_F(HostilePeer, AProperOneIsHeard) {
+  FalsePeer peer(place);
+  ASSERT_TRUE(peer.Publish());
+  peer.Write(peer.NextMessage());
+  EXPECT_TRUE(Await([&] { return from_liars->sink.count() == 1; }));
+  wire::PairMessage bye;
+  bye.mutable_bye();
+  peer.Say(bye);
+  EXPECT_TRUE(peer.IsEnded());
+  EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
+  EXPECT_TRUE(Said("cannot be right").empty());
+}
+
+TEST_F(HostilePeer, PagesThatAreNoneAreRefused) {
+  ExpectBadHello([](auto& hello, auto&) { hello.set_layout(kLayoutVersion + 1); }, "of another version");
+  ExpectBadHello([](auto& hello, auto&) { hello.set_bell_number(kMaxPeers); }, "more than a bell has");
+  ExpectBadHello([](auto&, auto& handles) { handles.pop_back(); }, "did not pass its memory on");
+  ExpectBadHello([](auto&, auto& handles) { handles[0] = FalsePeer::Copy(FalsePeer::Page<BellPage>(kLaneMagic)); },
+                 "no bell of this layout");
+  ExpectBadHello([](auto&, auto& handles) { std::swap(handles[1], handles[2]); }, "bytes instead of");
+  ExpectBadHello([](auto&, auto& handles) { handles[1] = FalsePeer::Copy(FalsePeer::Page<LanePage>(7)); },
+                 "no lane of this layout");
+  ExpectBadHello([](auto&, auto& handles) { handles[2] = FalsePeer::Copy(FalsePeer::Page<SlipPage>(7)); },
+                 "no slip of this layout");
+  ExpectBadHello([](auto&, auto& handles) { handles[2] = FileOf(sizeof(SlipPage) / 2, true); },
+                 "bytes instead of " + std::to_string(sizeof(SlipPage)));
+  for (std::size_t which = 0; which < 3; ++which) {
+    lines.clear();
+    ExpectBadHello([&](auto&, auto& handles) { handles[which] = FileOf(1 << 20, false); }, "no memory file");
+    lines.clear();
+    ExpectBadHello(
+        [&](auto&, auto& handles) {
+          handles[which] = std::make_shared<const Handle>(open("/proc/self/exe", O_RDONLY | O_CLOEXEC));
+        },
+        "no memory file");
+  }
+}
+
+TEST_F(HostilePeer, MessagesThatCannotBeEndThePair) {
+  const auto changed = [](const std::function<void(Descriptor&)>& change) {
+    return [change](FalsePeer& peer) {
+      Descriptor next = peer.NextMessage();
+      change(next);
+      peer.Write(next);
+    };
+  };
+  ExpectLie(changed([](Descriptor& one) { one.slot = kSlots; }), "a slot that there is not");
+  ExpectLie(changed([](Descriptor& one) { one.slot = ~0u; }), "a slot that there is not");
+  ExpectLie(changed([](Descriptor& one) { one.number = 2; }), "numbered one after the other");
+  ExpectLie(changed([](Descriptor& one) { one.number = 0; }), "numbered one after the other");
+  ExpectLie(changed([](Descriptor& one) { one.size_bytes = 1; }), "outside of its memory");
+  ExpectLie(changed([](Descriptor& one) { one.offset_bytes = ~0ULL; }), "outside of its memory");
+  ExpectLie(changed([](Descriptor& one) { one.segment = 77; }), "needs what was not passed on");
+  ExpectLie(changed([](Descriptor& one) { one.segment = kOnSocket; }), "needs what was not passed on");
+  ExpectLie(
+      [](FalsePeer& peer) {
+        peer.lane().written = kSlots + 1;
+        peer.Ring();
+      },
+      "more messages than slots");
+  ExpectLie(
+      [](FalsePeer& peer) {
+        peer.lane().written = ~0ULL;
+        peer.Ring();
+      },
+      "more messages than slots");
+}
+
+TEST_F(HostilePeer, MessagesBeyondTheCreditEndThePair) {
+  from_liars->sink.hold_credit = true;
+  ExpectLie(
+      [](FalsePeer& peer) {
+        for (int i = 0; i < 5; ++i) peer.Write(peer.NextMessage());
+      },
+      "more than it had credit for");
+  EXPECT_EQ(from_liars->sink.count(), 4u);
+  from_liars->sink.Release(10);
+}
+
+TEST_F(HostilePeer, SegmentsThatAreNoneEndThePair) {
+  ExpectLie([](FalsePeer& peer) { peer.AddSegment(1, nullptr); }, "without a descriptor");
+  ExpectLie([](FalsePeer& peer) { peer.AddSegment(1, FileOf(4096, false)); }, "no memory file");
+  ExpectLie([](FalsePeer& peer) { peer.AddSegment(1, FileOf(std::size_t{1} << 40, true)); }, "it has holes");
+  const auto segment = [] {
+    return FalsePeer::Copy(MakeSegment("hgros-false", 8192, Access::kOwnerOnly, Pages::kAtOnce));
+  };
+  ExpectLie([&](FalsePeer& peer) { peer.AddSegment(0, segment()); }, "a segment on twice");
+  ExpectLie([&](FalsePeer& peer) { peer.AddSegment(kOnSocket, segment()); }, "a segment on twice");
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        peer.AddSegment(1, segment());
+        peer.AddSegment(1, segment());
+      },
+      "a segment on twice");
+  for (const auto& [offset, size] :
+       {std::pair{std::uint64_t{0}, std::uint64_t{8193}}, {8000, 193}, {~0ULL, 1}, {8192, ~0ULL}, {~0ULL - 5, 10}}) {
+    ExpectLie(
+        [&](FalsePeer& peer) {
+          peer.AddSegment(1, segment());
+          Descriptor next = peer.NextMessage();
+          next.segment = 1;
+          next.offset_bytes = offset;
+          next.size_bytes = size;
+          peer.Write(next);
+        },
+        "outside of its memory");
+  }
+}
+
+TEST_F(HostilePeer, PayloadsThatNoMessageHasUseUpNoMemory) {
+  const auto say = [](FalsePeer& peer, std::uint64_t number, std::size_t size) {
+    wire::PairMessage said;
+    said.mutable_payload()->set_link(peer.wish.link());
+    said.mutable_payload()->set_number(number);
+    said.mutable_payload()->set_data(std::string(size, 'x'));
+    peer.Say(said);
+  };
+  ExpectLie([&](FalsePeer& peer) { say(peer, 0, 1); }, "that no message is to have");
+  ExpectLie([&](FalsePeer& peer) { say(peer, 5, 1); }, "that no message is to have");
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        say(peer, 1, 1);
+        say(peer, 1, 1);
+      },
+      "that no message is to have");
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        say(peer, 1, 10'000);
+        say(peer, 2, 1);
+      },
+      "that no message is to have");
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        say(peer, 1, 100);
+        Descriptor next = peer.NextMessage();
+        next.segment = kOnSocket;
+        next.size_bytes = 101;
+        peer.Write(next);
+      },
+      "outside of its memory");
+}
+
+TEST_F(HostilePeer, ASubscriberThatLiesEndsThePair) {
+  const auto ask = [](FalsePeer& peer) {
+    wire::PairMessage said;
+    auto& wish = *said.mutable_wish();
+    wish.set_link(1);
+    WriteType("news", TextType(), *wish.mutable_wanted());
+    wish.set_lossless(true);
+    wish.set_credit_messages(8);
+    wish.set_credit_bytes(1000);
+    peer.Say(said);
+    return peer.ReadUntil(wire::PairMessage::kGranted);
+  };
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        ASSERT_TRUE(ask(peer));
+        peer.slip().slots[0] = 5;
+        peer.slip().returned = 1;
+      },
+      "returns what it was not given");
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        ASSERT_TRUE(ask(peer));
+        peer.slip().returned = ~0ULL;
+      },
+      "returns what it was not given");
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        ASSERT_TRUE(ask(peer));
+        peer.slip().cells[0].messages = 1;
+      },
+      "consumed more than it was sent");
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        ASSERT_TRUE(ask(peer));
+        peer.slip().cells[0].bytes = ~0ULL;
+      },
+      "consumed more than it was sent");
+  const auto spoilt = [](const std::function<void(wire::Wish&)>& spoil) {
+    return [spoil](FalsePeer& peer) {
+      wire::PairMessage said;
+      WriteType("news", TextType(), *said.mutable_wish()->mutable_wanted());
+      said.mutable_wish()->set_link(1);
+      spoil(*said.mutable_wish());
+      peer.Say(said);
+    };
+  };
+  ExpectLie(spoilt([](wire::Wish& wish) { wish.set_cell(kCells); }), "asks for what cannot be");
+  ExpectLie(spoilt([](wire::Wish& wish) { wish.mutable_wanted()->set_channel("no/such name "); }),
+            "asks for what cannot be");
+  ExpectLie(spoilt([](wire::Wish& wish) { wish.mutable_wanted()->set_type_name(std::string(5000, 'x')); }),
+            "asks for what cannot be");
+}
+
+TEST_F(HostilePeer, BlocksOfOneThatLiedStayUntilItHasGone) {
+  FalsePeer peer(place);
+  ASSERT_TRUE(peer.Publish());
+  wire::PairMessage said;
+  said.mutable_wish()->set_link(1);
+  WriteType("news", TextType(), *said.mutable_wish()->mutable_wanted());
+  peer.Say(said);
+  ASSERT_TRUE(peer.ReadUntil(wire::PairMessage::kGranted));
+  ASSERT_TRUE(news->PublishSoon(std::string(1000, 'x')));
+  ASSERT_TRUE(Await([&] { return heard->sink.count() == 1; }));
+  peer.SayRaw(std::string(100, '\xff'));
+  ExpectEnd(peer, "a frame of");
+  // It may be an honest one that was misunderstood, and still read.
+  ExpectHonestUndisturbed();
+  ASSERT_TRUE(Await([&] { return victim_transport->usage().blocks_in_use == 1; }));
+  peer.Hang();
+  EXPECT_TRUE(Await([&] { return victim_transport->usage().blocks_in_use == 0; }));
+}
+
+TEST_F(HostilePeer, FramesThatCannotBeEndThePair) {
+  ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string(8, '\xff')); }, "a frame of");
+  ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string("\x00\x00\x00\x00\x09\x00\x00\x00", 8)); },
+            "too many descriptors");
+  ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string("\x00\x00\x00\x00\x02\x00\x00\x00", 8)); },
+            "without its descriptors");
+  ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string("\x02\x00\x00\x00\x00\x00\x00\x00\xff\xff", 10)); },
+            "does not parse");
+  ExpectLie([](FalsePeer& peer) { peer.Greet(); }, "it greets twice");
+}
+
+TEST_F(HostilePeer, WhoHasNotGreetedSaysLittle) {
+  FalsePeer peer(place);
+  peer.SayRaw(std::string("\x00\x00\x10\x00\x00\x00\x00\x00", 8));
+  ExpectEnd(peer, "a frame of 1048576 bytes");
+}
+
+TEST_F(HostilePeer, WhoDoesNotGreetIsSentAway) {
+  FalsePeer peer(place);
+  FalsePeer wordy(place);
+  wire::PairMessage said;
+  said.mutable_unwish()->set_link(1);
+  wordy.Say(said);
+  EXPECT_TRUE(peer.IsEnded());
+  EXPECT_TRUE(wordy.IsEnded());
+}
+
+TEST_F(HostilePeer, AHeartbeatThatStopsIsTheEnd) {
+  FalsePeer peer(place);
+  ASSERT_TRUE(peer.Publish());
+  ASSERT_TRUE(Await([&] { return victim->transport->Peers().size() == 2; }));
+  EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
+}
+
+TEST_F(HostilePeer, IdsThatAreTakenAreRefused) {
+  const SessionId larger{~std::uint64_t{0}};
+  FalsePeer first(place, larger);
+  ASSERT_TRUE(first.Publish());
+  FalsePeer second(place, larger);
+  second.Greet();
+  EXPECT_TRUE(second.IsEnded());
+  first.Write(first.NextMessage());
+  EXPECT_TRUE(Await([&] { return from_liars->sink.count() == 1; }));
+  FalsePeer reborn(place, larger);
+  auto hello = reborn.Hello();
+  hello.mutable_hello()->mutable_facts()->set_incarnation(2);
+  reborn.Say(hello, {FalsePeer::Copy(FalsePeer::Page<BellPage>(kBellMagic)),
+                     FalsePeer::Copy(FalsePeer::Page<LanePage>(kLaneMagic)),
+                     FalsePeer::Copy(FalsePeer::Page<SlipPage>(kSlipMagic))});
+  EXPECT_TRUE(first.IsEnded());
+  reborn.Hang();
+  FalsePeer third(place, victim->id);
+  third.Greet();
+  EXPECT_TRUE(third.IsEnded());
+  FalsePeer fourth(place, SessionId{0});
+  fourth.Greet();
+  EXPECT_TRUE(fourth.IsEnded());
+  EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
+}
+
+TEST_F(HostilePeer, TheSmallerIdChoosesAmongConnections) {
+  const SessionId smaller{1};
+  FalsePeer first(place, smaller);
+  ASSERT_TRUE(first.Publish());
+  FalsePeer second(place, smaller);
+  second.Greet();  // Does not choose yet: the first one goes on.
+  ASSERT_TRUE(second.ReadUntil(wire::PairMessage::kHello));
+  first.Write(first.NextMessage());
+  EXPECT_TRUE(Await([&] { return from_liars->sink.count() == 1; }));
+  wire::PairMessage welcome;
+  welcome.mutable_welcome();
+  second.Say(welcome);
+  EXPECT_TRUE(first.IsEnded());
+  EXPECT_TRUE(second.ReadUntil(wire::PairMessage::kWish));
+  second.Say(welcome);
+  ExpectEnd(second, "it is not its turn");
+}
+
+TEST_F(HostilePeer, MorePeersThanNumbersAreSentAway) {
+  std::vector<Handle> connections;
+  std::string fault;
+  constexpr int kMany = 300;
+  for (int i = 0; i < kMany; ++i) connections.push_back(ConnectTo(place, fault));
+  ExpectHonestUndisturbed();
+  connections.clear();
+  ExpectHonestUndisturbed();
+}
+
+TEST_F(HostilePeer, AFloodOfFramesDoesNotHoldUpOthers) {
+  FalsePeer peer(place);
+  ASSERT_TRUE(peer.Publish());
+  std::atomic<bool> stop{false};
+  std::jthread flood([&] {
+    wire::PairMessage said;
+    said.mutable_unwish()->set_link(99);
+    while (!stop) {
+      peer.Ring();
+      peer.socket().Flush();
+      if (peer.socket().all_sent()) peer.Say(said);
+    }
+  });
+  for (int i = 0; i < 5; ++i) ExpectHonestUndisturbed();
+  stop = true;
+}
+
+TEST_F(HostilePeer, ABellThatIsTamperedWithOnlyCostsTime) {
+  // A peer takes rings back and says that nobody sleeps.
+  FalsePeer peer(place);
+  std::shared_ptr<Mapping> bell;
+  PairSocket::Frame frame;
+  ASSERT_TRUE(Await([&] {
+    if (peer.socket().Receive(frame) != PairSocket::Read::kFrame || frame.handles.size() != 3) return false;
+    std::string fault;
+    bell = MapForeign(frame.handles[0], sizeof(BellPage), true, fault);
+    return true;
+  }));
+  ASSERT_NE(bell, nullptr);
+  auto& page = bell->as<BellPage>();
+  for (int i = 0; i < 20; ++i) {
+    page.magic = 0;
+    page.asleep.fetch_and(~1u);
+    for (auto& word : page.ready) word = 0;
+    const std::size_t before = heard_answers->sink.count();
+    ASSERT_TRUE(answers->PublishSoon("x"));
+    page.asleep.fetch_and(~1u);
+    for (auto& word : page.ready) word = 0;
+    EXPECT_TRUE(Await([&] { return heard_answers->sink.count() == before + 1; }));
+  }
+}
+
+TEST_F(HostilePeer, RandomWritingAndFramesAreSurvived) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::minstd_rand random(seed);
+    const auto odd = [&]() -> std::uint64_t {
+      constexpr std::uint64_t kOdd[] = {0, 1, 2, 511, 512, 513, 4095, 8192, 0xffffffff, ~0ULL};
+      return random() % 2 == 0 ? kOdd[random() % std::size(kOdd)] : random();
+    };
+    FalsePeer peer(place);
+    const bool greets = random() % 4 != 0;
+    ASSERT_TRUE(!greets || peer.Publish());
+    if (random() % 2 == 0) {
+      peer.AddSegment(1, FalsePeer::Copy(MakeSegment("hgros-false", 8192, Access::kOwnerOnly, Pages::kAtOnce)));
+    }
+    for (int step = 0; step < 30; ++step) {
+      Descriptor next = peer.NextMessage();
+      switch (random() % 8) {
+        case 0: next.slot = static_cast<std::uint32_t>(odd()); break;
+        case 1: next.segment = static_cast<std::uint32_t>(odd()); break;
+        case 2:
+          next.offset_bytes = odd();
+          next.segment = 1;
+          break;
+        case 3:
+          next.size_bytes = odd();
+          next.segment = 1;
+          break;
+        case 4: next.link = odd(); break;
+        case 5: peer.slip().returned = odd(); break;
+        case 6: peer.slip().cells[odd() % kCells].messages = odd(); break;
+        default: next.publisher = odd(); break;
+      }
+      peer.Write(next);
+      if (random() % 10 == 0) {
+        wire::PairMessage said;
+        auto& ended = *said.mutable_ended();
+        ended.set_link(peer.wish.link());
+        ended.set_messages(odd());
+        peer.Say(said);
+      }
+      if (random() % 30 == 0) {
+        std::string garbage(random() % 200, 'x');
+        std::ranges::generate(garbage, [&] { return static_cast<char>(random()); });
+        peer.SayRaw(garbage);
+      }
+    }
+  }
+  EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
+}
+
+}  // namespace
+}  // namespace hgros::shm

@@ -1,0 +1,215 @@
+// What the carrier through shared memory owes beyond the contract of all carriers.
+#include "hgros/transport/shm_transport.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "conformance/transport_conformance.hpp"
+#include "support/await.hpp"
+#include "transport/shm/memory.hpp"
+
+namespace hgros::shm {
+namespace {
+
+using conformance::TextType;
+using test::Await;
+
+/// Keeps whole messages.
+class Keeper : public InboundSink {
+ public:
+  Accepted Accept(InboundMessage&& message) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    kept_.push_back(std::move(message));
+    return Accepted::kNothing;
+  }
+  void Run() noexcept override {}
+  void OnFault(PacketFault, std::string_view) noexcept override {}
+  void OnPublishers(std::size_t) noexcept override {}
+  [[nodiscard]] std::vector<InboundMessage> kept() const {
+    const std::scoped_lock lock(mutex_);
+    return kept_;
+  }
+  void LetGo() {
+    const std::scoped_lock lock(mutex_);
+    kept_.clear();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<InboundMessage> kept_;
+};
+
+class ShmTransportTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ShmOptions options;
+    options.place = "hgros-test-" + SessionId::Random().ToString();
+    options.heartbeat = std::chrono::milliseconds(50);
+    publisher = MakeShmTransport(options, listener, log);
+    outbound = publisher->Advertise("data", TextType(), source);
+    ShmOptions other = options;
+    other.place.clear();
+    other.peers = {publisher->place()};
+    subscriber = MakeShmTransport(other, listener, log);
+    inbound = subscriber->Subscribe("data", TextType(), {.lossless = true}, keeper);
+    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+  }
+  void Publish(const std::string& text) {
+    ASSERT_TRUE(Await([&] { return outbound->Reserve() == PublishStatus::kOk; }));
+    PacketHead head;
+    head.channel = "data";
+    head.type_name = TextType().name;
+    head.encoding = Encoding::kCustom;
+    head.id = {0, 1, ++sequence};
+    outbound->Commit(head, {AsBytes(text), nullptr});
+  }
+
+  std::mutex mutex;
+  std::vector<std::string> lines;  // Guarded by mutex.
+  conformance::Listener listener;
+  Log log{[this](LogLevel, std::string_view text) {
+    const std::scoped_lock lock(mutex);
+    lines.emplace_back(text);
+  }};
+  conformance::Source source;
+  Keeper keeper;
+  std::uint64_t sequence = 0;
+  std::unique_ptr<ShmTransport> publisher;
+  std::unique_ptr<ShmTransport> subscriber;
+  std::unique_ptr<OutboundChannel> outbound;
+  std::unique_ptr<InboundChannel> inbound;
+};
+
+/// Two sessions that connect to each other at once end with one connection, and lose nothing on the way there.
+TEST(ShmTransportPair, BothMayConnectToEachOther) {
+  for (int round = 0; round < 40; ++round) {
+    conformance::Listener listener;
+    Log log{[](LogLevel, std::string_view) {}};
+    conformance::Source source;
+    Keeper keeper;
+    const std::string places[] = {"hgros-test-" + SessionId::Random().ToString(),
+                                  "hgros-test-" + SessionId::Random().ToString()};
+    std::unique_ptr<ShmTransport> sessions[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+      ShmOptions options;
+      options.place = places[i];
+      sessions[i] = MakeShmTransport(options, listener, log);
+    }
+    const auto outbound = sessions[0]->Advertise("data", TextType(), source);
+    const auto inbound = sessions[1]->Subscribe("data", TextType(), {.lossless = true}, keeper);
+    std::jthread one([&] { sessions[0]->AddPeer(places[1]); });
+    sessions[1]->AddPeer(places[0]);
+    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+    for (std::uint64_t number = 1; number <= 50; ++number) {
+      ASSERT_EQ(outbound->Reserve(), PublishStatus::kOk);
+      PacketHead head;
+      head.id = {0, 1, number};
+      outbound->Commit(head, {AsBytes("x"), nullptr});
+      std::this_thread::yield();
+    }
+    EXPECT_TRUE(Await([&] { return keeper.kept().size() == 50; })) << keeper.kept().size();
+    EXPECT_EQ(sessions[0]->Peers().size(), 1u);
+    EXPECT_EQ(listener.gone, 0);
+    keeper.LetGo();
+  }
+}
+
+TEST_F(ShmTransportTest, MessagesOutliveBothSessions) {
+  for (int i = 0; i < 10; ++i) Publish(std::string(1000, static_cast<char>('a' + i)));
+  ASSERT_TRUE(Await([&] { return keeper.kept().size() == 10; }));
+  auto kept = keeper.kept();
+  keeper.LetGo();
+  publisher->Close(0);
+  EXPECT_FALSE(publisher->Loan(1000)) << "what is read elsewhere would be written";
+  EXPECT_EQ(outbound->Reserve(), PublishStatus::kClosed);
+  outbound.reset();
+  publisher.reset();
+  inbound.reset();
+  subscriber.reset();
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(AsText(kept[i].data.bytes), std::string(1000, static_cast<char>('a' + static_cast<int>(i))));
+  }
+}
+
+TEST_F(ShmTransportTest, BlocksAreNotUsedAgainWhileAnEndedSubscriberStillReads) {
+  Publish(std::string(1000, 'a'));
+  ASSERT_TRUE(Await([&] { return keeper.kept().size() == 1; }));
+  auto kept = keeper.kept();
+  keeper.LetGo();
+  inbound.reset();
+  subscriber.reset();
+  ASSERT_TRUE(Await([&] { return publisher->Peers().empty(); }));
+  for (int i = 0; i < 2000; ++i) {
+    auto block = publisher->Loan(1000);
+    ASSERT_TRUE(block);
+    std::memset(block->writable().data(), 'z', 1000);
+  }
+  EXPECT_EQ(AsText(kept[0].data.bytes), std::string(1000, 'a'));
+  EXPECT_EQ(publisher->usage().blocks_in_use, 1u);
+  kept.clear();
+  EXPECT_TRUE(Await([&] { return publisher->usage().blocks_in_use == 0; }));
+}
+
+TEST_F(ShmTransportTest, ALoanGoesOutWithoutACopy) {
+  auto block = publisher->Loan(100'000);
+  ASSERT_TRUE(block);
+  std::memset(block->writable().data(), 'x', 100'000);
+  ASSERT_EQ(outbound->Reserve(), PublishStatus::kOk);
+  PacketHead head;
+  head.id = {0, 1, ++sequence};
+  outbound->Commit(head, block->payload());
+  EXPECT_EQ(publisher->usage().blocks_in_use, 1u);
+  ASSERT_TRUE(Await([&] { return keeper.kept().size() == 1; }));
+  EXPECT_EQ(keeper.kept()[0].data.bytes.size(), 100'000u);
+}
+
+TEST_F(ShmTransportTest, AForkedChildIsLentNothing) {
+  const pid_t child = fork();
+  if (child == 0) _exit(publisher->Loan(1000).has_value() ? 1 : 0);
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(ShmTransportTest, WithoutDescriptorsOthersWaitAtTheDoor) {
+  const int knocking = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const Handle owner(knocking);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  std::vector<Handle> holes;  // The lowest free descriptor is the one that counts.
+  const int last = dup(knocking);
+  const Handle last_owner(last);
+  rlimit none = before;
+  none.rlim_cur = static_cast<rlim_t>(last) + 1;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  for (int fd = dup(knocking); fd >= 0; fd = dup(knocking)) holes.emplace_back(fd);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string& place = publisher->place();
+  std::memcpy(address.sun_path + 1, place.data(), place.size());
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + place.size());
+  EXPECT_EQ(connect(knocking, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  EXPECT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return std::ranges::any_of(lines, [](const std::string& line) { return line.find("ulimit -n") != line.npos; });
+  }));
+  char byte = 0;
+  EXPECT_LT(recv(knocking, &byte, 1, MSG_DONTWAIT), 0);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(recv(knocking, &byte, 1, 0), 1) << "nobody has greeted";
+}
+
+}  // namespace
+}  // namespace hgros::shm
