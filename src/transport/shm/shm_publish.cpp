@@ -109,10 +109,20 @@ void ShmCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead
     bool skipped = false;
     for (OutLink* link : found->second.links) {
       skipped = !link->flow.Push({message, message->id, message->data.bytes.size()}) || skipped;
-      Drain(*link, leavings, bells);
+      if (Send(*link)) bells.push_back(link->pair.bell);
     }
     // Its reservation is free again, and somebody may have been refused meanwhile.
     if (skipped && HasRoom(found->second)) OutboundCore::TellRoom(core, actions);
+  }
+  // Before all that can wait until the receivers are on their way.
+  for (const auto& bell : bells) bell->Ring();
+  bells.clear();
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = channels_.find(core->name);
+    if (found != channels_.end() && found->second.core == core) {
+      for (OutLink* link : found->second.links) Drain(*link, leavings, bells);
+    }
   }
   for (const auto& bell : bells) bell->Ring();
   Post(std::move(actions));
