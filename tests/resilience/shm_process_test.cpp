@@ -22,7 +22,6 @@ namespace hgros::resilience {
 namespace {
 
 using test::Await;
-using test::kPatience;
 
 std::uint64_t Setting(const char* name, std::uint64_t otherwise) {
   const char* value = std::getenv(name);
