@@ -22,7 +22,6 @@ namespace hgros::resilience {
 namespace {
 
 using test::Await;
-using test::kPatience;
 
 std::uint64_t Setting(const char* name, std::uint64_t otherwise) {
   const char* value = std::getenv(name);
@@ -203,11 +202,13 @@ TEST_F(ShmProcesses, ManySmallMessagesNeedNoMoreMemoryThanFew) {
       ASSERT_TRUE(Await([&] { return sink.received == until; })) << sink.received;
     };
     publish(messages / 10);
-    const std::size_t before = resident();
+    [[maybe_unused]] const std::size_t before = resident();
     const auto segments = hub->usage().segments;
     const std::size_t files = OpenFiles();
     publish(messages);
+#if !defined(__SANITIZE_ADDRESS__)  // Which keeps what was freed for a while.
     EXPECT_LT(resident(), before + (4 << 20));
+#endif
     EXPECT_EQ(hub->usage().segments, segments);
     EXPECT_EQ(OpenFiles(), files);
     EXPECT_EQ(sink.faults, 0u);

@@ -70,7 +70,7 @@ class FalsePeer {
     });
     wire::PairMessage welcome;
     welcome.mutable_welcome();
-    if (met && id_ < theirs) Say(welcome);
+    if (met && id_.value < theirs.value) Say(welcome);
     return met;
   }
   void Say(const wire::PairMessage& message, const PairSocket::Handles& handles = {}) {

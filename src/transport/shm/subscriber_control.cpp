@@ -79,7 +79,7 @@ void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
   pair->greeted = true;
   pair->socket.SetMaxFrame(options_.max_message_bytes + kFrameOverheadBytes);
   pair->last_heard = std::chrono::steady_clock::now();
-  if (pair->facts.info.id < self_.info.id) return;  // It says which connection stays.
+  if (pair->facts.info.id.value < self_.info.id.value) return;  // It says which connection stays.
   {
     const std::scoped_lock lock(mutex_);
     wire::PairMessage said;
@@ -90,7 +90,7 @@ void ShmCore::OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
 }
 
 void ShmCore::OnWelcome(const std::shared_ptr<Pair>& pair) {
-  if (!pair->greeted || pair->alive || self_.info.id < pair->facts.info.id) {
+  if (!pair->greeted || pair->alive || self_.info.id.value < pair->facts.info.id.value) {
     Distrust(*pair, "it says which connection stays, and it is not its turn");
     return;
   }
@@ -147,7 +147,7 @@ std::string ShmCore::WhyNot(Pair& pair) {
                             ": no memory is shared with it. Give each session an id of its own, or none.");
       return "another process has its id";
     }
-    if (peer < self_.info.id) continue;
+    if (peer.value < self_.info.id.value) continue;
     if (other->facts.incarnation == pair.facts.incarnation) return "it is connected already";
     EndPair(other, "another life of it took its place", true);
   }
