@@ -80,7 +80,9 @@ TEST(ConfigTypes, AreSaidAsWantedAndFound) {
   ExpectFault("data_graph: {close_channels: [[a]]}", "1:31",
               {"close_channels[0] must be a channel name, but is a list."});
   ExpectFault("channels: {a: {lossless: yes}}", "1:26", {"must be true or false, but is the text \"yes\"."});
-  ExpectFault("- network", "1:1", {"The file must be a map with network, discovery, shared_memory, data_graph and channels, but is a list."});
+  ExpectFault(
+      "- network", "1:1",
+      {"The file must be a map with network, discovery, shared_memory, data_graph and channels, but is a list."});
   ExpectFault("network:x", "1:1", {"The file must be a map", "Put a blank after the colon"});
 }
 
