@@ -16,9 +16,7 @@ void AddTo(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joine
 
 }  // namespace
 
-void Carriers::Ear::OnPeerCame(const PeerInfo& peer) noexcept {
-  if (carriers_.peers_.Came(peer, kind_)) carriers_.AwaitSharedMemory(peer.id);
-}
+void Carriers::Ear::OnPeerCame(const PeerInfo& peer) noexcept { carriers_.peers_.Came(peer, kind_); }
 
 void Carriers::Ear::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
   if (carriers_.peers_.Gone(peer, kind_, reason)) {
@@ -146,6 +144,7 @@ void Carriers::Announce() {
 void Carriers::OnCame(const Announcement& peer) {
   if (!shm_ || peer.shared_memory.empty() || peer.boot_id != own_.boot_id) return;
   peers_.Expect(peer.session);
+  AwaitSharedMemory(peer);
   if (options_.zmq.session.value < peer.session.value) shm_->AddPeer(peer.shared_memory);
 }
 
@@ -157,12 +156,18 @@ void Carriers::OnGone(const Announcement& last, std::string_view /*reason*/) {
 }
 
 // It is on this host, and may still not be able to share memory with us, in a container for one.
-void Carriers::AwaitSharedMemory(SessionId peer) {
-  options_.later(kSharedMemoryPatience, [this, peer] {
-    if (!peers_.GiveUp(peer)) return;
-    log_.Write(LogLevel::kWarning, "Session " + peer.ToString() +
-                                       " is on this host, but no memory can be shared with it: ZeroMQ carries its "
-                                       "messages. Check whether both run as one user and in one network namespace.");
+void Carriers::AwaitSharedMemory(const Announcement& peer) {
+  options_.later(kSharedMemoryPatience, [this, id = peer.session, process = peer.process, pid = peer.pid] {
+    const PeerCarriers::Without without = peers_.GiveUp(id);
+    if (without == PeerCarriers::Without::kNotNeeded) return;
+    const std::string who = "Session " + id.ToString() + " (" + process + ", process " + std::to_string(pid) +
+                            ") was found on this host, but no memory can be shared with it";
+    const std::string mend = " Check whether both run as one user and in one network namespace.";
+    if (without == PeerCarriers::Without::kReached) {
+      log_.Write(LogLevel::kWarning, who + ": ZeroMQ carries its messages." + mend);
+    } else {
+      log_.Write(LogLevel::kWarning, who + ", and no endpoint leads to it: nothing passes between the two." + mend);
+    }
     AskAgain(CarrierKind::kZmq);
   });
 }

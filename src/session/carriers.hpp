@@ -77,7 +77,7 @@ class Carriers final : private DiscoveryListener {
   ChannelAnnouncement& Own(const std::string& channel, const TypeInfo& type);
   void Announce();
   void AskAgain(CarrierKind kind) noexcept;
-  void AwaitSharedMemory(SessionId peer);
+  void AwaitSharedMemory(const Announcement& peer);
 
   TransportListener& listener_;
   Log& log_;

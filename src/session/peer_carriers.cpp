@@ -47,27 +47,27 @@ void PeerCarriers::Unexpect(SessionId id) {
   Forget(id);
 }
 
-bool PeerCarriers::GiveUp(SessionId id) {
+PeerCarriers::Without PeerCarriers::GiveUp(SessionId id) {
   const std::scoped_lock lock(mutex_);
   const auto found = peers_.find(id);
-  if (found == peers_.end()) return false;
+  if (found == peers_.end()) return Without::kNotNeeded;
   Peer& peer = found->second;
-  if (!peer.expected || peer.taken || peer.reached[IndexOf(CarrierKind::kShm)]) return false;
+  if (!peer.expected || peer.taken || peer.reached[IndexOf(CarrierKind::kShm)]) return Without::kNotNeeded;
   peer.expected = false;
-  return IsReached(peer);
+  const bool reached = IsReached(peer);
+  Forget(id);
+  return reached ? Without::kReached : Without::kUnreached;
 }
 
-bool PeerCarriers::Came(PeerInfo info, CarrierKind kind) {
+void PeerCarriers::Came(PeerInfo info, CarrierKind kind) {
   info.carrier = NameOf(kind);
   const std::scoped_lock telling(telling_);
   bool first = false;
-  bool left = false;
   {
     const std::scoped_lock lock(mutex_);
     Peer& peer = peers_[info.id];
     first = !IsReached(peer);
     peer.reached[IndexOf(kind)] = info;
-    left = peer.expected && !peer.taken && !peer.reached[IndexOf(CarrierKind::kShm)];
   }
   if (first) {
     listener_.OnPeerCame(info);
@@ -75,7 +75,6 @@ bool PeerCarriers::Came(PeerInfo info, CarrierKind kind) {
     log_.Write(LogLevel::kInfo, "Session " + info.id.ToString() + " (" + info.process + " on " + info.host +
                                     ") is reached through " + NameOf(kind) + " as well.");
   }
-  return left;
 }
 
 bool PeerCarriers::Gone(const PeerInfo& info, CarrierKind kind, std::string_view reason) {

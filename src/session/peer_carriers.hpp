@@ -34,11 +34,12 @@ class PeerCarriers {
   void Expect(SessionId peer);
   void Unexpect(SessionId peer);
 
-  /// Shared memory does not come: true if the session is reached by something else and was left to it so far.
-  [[nodiscard]] bool GiveUp(SessionId peer);
+  /// How a session is reached when shared memory has not come in time.
+  enum class Without { kNotNeeded, kReached, kUnreached };
+  /// It is no longer left to shared memory, if that does not reach it.
+  [[nodiscard]] Without GiveUp(SessionId peer);
 
-  /// True if it is left to shared memory, which does not reach it yet.
-  bool Came(PeerInfo peer, CarrierKind kind);
+  void Came(PeerInfo peer, CarrierKind kind);
   /// True if its messages may now be received over another carrier.
   [[nodiscard]] bool Gone(const PeerInfo& peer, CarrierKind kind, std::string_view reason);
 

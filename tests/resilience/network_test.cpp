@@ -3,10 +3,12 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 
 #include "conformance/tcp_forwarder.hpp"
+#include "hgros/base/ids.hpp"
 #include "resilience/delay_line.hpp"
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
@@ -72,6 +74,22 @@ TEST(Gigabit, LargeMessagesArriveIntactAtASubscriberThatStartedFirst) {
   EXPECT_EQ(subscriber["last"], 40U);
   EXPECT_EQ(subscriber["gaps"] + subscriber["disorder"] + subscriber["corrupt"] + subscriber["lost"], 0U) << subscriber;
   EXPECT_EQ(publisher["missed"], 0U) << publisher;
+}
+
+TEST(Gigabit, SessionsThatFindEachOtherButCannotShareMemoryUseTheNetwork) {
+  if (geteuid() != 0) GTEST_SKIP() << "network namespaces need root";
+  const GigabitCable cable;
+  if (!cable.ready) GTEST_SKIP() << "no network namespaces with veth and tbf here";
+  // One folder of locked files, but unix sockets of the abstract name space end at a network namespace.
+  setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1);
+  const WorkerProcess subscriber({Subscribing("tcp://10.197.0.1:5553"), "--in=images", "--keep-all=4"}, cable.right);
+  ASSERT_TRUE(subscriber.Reaches({{"ready", 1}})) << subscriber;
+  const WorkerProcess publisher({Publishing("tcp://*:5553"), "--out=images", "--await=1", "--count=40", "--size=1000"},
+                                cable.left);
+  setenv("HGROS_DOMAIN", "none", 1);
+  ASSERT_TRUE(subscriber.Reaches({{"received", 40}}, 2 * test::kPatience)) << subscriber << publisher;
+  EXPECT_EQ(subscriber["gaps"] + subscriber["disorder"] + subscriber["corrupt"] + subscriber["lost"], 0U) << subscriber;
+  EXPECT_EQ(subscriber["repeated"], 0U) << subscriber;
 }
 
 TEST(LongCable, DelaysMessagesByItsLengthAndLosesNone) {
