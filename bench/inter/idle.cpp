@@ -1,4 +1,5 @@
-// What a session costs that has nothing to do: 20 subscriptions, 2 peers.
+// What a session costs that has nothing to do: 20 subscriptions, 2 peers that it finds by itself and that it has
+// endpoints of as well, so that both carriers are there.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -24,11 +25,13 @@ std::string Endpoint(const std::string& directory, int peer) {
   return "ipc://" + directory + "/idle_" + std::to_string(peer);
 }
 
+std::string Domain(const std::string& directory) { return directory.substr(directory.rfind('/') + 1); }
+
 // A peer publishes on all channels, if anybody asked: it advertises them and sleeps.
 [[noreturn]] void RunPeer(const std::string& directory, int peer) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   Config config;
-  config.discovery.local = false;
+  config.discovery.domain = Domain(directory);
   config.publishers.push_back({Endpoint(directory, peer), {}, true});
   Session session(std::move(config), {"idle_peer", nullptr});
   std::vector<Publisher<Block>> publishers;
@@ -60,6 +63,7 @@ double ResidentMb() {
 }
 
 int Run(double seconds) {
+  unsetenv("HGROS_DOMAIN");
   char directory[] = "/tmp/hgros_idle_XXXXXX";
   if (mkdtemp(directory) == nullptr) return 2;
   pid_t peers[2];
@@ -69,7 +73,7 @@ int Run(double seconds) {
   }
   {
     Config config;
-    config.discovery.local = false;
+    config.discovery.domain = Domain(directory);
     for (int peer = 0; peer < 2; ++peer) config.subscribers.push_back({Endpoint(directory, peer), {}, true});
     Session session(std::move(config), {"idle", nullptr});
     std::vector<Subscription> subscriptions;

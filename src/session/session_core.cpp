@@ -12,7 +12,6 @@
 namespace hgros {
 namespace {
 
-constexpr int kLingerMs = 500;
 // A node that nobody has made so long after the session is perhaps a slip of the pen in the configuration.
 constexpr auto kTimeForNodes = std::chrono::seconds(5);
 
@@ -21,27 +20,6 @@ std::string ProgramName() {
   std::string name;
   std::getline(file, name);
   return name.empty() ? "hgros" : name;
-}
-
-ChannelList ListOf(const EndpointConfig& endpoint) {
-  if (endpoint.all_channels) return std::nullopt;
-  return endpoint.channels;
-}
-
-// The list with or without the channel; a list of all stays one, since what it leaves out cannot be written down.
-void Allow(EndpointConfig& endpoint, std::string_view channel, bool allowed) {
-  auto& list = endpoint.channels;
-  const auto place = std::lower_bound(list.begin(), list.end(), channel);
-  const bool there = place != list.end() && *place == channel;
-  if (allowed && !there) list.emplace(place, channel);
-  if (!allowed && there) list.erase(place);
-}
-
-void RequireList(const EndpointConfig& endpoint, std::string_view channel) {
-  if (!endpoint.all_channels) return;
-  throw Error("The endpoint " + endpoint.endpoint + " lets every channel pass, so \"" + std::string(channel) +
-                  "\" cannot be taken from its list.",
-              {}, "Give the endpoint a list of channels in its configuration.");
 }
 
 // Nothing: the session neither finds nor is found by others of this host.
@@ -139,60 +117,6 @@ void Session::Core::RequireOpen() const {
   if (closing_) throw Error("The session is shutting down.");
 }
 
-Carriers& Session::Core::Reach() {
-  RequireOpen();
-  if (carriers_) return *carriers_;
-  if (!errands_) errands_.emplace();
-  carriers_ = std::make_unique<Carriers>(OptionsForCarriers(), *this, *log_);
-  for (auto& [name, outlet] : outlets_) outlet->Join(*carriers_);
-  for (auto& [name, inflow] : inflows_) {
-    if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
-    inflow.inlet->Join(*carriers_, Combine(inflow.wanted));
-    inflow.joined = true;
-  }
-  return *carriers_;
-}
-
-CarrierOptions Session::Core::OptionsForCarriers() {
-  CarrierOptions options;
-  ZmqOptions& zmq = options.zmq;
-  zmq.session = id_;
-  zmq.process = name_;
-  for (const EndpointConfig& endpoint : config_.publishers) {
-    zmq.publish.push_back({endpoint.endpoint, ListOf(endpoint)});
-  }
-  for (const EndpointConfig& endpoint : config_.subscribers) {
-    const auto key = config_.security.servers.find(endpoint.endpoint);
-    zmq.subscribe.push_back(
-        {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});
-  }
-  zmq.heartbeat = std::chrono::milliseconds(config_.heartbeat_ms);
-  zmq.peer_timeout = std::chrono::milliseconds(config_.peer_timeout_ms);
-  zmq.peer_queue_bytes = config_.peer_queue_bytes;
-  zmq.plain_queue_bytes = config_.peer_queue_bytes;
-  zmq.linger = std::chrono::milliseconds(kLingerMs);
-  if (config_.security.enabled()) {
-    zmq.security =
-        ZmqSecurity{{config_.security.public_key, config_.security.secret_key}, config_.security.allowed_clients};
-  }
-  if (domain_) {
-    ShmOptions& shm = options.shm.emplace();
-    shm.session = id_;
-    shm.process = name_;
-    shm.wait = config_.shared_memory.wait;
-    shm.spin = std::chrono::microseconds(config_.shared_memory.spin_us);
-    shm.limit_bytes = config_.shared_memory.limit_bytes;
-    shm.heartbeat = zmq.heartbeat;
-    shm.peer_timeout = zmq.peer_timeout;
-    shm.peer_queue_bytes = zmq.peer_queue_bytes;
-    options.registry.emplace().domain = *domain_;
-  }
-  options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
-    errands_->PostIn(delay, std::move(errand));
-  };
-  return options;
-}
-
 Channel& Session::Core::Open(std::string_view name, const TypeInfo& type, const CallSite& where) {
   return graph_->Open(name, type, where);
 }
@@ -215,36 +139,6 @@ Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, con
   outlets_.emplace(name, outlet);
   graph_->SetOutlet(channel, outlet);  // Last: from now on other threads publish through it.
   return channel;
-}
-
-// A slip of the pen in a white list is otherwise nothing but silence. A sentence, or nothing if the channel may pass.
-std::string Session::Core::Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way) {
-  std::vector<std::string> listed;
-  for (const EndpointConfig& endpoint : endpoints) {
-    if (endpoint.all_channels || std::binary_search(endpoint.channels.begin(), endpoint.channels.end(), channel)) {
-      return {};
-    }
-    listed.insert(listed.end(), endpoint.channels.begin(), endpoint.channels.end());
-  }
-  if (endpoints.empty()) return {};
-  const std::string nearest = NearestName(channel, listed);
-  return "Channel \"" + std::string(channel) +
-         (way == Way::kOut ? "\" is published, but does not leave this process: no publisher"
-                           : "\" is subscribed to, but nothing enters this process: no subscriber") +
-         " endpoint has it in its list of channels." +
-         (nearest.empty() ? std::string() : " Did you mean \"" + nearest + "\"?");
-}
-
-// Part of a publish, so it must not wait; false if it could not look.
-bool Session::Core::SayIfItCannotLeave(const std::string& channel) {
-  std::string confined;
-  {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) return false;
-    confined = Confined(channel, config_.publishers, Way::kOut);
-  }
-  if (!confined.empty()) log_->Write(LogLevel::kInfo, confined);
-  return true;
 }
 
 void Session::Core::Latch(Channel& channel, std::size_t count) {
@@ -391,57 +285,6 @@ bool Session::Core::WaitForPublishers(std::string_view channel, std::size_t coun
     const auto entry = inflows_.find(channel);
     return entry != inflows_.end() && entry->second.inlet->publisher_count() >= count;
   });
-}
-
-void Session::Core::AllowPublishing(std::string_view channel, bool allowed) {
-  RequireChannelName(channel);
-  const std::scoped_lock lock(mutex_);
-  for (EndpointConfig& endpoint : config_.publishers) {
-    if (endpoint.all_channels && allowed) continue;
-    RequireList(endpoint, channel);
-    Allow(endpoint, channel, allowed);
-    Reach().Zmq().SetPublishChannels(endpoint.endpoint, ListOf(endpoint));
-  }
-}
-
-void Session::Core::AllowSubscribing(std::string_view channel, bool allowed) {
-  RequireChannelName(channel);
-  const std::scoped_lock lock(mutex_);
-  for (EndpointConfig& endpoint : config_.subscribers) {
-    if (endpoint.all_channels && allowed) continue;
-    RequireList(endpoint, channel);
-    Allow(endpoint, channel, allowed);
-    Reach().Zmq().SetSubscribeChannels(endpoint.endpoint, ListOf(endpoint));
-  }
-}
-
-void Session::Core::AddPublisherEndpoint(const EndpointConfig& endpoint) {
-  const std::scoped_lock lock(mutex_);
-  Reach().Zmq().AddPublishEndpoint({endpoint.endpoint, ListOf(endpoint)});
-  config_.publishers.push_back(endpoint);
-}
-
-void Session::Core::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
-  const std::scoped_lock lock(mutex_);
-  const auto key = config_.security.servers.find(endpoint.endpoint);
-  Reach().Zmq().AddSubscribeEndpoint(
-      {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});
-  config_.subscribers.push_back(endpoint);
-}
-
-void Session::Core::RemoveSubscriberEndpoint(std::string_view endpoint) {
-  const std::scoped_lock lock(mutex_);
-  std::erase_if(config_.subscribers, [&](const EndpointConfig& one) { return one.endpoint == endpoint; });
-  ZmqTransport* const zmq = carriers_ ? carriers_->zmq() : nullptr;
-  if (zmq == nullptr || !zmq->RemoveSubscribeEndpoint(std::string(endpoint))) {
-    throw Error("There is no subscriber endpoint " + std::string(endpoint) + ".");
-  }
-}
-
-std::vector<std::string> Session::Core::PublisherEndpoints() const {
-  const std::scoped_lock lock(mutex_);
-  const ZmqTransport* const zmq = carriers_ ? carriers_->zmq() : nullptr;
-  return zmq != nullptr ? zmq->BoundEndpoints() : std::vector<std::string>();
 }
 
 std::vector<PeerInfo> Session::Core::Peers() const {

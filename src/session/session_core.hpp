@@ -81,6 +81,7 @@ class Session::Core final : public TransportListener {
 
   // Throws Error while the session shuts down.
   void RequireOpen() const;
+  static constexpr int kLingerMs = 500;
   // Under mutex_: makes the carriers at the first call.
   Carriers& Reach();
   CarrierOptions OptionsForCarriers();
