@@ -139,8 +139,8 @@ int main(int argc, char** argv) {
   using namespace hgros::bench;
   if (const int code = ReceiverMain(argc, argv); code >= 0) return code;
   const bool quick = argc > 1 && std::strcmp(argv[1], "--quick") == 0;
-  for (const char* scheme : {"shm", "ipc", "tcp"}) Latency(scheme, quick ? 9 : 25, quick ? 16 : 100);
-  Plain(quick ? 9 : 25, quick ? 16 : 100);
+  for (const char* scheme : {"shm", "ipc", "tcp"}) Latency(scheme, quick ? 9 : 25, quick ? 11 : 100);
+  Plain(quick ? 9 : 25, quick ? 11 : 100);
   Throughput(quick ? 3 : 9, quick ? 50'000 : 200'000);
   Protobuf();
   return 0;
