@@ -102,4 +102,7 @@ int Run(double seconds) {
 }  // namespace
 }  // namespace hgros::bench
 
-int main() { return hgros::bench::Run(10); }
+int main(int argc, char** argv) {
+  const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
+  return hgros::bench::Run(quick ? 5 : 10);
+}
