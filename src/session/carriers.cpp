@@ -48,7 +48,7 @@ Carriers::Carriers(CarrierOptions options, TransportListener& listener, Log& log
   if (options_.registry) {
     try {
       registry_ = OpenRegistry(*options_.registry, *this, log);
-      Announce();
+      registry_->Announce(own_);
     } catch (const std::exception& error) {
       registry_.reset();
       log.Write(LogLevel::kWarning, std::string("Sessions of this host are not looked for. ") + error.what());
@@ -60,7 +60,12 @@ Carriers::Carriers(CarrierOptions options, TransportListener& listener, Log& log
 Carriers::~Carriers() { Close(0); }
 
 void Carriers::Close(int linger_ms) noexcept {
-  registry_.reset();  // Nobody comes any more.
+  std::unique_ptr<Discovery> registry;
+  {
+    const std::scoped_lock lock(announcing_);
+    registry = std::move(registry_);
+  }
+  registry.reset();  // Nobody comes any more.
   if (shm_) shm_->Close(linger_ms);
   if (zmq_) zmq_->Close(linger_ms);
 }
@@ -130,14 +135,15 @@ void Carriers::Unannounce(const std::string& channel) {
 }
 
 void Carriers::Announce() {
+  const std::scoped_lock lock(announcing_);
   if (!registry_) return;
-  Announcement own;
-  {
-    const std::scoped_lock lock(announcing_);
-    if (zmq_) own_.endpoints = zmq_->BoundEndpoints();
-    own = own_;
+  if (zmq_) own_.endpoints = zmq_->BoundEndpoints();
+  try {
+    registry_->Announce(own_);
+  } catch (const std::exception& error) {
+    log_.WriteLimited(LogLevel::kWarning, "announce",
+                      std::string("Other sessions of this host do not see what has changed here. ") + error.what());
   }
-  registry_->Announce(own);
 }
 
 // Of two sessions the one with the smaller id connects.

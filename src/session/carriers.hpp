@@ -86,7 +86,7 @@ class Carriers final : private DiscoveryListener {
   Ear zmq_ear_{*this, CarrierKind::kZmq};
   Ear shm_ear_{*this, CarrierKind::kShm};
   std::unique_ptr<ShmTransport> shm_;
-  std::mutex announcing_;
+  std::mutex announcing_;  // Guards the next two: a subscription may end while the session does.
   Announcement own_;
   std::unique_ptr<Discovery> registry_;
   std::unique_ptr<ZmqTransport> zmq_;
