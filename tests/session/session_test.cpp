@@ -454,8 +454,8 @@ TEST(Session, ASubscriptionMayEndItselfInACallbackForARemoteMessageAndStartAgain
         "notes", kSerial,
         [&](const Note&) {
           wired.Pass();
-          ++calls;
           subscription->Reset();
+          ++calls;  // Last: then the test goes on.
         },
         Inline()));
     wired.Open();
