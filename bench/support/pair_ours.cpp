@@ -74,7 +74,7 @@ class OurPlainSender final : public PairSender {
   void Send(const std::shared_ptr<Block>& block) override {
     // One message for each block, made and filled before it counts; as with the blocks, none is changed on its way.
     std::shared_ptr<foxglove::PointCloud>& cloud = clouds_[block.get()];
-    if (!cloud) {
+    if (!cloud || cloud->data().size() != block->size()) {  // A block of another pool may lie where this one did.
       cloud = std::make_shared<foxglove::PointCloud>();
       cloud->set_frame_id("lidar");
       cloud->set_point_stride(16);

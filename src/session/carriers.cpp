@@ -22,6 +22,8 @@ void Carriers::Ear::OnPeerGone(const PeerInfo& peer, std::string_view reason) no
   if (carriers_.peers_.Gone(peer, kind_, reason)) {
     carriers_.AskAgain(kind_ == CarrierKind::kShm ? CarrierKind::kZmq : CarrierKind::kShm);
   }
+  // It may come back that way, or never.
+  if (kind_ == CarrierKind::kShm) carriers_.AwaitSharedMemory(peer.id, peer.process, peer.pid);
 }
 
 void Carriers::Ear::OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept {
@@ -150,7 +152,7 @@ void Carriers::Announce() {
 void Carriers::OnCame(const Announcement& peer) {
   if (!shm_ || peer.shared_memory.empty() || peer.boot_id != own_.boot_id) return;
   peers_.Expect(peer.session);
-  AwaitSharedMemory(peer);
+  AwaitSharedMemory(peer.session, peer.process, peer.pid);
   if (options_.zmq.session.value < peer.session.value) shm_->AddPeer(peer.shared_memory);
 }
 
@@ -158,12 +160,13 @@ void Carriers::OnChanged(const Announcement& /*peer*/) {}
 
 void Carriers::OnGone(const Announcement& last, std::string_view /*reason*/) {
   peers_.Unexpect(last.session);
+  AskAgain(CarrierKind::kZmq);  // What is still reached otherwise is no longer left to shared memory.
   if (shm_ && !last.shared_memory.empty()) shm_->RemovePeer(last.shared_memory);
 }
 
 // It is on this host, and may still not be able to share memory with us, in a container for one.
-void Carriers::AwaitSharedMemory(const Announcement& peer) {
-  options_.later(kSharedMemoryPatience, [this, id = peer.session, process = peer.process, pid = peer.pid] {
+void Carriers::AwaitSharedMemory(SessionId id, const std::string& process, std::int64_t pid) {
+  options_.later(kSharedMemoryPatience, [this, id, process, pid] {
     const PeerCarriers::Without without = peers_.GiveUp(id);
     if (without == PeerCarriers::Without::kNotNeeded) return;
     const std::string who = "Session " + id.ToString() + " (" + process + ", process " + std::to_string(pid) +

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -77,7 +78,7 @@ class Carriers final : private DiscoveryListener {
   ChannelAnnouncement& Own(const std::string& channel, const TypeInfo& type);
   void Announce();
   void AskAgain(CarrierKind kind) noexcept;
-  void AwaitSharedMemory(const Announcement& peer);
+  void AwaitSharedMemory(SessionId id, const std::string& process, std::int64_t pid);
 
   TransportListener& listener_;
   Log& log_;

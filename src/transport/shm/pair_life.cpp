@@ -44,7 +44,6 @@ void ShmCore::TryDestinations(SteadyTime now) {
     for (Destination& destination : destinations_) {
       if (destination.place != place) continue;
       destination.pair = pair;
-      destination.pause = std::chrono::milliseconds(0);
     }
   }
 }

@@ -30,7 +30,8 @@ std::shared_ptr<const void> Receipt::Take(std::uint64_t bytes) {
 }
 
 void Receipt::Consume(std::uint64_t bytes) noexcept {
-  // Our own sums first: a publisher that reads the slip may send the next message at once, and HasRoom() is to know why.
+  // Our own sums first: a publisher that reads the slip may send the next message at once, and HasRoom() is to know
+  // why.
   const std::uint64_t total_bytes = consumed_bytes_.fetch_add(bytes) + bytes;
   const std::uint64_t total = consumed_messages_.fetch_add(1) + 1;
   slip_->Count(cell_, bytes);

@@ -106,6 +106,9 @@ void ShmCore::BeginPair(const std::shared_ptr<Pair>& pair) {
   pair->came = true;
   registry_.Came(pair->facts.info);
   const std::scoped_lock lock(mutex_);
+  for (Destination& destination : destinations_) {
+    if (destination.place == pair->place) destination.pause = std::chrono::milliseconds(0);
+  }
   pair->alive = true;
   AskForAll(*pair);
 }
