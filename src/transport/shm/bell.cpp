@@ -93,7 +93,8 @@ bool Bell::Spin() const noexcept {
 }
 
 void Bell::Wait() noexcept {
-  // Spinning before sleep loses a wake-up now and then (not understood yet), so `spin` sleeps at once until it is mended.
+  // Spinning before sleep loses a wake-up now and then (not understood yet), so `spin` sleeps at once until it is
+  // mended.
   if (patience_.busy) {
     if (!spinning_.exchange(true)) {
       MarkAwake(page_.asleep);
