@@ -62,7 +62,10 @@ Payload Publication::PayloadOf(const std::string& text) {
 
 PublishStatus Publication::Publish(const std::string& text) {
   const auto status = channel->Reserve();
-  if (status == PublishStatus::kOk) channel->Commit(NextHead(), PayloadOf(text));
+  if (status != PublishStatus::kOk) return status;
+  // A publisher commits in the order of its sequence numbers: what comes behind a later one is taken for a repeat.
+  const std::scoped_lock lock(in_order);
+  channel->Commit(NextHead(), PayloadOf(text));
   return status;
 }
 

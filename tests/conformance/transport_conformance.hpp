@@ -107,6 +107,7 @@ class Publication {
   const TypeInfo& type;
   const MessageId id;  // Of its session, and another life of it for each publication.
   std::atomic<std::uint64_t> sequence{0};
+  std::mutex in_order;
   Source source;
   std::unique_ptr<OutboundChannel> channel;
 };

@@ -90,6 +90,8 @@ class OutboundSource {
 ///  3. Commit() hands the message to every subscriber: lossless ones have credit for it; keep-last ones without
 ///     credit find it in a ring of the depth they asked for, from which the oldest is dropped and counted; plain
 ///     ones get it if they keep up. It never blocks. Messages committed one after the other arrive in that order.
+///     Those of one publisher are committed in the order of their sequence numbers: what comes behind a later one is
+///     taken for a repeat.
 ///  4. A subscriber that dies gives its credit back (OnRoom); what it had not confirmed is counted as missed.
 ///  5. A lossless subscriber that was only cut off for a while gets what it missed, in order, exactly once.
 /// Thread-safe.

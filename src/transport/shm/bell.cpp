@@ -93,9 +93,7 @@ bool Bell::Spin() const noexcept {
 }
 
 void Bell::Wait() noexcept {
-  // Spinning before sleep loses a wake-up now and then (not understood yet), so `spin` sleeps at once until it is
-  // mended.
-  if (patience_.busy) {
+  if (patience_.busy || patience_.spin.count() > 0) {
     if (!spinning_.exchange(true)) {
       MarkAwake(page_.asleep);
       const bool rung = Spin();

@@ -66,12 +66,12 @@ void Slip::FreeCell(std::uint32_t cell) noexcept {
   free_cells_.push_back(cell);
 }
 
-void Slip::Count(std::uint32_t cell, std::uint64_t bytes) noexcept {
-  if (fork_->IsChild()) return;
+Slip::Counted Slip::Count(std::uint32_t cell, std::uint64_t bytes) noexcept {
+  if (fork_->IsChild()) return {};
   CreditCell& counts = page().cells[cell];
   // Bytes first: who sees the message counted sees its bytes as well.
-  counts.bytes.fetch_add(bytes);
-  counts.messages.fetch_add(1);
+  const std::uint64_t total_bytes = counts.bytes.fetch_add(bytes) + bytes;
+  return {counts.messages.fetch_add(1) + 1, total_bytes};
 }
 
 void Slip::TellIfHungry(std::uint32_t what) const noexcept {

@@ -42,8 +42,12 @@ class Slip {
   /// A cell with zeros; nothing if all are taken.
   [[nodiscard]] std::optional<std::uint32_t> TakeCell();
   void FreeCell(std::uint32_t cell) noexcept;
-  /// One more message was consumed.
-  void Count(std::uint32_t cell, std::uint64_t bytes) noexcept;
+  struct Counted {
+    std::uint64_t messages = 0;
+    std::uint64_t bytes = 0;
+  };
+  /// One more message was consumed: how many that makes. Who gets all of them sees all bytes as well.
+  Counted Count(std::uint32_t cell, std::uint64_t bytes) noexcept;
   /// Has the publisher look if it waits for this.
   void TellIfHungry(std::uint32_t what) const noexcept;
   void Beat() noexcept { page().heartbeat.fetch_add(1, std::memory_order_relaxed); }

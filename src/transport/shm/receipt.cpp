@@ -31,10 +31,10 @@ std::shared_ptr<const void> Receipt::Take(std::uint64_t bytes) {
 
 void Receipt::Consume(std::uint64_t bytes) noexcept {
   // Our own sums first: a publisher that reads the slip may send the next message at once, and HasRoom() is to know
-  // why.
-  const std::uint64_t total_bytes = consumed_bytes_.fetch_add(bytes) + bytes;
-  const std::uint64_t total = consumed_messages_.fetch_add(1) + 1;
-  slip_->Count(cell_, bytes);
+  // why. The slip's sums decide who tells: of several threads the last one has all of them counted there.
+  consumed_bytes_.fetch_add(bytes);
+  consumed_messages_.fetch_add(1);
+  const auto [total, total_bytes] = slip_->Count(cell_, bytes);
   const bool quarter = (total - told_messages_.load()) * 4 >= window_messages_.load(std::memory_order_relaxed) ||
                        (total_bytes - told_bytes_.load()) * 4 >= window_bytes_.load(std::memory_order_relaxed);
   if (!quarter && total != received_messages_.load()) return;
