@@ -17,7 +17,7 @@ namespace {
 // the session lends one), and where its bytes lie.
 
 /// Bytes and nothing else; each message is copied once into shared memory.
-struct Bare {
+struct BareForm {
   using Message = Block;
   static constexpr bool kLent = false;
   static std::shared_ptr<Message> Make(std::size_t size_bytes) {
@@ -30,7 +30,7 @@ struct Bare {
 };
 
 /// Bulk: the sender writes where the receiver reads. The one place that says how such a message is made.
-struct Bulk {
+struct BulkForm {
   using Message = Block;
   static constexpr bool kLent = true;
   static std::shared_ptr<Message> Lend(Session& session, const Lane& lane) {
@@ -41,7 +41,7 @@ struct Bulk {
 };
 
 /// An ordinary protobuf message with the bytes in one of its fields.
-struct Plain {
+struct PlainForm {
   using Message = foxglove::PointCloud;
   static constexpr bool kLent = false;
   static std::shared_ptr<Message> Make(std::size_t size_bytes) {
@@ -164,20 +164,20 @@ std::string Tcp(const Task& task) {
 
 struct Way {
   Place place;
-  std::unique_ptr<Peer> (*make)(const Task&, const Place&) = Make<Bare>;
+  std::unique_ptr<Peer> (*make)(const Task&, const Place&) = Make<BareForm>;
 };
 
 const std::map<std::string, Way>& Places() {
   static const std::map<std::string, Way> places = {
       {"ipc", {{Ipc, Executor::Inline()}}},
       {"tcp", {{Tcp, Executor::Inline()}}},
-      {"tcp_plain", {{Tcp, Executor::Inline()}, Make<Plain>}},
+      {"tcp_plain", {{Tcp, Executor::Inline()}, Make<PlainForm>}},
       {"shm", {{nullptr, Executor::Inline()}}},
-      {"shm_plain", {{nullptr, Executor::Inline()}, Make<Plain>}},
-      {"shm_bulk", {{nullptr, Executor::Inline()}, Make<Bulk>}},
+      {"shm_plain", {{nullptr, Executor::Inline()}, Make<PlainForm>}},
+      {"shm_bulk", {{nullptr, Executor::Inline()}, Make<BulkForm>}},
       {"shm_spin", {{nullptr, Executor::Inline(), ShmWait::kSpin}}},
       {"shm_busy", {{nullptr, Executor::Inline(), ShmWait::kBusy}}},
-      {"shm_busy_bulk", {{nullptr, Executor::Inline(), ShmWait::kBusy}, Make<Bulk>}},
+      {"shm_busy_bulk", {{nullptr, Executor::Inline(), ShmWait::kBusy}, Make<BulkForm>}},
       {"pointer", {{nullptr, Executor::Inline()}}},
       {"pointer_tbb", {{nullptr, Executor::Tbb()}}},
   };

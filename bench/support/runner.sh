@@ -19,6 +19,7 @@ results=$(cd -- "$(dirname -- "$0")/../results/$question" && pwd)
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/hgros_bench_XXXXXX")
 trap 'rm -rf -- "$scratch"' EXIT
 export TMPDIR=$scratch XDG_RUNTIME_DIR=$scratch
+unset HGROS_DOMAIN  # The sessions of a benchmark find each other by names of their own.
 
 machine() {
   printf '`./dev bench %s%s`, %s: %s, %s CPUs, %s, %s; load before: %s\n' \
