@@ -64,8 +64,9 @@ double ResidentMb() {
 
 int Run(double seconds) {
   unsetenv("HGROS_DOMAIN");
-  char directory[] = "/tmp/hgros_idle_XXXXXX";
-  if (mkdtemp(directory) == nullptr) return 2;
+  const char* temporary = std::getenv("TMPDIR");
+  std::string directory = std::string(temporary != nullptr ? temporary : "/tmp") + "/hgros_idle_XXXXXX";
+  if (mkdtemp(directory.data()) == nullptr) return 2;
   pid_t peers[2];
   for (int peer = 0; peer < 2; ++peer) {
     peers[peer] = fork();
@@ -96,7 +97,7 @@ int Run(double seconds) {
     kill(peer, SIGKILL);
     waitpid(peer, nullptr, 0);
   }
-  return std::system(("rm -rf " + std::string(directory)).c_str()) == 0 ? 0 : 1;
+  return std::system(("rm -rf " + directory).c_str()) == 0 ? 0 : 1;
 }
 
 }  // namespace

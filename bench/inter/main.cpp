@@ -13,7 +13,7 @@ namespace hgros::bench {
 namespace {
 
 struct Side {
-  Side(const ReceiverTask& task, const std::string& bind_to) : receiver(task, {}), sender(MakeSender(task, bind_to)) {
+  Side(const ReceiverTask& task, const std::string& bind_to) : receiver(task), sender(MakeSender(task, bind_to)) {
     AwaitConnection(receiver.control(), *sender);
   }
   ReceiverProcess receiver;
@@ -22,10 +22,9 @@ struct Side {
 
 std::string Endpoint(const std::string& scheme, const std::string& who) {
   static int port = 24600 + static_cast<int>(getpid() % 1000) * 8;
-  if (scheme == "shm")
-    return (who == "shm" ? "/dev/shm/hgros_bench_ring_" : "domain:bench-") + std::to_string(getpid()) + who;
+  if (scheme == "shm") return who == "shm" ? MemoryFile() : "domain:bench-" + std::to_string(getpid()) + who;
   if (scheme == "tcp") return "tcp://127.0.0.1:" + std::to_string(port++);
-  return "ipc:///tmp/hgros_bench_" + std::to_string(getpid()) + "_" + who;
+  return "ipc://@hgros_bench_" + std::to_string(getpid()) + "_" + who;  // An abstract name leaves no file.
 }
 
 Side MakeSide(const std::string& scheme, const std::string& carrier, const std::string& executor, bool lossless) {

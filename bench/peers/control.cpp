@@ -9,6 +9,15 @@
 #include "stamp.hpp"
 
 namespace hgros::bench {
+namespace {
+
+void KeepLarger(std::atomic<std::int64_t>& largest, std::int64_t value) {
+  std::int64_t seen = largest.load(std::memory_order_relaxed);
+  while (seen < value && !largest.compare_exchange_weak(seen, value, std::memory_order_release)) {
+  }
+}
+
+}  // namespace
 
 Control& OpenControl(const Task& task) {
   int file = -1;
@@ -39,10 +48,11 @@ void Sink::Note(const void* bytes, std::size_t size_bytes) {
   }
   switch (stamp.phase) {
     case Phase::kProbe:
-      if (control_.probed.Get() == lane_.index) control_.probed.Add(1);
+      if (!probed_) control_.probed.Add(1);
+      probed_ = true;
       break;
     case Phase::kTimed:
-      control_.latency_ns[stamp.index % Control::kTimed].store(now - stamp.sent_ns, std::memory_order_release);
+      KeepLarger(control_.latency_ns[stamp.index % Control::kTimed], now - stamp.sent_ns);
       control_.timed.Add(1);
       break;
     case Phase::kFlood:

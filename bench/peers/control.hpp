@@ -13,11 +13,12 @@ namespace hgros::bench {
 /// What the two processes of a measurement tell each other. It carries no payload; all zeroes is the initial state.
 struct Control {
   static constexpr std::size_t kTimed = 4096;
-  SharedCounter subscribed;                                  ///< Lanes on which the receiver listens or listened.
-  SharedCounter probed;                                      ///< Lanes on which a probe arrived.
-  SharedCounter timed;                                       ///< Timed messages that arrived, over all lanes.
-  SharedCounter finished;                                    ///< Lanes that the sender is done with.
-  std::array<std::atomic<std::int64_t>, kTimed> latency_ns;  ///< Of the present lane's timed messages; 0: not here yet.
+  SharedCounter subscribed;  ///< Lanes on which a receiver listens or listened, of all receivers together.
+  SharedCounter probed;      ///< Likewise lanes on which a probe arrived.
+  SharedCounter timed;       ///< Likewise timed messages that arrived.
+  SharedCounter finished;    ///< Lanes that the sender is done with.
+  std::array<std::atomic<std::int64_t>, kTimed> latency_ns;  ///< Of the present lane's timed messages: until the last
+                                                             ///< receiver had it; 0: nobody has it yet.
   std::atomic<std::uint64_t> flooded;                        ///< Flood messages of the present lane that arrived.
   std::atomic<std::int64_t> last_flooded_ns;
   std::atomic<std::uint64_t> damaged;  ///< Messages that were not what had been sent.
@@ -38,6 +39,7 @@ class Sink {
  private:
   const Lane& lane_;
   Control& control_;
+  bool probed_ = false;
 };
 
 }  // namespace hgros::bench

@@ -122,6 +122,11 @@ class CycloneOutlet final : public Outlet {
   }
   ~CycloneOutlet() override { dds_delete(writer_); }
   std::byte* Take() override {
+    if (!matched_) {
+      dds_publication_matched_status_t status{};
+      matched_ = dds_get_publication_matched_status(writer_, &status) == DDS_RETCODE_OK && status.current_count > 0;
+      if (!matched_) return nullptr;
+    }
     if (!topic_.way().lent) return bytes_.data();
     if (dds_loan_sample(writer_, &lent_) == DDS_RETCODE_OK) return static_cast<std::byte*>(lent_);
     std::this_thread::yield();
@@ -136,6 +141,7 @@ class CycloneOutlet final : public Outlet {
   std::vector<std::byte> bytes_;
   hgros_bench_Octets octets_{};
   void* lent_ = nullptr;
+  bool matched_ = false;
 };
 
 class Cyclone final : public Peer {

@@ -14,8 +14,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 INSIDE = "HGROS_PEERS_ISOLATED"  # set in the process that already runs alone
 
 
-def isolate():
-    """Runs this program again where there is nothing but loopback and an empty /dev/shm, if the system lets us."""
+def isolate(required=False):
+    """Runs this program again where there is nothing but loopback and an empty /dev/shm, if the system lets us. If it
+    does not, that is said, and is the end where it is required."""
     if os.environ.get(INSIDE):
         subprocess.run("""mount -t tmpfs none /dev/shm && ip link set lo up && ip link set lo multicast on &&
             ip route add 224.0.0.0/4 dev lo""", shell=True, check=True)
@@ -25,6 +26,8 @@ def isolate():
             if subprocess.run([*command, "true"], capture_output=True, check=False).returncode == 0:
                 os.environ[INSIDE] = "1"
                 os.execvp(command[0], [*command, sys.executable, "-B", *sys.argv])
+    if required:
+        sys.exit("This benchmark needs two network namespaces: root, unshare and ip make them, and here they do not.")
     print("The peers share this machine's network and /dev/shm: it lets nobody make namespaces of their own.",
           file=sys.stderr)
 
@@ -45,33 +48,51 @@ def free_ports(count):
     raise RuntimeError(f"There are no {count} free ports in a row.")
 
 
-def end(process, patience_s=2.0):
-    """Ends one process that we started."""
-    if process.poll() is not None:
-        return
-    process.send_signal(signal.SIGTERM)
-    try:
-        process.wait(patience_s)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
+def end(*processes, patience_s=2.0):
+    """Ends processes that we started."""
+    limit = time.monotonic() + patience_s
+    for process in processes:
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+    for process in processes:
+        try:
+            process.wait(max(0, limit - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def leave_in_order():
+    """Ctrl-C and SIGTERM end this program through its contexts, so that whatever it started ends, too. A second signal
+    does not disturb that."""
+
+    def leave(number, _):
+        for one in LEAVING:
+            signal.signal(one, signal.SIG_IGN)
+        sys.exit(128 + number)
+
+    for number in LEAVING:
+        signal.signal(number, leave)
+
+
+LEAVING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Daemons:
     """Starts a daemon when a mode first needs it; a context that ends them all."""
 
-    def __init__(self):
+    def __init__(self, address="127.0.0.1"):
+        self.address = address
         self.folder = tempfile.TemporaryDirectory(prefix="hgros_peers_")
         self.running = {}
         self.refused = {}
-        self.environment = {"ROS_IP": "127.0.0.1", "ROS_LOG_DIR": self.folder.name, "ROS_HOME": self.folder.name}
+        self.environment = {"ROS_IP": address, "ROS_LOG_DIR": self.folder.name, "ROS_HOME": self.folder.name}
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        for process in self.running.values():
-            end(process, 5)
+        end(*self.running.values(), patience_s=5)
         self.folder.cleanup()
 
     def need(self, name):
@@ -86,25 +107,26 @@ class Daemons:
         log = pathlib.Path(self.folder.name, f"{name}.log")
         if name == "rosmaster":
             port = free_ports(1)
-            self.environment["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
+            self.environment["ROS_MASTER_URI"] = f"http://{self.address}:{port}"
             command = [name, "--core", "-p", str(port)]
         else:
             command = [name, "-c", str(HERE / "roudi.toml"), "-m", "off", "-l", "warning"]
         with log.open("wb") as output:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
                                        env={**os.environ, **self.environment})
-        ready = (lambda: answers(port)) if name == "rosmaster" else (lambda: b"RouDi is ready" in log.read_bytes())
+        self.running[name] = process  # It is to end, too, if this is not the end of its start.
+        ready = ((lambda: answers(self.address, port)) if name == "rosmaster" else
+                 (lambda: b"RouDi is ready" in log.read_bytes()))
         limit = time.monotonic() + 15
         while process.poll() is None and time.monotonic() < limit and not ready():
             time.sleep(0.05)
         if process.poll() is not None or not ready():
-            end(process)
+            end(self.running.pop(name))
             words = log.read_text(errors="replace").strip().splitlines()
             return f"{name} did not start: {words[-1] if words else 'it said nothing'}"
-        self.running[name] = process
         return ""
 
 
-def answers(port):
+def answers(address, port):
     with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
+        return probe.connect_ex((address, port)) == 0

@@ -1,9 +1,10 @@
-// Fast DDS, reliable and keep-all. Octets over the default transports with UDP kept to loopback (shm_udp); over shared
-// memory with a segment for 8 messages and no fragments (shm_tuned); over UDP alone (udp); and plain samples lent on
-// both sides with data sharing (loan).
+// Fast DDS, reliable and keep-all. Octets over the default transports with UDP kept to one interface (shm_udp); over
+// shared memory with a segment for 8 messages and no fragments (shm_tuned); over UDP alone (udp), with settings for
+// large messages on a slow line (udp_tuned); and plain samples lent on both sides with data sharing (loan).
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -31,6 +32,8 @@ namespace rtps = eprosima::fastrtps::rtps;
 using Code = eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr std::size_t kLargestUnfragmented = 60'000;
+constexpr std::int32_t kSparseDepth = 64;
+constexpr std::uint32_t kReceiveBufferBytes = 4u << 20;  // The system's 208 KB overflow where a message is larger.
 
 /// The same for both sides.
 template <class Qos>
@@ -51,6 +54,15 @@ void SetQos(Qos& qos, const Lane& lane, bool loan) {
     qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
   }
+}
+
+/// A heartbeat while fragments are still on the line asks for what is underway, and the message is sent twice. So there
+/// is none with the data, and one after several messages, whose number the history has to hold.
+void SetSparseHeartbeats(dds::DataWriterQos& qos, const Lane& lane) {
+  qos.reliable_writer_qos().disable_heartbeat_piggyback = true;
+  qos.reliable_writer_qos().times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0.1 + 4e-6 * lane.transit_us);
+  qos.resource_limits().max_samples = kSparseDepth;
+  qos.resource_limits().max_samples_per_instance = kSparseDepth;
 }
 
 /// A lane's topic.
@@ -145,7 +157,7 @@ class FastInlet final : public Inlet {
 
 class FastOutlet final : public Outlet {
  public:
-  FastOutlet(dds::DomainParticipant* participant, const Lane& lane, bool loan)
+  FastOutlet(dds::DomainParticipant* participant, const Lane& lane, bool loan, bool tuned)
       : participant_(participant), topic_(participant, lane, loan), loan_(loan), bytes_(lane.size_bytes) {
     Fill(reinterpret_cast<std::byte*>(bytes_.data()), bytes_.size());
     publisher_ = participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
@@ -154,6 +166,7 @@ class FastOutlet final : public Outlet {
     // Fragments are sent by a thread of the library, so that larger samples need the asynchronous mode.
     qos.publish_mode().kind =
         lane.size_bytes > kLargestUnfragmented ? dds::ASYNCHRONOUS_PUBLISH_MODE : dds::SYNCHRONOUS_PUBLISH_MODE;
+    if (tuned && lane.size_bytes > kLargestUnfragmented) SetSparseHeartbeats(qos, lane);
     writer_ = publisher_->create_datawriter(topic_.get(), qos, &matched_);
     if (writer_ == nullptr) Fail("Fast DDS makes no writer");
   }
@@ -196,11 +209,11 @@ class FastOutlet final : public Outlet {
 
 class FastDds final : public Peer {
  public:
-  explicit FastDds(const Task& task) : loan_(task.mode == "loan") {
+  explicit FastDds(const Task& task) : loan_(task.mode == "loan"), udp_tuned_(task.mode == "udp_tuned") {
     dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
     qos.name("hgros_bench");
     qos.transport().use_builtin_transports = false;
-    if (task.mode != "udp") {
+    if (task.mode != "udp" && !udp_tuned_) {
       auto shm = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
       if (task.mode == "shm_tuned") {
         shm->segment_size(static_cast<std::uint32_t>(8 * task.largest_bytes() + (4u << 20)));
@@ -209,7 +222,8 @@ class FastDds final : public Peer {
       qos.transport().user_transports.push_back(shm);
     }
     auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-    udp->interfaceWhiteList.emplace_back("127.0.0.1");
+    udp->interfaceWhiteList.emplace_back(task.own_address);
+    if (udp_tuned_) udp->receiveBufferSize = kReceiveBufferBytes;
     qos.transport().user_transports.push_back(udp);
     participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(0, qos);
     if (participant_ == nullptr) Fail("Fast DDS makes no participant");
@@ -219,20 +233,21 @@ class FastDds final : public Peer {
     return std::make_unique<FastInlet>(participant_, lane, loan_, sink);
   }
   std::unique_ptr<Outlet> Publish(const Lane& lane) override {
-    return std::make_unique<FastOutlet>(participant_, lane, loan_);
+    return std::make_unique<FastOutlet>(participant_, lane, loan_, udp_tuned_);
   }
 
  private:
   bool loan_;
-  dds::DomainParticipant* participant_;
+  bool udp_tuned_;
+  dds::DomainParticipant* participant_ = nullptr;
 };
 
 }  // namespace
 
 std::unique_ptr<Peer> MakePeer(const Task& task) {
-  if (task.mode != "shm_udp" && task.mode != "shm_tuned" && task.mode != "udp" && task.mode != "loan") {
+  const auto modes = {"shm_udp", "shm_tuned", "udp", "udp_tuned", "loan"};
+  if (std::find(modes.begin(), modes.end(), task.mode) == modes.end())
     Fail("Fast DDS has no mode \"" + task.mode + "\"");
-  }
   return std::make_unique<FastDds>(task);
 }
 

@@ -133,7 +133,8 @@ class IceoryxOutlet final : public Outlet {
 class Iceoryx final : public Peer {
  public:
   explicit Iceoryx(const Task& task) : mode_(task.mode) {
-    const std::string name = task.name + (task.role == Task::Role::kPublish ? "_pub" : "_sub");
+    const std::string name =
+        task.name + (task.role == Task::Role::kPublish ? "_pub" : "_sub" + std::to_string(task.receiver));
     iox::runtime::PoshRuntime::initRuntime(iox::RuntimeName_t(iox::cxx::TruncateToCapacity, name.c_str()));
   }
   std::unique_ptr<Inlet> Subscribe(const Lane& lane, Sink& sink) override {

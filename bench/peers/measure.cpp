@@ -1,5 +1,6 @@
 // The measurement, the same for every peer. What is found goes to standard output, a line each:
-//   latency,LANE,SENT,NS NS NS ...      one-way latencies of the timed messages that arrived
+//   latency,LANE,SENT,NS NS NS ...      one-way latencies of the timed messages that arrived; with several receivers
+//                                       until the last of them had the message
 //   flood,LANE,SENT,RECEIVED,SECONDS    from the first publish to the last arrival
 //   silent,LANE                         no message of this size arrives at all
 //   damaged,COUNT                       messages that were not what had been sent, over all lanes
@@ -7,6 +8,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <thread>
@@ -21,28 +23,37 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kStartLimitNs = 10'000 * kMs;
 constexpr std::int64_t kSilentAfterNs = 4'000 * kMs;
-constexpr std::int64_t kLostAfterNs = 250 * kMs;
-constexpr int kWarmUp = 10;
-constexpr int kSlowWarmUp = 1;  // Where messages are far apart.
-constexpr int kSlowPauseUs = 50'000;
+constexpr std::int64_t kLostAfterNs = 250 * kMs;  // And several times what the line takes.
+constexpr std::int64_t kProbeEveryNs = 10 * kMs;
 constexpr int kLossesInARow = 4;  // Then nothing arrives at this size, and the lane is given up.
 
 class Sending {
  public:
-  Sending(const Lane& lane, Control& control, Outlet& outlet)
-      : lane_(lane), control_(control), outlet_(outlet), pattern_(FilledBuffer(lane.size_bytes)) {}
+  Sending(const Task& task, const Lane& lane, Control& control, Outlet& outlet)
+      : receivers_(task.receivers),
+        lane_(lane),
+        control_(control),
+        outlet_(outlet),
+        transit_ns_(std::int64_t{1000} * lane.transit_us),
+        lost_after_ns_(kLostAfterNs + 4 * transit_ns_),
+        pattern_(FilledBuffer(lane.size_bytes)) {}
 
-  /// Sends probes until one arrives; false if none does.
+  /// Sends probes until one has arrived everywhere, and lets those go that are still on their way; false if none does.
   bool AwaitWay() {
-    const std::int64_t deadline = NowNs() + (lane_.index == 0 ? kStartLimitNs : kSilentAfterNs);
-    for (std::uint64_t index = 0; !control_.probed.AwaitAtLeast(lane_.index + 1, index == 0 ? 0 : 10 * kMs); ++index) {
+    const std::int64_t deadline = NowNs() + (lane_.index == 0 ? kStartLimitNs : kSilentAfterNs) + 4 * transit_ns_;
+    const std::uint32_t wanted = control_.probed.Get() + receivers_;
+    std::uint64_t sent = 0;
+    for (std::int64_t patience_ns = 0; !control_.probed.AwaitAtLeast(wanted, patience_ns);) {
       if (NowNs() > deadline) {
         std::printf("silent,%u\n", lane_.index);
-        control_.probed.Add(1);
         return false;
       }
-      Send(Phase::kProbe, index);
+      const bool gone = Send(Phase::kProbe, sent);
+      sent += gone ? 1 : 0;
+      patience_ns = kProbeEveryNs + (gone ? 2 * transit_ns_ : 0);
     }
+    const std::int64_t underway_ns = sent > 1 ? 2 * transit_ns_ : 0;
+    std::this_thread::sleep_for(std::chrono::nanoseconds(20 * kMs + underway_ns));
     return true;
   }
 
@@ -50,19 +61,20 @@ class Sending {
     for (int i = 0; i < lane_.timed; ++i) control_.latency_ns[static_cast<std::size_t>(i)] = 0;
     int lost_in_a_row = 0;
     int sent = 0;
-    const int warm_up = lane_.pause_us < kSlowPauseUs ? kWarmUp : kSlowWarmUp;
-    for (int i = -warm_up; i < lane_.timed && lost_in_a_row < kLossesInARow; ++i) {
+    for (int i = -lane_.warm_up; i < lane_.timed && lost_in_a_row < kLossesInARow; ++i) {
       std::this_thread::sleep_for(std::chrono::microseconds(lane_.pause_us));
       const std::uint32_t arrived = control_.timed.Get();
       // Warm-up messages fall into slots that are not read.
       if (Send(Phase::kTimed, i < 0 ? Control::kTimed - 1 : static_cast<std::uint64_t>(i))) sent += i >= 0 ? 1 : 0;
-      const bool here = control_.timed.AwaitAtLeast(arrived + 1, kLostAfterNs);
+      const bool here = control_.timed.AwaitAtLeast(arrived + receivers_, lost_after_ns_);
       lost_in_a_row = here ? 0 : lost_in_a_row + 1;
+      // What only some receivers got did not arrive.
+      if (!here && i >= 0) control_.latency_ns[static_cast<std::size_t>(i)] = kLost;
     }
     std::printf("latency,%u,%d,", lane_.index, sent);
     for (int i = 0; i < lane_.timed; ++i) {
       const std::int64_t latency = control_.latency_ns[static_cast<std::size_t>(i)];
-      if (latency > 0) std::printf("%lld ", static_cast<long long>(latency));
+      if (latency > 0 && latency != kLost) std::printf("%lld ", static_cast<long long>(latency));
     }
     std::printf("\n");
   }
@@ -76,13 +88,14 @@ class Sending {
       if (Send(Phase::kFlood, sent)) ++sent;
     }
     std::uint64_t seen = 0;
-    for (std::int64_t since = NowNs(); (seen = control_.flooded) < sent && NowNs() - since < kLostAfterNs;) {
+    for (std::int64_t since = NowNs();
+         (seen = control_.flooded) < sent * receivers_ && NowNs() - since < lost_after_ns_;) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
       if (control_.flooded != seen) since = NowNs();
     }
     const std::int64_t last = seen > 0 ? control_.last_flooded_ns.load() : start;
     std::printf("flood,%u,%llu,%llu,%.9f\n", lane_.index, static_cast<unsigned long long>(sent),
-                static_cast<unsigned long long>(seen), static_cast<double>(last - start) / 1e9);
+                static_cast<unsigned long long>(seen / receivers_), static_cast<double>(last - start) / 1e9);
   }
 
  private:
@@ -95,9 +108,15 @@ class Sending {
     return outlet_.Publish();
   }
 
+  /// Larger than any latency, so that a straggler does not change it.
+  static constexpr std::int64_t kLost = INT64_MAX;
+
+  const std::uint32_t receivers_;
   const Lane& lane_;
   Control& control_;
   Outlet& outlet_;
+  const std::int64_t transit_ns_;
+  const std::int64_t lost_after_ns_;
   const std::vector<std::byte> pattern_;
 };
 
@@ -105,7 +124,6 @@ class Sending {
 void SkipLane(const Task& task, Control& control) {
   if (task.role != Task::Role::kPublish) control.subscribed.Add(1);
   if (task.role == Task::Role::kSubscribe) return;
-  control.probed.Add(1);
   control.finished.Add(1);
 }
 
@@ -120,11 +138,11 @@ void RunLane(const Task& task, Peer& peer, const Lane& lane, Control& control) {
     if (!control.finished.AwaitAtLeast(lane.index + 1, 60'000 * kMs)) Fail("the sender did not finish within 60 s");
     return;
   }
-  if (!control.subscribed.AwaitAtLeast(lane.index + 1, kStartLimitNs)) Fail("the receiver did not come within 10 s");
+  if (!control.subscribed.AwaitAtLeast((lane.index + 1) * task.receivers, kStartLimitNs))
+    Fail("the receiver did not come within 10 s");
   const std::unique_ptr<Outlet> outlet = peer.Publish(lane);
-  Sending sending(lane, control, *outlet);
+  Sending sending(task, lane, control, *outlet);
   if (sending.AwaitWay()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (lane.timed > 0) sending.Time();
     if (lane.flood_ms > 0) sending.Flood();
   }

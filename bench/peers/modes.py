@@ -15,6 +15,7 @@ class Mode:
     quick: bool = False  # part of a quick run, too
     daemon: str = ""  # what has to run meanwhile
     environment: tuple = ()
+    receivers: int = 1  # processes that get every message
 
     @property
     def key(self):
@@ -31,43 +32,47 @@ PACKAGES = {
 }
 
 
-def cyclone(shm):
+def cyclone(shm, own="127.0.0.1", other="127.0.0.1"):
     return (("CYCLONEDDS_URI", f"""<CycloneDDS><Domain id="any"><General><Interfaces>
-<NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces><AllowMulticast>false</AllowMulticast></General>
-<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery>
+<NetworkInterface address="{own}" multicast="false"/></Interfaces><AllowMulticast>false</AllowMulticast></General>
+<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="{other}"/></Peers></Discovery>
 <SharedMemory><Enable>{shm}</Enable><LogLevel>error</LogLevel></SharedMemory></Domain></CycloneDDS>"""),)
 
 
 # A new mode of ours is a line here and one in ours.cpp.
 MODES = (
     Mode("raw", "shm_futex", "raw_shm", "futex", True, quick=True),
-    Mode("raw", "uds", "raw_socket", "uds", True, quick=True),
+    Mode("raw", "uds", "raw_socket", "uds", True),
     Mode("raw", "tcp", "raw_socket", "tcp", True),
     Mode("ours", "shm", "ours", "shm", True, quick=True),
-    Mode("ours", "shm_loan", "ours", "shm_loan", True, quick=True),
+    Mode("ours", "shm_plain", "ours", "shm_plain", True, quick=True),
+    Mode("ours", "shm_bulk", "ours", "shm_bulk", True, quick=True),
+    Mode("ours", "shm_spin", "ours", "shm_spin", True, quick=True),
     Mode("ours", "shm_busy", "ours", "shm_busy", True),
-    Mode("ours", "shm_busy_loan", "ours", "shm_busy_loan", True),
-    Mode("ours", "ipc", "ours", "ipc", True, quick=True),
-    Mode("ours", "tcp", "ours", "tcp", True, quick=True),
-    Mode("zeromq", "ipc", "zeromq", "ipc", True, quick=True),
+    Mode("ours", "shm_busy_bulk", "ours", "shm_busy_bulk", True),
+    Mode("ours", "shm_bulk_fanout8", "ours", "shm_bulk", True, quick=True, receivers=8),
+    Mode("ours", "ipc", "ours", "ipc", True),
+    Mode("ours", "tcp", "ours", "tcp", True),
+    Mode("zeromq", "ipc", "zeromq", "ipc", True),
     Mode("zeromq", "tcp", "zeromq", "tcp", True),
     Mode("ros1", "tcpros", "ros1", "tcpros", True, quick=True, daemon="rosmaster"),
     Mode("fastdds", "shm_udp", "fastdds", "shm_udp", True, quick=True),
-    Mode("fastdds", "shm_tuned", "fastdds", "shm_tuned", True),
+    Mode("fastdds", "shm_tuned", "fastdds", "shm_tuned", True, quick=True),
     Mode("fastdds", "udp", "fastdds", "udp", True),
-    Mode("fastdds", "loan", "fastdds", "loan", True),
+    Mode("fastdds", "loan", "fastdds", "loan", True, quick=True),
     Mode("cyclone", "udp", "cyclone", "udp", True, quick=True, environment=cyclone("false")),
     Mode("cyclone", "shm", "cyclone", "shm", True, daemon="iox-roudi", environment=cyclone("true")),
     Mode("cyclone", "loan", "cyclone", "loan", True, daemon="iox-roudi", environment=cyclone("true")),
-    Mode("iceoryx", "listener", "iceoryx", "listener", True, daemon="iox-roudi"),
+    Mode("iceoryx", "listener", "iceoryx", "listener", True, quick=True, daemon="iox-roudi"),
     Mode("iceoryx", "waitset", "iceoryx", "waitset", True, quick=True, daemon="iox-roudi"),
-    Mode("iceoryx", "poll", "iceoryx", "poll", True, daemon="iox-roudi"),
-    Mode("lcm", "udpm", "lcm", "udpm", True, quick=True),
-    Mode("raw", "call", "raw_call", "call", False, quick=True),
+    Mode("iceoryx", "poll", "iceoryx", "poll", True, quick=True, daemon="iox-roudi"),
+    Mode("iceoryx", "waitset_fanout8", "iceoryx", "waitset", True, daemon="iox-roudi", receivers=8),
+    Mode("lcm", "udpm", "lcm", "udpm", True),
+    Mode("raw", "call", "raw_call", "call", False),
     Mode("raw", "memcpy", "raw_call", "memcpy", False, quick=True),
     Mode("ours", "pointer", "ours", "pointer", False, quick=True),
-    Mode("ours", "pointer_tbb", "ours", "pointer_tbb", False, quick=True),
-    Mode("ros1", "roscpp", "ros1", "roscpp", False, quick=True, daemon="rosmaster"),
+    Mode("ours", "pointer_tbb", "ours", "pointer_tbb", False),
+    Mode("ros1", "roscpp", "ros1", "roscpp", False, daemon="rosmaster"),
     Mode("ros1", "nodelet", "ros1", "nodelet", False, quick=True, daemon="rosmaster"),
     Mode("cyclone", "local", "cyclone", "local", False, environment=cyclone("false")),
 )

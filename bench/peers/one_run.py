@@ -12,6 +12,16 @@ import daemons
 import plan as plans
 
 
+@dataclasses.dataclass(frozen=True)
+class Side:
+    """Where one side of a measurement runs."""
+
+    own: str = "127.0.0.1"
+    other: str = "127.0.0.1"
+    prefix: tuple = ()  # words before each command
+    environment: tuple = ()
+
+
 @dataclasses.dataclass
 class Found:
     """What one run says of one lane."""
@@ -74,30 +84,50 @@ def failure(output):
 
 def usual_limit_s(lanes):
     """Longer than a run of these lanes takes unless it hangs."""
-    return 20 + 3 * sum((lane.timed + 10) * lane.pause_us / 1e6 + lane.flood_ms / 1e3 for lane in lanes)
+    return 20 + 3 * sum((lane.timed + lane.warm_up + 2) * (lane.pause_us + lane.transit_us) / 1e6 + lane.flood_ms / 1e3
+                        for lane in lanes)
 
 
-def measure(mode, lanes, programs, environment, number, limit_s):
-    """(what was found, what went wrong): the second is empty if all went well, and a sentence otherwise."""
+def commands(mode, common, sides):
+    """(name of its output, words, environment) of every program of a run; the one that sends comes last."""
+    program, (sending, receiving) = common[0], sides
+
+    def command(name, role, side, *more):
+        addresses = ["--own", side.own, "--other", side.other] if side.own != side.other else []
+        words = [*side.prefix, program, role, mode.argument, *common[1:], *addresses, *more]
+        return name, words, dict(side.environment)
+
+    if not mode.inter:
+        yield command("both", "both", sending)
+        return
+    several = ["--receivers", str(mode.receivers)] if mode.receivers > 1 else []
+    for index in range(mode.receivers):
+        yield command(f"sub{index}", "sub", receiving, *several, *(["--receiver", str(index)] if several else []))
+    yield command("pub", "pub", sending, *several)
+
+
+def measure(mode, lanes, programs, environment, number, limit_s, sides=(Side(), Side())):
+    """(what was found, what went wrong): the second is empty if all went well, and a sentence otherwise.
+
+    `sides`: of who sends, and of who receives."""
     program = pathlib.Path(programs, f"peer_{mode.program}").resolve()
     with tempfile.TemporaryDirectory(prefix="hgros_peer_") as folder:
-        common = ["--name", f"hgb{os.getpid()}x{number}", "--folder", folder,
+        common = [program, "--name", f"hgb{os.getpid()}x{number}", "--folder", folder,
                   "--port", str(daemons.free_ports(len(lanes))),
                   "--lanes", ",".join(lane.argument() for lane in lanes)]
         if mode.inter:
             common += ["--control", f"{folder}/control"]
-        roles = ["sub", "pub"] if mode.inter else ["both"]
-        processes, outputs = [], [pathlib.Path(folder, f"{role}.out") for role in roles]
+        processes, outputs = [], []
         try:
-            for role, output in zip(roles, outputs):
-                with output.open("wb") as out, output.with_suffix(".err").open("wb") as err:
+            for name, words, more in commands(mode, common, sides):
+                outputs.append(pathlib.Path(folder, f"{name}.out"))
+                with outputs[-1].open("wb") as out, outputs[-1].with_suffix(".err").open("wb") as err:
                     processes.append(subprocess.Popen(
-                        [program, role, mode.argument, *common], cwd=folder, stdin=subprocess.DEVNULL, stdout=out,
-                        stderr=err, env={**os.environ, **environment, **dict(mode.environment)}))
+                        words, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err,
+                        env={**os.environ, **environment, **dict(mode.environment), **more}))
             fault = wait(processes, limit_s)
         finally:
-            for process in processes:
-                daemons.end(process)
+            daemons.end(*processes)
         if fault:
             said = "\n".join(output.with_suffix(".err").read_text(errors="replace") for output in outputs)
             fault = f"{fault}: {failure(said)}"
@@ -109,17 +139,20 @@ def measure(mode, lanes, programs, environment, number, limit_s):
 
 def wait(processes, limit_s):
     """Waits for the last program, which sends; why it failed, if it did. A receiver that failed ends the wait."""
+    *receivers, sender = processes
     limit = time.monotonic() + limit_s
-    while processes[-1].poll() is None:
+    while sender.poll() is None:
         if time.monotonic() > limit:
             return f"nothing came to an end within {limit_s:.0f} s"
-        if processes[0].poll() not in (None, 0):
+        if any(receiver.poll() not in (None, 0) for receiver in receivers):
             return "the receiver failed"
         time.sleep(0.005)
-    if processes[-1].returncode != 0:
+    if sender.returncode != 0:
         return "the sender failed"
+    patience = time.monotonic() + 3
     try:
-        processes[0].wait(3)
+        for receiver in receivers:
+            receiver.wait(max(0, patience - time.monotonic()))
     except subprocess.TimeoutExpired:
         pass  # All messages are counted; it is only slow to leave.
     return ""

@@ -1,8 +1,10 @@
 // Ours, called as a program calls it: one session a process, FromAny and a handle of Advertise. A mode is a line of
-// Places: which endpoints the two sessions have, if any, and where messages lie.
+// Places: which endpoints the two sessions have, if any, and what a message is.
 #include <chrono>
 #include <functional>
 #include <map>
+
+#include <foxglove/PointCloud.pb.h>
 
 #include "buffers.hpp"
 #include "hgros/hgros.hpp"
@@ -11,32 +13,119 @@
 namespace hgros::bench {
 namespace {
 
+// What the messages of a mode are: the type, how a filled one is made for the ring that is used again and again (or how
+// the session lends one), and where its bytes lie.
+
+/// Bytes and nothing else; each message is copied once into shared memory.
+struct BareForm {
+  using Message = Block;
+  static constexpr bool kLent = false;
+  static std::shared_ptr<Message> Make(std::size_t size_bytes) {
+    auto block = std::make_shared<Block>(Block::Allocate(size_bytes));
+    Fill(block->writable().data(), size_bytes);
+    return block;
+  }
+  static std::byte* Writable(Message& message) { return message.writable().data(); }
+  static Bytes Readable(const Message& message) { return message.bytes(); }
+};
+
+/// Bulk: the sender writes where the receiver reads. The one place that says how such a message is made.
+struct BulkForm {
+  using Message = Block;
+  static constexpr bool kLent = true;
+  static std::shared_ptr<Message> Lend(Session& session, const Lane& lane) {
+    return session.Loan<Block>(lane.name, lane.size_bytes);
+  }
+  static std::byte* Writable(Message& message) { return message.writable().data(); }
+  static Bytes Readable(const Message& message) { return message.bytes(); }
+};
+
+/// An ordinary protobuf message with the bytes in one of its fields.
+struct PlainForm {
+  using Message = foxglove::PointCloud;
+  static constexpr bool kLent = false;
+  static std::shared_ptr<Message> Make(std::size_t size_bytes) {
+    auto cloud = std::make_shared<Message>();
+    cloud->set_frame_id("lidar");
+    cloud->set_point_stride(16);
+    cloud->mutable_data()->resize(size_bytes);
+    Fill(Writable(*cloud), size_bytes);
+    return cloud;
+  }
+  static std::byte* Writable(Message& message) { return reinterpret_cast<std::byte*>(message.mutable_data()->data()); }
+  static Bytes Readable(const Message& message) { return AsBytes(message.data()); }
+};
+
 struct Place {
   std::function<std::string(const Task&)> endpoint;  ///< Where the sender binds; none if the two need none.
   Executor executor;
   ShmWait wait = ShmWait::kSleep;
-  bool lends = false;  ///< Each message is lent by the session; otherwise a ring of blocks is reused.
 };
 
-const std::map<std::string, Place>& Places() {
-  static const std::map<std::string, Place> places = {
-      {"ipc", {[](const Task& task) { return "ipc://" + task.folder + "/" + task.name; }, Executor::Inline()}},
-      {"tcp",
-       {[](const Task& task) { return "tcp://127.0.0.1:" + std::to_string(task.lanes[0].port); }, Executor::Inline()}},
-      {"shm", {nullptr, Executor::Inline()}},
-      {"shm_loan", {nullptr, Executor::Inline(), ShmWait::kSleep, true}},
-      {"shm_busy", {nullptr, Executor::Inline(), ShmWait::kBusy}},
-      {"shm_busy_loan", {nullptr, Executor::Inline(), ShmWait::kBusy, true}},
-      {"pointer", {nullptr, Executor::Inline()}},
-      {"pointer_tbb", {nullptr, Executor::Tbb()}},
-  };
-  return places;
+void Quiet(LogLevel level, std::string_view text) {
+  if (level >= LogLevel::kWarning) std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
 }
+
+template <class Form>
+class OurOutlet final : public Outlet {
+ public:
+  OurOutlet(Session& session, const Task& task, const Lane& lane)
+      : session_(session),
+        lane_(lane),
+        publish_(session.Advertise<Message>(lane.name)),
+        ring_(Form::kLent ? 0 : 2 * lane.depth() + 8, [&]() -> std::shared_ptr<Message> {
+          if constexpr (Form::kLent)
+            return nullptr;
+          else
+            return Form::Make(lane.size_bytes);
+        }) {
+    if (!session.WaitForSubscribers(lane.name, task.receivers, std::chrono::seconds(10))) {
+      Fail("our receiver did not come in 10 s");
+    }
+  }
+  std::byte* Take() override {
+    if constexpr (Form::kLent) {
+      taken_ = Form::Lend(session_, lane_);
+    } else {
+      taken_ = ring_.Take();
+    }
+    return Form::Writable(*taken_);
+  }
+  bool Publish() override {
+    const std::shared_ptr<const Message> message = std::move(taken_);
+    return publish_.Wait(message, std::chrono::steady_clock::now() + std::chrono::seconds(5)) == PublishStatus::kOk;
+  }
+  [[nodiscard]] bool lends() const override { return Form::kLent; }
+
+ private:
+  using Message = typename Form::Message;
+  Session& session_;
+  const Lane& lane_;
+  hgros::Publisher<Message> publish_;
+  PointerRing<std::shared_ptr<Message>> ring_;
+  std::shared_ptr<Message> taken_;
+};
+
+template <class Form>
+class OurInlet final : public Inlet {
+ public:
+  OurInlet(Session& session, const Lane& lane, const Executor& executor, Sink& sink)
+      : subscription_(session.FromAny<Message>(lane.name, Invoke::kSerial,
+                                               [&sink](const Message& message) {
+                                                 const Bytes bytes = Form::Readable(message);
+                                                 sink.Note(bytes.data(), bytes.size());
+                                               },
+                                               {{}, Queue::KeepAll(lane.depth()), executor})) {}
+
+ private:
+  using Message = typename Form::Message;
+  Subscription subscription_;
+};
 
 Config ConfigOf(const Task& task, const Place& place) {
   Config config;
   config.shared_memory.wait = place.wait;
-  // The two processes of a measurement, and nobody else.
+  // The processes of a measurement, and nobody else.
   config.discovery.domain = "bench-" + std::to_string(std::hash<std::string>()(task.folder + "/" + task.name));
   if (!place.endpoint) return config;
   config.discovery.local = false;
@@ -45,75 +134,62 @@ Config ConfigOf(const Task& task, const Place& place) {
   return config;
 }
 
-void Quiet(LogLevel level, std::string_view text) {
-  if (level >= LogLevel::kWarning) std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
-}
-
-class OurOutlet final : public Outlet {
- public:
-  OurOutlet(Session& session, const Lane& lane, const Place& place)
-      : session_(session),
-        lane_(lane),
-        place_(place),
-        publish_(session.Advertise<Block>(lane.name)),
-        ring_(place.lends ? 0 : 2 * lane.depth() + 8, [&] {
-          auto block = std::make_shared<Block>(Block::Allocate(lane.size_bytes));
-          Fill(block->writable().data(), lane.size_bytes);
-          return block;
-        }) {
-    if (!session.WaitForSubscribers(lane.name, 1, std::chrono::seconds(10))) Fail("our receiver did not come in 10 s");
-  }
-  std::byte* Take() override {
-    taken_ = lends() ? std::shared_ptr<Block>(session_.Loan<Block>(lane_.name, lane_.size_bytes)) : ring_.Take();
-    return taken_->writable().data();
-  }
-  bool Publish() override {
-    const std::shared_ptr<const Block> message = std::move(taken_);
-    return publish_.Wait(message, std::chrono::steady_clock::now() + std::chrono::seconds(5)) == PublishStatus::kOk;
-  }
-  [[nodiscard]] bool lends() const override { return place_.lends; }
-
- private:
-  Session& session_;
-  const Lane& lane_;
-  const Place& place_;
-  hgros::Publisher<Block> publish_;
-  PointerRing<std::shared_ptr<Block>> ring_;
-  std::shared_ptr<Block> taken_;
-};
-
-class OurInlet final : public Inlet {
- public:
-  OurInlet(Session& session, const Lane& lane, const Executor& executor, Sink& sink)
-      : subscription_(session.FromAny<Block>(
-            lane.name, Invoke::kSerial, [&sink](const Block& block) { sink.Note(block.bytes().data(), block.size()); },
-            {{}, Queue::KeepAll(lane.depth()), executor})) {}
-
- private:
-  Subscription subscription_;
-};
-
+template <class Form>
 class Ours final : public Peer {
  public:
-  Ours(const Task& task, const Place& place) : place_(place), session_(ConfigOf(task, place), {"bench_peer", Quiet}) {}
+  Ours(const Task& task, const Place& place)
+      : task_(task), executor_(place.executor), session_(ConfigOf(task, place), {"bench_peer", Quiet}) {}
   std::unique_ptr<Inlet> Subscribe(const Lane& lane, Sink& sink) override {
-    return std::make_unique<OurInlet>(session_, lane, place_.executor, sink);
+    return std::make_unique<OurInlet<Form>>(session_, lane, executor_, sink);
   }
   std::unique_ptr<Outlet> Publish(const Lane& lane) override {
-    return std::make_unique<OurOutlet>(session_, lane, place_);
+    return std::make_unique<OurOutlet<Form>>(session_, task_, lane);
   }
 
  private:
-  const Place& place_;
+  const Task& task_;
+  Executor executor_;
   Session session_;
 };
+
+template <class Form>
+std::unique_ptr<Peer> Make(const Task& task, const Place& place) {
+  return std::make_unique<Ours<Form>>(task, place);
+}
+
+std::string Ipc(const Task& task) { return "ipc://" + task.folder + "/" + task.name; }
+std::string Tcp(const Task& task) {
+  return "tcp://" + task.sender_address() + ":" + std::to_string(task.lanes[0].port);
+}
+
+struct Way {
+  Place place;
+  std::unique_ptr<Peer> (*make)(const Task&, const Place&) = Make<BareForm>;
+};
+
+const std::map<std::string, Way>& Places() {
+  static const std::map<std::string, Way> places = {
+      {"ipc", {{Ipc, Executor::Inline()}}},
+      {"tcp", {{Tcp, Executor::Inline()}}},
+      {"tcp_plain", {{Tcp, Executor::Inline()}, Make<PlainForm>}},
+      {"shm", {{nullptr, Executor::Inline()}}},
+      {"shm_plain", {{nullptr, Executor::Inline()}, Make<PlainForm>}},
+      {"shm_bulk", {{nullptr, Executor::Inline()}, Make<BulkForm>}},
+      {"shm_spin", {{nullptr, Executor::Inline(), ShmWait::kSpin}}},
+      {"shm_busy", {{nullptr, Executor::Inline(), ShmWait::kBusy}}},
+      {"shm_busy_bulk", {{nullptr, Executor::Inline(), ShmWait::kBusy}, Make<BulkForm>}},
+      {"pointer", {{nullptr, Executor::Inline()}}},
+      {"pointer_tbb", {{nullptr, Executor::Tbb()}}},
+  };
+  return places;
+}
 
 }  // namespace
 
 std::unique_ptr<Peer> MakePeer(const Task& task) {
-  const auto place = Places().find(task.mode);
-  if (place == Places().end()) Fail("ours has no mode \"" + task.mode + "\"");
-  return std::make_unique<Ours>(task, place->second);
+  const auto way = Places().find(task.mode);
+  if (way == Places().end()) Fail("ours has no mode \"" + task.mode + "\"");
+  return way->second.make(task, way->second.place);
 }
 
 }  // namespace hgros::bench

@@ -14,10 +14,12 @@ class Lane:
     timed: int
     flood_ms: int
     pause_us: int
+    warm_up: int = 10
+    transit_us: int = 0  # what the line alone takes
     paced: bool = False  # stands for the paper's throughput: total bytes over the sum of the latencies
 
     def argument(self):
-        return f"{self.size}:{self.timed}:{self.flood_ms}:{self.pause_us}"
+        return f"{self.size}:{self.timed}:{self.flood_ms}:{self.pause_us}:{self.warm_up}:{self.transit_us}"
 
     def skipped(self):
         """The same lane with nothing to do."""
@@ -31,8 +33,11 @@ class Plan:
     budget_s: float  # no run of a program begins later than this
     inter: tuple
     intra: tuple
+    fanout: tuple = ()
 
     def lanes(self, mode):
+        if mode.receivers > 1:
+            return self.fanout
         return self.inter if mode.inter else self.intra
 
 
@@ -51,14 +56,16 @@ def latency(size, count, flood_ms=0):
 
 
 def paced(size, count, pause_us):
-    return Lane(size, count, 0, pause_us, paced=True)
+    return Lane(size, count, 0, pause_us, warm_up=1, paced=True)
 
 
 FULL = Plan(
     quick=False, rounds=9, budget_s=24 * 60,
     inter=tuple(latency(size, 100, 300 if size in (KB, 64 * KB, MB) else 0) for size in SIZES),
-    intra=tuple(latency(size, 100) for size in SIZES) + tuple(paced(size, 5, TEN_HERTZ_US) for size in PACED_SIZES))
+    intra=tuple(latency(size, 100) for size in SIZES) + tuple(paced(size, 5, TEN_HERTZ_US) for size in PACED_SIZES),
+    fanout=(latency(4 * MB, 50),))
 QUICK = Plan(
-    quick=True, rounds=3, budget_s=36,
+    quick=True, rounds=3, budget_s=33,
     inter=(latency(KB, 30, 50), latency(64 * KB, 30), latency(4 * MB, 15)),
-    intra=(latency(KB, 30), latency(4 * MB, 15), paced(MB, 3, 20_000)))
+    intra=(latency(KB, 30), latency(4 * MB, 15), paced(MB, 3, 20_000)),
+    fanout=(latency(4 * MB, 15),))

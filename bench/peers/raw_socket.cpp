@@ -19,14 +19,15 @@ namespace {
 /// The address of a lane, which the receiver binds and the sender connects to.
 class Address {
  public:
-  Address(const Lane& lane, const std::string& folder, bool tcp) : tcp_(tcp) {
-    if (tcp) {
+  Address(const Lane& lane, const Task& task) : tcp_(task.mode == "tcp") {
+    if (tcp_) {
       internet_.sin_family = AF_INET;
       internet_.sin_port = htons(static_cast<std::uint16_t>(lane.port));
-      internet_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      if (inet_pton(AF_INET, task.receiver_address().c_str(), &internet_.sin_addr) != 1)
+        Fail("that is no IPv4 address");
     } else {
       local_.sun_family = AF_UNIX;
-      std::snprintf(local_.sun_path, sizeof local_.sun_path, "%s/%s", folder.c_str(), lane.name.c_str());
+      std::snprintf(local_.sun_path, sizeof local_.sun_path, "%s/%s", task.folder.c_str(), lane.name.c_str());
     }
   }
   [[nodiscard]] int Listen() const {
@@ -108,17 +109,16 @@ class SocketOutlet final : public Outlet {
 
 class RawSocket final : public Peer {
  public:
-  explicit RawSocket(const Task& task) : folder_(task.folder), tcp_(task.mode == "tcp") {}
+  explicit RawSocket(const Task& task) : task_(task) {}
   std::unique_ptr<Inlet> Subscribe(const Lane& lane, Sink& sink) override {
-    return std::make_unique<SocketInlet>(Address(lane, folder_, tcp_), lane, sink);
+    return std::make_unique<SocketInlet>(Address(lane, task_), lane, sink);
   }
   std::unique_ptr<Outlet> Publish(const Lane& lane) override {
-    return std::make_unique<SocketOutlet>(Address(lane, folder_, tcp_), lane.size_bytes);
+    return std::make_unique<SocketOutlet>(Address(lane, task_), lane.size_bytes);
   }
 
  private:
-  std::string folder_;
-  bool tcp_;
+  const Task& task_;
 };
 
 }  // namespace

@@ -11,6 +11,11 @@ def percentile(values, fraction):
     return ordered[min(len(ordered) - 1, int(fraction * len(ordered)))]
 
 
+def of_size(runs, size):
+    """Those whose latencies of single messages of that size count."""
+    return [run for run in runs if run.lane.size == size and not run.lane.paced]
+
+
 class Results:
     """Collects the rounds: `rounds[round][mode]` is a list of Found, one a lane."""
 
@@ -30,6 +35,27 @@ class Results:
         """What each round found in one lane."""
         return [one[mode][index] for one in self.rounds if mode in one]
 
+    def in_round(self, one, modes, size):
+        """Median latency of the fastest of these modes in one round, in us; None if none of them carried that size."""
+        found = (run.p50_us for mode in modes for run in of_size(one.get(mode, ()), size))
+        return min((value for value in found if value), default=None)
+
+    def ratio(self, ours, others, size, their_size=None):
+        """Median over the rounds of our latency over that of the fastest of the others, each in one and the same round;
+        None if no round has both."""
+        values = []
+        for one in self.rounds:
+            mine, theirs = self.in_round(one, ours, size), self.in_round(one, others, their_size or size)
+            if mine and theirs:
+                values.append(mine / theirs)
+        return statistics.median(values) if values else None
+
+    def median(self, mode, size):
+        """Median latency over all messages of all rounds, in us; None if there are none."""
+        runs = [run for one in self.rounds for run in of_size(one.get(mode, ()), size)]
+        values = [value for run in runs for value in run.latencies_us]
+        return statistics.median(values) if values else None
+
     def metrics(self):
         yield "rounds", self.whole, "count"
         for mode in self.modes:
@@ -38,7 +64,7 @@ class Results:
             if ours.peer != "ours":
                 continue
             for other in self.modes:
-                if other.peer != "ours" and other.inter == ours.inter:
+                if other.peer != "ours" and (other.inter, other.receivers) == (ours.inter, ours.receivers):
                     yield from self.ratios(ours, other)
 
     def of_mode(self, mode):

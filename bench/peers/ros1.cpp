@@ -40,6 +40,8 @@ class RosOutlet final : public Outlet {
         ring_(by_pointer ? lane.depth() + 2 : 1, [&] { return FilledMessage(lane.size_bytes); }),
         by_pointer_(by_pointer) {}
   std::byte* Take() override {
+    connected_ = connected_ || publisher_.getNumSubscribers() > 0;
+    if (!connected_) return nullptr;
     taken_ = ring_.Take();
     return reinterpret_cast<std::byte*>(taken_->data.data());
   }
@@ -57,6 +59,7 @@ class RosOutlet final : public Outlet {
   ros::Publisher publisher_;
   PointerRing<Message::Ptr> ring_;
   bool by_pointer_;
+  bool connected_ = false;
   Message::Ptr taken_;
 };
 
@@ -64,7 +67,7 @@ class Ros1 final : public Peer {
  public:
   explicit Ros1(const Task& task) : by_pointer_(task.mode == "nodelet") {
     ros::M_string no_remappings;
-    const char* side = task.role == Task::Role::kPublish ? "_pub" : "_sub";
+    const std::string side = task.role == Task::Role::kPublish ? "_pub" : "_sub" + std::to_string(task.receiver);
     ros::init(no_remappings, task.name + side, ros::init_options::NoSigintHandler);
     node_ = std::make_unique<ros::NodeHandle>();
     spinner_ = std::make_unique<ros::AsyncSpinner>(1);

@@ -17,9 +17,10 @@ std::vector<Lane> ParseLanes(const std::string& text, const std::string& name, i
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
     const auto index = static_cast<std::uint32_t>(lanes.size());
-    Lane lane{index, 0, 0, 0, 0, name + "_" + std::to_string(index), port + static_cast<int>(index)};
-    if (std::sscanf(word.c_str(), "%zu:%d:%d:%d", &lane.size_bytes, &lane.timed, &lane.flood_ms, &lane.pause_us) != 4) {
-      Fail("the lane \"" + word + "\" is not SIZE:TIMED:FLOOD_MS:PAUSE_US");
+    Lane lane{index, 0, 0, 0, 0, 0, 0, name + "_" + std::to_string(index), port + static_cast<int>(index)};
+    if (std::sscanf(word.c_str(), "%zu:%d:%d:%d:%d:%d", &lane.size_bytes, &lane.timed, &lane.flood_ms, &lane.pause_us,
+                    &lane.warm_up, &lane.transit_us) != 6) {
+      Fail("the lane \"" + word + "\" is not SIZE:TIMED:FLOOD_MS:PAUSE_US:WARM_UP:TRANSIT_US");
     }
     lanes.push_back(lane);
   }
@@ -61,6 +62,14 @@ Task Task::Parse(int argc, char** argv) {
       port = std::atoi(value.c_str());
     } else if (key == "--lanes") {
       lanes = value;
+    } else if (key == "--own") {
+      task.own_address = value;
+    } else if (key == "--other") {
+      task.other_address = value;
+    } else if (key == "--receivers") {
+      task.receivers = static_cast<std::uint32_t>(std::atoi(value.c_str()));
+    } else if (key == "--receiver") {
+      task.receiver = static_cast<std::uint32_t>(std::atoi(value.c_str()));
     } else {
       Fail("there is no argument \"" + key + "\"");
     }
@@ -74,6 +83,10 @@ std::size_t Task::largest_bytes() const {
   for (const Lane& lane : lanes) largest = std::max(largest, lane.size_bytes);
   return largest;
 }
+
+const std::string& Task::sender_address() const { return role == Role::kSubscribe ? other_address : own_address; }
+
+const std::string& Task::receiver_address() const { return role == Role::kPublish ? other_address : own_address; }
 
 void Fail(const std::string& why) {
   std::fprintf(stderr, "%s\n", why.c_str());

@@ -15,7 +15,8 @@ namespace {
 void Set(void* socket, int option, int value) { zmq_setsockopt(socket, option, &value, sizeof value); }
 
 std::string EndpointOf(const Task& task, const Lane& lane) {
-  return task.mode == "tcp" ? "tcp://127.0.0.1:" + std::to_string(lane.port) : "ipc://" + task.folder + "/" + lane.name;
+  return task.mode == "tcp" ? "tcp://" + task.sender_address() + ":" + std::to_string(lane.port)
+                            : "ipc://" + task.folder + "/" + lane.name;
 }
 
 class ZmqInlet final : public Inlet {

@@ -13,8 +13,17 @@
 
 namespace hgros::bench {
 
+std::string MemoryFile() {
+  const int file = memfd_create("hgros_bench", MFD_CLOEXEC);
+  if (file < 0) {
+    std::perror("a file in memory");
+    std::exit(2);
+  }
+  return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(file);
+}
+
 PairControl* OpenControl(const std::string& path) {
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (file < 0 || ftruncate(file, sizeof(PairControl)) != 0) {
     std::perror(("the control file " + path).c_str());
     std::exit(2);

@@ -23,7 +23,10 @@ struct PairControl {
   std::atomic<std::int64_t> last_arrival_ns{0};
   std::array<std::atomic<std::int64_t>, kSlots> latency_ns{};
 };
-/// Opens (and makes) the file; exits with a sentence if that fails.
+/// A new file in memory, as a path that other processes can open while this one lives; nothing of it stays behind.
+std::string MemoryFile();
+
+/// Opens the file, which may be new; exits with a sentence if that fails.
 PairControl* OpenControl(const std::string& path);
 
 /// What the first bytes of every message say.

@@ -28,7 +28,7 @@ struct Ring {
 };
 
 Ring* OpenRing(const std::string& path) {
-  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const int fd = open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (fd < 0 || ftruncate(fd, sizeof(Ring)) != 0) {
     std::perror(path.c_str());
     std::exit(2);
@@ -48,8 +48,7 @@ void Futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value)
 
 class ShmSender final : public PairSender {
  public:
-  explicit ShmSender(const std::string& path) : path_(path), ring_(*OpenRing(path)) {}
-  ~ShmSender() override { unlink(path_.c_str()); }
+  explicit ShmSender(const std::string& path) : ring_(*OpenRing(path)) {}
   void Send(const std::shared_ptr<Block>& block) override {
     const std::uint32_t index = ring_.written.load(std::memory_order_relaxed);
     std::memcpy(ring_.slots[index % kRingSlots], block->bytes().data(), block->size());
@@ -59,7 +58,6 @@ class ShmSender final : public PairSender {
   }
 
  private:
-  const std::string path_;
   Ring& ring_;
 };
 

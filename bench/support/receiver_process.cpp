@@ -13,15 +13,13 @@
 
 namespace hgros::bench {
 
-ReceiverProcess::ReceiverProcess(const ReceiverTask& task, const std::vector<std::string>& prefix) {
-  static int counter = 0;
-  path_ = "/dev/shm/hgros_bench_" + std::to_string(getpid()) + "_" + std::to_string(counter++);
-  control_ = OpenControl(path_);
+ReceiverProcess::ReceiverProcess(const ReceiverTask& task) {
+  const std::string control = MemoryFile();
+  control_ = OpenControl(control);
   char self[4096] = {};
   if (readlink("/proc/self/exe", self, sizeof self - 1) < 0) std::exit(2);
-  std::vector<std::string> words = prefix;
-  words.insert(words.end(), {self, "receive", task.carrier, task.endpoint, path_, task.executor,
-                             task.lossless ? "lossless" : "keep-last"});
+  std::vector<std::string> words = {
+      self, "receive", task.carrier, task.endpoint, control, task.executor, task.lossless ? "lossless" : "keep-last"};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -36,7 +34,6 @@ ReceiverProcess::ReceiverProcess(const ReceiverTask& task, const std::vector<std
 ReceiverProcess::~ReceiverProcess() {
   control_->stop = 1;
   waitpid(child_, nullptr, 0);
-  unlink(path_.c_str());
 }
 
 int ReceiverMain(int argc, char** argv) {

@@ -18,11 +18,10 @@ struct ReceiverTask {
   bool lossless = false;
 };
 
-/// The receiving process: this same program, started again, in another network namespace if `prefix` says so.
+/// The receiving process: this same program, started again.
 class ReceiverProcess {
  public:
-  /// Starts it. `prefix`: words before the command, such as {"ip", "netns", "exec", "there"}.
-  ReceiverProcess(const ReceiverTask& task, const std::vector<std::string>& prefix);
+  explicit ReceiverProcess(const ReceiverTask& task);
   ReceiverProcess(const ReceiverProcess&) = delete;
   ReceiverProcess& operator=(const ReceiverProcess&) = delete;
   ~ReceiverProcess();
@@ -30,7 +29,6 @@ class ReceiverProcess {
   [[nodiscard]] PairControl& control() { return *control_; }
 
  private:
-  std::string path_;
   PairControl* control_;
   pid_t child_ = -1;
 };

@@ -15,22 +15,57 @@ done
 mkdir -p "$(dirname -- "$0")/../results/$question"
 results=$(cd -- "$(dirname -- "$0")/../results/$question" && pwd)
 
+# Whatever a benchmark and its sessions write besides lies in a folder that goes with this script.
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/hgros_bench_XXXXXX")
+trap 'rm -rf -- "$scratch"' EXIT
+export TMPDIR=$scratch XDG_RUNTIME_DIR=$scratch
+unset HGROS_DOMAIN  # The sessions of a benchmark find each other by names of their own.
+
 machine() {
-  printf '%s, %s CPUs, %s, %s; load before: %s\n' \
+  printf '`./dev bench %s%s`, %s: %s, %s CPUs, %s, %s; load before: %s\n' \
+    "$question" "${quick:+ $quick}" "$(date -u +%F)" \
     "$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -1)" "$(nproc)" \
     "$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release)" "$(uname -r)" "$(cut -d' ' -f1 /proc/loadavg)"
+}
+
+# relay COMMAND...: runs it, in a process group of its own, and shows the lines that it writes. Ctrl-C and SIGTERM end
+# the whole group before they end this script; what a run found that came to its end becomes $results/result.csv.
+relay() {
+  local code=0 showing
+  measuring=
+  ended=
+  trap 'ended=1; [[ -z $measuring ]] || kill -TERM -- "-$measuring" 2> /dev/null || true' INT TERM HUP
+  machine > "$scratch/machine.txt"
+  [[ -n $csv ]] || cat "$scratch/machine.txt"
+  mkfifo "$scratch/lines"
+  show < "$scratch/lines" &
+  showing=$!
+  set -m
+  "$@" < /dev/null > "$scratch/lines" &
+  measuring=$!
+  set +m
+  [[ -z $ended ]] || kill -TERM -- "-$measuring"
+  wait "$measuring" || code=$?
+  while kill -0 "$measuring" 2> /dev/null; do
+    code=0
+    wait "$measuring" || code=$?
+  done
+  kill -KILL -- "-$measuring" 2> /dev/null || true
+  wait "$showing" || true
+  trap - INT TERM HUP
+  if [[ -n $ended ]] || (( code != 0 )); then exit $(( code != 0 ? code : 143 )); fi
+  mv -- "$scratch"/*.csv "$scratch/machine.txt" "$results/"
+  if [[ -z $csv && -z $quick ]]; then plot; fi
 }
 
 # show: standard input to the terminal
 show() {
   if [[ -n $csv ]]; then
-    tee "$results/result.csv"
+    tee "$scratch/result.csv"
     return
   fi
-  machine
   printf '%-42s %14s  %s\n' metric value unit
-  tee "$results/result.csv" | awk -F, '{ printf "%-42s %14s  %s\n", $1, $2, $3; fflush() }'
-  [[ -n $quick ]] || plot
+  tee "$scratch/result.csv" | awk -F, '{ printf "%-42s %14s  %s\n", $1, $2, $3; fflush() }'
 }
 
 # plot: every family NAME_1KB_us ... NAME_4MB_us of the result becomes a line over message size

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the benchmark against other middleware with scripts in place of its programs, and checks what it reports.
 
-    HGROS_BENCH_PEERS=<bench/peers> peers_test.py [TEST...]
+    HGROS_BENCH=<bench> peers_test.py [TEST...]
 """
 
 import csv
@@ -13,9 +13,10 @@ import sys
 import tempfile
 import unittest
 
-BENCH = pathlib.Path(os.environ["HGROS_BENCH_PEERS"])
+BENCH = pathlib.Path(os.environ["HGROS_BENCH"], "peers")
 sys.path.insert(0, str(BENCH))
 
+import headline  # noqa: E402
 import modes  # noqa: E402
 import one_run  # noqa: E402
 import plan  # noqa: E402
@@ -97,6 +98,49 @@ class Peers(unittest.TestCase):
         self.assertEqual(metrics["ours_ipc_vs_ros1_tcpros_msgs_per_s_1KB"], 2)
         self.assertEqual(metrics["ros1_tcpros_p50_us_1KB"], 3)
         self.assertFalse([name for name in metrics if "nodelet" in name])
+
+    def test_a_fan_out_starts_every_receiver_and_then_the_sender(self):
+        many = modes.Mode("ours", "fanout", "script", "bulk", True, receivers=3)
+        started = list(one_run.commands(many, ["program", "--lanes", "L"], (one_run.Side(), one_run.Side())))
+        self.assertEqual([name for name, _, _ in started], ["sub0", "sub1", "sub2", "pub"])
+        self.assertEqual(started[2][1],
+                         ["program", "sub", "bulk", "--lanes", "L", "--receivers", "3", "--receiver", "2"])
+        self.assertEqual(started[3][1], ["program", "pub", "bulk", "--lanes", "L", "--receivers", "3"])
+
+    def test_each_side_gets_its_addresses_environment_and_prefix(self):
+        sides = (one_run.Side("10.0.0.1", "10.0.0.2", (), (("WHO", "sends"),)),
+                 one_run.Side("10.0.0.2", "10.0.0.1", ("enter", "there"), (("WHO", "receives"),)))
+        (_, there, receives), (_, here, sends) = one_run.commands(mode("ours", "tcp"), ["program"], sides)
+        self.assertEqual(there, ["enter", "there", "program", "sub", "tcp", "--own", "10.0.0.2", "--other", "10.0.0.1"])
+        self.assertEqual(here, ["program", "pub", "tcp", "--own", "10.0.0.1", "--other", "10.0.0.2"])
+        self.assertEqual((receives, sends), ({"WHO": "receives"}, {"WHO": "sends"}))
+
+    def headline_of(self, *rounds):
+        """Each round: {mode's key: {size: us}}."""
+        named = {one.key: one for one in modes.MODES}
+        results = report.Results([named[key] for key in rounds[0]], plan.Plan(True, 3, 1, (), ()))
+        for one in rounds:
+            results.begin_round()
+            for key, latencies in one.items():
+                results.add(named[key], [found(plan.Lane(size, 1, 0, 0), value) for size, value in latencies.items()])
+        return {name: value for name, value, _ in headline.metrics(results)}
+
+    def test_the_fastest_way_of_a_peer_stands_for_it_in_each_round(self):
+        values = self.headline_of(
+            {"ours_shm": {KB: 6}, "iceoryx_listener": {KB: 2}, "iceoryx_waitset": {KB: 3}},
+            {"ours_shm": {KB: 6}, "iceoryx_listener": {KB: 9}, "iceoryx_waitset": {KB: 3}},
+            {"ours_shm": {KB: 6}, "iceoryx_listener": {KB: 4}, "iceoryx_waitset": {KB: 6}})
+        self.assertEqual(values["shm_vs_iceoryx_1KB"], 2)
+        self.assertEqual(values["shm_p50_us_1KB"], 6)
+        self.assertNotIn("shm_bulk_vs_iceoryx_1KB", values)
+
+    def test_plain_messages_are_compared_with_who_serializes_and_bulk_with_its_own_smallest(self):
+        values = self.headline_of({"ours_shm_plain": {KB: 8}, "ours_shm_bulk": {KB: 4, plan.MB * 4: 6},
+                                   "ros1_tcpros": {KB: 16}, "raw_memcpy": {KB: 1}})
+        self.assertEqual(values["shm_vs_ros1_1KB"], 0.5)
+        self.assertEqual(values["shm_bulk_vs_ros1_1KB"], 0.25)
+        self.assertEqual(values["shm_bulk_size_ratio"], 1.5)
+        self.assertNotIn("shm_plain_4MB_over_memcpy", values)
 
     def test_a_run_reports_medians_means_and_losses(self):
         self.program("raw_call")
