@@ -21,6 +21,8 @@ endif()
 
 # One section per function lets the linker drop what no exported symbol reaches.
 add_compile_options(-ffunction-sections -fdata-sections)
+# Thread-locals are reached without a call; the library has a few words of them, so that it can still be loaded late.
+add_compile_options($<$<CONFIG:Release>:-ftls-model=initial-exec>)
 
 add_library(hgros_warnings INTERFACE)
 target_compile_options(hgros_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor

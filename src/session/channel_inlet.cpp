@@ -39,11 +39,11 @@ void ChannelInlet::Detach() {
   }
   carrier.reset();
   // No thread of the carrier is inside any more, and a Run() that was asked for may not have been made; an errand is.
-  std::deque<InboundMessage> left;  // Let go of after the lock, for the credits.
+  Fifo<InboundMessage> left;  // Let go of after the lock, for the credits.
   std::optional<Decoded> undelivered;
   {
     const std::scoped_lock lock(waiting_mutex_);
-    left.swap(waiting_);
+    std::swap(left, waiting_);
     undelivered.swap(handed_over_);
     if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
   }
@@ -66,7 +66,7 @@ bool ChannelInlet::IsQuick(const InboundMessage& message) const noexcept {
 Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
   const bool quick = IsQuick(message) && !DataGraph::HasInlineNodes(channel_);
   const std::scoped_lock lock(waiting_mutex_);
-  waiting_.push_back(std::move(message));
+  waiting_.Put(std::move(message));
   if (runner_ != Runner::kNobody) return Accepted::kNothing;
   runner_ = quick ? Runner::kCarrier : Runner::kCarrierApart;
   return quick ? Accepted::kRunHere : Accepted::kRunApart;
@@ -79,8 +79,7 @@ ChannelInlet::Taken ChannelInlet::Take(InboundMessage& message, UserCode user_co
     return Taken::kNone;
   }
   if (user_code == UserCode::kRefused && !IsQuick(waiting_.front())) return Taken::kNotQuick;
-  message = std::move(waiting_.front());
-  waiting_.pop_front();
+  message = waiting_.Take();
   return Taken::kMessage;
 }
 

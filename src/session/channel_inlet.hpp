@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "hgros/session/snapshot.hpp"
 #include "hgros/transport/transport.hpp"
 #include "session/carriers.hpp"
+#include "session/fifo.hpp"
 
 namespace hgros {
 
@@ -95,7 +95,7 @@ class ChannelInlet final : public InboundSink {
   std::atomic<bool> lossless_{false};
 
   std::mutex waiting_mutex_;
-  std::deque<InboundMessage> waiting_;
+  Fifo<InboundMessage> waiting_;
   Runner runner_ = Runner::kNobody;
   std::optional<Decoded> handed_over_;  // Comes before those that wait.
 

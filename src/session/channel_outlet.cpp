@@ -116,7 +116,7 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
   head.publish_monotonic_ns = MonotonicNow();
   head.latched = static_cast<std::uint32_t>(depth);
 
-  std::deque<Kept> dropped;  // Let go of after the locks: a message's destructor is the user's code.
+  std::vector<Kept> dropped;  // Let go of after the locks: a message's destructor is the user's code.
   const std::scoped_lock lock(order_mutex_);
   bool counted = listened;
   if (depth > 0) {
@@ -141,7 +141,7 @@ bool ChannelOutlet::WritesWhenLatched() const noexcept {
   return type_.users_codec && joined_.load(std::memory_order_relaxed);
 }
 
-void ChannelOutlet::Keep(Kept&& message, std::size_t depth, std::deque<Kept>& dropped) {
+void ChannelOutlet::Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped) {
   const std::scoped_lock latch(latch_mutex_);
   kept_.push_back(std::move(message));
   while (kept_.size() > depth) {

@@ -68,7 +68,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   // Into the memory of `carrier`, if it is there and has some.
   [[nodiscard]] Payload Encode(const AnyMessage& message, JoinedOutbound* carrier) noexcept;
   [[nodiscard]] Payload EncodeInto(const AnyMessage& message, JoinedOutbound& carrier) const noexcept;
-  void Keep(Kept&& message, std::size_t depth, std::deque<Kept>& dropped);
+  void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
 
   const std::string channel_;
   const TypeInfo& type_;

@@ -55,13 +55,22 @@ struct ShmMessage final : Outgoing {
   std::optional<Place> place;  ///< Nothing: it goes over the socket. An empty payload lies in segment 0, which is none.
 };
 
+struct OutLink;
+
+/// One channel that we publish on.
+/// Thread safety: what is new here is guarded by the core's mutex.
+struct OutChannel final : OutboundCore {
+  using OutboundCore::OutboundCore;
+  std::vector<OutLink*> links;  ///< While it is offered.
+};
+
 /// What we publish to one peer on one channel.
 struct OutLink {
-  OutLink(Pair& to, std::shared_ptr<OutboundCore> channel, std::uint64_t number, std::uint32_t slip_cell,
+  OutLink(Pair& to, std::shared_ptr<OutChannel> channel, std::uint64_t number, std::uint32_t slip_cell,
           const Demand& granted)
       : pair(to), core(std::move(channel)), link(number), cell(slip_cell), flow(granted) {}
   Pair& pair;
-  const std::shared_ptr<OutboundCore> core;
+  const std::shared_ptr<OutChannel> core;
   const std::uint64_t link;
   const std::uint32_t cell;
   PeerChannel flow;
@@ -86,6 +95,7 @@ struct InLink {
   std::string type_name;
   Encoding encoding = Encoding::kNone;
   std::uint64_t fingerprint = 0;
+  bool checked = false;                     ///< Its type: the reading thread has found nothing wrong.
   std::optional<std::uint64_t> ends_after;  ///< The publisher has withdrawn the channel behind so many messages.
 };
 

@@ -64,7 +64,7 @@ void ShmCore::Activate(Pair& pair, PeerWish& wish, Actions& actions) {
   const auto& wanted = wish.asked.wanted();
   const auto found = channels_.find(wanted.channel());
   if (found == channels_.end()) return;  // Granted when it is offered.
-  const auto& core = found->second.core;
+  const auto& core = found->second;
   const auto descriptor_set = SchemaFor(wanted, core->type);
   if (!descriptor_set) {
     const std::string what = DescribeMismatch(wanted, core->type);
@@ -79,7 +79,7 @@ void ShmCore::Activate(Pair& pair, PeerWish& wish, Actions& actions) {
   }
   wish.link = std::make_unique<OutLink>(pair, core, wish.asked.link(), wish.asked.cell(),
                                         DemandOf(wish.asked, options_.max_credit_bytes));
-  found->second.links.push_back(wish.link.get());
+  core->links.push_back(wish.link.get());
   if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
   OutboundCore::CountSubscriber(core, false, 1, actions);
   SayGranted(pair, *wish.link, *descriptor_set);
@@ -98,7 +98,7 @@ void ShmCore::SayGranted(Pair& pair, const OutLink& link, const std::string& des
   pair.socket.Send(said);
 }
 
-void ShmCore::StartLink(const std::shared_ptr<OutboundCore>& core, Pair& pair, std::uint64_t link) {
+void ShmCore::StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std::uint64_t link) {
   std::vector<PendingMessage> latched;
   const bool open = core->gate.Through([&] {
     for (const auto& message : core->source.Latched()) {
@@ -123,9 +123,7 @@ void ShmCore::StartLink(const std::shared_ptr<OutboundCore>& core, Pair& pair, s
 void ShmCore::RemoveLink(PeerWish& wish, bool died, Actions& actions) {
   if (!wish.link) return;
   const std::shared_ptr<OutLink> link = std::move(wish.link);
-  if (const auto channel = channels_.find(link->core->name); channel != channels_.end()) {
-    std::erase(channel->second.links, link.get());
-  }
+  std::erase(link->core->links, link.get());
   link->pair.waiting_bytes -= link->counted_bytes;
   link->core->queued_bytes.fetch_sub(link->counted_bytes, std::memory_order_relaxed);
   if (link->flow.lossless()) {

@@ -186,12 +186,12 @@ void ShmCore::AskAgain() {
   }
 }
 
-void ShmCore::Offer(const std::shared_ptr<OutboundCore>& core) {
+void ShmCore::Offer(const std::shared_ptr<OutChannel>& core) {
   Actions actions;
   {
     const std::scoped_lock lock(mutex_);
     RequireNew(channels_, core->name, "advertised");
-    channels_[core->name].core = core;
+    channels_.emplace(core->name, core);
     if (closed_) return;
     for (const auto& pair : Pairs()) {
       const auto wish = pair->wishes.find(core->name);
@@ -201,14 +201,14 @@ void ShmCore::Offer(const std::shared_ptr<OutboundCore>& core) {
   Post(std::move(actions));
 }
 
-void ShmCore::Withdraw(const std::shared_ptr<OutboundCore>& core) {
+void ShmCore::Withdraw(const std::shared_ptr<OutChannel>& core) {
   Actions nobody_listens;
   {
     const std::scoped_lock lock(mutex_);
     const auto found = channels_.find(core->name);
-    if (found != channels_.end() && found->second.core == core) {
-      while (!found->second.links.empty()) {
-        OutLink& link = *found->second.links.back();
+    if (found != channels_.end() && found->second == core) {
+      while (!core->links.empty()) {
+        OutLink& link = *core->links.back();
         Pair& pair = link.pair;
         wire::PairMessage said;
         said.mutable_ended()->set_link(link.link);

@@ -42,15 +42,15 @@ class ShmCore : public LeaderPool::Input {
   void RemovePeer(const std::string& place);
   void AskAgain();
 
-  void Offer(const std::shared_ptr<OutboundCore>& core);
-  void Withdraw(const std::shared_ptr<OutboundCore>& core);
+  void Offer(const std::shared_ptr<OutChannel>& core);
+  void Withdraw(const std::shared_ptr<OutChannel>& core);
   void Want(const std::shared_ptr<InboundCore>& core);
   void Unwant(const std::shared_ptr<InboundCore>& core);
   void ChangeDemand(const std::shared_ptr<InboundCore>& core);
 
-  [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
-  void Cancel(const std::shared_ptr<OutboundCore>& core);
-  void Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data);
+  [[nodiscard]] PublishStatus Reserve(OutChannel& channel);
+  void Cancel(const std::shared_ptr<OutChannel>& core);
+  void Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& head, const Payload& data);
 
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
   [[nodiscard]] ShmUsage usage() const;
@@ -64,10 +64,6 @@ class ShmCore : public LeaderPool::Input {
   void Wake() noexcept override;
 
  private:
-  struct Channel {
-    std::shared_ptr<OutboundCore> core;
-    std::vector<OutLink*> links;
-  };
   struct Destination {
     std::string place;
     SteadyTime next_try{};
@@ -115,7 +111,7 @@ class ShmCore : public LeaderPool::Input {
   void OnUnwish(Pair& pair, const wire::Unwish& unwish);
   void Activate(Pair& pair, PeerWish& wish, Actions& actions);
   void SayGranted(Pair& pair, const OutLink& link, const std::string& descriptor_set);
-  void StartLink(const std::shared_ptr<OutboundCore>& core, Pair& pair, std::uint64_t link);
+  void StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std::uint64_t link);
   void RemoveLink(PeerWish& wish, bool died, Actions& actions);
 
   // subscriber_control.cpp: what publishing peers say.
@@ -144,8 +140,8 @@ class ShmCore : public LeaderPool::Input {
   void Write(OutLink& link, const PendingMessage& message);
   void ReadCredit(OutLink& link, Leavings& leavings);
   void Collect(Pair& pair, Leavings& leavings);
-  [[nodiscard]] static bool HasRoom(const Channel& channel);
-  [[nodiscard]] bool FindRoom(const Channel& channel, Leavings& leavings);
+  [[nodiscard]] static bool HasRoom(const OutChannel& channel);
+  [[nodiscard]] bool FindRoom(const OutChannel& channel, Leavings& leavings);
   static void CountWaiting(OutLink& link);
   void Pump(Pair& pair);
   void RemoveSegments(Pair& pair, const std::vector<std::uint32_t>& gone);
@@ -173,7 +169,7 @@ class ShmCore : public LeaderPool::Input {
   std::atomic<bool> closing_{false};
 
   mutable std::mutex mutex_;
-  std::map<std::string, Channel, std::less<>> channels_;
+  std::map<std::string, std::shared_ptr<OutChannel>, std::less<>> channels_;  // Offered.
   std::map<std::string, std::shared_ptr<InboundCore>, std::less<>> inbound_;
   std::list<Destination> destinations_;
   bool closed_ = false;

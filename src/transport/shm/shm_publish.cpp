@@ -44,13 +44,13 @@ std::shared_ptr<const ShmMessage> ShmCore::Pack(const PacketHead& head, const Pa
   return message;
 }
 
-bool ShmCore::HasRoom(const Channel& channel) {
+bool ShmCore::HasRoom(const OutChannel& channel) {
   return std::ranges::all_of(channel.links,
                              [](const OutLink* link) { return !link->flow.lossless() || link->flow.HasRoom(); });
 }
 
 // First by what is known, then by what the peers say now, and last after they were asked to tell.
-bool ShmCore::FindRoom(const Channel& channel, Leavings& leavings) {
+bool ShmCore::FindRoom(const OutChannel& channel, Leavings& leavings) {
   if (HasRoom(channel)) return true;
   for (const bool asked : {false, true}) {
     for (OutLink* link : channel.links) {
@@ -66,37 +66,33 @@ bool ShmCore::FindRoom(const Channel& channel, Leavings& leavings) {
   return false;
 }
 
-PublishStatus ShmCore::Reserve(OutboundCore& core) {
+PublishStatus ShmCore::Reserve(OutChannel& channel) {
   if (closing_.load(std::memory_order_relaxed)) return PublishStatus::kClosed;
-  if (core.lossless.load() == 0) return PublishStatus::kOk;
+  if (channel.lossless.load() == 0) return PublishStatus::kOk;
   Leavings leavings;
   const std::scoped_lock lock(mutex_);
-  const auto found = channels_.find(core.name);
-  if (found == channels_.end() || found->second.core.get() != &core) return PublishStatus::kOk;
-  if (!HasRoom(found->second)) {
-    core.refused = true;  // Before asking: the answer may come at once.
-    if (!FindRoom(found->second, leavings)) return PublishStatus::kFull;
+  if (!HasRoom(channel)) {
+    channel.refused = true;  // Before asking: the answer may come at once.
+    if (!FindRoom(channel, leavings)) return PublishStatus::kFull;
   }
-  for (OutLink* link : found->second.links) {
+  for (OutLink* link : channel.links) {
     if (link->flow.lossless()) link->flow.Reserve();
   }
   return PublishStatus::kOk;
 }
 
-void ShmCore::Cancel(const std::shared_ptr<OutboundCore>& core) {
+void ShmCore::Cancel(const std::shared_ptr<OutChannel>& core) {
   if (core->lossless.load() == 0) return;
   Actions actions;
   {
     const std::scoped_lock lock(mutex_);
-    const auto found = channels_.find(core->name);
-    if (found == channels_.end() || found->second.core != core) return;
-    for (OutLink* link : found->second.links) link->flow.CancelReservation();
-    if (HasRoom(found->second)) OutboundCore::TellRoom(core, actions);
+    for (OutLink* link : core->links) link->flow.CancelReservation();
+    if (HasRoom(*core)) OutboundCore::TellRoom(core, actions);
   }
   Post(std::move(actions));
 }
 
-void ShmCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data) {
+void ShmCore::Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& head, const Payload& data) {
   if (closing_.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) return;
   const auto message = Pack(head, data);
   Leavings leavings;
@@ -104,25 +100,20 @@ void ShmCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead
   Actions actions;
   {
     const std::scoped_lock lock(mutex_);
-    const auto found = channels_.find(core->name);
-    if (found == channels_.end() || found->second.core != core) return;
     bool skipped = false;
-    for (OutLink* link : found->second.links) {
+    for (OutLink* link : core->links) {
       skipped = !link->flow.Push({message, message->id, message->data.bytes.size()}) || skipped;
       if (Send(*link)) bells.push_back(link->pair.bell);
     }
     // Its reservation is free again, and somebody may have been refused meanwhile.
-    if (skipped && HasRoom(found->second)) OutboundCore::TellRoom(core, actions);
+    if (skipped && HasRoom(*core)) OutboundCore::TellRoom(core, actions);
   }
   // Before all that can wait until the receivers are on their way.
   for (const auto& bell : bells) bell->Ring();
   bells.clear();
   {
     const std::scoped_lock lock(mutex_);
-    const auto found = channels_.find(core->name);
-    if (found != channels_.end() && found->second.core == core) {
-      for (OutLink* link : found->second.links) Drain(*link, leavings, bells);
-    }
+    for (OutLink* link : core->links) Drain(*link, leavings, bells);
   }
   for (const auto& bell : bells) bell->Ring();
   Post(std::move(actions));
@@ -236,10 +227,7 @@ void ShmCore::Pump(Pair& pair) {
       OutLink& link = *wish.link;
       Drain(link, leavings, bells);
       if (!link.flow.lossless() || !link.core->refused.load()) continue;
-      const auto channel = channels_.find(name);
-      if (channel != channels_.end() && FindRoom(channel->second, leavings)) {
-        OutboundCore::TellRoom(link.core, actions);
-      }
+      if (FindRoom(*link.core, leavings)) OutboundCore::TellRoom(link.core, actions);
     }
   }
   for (const auto& bell : bells) bell->Ring();

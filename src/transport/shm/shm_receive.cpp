@@ -70,11 +70,15 @@ LeaderPool::Task ShmCore::Serve(const std::shared_ptr<Pair>& pair) {
         return {};
       case Step::kMessage: break;
     }
-    if (const auto wrong = link->core->Check(message.head, message.from, link->fingerprint);
-        wrong.fault != PacketFault::kNone) {
-      faults_[static_cast<std::size_t>(wrong.fault)].fetch_add(1, std::memory_order_relaxed);
-      link->core->TellFault(wrong.fault, wrong.what);
-      continue;
+    // What follows from the link is checked once.
+    if (!link->checked || message.head.id.publisher != message.from.value) {
+      if (const auto wrong = link->core->Check(message.head, message.from, link->fingerprint);
+          wrong.fault != PacketFault::kNone) {
+        faults_[static_cast<std::size_t>(wrong.fault)].fetch_add(1, std::memory_order_relaxed);
+        link->core->TellFault(wrong.fault, wrong.what);
+        continue;
+      }
+      link->checked = true;
     }
     auto task = InboundCore::Deliver(link->core, std::move(message), repeats_);
     if (!task) continue;

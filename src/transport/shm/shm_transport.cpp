@@ -13,7 +13,7 @@ namespace {
 class ShmOutbound final : public OutboundChannel {
  public:
   ShmOutbound(std::shared_ptr<ShmCore> core, std::string_view channel, const TypeInfo& type, OutboundSource& source)
-      : core_(std::move(core)), channel_(std::make_shared<OutboundCore>(channel, type, source)) {
+      : core_(std::move(core)), channel_(std::make_shared<OutChannel>(channel, type, source)) {
     core_->Offer(channel_);
   }
   ~ShmOutbound() override {
@@ -43,7 +43,7 @@ class ShmOutbound final : public OutboundChannel {
 
  private:
   std::shared_ptr<ShmCore> core_;
-  const std::shared_ptr<OutboundCore> channel_;
+  const std::shared_ptr<OutChannel> channel_;
 };
 
 class ShmInbound final : public InboundChannel {
