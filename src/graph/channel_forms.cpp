@@ -54,8 +54,8 @@ AnyMessage Channel::InForm(const AnyMessage& message, const TypeInfo& type) {
 }
 
 AnyMessage Channel::Wrapped(AnyMessage message, const TypeInfo& type) const {
-  return other_type_.load(std::memory_order_acquire) == nullptr ? message
-                                                                : two_forms::Wrap(std::move(message), type, this);
+  if (other_type_.load(std::memory_order_acquire) == nullptr) return message;
+  return two_forms::Wrap(std::move(message), type, this);
 }
 
 const TypeInfo& Channel::TypeOfMessage(const AnyMessage& message) const noexcept {

@@ -27,6 +27,9 @@ RawImage Image(std::uint32_t width, std::uint32_t height, std::uint32_t step, co
   return image;
 }
 
+/// Only for whether there is a view: it outlives its message.
+ViewResult<ImageView> ViewOf(const RawImage& image) { return ViewImage(image); }
+
 TEST(ImageView, ShowsRowsWithoutTheirPadding) {
   const RawImage message = Image(3, 2, 4, "mono8", "abc.def.");
   const auto image = ViewImage(message);
@@ -39,7 +42,8 @@ TEST(ImageView, ShowsRowsWithoutTheirPadding) {
 }
 
 TEST(ImageView, ShowsSamplesAsNumbers) {
-  const auto colours = ViewImage(Image(2, 1, 6, "rgb8", "\1\2\3\4\5\6"));
+  const RawImage pixels = Image(2, 1, 6, "rgb8", "\1\2\3\4\5\6");
+  const auto colours = ViewImage(pixels);
   ASSERT_TRUE(colours);
   EXPECT_EQ(colours->channels(), 3U);
   const RawImage message = Image(2, 2, 5, "16UC1", std::string("\1\0\0\1.\xff\xff\2\0.", 10));
@@ -63,10 +67,10 @@ TEST(ImageView, ShowsABulkWhereItLies) {
 }
 
 TEST(ImageView, SaysWhatDoesNotFit) {
-  EXPECT_THAT(ViewImage(Image(1, 1, 1, "jpeg", "x")).fault(), HasSubstr("encoding \"jpeg\" is not known"));
-  EXPECT_THAT(ViewImage(Image(2, 1, 5, "rgb8", "123456")).fault(),
+  EXPECT_THAT(ViewOf(Image(1, 1, 1, "jpeg", "x")).fault(), HasSubstr("encoding \"jpeg\" is not known"));
+  EXPECT_THAT(ViewOf(Image(2, 1, 5, "rgb8", "123456")).fault(),
               HasSubstr("2 pixels of 3 bytes is longer than its step, 5 bytes"));
-  EXPECT_THAT(ViewImage(Image(3, 3, 4, "mono8", "12345678")).fault(),
+  EXPECT_THAT(ViewOf(Image(3, 3, 4, "mono8", "12345678")).fault(),
               HasSubstr("8 bytes are too few for 3 rows of 4 bytes"));
   const RawImage grey = Image(1, 1, 1, "mono8", "x");
   EXPECT_THAT(ViewImage(grey)->SamplesAs<float>().fault(), HasSubstr("\"mono8\" are std::uint8_t, not float"));
@@ -74,11 +78,11 @@ TEST(ImageView, SaysWhatDoesNotFit) {
 
 TEST(ImageView, IsNotFooledByHugeNumbers) {
   const std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
-  EXPECT_FALSE(ViewImage(Image(most, most, most, "mono8", "x")));
-  EXPECT_FALSE(ViewImage(Image(most, 1, most, "rgba8", "x")));
-  EXPECT_FALSE(ViewImage(Image(0, most, most, "mono8", "x")));
-  EXPECT_TRUE(ViewImage(Image(0, most, 0, "mono8", "x"))) << "rows of nothing";
-  EXPECT_TRUE(ViewImage(Image(0, 0, most, "mono8", ""))) << "no rows";
+  EXPECT_FALSE(ViewOf(Image(most, most, most, "mono8", "x")));
+  EXPECT_FALSE(ViewOf(Image(most, 1, most, "rgba8", "x")));
+  EXPECT_FALSE(ViewOf(Image(0, most, most, "mono8", "x")));
+  EXPECT_TRUE(ViewOf(Image(0, most, 0, "mono8", "x"))) << "rows of nothing";
+  EXPECT_TRUE(ViewOf(Image(0, 0, most, "mono8", ""))) << "no rows";
   const ImageView::Shape huge{1, std::uint64_t{1} << 63U, 2, "mono8"};
   EXPECT_FALSE(ImageView::Of(AsBytes("xx"), huge));
 }

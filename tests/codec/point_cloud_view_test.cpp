@@ -88,6 +88,9 @@ TEST(PointCloudView, ShowsTheValuesOfEachField) {
     EXPECT_EQ((*ring)[i], i);
   }
   EXPECT_EQ(std::ranges::max(*x), 99.0F);
+  float sum = 0;
+  for (const float value : *points->Field<float>("x")) sum += value;
+  EXPECT_EQ(sum, 4950.0F);
   EXPECT_EQ(std::ranges::lower_bound(*x, 40.5F) - x->begin(), 41);
 }
 
@@ -150,7 +153,8 @@ TEST(PointCloudView, OfNoPointsIsEmpty) {
 }
 
 TEST(PointCloudView, AFaultIsNoView) {
-  const auto points = ViewPoints(PointCloud());
+  const PointCloud nothing;
+  const auto points = ViewPoints(nothing);
   ASSERT_FALSE(points);
   EXPECT_THROW((void)points->size(), std::bad_optional_access);
 }

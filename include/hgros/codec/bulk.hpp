@@ -70,7 +70,7 @@ class Bulk {
     return own_;
   }
 
-  /// The large field, 64-byte aligned unless it came from a sender that does not align it.
+  /// The large field; 64-byte aligned in memory of ours and where memory is shared, at any place over a network.
   [[nodiscard]] Bytes bytes() const { return body_.bytes().empty() ? codec::BytesOf(head(), Field()) : body_.bytes(); }
   [[nodiscard]] std::size_t size() const { return bytes().size(); }
 

@@ -99,5 +99,8 @@ template <RawImageMessage T>
   const T& head = image.head();
   return ImageView::Of(image.bytes(), {head.width(), head.height(), head.step(), head.encoding()});
 }
+/// Of a message that is about to end there is nothing to be seen.
+template <class T>
+void ViewImage(const T&& image) = delete;
 
 }  // namespace hgros

@@ -48,5 +48,8 @@ template <PointCloudMessage T>
 [[nodiscard]] ViewResult<PackedElements> ViewPoints(const Bulk<T>& cloud) {
   return codec::PointsIn(cloud.head(), cloud.bytes());
 }
+/// Of a message that is about to end there is nothing to be seen.
+template <class T>
+void ViewPoints(const T&& cloud) = delete;
 
 }  // namespace hgros

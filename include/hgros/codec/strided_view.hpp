@@ -21,10 +21,12 @@ requires(std::integral<T> || std::floating_point<T>) class StridedView {
  public:
   class Iterator {
    public:
+    // NOLINTBEGIN(readability-identifier-naming): as the standard asks for them.
     using value_type = T;
     using difference_type = std::ptrdiff_t;
     using iterator_concept = std::random_access_iterator_tag;
     using iterator_category = std::input_iterator_tag;  // It gives values, not references.
+    // NOLINTEND(readability-identifier-naming)
 
     Iterator() = default;
     Iterator(const StridedView& view, std::ptrdiff_t index)

@@ -23,7 +23,8 @@ class ViewResult {
 
   [[nodiscard]] explicit operator bool() const noexcept { return view_.has_value(); }
   /// Throws std::bad_optional_access if there is none.
-  [[nodiscard]] const View& operator*() const { return view_.value(); }
+  [[nodiscard]] const View& operator*() const& { return view_.value(); }
+  [[nodiscard]] View operator*() && { return std::move(view_).value(); }  ///< By value, for `for (... : *Make())`.
   [[nodiscard]] const View* operator->() const { return &view_.value(); }
   /// Why not; empty if there is a view.
   [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
