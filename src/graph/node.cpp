@@ -11,10 +11,8 @@ namespace hgros {
 Node::Node(NodeSetting setting, AnyCallback callback) : setting_(std::move(setting)), callback_(std::move(callback)) {}
 
 // On the node's own executor: making a message into another type may take as long as copying it.
-void Node::Call(const AnyMessage& message, const MessageInfo& info) {
-  if (!two_forms_.load(std::memory_order_relaxed)) [[likely]] {
-    callback_(message, info);
-  } else if (const AnyMessage mine = setting_.in_form(message)) {
+void Node::CallInForm(const AnyMessage& message, const MessageInfo& info) {
+  if (const AnyMessage mine = setting_.in_form(message)) {
     callback_(mine, info);
   } else {
     setting_.log->WriteLimited(LogLevel::kError, "form " + setting_.name,
@@ -36,7 +34,11 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
                                      "\" threw: " + what + ". The message is done with; the node goes on.");
     };
     try {
-      Call(message, info);
+      if (two_forms_.load(std::memory_order_relaxed)) [[unlikely]] {
+        CallInForm(message, info);
+      } else {
+        callback_(message, info);
+      }
     } catch (const std::exception& error) {
       failed(error.what());
     } catch (...) {

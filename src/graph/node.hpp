@@ -90,7 +90,8 @@ class Node : public std::enable_shared_from_this<Node> {
   // Adds what was counted while running; the base has one set of counters, a derived class may have several.
   virtual void AddStats(NodeSnapshot& snapshot) const;
 
-  void Call(const AnyMessage& message, const MessageInfo& info);
+  // Calls it with the message as the type that it takes.
+  void CallInForm(const AnyMessage& message, const MessageInfo& info);
   // Runs the callback; counts and logs what it throws. `now` as in Deliver().
   void Run(const AnyMessage& message, const MessageInfo& info, NodeStats& stats, Writers writers,
            std::int64_t& now) noexcept;
