@@ -66,6 +66,27 @@ void Plain(int rounds, int each) {
   }
 }
 
+// A lent point cloud through shared memory: what it takes does not depend on its size, but for the first touch of
+// memory.
+void Lent(int rounds, int each) {
+  Side bulk = MakeSide("shm", "bulk", "inline", false);
+  double smallest = 0, largest = 0;
+  for (const std::size_t size : kSizes) {
+    BlockPool pool(size, 12);
+    const int pause_us = size >= 1024 * 1024 ? 8000 : 2000;
+    MeasurePair(bulk.receiver.control(), *bulk.sender, pool, 12, pause_us);  // Makes the memory.
+    Samples mine;
+    for (int round = 0; round < rounds; ++round) {
+      mine.Add(MeasurePair(bulk.receiver.control(), *bulk.sender, pool, each, pause_us));
+    }
+    ReportLatency("shm_bulk_" + SizeName(size), mine);
+    Report("shm_bulk_p50_us_" + SizeName(size), mine.Median() / 1e3, "us");
+    if (size == kSizes.front()) smallest = mine.Median();
+    largest = mine.Median();
+  }
+  Report("shm_bulk_size_ratio", largest / smallest, "ratio");
+}
+
 void Latency(const std::string& scheme, int rounds, int each) {
   Side raw = MakeSide(scheme, scheme == "shm" ? "shm" : "zmq", "inline", false);
   Side ours = MakeSide(scheme, "ours", "inline", false);
@@ -144,6 +165,7 @@ int main(int argc, char** argv) {
   const bool quick = argc > 1 && std::strcmp(argv[1], "--quick") == 0;
   for (const char* scheme : {"shm", "ipc", "tcp"}) Latency(scheme, quick ? 9 : 25, quick ? 11 : 100);
   Plain(quick ? 9 : 25, quick ? 11 : 100);
+  Lent(quick ? 3 : 25, quick ? 11 : 100);
   Throughput(quick ? 3 : 9, quick ? 50'000 : 200'000);
   Protobuf();
   return 0;

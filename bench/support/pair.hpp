@@ -84,6 +84,9 @@ std::unique_ptr<PairReceiver> MakeShmReceiver(const std::string& path, PairContr
 /// Ours with the bytes as the data of a foxglove::PointCloud, on the inline executor.
 std::unique_ptr<PairSender> MakeOurPlainSender(const std::string& endpoint);
 std::unique_ptr<PairReceiver> MakeOurPlainReceiver(const std::string& endpoint, PairControl& control);
+/// Likewise as a Bulk<foxglove::PointCloud>, lent for each message.
+std::unique_ptr<PairSender> MakeOurBulkSender(const std::string& endpoint);
+std::unique_ptr<PairReceiver> MakeOurBulkReceiver(const std::string& endpoint, PairControl& control);
 /// `executor`: inline or tbb.
 std::unique_ptr<PairSender> MakeOurSender(const std::string& endpoint, bool lossless);
 std::unique_ptr<PairReceiver> MakeOurReceiver(const std::string& endpoint, PairControl& control,

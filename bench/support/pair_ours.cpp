@@ -104,6 +104,46 @@ class OurPlainReceiver final : public PairReceiver {
   Subscription subscription_;
 };
 
+using BulkCloud = Bulk<foxglove::PointCloud>;
+
+// A point cloud that is lent for each message. Its bytes are those of an earlier one but for the stamp: as with the
+// other ways, filling is not measured.
+class OurBulkSender final : public PairSender {
+ public:
+  explicit OurBulkSender(const std::string& endpoint)
+      : session_(ConfigFor(endpoint, &Config::publishers), {"bench_pub", Quiet}),
+        publish_(session_.Advertise<BulkCloud>(kPlainChannel)) {
+    if (!session_.WaitForSubscribers(kPlainChannel, 1, std::chrono::seconds(20))) {
+      std::fprintf(stderr, "our receiver did not come within 20 s\n");
+      std::exit(2);
+    }
+  }
+  void Send(const std::shared_ptr<Block>& block) override {
+    auto cloud = session_.Loan<BulkCloud>(kPlainChannel, block->size());
+    cloud->head().set_frame_id("lidar");
+    cloud->head().set_point_stride(16);
+    std::memcpy(cloud->writable().data(), block->bytes().data(), sizeof(Stamp));
+    publish_(std::move(cloud));
+  }
+
+ private:
+  Session session_;
+  Publisher<BulkCloud> publish_;
+};
+
+class OurBulkReceiver final : public PairReceiver {
+ public:
+  OurBulkReceiver(const std::string& endpoint, PairControl& control)
+      : session_(ConfigFor(endpoint, &Config::subscribers), {"bench_sub", Quiet}),
+        subscription_(session_.FromAny<BulkCloud>(
+            kPlainChannel, Invoke::kSerial, [&control](const BulkCloud& cloud) { NoteArrival(control, cloud.bytes()); },
+            {{}, {}, Executor::Inline()})) {}
+
+ private:
+  Session session_;
+  Subscription subscription_;
+};
+
 class OurReceiver final : public PairReceiver {
  public:
   OurReceiver(const std::string& endpoint, PairControl& control, const std::string& executor, bool lossless)
@@ -129,6 +169,12 @@ std::unique_ptr<PairSender> MakeOurPlainSender(const std::string& endpoint) {
 }
 std::unique_ptr<PairReceiver> MakeOurPlainReceiver(const std::string& endpoint, PairControl& control) {
   return std::make_unique<OurPlainReceiver>(endpoint, control);
+}
+std::unique_ptr<PairSender> MakeOurBulkSender(const std::string& endpoint) {
+  return std::make_unique<OurBulkSender>(endpoint);
+}
+std::unique_ptr<PairReceiver> MakeOurBulkReceiver(const std::string& endpoint, PairControl& control) {
+  return std::make_unique<OurBulkReceiver>(endpoint, control);
 }
 std::unique_ptr<PairReceiver> MakeOurReceiver(const std::string& endpoint, PairControl& control,
                                               const std::string& executor, bool lossless) {

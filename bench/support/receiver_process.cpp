@@ -46,6 +46,7 @@ int ReceiverMain(int argc, char** argv) {
   if (carrier == "tcp") receiver = MakeTcpReceiver(argv[3], control);
   if (carrier == "shm") receiver = MakeShmReceiver(argv[3], control);
   if (carrier == "plain") receiver = MakeOurPlainReceiver(argv[3], control);
+  if (carrier == "bulk") receiver = MakeOurBulkReceiver(argv[3], control);
   if (carrier == "ours") {
     receiver = MakeOurReceiver(argv[3], control, argv[5], std::strcmp(argv[6], "lossless") == 0);
   }
@@ -59,6 +60,7 @@ std::unique_ptr<PairSender> MakeSender(const ReceiverTask& task, const std::stri
   if (task.carrier == "tcp") return MakeTcpSender(endpoint);
   if (task.carrier == "shm") return MakeShmSender(endpoint);
   if (task.carrier == "plain") return MakeOurPlainSender(endpoint);
+  if (task.carrier == "bulk") return MakeOurBulkSender(endpoint);
   return MakeOurSender(endpoint, task.lossless);
 }
 

@@ -1,14 +1,19 @@
 #include "hgros/codec/block.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <new>
 #include <utility>
 
 namespace hgros {
 
 Block Block::Allocate(std::size_t size_bytes) {
-  std::shared_ptr<std::byte[]> buffer = std::make_shared_for_overwrite<std::byte[]>(size_bytes);
-  std::byte* const begin = buffer.get();
-  return Adopt({begin, size_bytes}, std::move(buffer));
+  if (size_bytes > SIZE_MAX - kAlignment) throw std::bad_array_new_length();
+  std::size_t space = size_bytes + kAlignment - 1;
+  std::shared_ptr<std::byte[]> buffer = std::make_shared_for_overwrite<std::byte[]>(space);
+  void* begin = buffer.get();
+  std::align(kAlignment, size_bytes, begin, space);
+  return Adopt({static_cast<std::byte*>(begin), size_bytes}, std::move(buffer));
 }
 
 Block::Block(std::unique_ptr<std::byte[]> buffer, std::size_t size_bytes) noexcept

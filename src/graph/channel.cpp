@@ -57,6 +57,11 @@ class Channel::Handover {
 };
 
 PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
+  const TypeInfo* const other = other_type_.load(std::memory_order_acquire);
+  return other == nullptr ? TryAs(offer, type_, reach) : TryOneOfTwo(offer, *other, reach);
+}
+
+PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Reach reach) noexcept {
   if (offer.message == nullptr) return PublishStatus::kEmpty;
   if (core_.refusing()) return PublishStatus::kClosed;
   const epoch::Guard guard;
@@ -65,7 +70,7 @@ PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
   Outlet* outlet = reach == Reach::kAny ? outlet_.load(std::memory_order_seq_cst) : nullptr;
   if (outlet != nullptr && !outlet->wanted()) outlet = nullptr;
 
-  const std::size_t bytes = fanout.count_bytes ? type_.memory_bytes(offer.message) : 0;
+  const std::size_t bytes = fanout.count_bytes ? type.memory_bytes(offer.message) : 0;
   const bool reserved = local && fanout.lossless;
   Handover* const outer = Handover::Of(*this);
   if (reserved && outer == nullptr && outlet == nullptr && fanout.sole_lossless != nullptr &&
@@ -80,7 +85,7 @@ PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
     }
   }
 
-  Publication publication{offer.take(offer.context), {}, &fanout, &fanout, outlet, bytes, reserved, local};
+  Publication publication{offer.take(offer.context), &type, {}, &fanout, &fanout, outlet, bytes, reserved, local};
   MessageInfo& info = publication.info;
   info.id = core_.publisher();
   info.publish_monotonic_ns = MonotonicNow();
@@ -104,13 +109,13 @@ PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
 }
 
 void Channel::HandOver(Publication& publication, std::int64_t now) noexcept {
-  const auto& [message, info, fanout, after, outlet, bytes, reserved, local] = publication;
+  const auto& [message, type, info, fanout, after, outlet, bytes, reserved, local] = publication;
   if (local) {
     const bool last = outlet == nullptr && after == fanout;
     Deliver(*fanout, publication.message, info, nullptr, {bytes, reserved, last, nullptr, now});
     if (after != fanout) DeliverToNewcomers(*fanout, *after, publication.message, info, bytes);
   }
-  if (outlet != nullptr) outlet->Commit(message);
+  if (outlet != nullptr) outlet->Commit(message, *type);
 }
 
 // With one lossless party there is nothing to take back from others, so room and message are taken in one step.
@@ -193,15 +198,16 @@ void Channel::PublisherIsBack(std::uint64_t publisher) {
   std::int64_t now = MonotonicNow();
   for (const std::shared_ptr<Node>& node : back.nodes) {
     for (QueuedMessage& one : back.messages) {
-      const std::size_t bytes = type_.memory_bytes(one.message.get());
+      const std::size_t bytes = TypeOfMessage(one.message).memory_bytes(one.message.get());
       node->Deliver({one.message, one.info, one.credit, bytes, false}, false, now);
     }
   }
 }
 
-bool Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_ptr<const void> credit,
-                     std::size_t latched, UserCode user_code) noexcept {
+bool Channel::Inject(AnyMessage message, const TypeInfo& type, const MessageInfo& from,
+                     std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept {
   if (core_.refusing()) return true;
+  message = Wrapped(std::move(message), type);
   const epoch::Guard guard;
   MessageInfo info = from;
   info.remote = true;
@@ -209,7 +215,7 @@ bool Channel::Inject(AnyMessage message, const MessageInfo& from, std::shared_pt
       latched > 0 ? Store(message, info, latched, user_code) : fanout_.load(std::memory_order_seq_cst);
   if (fanout == nullptr || (user_code == UserCode::kRefused && fanout->has_inline)) return false;
   received_.fetch_add(1, std::memory_order_relaxed);
-  const std::size_t bytes = fanout->count_bytes ? type_.memory_bytes(message.get()) : 0;
+  const std::size_t bytes = fanout->count_bytes ? type.memory_bytes(message.get()) : 0;
   Deliver(*fanout, message, info, credit, {bytes, false, true, nullptr, MonotonicNow()});
   return true;
 }
@@ -271,6 +277,8 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
     fanout->lossless = fanout->lossless || setting.queue.lossless();
     fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
     fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
+    // Who takes the bytes where they lie shall get them so; the others' copies are then made for them alone.
+    if (fanout->inbound == nullptr || setting.type->encode_in_place != nullptr) fanout->inbound = setting.type;
   }
   fanout->nodes = std::move(nodes);
   return fanout;
@@ -281,6 +289,7 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
 void Channel::Add(const std::shared_ptr<Node>& node) {
   const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
   std::vector<QueuedMessage> kept = latched_messages_.ForNewNode(node);
+  if (other_type_.load(std::memory_order_relaxed) != nullptr) node->ExpectTwoForms();
   if (!kept.empty()) node->Preload(std::move(kept));
   std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
   nodes.push_back(node);
@@ -316,6 +325,13 @@ bool Channel::HasInlineNodes() const noexcept {
   return fanout_.load(std::memory_order_seq_cst)->has_inline;
 }
 
+const TypeInfo& Channel::InboundType() const noexcept {
+  if (other_type_.load(std::memory_order_acquire) == nullptr) return type_;
+  const epoch::Guard guard;
+  const TypeInfo* const inbound = fanout_.load(std::memory_order_seq_cst)->inbound;
+  return inbound == nullptr ? type_ : *inbound;
+}
+
 ChannelSnapshot Channel::Snapshot() const {
   ChannelSnapshot snapshot;
   snapshot.name = name_;
@@ -325,6 +341,8 @@ ChannelSnapshot Channel::Snapshot() const {
   snapshot.received = received_.load(std::memory_order_relaxed);
   snapshot.closed = closed_.load(std::memory_order_relaxed);
   snapshot.latched = latched_.load(std::memory_order_relaxed);
+  snapshot.converted = converted_.load(std::memory_order_relaxed);
+  snapshot.not_converted = not_converted_.load(std::memory_order_relaxed);
   for (const std::shared_ptr<Node>& node : Nodes()) snapshot.nodes.push_back(node->Snapshot());
   return snapshot;
 }

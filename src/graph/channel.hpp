@@ -21,10 +21,11 @@ class GraphCore;
 // The nodes of a channel at one moment; replaced as a whole, never changed.
 struct Fanout {
   std::vector<std::shared_ptr<Node>> nodes;
-  bool lossless = false;          // Some node must not lose anything.
-  Node* sole_lossless = nullptr;  // That one, if it is the only one.
-  bool count_bytes = false;       // Some node has a byte limit.
-  bool has_inline = false;        // Some node runs its callback in the delivering thread.
+  bool lossless = false;              // Some node must not lose anything.
+  Node* sole_lossless = nullptr;      // That one, if it is the only one.
+  bool count_bytes = false;           // Some node has a byte limit.
+  bool has_inline = false;            // Some node runs its callback in the delivering thread.
+  const TypeInfo* inbound = nullptr;  // As what messages from outside are decoded; null: nobody wants them.
 };
 
 // A typed hyperedge.
@@ -43,8 +44,16 @@ class Channel {
   PublishStatus Publish(const MessageOffer& offer, Reach reach) noexcept;
   PublishStatus PublishWait(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
                             const std::stop_token& stop);
-  [[nodiscard]] bool Inject(AnyMessage message, const MessageInfo& info, std::shared_ptr<const void> credit,
-                            std::size_t latched, UserCode user_code) noexcept;
+  // `type` is one of the channel's.
+  [[nodiscard]] bool Inject(AnyMessage message, const TypeInfo& type, const MessageInfo& info,
+                            std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept;
+  [[nodiscard]] const TypeInfo& InboundType() const noexcept;
+
+  // Whether the channel can be used with `type`: its first user's, or the second C++ type of the same wire form. The
+  // first question for that one makes it the second.
+  [[nodiscard]] bool Takes(const TypeInfo& type);
+  // A message of this channel as `type`, one of its two; made at most once for all who ask. Null: it cannot be made.
+  [[nodiscard]] AnyMessage InForm(const AnyMessage& message, const TypeInfo& type);
 
   void Add(const std::shared_ptr<Node>& node);
   void Remove(const Node& node);
@@ -69,11 +78,18 @@ class Channel {
 
  private:
   PublishStatus Try(const MessageOffer& offer, Reach reach) noexcept;
+  PublishStatus TryAs(const MessageOffer& offer, const TypeInfo& type, Reach reach) noexcept;
+  PublishStatus TryOneOfTwo(const MessageOffer& offer, const TypeInfo& other, Reach reach) noexcept;
+  void UseWith(const TypeInfo& other);
+  // With a place for its other form, if the channel is used with two types.
+  [[nodiscard]] AnyMessage Wrapped(AnyMessage message, const TypeInfo& type) const;
+  [[nodiscard]] const TypeInfo& TypeOfMessage(const AnyMessage& message) const noexcept;
   PublishStatus WaitForRoom(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
                             const std::stop_token& stop);
   // A local message that was taken and numbered, on its way to everybody. The pointers hold as long as the epoch guard.
   struct Publication {
     AnyMessage message;
+    const TypeInfo* type;
     MessageInfo info;
     const Fanout* fanout;
     const Fanout* after;  // The nodes that were wired when it was latched.
@@ -112,6 +128,7 @@ class Channel {
 
   std::atomic<const Fanout*> fanout_;
   std::atomic<Outlet*> outlet_{nullptr};
+  std::atomic<const TypeInfo*> other_type_{nullptr};  // Set once, under wiring_mutex_.
   std::atomic<bool> closed_{false};
   std::atomic<std::size_t> latched_{0};
   alignas(64) std::atomic<std::uint64_t> sequence_{0};  // Of the last message that this process published.
@@ -131,6 +148,8 @@ class Channel {
 
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> received_{0};
+  std::atomic<std::uint64_t> converted_{0};
+  std::atomic<std::uint64_t> not_converted_{0};
 };
 
 }  // namespace hgros

@@ -24,8 +24,9 @@ Channel& DataGraph::Open(std::string_view channel, const TypeInfo& type, const C
 
 std::shared_ptr<Channel> DataGraph::Share(Channel& channel) const { return {core_, &channel}; }
 
-Subscription DataGraph::Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
-  return Subscription(core_, channel, core_->Subscribe(channel, invoke, std::move(callback), std::move(options)));
+Subscription DataGraph::Subscribe(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                  NodeOptions options) {
+  return Subscription(core_, channel, core_->Subscribe(channel, type, invoke, std::move(callback), std::move(options)));
 }
 
 void DataGraph::Latch(Channel& channel, std::size_t count) { channel.Latch(count); }
@@ -34,10 +35,12 @@ void DataGraph::SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet) { ch
 
 bool DataGraph::HasOutlet(const Channel& channel) noexcept { return channel.HasOutlet(); }
 
-bool DataGraph::Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
+bool DataGraph::Inject(Channel& channel, const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                        std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept {
-  return channel.Inject(message, info, std::move(credit), latched, user_code);
+  return channel.Inject(message, type, info, std::move(credit), latched, user_code);
 }
+
+const TypeInfo& DataGraph::InboundType(const Channel& channel) noexcept { return channel.InboundType(); }
 
 bool DataGraph::HasInlineNodes(const Channel& channel) noexcept { return channel.HasInlineNodes(); }
 

@@ -17,8 +17,8 @@ namespace {
 
 constexpr auto kPatience = std::chrono::seconds(2);
 
-void RequireSameType(const Channel& channel, const TypeInfo& type, const CallSite& where) {
-  if (&channel.type() == &type || channel.type().cpp_type == type.cpp_type) return;
+void RequireFittingType(Channel& channel, const TypeInfo& type, const CallSite& where) {
+  if (channel.Takes(type)) return;
   throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + channel.type().name + " (first used so at " +
                          channel.declared_at() + ") and cannot be used with " + type.name + ".",
                      where.ToString(),
@@ -41,7 +41,7 @@ Channel& GraphCore::Open(std::string_view name, const TypeInfo& type, const Call
       return made;
     });
   }
-  RequireSameType(*channel, type, where);
+  RequireFittingType(*channel, type, where);
   return *channel;
 }
 
@@ -51,7 +51,8 @@ TbbExecutor& GraphCore::Workers() {
   return *workers_;
 }
 
-std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                           NodeOptions options) {
   if (refusing()) throw Error("The session is shutting down; it takes no new subscriptions.", channel.name());
   PruneLingering();
   NodeSetting setting;
@@ -69,6 +70,8 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, Invoke invoke, AnyC
     const std::scoped_lock lock(mutex_);
     untaken_names_.Take(setting.name);
   }
+  setting.type = &type;
+  setting.in_form = [&channel, &type](const AnyMessage& message) { return channel.InForm(message, type); };
   setting.graph = this;
   setting.log = log_;
   if (setting.queue.lossless()) setting.on_room = [&channel] { channel.NotifyRoom(); };

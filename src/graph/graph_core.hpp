@@ -26,7 +26,8 @@ class GraphCore {
   GraphCore(GraphOptions options, std::shared_ptr<Log> log);
 
   Channel& Open(std::string_view name, const TypeInfo& type, const CallSite& where);
-  std::shared_ptr<Node> Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  std::shared_ptr<Node> Subscribe(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                  NodeOptions options);
   void SetClosed(std::string_view name, bool closed);
   bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
   // The first call also begins to watch: what still runs after 2 s is named in the log, until Shutdown() is done.

@@ -24,6 +24,12 @@ LatchedMessages::Messages LatchedMessages::Store(const AnyMessage& message, cons
   return dropped;
 }
 
+void LatchedMessages::Replace(const std::function<AnyMessage(AnyMessage)>& make) {
+  for (auto& [publisher, entry] : entries_) {
+    for (QueuedMessage& one : entry.messages) one.message = make(std::move(one.message));
+  }
+}
+
 std::vector<QueuedMessage> LatchedMessages::ForNewNode(const std::shared_ptr<Node>& node) {
   std::vector<QueuedMessage> messages;
   for (auto& [publisher, entry] : entries_) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <vector>
@@ -23,6 +24,8 @@ class LatchedMessages {
 
   // Keeps the newest `depth` of the publisher's; returns those that go for it.
   [[nodiscard]] Messages Store(const AnyMessage& message, const MessageInfo& info, std::size_t depth);
+  // Each message that is kept becomes what `make` makes of it.
+  void Replace(const std::function<AnyMessage(AnyMessage)>& make);
   // What a new node gets, in the order of publishing.
   [[nodiscard]] std::vector<QueuedMessage> ForNewNode(const std::shared_ptr<Node>& node);
 

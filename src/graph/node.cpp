@@ -10,6 +10,18 @@ namespace hgros {
 
 Node::Node(NodeSetting setting, AnyCallback callback) : setting_(std::move(setting)), callback_(std::move(callback)) {}
 
+// On the node's own executor: making a message into another type may take as long as copying it.
+void Node::CallInForm(const AnyMessage& message, const MessageInfo& info) {
+  if (const AnyMessage mine = setting_.in_form(message)) {
+    callback_(mine, info);
+  } else {
+    setting_.log->WriteLimited(LogLevel::kError, "form " + setting_.name,
+                               "Node \"" + setting_.name + "\" on channel \"" + setting_.channel +
+                                   "\" did not get a message that could not be made into the C++ type that it takes (" +
+                                   setting_.type->name + "); ChannelSnapshot::not_converted counts such messages.");
+  }
+}
+
 void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& stats, Writers writers,
                std::int64_t& now) noexcept {
   const std::int64_t start = now;
@@ -22,7 +34,11 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
                                      "\" threw: " + what + ". The message is done with; the node goes on.");
     };
     try {
-      callback_(message, info);
+      if (two_forms_.load(std::memory_order_relaxed)) [[unlikely]] {
+        CallInForm(message, info);
+      } else {
+        callback_(message, info);
+      }
     } catch (const std::exception& error) {
       failed(error.what());
     } catch (...) {

@@ -27,6 +27,9 @@ struct NodeSetting {
   const void* graph = nullptr;
   std::shared_ptr<Log> log;
   std::function<void()> on_room;
+  const TypeInfo* type = nullptr;  // What the callback takes.
+  // A message as that type; null if it cannot be had. Only where the channel is used with two types.
+  std::function<AnyMessage(const AnyMessage&)> in_form;
 };
 
 // A subscription's callback with its queue; one derived class per way of running it.
@@ -72,6 +75,9 @@ class Node : public std::enable_shared_from_this<Node> {
   // Waits until nothing is queued and no callback runs; false if the deadline came first.
   virtual bool WaitIdle(std::chrono::steady_clock::time_point deadline) = 0;
 
+  // From now on messages may be of another type than the callback's.
+  void ExpectTwoForms() noexcept { two_forms_.store(true, std::memory_order_relaxed); }
+
   // Waits for the end of the node's own thread, if it has one, after Close(); does nothing on that very thread.
   virtual void JoinThread() {}
 
@@ -84,6 +90,8 @@ class Node : public std::enable_shared_from_this<Node> {
   // Adds what was counted while running; the base has one set of counters, a derived class may have several.
   virtual void AddStats(NodeSnapshot& snapshot) const;
 
+  // Calls it with the message as the type that it takes.
+  void CallInForm(const AnyMessage& message, const MessageInfo& info);
   // Runs the callback; counts and logs what it throws. `now` as in Deliver().
   void Run(const AnyMessage& message, const MessageInfo& info, NodeStats& stats, Writers writers,
            std::int64_t& now) noexcept;
@@ -96,6 +104,7 @@ class Node : public std::enable_shared_from_this<Node> {
  private:
   NodeSetting setting_;
   AnyCallback callback_;
+  std::atomic<bool> two_forms_{false};
 
  protected:
   NodeStats stats_;

@@ -167,7 +167,8 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
   if (!CountIn(message, lost)) return std::nullopt;
   if (lost > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost);
   Decoded decoded;
-  decoded.message = type_.decode(message.data);
+  decoded.type = &DataGraph::InboundType(channel_);
+  decoded.message = decoded.type->decode(message.data);
   if (decoded.message == nullptr) {
     OnFault(PacketFault::kData, "its data does not parse as " + type_.name);
     return std::nullopt;
@@ -181,7 +182,8 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
 }
 
 bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
-  return DataGraph::Inject(channel_, decoded.message, decoded.info, decoded.credit, decoded.latched, user_code);
+  return DataGraph::Inject(channel_, decoded.message, *decoded.type, decoded.info, decoded.credit, decoded.latched,
+                           user_code);
 }
 
 // Keep-last subscribers expect it and find it counted; a lossless one was away for too long.

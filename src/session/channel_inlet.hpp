@@ -65,6 +65,7 @@ class ChannelInlet final : public InboundSink {
   };
   struct Decoded {
     AnyMessage message;
+    const TypeInfo* type = nullptr;
     MessageInfo info;
     std::shared_ptr<const void> credit;
     std::size_t latched = 0;

@@ -19,7 +19,7 @@ void ChannelOutlet::Join(Carriers& carriers) {
     const std::scoped_lock lock(order_mutex_, latch_mutex_);
     joined_ = true;
     if (type_.users_codec) {
-      for (Kept& one : kept_) one.data = Encode(one.message, nullptr);
+      for (Kept& one : kept_) one.data = Encode(one.message, *one.type, nullptr);
     }
   }
   std::shared_ptr<JoinedOutbound> carrier = carriers.Advertise(channel_, type_, *this);
@@ -47,7 +47,10 @@ std::optional<Block> ChannelOutlet::Loan(std::size_t size_bytes) {
     const std::scoped_lock lock(order_mutex_);
     carrier = carrier_;
   }
-  return carrier ? carrier->Loan(size_bytes) : std::nullopt;
+  loans_.fetch_add(1, std::memory_order_relaxed);
+  std::optional<Block> block = carrier ? carrier->Loan(size_bytes) : std::nullopt;
+  if (!block) heap_loans_.fetch_add(1, std::memory_order_relaxed);
+  return block;
 }
 
 bool ChannelOutlet::wanted() const noexcept {
@@ -67,17 +70,21 @@ void ChannelOutlet::Cancel() noexcept {
   if (carrier_) carrier_->Cancel();
 }
 
-Payload ChannelOutlet::EncodeInto(const AnyMessage& message, JoinedOutbound& carrier) const noexcept {
-  if (type_.encode_into == nullptr) return {};
-  auto block = carrier.Loan(type_.encoded_bytes(message.get()));
-  if (!block || !type_.encode_into(message.get(), block->writable())) return {};
+Payload ChannelOutlet::EncodeInto(const AnyMessage& message, const TypeInfo& type, JoinedOutbound& carrier) noexcept {
+  if (type.encode_into == nullptr) return {};
+  auto block = carrier.Loan(type.encoded_bytes(message.get()));
+  if (!block || !type.encode_into(message.get(), block->writable())) return {};
   return block->payload();
 }
 
-Payload ChannelOutlet::Encode(const AnyMessage& message, JoinedOutbound* carrier) noexcept {
+Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* carrier) noexcept {
   Payload payload;
-  if (carrier != nullptr) payload = EncodeInto(message, *carrier);
-  if (payload.owner == nullptr) payload = type_.encode(message);
+  if (type.encode_in_place != nullptr) {
+    payload = type.encode_in_place(message.get());
+    if (payload.owner == nullptr) copied_.fetch_add(1, std::memory_order_relaxed);
+  }
+  if (payload.owner == nullptr && carrier != nullptr) payload = EncodeInto(message, type, *carrier);
+  if (payload.owner == nullptr) payload = type.encode(message);
   if (payload.owner == nullptr) {
     not_encodable_.fetch_add(1, std::memory_order_relaxed);
     log_->WriteLimited(LogLevel::kError, "encode " + channel_,
@@ -87,7 +94,7 @@ Payload ChannelOutlet::Encode(const AnyMessage& message, JoinedOutbound* carrier
   return payload;
 }
 
-void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
+void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noexcept {
   const std::size_t depth = latched_.load(std::memory_order_relaxed);
   const bool listened = subscriber_count() > 0;
   if (!listened && depth == 0) {
@@ -104,7 +111,7 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
       const std::scoped_lock lock(order_mutex_);
       carrier = carrier_;
     }
-    data = Encode(message, WritesWhenLatched() ? nullptr : carrier.get());
+    data = Encode(message, type, WritesWhenLatched() ? nullptr : carrier.get());
   }
   PacketHead head;
   head.channel = channel_;
@@ -121,11 +128,11 @@ void ChannelOutlet::Commit(const AnyMessage& message) noexcept {
   bool counted = listened;
   if (depth > 0) {
     head.id.sequence = ++sequence_;
-    if (!data && WritesWhenLatched()) data = Encode(message, nullptr);  // It has joined meanwhile.
-    Keep({message, head, WritesWhenLatched() ? data : std::nullopt}, depth, dropped);
+    if (!data && WritesWhenLatched()) data = Encode(message, type, nullptr);  // It has joined meanwhile.
+    Keep({message, &type, head, WritesWhenLatched() ? data : std::nullopt}, depth, dropped);
     // A subscriber counts before it asks for what is latched: either it found this message there, or it counts now.
     counted = listened || (carrier_ && carrier_->subscriber_count() > 0);
-    if (counted && !data) data = Encode(message, carrier_.get());
+    if (counted && !data) data = Encode(message, type, carrier_.get());
   } else if (data->owner != nullptr) {
     head.id.sequence = ++sequence_;
   }
@@ -158,7 +165,7 @@ std::vector<OutboundMessage> ChannelOutlet::Latched() noexcept {
   }
   std::vector<OutboundMessage> messages;
   for (Kept& one : kept) {
-    if (!one.data) one.data = Encode(one.message, nullptr);
+    if (!one.data) one.data = Encode(one.message, *one.type, nullptr);
     if (one.data->owner != nullptr) messages.push_back({one.head, std::move(*one.data)});
   }
   return messages;
@@ -175,8 +182,11 @@ void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
 
 void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
   traffic.not_encodable = not_encodable_.load(std::memory_order_relaxed);
+  traffic.loans = loans_.load(std::memory_order_relaxed);
+  traffic.heap_loans = heap_loans_.load(std::memory_order_relaxed);
   const std::scoped_lock lock(order_mutex_);
   if (carrier_) traffic.out = carrier_->stats();
+  traffic.out.copied += copied_.load(std::memory_order_relaxed);
 }
 
 }  // namespace hgros

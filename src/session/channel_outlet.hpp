@@ -46,7 +46,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
 
   [[nodiscard]] bool wanted() const noexcept override;
   PublishStatus Reserve() noexcept override;
-  void Commit(const AnyMessage& message) noexcept override;
+  void Commit(const AnyMessage& message, const TypeInfo& type) noexcept override;
   void Cancel() noexcept override;
 
   std::vector<OutboundMessage> Latched() noexcept override;
@@ -59,6 +59,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
  private:
   struct Kept {
     AnyMessage message;
+    const TypeInfo* type;
     PacketHead head;
     std::optional<Payload> data;  // Written already; without owner: it cannot be.
   };
@@ -66,12 +67,13 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   // The carrier may ask for it on its thread, where the user's codec must not run.
   [[nodiscard]] bool WritesWhenLatched() const noexcept;
   // Into the memory of `carrier`, if it is there and has some.
-  [[nodiscard]] Payload Encode(const AnyMessage& message, JoinedOutbound* carrier) noexcept;
-  [[nodiscard]] Payload EncodeInto(const AnyMessage& message, JoinedOutbound& carrier) const noexcept;
+  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* carrier) noexcept;
+  [[nodiscard]] static Payload EncodeInto(const AnyMessage& message, const TypeInfo& type,
+                                          JoinedOutbound& carrier) noexcept;
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
 
   const std::string channel_;
-  const TypeInfo& type_;
+  const TypeInfo& type_;  // The first user's; a message may be of another C++ type with the same wire form.
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const OutletEvents events_;
@@ -82,6 +84,9 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   std::atomic<std::size_t> latched_{0};
   std::atomic<bool> joined_{false};  // A carrier may ask for what is latched. Set under order_mutex_.
   std::atomic<std::uint64_t> not_encodable_{0};
+  std::atomic<std::uint64_t> copied_{0};
+  std::atomic<std::uint64_t> loans_{0};
+  std::atomic<std::uint64_t> heap_loans_{0};
 
   mutable std::mutex order_mutex_;
   std::shared_ptr<JoinedOutbound> carrier_;

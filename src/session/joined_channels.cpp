@@ -93,6 +93,7 @@ OutboundChannel::Stats JoinedOutbound::stats() const {
     sum.dropped += stats.dropped;
     sum.missed += stats.missed;
     sum.queued_bytes += stats.queued_bytes;
+    sum.copied += stats.copied;
   }
   return sum;
 }

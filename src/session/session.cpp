@@ -49,11 +49,13 @@ Block Session::LoanBlock(std::string_view channel, std::size_t size_bytes) {
 }
 
 void Session::Latch(Channel& channel, std::size_t count) { core_->Latch(channel, count); }
-Subscription Session::SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
-  return core_->SubscribeAny(channel, invoke, std::move(callback), std::move(options));
+Subscription Session::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                   NodeOptions options) {
+  return core_->SubscribeAny(channel, type, invoke, std::move(callback), std::move(options));
 }
-Subscription Session::SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
-  return core_->SubscribeGraph(channel, invoke, std::move(callback), std::move(options));
+Subscription Session::SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                     NodeOptions options) {
+  return core_->SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
 }
 
 }  // namespace hgros

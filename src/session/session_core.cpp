@@ -166,15 +166,17 @@ NodeOptions Session::Core::WithChannelConfig(const Channel& channel, NodeOptions
   return options;
 }
 
-Subscription Session::Core::SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
+Subscription Session::Core::SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                           NodeOptions options) {
   Subscription subscription =
-      graph_->Subscribe(channel, invoke, std::move(callback), WithChannelConfig(channel, std::move(options)));
+      graph_->Subscribe(channel, type, invoke, std::move(callback), WithChannelConfig(channel, std::move(options)));
   Notify();
   return subscription;
 }
 
-Subscription Session::Core::SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options) {
-  Subscription subscription = SubscribeGraph(channel, invoke, std::move(callback), std::move(options));
+Subscription Session::Core::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                         NodeOptions options) {
+  Subscription subscription = SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
   const Demand demand = DemandFor(subscription.stats().queue);
   const std::string& name = DataGraph::NameOf(channel);
   std::string confined;

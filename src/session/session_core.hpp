@@ -36,8 +36,10 @@ class Session::Core final : public TransportListener {
   Channel& OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where);
   void Latch(Channel& channel, std::size_t count);
   Block LoanBlock(std::string_view channel, std::size_t size_bytes);
-  Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
-  Subscription SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  Subscription SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                            NodeOptions options);
+  Subscription SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                              NodeOptions options);
 
   bool WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const;
   bool WaitForPublishers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const;

@@ -22,7 +22,8 @@ OutboundChannel::Stats OutboundCore::stats() const {
           .sent = sent.load(),
           .dropped = dropped.load(),
           .missed = missed.load(),
-          .queued_bytes = queued_bytes.load()};
+          .queued_bytes = queued_bytes.load(),
+          .copied = copied.load()};
 }
 
 }  // namespace hgros

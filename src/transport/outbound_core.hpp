@@ -38,6 +38,7 @@ struct OutboundCore {
   std::atomic<std::uint64_t> dropped{0};
   std::atomic<std::uint64_t> missed{0};
   std::atomic<std::uint64_t> queued_bytes{0};
+  std::atomic<std::uint64_t> copied{0};
 
  private:
   std::mutex count_mutex_;

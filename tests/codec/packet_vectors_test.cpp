@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "foxglove/PointCloud.pb.h"
 #include "foxglove/Quaternion.pb.h"
 #include "foxglove/Vector3.pb.h"
 #include "hgros/codec/message.hpp"
@@ -76,6 +77,27 @@ void AddHead(const PacketHead& head, std::map<std::string, std::string>& found) 
   found["latched"] = std::to_string(head.latched);
 }
 
+/// Reads a message as the generated class and where it lies: both find the same.
+bool AddCloud(const std::string& data, std::map<std::string, std::string>& found) {
+  const AnyMessage message = TypeOf<foxglove::PointCloud>().decode({AsBytes(data), nullptr});
+  const AnyMessage in_place = TypeOf<Bulk<foxglove::PointCloud>>().decode({AsBytes(data), nullptr});
+  EXPECT_EQ(message == nullptr, in_place == nullptr);
+  if (!message || !in_place) return false;
+  const auto& cloud = *std::static_pointer_cast<const foxglove::PointCloud>(message);
+  const auto& bulk = *std::static_pointer_cast<const Bulk<foxglove::PointCloud>>(in_place);
+  EXPECT_EQ(AsText(bulk.bytes()), cloud.data());
+  EXPECT_EQ(bulk.head().frame_id(), cloud.frame_id());
+  found["frame_id"] = cloud.frame_id();
+  found["point_stride"] = std::to_string(cloud.point_stride());
+  for (const char byte : cloud.data()) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    found["data"] += kDigits[static_cast<unsigned char>(byte) >> 4U];
+    found["data"] += kDigits[static_cast<unsigned char>(byte) & 15U];
+  }
+  found.emplace("data", "");
+  return true;
+}
+
 /// Reads a packet as a receiver does, and says what it found.
 std::map<std::string, std::string> Read(const Vector& vector) {
   std::map<std::string, std::string> found;
@@ -95,6 +117,9 @@ std::map<std::string, std::string> Read(const Vector& vector) {
   AddHead(head, found);
   if (head.channel != topic->channel) return result(PacketFault::kTopic);
 
+  if (vector.reader == "foxglove.PointCloud") {
+    return result(AddCloud(vector.frames.at("data"), found) ? PacketFault::kNone : PacketFault::kData);
+  }
   const TypeInfo& reader =
       vector.reader == "foxglove.Quaternion" ? TypeOf<foxglove::Quaternion>() : TypeOf<foxglove::Vector3>();
   EXPECT_EQ(reader.name, vector.reader);

@@ -223,7 +223,7 @@ TEST(DataGraph, WhatComesFromOutsideIsDeliveredAlsoOnAClosedChannel) {
       },
       Options(Executor::Inline()));
   Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
-  DataGraph::Inject(channel, std::make_shared<const int>(7), MessageInfo{}, nullptr, 0);
+  DataGraph::Inject(channel, std::make_shared<const int>(7), TypeOf<int>(), MessageInfo{}, nullptr, 0);
   EXPECT_EQ(got.values(), std::vector<int>{7});
 }
 

@@ -61,7 +61,7 @@ TEST_P(LatchOnEveryExecutor, WhatAPublisherThatIsGoneHasLatchedReachesNewNodesWh
   const auto inject = [&](int value, std::uint64_t sequence) {
     MessageInfo info;
     info.id = {7, 1, sequence};
-    DataGraph::Inject(channel, std::make_shared<const int>(value), info, nullptr, 2);
+    DataGraph::Inject(channel, std::make_shared<const int>(value), TypeOf<int>(), info, nullptr, 2);
   };
   for (int i = 0; i < 3; ++i) inject(i, static_cast<std::uint64_t>(i) + 1);
   graph.PublisherIsGone(7);
@@ -88,7 +88,7 @@ TEST(Latch, OfPublishersThatStayAwayOnlyAFewAreRemembered) {
     kept.push_back(message);
     MessageInfo info;
     info.id = {publisher, 1, 1};
-    DataGraph::Inject(channel, message, info, nullptr, 1);
+    DataGraph::Inject(channel, message, TypeOf<int>(), info, nullptr, 1);
     graph.PublisherIsGone(publisher);
   }
   EXPECT_EQ(std::count_if(kept.begin(), kept.end(), [](const auto& one) { return !one.expired(); }), 4);
@@ -112,9 +112,9 @@ TEST(Latch, ARemotePublishersNewLifeReplacesWhatItLatchedBefore) {
   Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
   MessageInfo info;
   info.id = {77, 1, 1};
-  DataGraph::Inject(channel, std::make_shared<const int>(1), info, nullptr, 5);
+  DataGraph::Inject(channel, std::make_shared<const int>(1), TypeOf<int>(), info, nullptr, 5);
   info.id = {77, 2, 1};
-  DataGraph::Inject(channel, std::make_shared<const int>(2), info, nullptr, 5);
+  DataGraph::Inject(channel, std::make_shared<const int>(2), TypeOf<int>(), info, nullptr, 5);
   Collected got;
   const auto subscription = graph.FromGraph<int>(
       "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline()));

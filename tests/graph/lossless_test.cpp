@@ -177,7 +177,7 @@ class CountingOutlet final : public Outlet {
     ++reserved;
     return full ? PublishStatus::kFull : PublishStatus::kOk;
   }
-  void Commit(const AnyMessage&) noexcept override { ++committed; }
+  void Commit(const AnyMessage&, const TypeInfo&) noexcept override { ++committed; }
   void Cancel() noexcept override { ++cancelled; }
 
   std::atomic<bool> full{false};
@@ -293,10 +293,10 @@ TEST(Lossless, CreditIsHeldUntilTheMessageLeavesTheQueue) {
   auto second = std::make_shared<const int>(2);
   const std::weak_ptr<const int> first_watch = first;
   const std::weak_ptr<const int> second_watch = second;
-  DataGraph::Inject(channel, std::make_shared<const int>(1), {}, std::move(first), 0);
+  DataGraph::Inject(channel, std::make_shared<const int>(1), TypeOf<int>(), {}, std::move(first), 0);
   ASSERT_TRUE(Await([&] { return begun == 1; }));
   EXPECT_TRUE(first_watch.expired());
-  DataGraph::Inject(channel, std::make_shared<const int>(2), {}, std::move(second), 0);
+  DataGraph::Inject(channel, std::make_shared<const int>(2), TypeOf<int>(), {}, std::move(second), 0);
   EXPECT_FALSE(second_watch.expired());
   door.Open();
   EXPECT_TRUE(Await([&] { return second_watch.expired(); }));

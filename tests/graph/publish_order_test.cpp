@@ -18,7 +18,9 @@ class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
   PublishStatus Reserve() noexcept override { return PublishStatus::kOk; }
-  void Commit(const AnyMessage& message) noexcept override { left.Add(*static_cast<const int*>(message.get())); }
+  void Commit(const AnyMessage& message, const TypeInfo&) noexcept override {
+    left.Add(*static_cast<const int*>(message.get()));
+  }
   void Cancel() noexcept override {}
 
   Collected left;

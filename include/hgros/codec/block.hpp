@@ -25,7 +25,9 @@ class HGROS_EXPORT Block {
   /// Empty.
   Block() noexcept = default;
 
-  /// A block to be filled through writable(); its bytes start as whatever was in the memory.
+  static constexpr std::size_t kAlignment = 64;
+
+  /// A block to be filled through writable(), kAlignment-aligned; its bytes start as whatever was in the memory.
   /// Errors: throws std::bad_alloc.
   [[nodiscard]] static Block Allocate(std::size_t size_bytes);
 

@@ -10,6 +10,7 @@
 
 #include "hgros/base/bytes.hpp"
 #include "hgros/codec/block.hpp"
+#include "hgros/codec/bulk.hpp"
 #include "hgros/codec/custom_codec.hpp"
 #include "hgros/codec/plain_codec.hpp"
 #include "hgros/codec/protobuf_codec.hpp"
@@ -34,6 +35,8 @@ template <class T>
 consteval auto ChooseTraits() {
   if constexpr (HasCustomCodec<T>) {
     return std::type_identity<CustomTraits<T>>{};
+  } else if constexpr (kIsBulk<T>) {
+    return std::type_identity<BulkTraits<T>>{};
   } else if constexpr (ProtobufMessage<T>) {
     return std::type_identity<ProtobufTraits<T>>{};
   } else if constexpr (SerializesItself<T>) {
@@ -52,6 +55,10 @@ template <class T>
 struct SchemaOf {};
 template <ProtobufMessage T>
 requires(!HasCustomCodec<T>) struct SchemaOf<T> {
+  static const google::protobuf::Descriptor* Get() { return T::descriptor(); }
+};
+template <class T>
+struct SchemaOf<Bulk<T>> {
   static const google::protobuf::Descriptor* Get() { return T::descriptor(); }
 };
 template <CustomCodecWithSchema T>
@@ -87,9 +94,31 @@ TypeInfo MakeTypeInfo() {
         return TraitsOfT::EncodeInto(*static_cast<const T*>(message), bytes);
       };
     }
+    if constexpr (requires(const T& message) { TraitsOfT::EncodeInPlace(message); }) {
+      info.encode_in_place = [](const void* message) -> Payload {
+        return TraitsOfT::EncodeInPlace(*static_cast<const T*>(message));
+      };
+    }
     info.decode = [](const Payload& payload) -> AnyMessage {
       try {
         return TraitsOfT::Decode(payload);
+      } catch (...) {
+        return nullptr;
+      }
+    };
+  }
+  if constexpr (kIsBulk<T>) {
+    info.other_cpp_type = typeid(typename T::Plain);
+    info.to_other = [](const AnyMessage& message) -> AnyMessage {
+      try {
+        return TraitsOfT::ToOther(message);
+      } catch (...) {
+        return nullptr;
+      }
+    };
+    info.from_other = [](const AnyMessage& message) -> AnyMessage {
+      try {
+        return TraitsOfT::FromOther(message);
       } catch (...) {
         return nullptr;
       }
@@ -106,7 +135,7 @@ TypeInfo MakeTypeInfo() {
 
 /// T can cross process borders. How is decided when the program is compiled, by the first that fits:
 ///  1. a CustomCodec<T>;
-///  2. T is a generated protobuf class;
+///  2. T is a generated protobuf class, or a Bulk of one;
 ///  3. T has SerializeToString and ParseFromString (SerializesItself);
 ///  4. T is plain data (PlainStruct).
 /// Everything else can still be passed by pointer inside a process.

@@ -48,9 +48,19 @@ struct TypeInfo {
   /// and then writing exactly so many; false: it cannot be written. Both null where a type is written by encode alone.
   std::size_t (*encoded_bytes)(const void* message) = nullptr;
   bool (*encode_into)(const void* message, std::span<std::byte> bytes) = nullptr;
+  /// Shows the bytes of the whole message in the memory of its large part. Without owner: they do not lie so, and the
+  /// other functions copy them. Null where a type knows nothing of the kind.
+  Payload (*encode_in_place)(const void* message) = nullptr;
   /// Reads a message; may keep sharing the payload instead of copying. Null if the bytes are not such a message.
   /// Null for kNone.
   AnyMessage (*decode)(const Payload& payload) = nullptr;
+
+  /// Another C++ type with the same wire form, and how a message of this type becomes one of that, and back: the
+  /// results may share the argument, and are null if that is not possible. Null where there is no other.
+  std::type_index other_cpp_type = typeid(void);
+  AnyMessage (*to_other)(const AnyMessage& message) = nullptr;
+  AnyMessage (*from_other)(const AnyMessage& message) = nullptr;
+
   /// A serialized google.protobuf.FileDescriptorSet with all imports, dependencies first. Null where there is none.
   std::string (*descriptor_set)() = nullptr;
   /// The schema of a protobuf type, for CheckSchemas. Null where there is none.

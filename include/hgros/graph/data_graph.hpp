@@ -44,7 +44,8 @@ class HGROS_EXPORT DataGraph {
   DataGraph& operator=(const DataGraph&) = delete;
   ~DataGraph();
 
-  /// Publishes inside the process. The first use of a channel fixes its type; another type throws TypeMismatch.
+  /// Publishes inside the process. The first use of a channel fixes its type; another type throws TypeMismatch. Only a
+  /// protobuf class T and Bulk<T> go together: who wants the one and is sent the other gets it converted.
   template <class T>
   PublishStatus ToGraph(std::string_view channel, std::unique_ptr<T>&& message,
                         const CallSite& where = CallSite::Current()) {
@@ -73,8 +74,8 @@ class HGROS_EXPORT DataGraph {
   [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromGraph(
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
       const CallSite& where = CallSite::Current()) {
-    return Subscribe(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
-                     std::move(options));
+    return Subscribe(Open(channel, TypeOf<T>(), where), TypeOf<T>(), invoke,
+                     EraseCallback<T>(std::forward<F>(callback)), std::move(options));
   }
 
   /// Closed: what this process publishes on the channel is not delivered to its own nodes; outlets and messages
@@ -93,7 +94,9 @@ class HGROS_EXPORT DataGraph {
   Channel& Open(std::string_view channel, const TypeInfo& type, const CallSite& where);
   /// The channel together with what keeps it alive.
   [[nodiscard]] std::shared_ptr<Channel> Share(Channel& channel) const;
-  [[nodiscard]] Subscription Subscribe(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  /// `type`, with which the channel was opened, is what `callback` takes.
+  [[nodiscard]] Subscription Subscribe(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                       NodeOptions options);
   void Latch(Channel& channel, std::size_t count);
   /// Sets the way out; null removes it. Publishes under way may still call the former one, which is kept until then.
   void SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet);
@@ -102,9 +105,11 @@ class HGROS_EXPORT DataGraph {
   /// message out of its queue.
   /// `latched`: how many of its messages that publisher keeps for late subscribers; so do we for local ones.
   /// False: user code is refused, but some node is inline; nobody got the message.
-  static bool Inject(Channel& channel, const AnyMessage& message, const MessageInfo& info,
+  static bool Inject(Channel& channel, const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                      std::shared_ptr<const void> credit, std::size_t latched,
                      UserCode user_code = UserCode::kAllowed) noexcept;
+  /// The one of the channel's types as which a message from outside is best decoded for its nodes.
+  [[nodiscard]] static const TypeInfo& InboundType(const Channel& channel) noexcept;
   /// Some node of the channel runs its callback on the delivering thread.
   [[nodiscard]] static bool HasInlineNodes(const Channel& channel) noexcept;
   /// Wakes publishers that wait for room on this channel.

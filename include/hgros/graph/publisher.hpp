@@ -8,7 +8,7 @@
 
 #include "hgros/base/export.hpp"
 #include "hgros/base/publish_status.hpp"
-#include "hgros/codec/type_info.hpp"
+#include "hgros/codec/message.hpp"
 
 namespace hgros {
 
@@ -25,6 +25,7 @@ struct MessageOffer {
   const void* message;
   AnyMessage (*take)(void* context);
   void* context;
+  const TypeInfo& (*type)();  ///< Asked only on channels that are used with two types.
 };
 
 /// The wires behind Publisher and the named calls. Thread-safe, never blocks, never throws.
@@ -41,7 +42,7 @@ template <class T>
           [](void* context) -> AnyMessage {
             return std::shared_ptr<const T>(std::move(*static_cast<std::unique_ptr<T>*>(context)));
           },
-          &message};
+          &message, &TypeOf<T>};
 }
 
 /// Offers a message that may be shared already; the pointer is copied if it is taken.
@@ -49,7 +50,7 @@ template <class T>
 [[nodiscard]] MessageOffer OfferOf(const std::shared_ptr<const T>& message) noexcept {
   return {message.get(),
           [](void* context) -> AnyMessage { return *static_cast<const std::shared_ptr<const T>*>(context); },
-          const_cast<std::shared_ptr<const T>*>(&message)};
+          const_cast<std::shared_ptr<const T>*>(&message), &TypeOf<T>};
 }
 
 /// Publishes on one channel without looking its name up each time. Copying shares; a handle that outlives its session

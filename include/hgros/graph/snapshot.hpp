@@ -35,6 +35,10 @@ struct ChannelSnapshot {
   std::uint64_t received = 0;   ///< From outside.
   bool closed = false;          ///< Not delivered to this process' own nodes.
   std::size_t latched = 0;
+  /// On a channel that is used with two C++ types, such as T and Bulk<T>: messages that were made into the other one,
+  /// each at most once, because a node here wants that. And those with which that could not be done.
+  std::uint64_t converted = 0;
+  std::uint64_t not_converted = 0;
   std::vector<NodeSnapshot> nodes;
 };
 

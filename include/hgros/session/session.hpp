@@ -101,8 +101,8 @@ class HGROS_EXPORT Session {
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
       const CallSite& where = CallSite::Current()) {
     RequireMessage<T>();
-    return SubscribeAny(OpenAny(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
-                        std::move(options));
+    return SubscribeAny(OpenAny(channel, TypeOf<T>(), where), TypeOf<T>(), invoke,
+                        EraseCallback<T>(std::forward<F>(callback)), std::move(options));
   }
   /// Likewise without asking other sessions: what this process publishes (and what comes from outside for a FromAny on
   /// the same channel); any type.
@@ -110,8 +110,8 @@ class HGROS_EXPORT Session {
   [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromGraph(
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
       const CallSite& where = CallSite::Current()) {
-    return SubscribeGraph(Open(channel, TypeOf<T>(), where), invoke, EraseCallback<T>(std::forward<F>(callback)),
-                          std::move(options));
+    return SubscribeGraph(Open(channel, TypeOf<T>(), where), TypeOf<T>(), invoke,
+                          EraseCallback<T>(std::forward<F>(callback)), std::move(options));
   }
 
   /// Announces a channel and gives a handle that publishes on it without looking its name up.
@@ -124,12 +124,18 @@ class HGROS_EXPORT Session {
     return Publisher<T>(Share(opened), Reach::kAny);
   }
 
-  /// A block to be filled and published on `channel`, in the memory that receivers on this host will read: then
-  /// publishing it copies nothing. While nobody there receives the channel, or no such memory is left, it is ordinary
-  /// memory. Errors: throws std::bad_alloc.
-  template <std::same_as<Block> T>
-  [[nodiscard]] std::unique_ptr<T> Loan(std::string_view channel, std::size_t size_bytes) {
-    return std::make_unique<Block>(LoanBlock(channel, size_bytes));
+  /// A Block, or a Bulk of some message, with `size_bytes` of bytes to be filled and published on `channel`, in the
+  /// memory that receivers on this host will read: then publishing it copies nothing. While nobody there receives the
+  /// channel, or no such memory is left, it is ordinary memory (counted in ChannelTraffic::heap_loans). Never waits.
+  /// Errors: throws std::bad_alloc.
+  template <class T>
+  requires(std::same_as<T, Block> || codec::kIsBulk<T>)
+      [[nodiscard]] std::unique_ptr<T> Loan(std::string_view channel, std::size_t size_bytes) {
+    if constexpr (codec::kIsBulk<T>) {
+      return std::make_unique<T>(LoanBlock(channel, T::RoomFor(size_bytes)));
+    } else {
+      return std::make_unique<T>(LoanBlock(channel, size_bytes));
+    }
   }
 
   /// Waits until `channel` has at least `count` subscribers, here and elsewhere together: what is published after
@@ -174,8 +180,10 @@ class HGROS_EXPORT Session {
   std::shared_ptr<Channel> Share(Channel& channel) const;
   Block LoanBlock(std::string_view channel, std::size_t size_bytes);
   void Latch(Channel& channel, std::size_t count);
-  Subscription SubscribeAny(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
-  Subscription SubscribeGraph(Channel& channel, Invoke invoke, AnyCallback callback, NodeOptions options);
+  Subscription SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                            NodeOptions options);
+  Subscription SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                              NodeOptions options);
 
   std::unique_ptr<Core> core_;
 };

@@ -26,6 +26,8 @@ struct ChannelTraffic {
   std::string channel;
   OutboundChannel::Stats out;       ///< Summed over the carriers.
   std::uint64_t not_encodable = 0;  ///< Messages whose codec refused to write them.
+  std::uint64_t loans = 0;          ///< Blocks that Session::Loan gave.
+  std::uint64_t heap_loans = 0;     ///< Of these, in ordinary memory: nobody received there, or none was left.
   std::size_t publishers = 0;       ///< Remote sessions that publish to us now.
   std::vector<PublisherTraffic> in;
   std::array<std::uint64_t, kPacketFaultCount> faults{};  ///< Dropped packets by PacketFault.

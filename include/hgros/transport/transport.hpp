@@ -103,6 +103,9 @@ class OutboundChannel {
     std::uint64_t dropped = 0;       ///< Dropped from the rings of slow keep-last or plain subscribers.
     std::uint64_t missed = 0;        ///< Not confirmed by lossless subscribers that died.
     std::uint64_t queued_bytes = 0;  ///< Waiting in rings now.
+    /// Messages whose encoded bytes were copied once more: into memory that can be shared, because they did not lie
+    /// there; or, of a type that can be sent where it lies (Bulk), because this one could not.
+    std::uint64_t copied = 0;
   };
 
   virtual ~OutboundChannel() = default;

@@ -95,6 +95,9 @@ void ShmCore::Cancel(const std::shared_ptr<OutChannel>& core) {
 void ShmCore::Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& head, const Payload& data) {
   if (closing_.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) return;
   const auto message = Pack(head, data);
+  if (!data.bytes.empty() && (!message->place || message->data.bytes.data() != data.bytes.data())) {
+    core->copied.fetch_add(1, std::memory_order_relaxed);
+  }
   Leavings leavings;
   Bells bells;
   Actions actions;

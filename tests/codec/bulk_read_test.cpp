@@ -1,0 +1,207 @@
+// Reading apart what protobuf would read as one: both must accept the same bytes and find the same in them.
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/dynamic_message.h>
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "foxglove/PointCloud.pb.h"
+#include "hgros/codec/bulk_body.hpp"
+#include "hgros/codec/bulk_field.hpp"
+
+namespace hgros {
+namespace {
+
+using google::protobuf::Message;
+
+std::string Hex(std::string_view digits) {
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < digits.size(); i += 2) {
+    bytes += static_cast<char>(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16));
+  }
+  return bytes;
+}
+
+struct Apart {
+  bool read = false;
+  std::string whole;  ///< Put together again, in protobuf's own order.
+  std::string bulk;
+  bool present = false;
+};
+
+Apart ReadApart(std::string_view wire, const Message& type) {
+  const auto& field = codec::FindBulkField(*type.GetDescriptor(), 0);
+  const std::unique_ptr<Message> head(type.New());
+  Apart apart;
+  Bytes bulk;
+  apart.read = codec::ReadBulk(AsBytes(wire), field, *head, bulk, apart.present);
+  if (!apart.read) return apart;
+  apart.bulk = AsText(bulk);
+  EXPECT_TRUE(codec::BytesOf(*head, field).empty());
+  if (apart.present && (!bulk.empty() || codec::HasPresence(field))) codec::SetBytes(*head, field, bulk);
+  apart.whole = head->SerializePartialAsString();
+  return apart;
+}
+
+void ExpectAsProtobuf(std::string_view wire, const Message& type) {
+  const std::unique_ptr<Message> message(type.New());
+  const bool parses = message->ParsePartialFromArray(wire.data(), static_cast<int>(wire.size()));
+  const Apart apart = ReadApart(wire, type);
+  EXPECT_EQ(apart.read, parses);
+  if (apart.read && parses) {
+    EXPECT_EQ(apart.whole, message->SerializePartialAsString());
+  }
+}
+
+foxglove::PointCloud Cloud() {
+  foxglove::PointCloud cloud;
+  cloud.mutable_timestamp()->set_seconds(12);
+  cloud.set_frame_id("lidar");
+  cloud.mutable_pose()->mutable_position()->set_x(1.5);
+  cloud.set_point_stride(16);
+  for (const char* name : {"x", "y", "z"}) {
+    auto* field = cloud.add_fields();
+    field->set_name(name);
+    field->set_type(foxglove::PackedElementField::FLOAT32);
+  }
+  cloud.set_data("the points");
+  return cloud;
+}
+
+TEST(ReadBulk, FindsTheBytesAtAnyPlace) {
+  foxglove::PointCloud before = Cloud(), after = Cloud(), only;
+  after.clear_data();
+  before.clear_fields();
+  only.set_data("the points");
+  for (const std::string& wire :
+       {Cloud().SerializeAsString(), only.SerializeAsString() + after.SerializeAsString(),
+        after.SerializeAsString() + only.SerializeAsString() + before.SerializeAsString(), only.SerializeAsString()}) {
+    ExpectAsProtobuf(wire, foxglove::PointCloud());
+    EXPECT_EQ(ReadApart(wire, foxglove::PointCloud()).bulk, "the points");
+  }
+}
+
+TEST(ReadBulk, ShowsTheBytesInPlace) {
+  const std::string wire = Cloud().SerializeAsString();
+  foxglove::PointCloud head;
+  Bytes bulk;
+  bool present = false;
+  ASSERT_TRUE(codec::ReadBulk(AsBytes(wire), codec::FindBulkField(*head.GetDescriptor(), 0), head, bulk, present));
+  EXPECT_TRUE(present);
+  EXPECT_EQ(AsText(bulk).data(), wire.data() + wire.size() - 10);
+}
+
+TEST(ReadBulk, TakesTheLastOfSeveral) {
+  const std::string first = Hex("3203616161"), second = Hex("32026262"), empty = Hex("3200");
+  ExpectAsProtobuf(first + second, foxglove::PointCloud());
+  EXPECT_EQ(ReadApart(first + second, foxglove::PointCloud()).bulk, "bb");
+  EXPECT_EQ(ReadApart(first + second + empty, foxglove::PointCloud()).bulk, "");
+}
+
+TEST(ReadBulk, KeepsWhatItDoesNotKnow) {
+  const std::string unknown = Hex("f83f2a") + Hex("fa3f0161") + Hex("fb3f0801fc3f") + Hex("fd3f01020304");
+  foxglove::PointCloud head;
+  Bytes bulk;
+  bool present = false;
+  const std::string wire = unknown + Cloud().SerializeAsString() + unknown;
+  ASSERT_TRUE(codec::ReadBulk(AsBytes(wire), codec::FindBulkField(*head.GetDescriptor(), 0), head, bulk, present));
+  EXPECT_EQ(AsText(bulk), "the points");
+  EXPECT_NE(head.SerializeAsString().find(unknown + unknown), std::string::npos);
+  ExpectAsProtobuf(wire, foxglove::PointCloud());
+}
+
+TEST(ReadBulk, RefusesWhatProtobufRefuses) {
+  const char* const wires[] = {
+      "320361",                // Cut within the bytes.
+      "32",                    // Without a length.
+      "32ffffffff0f",          // A length of 4 GiB.
+      "32ffffffffffffffff01",  // A length without end.
+      "0001",                  // Field 0.
+      "04",                    // The end of a group that was not begun.
+      "f33f",                  // A group without end.
+      "f33ffc3f",              // The end of another group.
+      "36",                    // A wire type that there is not.
+      "37",                    // Likewise.
+      "ffffffffff",            // A tag without end.
+      "12",                    // Cut at another field's length.
+      "1202c328",              // A string that is not UTF-8.
+      "0afe01",                // Cut within a message.
+      "25010203",              // Cut within a fixed32.
+      "21",                    // Cut within a fixed64.
+      "f83f8080",              // Cut within a varint.
+      "f83fffffffffffffffffffff01",
+  };
+  for (const char* digits : wires) {
+    SCOPED_TRACE(digits);
+    EXPECT_FALSE(ReadApart(Hex(digits), foxglove::PointCloud()).read);
+    ExpectAsProtobuf(Hex(digits), foxglove::PointCloud());
+  }
+}
+
+TEST(ReadBulk, TakesLongFormsAndOtherWireTypesAsProtobufDoes) {
+  for (const char* digits : {"b2000161", "b28080800001ff", "3281800061", "3001", "3501020304", "33013401", "330834",
+                             "b2808080700161", "b280808080700161"}) {
+    SCOPED_TRACE(digits);
+    ExpectAsProtobuf(Hex(digits), foxglove::PointCloud());
+  }
+}
+
+TEST(ReadBulk, SkipsDeepGroupsWithoutStack) {
+  std::string deep;
+  for (int i = 0; i < 200'000; ++i) deep += Hex("f33f");
+  ExpectAsProtobuf(deep, foxglove::PointCloud());
+  for (int i = 0; i < 200'000; ++i) deep += Hex("fc3f");
+  ExpectAsProtobuf(deep, foxglove::PointCloud());
+  std::string shallow;
+  for (int i = 0; i < 50; ++i) shallow = Hex("f33f") + shallow + Hex("fc3f");
+  ExpectAsProtobuf(shallow + Hex("32026161"), foxglove::PointCloud());
+}
+
+TEST(ReadBulk, TellsNoBytesFromNoFieldWhereTheSchemaDoes) {
+  google::protobuf::FileDescriptorProto file;
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
+      "name: 'm.proto' package: 'test' syntax: 'proto2' message_type { name: 'M' "
+      "field { name: 'a' number: 1 type: TYPE_BYTES label: LABEL_OPTIONAL } "
+      "field { name: 'b' number: 2 type: TYPE_INT32 label: LABEL_REQUIRED } }",
+      &file));
+  google::protobuf::DescriptorPool pool;
+  google::protobuf::DynamicMessageFactory factory;
+  const Message& type = *factory.GetPrototype(pool.BuildFile(file)->message_type(0));
+  for (const char* digits : {"0a001001", "1001", "0a016110010a00", "0a0161"}) {
+    SCOPED_TRACE(digits);
+    ExpectAsProtobuf(Hex(digits), type);
+  }
+}
+
+TEST(ReadBulk, AgreesWithProtobufOnRandomChanges) {
+  const unsigned seed = std::random_device()();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const std::string good = Cloud().SerializeAsString();
+  const auto any = [&random](std::size_t below) {
+    return std::uniform_int_distribution<std::size_t>(0, below - 1)(random);
+  };
+  for (int round = 0; round < 20'000; ++round) {
+    std::string wire = good;
+    for (std::size_t change = any(4); change-- > 0 && !wire.empty();) {
+      switch (any(4)) {
+        case 0: wire[any(wire.size())] = static_cast<char>(any(256)); break;
+        case 1: wire.erase(any(wire.size()), 1 + any(4)); break;
+        case 2: wire.insert(any(wire.size()), Hex("3203616263")); break;
+        default: wire += good.substr(any(good.size())); break;
+      }
+    }
+    ExpectAsProtobuf(wire, foxglove::PointCloud());
+    if (HasFailure()) {
+      FAIL() << ::testing::PrintToString(wire);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hgros
