@@ -111,7 +111,7 @@ class Carriers final : private DiscoveryListener {
   std::unique_ptr<ShmTransport> shm_;
   std::mutex announcing_;  // Guards the next two: a subscription may end while the session does.
   Announcement own_;
-  std::set<std::pair<std::string, SessionId>> said_;  // Channels and sessions between which nothing can pass.
+  std::set<std::pair<std::string, std::uint64_t>> said_;  // Channels and sessions between which nothing can pass.
   // Read by any thread, and made while others read: it stays when it is there.
   std::unique_ptr<ZmqTransport> owned_zmq_;
   std::atomic<ZmqTransport*> zmq_{nullptr};

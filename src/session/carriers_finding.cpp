@@ -190,7 +190,7 @@ void Carriers::SayWhatCannotPass() {
       const CarrierSet allowed = peers_.Allowed(peer.session, there.channel);
       const CarrierKind left = allowed.zmq ? CarrierKind::kZmq : CarrierKind::kShm;
       if (!shared || allowed.all() || (!allowed.none() && peers_.IsReached(peer.session, left))) continue;
-      if (!said_.emplace(there.channel, peer.session).second) continue;
+      if (!said_.emplace(there.channel, peer.session.value).second) continue;
       log_.Write(LogLevel::kWarning,
                  "Nothing passes on channel \"" + there.channel + "\" between this session and " +
                      peer.session.ToString() + " (" + peer.process + ", process " + std::to_string(peer.pid) + "): " +

@@ -48,7 +48,7 @@ void LanPeers::Update(SessionId session, const std::vector<std::string>& endpoin
     }
   }
   for (const std::string& endpoint : endpoints) {
-    std::set<SessionId>& sessions = heard_[endpoint];
+    std::unordered_set<SessionId>& sessions = heard_[endpoint];
     const bool first = sessions.empty();
     sessions.insert(session);
     if (first) Connect(endpoint);

@@ -5,6 +5,8 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "hgros/base/log.hpp"
@@ -40,7 +42,7 @@ class LanPeers final : public DiscoveryListener {
   Log& log_;
   std::mutex mutex_;
   std::set<std::string> configured_;
-  std::map<std::string, std::set<SessionId>> heard_;  // By endpoint: one may be two sessions' for a while.
+  std::map<std::string, std::unordered_set<SessionId>> heard_;  // By endpoint: one may be two sessions' for a while.
 };
 
 /// Whether sessions of other hosts can connect to what is bound there.
