@@ -32,7 +32,10 @@ void Write(const Announcement& from, wire::AnnouncementFile& to) {
     one.set_publishes(channel.publishes);
     one.set_subscribes(channel.subscribes);
     one.set_lossless(channel.lossless);
+    one.set_not_by_shared_memory(!channel.by_shared_memory);
+    one.set_not_by_endpoints(!channel.by_endpoints);
   }
+  for (const std::string& process : from.only) to.add_only(Readable(process));
 }
 
 bool IsPrintable(std::string_view text, std::size_t max_bytes) {
@@ -57,6 +60,9 @@ std::string Fault(const wire::AnnouncementFile& file) {
   }
   for (const std::string& endpoint : file.endpoints()) {
     if (endpoint.empty() || !IsPrintable(endpoint, kMaxTextBytes)) return "one of its endpoints cannot be one";
+  }
+  if (file.only_size() > static_cast<int>(kMaxOnly)) {
+    return "it names more than " + std::to_string(kMaxOnly) + " processes that it wants to do with";
   }
   for (const wire::AnnouncedChannel& channel : file.channels()) {
     if (const std::string fault = ChannelNameFault(channel.channel()); !fault.empty()) {
@@ -91,8 +97,11 @@ Announcement Read(const wire::AnnouncementFile& from) {
                            .fingerprint = channel.fingerprint(),
                            .publishes = channel.publishes(),
                            .subscribes = channel.subscribes(),
-                           .lossless = channel.lossless()});
+                           .lossless = channel.lossless(),
+                           .by_shared_memory = !channel.not_by_shared_memory(),
+                           .by_endpoints = !channel.not_by_endpoints()});
   }
+  for (const std::string& process : from.only()) to.only.push_back(Readable(process));
   return to;
 }
 

@@ -14,6 +14,7 @@ inline constexpr std::uint32_t kFileVersion = 1;
 inline constexpr std::size_t kMaxFileBytes = 1 << 20;
 inline constexpr std::size_t kMaxPathBytes = 4096;
 inline constexpr std::size_t kMaxEndpoints = 16;
+inline constexpr std::size_t kMaxOnly = 1024;
 
 /// The content of a session's file. Throws Error if it would not be read back: no session, too many or too long texts,
 /// too large.

@@ -10,6 +10,7 @@
 
 #include "discovery/announcement_file.hpp"
 #include "discovery/session_file.hpp"
+#include "discovery/stale_folders.hpp"
 #include "hgros/base/error.hpp"
 
 namespace hgros::discovery {
@@ -32,6 +33,7 @@ RegistryCore::RegistryCore(const RegistryOptions& options, DiscoveryListener& li
     : listener_(listener), log_(log), folder_(options), own_(folder_, log) {
   Open();
   Scan();
+  book_.Tell(listener_);
   thread_ = std::thread([this] { Loop(); });
 }
 
@@ -50,6 +52,7 @@ void RegistryCore::Announce(const Announcement& own) {
 
 void RegistryCore::Loop() {
   pthread_setname_np(pthread_self(), "hgros-registry");
+  RemoveStaleFolders(folder_.path());
   for (;;) {
     book_.Tell(listener_);
     bell_.Wait(watch_.fd(), Deadline());

@@ -19,22 +19,10 @@ constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 constexpr mode_t kOnlyMe = 0700;
 constexpr int kTries = 100;
 
-// What makes `path` unfit as a folder in which this user's sessions trust each other; empty if nothing does.
-std::string Fault(const fs::path& path) {
-  struct stat status {};
-  // Without following a symbolic link: anybody may have put one into /tmp.
-  if (lstat(path.c_str(), &status) != 0) return std::string("it cannot be read: ") + std::strerror(errno);
-  if (!S_ISDIR(status.st_mode)) return S_ISLNK(status.st_mode) ? "it is a symbolic link" : "it is no folder";
-  if (status.st_uid != geteuid()) {
-    return "it belongs to user " + std::to_string(status.st_uid) + ", and this is user " + std::to_string(geteuid());
-  }
-  if ((status.st_mode & kOthersWrite) != 0) return "others may write to it";
-  return {};
-}
-
 fs::path UsersFolder() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && fs::path(runtime).is_absolute() && Fault(runtime).empty() && access(runtime, W_OK) == 0) {
+  if (runtime != nullptr && fs::path(runtime).is_absolute() && FolderFault(runtime).empty() &&
+      access(runtime, W_OK) == 0) {
     return fs::path(runtime) / "hgros";
   }
   return "/tmp/hgros-" + std::to_string(geteuid());
@@ -53,6 +41,18 @@ bool MakeOne(const fs::path& path) {
 
 }  // namespace
 
+std::string FolderFault(const fs::path& path) {
+  struct stat status {};
+  // Without following a symbolic link: anybody may have put one into /tmp.
+  if (lstat(path.c_str(), &status) != 0) return std::string("it cannot be read: ") + std::strerror(errno);
+  if (!S_ISDIR(status.st_mode)) return S_ISLNK(status.st_mode) ? "it is a symbolic link" : "it is no folder";
+  if (status.st_uid != geteuid()) {
+    return "it belongs to user " + std::to_string(status.st_uid) + ", and this is user " + std::to_string(geteuid());
+  }
+  if ((status.st_mode & kOthersWrite) != 0) return "others may write to it";
+  return {};
+}
+
 RegistryFolder::RegistryFolder(const RegistryOptions& options) {
   RequireDomain(options.domain);
   parent_ = options.folder.empty() ? UsersFolder() : options.folder;
@@ -68,7 +68,7 @@ void RegistryFolder::Make() const {
     }
     if (!MakeOne(path_)) continue;
     for (const fs::path& path : {parent_, path_}) {
-      const std::string fault = Fault(path);
+      const std::string fault = FolderFault(path);
       if (fault.empty()) continue;
       if (struct stat status{}; lstat(path.c_str(), &status) != 0 && errno == ENOENT) break;  // Just removed.
       throw Error("The folder in which sessions find each other cannot be trusted: " + fault + ".", path.string(),

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "hgros/discovery/registry.hpp"
 
 namespace hgros::discovery {
+
+/// What makes `path` unfit as a folder in which this user's sessions trust each other; empty if nothing does.
+[[nodiscard]] std::string FolderFault(const std::filesystem::path& path);
 
 /// The folder of one domain, and its parent. Immutable.
 class RegistryFolder {

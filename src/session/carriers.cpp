@@ -1,20 +1,10 @@
 #include "session/carriers.hpp"
 
-#include <algorithm>
 #include <utility>
 
+#include "hgros/base/error.hpp"
+
 namespace hgros {
-namespace {
-
-constexpr auto kSharedMemoryPatience = std::chrono::seconds(2);
-
-template <class Joined>
-void AddTo(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joined>& joined) {
-  std::erase_if(list, [](const auto& entry) { return entry.expired(); });
-  list.push_back(joined);
-}
-
-}  // namespace
 
 void Carriers::Ear::OnPeerCame(const PeerInfo& peer) noexcept { carriers_.peers_.Came(peer, kind_); }
 
@@ -31,66 +21,103 @@ void Carriers::Ear::OnTypeMismatch(std::string_view channel, const PeerInfo& pee
 }
 
 Carriers::Carriers(CarrierOptions options, TransportListener& listener, Log& log)
-    : listener_(listener), log_(log), options_(std::move(options)), peers_(listener, log) {
-  options_.zmq.takes = [this](SessionId peer) { return peers_.Take(peer, CarrierKind::kZmq); };
-  own_ = AnnouncementOfThisProcess(options_.zmq.session, 0);
+    : listener_(listener),
+      log_(log),
+      options_(std::move(options)),
+      peers_(listener, log, options_.rules, options_.registry.has_value(),
+             AnnouncementOfThisProcess(options_.zmq.session, 0).host),
+      own_(AnnouncementOfThisProcess(options_.zmq.session, 0)),
+      ruled_(!options_.rules.empty()) {
+  options_.zmq.takes = [this](SessionId peer, std::string_view channel) {
+    return peers_.Take(peer, channel, CarrierKind::kZmq);
+  };
   own_.process = options_.zmq.process;
-  if (options_.shm) {
-    ShmOptions shm = *options_.shm;
-    shm.takes = [this](SessionId peer) { return peers_.Take(peer, CarrierKind::kShm); };
-    try {
-      shm_ = MakeShmTransport(std::move(shm), shm_ear_, log);
-      own_.shared_memory = shm_->place();
-    } catch (const std::exception& error) {
-      log.Write(LogLevel::kWarning,
-                std::string("Sessions of this host are not reached through shared memory. ") + error.what());
-    }
-  }
+  own_.only = options_.only;
+  if (options_.shm) OpenShm();
   // Before endpoints are bound: who finds us there can find us in the registry as well.
-  if (options_.registry) {
-    try {
-      registry_ = OpenRegistry(*options_.registry, *this, log);
-      registry_->Announce(own_);
-    } catch (const std::exception& error) {
-      registry_.reset();
-      log.Write(LogLevel::kWarning, std::string("Sessions of this host are not looked for. ") + error.what());
-    }
-  }
+  if (options_.registry) LookOnHost();
   if (!options_.zmq.publish.empty() || !options_.zmq.subscribe.empty()) Zmq();
+  if (options_.beacon) LookOnNetwork();
 }
 
 Carriers::~Carriers() { Close(0); }
 
 void Carriers::Close(int linger_ms) noexcept {
   std::unique_ptr<Discovery> registry;
+  std::unique_ptr<Discovery> beacon;
   {
     const std::scoped_lock lock(announcing_);
     registry = std::move(registry_);
+    beacon = std::move(beacon_);
   }
   registry.reset();  // Nobody comes any more.
+  beacon.reset();
   if (shm_) shm_->Close(linger_ms);
-  if (zmq_) zmq_->Close(linger_ms);
+  if (ZmqTransport* const zmq = this->zmq()) zmq->Close(linger_ms);
+}
+
+CarrierSet Carriers::RuleOf(const std::string& channel) const {
+  const auto rule = options_.rules.find(channel);
+  return rule == options_.rules.end() ? CarrierSet{} : rule->second;
 }
 
 ZmqTransport& Carriers::Zmq() {
-  if (zmq_) return *zmq_;
-  zmq_ = MakeZmqTransport(options_.zmq, zmq_ear_, log_);
-  for (const auto& entry : outbound_) {
-    if (const auto joined = entry.lock()) joined->Add(*zmq_);
-  }
-  for (const auto& entry : inbound_) {
-    if (const auto joined = entry.lock()) joined->Add(*zmq_);
-  }
+  if (owned_zmq_) return *owned_zmq_;
+  owned_zmq_ = MakeZmqTransport(options_.zmq, zmq_ear_, log_);
+  zmq_.store(owned_zmq_.get(), std::memory_order_release);
+  const auto join = [this](auto& list) {
+    for (const auto& entry : list) {
+      if (const auto joined = entry.lock(); joined && RuleOf(joined->channel()).zmq) joined->Add(*owned_zmq_);
+    }
+  };
+  join(outbound_);
+  join(inbound_);
   Announce();
-  return *zmq_;
+  return *owned_zmq_;
+}
+
+void Carriers::AddPublishEndpoint(const PublishEndpoint& endpoint) {
+  Zmq().AddPublishEndpoint(endpoint);
+  Announce();
+}
+
+void Carriers::AddSubscribeEndpoint(const SubscribeEndpoint& endpoint) {
+  ZmqTransport& zmq = Zmq();
+  if (lan_) lan_->Configure(endpoint.endpoint);
+  try {
+    zmq.AddSubscribeEndpoint(endpoint);
+  } catch (const Error&) {
+    if (lan_) lan_->Release(endpoint.endpoint);
+    throw;
+  }
+}
+
+bool Carriers::RemoveSubscribeEndpoint(const std::string& endpoint) {
+  const bool removed = zmq() != nullptr && zmq()->RemoveSubscribeEndpoint(endpoint);
+  if (removed && lan_) lan_->Release(endpoint);
+  return removed;
+}
+
+template <class Joined>
+void Carriers::Join(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joined>& joined) {
+  const CarrierSet rule = RuleOf(joined->channel());
+  if (shm_ && rule.shared_memory) joined->Add(*shm_);
+  if (owned_zmq_ && rule.zmq) joined->Add(*owned_zmq_);
+  if (!shm_ && !rule.zmq) {
+    log_.WriteLimited(LogLevel::kWarning, "no shared memory " + joined->channel(),
+                      "Channel \"" + joined->channel() +
+                          "\" stays in this process: its `carriers` allow shared memory only, and this session shares "
+                          "none. Let it find others of this host (discovery: local), or allow zmq.");
+  }
+  std::erase_if(list, [](const auto& entry) { return entry.expired(); });
+  list.push_back(joined);
+  SayLaterWhatCannotPass();
 }
 
 std::shared_ptr<JoinedOutbound> Carriers::Advertise(const std::string& channel, const TypeInfo& type,
                                                     OutboundSource& source) {
   auto joined = std::make_shared<JoinedOutbound>(channel, type, source);
-  if (shm_) joined->Add(*shm_);
-  if (zmq_) joined->Add(*zmq_);
-  AddTo(outbound_, joined);
+  Join(outbound_, joined);
   {
     const std::scoped_lock lock(announcing_);
     Own(channel, type).publishes = true;
@@ -102,9 +129,7 @@ std::shared_ptr<JoinedOutbound> Carriers::Advertise(const std::string& channel, 
 std::shared_ptr<JoinedInbound> Carriers::Subscribe(const std::string& channel, const TypeInfo& type,
                                                    const Demand& demand, InboundSink& sink) {
   auto joined = std::make_shared<JoinedInbound>(channel, type, demand, sink);
-  if (shm_) joined->Add(*shm_);
-  if (zmq_) joined->Add(*zmq_);
-  AddTo(inbound_, joined);
+  Join(inbound_, joined);
   {
     const std::scoped_lock lock(announcing_);
     ChannelAnnouncement& entry = Own(channel, type);
@@ -115,75 +140,9 @@ std::shared_ptr<JoinedInbound> Carriers::Subscribe(const std::string& channel, c
   return joined;
 }
 
-ChannelAnnouncement& Carriers::Own(const std::string& channel, const TypeInfo& type) {
-  const auto known = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
-  ChannelAnnouncement& entry = known == own_.channels.end() ? own_.channels.emplace_back() : *known;
-  entry.channel = channel;
-  entry.type_name = type.name;
-  entry.encoding = type.encoding;
-  entry.fingerprint = type.fingerprint;
-  return entry;
-}
-
-void Carriers::Unannounce(const std::string& channel) {
-  {
-    const std::scoped_lock lock(announcing_);
-    const auto entry = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
-    if (entry == own_.channels.end()) return;
-    entry->subscribes = false;
-    if (!entry->publishes) own_.channels.erase(entry);
-  }
-  Announce();
-}
-
-void Carriers::Announce() {
-  const std::scoped_lock lock(announcing_);
-  if (!registry_) return;
-  if (zmq_) own_.endpoints = zmq_->BoundEndpoints();
-  try {
-    registry_->Announce(own_);
-  } catch (const std::exception& error) {
-    log_.WriteLimited(LogLevel::kWarning, "announce",
-                      std::string("Other sessions of this host do not see what has changed here. ") + error.what());
-  }
-}
-
-// Of two sessions the one with the smaller id connects.
-void Carriers::OnCame(const Announcement& peer) {
-  if (!shm_ || peer.shared_memory.empty() || peer.boot_id != own_.boot_id) return;
-  peers_.Expect(peer.session);
-  AwaitSharedMemory(peer.session, peer.process, peer.pid);
-  if (options_.zmq.session.value < peer.session.value) shm_->AddPeer(peer.shared_memory);
-}
-
-void Carriers::OnChanged(const Announcement& /*peer*/) {}
-
-void Carriers::OnGone(const Announcement& last, std::string_view /*reason*/) {
-  peers_.Unexpect(last.session);
-  AskAgain(CarrierKind::kZmq);  // What is still reached otherwise is no longer left to shared memory.
-  if (shm_ && !last.shared_memory.empty()) shm_->RemovePeer(last.shared_memory);
-}
-
-// It is on this host, and may still not be able to share memory with us, in a container for one.
-void Carriers::AwaitSharedMemory(SessionId id, const std::string& process, std::int64_t pid) {
-  options_.later(kSharedMemoryPatience, [this, id, process, pid] {
-    const PeerCarriers::Without without = peers_.GiveUp(id);
-    if (without == PeerCarriers::Without::kNotNeeded) return;
-    const std::string who = "Session " + id.ToString() + " (" + process + ", process " + std::to_string(pid) +
-                            ") was found on this host, but no memory can be shared with it";
-    const std::string mend = " Check whether both run as one user and in one network namespace.";
-    if (without == PeerCarriers::Without::kReached) {
-      log_.Write(LogLevel::kWarning, who + ": ZeroMQ carries its messages." + mend);
-    } else {
-      log_.Write(LogLevel::kWarning, who + ", and no endpoint leads to it: nothing passes between the two." + mend);
-    }
-    AskAgain(CarrierKind::kZmq);
-  });
-}
-
 void Carriers::AskAgain(CarrierKind kind) noexcept {
   if (kind == CarrierKind::kShm && shm_) shm_->AskAgain();
-  if (kind == CarrierKind::kZmq && zmq_) zmq_->AskAgain();
+  if (kind == CarrierKind::kZmq && zmq() != nullptr) zmq()->AskAgain();
 }
 
 TransportStats Carriers::stats() const {
@@ -193,7 +152,7 @@ TransportStats Carriers::stats() const {
     sum.repeats += stats.repeats;
   };
   if (shm_) add(shm_->stats());
-  if (zmq_) add(zmq_->stats());
+  if (zmq() != nullptr) add(zmq()->stats());
   return sum;
 }
 

@@ -1,20 +1,25 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hgros/base/log.hpp"
+#include "hgros/discovery/beacon.hpp"
 #include "hgros/discovery/registry.hpp"
 #include "hgros/transport/shm_transport.hpp"
 #include "hgros/transport/zmq_transport.hpp"
 #include "session/joined_channels.hpp"
+#include "session/lan_peers.hpp"
 #include "session/peer_carriers.hpp"
 
 namespace hgros {
@@ -23,12 +28,15 @@ struct CarrierOptions {
   ZmqOptions zmq;                           ///< With endpoints, or for some that come later.
   std::optional<ShmOptions> shm;            ///< Nothing: no memory is shared with anybody.
   std::optional<RegistryOptions> registry;  ///< Nothing: nobody is looked for on this host.
+  std::vector<std::string> only;            ///< On this host only these processes; empty: all.
+  std::optional<BeaconOptions> beacon;      ///< Nothing: nobody is looked for on other hosts.
+  CarrierRules rules;                       ///< By channel.
   /// Runs something after a while, on a thread that may wait; not after the carriers have been closed.
   std::function<void(std::chrono::nanoseconds delay, std::function<void()> errand)> later;
 };
 
-/// All carriers of one session, and how it finds others on its host. Each other session is received from over one
-/// carrier, the cheapest that reaches it, so no message comes twice.
+/// All carriers of one session, and how it finds others on its host and its network. Each other session is received
+/// from over one carrier, the cheapest that reaches it, so no message comes twice.
 ///
 /// Thread safety: all functions, but wiring (all but stats and lists) by one thread at a time. Calls into the listener
 /// come from the carriers' threads, in one order for each peer.
@@ -48,8 +56,11 @@ class Carriers final : private DiscoveryListener {
 
   /// The one for endpoints; made at the first call. Throws Error.
   ZmqTransport& Zmq();
-  [[nodiscard]] ZmqTransport* zmq() noexcept { return zmq_.get(); }
-  [[nodiscard]] const ZmqTransport* zmq() const noexcept { return zmq_.get(); }
+  [[nodiscard]] ZmqTransport* zmq() const noexcept { return zmq_.load(std::memory_order_acquire); }
+  /// As the transport's, also of an endpoint to which a beacon has led already. Throws Error.
+  void AddPublishEndpoint(const PublishEndpoint& endpoint);
+  void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint);
+  bool RemoveSubscribeEndpoint(const std::string& endpoint);
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
   [[nodiscard]] TransportStats stats() const;
@@ -74,11 +85,22 @@ class Carriers final : private DiscoveryListener {
   void OnChanged(const Announcement& peer) override;
   void OnGone(const Announcement& last, std::string_view reason) override;
 
+  // carriers_finding.cpp: how others of the host and the network are found, and find us.
+  void OpenShm();
+  void LookOnHost();
+  void LookOnNetwork();
   // Under announcing_: what is said of the channel.
   ChannelAnnouncement& Own(const std::string& channel, const TypeInfo& type);
   void Announce();
-  void AskAgain(CarrierKind kind) noexcept;
+  [[nodiscard]] bool IsWanted(const Announcement& peer);
   void AwaitSharedMemory(SessionId id, const std::string& process, std::int64_t pid);
+  void SayLaterWhatCannotPass();
+  void SayWhatCannotPass();
+
+  [[nodiscard]] CarrierSet RuleOf(const std::string& channel) const;
+  template <class Joined>
+  void Join(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joined>& joined);
+  void AskAgain(CarrierKind kind) noexcept;
 
   TransportListener& listener_;
   Log& log_;
@@ -89,10 +111,17 @@ class Carriers final : private DiscoveryListener {
   std::unique_ptr<ShmTransport> shm_;
   std::mutex announcing_;  // Guards the next two: a subscription may end while the session does.
   Announcement own_;
-  std::unique_ptr<Discovery> registry_;
-  std::unique_ptr<ZmqTransport> zmq_;
+  std::set<std::pair<std::string, std::uint64_t>> said_;  // Channels and sessions between which nothing can pass.
+  // Read by any thread, and made while others read: it stays when it is there.
+  std::unique_ptr<ZmqTransport> owned_zmq_;
+  std::atomic<ZmqTransport*> zmq_{nullptr};
+  std::unique_ptr<LanPeers> lan_;
+  std::atomic<bool> ruled_;  // Somebody has rules for channels.
   std::vector<std::weak_ptr<JoinedOutbound>> outbound_;
   std::vector<std::weak_ptr<JoinedInbound>> inbound_;
+  // Under announcing_. They end first: their threads use all of the above.
+  std::unique_ptr<Discovery> registry_;
+  std::unique_ptr<Discovery> beacon_;
 };
 
 }  // namespace hgros

@@ -42,6 +42,7 @@ void Apply(const std::optional<yaml::Setting<T>>& setting, T& target) {
 
 Config ConfigDraft::Finish() const {
   CheckSecurity(*this);
+  CheckHost(*this);
   Config config;
   config.publishers = WhiteLists(publishers);
   config.subscribers = WhiteLists(subscribers);
@@ -59,7 +60,14 @@ Config ConfigDraft::Finish() const {
                       peer_timeout_ms ? peer_timeout_ms->position : heartbeat_ms->position,
                       "Set the time-out to several heartbeats.");
   }
-  Apply(discovery_local, config.discovery.local);
+  if (discovery_local) {
+    config.discovery.local = discovery_local->value.on;
+    config.discovery.only = discovery_local->value.names;
+  }
+  if (discovery_lan) {
+    config.discovery.lan = discovery_lan->value.on;
+    config.discovery.lan_interfaces = discovery_lan->value.names;
+  }
   Apply(domain, config.discovery.domain);
   Apply(shared_memory_limit_bytes, config.shared_memory.limit_bytes);
   Apply(shared_memory_wait, config.shared_memory.wait);
@@ -68,7 +76,7 @@ Config ConfigDraft::Finish() const {
   Apply(threads, config.threads);
   for (const auto& [name, node] : nodes) config.nodes[name] = {ValueOf(node.queue), ValueOf(node.executor)};
   for (const auto& [name, channel] : channels) {
-    config.channels[name] = {ValueOf(channel.queue), ValueOf(channel.latched)};
+    config.channels[name] = {ValueOf(channel.queue), ValueOf(channel.latched), ValueOf(channel.carriers)};
   }
   return config;
 }

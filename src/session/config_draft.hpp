@@ -31,6 +31,13 @@ struct ConfigDraft {
   struct Channel {
     Maybe<Queue> queue;
     Maybe<std::size_t> latched;
+    Maybe<CarrierSet> carriers;
+  };
+  /// A switch that may be a list of names instead: on, for these.
+  struct NamedSwitch {
+    bool on = false;
+    std::vector<std::string> names;
+    bool operator==(const NamedSwitch&) const = default;
   };
 
   std::map<std::string, Endpoint> publishers;  ///< By endpoint, as the subscribers.
@@ -39,7 +46,8 @@ struct ConfigDraft {
   Maybe<int> heartbeat_ms;
   Maybe<int> peer_timeout_ms;
 
-  Maybe<bool> discovery_local;
+  Maybe<NamedSwitch> discovery_local;
+  Maybe<NamedSwitch> discovery_lan;
   Maybe<std::string> domain;
   Maybe<std::uint64_t> shared_memory_limit_bytes;
   Maybe<ShmWait> shared_memory_wait;
@@ -67,6 +75,8 @@ void ReadSharedMemory(const yaml::Value& section, ConfigDraft& draft);
 void ReadDataGraph(const yaml::Value& section, ConfigDraft& draft);
 void ReadChannels(const yaml::Value& section, ConfigDraft& draft);
 
+/// Throws ConfigError if a setting has no meaning beside others.
+void CheckHost(const ConfigDraft& draft);
 /// Throws ConfigError if encryption is on or meant, but could not protect every connection.
 void CheckSecurity(const ConfigDraft& draft);
 

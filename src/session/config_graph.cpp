@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "hgros/base/names.hpp"
 #include "session/config_draft.hpp"
@@ -82,6 +83,25 @@ Executor ReadExecutor(const Value& value) {
   return kOf(kind);
 }
 
+CarrierSet ReadCarriers(const Value& value) {
+  CarrierSet carriers{false, false};
+  const auto add = [&carriers](const Value& one) {
+    bool& named = one.Choice({"shared_memory", "zmq"}) == 0 ? carriers.shared_memory : carriers.zmq;
+    if (std::exchange(named, true))
+      one.Fail("is " + yaml::Quoted(one.Text("a carrier")) + ", which the list has already", "Keep one of them.");
+  };
+  if (value.kind() != yaml::Node::Kind::kList) {
+    add(value);
+    return carriers;
+  }
+  for (const Value& one : value.List({})) add(one);
+  if (carriers.none()) {
+    value.Fail("lists no carrier",
+               "Name shared_memory, zmq or both; what is to stay in its process is published by ToGraph.");
+  }
+  return carriers;
+}
+
 void ReadNodes(const Value& map, ConfigDraft& draft) {
   for (const Field& field : map.Map("a map from node names to their settings")) {
     if (field.key.empty()) throw ConfigError("The name of the node is empty.", field.key_position, "Write its name.");
@@ -107,7 +127,8 @@ void ReadDataGraph(const Value& value, ConfigDraft& draft) {
 void ReadChannels(const Value& value, ConfigDraft& draft) {
   for (const Field& field : value.Map("a map from channel names to their settings")) {
     CheckChannelName(field.key, field.key_position);
-    const Section section(field.value, "a map with queue, lossless and latched", {"queue", "lossless", "latched"});
+    const Section section(field.value, "a map with queue, lossless, latched and carriers",
+                          {"queue", "lossless", "latched", "carriers"});
     ConfigDraft::Channel& channel = draft.channels[field.key];
     const auto queue = section.Find("queue");
     const auto lossless = section.Find("lossless");
@@ -122,6 +143,7 @@ void ReadChannels(const Value& value, ConfigDraft& draft) {
     }
     if (wanted) Settle(channel.queue, *wanted, queue ? *queue : *lossless);
     if (const auto latched = section.Find("latched")) Settle(channel.latched, ReadMessageCount(*latched, 0), *latched);
+    if (const auto carriers = section.Find("carriers")) Settle(channel.carriers, ReadCarriers(*carriers), *carriers);
   }
 }
 

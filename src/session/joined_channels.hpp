@@ -28,6 +28,7 @@ class JoinedOutbound {
   JoinedOutbound& operator=(const JoinedOutbound&) = delete;
 
   void Add(Transport& transport);
+  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
 
   [[nodiscard]] std::size_t subscriber_count() const noexcept;
   PublishStatus Reserve() noexcept;
@@ -61,6 +62,7 @@ class JoinedInbound {
   JoinedInbound& operator=(const JoinedInbound&) = delete;
 
   void Add(Transport& transport);
+  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
 
   [[nodiscard]] std::size_t publisher_count() const noexcept;
   void SetDemand(const Demand& demand);

@@ -22,12 +22,12 @@ std::string ProgramName() {
   return name.empty() ? "hgros" : name;
 }
 
-// Nothing: the session neither finds nor is found by others of this host.
+// Nothing: the session neither finds others by itself nor is found by them.
 std::optional<std::string> DomainOf(const Config& config) {
   const char* const environment = std::getenv("HGROS_DOMAIN");
   const bool set = environment != nullptr && *environment != '\0';
   const std::string domain = set ? environment : config.discovery.domain;
-  if (!config.discovery.local || domain == kNoDomain) return std::nullopt;
+  if ((!config.discovery.local && !config.discovery.lan) || domain == kNoDomain) return std::nullopt;
   if (!IsDomain(domain)) {
     throw Error("\"" + domain + "\" cannot name a domain" + (set ? ", as HGROS_DOMAIN says." : "."), {},
                 "Use 1 to 64 letters, digits, '_', '-' and '.', or \"none\" to be found by nobody.");
@@ -330,17 +330,18 @@ void Session::Core::PublishEvent(PeerEvent event) noexcept {
 }
 
 void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
-  log_->Write(LogLevel::kInfo, "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
-                                   (peer.endpoint.empty() ? ") has connected" : ") answers at " + peer.endpoint) +
-                                   ", over " + peer.carrier + ".");
+  // The name of a pair's socket means nothing to anybody.
+  const bool at = !peer.endpoint.empty() && peer.endpoint.find("://") != std::string::npos;
+  log_->Write(LogLevel::kInfo, NameOf(peer) + " is reached through " + peer.carrier +
+                                   (at ? " at " + peer.endpoint : std::string()) + ": " + peer.why + ".");
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsBack(id); });
   PublishEvent({PeerEvent::Kind::kCame, peer, {}, {}});
 }
 
 void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });  // In order with its return.
-  log_->Write(LogLevel::kInfo, "Session " + peer.id.ToString() + " (" + peer.process + " on " + peer.host +
-                                   ") is gone: " + std::string(reason));
+  log_->Write(LogLevel::kInfo,
+              NameOf(peer) + (closing_ ? " is no longer reached: " : " is gone: ") + std::string(reason) + ".");
   PublishEvent({PeerEvent::Kind::kGone, peer, {}, std::string(reason)});
 }
 

@@ -88,7 +88,7 @@ class Session::Core final : public TransportListener {
   Carriers& Reach();
   CarrierOptions OptionsForCarriers();
   enum class Way { kOut, kIn };
-  static std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way);
+  std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way) const;
   bool SayIfItCannotLeave(const std::string& channel);
   NodeOptions WithChannelConfig(const Channel& channel, NodeOptions options) const;
   void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);

@@ -68,7 +68,10 @@ CarrierOptions Session::Core::OptionsForCarriers() {
     zmq.security =
         ZmqSecurity{{config_.security.public_key, config_.security.secret_key}, config_.security.allowed_clients};
   }
-  if (domain_) {
+  for (const auto& [channel, entry] : config_.channels) {
+    if (entry.carriers && !entry.carriers->all()) options.rules.emplace(channel, *entry.carriers);
+  }
+  if (domain_ && config_.discovery.local) {
     ShmOptions& shm = options.shm.emplace();
     shm.session = id_;
     shm.process = name_;
@@ -79,6 +82,12 @@ CarrierOptions Session::Core::OptionsForCarriers() {
     shm.peer_timeout = zmq.peer_timeout;
     shm.peer_queue_bytes = zmq.peer_queue_bytes;
     options.registry.emplace().domain = *domain_;
+    options.only = config_.discovery.only;
+  }
+  if (domain_ && config_.discovery.lan) {
+    BeaconOptions& beacon = options.beacon.emplace();
+    beacon.domain = *domain_;
+    beacon.interfaces = config_.discovery.lan_interfaces;
   }
   options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
     errands_->PostIn(delay, std::move(errand));
@@ -87,7 +96,8 @@ CarrierOptions Session::Core::OptionsForCarriers() {
 }
 
 // A slip of the pen in a white list is otherwise nothing but silence. A sentence, or nothing if the channel may pass.
-std::string Session::Core::Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way) {
+std::string Session::Core::Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints,
+                                    Way way) const {
   std::vector<std::string> listed;
   for (const EndpointConfig& endpoint : endpoints) {
     if (endpoint.all_channels || std::binary_search(endpoint.channels.begin(), endpoint.channels.end(), channel)) {
@@ -97,9 +107,10 @@ std::string Session::Core::Confined(std::string_view channel, const std::vector<
   }
   if (endpoints.empty()) return {};
   const std::string nearest = NearestName(channel, listed);
+  const std::string place = domain_ && config_.discovery.local ? "host" : "process";
   return "Channel \"" + std::string(channel) +
-         (way == Way::kOut ? "\" is published, but does not leave this process: no publisher"
-                           : "\" is subscribed to, but nothing enters this process: no subscriber") +
+         (way == Way::kOut ? "\" is published, but does not leave this " + place + ": no publisher"
+                           : "\" is subscribed to, but nothing enters this " + place + ": no subscriber") +
          " endpoint has it in its list of channels." +
          (nearest.empty() ? std::string() : " Did you mean \"" + nearest + "\"?");
 }
@@ -140,14 +151,14 @@ void Session::Core::AllowSubscribing(std::string_view channel, bool allowed) {
 
 void Session::Core::AddPublisherEndpoint(const EndpointConfig& endpoint) {
   const std::scoped_lock lock(mutex_);
-  Reach().Zmq().AddPublishEndpoint({endpoint.endpoint, ListOf(endpoint)});
+  Reach().AddPublishEndpoint({endpoint.endpoint, ListOf(endpoint)});
   config_.publishers.push_back(endpoint);
 }
 
 void Session::Core::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
   const std::scoped_lock lock(mutex_);
   const auto key = config_.security.servers.find(endpoint.endpoint);
-  Reach().Zmq().AddSubscribeEndpoint(
+  Reach().AddSubscribeEndpoint(
       {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});
   config_.subscribers.push_back(endpoint);
 }
@@ -155,8 +166,7 @@ void Session::Core::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
 void Session::Core::RemoveSubscriberEndpoint(std::string_view endpoint) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(config_.subscribers, [&](const EndpointConfig& one) { return one.endpoint == endpoint; });
-  ZmqTransport* const zmq = carriers_ ? carriers_->zmq() : nullptr;
-  if (zmq == nullptr || !zmq->RemoveSubscribeEndpoint(std::string(endpoint))) {
+  if (!carriers_ || !carriers_->RemoveSubscribeEndpoint(std::string(endpoint))) {
     throw Error("There is no subscriber endpoint " + std::string(endpoint) + ".");
   }
 }

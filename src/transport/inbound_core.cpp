@@ -74,15 +74,30 @@ void InboundCore::TellFault(PacketFault fault, std::string_view what) {
   gate_.Through([&] { sink_.OnFault(fault, what); });
 }
 
-bool InboundCore::Claim(SessionId publisher, const void* endpoint) {
+bool AreOfOneSocket(std::uint64_t one, std::uint64_t other) noexcept {
+  constexpr std::uint64_t kNear = 1ULL << 32;
+  return one - other < kNear || other - one < kNear;
+}
+
+bool InboundCore::Claim(SessionId publisher, const void* endpoint, std::uint64_t handshake) {
   const std::scoped_lock lock(mutex_);
-  return claims_.try_emplace(publisher, endpoint).first->second == endpoint;
+  Claimed& claim = claims_.try_emplace(publisher, Claimed{endpoint, handshake}).first->second;
+  if (claim.endpoint != endpoint) return false;
+  claim.handshake = handshake;
+  return true;
+}
+
+bool InboundCore::IsClaimedBeside(SessionId publisher, const void* endpoint, std::uint64_t handshake) const {
+  const std::scoped_lock lock(mutex_);
+  const auto claim = claims_.find(publisher);
+  return claim != claims_.end() && claim->second.endpoint != endpoint &&
+         AreOfOneSocket(claim->second.handshake, handshake);
 }
 
 bool InboundCore::Release(SessionId publisher, const void* endpoint) {
   const std::scoped_lock lock(mutex_);
   const auto claim = claims_.find(publisher);
-  if (claim == claims_.end() || claim->second != endpoint) return false;
+  if (claim == claims_.end() || claim->second.endpoint != endpoint) return false;
   claims_.erase(claim);
   return true;
 }

@@ -15,6 +15,9 @@
 
 namespace hgros {
 
+/// Whether two numbers of handshakes are one publishing socket's, which counts on from a random number.
+[[nodiscard]] bool AreOfOneSocket(std::uint64_t one, std::uint64_t other) noexcept;
+
 /// One subscribed channel, as all subscribe endpoints see it.
 /// Thread safety: Deliver() is the leading thread's; the rest anywhere.
 class InboundCore {
@@ -34,8 +37,12 @@ class InboundCore {
   /// Tells the sink of a packet that was dropped.
   void TellFault(PacketFault fault, std::string_view what);
 
-  /// A publisher sends us this channel over one endpoint only, the first that claims it.
-  [[nodiscard]] bool Claim(SessionId publisher, const void* endpoint);
+  /// A publisher sends us this channel over one endpoint only, the first that claims it. `handshake` is that of the
+  /// publisher's latest Welcome there: two endpoints with about the same lead to one socket of the publisher's, which
+  /// says everything to both.
+  [[nodiscard]] bool Claim(SessionId publisher, const void* endpoint, std::uint64_t handshake);
+  /// Whether another endpoint that leads to the same socket has the claim.
+  [[nodiscard]] bool IsClaimedBeside(SessionId publisher, const void* endpoint, std::uint64_t handshake) const;
   /// True if `endpoint` had the claim.
   bool Release(SessionId publisher, const void* endpoint);
   static void CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions);
@@ -59,7 +66,11 @@ class InboundCore {
   RepeatFilter repeats_;
   mutable std::mutex mutex_;
   Demand demand_;
-  std::unordered_map<SessionId, const void*> claims_;
+  struct Claimed {
+    const void* endpoint;
+    std::uint64_t handshake;
+  };
+  std::unordered_map<SessionId, Claimed> claims_;
   // Runs wait for one another only when many are at work already: a sink has no claim on all threads there are.
   std::size_t running_ = 0;
   std::size_t owed_runs_ = 0;

@@ -147,8 +147,9 @@ inline Announcement NewAnnouncement(const std::string& process = "test") {
   own.process = process;
   own.shared_memory = "/run/place of memory";
   own.endpoints = {"ipc:///run/bus", "tcp://127.0.0.1:5555"};
-  own.channels = {{"scan", "foxglove.LaserScan", Encoding::kProtobuf, 17, true, false, false},
-                  {"robot1/pose", "Pose", Encoding::kPlain, 18, false, true, true}};
+  own.channels = {{"scan", "foxglove.LaserScan", Encoding::kProtobuf, 17, true, false, false, false, true},
+                  {"robot1/pose", "Pose", Encoding::kPlain, 18, false, true, true, true, false}};
+  own.only = {"test", "a viewer"};
   return own;
 }
 

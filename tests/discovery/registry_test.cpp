@@ -74,6 +74,37 @@ TEST_F(Registry, KnowsAtOnceWhoWasThereBefore) {
   EXPECT_EQ(late.registry->List(), std::vector{early.own});
 }
 
+TEST_F(Registry, ItsListenerKnowsAtOnceWhoWasThereBefore) {
+  const Participant early(options);
+  early.Announce();
+  const Participant late(options);
+  EXPECT_TRUE(late.listening.Sees(early.own)) << "told before opening has returned";
+}
+
+TEST_F(Registry, RemovesWholeFoldersOfTheDead) {
+  const auto leave = [&](const std::string& domain, const std::string& file) {
+    fs::create_directories(options.folder / domain);
+    fs::permissions(options.folder / domain, fs::perms::owner_all);
+    std::ofstream(options.folder / domain / file) << "x";
+  };
+  fs::create_directory(options.folder);
+  fs::permissions(options.folder, fs::perms::owner_all);
+  leave("dead", "0123456789abcdef");
+  leave("dead", ".0123456789abcdee.0123456789abcdef");
+  leave("strange", "0123456789abcdef");
+  leave("strange", "README");
+  RegistryOptions elsewhere = options;
+  elsewhere.domain = "alive";
+  const Participant living(elsewhere);
+  living.Announce();
+  leave("alive", "0123456789abcdef");
+  const Participant newcomer(options);
+  EXPECT_TRUE(Await([&] { return !fs::exists(options.folder / "dead"); }));
+  EXPECT_TRUE(fs::exists(options.folder / "strange" / "README"));
+  EXPECT_TRUE(fs::exists(options.folder / "strange" / "0123456789abcdef")) << "who put that there is not known";
+  EXPECT_TRUE(fs::exists(options.folder / "alive" / living.own.session.ToString()));
+}
+
 TEST_F(Registry, TellsWhatChanges) {
   const Participant observer(options);
   Participant changing(options);

@@ -43,8 +43,21 @@ TEST(ConfigHost, FaultsOfDomainAndSharedMemoryAreExplained) {
   ExpectFault("discovery: {domain: a/b}", "1:21", {"discovery.domain is \"a/b\", which cannot name a domain"});
   ExpectFault("discovery: {local: maybe}", "1:20", {"discovery.local"});
   ExpectFault("discovery: {lokal: true}", "1:13", {"Did you mean \"local\"?"});
+  ExpectFault("discovery: {local: []}", "1:20", {"discovery.local lists nobody", "Write false"});
+  ExpectFault("discovery: {local: [a, a]}", "1:24", {"local[1] is \"a\"", "robot.yaml:1:21"});
+  ExpectFault("discovery: {local: {}}", "1:20", {"must be true, false or a list of processes' names, but is a map."});
+  ExpectFault("discovery: {lan: maybe}", "1:18", {"discovery.lan must be true or false"});
+  ExpectFault("discovery: {lan: {interface: [eth0]}}", "1:19", {"Did you mean \"interfaces\"?"});
+  ExpectFault("discovery: {lan: {interfaces: []}}", "1:18", {"lists no interface"});
+  ExpectFault("discovery: {lan: {interfaces: [a-name-of-16-byt]}}", "1:32", {"cannot be the name of a network"});
+  ExpectFault(std::string("discovery: {lan: true}\nnetwork: {security: {public_key: '") + kKey + "', secret_key: '" +
+                  kKey + "'}}",
+              "1:18", {"encrypted, as network.security at robot.yaml:2:", "a beacon tells nobody's key"});
   ExpectFault("shared_memory: {wait: nap}", "1:23", {"shared_memory.wait", "sleep"});
   ExpectFault("shared_memory: {limit_bytes: -1}", "1:30", {"shared_memory.limit_bytes"});
+  ExpectFault("shared_memory: {spin_us: 20}", "1:26",
+              {"has a meaning beside wait: spin only, and shared_memory.wait is not given.", "Write wait: spin"});
+  ExpectFault("shared_memory: {wait: busy, spin_us: 20}", "1:38", {"shared_memory.wait at robot.yaml:1:23 is another"});
 }
 
 TEST(ConfigKeys, OneBelowTheDashesIsExplained) {
@@ -164,6 +177,15 @@ TEST(ConfigQueues, RefuseOtherForms) {
   ExpectFault("channels: {a: {queue: {keeplast: 1}}}", "1:24", {"Did you mean \"keep_last\"?"});
   ExpectFault("channels: {a: {queue: latest, lossless: true}}", "1:41", {"contradicts the queue at robot.yaml:1:23"});
   ExpectFault("channels: {a: {queue: {keep_all: 5}, lossless: false}}", "1:48", {"contradicts the queue"});
+}
+
+TEST(ConfigCarriers, RefuseOtherForms) {
+  ExpectFault("channels: {a: {carriers: shared_memry}}", "1:26",
+              {"must be one of shared_memory, zmq", "Did you mean \"shared_memory\"?"});
+  ExpectFault("channels: {a: {carriers: [zmq, tcp]}}", "1:32", {"must be one of shared_memory, zmq"});
+  ExpectFault("channels: {a: {carriers: [zmq, zmq]}}", "1:32", {"which the list has already"});
+  ExpectFault("channels: {a: {carriers: []}}", "1:26", {"lists no carrier", "ToGraph"});
+  ExpectFault("channels: {a: {carrier: zmq}}", "1:16", {"Did you mean \"carriers\"?"});
 }
 
 TEST(ConfigExecutors, RefuseOtherForms) {

@@ -176,6 +176,24 @@ TEST(ConfigQueue, LosslessAgreesWithAKeepAllQueue) {
   EXPECT_EQ(config.channels.at("b").queue, std::nullopt);
 }
 
+TEST(ConfigCarriers, HaveTheseForms) {
+  const auto carriers = [](const std::string& form) {
+    return Config::Parse("channels: {scan: {carriers: " + form + "}}").channels.at("scan").carriers;
+  };
+  EXPECT_EQ(carriers("shared_memory"), (CarrierSet{true, false}));
+  EXPECT_EQ(carriers("[zmq]"), (CarrierSet{false, true}));
+  EXPECT_EQ(carriers("[zmq, shared_memory]"), CarrierSet());
+}
+
+TEST(ConfigDiscovery, HasTheseForms) {
+  const auto discovery = [](const std::string& form) { return Config::Parse("discovery: {" + form + "}").discovery; };
+  EXPECT_EQ(discovery(""), DiscoveryConfig());
+  EXPECT_FALSE(discovery("local: false").local);
+  EXPECT_EQ(discovery("local: [slam, camera]"), (DiscoveryConfig{.local = true, .only = {"camera", "slam"}}));
+  EXPECT_TRUE(discovery("lan: true").lan);
+  EXPECT_EQ(discovery("lan: {interfaces: [eth1, eth0]}").lan_interfaces, (Names{"eth0", "eth1"}));
+}
+
 TEST(ConfigExecutor, HasTheseForms) {
   const auto executor = [](const std::string& form) {
     return Config::Parse("data_graph: {nodes: {slam: {executor: " + form + "}}}").nodes.at("slam").executor;

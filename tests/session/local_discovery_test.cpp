@@ -1,10 +1,12 @@
 // Sessions of one host that are told nothing of each other.
-#include <cstdlib>
+#include <unistd.h>
+
 #include <optional>
+#include <thread>
 
 #include <foxglove/Log.pb.h>
 
-#include "session/session_fixture.hpp"
+#include "session/domain_fixture.hpp"
 
 namespace hgros {
 namespace {
@@ -20,13 +22,7 @@ using test::Robot;
 
 constexpr auto kSerial = Invoke::kSerial;
 
-// A domain of its own for each test, as the environment says it.
-class LocalDiscovery : public testing::Test {
- protected:
-  LocalDiscovery() { Enter("test-" + SessionId::Random().ToString()); }
-  ~LocalDiscovery() override { Enter("none"); }
-  static void Enter(const std::string& domain) { setenv("HGROS_DOMAIN", domain.c_str(), 1); }
-};
+class LocalDiscovery : public test::DomainFixture {};
 
 TEST_F(LocalDiscovery, TwoProgramsWithOneChannelFindEachOther) {
   Robot listener("");
@@ -41,6 +37,7 @@ TEST_F(LocalDiscovery, TwoProgramsWithOneChannelFindEachOther) {
   ASSERT_EQ(talker->Peers().size(), 1U);
   EXPECT_EQ(talker->Peers()[0].id, listener->id());
   EXPECT_EQ(talker->Peers()[0].carrier, "shared memory");
+  EXPECT_EQ(talker->Peers()[0].why, "same host");
   EXPECT_TRUE(talker->PublisherEndpoints().empty()) << "no socket was opened to the network";
 }
 
@@ -98,6 +95,75 @@ TEST_F(LocalDiscovery, CanBeSwitchedOff) {
   Robot hermit("discovery: {local: false}");
   (void)hermit->Advertise<Note>("notes");
   EXPECT_FALSE(hermit->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
+}
+
+TEST_F(LocalDiscovery, CanBeNarrowedToSomeProcesses) {
+  Robot talker("discovery: {local: [friend]}", "talker");
+  Robot stranger("", "stranger");
+  Robot close("", "friend");
+  Notes at_stranger, at_friend;
+  const auto first = stranger->FromAny<Note>("notes", kSerial, std::ref(at_stranger));
+  const auto second = close->FromAny<Note>("notes", kSerial, std::ref(at_friend));
+  const auto publish = talker->Advertise<Note>("notes");
+  const auto back = stranger->Advertise<Note>("back");
+  Notes from_stranger;
+  const auto third = talker->FromAny<Note>("back", kSerial, std::ref(from_stranger));
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_TRUE(Await([&] { return talker.Count("is not connected to") == 1; }));
+  EXPECT_TRUE(Await([&] { return stranger.Said("there does not list \"stranger\""); }));
+  EXPECT_TRUE(talker.Said("here does not list \"stranger\""));
+  EXPECT_FALSE(talker->WaitForSubscribers("notes", 2, std::chrono::milliseconds(200)));
+  EXPECT_FALSE(talker->WaitForPublishers("back", 1, std::chrono::milliseconds(1)));
+  publish(std::make_unique<Note>("hello"));
+  EXPECT_TRUE(Await([&] { return at_friend.size() == 1; }));
+  EXPECT_EQ(at_stranger.size(), 0U);
+}
+
+TEST_F(LocalDiscovery, SaysWhoCameOverWhatAndWhyItWent) {
+  Robot listener("", "listener");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  for (const bool stays : {false, true}) {
+    Robot talker("", "talker");
+    (void)talker->Advertise<Note>("notes");
+    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+    const std::string who = " (talker, process " + std::to_string(getpid()) + " on ";
+    const std::string me = " (listener, process " + std::to_string(getpid()) + " on ";
+    EXPECT_TRUE(Await([&] {
+      return listener.Said("Session " + talker->id().ToString() + who) &&
+             listener.Said(") is reached through shared memory: same host.");
+    }));
+    if (stays) listener.session.reset();
+    talker.session.reset();
+    if (stays) {
+      EXPECT_TRUE(listener.Said(") is no longer reached: this session ends."));
+    } else {
+      EXPECT_TRUE(Await([&] { return listener.Said(") is gone: it said goodbye."); }));
+      EXPECT_TRUE(talker.Said("Session " + listener->id().ToString() + me));
+    }
+  }
+}
+
+// Under ThreadSanitizer it shows who looks at what another makes.
+TEST_F(LocalDiscovery, EndpointsMayComeWhileSessionsComeAndGo) {
+  const Bus bus;
+  for (int round = 0; round < 5; ++round) {
+    Robot steady("");
+    Notes notes;
+    const auto subscription = steady->FromAny<Note>("notes", kSerial, std::ref(notes));
+    std::jthread neighbours([] {
+      for (int i = 0; i < 4; ++i) {
+        Robot talker("");
+        (void)talker->Advertise<Note>("notes");
+        EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+      }
+    });
+    std::jthread reader([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) (void)steady->Snapshot();
+    });
+    steady->AddPublisherEndpoint({bus.Endpoint("bus" + std::to_string(round)), {}, true});
+    neighbours.join();
+  }
 }
 
 TEST_F(LocalDiscovery, AnOutsideObserverLeavesPointerPassingAsItWas) {

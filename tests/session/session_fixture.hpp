@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -65,6 +66,12 @@ struct Robot {
       if (line.find(part) != std::string::npos) return true;
     }
     return false;
+  }
+  /// In how many lines.
+  [[nodiscard]] std::size_t Count(std::string_view part) {
+    const std::scoped_lock lock(mutex);
+    return static_cast<std::size_t>(
+        std::ranges::count_if(lines, [&](const std::string& line) { return line.find(part) != std::string::npos; }));
   }
   Session* operator->() const { return session.get(); }
 

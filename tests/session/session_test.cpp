@@ -1,5 +1,6 @@
 #include "hgros/session/session.hpp"
 
+#include <array>
 #include <optional>
 #include <thread>
 
@@ -55,6 +56,37 @@ TEST(Session, AMessageCrossesToAnotherSession) {
   ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
   EXPECT_EQ(notes.texts(), Numbered(0, 10));
   EXPECT_EQ(talker->Peers().size(), 1U);
+}
+
+// Two names, one socket: what it says, it says over both connections.
+TEST(Session, APublisherThatIsReachedByTwoNamesIsReceivedFromOnceWhicheverEnds) {
+  for (const std::size_t removed : {0U, 1U}) {
+    SCOPED_TRACE(removed);
+    Robot talker("network: {publisher: {ip: 'tcp://*:*'}}");
+    const std::string bound = talker->PublisherEndpoints().at(0);
+    const std::string port = bound.substr(bound.rfind(':'));
+    const std::array names{"tcp://127.0.0.1" + port, "tcp://127.0.0.2" + port};
+    Robot listener("network: {subscribers: [{ip: '" + names[0] + "'}, {ip: '" + names[1] + "'}]}");
+    Notes notes;
+    NodeOptions all;
+    all.queue = Queue::KeepAll(100);
+    const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes), all);
+    const auto publish = talker->Advertise<Note>("notes");
+    const auto pass = [&](int from, int to) {
+      ASSERT_TRUE(Await([&] { return talker->Snapshot().traffic.at(0).out.subscribers == 1; }));
+      for (int i = from; i < to; ++i) publish(std::make_unique<Note>(std::to_string(i)));
+      EXPECT_TRUE(Await([&] { return notes.size() == static_cast<std::size_t>(to); })) << notes.size();
+    };
+    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+    test::Linger(std::chrono::milliseconds(300));  // Time for the other connection.
+    pass(0, 50);
+    listener->RemoveSubscriberEndpoint(names[removed]);
+    test::Linger(std::chrono::milliseconds(300));  // Time for what may be said about it.
+    ASSERT_TRUE(Await([&] { return talker->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+    pass(50, 100);
+    EXPECT_EQ(notes.texts(), Numbered(0, 100));
+    EXPECT_EQ(talker->Snapshot().peers.size(), 1U);
+  }
 }
 
 TEST(Session, AProtobufMessageCrossesOverTcp) {

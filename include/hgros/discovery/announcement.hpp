@@ -18,7 +18,9 @@ struct ChannelAnnouncement {
   std::uint64_t fingerprint = 0;  ///< 0: unknown.
   bool publishes = false;
   bool subscribes = false;
-  bool lossless = false;  ///< As a subscriber: nothing may be dropped.
+  bool lossless = false;         ///< As a subscriber: nothing may be dropped.
+  bool by_shared_memory = true;  ///< May pass through shared memory.
+  bool by_endpoints = true;      ///< May pass over the endpoints.
 
   bool operator==(const ChannelAnnouncement&) const = default;
 };
@@ -35,6 +37,8 @@ struct Announcement {
   std::string shared_memory;           ///< The place of its shared-memory carrier; empty: it has none.
   std::vector<std::string> endpoints;  ///< ZeroMQ's: "ipc:///path", "tcp://host:port".
   std::vector<ChannelAnnouncement> channels;
+  /// Processes of this host that the session wants to do with, as they name themselves; empty: all.
+  std::vector<std::string> only;
 
   bool operator==(const Announcement&) const = default;
 };

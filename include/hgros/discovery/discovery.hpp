@@ -11,7 +11,8 @@ namespace hgros {
 /// Hears which sessions come, change and go. Implemented by whoever looks for others.
 ///
 /// Contract:
-///  1. All calls come from one thread of the Discovery, one at a time, and it holds no lock meanwhile.
+///  1. Calls come one at a time, and no lock is held meanwhile: first, for all who are there already, from the thread
+///     that opens a Registry, before it is open; from then on from one thread of the Discovery.
 ///  2. For each session: OnCame, any number of OnChanged, OnGone, and perhaps OnCame again. States that came and went
 ///     within a moment may be left out. A session that returned in another incarnation goes and comes.
 ///  3. One's own session is never told of.

@@ -20,8 +20,9 @@ struct RegistryOptions {
 
 /// Finds the sessions of this user on this host: each has a file in the domain's folder, and holds a lock on it that
 /// the kernel releases when its process ends in whatever way. Who comes, changes or goes, or dies, is seen at once;
-/// while nothing happens nothing runs. Files of the dead are removed by whoever sees them first. See
-/// docs/decisions/0010-discovery.md.
+/// while nothing happens nothing runs. Files of the dead are removed by whoever sees them first; a whole folder of
+/// them, in whose domain nobody lives any more, by the next registry of this user in any domain. The listener has heard
+/// of all who are there when this returns. See docs/decisions/0010-discovery.md.
 ///
 /// Errors: throws Error if the folder belongs to somebody else, others may write to it, or it cannot be made or
 /// watched.

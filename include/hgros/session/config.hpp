@@ -13,6 +13,7 @@
 
 #include "hgros/base/export.hpp"
 #include "hgros/graph/node_options.hpp"
+#include "hgros/session/carrier_set.hpp"
 #include "hgros/transport/shm_transport.hpp"
 
 namespace hgros {
@@ -41,12 +42,17 @@ struct SecurityConfig {
 struct ChannelConfig {
   std::optional<Queue> queue;          ///< Of every local subscription without an override of its own.
   std::optional<std::size_t> latched;  ///< The last N are kept for late subscribers.
+  /// Between sessions it takes only these; of two sessions, only what both allow.
+  std::optional<CarrierSet> carriers = {};
   bool operator==(const ChannelConfig&) const = default;
 };
 
 /// How sessions find each other.
 struct DiscoveryConfig {
-  bool local = true;  ///< On this host, by themselves.
+  bool local = true;                   ///< On this host, by themselves.
+  std::vector<std::string> only = {};  ///< On this host only these processes, by their sessions' names; empty: all.
+  bool lan = false;                    ///< On other hosts of the same network, by a beacon.
+  std::vector<std::string> lan_interfaces = {};  ///< The beacon's, by name; empty: all.
   /// Sessions of different domains do not find each other; "none": nobody is found. The environment variable
   /// HGROS_DOMAIN goes before it.
   std::string domain = "default";

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hgros/base/export.hpp"
@@ -39,9 +40,9 @@ struct ShmOptions {
   std::uint64_t max_credit_bytes = 256ULL << 20;  ///< In flight to one subscriber of a channel at most.
   std::uint64_t max_message_bytes = 1ULL << 30;   ///< Without shared memory; larger ones end the connection.
   std::chrono::milliseconds linger{500};          ///< Of the destructor's Close().
-  /// Whether messages of that session are to be received here, and not by another carrier; empty: always. Must be
-  /// quick, and must not call the transport.
-  std::function<bool(SessionId publisher)> takes;
+  /// Whether that session's messages on the channel are to be received here, and not by another carrier; empty: always.
+  /// Must be quick, and must not call the transport.
+  std::function<bool(SessionId publisher, std::string_view channel)> takes;
 };
 
 /// What a session's payloads take.

@@ -138,7 +138,8 @@ struct PeerInfo {
   std::string host;     ///< Its host's name; for people, never compared.
   std::int64_t pid = 0;
   std::string endpoint;  ///< Where we connected to, or empty if it connected to us.
-  std::string carrier;   ///< What reaches it: "shared memory" or "ZeroMQ"; told by the session.
+  std::string carrier;   ///< What carries its messages: "shared memory" or "ZeroMQ"; told by the session.
+  std::string why;       ///< Why that carrier, in a few words: "same host"; likewise.
 };
 
 /// What a carrier tells the session as a whole. Called on carrier threads; must not block.
@@ -146,7 +147,7 @@ class TransportListener {
  public:
   virtual ~TransportListener() = default;
   virtual void OnPeerCame(const PeerInfo& peer) noexcept = 0;
-  /// `reason` is one sentence: said goodbye, connection closed, silent for 5 s ...
+  /// `reason` completes "it is gone: ": it said goodbye, its process has ended, the connection was closed ...
   virtual void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept = 0;
   /// Two sides of a channel do not fit. Said on both sides, once per peer and channel. `what` names the channel and
   /// both types, without a final full stop.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hgros/base/export.hpp"
@@ -62,9 +63,9 @@ struct ZmqOptions {
   std::chrono::milliseconds unreachable_after{3000};  ///< Without a connection for so long: the log says so.
   std::chrono::milliseconds linger{500};              ///< Of the destructor's Close().
   std::optional<ZmqSecurity> security;
-  /// Whether messages of that session are to be received here, and not by another carrier; empty: always. Must be
-  /// quick, and must not call the transport.
-  std::function<bool(SessionId publisher)> takes;
+  /// Whether that session's messages on the channel are to be received here, and not by another carrier; empty: always.
+  /// Must be quick, and must not call the transport.
+  std::function<bool(SessionId publisher, std::string_view channel)> takes;
 };
 
 /// Messages over ZeroMQ: ipc on one host, tcp between hosts. docs/wire-protocol.md is the specification.

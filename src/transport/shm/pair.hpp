@@ -141,7 +141,7 @@ struct Pair : std::enable_shared_from_this<Pair> {
   std::unordered_map<std::string, PeerWish> wishes;      ///< By channel.
   std::unordered_map<std::string, std::uint64_t> ended;  ///< The last link of each channel that we have withdrawn.
   std::unordered_set<std::uint32_t> told_segments;
-  bool asks = false;  ///< Its messages are received here, and not over another carrier.
+  bool asks = false;  ///< It may be asked for channels that no other carrier has taken.
   std::uint64_t waiting_bytes = 0;
 
   std::mutex in_mutex;

@@ -257,7 +257,7 @@ void ShmCore::Tick(SteadyTime now) {
     if (beats) {
       pair->last_heard = now;
     } else if (now - pair->last_heard > options_.peer_timeout) {
-      silent.emplace_back(pair, (pair->alive ? "silent for " : "it did not greet for ") + timeout);
+      silent.emplace_back(pair, (pair->alive ? "it was silent for " : "it did not greet for ") + timeout);
     }
     if (now - pair->last_read > options_.peer_timeout) {
       Distrust(*pair, "a message needs what was not passed on for " + timeout);

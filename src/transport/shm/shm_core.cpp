@@ -95,7 +95,7 @@ void ShmCore::Close(int linger_ms) noexcept {
     }
   }
   for (const auto& [number, pair] : pairs) {
-    if (std::exchange(pair->came, false)) registry_.Gone(pair->facts.info, "the session ends");
+    if (std::exchange(pair->came, false)) registry_.Gone(pair->facts.info, "this session ends");
   }
   listening_ = {};
 }
@@ -230,7 +230,7 @@ void ShmCore::Want(const std::shared_ptr<InboundCore>& core) {
   inbound_.emplace(core->name, core);
   if (closed_) return;
   for (const auto& pair : Pairs()) {
-    if (pair->asks) Ask(*pair, core);
+    if (pair->asks && Takes(*pair, core->name)) Ask(*pair, core);
   }
 }
 

@@ -127,6 +127,7 @@ class ShmCore : public LeaderPool::Input {
   void EndLink(Pair& pair, std::uint64_t link);
   void OnSegment(Pair& pair, std::uint32_t segment, PairSocket::Frame& frame);
   void AskForAll(Pair& pair);
+  [[nodiscard]] bool Takes(const Pair& pair, const std::string& channel) const;
   void OnPayload(Pair& pair, wire::PayloadApart& payload);
   void Ask(Pair& pair, const std::shared_ptr<InboundCore>& core);
   void SayWish(Pair& pair, InLink& link);

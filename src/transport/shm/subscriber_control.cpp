@@ -158,9 +158,19 @@ std::string ShmCore::WhyNot(Pair& pair) {
 }
 
 void ShmCore::AskForAll(Pair& pair) {
-  if (pair.asks || (options_.takes && !options_.takes(pair.facts.info.id))) return;
   pair.asks = true;
-  for (const auto& [name, core] : inbound_) Ask(pair, core);
+  for (const auto& [name, core] : inbound_) {
+    bool asked = false;
+    {
+      const std::scoped_lock lock(pair.in_mutex);
+      asked = pair.in_channels.contains(name);
+    }
+    if (!asked && Takes(pair, name)) Ask(pair, core);
+  }
+}
+
+bool ShmCore::Takes(const Pair& pair, const std::string& channel) const {
+  return !options_.takes || options_.takes(pair.facts.info.id, channel);
 }
 
 void ShmCore::Ask(Pair& pair, const std::shared_ptr<InboundCore>& core) {
@@ -289,7 +299,8 @@ void ShmCore::EndLink(Pair& pair, std::uint64_t number) {
     }
     ForgetWish(pair, core->name, {}, actions);
     const auto wanted = inbound_.find(core->name);
-    if (pair.asks && wanted != inbound_.end() && wanted->second == core) Ask(pair, core);
+    const bool still = wanted != inbound_.end() && wanted->second == core;
+    if (pair.asks && still && Takes(pair, core->name)) Ask(pair, core);
   }
   for (const auto& action : actions) action();
 }

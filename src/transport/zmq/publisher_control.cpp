@@ -346,7 +346,7 @@ void PublisherEndpoint::Tick(SteadyTime now, Actions& actions) {
     }
   }
   for (const auto session : silent) {
-    DropPeer(session, "silent for " + std::to_string(timeout.count()) + " ms", actions);
+    DropPeer(session, "it was silent for " + std::to_string(timeout.count()) + " ms", actions);
   }
 }
 

@@ -138,9 +138,9 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
 
 void SubscriberEndpoint::Ask(Link& link) {
   if (!publisher_ || !publisher_->alive || !link.allowed || link.asked) return;
-  if (carrier_.options.takes && !carrier_.options.takes(publisher_->facts.info.id)) return;
+  if (carrier_.options.takes && !carrier_.options.takes(publisher_->facts.info.id, link.core->name)) return;
   // Until an answer says that the channel is not to be had here.
-  if (!link.core->Claim(publisher_->facts.info.id, this)) return;
+  if (!link.core->Claim(publisher_->facts.info.id, this, publisher_->handshake)) return;
   if (!link.subscribed) {
     link.subscribed = true;
     SubscribeTopic(PeerTopic(link.core->name, carrier_.self.info.id), true);
@@ -175,6 +175,14 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
   const std::string& name = subscribed.offered().channel();
   if (subscribed.link() == 0) return;
   const auto found = links_.find(name);
+  if (found != links_.end() && IsClaimedBeside(found->second)) {
+    // Said to another endpoint, which leads to the same socket. It may have been asked for here before it was
+    // withdrawn.
+    if (found->second.subscribed) SubscribeTopic(PeerTopic(name, carrier_.self.info.id), false);
+    found->second.subscribed = false;
+    found->second.asked = false;
+    return;
+  }
   if (found == links_.end() || !found->second.asked) {
     // It remembers what was asked for before a cut, or what we have ended since: a link that nobody reads would use up
     // its credit.
@@ -182,7 +190,7 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
     return;
   }
   Link& link = found->second;
-  if (!link.core->Claim(publisher_->facts.info.id, this)) {
+  if (!link.core->Claim(publisher_->facts.info.id, this, publisher_->handshake)) {
     // It was withdrawn here, or not offered yet, and comes over another endpoint since.
     StopAsking(link, {}, actions);
     return;
@@ -239,6 +247,10 @@ void SubscriberEndpoint::OnWithdrawn(const std::string& channel, Actions& action
   ReleaseClaim(found->second, actions);
 }
 
+bool SubscriberEndpoint::IsClaimedBeside(const Link& link) const {
+  return publisher_ && link.core->IsClaimedBeside(publisher_->facts.info.id, this, publisher_->handshake);
+}
+
 void SubscriberEndpoint::ReleaseClaim(const Link& link, Actions& actions) {
   if (publisher_ && link.core->Release(publisher_->facts.info.id, this)) actions.emplace_back(claims_freed_);
 }
@@ -276,7 +288,7 @@ void SubscriberEndpoint::StopAsking(Link& link, std::string_view mismatch, Actio
     link.subscribed = false;
     SubscribeTopic(PeerTopic(link.core->name, carrier_.self.info.id), false);
   }
-  if (link.asked && publisher_ && publisher_->alive) Unsubscribe(link.core->name, mismatch);
+  if (link.asked && publisher_ && publisher_->alive && !IsClaimedBeside(link)) Unsubscribe(link.core->name, mismatch);
   link.asked = false;
   ReleaseClaim(link, actions);
   EndLink(link, actions);
@@ -329,7 +341,7 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
     }
     const auto timeout = carrier_.options.peer_timeout;
     if (publisher_ && publisher_->alive && now - publisher_->last_heard > timeout) {
-      LosePublisher("silent for " + std::to_string(timeout.count()) + " ms", false, actions);
+      LosePublisher("it was silent for " + std::to_string(timeout.count()) + " ms", false, actions);
     }
     if (connected_ && publisher_ && welcomed_) {
       auto said = ControlFrom(carrier_.self.info.id);

@@ -301,10 +301,22 @@ void SubscriberEndpoint::TellCredits(bool all) {
   }
 }
 
-void SubscriberEndpoint::Close(int linger_ms, Actions& actions) {
+bool SubscriberEndpoint::LeadAlike(const SubscriberEndpoint& one, const SubscriberEndpoint& other) {
+  if (&one == &other) return false;
+  const std::scoped_lock lock(one.mutex_, other.mutex_);
+  return one.publisher_ && other.publisher_ && one.publisher_->alive && other.publisher_->alive &&
+         one.publisher_->facts.info.id == other.publisher_->facts.info.id &&
+         AreOfOneSocket(one.publisher_->handshake, other.publisher_->handshake);
+}
+
+void SubscriberEndpoint::Close(int linger_ms, bool others, Actions& actions) {
   const std::scoped_lock lock(mutex_);
   // Without a connection nothing but subscriptions for the next one waits: that is not worth a delay.
-  if (publisher_ && publisher_->alive && connected_) {
+  if (publisher_ && publisher_->alive && connected_ && others) {
+    for (auto& [name, link] : links_) {
+      if (link.asked) StopAsking(link, {}, actions);
+    }
+  } else if (publisher_ && publisher_->alive && connected_) {
     auto bye = ControlFrom(carrier_.self.info.id);
     bye.mutable_bye();
     Say(bye);

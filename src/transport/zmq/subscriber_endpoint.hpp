@@ -57,8 +57,11 @@ class SubscriberEndpoint {
   void Forgive(SteadyTime now);
   /// When Tick() must be called next besides the heartbeats.
   [[nodiscard]] std::optional<SteadyTime> Deadline() const;
-  /// Says goodbye.
-  void Close(int linger_ms, Actions& actions);
+  /// Says goodbye, but not where `others` still listen to the same socket of the publisher's: then the channels that
+  /// came here are let go of.
+  void Close(int linger_ms, bool others, Actions& actions);
+  /// Whether both lead to one socket of one publisher.
+  [[nodiscard]] static bool LeadAlike(const SubscriberEndpoint& one, const SubscriberEndpoint& other);
   /// After Close(): Serve() makes these calls when it has delivered what was received.
   void MakeLast(Actions&& actions);
 
@@ -119,6 +122,7 @@ class SubscriberEndpoint {
   static void EndCredit(Link& link);
   void Unsubscribe(const std::string& channel, std::string_view mismatch);
   void ReleaseClaim(const Link& link, Actions& actions);
+  [[nodiscard]] bool IsClaimedBeside(const Link& link) const;
   void StopAsking(Link& link, std::string_view mismatch, Actions& actions);
   void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
   void TellMismatch(const std::string& channel, const std::string& what, Actions& actions);

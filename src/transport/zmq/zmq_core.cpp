@@ -67,7 +67,7 @@ void ZmqCore::Close(int linger_ms) noexcept {
   Actions nobody_listens;  // Ends after the lock: messages may end with it.
   const std::unique_lock lock(mutex_);
   closed_ = true;
-  for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, nobody_listens);
+  for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, false, nobody_listens);
   for (const auto& endpoint : publishers_) endpoint->Close(linger_ms, nobody_listens);
   if (desk_) desk_->Close();
 }
@@ -137,8 +137,10 @@ bool ZmqCore::RemoveSubscriber(const std::string& endpoint) {
     const std::unique_lock lock(mutex_);
     const auto found = Find(subscribers_, endpoint);
     if (found == subscribers_.end()) return false;
+    const bool others = std::ranges::any_of(
+        subscribers_, [&](const auto& other) { return SubscriberEndpoint::LeadAlike(**found, *other); });
     Actions actions;
-    (*found)->Close(static_cast<int>(carrier_.options.linger.count()), actions);
+    (*found)->Close(static_cast<int>(carrier_.options.linger.count()), others, actions);
     (*found)->MakeLast(std::move(actions));
     old_subscribers_.push_back(std::move(*found));
     subscribers_.erase(found);

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+
+namespace hgros::test {
+
+inline bool Ip(const std::string& arguments) {
+  return std::system(("ip " + arguments + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+/// Two hosts, network namespaces named after this process, 10.198.0.1 and 10.198.0.2, with a virtual cable between
+/// them. Removed at the end; what a killed process left is removed by the next. Needs root.
+class Cable {
+ public:
+  Cable() {
+    RemoveLeftovers();
+    ready = Ip("netns add " + left) && Ip("netns add " + right) &&
+            Ip("link add " + left_interface + " netns " + left + " type veth peer name " + right_interface + " netns " +
+               right) &&
+            Ip("-n " + left + " addr add 10.198.0.1/24 broadcast + dev " + left_interface) &&
+            Ip("-n " + right + " addr add 10.198.0.2/24 broadcast + dev " + right_interface);
+  }
+  Cable(const Cable&) = delete;
+  Cable& operator=(const Cable&) = delete;
+  ~Cable() {
+    (void)Ip("netns del " + left);
+    (void)Ip("netns del " + right);
+  }
+  [[nodiscard]] bool Set(const std::string& how) const {
+    return Ip("-n " + left + " link set " + left_interface + " " + how) &&
+           Ip("-n " + right + " link set " + right_interface + " " + how);
+  }
+
+  const std::string pid = std::to_string(getpid());
+  const std::string left = "hgbl" + pid;
+  const std::string right = "hgbr" + pid;
+  const std::string left_interface = "bl" + pid;
+  const std::string right_interface = "br" + pid;
+  bool ready = false;
+
+ private:
+  static void RemoveLeftovers() {
+    if (!std::filesystem::exists("/run/netns")) return;
+    for (const auto& entry : std::filesystem::directory_iterator("/run/netns")) {
+      const std::string name = entry.path().filename();
+      const bool ours = name.starts_with("hgbl") || name.starts_with("hgbr");
+      if (ours && !std::filesystem::exists("/proc/" + name.substr(4))) (void)Ip("netns del " + name);
+    }
+  }
+};
+
+/// Runs `action` on that host; threads that it starts stay there.
+inline void On(const std::string& host, const std::function<void()>& action) {
+  std::thread([&] {
+    const int fd = open(("/run/netns/" + host).c_str(), O_RDONLY | O_CLOEXEC);
+    EXPECT_EQ(setns(fd, CLONE_NEWNET), 0);
+    close(fd);
+    action();
+  }).join();
+}
+
+}  // namespace hgros::test
