@@ -413,6 +413,8 @@ TEST(Session, EitherSideMayStartAnewAgainAndAgain) {
     } else {
       subscription.reset();
       listener.reset();
+      // The one that has gone would be counted as a subscriber until its goodbye was read.
+      ASSERT_TRUE(Await([&] { return (*talker)->Peers().empty(); })) << "round " << round;
       listen();
     }
   }
