@@ -1,15 +1,27 @@
 #include "session/carriers.hpp"
 
+#include <type_traits>
 #include <utility>
 
 #include "hgros/base/error.hpp"
 
 namespace hgros {
+namespace {
 
-void Carriers::Ear::OnPeerCame(const PeerInfo& peer) noexcept { carriers_.peers_.Came(peer, kind_); }
+void AddTo(JoinedOutbound& joined, Transport& transport, CarrierKind /*kind*/) { joined.Add(transport); }
+void AddTo(JoinedInbound& joined, Transport& transport, CarrierKind kind) { joined.Add(transport, kind); }
+
+}  // namespace
+
+// Before a message of the peer's has come over this carrier.
+void Carriers::Ear::OnPeerCame(const PeerInfo& peer) noexcept {
+  if (carriers_.peers_.Came(peer, kind_)) carriers_.BeginMove(peer.id);
+}
 
 void Carriers::Ear::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
-  if (carriers_.peers_.Gone(peer, kind_, reason)) {
+  const bool free = carriers_.peers_.Gone(peer, kind_, reason);
+  carriers_.EndMove(peer.id, kind_);
+  if (free) {
     carriers_.AskAgain(kind_ == CarrierKind::kShm ? CarrierKind::kZmq : CarrierKind::kShm);
   }
   // It may come back that way, or never.
@@ -65,13 +77,18 @@ ZmqTransport& Carriers::Zmq() {
   if (owned_zmq_) return *owned_zmq_;
   owned_zmq_ = MakeZmqTransport(options_.zmq, zmq_ear_, log_);
   zmq_.store(owned_zmq_.get(), std::memory_order_release);
-  const auto join = [this](auto& list) {
-    for (const auto& entry : list) {
-      if (const auto joined = entry.lock(); joined && RuleOf(joined->channel()).zmq) joined->Add(*owned_zmq_);
-    }
-  };
-  join(outbound_);
-  join(inbound_);
+  {
+    const std::scoped_lock lock(lists_);
+    const auto join = [this](auto& list) {
+      for (const auto& entry : list) {
+        if (const auto joined = entry.lock(); joined && RuleOf(joined->channel()).zmq) {
+          AddTo(*joined, *owned_zmq_, CarrierKind::kZmq);
+        }
+      }
+    };
+    join(outbound_);
+    join(inbound_);
+  }
   Announce();
   return *owned_zmq_;
 }
@@ -101,16 +118,22 @@ bool Carriers::RemoveSubscribeEndpoint(const std::string& endpoint) {
 template <class Joined>
 void Carriers::Join(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joined>& joined) {
   const CarrierSet rule = RuleOf(joined->channel());
-  if (shm_ && rule.shared_memory) joined->Add(*shm_);
-  if (owned_zmq_ && rule.zmq) joined->Add(*owned_zmq_);
+  {
+    const std::scoped_lock lock(lists_);
+    std::erase_if(list, [](const auto& entry) { return entry.expired(); });
+    list.push_back(joined);
+    if constexpr (std::is_same_v<Joined, JoinedInbound>) {
+      for (const std::uint64_t peer : moving_) MoveChannel(*joined, SessionId{peer});
+    }
+  }
+  if (shm_ && rule.shared_memory) AddTo(*joined, *shm_, CarrierKind::kShm);
+  if (owned_zmq_ && rule.zmq) AddTo(*joined, *owned_zmq_, CarrierKind::kZmq);
   if (!shm_ && !rule.zmq) {
     log_.WriteLimited(LogLevel::kWarning, "no shared memory " + joined->channel(),
                       "Channel \"" + joined->channel() +
                           "\" stays in this process: its `carriers` allow shared memory only, and this session shares "
                           "none. Let it find others of this host (discovery: local), or allow zmq.");
   }
-  std::erase_if(list, [](const auto& entry) { return entry.expired(); });
-  list.push_back(joined);
   SayLaterWhatCannotPass();
 }
 
@@ -128,7 +151,12 @@ std::shared_ptr<JoinedOutbound> Carriers::Advertise(const std::string& channel, 
 
 std::shared_ptr<JoinedInbound> Carriers::Subscribe(const std::string& channel, const TypeInfo& type,
                                                    const Demand& demand, InboundSink& sink) {
-  auto joined = std::make_shared<JoinedInbound>(channel, type, demand, sink);
+  auto joined = std::make_shared<JoinedInbound>(channel, type, demand, sink, [this, channel](SessionId peer) {
+    options_.later({}, [this, channel, peer] {
+      peers_.Moved(peer, channel);
+      AskAgain(CarrierKind::kZmq);  // It is let go of.
+    });
+  });
   Join(inbound_, joined);
   {
     const std::scoped_lock lock(announcing_);

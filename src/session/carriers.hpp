@@ -102,6 +102,14 @@ class Carriers final : private DiscoveryListener {
   void Join(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joined>& joined);
   void AskAgain(CarrierKind kind) noexcept;
 
+  // carriers_moving.cpp: how a peer's messages move from ZeroMQ to shared memory.
+  void BeginMove(SessionId peer);
+  void FinishMove(SessionId peer);
+  // A carrier of one that moves, or has moved, is gone.
+  void EndMove(SessionId peer, CarrierKind gone);
+  void MoveChannel(JoinedInbound& joined, SessionId peer);
+  [[nodiscard]] std::vector<std::shared_ptr<JoinedInbound>> Inbound();
+
   TransportListener& listener_;
   Log& log_;
   CarrierOptions options_;
@@ -117,6 +125,8 @@ class Carriers final : private DiscoveryListener {
   std::atomic<ZmqTransport*> zmq_{nullptr};
   std::unique_ptr<LanPeers> lan_;
   std::atomic<bool> ruled_;  // Somebody has rules for channels.
+  std::mutex lists_;         // Guards what follows.
+  std::set<std::uint64_t> moving_;
   std::vector<std::weak_ptr<JoinedOutbound>> outbound_;
   std::vector<std::weak_ptr<JoinedInbound>> inbound_;
   // Under announcing_. They end first: their threads use all of the above.

@@ -146,6 +146,9 @@ void Carriers::OnChanged(const Announcement& peer) {
   if (!rules.empty()) ruled_ = true;
   SayLaterWhatCannotPass();
   if (!peers_.SetRules(peer.session, std::move(rules))) return;
+  for (const auto& joined : Inbound()) {
+    if (!peers_.Allowed(peer.session, joined->channel()).all()) joined->ForgetMove(peer.session);
+  }
   AskAgain(CarrierKind::kShm);
   AskAgain(CarrierKind::kZmq);
 }

@@ -101,11 +101,11 @@ OutboundChannel::Stats JoinedOutbound::stats() const {
 // One carrier's view of the sink.
 class JoinedInbound::Part final : public InboundSink {
  public:
-  Part(JoinedInbound& joined, std::size_t index) : joined_(joined), index_(index) {}
+  Part(JoinedInbound& joined, std::size_t index, CarrierKind carrier) : kind(carrier), joined_(joined), index_(index) {}
 
   Accepted Accept(InboundMessage&& message) noexcept override {
     const std::scoped_lock lock(joined_.accepting_);
-    return joined_.sink_.Accept(std::move(message));
+    return joined_.moves_.empty() ? joined_.sink_.Accept(std::move(message)) : joined_.Accept(std::move(message), kind);
   }
   void Run() noexcept override { joined_.sink_.Run(); }
   void OnFault(PacketFault fault, std::string_view what) noexcept override { joined_.sink_.OnFault(fault, what); }
@@ -116,6 +116,7 @@ class JoinedInbound::Part final : public InboundSink {
     joined_.sink_.OnPublishers(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
   }
 
+  const CarrierKind kind;
   std::unique_ptr<InboundChannel> channel;
 
  private:
@@ -123,8 +124,9 @@ class JoinedInbound::Part final : public InboundSink {
   const std::size_t index_;
 };
 
-JoinedInbound::JoinedInbound(std::string channel, const TypeInfo& type, const Demand& demand, InboundSink& sink)
-    : channel_(std::move(channel)), type_(type), sink_(sink), demand_(demand) {}
+JoinedInbound::JoinedInbound(std::string channel, const TypeInfo& type, const Demand& demand, InboundSink& sink,
+                             std::function<void(SessionId)> on_moved)
+    : channel_(std::move(channel)), type_(type), sink_(sink), on_moved_(std::move(on_moved)), demand_(demand) {}
 
 JoinedInbound::~JoinedInbound() {
   for (const auto& part : parts_) {
@@ -132,10 +134,58 @@ JoinedInbound::~JoinedInbound() {
   }
 }
 
-void JoinedInbound::Add(Transport& transport) {
+Accepted JoinedInbound::PassOn(std::vector<InboundMessage>&& messages) {
+  Accepted all = Accepted::kNothing;
+  for (InboundMessage& message : messages) {
+    // At most one of them finds nobody running.
+    if (const Accepted one = sink_.Accept(std::move(message)); one != Accepted::kNothing) all = one;
+  }
+  return all;
+}
+
+Accepted JoinedInbound::Accept(InboundMessage&& message, CarrierKind kind) {
+  const SessionId from = message.from;
+  const auto move = moves_.find(from);
+  if (move == moves_.end()) return sink_.Accept(std::move(message));
+  const bool before = move->second.done();
+  auto on = move->second.Arrive(std::move(message), kind);
+  if (!before && move->second.done()) on_moved_(from);
+  return PassOn(std::move(on));
+}
+
+bool JoinedInbound::Move(SessionId publisher, CarrierKind to) {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  bool comes = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    comes = comes || (parts_[i]->kind != to && parts_[i]->channel->Asks(publisher));
+  }
+  if (!comes) return false;
+  const std::scoped_lock lock(accepting_);
+  moves_.try_emplace(publisher, to);
+  return true;
+}
+
+void JoinedInbound::FinishMove(SessionId publisher) {
+  Accepted accepted = Accepted::kNothing;
+  {
+    const std::scoped_lock lock(accepting_);
+    const auto move = moves_.find(publisher);
+    if (move == moves_.end()) return;
+    accepted = PassOn(move->second.Finish());
+  }
+  if (accepted != Accepted::kNothing) sink_.Run();
+}
+
+void JoinedInbound::ForgetMove(SessionId publisher) {
+  std::unordered_map<SessionId, CarrierMove>::node_type forgotten;  // Its messages end after the lock.
+  const std::scoped_lock lock(accepting_);
+  forgotten = moves_.extract(publisher);
+}
+
+void JoinedInbound::Add(Transport& transport, CarrierKind kind) {
   const std::scoped_lock lock(adding_);
   const std::size_t index = count_.load();
-  parts_.at(index) = std::make_unique<Part>(*this, index);
+  parts_.at(index) = std::make_unique<Part>(*this, index, kind);
   parts_[index]->channel = transport.Subscribe(channel_, type_, demand_, *parts_[index]);
   count_.store(index + 1, std::memory_order_release);
 }

@@ -53,6 +53,7 @@ bool PeerCarriers::Take(SessionId id, std::string_view channel, CarrierKind kind
   const std::scoped_lock lock(mutex_);
   Peer& peer = peers_[id];
   if (const CarrierSet allowed = Allowed(peer, channel); !allowed.all()) return allowed.Has(kind);
+  if (peer.moving) return kind == CarrierKind::kShm || !peer.moved.contains(channel);
   if (!peer.taken && (kind == CarrierKind::kShm || !peer.expected)) peer.taken = kind;
   return peer.taken == kind;
 }
@@ -93,11 +94,12 @@ PeerCarriers::Without PeerCarriers::GiveUp(SessionId id) {
   return IsReached(peer) ? Without::kReached : Without::kUnreached;
 }
 
-void PeerCarriers::Came(PeerInfo info, CarrierKind kind) {
+bool PeerCarriers::Came(PeerInfo info, CarrierKind kind) {
   info.carrier = NameOf(kind);
   const std::scoped_lock telling(telling_);
   bool first = false;
   bool carries = false;
+  bool moves = false;
   {
     const std::scoped_lock lock(mutex_);
     Peer& peer = peers_[info.id];
@@ -105,13 +107,34 @@ void PeerCarriers::Came(PeerInfo info, CarrierKind kind) {
     info.why = Why(peer, info, kind);
     carries = peer.taken ? peer.taken == kind : kind == CarrierKind::kShm;
     peer.reached[IndexOf(kind)] = info;
+    moves = kind == CarrierKind::kShm && peer.taken == CarrierKind::kZmq;
+    peer.moving = peer.moving || moves;
   }
-  if (first) {
+  if (moves) {
+    log_.Write(LogLevel::kInfo, NameOf(info) + " is reached through shared memory now; its messages move there.");
+  } else if (first) {
     listener_.OnPeerCame(info);
   } else {
     log_.Write(LogLevel::kInfo, NameOf(info) + " is reached through " + info.carrier + " as well; " +
                                     std::string(NameOf(carries ? kind : Other(kind))) + " carries its messages.");
   }
+  return moves;
+}
+
+void PeerCarriers::Moved(SessionId id, std::string_view channel) {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = peers_.find(id);
+  if (entry != peers_.end() && entry->second.moving) entry->second.moved.emplace(channel);
+}
+
+bool PeerCarriers::FinishMove(SessionId id) {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = peers_.find(id);
+  if (entry == peers_.end() || !entry->second.moving) return false;
+  entry->second.moving = false;
+  entry->second.moved.clear();
+  entry->second.taken = CarrierKind::kShm;
+  return true;
 }
 
 bool PeerCarriers::Gone(const PeerInfo& info, CarrierKind kind, std::string_view reason) {
@@ -124,7 +147,11 @@ bool PeerCarriers::Gone(const PeerInfo& info, CarrierKind kind, std::string_view
     if (entry == peers_.end()) return false;
     Peer& peer = entry->second;
     peer.reached[IndexOf(kind)].reset();
-    if (peer.taken == kind) {
+    if (std::exchange(peer.moving, false)) {  // What remains has them all.
+      peer.moved.clear();
+      peer.taken = Other(kind);
+      free = true;
+    } else if (peer.taken == kind) {
       peer.taken.reset();
       free = peer.reached[IndexOf(Other(kind))].has_value();
     }

@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -49,7 +50,13 @@ class PeerCarriers {
   /// It is no longer left to shared memory, if that does not reach it.
   [[nodiscard]] Without GiveUp(SessionId peer);
 
-  void Came(PeerInfo peer, CarrierKind kind);
+  /// True if the session was received from over ZeroMQ and is reached through shared memory now: its channels, but for
+  /// those with rules, are to move there one by one, and may be taken by both until then.
+  [[nodiscard]] bool Came(PeerInfo peer, CarrierKind kind);
+  /// The channel has moved.
+  void Moved(SessionId peer, std::string_view channel);
+  /// All have, whether that was told or not; false if none of them was to.
+  [[nodiscard]] bool FinishMove(SessionId peer);
   /// True if its messages may now be received over another carrier.
   [[nodiscard]] bool Gone(const PeerInfo& peer, CarrierKind kind, std::string_view reason);
 
@@ -64,7 +71,9 @@ class PeerCarriers {
     std::optional<CarrierKind> taken;
     bool found = false;     // On this host.
     bool expected = false;  // Left to shared memory.
-    CarrierRules rules;     // Its own.
+    bool moving = false;    // From ZeroMQ to shared memory.
+    std::set<std::string, std::less<>> moved;
+    CarrierRules rules;  // Its own.
   };
   // Under mutex_.
   [[nodiscard]] static bool IsReached(const Peer& peer);

@@ -94,6 +94,11 @@ bool InboundCore::IsClaimedBeside(SessionId publisher, const void* endpoint, std
          AreOfOneSocket(claim->second.handshake, handshake);
 }
 
+bool InboundCore::IsClaimed(SessionId publisher) const {
+  const std::scoped_lock lock(mutex_);
+  return claims_.contains(publisher);
+}
+
 bool InboundCore::Release(SessionId publisher, const void* endpoint) {
   const std::scoped_lock lock(mutex_);
   const auto claim = claims_.find(publisher);

@@ -43,6 +43,7 @@ class InboundCore {
   [[nodiscard]] bool Claim(SessionId publisher, const void* endpoint, std::uint64_t handshake);
   /// Whether another endpoint that leads to the same socket has the claim.
   [[nodiscard]] bool IsClaimedBeside(SessionId publisher, const void* endpoint, std::uint64_t handshake) const;
+  [[nodiscard]] bool IsClaimed(SessionId publisher) const;
   /// True if `endpoint` had the claim.
   bool Release(SessionId publisher, const void* endpoint);
   static void CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions);

@@ -81,22 +81,54 @@ TEST_F(PeerCarriersOfOne, RulesChangeWithWhatIsAnnounced) {
 
 TEST_F(PeerCarriersOfOne, TheReasonForACarrierIsSaid) {
   PeerCarriers carriers = Ruled({});
-  carriers.Came(info, kZmq);
+  (void)carriers.Came(info, kZmq);
   EXPECT_EQ(Why(carriers), "ZeroMQ: not found on this host");
   carriers.Found(peer, true, {});
   EXPECT_EQ(Why(carriers), "ZeroMQ: shared memory does not reach it yet");
   EXPECT_EQ(carriers.GiveUp(peer), PeerCarriers::Without::kReached);
   EXPECT_EQ(Why(carriers), "ZeroMQ: no memory can be shared with it");
-  carriers.Came(info, kShm);
+  (void)carriers.Came(info, kShm);
   EXPECT_EQ(Why(carriers), "shared memory: same host");
   EXPECT_EQ(came, 1) << "one peer, whatever reaches it";
 
   PeerCarriers elsewhere = Ruled({});
-  elsewhere.Came(On("there"), kZmq);
+  (void)elsewhere.Came(On("there"), kZmq);
   EXPECT_EQ(Why(elsewhere), "ZeroMQ: another host");
   PeerCarriers alone = Ruled({}, false);
-  alone.Came(info, kZmq);
+  (void)alone.Came(info, kZmq);
   EXPECT_EQ(Why(alone), "ZeroMQ: sessions of this host are not looked for");
+}
+
+TEST_F(PeerCarriersOfOne, LateSharedMemoryGetsOneChannelAfterTheOther) {
+  PeerCarriers carriers = Ruled({{"ruled", kOnlyZmq}});
+  EXPECT_TRUE(carriers.Take(peer, "a", kZmq));
+  EXPECT_FALSE(carriers.Came(info, kZmq));
+  EXPECT_TRUE(carriers.Came(info, kShm));
+  EXPECT_TRUE(carriers.Take(peer, "a", kShm)) << "both, for a while";
+  EXPECT_TRUE(carriers.Take(peer, "a", kZmq));
+  EXPECT_FALSE(carriers.Take(peer, "ruled", kShm));
+  carriers.Moved(peer, "a");
+  EXPECT_FALSE(carriers.Take(peer, "a", kZmq));
+  EXPECT_TRUE(carriers.Take(peer, "b", kZmq));
+  EXPECT_TRUE(carriers.FinishMove(peer));
+  EXPECT_FALSE(carriers.FinishMove(peer)) << "once";
+  EXPECT_FALSE(carriers.Take(peer, "b", kZmq));
+  EXPECT_TRUE(carriers.Take(peer, "b", kShm));
+  EXPECT_EQ(Why(carriers), "shared memory: same host");
+}
+
+TEST_F(PeerCarriersOfOne, WhatRemainsInTheMiddleOfAMoveHasAllChannels) {
+  for (const CarrierKind lost : {kShm, kZmq}) {
+    PeerCarriers carriers = Ruled({});
+    EXPECT_TRUE(carriers.Take(peer, "a", kZmq));
+    EXPECT_FALSE(carriers.Came(info, kZmq));
+    EXPECT_TRUE(carriers.Came(info, kShm));
+    carriers.Moved(peer, "a");
+    EXPECT_TRUE(carriers.Gone(info, lost, "the connection was closed"));
+    EXPECT_EQ(carriers.Take(peer, "a", kZmq), lost == kShm);
+    EXPECT_EQ(carriers.Take(peer, "a", kShm), lost == kZmq);
+    EXPECT_FALSE(carriers.FinishMove(peer));
+  }
 }
 
 }  // namespace

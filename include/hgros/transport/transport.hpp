@@ -127,6 +127,8 @@ class InboundChannel {
   virtual ~InboundChannel() = default;
   /// Publishing sessions connected and welcomed.
   [[nodiscard]] virtual std::size_t publisher_count() const noexcept = 0;
+  /// Whether that session is asked for the channel here, and has not said that it is not to be had.
+  [[nodiscard]] virtual bool Asks(SessionId /*publisher*/) const { return false; }
   /// Changes what is asked of the publishers, from the next message on.
   virtual void SetDemand(const Demand& demand) = 0;
 };

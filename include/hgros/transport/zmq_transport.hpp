@@ -91,7 +91,8 @@ class HGROS_EXPORT ZmqTransport : public Transport {
   virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
   virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
 
-  /// Sessions that were left to another carrier are asked about again, and what they publish is asked for.
+  /// `takes` is asked about everything again: what is received here and is no longer to be is let go of, the rest is
+  /// asked for.
   virtual void AskAgain() = 0;
 
   /// The publish endpoints as others can connect to them: wildcard ports resolved. In the order of adding.

@@ -131,8 +131,20 @@ void SubscriberEndpoint::SetChannels(const ChannelList& list) {
 }
 
 void SubscriberEndpoint::AskAgain() {
-  const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
-  for (auto& [name, link] : links_) Ask(link);
+  Actions actions;
+  {
+    const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
+    for (auto& [name, link] : links_) {
+      const bool moved = link.asked && publisher_ && carrier_.options.takes &&
+                         !carrier_.options.takes(publisher_->facts.info.id, name);
+      if (moved) {
+        StopAsking(link, {}, actions);
+      } else {
+        Ask(link);
+      }
+    }
+  }
+  carrier_.Post(std::move(actions));
 }
 
 void SubscriberEndpoint::AddActions(Actions& actions) {

@@ -59,6 +59,7 @@ class ZmqInbound final : public InboundChannel {
   }
 
   std::size_t publisher_count() const noexcept override { return channel_->publishers.load(); }
+  bool Asks(SessionId publisher) const override { return channel_->IsClaimed(publisher); }
   void SetDemand(const Demand& demand) override {
     if (IsChild()) return;
     channel_->SetDemand(demand);
