@@ -139,7 +139,9 @@ void Carriers::Join(std::vector<std::weak_ptr<Joined>>& list, const std::shared_
 
 std::shared_ptr<JoinedOutbound> Carriers::Advertise(const std::string& channel, const TypeInfo& type,
                                                     OutboundSource& source) {
-  auto joined = std::make_shared<JoinedOutbound>(channel, type, source);
+  auto joined = std::make_shared<JoinedOutbound>(
+      channel, type, source,
+      [this](SessionId subscriber, std::function<void()> give_up) { AwaitSubscriber(subscriber, std::move(give_up)); });
   Join(outbound_, joined);
   {
     const std::scoped_lock lock(announcing_);

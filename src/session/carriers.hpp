@@ -68,6 +68,9 @@ class Carriers final : private DiscoveryListener {
   void Close(int linger_ms) noexcept;
 
  private:
+  /// How long a session of this host that lives is left to shared memory.
+  static constexpr auto kSharedMemoryPatience = std::chrono::seconds(2);
+
   // One carrier's voice.
   class Ear final : public TransportListener {
    public:
@@ -102,13 +105,17 @@ class Carriers final : private DiscoveryListener {
   void Join(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joined>& joined);
   void AskAgain(CarrierKind kind) noexcept;
 
-  // carriers_moving.cpp: how a peer's messages move from ZeroMQ to shared memory.
+  // carriers_moving.cpp: how a peer's messages come over another carrier than before.
   void BeginMove(SessionId peer);
   void FinishMove(SessionId peer);
   // A carrier of one that moves, or has moved, is gone.
   void EndMove(SessionId peer, CarrierKind gone);
   void MoveChannel(JoinedInbound& joined, SessionId peer);
-  [[nodiscard]] std::vector<std::shared_ptr<JoinedInbound>> Inbound();
+  void ForgetRuledMoves(SessionId peer);
+  void AwaitSubscriber(SessionId subscriber, std::function<void()> give_up);
+  void GiveUpSubscriber(SessionId subscriber);
+  template <class Joined>
+  [[nodiscard]] std::vector<std::shared_ptr<Joined>> Listed(const std::vector<std::weak_ptr<Joined>>& list);
 
   TransportListener& listener_;
   Log& log_;

@@ -9,7 +9,6 @@
 namespace hgros {
 namespace {
 
-constexpr auto kSharedMemoryPatience = std::chrono::seconds(2);
 // What is said when all have had the time to be reached.
 constexpr auto kTimeToBeReached = std::chrono::seconds(3);
 
@@ -146,15 +145,14 @@ void Carriers::OnChanged(const Announcement& peer) {
   if (!rules.empty()) ruled_ = true;
   SayLaterWhatCannotPass();
   if (!peers_.SetRules(peer.session, std::move(rules))) return;
-  for (const auto& joined : Inbound()) {
-    if (!peers_.Allowed(peer.session, joined->channel()).all()) joined->ForgetMove(peer.session);
-  }
+  ForgetRuledMoves(peer.session);
   AskAgain(CarrierKind::kShm);
   AskAgain(CarrierKind::kZmq);
 }
 
 void Carriers::OnGone(const Announcement& last, std::string_view /*reason*/) {
   peers_.Lost(last.session);
+  GiveUpSubscriber(last.session);
   AskAgain(CarrierKind::kZmq);  // What is still reached otherwise is no longer left to shared memory.
   if (shm_ && !last.shared_memory.empty()) shm_->RemovePeer(last.shared_memory);
 }

@@ -157,7 +157,7 @@ void ChannelOutlet::Keep(Kept&& message, std::size_t depth, std::vector<Kept>& d
   }
 }
 
-std::vector<OutboundMessage> ChannelOutlet::Latched() noexcept {
+std::vector<OutboundMessage> ChannelOutlet::Latched(SessionId /*subscriber*/) noexcept {
   std::deque<Kept> kept;
   {
     const std::scoped_lock lock(latch_mutex_);

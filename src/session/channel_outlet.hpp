@@ -49,7 +49,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   void Commit(const AnyMessage& message, const TypeInfo& type) noexcept override;
   void Cancel() noexcept override;
 
-  std::vector<OutboundMessage> Latched() noexcept override;
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
   void OnRoom() noexcept override;
   void OnSubscribers(std::size_t count) noexcept override;
 

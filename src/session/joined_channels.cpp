@@ -1,5 +1,6 @@
 #include "session/joined_channels.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -11,13 +12,18 @@ class JoinedOutbound::Part final : public OutboundSource {
  public:
   Part(JoinedOutbound& joined, std::size_t index) : joined_(joined), index_(index) {}
 
-  std::vector<OutboundMessage> Latched() noexcept override { return joined_.source_.Latched(); }
+  std::vector<OutboundMessage> Latched(SessionId subscriber) noexcept override { return joined_.First(subscriber); }
+  bool OnCut(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished) noexcept override {
+    joined_.Keep(subscriber, demand, std::move(unfinished));
+    return true;
+  }
   void OnRoom() noexcept override { joined_.source_.OnRoom(); }
   void OnSubscribers(std::size_t count) noexcept override {
-    const std::scoped_lock lock(joined_.telling_);
-    auto& counts = joined_.subscribers_;
-    counts[index_] = count;
-    joined_.source_.OnSubscribers(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+    {
+      const std::scoped_lock lock(joined_.telling_);
+      joined_.subscribers_[index_] = count;
+    }
+    joined_.TellSubscribers();
   }
 
   std::unique_ptr<OutboundChannel> channel;
@@ -27,8 +33,8 @@ class JoinedOutbound::Part final : public OutboundSource {
   const std::size_t index_;
 };
 
-JoinedOutbound::JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source)
-    : channel_(std::move(channel)), type_(type), source_(source) {}
+JoinedOutbound::JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source, Await await)
+    : channel_(std::move(channel)), type_(type), source_(source), await_(std::move(await)) {}
 
 // Each part's channel waits for the calls into the source that are under way.
 JoinedOutbound::~JoinedOutbound() {
@@ -45,14 +51,51 @@ void JoinedOutbound::Add(Transport& transport) {
   count_.store(index + 1, std::memory_order_release);
 }
 
+void JoinedOutbound::TellSubscribers() {
+  const std::scoped_lock lock(telling_);
+  source_.OnSubscribers(std::accumulate(subscribers_.begin(), subscribers_.end(), cut_.count()));
+}
+
+void JoinedOutbound::Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished) {
+  const std::uint64_t cut = cut_.Add(subscriber, demand, std::move(unfinished));
+  await_(subscriber, [weak = weak_from_this(), subscriber, cut] {
+    if (const auto joined = weak.lock()) joined->GiveUp(subscriber, cut);
+  });
+}
+
+std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
+  std::vector<OutboundMessage> messages = source_.Latched(subscriber);
+  if (cut_.count() == 0) return messages;
+  for (OutboundMessage& message : cut_.Take(subscriber)) messages.push_back(std::move(message));
+  const auto number = [](const OutboundMessage& message) { return message.head.id.sequence; };
+  std::ranges::sort(messages, {}, number);
+  const auto repeats = std::ranges::unique(messages, {}, number);
+  messages.erase(repeats.begin(), repeats.end());
+  TellSubscribers();
+  if (refused_.exchange(false)) source_.OnRoom();
+  return messages;
+}
+
+void JoinedOutbound::GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut) {
+  const auto missed = cut_.Drop(subscriber, cut);
+  if (!missed) return;
+  missed_.fetch_add(missed->size(), std::memory_order_relaxed);
+  TellSubscribers();
+  if (refused_.exchange(false)) source_.OnRoom();
+}
+
 std::size_t JoinedOutbound::subscriber_count() const noexcept {
-  std::size_t sum = 0;
+  std::size_t sum = cut_.count();
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->subscriber_count();
   return sum;
 }
 
 PublishStatus JoinedOutbound::Reserve() noexcept {
+  if (cut_.count() > 0 && !cut_.HasRoom()) {
+    refused_ = true;
+    if (!cut_.HasRoom()) return PublishStatus::kFull;
+  }
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) {
     const PublishStatus status = parts_[i]->channel->Reserve();
@@ -66,6 +109,7 @@ PublishStatus JoinedOutbound::Reserve() noexcept {
 void JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcept {
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Commit(head, data);
+  if (cut_.count() > 0) cut_.Push(head, data);  // After the carriers: who is cut off meanwhile gets it here.
 }
 
 void JoinedOutbound::Cancel() noexcept {
@@ -95,6 +139,8 @@ OutboundChannel::Stats JoinedOutbound::stats() const {
     sum.queued_bytes += stats.queued_bytes;
     sum.copied += stats.copied;
   }
+  sum.subscribers += cut_.count();
+  sum.missed += missed_.load(std::memory_order_relaxed);
   return sum;
 }
 

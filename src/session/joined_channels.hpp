@@ -15,6 +15,7 @@
 #include "hgros/session/carrier_set.hpp"
 #include "hgros/transport/transport.hpp"
 #include "session/carrier_move.hpp"
+#include "session/cut_subscribers.hpp"
 
 namespace hgros {
 
@@ -22,12 +23,17 @@ namespace hgros {
 inline constexpr std::size_t kMaxCarriers = 2;
 
 /// One advertised channel over all carriers of a session: a message is promised by all of them or by none, and handed
-/// to all. Which subscriber takes it from which carrier is the subscribers' affair.
+/// to all. Which subscriber takes it from which carrier is the subscribers' affair. One that a carrier loses is kept
+/// what it has not confirmed, and what is published until it is back.
 ///
 /// Thread safety: all functions. Invariants: a carrier that was added stays until the end.
-class JoinedOutbound {
+class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
  public:
-  JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source);
+  /// A carrier has lost the subscriber: `give_up` is to be called later, when it could have come back. Under that
+  /// carrier's lock.
+  using Await = std::function<void(SessionId subscriber, std::function<void()> give_up)>;
+
+  JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source, Await await);
   ~JoinedOutbound();
   JoinedOutbound(const JoinedOutbound&) = delete;
   JoinedOutbound& operator=(const JoinedOutbound&) = delete;
@@ -42,12 +48,23 @@ class JoinedOutbound {
   /// Memory of a carrier that has subscribers.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
   [[nodiscard]] OutboundChannel::Stats stats() const;
+  /// The subscriber is not waited for any longer; of several cuts only that one is meant, if a number is given.
+  void GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
 
  private:
   class Part;
+  void Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished);
+  // What a subscriber gets before all else.
+  [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
+  void TellSubscribers();
+
   const std::string channel_;
   const TypeInfo& type_;
   OutboundSource& source_;
+  const Await await_;
+  CutSubscribers cut_;
+  std::atomic<bool> refused_{false};  // For want of room for those that are cut off.
+  std::atomic<std::uint64_t> missed_{0};
   std::mutex adding_;
   std::array<std::unique_ptr<Part>, kMaxCarriers> parts_;
   std::atomic<std::size_t> count_{0};

@@ -188,6 +188,12 @@ CarrierSet PeerCarriers::Allowed(SessionId id, std::string_view channel) const {
   return entry == peers_.end() ? RuleOf(rules_, channel) : Allowed(entry->second, channel);
 }
 
+bool PeerCarriers::IsFound(SessionId id) const {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = peers_.find(id);
+  return entry != peers_.end() && entry->second.found;
+}
+
 bool PeerCarriers::IsReached(SessionId id, CarrierKind kind) const {
   const std::scoped_lock lock(mutex_);
   const auto entry = peers_.find(id);

@@ -64,6 +64,8 @@ class PeerCarriers {
   /// What the channel may take between here and there.
   [[nodiscard]] CarrierSet Allowed(SessionId peer, std::string_view channel) const;
   [[nodiscard]] bool IsReached(SessionId peer, CarrierKind kind) const;
+  /// On this host, and not lost.
+  [[nodiscard]] bool IsFound(SessionId peer) const;
 
  private:
   struct Peer {

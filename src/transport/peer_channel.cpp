@@ -125,6 +125,12 @@ bool PeerChannel::Confirm(std::uint64_t messages, std::uint64_t bytes, Dropped& 
   return true;
 }
 
+std::vector<PendingMessage> PeerChannel::Unfinished() const {
+  std::vector<PendingMessage> all(unconfirmed_.begin(), unconfirmed_.end());
+  all.insert(all.end(), ring_.begin(), ring_.end());
+  return all;
+}
+
 std::optional<std::uint64_t> PeerChannel::Resume(std::uint64_t received_messages, std::uint64_t received_bytes) {
   if (received_messages < confirmed_messages_ || received_messages > sent_messages_) return std::nullopt;
   if (received_bytes < confirmed_bytes_ || received_bytes > sent_bytes_) return std::nullopt;

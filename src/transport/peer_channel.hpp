@@ -89,6 +89,8 @@ class PeerChannel {
   [[nodiscard]] std::size_t waiting() const noexcept { return ring_.size(); }
   /// What a lossless peer would miss if it died now.
   [[nodiscard]] std::size_t unfinished() const noexcept { return unconfirmed_.size() + ring_.size(); }
+  /// Those messages, oldest first.
+  [[nodiscard]] std::vector<PendingMessage> Unfinished() const;
 
  private:
   [[nodiscard]] bool HasCredit() const noexcept;

@@ -26,7 +26,7 @@ Session::Session(World& world, Role role, SessionId session) : id(session) {
       role == Role::kPublisher ? world.MakePublisher(listener, log, id) : world.MakeSubscriber(listener, log, id);
 }
 
-std::vector<OutboundMessage> Source::Latched() noexcept {
+std::vector<OutboundMessage> Source::Latched(SessionId /*subscriber*/) noexcept {
   ++latched_calls;
   const std::scoped_lock lock(mutex);
   return latched;

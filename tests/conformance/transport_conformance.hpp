@@ -80,7 +80,7 @@ struct Session {
 /// The publishing side of a channel: numbers messages, counts calls.
 class Source : public OutboundSource {
  public:
-  std::vector<OutboundMessage> Latched() noexcept override;
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
   void OnRoom() noexcept override { ++rooms; }
   void OnSubscribers(std::size_t count) noexcept override { subscribers = count; }
 

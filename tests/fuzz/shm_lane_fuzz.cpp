@@ -36,7 +36,7 @@ class Reader : public InboundSink {
 
 class Source : public OutboundSource {
  public:
-  std::vector<OutboundMessage> Latched() noexcept override { return {{{}, {}}}; }
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {{{}, {}}}; }
   void OnRoom() noexcept override {}
   void OnSubscribers(std::size_t) noexcept override {}
 };

@@ -57,7 +57,7 @@ class NumberStream : public OutboundSource {
     incarnation_ = ++incarnation;
     channel_ = transport.Advertise(channel, NumberType(), *this);
   }
-  std::vector<OutboundMessage> Latched() noexcept override { return {}; }
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
   void OnRoom() noexcept override {
     {
       const std::scoped_lock lock(mutex_);

@@ -150,7 +150,7 @@ class LateTalker final : private OutboundSource, private TransportListener {
     void OnChanged(const Announcement& /*peer*/) override {}
     void OnGone(const Announcement& /*last*/, std::string_view /*reason*/) override {}
   };
-  std::vector<OutboundMessage> Latched() noexcept override { return {}; }
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
   void OnRoom() noexcept override {}
   void OnSubscribers(std::size_t /*count*/) noexcept override {}
   void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}

@@ -75,7 +75,14 @@ class OutboundSource {
   virtual ~OutboundSource() = default;
   /// The latched messages, oldest first, for a subscriber that has just come: it counts in subscriber_count() before
   /// this is called, and what is committed from then on reaches it after them. On a carrier's thread: no user code.
-  virtual std::vector<OutboundMessage> Latched() noexcept = 0;
+  virtual std::vector<OutboundMessage> Latched(SessionId subscriber) noexcept = 0;
+  /// A lossless subscriber was lost that may live on, and has not confirmed `unfinished` (oldest first). True: it gets
+  /// them when it comes back, over whatever carrier, from Latched(). False: it misses them. Under a lock that Commit()
+  /// takes as well, so that nothing falls in between; the carrier must not be called.
+  virtual bool OnCut(SessionId /*subscriber*/, const Demand& /*demand*/,
+                     std::vector<OutboundMessage>&& /*unfinished*/) noexcept {
+    return false;
+  }
   /// A lossless subscriber that had no credit has some again, or has gone.
   virtual void OnRoom() noexcept = 0;
   /// The number of remote subscribers has changed.
@@ -92,7 +99,8 @@ class OutboundSource {
 ///     ones get it if they keep up. It never blocks. Messages committed one after the other arrive in that order.
 ///     Those of one publisher are committed in the order of their sequence numbers: what comes behind a later one is
 ///     taken for a repeat.
-///  4. A subscriber that dies gives its credit back (OnRoom); what it had not confirmed is counted as missed.
+///  4. A subscriber that dies gives its credit back (OnRoom); what it had not confirmed is counted as missed, unless
+///     the source keeps it (OnCut).
 ///  5. A lossless subscriber that was only cut off for a while gets what it missed, in order, exactly once.
 /// Thread-safe.
 class OutboundChannel {

@@ -173,7 +173,7 @@ void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reas
       bye.mutable_bye()->set_reason(reason);
       pair->socket.Send(bye);
     }
-    for (auto& [name, wish] : pair->wishes) RemoveLink(wish, true, actions);
+    for (auto& [name, wish] : pair->wishes) RemoveLink(wish, LinkEnd::kPeerLost, actions);
     pair->wishes.clear();
   }
   pair->end_reason = reason;

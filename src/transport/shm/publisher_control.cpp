@@ -52,7 +52,7 @@ void ShmCore::OnWish(Pair& pair, const wire::Wish& asked) {
       Drain(link, leavings, bells);
       OutboundCore::TellRoom(link.core, actions);
     } else {
-      RemoveLink(wish, true, actions);
+      RemoveLink(wish, LinkEnd::kByUs, actions);
       Activate(pair, wish, actions);
     }
   }
@@ -99,9 +99,12 @@ void ShmCore::SayGranted(Pair& pair, const OutLink& link, const std::string& des
 }
 
 void ShmCore::StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std::uint64_t link) {
+  const SessionId subscriber = pair.facts.info.id;
+  std::vector<OutboundMessage> messages;
   std::vector<PendingMessage> latched;
   const bool open = core->gate.Through([&] {
-    for (const auto& message : core->source.Latched()) {
+    messages = core->source.Latched(subscriber);
+    for (const auto& message : messages) {
       const auto packed = Pack(message.head, message.data);
       latched.push_back({packed, packed->id, packed->data.bytes.size()});
     }
@@ -113,14 +116,43 @@ void ShmCore::StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std
   {
     const std::scoped_lock lock(mutex_);
     const auto wish = pair.wishes.find(core->name);
-    if (wish == pair.wishes.end() || !wish->second.link || wish->second.link->link != link) return;
+    if (wish == pair.wishes.end() || !wish->second.link || wish->second.link->link != link) {
+      // Perhaps it was lost again before it was given any.
+      if (!pair.alive && !messages.empty()) (void)KeepForLater(*core, subscriber, {}, std::move(messages));
+      return;
+    }
     wish->second.link->flow.Begin(std::move(latched));
     Drain(*wish->second.link, leavings, bells);
   }
   for (const auto& bell : bells) bell->Ring();
 }
 
-void ShmCore::RemoveLink(PeerWish& wish, bool died, Actions& actions) {
+bool ShmCore::KeepForLater(const OutLink& link) {
+  std::vector<OutboundMessage> messages;
+  for (const PendingMessage& pending : link.flow.Unfinished()) {
+    const auto& message = static_cast<const ShmMessage&>(*pending.packed);
+    PacketHead head;
+    head.channel = link.core->name;
+    head.type_name = link.core->type.name;
+    head.encoding = link.core->type.encoding;
+    head.fingerprint = link.core->type.fingerprint;
+    head.id = message.id;
+    head.publish_time_ns = message.publish_time_ns;
+    head.publish_monotonic_ns = message.publish_monotonic_ns;
+    head.latched = message.latched;
+    messages.push_back({std::move(head), message.data});
+  }
+  return KeepForLater(*link.core, link.pair.facts.info.id, link.flow.demand(), std::move(messages));
+}
+
+bool ShmCore::KeepForLater(OutChannel& core, SessionId subscriber, const Demand& demand,
+                           std::vector<OutboundMessage>&& messages) {
+  bool kept = false;
+  core.gate.Through([&] { kept = core.source.OnCut(subscriber, demand, std::move(messages)); });
+  return kept;
+}
+
+void ShmCore::RemoveLink(PeerWish& wish, LinkEnd why, Actions& actions) {
   if (!wish.link) return;
   const std::shared_ptr<OutLink> link = std::move(wish.link);
   std::erase(link->core->links, link.get());
@@ -130,7 +162,8 @@ void ShmCore::RemoveLink(PeerWish& wish, bool died, Actions& actions) {
     const auto ended = std::make_shared<Leavings>();
     ReadCredit(*link, *ended);
     actions.emplace_back([ended] {});
-    if (died) link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
+    const bool misses = why == LinkEnd::kByUs || (why == LinkEnd::kPeerLost && !KeepForLater(*link));
+    if (misses) link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);
   }
@@ -147,7 +180,7 @@ void ShmCore::OnUnwish(Pair& pair, const wire::Unwish& unwish) {
     if (wish == pair.wishes.end()) return;
     const std::string channel = wish->first;
     const bool linked = wish->second.link != nullptr;
-    RemoveLink(wish->second, false, actions);
+    RemoveLink(wish->second, LinkEnd::kAsked, actions);
     pair.wishes.erase(wish);
     if (linked && !unwish.mismatch().empty()) {
       actions.emplace_back(

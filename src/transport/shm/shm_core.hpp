@@ -112,7 +112,12 @@ class ShmCore : public LeaderPool::Input {
   void Activate(Pair& pair, PeerWish& wish, Actions& actions);
   void SayGranted(Pair& pair, const OutLink& link, const std::string& descriptor_set);
   void StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std::uint64_t link);
-  void RemoveLink(PeerWish& wish, bool died, Actions& actions);
+  enum class LinkEnd { kAsked, kByUs, kPeerLost };
+  void RemoveLink(PeerWish& wish, LinkEnd why, Actions& actions);
+  // What the link's subscriber has not confirmed is left to the source; false if that does not take it. Under mutex_.
+  [[nodiscard]] static bool KeepForLater(const OutLink& link);
+  [[nodiscard]] static bool KeepForLater(OutChannel& core, SessionId subscriber, const Demand& demand,
+                                         std::vector<OutboundMessage>&& messages);
 
   // subscriber_control.cpp: what publishing peers say.
   void OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);

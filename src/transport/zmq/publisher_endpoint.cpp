@@ -209,7 +209,7 @@ void PublisherEndpoint::RemoveLink(Wish& wish, bool died, Actions& actions) {
 void PublisherEndpoint::StartLink(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link_id) {
   std::vector<PendingMessage> latched;
   const bool open = core->gate.Through([&] {
-    for (const auto& message : core->source.Latched()) {
+    for (const auto& message : core->source.Latched(session)) {
       auto wire = std::make_shared<const WireMessage>(message.head, message.data);
       const std::uint64_t bytes = wire->bytes();
       latched.push_back({std::move(wire), message.head.id, bytes});
