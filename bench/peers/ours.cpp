@@ -31,10 +31,13 @@ struct BareForm {
 
 /// Bulk: the sender writes where the receiver reads. The one place that says how such a message is made.
 struct BulkForm {
-  using Message = Block;
+  using Message = Bulk<foxglove::PointCloud>;
   static constexpr bool kLent = true;
   static std::shared_ptr<Message> Lend(Session& session, const Lane& lane) {
-    return session.Loan<Block>(lane.name, lane.size_bytes);
+    std::shared_ptr<Message> cloud = session.Loan<Message>(lane.name, lane.size_bytes);
+    cloud->head().set_frame_id("lidar");
+    cloud->head().set_point_stride(16);
+    return cloud;
   }
   static std::byte* Writable(Message& message) { return message.writable().data(); }
   static Bytes Readable(const Message& message) { return message.bytes(); }
