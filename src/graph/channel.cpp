@@ -320,9 +320,12 @@ std::vector<std::shared_ptr<Node>> Channel::Nodes() const {
   return current_fanout_->nodes;
 }
 
-bool Channel::HasInlineNodes() const noexcept {
+ThreadUse Channel::UseOfThread() const noexcept {
   const epoch::Guard guard;
-  return fanout_.load(std::memory_order_seq_cst)->has_inline;
+  const Fanout* const fanout = fanout_.load(std::memory_order_seq_cst);
+  if (fanout->has_inline) return ThreadUse::kInline;
+  const bool helps = std::ranges::any_of(fanout->nodes, [](const auto& node) { return node->AwaitsHelp(); });
+  return helps ? ThreadUse::kHelp : ThreadUse::kNone;
 }
 
 const TypeInfo& Channel::InboundType() const noexcept {

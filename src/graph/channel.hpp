@@ -68,7 +68,7 @@ class Channel {
   [[nodiscard]] std::vector<std::shared_ptr<Node>> Nodes() const;
   [[nodiscard]] std::size_t NextNodeNumber() noexcept { return next_node_number_++; }
   [[nodiscard]] bool HasOutlet() const noexcept { return outlet_.load(std::memory_order_acquire) != nullptr; }
-  [[nodiscard]] bool HasInlineNodes() const noexcept;
+  [[nodiscard]] ThreadUse UseOfThread() const noexcept;
   [[nodiscard]] ChannelSnapshot Snapshot() const;
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }

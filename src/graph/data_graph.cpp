@@ -42,7 +42,7 @@ bool DataGraph::Inject(Channel& channel, const AnyMessage& message, const TypeIn
 
 const TypeInfo& DataGraph::InboundType(const Channel& channel) noexcept { return channel.InboundType(); }
 
-bool DataGraph::HasInlineNodes(const Channel& channel) noexcept { return channel.HasInlineNodes(); }
+ThreadUse DataGraph::UseOfThread(const Channel& channel) noexcept { return channel.UseOfThread(); }
 
 void DataGraph::NotifyRoom(Channel& channel) noexcept { channel.NotifyRoom(); }
 

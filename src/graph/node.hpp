@@ -75,6 +75,9 @@ class Node : public std::enable_shared_from_this<Node> {
   // Waits until nothing is queued and no callback runs; false if the deadline came first.
   virtual bool WaitIdle(std::chrono::steady_clock::time_point deadline) = 0;
 
+  // A thread that hands it a message would better run it than wake a worker for it, see Helping.
+  [[nodiscard]] virtual bool AwaitsHelp() const noexcept { return false; }
+
   // From now on messages may be of another type than the callback's.
   void ExpectTwoForms() noexcept { two_forms_.store(true, std::memory_order_relaxed); }
 

@@ -4,6 +4,8 @@
 #include <thread>
 #include <utility>
 
+#include "hgros/graph/helping.hpp"
+
 namespace hgros {
 namespace {
 
@@ -55,6 +57,10 @@ void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation, Ti
   ticket.activation = std::move(activation);
   ticket.handed_over.store(true, std::memory_order_release);
   node.try_put(&ticket);
+}
+
+bool TbbExecutor::LeavesToHelper(const std::shared_ptr<Activation>& activation) const noexcept {
+  return Helping::Keep(activation, helped_);
 }
 
 void TbbExecutor::Give(FlowNode& node) {

@@ -11,11 +11,13 @@
 
 namespace hgros {
 
-// Something that a ready token sets going on a worker.
+// Something that a ready token sets going on a worker, or on a thread that helps.
 class Activation {
  public:
   virtual ~Activation() = default;
   virtual void Activate() noexcept = 0;
+  // To a worker, since the thread that would have helped does not.
+  virtual void PassOn() noexcept = 0;
 };
 
 // The work-stealing workers of one data graph: a TBB flow graph in an arena of its own, so that nobody who waits for
@@ -46,6 +48,10 @@ class TbbExecutor {
   // Likewise with a ticket of the caller's, who keeps it until the activation has begun.
   static void Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket);
 
+  // Whether the calling thread runs it itself, see Helping; otherwise it is to be put.
+  [[nodiscard]] bool LeavesToHelper(const std::shared_ptr<Activation>& activation) const noexcept;
+  [[nodiscard]] bool helped() const noexcept { return helped_->load(std::memory_order_relaxed); }
+
  private:
   tbb::global_control workers_;
   tbb::task_arena arena_;
@@ -53,6 +59,8 @@ class TbbExecutor {
   std::mutex mutex_;
   std::vector<std::unique_ptr<FlowNode>> nodes_;
   std::vector<FlowNode*> free_;
+  // One thread at a time, so that no more than one callback runs beyond the workers' number. Helpers keep it.
+  const std::shared_ptr<std::atomic<bool>> helped_ = std::make_shared<std::atomic<bool>>(false);
 };
 
 }  // namespace hgros

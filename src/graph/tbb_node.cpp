@@ -18,12 +18,18 @@ void TbbNode::Close(bool wait) {
 
 bool TbbNode::NeedsWake() {
   const std::size_t wanted = setting().invoke == Invoke::kSerial ? 1 : QueuedHere();
-  if (tokens_ >= wanted) return false;
-  ++tokens_;
+  const std::size_t tokens = tokens_.load(std::memory_order_relaxed);
+  if (tokens >= wanted) return false;
+  tokens_.store(tokens + 1, std::memory_order_relaxed);
   return true;
 }
 
 void TbbNode::Wake() noexcept {
+  const std::shared_ptr<Activation> self = std::static_pointer_cast<TbbNode>(shared_from_this());
+  if (!executor_.LeavesToHelper(self)) PassOn();
+}
+
+void TbbNode::PassOn() noexcept {
   auto self = std::static_pointer_cast<TbbNode>(shared_from_this());
   if (setting().invoke == Invoke::kSerial) {
     TbbExecutor::Put(flow_node_, std::move(self), ticket_);
@@ -32,12 +38,17 @@ void TbbNode::Wake() noexcept {
   }
 }
 
+// A node that is running gets the next message without anybody's help.
+bool TbbNode::AwaitsHelp() const noexcept {
+  return tokens_.load(std::memory_order_relaxed) == 0 && !executor_.helped();
+}
+
 void TbbNode::Activate() noexcept {
   std::int64_t now = MonotonicNow();
   std::unique_lock lock(mutex_, std::defer_lock);
   SpinThenLock(lock);
   if (setting().invoke == Invoke::kConcurrent) {
-    --tokens_;
+    tokens_.store(tokens_.load(std::memory_order_relaxed) - 1, std::memory_order_relaxed);
     RunSome(lock, 1, now);
     return;
   }
@@ -46,7 +57,7 @@ void TbbNode::Activate() noexcept {
     lock.unlock();
     Wake();  // The token goes to the end of the line.
   } else {
-    tokens_ = 0;
+    tokens_.store(0, std::memory_order_relaxed);
   }
 }
 

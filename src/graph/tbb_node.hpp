@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "graph/queued_node.hpp"
@@ -14,6 +15,8 @@ class TbbNode final : public QueuedNode, public Activation {
   TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executor);
 
   void Activate() noexcept override;
+  void PassOn() noexcept override;
+  [[nodiscard]] bool AwaitsHelp() const noexcept override;
   void Close(bool wait) override;
 
  protected:
@@ -28,7 +31,8 @@ class TbbNode final : public QueuedNode, public Activation {
   TbbExecutor::FlowNode& flow_node_;
   TbbExecutor::Ticket ticket_;  // Of a serial node, which has one token out at most.
   std::atomic<bool> flow_node_given_{false};
-  std::size_t tokens_ = 0;  // Out and not yet begun (concurrent), or out at all (serial); guarded by mutex_.
+  // Out and not yet begun (concurrent), or out at all (serial). Written under mutex_.
+  std::atomic<std::size_t> tokens_{0};
 };
 
 }  // namespace hgros

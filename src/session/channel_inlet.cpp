@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hgros/clock/time.hpp"
+#include "hgros/graph/helping.hpp"
 
 namespace hgros {
 namespace {
@@ -64,11 +65,12 @@ bool ChannelInlet::IsQuick(const InboundMessage& message) const noexcept {
 }
 
 Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
-  const bool quick = IsQuick(message) && !DataGraph::HasInlineNodes(channel_);
+  const ThreadUse use = DataGraph::UseOfThread(channel_);
+  const bool quick = use == ThreadUse::kNone && IsQuick(message);
   const std::scoped_lock lock(waiting_mutex_);
   waiting_.Put(std::move(message));
   if (runner_ != Runner::kNobody) return Accepted::kNothing;
-  runner_ = quick ? Runner::kCarrier : Runner::kCarrierApart;
+  runner_ = quick ? Runner::kCarrier : use == ThreadUse::kHelp ? Runner::kCarrierHelps : Runner::kCarrierApart;
   return quick ? Accepted::kRunHere : Accepted::kRunApart;
 }
 
@@ -84,16 +86,20 @@ ChannelInlet::Taken ChannelInlet::Take(InboundMessage& message, UserCode user_co
 }
 
 void ChannelInlet::Run() noexcept {
-  UserCode user_code = UserCode::kAllowed;
+  Runner as = Runner::kNobody;
   {
     const std::scoped_lock lock(waiting_mutex_);
-    if (runner_ == Runner::kCarrier) user_code = UserCode::kRefused;
+    as = runner_;
   }
+  const UserCode user_code = as == Runner::kCarrier ? UserCode::kRefused : UserCode::kAllowed;
+  // Last of all, when the next message finds nobody running: a long callback holds up no other node of the channel.
+  Helping helping(as == Runner::kCarrierHelps);
   std::optional<Decoded> undelivered;
   while (!undelivered) {
     InboundMessage message;
     const Taken taken = Take(message, user_code);
-    if (taken == Taken::kNone) return;
+    if (taken == Taken::kNone) return helping.Run();
+    helping.PassOn();
     if (taken == Taken::kNotQuick) break;
     std::optional<Decoded> decoded = Decode(std::move(message));
     if (decoded && !Inject(*decoded, user_code)) undelivered = std::move(decoded);

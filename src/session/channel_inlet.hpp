@@ -61,6 +61,7 @@ class ChannelInlet final : public InboundSink {
     kNobody,
     kCarrier,       // The carrier's own thread, without user code.
     kCarrierApart,  // A thread of the carrier without sockets.
+    kCarrierHelps,  // Likewise; it runs a node that would have to be woken for.
     kErrand,        // The session's thread, to which a kCarrier has handed over.
   };
   struct Decoded {

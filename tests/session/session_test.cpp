@@ -155,9 +155,31 @@ TEST(Session, BridgedRobotsDoNotEcho) {
   ASSERT_TRUE(Await([&] { return at_first.size() == 2 && at_second.size() == 2; }));
   // An echo would come after one more message on the same way has come.
   EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("last")), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return at_second.size() >= 3; }));
+  ASSERT_TRUE(Await([&] { return at_first.size() >= 3 && at_second.size() >= 3; }));
   EXPECT_EQ(at_second.size(), 3U);
   EXPECT_EQ(at_first.size(), 3U);
+}
+
+TEST(Session, ALongCallbackHoldsUpNoOtherNodeOfItsChannelThoughTheReceivingThreadHelps) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a") + "data_graph: {threads: 2}\n");
+  test::Door door;
+  std::atomic<int> slow{0};
+  Notes notes;
+  const auto one = listener->FromAny<Note>("notes", kSerial, [&](const Note&) {
+    door.Pass();
+    ++slow;
+  });
+  const auto two = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(talker->ToAny("notes", std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+    EXPECT_TRUE(Await([&] { return notes.size() == static_cast<std::size_t>(i) + 1; }));
+  }
+  EXPECT_EQ(slow, 0);
+  door.Open();
+  EXPECT_TRUE(Await([&] { return slow == 5; }));
 }
 
 TEST(Session, AClosedChannelStillLeavesAndStillReceives) {

@@ -32,6 +32,13 @@ struct GraphOptions {
 /// Whether a thread that hands a message over may run callbacks.
 enum class UserCode { kAllowed, kRefused };
 
+/// What is asked of a thread that delivers a message.
+enum class ThreadUse {
+  kNone,    ///< It need not run callbacks.
+  kInline,  ///< It runs callbacks of nodes that are inline.
+  kHelp,    ///< It had better run one of the nodes itself, since a worker would have to be woken for it; see Helping.
+};
+
 /// The intra-process graph: typed channels and the nodes on them. Messages go by pointer; every node of the process
 /// gets the same object.
 ///
@@ -110,8 +117,8 @@ class HGROS_EXPORT DataGraph {
                      UserCode user_code = UserCode::kAllowed) noexcept;
   /// The one of the channel's types as which a message from outside is best decoded for its nodes.
   [[nodiscard]] static const TypeInfo& InboundType(const Channel& channel) noexcept;
-  /// Some node of the channel runs its callback on the delivering thread.
-  [[nodiscard]] static bool HasInlineNodes(const Channel& channel) noexcept;
+  /// What the channel's nodes make of the thread that delivers the next message to them.
+  [[nodiscard]] static ThreadUse UseOfThread(const Channel& channel) noexcept;
   /// Wakes publishers that wait for room on this channel.
   static void NotifyRoom(Channel& channel) noexcept;
   [[nodiscard]] static const TypeInfo& TypeOfChannel(const Channel& channel) noexcept;

@@ -1,0 +1,137 @@
+#include "hgros/graph/helping.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <thread>
+
+#include "graph/graph_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Door;
+using test::Options;
+
+class HelpedGraph : public testing::Test {
+ protected:
+  /// A node that says which thread ran it, and how often.
+  struct Node {
+    std::atomic<int> count{0};
+    std::atomic<std::thread::id> thread;
+    Subscription subscription;
+  };
+  void Subscribe(Node& node, const std::string& channel, Executor executor = Executor::Tbb()) {
+    node.subscription = graph.FromGraph<int>(
+        channel, Invoke::kSerial,
+        [&node](const int&) {
+          node.thread = std::this_thread::get_id();
+          ++node.count;
+        },
+        Options(std::move(executor)));
+  }
+  void Publish(const std::string& channel) { (void)graph.ToGraph(channel, std::make_unique<int>(1)); }
+  [[nodiscard]] static bool RanHere(const Node& node) { return node.thread == std::this_thread::get_id(); }
+
+  DataGraph graph;
+};
+
+TEST_F(HelpedGraph, TheFirstNodeThatIsReadyRunsHereAndOnlyWhenThatIsAskedFor) {
+  Node one, two;
+  Subscribe(one, "one");
+  Subscribe(two, "two");
+  Helping helping(true);
+  Publish("one");
+  Publish("two");
+  EXPECT_TRUE(Await([&] { return two.count == 1; }));
+  EXPECT_EQ(one.count, 0);
+  helping.Run();
+  EXPECT_EQ(one.count, 1);
+  EXPECT_TRUE(RanHere(one));
+  EXPECT_FALSE(RanHere(two)) << "a worker did";
+  Publish("one");
+  EXPECT_TRUE(Await([&] { return one.count == 2; }));
+  EXPECT_FALSE(RanHere(one)) << "the help is over";
+}
+
+TEST_F(HelpedGraph, WhatIsPassedOnOrForgottenRunsOnAWorker) {
+  Node node;
+  Subscribe(node, "c");
+  {
+    Helping helping(true);
+    Publish("c");
+    helping.PassOn();
+    EXPECT_TRUE(Await([&] { return node.count == 1; }));
+    Publish("c");
+    EXPECT_EQ(node.count, 1) << "it stays again";
+  }
+  EXPECT_TRUE(Await([&] { return node.count == 2; }));
+  EXPECT_FALSE(RanHere(node));
+  Helping unwanted(false);
+  Publish("c");
+  EXPECT_TRUE(Await([&] { return node.count == 3; }));
+}
+
+TEST_F(HelpedGraph, OneThreadHelpsAtATime) {
+  Node one, two;
+  Subscribe(one, "one");
+  Subscribe(two, "two");
+  Helping helping(true);
+  Publish("one");
+  std::jthread([&] {
+    Helping second(true);
+    Publish("two");
+    EXPECT_TRUE(Await([&] { return two.count == 1; })) << "by a worker";
+    EXPECT_FALSE(RanHere(two));
+  }).join();
+  helping.Run();
+  EXPECT_TRUE(RanHere(one));
+}
+
+TEST_F(HelpedGraph, WhatCallbacksPublishGoesToTheWorkers) {
+  Node next;
+  Subscribe(next, "next");
+  const auto subscription = graph.FromGraph<int>("first", Invoke::kSerial, [&](const int&) {
+    Publish("next");
+    EXPECT_TRUE(Await([&] { return next.count == 1; }));
+  });
+  Helping helping(true);
+  Publish("first");
+  helping.Run();
+  EXPECT_EQ(next.count, 1);
+  EXPECT_FALSE(RanHere(next));
+}
+
+TEST_F(HelpedGraph, ANodeThatEndsMeanwhileIsNotRun) {
+  std::optional<Node> node(std::in_place);
+  Subscribe(*node, "c");
+  Helping helping(true);
+  Publish("c");
+  node->subscription = {};
+  helping.Run();
+  EXPECT_EQ(node->count, 0);
+}
+
+TEST_F(HelpedGraph, HelpIsAskedForWhileAWorkerWouldHaveToBeWoken) {
+  Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone);
+  Door door;
+  std::atomic<bool> inside{false};
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kSerial, [&](const int&) {
+    inside = true;
+    door.Pass();
+  });
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kHelp);
+  Publish("c");
+  ASSERT_TRUE(Await([&] { return inside.load(); }));
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone) << "it runs already";
+  door.Open();
+  EXPECT_TRUE(Await([&] { return DataGraph::UseOfThread(channel) == ThreadUse::kHelp; }));
+  Node immediate;
+  Subscribe(immediate, "c", Executor::Inline());
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kInline);
+}
+
+}  // namespace
+}  // namespace hgros
