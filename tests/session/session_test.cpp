@@ -172,9 +172,10 @@ TEST(Session, ALongCallbackHoldsUpNoOtherNodeOfItsChannelThoughTheReceivingThrea
     ++slow;
   });
   const auto two = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   for (int i = 0; i < 5; ++i) {
-    EXPECT_EQ(talker->ToAny("notes", std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+    EXPECT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
     EXPECT_TRUE(Await([&] { return notes.size() == static_cast<std::size_t>(i) + 1; }));
   }
   EXPECT_EQ(slow, 0);
