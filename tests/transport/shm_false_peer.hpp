@@ -150,7 +150,7 @@ class FalsePeer {
     Say(said, handles);
   }
 
-  wire::Wish wish;               ///< For `lies`.
+  wire::Wish wish;                ///< For `lies`.
   std::uint64_t incarnation = 1;  ///< That it says of itself.
 
  private:

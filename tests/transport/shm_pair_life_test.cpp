@@ -125,5 +125,39 @@ TEST_F(ShmPairLife, APayloadThatComesSlowlyIsNoSilence) {
   EXPECT_EQ(listener.gone, 0);
 }
 
+TEST_F(ShmPairLife, PairsOfOneSessionAreReadInTheOrderInWhichTheyWereMade) {
+  HoldReader();
+  FalsePeer first(place, SessionId{~std::uint64_t{0}});
+  ASSERT_TRUE(first.Publish(256, 1 << 20));
+  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 1; }));
+  CloseGate();
+  Write(first, 1, 100);
+  FalsePeer second(place, first.id());
+  second.incarnation = 2;
+  ASSERT_TRUE(second.Publish(256, 1 << 20));
+  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 2; }));
+  Write(second, 101, 200);
+  door.Open();
+  ASSERT_TRUE(Await([&] { return sink.came().size() == 200; })) << sink.came().size() << " of 200 messages came";
+  const auto came = sink.came();
+  for (std::size_t i = 0; i < came.size(); ++i) ASSERT_EQ(came[i].sequence, i + 1);
+}
+
+TEST_F(ShmPairLife, ABusyPairDoesNotKeepOthersFromBeingRead) {
+  HoldReader();
+  sink.answer = Accepted::kRunApart;
+  FalsePeer quiet(place);
+  ASSERT_TRUE(quiet.Publish(256, 1 << 20));
+  FalsePeer busy(place);
+  ASSERT_TRUE(busy.Publish(256, 1 << 20));
+  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 2; }));
+  CloseGate();
+  Write(quiet, 1, 1);
+  Write(busy, 1, 200);
+  door.Open();
+  ASSERT_TRUE(Await([&] { return sink.came().size() == 201; }));
+  EXPECT_EQ(sink.came().back().from, busy.id());
+}
+
 }  // namespace
 }  // namespace hgros::shm

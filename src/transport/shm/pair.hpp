@@ -153,6 +153,8 @@ struct Pair : std::enable_shared_from_this<Pair> {
   /// Payloads by link and number; of each link no more than its credit.
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> apart;
   std::uint64_t last_link = 0;
+  /// Earlier pairs with the same session: what they have left is read before anything of this one.
+  std::vector<std::shared_ptr<Pair>> after;
   bool blocked = false;  ///< The next message needs something that has not come over the socket yet.
 };
 

@@ -212,6 +212,9 @@ void ShmCore::FinishPair(const std::shared_ptr<Pair>& pair) {
   }
   for (const auto& action : actions) action();
   if (std::exchange(pair->came, false)) registry_.Gone(pair->facts.info, pair->end_reason);
+  for (const auto& other : Pairs()) {
+    if (other->facts.info.id == pair->facts.info.id) bell_.Ring(other->number);  // It may have waited for this one.
+  }
   pair->finished = true;
   if (pair->eof) ForgetPair(pair);
 }

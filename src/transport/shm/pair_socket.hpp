@@ -43,8 +43,9 @@ class PairSocket {
     std::vector<Handle> handles;
   };
   enum class Read { kNothing, kMore, kFrame, kClosed, kFault };
-  /// The next frame. kNothing: not yet. kMore: not yet, and there may be more to read: others have their turn. After kFault what comes is thrown away until kClosed (kFault again: there is
-  /// more of it): the end of the socket still says that the peer reads nothing of ours any more.
+  /// The next frame. kNothing: not yet. kMore: not yet, and there may be more to read: others have their turn. After
+  /// kFault what comes is thrown away until kClosed (kFault again: there is more of it): the end of the socket still
+  /// says that the peer reads nothing of ours any more.
   [[nodiscard]] Read Receive(Frame& frame);
   /// Bytes that have come, of frames that are not whole yet as well.
   [[nodiscard]] std::uint64_t received_bytes() const noexcept { return received_bytes_; }

@@ -149,7 +149,7 @@ class ShmCore : public LeaderPool::Input {
 
   // shm_receive.cpp
   [[nodiscard]] LeaderPool::Task Serve(const std::shared_ptr<Pair>& pair);
-  enum class Step { kMessage, kSkipped, kNothing, kLie };
+  enum class Step { kMessage, kSkipped, kNothing, kNotYet, kLie };
   [[nodiscard]] Step Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMessage& message, const char*& lie);
   [[nodiscard]] static Payload PayloadOf(const std::shared_ptr<Slip>& slip, const Descriptor& descriptor,
                                          std::shared_ptr<Mapping> segment);
@@ -189,6 +189,7 @@ class ShmCore : public LeaderPool::Input {
 
   // The reading thread.
   std::vector<std::uint32_t> to_serve_;
+  std::uint32_t last_served_ = 0;
 
   std::mutex sent_mutex_;
   std::condition_variable sent_;
