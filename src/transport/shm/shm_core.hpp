@@ -137,7 +137,7 @@ class ShmCore : public LeaderPool::Input {
   // shm_publish.cpp
   [[nodiscard]] std::shared_ptr<const ShmMessage> Pack(const PacketHead& head, const Payload& data);
   void Drain(OutLink& link, Leavings& leavings, Bells& bells);
-  [[nodiscard]] bool Send(OutLink& link);
+  [[nodiscard]] bool Send(OutLink& link, Leavings& leavings);
   void Write(OutLink& link, const PendingMessage& message);
   void ReadCredit(OutLink& link, Leavings& leavings);
   void Collect(Pair& pair, Leavings& leavings);
