@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "hgros/clock/time.hpp"
+#include "hgros/transport/ends_later.hpp"
 
 namespace hgros {
 
@@ -61,11 +62,13 @@ bool ChannelOutlet::wanted() const noexcept {
 }
 
 PublishStatus ChannelOutlet::Reserve() noexcept {
+  const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
   return carrier_ ? carrier_->Reserve() : PublishStatus::kOk;
 }
 
 void ChannelOutlet::Cancel() noexcept {
+  const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
   if (carrier_) carrier_->Cancel();
 }
@@ -124,6 +127,7 @@ void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noex
   head.latched = static_cast<std::uint32_t>(depth);
 
   std::vector<Kept> dropped;  // Let go of after the locks: a message's destructor is the user's code.
+  const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
   bool counted = listened;
   if (depth > 0) {

@@ -1,5 +1,6 @@
 // The numbered contracts of include/hgros/transport/transport.hpp, one behaviour per test, for every carrier.
 #include "conformance/transport_conformance.hpp"
+#include "hgros/transport/ends_later.hpp"
 
 namespace hgros::conformance {
 namespace {
@@ -399,6 +400,40 @@ TEST_P(TransportConformance, AMessageEndsWithoutALock) {
     EXPECT_TRUE(Eventually([&] { return returned == (lossless ? 3 : 6); }));
     for (auto& thread : threads) thread.join();
   }
+}
+
+TEST_P(TransportConformance, AMessageEndsBehindTheLockOfWhoPublishes) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "scan", TextType());
+  const Demand demand{.queue_depth = 1, .credit_messages = 1};
+  Reception in(b, "scan", TextType(), demand, [](Sink& sink) { sink.hold_credit = true; });
+  ASSERT_TRUE(Joined(out));
+  static thread_local bool locked;
+  std::atomic<int> ended{0};
+  std::atomic<int> under_the_lock{0};
+  const auto end = [&](const std::string* text) {
+    delete text;
+    ++ended;
+    if (locked) ++under_the_lock;
+  };
+  constexpr int kMessages = 10;
+  for (int i = 0; i < kMessages; ++i) {
+    Payload payload;
+    {
+      const std::shared_ptr<const std::string> text(new std::string(10'000, 'x'), end);
+      payload = {AsBytes(*text), text};
+    }
+    const EndsLater behind_the_lock;
+    locked = true;  // As from here to the end of the round.
+    ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
+    out.channel->Commit(out.NextHead(), payload);
+    locked = false;
+  }
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() > 0; }));
+  EXPECT_GT(ended, 0);
+  EXPECT_EQ(under_the_lock, 0);
+  b.transport->Close(0);
+  EXPECT_TRUE(Eventually([&] { return ended == kMessages; }));
 }
 
 }  // namespace

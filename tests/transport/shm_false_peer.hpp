@@ -54,7 +54,7 @@ class FalsePeer {
     auto& hello = *said.mutable_hello();
     hello.set_session(id_.value);
     WriteFacts(OwnFacts(id_, "false"), *hello.mutable_facts());
-    hello.mutable_facts()->set_incarnation(1);
+    hello.mutable_facts()->set_incarnation(incarnation);
     hello.set_layout(kLayoutVersion);
     hello.set_bell_number(3);
     return said;
@@ -95,7 +95,7 @@ class FalsePeer {
       socket_->Flush();
       for (;;) {
         const auto read = socket_->Receive(frame);
-        if (read == PairSocket::Read::kNothing) return false;
+        if (read == PairSocket::Read::kNothing || read == PairSocket::Read::kMore) return false;
         if (read != PairSocket::Read::kFrame) {
           ended_ = true;
           return true;
@@ -150,7 +150,8 @@ class FalsePeer {
     Say(said, handles);
   }
 
-  wire::Wish wish;  ///< For `lies`.
+  wire::Wish wish;                ///< For `lies`.
+  std::uint64_t incarnation = 1;  ///< That it says of itself.
 
  private:
   void Note(PairSocket::Frame& frame) {

@@ -76,7 +76,7 @@ TEST(ShmPairSocket, FramesOfAllSizesComeInOrderWithTheirDescriptors) {
       } else {
         ends.here->Flush();
         const auto read = ends.there->Receive(frame);
-        if (read == PairSocket::Read::kNothing) continue;
+        if (read == PairSocket::Read::kNothing || read == PairSocket::Read::kMore) continue;
         ASSERT_EQ(read, PairSocket::Read::kFrame) << ends.there->fault();
         const auto& [size, files] = sent[received++];
         ASSERT_EQ(frame.message.payload().number(), received);
@@ -113,6 +113,23 @@ TEST(ShmPairSocket, AFrameThatCannotBeIsAFaultAndTheEndIsStillSeen) {
     ends.here.reset();
     EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kClosed);
   }
+}
+
+TEST(ShmPairSocket, ALargeFrameIsReadInPieces) {
+  Ends ends;
+  ends.here->Send(Payload(1, 700'000));  // The socket takes a part of it.
+  ASSERT_FALSE(ends.here->all_sent());
+  PairSocket::Frame frame;
+  EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kMore);
+  const std::uint64_t received = ends.there->received_bytes();
+  EXPECT_GT(received, 0u);
+  EXPECT_LT(received, 700'000u);
+  ASSERT_TRUE(test::Await([&] {
+    ends.here->Flush();
+    return ends.there->Receive(frame) == PairSocket::Read::kFrame;
+  }));
+  EXPECT_EQ(frame.message.payload().data().size(), 700'000u);
+  EXPECT_GT(ends.there->received_bytes(), 700'000u);
 }
 
 TEST(ShmPairSocket, ACutFrameIsTheEnd) {

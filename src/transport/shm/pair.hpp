@@ -18,6 +18,7 @@
 #include "hgros/base/bytes.hpp"
 #include "transport/agreement.hpp"
 #include "transport/inbound_core.hpp"
+#include "transport/leavings.hpp"
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
 #include "transport/shm/bell.hpp"
@@ -35,12 +36,6 @@ inline constexpr std::size_t kFrameOverheadBytes = 1u << 20;
 using SteadyTime = std::chrono::steady_clock::time_point;
 
 struct Pair;
-
-/// What ends with an operation, to be destroyed when no mutex is held: the destructors of messages are the user's code.
-struct Leavings {
-  PeerChannel::Dropped messages;
-  std::vector<std::shared_ptr<const void>> owners;
-};
 
 /// Peers that have something to look at, to be rung when no mutex is held.
 using Bells = std::vector<std::shared_ptr<const PeerBell>>;
@@ -153,6 +148,8 @@ struct Pair : std::enable_shared_from_this<Pair> {
   /// Payloads by link and number; of each link no more than its credit.
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> apart;
   std::uint64_t last_link = 0;
+  /// Earlier pairs with the same session: what they have left is read before anything of this one.
+  std::vector<std::shared_ptr<Pair>> after;
   bool blocked = false;  ///< The next message needs something that has not come over the socket yet.
 };
 

@@ -120,6 +120,7 @@ void ShmCore::Read(const std::shared_ptr<Pair>& pair) {
     pair->socket.Flush();
   }
   PairSocket::Frame frame;
+  const std::uint64_t before = pair->socket.received_bytes();
   int left = kFramesAtOnce;
   for (bool more = true; more; --left) {
     if (left == 0) {
@@ -127,10 +128,8 @@ void ShmCore::Read(const std::shared_ptr<Pair>& pair) {
       break;
     }
     switch (pair->socket.Receive(frame)) {
-      case PairSocket::Read::kFrame:
-        pair->last_read = std::chrono::steady_clock::now();
-        OnFrame(pair, frame);
-        break;
+      case PairSocket::Read::kFrame: OnFrame(pair, frame); break;
+      case PairSocket::Read::kMore: break;
       case PairSocket::Read::kNothing: more = false; break;
       case PairSocket::Read::kFault:
         if (pair->alive) {
@@ -147,6 +146,11 @@ void ShmCore::Read(const std::shared_ptr<Pair>& pair) {
         more = false;
         break;
     }
+  }
+  // Also of a frame that takes long to come. Who has not greeted has no such time.
+  if (pair->socket.received_bytes() != before) {
+    pair->last_read = std::chrono::steady_clock::now();
+    if (pair->greeted) pair->last_heard = pair->last_read;
   }
   bool look = false;
   {
@@ -208,6 +212,9 @@ void ShmCore::FinishPair(const std::shared_ptr<Pair>& pair) {
   }
   for (const auto& action : actions) action();
   if (std::exchange(pair->came, false)) registry_.Gone(pair->facts.info, pair->end_reason);
+  for (const auto& other : Pairs()) {
+    if (other->facts.info.id == pair->facts.info.id) bell_.Ring(other->number);  // It may have waited for this one.
+  }
   pair->finished = true;
   if (pair->eof) ForgetPair(pair);
 }

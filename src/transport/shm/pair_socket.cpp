@@ -20,7 +20,7 @@ constexpr std::size_t kHeaderBytes = 2 * sizeof(std::uint32_t);
 constexpr std::size_t kMaxHandles = 4;        // With one frame.
 constexpr std::size_t kMaxStrayHandles = 64;  // That came before their frames.
 constexpr std::size_t kReadBytes = 64 * 1024;
-constexpr int kReadsAtOnce = 64;
+constexpr int kReadsAtOnce = 2;  // Whoever reads has other things to do as well.
 
 bool AddressOf(const std::string& place, sockaddr_un& address, socklen_t& size, std::string& fault) {
   address = {};
@@ -135,6 +135,7 @@ PairSocket::Read PairSocket::ReadMore() {
     closed_ = true;
     return Read::kClosed;
   }
+  received_bytes_ += static_cast<std::uint64_t>(got);
   for (cmsghdr* rights = CMSG_FIRSTHDR(&header); rights != nullptr; rights = CMSG_NXTHDR(&header, rights)) {
     if (rights->cmsg_level != SOL_SOCKET || rights->cmsg_type != SCM_RIGHTS) continue;
     const std::size_t count = (rights->cmsg_len - CMSG_LEN(0)) / sizeof(int);
@@ -166,7 +167,7 @@ PairSocket::Read PairSocket::ThrowAway() {
 
 PairSocket::Read PairSocket::Receive(Frame& frame) {
   if (!fault_.empty()) return ThrowAway();
-  for (;;) {
+  for (int reads = 0;; ++reads) {
     const std::size_t available = incoming_.size() - parsed_;
     if (available >= kHeaderBytes) {
       std::uint32_t length = 0;
@@ -190,6 +191,7 @@ PairSocket::Read PairSocket::Receive(Frame& frame) {
       }
     }
     if (closed_) return Read::kClosed;
+    if (reads == kReadsAtOnce) return Read::kMore;
     if (const Read read = ReadMore(); read != Read::kFrame) {
       if (read != Read::kClosed) return read;
     }

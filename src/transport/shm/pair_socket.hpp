@@ -42,10 +42,13 @@ class PairSocket {
     wire::PairMessage message;
     std::vector<Handle> handles;
   };
-  enum class Read { kNothing, kFrame, kClosed, kFault };
-  /// The next frame. kNothing: not yet. After kFault what comes is thrown away until kClosed (kFault again: there is
-  /// more of it): the end of the socket still says that the peer reads nothing of ours any more.
+  enum class Read { kNothing, kMore, kFrame, kClosed, kFault };
+  /// The next frame. kNothing: not yet. kMore: not yet, and there may be more to read: others have their turn. After
+  /// kFault what comes is thrown away until kClosed (kFault again: there is more of it): the end of the socket still
+  /// says that the peer reads nothing of ours any more.
   [[nodiscard]] Read Receive(Frame& frame);
+  /// Bytes that have come, of frames that are not whole yet as well.
+  [[nodiscard]] std::uint64_t received_bytes() const noexcept { return received_bytes_; }
   [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
 
  private:
@@ -65,6 +68,7 @@ class PairSocket {
   std::string incoming_;
   std::size_t parsed_ = 0;
   std::deque<Handle> handles_;
+  std::uint64_t received_bytes_ = 0;
   bool closed_ = false;
   std::string fault_;
 };

@@ -142,7 +142,7 @@ class ShmCore : public LeaderPool::Input {
   // shm_publish.cpp
   [[nodiscard]] std::shared_ptr<const ShmMessage> Pack(const PacketHead& head, const Payload& data);
   void Drain(OutLink& link, Leavings& leavings, Bells& bells);
-  [[nodiscard]] bool Send(OutLink& link);
+  [[nodiscard]] bool Send(OutLink& link, Leavings& leavings);
   void Write(OutLink& link, const PendingMessage& message);
   void ReadCredit(OutLink& link, Leavings& leavings);
   void Collect(Pair& pair, Leavings& leavings);
@@ -154,7 +154,7 @@ class ShmCore : public LeaderPool::Input {
 
   // shm_receive.cpp
   [[nodiscard]] LeaderPool::Task Serve(const std::shared_ptr<Pair>& pair);
-  enum class Step { kMessage, kSkipped, kNothing, kLie };
+  enum class Step { kMessage, kSkipped, kNothing, kNotYet, kLie };
   [[nodiscard]] Step Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMessage& message, const char*& lie);
   [[nodiscard]] static Payload PayloadOf(const std::shared_ptr<Slip>& slip, const Descriptor& descriptor,
                                          std::shared_ptr<Mapping> segment);
@@ -194,6 +194,7 @@ class ShmCore : public LeaderPool::Input {
 
   // The reading thread.
   std::vector<std::uint32_t> to_serve_;
+  std::uint32_t last_served_ = 0;
 
   std::mutex sent_mutex_;
   std::condition_variable sent_;

@@ -106,7 +106,7 @@ void ShmCore::Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& 
     bool skipped = false;
     for (OutLink* link : core->links) {
       skipped = !link->flow.Push({message, message->id, message->data.bytes.size()}) || skipped;
-      if (Send(*link)) bells.push_back(link->pair.bell);
+      if (Send(*link, leavings)) bells.push_back(link->pair.bell);
     }
     // Its reservation is free again, and somebody may have been refused meanwhile.
     if (skipped && HasRoom(*core)) OutboundCore::TellRoom(core, actions);
@@ -133,12 +133,14 @@ void ShmCore::Collect(Pair& pair, Leavings& leavings) {
   Distrust(pair, "it returns what it was not given");
 }
 
-bool ShmCore::Send(OutLink& link) {
+bool ShmCore::Send(OutLink& link, Leavings& leavings) {
   bool any = false;
   while (link.pair.out->HasSlot()) {
-    const auto message = link.flow.Pop();
+    auto message = link.flow.Pop();
     if (!message) break;
     Write(link, *message);
+    // One that has gone over the socket may end with it.
+    if (!static_cast<const ShmMessage&>(*message->packed).place) leavings.messages.push_back(std::move(*message));
     any = true;
   }
   return any;
@@ -146,11 +148,11 @@ bool ShmCore::Send(OutLink& link) {
 
 void ShmCore::Drain(OutLink& link, Leavings& leavings, Bells& bells) {
   Pair& pair = link.pair;
-  bool sent = Send(link);
+  bool sent = Send(link, leavings);
   Collect(pair, leavings);
   if (link.flow.lossless() || link.flow.waiting() > 0) ReadCredit(link, leavings);
   if (link.flow.waiting() > 0) {
-    sent = Send(link) || sent;
+    sent = Send(link, leavings) || sent;
     // Each time after having asked for what is missing: what came before the peer read that rings no bell.
     for (std::uint32_t asked = 0; link.flow.waiting() > 0;) {
       const std::uint32_t missing = kForCredit | (pair.out->HasSlot() ? 0 : kForSlots);
@@ -160,7 +162,7 @@ void ShmCore::Drain(OutLink& link, Leavings& leavings, Bells& bells) {
       pair.out->SetHungry(pair.out->hungry() | missing);
       Collect(pair, leavings);
       ReadCredit(link, leavings);
-      sent = Send(link) || sent;
+      sent = Send(link, leavings) || sent;
     }
   }
   if (sent) bells.push_back(pair.bell);

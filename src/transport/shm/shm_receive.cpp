@@ -1,4 +1,5 @@
 // How messages come in: the reading thread takes descriptors from the lanes whose publishers have rung.
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -38,20 +39,23 @@ void ShmCore::Wake() noexcept { bell_.Wake(); }
 LeaderPool::Task ShmCore::Lead() noexcept {
   for (;;) {
     if (!bell_.Take([this](std::uint32_t number) { to_serve_.push_back(number); })) return {};
-    while (!to_serve_.empty()) {
-      const std::uint32_t number = to_serve_.back();
-      to_serve_.pop_back();
+    // In turn, from behind the one that was served last: one that always has something does not keep the others
+    // waiting.
+    std::ranges::rotate(to_serve_, std::ranges::upper_bound(to_serve_, last_served_));
+    for (std::size_t i = 0; i < to_serve_.size(); ++i) {
+      const std::uint32_t number = last_served_ = to_serve_[i];
       const auto pair = PairAt(number);
       if (!pair) continue;
       if (pair->hungry.load()) Pump(*pair);
       auto task = Serve(pair);
       if (!task) continue;
       // Another thread looks at the rest.
-      for (const std::uint32_t rest : to_serve_) bell_.Ring(rest);
+      for (++i; i < to_serve_.size(); ++i) bell_.Ring(to_serve_[i]);
       to_serve_.clear();
       bell_.PassOn();
       return task;
     }
+    to_serve_.clear();
   }
 }
 
@@ -64,6 +68,7 @@ LeaderPool::Task ShmCore::Serve(const std::shared_ptr<Pair>& pair) {
     if (step == Step::kLie && pair->ending.load()) step = Step::kNothing;  // It has ended for another reason.
     switch (step) {
       case Step::kSkipped: continue;
+      case Step::kNotYet: return {};
       case Step::kLie: Distrust(*pair, lie); return {};
       case Step::kNothing:
         if (pair->ending.load() && !pair->finishing.exchange(true)) Post([this, pair] { FinishPair(pair); });
@@ -96,6 +101,9 @@ LeaderPool::Task ShmCore::Serve(const std::shared_ptr<Pair>& pair) {
 ShmCore::Step ShmCore::Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMessage& message, const char*& lie) {
   Descriptor descriptor;
   const std::scoped_lock lock(pair.in_mutex);
+  for (; !pair.after.empty(); pair.after.pop_back()) {
+    if (!pair.after.back()->finishing.load()) return Step::kNotYet;
+  }
   if (!pair.in) return Step::kNothing;
   switch (pair.in->Peek(descriptor)) {
     case LaneReader::Read::kNothing: return Step::kNothing;

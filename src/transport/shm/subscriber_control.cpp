@@ -109,6 +109,11 @@ void ShmCore::BeginPair(const std::shared_ptr<Pair>& pair) {
   for (Destination& destination : destinations_) {
     if (destination.place == pair->place) destination.pause = std::chrono::milliseconds(0);
   }
+  for (const auto& other : Pairs()) {
+    if (!other->ending || other->finishing || other->facts.info.id != pair->facts.info.id) continue;
+    const std::scoped_lock in_lock(pair->in_mutex);
+    pair->after.push_back(other);
+  }
   pair->alive = true;
   AskForAll(*pair);
 }

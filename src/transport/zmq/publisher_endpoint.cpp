@@ -169,10 +169,11 @@ void PublisherEndpoint::Discard(PeerChannel::Dropped&& dropped, Actions& actions
 }
 
 void PublisherEndpoint::Drain(Link& link, PeerChannel::Dropped& dropped) {
-  while (const auto message = link.flow.Pop()) {
+  while (auto message = link.flow.Pop()) {
     WriteLinkNumber(link.topic, link.flow.sent());
     static_cast<const WireMessage&>(*message->packed).SendTo(socket_, link.topic);
     link.core->sent.fetch_add(1, std::memory_order_relaxed);
+    dropped.push_back(std::move(*message));  // It may end with it.
   }
   const std::uint64_t others = link.peer.waiting_bytes - link.counted_bytes;
   const std::uint64_t limit = carrier_.options.peer_queue_bytes;

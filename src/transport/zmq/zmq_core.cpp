@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "transport/leavings.hpp"
 #include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
@@ -238,9 +239,9 @@ void ZmqCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead
     return;
   }
   const auto message = std::make_shared<const WireMessage>(head, data);
-  PeerChannel::Dropped dropped;  // Ends after the lock: the messages' destructors are the user's code.
+  Leavings leavings;
   const std::shared_lock lock(mutex_);
-  for (const auto& endpoint : publishers_) endpoint->Commit(core, message, dropped);
+  for (const auto& endpoint : publishers_) endpoint->Commit(core, message, leavings.messages);
 }
 
 void ZmqCore::UpdateWatch() {

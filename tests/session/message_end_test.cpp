@@ -1,0 +1,71 @@
+// What the end of a message may do: it is the user's code, and runs under no lock of the library.
+#include <thread>
+#include <vector>
+
+#include "session/domain_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::kPatience;
+using test::Robot;
+
+/// The carriers keep the message itself: there is no shared memory that it could be copied into.
+constexpr const char* kNoMemory = "shared_memory: {limit_bytes: 4096}\n";
+
+class MessageEnd : public test::DomainFixture {
+ protected:
+  /// `listener` hears what `talker` publishes; the end of a message has another one published on the same channel.
+  static void Run(Robot& talker, Robot& listener) {
+    std::atomic<int> received{0};
+    const auto subscription = listener->FromAny<Block>("raw", Invoke::kSerial, [&](const Block&) { ++received; },
+                                                       {.queue = Queue::KeepAll(16)});
+    const auto publish = talker->Advertise<Block>("raw");
+    ASSERT_TRUE(talker->WaitForSubscribers("raw", 1, kPatience));
+
+    std::atomic<int> ended{0};
+    std::atomic<bool> published{false};
+    std::atomic<bool> in_time{false};
+    std::thread another;
+    const auto end = [&](std::vector<std::byte>* bytes) {
+      delete bytes;
+      if (ended++ > 0) return;
+      another = std::thread([&] {
+        (void)publish.Wait(std::make_unique<Block>(Block::Allocate(100)), std::chrono::steady_clock::now() + kPatience);
+        published = true;
+      });
+      in_time = Await([&] { return published.load(); });
+    };
+    constexpr int kMessages = 10;
+    for (int i = 0; i < kMessages; ++i) {
+      const std::shared_ptr<std::vector<std::byte>> bytes(new std::vector<std::byte>(100'000), end);
+      auto block = std::make_unique<Block>(Block::Adopt(*bytes, bytes));
+      ASSERT_EQ(publish.Wait(std::move(block), std::chrono::steady_clock::now() + kPatience), PublishStatus::kOk);
+      // Then the next one finds this one consumed, and lets go of it.
+      ASSERT_TRUE(Await([&] { return received > i; }));
+    }
+    EXPECT_TRUE(Await([&] { return received == kMessages + 1; })) << received;
+    EXPECT_TRUE(in_time) << "the end of a message waited for somebody who published";
+    talker.session.reset();
+    EXPECT_TRUE(Await([&] { return ended == kMessages; }));
+    if (another.joinable()) another.join();
+  }
+};
+
+TEST_F(MessageEnd, MayPublishOnItsOwnChannelOverAPairsSocket) {
+  Robot talker(kNoMemory);
+  Robot listener(kNoMemory);
+  Run(talker, listener);
+}
+
+TEST_F(MessageEnd, MayPublishOnItsOwnChannelOverZeroMq) {
+  const Bus bus;
+  Robot talker(bus.Publishing("talker") + "discovery: {local: false}");
+  Robot listener(bus.Subscribing("talker") + "discovery: {local: false}");
+  Run(talker, listener);
+}
+
+}  // namespace
+}  // namespace hgros

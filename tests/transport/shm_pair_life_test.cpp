@@ -1,0 +1,163 @@
+// How long a pair lives, and in which order pairs are read.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "conformance/transport_conformance.hpp"
+#include "hgros/transport/shm_transport.hpp"
+#include "support/await.hpp"
+#include "transport/shm_false_peer.hpp"
+
+namespace hgros::shm {
+namespace {
+
+using conformance::TextType;
+using test::Await;
+
+constexpr auto kTimeout = std::chrono::milliseconds(1000);
+
+/// Writes down in which order messages come; the first one waits at the door if there is one.
+class OrderSink : public InboundSink {
+ public:
+  struct Came {
+    SessionId from;
+    std::uint64_t sequence;
+  };
+  Accepted Accept(InboundMessage&& message) noexcept override {
+    {
+      const std::scoped_lock lock(mutex_);
+      came_.push_back({message.from, message.head.id.sequence});
+    }
+    if (door != nullptr) door->Pass();
+    return answer;
+  }
+  void Run() noexcept override {}
+  void OnFault(PacketFault, std::string_view) noexcept override {}
+  void OnPublishers(std::size_t) noexcept override {}
+  [[nodiscard]] std::vector<Came> came() const {
+    const std::scoped_lock lock(mutex_);
+    return came_;
+  }
+
+  test::Door* door = nullptr;
+  Accepted answer = Accepted::kNothing;
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Came> came_;  // Guarded by mutex_.
+};
+
+class ShmPairLife : public testing::Test {
+ protected:
+  void SetUp() override {
+    ShmOptions options;
+    options.session = SessionId{1'000'000};
+    options.place = place;
+    options.heartbeat = std::chrono::milliseconds(50);
+    options.peer_timeout = kTimeout;
+    reader = MakeShmTransport(options, listener, log);
+    lies = reader->Subscribe("lies", TextType(), {.credit_messages = 256, .credit_bytes = 1 << 20}, sink);
+  }
+  /// The thread that reads stands at the door from now on.
+  void HoldReader() {
+    gate.door = &door;
+    held = reader->Subscribe("gate", TextType(), {}, gate);
+    ShmOptions options;
+    options.peers = {place};
+    gatekeeper = MakeShmTransport(options, listener, log);
+    to_gate = gatekeeper->Advertise("gate", TextType(), source);
+    ASSERT_TRUE(Await([&] { return to_gate->subscriber_count() == 1; }));
+  }
+  void CloseGate() {
+    PacketHead head;
+    head.id = {0, 1, 1};
+    to_gate->Commit(head, {});
+    ASSERT_TRUE(Await([&] { return !gate.came().empty(); }));
+  }
+  static void Write(FalsePeer& peer, std::uint64_t first, std::uint64_t last) {
+    for (std::uint64_t sequence = first; sequence <= last; ++sequence) {
+      Descriptor next = peer.NextMessage();
+      next.sequence = sequence;
+      peer.Write(next);
+    }
+  }
+
+  const std::string place = "hgros-test-" + SessionId::Random().ToString();
+  conformance::Listener listener;
+  conformance::Source source;
+  Log log{[](LogLevel, std::string_view) {}};
+  test::Door door;
+  OrderSink gate;
+  OrderSink sink;
+  std::unique_ptr<ShmTransport> reader;
+  std::unique_ptr<InboundChannel> lies;
+  std::unique_ptr<InboundChannel> held;
+  std::unique_ptr<ShmTransport> gatekeeper;
+  std::unique_ptr<OutboundChannel> to_gate;
+};
+
+TEST_F(ShmPairLife, APayloadThatComesSlowlyIsNoSilence) {
+  FalsePeer peer(place);
+  ASSERT_TRUE(peer.Publish(4, 1 << 20));
+  constexpr std::size_t kPieces = 30;
+  constexpr std::size_t kPiece = 1000;
+  wire::PairMessage said;
+  said.mutable_payload()->set_link(peer.wish.link());
+  said.mutable_payload()->set_number(1);
+  said.mutable_payload()->set_data(std::string(kPieces * kPiece, 'x'));
+  std::string frame(8, '\0');
+  said.AppendToString(&frame);
+  const auto length = static_cast<std::uint32_t>(frame.size() - 8);
+  std::memcpy(frame.data(), &length, sizeof length);
+  Descriptor next = peer.NextMessage();
+  next.segment = kOnSocket;
+  next.size_bytes = kPieces * kPiece;
+  peer.Write(next);
+  // From now on its heart stands still: all that is heard of it are pieces.
+  for (std::size_t sent = 0; sent < frame.size(); sent += kPiece) {
+    peer.SayRaw(frame.substr(sent, kPiece));
+    test::Linger(kTimeout / 10);
+  }
+  EXPECT_TRUE(Await([&] { return sink.came().size() == 1; }));
+  EXPECT_EQ(listener.gone, 0);
+}
+
+TEST_F(ShmPairLife, PairsOfOneSessionAreReadInTheOrderInWhichTheyWereMade) {
+  HoldReader();
+  FalsePeer first(place, SessionId{~std::uint64_t{0}});
+  ASSERT_TRUE(first.Publish(256, 1 << 20));
+  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 1; }));
+  CloseGate();
+  Write(first, 1, 100);
+  FalsePeer second(place, first.id());
+  second.incarnation = 2;
+  ASSERT_TRUE(second.Publish(256, 1 << 20));
+  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 2; }));
+  Write(second, 101, 200);
+  door.Open();
+  ASSERT_TRUE(Await([&] { return sink.came().size() == 200; })) << sink.came().size() << " of 200 messages came";
+  const auto came = sink.came();
+  for (std::size_t i = 0; i < came.size(); ++i) ASSERT_EQ(came[i].sequence, i + 1);
+}
+
+TEST_F(ShmPairLife, ABusyPairDoesNotKeepOthersFromBeingRead) {
+  HoldReader();
+  sink.answer = Accepted::kRunApart;
+  FalsePeer quiet(place);
+  ASSERT_TRUE(quiet.Publish(256, 1 << 20));
+  FalsePeer busy(place);
+  ASSERT_TRUE(busy.Publish(256, 1 << 20));
+  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 2; }));
+  CloseGate();
+  Write(quiet, 1, 1);
+  Write(busy, 1, 200);
+  door.Open();
+  ASSERT_TRUE(Await([&] { return sink.came().size() == 201; }));
+  EXPECT_EQ(sink.came().back().from, busy.id());
+}
+
+}  // namespace
+}  // namespace hgros::shm
