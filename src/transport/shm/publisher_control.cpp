@@ -110,14 +110,19 @@ void ShmCore::StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std
   Leavings leavings;
   leavings.messages = latched;  // Those that are not needed end after the lock.
   Bells bells;
+  Actions actions;
   {
     const std::scoped_lock lock(mutex_);
     const auto wish = pair.wishes.find(core->name);
     if (wish == pair.wishes.end() || !wish->second.link || wish->second.link->link != link) return;
+    std::erase_if(latched, [&](const PendingMessage& one) {
+      return !Accepts(*wish->second.link, static_cast<const ShmMessage&>(*one.packed), actions);
+    });
     wish->second.link->flow.Begin(std::move(latched));
     Drain(*wish->second.link, leavings, bells);
   }
   for (const auto& bell : bells) bell->Ring();
+  for (const auto& action : actions) action();
 }
 
 void ShmCore::RemoveLink(PeerWish& wish, bool died, Actions& actions) {

@@ -153,6 +153,10 @@ ShmCore::Step ShmCore::Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMe
     lie = "a message lies outside of its memory";
     return Step::kLie;
   }
+  if (descriptor.size_bytes > options_.max_message_bytes) {
+    lie = "a message is larger than it may send";
+    return Step::kLie;
+  }
   pair.in->Next();
   pair.slip->Hold();
   message.credit = link->receipt->Take(descriptor.size_bytes);
