@@ -94,9 +94,8 @@ class OutboundSource {
 ///     taken for a repeat.
 ///  4. A subscriber that dies gives its credit back (OnRoom); what it had not confirmed is counted as missed.
 ///  5. A lossless subscriber that was only cut off for a while gets what it missed, in order, exactly once.
-///  6. What is let go of in Reserve() and Commit() ends under no lock of the carrier's, and with the caller's EndsLater
-///  if
-///     it has one.
+///  6. What is let go of in Reserve() and Commit() ends under no lock of the carrier's, and with the
+///     caller's EndsLater if it has one.
 /// Thread-safe.
 class OutboundChannel {
  public:
