@@ -29,9 +29,10 @@ struct OutletEvents {
 //
 // Thread safety: all functions from any thread.
 // Invariants: order_mutex_ guards the carrier and makes the order of sequence numbers the order in which it gets the
-// messages; what the carrier lets go of meanwhile ends after it. The carrier may ask for the latched messages while it holds locks that its Commit() takes as well, so
-// Latched() takes latch_mutex_ alone and the carrier is never called under that. It asks on a thread of its own, where
-// no code of the user's may run: from Join() on, what such a codec writes is written when it is latched.
+// messages; what the carrier lets go of meanwhile ends after it. The carrier may ask for the latched messages while it
+// holds locks that its Commit() takes as well, so Latched() takes latch_mutex_ alone and the carrier is never called
+// under that. It asks on a thread of its own, where no code of the user's may run: from Join() on, what such a codec
+// writes is written when it is latched.
 class ChannelOutlet final : public Outlet, public OutboundSource {
  public:
   ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,

@@ -48,11 +48,12 @@ class QuietListener : public TransportListener {
   std::atomic<int> gone{0};
 };
 
-/// Publishes 1, 2, 3 ... in messages of all sizes.
+/// Publishes 1, 2, 3 ... in messages of all sizes, or of `least_bytes` at least.
 class NumberStream : public OutboundSource {
  public:
-  NumberStream(Transport& transport, const std::string& channel, std::size_t largest_bytes = 100'000)
-      : channel_name_(channel), largest_bytes_(largest_bytes) {
+  NumberStream(Transport& transport, const std::string& channel, std::size_t largest_bytes = 100'000,
+               std::size_t least_bytes = 0)
+      : channel_name_(channel), largest_bytes_(largest_bytes), least_bytes_(least_bytes) {
     static std::atomic<std::uint64_t> incarnation{static_cast<std::uint64_t>(MonotonicNow())};
     incarnation_ = ++incarnation;
     channel_ = transport.Advertise(channel, NumberType(), *this);
@@ -79,7 +80,7 @@ class NumberStream : public OutboundSource {
     }
     const std::uint64_t number = published + 1;
     const std::size_t extra = random_() % 20 == 0 ? random_() % largest_bytes_ : random_() % 200;
-    std::string bytes(sizeof number + std::min(extra, largest_bytes_), static_cast<char>(number));
+    std::string bytes(sizeof number + std::clamp(extra, least_bytes_, largest_bytes_), static_cast<char>(number));
     std::memcpy(bytes.data(), &number, sizeof number);
     PacketHead head;
     head.channel = channel_name_;
@@ -96,6 +97,7 @@ class NumberStream : public OutboundSource {
  private:
   const std::string channel_name_;
   const std::size_t largest_bytes_;
+  const std::size_t least_bytes_;
   std::uint64_t incarnation_ = 0;
   std::minstd_rand random_{7};
   std::mutex mutex_;

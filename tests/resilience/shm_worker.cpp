@@ -3,13 +3,15 @@
 //     shm_worker PLACE MODE
 //
 // Publishes "up" and subscribes to "down" at the session at PLACE, without loss. MODE: "work"; "listen", which
-// publishes nothing; "fork", which leaves a child behind that does nothing. Reports on standard output.
+// publishes nothing; "fork", which leaves a child behind that does nothing; the folder of a memory control group, which
+// it joins, to publish a large message for each one that it receives. Reports on standard output.
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <deque>
+#include <fstream>
 #include <memory>
 #include <random>
 #include <string>
@@ -23,6 +25,9 @@ namespace {
 
 volatile std::sig_atomic_t terminated = 0;
 
+constexpr std::size_t kSmall = 100'000;
+constexpr std::size_t kLarge = 500'000;
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -30,23 +35,34 @@ int main(int argc, char** argv) {
   using namespace hgros::resilience;
   if (argc != 3) return 2;
   const std::string mode = argv[2];
+  const bool grouped = mode.starts_with("/");
+  if (grouped && !(std::ofstream(mode + "/cgroup.procs") << getpid() << std::flush)) return 3;
   std::signal(SIGTERM, [](int) { terminated = 1; });
-  Log log([](LogLevel, std::string_view text) {
+  std::atomic<unsigned> warnings{0};
+  Log log([&warnings](LogLevel, std::string_view text) {
+    warnings += text.find("no shared memory") != std::string_view::npos ? 1 : 0;
     std::printf("log %.*s\n", static_cast<int>(text.size()), text.data());
     (void)std::fflush(nullptr);
   });
   QuietListener listener;
   ShmOptions options = NumberOptions("worker");
   options.peers = {argv[1]};
+  if (grouped) options.limit_bytes = 1 << 30;
   const auto transport = MakeShmTransport(options, listener, log);
   NumberSink down;
   const auto inbound = transport->Subscribe("down", NumberType(), {.lossless = true}, down);
   std::unique_ptr<NumberStream> up;
   std::jthread publishing;
   if (mode != "listen") {
-    up = std::make_unique<NumberStream>(*transport, "up");
+    up = std::make_unique<NumberStream>(*transport, "up", grouped ? kLarge : kSmall, grouped ? kLarge : 0);
     publishing = std::jthread([&](const std::stop_token& stop) {
-      while (!stop.stop_requested()) up->PublishNext(stop);
+      while (!stop.stop_requested()) {
+        if (grouped && up->published >= down.received) {
+          test::Linger(std::chrono::milliseconds(1));
+        } else {
+          up->PublishNext(stop);
+        }
+      }
     });
   }
   pid_t child = 0;
@@ -59,9 +75,10 @@ int main(int argc, char** argv) {
         for (;;) pause();
       }
     }
-    std::printf("status received=%llu faults=%llu published=%llu child=%llu\n",
+    std::printf("status received=%llu faults=%llu published=%llu child=%llu apart=%llu warnings=%u\n",
                 static_cast<unsigned long long>(down.received), static_cast<unsigned long long>(down.faults),
-                static_cast<unsigned long long>(up ? up->published.load() : 0), static_cast<unsigned long long>(child));
+                static_cast<unsigned long long>(up ? up->published.load() : 0), static_cast<unsigned long long>(child),
+                static_cast<unsigned long long>(transport->usage().sent_apart), warnings.load());
     (void)std::fflush(nullptr);
     test::Linger(std::chrono::milliseconds(10));
   }

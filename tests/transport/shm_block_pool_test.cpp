@@ -169,5 +169,34 @@ TEST(ShmBlockPool, BlocksOutliveThePoolAndEndOnAnyThread) {
   pool.reset();
 }
 
+TEST(ShmBlockPool, TakesNothingThatTheSystemMayNotHave) {
+  std::uint64_t room = 10 * kMega;
+  const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
+  std::vector<BlockPool::Loan> taken;
+  std::string fault;
+  for (;;) {
+    const std::uint64_t before = pool->usage().segment_bytes;
+    auto loan = pool->Take(kMega, &fault);
+    if (!loan) break;
+    taken.push_back(std::move(*loan));
+    room -= pool->usage().segment_bytes - before;
+  }
+  EXPECT_EQ(taken.size(), 6u) << "the next one is to have another way";
+  EXPECT_EQ(fault, "the memory limit of this process (its control group's) leaves too little");
+  room = 5 * kMega;
+  EXPECT_TRUE(pool->Take(kMega));
+}
+
+TEST(ShmBlockPool, WhatItGivesBackIsFreeOnlyWhenTheSystemSaysSo) {
+  std::uint64_t room = 100 * kMega;
+  const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
+  ASSERT_TRUE(pool->Take(3 * kMega));  // And back at once.
+  room = 0;
+  EXPECT_FALSE(pool->Take(2 * kMega)) << "receivers may have it still";
+  EXPECT_EQ(pool->usage().segments, 0u);
+  room = 100 * kMega;
+  EXPECT_TRUE(pool->Take(2 * kMega));
+}
+
 }  // namespace
 }  // namespace hgros::shm

@@ -35,8 +35,15 @@ class Keeper : public InboundSink {
     return Accepted::kNothing;
   }
   void Run() noexcept override {}
-  void OnFault(PacketFault, std::string_view) noexcept override {}
+  void OnFault(PacketFault fault, std::string_view what) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    faults_.push_back(std::string(ToString(fault)) + ": " + std::string(what));
+  }
   void OnPublishers(std::size_t) noexcept override {}
+  [[nodiscard]] std::vector<std::string> faults() const {
+    const std::scoped_lock lock(mutex_);
+    return faults_;
+  }
   [[nodiscard]] std::vector<InboundMessage> kept() const {
     const std::scoped_lock lock(mutex_);
     return kept_;
@@ -49,6 +56,7 @@ class Keeper : public InboundSink {
  private:
   mutable std::mutex mutex_;
   std::vector<InboundMessage> kept_;
+  std::vector<std::string> faults_;
 };
 
 class ShmTransportTest : public testing::Test {
@@ -210,6 +218,73 @@ TEST_F(ShmTransportTest, WithoutDescriptorsOthersWaitAtTheDoor) {
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
   EXPECT_EQ(recv(knocking, &byte, 1, 0), 1) << "nobody has greeted";
 }
+
+class ShmMessageLimit : public ShmTransportTest, public testing::WithParamInterface<std::uint64_t> {
+ protected:
+  void SetUp() override {
+    ShmOptions options;
+    options.place = "hgros-test-" + SessionId::Random().ToString();
+    options.limit_bytes = GetParam();
+    publisher = MakeShmTransport(options, listener, log);
+    outbound = publisher->Advertise("data", TextType(), source);
+    options.peers = {std::exchange(options.place, {})};
+    options.max_message_bytes = kLimit;
+    subscriber = MakeShmTransport(options, listener, log);
+  }
+  static constexpr std::size_t kLimit = 10'000;
+};
+
+TEST_P(ShmMessageLimit, ALargerMessageIsRefusedAndThePairLivesOn) {
+  for (const bool lossless : {true, false}) {
+    inbound = subscriber->Subscribe("data", TextType(), {.lossless = lossless}, keeper);
+    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+    const auto before = outbound->stats();
+    const std::size_t faults = keeper.faults().size();
+    Publish(std::string(kLimit, 'a'));
+    Publish(std::string(kLimit + 1, 'b'));
+    Publish(std::string(3 << 20, 'c'));
+    Publish("d");
+    ASSERT_TRUE(Await([&] { return keeper.kept().size() == 2; }));
+    EXPECT_EQ(keeper.kept()[0].data.bytes.size(), kLimit);
+    EXPECT_EQ(AsText(keeper.kept()[1].data.bytes), "d");
+    keeper.LetGo();
+    ASSERT_TRUE(Await([&] { return keeper.faults().size() > faults; }));
+    EXPECT_EQ(keeper.faults()[faults].substr(0, 24), "overrun: it has 10001 by");
+    EXPECT_NE(keeper.faults()[faults].find("at most 10000"), std::string::npos);
+    const auto after = outbound->stats();
+    EXPECT_EQ(after.missed - before.missed, lossless ? 2u : 0u);
+    EXPECT_EQ(after.dropped - before.dropped, lossless ? 0u : 2u);
+    const std::uint64_t all = lossless ? 2 : 4;
+    ASSERT_TRUE(
+        Await([&] { return subscriber->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)] == all; }));
+    inbound.reset();
+    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 0; }));
+  }
+  EXPECT_EQ(listener.gone, 0);
+  const std::scoped_lock lock(mutex);
+  EXPECT_EQ(std::ranges::count_if(lines,
+                                  [](const std::string& line) {
+                                    return line.find("10001 bytes on channel \"data\"") != line.npos &&
+                                           line.find("at most 10000") != line.npos;
+                                  }),
+            1);
+}
+
+TEST_P(ShmMessageLimit, ALatchedOneIsRefusedAsWell) {
+  for (const std::size_t size : {kLimit + 1, kLimit}) {
+    PacketHead head;
+    head.id = {0, 1, ++sequence};
+    auto text = std::make_shared<const std::string>(size, 'x');
+    source.Latch({head, {AsBytes(*text), text}});
+  }
+  inbound = subscriber->Subscribe("data", TextType(), {.lossless = true}, keeper);
+  ASSERT_TRUE(Await([&] { return keeper.kept().size() == 1 && keeper.faults().size() == 1; }));
+  EXPECT_EQ(keeper.kept()[0].data.bytes.size(), kLimit);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shm, ShmMessageLimit, testing::Values(std::uint64_t{64} << 20, 0), [](const auto& tested) {
+  return tested.param == 0 ? std::string("OverTheSocket") : std::string("InMemory");
+});
 
 }  // namespace
 }  // namespace hgros::shm

@@ -36,7 +36,9 @@ enum class PacketFault : std::uint8_t {
   kTopic,      ///< The topic frame names another channel than the head.
   kType,       ///< Another type or an incompatible schema.
   kData,       ///< The data does not parse as the type.
-  kOverrun,  ///< More than may be in flight: a plain publisher that is too fast, or a session that overdrew its credit.
+  /// More than may be in flight: a plain publisher that is too fast, or a session that overdrew its credit. Or a
+  /// message that is larger than is taken here.
+  kOverrun,
 };
 inline constexpr std::size_t kPacketFaultCount = 10;
 

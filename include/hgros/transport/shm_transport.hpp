@@ -38,8 +38,9 @@ struct ShmOptions {
   std::chrono::milliseconds peer_timeout{5000};   ///< A peer that stands still for longer is gone.
   std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Waiting for one slow keep-last peer at most.
   std::uint64_t max_credit_bytes = 256ULL << 20;  ///< In flight to one subscriber of a channel at most.
-  std::uint64_t max_message_bytes = 1ULL << 30;   ///< Without shared memory; larger ones end the connection.
-  std::chrono::milliseconds linger{500};          ///< Of the destructor's Close().
+  /// The largest message that is taken. Publishers are told, and keep larger ones from this session: both count them.
+  std::uint64_t max_message_bytes = 1ULL << 30;
+  std::chrono::milliseconds linger{500};  ///< Of the destructor's Close().
   /// Whether that session's messages on the channel are to be received here, and not by another carrier; empty: always.
   /// Must be quick, and must not call the transport.
   std::function<bool(SessionId publisher, std::string_view channel)> takes;

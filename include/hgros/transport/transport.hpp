@@ -102,16 +102,18 @@ class OutboundSource {
 ///  4. A subscriber that dies gives its credit back (OnRoom); what it had not confirmed is counted as missed, unless
 ///     the source keeps it (OnCut).
 ///  5. A lossless subscriber that was only cut off for a while gets what it missed, in order, exactly once.
-///  6. What is let go of in Reserve() and Commit() ends under no lock of the carrier's, and with the caller's EndsLater if
-///     it has one.
+///  6. What is let go of in Reserve() and Commit() ends under no lock of the carrier's, and with the
+///     caller's EndsLater if it has one.
 /// Thread-safe.
 class OutboundChannel {
  public:
   struct Stats {
     std::size_t subscribers = 0;
-    std::uint64_t sent = 0;          ///< Messages handed to the network, one per subscriber.
-    std::uint64_t dropped = 0;       ///< Dropped from the rings of slow keep-last or plain subscribers.
-    std::uint64_t missed = 0;        ///< Not confirmed by lossless subscribers that died.
+    std::uint64_t sent = 0;  ///< Messages handed to the network, one per subscriber.
+    /// Dropped from the rings of slow keep-last or plain subscribers, or larger than a keep-last subscriber takes.
+    std::uint64_t dropped = 0;
+    /// Not confirmed by lossless subscribers that died, or larger than a lossless subscriber takes.
+    std::uint64_t missed = 0;
     std::uint64_t queued_bytes = 0;  ///< Waiting in rings now.
     /// Messages whose encoded bytes were copied once more: into memory that can be shared, because they did not lie
     /// there; or, of a type that can be sent where it lies (Bulk), because this one could not.

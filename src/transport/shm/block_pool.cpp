@@ -16,6 +16,8 @@ constexpr std::size_t kPage = 4096;
 // a mapping; a block that is larger still has its own.
 constexpr std::size_t kFirstSegment = 256 * 1024;
 constexpr std::size_t kLargestSegment = 4 * 1024 * 1024;
+// A payload that goes over the socket instead is in memory so many times on its way: that has to be left.
+constexpr std::uint64_t kCopiesApart = 4;
 // More than there will be memory for: sizes below it can be rounded up.
 constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 46;
 
@@ -34,7 +36,8 @@ struct BlockPool::BlockOwner {
   std::byte* const begin;
 };
 
-BlockPool::BlockPool(std::uint64_t limit_bytes) noexcept : limit_bytes_(std::min(limit_bytes, kMaxLimit)) {}
+BlockPool::BlockPool(std::uint64_t limit_bytes, SystemRoom system_room)
+    : limit_bytes_(std::min(limit_bytes, kMaxLimit)), system_room_(std::move(system_room)) {}
 
 // Four classes per power of two above a page: at most a fifth of a block is wasted.
 std::size_t BlockPool::BlockBytes(std::size_t size_bytes) noexcept {
@@ -74,15 +77,29 @@ std::optional<BlockPool::Loan> BlockPool::Take(std::size_t size_bytes, std::stri
 }
 
 bool BlockPool::Grow(std::size_t block_bytes, std::string* fault) {
+  const auto room_left = [&]() -> std::optional<std::uint64_t> {
+    const auto room = system_room_();
+    if (!room) return std::nullopt;
+    return *room - std::min<std::uint64_t>(*room, kCopiesApart * block_bytes);
+  };
+  const auto left = room_left();
+  const std::uint64_t limit = left ? std::min(limit_bytes_, segment_bytes_ + *left) : limit_bytes_;
+  const std::size_t gone = gone_.size();
   std::size_t bytes = SegmentBytes(block_bytes);
-  bool room = MakeRoom(bytes);
+  bool room = MakeRoom(bytes, limit);
   if (!room) {  // Perhaps for one block.
     bytes = (block_bytes + kPage - 1) / kPage * kPage;
-    room = MakeRoom(bytes);
+    room = MakeRoom(bytes, limit);
   }
+  // What was given back is free when the receivers have let go of it as well.
+  if (room && gone_.size() > gone) room = room_left().value_or(bytes) >= bytes;
   const std::size_t blocks = bytes / block_bytes;
   if (!room) {
-    if (fault != nullptr) *fault = "all " + std::to_string(limit_bytes_ >> 20) + " MB of it are in use";
+    if (fault != nullptr) {
+      *fault = left && segment_bytes_ + bytes <= limit_bytes_
+                   ? "the memory limit of this process (its control group's) leaves too little"
+                   : "all " + std::to_string(limit_bytes_ >> 20) + " MB of it are in use";
+    }
     return false;
   }
   Segment made = MakeSegment("hgros-payload", bytes, Access::kOwnerOnly, Pages::kAtOnce);
@@ -124,8 +141,8 @@ std::uint32_t BlockPool::NextId() {
   return last_id_;
 }
 
-bool BlockPool::MakeRoom(std::uint64_t bytes) {
-  const auto room = [&] { return segment_bytes_ + bytes <= limit_bytes_ && segments_.size() < kMaxSegments; };
+bool BlockPool::MakeRoom(std::uint64_t bytes, std::uint64_t limit_bytes) {
+  const auto room = [&] { return segment_bytes_ + bytes <= limit_bytes && segments_.size() < kMaxSegments; };
   for (auto entry = segments_.begin(); !room() && entry != segments_.end();) {
     PoolSegment& segment = *entry->second;
     if (segment.in_use > 0) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "hgros/base/bytes.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "transport/shm/memory.hpp"
+#include "transport/shm/memory_group.hpp"
 
 namespace hgros::shm {
 
@@ -27,10 +29,14 @@ struct Place {
 ///
 /// Thread safety: all functions. Blocks may outlive the pool's owner.
 /// Invariants: a segment belongs to one size class; there are never more than kMaxSegments. Memory of another class is
-/// given back to the kernel before the limit refuses a block.
+/// given back to the kernel before the limit refuses a block. Nothing is taken that the system may not have: where a
+/// memory control group is full, it would end a process instead of refusing.
 class BlockPool : public std::enable_shared_from_this<BlockPool> {
  public:
-  explicit BlockPool(std::uint64_t limit_bytes) noexcept;
+  /// How much more the system has for this process; nothing: it does not say.
+  using SystemRoom = std::function<std::optional<std::uint64_t>()>;
+  explicit BlockPool(
+      std::uint64_t limit_bytes, SystemRoom system_room = [] { return MemoryGroupRoom(); });
 
   /// Bytes to be written and what keeps them.
   struct Loan {
@@ -79,10 +85,11 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   [[nodiscard]] bool Grow(std::size_t block_bytes, std::string* fault);
   [[nodiscard]] std::size_t SegmentBytes(std::size_t block_bytes) const;
   [[nodiscard]] std::uint32_t NextId();
-  [[nodiscard]] bool MakeRoom(std::uint64_t bytes);
+  [[nodiscard]] bool MakeRoom(std::uint64_t bytes, std::uint64_t limit_bytes);
   void GiveBack(PoolSegment& segment, std::byte* begin) noexcept;
 
   const std::uint64_t limit_bytes_;
+  const SystemRoom system_room_;
   const ForkGuard fork_;
   mutable std::shared_mutex mutex_;
   std::map<const std::byte*, std::unique_ptr<PoolSegment>> segments_;  // By where they begin.

@@ -69,6 +69,9 @@ struct OutLink {
   const std::uint64_t link;
   const std::uint32_t cell;
   PeerChannel flow;
+  std::uint64_t too_large = 0;        ///< Messages that the peer does not take.
+  std::uint64_t too_large_bytes = 0;  ///< The last one's.
+  std::uint64_t told_too_large = 0;
   std::uint64_t counted_bytes = 0;  ///< Of flow.waiting_bytes(), in the pair's and the channel's sums.
 };
 
@@ -87,6 +90,7 @@ struct InLink {
   std::uint64_t asked_messages = 1;  ///< The widest window that was asked for: it was granted no more.
   std::uint64_t asked_bytes = 1;
   std::uint64_t apart_bytes = 0;  ///< Of payloads that came before their messages.
+  std::uint64_t too_large = 0;    ///< Messages that the publisher has kept back. The core's own thread.
   std::string type_name;
   Encoding encoding = Encoding::kNone;
   std::uint64_t fingerprint = 0;
@@ -136,7 +140,8 @@ struct Pair : std::enable_shared_from_this<Pair> {
   std::unordered_map<std::string, PeerWish> wishes;      ///< By channel.
   std::unordered_map<std::string, std::uint64_t> ended;  ///< The last link of each channel that we have withdrawn.
   std::unordered_set<std::uint32_t> told_segments;
-  bool asks = false;  ///< It may be asked for channels that no other carrier has taken.
+  std::uint64_t max_message_bytes = 0;  ///< The largest message that the peer takes.
+  bool asks = false;                    ///< It may be asked for channels that no other carrier has taken.
   std::uint64_t waiting_bytes = 0;
 
   std::mutex in_mutex;

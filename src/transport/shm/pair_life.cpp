@@ -101,6 +101,7 @@ std::shared_ptr<Pair> ShmCore::AddPair(Handle connection, bool by_us, const std:
   WriteFacts(self_, *hello.mutable_facts());
   hello.set_layout(kLayoutVersion);
   hello.set_bell_number(pair->number);
+  hello.set_max_message_bytes(options_.max_message_bytes);
   {
     const std::scoped_lock lock(mutex_);
     pair->socket.Send(said, {bell_.handle(), pair->out->handle(), pair->slip->handle()});
@@ -251,7 +252,9 @@ void ShmCore::Tick(SteadyTime now) {
       if (pair->slip) pair->slip->Beat();
       Collect(*pair, leavings);
       for (auto& [name, wish] : pair->wishes) {
-        if (wish.link) ReadCredit(*wish.link, leavings);
+        if (!wish.link) continue;
+        ReadCredit(*wish.link, leavings);
+        SayTooLarge(*wish.link);
       }
       RemoveSegments(*pair, gone);
       const std::uint32_t heartbeat = pair->out->peer_heartbeat();

@@ -113,6 +113,7 @@ void ShmCore::StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std
   Leavings leavings;
   leavings.messages = latched;  // Those that are not needed end after the lock.
   Bells bells;
+  Actions actions;
   {
     const std::scoped_lock lock(mutex_);
     const auto wish = pair.wishes.find(core->name);
@@ -121,10 +122,14 @@ void ShmCore::StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std
       if (!pair.alive && !messages.empty()) (void)KeepForLater(*core, subscriber, {}, std::move(messages));
       return;
     }
+    std::erase_if(latched, [&](const PendingMessage& one) {
+      return !Accepts(*wish->second.link, static_cast<const ShmMessage&>(*one.packed), actions);
+    });
     wish->second.link->flow.Begin(std::move(latched));
     Drain(*wish->second.link, leavings, bells);
   }
   for (const auto& bell : bells) bell->Ring();
+  for (const auto& action : actions) action();
 }
 
 bool ShmCore::KeepForLater(const OutLink& link) {

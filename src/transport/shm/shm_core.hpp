@@ -134,6 +134,7 @@ class ShmCore : public LeaderPool::Input {
   void AskForAll(Pair& pair);
   [[nodiscard]] bool Takes(const Pair& pair, const std::string& channel) const;
   void OnPayload(Pair& pair, wire::PayloadApart& payload);
+  void OnTooLarge(Pair& pair, const wire::TooLarge& said);
   void Ask(Pair& pair, const std::shared_ptr<InboundCore>& core);
   void SayWish(Pair& pair, InLink& link);
   void ForgetWish(Pair& pair, const std::string& channel, std::string_view mismatch, Actions& actions);
@@ -141,6 +142,8 @@ class ShmCore : public LeaderPool::Input {
 
   // shm_publish.cpp
   [[nodiscard]] std::shared_ptr<const ShmMessage> Pack(const PacketHead& head, const Payload& data);
+  [[nodiscard]] bool Accepts(OutLink& link, const ShmMessage& message, Actions& actions);
+  static void SayTooLarge(OutLink& link);
   void Drain(OutLink& link, Leavings& leavings, Bells& bells);
   [[nodiscard]] bool Send(OutLink& link, Leavings& leavings);
   void Write(OutLink& link, const PendingMessage& message);

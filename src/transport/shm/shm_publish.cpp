@@ -105,6 +105,11 @@ void ShmCore::Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& 
     const std::scoped_lock lock(mutex_);
     bool skipped = false;
     for (OutLink* link : core->links) {
+      if (!Accepts(*link, *message, actions)) {
+        link->flow.CancelReservation();
+        skipped = true;
+        continue;
+      }
       skipped = !link->flow.Push({message, message->id, message->data.bytes.size()}) || skipped;
       if (Send(*link, leavings)) bells.push_back(link->pair.bell);
     }
@@ -120,6 +125,37 @@ void ShmCore::Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& 
   }
   for (const auto& bell : bells) bell->Ring();
   Post(std::move(actions));
+}
+
+// A message that is larger than the peer takes is kept from it, counted on both sides and said.
+bool ShmCore::Accepts(OutLink& link, const ShmMessage& message, Actions& actions) {
+  const std::uint64_t size = message.data.bytes.size();
+  const std::uint64_t limit = link.pair.max_message_bytes;
+  if (size <= limit) return true;
+  (link.flow.lossless() ? link.core->missed : link.core->dropped).fetch_add(1, std::memory_order_relaxed);
+  if (link.too_large++ == 0) {
+    actions.emplace_back([this, to = link.pair.shared_from_this(), channel = link.core->name, size, limit] {
+      log_.WriteLimited(LogLevel::kWarning, "shm large " + channel + " " + to->facts.info.id.ToString(),
+                        "A message of " + std::to_string(size) + " bytes on channel \"" + channel +
+                            "\" is not sent to " + to->facts.info.process + " (session " +
+                            to->facts.info.id.ToString() + "), which takes at most " + std::to_string(limit) +
+                            ". Publish smaller messages, or raise its limit.");
+    });
+  }
+  link.too_large_bytes = size;
+  SayTooLarge(link);
+  return false;
+}
+
+// What the peer does not read yet is told later, in one frame.
+void ShmCore::SayTooLarge(OutLink& link) {
+  if (link.told_too_large == link.too_large || !link.pair.socket.all_sent()) return;
+  link.told_too_large = link.too_large;
+  wire::PairMessage said;
+  said.mutable_too_large()->set_link(link.link);
+  said.mutable_too_large()->set_messages(link.too_large);
+  said.mutable_too_large()->set_bytes(link.too_large_bytes);
+  link.pair.socket.Send(said);
 }
 
 void ShmCore::ReadCredit(OutLink& link, Leavings& leavings) {

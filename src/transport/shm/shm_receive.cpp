@@ -41,7 +41,7 @@ LeaderPool::Task ShmCore::Lead() noexcept {
     if (!bell_.Take([this](std::uint32_t number) { to_serve_.push_back(number); })) return {};
     // In turn, from behind the one that was served last: one that always has something does not keep the others
     // waiting.
-    std::ranges::rotate(to_serve_, std::ranges::upper_bound(to_serve_, last_served_));
+    std::rotate(to_serve_.begin(), std::ranges::upper_bound(to_serve_, last_served_), to_serve_.end());
     for (std::size_t i = 0; i < to_serve_.size(); ++i) {
       const std::uint32_t number = last_served_ = to_serve_[i];
       const auto pair = PairAt(number);
@@ -151,6 +151,10 @@ ShmCore::Step ShmCore::Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMe
           : descriptor.size_bytes > (segment ? segment->bytes().size() : 0) ||
                 descriptor.offset_bytes > (segment ? segment->bytes().size() : 0) - descriptor.size_bytes) {
     lie = "a message lies outside of its memory";
+    return Step::kLie;
+  }
+  if (descriptor.size_bytes > options_.max_message_bytes) {
+    lie = "a message is larger than it may send";
     return Step::kLie;
   }
   pair.in->Next();

@@ -47,6 +47,7 @@ void ShmCore::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& fram
       break;
     }
     case wire::PairMessage::kPayload: OnPayload(*pair, *frame.message.mutable_payload()); break;
+    case wire::PairMessage::kTooLarge: OnTooLarge(*pair, said.too_large()); break;
     default: break;  // Of a newer version.
   }
 }
@@ -132,6 +133,7 @@ std::string ShmCore::OpenPages(Pair& pair, const wire::PairHello& hello, PairSoc
   const std::scoped_lock lock(mutex_);
   if (!lane || !pair.out->Open(frame.handles[2], fault)) return "of its shared memory, " + fault;
   pair.bell = std::move(bell);
+  pair.max_message_bytes = hello.max_message_bytes() > 0 ? hello.max_message_bytes() : ~std::uint64_t{0};
   const std::scoped_lock in_lock(pair.in_mutex);
   pair.slip->SetPublisher(lane->mapping(), pair.bell);
   pair.in = std::move(lane);
@@ -338,6 +340,21 @@ void ShmCore::OnPayload(Pair& pair, wire::PayloadApart& payload) {
   }
   link.apart_bytes += payload.data().size();
   pair.apart.emplace(std::pair(payload.link(), payload.number()), std::move(*payload.mutable_data()));
+}
+
+// Each is a fault of its own, and said for all that are told of at once.
+void ShmCore::OnTooLarge(Pair& pair, const wire::TooLarge& said) {
+  std::shared_ptr<InLink> link;
+  {
+    const std::scoped_lock lock(pair.in_mutex);
+    const auto found = pair.in_links.find(said.link());
+    if (found == pair.in_links.end() || said.messages() <= found->second->too_large) return;
+    link = found->second;
+  }
+  const std::uint64_t more = said.messages() - std::exchange(link->too_large, said.messages());
+  faults_[static_cast<std::size_t>(PacketFault::kOverrun)].fetch_add(more, std::memory_order_relaxed);
+  link->core->TellFault(PacketFault::kOverrun, "it has " + std::to_string(said.bytes()) + " bytes, and " + Who(pair) +
+                                                   " may send at most " + std::to_string(options_.max_message_bytes));
 }
 
 void ShmCore::TellMismatch(Pair& pair, const std::string& channel, const std::string& what) {

@@ -1,0 +1,122 @@
+// A publisher in a memory control group that is too small for what it shares.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "resilience/shm_numbers.hpp"
+#include "resilience/worker_process.hpp"
+#include "support/await.hpp"
+#include "transport/shm/memory_group.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using test::Await;
+
+constexpr std::uint64_t kGroupBytes = 48u << 20;
+
+/// A memory control group below our own, if one can be made.
+class SmallGroup {
+ public:
+  SmallGroup() {
+    const auto place = shm::FindMemoryGroup();
+    if (place.folder.empty()) {
+      why_not = "no memory control group is mounted";
+      return;
+    }
+    folder = place.folder + "/hgros-test-" + std::to_string(getpid());
+    if (place.unified) std::ofstream(place.folder + "/cgroup.subtree_control") << "+memory" << std::flush;
+    std::error_code error;
+    made_ = std::filesystem::create_directory(folder, error);
+    const std::string limit = folder + (place.unified ? "/memory.max" : "/memory.limit_in_bytes");
+    if (!made_ || !std::filesystem::exists(limit) || !(std::ofstream(limit) << kGroupBytes << std::flush)) {
+      why_not = "no memory control group can be made below " + place.folder;
+    }
+  }
+  SmallGroup(const SmallGroup&) = delete;
+  SmallGroup& operator=(const SmallGroup&) = delete;
+  // A folder that cannot be removed yet has a process that is ending.
+  ~SmallGroup() {
+    (void)(!made_ || Await([this] { return rmdir(folder.c_str()) == 0; }));
+  }
+
+  std::string folder;
+  std::string why_not;
+
+ private:
+  bool made_ = false;
+};
+
+/// Holds on to what comes.
+class Hoard : public InboundSink {
+ public:
+  Accepted Accept(InboundMessage&& message) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    ++count_;
+    held_.push_back(std::move(message));
+    return Accepted::kNothing;
+  }
+  void Run() noexcept override {}
+  void OnFault(PacketFault, std::string_view) noexcept override {}
+  void OnPublishers(std::size_t) noexcept override {}
+  [[nodiscard]] std::uint64_t count() const {
+    const std::scoped_lock lock(mutex_);
+    return count_;
+  }
+  void LetGo() {
+    const std::scoped_lock lock(mutex_);
+    held_.clear();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::uint64_t count_ = 0;
+  std::vector<InboundMessage> held_;
+};
+
+TEST(ShmMemoryGroupProcess, AFullGroupEndsNobodyAndMessagesTakeAnotherWay) {
+  const SmallGroup group;
+  if (!group.why_not.empty()) GTEST_SKIP() << group.why_not;
+  QuietListener listener;
+  Log log{[](LogLevel, std::string_view) {}};
+  ShmOptions options = NumberOptions("hub");
+  options.place = "hgros-test-" + SessionId::Random().ToString();
+  const auto hub = MakeShmTransport(options, listener, log);
+  NumberStream down(*hub, "down", 100);
+  Hoard hoard;
+  // Not lossless: then the publisher would keep what is not confirmed, also of what went over the socket.
+  const auto up =
+      hub->Subscribe("up", NumberType(), {.credit_messages = 512, .credit_bytes = std::uint64_t{1} << 30}, hoard);
+  WorkerProcess worker({options.place, group.folder});
+  // All that is held at once is more than the group may have.
+  constexpr std::uint64_t kMessages = 2 * kGroupBytes / 500'000;
+  std::uint64_t published = 0;
+  const auto publish = [&](std::uint64_t until) {
+    while (published < until) {
+      ASSERT_TRUE(down.PublishNext({}));
+      ++published;
+      ASSERT_TRUE(Await([&] { return hoard.count() == published; })) << published << worker;
+      ASSERT_TRUE(worker.alive()) << worker;
+    }
+    ASSERT_TRUE(worker.Reaches({{"published", until}})) << worker;
+  };
+  publish(kMessages);
+  EXPECT_GT(worker["apart"], kMessages / 4) << worker;
+  EXPECT_LT(worker["apart"], kMessages) << worker;
+  EXPECT_EQ(worker["warnings"], 1u) << "said once, not for each message" << worker;
+  // What is let go of is used again, from the second message on: the first one finds it.
+  hoard.LetGo();
+  publish(kMessages + 1);
+  const std::uint64_t apart = worker["apart"];
+  publish(kMessages + 11);
+  EXPECT_EQ(worker["apart"], apart) << worker;
+  EXPECT_EQ(worker.Finish(), 0) << worker;
+}
+
+}  // namespace
+}  // namespace hgros::resilience

@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "transport/shm/memory_group.hpp"
+
+namespace hgros::shm {
+namespace {
+
+constexpr std::uint64_t kMega = 1u << 20;
+
+/// What the kernel says of a process and its groups, made by hand.
+class ShmMemoryGroup : public testing::Test {
+ protected:
+  ShmMemoryGroup() {
+    std::string name = (std::filesystem::temp_directory_path() / "hgros_group_XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  ~ShmMemoryGroup() override { std::filesystem::remove_all(folder); }
+  void Write(const std::string& path, const std::string& text) const {
+    std::filesystem::create_directories((folder / path).parent_path());
+    std::ofstream(folder / path) << text;
+  }
+  void Unified(const std::string& group, const std::string& limit, std::uint64_t usage, std::uint64_t cached) const {
+    Write(group + "/memory.max", limit + "\n");
+    Write(group + "/memory.current", std::to_string(usage) + "\n");
+    Write(group + "/memory.stat", "anon 5\ninactive_file " + std::to_string(cached) + "\nactive_file 0\nshmem 7\n");
+  }
+  void Mounted(const std::string& root, const std::string& kind, const std::string& options) const {
+    Write("mountinfo", "22 1 0:20 / /proc rw - proc proc rw\n35 31 0:32 " + root + " " + (folder / "top").string() +
+                           " rw,relatime shared:9 - " + kind + " cgroup rw," + options + "\n");
+  }
+  [[nodiscard]] std::optional<std::uint64_t> Room() const { return MemoryGroupRoom(folder.string()); }
+
+  std::filesystem::path folder;
+};
+
+TEST_F(ShmMemoryGroup, WithoutALimitItSaysNothing) {
+  EXPECT_EQ(Room(), std::nullopt);
+  Write("cgroup", "0::/robot\n");
+  Mounted("/", "cgroup2", "nsdelegate");
+  EXPECT_EQ(Room(), std::nullopt);
+  Unified("top/robot", "max", kMega, 0);
+  EXPECT_EQ(Room(), std::nullopt);
+}
+
+TEST_F(ShmMemoryGroup, TheFullestOfAllGroupsAboveCounts) {
+  Write("cgroup", "0::/robots/robot\n");
+  Mounted("/", "cgroup2", "nsdelegate");
+  Unified("top/robots/robot", "max", 10 * kMega, 0);
+  Unified("top/robots", std::to_string(160 * kMega), 100 * kMega, 0);
+  EXPECT_EQ(Room(), 40 * kMega) << "an eighth is left to others";
+  Unified("top/robots/robot", std::to_string(32 * kMega), 20 * kMega, 0);
+  EXPECT_EQ(Room(), 4 * kMega);
+  Unified("top/robots/robot", std::to_string(32 * kMega), 31 * kMega, 0);
+  EXPECT_EQ(Room(), 0u);
+}
+
+TEST_F(ShmMemoryGroup, WhatOnlyCachesFilesIsFree) {
+  Write("cgroup", "0::/robot\n");
+  Mounted("/", "cgroup2", "nsdelegate");
+  Unified("top/robot", std::to_string(160 * kMega), 160 * kMega, 100 * kMega);
+  EXPECT_EQ(Room(), 80 * kMega);
+}
+
+TEST_F(ShmMemoryGroup, TheFirstVersionIsUnderstood) {
+  Write("cgroup", "9:cpu:/other\n4:hugetlb,memory:/docker/robot\n0::/\n");
+  Mounted("/docker", "cgroup", "memory,hugetlb");
+  Write("top/robot/memory.limit_in_bytes", std::to_string(160 * kMega));
+  Write("top/robot/memory.usage_in_bytes", std::to_string(100 * kMega));
+  Write("top/robot/memory.stat", "inactive_file 5\ntotal_inactive_file " + std::to_string(20 * kMega) +
+                                     "\ntotal_active_file " + std::to_string(10 * kMega) + "\n");
+  Write("top/memory.limit_in_bytes", "9223372036854771712");
+  Write("top/memory.usage_in_bytes", "5");
+  EXPECT_EQ(Room(), 70 * kMega);
+}
+
+TEST_F(ShmMemoryGroup, AContainerThatSeesOnlyItsOwnGroupIsUnderstood) {
+  Write("cgroup", "0::/docker/robot\n");
+  Mounted("/docker/robot", "cgroup2", "nsdelegate");
+  Unified("top", std::to_string(160 * kMega), 100 * kMega, 0);
+  EXPECT_EQ(Room(), 40 * kMega);
+  Write("cgroup", "0::/\n");
+  Mounted("/", "cgroup2", "nsdelegate");
+  EXPECT_EQ(Room(), 40 * kMega);
+}
+
+}  // namespace
+}  // namespace hgros::shm
