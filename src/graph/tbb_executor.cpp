@@ -13,20 +13,55 @@ int WorkerCount(int wanted) {
   return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
 }
 
-// By value, so that the token itself is read inside TBB's code, which put it there.
-tbb::flow::continue_msg RunToken(TbbExecutor::Token token) noexcept {
-  (void)token->handed_over.load(std::memory_order_acquire);
-  const std::shared_ptr<Activation> activation = std::move(token->activation);
-  if (token->owned) delete token;
-  activation->Activate();
-  return {};
-}
-
 }  // namespace
+
+// What a body makes ready and its own thread is to run.
+class TbbExecutor::Chain {
+ public:
+  explicit Chain(const TbbExecutor& executor) : executor_(executor), outer_(std::exchange(current, this)) {}
+  Chain(const Chain&) = delete;
+  Chain& operator=(const Chain&) = delete;
+  ~Chain() { current = outer_; }
+
+  static bool Add(const TbbExecutor& executor, const std::shared_ptr<Activation>& activation) {
+    if (current == nullptr || &current->executor_ != &executor) return false;
+    current->ready_.push_back(activation);
+    return true;
+  }
+
+  void Run() noexcept {
+    for (std::size_t i = 0; i < ready_.size(); ++i) {
+      const std::shared_ptr<Activation> next = std::move(ready_[i]);
+      if (i < kTurn) {
+        next->Activate();
+      } else {
+        next->PassOn();  // Those that others have made ready have their turn.
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kTurn = 32;
+  static inline thread_local Chain* current = nullptr;
+  const TbbExecutor& executor_;
+  Chain* const outer_;
+  std::vector<std::shared_ptr<Activation>> ready_;
+};
+
+void TbbExecutor::Run(Activation& activation) const {
+  if (!one_worker_) {
+    activation.Activate();
+    return;
+  }
+  Chain chain(*this);
+  activation.Activate();
+  chain.Run();
+}
 
 // TBB starts one thread less than it is allowed, for the caller that usually joins in; ours does not.
 TbbExecutor::TbbExecutor(int threads)
-    : workers_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(WorkerCount(threads)) + 1),
+    : one_worker_(WorkerCount(threads) == 1),
+      workers_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(WorkerCount(threads)) + 1),
       arena_(WorkerCount(threads), 0) {
   arena_.execute([this] { graph_ = std::make_unique<tbb::flow::graph>(); });
 }
@@ -39,7 +74,14 @@ TbbExecutor::~TbbExecutor() {
 TbbExecutor::FlowNode& TbbExecutor::Take() {
   const std::scoped_lock lock(mutex_);
   if (free_.empty()) {
-    nodes_.push_back(std::make_unique<FlowNode>(*graph_, tbb::flow::unlimited, &RunToken));
+    // By value, so that the token itself is read inside TBB's code, which put it there.
+    nodes_.push_back(std::make_unique<FlowNode>(*graph_, tbb::flow::unlimited, [this](Token token) noexcept {
+      (void)token->handed_over.load(std::memory_order_acquire);
+      const std::shared_ptr<Activation> activation = std::move(token->activation);
+      if (token->owned) delete token;
+      Run(*activation);
+      return tbb::flow::continue_msg();
+    }));
     return *nodes_.back();
   }
   FlowNode& node = *free_.back();
@@ -59,8 +101,23 @@ void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation, Ti
   node.try_put(&ticket);
 }
 
-bool TbbExecutor::LeavesToHelper(const std::shared_ptr<Activation>& activation) const noexcept {
-  return Helping::Keep(activation, helped_);
+void TbbExecutor::Enqueue(std::shared_ptr<Activation> activation) {
+  auto ticket = std::make_unique<Ticket>();
+  ticket->activation = std::move(activation);
+  ticket->handed_over.store(true, std::memory_order_release);
+  graph_->reserve_wait();
+  arena_.enqueue([this, token = ticket.release()] {
+    {
+      const std::unique_ptr<Ticket> owned(token);
+      (void)token->handed_over.load(std::memory_order_acquire);
+      Run(*token->activation);
+    }
+    graph_->release_wait();
+  });
+}
+
+bool TbbExecutor::KeepsHere(const std::shared_ptr<Activation>& activation) const {
+  return Helping::Keep(activation, helped_) || (one_worker_ && Chain::Add(*this, activation));
 }
 
 void TbbExecutor::Give(FlowNode& node) {

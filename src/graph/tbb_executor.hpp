@@ -16,7 +16,7 @@ class Activation {
  public:
   virtual ~Activation() = default;
   virtual void Activate() noexcept = 0;
-  // To a worker, since the thread that would have helped does not.
+  // Goes to the end of the workers' line: the thread that would have run it has others to serve first.
   virtual void PassOn() noexcept = 0;
 };
 
@@ -48,11 +48,20 @@ class TbbExecutor {
   // Likewise with a ticket of the caller's, who keeps it until the activation has begun.
   static void Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket);
 
-  // Whether the calling thread runs it itself, see Helping; otherwise it is to be put.
-  [[nodiscard]] bool LeavesToHelper(const std::shared_ptr<Activation>& activation) const noexcept;
+  // Behind everything that others have put. A worker's own Put() would be taken before all that, again and again.
+  void Enqueue(std::shared_ptr<Activation> activation);
+
+  // Whether the calling thread runs it soon, so that it need not be put: it helps (Helping), or it is the only worker
+  // and runs a body, behind which this comes. Nobody else could run that sooner, and it spares TBB's way from task to
+  // task.
+  [[nodiscard]] bool KeepsHere(const std::shared_ptr<Activation>& activation) const;
   [[nodiscard]] bool helped() const noexcept { return helped_->load(std::memory_order_relaxed); }
 
  private:
+  class Chain;
+  void Run(Activation& activation) const;
+
+  const bool one_worker_;
   tbb::global_control workers_;
   tbb::task_arena arena_;
   std::unique_ptr<tbb::flow::graph> graph_;

@@ -25,18 +25,16 @@ bool TbbNode::NeedsWake() {
 }
 
 void TbbNode::Wake() noexcept {
-  const std::shared_ptr<Activation> self = std::static_pointer_cast<TbbNode>(shared_from_this());
-  if (!executor_.LeavesToHelper(self)) PassOn();
-}
-
-void TbbNode::PassOn() noexcept {
   auto self = std::static_pointer_cast<TbbNode>(shared_from_this());
+  if (executor_.KeepsHere(self)) return;
   if (setting().invoke == Invoke::kSerial) {
     TbbExecutor::Put(flow_node_, std::move(self), ticket_);
   } else {
     TbbExecutor::Put(flow_node_, std::move(self));
   }
 }
+
+void TbbNode::PassOn() noexcept { executor_.Enqueue(std::static_pointer_cast<TbbNode>(shared_from_this())); }
 
 // A node that is running gets the next message without anybody's help.
 bool TbbNode::AwaitsHelp() const noexcept {
@@ -55,7 +53,7 @@ void TbbNode::Activate() noexcept {
   RunSome(lock, kTurn, now);
   if (HasMessages() && !closed_) {
     lock.unlock();
-    Wake();  // The token goes to the end of the line.
+    PassOn();  // The token goes to the end of the line.
   } else {
     tokens_.store(0, std::memory_order_relaxed);
   }

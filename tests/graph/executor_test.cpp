@@ -98,5 +98,59 @@ TEST(Executor, ABusySerialNodeDoesNotKeepOthersFromRunning) {
   door.Open();
 }
 
+TEST(Executor, OneWorkerRunsWhatACallbackMakesReadyBehindIt) {
+  DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+  std::mutex mutex;
+  std::vector<std::string> ran;
+  std::set<std::thread::id> threads;
+  const auto note = [&](const std::string& what) {
+    const std::scoped_lock lock(mutex);
+    ran.push_back(what);
+    threads.insert(std::this_thread::get_id());
+  };
+  const auto last = graph.FromGraph<int>(
+      "last", Invoke::kSerial, [&](const int&) { note("last"); }, Options(Executor::Tbb()));
+  const auto middle = graph.FromGraph<int>(
+      "middle", Invoke::kConcurrent,
+      [&](const int&) {
+        (void)graph.ToGraph("last", std::make_unique<int>(1));
+        note("middle");
+      },
+      Options(Executor::Tbb()));
+  const auto first = graph.FromGraph<int>(
+      "first", Invoke::kSerial,
+      [&](const int&) {
+        (void)graph.ToGraph("middle", std::make_unique<int>(1));
+        (void)graph.ToGraph("last", std::make_unique<int>(1));
+        note("first");
+      },
+      Options(Executor::Tbb()));
+  (void)graph.ToGraph("first", std::make_unique<int>(1));
+  ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_EQ(ran, (std::vector<std::string>{"first", "middle", "last", "last"}));
+  EXPECT_EQ(threads.size(), 1U);
+}
+
+TEST(Executor, TwoNodesThatKeepEachOtherBusyDoNotStarveAThirdOnOneWorker) {
+  DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+  std::atomic<bool> ends{false};
+  std::atomic<int> third{0};
+  const auto ball = [&](const char* to) {
+    return [&graph, &ends, to](const int&) {
+      if (!ends) (void)graph.ToGraph(to, std::make_unique<int>(1));
+    };
+  };
+  const auto ping = graph.FromGraph<int>("ping", Invoke::kSerial, ball("pong"), Options(Executor::Tbb()));
+  const auto pong = graph.FromGraph<int>("pong", Invoke::kSerial, ball("ping"), Options(Executor::Tbb()));
+  const auto other = graph.FromGraph<int>(
+      "third", Invoke::kSerial, [&](const int&) { ++third; }, Options(Executor::Tbb()));
+  (void)graph.ToGraph("ping", std::make_unique<int>(1));
+  for (int i = 1; i <= 10; ++i) {
+    (void)graph.ToGraph("third", std::make_unique<int>(1));
+    EXPECT_TRUE(Await([&] { return third == i; }));
+  }
+  ends = true;
+}
+
 }  // namespace
 }  // namespace hgros
