@@ -69,8 +69,8 @@ std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
   for (OutboundMessage& message : cut_.Take(subscriber)) messages.push_back(std::move(message));
   const auto number = [](const OutboundMessage& message) { return message.head.id.sequence; };
   std::ranges::sort(messages, {}, number);
-  const auto repeats = std::ranges::unique(messages, {}, number);
-  messages.erase(repeats.begin(), repeats.end());
+  const auto same = [&](const OutboundMessage& a, const OutboundMessage& b) { return number(a) == number(b); };
+  messages.erase(std::unique(messages.begin(), messages.end(), same), messages.end());
   TellSubscribers();
   if (refused_.exchange(false)) source_.OnRoom();
   return messages;

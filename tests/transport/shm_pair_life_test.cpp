@@ -1,6 +1,7 @@
 // How long a pair lives, and in which order pairs are read.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <mutex>
 #include <string>
@@ -123,6 +124,43 @@ TEST_F(ShmPairLife, APayloadThatComesSlowlyIsNoSilence) {
   }
   EXPECT_TRUE(Await([&] { return sink.came().size() == 1; }));
   EXPECT_EQ(listener.gone, 0);
+}
+
+/// Takes over what subscribers that may live on have not confirmed.
+struct KeepingSource final : conformance::Source {
+  bool OnCut(SessionId, const Demand&, std::vector<OutboundMessage>&&) noexcept override {
+    ++cuts;
+    return true;
+  }
+  std::atomic<int> cuts{0};
+};
+
+TEST_F(ShmPairLife, TheSourceKeepsForAPeerThatIsLostButNotForOneThatWasSilentForTooLong) {
+  KeepingSource keeping;
+  const auto out = reader->Advertise("out", TextType(), keeping);
+  const auto subscribe = [](FalsePeer& peer) {
+    wire::PairMessage said;
+    auto& wish = *said.mutable_wish();
+    WriteType("out", TextType(), *wish.mutable_wanted());
+    wish.set_link(1);
+    wish.set_cell(1);
+    wish.set_lossless(true);
+    wish.set_credit_messages(4);
+    wish.set_credit_bytes(10'000);
+    const bool met = peer.Meet();
+    peer.Say(said);
+    return met && peer.ReadUntil(wire::PairMessage::kGranted);
+  };
+  FalsePeer silent(place);
+  ASSERT_TRUE(subscribe(silent));
+  EXPECT_EQ(out->subscriber_count(), 1U);
+  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; })) << "its heart stands still";
+  EXPECT_EQ(keeping.cuts, 0);
+  FalsePeer lost(place);
+  ASSERT_TRUE(subscribe(lost));
+  lost.Hang();
+  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; }));
+  EXPECT_EQ(keeping.cuts, 1);
 }
 
 TEST_F(ShmPairLife, PairsOfOneSessionAreReadInTheOrderInWhichTheyWereMade) {

@@ -162,7 +162,7 @@ void ShmCore::Read(const std::shared_ptr<Pair>& pair) {
 }
 
 // Its links out end now, those in behind what it has written.
-void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye) {
+void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye, LinkEnd links) {
   if (pair->ending.load()) {
     if (pair->eof && pair->finished) ForgetPair(pair);
     return;
@@ -178,7 +178,7 @@ void ShmCore::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reas
       bye.mutable_bye()->set_reason(reason);
       pair->socket.Send(bye);
     }
-    for (auto& [name, wish] : pair->wishes) RemoveLink(wish, LinkEnd::kPeerLost, actions);
+    for (auto& [name, wish] : pair->wishes) RemoveLink(wish, links, actions);
     pair->wishes.clear();
   }
   pair->end_reason = reason;
@@ -275,7 +275,8 @@ void ShmCore::Tick(SteadyTime now) {
     bell_.Ring(pair->number);  // In case a peer has taken a ring back.
   }
   bell_.Mend();
-  for (const auto& [pair, reason] : silent) EndPair(pair, reason, true);
+  // It has held publishers up for long enough.
+  for (const auto& [pair, reason] : silent) EndPair(pair, reason, true, LinkEnd::kForGood);
 }
 
 }  // namespace hgros::shm

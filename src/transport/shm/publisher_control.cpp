@@ -52,7 +52,7 @@ void ShmCore::OnWish(Pair& pair, const wire::Wish& asked) {
       Drain(link, leavings, bells);
       OutboundCore::TellRoom(link.core, actions);
     } else {
-      RemoveLink(wish, LinkEnd::kByUs, actions);
+      RemoveLink(wish, LinkEnd::kForGood, actions);
       Activate(pair, wish, actions);
     }
   }
@@ -167,7 +167,7 @@ void ShmCore::RemoveLink(PeerWish& wish, LinkEnd why, Actions& actions) {
     const auto ended = std::make_shared<Leavings>();
     ReadCredit(*link, *ended);
     actions.emplace_back([ended] {});
-    const bool misses = why == LinkEnd::kByUs || (why == LinkEnd::kPeerLost && !KeepForLater(*link));
+    const bool misses = why == LinkEnd::kForGood || (why == LinkEnd::kPairLost && !KeepForLater(*link));
     if (misses) link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);

@@ -90,7 +90,7 @@ void ShmCore::Close(int linger_ms) noexcept {
     bye.mutable_bye()->set_reason("the session ends");
     for (const auto& [number, pair] : pairs) {
       if (pair->alive.exchange(false)) pair->socket.Send(bye);
-      for (auto& [name, wish] : pair->wishes) RemoveLink(wish, LinkEnd::kByUs, nobody_listens);
+      for (auto& [name, wish] : pair->wishes) RemoveLink(wish, LinkEnd::kForGood, nobody_listens);
       pair->wishes.clear();
     }
   }
@@ -214,7 +214,7 @@ void ShmCore::Withdraw(const std::shared_ptr<OutChannel>& core) {
         said.mutable_ended()->set_link(link.link);
         said.mutable_ended()->set_messages(link.flow.sent());
         pair.socket.Send(said);
-        RemoveLink(pair.wishes.at(core->name), LinkEnd::kByUs, nobody_listens);
+        RemoveLink(pair.wishes.at(core->name), LinkEnd::kForGood, nobody_listens);
         pair.ended[core->name] = pair.wishes.at(core->name).asked.link();
         pair.wishes.erase(core->name);  // It asks again.
       }

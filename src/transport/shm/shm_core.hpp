@@ -101,7 +101,11 @@ class ShmCore : public LeaderPool::Input {
   void AcceptPairs();
   [[nodiscard]] std::shared_ptr<Pair> AddPair(Handle connection, bool by_us, const std::string& place);
   void Read(const std::shared_ptr<Pair>& pair);
-  void EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye);
+  // How a link to a subscriber ends: as that asks; so that nobody gets the rest; or with its pair, while it may live
+  // on.
+  enum class LinkEnd { kAsked, kForGood, kPairLost };
+  void EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye,
+               LinkEnd links = LinkEnd::kPairLost);
   void OnProcessEnd(const std::shared_ptr<Pair>& pair);
   void FinishPair(const std::shared_ptr<Pair>& pair);
   void ForgetPair(const std::shared_ptr<Pair>& pair);
@@ -112,7 +116,6 @@ class ShmCore : public LeaderPool::Input {
   void Activate(Pair& pair, PeerWish& wish, Actions& actions);
   void SayGranted(Pair& pair, const OutLink& link, const std::string& descriptor_set);
   void StartLink(const std::shared_ptr<OutChannel>& core, Pair& pair, std::uint64_t link);
-  enum class LinkEnd { kAsked, kByUs, kPeerLost };
   void RemoveLink(PeerWish& wish, LinkEnd why, Actions& actions);
   // What the link's subscriber has not confirmed is left to the source; false if that does not take it. Under mutex_.
   [[nodiscard]] static bool KeepForLater(const OutLink& link);
