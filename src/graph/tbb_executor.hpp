@@ -59,7 +59,9 @@ class TbbExecutor {
 
  private:
   class Chain;
+  struct Enqueued;
   void Run(Activation& activation) const;
+  void RunEnqueued(Ticket& ticket) const;
 
   const bool one_worker_;
   tbb::global_control workers_;
