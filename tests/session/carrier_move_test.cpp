@@ -5,10 +5,8 @@
 #include <thread>
 
 #include "hgros/clock/time.hpp"
-#include "hgros/discovery/registry.hpp"
-#include "hgros/transport/shm_transport.hpp"
-#include "hgros/transport/zmq_transport.hpp"
 #include "session/domain_fixture.hpp"
+#include "session/hand_made_session.hpp"
 
 namespace hgros {
 namespace {
@@ -85,44 +83,24 @@ TEST(CarrierMove, GoesOnWhenTheOldCarrierHasEnded) {
   EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
 }
 
-/// A session put together by hand, whose shared memory is not there before it is asked for.
-class LateTalker final : private OutboundSource, private TransportListener {
+/// Its shared memory is not there before it is asked for.
+class LateTalker final : public test::HandMadeSession, private OutboundSource {
  public:
-  LateTalker(const std::string& domain, const std::string& endpoint) {
+  LateTalker(const std::string& domain, const std::string& endpoint) : HandMadeSession("late") {
     ZmqOptions options;
-    options.session = id_;
-    options.process = "late";
     options.publish = {{endpoint, std::nullopt}};
-    zmq_ = MakeZmqTransport(options, *this, log_);
+    OpenZmq(std::move(options));
     over_zmq_ = zmq_->Advertise("notes", type_, *this);
-    RegistryOptions registry;
-    registry.domain = domain;
-    registry_ = OpenRegistry(registry, nobody_, log_);
-    Announcement own = AnnouncementOfThisProcess(id_, 1);
-    own.shared_memory = place_;
-    registry_->Announce(own);
-  }
-  LateTalker(const LateTalker&) = delete;
-  LateTalker& operator=(const LateTalker&) = delete;
-  ~LateTalker() override {
-    registry_.reset();
-    EndShm();
-    over_zmq_.reset();
-    zmq_->Close(0);
+    Enlist(domain);
   }
 
   void ShareMemoryWith(SessionId peer) {
-    ShmOptions options;
-    options.session = id_;
-    options.process = "late";
-    options.place = place_;
-    if (id_.value < peer.value) options.peers = {"hgros-" + peer.ToString()};
-    shm_ = MakeShmTransport(options, *this, log_);
+    OpenShm(peer);
     over_shm_ = shm_->Advertise("notes", type_, *this);
   }
   void EndShm() {
     over_shm_.reset();
-    if (shm_) shm_->Close(0);
+    shm_->Close(0);
   }
 
   void Say() {
@@ -133,7 +111,7 @@ class LateTalker final : private OutboundSource, private TransportListener {
     head.type_name = type_.name;
     head.encoding = type_.encoding;
     head.fingerprint = type_.fingerprint;
-    head.id = {id_.value, 1, ++said_};
+    head.id = {id().value, 1, ++said_};
     head.publish_time_ns = WallNow().nanoseconds;
     const Payload data = type_.encode(std::make_shared<const Note>(std::to_string(said_)));
     over_zmq_->Commit(head, data);
@@ -145,30 +123,14 @@ class LateTalker final : private OutboundSource, private TransportListener {
   }
 
  private:
-  struct Nobody final : DiscoveryListener {
-    void OnCame(const Announcement& /*peer*/) override {}
-    void OnChanged(const Announcement& /*peer*/) override {}
-    void OnGone(const Announcement& /*last*/, std::string_view /*reason*/) override {}
-  };
   std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
   void OnRoom() noexcept override {}
   void OnSubscribers(std::size_t /*count*/) noexcept override {}
-  void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
-  void OnPeerGone(const PeerInfo& /*peer*/, std::string_view /*reason*/) noexcept override {}
-  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*peer*/,
-                      std::string_view /*what*/) noexcept override {}
 
-  const SessionId id_ = SessionId::Random();
-  const std::string place_ = "hgros-late-" + id_.ToString();
   const TypeInfo& type_ = TypeOf<Note>();
-  Log log_{[](LogLevel, std::string_view) {}};
-  Nobody nobody_;
   std::uint64_t said_ = 0;
-  std::unique_ptr<ZmqTransport> zmq_;
-  std::unique_ptr<ShmTransport> shm_;
   std::unique_ptr<OutboundChannel> over_zmq_;
   std::unique_ptr<OutboundChannel> over_shm_;
-  std::unique_ptr<Discovery> registry_;
 };
 
 class MovingPeer : public test::DomainFixture {

@@ -2,10 +2,8 @@
 
 #include <set>
 
-#include "hgros/discovery/registry.hpp"
-#include "hgros/transport/shm_transport.hpp"
-#include "hgros/transport/zmq_transport.hpp"
 #include "session/domain_fixture.hpp"
+#include "session/hand_made_session.hpp"
 
 namespace hgros {
 namespace {
@@ -76,32 +74,14 @@ TEST(CutSubscribers, AnEarlierCutsEndDoesNotDropALaterOne) {
   EXPECT_FALSE(cut.Drop(kOne));
 }
 
-/// A session put together by hand, whose shared memory ends while it lives on. It holds what it gets.
-class FragileListener final : private InboundSink, private TransportListener {
+/// Its shared memory ends while it lives on. It holds what it gets.
+class FragileListener final : public test::HandMadeSession, private InboundSink {
  public:
   FragileListener(const std::string& domain, SessionId publisher, std::string endpoint)
-      : endpoint_(std::move(endpoint)) {
-    RegistryOptions registry;
-    registry.domain = domain;
-    registry_ = OpenRegistry(registry, nobody_, log_);
-    Announcement own = AnnouncementOfThisProcess(id_, 1);
-    own.shared_memory = place_;
-    registry_->Announce(own);
-    ShmOptions options;
-    options.session = id_;
-    options.process = "fragile";
-    options.place = place_;
-    if (id_.value < publisher.value) options.peers = {"hgros-" + publisher.ToString()};
-    shm_ = MakeShmTransport(options, *this, log_);
+      : HandMadeSession("fragile"), endpoint_(std::move(endpoint)) {
+    Enlist(domain);
+    OpenShm(publisher);
     over_shm_ = shm_->Subscribe("notes", type_, demand_, *this);
-  }
-  FragileListener(const FragileListener&) = delete;
-  FragileListener& operator=(const FragileListener&) = delete;
-  ~FragileListener() override {
-    Leave();
-    EndShm();
-    over_zmq_.reset();
-    if (zmq_) zmq_->Close(0);
   }
 
   void EndShm() {
@@ -110,14 +90,10 @@ class FragileListener final : private InboundSink, private TransportListener {
   }
   void ComeBack() {
     ZmqOptions options;
-    options.session = id_;
-    options.process = "fragile";
     options.subscribe = {{endpoint_, std::nullopt, {}}};
-    zmq_ = MakeZmqTransport(options, *this, log_);
+    OpenZmq(std::move(options));
     over_zmq_ = zmq_->Subscribe("notes", type_, demand_, *this);
   }
-  /// Its host hears no more of it.
-  void Leave() { registry_.reset(); }
 
   [[nodiscard]] std::set<std::uint64_t> numbers() const {
     const std::scoped_lock lock(mutex_);
@@ -131,11 +107,6 @@ class FragileListener final : private InboundSink, private TransportListener {
   }
 
  private:
-  struct Nobody final : DiscoveryListener {
-    void OnCame(const Announcement& /*peer*/) override {}
-    void OnChanged(const Announcement& /*peer*/) override {}
-    void OnGone(const Announcement& /*last*/, std::string_view /*reason*/) override {}
-  };
   Accepted Accept(InboundMessage&& message) noexcept override {
     const std::scoped_lock lock(mutex_);
     messages_.push_back(std::move(message));
@@ -144,23 +115,12 @@ class FragileListener final : private InboundSink, private TransportListener {
   void Run() noexcept override {}
   void OnFault(PacketFault /*fault*/, std::string_view /*what*/) noexcept override {}
   void OnPublishers(std::size_t /*count*/) noexcept override {}
-  void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
-  void OnPeerGone(const PeerInfo& /*peer*/, std::string_view /*reason*/) noexcept override {}
-  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*peer*/,
-                      std::string_view /*what*/) noexcept override {}
 
-  const SessionId id_ = SessionId::Random();
   const std::string endpoint_;
-  const std::string place_ = "hgros-fragile-" + id_.ToString();
   const TypeInfo& type_ = TypeOf<Note>();
   const Demand demand_{.lossless = true, .queue_depth = 16, .credit_messages = 16, .credit_bytes = 1 << 20};
-  Log log_{[](LogLevel, std::string_view) {}};
-  Nobody nobody_;
   mutable std::mutex mutex_;
   std::vector<InboundMessage> messages_;
-  std::unique_ptr<Discovery> registry_;
-  std::unique_ptr<ShmTransport> shm_;
-  std::unique_ptr<ZmqTransport> zmq_;
   std::unique_ptr<InboundChannel> over_shm_;
   std::unique_ptr<InboundChannel> over_zmq_;
 };

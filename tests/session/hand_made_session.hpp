@@ -1,0 +1,79 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hgros/discovery/registry.hpp"
+#include "hgros/transport/shm_transport.hpp"
+#include "hgros/transport/zmq_transport.hpp"
+
+namespace hgros::test {
+
+/// A session put together by hand, whose carriers come and go when a test says so.
+class HandMadeSession : private TransportListener, private DiscoveryListener {
+ public:
+  HandMadeSession(const HandMadeSession&) = delete;
+  HandMadeSession& operator=(const HandMadeSession&) = delete;
+  ~HandMadeSession() override {
+    Leave();
+    if (shm_) shm_->Close(0);
+    if (zmq_) zmq_->Close(0);
+  }
+
+  /// Its host hears no more of it.
+  void Leave() { registry_.reset(); }
+
+ protected:
+  explicit HandMadeSession(std::string name) : name_(std::move(name)) {}
+
+  /// Makes itself known in the domain, with a place for shared memory that may not be there yet.
+  void Enlist(const std::string& domain) {
+    RegistryOptions options;
+    options.domain = domain;
+    registry_ = OpenRegistry(options, *this, log_);
+    Announcement own = AnnouncementOfThisProcess(id_, 1);
+    own.shared_memory = place_;
+    registry_->Announce(own);
+  }
+  /// `options` says the endpoints.
+  void OpenZmq(ZmqOptions options) {
+    options.session = id_;
+    options.process = name_;
+    zmq_ = MakeZmqTransport(std::move(options), *this, log_);
+  }
+  void OpenShm(SessionId peer) {
+    ShmOptions options;
+    options.session = id_;
+    options.process = name_;
+    options.place = place_;
+    if (id_.value < peer.value) options.peers = {"hgros-" + peer.ToString()};
+    shm_ = MakeShmTransport(options, *this, log_);
+  }
+
+  [[nodiscard]] SessionId id() const { return id_; }
+
+ private:
+  void OnCame(const Announcement& /*peer*/) override {}
+  void OnChanged(const Announcement& /*peer*/) override {}
+  void OnGone(const Announcement& /*last*/, std::string_view /*reason*/) override {}
+  void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
+  void OnPeerGone(const PeerInfo& /*peer*/, std::string_view /*reason*/) noexcept override {}
+  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*peer*/,
+                      std::string_view /*what*/) noexcept override {}
+
+  const std::string name_;
+  const SessionId id_ = SessionId::Random();
+  const std::string place_ = "hgros-" + name_ + "-" + id_.ToString();
+  Log log_{[](LogLevel, std::string_view) {}};
+
+ protected:
+  std::unique_ptr<ZmqTransport> zmq_;
+  std::unique_ptr<ShmTransport> shm_;
+
+ private:
+  std::unique_ptr<Discovery> registry_;
+};
+
+}  // namespace hgros::test
