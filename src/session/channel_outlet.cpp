@@ -189,7 +189,10 @@ void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
   traffic.loans = loans_.load(std::memory_order_relaxed);
   traffic.heap_loans = heap_loans_.load(std::memory_order_relaxed);
   const std::scoped_lock lock(order_mutex_);
-  if (carrier_) traffic.out = carrier_->stats();
+  if (carrier_) {
+    traffic.out = carrier_->stats();
+    traffic.out.subscribers = subscriber_count();  // What Commit goes by: it is told a moment after the carrier counts.
+  }
   traffic.out.copied += copied_.load(std::memory_order_relaxed);
 }
 
