@@ -50,6 +50,8 @@ Listening ParamServer::OnChange(std::string_view path, ParamListener listener) {
   return core_->OnChange(ParamPath::Parse(path), std::move(listener));
 }
 
+void ParamServer::Save() { core_->Save(); }
+void ParamServer::SaveAs(const std::filesystem::path& file) const { core_->SaveAs(file); }
 ParamResult ParamServer::Reload() { return core_->Reload(); }
 const std::vector<std::filesystem::path>& ParamServer::files() const noexcept { return core_->files(); }
 

@@ -36,6 +36,8 @@ class ParamServer::Core {
   Listening AddValidator(ParamPath path, ParamValidator validator);
   Listening OnChange(ParamPath path, ParamListener listener);
 
+  void Save();
+  void SaveAs(const std::filesystem::path& file) const;
   ParamResult Reload();
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const noexcept { return sources_.files; }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -118,6 +119,12 @@ class HGROS_EXPORT ParamServer {
   /// Tells of each such change.
   [[nodiscard]] Listening OnChange(std::string_view path, ParamListener listener);
 
+  /// Writes what was set while running into the files that say these parameters, the rest into the last file. Each file
+  /// is replaced in one go; its comments and the order of its keys stay wherever that is possible. Overrides are not
+  /// saved. Throws Error if there is no file or one cannot be written.
+  void Save();
+  /// Writes all parameters as they are into a file of its own.
+  void SaveAs(const std::filesystem::path& file) const;
   /// Reads the files again. What has changed in them since they were read wins over what was set while running. If they
   /// cannot be read or say what cannot be, everything stays as it is.
   ParamResult Reload();
