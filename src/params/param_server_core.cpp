@@ -61,6 +61,12 @@ std::string ParamServer::Core::Ask(const ParamEvent& event) const {
 }
 
 ParamResult ParamServer::Core::Change(const std::vector<Step>& steps) {
+  ParamResult result = Commit(steps);
+  TellListeners();
+  return result;
+}
+
+ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps) {
   for (;;) {
     std::unique_lock lock(mutex_);
     const ParamNodePtr before = root_;
@@ -90,10 +96,7 @@ ParamResult ParamServer::Core::Change(const std::vector<Step>& steps) {
     if (version_ != version) continue;  // Another change came first: look again.
     root_ = after;
     ++version_;
-    if (event.paths.empty()) return {};
-    events_.push_back(std::move(event));
-    lock.unlock();
-    TellListeners();
+    if (!event.paths.empty()) events_.push_back(std::move(event));
     return {};
   }
 }
@@ -141,19 +144,23 @@ Listening ParamServer::Core::OnChange(ParamPath path, ParamListener listener) {
 }
 
 ParamResult ParamServer::Core::Reload() {
-  const std::scoped_lock files(files_mutex_);
-  ParamNodePtr now;
-  try {
-    now = ReadSources();
-  } catch (const Error& e) {
-    return {e.what()};
+  ParamResult result;
+  {
+    const std::scoped_lock files(files_mutex_);
+    ParamNodePtr now;
+    try {
+      now = ReadSources();
+    } catch (const Error& e) {
+      return {e.what()};
+    }
+    std::vector<Step> steps;
+    for (param_tree::Difference& difference : param_tree::Differences(loaded_, now)) {
+      steps.push_back({std::move(difference.path), std::move(difference.after)});
+    }
+    if (!steps.empty()) result = Commit(steps);
+    if (result.ok()) loaded_ = std::move(now);
   }
-  std::vector<Step> steps;
-  for (param_tree::Difference& difference : param_tree::Differences(loaded_, now)) {
-    steps.push_back({std::move(difference.path), std::move(difference.after)});
-  }
-  ParamResult result = steps.empty() ? ParamResult() : Change(steps);
-  if (result.ok()) loaded_ = std::move(now);
+  TellListeners();
   return result;
 }
 

@@ -32,6 +32,7 @@ class ParamServer::Core {
     ParamPath path;
     ParamNodePtr value;  // null: removed
   };
+  // Commit() and TellListeners().
   ParamResult Change(const std::vector<Step>& steps);
   Listening AddValidator(ParamPath path, ParamValidator validator);
   Listening OnChange(ParamPath path, ParamListener listener);
@@ -47,6 +48,8 @@ class ParamServer::Core {
     std::string& refusal;
   };
 
+  // Makes the change; listeners are still to be told.
+  ParamResult Commit(const std::vector<Step>& steps);
   // The files and overrides as they are now.
   [[nodiscard]] ParamNodePtr ReadSources() const;
   // Why validators are against it; empty if none is.
@@ -58,7 +61,7 @@ class ParamServer::Core {
   Listeners<Question> validators_;
   Listeners<ParamEvent> listeners_;
 
-  std::mutex files_mutex_;  // held while files are read again or written; taken before mutex_
+  std::mutex files_mutex_;  // held while files are read again or written, never while listeners run; before mutex_
   ParamNodePtr loaded_;     // guarded by files_mutex_: what the sources said last
 
   mutable std::mutex mutex_;

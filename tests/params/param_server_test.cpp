@@ -170,6 +170,19 @@ TEST_F(ParamServerTest, ReloadTakesWhatChangedInTheFileAndKeepsTheRest) {
   EXPECT_EQ(heard, 1);
 }
 
+TEST_F(ParamServerTest, AListenerMayReloadAndSaveWhatItSets) {
+  const auto file = Write("robot.yaml", "a: 1 # one\nb: 1\n");
+  ParamServer params({{file}});
+  const Listening listening = params.OnChange("a", [&](const ParamEvent& event) {
+    EXPECT_TRUE(params.Reload().ok());
+    EXPECT_TRUE(params.Set("b", event.after.Get<int>("a")).ok());
+    params.Save();
+  });
+  Write("robot.yaml", "a: 2 # one\nb: 1\n");
+  EXPECT_TRUE(params.Reload().ok());
+  EXPECT_EQ(Read(file), "a: 2 # one\nb: 2\n");
+}
+
 TEST_F(ParamServerTest, ABrokenFileKeepsTheOldValuesAndSaysWhy) {
   const auto file = Write("robot.yaml", "range: 5\nfixed: 1\n");
   ParamServer params({{file}});

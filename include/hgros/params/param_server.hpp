@@ -114,7 +114,7 @@ class HGROS_EXPORT ParamServer {
   ParamResult Remove(std::string_view path) { return Change({{std::string(path), std::nullopt}}); }
 
   /// Asks before each change at, below or above `path`; an empty one asks always. May be asked again about one change,
-  /// when another one came first.
+  /// when another one came first. It neither saves nor reloads.
   [[nodiscard]] Listening AddValidator(std::string_view path, ParamValidator validator);
   /// Tells of each such change.
   [[nodiscard]] Listening OnChange(std::string_view path, ParamListener listener);
