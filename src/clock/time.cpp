@@ -1,6 +1,7 @@
 #include "hgros/clock/time.hpp"
 
 #include <ctime>
+#include <limits>
 
 namespace hgros {
 namespace {
@@ -12,6 +13,12 @@ std::int64_t Read(clockid_t id) noexcept {
 }
 
 }  // namespace
+
+Time Later(Time t, Duration d) noexcept {
+  std::int64_t sum = 0;
+  if (!__builtin_add_overflow(t.nanoseconds, d.count(), &sum)) return {sum};
+  return d.count() > 0 ? Time::Never() : Time{std::numeric_limits<std::int64_t>::min()};
+}
 
 Time WallNow() noexcept { return {Read(CLOCK_REALTIME)}; }
 

@@ -1,4 +1,4 @@
-#include "session/yaml_document.hpp"
+#include "hgros/session/yaml_document.hpp"
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>

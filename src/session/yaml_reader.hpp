@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hgros/base/error.hpp"
-#include "session/yaml_document.hpp"
+#include "hgros/session/yaml_document.hpp"
 
 namespace hgros::yaml {
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 
 namespace hgros {
 namespace {
@@ -21,6 +22,18 @@ TEST(Time, AddsAndSubtractsDurations) {
 TEST(Time, IsOrdered) {
   EXPECT_LT(Time{1}, Time{2});
   EXPECT_EQ(Time{}, Time{0});
+}
+
+TEST(Time, EndsWhereItsNumbersEnd) {
+  EXPECT_EQ(Later(Time{5}, 2ns), Time{7});
+  EXPECT_EQ(Later(Time{5}, Duration::max()), Time::Never());
+  EXPECT_EQ(Later(Time{-5}, Duration::min()).nanoseconds, std::numeric_limits<std::int64_t>::min());
+}
+
+TEST(Time, IsTheSystemClocksTime) {
+  const std::chrono::system_clock::time_point moment(1'700'000'000s);
+  EXPECT_EQ(Time::From(moment), Time{1'700'000'000'000'000'000});
+  EXPECT_EQ(Time::From(moment).ToSystemClock(), moment);
 }
 
 TEST(WallNow, AgreesWithTheSystemClock) {

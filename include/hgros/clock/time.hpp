@@ -3,6 +3,7 @@
 #include <chrono>
 #include <compare>
 #include <cstdint>
+#include <limits>
 
 #include "hgros/base/export.hpp"
 
@@ -16,8 +17,21 @@ struct Time {
 
   auto operator<=>(const Time&) const = default;
   friend Time operator+(Time t, Duration d) { return {t.nanoseconds + d.count()}; }
+  friend Time operator-(Time t, Duration d) { return {t.nanoseconds - d.count()}; }
   friend Duration operator-(Time a, Time b) { return Duration(a.nanoseconds - b.nanoseconds); }
+
+  /// Later than every other time: what never comes.
+  [[nodiscard]] static constexpr Time Never() noexcept { return {std::numeric_limits<std::int64_t>::max()}; }
+  [[nodiscard]] static Time From(std::chrono::system_clock::time_point t) noexcept {
+    return {std::chrono::duration_cast<Duration>(t.time_since_epoch()).count()};
+  }
+  [[nodiscard]] std::chrono::system_clock::time_point ToSystemClock() const noexcept {
+    return std::chrono::system_clock::time_point(Duration(nanoseconds));
+  }
 };
+
+/// t + d, or the end of time where that lies beyond it.
+[[nodiscard]] HGROS_EXPORT Time Later(Time t, Duration d) noexcept;
 
 /// The system's wall clock; it may jump.
 [[nodiscard]] HGROS_EXPORT Time WallNow() noexcept;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/export.hpp"
 
 namespace hgros::yaml {
 
@@ -35,7 +36,7 @@ struct Node {
 };
 
 /// One parsed YAML file: a tree of nodes, in which aliased ones have several parents, but never themselves below them.
-class Document {
+class HGROS_EXPORT Document {
  public:
   /// Throws ConfigError for what is not one YAML document of UTF-8 text within the bounds above, and for repeated keys.
   [[nodiscard]] static Document Parse(std::string_view text, std::string name);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "hgros/base/export.hpp"
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+/// How a clock runs along the elapsed time of another one: it shows `shown` at `source`, and goes on at `rate`.
+///
+/// With rate 1 it is exact; with another one it is rounded down, by less than 1 ns however long it runs (for 104 days
+/// on machines whose long double has no more bits than a double).
+struct HGROS_EXPORT ClockLine {
+  Time source;
+  Time shown;
+  double rate = 1.0;
+  bool paused = false;
+
+  [[nodiscard]] Time At(Time source_now) const noexcept;
+  /// The first moment of the source at which the clock shows `due` or more; Time::Never() while it is paused.
+  [[nodiscard]] Time SourceOf(Time due) const noexcept;
+};
+
+}  // namespace hgros

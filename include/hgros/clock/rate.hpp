@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <stop_token>
+
+#include "hgros/base/export.hpp"
+#include "hgros/clock/clock.hpp"
+#include "hgros/clock/periodic_schedule.hpp"
+
+namespace hgros {
+
+/// Keeps a loop at a rhythm of a clock: `while (rate.Sleep()) { ... }`.
+///
+/// The rhythm begins when the object is made and does not drift. Jumps of the clock change nothing, a pause holds it
+/// up. Thread safety: none; each loop has its own.
+class HGROS_EXPORT Rate {
+ public:
+  /// Throws Error unless `period` is above zero.
+  Rate(std::shared_ptr<Clock> clock, Duration period, Missed policy = Missed::kSkip);
+
+  /// Sleeps until the next turn, or not at all if it has passed already. Empty if `stop` is requested first.
+  [[nodiscard]] std::optional<Tick> Sleep(const std::stop_token& stop = {});
+
+ private:
+  Rate(std::shared_ptr<Clock> clock, const ClockReading& begin, Duration period, Missed policy);
+
+  std::shared_ptr<Clock> clock_;
+  PeriodicSchedule schedule_;
+};
+
+}  // namespace hgros

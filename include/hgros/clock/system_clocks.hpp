@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+
+#include "hgros/base/export.hpp"
+#include "hgros/clock/clock.hpp"
+
+namespace hgros {
+
+/// The system's wall clock, in nanoseconds since the Unix epoch. It jumps when somebody sets it and when the machine
+/// wakes from suspension; steps of less than a millisecond count as none.
+///
+/// The first wait and the first listener start a thread that watches for that; it sleeps in between.
+/// Errors: both throw Error if the system has no file descriptor or thread left.
+class HGROS_EXPORT SystemClock final : public Clock {
+ public:
+  SystemClock();
+  ~SystemClock() override;
+
+  [[nodiscard]] ClockReading Read() const override;
+  [[nodiscard]] Time Now() const override { return WallNow(); }
+  void Wait(Sleeper& sleeper, const ClockReading& seen, Time due) override;
+  [[nodiscard]] Listening OnJump(JumpCallback callback) override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// CLOCK_MONOTONIC: never jumps, and begins anywhere (on Linux when the machine starts).
+class HGROS_EXPORT SteadyClock final : public Clock {
+ public:
+  [[nodiscard]] ClockReading Read() const override { return {Now(), {}}; }
+  [[nodiscard]] Time Now() const override { return {MonotonicNow()}; }
+  void Wait(Sleeper& sleeper, const ClockReading& seen, Time due) override;
+  [[nodiscard]] Listening OnJump(JumpCallback callback) override;
+};
+
+}  // namespace hgros

@@ -1,0 +1,33 @@
+#include "hgros/clock/clock_line.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace hgros {
+namespace {
+
+// The nearest Duration: a cast of what is too large would be undefined.
+Duration Bounded(long double nanoseconds) noexcept {
+  constexpr auto kMost = static_cast<long double>(std::numeric_limits<std::int64_t>::max());
+  if (nanoseconds >= kMost) return Duration::max();
+  if (nanoseconds <= -kMost) return -Duration::max();
+  return Duration(static_cast<std::int64_t>(nanoseconds));
+}
+
+}  // namespace
+
+Time ClockLine::At(Time source_now) const noexcept {
+  if (paused) return shown;
+  const Duration elapsed = source_now - source;
+  if (rate == 1.0) return Later(shown, elapsed);
+  return Later(shown, Bounded(std::floor(static_cast<long double>(elapsed.count()) * rate)));
+}
+
+Time ClockLine::SourceOf(Time due) const noexcept {
+  if (due <= shown) return source;
+  if (paused || due == Time::Never()) return Time::Never();
+  const auto ahead = static_cast<long double>(due.nanoseconds) - static_cast<long double>(shown.nanoseconds);
+  return Later(source, Bounded(std::ceil(ahead / rate)));
+}
+
+}  // namespace hgros

@@ -1,0 +1,93 @@
+#include "hgros/clock/derived_clocks.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "hgros/clock/system_clocks.hpp"
+
+namespace hgros {
+
+DerivedClock::DerivedClock(Time start, std::shared_ptr<Clock> source, bool paused)
+    : source_(source != nullptr ? std::move(source) : std::make_shared<SteadyClock>()) {
+  line_.source = source_->Read().elapsed();
+  line_.shown = start;
+  line_.paused = paused;
+}
+
+ClockReading DerivedClock::Read() const {
+  const std::scoped_lock lock(mutex_);
+  return {line_.At(source_->Read().elapsed()), jumped_};
+}
+
+ClockLine DerivedClock::line() const {
+  const std::scoped_lock lock(mutex_);
+  return line_;
+}
+
+void DerivedClock::Wait(Sleeper& sleeper, const ClockReading& seen, Time due) {
+  const WaitingRoom::Seat seat(waiting_, sleeper);
+  ClockReading source_seen;
+  Time source_due;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (jumped_ != seen.jumped) return;
+    source_seen = source_->Read();
+    if (line_.At(source_seen.elapsed()) >= due) return;
+    source_due = Later(line_.SourceOf(due), source_seen.jumped);
+  }
+  source_->Wait(sleeper, source_seen, source_due);
+}
+
+Listening DerivedClock::OnJump(JumpCallback callback) { return listeners_.Add(std::move(callback)); }
+
+void DerivedClock::ChangePace(const std::function<void(ClockLine&)>& change) {
+  {
+    const std::scoped_lock lock(mutex_);
+    const Time source_now = source_->Read().elapsed();
+    line_.shown = line_.At(source_now);
+    line_.source = source_now;
+    change(line_);
+  }
+  waiting_.WakeAll();
+}
+
+void DerivedClock::Jump(Time after) {
+  ClockJump jump;
+  {
+    const std::scoped_lock lock(mutex_);
+    const Time source_now = source_->Read().elapsed();
+    jump = {line_.At(source_now), after};
+    line_.source = source_now;
+    line_.shown = after;
+    jumped_ += jump.after - jump.before;
+  }
+  listeners_.Tell(jump);
+  waiting_.WakeAll();
+}
+
+void SimulatedClock::SetRate(double rate) {
+  if (!(rate > 0.0) || !std::isfinite(rate)) {
+    throw Error("A clock cannot run at the rate " + std::to_string(rate) + ".", {},
+                "Give a rate above zero; Pause() stops the clock.");
+  }
+  ChangePace([rate](ClockLine& line) { line.rate = rate; });
+}
+
+void SimulatedClock::Pause() {
+  ChangePace([](ClockLine& line) { line.paused = true; });
+}
+
+void SimulatedClock::Resume() {
+  ChangePace([](ClockLine& line) { line.paused = false; });
+}
+
+void SimulatedClock::Step(Duration time) {
+  if (time < Duration::zero()) {
+    throw Error("A clock cannot step back.", {}, "JumpTo() sets it to an earlier time.");
+  }
+  ChangePace([time](ClockLine& line) { line.shown = Later(line.shown, time); });
+}
+
+}  // namespace hgros

@@ -1,0 +1,33 @@
+#include "hgros/clock/periodic_schedule.hpp"
+
+#include <string>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros {
+
+PeriodicSchedule::PeriodicSchedule(const ClockReading& seen, Time first, Duration period, Missed policy)
+    : next_(first), period_(period), policy_(policy), jumped_(seen.jumped) {
+  if (period > Duration::zero()) return;
+  throw Error("A period of " + std::to_string(period.count()) + " ns is none.", {}, "Give one above zero.");
+}
+
+void PeriodicSchedule::Follow(const ClockReading& reading) noexcept {
+  next_ = Later(next_, reading.jumped - jumped_);
+  jumped_ = reading.jumped;
+}
+
+std::optional<Tick> PeriodicSchedule::Take(const ClockReading& reading) {
+  Follow(reading);
+  if (next_ > reading.now || next_ == Time::Never()) return std::nullopt;
+  Tick tick{next_, reading.now, 0};
+  if (policy_ == Missed::kSkip) {
+    const std::int64_t missed = (reading.now - next_) / period_;
+    tick.planned = next_ + missed * period_;
+    tick.missed = static_cast<std::uint64_t>(missed);
+  }
+  next_ = Later(tick.planned, period_);
+  return tick;
+}
+
+}  // namespace hgros

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "hgros/clock/clock.hpp"
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+// Tells the jumps of the wall clock from readings of it beside a steady clock. Both are slewed alike, so that the
+// distance between them changes by nothing but jumps.
+//
+// Thread safety: none.
+class WallOffset {
+ public:
+  // Smaller steps are noise: the two clocks are read one after the other.
+  static constexpr Duration kLeastJump = std::chrono::milliseconds(1);
+
+  WallOffset(Time wall, Time steady) : offset_(wall - steady) {}
+
+  ClockReading Take(Time wall, Time steady) {
+    const Duration change = (wall - steady) - offset_;
+    if (change >= kLeastJump || change <= -kLeastJump) {
+      offset_ += change;
+      jumped_ += change;
+    }
+    return {wall, jumped_};
+  }
+
+ private:
+  Duration offset_;
+  Duration jumped_{0};
+};
+
+}  // namespace hgros

@@ -1,0 +1,118 @@
+#include "hgros/params/param_file_watch.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "hgros/base/own_descriptor.hpp"
+
+namespace hgros {
+
+// Watches folders and not files: editors put a new file in the place of the old one.
+class ParamFileWatch::Core {
+ public:
+  Core(ParamServer& server, Done done, LogSink log)
+      : server_(server),
+        done_(std::move(done)),
+        log_(std::move(log)),
+        inotify_([] { return inotify_init1(IN_NONBLOCK | IN_CLOEXEC); }),
+        end_([] { return eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC); }) {
+    if (!inotify_ || !end_) Fail("");
+    for (const std::filesystem::path& file : server_.files()) {
+      WatchName(std::filesystem::absolute(file));
+      std::error_code fault;
+      const std::filesystem::path target = std::filesystem::canonical(file, fault);
+      if (!fault) WatchName(target);
+    }
+    thread_ = std::thread([this] { Loop(); });
+  }
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+  ~Core() {
+    const std::uint64_t one = 1;
+    (void)!write(end_.get(), &one, sizeof one);
+    thread_.join();
+  }
+
+ private:
+  [[noreturn]] static void Fail(const std::string& folder) {
+    throw Error(
+        std::string("Files of parameters cannot be watched: ") + std::strerror(errno) + ".", folder,
+        "Raise fs.inotify.max_user_instances or max_user_watches (sysctl), or the limit of open files (ulimit -n).");
+  }
+
+  void WatchName(const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.parent_path();
+    const int watch = inotify_add_watch(inotify_.get(), folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_ONLYDIR);
+    if (watch < 0) Fail(folder.string());
+    names_[watch].insert(file.filename().string());
+  }
+
+  void Loop() {
+    std::array<pollfd, 2> descriptors{pollfd{inotify_.get(), POLLIN, 0}, pollfd{end_.get(), POLLIN, 0}};
+    for (;;) {
+      if (poll(descriptors.data(), descriptors.size(), -1) < 0) {
+        if (errno == EINTR) continue;
+        return;
+      }
+      if (descriptors[1].revents != 0) return;
+      if (ReadNews()) Reload();
+    }
+  }
+
+  // Everything that has come by now; true if it is about one of the files.
+  bool ReadNews() {
+    bool ours = false;
+    alignas(inotify_event) std::array<char, 16 * 1024> buffer{};
+    for (;;) {
+      const ssize_t size = read(inotify_.get(), buffer.data(), buffer.size());
+      if (size < 0 && errno == EINTR) continue;
+      if (size <= 0) return ours;
+      for (ssize_t at = 0; at < size;) {
+        inotify_event event{};
+        std::memcpy(&event, buffer.data() + at, sizeof event);
+        const char* const name = buffer.data() + at + sizeof event;
+        at += static_cast<ssize_t>(sizeof event + event.len);
+        if ((event.mask & IN_Q_OVERFLOW) != 0) ours = true;
+        const auto names = names_.find(event.wd);
+        if (event.len > 0 && names != names_.end() && names->second.contains(name)) ours = true;
+      }
+    }
+  }
+
+  void Reload() {
+    const ParamResult result = server_.Reload();
+    if (done_) {
+      done_(result);
+    } else if (!result.ok()) {
+      log_.Write(LogLevel::kWarning, "The parameters stay as they were: " + result.refusal);
+    }
+  }
+
+  ParamServer& server_;
+  const Done done_;
+  Log log_;
+  OwnDescriptor inotify_;
+  OwnDescriptor end_;
+  std::map<int, std::set<std::string, std::less<>>> names_;  // by watch
+  std::thread thread_;
+};
+
+ParamFileWatch::ParamFileWatch(ParamServer& server, Done done, LogSink log)
+    : core_(std::make_unique<Core>(server, std::move(done), std::move(log))) {}
+ParamFileWatch::~ParamFileWatch() = default;
+
+}  // namespace hgros

@@ -1,0 +1,71 @@
+// How a ParamServer writes files.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "hgros/session/yaml_document.hpp"
+#include "params/param_server_core.hpp"
+#include "params/replaced_file.hpp"
+#include "params/yaml_edit.hpp"
+
+namespace hgros {
+namespace {
+
+// What was set while running, by maps' keys: a list or a value that changed in part is one as a whole.
+void CollectSet(const ParamPath& path, const ParamNodePtr& node, std::vector<YamlEdit>& edits) {
+  if (node->kind == ParamNode::Kind::kMap && !node->entries.empty()) {
+    for (const auto& [key, value] : node->entries) CollectSet(path.Below(key), value, edits);
+  } else if (node->origin.at_run_time) {
+    edits.push_back({path, node});
+  }
+}
+
+std::string ReadText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+void ParamServer::Core::Save() {
+  const std::scoped_lock files(files_mutex_);
+  if (sources_.files.empty()) {
+    throw Error("The parameters come from no file, so that there is none to save them in.", {}, "Use SaveAs().");
+  }
+  std::vector<YamlEdit> edits;
+  CollectSet({}, root(), edits);
+
+  std::vector<ParamNodePtr> said;
+  for (const std::filesystem::path& file : sources_.files) {
+    said.push_back(param_tree::FromDocument(yaml::Document::Load(file)));
+  }
+  std::map<std::size_t, std::vector<YamlEdit>> by_file;
+  for (YamlEdit& edit : edits) {
+    std::size_t owner = sources_.files.size() - 1;
+    for (std::size_t i = said.size(); i-- > 0;) {
+      if (param_tree::Find(said[i], edit.path) == nullptr) continue;
+      owner = i;
+      break;
+    }
+    const ParamNodePtr there = param_tree::Find(said[owner], edit.path);
+    if (there == nullptr || !there->SameValue(*edit.value)) by_file[owner].push_back(std::move(edit));
+  }
+  for (const auto& [index, of_file] : by_file) {
+    const std::filesystem::path& file = sources_.files[index];
+    const EditedYaml edited = EditYaml(ReadText(file), file.string(), of_file);
+    if (!edited.comments_kept) {
+      log_.Write(LogLevel::kWarning, "The comments of " + file.string() +
+                                         " are lost: the way it is laid out left no other "
+                                         "way to save what was set.");
+    }
+    ReplaceFile(file, edited.text);
+  }
+  if (!by_file.empty()) loaded_ = ReadSources();
+}
+
+void ParamServer::Core::SaveAs(const std::filesystem::path& file) const {
+  ReplaceFile(file, WrittenYaml(root(), file.string()));
+}
+
+}  // namespace hgros

@@ -1,0 +1,167 @@
+#include "params/param_server_core.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "hgros/session/yaml_document.hpp"
+
+namespace hgros {
+
+ParamServer::Core::Core(ParamSources sources, LogSink log)
+    : sources_(std::move(sources)), log_(std::move(log)), loaded_(ReadSources()), root_(loaded_) {}
+
+ParamNodePtr ParamServer::Core::ReadSources() const {
+  ParamNodePtr root = param_tree::EmptyRoot();
+  for (const std::filesystem::path& file : sources_.files) {
+    root = param_tree::Merged(root, param_tree::FromDocument(yaml::Document::Load(file)));
+  }
+  for (const ParamOverride& said : sources_.overrides) {
+    const ParamOrigin origin{std::make_shared<const std::string>(said.said)};
+    root = param_tree::With(root, ParamPath::Parse(said.path), param_tree::FromValue(said.value, origin));
+  }
+  return root;
+}
+
+ParamNodePtr ParamServer::Core::root() const {
+  const std::scoped_lock lock(mutex_);
+  return root_;
+}
+
+ParamNodePtr ParamServer::Core::Declare(DeclaredParams::Entry entry) {
+  DeclaredParams::RequireGood(entry, ParamView(entry.fallback, entry.path));
+  const std::scoped_lock lock(mutex_);
+  if (const DeclaredParams::Entry* const known = declared_.Find(entry.path)) {
+    entry.check(ParamView(root_).At(entry.path));
+    if (known->info == entry.info && known->fallback->SameValue(*entry.fallback)) return root_;
+    throw ParamError("The parameter " + entry.path.ToString() + " is declared twice, and not alike.", {},
+                     "Declare it in one place.");
+  }
+  ParamNodePtr root = root_;
+  if (param_tree::Find(root, entry.path) == nullptr) root = param_tree::With(root, entry.path, entry.fallback);
+  DeclaredParams::RequireGood(entry, ParamView(root).At(entry.path));
+  declared_.Add(std::move(entry));
+  root_ = std::move(root);
+  ++version_;
+  return root_;
+}
+
+std::vector<ParamDeclaration> ParamServer::Core::Declarations() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<ParamDeclaration> declarations;
+  for (const DeclaredParams::Entry& entry : declared_.entries()) {
+    declarations.push_back({entry.path.ToString(), entry.info});
+  }
+  return declarations;
+}
+
+std::string ParamServer::Core::Ask(const ParamEvent& event) const {
+  std::string refusal;
+  validators_.Tell({event, refusal});
+  return refusal;
+}
+
+ParamResult ParamServer::Core::Change(const std::vector<Step>& steps) {
+  ParamResult result = Commit(steps);
+  TellListeners();
+  return result;
+}
+
+ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps) {
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    const ParamNodePtr before = root_;
+    const DeclaredParams declared = declared_;
+    const std::uint64_t version = version_;
+    lock.unlock();
+
+    ParamNodePtr after = before;
+    ParamEvent event{ParamView(before), ParamView(before), {}};
+    try {
+      for (const Step& step : steps) after = param_tree::With(after, step.path, step.value);
+      after = declared.WithFallbacks(after);
+      event.after = ParamView(after);
+      for (param_tree::Difference& difference : param_tree::Differences(before, after)) {
+        event.paths.push_back(std::move(difference.path));
+      }
+      if (!event.paths.empty()) declared.RequireAllowed(event);
+    } catch (const ParamError& e) {
+      return {e.what()};
+    }
+    // Nothing differs but who said it: that is noted, and nobody is asked or told.
+    if (!event.paths.empty()) {
+      if (std::string refusal = Ask(event); !refusal.empty()) return {std::move(refusal)};
+    }
+
+    lock.lock();
+    if (version_ != version) continue;  // Another change came first: look again.
+    root_ = after;
+    ++version_;
+    if (!event.paths.empty()) events_.push_back(std::move(event));
+    return {};
+  }
+}
+
+void ParamServer::Core::TellListeners() {
+  std::unique_lock lock(mutex_);
+  if (telling_) return;
+  telling_ = true;
+  while (!events_.empty()) {
+    const ParamEvent event = std::move(events_.front());
+    events_.pop_front();
+    lock.unlock();
+    listeners_.Tell(event);
+    lock.lock();
+  }
+  telling_ = false;
+}
+
+Listening ParamServer::Core::AddValidator(ParamPath path, ParamValidator validator) {
+  return validators_.Add([path = std::move(path), validator = std::move(validator)](const Question& question) {
+    if (!question.refusal.empty() || !question.event.Touches(path)) return;
+    try {
+      const std::optional<std::string> refusal = validator(question.event);
+      if (refusal) question.refusal = refusal->empty() ? "A validator refused without a reason." : *refusal;
+    } catch (const std::exception& e) {
+      question.refusal = e.what();
+    } catch (...) {
+      question.refusal = "A validator threw something that is no std::exception.";
+    }
+  });
+}
+
+Listening ParamServer::Core::OnChange(ParamPath path, ParamListener listener) {
+  return listeners_.Add([this, path = std::move(path), listener = std::move(listener)](const ParamEvent& event) {
+    if (!event.Touches(path)) return;
+    try {
+      listener(event);
+    } catch (const std::exception& e) {
+      log_.WriteLimited(LogLevel::kError, "listener", std::string("A listener of parameters threw: ") + e.what());
+    } catch (...) {
+      log_.WriteLimited(LogLevel::kError, "listener",
+                        "A listener of parameters threw something that is no std::exception.");
+    }
+  });
+}
+
+ParamResult ParamServer::Core::Reload() {
+  ParamResult result;
+  {
+    const std::scoped_lock files(files_mutex_);
+    ParamNodePtr now;
+    try {
+      now = ReadSources();
+    } catch (const Error& e) {
+      return {e.what()};
+    }
+    std::vector<Step> steps;
+    for (param_tree::Difference& difference : param_tree::Differences(loaded_, now)) {
+      steps.push_back({std::move(difference.path), std::move(difference.after)});
+    }
+    if (!steps.empty()) result = Commit(steps);
+    if (result.ok()) loaded_ = std::move(now);
+  }
+  TellListeners();
+  return result;
+}
+
+}  // namespace hgros

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "hgros/base/listeners.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/params/param_server.hpp"
+#include "params/declared_params.hpp"
+#include "params/param_tree.hpp"
+
+namespace hgros {
+
+// Thread safety: all of it.
+// Invariants: root_ and declared_ go together: every declared parameter is there and good. A change is worked out and
+//   asked about without a lock, on a tree of its own, and takes effect only if nothing else has in the meantime
+//   (version_). events_ holds what listeners have not heard of yet; one thread at a time tells them.
+class ParamServer::Core {
+ public:
+  Core(ParamSources sources, LogSink log);
+
+  [[nodiscard]] ParamNodePtr root() const;
+  ParamNodePtr Declare(DeclaredParams::Entry entry);
+  [[nodiscard]] std::vector<ParamDeclaration> Declarations() const;
+
+  struct Step {
+    ParamPath path;
+    ParamNodePtr value;  // null: removed
+  };
+  // Commit() and TellListeners().
+  ParamResult Change(const std::vector<Step>& steps);
+  Listening AddValidator(ParamPath path, ParamValidator validator);
+  Listening OnChange(ParamPath path, ParamListener listener);
+
+  void Save();
+  void SaveAs(const std::filesystem::path& file) const;
+  ParamResult Reload();
+  [[nodiscard]] const std::vector<std::filesystem::path>& files() const noexcept { return sources_.files; }
+
+ private:
+  struct Question {
+    const ParamEvent& event;
+    std::string& refusal;
+  };
+
+  // Makes the change; listeners are still to be told.
+  ParamResult Commit(const std::vector<Step>& steps);
+  // The files and overrides as they are now.
+  [[nodiscard]] ParamNodePtr ReadSources() const;
+  // Why validators are against it; empty if none is.
+  [[nodiscard]] std::string Ask(const ParamEvent& event) const;
+  void TellListeners();
+
+  const ParamSources sources_;
+  Log log_;
+  Listeners<Question> validators_;
+  Listeners<ParamEvent> listeners_;
+
+  std::mutex files_mutex_;  // held while files are read again or written, never while listeners run; before mutex_
+  ParamNodePtr loaded_;     // guarded by files_mutex_: what the sources said last
+
+  mutable std::mutex mutex_;
+  ParamNodePtr root_;  // guarded by mutex_, as all below
+  DeclaredParams declared_;
+  std::uint64_t version_ = 0;  // of root_ and declared_
+  std::deque<ParamEvent> events_;
+  bool telling_ = false;
+};
+
+}  // namespace hgros

@@ -1,0 +1,185 @@
+#include "params/param_tree.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+
+#include "hgros/params/param_error.hpp"
+#include "params/scalar_text.hpp"
+
+namespace hgros::param_tree {
+namespace {
+
+using Kind = ParamNode::Kind;
+
+class FromYaml {
+ public:
+  explicit FromYaml(ParamOrigin origin, bool with_places) : origin_(std::move(origin)), with_places_(with_places) {}
+
+  // Aliases share their node here, too, so that a file of aliases stays as small as it is.
+  ParamNodePtr Make(const yaml::Node& from) {
+    const auto made = made_.find(&from);
+    if (made != made_.end()) return made->second;
+    auto node = std::make_shared<ParamNode>();
+    node->kind = from.kind == yaml::Node::Kind::kText   ? Kind::kText
+                 : from.kind == yaml::Node::Kind::kList ? Kind::kList
+                 : from.kind == yaml::Node::Kind::kMap  ? Kind::kMap
+                                                        : Kind::kNull;
+    node->text = from.text;
+    node->quoted = from.quoted;
+    node->origin = origin_;
+    if (with_places_) {
+      node->origin.line = from.line;
+      node->origin.column = from.column;
+    }
+    for (const yaml::Node* const item : from.items) node->items.push_back(Make(*item));
+    for (const auto& entry : from.entries) node->entries.emplace_back(entry.key->text, Make(*entry.value));
+    made_.emplace(&from, node);
+    return node;
+  }
+
+ private:
+  ParamOrigin origin_;
+  bool with_places_;
+  std::unordered_map<const yaml::Node*, ParamNodePtr> made_;
+};
+
+void Compare(const ParamPath& path, const ParamNodePtr& before, const ParamNodePtr& after,
+             std::vector<Difference>& out) {
+  if (before == after) return;
+  const bool maps = before != nullptr && after != nullptr && before->kind == Kind::kMap && after->kind == Kind::kMap;
+  if (!maps) {
+    if (before != nullptr && after != nullptr && before->SameValue(*after)) return;
+    out.push_back({path, before, after});
+    return;
+  }
+  for (const auto& [key, value] : after->entries) Compare(path.Below(key), before->Find(key), value, out);
+  for (const auto& [key, value] : before->entries) {
+    if (after->Find(key) == nullptr) out.push_back({path.Below(key), value, nullptr});
+  }
+}
+
+ParamNodePtr WithAt(const ParamNodePtr& node, const ParamPath& path, std::size_t depth, const ParamNodePtr& value) {
+  if (depth == path.steps().size()) return value;
+  const ParamPath::Step& step = path.steps()[depth];
+  const auto fail = [&](std::string_view what) {
+    const ParamPath here(std::vector(path.steps().begin(), path.steps().begin() + static_cast<std::ptrdiff_t>(depth)));
+    throw ParamError(path.ToString() + " cannot be: " + (here.empty() ? "the root" : here.ToString()) + " " +
+                         std::string(what) + ".",
+                     node == nullptr ? std::string() : node->origin.ToString());
+  };
+  auto changed = std::make_shared<ParamNode>();
+  if (node != nullptr) *changed = *node;
+  if (const auto* const index = std::get_if<std::size_t>(&step)) {
+    if (node == nullptr || node->kind != Kind::kList) fail("is no list");
+    if (*index >= node->items.size()) fail("has only " + std::to_string(node->items.size()) + " items");
+    const ParamNodePtr item = WithAt(node->items[*index], path, depth + 1, value);
+    if (item != nullptr) {
+      changed->items[*index] = item;
+    } else {
+      changed->items.erase(changed->items.begin() + static_cast<std::ptrdiff_t>(*index));
+    }
+    // A list is saved as a whole.
+    if (value != nullptr) changed->origin = value->origin;
+    return changed;
+  }
+  const std::string& key = std::get<std::string>(step);
+  if (node == nullptr || node->kind == Kind::kNull) {
+    if (value == nullptr) return node;
+    changed->kind = Kind::kMap;
+    changed->origin = value->origin;
+  } else if (node->kind != Kind::kMap) {
+    fail("is " + node->Description() + ", no map");
+  }
+  const auto entry = std::find_if(changed->entries.begin(), changed->entries.end(),
+                                  [&](const auto& candidate) { return candidate.first == key; });
+  const bool there = entry != changed->entries.end();
+  const ParamNodePtr below = WithAt(there ? entry->second : nullptr, path, depth + 1, value);
+  if (below == nullptr) {
+    if (there) changed->entries.erase(entry);
+  } else if (there) {
+    entry->second = below;
+  } else {
+    changed->entries.emplace_back(key, below);
+  }
+  return changed;
+}
+
+}  // namespace
+
+ParamNodePtr EmptyRoot() {
+  auto root = std::make_shared<ParamNode>();
+  root->kind = Kind::kMap;
+  return root;
+}
+
+ParamNodePtr FromDocument(const yaml::Document& document) {
+  const yaml::Node& top = document.root();
+  if (top.kind == yaml::Node::Kind::kNull) return EmptyRoot();
+  const ParamOrigin origin{std::make_shared<const std::string>(document.name())};
+  ParamNodePtr root = FromYaml(origin, true).Make(top);
+  if (root->kind == Kind::kMap) return root;
+  throw ConfigError("A file of parameters must be a map, but this one is " + root->Description() + ".",
+                    document.PositionOf(top), "Begin each parameter with its name and a colon.");
+}
+
+ParamNodePtr FromNode(const yaml::Node& node) { return FromYaml({}, false).Make(node); }
+
+ParamNodePtr FromValue(std::string_view yaml, const ParamOrigin& origin) {
+  const yaml::Document document = yaml::Document::Parse(yaml, origin.ToString());
+  return FromYaml(origin, false).Make(document.root());
+}
+
+ParamNodePtr WithOrigin(const ParamNode& node, const ParamOrigin& origin) {
+  auto copy = std::make_shared<ParamNode>(node);
+  copy->origin = origin;
+  for (ParamNodePtr& item : copy->items) item = WithOrigin(*item, origin);
+  for (auto& [key, value] : copy->entries) value = WithOrigin(*value, origin);
+  return copy;
+}
+
+ParamNodePtr Merged(const ParamNodePtr& lower, const ParamNodePtr& upper) {
+  if (lower->kind != Kind::kMap) return upper;
+  if (upper->kind == Kind::kNull) return lower;
+  if (upper->kind != Kind::kMap) return upper;
+  auto merged = std::make_shared<ParamNode>(*lower);
+  for (const auto& [key, value] : upper->entries) {
+    const auto entry = std::find_if(merged->entries.begin(), merged->entries.end(),
+                                    [&key = key](const auto& candidate) { return candidate.first == key; });
+    if (entry == merged->entries.end()) {
+      merged->entries.emplace_back(key, value);
+    } else {
+      entry->second = Merged(entry->second, value);
+    }
+  }
+  return merged;
+}
+
+ParamNodePtr With(const ParamNodePtr& root, const ParamPath& path, const ParamNodePtr& value) {
+  if (path.empty() && (value == nullptr || value->kind != Kind::kMap)) {
+    throw ParamError("The root of the parameters must be a map.");
+  }
+  return WithAt(root, path, 0, value);
+}
+
+ParamNodePtr Find(const ParamNodePtr& root, const ParamPath& path) {
+  ParamNodePtr node = root;
+  for (const ParamPath::Step& step : path.steps()) {
+    if (node == nullptr) return nullptr;
+    if (const auto* const key = std::get_if<std::string>(&step)) {
+      node = node->Find(*key);
+    } else {
+      const std::size_t index = std::get<std::size_t>(step);
+      node = index < node->items.size() ? node->items[index] : nullptr;
+    }
+  }
+  return node;
+}
+
+std::vector<Difference> Differences(const ParamNodePtr& before, const ParamNodePtr& after) {
+  std::vector<Difference> differences;
+  Compare({}, before, after, differences);
+  return differences;
+}
+
+}  // namespace hgros::param_tree

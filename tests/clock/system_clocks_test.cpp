@@ -1,0 +1,105 @@
+#include "hgros/clock/system_clocks.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include "clock/wall_jump_watch.hpp"
+#include "clock/wall_offset.hpp"
+#include "hgros/clock/time_system.hpp"
+#include "support/await.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(WallOffset, TakesLeapsForJumpsAndNoiseForNone) {
+  WallOffset offset(Time{1'000'000'000}, Time{0});
+  EXPECT_EQ(offset.Take(Time{} + 2s + 900us, Time{} + 1s).jumped, 0s);
+  EXPECT_EQ(offset.Take(Time{} + 3s - 900us, Time{} + 2s).jumped, 0s);
+  const ClockReading ahead = offset.Take(Time{} + 3604s, Time{} + 3s);
+  EXPECT_EQ(ahead.jumped, 3600s);
+  EXPECT_EQ(ahead.elapsed(), Time{} + 4s);
+  EXPECT_EQ(offset.Take(Time{} + 5s, Time{} + 4s).jumped, 0s);
+  EXPECT_EQ(offset.Take(Time{} + 1s, Time{} + 5s).jumped, -5s);
+}
+
+TEST(WallJumpWatch, CallsWhenTheTimerSaysThatTheClockWasSet) {
+  std::atomic<int> set{0};
+  OwnDescriptor timer([] { return eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC); });
+  const int fd = timer.get();
+  WallJumpWatch watch(std::move(timer), [&] { ++set; });
+  for (int i = 1; i <= 3; ++i) {
+    ASSERT_EQ(eventfd_write(fd, 1), 0);
+    ASSERT_TRUE(test::Await([&] { return set == i; }));
+  }
+}
+
+TEST(SystemClock, ShowsTheWallClock) {
+  const SystemClock clock;
+  const ClockReading reading = clock.Read();
+  EXPECT_LE(reading.now, WallNow() + 1s);
+  EXPECT_GE(reading.now, WallNow() - 60s);
+  EXPECT_EQ(reading.jumped, 0s);
+}
+
+template <class C>
+class SystemsClocks : public testing::Test {};
+using BothClocks = testing::Types<SystemClock, SteadyClock>;
+TYPED_TEST_SUITE(SystemsClocks, BothClocks);
+
+TYPED_TEST(SystemsClocks, EndASleepAtItsMoment) {
+  TypeParam clock;
+  const Time due = clock.Now() + 5ms;
+  EXPECT_TRUE(SleepUntil(clock, due));
+  EXPECT_GE(clock.Now(), due);
+  EXPECT_TRUE(SleepFor(clock, 1ms));
+  EXPECT_TRUE(SleepUntil(clock, due));
+  EXPECT_TRUE(SleepUntil(clock, Time{-1}));
+}
+
+TYPED_TEST(SystemsClocks, EndASleepThatIsStopped) {
+  TypeParam clock;
+  for (const Time due : {Time::Never(), clock.Now() + 1h}) {
+    std::jthread sleeping([&](const std::stop_token& stop) { EXPECT_FALSE(SleepUntil(clock, due, stop)); });
+    sleeping.request_stop();
+  }
+}
+
+TYPED_TEST(SystemsClocks, TakeListeners) {
+  TypeParam clock;
+  const Listening listening = clock.OnJump([](const ClockJump&) {});
+}
+
+TEST(TimeSystem, GivesTheRealTimeAndTheTimeSinceAReference) {
+  const auto source = SimulatedClock::Paused(Time{} + 50s);
+  TimeSystem time(source);
+  source->Step(2s);
+  EXPECT_EQ(time.GetRelativeTime(), Time{} + 2s);
+  time.SetBaseTime(100us);
+  EXPECT_EQ(time.GetRelativeTime(), Time{100'000});
+  source->Step(3s);
+  EXPECT_EQ(time.GetRelativeTime(), Time{100'000} + 3s);
+  source->JumpTo(Time{});
+  EXPECT_EQ(time.GetRelativeTime(), Time{100'000} + 3s);
+  time.SetBaseTime(0ns);
+  EXPECT_EQ(time.GetRelativeTime(), Time{0});
+  EXPECT_GE(time.GetRealTime(), WallNow() - 60s);
+}
+
+TEST(TimeSystem, ANewBaseIsAJumpOfTheRelativeClock) {
+  TimeSystem time;
+  Time after;
+  const Listening listening = time.relative_clock()->OnJump([&](const ClockJump& jump) { after = jump.after; });
+  std::jthread sleeping([&] { EXPECT_TRUE(SleepUntil(*time.relative_clock(), Time{} + 1h)); });
+  time.SetBaseTime(2h);
+  sleeping.join();
+  EXPECT_EQ(after, Time{} + 2h);
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,264 @@
+#include "hgros/clock/timer_queue.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hgros/base/error.hpp"
+#include "hgros/clock/derived_clocks.hpp"
+#include "hgros/clock/system_clocks.hpp"
+#include "support/await.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Time kZero{};
+
+// A queue on a clock that goes on only when a test says so.
+class SteppedQueue : public testing::Test {
+ protected:
+  void Step(Duration time) {
+    clock_->Step(time);
+    queue_.Settle();
+  }
+  void JumpTo(Time time) {
+    clock_->JumpTo(time);
+    queue_.Settle();
+  }
+  TimerCallback Noting() {
+    return [this](const Tick& tick) { ticks_.push_back(tick); };
+  }
+
+  std::vector<Tick> ticks_;
+  std::shared_ptr<SimulatedClock> clock_ = SimulatedClock::Paused();
+  std::string said_;
+  TimerQueue queue_{clock_, [this](LogLevel, std::string_view text) { said_ = text; }};
+};
+
+using TimerQueueTest = SteppedQueue;
+
+TEST_F(TimerQueueTest, RunsPeriodicTimersAtTheirTurns) {
+  const Timer timer = queue_.Every(100ms, Noting());
+  for (int i = 0; i < 10; ++i) Step(50ms);
+  ASSERT_EQ(ticks_.size(), 5U);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(ticks_[i].planned, kZero + (i + 1) * 100ms);
+}
+
+TEST_F(TimerQueueTest, BeginsWhenItIsToldTo) {
+  const Timer timer = queue_.Every(100ms, Noting(), {.first = 0ms});
+  queue_.Settle();
+  ASSERT_EQ(ticks_.size(), 1U);
+  EXPECT_EQ(ticks_[0].planned, kZero);
+}
+
+TEST_F(TimerQueueTest, SkipsOrCatchesUpAsItIsTold) {
+  const Timer skipping = queue_.Every(10ms, Noting());
+  Step(55ms);
+  ASSERT_EQ(ticks_.size(), 1U);
+  EXPECT_EQ(ticks_[0].planned, kZero + 50ms);
+  EXPECT_EQ(ticks_[0].missed, 4U);
+  ticks_.clear();
+  std::vector<Time> planned;
+  const Timer catching_up =
+      queue_.Every(10ms, [&](const Tick& tick) { planned.push_back(tick.planned); }, {.missed = Missed::kCatchUp});
+  Step(35ms);
+  EXPECT_EQ(planned, (std::vector<Time>{kZero + 65ms, kZero + 75ms, kZero + 85ms}));
+}
+
+TEST_F(TimerQueueTest, RunsOneShotTimersOnce) {
+  const Timer after = queue_.After(30ms, Noting());
+  const Timer at = queue_.At(kZero + 20ms, Noting());
+  const Timer long_ago = queue_.At(kZero - 1h, Noting());
+  EXPECT_EQ(queue_.size() + ticks_.size() >= 2U, true);
+  Step(1s);
+  Step(1s);
+  ASSERT_EQ(ticks_.size(), 3U);
+  EXPECT_EQ(ticks_[0].planned, kZero - 1h);
+  EXPECT_EQ(ticks_[1].planned, kZero + 20ms);
+  EXPECT_EQ(ticks_[2].planned, kZero + 30ms);
+  EXPECT_EQ(queue_.size(), 0U);
+}
+
+TEST_F(TimerQueueTest, RunsWhatIsDueInTheOrderOfThePlan) {
+  std::vector<int> order;
+  std::vector<Timer> timers;
+  for (const int at : {30, 10, 20, 10}) {
+    timers.push_back(queue_.After(std::chrono::milliseconds(at), [&order, at](const Tick&) { order.push_back(at); }));
+  }
+  timers.push_back(queue_.Every(8ms, [&](const Tick&) { order.push_back(8); }, {.missed = Missed::kCatchUp}));
+  Step(30ms);
+  EXPECT_EQ(order, (std::vector{8, 10, 10, 8, 20, 8, 30}));
+}
+
+TEST_F(TimerQueueTest, APauseMakesNoBurst) {
+  for (const Missed policy : {Missed::kSkip, Missed::kCatchUp}) {
+    const auto source = SimulatedClock::Paused();
+    const auto clock = std::make_shared<SimulatedClock>(kZero, source);
+    TimerQueue queue(clock);
+    std::atomic<int> calls{0};
+    const Timer timer =
+        queue.Every(10ms, [&](const Tick& tick) { calls += 1 + static_cast<int>(tick.missed); }, {.missed = policy});
+    source->Step(15ms);
+    queue.Settle();
+    EXPECT_EQ(calls, 1);
+    clock->Pause();
+    source->Step(1h);
+    queue.Settle();
+    EXPECT_EQ(calls, 1);
+    clock->Resume();
+    source->Step(5ms);
+    queue.Settle();
+    EXPECT_EQ(calls, 2);
+  }
+}
+
+TEST_F(TimerQueueTest, JumpsMoveRhythmsAlongAndBringWhatWasPlannedForAMoment) {
+  const Timer every = queue_.Every(10ms, Noting(), {.missed = Missed::kCatchUp});
+  std::vector<Time> after_ran;
+  const Timer after = queue_.After(15ms, [&](const Tick& tick) { after_ran.push_back(tick.now); });
+  std::vector<Time> at_ran;
+  const Timer at = queue_.At(kZero + 1h, [&](const Tick& tick) { at_ran.push_back(tick.now); });
+  Step(4ms);
+  JumpTo(kZero + 2h);
+  EXPECT_TRUE(ticks_.empty());
+  EXPECT_EQ(at_ran, std::vector{kZero + 2h});
+  Step(6ms);
+  EXPECT_EQ(ticks_.size(), 1U);
+  JumpTo(kZero - 2h);
+  EXPECT_TRUE(after_ran.empty());
+  Step(5ms);
+  EXPECT_EQ(after_ran, std::vector{kZero - 2h + 5ms});
+  Step(5ms);
+  ASSERT_EQ(ticks_.size(), 2U);
+  EXPECT_EQ(ticks_[1].planned, kZero - 2h + 10ms);
+}
+
+TEST_F(TimerQueueTest, ATimerThatIsGoneRunsNoMore) {
+  Timer timer = queue_.Every(10ms, Noting());
+  Step(10ms);
+  timer.Reset();
+  EXPECT_EQ(queue_.size(), 0U);
+  Step(10ms);
+  EXPECT_EQ(ticks_.size(), 1U);
+}
+
+TEST_F(TimerQueueTest, ACallbackMayEndItselfAndMakeOthers) {
+  Timer self;
+  Timer other;
+  self = queue_.Every(10ms, [&](const Tick&) {
+    other = queue_.After(10ms, Noting());
+    self.Reset();
+  });
+  Step(10ms);
+  EXPECT_EQ(queue_.size(), 1U);
+  Step(10ms);
+  EXPECT_EQ(ticks_.size(), 1U);
+}
+
+TEST_F(TimerQueueTest, ACallbackThatThrowsIsSaidAndGoesOn) {
+  const Timer timer = queue_.Every(10ms, [&](const Tick& tick) {
+    ticks_.push_back(tick);
+    throw std::runtime_error("no wheel there");
+  });
+  Step(10ms);
+  Step(10ms);
+  EXPECT_EQ(ticks_.size(), 2U);
+  EXPECT_NE(said_.find("no wheel there"), std::string::npos) << said_;
+}
+
+TEST_F(TimerQueueTest, RefusesAPeriodThatIsNone) {
+  EXPECT_THROW((void)queue_.Every(0s, Noting()), Error);
+  EXPECT_EQ(queue_.size(), 0U);
+}
+
+TEST_F(TimerQueueTest, CarriesThousandsOfTimers) {
+  constexpr int kTimers = 5'000;
+  std::vector<Timer> timers;
+  std::uint64_t turns = 0;
+  for (int i = 0; i < kTimers; ++i) {
+    timers.push_back(
+        queue_.Every(std::chrono::milliseconds(1 + i % 10), [&](const Tick& t) { turns += 1 + t.missed; }));
+  }
+  std::uint64_t expected = 0;
+  for (int i = 0; i < kTimers; ++i) expected += 20U / (1U + i % 10);
+  for (int i = 0; i < 20; ++i) Step(1ms);
+  EXPECT_EQ(turns, expected);
+}
+
+TEST(TimerQueue, DestroyingATimerWaitsForItsCallback) {
+  const auto clock = SimulatedClock::Paused();
+  TimerQueue queue(clock);
+  test::Door door;
+  std::atomic<bool> running{false};
+  std::atomic<bool> ended{false};
+  Timer timer = queue.After(1ms, [&](const Tick&) {
+    running = true;
+    door.Pass();
+    ended = true;
+  });
+  clock->Step(1ms);
+  ASSERT_TRUE(test::Await([&] { return running.load(); }));
+  std::jthread opening([&] { door.Open(); });
+  timer.Reset();
+  EXPECT_TRUE(ended);
+}
+
+TEST(TimerQueue, MayEndBeforeItsTimers) {
+  Timer timer;
+  {
+    TimerQueue queue(std::make_shared<SteadyClock>());
+    timer = queue.Every(1h, [](const Tick&) {});
+  }
+  timer.Reset();
+}
+
+TEST(TimerQueue, FollowsTheSystemsClocks) {
+  for (const std::shared_ptr<Clock>& clock : {std::shared_ptr<Clock>(std::make_shared<SteadyClock>()),
+                                              std::shared_ptr<Clock>(std::make_shared<SystemClock>())}) {
+    TimerQueue queue(clock);
+    std::atomic<int> turns{0};
+    const Timer timer = queue.Every(1ms, [&](const Tick& tick) {
+      EXPECT_LE(tick.planned, tick.now);
+      turns += 1 + static_cast<int>(tick.missed);
+    });
+    EXPECT_TRUE(test::Await([&] { return turns >= 20; }));
+  }
+}
+
+TEST(TimerQueue, HoldsWhileManyThreadsMakeAndEndTimersAndTheClockIsMovedAbout) {
+  for (const int threads : {1, 2, 4}) {
+    const auto clock = std::make_shared<SimulatedClock>();
+    TimerQueue queue(clock);
+    std::atomic<std::uint64_t> calls{0};
+    std::vector<std::jthread> workers;
+    for (int t = 0; t < threads; ++t) {
+      workers.emplace_back([&, t] {
+        std::mt19937 random(static_cast<unsigned>(t));
+        std::vector<Timer> timers(10);
+        for (int i = 0; i < 300; ++i) {
+          const auto in = std::chrono::microseconds(1 + random() % 1000);
+          const auto callback = [&](const Tick&) { ++calls; };
+          timers[random() % timers.size()] = random() % 2 == 0 ? queue.Every(in, callback) : queue.After(in, callback);
+        }
+      });
+    }
+    for (int i = 0; i < 200; ++i) {
+      clock->Step(100us);
+      if (i % 7 == 0) clock->JumpTo(kZero + i * 1ms);
+      if (i % 11 == 0) clock->SetRate(1 + i);
+    }
+    workers.clear();
+    EXPECT_EQ(queue.size(), 0U);
+  }
+}
+
+}  // namespace
+}  // namespace hgros

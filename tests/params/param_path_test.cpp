@@ -1,0 +1,43 @@
+#include "hgros/params/param_path.hpp"
+
+#include <gtest/gtest.h>
+
+#include "params/params_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+TEST(ParamPath, ReadsKeysPlacesAndQuotes) {
+  const ParamPath path = ParamPath::Parse("slam.gains[2][0].\"a \\\"key\\\".\".x");
+  ASSERT_EQ(path.steps().size(), 6U);
+  EXPECT_EQ(std::get<std::string>(path.steps()[0]), "slam");
+  EXPECT_EQ(std::get<std::size_t>(path.steps()[2]), 2U);
+  EXPECT_EQ(std::get<std::string>(path.steps()[4]), "a \"key\".");
+  EXPECT_EQ(path.ToString(), "slam.gains[2][0].\"a \\\"key\\\".\".x");
+  EXPECT_EQ(ParamPath::Parse(path.ToString()), path);
+  EXPECT_TRUE(ParamPath::Parse("").empty());
+}
+
+TEST(ParamPath, SaysWhatIsWrong) {
+  for (const auto& [text, what] : {std::pair{"a..b", "a key is empty"},
+                                   {"a.", "ends without a key"},
+                                   {"[1]", "a key is empty"},
+                                   {"a[x]", "a number"},
+                                   {"a[1", "a number"},
+                                   {"a.\"b", "never closed"},
+                                   {"a b", "where a dot"}}) {
+    const std::string error = test::ErrorOf([&, t = text] { (void)ParamPath::Parse(t); });
+    EXPECT_NE(error.find(what), std::string::npos) << text << ": " << error;
+  }
+}
+
+TEST(ParamPath, OverlapsWhatStandsAboveAndBelow) {
+  const ParamPath path = ParamPath::Parse("a.b");
+  EXPECT_TRUE(path.Overlaps(ParamPath::Parse("a")));
+  EXPECT_TRUE(path.Overlaps(ParamPath::Parse("a.b.c")));
+  EXPECT_TRUE(path.Overlaps(ParamPath()));
+  EXPECT_FALSE(path.Overlaps(ParamPath::Parse("a.bc")));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,264 @@
+#include "hgros/params/param_server.hpp"
+
+#include <atomic>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "params/params_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+using ParamServerTest = test::ParamsTest;
+
+bool Contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+TEST_F(ParamServerTest, DeclaredParametersHaveTheirDefaultOrWhatAFileSays) {
+  const auto file = Write("robot.yaml", "matcher: {range: 8}\n");
+  ParamServer params({{file}});
+  EXPECT_EQ(params.Declare("matcher.range", 5.0, {.unit = "m", .least = 0, .most = 30}), 8.0);
+  EXPECT_EQ(params.Declare("matcher.name", std::string("icp"), {.choices = {"icp", "ndt"}}), "icp");
+  EXPECT_EQ(params.Get<std::string>("matcher.name"), "icp");
+  ASSERT_EQ(params.Declarations().size(), 2U);
+  EXPECT_EQ(params.Declarations()[0].info.unit, "m");
+}
+
+TEST_F(ParamServerTest, ADeclarationThatAFileContradictsSaysWhere) {
+  const auto file = Write("robot.yaml", "matcher:\n  range: 80\n  name: 5\n");
+  ParamServer params({{file}});
+  const std::string range =
+      test::ErrorOf([&] { params.Declare("matcher.range", 5.0, {.unit = "m", .least = 0, .most = 30}); });
+  EXPECT_TRUE(Contains(range, "robot.yaml:2:10: matcher.range must be from 0.0 to 30.0 m, but is the number 80."))
+      << range;
+  const std::string type = test::ErrorOf([&] { params.Declare("matcher.name", true); });
+  EXPECT_TRUE(Contains(type, "robot.yaml:3:9: matcher.name must be true or false")) << type;
+  params.Declare("x", 1);
+  params.Declare("x", 1);
+  EXPECT_TRUE(Contains(test::ErrorOf([&] { params.Declare("x", 2); }), "declared twice"));
+  EXPECT_THROW(params.Declare("y", 5, {.most = 4}), ParamError);
+}
+
+TEST_F(ParamServerTest, RefusesWhatIsOutOfRangeOfAnotherTypeOrReadOnly) {
+  ParamServer params;
+  params.Declare("range", 5.0, {.least = 0, .most = 30});
+  params.Declare("gains", std::vector<double>{1, 2}, {.most = 3});
+  params.Declare("timeout", 2s, {.least = 0.5});
+  params.Declare("name", std::string("icp"), {.choices = {"icp", "ndt"}});
+  params.Declare("robot", std::string("r1"), {.read_only = true});
+  EXPECT_TRUE(params.Set("range", 30).ok());
+  EXPECT_TRUE(Contains(params.Set("range", 31).refusal, "range must be from 0.0 to 30.0, but is the number 31."));
+  EXPECT_TRUE(Contains(params.Set("range", "far").refusal, "must be a number"));
+  EXPECT_TRUE(Contains(params.Set("gains", std::vector<double>{1, 4}).refusal, "gains[1] must be at most 3.0"));
+  EXPECT_TRUE(params.Set("timeout", 1s).ok());
+  EXPECT_TRUE(Contains(params.Set("timeout", 100ms).refusal, "at least 0.5"));
+  EXPECT_TRUE(Contains(params.Set("name", "icq").refusal, "Did you mean \"icp\"?"));
+  EXPECT_TRUE(Contains(params.Set("robot", "r2").refusal, "robot is read-only"));
+  EXPECT_TRUE(params.Set("robot", "r1").ok());
+  EXPECT_TRUE(Contains(params.Set("range.deeper", 1).refusal, "range is the number 30, no map"));
+  EXPECT_FALSE(params.Set("a..b", 1).ok());
+  EXPECT_EQ(params.Get<double>("range"), 30);
+  EXPECT_EQ(params.Get<std::string>("name"), "icp");
+}
+
+TEST_F(ParamServerTest, ChangesSeveralAtOnceOrNone) {
+  ParamServer params;
+  params.Declare("least", 0.0);
+  params.Declare("most", 1.0, {.most = 100});
+  const Listening validator = params.AddValidator("", [](const ParamEvent& event) -> std::optional<std::string> {
+    if (event.after.Get<double>("least") <= event.after.Get<double>("most")) return std::nullopt;
+    return "least must not be above most";
+  });
+  EXPECT_EQ(params.Set("least", 5.0).refusal, "least must not be above most");
+  EXPECT_TRUE(params.Change({ParamChange::Of("least", 5.0), ParamChange::Of("most", 6.0)}).ok());
+  EXPECT_FALSE(params.Change({ParamChange::Of("least", 7.0), ParamChange::Of("most", 700.0)}).ok());
+  EXPECT_EQ(params.Get<double>("least"), 5.0);
+  EXPECT_EQ(params.Get<double>("most"), 6.0);
+}
+
+TEST_F(ParamServerTest, AValidatorThatThrowsRefuses) {
+  ParamServer params;
+  Listening validator = params.AddValidator(
+      "a", [](const ParamEvent&) -> std::optional<std::string> { throw std::runtime_error("no idea"); });
+  EXPECT_EQ(params.Set("a.b", 1).refusal, "no idea");
+  EXPECT_TRUE(params.Set("b", 1).ok());
+  validator.Reset();
+  EXPECT_TRUE(params.Set("a.b", 1).ok());
+}
+
+TEST_F(ParamServerTest, TellsListenersOfWhatTheyAskedForInOrder) {
+  ParamServer params;
+  std::vector<std::string> heard;
+  const auto note = [&](std::string name) {
+    return [&heard, name](const ParamEvent& event) {
+      std::string text = name + ":";
+      for (const ParamPath& path : event.paths) text += " " + path.ToString();
+      heard.push_back(text);
+    };
+  };
+  const Listening all = params.OnChange("", note("all"));
+  const Listening below = params.OnChange("a", note("a"));
+  const Listening leaf = params.OnChange("a.x", note("a.x"));
+  (void)params.Set("a.x", 1);
+  (void)params.Set("a.x", 1);
+  (void)params.Change({ParamChange::Of("a.y", 2), ParamChange::Of("b", 3)});
+  (void)params.Remove("b");
+  EXPECT_EQ(heard, (std::vector<std::string>{"all: a", "a: a", "a.x: a", "all: a.y b", "a: a.y b", "all: b"}));
+}
+
+TEST_F(ParamServerTest, AListenerSeesOneConsistentSetAndMayChangeParametersItself) {
+  ParamServer params;
+  std::vector<std::pair<int, int>> heard;
+  const Listening first = params.OnChange("a", [&](const ParamEvent& event) {
+    const bool again = event.after.Get<int>("a") == 1;
+    EXPECT_TRUE(!again || params.Set("a", 2).ok());
+    heard.emplace_back(1, event.after.Get<int>("a"));
+  });
+  const Listening second =
+      params.OnChange("a", [&](const ParamEvent& event) { heard.emplace_back(2, event.after.Get<int>("a")); });
+  (void)params.Set("a", 1);
+  EXPECT_EQ(heard, (std::vector<std::pair<int, int>>{{1, 1}, {2, 1}, {1, 2}, {2, 2}}));
+}
+
+TEST_F(ParamServerTest, AListenerThatThrowsIsSaidAndTheOthersHear) {
+  std::string said;
+  ParamServer params({}, [&](LogLevel, std::string_view text) { said = text; });
+  int heard = 0;
+  const Listening bad = params.OnChange("", [](const ParamEvent&) { throw std::runtime_error("not today"); });
+  const Listening good = params.OnChange("", [&](const ParamEvent&) { ++heard; });
+  EXPECT_TRUE(params.Set("a", 1).ok());
+  EXPECT_EQ(heard, 1);
+  EXPECT_TRUE(Contains(said, "not today")) << said;
+}
+
+TEST_F(ParamServerTest, ASnapshotStaysAsItIs) {
+  ParamServer params;
+  (void)params.Set("a", 1);
+  const ParamView snapshot = params.Snapshot();
+  (void)params.Set("a", 2);
+  EXPECT_EQ(snapshot["a"].as<int>(), 1);
+  EXPECT_EQ(params["a"].as<int>(), 2);
+}
+
+TEST_F(ParamServerTest, WhatIsRemovedOfADeclaredParameterIsItsDefaultAgain) {
+  ParamServer params;
+  params.Declare("a.x", 1);
+  (void)params.Set("a.x", 5);
+  EXPECT_TRUE(params.Remove("a").ok());
+  EXPECT_EQ(params.Get<int>("a.x"), 1);
+}
+
+TEST_F(ParamServerTest, ReloadTakesWhatChangedInTheFileAndKeepsTheRest) {
+  const auto file = Write("robot.yaml", "a: 1\nb: 2\nc: 3\n");
+  ParamServer params({{file}, {{"c", "30", "--param c"}}});
+  (void)params.Set("a", 10);
+  (void)params.Set("b", 20);
+  int heard = 0;
+  const Listening listening = params.OnChange("", [&](const ParamEvent& event) {
+    ++heard;
+    EXPECT_EQ(event.paths.size(), 2U);
+  });
+  Write("robot.yaml", "a: 1\nb: 200\nc: 300\nd: 4\n");
+  EXPECT_TRUE(params.Reload().ok());
+  EXPECT_EQ(params.Get<int>("a"), 10);   // set while running, the same in the file
+  EXPECT_EQ(params.Get<int>("b"), 200);  // changed in the file
+  EXPECT_EQ(params.Get<int>("c"), 30);   // overridden
+  EXPECT_EQ(params.Get<int>("d"), 4);
+  EXPECT_EQ(heard, 1);
+  EXPECT_TRUE(params.Reload().ok());
+  EXPECT_EQ(heard, 1);
+}
+
+TEST_F(ParamServerTest, AListenerMayReloadAndSaveWhatItSets) {
+  const auto file = Write("robot.yaml", "a: 1 # one\nb: 1\n");
+  ParamServer params({{file}});
+  const Listening listening = params.OnChange("a", [&](const ParamEvent& event) {
+    EXPECT_TRUE(params.Reload().ok());
+    EXPECT_TRUE(params.Set("b", event.after.Get<int>("a")).ok());
+    params.Save();
+  });
+  Write("robot.yaml", "a: 2 # one\nb: 1\n");
+  EXPECT_TRUE(params.Reload().ok());
+  EXPECT_EQ(Read(file), "a: 2 # one\nb: 2\n");
+}
+
+TEST_F(ParamServerTest, ABrokenFileKeepsTheOldValuesAndSaysWhy) {
+  const auto file = Write("robot.yaml", "range: 5\nfixed: 1\n");
+  ParamServer params({{file}});
+  params.Declare("range", 1.0, {.most = 30});
+  params.Declare("fixed", 1, {.read_only = true});
+  for (const auto& [text, why] : {std::pair{"range: [5\n", "robot.yaml:1:8"},
+                                  {"range: 50\n", "robot.yaml:1:8: range must be at most 30.0"},
+                                  {"range: 6\nfixed: 2\n", "robot.yaml:2:8: fixed is read-only"}}) {
+    Write("robot.yaml", text);
+    const ParamResult result = params.Reload();
+    EXPECT_TRUE(Contains(result.refusal, why)) << result.refusal;
+    EXPECT_EQ(params.Get<double>("range"), 5);
+  }
+  Write("robot.yaml", "range: 6\nfixed: 1\n");
+  EXPECT_TRUE(params.Reload().ok());
+  EXPECT_EQ(params.Get<double>("range"), 6);
+}
+
+TEST_F(ParamServerTest, DoesWhatANaiveMapDoesUnderRandomChanges) {
+  for (const unsigned seed : {21U, 22U, 23U}) {
+    std::mt19937 random(seed);
+    ParamServer params;
+    std::map<std::string, int> naive;
+    const std::vector<std::string> names{"a.x", "a.y", "a.z.u", "b", "c.d.e", "\"odd key\".k"};
+    for (int i = 0; i < 2'000; ++i) {
+      const std::string& name = names[random() % names.size()];
+      const int value = static_cast<int>(random() % 5);
+      const ParamView before = params.Snapshot();
+      if (random() % 4 == 0) {
+        ASSERT_TRUE(params.Remove(name).ok());
+        naive.erase(name);
+      } else {
+        ASSERT_TRUE(params.Set(name, value).ok());
+        naive[name] = value;
+      }
+      for (const std::string& n : names) {
+        const auto found = naive.find(n);
+        ASSERT_EQ(params.Get<int>(n, -1), found == naive.end() ? -1 : found->second) << "seed " << seed;
+      }
+    }
+  }
+}
+
+TEST_F(ParamServerTest, ConcurrentChangesAreWholeAndHeardInOrder) {
+  for (const int threads : {1, 2, 4}) {
+    ParamServer params;
+    params.Declare("a", 0);
+    params.Declare("b", 0);
+    std::atomic<int> heard{0};
+    int last = 0;
+    const Listening validator = params.AddValidator("", [](const ParamEvent& event) -> std::optional<std::string> {
+      if (event.after["a"].as<int>() == event.after["b"].as<int>()) return std::nullopt;
+      return "a and b differ";
+    });
+    const Listening listening = params.OnChange("", [&](const ParamEvent& event) {
+      EXPECT_EQ(event.before["a"].as<int>(), last);  // each begins where the one before ended
+      last = event.after["a"].as<int>();
+      EXPECT_EQ(event.after["b"].as<int>(), last);
+      ++heard;
+    });
+    {
+      std::vector<std::jthread> workers;
+      for (int t = 0; t < threads; ++t) {
+        workers.emplace_back([&params, t] {
+          for (int i = 1; i <= 200; ++i) {
+            const int value = t * 1'000 + i;
+            ASSERT_TRUE(params.Change({ParamChange::Of("a", value), ParamChange::Of("b", value)}).ok());
+            const ParamView now = params.Snapshot();
+            ASSERT_EQ(now["a"].as<int>(), now["b"].as<int>());
+          }
+        });
+      }
+    }
+    EXPECT_EQ(heard, threads * 200);
+  }
+}
+
+}  // namespace
+}  // namespace hgros
