@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tf/slerp.hpp"
+
 namespace hgros::tf {
 namespace {
 
@@ -73,7 +75,7 @@ Reading ReadAt(const Frame& edge, std::int64_t stamp, Pose& pose) {
     const Number last = window.end - 1;
     const std::int64_t newest = window[last].Stamp();
     if (edge.is_static || stamp == newest) {
-      pose = window[last].Read();
+      window[last].ReadTo(pose);
       if (!ring.StillThere(last)) continue;
       return Reading::kFound;
     }
@@ -89,10 +91,12 @@ Reading ReadAt(const Frame& edge, std::int64_t stamp, Pose& pose) {
     if (there) {
       const std::int64_t from = window[before].Stamp();
       there = from >= oldest;
-      pose = window[before].Read();
-      if (there && from != stamp) {
+      const Pose a = window[before].Read();
+      if (from == stamp) {
+        pose = a;
+      } else if (there) {
         const std::int64_t to = window[before + 1].Stamp();
-        pose = Interpolated(pose, window[before + 1].Read(),
+        pose = Interpolated(a, window[before + 1].Read(),
                             static_cast<double>(Between(from, stamp)) / static_cast<double>(Between(from, to)));
       }
     }

@@ -10,15 +10,15 @@ namespace hgros::tf {
 // Reading the edge of a frame that has a parent. None of these waits for a writer: what is seen while a transform comes
 // in is either before or after it, and who has looked at something that was written over meanwhile looks again.
 
-/// The newest transform; of a static edge the one that always holds.
-inline StampedPose ReadNewest(const Frame& edge) {
+/// The newest transform and its stamp; of a static edge the one that always holds, and 0.
+inline std::int64_t ReadNewest(const Frame& edge, Pose& pose) {
   for (;;) {
     const SampleRing& ring = *edge.ring.load(std::memory_order_acquire);
-    const SampleRing::Window window = ring.Look(edge.limits.count);
-    if (window.begin >= window.end) continue;  // A ring that is no longer in use.
-    const Sample& sample = window[window.end - 1];
-    const StampedPose newest{sample.Stamp(), sample.Read()};
-    if (ring.StillThere(window.end - 1)) return newest;
+    const std::uint64_t end = ring.End();
+    const Sample& newest = ring.Newest();  // Number end - 1, or a later one.
+    const std::int64_t stamp = newest.Stamp();
+    newest.ReadTo(pose);
+    if (ring.StillThere(end - 1)) return stamp;
   }
 }
 

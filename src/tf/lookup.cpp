@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
 
@@ -12,41 +13,54 @@ using Way = std::span<const Frame* const>;
 
 constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::max();
 
-// T_root_frame along edges from a frame upwards, from the newest of each. Leaves `stamp` at kAlways where only static
-// edges are. False if the edges that move do not have one and the same newest stamp, beginning with `stamp` unless that
-// is kAlways.
+constexpr std::size_t kBlock = 16;  // Edges are read first and multiplied afterwards, so many at a time.
+
+// T_ancestor_frame along edges from a frame up to its ancestor, from the newest of each. Leaves `stamp` at kAlways
+// where only static edges are. False if the edges that move do not have one and the same newest stamp, which is `stamp`
+// unless that is kAlways.
 bool ComposeNewest(Way edges, Pose& pose, std::int64_t& stamp) {
-  bool same = true;
-  for (const Frame* edge : edges) {
-    const StampedPose newest = ReadNewest(*edge);
-    if (!edge->is_static) {
-      if (stamp == kAlways) stamp = newest.stamp;
-      same &= newest.stamp == stamp;
+  std::array<Pose, kBlock> poses;
+  pose = IdentityPose();
+  for (std::size_t end = edges.size(); end > 0;) {
+    const std::size_t count = std::min(end, kBlock);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Frame& edge = *edges[--end];
+      const std::int64_t newest = ReadNewest(edge, poses[i]);
+      if (edge.is_static || newest == stamp) continue;
+      if (stamp != kAlways) return false;
+      stamp = newest;
     }
-    pose = newest.pose * pose;
+    const Pose part = Product(poses.data(), count);
+    pose = count == edges.size() ? part : pose * part;
   }
-  return same;
+  return true;
 }
 
 // The same at one moment; false with the fault in `outcome`.
 bool ComposeAt(Way edges, std::int64_t stamp, Pose& pose, Outcome& outcome) {
-  for (const Frame* edge : edges) {
-    Pose step;
-    const Reading reading = ReadAt(*edge, stamp, step);
-    if (reading != Reading::kFound) {
+  std::array<Pose, kBlock> poses;
+  pose = IdentityPose();
+  for (std::size_t end = edges.size(); end > 0;) {
+    const std::size_t count = std::min(end, kBlock);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Frame* edge = edges[--end];
+      const Reading reading = ReadAt(*edge, stamp, poses[i]);
+      if (reading == Reading::kFound) continue;
       outcome.fault = reading == Reading::kTooOld ? TransformFault::kTooOld : TransformFault::kTooNew;
       outcome.edge = edge;
       outcome.wanted = stamp;
       return false;
     }
-    pose = step * pose;
+    const Pose part = Product(poses.data(), count);
+    pose = count == edges.size() ? part : pose * part;
   }
   return true;
 }
 
 std::int64_t EarliestNewest(Way edges, std::int64_t earliest) {
   for (const Frame* edge : edges) {
-    if (!edge->is_static) earliest = std::min(earliest, ReadNewest(*edge).stamp);
+    Pose pose;
+    if (!edge->is_static) earliest = std::min(earliest, ReadNewest(*edge, pose));
   }
   return earliest;
 }

@@ -11,7 +11,7 @@ namespace hgros::tf {
 /// What a look-up came to, without words: those are made only for who wants to read them.
 struct Outcome {
   TransformFault fault = TransformFault::kNone;
-  Pose pose;
+  Pose pose;  ///< Not set before it is found.
   std::int64_t stamp = 0;
   bool is_static = false;  ///< Nothing but static edges on the way.
 

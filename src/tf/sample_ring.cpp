@@ -12,7 +12,7 @@ SampleRing::SampleRing(unsigned chunk_shift) : shift_(chunk_shift) {
 
 void SampleRing::Append(const StampedPose& value, const RingLimits& limits) {
   const std::uint64_t number = end_.load(std::memory_order_relaxed);
-  Put(number, value, limits);
+  newest_.store(&Put(number, value, limits), std::memory_order_release);
   end_.store(number + 1, std::memory_order_release);
 }
 
@@ -22,14 +22,18 @@ void SampleRing::WriteAnew(const std::vector<StampedPose>& values, const RingLim
   free_below_ = chunk;
   intact_.store(number, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);
-  for (const StampedPose& value : values) Put(number++, value, limits);
+  Sample* newest = nullptr;
+  for (const StampedPose& value : values) newest = &Put(number++, value, limits);
+  newest_.store(newest, std::memory_order_release);
   end_.store(number, std::memory_order_release);
 }
 
-void SampleRing::Put(std::uint64_t number, const StampedPose& value, const RingLimits& limits) {
+Sample& SampleRing::Put(std::uint64_t number, const StampedPose& value, const RingLimits& limits) {
   if ((number & ((std::uint64_t{1} << shift_) - 1)) == 0 && number != 0)
     EnterChunk(number >> shift_, value.stamp, limits);
-  At(number).Write(value);
+  Sample& sample = At(number);
+  sample.Write(value);
+  return sample;
 }
 
 void SampleRing::EnterChunk(std::uint64_t chunk, std::int64_t stamp, const RingLimits& limits) {

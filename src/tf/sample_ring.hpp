@@ -17,7 +17,7 @@ inline std::int64_t Between(std::int64_t a, std::int64_t b) {
 
 struct StampedPose {
   std::int64_t stamp = 0;  ///< ns
-  Pose pose;
+  Pose pose = IdentityPose();
 };
 
 /// One transform of an edge: a cache line of words that readers may read while they are written.
@@ -31,6 +31,7 @@ struct alignas(64) Sample {
     return {w.load(kRelaxed),  x.load(kRelaxed),  y.load(kRelaxed), z.load(kRelaxed),
             px.load(kRelaxed), py.load(kRelaxed), pz.load(kRelaxed)};
   }
+  void ReadTo(Pose& pose) const { pose = Read(); }
   void Write(const StampedPose& value) {
     constexpr auto kRelaxed = std::memory_order_relaxed;
     stamp.store(value.stamp, kRelaxed);
@@ -106,6 +107,9 @@ class SampleRing {
     std::atomic_thread_fence(std::memory_order_acquire);
     return intact_.load(std::memory_order_relaxed) <= number;
   }
+  /// One past the newest, and the newest or one that has come since.
+  [[nodiscard]] std::uint64_t End() const { return end_.load(std::memory_order_acquire); }
+  [[nodiscard]] const Sample& Newest() const { return *newest_.load(std::memory_order_acquire); }
   /// Transforms per ns, over the past; a hint for searching.
   [[nodiscard]] double Rate() const { return rate_.load(std::memory_order_relaxed); }
 
@@ -128,7 +132,7 @@ class SampleRing {
     return places_[(number >> shift_) & mask_].load(
         std::memory_order_relaxed)[number & ((std::uint64_t{1} << shift_) - 1)];
   }
-  void Put(std::uint64_t number, const StampedPose& value, const RingLimits& limits);
+  Sample& Put(std::uint64_t number, const StampedPose& value, const RingLimits& limits);
   void EnterChunk(std::uint64_t chunk, std::int64_t stamp, const RingLimits& limits);
   [[nodiscard]] bool MayGo(std::uint64_t chunk, std::uint64_t number, std::int64_t stamp, const RingLimits& limits);
   void Enlarge(std::uint64_t chunk);
@@ -136,6 +140,7 @@ class SampleRing {
   // Read by readers.
   alignas(64) std::atomic<std::uint64_t> intact_{0};  ///< The lowest number that was not written over.
   std::atomic<std::uint64_t> end_{0};
+  std::atomic<Sample*> newest_{nullptr};  ///< Set before end_.
   std::atomic<const Directory*> directory_{nullptr};
   std::atomic<double> rate_{0};
   unsigned shift_;

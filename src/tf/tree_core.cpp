@@ -173,7 +173,9 @@ std::vector<EdgeSnapshot> TreeCore::Edges() const {
       if (publisher < publishers.size()) edge.publisher = publishers[publisher];
       edge.is_static = parent->is_static;
       edge.sets = parent->version.load(std::memory_order_relaxed);
-      edge.T_parent_child = TransformOf(ReadNewest(*parent).pose);
+      Pose newest;
+      (void)ReadNewest(*parent, newest);
+      edge.T_parent_child = TransformOf(newest);
       const EdgeRange range = ReadRange(*parent);
       edge.transforms = edge.is_static ? 1 : range.count;
       if (!edge.is_static) {
