@@ -1,0 +1,8 @@
+// In place of tf2.cpp where tf2 is not installed.
+#include "sides.hpp"
+
+namespace hgros::bench {
+
+std::unique_ptr<Side> MakeTf2() { return nullptr; }
+
+}  // namespace hgros::bench

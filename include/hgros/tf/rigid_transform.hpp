@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace hgros {
+
+/// A rotation, then a translation: p_target = rotation * p_source + translation for a T_target_source; also the pose of
+/// the source frame in the target frame. Metres.
+struct RigidTransform {
+  /// Converts from and to Eigen::Quaterniond. Its alignment does not depend on what a program is compiled for.
+  using Rotation = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+  Rotation rotation = Rotation::Identity();  ///< Of unit length.
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+  /// The identity.
+  RigidTransform() = default;
+  RigidTransform(const Rotation& turn, const Eigen::Vector3d& shift) : rotation(turn), translation(shift) {}
+  explicit RigidTransform(const Eigen::Isometry3d& isometry)
+      : rotation(isometry.linear()), translation(isometry.translation()) {}
+
+  [[nodiscard]] RigidTransform Inverse() const {
+    const Rotation back = rotation.conjugate();
+    return {back, -(back * translation)};
+  }
+  [[nodiscard]] Eigen::Isometry3d Isometry() const {
+    Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();
+    isometry.linear() = rotation.toRotationMatrix();
+    isometry.translation() = translation;
+    return isometry;
+  }
+
+  /// T_a_b * T_b_c is T_a_c.
+  friend RigidTransform operator*(const RigidTransform& a, const RigidTransform& b) {
+    return {a.rotation * b.rotation, a.rotation * b.translation + a.translation};
+  }
+  /// A point of the source frame in the target frame.
+  friend Eigen::Vector3d operator*(const RigidTransform& T_target_source, const Eigen::Vector3d& point) {
+    return T_target_source.rotation * point + T_target_source.translation;
+  }
+};
+
+}  // namespace hgros

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "hgros/base/export.hpp"
+#include "hgros/clock/time.hpp"
+#include "hgros/tf/edge_snapshot.hpp"
+
+namespace hgros {
+
+/// The tree as indented lines, one for each frame, with rate, age at `now` and publisher of the edge to its parent:
+///
+///     map
+///       base     100.0 Hz, 0.012 s old, by localizer
+///         laser  static, by robot
+///
+/// `edges` as TransformTree::Edges gives them.
+[[nodiscard]] HGROS_EXPORT std::string DrawText(std::span<const EdgeSnapshot> edges, Time now);
+
+/// The same for Graphviz: `dot -Tsvg tree.dot`.
+[[nodiscard]] HGROS_EXPORT std::string DrawGraphviz(std::span<const EdgeSnapshot> edges, Time now);
+
+}  // namespace hgros

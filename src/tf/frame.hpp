@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "hgros/tf/transform_query.hpp"
+#include "tf/sample_ring.hpp"
+
+namespace hgros::tf {
+
+/// A frame, and the edge to its parent. Frames live as long as their tree.
+///
+/// Thread safety: readers use the atomics; the rest is fixed before `parent` is set, or belongs to who holds `write`.
+/// Invariants: a parent, once set, stays. Before it is set the ring has a transform.
+struct alignas(64) Frame {
+  // Fixed once there is a parent; but the ring is another one after a transform came out of order.
+  std::atomic<Frame*> parent{nullptr};
+  std::atomic<SampleRing*> ring{nullptr};
+  RingLimits limits;
+  std::atomic<bool> known{false};  ///< Some edge has it.
+  bool is_static = false;
+  FrameId id;
+  // Changes with every transform.
+  alignas(64) std::atomic<std::uint64_t> version{0};  ///< Raised after each change of the edge; counts them.
+  std::atomic<std::uint32_t> publisher{0};
+  std::mutex write;
+  std::int64_t newest = std::numeric_limits<std::int64_t>::min();
+  std::int64_t awaited_from = std::numeric_limits<std::int64_t>::max();  ///< Somebody waits for a stamp from here on.
+  std::array<std::unique_ptr<SampleRing>, 2> rings;  ///< One is read, the other is written anew when need be.
+  // Fixed from the beginning.
+  std::size_t name_hash = 0;
+  std::string name;
+};
+
+}  // namespace hgros::tf

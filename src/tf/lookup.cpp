@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+#include "tf/edge_reading.hpp"
+#include "tf/tree_core.hpp"
+
+namespace hgros::tf {
+namespace {
+
+using Way = std::span<const Frame* const>;
+
+constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::max();
+
+constexpr std::size_t kBlock = 16;  // Edges are read first and multiplied afterwards, so many at a time.
+
+// T_ancestor_frame along edges from a frame up to its ancestor, from the newest of each. Leaves `stamp` at kAlways
+// where only static edges are. False if the edges that move do not have one and the same newest stamp, which is `stamp`
+// unless that is kAlways.
+bool ComposeNewest(Way edges, Pose& pose, std::int64_t& stamp) {
+  std::array<Pose, kBlock> poses;
+  pose = IdentityPose();
+  for (std::size_t end = edges.size(); end > 0;) {
+    const std::size_t count = std::min(end, kBlock);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Frame& edge = *edges[--end];
+      const std::int64_t newest = ReadNewest(edge, poses[i]);
+      if (edge.is_static || newest == stamp) continue;
+      if (stamp != kAlways) return false;
+      stamp = newest;
+    }
+    const Pose part = Product(poses.data(), count);
+    pose = count == edges.size() ? part : pose * part;
+  }
+  return true;
+}
+
+// The same at one moment; false with the fault in `outcome`.
+bool ComposeAt(Way edges, std::int64_t stamp, Pose& pose, Outcome& outcome) {
+  std::array<Pose, kBlock> poses;
+  pose = IdentityPose();
+  for (std::size_t end = edges.size(); end > 0;) {
+    const std::size_t count = std::min(end, kBlock);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Frame* edge = edges[--end];
+      const Reading reading = ReadAt(*edge, stamp, poses[i]);
+      if (reading == Reading::kFound) continue;
+      outcome.fault = reading == Reading::kTooOld ? TransformFault::kTooOld : TransformFault::kTooNew;
+      outcome.edge = edge;
+      outcome.wanted = stamp;
+      return false;
+    }
+    const Pose part = Product(poses.data(), count);
+    pose = count == edges.size() ? part : pose * part;
+  }
+  return true;
+}
+
+std::int64_t EarliestNewest(Way edges, std::int64_t earliest) {
+  for (const Frame* edge : edges) {
+    Pose pose;
+    if (!edge->is_static) earliest = std::min(earliest, ReadNewest(*edge, pose));
+  }
+  return earliest;
+}
+
+// T_target_source from both frames' poses in their common ancestor.
+Pose Joined(const Pose& target, const Pose& source, bool target_is_ancestor) {
+  return target_is_ancestor ? source : Inverse(target) * source;
+}
+
+bool Compose(Way from_source, Way from_target, std::int64_t stamp, Outcome& outcome) {
+  Pose source;
+  Pose target;
+  if (!ComposeAt(from_source, stamp, source, outcome) || !ComposeAt(from_target, stamp, target, outcome)) return false;
+  outcome.pose = Joined(target, source, from_target.empty());
+  outcome.stamp = stamp;
+  return true;
+}
+
+void ComposeLatest(Way from_source, Way from_target, Outcome& outcome) {
+  Pose source;
+  Pose target;
+  std::int64_t stamp = kAlways;
+  const bool source_same = ComposeNewest(from_source, source, stamp);
+  if (ComposeNewest(from_target, target, stamp) && source_same) {
+    outcome.pose = Joined(target, source, from_target.empty());
+    outcome.is_static = stamp == kAlways;
+    outcome.stamp = outcome.is_static ? 0 : stamp;
+    return;
+  }
+  // Between the two looks at an edge its writer may have gone on so far that the moment is forgotten: then it is not
+  // the latest any more. Who cannot keep up with that for long is told so.
+  for (int tries = 0; tries < 8; ++tries) {
+    outcome.fault = TransformFault::kNone;
+    stamp = EarliestNewest(from_target, EarliestNewest(from_source, kAlways));
+    if (Compose(from_source, from_target, stamp, outcome)) return;
+    const bool moved = EarliestNewest(from_target, EarliestNewest(from_source, kAlways)) != stamp;
+    if (!moved) return;
+  }
+}
+
+}  // namespace
+
+bool TreeCore::FindWay(FrameId target, FrameId source, Memo*& memo, Route& route, Outcome& outcome) const {
+  outcome.target = target;
+  outcome.source = source;
+  for (const FrameId id : {target, source}) {
+    const Frame* frame = frames_.At(id);
+    if (frame != nullptr && frame->known.load(std::memory_order_acquire)) continue;
+    outcome.fault = TransformFault::kUnknownFrame;
+    outcome.unknown = id;
+    return false;
+  }
+  if (!route.Find(*frames_.At(target), *frames_.At(source))) {
+    outcome.fault = TransformFault::kNotConnected;
+    outcome.target_root = route.target_root;
+    outcome.source_root = route.source_root;
+    return false;
+  }
+  const Way from_source = route.from_source.edges();
+  const Way from_target = route.from_target.edges();
+  if (from_source.size() + from_target.size() > Memo::kMostEdges) {
+    memo = nullptr;
+    return true;
+  }
+  memo->tree = number_;
+  memo->target = target;
+  memo->source = source;
+  memo->has_latest = false;
+  memo->source_edges = static_cast<std::uint16_t>(from_source.size());
+  memo->all_edges = static_cast<std::uint16_t>(from_source.size() + from_target.size());
+  std::copy(from_target.begin(), from_target.end(),
+            std::copy(from_source.begin(), from_source.end(), memo->edges.begin()));
+  return true;
+}
+
+void TreeCore::LookupLatest(FrameId target, FrameId source, Outcome& outcome) const {
+  Memo* memo = &Memo::PlaceFor(number_, target, source);
+  if (memo->Is(number_, target, source)) {
+    if (memo->LatestHolds()) {
+      outcome.pose = memo->latest;
+      outcome.stamp = memo->latest_stamp;
+      outcome.is_static = memo->latest_is_static;
+      return;
+    }
+  } else {
+    Route route;
+    if (!FindWay(target, source, memo, route, outcome)) return;
+    if (memo == nullptr) {
+      ComposeLatest(route.from_source.edges(), route.from_target.edges(), outcome);
+      return;
+    }
+  }
+  // The versions before what they stand for: if that changes in between, the next look-up sees it.
+  memo->has_latest = false;
+  for (std::size_t i = 0; i < memo->all_edges; ++i) {
+    memo->versions[i] = memo->edges[i]->version.load(std::memory_order_acquire);
+  }
+  ComposeLatest(memo->FromSource(), memo->FromTarget(), outcome);
+  if (outcome.fault == TransformFault::kNone) {
+    memo->latest = outcome.pose;
+    memo->latest_stamp = outcome.stamp;
+    memo->latest_is_static = outcome.is_static;
+    memo->has_latest = true;
+  } else {
+    outcome.target = target;
+    outcome.source = source;
+  }
+}
+
+void TreeCore::LookupAt(FrameId target, FrameId source, std::int64_t stamp, Outcome& outcome) const {
+  Memo* memo = &Memo::PlaceFor(number_, target, source);
+  bool found = false;
+  if (memo->Is(number_, target, source)) {
+    found = Compose(memo->FromSource(), memo->FromTarget(), stamp, outcome);
+  } else {
+    Route route;
+    if (!FindWay(target, source, memo, route, outcome)) return;
+    found = Compose(route.from_source.edges(), route.from_target.edges(), stamp, outcome);
+  }
+  if (!found) {
+    outcome.target = target;
+    outcome.source = source;
+  }
+}
+
+void TreeCore::Lookup(const TransformQuery& query, Outcome& outcome) const {
+  const auto find = [this](FrameId target, FrameId source, const std::optional<Time>& time, Outcome& part) {
+    if (time) {
+      LookupAt(target, source, time->nanoseconds, part);
+    } else {
+      LookupLatest(target, source, part);
+    }
+  };
+  if (!query.travels) return find(query.target, query.source, query.source_time, outcome);
+  find(query.target, query.fixed, query.target_time, outcome);
+  if (outcome.fault != TransformFault::kNone) return;
+  Outcome then;
+  find(query.fixed, query.source, query.source_time, then);
+  if (then.fault != TransformFault::kNone) {
+    outcome = then;
+    return;
+  }
+  outcome.pose = outcome.pose * then.pose;
+}
+
+}  // namespace hgros::tf

@@ -1,0 +1,126 @@
+#include "hgros/tf/robot_description.hpp"
+
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros {
+namespace {
+
+struct Mimic {
+  std::string joint;
+  double multiplier = 1;
+  double offset = 0;
+};
+
+struct Joint {
+  std::string parent;
+  std::string child;
+  RigidTransform origin;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
+  bool slides = false;
+
+  [[nodiscard]] RigidTransform At(double position) const {
+    if (slides) return origin * RigidTransform({1, 0, 0, 0}, axis * position);
+    return origin *
+           RigidTransform(RigidTransform::Rotation(Eigen::AngleAxisd(position, axis)), Eigen::Vector3d::Zero());
+  }
+};
+
+RigidTransform OriginOf(const urdf::Pose& pose) {
+  RigidTransform::Rotation rotation(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
+  rotation.normalize();
+  return {rotation, Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z)};
+}
+
+}  // namespace
+
+struct RobotDescription::Model {
+  std::string root;
+  std::vector<Joint> fixed;
+  std::map<std::string, Joint, std::less<>> movable;
+  std::vector<std::pair<std::string, Mimic>> mimics;
+  std::vector<std::string> names;
+};
+
+RobotDescription RobotDescription::FromFile(const std::filesystem::path& path, std::string_view prefix) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) throw Error("The robot's description cannot be read.", path.string());
+  try {
+    return FromText(text.str(), prefix);
+  } catch (const Error& error) {
+    throw Error(error.what(), path.string());
+  }
+}
+
+RobotDescription RobotDescription::FromText(const std::string& urdf, std::string_view prefix) {
+  const urdf::ModelInterfaceSharedPtr parsed = urdf::parseURDF(urdf);
+  if (!parsed || !parsed->getRoot()) {
+    throw Error("The robot's description is no URDF that can be used.", {},
+                "The parser's words stand on standard error; check_urdf says the same.");
+  }
+  auto model = std::make_shared<Model>();
+  model->root = std::string(prefix) + parsed->getRoot()->name;
+  for (const auto& [name, read] : parsed->joints_) {
+    Joint joint;
+    joint.parent = std::string(prefix) + read->parent_link_name;
+    joint.child = std::string(prefix) + read->child_link_name;
+    joint.origin = OriginOf(read->parent_to_joint_origin_transform);
+    if (read->type == urdf::Joint::FIXED) {
+      model->fixed.push_back(std::move(joint));
+      continue;
+    }
+    const bool turns = read->type == urdf::Joint::REVOLUTE || read->type == urdf::Joint::CONTINUOUS;
+    joint.slides = read->type == urdf::Joint::PRISMATIC;
+    if (!turns && !joint.slides) {
+      throw Error("The joint \"" + name + "\" is floating or planar, which one position does not describe.", {},
+                  "Set its edge with TransformTree::Set and leave it out of the description.");
+    }
+    joint.axis = Eigen::Vector3d(read->axis.x, read->axis.y, read->axis.z);
+    if (!(joint.axis.norm() > 1e-9)) throw Error("The axis of the joint \"" + name + "\" has no direction.");
+    joint.axis.normalize();
+    if (read->mimic) {
+      model->mimics.emplace_back(name, Mimic{read->mimic->joint_name, read->mimic->multiplier, read->mimic->offset});
+    } else {
+      model->names.push_back(name);
+    }
+    model->movable.emplace(name, std::move(joint));
+  }
+  return RobotDescription(std::move(model));
+}
+
+const std::string& RobotDescription::root() const noexcept { return model_->root; }
+const std::vector<std::string>& RobotDescription::joints() const noexcept { return model_->names; }
+
+SetResult RobotDescription::SetFixed(TransformTree& tree) const {
+  for (const Joint& joint : model_->fixed) {
+    if (SetResult set = tree.SetStatic(joint.parent, joint.child, joint.origin, "robot description"); !set) return set;
+  }
+  return {};
+}
+
+SetResult RobotDescription::SetJoints(TransformTree& tree, Time stamp, std::span<const JointPosition> positions) const {
+  const auto set = [&](const Joint& joint, double position) {
+    return tree.Set(joint.parent, joint.child, stamp, joint.At(position), "joint states");
+  };
+  for (const JointPosition& given : positions) {
+    const auto joint = model_->movable.find(given.name);
+    if (joint == model_->movable.end()) continue;
+    if (SetResult result = set(joint->second, given.position); !result) return result;
+    for (const auto& [name, mimic] : model_->mimics) {
+      if (mimic.joint != given.name) continue;
+      SetResult result = set(model_->movable.find(name)->second, mimic.multiplier * given.position + mimic.offset);
+      if (!result) return result;
+    }
+  }
+  return {};
+}
+
+}  // namespace hgros
