@@ -35,6 +35,7 @@ bool Session::WaitIdle(std::chrono::nanoseconds timeout) const { return core_->g
 
 SessionId Session::id() const noexcept { return core_->id(); }
 const std::string& Session::name() const noexcept { return core_->name(); }
+Log& Session::log() const noexcept { return core_->log(); }
 Config Session::config() const { return core_->config(); }
 
 Channel& Session::Open(std::string_view channel, const TypeInfo& type, const CallSite& where) {

@@ -64,6 +64,7 @@ class Session::Core final : public TransportListener {
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] Log& log() const noexcept { return *log_; }
   [[nodiscard]] Config config() const;
 
  private:

@@ -14,6 +14,19 @@ bool Same(const Pose& a, const Pose& b) {
   return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z && a.px == b.px && a.py == b.py && a.pz == b.pz;
 }
 
+// `values` is from now on all that the edge has.
+void Exchange(Frame& edge, const std::vector<StampedPose>& values) {
+  const SampleRing& read = *edge.ring.load(std::memory_order_relaxed);
+  std::unique_ptr<SampleRing>& other = edge.rings[edge.rings[0].get() == &read ? 1 : 0];
+  if (!other) other = std::make_unique<SampleRing>(kMovingChunkShift);
+  other->WriteAnew(values, read.End(), edge.limits);
+  edge.ring.store(other.get(), std::memory_order_release);
+}
+
+void CountSet(Frame& edge) {
+  edge.sets.store(edge.sets.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
 // A transform that is not the newest: what the edge has is copied with it into the other ring, which is then the one
 // that is read. So no reader ever sees a ring that is being put in order.
 bool Insert(Frame& edge, const StampedPose& value) {
@@ -38,11 +51,7 @@ bool Insert(Frame& edge, const StampedPose& value) {
     *(place - 1) = value;
   }
 
-  const bool first_is_read = edge.rings[0].get() == edge.ring.load(std::memory_order_relaxed);
-  std::unique_ptr<SampleRing>& other = edge.rings[first_is_read ? 1 : 0];
-  if (!other) other = std::make_unique<SampleRing>(kMovingChunkShift);
-  other->WriteAnew(values, edge.limits);
-  edge.ring.store(other.get(), std::memory_order_release);
+  Exchange(edge, values);
   return true;
 }
 
@@ -55,7 +64,7 @@ void BeginEdge(Frame& edge, bool is_static, const RingLimits& limits, const Stam
   edge.rings[0]->Append(first, edge.limits);
   edge.ring.store(edge.rings[0].get(), std::memory_order_release);
   edge.newest = first.stamp;
-  edge.version.store(1, std::memory_order_release);
+  edge.sets.store(1, std::memory_order_relaxed);
 }
 
 bool Write(Frame& edge, const StampedPose& value) {
@@ -65,8 +74,14 @@ bool Write(Frame& edge, const StampedPose& value) {
   } else if (!Insert(edge, value)) {
     return false;
   }
-  edge.version.store(edge.version.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  CountSet(edge);
   return true;
+}
+
+void WriteAnew(Frame& edge, const StampedPose& value) {
+  Exchange(edge, {value});
+  edge.newest = value.stamp;
+  CountSet(edge);
 }
 
 }  // namespace hgros::tf

@@ -13,4 +13,7 @@ void BeginEdge(Frame& edge, bool is_static, const RingLimits& limits, const Stam
 /// buffer keeps.
 [[nodiscard]] bool Write(Frame& edge, const StampedPose& value);
 
+/// `value` instead of all that a moving edge has; the caller holds `edge.write`.
+void WriteAnew(Frame& edge, const StampedPose& value);
+
 }  // namespace hgros::tf

@@ -70,11 +70,6 @@ TransformFailure Unknown(const FrameTable& frames, std::string_view name) {
 
 }  // namespace
 
-TransformResult TreeCore::Result(const Outcome& outcome) const {
-  if (outcome.fault != TransformFault::kNone) return TransformResult::Failed(Describe(outcome));
-  return StampedTransform{TransformOf(outcome.pose), Time{outcome.stamp}};
-}
-
 TransformFailure TreeCore::DescribeUnknown(std::string_view name) const {
   return Unknown(frames_, name.substr(0, 200));
 }

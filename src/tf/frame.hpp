@@ -18,6 +18,7 @@ namespace hgros::tf {
 ///
 /// Thread safety: readers use the atomics; the rest is fixed before `parent` is set, or belongs to who holds `write`.
 /// Invariants: a parent, once set, stays. Before it is set the ring has a transform.
+/// The ring's End grows with every change of the edge, also when another ring comes into use.
 struct alignas(64) Frame {
   // Fixed once there is a parent; but the ring is another one after a transform came out of order.
   std::atomic<Frame*> parent{nullptr};
@@ -27,9 +28,10 @@ struct alignas(64) Frame {
   bool is_static = false;
   FrameId id;
   // Changes with every transform.
-  alignas(64) std::atomic<std::uint64_t> version{0};  ///< Raised after each change of the edge; counts them.
+  alignas(64) std::atomic<std::uint64_t> sets{0};
   std::atomic<std::uint32_t> publisher{0};
   std::mutex write;
+  std::uint64_t time = 0;  ///< The tree's, when the edge was last set.
   std::int64_t newest = std::numeric_limits<std::int64_t>::min();
   std::int64_t awaited_from = std::numeric_limits<std::int64_t>::max();  ///< Somebody waits for a stamp from here on.
   std::array<std::unique_ptr<SampleRing>, 2> rings;  ///< One is read, the other is written anew when need be.

@@ -18,14 +18,16 @@ constexpr std::size_t kBlock = 16;  // Edges are read first and multiplied after
 // T_ancestor_frame along edges from a frame up to its ancestor, from the newest of each. Leaves `stamp` at kAlways
 // where only static edges are. False if the edges that move do not have one and the same newest stamp, which is `stamp`
 // unless that is kAlways.
-bool ComposeNewest(Way edges, Pose& pose, std::int64_t& stamp) {
+bool ComposeNewest(Way edges, std::uint64_t* versions, Pose& pose, std::int64_t& stamp) {
   std::array<Pose, kBlock> poses;
   pose = IdentityPose();
   for (std::size_t end = edges.size(); end > 0;) {
     const std::size_t count = std::min(end, kBlock);
     for (std::size_t i = 0; i < count; ++i) {
       const Frame& edge = *edges[--end];
-      const std::int64_t newest = ReadNewest(edge, poses[i]);
+      std::uint64_t version = 0;
+      const std::int64_t newest = ReadNewest(edge, poses[i], version);
+      if (versions != nullptr) versions[end] = version;
       if (edge.is_static || newest == stamp) continue;
       if (stamp != kAlways) return false;
       stamp = newest;
@@ -57,10 +59,13 @@ bool ComposeAt(Way edges, std::int64_t stamp, Pose& pose, Outcome& outcome) {
   return true;
 }
 
-std::int64_t EarliestNewest(Way edges, std::int64_t earliest) {
-  for (const Frame* edge : edges) {
+std::int64_t EarliestNewest(Way edges, std::uint64_t* versions, std::int64_t earliest) {
+  for (std::size_t i = 0; i < edges.size(); ++i) {
     Pose pose;
-    if (!edge->is_static) earliest = std::min(earliest, ReadNewest(*edge, pose));
+    std::uint64_t version = 0;
+    const std::int64_t newest = ReadNewest(*edges[i], pose, version);
+    if (versions != nullptr) versions[i] = version;
+    if (!edges[i]->is_static) earliest = std::min(earliest, newest);
   }
   return earliest;
 }
@@ -79,12 +84,15 @@ bool Compose(Way from_source, Way from_target, std::int64_t stamp, Outcome& outc
   return true;
 }
 
-void ComposeLatest(Way from_source, Way from_target, Outcome& outcome) {
+// Leaves in `versions`, unless that is null, versions of the source's and then the target's edges that are not later
+// than what was read.
+void ComposeLatest(Way from_source, Way from_target, std::uint64_t* versions, Outcome& outcome) {
+  std::uint64_t* target_versions = versions == nullptr ? nullptr : versions + from_source.size();
   Pose source;
   Pose target;
   std::int64_t stamp = kAlways;
-  const bool source_same = ComposeNewest(from_source, source, stamp);
-  if (ComposeNewest(from_target, target, stamp) && source_same) {
+  if (ComposeNewest(from_source, versions, source, stamp) &&
+      ComposeNewest(from_target, target_versions, target, stamp)) {
     outcome.pose = Joined(target, source, from_target.empty());
     outcome.is_static = stamp == kAlways;
     outcome.stamp = outcome.is_static ? 0 : stamp;
@@ -92,12 +100,16 @@ void ComposeLatest(Way from_source, Way from_target, Outcome& outcome) {
   }
   // Between the two looks at an edge its writer may have gone on so far that the moment is forgotten: then it is not
   // the latest any more. Who cannot keep up with that for long is told so.
+  const auto earliest = [&] {
+    return EarliestNewest(from_target, target_versions, EarliestNewest(from_source, versions, kAlways));
+  };
+  stamp = earliest();
   for (int tries = 0; tries < 8; ++tries) {
     outcome.fault = TransformFault::kNone;
-    stamp = EarliestNewest(from_target, EarliestNewest(from_source, kAlways));
     if (Compose(from_source, from_target, stamp, outcome)) return;
-    const bool moved = EarliestNewest(from_target, EarliestNewest(from_source, kAlways)) != stamp;
-    if (!moved) return;
+    const std::int64_t now = earliest();
+    if (now == stamp) return;
+    stamp = now;
   }
 }
 
@@ -149,16 +161,12 @@ void TreeCore::LookupLatest(FrameId target, FrameId source, Outcome& outcome) co
     Route route;
     if (!FindWay(target, source, memo, route, outcome)) return;
     if (memo == nullptr) {
-      ComposeLatest(route.from_source.edges(), route.from_target.edges(), outcome);
+      ComposeLatest(route.from_source.edges(), route.from_target.edges(), nullptr, outcome);
       return;
     }
   }
-  // The versions before what they stand for: if that changes in between, the next look-up sees it.
   memo->has_latest = false;
-  for (std::size_t i = 0; i < memo->all_edges; ++i) {
-    memo->versions[i] = memo->edges[i]->version.load(std::memory_order_acquire);
-  }
-  ComposeLatest(memo->FromSource(), memo->FromTarget(), outcome);
+  ComposeLatest(memo->FromSource(), memo->FromTarget(), memo->versions.data(), outcome);
   if (outcome.fault == TransformFault::kNone) {
     memo->latest = outcome.pose;
     memo->latest_stamp = outcome.stamp;
@@ -204,6 +212,23 @@ void TreeCore::Lookup(const TransformQuery& query, Outcome& outcome) const {
     return;
   }
   outcome.pose = outcome.pose * then.pose;
+}
+
+TransformResult TreeCore::Result(const Outcome& outcome) const {
+  if (outcome.fault != TransformFault::kNone) [[unlikely]]
+    return TransformResult::Failed(Describe(outcome));
+  // Number by number, as Pose is copied.
+  TransformResult result;
+  StampedTransform& found = result.found_;
+  found.T_target_source.rotation.w() = outcome.pose.w;
+  found.T_target_source.rotation.x() = outcome.pose.x;
+  found.T_target_source.rotation.y() = outcome.pose.y;
+  found.T_target_source.rotation.z() = outcome.pose.z;
+  found.T_target_source.translation.x() = outcome.pose.px;
+  found.T_target_source.translation.y() = outcome.pose.py;
+  found.T_target_source.translation.z() = outcome.pose.pz;
+  found.stamp.nanoseconds = outcome.stamp;
+  return result;
 }
 
 }  // namespace hgros::tf

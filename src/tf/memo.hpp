@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "tf/edge_reading.hpp"
 #include "tf/route.hpp"
 
 namespace hgros::tf {
@@ -33,11 +34,10 @@ struct Memo {
   }
   [[nodiscard]] bool LatestHolds() const {
     if (!has_latest) return false;
-    bool same = true;
     for (std::size_t i = 0; i < all_edges; ++i) {
-      same &= edges[i]->version.load(std::memory_order_acquire) == versions[i];
+      if (VersionOf(*edges[i]) != versions[i]) return false;
     }
-    return same;
+    return true;
   }
   [[nodiscard]] std::span<const Frame* const> FromSource() const { return {edges.data(), source_edges}; }
   [[nodiscard]] std::span<const Frame* const> FromTarget() const {

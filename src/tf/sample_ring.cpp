@@ -1,5 +1,6 @@
 #include "tf/sample_ring.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hgros::tf {
@@ -16,12 +17,23 @@ void SampleRing::Append(const StampedPose& value, const RingLimits& limits) {
   end_.store(number + 1, std::memory_order_release);
 }
 
-void SampleRing::WriteAnew(const std::vector<StampedPose>& values, const RingLimits& limits) {
-  const std::uint64_t chunk = (end_.load(std::memory_order_relaxed) + (std::uint64_t{1} << shift_) - 1) >> shift_;
+void SampleRing::WriteAnew(const std::vector<StampedPose>& values, std::uint64_t first, const RingLimits& limits) {
+  const std::uint64_t from = std::max(first, end_.load(std::memory_order_relaxed));
+  const std::uint64_t chunk = (from + (std::uint64_t{1} << shift_) - 1) >> shift_;
   std::uint64_t number = chunk << shift_;
   free_below_ = chunk;
   intact_.store(number, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);
+  // The chunks that it has become the ones right before.
+  const std::uint64_t end = end_.load(std::memory_order_relaxed);
+  std::vector<Sample*> chunks;
+  for (std::uint64_t i = first_chunk_; i <= (end == 0 ? 0 : (end - 1) >> shift_); ++i) {
+    chunks.push_back(places_[i & mask_].load(std::memory_order_relaxed));
+  }
+  first_chunk_ = chunk - chunks.size();
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    places_[(first_chunk_ + i) & mask_].store(chunks[i], std::memory_order_release);
+  }
   Sample* newest = nullptr;
   for (const StampedPose& value : values) newest = &Put(number++, value, limits);
   newest_.store(newest, std::memory_order_release);

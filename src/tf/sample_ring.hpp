@@ -117,9 +117,9 @@ class SampleRing {
 
   /// `value` is newer than all others.
   void Append(const StampedPose& value, const RingLimits& limits);
-  /// Everything of `values`, which grow, instead of what the ring had. Readers who still look at it find it empty
-  /// meanwhile.
-  void WriteAnew(const std::vector<StampedPose>& values, const RingLimits& limits);
+  /// Everything of `values`, which grow, instead of what the ring had; numbered from `first` or a little later. Readers
+  /// who still look at it find it empty meanwhile.
+  void WriteAnew(const std::vector<StampedPose>& values, std::uint64_t first, const RingLimits& limits);
 
  private:
   struct Directory {

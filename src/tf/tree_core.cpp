@@ -108,7 +108,10 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
   bool awaited = false;
   {
     const std::scoped_lock lock(child.write);
-    if (Write(child, {value.stamp, pose})) {
+    const std::uint64_t time = time_.load(std::memory_order_relaxed);
+    const bool anew = std::exchange(child.time, time) != time && !child.is_static;
+    if (anew) WriteAnew(child, {value.stamp, pose});
+    if (anew || Write(child, {value.stamp, pose})) {
       awaited = child.newest >= child.awaited_from;
       if (value.publisher.value != 0) child.publisher.store(value.publisher.value, std::memory_order_relaxed);
     } else {
@@ -129,6 +132,7 @@ SetFault TreeCore::Connect(Frame& parent, Frame& child, const EdgeValue& value, 
     if (child.parent.load(std::memory_order_relaxed) != nullptr) return SetFault::kTwoParents;
     {
       const std::scoped_lock write(child.write);
+      child.time = time_.load(std::memory_order_relaxed);
       BeginEdge(child, value.is_static, limits_, {value.is_static ? 0 : value.stamp, pose});
       child.publisher.store(value.publisher.value, std::memory_order_relaxed);
     }
@@ -172,9 +176,10 @@ std::vector<EdgeSnapshot> TreeCore::Edges() const {
       const std::uint32_t publisher = parent->publisher.load(std::memory_order_relaxed);
       if (publisher < publishers.size()) edge.publisher = publishers[publisher];
       edge.is_static = parent->is_static;
-      edge.sets = parent->version.load(std::memory_order_relaxed);
+      edge.sets = parent->sets.load(std::memory_order_relaxed);
       Pose newest;
-      (void)ReadNewest(*parent, newest);
+      std::uint64_t version = 0;
+      (void)ReadNewest(*parent, newest, version);
       edge.T_parent_child = TransformOf(newest);
       const EdgeRange range = ReadRange(*parent);
       edge.transforms = edge.is_static ? 1 : range.count;

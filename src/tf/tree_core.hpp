@@ -44,6 +44,8 @@ class TreeCore {
   SetResult Set(FrameId parent, FrameId child, const EdgeValue& value);
   SetResult Set(std::string_view parent, std::string_view child, const EdgeValue& value, std::string_view publisher);
 
+  void BeginAnew() noexcept { time_.fetch_add(1, std::memory_order_relaxed); }
+
   void LookupLatest(FrameId target, FrameId source, Outcome& outcome) const;
   void LookupAt(FrameId target, FrameId source, std::int64_t stamp, Outcome& outcome) const;
   void Lookup(const TransformQuery& query, Outcome& outcome) const;
@@ -68,6 +70,7 @@ class TreeCore {
   const RingLimits limits_;
   const std::uint64_t number_;  ///< Of this tree among all of the process.
   FrameTable frames_;
+  std::atomic<std::uint64_t> time_{0};  ///< Raised when time begins anew.
   std::mutex topology_;
   std::uint64_t edge_count_ = 0;    ///< Guarded by topology_.
   bool edges_are_awaited_ = false;  ///< Guarded by topology_.

@@ -338,5 +338,27 @@ TEST(TransformTree, ATreeDoesNotRememberWhatAnotherHadInItsPlace) {
   }
 }
 
+TEST(TransformTree, BeginsAnewWhereTimeHasJumpedBack) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(100), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(101), Shift(2)));
+  EXPECT_EQ(tree.Set("map", "base", At(1), Shift(3)).fault(), SetFault::kTooOld);
+  tree.BeginAnew();
+  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(101)) << "until something is set";
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(3)));
+  EXPECT_EQ(tree.Lookup("map", "laser")->stamp, At(1));
+  EXPECT_EQ(tree.Lookup("map", "base", At(100)).fault(), TransformFault::kTooNew);
+  ASSERT_TRUE(tree.Set("map", "base", At(2), Shift(4)));
+  EXPECT_LT(Difference(tree.Lookup("map", "base", At(1.5))->T_target_source, Shift(3.5)), 1e-12);
+  EXPECT_EQ(tree.Edges().at(0).transforms, 2U);
+  for (int i = 0; i < 300; ++i) {  // Through all memory of both buffers, again and again.
+    tree.BeginAnew();
+    for (int stamp = 1; stamp <= i; ++stamp) ASSERT_TRUE(tree.Set("map", "base", At(stamp * 0.01), Shift(stamp + i)));
+    if (i < 2) continue;
+    ASSERT_LT(Difference(tree.Lookup("map", "base", At(0.015))->T_target_source, Shift(1.5 + i)), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace hgros

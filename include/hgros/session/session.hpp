@@ -169,6 +169,8 @@ class HGROS_EXPORT Session {
 
   [[nodiscard]] SessionId id() const noexcept;
   [[nodiscard]] const std::string& name() const noexcept;
+  /// Where the session speaks, for what is built on it.
+  [[nodiscard]] Log& log() const noexcept;
   /// As it is now, with endpoints and lists that were changed while running.
   [[nodiscard]] Config config() const;
 

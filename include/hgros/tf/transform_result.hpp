@@ -11,6 +11,10 @@
 
 namespace hgros {
 
+namespace tf {
+class TreeCore;
+}
+
 struct StampedTransform {
   RigidTransform T_target_source;
   Time stamp;  ///< When it held. Time{} where it always does: nothing but static edges lies between the frames.
@@ -64,6 +68,8 @@ class HGROS_EXPORT TransformResult {
   [[nodiscard]] const TransformFailure& failure() const noexcept;
 
  private:
+  friend class tf::TreeCore;
+  TransformResult() = default;
   explicit TransformResult(std::shared_ptr<const TransformFailure> failure) : failure_(std::move(failure)) {}
   [[noreturn]] void Throw() const;
 

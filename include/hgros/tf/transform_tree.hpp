@@ -73,6 +73,10 @@ class HGROS_EXPORT TransformTree {
   SetResult SetStatic(std::string_view parent, std::string_view child, const RigidTransform& T_parent_child,
                       std::string_view publisher = {});
 
+  /// Time has jumped back, as when a recording begins again: of each edge that moves, the next transform replaces all
+  /// that it has, whatever its stamp. Until then it is found as before.
+  void BeginAnew() noexcept;
+
   /// T_target_source, at the latest time that every edge between the two knows of.
   [[nodiscard]] TransformResult Lookup(FrameId target, FrameId source) const;
   [[nodiscard]] TransformResult Lookup(std::string_view target, std::string_view source) const;

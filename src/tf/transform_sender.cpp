@@ -1,0 +1,122 @@
+#include "tf/transform_sender.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/clock/system_clocks.hpp"
+#include "tf/transform_messages.hpp"
+
+namespace hgros::tf {
+
+TransformSender::TransformSender(Session& session, Duration batch)
+    : session_(session), batch_(std::max(batch, Duration::zero())), clock_(std::make_shared<SteadyClock>()) {
+  static_.keeps = true;
+}
+
+TransformSender::~TransformSender() {
+  timers_.reset();
+  Flush();
+}
+
+void TransformSender::OpenMoving() { Open(moving_, kTransformsChannel, {}); }
+void TransformSender::OpenStatic() { Open(static_, kStaticTransformsChannel, {.latched = 1}); }
+
+void TransformSender::Open(Lane& lane, std::string_view channel, PublishOptions options) {
+  std::call_once(lane.opened, [&] { lane.publisher = session_.Advertise<Message>(channel, options); });
+}
+
+void TransformSender::SendMoving(std::span<const StampedEdge* const> edges) {
+  if (edges.empty()) return;
+  std::unique_lock lock(mutex_);
+  for (const StampedEdge* edge : edges) {
+    Append(moving_.waiting, edge->parent, edge->child, edge->stamp, edge->T_parent_child);
+  }
+  Touch(moving_, lock);
+}
+
+void TransformSender::SendStatic(std::string_view parent, std::string_view child,
+                                 const RigidTransform& T_parent_child) {
+  std::unique_lock lock(mutex_);
+  Append(static_.waiting, parent, child, WallNow(), T_parent_child);
+  auto& all = *static_.waiting.mutable_transforms();
+  const auto [place, is_new] = static_places_.try_emplace(std::string(child), all.size() - 1);
+  if (!is_new) {
+    all.SwapElements(place->second, all.size() - 1);
+    all.RemoveLast();
+  }
+  Touch(static_, lock);
+}
+
+void TransformSender::Touch(Lane& lane, std::unique_lock<std::mutex>& lock) {
+  lane.changed = true;
+  if (lane.armed || lane.sending) return;  // They look again.
+  const Time now = clock_->Now();
+  if (now < lane.quiet_until) {
+    Arm(lane, now);
+  } else {
+    Send(lane, lock);
+  }
+}
+
+void TransformSender::Arm(Lane& lane, Time now) {
+  if (!timers_) timers_.emplace(clock_);
+  lane.armed = true;
+  // The timer that was there has run out; if its callback is about to return, that is waited for.
+  lane.timer =
+      timers_->After(std::max(lane.quiet_until - now, Duration::zero()), [this, &lane](const Tick&) { OnTimer(lane); });
+}
+
+void TransformSender::OnTimer(Lane& lane) {
+  std::unique_lock lock(mutex_);
+  lane.armed = false;
+  if (lane.changed && !lane.sending) Send(lane, lock);
+}
+
+void TransformSender::Send(Lane& lane, std::unique_lock<std::mutex>& lock) {
+  lane.sending = true;
+  lane.changed = false;
+  lane.quiet_until = clock_->Now() + batch_;
+  const std::shared_ptr<const Message> message = Take(lane);
+  const auto count = static_cast<std::uint64_t>(message->transforms_size());
+  lock.unlock();
+  const PublishStatus status = lane.publisher(message);
+  lock.lock();
+  lane.sending = false;
+  if (status == PublishStatus::kOk) {
+    ++sent_messages_;
+    sent_transforms_ += count;
+  } else if (lane.keeps && status == PublishStatus::kFull) {
+    lane.changed = true;
+  } else {
+    unsent_transforms_ += count;
+  }
+  if (lane.changed && !lane.armed) Arm(lane, clock_->Now());
+}
+
+std::shared_ptr<const TransformSender::Message> TransformSender::Take(Lane& lane) const {
+  auto message = lane.keeps ? std::make_unique<Message>(lane.waiting)
+                            : std::make_unique<Message>(std::exchange(lane.waiting, Message()));
+  const std::scoped_lock lock(sent_->mutex);
+  sent_->messages.insert(message.get());
+  return {message.release(), [sent = sent_](const Message* ended) {
+            {
+              const std::scoped_lock lock_sent(sent->mutex);
+              sent->messages.erase(ended);
+            }
+            delete ended;
+          }};
+}
+
+void TransformSender::Flush() {
+  for (Lane* lane : {&moving_, &static_}) {
+    std::unique_lock lock(mutex_);
+    if (lane->changed && !lane->sending) Send(*lane, lock);
+  }
+}
+
+bool TransformSender::IsOwn(const foxglove::FrameTransforms& message) const {
+  const std::scoped_lock lock(sent_->mutex);
+  return sent_->messages.contains(&message);
+}
+
+}  // namespace hgros::tf

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include <foxglove/FrameTransforms.pb.h>
+
+#include "hgros/clock/timer_queue.hpp"
+#include "hgros/tf/transforms.hpp"
+
+namespace hgros::tf {
+
+/// Sends a session's transforms, those of a burst together.
+///
+/// Thread safety: all of it, but construction and destruction. Nothing is published under the lock: subscribers may
+/// set transforms themselves.
+class TransformSender {
+ public:
+  TransformSender(Session& session, Duration batch);
+  TransformSender(const TransformSender&) = delete;
+  TransformSender& operator=(const TransformSender&) = delete;
+  ~TransformSender();
+
+  /// Announces the channel at the first call. Throws Error if it is used with another type.
+  void OpenMoving();
+  void OpenStatic();
+  void SendMoving(std::span<const StampedEdge* const> edges);
+  void SendStatic(std::string_view parent, std::string_view child, const RigidTransform& T_parent_child);
+  void Flush();
+
+  /// Whether this is one of the messages that this object sent.
+  [[nodiscard]] bool IsOwn(const foxglove::FrameTransforms& message) const;
+
+  [[nodiscard]] std::uint64_t sent_messages() const noexcept { return sent_messages_; }
+  [[nodiscard]] std::uint64_t sent_transforms() const noexcept { return sent_transforms_; }
+  [[nodiscard]] std::uint64_t unsent_transforms() const noexcept { return unsent_transforms_; }
+
+ private:
+  using Message = foxglove::FrameTransforms;
+  // One channel. The rest is guarded by mutex_.
+  struct Lane {
+    Publisher<Message> publisher;
+    std::once_flag opened;
+    Message waiting;        // Of the static lane: all edges.
+    bool changed = false;   // Something in `waiting` was not sent yet.
+    bool sending = false;   // One thread at a time, so that messages keep their order.
+    bool armed = false;     // The timer will send.
+    bool keeps = false;     // What was sent stays in `waiting`.
+    Time quiet_until = {};  // What comes before that waits for it.
+    Timer timer;
+  };
+  // The messages that have not ended yet. They may outlive the sender.
+  struct Sent {
+    std::mutex mutex;
+    std::set<const Message*> messages;
+  };
+
+  void Open(Lane& lane, std::string_view channel, PublishOptions options);
+  void Arm(Lane& lane, Time now);
+  // `lock` is held, before and after.
+  void Touch(Lane& lane, std::unique_lock<std::mutex>& lock);
+  void Send(Lane& lane, std::unique_lock<std::mutex>& lock);
+  void OnTimer(Lane& lane);
+  [[nodiscard]] std::shared_ptr<const Message> Take(Lane& lane) const;
+
+  Session& session_;
+  const Duration batch_;
+  const std::shared_ptr<Clock> clock_;
+  const std::shared_ptr<Sent> sent_ = std::make_shared<Sent>();
+  std::atomic<std::uint64_t> sent_messages_{0};
+  std::atomic<std::uint64_t> sent_transforms_{0};
+  std::atomic<std::uint64_t> unsent_transforms_{0};
+
+  std::mutex mutex_;
+  std::unordered_map<std::string, int> static_places_;  // By child, in what waits in static_.
+  std::optional<TimerQueue> timers_;                    // From the first burst on.
+  Lane moving_;
+  Lane static_;
+};
+
+}  // namespace hgros::tf

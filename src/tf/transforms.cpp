@@ -1,0 +1,198 @@
+#include "hgros/tf/transforms.hpp"
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "tf/edge_owners.hpp"
+#include "tf/transform_messages.hpp"
+#include "tf/transform_sender.hpp"
+
+namespace hgros {
+namespace {
+
+std::string Edge(std::string_view parent, std::string_view child) {
+  return "from \"" + std::string(parent.substr(0, 200)) + "\" to \"" + std::string(child.substr(0, 200)) + "\"";
+}
+
+}  // namespace
+
+// Ties a tree to the channels of a session.
+// Thread safety: all of it, but construction and destruction.
+class Transforms::Core {
+ public:
+  Core(Session& session, TransformsOptions options)
+      : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {}
+
+  TransformTree& tree() noexcept { return tree_; }
+  tf::TransformSender& sender() noexcept { return sender_; }
+
+  void Listen();
+  SetResult SetMoving(std::span<const StampedEdge> edges);
+  SetResult SetStatic(std::string_view parent, std::string_view child, const RigidTransform& T_parent_child);
+  [[nodiscard]] TransformsStats stats() const;
+
+ private:
+  void Receive(const foxglove::FrameTransforms& message, const MessageInfo& info, bool is_static);
+  SetResult Take(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static);
+  // Its id while its name is not known.
+  std::string NameOf(SessionId session);
+  // Nothing if it is not there.
+  [[nodiscard]] std::optional<std::string> NameOfPeer(SessionId session) const;
+  void NoteOwner(std::string_view parent, std::string_view child, SessionId by, bool is_static);
+
+  Session& session_;
+  const TransformsOptions options_;
+  TransformTree tree_;
+  tf::EdgeOwners owners_;
+  std::atomic<std::uint64_t> received_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> shared_{0};
+  std::mutex names_mutex_;
+  std::unordered_map<SessionId, std::string> names_;
+  tf::TransformSender sender_;
+  std::once_flag listens_;
+  std::vector<Subscription> subscriptions_;  // The last: its callbacks use all others.
+};
+
+void Transforms::Core::Listen() {
+  std::call_once(listens_, [this] {
+    const auto listen = [this](std::string_view channel, NodeOptions node, bool is_static) {
+      subscriptions_.push_back(session_.FromAny<foxglove::FrameTransforms>(
+          channel, Invoke::kSerial,
+          [this, is_static](const foxglove::FrameTransforms& message, const MessageInfo& info) {
+            Receive(message, info, is_static);
+          },
+          std::move(node)));
+    };
+    NodeOptions still = options_.node;
+    if (!still.name.empty()) still.name += "_static";
+    listen(kStaticTransformsChannel, std::move(still), true);
+    listen(kTransformsChannel, options_.node, false);
+  });
+}
+
+SetResult Transforms::Core::SetMoving(std::span<const StampedEdge> edges) {
+  sender_.OpenMoving();
+  SetResult first_refusal;
+  std::vector<const StampedEdge*> taken;
+  taken.reserve(edges.size());
+  for (const StampedEdge& edge : edges) {
+    SetResult result = tree_.Set(edge.parent, edge.child, edge.stamp, edge.T_parent_child, session_.name());
+    if (result) {
+      NoteOwner(edge.parent, edge.child, session_.id(), false);
+      taken.push_back(&edge);
+    } else if (first_refusal) {
+      first_refusal = std::move(result);
+    }
+  }
+  sender_.SendMoving(taken);
+  return first_refusal;
+}
+
+SetResult Transforms::Core::SetStatic(std::string_view parent, std::string_view child,
+                                      const RigidTransform& T_parent_child) {
+  sender_.OpenStatic();
+  SetResult result = tree_.SetStatic(parent, child, T_parent_child, session_.name());
+  if (result) {
+    NoteOwner(parent, child, session_.id(), true);
+    sender_.SendStatic(parent, child, T_parent_child);
+  }
+  return result;
+}
+
+void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const MessageInfo& info, bool is_static) {
+  if (!info.remote && sender_.IsOwn(message)) return;
+  const SessionId by{info.id.publisher};
+  const std::string publisher = NameOf(by);
+  received_ += static_cast<std::uint64_t>(message.transforms_size());
+  for (const foxglove::FrameTransform& transform : message.transforms()) {
+    const std::string& parent = transform.parent_frame_id();
+    const std::string& child = transform.child_frame_id();
+    if (const SetResult result = Take(transform, publisher, is_static)) {
+      NoteOwner(parent, child, by, is_static);
+    } else {
+      ++refused_;
+      session_.log().WriteLimited(LogLevel::kWarning, "transform " + parent + " " + child,
+                                  "Of the transforms of session \"" + publisher + "\": " + result.text());
+    }
+  }
+}
+
+SetResult Transforms::Core::Take(const foxglove::FrameTransform& transform, std::string_view publisher,
+                                 bool is_static) {
+  const std::string& parent = transform.parent_frame_id();
+  const std::string& child = transform.child_frame_id();
+  const RigidTransform T_parent_child = tf::TransformOf(transform);
+  if (is_static) return tree_.SetStatic(parent, child, T_parent_child, publisher);
+  if (const auto stamp = tf::StampOf(transform)) return tree_.Set(parent, child, *stamp, T_parent_child, publisher);
+  return {SetFault::kTooOld, "The edge " + Edge(parent, child) + " was refused: its time stamp is no time."};
+}
+
+std::string Transforms::Core::NameOf(SessionId session) {
+  if (session == session_.id()) return session_.name();
+  const std::scoped_lock lock(names_mutex_);
+  if (const auto place = names_.find(session); place != names_.end()) return place->second;
+  if (const auto name = NameOfPeer(session)) return names_.emplace(session, *name).first->second;
+  return session.ToString();
+}
+
+std::optional<std::string> Transforms::Core::NameOfPeer(SessionId session) const {
+  for (const PeerInfo& peer : session_.Peers()) {
+    if (peer.id == session) return peer.process;
+  }
+  return std::nullopt;
+}
+
+void Transforms::Core::NoteOwner(std::string_view parent, std::string_view child, SessionId by, bool is_static) {
+  const auto frame = tree_.Find(child);
+  if (!frame) return;
+  const auto other = owners_.Note(*frame, by, is_static);
+  if (!other || (*other != session_.id() && !NameOfPeer(*other)) || !owners_.Settle(*frame)) return;
+  ++shared_;
+  session_.log().Write(LogLevel::kWarning, "Two sessions set the edge " + Edge(parent, child) + ": \"" +
+                                               NameOf(*other) + "\" (" + other->ToString() + ") and \"" + NameOf(by) +
+                                               "\" (" + by.ToString() +
+                                               "). What is looked up jumps between them; let one of them set it.");
+}
+
+TransformsStats Transforms::Core::stats() const {
+  return {.sent_messages = sender_.sent_messages(),
+          .sent_transforms = sender_.sent_transforms(),
+          .unsent_transforms = sender_.unsent_transforms(),
+          .received_transforms = received_,
+          .refused_transforms = refused_,
+          .shared_edges = shared_};
+}
+
+Transforms::Transforms(Session& session, const TransformsOptions& options)
+    : core_(std::make_unique<Core>(session, options)) {}
+Transforms::~Transforms() = default;
+
+SetResult Transforms::ToTF(Time stamp, std::string_view parent, std::string_view child,
+                           const RigidTransform& T_parent_child) {
+  const StampedEdge edge{std::string(parent), std::string(child), stamp, T_parent_child};
+  return core_->SetMoving({&edge, 1});
+}
+
+SetResult Transforms::ToTF(std::span<const StampedEdge> edges) { return core_->SetMoving(edges); }
+
+SetResult Transforms::ToStaticTF(std::string_view parent, std::string_view child,
+                                 const RigidTransform& T_parent_child) {
+  return core_->SetStatic(parent, child, T_parent_child);
+}
+
+TransformTree& Transforms::tree() {
+  core_->Listen();
+  return core_->tree();
+}
+
+void Transforms::Flush() { core_->sender().Flush(); }
+
+TransformsStats Transforms::stats() const { return core_->stats(); }
+
+}  // namespace hgros

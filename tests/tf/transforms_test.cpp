@@ -1,0 +1,241 @@
+#include "hgros/tf/transforms.hpp"
+
+#include <limits>
+
+#include <foxglove/FrameTransforms.pb.h>
+#include <gmock/gmock.h>
+
+#include "hgros/tf/default_transforms.hpp"
+#include "session/domain_fixture.hpp"
+#include "tf/tf_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Await;
+using test::Difference;
+using test::kPatience;
+using test::Robot;
+using test::Shift;
+
+Time At(double seconds) { return Time{static_cast<std::int64_t>(seconds * 1e9)}; }
+
+foxglove::FrameTransforms Message(const std::string& parent, const std::string& child, double w = 1,
+                                  std::int64_t seconds = 1, std::int32_t nanos = 0) {
+  foxglove::FrameTransforms message;
+  auto& one = *message.add_transforms();
+  one.set_parent_frame_id(parent);
+  one.set_child_frame_id(child);
+  one.mutable_timestamp()->set_seconds(seconds);
+  one.mutable_timestamp()->set_nanos(nanos);
+  one.mutable_rotation()->set_w(w);
+  return message;
+}
+
+bool Listens(const Robot& robot, std::string_view channel) {
+  for (const ChannelSnapshot& one : robot->Snapshot().graph.channels) {
+    if (one.name == channel) return !one.nodes.empty();
+  }
+  return false;
+}
+
+// Two robots of a domain of their own.
+class TransformsOfTwo : public test::DomainFixture {
+ protected:
+  // `there` has heard whatever was sent before.
+  static bool Arrives(Transforms& there, const std::string& parent, const std::string& child, Time time) {
+    TransformTree& tree = there.tree();
+    return bool(tree.Wait({tree.Frame(parent), tree.Frame(child), time}, kPatience));
+  }
+  static bool Arrives(Transforms& there, const std::string& parent, const std::string& child) {
+    TransformTree& tree = there.tree();
+    return bool(tree.Wait({tree.Frame(parent), tree.Frame(child)}, kPatience));
+  }
+
+  Robot a{"", "a"};
+  Robot b{"", "b"};
+};
+
+TEST_F(TransformsOfTwo, WhatOneSetsTheOtherLooksUp) {
+  Transforms setting(*a.session);
+  Transforms looking(*b.session);
+  (void)looking.tree();
+  EXPECT_TRUE(setting.ToTF(At(1), "map", "base", Shift(1)));
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  EXPECT_TRUE(setting.ToTF(At(2), "map", "base", Shift(2).Isometry()));
+  EXPECT_TRUE(setting.ToTF(At(3), "map", "base", Shift(3)));
+  ASSERT_TRUE(Arrives(looking, "map", "base", At(3)));
+  EXPECT_LT(Difference(looking.FromTF("map", "base")->T_target_source, Shift(3)), 1e-12);
+  EXPECT_LT(Difference(looking.FromTF("map", "base", At(2.25))->T_target_source, Shift(2.25)), 1e-9);
+  EXPECT_EQ(looking.tree().Edges().at(0).publisher, "a");
+  EXPECT_EQ(looking.stats().refused_transforms, 0U);
+}
+
+TEST_F(TransformsOfTwo, WhoComesLaterHasAllThatDoesNotMove) {
+  Transforms setting(*a.session, {.batch = 0ns});
+  EXPECT_TRUE(setting.ToStaticTF("base", "laser", Shift(1)));
+  EXPECT_TRUE(setting.ToStaticTF("base", "camera", Shift(2)));
+  EXPECT_TRUE(setting.ToStaticTF("base", "laser", Shift(3)));
+  Transforms looking(*b.session);
+  ASSERT_TRUE(Arrives(looking, "laser", "camera"));
+  EXPECT_LT(Difference(looking.FromTF("base", "laser")->T_target_source, Shift(3)), 1e-12);
+  EXPECT_EQ(looking.FromTF("base", "camera")->stamp, Time{});
+  EXPECT_EQ(looking.stats().received_transforms, 2U) << "each edge once";
+}
+
+TEST_F(TransformsOfTwo, WhoAsksForNoneSubscribesToNone) {
+  Transforms setting(*a.session);
+  EXPECT_TRUE(setting.ToTF(At(1), "map", "base", Shift(1)));
+  EXPECT_FALSE(Listens(a, kTransformsChannel));
+  EXPECT_FALSE(Listens(a, kStaticTransformsChannel));
+  EXPECT_TRUE(setting.FromTF("map", "base")) << "its own is there at once";
+  EXPECT_TRUE(Listens(a, kTransformsChannel));
+  EXPECT_TRUE(Listens(a, kStaticTransformsChannel));
+}
+
+TEST_F(TransformsOfTwo, ABurstGoesOutInFewMessages) {
+  constexpr int kCount = 200;
+  Transforms setting(*a.session, {.batch = 20ms});
+  Transforms looking(*b.session);
+  (void)looking.tree();
+  ASSERT_TRUE(setting.ToTF(At(0), "map", "base", Shift(0)));
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  for (int i = 1; i <= kCount; ++i) ASSERT_TRUE(setting.ToTF(At(i * 0.001), "map", "base", Shift(i)));
+  ASSERT_TRUE(Arrives(looking, "map", "base", At(kCount * 0.001)));
+  EXPECT_LT(setting.stats().sent_messages, kCount / 4U);
+  EXPECT_TRUE(Await([&] { return setting.stats().sent_transforms == kCount + 1U; }));
+  EXPECT_TRUE(Await([&] { return looking.tree().Edges().at(0).transforms >= std::size_t{kCount}; }));
+}
+
+TEST_F(TransformsOfTwo, SeveralAtOnceAreOneMessageWithoutThoseThatAreRefused) {
+  Transforms setting(*a.session, {.batch = 0ns});
+  const std::vector<StampedEdge> edges = {{"map", "base", At(1), Shift(1)},
+                                          {"base", "map", At(1), Shift(1)},
+                                          {"base", "base", At(1), Shift(1)},
+                                          {"base", "arm", At(1), Shift(2)}};
+  const SetResult result = setting.ToTF(edges);
+  EXPECT_EQ(result.fault(), SetFault::kCycle);
+  EXPECT_THAT(result.text(), testing::HasSubstr("\"base\" to \"map\""));
+  EXPECT_EQ(setting.stats().sent_messages, 1U);
+  EXPECT_EQ(setting.stats().sent_transforms, 2U);
+  EXPECT_TRUE(setting.FromTF("map", "arm"));
+}
+
+TEST_F(TransformsOfTwo, WhatWaitsForTheEndOfABatchIsSentAtTheEnd) {
+  Transforms looking(*b.session);
+  (void)looking.tree();
+  {
+    Transforms setting(*a.session, {.batch = 1h});
+    ASSERT_TRUE(setting.ToTF(At(1), "map", "base", Shift(1)));
+    ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+    ASSERT_TRUE(setting.ToTF(At(2), "map", "base", Shift(2)));
+    setting.Flush();
+    EXPECT_TRUE(Arrives(looking, "map", "base", At(2)));
+    ASSERT_TRUE(setting.ToTF(At(3), "map", "base", Shift(3)));
+  }
+  EXPECT_TRUE(Arrives(looking, "map", "base", At(3)));
+}
+
+TEST_F(TransformsOfTwo, AnEdgeOfTwoSessionsIsReportedOnce) {
+  Transforms one(*a.session);
+  Transforms two(*b.session);
+  (void)one.tree();
+  (void)two.tree();
+  ASSERT_TRUE(one.ToTF(At(1), "map", "one", Shift(1)));
+  ASSERT_TRUE(two.ToTF(At(1), "map", "two", Shift(1)));
+  for (Robot* robot : {&a, &b}) {  // The other one, and itself.
+    ASSERT_TRUE((*robot)->WaitForSubscribers(kTransformsChannel, 2, kPatience));
+  }
+  for (int i = 1; i <= 5; ++i) {
+    ASSERT_TRUE(one.ToTF(At(2 * i), "map", "base", Shift(1)));
+    ASSERT_TRUE(Arrives(two, "map", "base", At(2 * i)));
+    ASSERT_TRUE(two.ToTF(At(2 * i + 1), "map", "base", Shift(2)));
+    ASSERT_TRUE(Arrives(one, "map", "base", At(2 * i + 1)));
+  }
+  for (Robot* robot : {&a, &b}) {
+    EXPECT_EQ(robot->Count("Two sessions set the edge from \"map\" to \"base\""), 1U);
+  }
+  EXPECT_EQ(one.stats().shared_edges, 1U);
+  EXPECT_TRUE(a.Said("\"b\" (" + b->id().ToString() + ")"));
+}
+
+TEST_F(TransformsOfTwo, AnEdgeThatAnotherSessionTakesOverIsNotShared) {
+  Transforms looking(*b.session);
+  (void)looking.tree();
+  {
+    Robot before{"", "localizer"};
+    Transforms setting(*before.session);
+    ASSERT_TRUE(setting.ToTF(At(1), "map", "base", Shift(1)));
+    ASSERT_TRUE(before->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+    ASSERT_TRUE(setting.ToTF(At(2), "map", "base", Shift(1)));
+    ASSERT_TRUE(Arrives(looking, "map", "base", At(2)));
+  }
+  Transforms setting(*a.session);
+  ASSERT_TRUE(setting.ToTF(At(3), "map", "base", Shift(1)));
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  ASSERT_TRUE(setting.ToTF(At(4), "map", "base", Shift(1)));
+  ASSERT_TRUE(Arrives(looking, "map", "base", At(4)));
+  EXPECT_EQ(looking.stats().shared_edges, 0U);
+  EXPECT_EQ(looking.tree().Edges().at(0).publisher, "a");
+}
+
+TEST_F(TransformsOfTwo, WhatIsNoTransformIsRefusedCountedAndNamed) {
+  Transforms looking(*b.session);
+  (void)looking.tree();
+  const auto publish = a->Advertise<foxglove::FrameTransforms>(kTransformsChannel);
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const foxglove::FrameTransforms bad[] = {
+      Message("map", "a", kNan), Message("map", "b", 0.5),          Message("", "c"),
+      Message("map", "map"),     Message("map", "d", 1, INT64_MAX), Message("map", "e", 1, 1, -1)};
+  for (const auto& message : bad) ASSERT_EQ(publish(message), PublishStatus::kOk);
+  ASSERT_EQ(publish(Message("map", "base")), PublishStatus::kOk);
+  ASSERT_TRUE(Arrives(looking, "map", "base", At(1)));
+  EXPECT_EQ(looking.stats().received_transforms, 7U);
+  EXPECT_EQ(looking.stats().refused_transforms, 6U);
+  EXPECT_EQ(looking.tree().Edges().size(), 1U);
+  EXPECT_TRUE(b.Said("Of the transforms of session \"a\": The edge from \"map\" to \"d\" was refused"));
+  EXPECT_EQ(b.Count("Of the transforms of session"), 6U);
+}
+
+TEST_F(TransformsOfTwo, ACallbackMaySetTransformsWhereverItRuns) {
+  Transforms transforms(*a.session, {.batch = 0ns});
+  int rounds = 0;
+  const Subscription echo = a->FromAny<foxglove::FrameTransforms>(
+      kTransformsChannel, Invoke::kSerial,
+      [&](const foxglove::FrameTransforms&) {
+        if (++rounds < 5) {
+          EXPECT_TRUE(transforms.ToTF(At(rounds), "map", "echo", Shift(rounds)));
+        }
+      },
+      test::Inline());
+  EXPECT_TRUE(transforms.ToTF(At(1), "map", "base", Shift(1)));
+  EXPECT_TRUE(Await([&] { return transforms.stats().sent_messages == 5; }));
+}
+
+TEST_F(TransformsOfTwo, WhatAProgramPublishesByHandIsTakenInItsOwnSessionToo) {
+  Transforms transforms(*a.session);
+  (void)transforms.tree();
+  EXPECT_EQ(a->ToAny(kTransformsChannel, Message("map", "hand")), PublishStatus::kOk);
+  EXPECT_TRUE(Arrives(transforms, "map", "hand"));
+  EXPECT_TRUE(transforms.ToTF(At(1), "map", "base", Shift(1)));
+  ASSERT_TRUE(a->WaitIdle(kPatience));
+  EXPECT_EQ(transforms.stats().received_transforms, 1U) << "its own are not taken twice";
+}
+
+TEST(DefaultTransforms, AreThoseOfTheDefaultSession) {
+  for (int life = 0; life < 2; ++life) {
+    Init();
+    EXPECT_FALSE(FromTF("map", "base")) << "nothing is left of an earlier session";
+    EXPECT_TRUE(ToTF(At(1), "map", "base", Shift(1)));
+    EXPECT_TRUE(ToTF(At(2), "map", "base", Shift(3).Isometry()));
+    EXPECT_LT(Difference(FromTF("map", "base")->T_target_source, Shift(3)), 1e-12);
+    EXPECT_LT(Difference(FromTF("map", "base", At(1.5))->T_target_source, Shift(2)), 1e-9);
+    Shutdown();
+  }
+  EXPECT_THROW((void)FromTF("map", "base"), Error);
+}
+
+}  // namespace
+}  // namespace hgros
