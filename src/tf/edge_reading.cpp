@@ -65,6 +65,23 @@ Number FirstThatCounts(Search& search, const SampleRing::Window& window, std::in
                                                                                                        : window.begin;
 }
 
+// Beyond the window lies at most one transform, whose writer has not counted it yet: ReadNewest shows it already. The
+// caller sees to it that the count has not changed meanwhile.
+Reading ReadAhead(const Frame& edge, const SampleRing& ring, const SampleRing::Window& window, std::int64_t stamp,
+                  Pose& pose) {
+  const Sample& ahead = ring.Newest();
+  const std::int64_t to = ahead.Stamp();
+  if (to < stamp) return Reading::kTooNew;
+  ahead.ReadTo(pose);
+  if (to == stamp) return Reading::kFound;
+  const Sample& last = window[window.end - 1];
+  const std::int64_t from = last.Stamp();
+  if (from < edge.limits.OldestFor(to)) return Reading::kTooOld;
+  pose = Interpolated(last.Read(), pose,
+                      static_cast<double>(Between(from, stamp)) / static_cast<double>(Between(from, to)));
+  return Reading::kFound;
+}
+
 }  // namespace
 
 Reading ReadAt(const Frame& edge, std::int64_t stamp, Pose& pose) {
@@ -79,10 +96,15 @@ Reading ReadAt(const Frame& edge, std::int64_t stamp, Pose& pose) {
       if (!ring.StillThere(last)) continue;
       return Reading::kFound;
     }
+    if (stamp > newest) {
+      const Reading reading = ReadAhead(edge, ring, window, stamp, pose);
+      if (ring.End() != window.end || !ring.StillThere(last)) continue;
+      return reading;
+    }
     const std::int64_t oldest = edge.limits.OldestFor(newest);
-    if (stamp > newest || stamp < oldest || last == window.begin) {
+    if (stamp < oldest || last == window.begin) {
       if (!ring.StillThere(last)) continue;
-      return stamp > newest ? Reading::kTooNew : Reading::kTooOld;
+      return Reading::kTooOld;
     }
 
     Search search(window, Guess(ring, window, newest, stamp));

@@ -99,26 +99,45 @@ RobotDescription RobotDescription::FromText(const std::string& urdf, std::string
 const std::string& RobotDescription::root() const noexcept { return model_->root; }
 const std::vector<std::string>& RobotDescription::joints() const noexcept { return model_->names; }
 
+std::vector<StampedEdge> RobotDescription::FixedEdges() const {
+  std::vector<StampedEdge> edges;
+  for (const Joint& joint : model_->fixed) edges.push_back({joint.parent, joint.child, {}, joint.origin});
+  return edges;
+}
+
+std::vector<StampedEdge> RobotDescription::EdgesAt(Time stamp, std::span<const JointPosition> positions) const {
+  std::vector<StampedEdge> edges;
+  const auto add = [&](const Joint& joint, double position) {
+    edges.push_back({joint.parent, joint.child, stamp, joint.At(position)});
+  };
+  for (const JointPosition& given : positions) {
+    const auto joint = model_->movable.find(given.name);
+    if (joint == model_->movable.end()) continue;
+    add(joint->second, given.position);
+    for (const auto& [name, mimic] : model_->mimics) {
+      if (mimic.joint != given.name) continue;
+      add(model_->movable.find(name)->second, mimic.multiplier * given.position + mimic.offset);
+    }
+  }
+  return edges;
+}
+
 SetResult RobotDescription::SetFixed(TransformTree& tree) const {
-  for (const Joint& joint : model_->fixed) {
-    if (SetResult set = tree.SetStatic(joint.parent, joint.child, joint.origin, "robot description"); !set) return set;
+  for (const StampedEdge& edge : FixedEdges()) {
+    SetResult set = tree.SetStatic(edge.parent, edge.child, edge.T_parent_child, "robot description");
+    if (!set) return set;
   }
   return {};
 }
 
 SetResult RobotDescription::SetJoints(TransformTree& tree, Time stamp, std::span<const JointPosition> positions) const {
-  const auto set = [&](const Joint& joint, double position) {
-    return tree.Set(joint.parent, joint.child, stamp, joint.At(position), "joint states");
-  };
-  for (const JointPosition& given : positions) {
-    const auto joint = model_->movable.find(given.name);
-    if (joint == model_->movable.end()) continue;
-    if (SetResult result = set(joint->second, given.position); !result) return result;
-    for (const auto& [name, mimic] : model_->mimics) {
-      if (mimic.joint != given.name) continue;
-      SetResult result = set(model_->movable.find(name)->second, mimic.multiplier * given.position + mimic.offset);
-      if (!result) return result;
-    }
+  return SetAll(tree, EdgesAt(stamp, positions));
+}
+
+SetResult RobotDescription::SetAll(TransformTree& tree, std::span<const StampedEdge> edges) {
+  for (const StampedEdge& edge : edges) {
+    SetResult set = tree.Set(edge.parent, edge.child, edge.stamp, edge.T_parent_child, "joint states");
+    if (!set) return set;
   }
   return {};
 }

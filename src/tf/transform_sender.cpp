@@ -34,13 +34,14 @@ void TransformSender::SendMoving(std::span<const StampedEdge* const> edges) {
   Touch(moving_, lock);
 }
 
-void TransformSender::SendStatic(std::string_view parent, std::string_view child,
-                                 const RigidTransform& T_parent_child) {
+void TransformSender::SendStatic(std::span<const StampedEdge* const> edges) {
+  if (edges.empty()) return;
   std::unique_lock lock(mutex_);
-  Append(static_.waiting, parent, child, WallNow(), T_parent_child);
   auto& all = *static_.waiting.mutable_transforms();
-  const auto [place, is_new] = static_places_.try_emplace(std::string(child), all.size() - 1);
-  if (!is_new) {
+  for (const StampedEdge* edge : edges) {
+    Append(static_.waiting, edge->parent, edge->child, WallNow(), edge->T_parent_child);
+    const auto [place, is_new] = static_places_.try_emplace(edge->child, all.size() - 1);
+    if (is_new) continue;
     all.SwapElements(place->second, all.size() - 1);
     all.RemoveLast();
   }

@@ -33,7 +33,7 @@ class TransformSender {
   void OpenMoving();
   void OpenStatic();
   void SendMoving(std::span<const StampedEdge* const> edges);
-  void SendStatic(std::string_view parent, std::string_view child, const RigidTransform& T_parent_child);
+  void SendStatic(std::span<const StampedEdge* const> edges);
   void Flush();
 
   /// Whether this is one of the messages that this object sent.

@@ -32,8 +32,7 @@ class Transforms::Core {
   tf::TransformSender& sender() noexcept { return sender_; }
 
   void Listen();
-  SetResult SetMoving(std::span<const StampedEdge> edges);
-  SetResult SetStatic(std::string_view parent, std::string_view child, const RigidTransform& T_parent_child);
+  SetResult Set(std::span<const StampedEdge> edges, bool is_static);
   [[nodiscard]] TransformsStats stats() const;
 
  private:
@@ -76,33 +75,23 @@ void Transforms::Core::Listen() {
   });
 }
 
-SetResult Transforms::Core::SetMoving(std::span<const StampedEdge> edges) {
-  sender_.OpenMoving();
+SetResult Transforms::Core::Set(std::span<const StampedEdge> edges, bool is_static) {
+  is_static ? sender_.OpenStatic() : sender_.OpenMoving();
   SetResult first_refusal;
   std::vector<const StampedEdge*> taken;
   taken.reserve(edges.size());
   for (const StampedEdge& edge : edges) {
-    SetResult result = tree_.Set(edge.parent, edge.child, edge.stamp, edge.T_parent_child, session_.name());
+    SetResult result = is_static ? tree_.SetStatic(edge.parent, edge.child, edge.T_parent_child, session_.name())
+                                 : tree_.Set(edge.parent, edge.child, edge.stamp, edge.T_parent_child, session_.name());
     if (result) {
-      NoteOwner(edge.parent, edge.child, session_.id(), false);
+      NoteOwner(edge.parent, edge.child, session_.id(), is_static);
       taken.push_back(&edge);
     } else if (first_refusal) {
       first_refusal = std::move(result);
     }
   }
-  sender_.SendMoving(taken);
+  is_static ? sender_.SendStatic(taken) : sender_.SendMoving(taken);
   return first_refusal;
-}
-
-SetResult Transforms::Core::SetStatic(std::string_view parent, std::string_view child,
-                                      const RigidTransform& T_parent_child) {
-  sender_.OpenStatic();
-  SetResult result = tree_.SetStatic(parent, child, T_parent_child, session_.name());
-  if (result) {
-    NoteOwner(parent, child, session_.id(), true);
-    sender_.SendStatic(parent, child, T_parent_child);
-  }
-  return result;
 }
 
 void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const MessageInfo& info, bool is_static) {
@@ -176,15 +165,18 @@ Transforms::~Transforms() = default;
 SetResult Transforms::ToTF(Time stamp, std::string_view parent, std::string_view child,
                            const RigidTransform& T_parent_child) {
   const StampedEdge edge{std::string(parent), std::string(child), stamp, T_parent_child};
-  return core_->SetMoving({&edge, 1});
+  return core_->Set({&edge, 1}, false);
 }
 
-SetResult Transforms::ToTF(std::span<const StampedEdge> edges) { return core_->SetMoving(edges); }
+SetResult Transforms::ToTF(std::span<const StampedEdge> edges) { return core_->Set(edges, false); }
 
 SetResult Transforms::ToStaticTF(std::string_view parent, std::string_view child,
                                  const RigidTransform& T_parent_child) {
-  return core_->SetStatic(parent, child, T_parent_child);
+  const StampedEdge edge{std::string(parent), std::string(child), {}, T_parent_child};
+  return core_->Set({&edge, 1}, true);
 }
+
+SetResult Transforms::ToStaticTF(std::span<const StampedEdge> edges) { return core_->Set(edges, true); }
 
 TransformTree& Transforms::tree() {
   core_->Listen();

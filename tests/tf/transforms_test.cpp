@@ -1,11 +1,13 @@
 #include "hgros/tf/transforms.hpp"
 
+#include <gmock/gmock.h>
+
 #include <limits>
 
 #include <foxglove/FrameTransforms.pb.h>
-#include <gmock/gmock.h>
 
 #include "hgros/tf/default_transforms.hpp"
+#include "hgros/tf/robot_description.hpp"
 #include "session/domain_fixture.hpp"
 #include "tf/tf_fixture.hpp"
 
@@ -222,6 +224,24 @@ TEST_F(TransformsOfTwo, WhatAProgramPublishesByHandIsTakenInItsOwnSessionToo) {
   EXPECT_TRUE(transforms.ToTF(At(1), "map", "base", Shift(1)));
   ASSERT_TRUE(a->WaitIdle(kPatience));
   EXPECT_EQ(transforms.stats().received_transforms, 1U) << "its own are not taken twice";
+}
+
+TEST_F(TransformsOfTwo, ARobotsJointsTravel) {
+  const auto robot = RobotDescription::FromText(R"(<robot name="arm">
+    <link name="base"/><link name="mast"/><link name="head"/>
+    <joint name="stand" type="fixed"><parent link="base"/><child link="mast"/><origin xyz="0 0 1"/></joint>
+    <joint name="neck" type="continuous"><parent link="mast"/><child link="head"/><axis xyz="0 0 1"/></joint>
+    </robot>)");
+  Transforms setting(*a.session);
+  Transforms looking(*b.session);
+  (void)looking.tree();
+  ASSERT_TRUE(setting.ToStaticTF(robot.FixedEdges()));
+  const JointPosition neck{"neck", 0.5};
+  ASSERT_TRUE(setting.ToTF(robot.EdgesAt(At(1), {&neck, 1})));
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  ASSERT_TRUE(setting.ToTF(robot.EdgesAt(At(2), {&neck, 1})));
+  ASSERT_TRUE(Arrives(looking, "base", "head", At(2)));
+  EXPECT_LT(Difference(looking.FromTF("base", "head")->T_target_source, Shift(0, 0, 1) * test::TurnZ(0.5)), 1e-9);
 }
 
 TEST(DefaultTransforms, AreThoseOfTheDefaultSession) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hgros/base/export.hpp"
+#include "hgros/tf/stamped_edge.hpp"
 #include "hgros/tf/transform_tree.hpp"
 
 namespace hgros {
@@ -39,20 +40,31 @@ class HGROS_EXPORT RobotDescription {
   /// The joints that have a position of their own, by name.
   [[nodiscard]] const std::vector<std::string>& joints() const noexcept;
 
-  /// Sets every fixed joint. The first edge that is refused ends it.
-  SetResult SetFixed(TransformTree& tree) const;
-  /// Sets every joint of those names, and joints that mimic them. Names that are no movable joint of the robot are
-  /// passed over. The first edge that is refused ends it.
-  SetResult SetJoints(TransformTree& tree, Time stamp, std::span<const JointPosition> positions) const;
+  /// Every fixed joint as an edge that does not move, for Transforms::ToStaticTF.
+  [[nodiscard]] std::vector<StampedEdge> FixedEdges() const;
+  /// Every joint of those names as an edge, for Transforms::ToTF, and joints that mimic them. Names that are no movable
+  /// joint of the robot are passed over.
+  [[nodiscard]] std::vector<StampedEdge> EdgesAt(Time stamp, std::span<const JointPosition> positions) const;
   template <JointStatesMessage T>
-  SetResult SetJoints(TransformTree& tree, const T& states) const {
+  [[nodiscard]] std::vector<StampedEdge> EdgesAt(const T& states) const {
     std::vector<JointPosition> positions;
     for (const auto& joint : states.joints()) positions.push_back({joint.name(), joint.position()});
     const Time stamp{states.timestamp().seconds() * 1'000'000'000 + states.timestamp().nanos()};
-    return SetJoints(tree, stamp, positions);
+    return EdgesAt(stamp, positions);
+  }
+
+  /// Sets every fixed joint in a tree. The first edge that is refused ends it.
+  SetResult SetFixed(TransformTree& tree) const;
+  /// Sets the joints as EdgesAt gives them. The first edge that is refused ends it.
+  SetResult SetJoints(TransformTree& tree, Time stamp, std::span<const JointPosition> positions) const;
+  template <JointStatesMessage T>
+  SetResult SetJoints(TransformTree& tree, const T& states) const {
+    return SetAll(tree, EdgesAt(states));
   }
 
  private:
+  static SetResult SetAll(TransformTree& tree, std::span<const StampedEdge> edges);
+
   struct Model;
   explicit RobotDescription(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
   std::shared_ptr<const Model> model_;

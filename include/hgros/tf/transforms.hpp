@@ -11,6 +11,7 @@
 #include "hgros/base/export.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/session/session.hpp"
+#include "hgros/tf/stamped_edge.hpp"
 #include "hgros/tf/transform_tree.hpp"
 
 namespace hgros {
@@ -19,14 +20,6 @@ namespace hgros {
 inline constexpr std::string_view kTransformsChannel = "tf";
 /// Latched: each session's last message here has all its edges that do not move.
 inline constexpr std::string_view kStaticTransformsChannel = "tf_static";
-
-/// One transform for ToTF: p_parent = T_parent_child * p_child at `stamp`.
-struct StampedEdge {
-  std::string parent;
-  std::string child;
-  Time stamp;
-  RigidTransform T_parent_child;
-};
 
 struct TransformsOptions {
   TransformTreeOptions tree{};
@@ -69,14 +62,15 @@ class HGROS_EXPORT Transforms {
   ~Transforms();
 
   /// Sets and sends one transform: the pose of `child` in `parent`. What the tree refuses is not sent.
-  /// Errors: throws Error if the channel is used with another type; so do the next three.
+  /// Errors: throws Error if the channel is used with another type; so do the others that set.
   SetResult ToTF(Time stamp, std::string_view parent, std::string_view child, const RigidTransform& T_parent_child);
   SetResult ToTF(Time stamp, std::string_view parent, std::string_view child, const Eigen::Isometry3d& T_parent_child) {
     return ToTF(stamp, parent, child, RigidTransform(T_parent_child));
   }
   /// Several in one message. Of refused ones the first is returned; the others are taken.
   SetResult ToTF(std::span<const StampedEdge> edges);
-  /// For edges that do not move; who comes later gets them, too.
+  /// For edges that do not move; who comes later gets them, too. Of `edges` the stamps count for nothing.
+  SetResult ToStaticTF(std::span<const StampedEdge> edges);
   SetResult ToStaticTF(std::string_view parent, std::string_view child, const RigidTransform& T_parent_child);
   SetResult ToStaticTF(std::string_view parent, std::string_view child, const Eigen::Isometry3d& T_parent_child) {
     return ToStaticTF(parent, child, RigidTransform(T_parent_child));
