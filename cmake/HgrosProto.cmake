@@ -56,7 +56,7 @@ function(hgros_proto_sources out_var import_root)
       "${bodies_${batch}}")
     file(CONFIGURE OUTPUT ${batch_file} CONTENT "${text}" @ONLY)
     set_source_files_properties(${batch_file} PROPERTIES
-      COMPILE_OPTIONS "${options}" INCLUDE_DIRECTORIES ${generated_root} OBJECT_DEPENDS "${inputs_${batch}}")
+      COMPILE_OPTIONS "${options}" SKIP_UNITY_BUILD_INCLUSION ON INCLUDE_DIRECTORIES ${generated_root} OBJECT_DEPENDS "${inputs_${batch}}")
     math(EXPR batch "${batch} + 1")
   endforeach()
   set_source_files_properties(${generated} PROPERTIES HEADER_FILE_ONLY ON)

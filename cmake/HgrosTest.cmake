@@ -1,11 +1,11 @@
 include(GoogleTest)
 
-# hgros_test(NAME name SOURCES ... LINK targets... [TIMEOUT seconds] [PROPERTIES ctest properties...])
+# hgros_test(NAME name SOURCES ... LINK targets... [ALONE sources...] [TIMEOUT seconds] [PROPERTIES ctest properties...])
 # One GoogleTest suite: an executable <name>, and one ctest entry per TEST. Links static modules (hgros::base ...) or
 # the shared library (hgros::hgros), never both: two copies of one module in a process would register its protobuf
-# files twice.
+# files twice. Builds that compile many sources as one leave out those of ALONE, whose names would meet others'.
 function(hgros_test)
-  cmake_parse_arguments(ARG "" "NAME;TIMEOUT" "SOURCES;LINK;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;TIMEOUT" "SOURCES;LINK;ALONE;PROPERTIES" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 60)
   endif()
@@ -13,6 +13,7 @@ function(hgros_test)
     math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 5")
   endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/alone.cpp)
+  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LINK} hgros_warnings GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${ARG_NAME} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60

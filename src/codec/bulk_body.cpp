@@ -20,10 +20,10 @@ using google::protobuf::Message;
 using google::protobuf::io::CodedOutputStream;
 
 constexpr std::size_t kMaxBytes = std::numeric_limits<int>::max();  // protobuf's own limit.
-constexpr std::uint32_t kLengthDelimited = 2;
+constexpr std::uint32_t kWireTypeOfBytes = 2;
 
 std::uint32_t TagOf(const FieldDescriptor& field) {
-  return (static_cast<std::uint32_t>(field.number()) << 3U) | kLengthDelimited;
+  return (static_cast<std::uint32_t>(field.number()) << 3U) | kWireTypeOfBytes;
 }
 
 // Tag and length.

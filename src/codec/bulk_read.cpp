@@ -13,7 +13,7 @@ namespace {
 
 using google::protobuf::Message;
 
-constexpr std::size_t kMaxBytes = std::numeric_limits<int>::max();  // protobuf's own limit.
+constexpr std::size_t kMaxWireBytes = std::numeric_limits<int>::max();  // protobuf's own limit.
 
 enum WireType : std::uint32_t { kVarint, kFixed64, kLengthDelimited, kGroup, kEndGroup, kFixed32 };
 
@@ -97,7 +97,7 @@ bool Merge(Bytes piece, Message& message) {
 }  // namespace
 
 bool ReadBulk(Bytes wire, const google::protobuf::FieldDescriptor& field, Message& head, Bytes& bulk, bool& present) {
-  if (wire.size() > kMaxBytes) return false;
+  if (wire.size() > kMaxWireBytes) return false;
   const std::uint32_t bulk_tag = (static_cast<std::uint32_t>(field.number()) << 3U) | kLengthDelimited;
   FieldScan scan(wire);
   const std::byte* unread = wire.data();  // What lies from here to the scan's place belongs to the head.

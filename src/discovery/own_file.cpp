@@ -16,7 +16,7 @@
 namespace hgros::discovery {
 namespace {
 
-constexpr int kTries = 100;
+constexpr int kFileTries = 100;
 
 [[noreturn]] void Fail(const std::string& what, const std::filesystem::path& where) {
   throw Error("A session's announcement cannot be written: " + what + ": " + std::strerror(errno) + ".", where.string(),
@@ -40,7 +40,7 @@ OwnFile::OwnFile(std::filesystem::path folder, SessionId session)
 std::filesystem::path OwnFile::Unfinished() const { return folder_ / UnfinishedFileName(session_); }
 
 bool OwnFile::Put(std::string_view content) {
-  for (int tries = 0; tries < kTries; ++tries) {
+  for (int tries = 0; tries < kFileTries; ++tries) {
     const std::filesystem::path unfinished = Unfinished();
     OwnDescriptor file(
         [&] { return open(unfinished.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600); });

@@ -23,7 +23,7 @@ constexpr auto kLongestPause = std::chrono::seconds(1);
 // A living session whose file somebody removes puts it back sooner.
 constexpr auto kGrace = std::chrono::milliseconds(500);
 constexpr auto kBetweenMendings = std::chrono::seconds(1);
-constexpr int kTries = 100;
+constexpr int kOpenTries = 100;
 
 constexpr std::string_view kEnded = "Its process ended without a goodbye.";
 
@@ -87,7 +87,7 @@ void RegistryCore::Open() {
       return;
     } catch (const Error&) {
       // The last session that leaves may remove the folder between the two steps.
-      if (tries == kTries || std::filesystem::exists(folder_.path())) throw;
+      if (tries == kOpenTries || std::filesystem::exists(folder_.path())) throw;
     }
   }
 }

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 constexpr mode_t kOnlyMe = 0700;
-constexpr int kTries = 100;
+constexpr int kFolderTries = 100;
 
 fs::path UsersFolder() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
@@ -61,7 +61,7 @@ RegistryFolder::RegistryFolder(const RegistryOptions& options) {
 
 void RegistryFolder::Make() const {
   // A session that leaves may remove a folder between two steps.
-  for (int tries = 0; tries < kTries; ++tries) {
+  for (int tries = 0; tries < kFolderTries; ++tries) {
     if (!MakeOne(parent_)) {
       throw Error("The folder in which sessions find each other cannot be made: its parent does not exist.",
                   parent_.string(), "Make the parent, or name another folder.");

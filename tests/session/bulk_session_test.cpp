@@ -14,10 +14,10 @@ using foxglove::PointCloud;
 using test::Await;
 using test::Bus;
 using test::kPatience;
+using test::kSerial;
 using test::Robot;
 using BulkCloud = Bulk<PointCloud>;
 
-constexpr Invoke kSerial = Invoke::kSerial;
 constexpr std::size_t kSize = 300'000;
 
 std::string Text(const PointCloud& cloud) { return cloud.data(); }

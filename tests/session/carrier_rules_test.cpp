@@ -7,12 +7,12 @@ namespace {
 using test::Await;
 using test::Bus;
 using test::kPatience;
+using test::kSerial;
 using test::Linger;
 using test::Note;
 using test::Notes;
 using test::Robot;
 
-constexpr auto kSerial = Invoke::kSerial;
 constexpr const char* kNoMemory = "There is no shared memory for a message";
 
 std::string Rule(const std::string& carriers) { return "channels: {scan: {carriers: " + carriers + "}}\n"; }

@@ -5,9 +5,9 @@
 namespace hgros {
 namespace {
 
-using testing::ExpectConfigError;
-using testing::ExpectFault;
-using testing::ScratchFolder;
+using test::ExpectConfigError;
+using test::ExpectFault;
+using test::ScratchFolder;
 
 constexpr const char* kKey = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
 

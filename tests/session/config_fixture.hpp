@@ -11,7 +11,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/session/config.hpp"
 
-namespace hgros::testing {
+namespace hgros::test {
 
 /// The fixture files beside the tests.
 inline std::filesystem::path FixtureFile(std::string_view name) {
@@ -60,4 +60,4 @@ inline void ExpectFault(std::string_view yaml, const std::string& at, const std:
                     parts);
 }
 
-}  // namespace hgros::testing
+}  // namespace hgros::test

@@ -7,10 +7,10 @@
 namespace hgros {
 namespace {
 
-using testing::ExpectConfigError;
-using testing::ExpectFault;
-using testing::FixtureFile;
-using testing::ScratchFolder;
+using test::ExpectConfigError;
+using test::ExpectFault;
+using test::FixtureFile;
+using test::ScratchFolder;
 using Names = std::vector<std::string>;
 
 std::string PublisherOf(const std::string& ip) {

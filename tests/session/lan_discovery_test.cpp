@@ -10,13 +10,13 @@ namespace {
 using test::Await;
 using test::Cable;
 using test::kPatience;
+using test::kSerial;
 using test::Linger;
 using test::Note;
 using test::Notes;
 using test::On;
 using test::Robot;
 
-constexpr auto kSerial = Invoke::kSerial;
 constexpr const char* kLan = "discovery: {local: false, lan: true}\n";
 
 class LanDiscovery : public test::DomainFixture {

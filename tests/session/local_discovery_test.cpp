@@ -15,12 +15,11 @@ using test::Await;
 using test::Bus;
 using test::Inline;
 using test::kPatience;
+using test::kSerial;
 using test::Linger;
 using test::Note;
 using test::Notes;
 using test::Robot;
-
-constexpr auto kSerial = Invoke::kSerial;
 
 class LocalDiscovery : public test::DomainFixture {};
 

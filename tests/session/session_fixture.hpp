@@ -115,6 +115,8 @@ class Bus {
   std::filesystem::path folder_;
 };
 
+inline constexpr Invoke kSerial = Invoke::kSerial;
+
 inline NodeOptions Inline(Queue queue = {}) { return {{}, queue, Executor::Inline()}; }
 
 }  // namespace hgros::test

@@ -17,11 +17,10 @@ using test::Await;
 using test::Bus;
 using test::Inline;
 using test::kPatience;
+using test::kSerial;
 using test::Note;
 using test::Notes;
 using test::Robot;
-
-constexpr auto kSerial = Invoke::kSerial;
 
 std::vector<std::string> Numbered(int from, int to) {
   std::vector<std::string> texts;

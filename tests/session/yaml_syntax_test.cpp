@@ -5,8 +5,8 @@
 namespace hgros {
 namespace {
 
-using testing::ExpectFault;
-using testing::FixtureFile;
+using test::ExpectFault;
+using test::FixtureFile;
 
 TEST(YamlSyntax, FaultsAreSaidInSentencesWithTheirPlace) {
   ExpectFault("network:\n\tpublisher: {}\n", "2:1", {"indented with a tab", "Indent with blanks."});

@@ -8,11 +8,11 @@ namespace hgros::zmq {
 namespace {
 
 // Below this a copy is cheaper than keeping a whole receive buffer alive for one small message.
-constexpr std::size_t kCopyBelowBytes = 4096;
+constexpr std::size_t kCopyInBelowBytes = 4096;
 
 Payload PayloadOf(Message&& frame) {
   const Bytes bytes = frame.bytes();
-  if (bytes.size() < kCopyBelowBytes) {
+  if (bytes.size() < kCopyInBelowBytes) {
     constexpr std::size_t kUnit = sizeof(std::max_align_t);
     auto copy = std::make_shared_for_overwrite<std::max_align_t[]>((bytes.size() + kUnit - 1) / kUnit + 1);
     if (!bytes.empty()) std::memcpy(copy.get(), bytes.data(), bytes.size());

@@ -9,7 +9,7 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr int kBatch = 64;  // Frames read before others have their turn.
+constexpr int kFramesInTurn = 64;  // Frames read before others have their turn.
 
 }  // namespace
 
@@ -232,7 +232,7 @@ bool PublisherEndpoint::Serve(Actions& actions) {
   if (!input_.load() || !input_.exchange(false)) return false;
   const std::scoped_lock lock(mutex_);
   Message frame;
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kFramesInTurn; ++i) {
     if (!socket_.Receive(frame)) return false;
     if (!frame.more()) {
       OnFrame(frame, actions);

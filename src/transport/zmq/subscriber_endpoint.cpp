@@ -11,7 +11,7 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr int kBatch = 32;  // Messages read before others have their turn.
+constexpr int kMessagesInTurn = 32;  // Messages read before others have their turn.
 // A link that ends leaves its messages in flight, and the next one has a window of its own: a publisher that begins
 // one after another has so many of them at most.
 constexpr std::uint64_t kWindowsInFlight = 4;
@@ -184,7 +184,7 @@ bool SubscriberEndpoint::ReadBatch() {
   AddActions(last_);
   Message topic;
   std::vector<Message> frames;
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kMessagesInTurn; ++i) {
     if (!socket_.Receive(topic)) return false;
     frames.clear();
     bool more = topic.more();

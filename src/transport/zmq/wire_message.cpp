@@ -6,7 +6,7 @@ namespace hgros::zmq {
 namespace {
 
 // Below this a copy is cheaper than the reference counting across threads that sparing it takes.
-constexpr std::size_t kCopyBelowBytes = 2048;
+constexpr std::size_t kCopyOutBelowBytes = 2048;
 // What a queued message costs besides its payload, so that empty ones are bounded as well.
 constexpr std::uint64_t kMessageOverheadBytes = 512;
 
@@ -28,7 +28,7 @@ void Release(void* /*data*/, void* hint) {
 }
 
 Message Frame(const Payload& data) {
-  if (data.bytes.size() < kCopyBelowBytes || !data.owner) return Message::CopyOf(data.bytes);
+  if (data.bytes.size() < kCopyOutBelowBytes || !data.owner) return Message::CopyOf(data.bytes);
   return Message::View(data.bytes, Release, new Held(data.owner));
 }
 
