@@ -12,11 +12,11 @@
 namespace hgros::test {
 
 /// A session put together by hand, whose carriers come and go when a test says so.
-class HandMadeSession : private TransportListener, private DiscoveryListener {
+class HandMadeSession {
  public:
   HandMadeSession(const HandMadeSession&) = delete;
   HandMadeSession& operator=(const HandMadeSession&) = delete;
-  ~HandMadeSession() override {
+  ~HandMadeSession() {
     Leave();
     if (shm_) shm_->Close(0);
     if (zmq_) zmq_->Close(0);
@@ -32,7 +32,7 @@ class HandMadeSession : private TransportListener, private DiscoveryListener {
   void Enlist(const std::string& domain) {
     RegistryOptions options;
     options.domain = domain;
-    registry_ = OpenRegistry(options, *this, log_);
+    registry_ = OpenRegistry(options, ears_, log_);
     Announcement own = AnnouncementOfThisProcess(id_, 1);
     own.shared_memory = place_;
     registry_->Announce(own);
@@ -41,7 +41,7 @@ class HandMadeSession : private TransportListener, private DiscoveryListener {
   void OpenZmq(ZmqOptions options) {
     options.session = id_;
     options.process = name_;
-    zmq_ = MakeZmqTransport(std::move(options), *this, log_);
+    zmq_ = MakeZmqTransport(std::move(options), ears_, log_);
   }
   void OpenShm(SessionId peer) {
     ShmOptions options;
@@ -49,24 +49,28 @@ class HandMadeSession : private TransportListener, private DiscoveryListener {
     options.process = name_;
     options.place = place_;
     if (id_.value < peer.value) options.peers = {"hgros-" + peer.ToString()};
-    shm_ = MakeShmTransport(options, *this, log_);
+    shm_ = MakeShmTransport(options, ears_, log_);
   }
 
   [[nodiscard]] SessionId id() const { return id_; }
 
  private:
-  void OnCame(const Announcement& /*peer*/) override {}
-  void OnChanged(const Announcement& /*peer*/) override {}
-  void OnGone(const Announcement& /*last*/, std::string_view /*reason*/) override {}
-  void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
-  void OnPeerGone(const PeerInfo& /*peer*/, std::string_view /*reason*/) noexcept override {}
-  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*peer*/,
-                      std::string_view /*what*/) noexcept override {}
+  // An object of its own: the threads that call it end only in the destructor of the session.
+  class Ears final : public TransportListener, public DiscoveryListener {
+    void OnCame(const Announcement& /*peer*/) override {}
+    void OnChanged(const Announcement& /*peer*/) override {}
+    void OnGone(const Announcement& /*last*/, std::string_view /*reason*/) override {}
+    void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
+    void OnPeerGone(const PeerInfo& /*peer*/, std::string_view /*reason*/) noexcept override {}
+    void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*peer*/,
+                        std::string_view /*what*/) noexcept override {}
+  };
 
   const std::string name_;
   const SessionId id_ = SessionId::Random();
   const std::string place_ = "hgros-" + name_ + "-" + id_.ToString();
   Log log_{[](LogLevel, std::string_view) {}};
+  Ears ears_;
 
  protected:
   std::unique_ptr<ZmqTransport> zmq_;
