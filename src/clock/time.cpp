@@ -25,9 +25,9 @@ Time WallNow() noexcept { return {Read(CLOCK_REALTIME)}; }
 std::int64_t MonotonicNow() noexcept { return Read(CLOCK_MONOTONIC); }
 
 std::chrono::steady_clock::time_point DeadlineIn(std::chrono::nanoseconds timeout) noexcept {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point now = Clock::now();
-  return timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  using Steady = std::chrono::steady_clock;
+  const Steady::time_point now = Steady::now();
+  return timeout > Steady::time_point::max() - now ? Steady::time_point::max() : now + timeout;
 }
 
 }  // namespace hgros

@@ -9,7 +9,7 @@
 namespace hgros {
 namespace {
 
-std::string Range(const ParamInfo& info) {
+std::string RangeText(const ParamInfo& info) {
   const std::string unit = info.unit.empty() ? "" : " " + info.unit;
   if (!info.most) return "at least " + scalar::FromNumber(*info.least) + unit;
   if (!info.least) return "at most " + scalar::FromNumber(*info.most) + unit;
@@ -27,7 +27,7 @@ void RequireBounds(const ParamInfo& info, const ParamView& value) {
     const std::optional<double> plain = node.quoted ? std::nullopt : scalar::Number(node.text);
     const double number = plain ? *plain : std::chrono::duration<double>(params_detail::ReadDuration(value)).count();
     if (!(number >= info.least.value_or(number)) || !(number <= info.most.value_or(number)))
-      value.FailType(Range(info));
+      value.FailType(RangeText(info));
   }
   if (!info.choices.empty()) (void)params_detail::ReadChoice(value, info.choices);
 }

@@ -13,7 +13,7 @@ struct Default {
   std::unique_ptr<Session> session;
   std::atomic<Session*> current{nullptr};  // What session points to, to be read without the lock.
   std::vector<Subscription> subscriptions;
-  std::vector<std::shared_ptr<void>> users;
+  std::vector<std::shared_ptr<const void>> users;
 };
 
 Default& TheDefault() {
@@ -39,7 +39,7 @@ void Init(const std::vector<std::filesystem::path>& files, SessionOptions option
 void Shutdown() {
   Default& one = TheDefault();
   std::vector<Subscription> subscriptions;
-  std::vector<std::shared_ptr<void>> users;
+  std::vector<std::shared_ptr<const void>> users;
   std::unique_ptr<Session> session;
   {
     const std::scoped_lock lock(one.mutex);
@@ -65,7 +65,7 @@ void KeepUntilShutdown(Subscription subscription) {
   one.subscriptions.push_back(std::move(subscription));
 }
 
-void KeepUntilShutdown(std::shared_ptr<void> user) {
+void KeepUntilShutdown(std::shared_ptr<const void> user) {
   Default& one = TheDefault();
   const std::scoped_lock lock(one.mutex);
   one.users.push_back(std::move(user));

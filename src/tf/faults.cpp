@@ -38,7 +38,7 @@ std::string Seconds(std::int64_t nanoseconds) {
   return text.data();
 }
 
-std::string Number(double value) {
+std::string NumberText(double value) {
   std::array<char, 40> text{};
   std::snprintf(text.data(), text.size(), "%.6g", value);
   return text.data();
@@ -108,12 +108,12 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
   switch (fault) {
     case SetFault::kRotation: {
       const double length = T.rotation.norm();
-      why = "its rotation is a quaternion of length " + Number(length) + ", not 1. Normalize it.";
+      why = "its rotation is a quaternion of length " + NumberText(length) + ", not 1. Normalize it.";
       break;
     }
     case SetFault::kTranslation:
-      why = "its translation (" + Number(T.translation.x()) + ", " + Number(T.translation.y()) + ", " +
-            Number(T.translation.z()) + ") is not finite.";
+      why = "its translation (" + NumberText(T.translation.x()) + ", " + NumberText(T.translation.y()) + ", " +
+            NumberText(T.translation.z()) + ") is not finite.";
       break;
     case SetFault::kCycle: {
       if (&parent == &child) {

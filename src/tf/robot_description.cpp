@@ -13,26 +13,6 @@
 namespace hgros {
 namespace {
 
-struct Mimic {
-  std::string joint;
-  double multiplier = 1;
-  double offset = 0;
-};
-
-struct Joint {
-  std::string parent;
-  std::string child;
-  RigidTransform origin;
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
-  bool slides = false;
-
-  [[nodiscard]] RigidTransform At(double position) const {
-    if (slides) return origin * RigidTransform({1, 0, 0, 0}, axis * position);
-    return origin *
-           RigidTransform(RigidTransform::Rotation(Eigen::AngleAxisd(position, axis)), Eigen::Vector3d::Zero());
-  }
-};
-
 RigidTransform OriginOf(const urdf::Pose& pose) {
   RigidTransform::Rotation rotation(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
   rotation.normalize();
@@ -42,6 +22,26 @@ RigidTransform OriginOf(const urdf::Pose& pose) {
 }  // namespace
 
 struct RobotDescription::Model {
+  struct Mimic {
+    std::string joint;
+    double multiplier = 1;
+    double offset = 0;
+  };
+
+  struct Joint {
+    std::string parent;
+    std::string child;
+    RigidTransform origin;
+    Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
+    bool slides = false;
+
+    [[nodiscard]] RigidTransform At(double position) const {
+      if (slides) return origin * RigidTransform({1, 0, 0, 0}, axis * position);
+      return origin *
+             RigidTransform(RigidTransform::Rotation(Eigen::AngleAxisd(position, axis)), Eigen::Vector3d::Zero());
+    }
+  };
+
   std::string root;
   std::vector<Joint> fixed;
   std::map<std::string, Joint, std::less<>> movable;
@@ -69,7 +69,7 @@ RobotDescription RobotDescription::FromText(const std::string& urdf, std::string
   auto model = std::make_shared<Model>();
   model->root = std::string(prefix) + parsed->getRoot()->name;
   for (const auto& [name, read] : parsed->joints_) {
-    Joint joint;
+    Model::Joint joint;
     joint.parent = std::string(prefix) + read->parent_link_name;
     joint.child = std::string(prefix) + read->child_link_name;
     joint.origin = OriginOf(read->parent_to_joint_origin_transform);
@@ -87,7 +87,8 @@ RobotDescription RobotDescription::FromText(const std::string& urdf, std::string
     if (!(joint.axis.norm() > 1e-9)) throw Error("The axis of the joint \"" + name + "\" has no direction.");
     joint.axis.normalize();
     if (read->mimic) {
-      model->mimics.emplace_back(name, Mimic{read->mimic->joint_name, read->mimic->multiplier, read->mimic->offset});
+      model->mimics.emplace_back(name,
+                                 Model::Mimic{read->mimic->joint_name, read->mimic->multiplier, read->mimic->offset});
     } else {
       model->names.push_back(name);
     }
@@ -101,13 +102,13 @@ const std::vector<std::string>& RobotDescription::joints() const noexcept { retu
 
 std::vector<StampedEdge> RobotDescription::FixedEdges() const {
   std::vector<StampedEdge> edges;
-  for (const Joint& joint : model_->fixed) edges.push_back({joint.parent, joint.child, {}, joint.origin});
+  for (const Model::Joint& joint : model_->fixed) edges.push_back({joint.parent, joint.child, {}, joint.origin});
   return edges;
 }
 
 std::vector<StampedEdge> RobotDescription::EdgesAt(Time stamp, std::span<const JointPosition> positions) const {
   std::vector<StampedEdge> edges;
-  const auto add = [&](const Joint& joint, double position) {
+  const auto add = [&](const Model::Joint& joint, double position) {
     edges.push_back({joint.parent, joint.child, stamp, joint.At(position)});
   };
   for (const JointPosition& given : positions) {

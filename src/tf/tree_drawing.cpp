@@ -10,7 +10,7 @@
 namespace hgros {
 namespace {
 
-std::string Number(const char* format, double value) {
+std::string Formatted(const char* format, double value) {
   std::array<char, 48> text{};
   std::snprintf(text.data(), text.size(), format, value);
   return text.data();
@@ -21,8 +21,8 @@ std::string About(const EdgeSnapshot& edge, Time now, const char* separator) {
   if (edge.is_static) {
     text = "static";
   } else {
-    text = edge.transforms < 2 ? std::string("once") : Number("%.1f Hz", edge.RateHz());
-    text += separator + Number("%.3f s old", static_cast<double>((now - edge.newest).count()) / 1e9);
+    text = edge.transforms < 2 ? std::string("once") : Formatted("%.1f Hz", edge.RateHz());
+    text += separator + Formatted("%.3f s old", static_cast<double>((now - edge.newest).count()) / 1e9);
   }
   if (!edge.publisher.empty()) text += separator + ("by " + edge.publisher);
   return text;

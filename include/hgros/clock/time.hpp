@@ -15,7 +15,7 @@ using Duration = std::chrono::nanoseconds;
 struct Time {
   std::int64_t nanoseconds = 0;
 
-  auto operator<=>(const Time&) const = default;
+  auto operator<=>(const Time&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 takes its 0 for one
   friend Time operator+(Time t, Duration d) { return {t.nanoseconds + d.count()}; }
   friend Time operator-(Time t, Duration d) { return {t.nanoseconds - d.count()}; }
   friend Duration operator-(Time a, Time b) { return Duration(a.nanoseconds - b.nanoseconds); }
