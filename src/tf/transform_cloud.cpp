@@ -53,8 +53,8 @@ void TransformPacked(const Eigen::Matrix3f& turn, const Eigen::Vector3f& shift, 
 template <class Scalar>
 void TransformVectors(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation, const Offsets& offsets,
                       std::size_t stride, std::span<std::byte> out) {
-  Eigen::Matrix<Scalar, 3, 3> turn = rotation.cast<Scalar>();
-  Eigen::Matrix<Scalar, 3, 1> shift = translation.cast<Scalar>();
+  const Eigen::Matrix<Scalar, 3, 3>& turn = rotation.cast<Scalar>();
+  const Eigen::Matrix<Scalar, 3, 1>& shift = translation.cast<Scalar>();
   if constexpr (sizeof(Scalar) == 4) {
     if (offsets[1] == offsets[0] + 4 && offsets[2] == offsets[0] + 8 && offsets[0] + sizeof(Quad) <= stride) {
       TransformPacked(turn, shift, offsets[0], stride, out);

@@ -53,18 +53,18 @@ void TransformSender::Touch(Lane& lane, std::unique_lock<std::mutex>& lock) {
   if (lane.armed || lane.sending) return;  // They look again.
   const Time now = clock_->Now();
   if (now < lane.quiet_until) {
-    Arm(lane, now);
+    Arm(lane, now, lock);
   } else {
     Send(lane, lock);
   }
 }
 
-void TransformSender::Arm(Lane& lane, Time now) {
+void TransformSender::Arm(Lane& lane, Time now, std::unique_lock<std::mutex>& lock) {
   if (!timers_) timers_.emplace(clock_);
   lane.armed = true;
-  // The timer that was there has run out; if its callback is about to return, that is waited for.
-  lane.timer =
-      timers_->After(std::max(lane.quiet_until - now, Duration::zero()), [this, &lane](const Tick&) { OnTimer(lane); });
+  const Timer spent = std::exchange(lane.timer, timers_->After(std::max(lane.quiet_until - now, Duration::zero()),
+                                                               [this, &lane](const Tick&) { OnTimer(lane); }));
+  lock.unlock();  // The spent timer's callback is perhaps about to return, and its end waits for that.
 }
 
 void TransformSender::OnTimer(Lane& lane) {
@@ -91,7 +91,7 @@ void TransformSender::Send(Lane& lane, std::unique_lock<std::mutex>& lock) {
   } else {
     unsent_transforms_ += count;
   }
-  if (lane.changed && !lane.armed) Arm(lane, clock_->Now());
+  if (lane.changed && !lane.armed) Arm(lane, clock_->Now(), lock);
 }
 
 std::shared_ptr<const TransformSender::Message> TransformSender::Take(Lane& lane) const {

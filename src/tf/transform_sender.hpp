@@ -64,8 +64,8 @@ class TransformSender {
   };
 
   void Open(Lane& lane, std::string_view channel, PublishOptions options);
-  void Arm(Lane& lane, Time now);
-  // `lock` is held, before and after.
+  // `lock` is held before, and perhaps not afterwards.
+  void Arm(Lane& lane, Time now, std::unique_lock<std::mutex>& lock);
   void Touch(Lane& lane, std::unique_lock<std::mutex>& lock);
   void Send(Lane& lane, std::unique_lock<std::mutex>& lock);
   void OnTimer(Lane& lane);
