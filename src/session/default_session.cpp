@@ -13,6 +13,7 @@ struct Default {
   std::unique_ptr<Session> session;
   std::atomic<Session*> current{nullptr};  // What session points to, to be read without the lock.
   std::vector<Subscription> subscriptions;
+  std::vector<Service> services;
 };
 
 Default& TheDefault() {
@@ -38,15 +39,18 @@ void Init(const std::vector<std::filesystem::path>& files, SessionOptions option
 void Shutdown() {
   Default& one = TheDefault();
   std::vector<Subscription> subscriptions;
+  std::vector<Service> services;
   std::unique_ptr<Session> session;
   {
     const std::scoped_lock lock(one.mutex);
     subscriptions.swap(one.subscriptions);
+    services.swap(one.services);
     one.current.store(nullptr, std::memory_order_release);
     session = std::move(one.session);
   }
   // Callbacks that still publish find no session; what they throw is counted as theirs.
   subscriptions.clear();
+  services.clear();
 }
 
 Session& DefaultSession() {
@@ -59,6 +63,12 @@ void KeepUntilShutdown(Subscription subscription) {
   Default& one = TheDefault();
   const std::scoped_lock lock(one.mutex);
   one.subscriptions.push_back(std::move(subscription));
+}
+
+void KeepUntilShutdown(Service service) {
+  Default& one = TheDefault();
+  const std::scoped_lock lock(one.mutex);
+  one.services.push_back(std::move(service));
 }
 
 }  // namespace hgros
