@@ -70,8 +70,12 @@ void ServiceHost::OnRequest(const std::shared_ptr<const CallMessage>& request, c
   }
   // At the latest now, so that the caller's subscription to its replies comes while the request is handled.
   if (!OpenLine(SessionId{request->caller})) return;
-  const Helping::Invited invited;
-  Arrive(request);
+  if (executor_ == Executor::Kind::kTbb) {
+    const Helping::Invited invited;
+    Arrive(request);
+  } else {
+    Arrive(request);  // An inline handler is user code, which may wait for what it makes ready.
+  }
 }
 
 void ServiceHost::Arrive(std::shared_ptr<const CallMessage> request) {

@@ -1,4 +1,5 @@
 // One program of a server and its callers, by pointer, through shared memory, over ipc and over tcp.
+#include <array>
 #include <atomic>
 #include <random>
 #include <vector>
@@ -220,6 +221,7 @@ TEST_P(ServiceOverEveryCarrier, WaitsForAServerThatIsStarting) {
 TEST_P(ServiceOverEveryCarrier, EndsCallsUnderLoadWhenEitherSessionEnds) {
   for (const bool server_first : {true, false}) {
     if (GetParam() == "pointer") GTEST_SKIP() << "one session";
+    std::array<std::atomic<int>, 10> failures{};  // By kind.
     std::atomic<int> replies{0};
     std::atomic<int> ended{0};
     std::atomic<int> made{0};
@@ -231,17 +233,21 @@ TEST_P(ServiceOverEveryCarrier, EndsCallsUnderLoadWhenEitherSessionEnds) {
         ++made;
         caller.Call<Sum, Total>("add", Sum{1, 2}, std::chrono::seconds(1), [&](const CallResult<Total>& result) {
           if (result) ++replies;
+          if (!result) failures[static_cast<std::size_t>(result.failure().kind)]++;
           ++ended;
         });
         if (made % 64 == 0) (void)Await([&] { return made - ended < 256 || stop.stop_requested(); });
       }
     });
-    EXPECT_TRUE(Await([&] { return replies > 200; }));
+    EXPECT_TRUE(Await([&] { return replies > 200; }))
+        << replies << " replies to " << made << " calls, " << ended << " ended; " << failures[0] << " found no server, "
+        << failures[1] << " timed out";
     if (server_first) pair.EndServer();
     load.request_stop();
     load.join();
     if (!server_first) pair.EndCaller();
-    EXPECT_TRUE(Await([&] { return made == ended; })) << made << " calls, " << ended << " ended";
+    EXPECT_TRUE(Await([&] { return made == ended; }))
+        << (server_first ? "server" : "caller") << " first: " << made << " calls, " << ended << " ended";
   }
 }
 
