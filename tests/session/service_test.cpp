@@ -140,6 +140,22 @@ TEST_F(Services, OfTwoServersAreReportedAndOneIsCalled) {
   }));
 }
 
+TEST_F(Services, PassAListOfChannelsThatNamesTheirRequests) {
+  const test::Bus bus;
+  const std::string list = "hgros/call/add";
+  const auto yaml = [&](const std::string& own, const std::string& other) {
+    return "network: {" + bus.Publisher(own, list) + ", subscribers: [" + bus.Subscriber(other, list) +
+           "]}\ndiscovery: {local: false}\n";
+  };
+  Robot server(yaml("a", "b"));
+  Robot caller(yaml("b", "a"));
+  const Service add = server->Serve<Sum, Total>("add", Add);
+  const Service other = server->Serve<Sum, Total>("other", Add);
+  EXPECT_EQ((caller->Call<Sum, Total>("add", Sum{1, 2}, kLong).Wait()->value), 3);
+  const auto kept = caller->Call<Sum, Total>("other", Sum{}, std::chrono::milliseconds(50)).Wait();
+  EXPECT_EQ(kept.failure().kind, Kind::kNoServer);
+}
+
 TEST_F(Services, AreFreeFunctionsToo) {
   Init(Config::Parse("discovery: {local: false}"));
   Serve<Sum, Total>("add", Add);
