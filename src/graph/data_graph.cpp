@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "graph/callback_scope.hpp"
 #include "graph/graph_core.hpp"
 
 namespace hgros {
@@ -43,6 +44,8 @@ bool DataGraph::Inject(Channel& channel, const AnyMessage& message, const TypeIn
 const TypeInfo& DataGraph::InboundType(const Channel& channel) noexcept { return channel.InboundType(); }
 
 ThreadUse DataGraph::UseOfThread(const Channel& channel) noexcept { return channel.UseOfThread(); }
+
+bool DataGraph::InCallback() noexcept { return CallbackScope::InAny(); }
 
 void DataGraph::NotifyRoom(Channel& channel) noexcept { channel.NotifyRoom(); }
 

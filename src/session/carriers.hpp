@@ -18,6 +18,7 @@
 #include "hgros/discovery/registry.hpp"
 #include "hgros/transport/shm_transport.hpp"
 #include "hgros/transport/zmq_transport.hpp"
+#include "session/channel_search.hpp"
 #include "session/joined_channels.hpp"
 #include "session/lan_peers.hpp"
 #include "session/peer_carriers.hpp"
@@ -31,6 +32,7 @@ struct CarrierOptions {
   std::vector<std::string> only;            ///< On this host only these processes; empty: all.
   std::optional<BeaconOptions> beacon;      ///< Nothing: nobody is looked for on other hosts.
   CarrierRules rules;                       ///< By channel.
+  std::function<void()> on_announcements;   ///< What sessions of this host say has changed. Must not block.
   /// Runs something after a while, on a thread that may wait; not after the carriers have been closed.
   std::function<void(std::chrono::nanoseconds delay, std::function<void()> errand)> later;
 };
@@ -53,6 +55,8 @@ class Carriers final : private DiscoveryListener {
                                                          const Demand& demand, InboundSink& sink);
   /// For others to see: the session no longer subscribes to the channel.
   void Unannounce(const std::string& channel);
+  /// Likewise: it no longer publishes there.
+  void Withdraw(const std::string& channel);
 
   /// The one for endpoints; made at the first call. Throws Error.
   ZmqTransport& Zmq();
@@ -63,6 +67,8 @@ class Carriers final : private DiscoveryListener {
   bool RemoveSubscribeEndpoint(const std::string& endpoint);
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
+  /// Who says in the host's registry that it subscribes to the channel, and whether anybody else could.
+  [[nodiscard]] ChannelSearch Search(const std::string& channel);
   [[nodiscard]] TransportStats stats() const;
   /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
   void Close(int linger_ms) noexcept;
@@ -70,6 +76,9 @@ class Carriers final : private DiscoveryListener {
  private:
   /// How long a session of this host that lives is left to shared memory.
   static constexpr auto kSharedMemoryPatience = std::chrono::seconds(2);
+
+  /// Who was found on this host so lately may be about to subscribe.
+  static constexpr auto kTimeToSubscribe = std::chrono::seconds(1);
 
   // One carrier's voice.
   class Ear final : public TransportListener {
@@ -131,6 +140,7 @@ class Carriers final : private DiscoveryListener {
   std::unique_ptr<ZmqTransport> owned_zmq_;
   std::atomic<ZmqTransport*> zmq_{nullptr};
   std::unique_ptr<LanPeers> lan_;
+  std::atomic<std::chrono::steady_clock::time_point> last_came_{std::chrono::steady_clock::now()};
   std::atomic<bool> ruled_;  // Somebody has rules for channels.
   std::mutex lists_;         // Guards what follows.
   std::set<std::uint64_t> moving_;

@@ -100,6 +100,37 @@ void Carriers::Unannounce(const std::string& channel) {
   Announce();
 }
 
+void Carriers::Withdraw(const std::string& channel) {
+  {
+    const std::scoped_lock lock(announcing_);
+    const auto entry = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
+    if (entry == own_.channels.end()) return;
+    entry->publishes = false;
+    if (!entry->subscribes) own_.channels.erase(entry);
+  }
+  Announce();
+}
+
+ChannelSearch Carriers::Search(const std::string& channel) {
+  ChannelSearch search;
+  const std::scoped_lock lock(announcing_);
+  if (registry_) {
+    for (const Announcement& peer : registry_->List()) {
+      const bool there = std::ranges::any_of(
+          peer.channels, [&](const auto& entry) { return entry.subscribes && entry.channel == channel; });
+      if (!there || !IsWanted(peer)) continue;
+      PeerInfo& info = search.announced.emplace_back();
+      info.id = peer.session;
+      info.process = peer.process;
+      info.pid = peer.pid;
+    }
+  }
+  if (zmq() != nullptr) return search;  // Whoever it reaches, now or later, may subscribe.
+  search.complete_at = last_came_.load() + kTimeToSubscribe;
+  search.complete = std::chrono::steady_clock::now() >= search.complete_at;
+  return search;
+}
+
 void Carriers::Announce() {
   const std::scoped_lock lock(announcing_);
   if (zmq() != nullptr) own_.endpoints = zmq()->BoundEndpoints();
@@ -123,6 +154,8 @@ bool Carriers::IsWanted(const Announcement& peer) {
 
 // Of two sessions the one with the smaller id connects.
 void Carriers::OnCame(const Announcement& peer) {
+  last_came_ = std::chrono::steady_clock::now();
+  options_.on_announcements();
   if (!IsWanted(peer)) {
     log_.Write(LogLevel::kInfo,
                NameOf(peer) + " of this host is not connected to: `discovery: local` " +
@@ -141,6 +174,7 @@ void Carriers::OnCame(const Announcement& peer) {
 }
 
 void Carriers::OnChanged(const Announcement& peer) {
+  options_.on_announcements();
   CarrierRules rules = RulesOf(peer);
   if (!rules.empty()) ruled_ = true;
   SayLaterWhatCannotPass();
@@ -152,6 +186,7 @@ void Carriers::OnChanged(const Announcement& peer) {
 
 void Carriers::OnGone(const Announcement& last, std::string_view /*reason*/) {
   peers_.Lost(last.session);
+  options_.on_announcements();
   GiveUpSubscriber(last.session);
   AskAgain(CarrierKind::kZmq);  // What is still reached otherwise is no longer left to shared memory.
   if (shm_ && !last.shared_memory.empty()) shm_->RemovePeer(last.shared_memory);

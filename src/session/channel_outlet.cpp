@@ -184,6 +184,15 @@ void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
   events_.on_subscribers();
 }
 
+std::vector<SessionId> ChannelOutlet::Subscribers() const {
+  std::shared_ptr<JoinedOutbound> carrier;
+  {
+    const std::scoped_lock lock(order_mutex_);
+    carrier = carrier_;
+  }
+  return carrier ? carrier->Subscribers() : std::vector<SessionId>();
+}
+
 void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
   traffic.not_encodable = not_encodable_.load(std::memory_order_relaxed);
   traffic.loans = loans_.load(std::memory_order_relaxed);

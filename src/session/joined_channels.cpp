@@ -91,6 +91,17 @@ std::size_t JoinedOutbound::subscriber_count() const noexcept {
   return sum;
 }
 
+std::vector<SessionId> JoinedOutbound::Subscribers() const {
+  std::vector<SessionId> all;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const SessionId one : parts_[i]->channel->Subscribers()) {
+      if (std::ranges::find(all, one) == all.end()) all.push_back(one);
+    }
+  }
+  return all;
+}
+
 PublishStatus JoinedOutbound::Reserve() noexcept {
   if (cut_.count() > 0 && !cut_.HasRoom()) {
     refused_ = true;

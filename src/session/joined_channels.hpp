@@ -42,6 +42,8 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
 
   [[nodiscard]] std::size_t subscriber_count() const noexcept;
+  /// The sessions that subscribe now, each once; not those that were lost and may come back.
+  [[nodiscard]] std::vector<SessionId> Subscribers() const;
   PublishStatus Reserve() noexcept;
   void Commit(const PacketHead& head, const Payload& data) noexcept;
   void Cancel() noexcept;

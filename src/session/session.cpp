@@ -49,6 +49,19 @@ Block Session::LoanBlock(std::string_view channel, std::size_t size_bytes) {
   return core_->LoanBlock(channel, size_bytes);
 }
 
+Service Session::ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
+                          NodeOptions options, const CallSite& where) {
+  return Service(core_->services().Serve(
+      {std::string(name), &types.request, &types.reply, &types.body, invoke, std::move(handler)}, std::move(options),
+      where));
+}
+std::shared_ptr<PendingCall> Session::CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
+                                              std::chrono::nanoseconds timeout,
+                                              std::function<void(const CallEnd& end)> callback) {
+  return core_->services().Call(name, {types.request, types.reply, types.body, std::move(request), timeout},
+                                std::move(callback));
+}
+
 void Session::Latch(Channel& channel, std::size_t count) { core_->Latch(channel, count); }
 Subscription Session::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
                                    NodeOptions options) {

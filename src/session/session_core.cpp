@@ -82,6 +82,7 @@ Session::Core::Core(Config config, SessionOptions options)
   graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
   events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
+  services_ = std::make_shared<Services>(static_cast<ServicePlace&>(*this), id_, log_);
   if (!config_.nodes.empty()) {
     errands_.emplace();
     errands_->PostIn(kTimeForNodes, [this] { graph_->SayUntakenNames(); });
@@ -92,6 +93,7 @@ Session::Core::Core(Config config, SessionOptions options)
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
 Session::Core::~Core() {
   graph_->SayUntakenNames();
+  services_->Refuse();
   graph_->Refuse();
   {
     const std::unique_lock lock(alive_->mutex);
@@ -104,12 +106,14 @@ Session::Core::~Core() {
     closing_ = true;  // From here on no wiring changes.
     for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
     for (auto& [name, outlet] : outlets_) outlets.push_back(outlet);
+    outlets.insert(outlets.end(), service_outlets_.begin(), service_outlets_.end());
   }
   Notify();
   for (const auto& inlet : inlets) inlet->Detach();
   if (carriers_) carriers_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
   for (const auto& outlet : outlets) outlet->Detach();
   graph_->Shutdown();
+  services_->Close();
   errands_.reset();
 }
 
@@ -339,6 +343,7 @@ void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
 }
 
 void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
+  services_->OnPeerGone(peer, reason);
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });  // In order with its return.
   log_->Write(LogLevel::kInfo,
               NameOf(peer) + (closing_ ? " is no longer reached: " : " is gone: ") + std::string(reason) + ".");
@@ -351,6 +356,7 @@ void Session::Core::OnTypeMismatch(std::string_view channel, const PeerInfo& pee
                          ") on a channel that they use with different types, " + std::string(what) +
                          ". Build both programs with one type, or give one of them another channel name.";
   log_->Write(LogLevel::kError, sentence);
+  services_->OnTypeMismatch(channel, peer, sentence);
   PublishEvent({PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), std::move(sentence)});
 }
 

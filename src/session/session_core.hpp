@@ -18,6 +18,7 @@
 #include "session/channel_inlet.hpp"
 #include "session/channel_outlet.hpp"
 #include "session/errand_thread.hpp"
+#include "session/services.hpp"
 
 namespace hgros {
 
@@ -27,7 +28,7 @@ namespace hgros {
 // Invariants: mutex_ guards the wiring; neither the carrier's callbacks nor the publish path takes it, so the carrier
 // may be called under it, except for what waits for callbacks: ending an inbound channel. That is done outside the
 // lock, by Reconcile(), one thread per channel at a time, and from within callbacks by the errand thread.
-class Session::Core final : public TransportListener {
+class Session::Core final : public TransportListener, private ServicePlace {
  public:
   Core(Config config, SessionOptions options);
   ~Core() override;
@@ -51,13 +52,14 @@ class Session::Core final : public TransportListener {
   void RemoveSubscriberEndpoint(std::string_view endpoint);
   std::vector<std::string> PublisherEndpoints() const;
 
-  std::vector<PeerInfo> Peers() const;
+  std::vector<PeerInfo> Peers() const override;
   SessionSnapshot Snapshot() const;
 
   void OnPeerCame(const PeerInfo& peer) noexcept override;
   void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
   void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
 
+  [[nodiscard]] Services& services() noexcept { return *services_; }
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
   // Nothing of the session may be waited for or destroyed here.
@@ -81,6 +83,16 @@ class Session::Core final : public TransportListener {
     Core* core = nullptr;
   };
   class DemandTicket;
+
+  // session_services.cpp: what services need.
+  Subscription Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
+                      std::size_t queue_depth) override;
+  std::shared_ptr<ChannelOutlet> OpenOutlet(const std::string& channel, const TypeInfo& type,
+                                            OutletEvents events) override;
+  void CloseOutlet(const std::string& channel, const std::shared_ptr<ChannelOutlet>& outlet) override;
+  [[nodiscard]] DataGraph& Graph() override { return *graph_; }
+  [[nodiscard]] ChannelSearch Search(const std::string& channel) override;
+  void Report(PeerEvent event) noexcept override { PublishEvent(std::move(event)); }
 
   // Throws Error while the session shuts down.
   void RequireOpen() const;
@@ -123,8 +135,11 @@ class Session::Core final : public TransportListener {
   std::optional<ErrandThread> errands_;
   std::unique_ptr<Carriers> carriers_;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
+  std::vector<std::shared_ptr<ChannelOutlet>> service_outlets_;
+  std::uint64_t last_incarnation_ = 0;  // Of these.
   std::map<std::string, Inflow, std::less<>> inflows_;
   std::set<std::string> said_confined_;  // Subscribed channels that were looked up in the white lists.
+  std::shared_ptr<Services> services_;
 };
 
 }  // namespace hgros

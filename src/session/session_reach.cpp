@@ -38,6 +38,7 @@ Carriers& Session::Core::Reach() {
   if (!errands_) errands_.emplace();
   carriers_ = std::make_unique<Carriers>(OptionsForCarriers(), *this, *log_);
   for (auto& [name, outlet] : outlets_) outlet->Join(*carriers_);
+  for (const auto& outlet : service_outlets_) outlet->Join(*carriers_);
   for (auto& [name, inflow] : inflows_) {
     if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
     inflow.inlet->Join(*carriers_, Combine(inflow.wanted));
@@ -89,6 +90,7 @@ CarrierOptions Session::Core::OptionsForCarriers() {
     beacon.domain = *domain_;
     beacon.interfaces = config_.discovery.lan_interfaces;
   }
+  options.on_announcements = [this] { services_->OnAnnouncements(); };
   options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
     errands_->PostIn(delay, std::move(errand));
   };

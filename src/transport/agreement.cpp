@@ -117,6 +117,14 @@ std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const Type
   return std::nullopt;
 }
 
+std::string ListedAs(const std::string& channel) {
+  constexpr std::string_view kReplies = "hgros/reply/";
+  constexpr std::size_t kIdDigits = 16;
+  const std::size_t name = kReplies.size() + kIdDigits + 1;
+  if (!channel.starts_with(kReplies) || channel.size() <= name || channel[name - 1] != '/') return channel;
+  return "hgros/call/" + channel.substr(name);
+}
+
 void RequireTypeName(const TypeInfo& type) {
   if (type.name.size() <= kMaxTypeNameBytes) return;
   throw Error("The type's name has " + std::to_string(type.name.size()) + " bytes, more than " +

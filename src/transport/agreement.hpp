@@ -54,6 +54,10 @@ enum class TypeFit {
 /// The schema for a subscriber that has another version of the type; empty if the types are equal, none if they differ.
 [[nodiscard]] std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type);
 
+/// The name under which an endpoint's list of channels lets the channel pass: its own, or, for the replies to a caller
+/// (hgros/reply/ID/NAME), that of the requests (hgros/call/NAME).
+[[nodiscard]] std::string ListedAs(const std::string& channel);
+
 /// Throws Error if the type's name is longer than kMaxTypeNameBytes.
 void RequireTypeName(const TypeInfo& type);
 

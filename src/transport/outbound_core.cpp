@@ -1,13 +1,22 @@
 #include "transport/outbound_core.hpp"
 
+#include <algorithm>
+
 namespace hgros {
 
-void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, bool plain, int change,
+void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, SessionId who, int change,
                                    Actions& actions) {
   {
     const std::scoped_lock lock(core->count_mutex_);
-    (plain ? core->plain_endpoints_ : core->peers_) += change;
-    core->subscribers.store(static_cast<std::size_t>(core->peers_ + (core->plain_endpoints_ > 0 ? 1 : 0)));
+    auto& sessions = core->sessions_;
+    if (who == SessionId{}) {
+      core->plain_endpoints_ += change;
+    } else if (change > 0) {
+      sessions.push_back(who);
+    } else if (const auto place = std::ranges::find(sessions, who); place != sessions.end()) {
+      sessions.erase(place);
+    }
+    core->subscribers.store(sessions.size() + (core->plain_endpoints_ > 0 ? 1 : 0));
   }
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnSubscribers(core->subscribers.load()); }); });
 }
@@ -15,6 +24,11 @@ void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, bo
 void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions) {
   if (!core->refused.exchange(false)) return;
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnRoom(); }); });
+}
+
+std::vector<SessionId> OutboundCore::Sessions() const {
+  const std::scoped_lock lock(count_mutex_);
+  return sessions_;
 }
 
 OutboundChannel::Stats OutboundCore::stats() const {

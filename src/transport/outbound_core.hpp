@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "hgros/codec/packet.hpp"
 #include "hgros/transport/transport.hpp"
@@ -19,12 +20,14 @@ struct OutboundCore {
   OutboundCore(std::string_view channel, const TypeInfo& message_type, OutboundSource& owner)
       : name(channel), plain_topic(PlainTopic(channel)), type(message_type), source(owner) {}
 
-  /// A subscriber (a session, or the plain ones of one endpoint) has come or gone.
-  static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, bool plain, int change, Actions& actions);
+  /// A subscriber (a session, or none: the plain ones of one endpoint) has come or gone.
+  static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, SessionId who, int change, Actions& actions);
   /// Tells the source of room if it was refused some. Under a carrier's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 
   [[nodiscard]] OutboundChannel::Stats stats() const;
+  /// The sessions among the subscribers, in the order in which they came.
+  [[nodiscard]] std::vector<SessionId> Sessions() const;
 
   const std::string name;
   const std::string plain_topic;
@@ -41,8 +44,8 @@ struct OutboundCore {
   std::atomic<std::uint64_t> copied{0};
 
  private:
-  std::mutex count_mutex_;
-  int peers_ = 0;
+  mutable std::mutex count_mutex_;
+  std::vector<SessionId> sessions_;
   int plain_endpoints_ = 0;
 };
 

@@ -119,6 +119,8 @@ class HGROS_EXPORT DataGraph {
   [[nodiscard]] static const TypeInfo& InboundType(const Channel& channel) noexcept;
   /// What the channel's nodes make of the thread that delivers the next message to them.
   [[nodiscard]] static ThreadUse UseOfThread(const Channel& channel) noexcept;
+  /// This thread runs a callback of some graph.
+  [[nodiscard]] static bool InCallback() noexcept;
   /// Wakes publishers that wait for room on this channel.
   static void NotifyRoom(Channel& channel) noexcept;
   [[nodiscard]] static const TypeInfo& TypeOfChannel(const Channel& channel) noexcept;

@@ -23,6 +23,19 @@ class HGROS_EXPORT Helping {
   Helping& operator=(const Helping&) = delete;
   ~Helping();
 
+  /// While one lives, the Helping of this thread also takes what becomes ready if it was not wanted: for library code
+  /// that an inline node runs and that hands over to another node as the last thing it does.
+  class HGROS_EXPORT Invited {
+   public:
+    Invited() noexcept;
+    Invited(const Invited&) = delete;
+    Invited& operator=(const Invited&) = delete;
+    ~Invited();
+
+   private:
+    Helping* const one_;
+  };
+
   /// What stayed goes to the workers: the thread has something else to do first.
   void PassOn() noexcept;
   /// Runs what stayed, with all that waits for it now. User code.
@@ -34,6 +47,7 @@ class HGROS_EXPORT Helping {
   [[nodiscard]] static bool Keep(const std::shared_ptr<Activation>& ready,
                                  const std::shared_ptr<std::atomic<bool>>& helped) noexcept;
 
+  Helping* const outer_;  // The one of this thread before.
   std::shared_ptr<Activation> kept_;
   std::shared_ptr<std::atomic<bool>> helped_;
 };

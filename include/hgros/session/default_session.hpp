@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <concepts>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -46,6 +48,23 @@ void FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions 
 template <class T, CallbackFor<T> F>
 void FromGraph(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {}) {
   KeepUntilShutdown(DefaultSession().FromGraph<T>(channel, invoke, std::forward<F>(callback), std::move(options)));
+}
+
+/// As Session::Serve; the service lasts until Shutdown.
+template <class Request, class Reply, HandlerFor<Request, Reply> F>
+void Serve(std::string_view name, F&& handler, Invoke invoke = Invoke::kSerial, NodeOptions options = {}) {
+  KeepUntilShutdown(std::make_shared<const Service>(
+      DefaultSession().Serve<Request, Reply>(name, std::forward<F>(handler), invoke, std::move(options))));
+}
+
+/// As Session::Call.
+template <class Request, class Reply, class M>
+[[nodiscard]] CallFuture<Reply> Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout) {
+  return DefaultSession().Call<Request, Reply>(name, std::forward<M>(request), timeout);
+}
+template <class Request, class Reply, class M, std::invocable<const CallResult<Reply>&> F>
+CallTicket Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout, F&& callback) {
+  return DefaultSession().Call<Request, Reply>(name, std::forward<M>(request), timeout, std::forward<F>(callback));
 }
 
 }  // namespace hgros

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <concepts>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,8 +16,10 @@
 #include "hgros/codec/block.hpp"
 #include "hgros/codec/message.hpp"
 #include "hgros/graph/data_graph.hpp"
+#include "hgros/session/call_future.hpp"
 #include "hgros/session/config.hpp"
 #include "hgros/session/peer_event.hpp"
+#include "hgros/session/service.hpp"
 #include "hgros/session/snapshot.hpp"
 
 namespace hgros {
@@ -114,6 +117,48 @@ class HGROS_EXPORT Session {
                           EraseCallback<T>(std::forward<F>(callback)), std::move(options));
   }
 
+  /// Serves `name`: `handler` is called with each request and gives its reply, wherever the caller is: in this session
+  /// (both go by pointer) or in another. What it throws reaches the caller as CallFailure::kHandlerFailed.
+  ///
+  /// Threading: as a subscription's callback, but that under kSerial, too, a request may be handled by a thread that
+  ///            waits for a reply inside a callback of this session (see CallFuture::Wait).
+  /// Ordering:  of one caller's requests as they came under kSerial, but for those that such a thread takes first.
+  /// Limits:    the options' queue, if it is lossless, says how many requests may wait; else 16384. More are answered
+  ///            with CallFailure::kFull.
+  /// Errors:    throws Error if this session serves the name already.
+  template <class Request, class Reply, HandlerFor<Request, Reply> F>
+  [[nodiscard("requests are handled only while the Service lives")]] Service Serve(
+      std::string_view name, F&& handler, Invoke invoke = Invoke::kSerial, NodeOptions options = {},
+      const CallSite& where = CallSite::Current()) {
+    RequireMessage<Request>();
+    RequireMessage<Reply>();
+    return ServeAny(name, {CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Reply>()},
+                    EraseHandler<Request, Reply>(std::forward<F>(handler)), invoke, std::move(options), where);
+  }
+
+  /// Calls the service `name`: the one of this session, else the one of another session that was found first. `request`
+  /// is a Request, or a unique_ptr or shared_ptr to one. Never blocks but for the first call of a name, which wires it.
+  ///
+  /// Errors: are values (CallFailure); throws Error only if no service can have that name.
+  template <class Request, class Reply, class M>
+  [[nodiscard]] CallFuture<Reply> Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout) {
+    RequireMessage<Request>();
+    RequireMessage<Reply>();
+    return CallFuture<Reply>(CallAny(name, {CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Request>()},
+                                     ShareRequest<Request>(std::forward<M>(request)), timeout, {}));
+  }
+  /// Likewise; `callback` is called once with the result, on a worker of the graph. Only what is left when the session
+  /// ends is called by the thread that ends it.
+  template <class Request, class Reply, class M, std::invocable<const CallResult<Reply>&> F>
+  CallTicket Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout, F&& callback) {
+    RequireMessage<Request>();
+    RequireMessage<Reply>();
+    auto shared = std::make_shared<std::decay_t<F>>(std::forward<F>(callback));
+    return CallTicket(CallAny(name, {CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Request>()},
+                              ShareRequest<Request>(std::forward<M>(request)), timeout,
+                              [shared](const CallEnd& end) { (*shared)(CallResult<Reply>(end)); }));
+  }
+
   /// Announces a channel and gives a handle that publishes on it without looking its name up.
   template <class T>
   [[nodiscard]] Publisher<T> Advertise(std::string_view channel, PublishOptions options = {},
@@ -180,6 +225,17 @@ class HGROS_EXPORT Session {
   Channel& Open(std::string_view channel, const TypeInfo& type, const CallSite& where);
   Channel& OpenAny(std::string_view channel, const TypeInfo& type, const CallSite& where);
   std::shared_ptr<Channel> Share(Channel& channel) const;
+  // The channels' types, and that of the message that this side makes.
+  struct CallTypes {
+    const TypeInfo& request;
+    const TypeInfo& reply;
+    const TypeInfo& body;
+  };
+  Service ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
+                   NodeOptions options, const CallSite& where);
+  std::shared_ptr<PendingCall> CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
+                                       std::chrono::nanoseconds timeout,
+                                       std::function<void(const CallEnd& end)> callback);
   Block LoanBlock(std::string_view channel, std::size_t size_bytes);
   void Latch(Channel& channel, std::size_t count);
   Subscription SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,

@@ -123,6 +123,8 @@ class OutboundChannel {
   virtual ~OutboundChannel() = default;
   /// Remote subscribers, plain ones counted as one. Cheap: one relaxed load. 0: nothing needs to be encoded.
   [[nodiscard]] virtual std::size_t subscriber_count() const noexcept = 0;
+  /// The sessions among them, in the order in which they came.
+  [[nodiscard]] virtual std::vector<SessionId> Subscribers() const { return {}; }
   virtual PublishStatus Reserve() noexcept = 0;
   virtual void Commit(const PacketHead& head, const Payload& data) noexcept = 0;
   virtual void Cancel() noexcept = 0;

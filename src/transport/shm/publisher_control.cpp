@@ -81,7 +81,7 @@ void ShmCore::Activate(Pair& pair, PeerWish& wish, Actions& actions) {
                                         DemandOf(wish.asked, options_.max_credit_bytes));
   core->links.push_back(wish.link.get());
   if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
-  OutboundCore::CountSubscriber(core, false, 1, actions);
+  OutboundCore::CountSubscriber(core, pair.facts.info.id, 1, actions);
   SayGranted(pair, *wish.link, *descriptor_set);
   actions.emplace_back(
       [this, core, to = pair.shared_from_this(), link = wish.link->link] { StartLink(core, *to, link); });
@@ -172,7 +172,7 @@ void ShmCore::RemoveLink(PeerWish& wish, LinkEnd why, Actions& actions) {
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);
   }
-  OutboundCore::CountSubscriber(link->core, false, -1, actions);
+  OutboundCore::CountSubscriber(link->core, link->pair.facts.info.id, -1, actions);
   actions.emplace_back([link] {});  // Its messages end when no mutex is held: their destructors are the user's code.
 }
 

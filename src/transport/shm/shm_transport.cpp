@@ -27,6 +27,7 @@ class ShmOutbound final : public OutboundChannel {
   std::size_t subscriber_count() const noexcept override {
     return channel_->subscribers.load(std::memory_order_relaxed);
   }
+  std::vector<SessionId> Subscribers() const override { return channel_->Sessions(); }
   PublishStatus Reserve() noexcept override {
     return core_->IsChild() ? PublishStatus::kClosed : core_->Reserve(*channel_);
   }

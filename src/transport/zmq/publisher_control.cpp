@@ -265,7 +265,7 @@ void PublisherEndpoint::Activate(Peer& peer, Wish& wish, Actions& actions) {
   wish.link = std::make_unique<Link>(peer, core, DemandOf(wish.asked, carrier_.options), peer.facts.info.id);
   found->second.links.push_back(wish.link.get());
   if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
-  OutboundCore::CountSubscriber(core, false, 1, actions);
+  OutboundCore::CountSubscriber(core, peer.facts.info.id, 1, actions);
   SendSubscribed(peer, *wish.link, *descriptor_set);
   if (peer.cut) {
     wish.link->flow.Pause();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "transport/agreement.hpp"
 #include "transport/zmq/curve.hpp"
 #include "transport/zmq/endpoint.hpp"
 
@@ -42,7 +43,9 @@ PublisherEndpoint::PublisherEndpoint(Carrier& carrier, const PublishEndpoint& en
 
 PublisherEndpoint::~PublisherEndpoint() = default;
 
-bool PublisherEndpoint::Allowed(const std::string& channel) const { return !allowed_ || allowed_->contains(channel); }
+bool PublisherEndpoint::Allowed(const std::string& channel) const {
+  return !allowed_ || allowed_->contains(ListedAs(channel));
+}
 
 void PublisherEndpoint::Offer(const std::shared_ptr<OutboundCore>& core) {
   Actions actions;
@@ -94,7 +97,7 @@ void PublisherEndpoint::OpenChannel(Channel& channel, Actions& actions) {
 void PublisherEndpoint::CloseChannel(Channel& channel, Actions& actions) {
   if (channel.plain) {
     channel.plain = false;
-    OutboundCore::CountSubscriber(channel.core, true, -1, actions);
+    OutboundCore::CountSubscriber(channel.core, {}, -1, actions);
   }
   while (!channel.links.empty()) {
     Peer& peer = channel.links.back()->peer;
@@ -109,7 +112,7 @@ void PublisherEndpoint::UpdatePlain(Channel& channel, Actions& actions) {
   const bool plain = channel.allowed && plain_channels_.contains(channel.core->name);
   if (plain == channel.plain) return;
   channel.plain = plain;
-  OutboundCore::CountSubscriber(channel.core, true, plain ? 1 : -1, actions);
+  OutboundCore::CountSubscriber(channel.core, {}, plain ? 1 : -1, actions);
 }
 
 bool PublisherEndpoint::HasRoomLocked(const OutboundCore& core) const {
@@ -203,7 +206,7 @@ void PublisherEndpoint::RemoveLink(Wish& wish, bool died, Actions& actions) {
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);
   }
-  OutboundCore::CountSubscriber(link->core, false, -1, actions);
+  OutboundCore::CountSubscriber(link->core, link->peer.facts.info.id, -1, actions);
   actions.emplace_back([link] {});  // Its messages end when no mutex is held: their destructors are the user's code.
 }
 

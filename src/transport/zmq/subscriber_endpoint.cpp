@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "transport/agreement.hpp"
 #include "transport/zmq/curve.hpp"
 #include "transport/zmq/endpoint.hpp"
 
@@ -58,7 +59,9 @@ SubscriberEndpoint::SubscriberEndpoint(Carrier& carrier, const SubscribeEndpoint
 
 SubscriberEndpoint::~SubscriberEndpoint() = default;
 
-bool SubscriberEndpoint::Allowed(const std::string& channel) const { return !allowed_ || allowed_->contains(channel); }
+bool SubscriberEndpoint::Allowed(const std::string& channel) const {
+  return !allowed_ || allowed_->contains(ListedAs(channel));
+}
 
 void SubscriberEndpoint::SubscribeTopic(std::string topic, bool subscribe) {
   topic.insert(topic.begin(), subscribe ? '\1' : '\0');

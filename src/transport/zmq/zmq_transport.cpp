@@ -27,6 +27,7 @@ class ZmqOutbound final : public OutboundChannel {
   std::size_t subscriber_count() const noexcept override {
     return channel_->subscribers.load(std::memory_order_relaxed);
   }
+  std::vector<SessionId> Subscribers() const override { return channel_->Sessions(); }
   PublishStatus Reserve() noexcept override { return IsChild() ? PublishStatus::kClosed : core_->Reserve(*channel_); }
   void Commit(const PacketHead& head, const Payload& data) noexcept override {
     if (!IsChild()) core_->Commit(channel_, head, data);

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "hgros/base/ids.hpp"
+#include "hgros/session/call_future.hpp"
+#include "hgros/session/call_message.hpp"
+#include "session/help_line.hpp"
+
+namespace hgros {
+
+class CallTable;
+class ServiceClient;
+
+using AnyAnswer = std::function<void(const CallEnd& end)>;
+
+// A callback that is to be called.
+struct AnsweredCall {
+  AnyAnswer callback;
+  CallEnd end;
+};
+
+// One call of this session.
+//
+// Thread safety: all functions. Invariants: ends once; what it ended with is never changed afterwards. It keeps its
+// table alive, since its future may outlive the session.
+class CallState final : public PendingCall, public HelpLine::Waiter, public std::enable_shared_from_this<CallState> {
+ public:
+  CallState(std::string service, std::shared_ptr<CallTable> table, std::shared_ptr<HelpLine> helpers,
+            AnyAnswer callback);
+
+  const CallEnd& Wait() override;
+  [[nodiscard]] bool done() const noexcept override { return done_.load(std::memory_order_acquire); }
+  void Cancel() noexcept override;
+  void Nudge() noexcept override;
+
+  // By the table. Calls nobody back under a lock.
+  void Finish(CallEnd end);
+  // Ends it before it was in the table.
+  void Refuse(CallFailure failure);
+
+  // Who handles it: set before it is sent.
+  void GoesTo(const std::shared_ptr<ServiceHost>& host);
+  void GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server);
+  void AwaitsServerOf(const std::shared_ptr<ServiceClient>& client);
+  [[nodiscard]] bool IsOf(const ServiceClient& client) const;
+  [[nodiscard]] SessionId server() const;
+  [[nodiscard]] bool has_server() const;
+  [[nodiscard]] CallEnd Overdue() const;
+
+  [[nodiscard]] const std::string& service() const noexcept { return service_; }
+  std::uint64_t number = 0;                                  // By the table, before others know it.
+  std::optional<std::chrono::steady_clock::time_point> due;  // Likewise.
+  std::chrono::nanoseconds timeout{0};
+  std::shared_ptr<CallMessage> message;  // The request; not changed any more once it is sent.
+
+ private:
+  void Help();
+  [[nodiscard]] std::shared_ptr<ServiceHost> host() const;
+
+  const std::string service_;
+  const std::shared_ptr<CallTable> table_;
+  const std::shared_ptr<HelpLine> helpers_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  AnyAnswer callback_;
+  std::atomic<bool> done_{false};
+  bool nudged_ = false;
+  CallEnd end_;
+  std::weak_ptr<ServiceHost> host_;
+  std::weak_ptr<ServiceClient> client_;
+  SessionId server_;
+};
+
+// A failure as the end of a call.
+[[nodiscard]] CallEnd Failed(CallFailure::Kind kind, std::string reason);
+// "500 ms".
+[[nodiscard]] std::string InWords(std::chrono::nanoseconds time);
+
+}  // namespace hgros

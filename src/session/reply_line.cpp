@@ -1,0 +1,48 @@
+#include "session/reply_line.hpp"
+
+#include <utility>
+
+#include "hgros/session/call_message.hpp"
+
+namespace hgros {
+
+bool ReplyLine::TrySend(const std::shared_ptr<const CallMessage>& reply) {
+  if (outlet_->subscriber_count() == 0 || outlet_->Reserve() != PublishStatus::kOk) return false;
+  outlet_->Commit(reply, type_);
+  return true;
+}
+
+void ReplyLine::Send(std::shared_ptr<const CallMessage> reply) {
+  if (TrySend(reply)) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (waiting_.size() < kMaxWaiting) {
+      waiting_.push_back(std::move(reply));
+      reply.reset();
+    }
+  }
+  if (reply) {
+    log_->WriteLimited(LogLevel::kWarning, "reply " + service_,
+                       "A reply of service \"" + service_ + "\" was dropped: its caller takes none, and " +
+                           std::to_string(kMaxWaiting) + " wait for it.");
+    return;
+  }
+  // The subscription, or room, may have come between the try and the waiting.
+  flush_soon_();
+}
+
+void ReplyLine::Flush() {
+  std::unique_lock lock(mutex_);
+  while (!waiting_.empty()) {
+    const std::shared_ptr<const CallMessage> next = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    const bool sent = TrySend(next);
+    lock.lock();
+    if (sent) continue;
+    waiting_.push_front(next);
+    return;
+  }
+}
+
+}  // namespace hgros

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "hgros/base/log.hpp"
+#include "session/channel_outlet.hpp"
+
+namespace hgros {
+
+struct CallMessage;
+
+// The way of replies from one service to one caller of another session. What the caller cannot take yet, because its
+// subscription is still on its way or its credit is used up, waits here, in no promised order.
+//
+// Thread safety: all functions. Flush() by one thread at a time.
+class ReplyLine {
+ public:
+  ReplyLine(std::shared_ptr<ChannelOutlet> outlet, const TypeInfo& type, std::shared_ptr<Log> log, std::string service,
+            std::function<void()> flush_soon)
+      : outlet_(std::move(outlet)),
+        type_(type),
+        log_(std::move(log)),
+        service_(std::move(service)),
+        flush_soon_(std::move(flush_soon)) {}
+
+  void Send(std::shared_ptr<const CallMessage> reply);
+  void Flush();
+  [[nodiscard]] const std::shared_ptr<ChannelOutlet>& outlet() const noexcept { return outlet_; }
+
+ private:
+  static constexpr std::size_t kMaxWaiting = 65536;
+  [[nodiscard]] bool TrySend(const std::shared_ptr<const CallMessage>& reply);
+
+  const std::shared_ptr<ChannelOutlet> outlet_;
+  const TypeInfo& type_;
+  const std::shared_ptr<Log> log_;
+  const std::string service_;
+  const std::function<void()> flush_soon_;
+  std::mutex mutex_;
+  std::deque<std::shared_ptr<const CallMessage>> waiting_;
+};
+
+}  // namespace hgros

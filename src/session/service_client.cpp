@@ -1,0 +1,255 @@
+#include "session/service_client.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/graph/helping.hpp"
+#include "session/services.hpp"
+
+namespace hgros {
+namespace {
+
+using Kind = CallFailure::Kind;
+
+constexpr std::size_t kRepliesInFlight = 1024;
+
+// "Session ID (PROCESS, process NUMBER)".
+std::string Named(const PeerInfo& peer) {
+  return "Session " + peer.id.ToString() + " (" + peer.process + ", process " + std::to_string(peer.pid) + ")";
+}
+
+}  // namespace
+
+ServiceClient::ServiceClient(std::string name, const TypeInfo& request, const TypeInfo& reply,
+                             const std::shared_ptr<Services>& services)
+    : name_(std::move(name)), request_(request), reply_(reply), services_(services) {}
+
+void ServiceClient::Start() {
+  const auto services = services_.lock();
+  const auto update = [weak = weak_from_this(), desk = services_] {
+    if (const auto alive = desk.lock()) {
+      alive->Post([weak] {
+        if (const auto client = weak.lock()) client->Update();
+      });
+    }
+  };
+  services->With([&](ServicePlace& place) {
+    replies_ = place.Listen(
+        ReplyChannel(name_, services->id()), reply_,
+        [weak = weak_from_this()](const AnyMessage& message, const MessageInfo& info) {
+          if (const auto client = weak.lock()) client->OnReply(*static_cast<const CallMessage*>(message.get()), info);
+        },
+        kRepliesInFlight);
+    outlet_ = place.OpenOutlet(RequestChannel(name_), request_, {update, update, [] { return true; }});
+  });
+}
+
+void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
+  const auto services = services_.lock();
+  if (!services || !info.remote || reply.caller != services->id().value) return;
+  // The body is of this client's type, so it must be one of its calls; and only its server replies.
+  const auto call = services->calls()->Find(reply.call);
+  if (!call || !call->IsOf(*this) || call->server().value != info.id.publisher) return;
+  const Helping::Invited invited;
+  services->EndCall(reply, name_);
+}
+
+bool ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
+  if (outlet_->subscriber_count() == 0 || outlet_->Reserve() != PublishStatus::kOk) return false;
+  outlet_->Commit(message, request_);
+  return true;
+}
+
+void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
+  const auto services = services_.lock();
+  if (!services || !outlet_) return;
+  std::vector<std::shared_ptr<CallState>> ended;  // Let go of after the lock.
+  bool now = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    now = waiting_.empty() && !servers_.empty();
+    if (now) {
+      call->GoesTo(shared_from_this(), servers_.front().id);
+      call->message->server = servers_.front().id.value;
+    } else {
+      while (!waiting_.empty() && waiting_.front()->done()) {
+        ended.push_back(std::move(waiting_.front()));
+        waiting_.pop_front();
+      }
+      call->AwaitsServerOf(shared_from_this());
+      waiting_.push_back(call);
+    }
+  }
+  if (now && Post(call->message)) return;
+  if (now) {  // It has no room just now.
+    const std::scoped_lock lock(mutex_);
+    waiting_.push_back(call);
+  } else if (const auto host = services->HostOf(name_)) {  // Since it was looked for.
+    return HandOver(*host);
+  }
+  services->Post([weak = weak_from_this()] {
+    if (const auto client = weak.lock()) client->Update();
+  });
+}
+
+void ServiceClient::HandOver(ServiceHost& host) {
+  std::deque<std::shared_ptr<CallState>> waiting;
+  {
+    const std::scoped_lock lock(mutex_);
+    waiting.swap(waiting_);
+    if (!host.Fits(request_, reply_)) waiting.swap(waiting_);
+  }
+  for (const auto& call : waiting) {
+    if (call->done()) continue;
+    call->GoesTo(host.shared_from_this());
+    host.Arrive(call->message);
+  }
+}
+
+void ServiceClient::Withdraw(const CallState& call) {
+  if (!call.has_server()) return;
+  auto message = std::make_shared<CallMessage>();
+  message->caller = call.message->caller;
+  message->server = call.server().value;
+  message->call = call.number;
+  message->cancelled = true;
+  (void)Post(message);  // If there is no room the reply comes, and nobody looks at it.
+}
+
+void ServiceClient::Update() {
+  const auto services = services_.lock();
+  if (!services || !outlet_) return;
+  UpdateServers(*services);
+  SendWaiting();
+  EndWithoutServer(*services);
+}
+
+void ServiceClient::UpdateServers(Services& services) {
+  // The outlet sends nothing until it has been told of them, a moment after they count; then this is called again.
+  const bool told = outlet_->subscriber_count() > 0;
+  const std::vector<SessionId> there = told ? outlet_->Subscribers() : std::vector<SessionId>();
+  std::vector<PeerInfo> peers;
+  services.With([&](ServicePlace& place) { peers = place.Peers(); });
+  std::vector<Server> gone;
+  std::vector<Server> two;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto serves = [&](SessionId id) {
+      return std::ranges::find(there, id) != there.end() && !misfits_.contains(id.value);
+    };
+    for (const Server& server : servers_) {
+      if (!serves(server.id)) gone.push_back(server);
+    }
+    std::erase_if(servers_, [&](const Server& server) { return !serves(server.id); });
+    for (const SessionId id : there) {
+      if (!serves(id) || std::ranges::find(servers_, id, &Server::id) != servers_.end()) continue;
+      Server& server = servers_.emplace_back();
+      server.id = server.info.id = id;
+      if (const auto peer = std::ranges::find(peers, id, &PeerInfo::id); peer != peers.end()) server.info = *peer;
+    }
+    if (servers_.size() < 2) said_two_ = false;
+    if (servers_.size() > 1 && !std::exchange(said_two_, true)) two = servers_;
+  }
+  for (const Server& server : gone) {
+    EndCallsTo(
+        services, server.id,
+        Failed(Kind::kServerGone, Named(server.info) + " ended service \"" + name_ + "\", or is no longer reached."));
+  }
+  if (!two.empty()) ReportTwo(services, two);
+}
+
+void ServiceClient::ReportTwo(Services& services, const std::vector<Server>& servers) {
+  std::string all = Named(servers.front().info);
+  for (std::size_t i = 1; i < servers.size(); ++i) all += " and " + Named(servers[i].info);
+  std::string sentence = "Service \"" + name_ + "\" is served by more than one: " + all +
+                         ". Calls go to the first of them as long as it serves. Give the others another name.";
+  services.log()->Write(LogLevel::kWarning, sentence);
+  services.With([&](ServicePlace& place) {
+    place.Report({PeerEvent::Kind::kServedTwice, servers.back().info, RequestChannel(name_), std::move(sentence)});
+  });
+}
+
+void ServiceClient::SendWaiting() {
+  for (;;) {
+    std::shared_ptr<CallState> next;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (waiting_.empty() || servers_.empty()) return;
+      next = waiting_.front();
+      waiting_.pop_front();
+      if (next->done()) continue;
+      next->GoesTo(shared_from_this(), servers_.front().id);
+      next->message->server = servers_.front().id.value;
+    }
+    if (Post(next->message)) continue;
+    const std::scoped_lock lock(mutex_);
+    waiting_.push_front(std::move(next));
+    return;
+  }
+}
+
+void ServiceClient::EndWithoutServer(Services& services) {
+  std::string misfit;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(waiting_, [](const auto& call) { return call->done(); });
+    if (waiting_.empty() || !servers_.empty()) return;
+    if (!misfits_.empty()) misfit = misfits_.begin()->second;
+  }
+  if (!misfit.empty()) return EndWaiting(Failed(Kind::kTypeMismatch, misfit));
+  ChannelSearch search;
+  services.With([&](ServicePlace& place) { search = place.Search(RequestChannel(name_)); });
+  if (!search.announced.empty()) return;  // It is about to be reached.
+  if (search.complete) {
+    return EndWaiting(
+        Failed(Kind::kNoServer, "Nobody serves \"" + name_ + "\": discovery knows no session that does."));
+  }
+  if (search.complete_at == std::chrono::steady_clock::time_point::max()) return;
+  services.PostAt(search.complete_at, [weak = weak_from_this()] {
+    if (const auto client = weak.lock()) client->Update();
+  });
+}
+
+void ServiceClient::EndWaiting(const CallEnd& end) {
+  std::deque<std::shared_ptr<CallState>> waiting;
+  {
+    const std::scoped_lock lock(mutex_);
+    waiting.swap(waiting_);
+  }
+  const auto services = services_.lock();
+  for (const auto& call : waiting) services->calls()->End(call->number, end);
+}
+
+void ServiceClient::EndCallsTo(Services& services, SessionId server, const CallEnd& end) {
+  services.calls()->EndAll([&](const CallState& call) {
+    return call.IsOf(*this) && call.server() == server ? std::optional(end) : std::nullopt;
+  });
+}
+
+void ServiceClient::OnPeerGone(const PeerInfo& peer, const std::string& reason) {
+  const auto services = services_.lock();
+  if (!services) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(servers_, [&](const Server& server) { return server.id == peer.id; });
+    misfits_.erase(peer.id.value);
+  }
+  EndCallsTo(*services, peer.id,
+             Failed(Kind::kServerGone, Named(peer) + ", which served \"" + name_ + "\", is gone: " + reason + "."));
+  Update();
+}
+
+void ServiceClient::OnMisfit(std::string_view channel, SessionId peer, const std::string& sentence) {
+  const auto services = services_.lock();
+  if (!services) return;
+  if (channel != RequestChannel(name_) && channel != ReplyChannel(name_, services->id())) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    misfits_[peer.value] = sentence;
+    std::erase_if(servers_, [&](const Server& server) { return server.id == peer; });
+  }
+  EndCallsTo(*services, peer, Failed(Kind::kTypeMismatch, sentence));
+  Update();
+}
+
+}  // namespace hgros

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/graph/message_info.hpp"
+#include "hgros/graph/subscription.hpp"
+#include "hgros/transport/transport.hpp"
+#include "session/call_state.hpp"
+#include "session/channel_outlet.hpp"
+
+namespace hgros {
+
+class Services;
+
+// The calls of this session to one service of other sessions. Its servers are the sessions that subscribe to the
+// channel of its requests; calls go to the one that was there first. While there is none, and discovery does not rule
+// one out, calls wait here.
+//
+// Thread safety: all functions; Update(), OnPeerGone() and OnMisfit() by the services' thread alone.
+// Invariants: a call's server is set under mutex_ from servers_, and who is taken out of servers_ has its calls ended
+// after that, so that no call goes to one who has left and waits on.
+class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
+ public:
+  ServiceClient(std::string name, const TypeInfo& request, const TypeInfo& reply,
+                const std::shared_ptr<Services>& services);
+
+  // Wires it. Throws Error.
+  void Start();
+  void Send(const std::shared_ptr<CallState>& call);
+  // The call has been cancelled: its server need not begin it.
+  void Withdraw(const CallState& call);
+  // This session serves the name now: calls that wait go there. On a thread that may run user code.
+  void HandOver(ServiceHost& host);
+  // Looks who serves now, and sends or ends what waits.
+  void Update();
+  void OnPeerGone(const PeerInfo& peer, const std::string& reason);
+  void OnMisfit(std::string_view channel, SessionId peer, const std::string& sentence);
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const TypeInfo& request() const noexcept { return request_; }
+  [[nodiscard]] const TypeInfo& reply() const noexcept { return reply_; }
+
+ private:
+  void OnReply(const CallMessage& reply, const MessageInfo& info);
+  [[nodiscard]] bool Post(const std::shared_ptr<const CallMessage>& message);
+  void UpdateServers(Services& services);
+  void SendWaiting();
+  void EndWithoutServer(Services& services);
+  void EndWaiting(const CallEnd& end);
+  void EndCallsTo(Services& services, SessionId server, const CallEnd& end);
+  struct Server {
+    SessionId id;
+    PeerInfo info;
+  };
+  void ReportTwo(Services& services, const std::vector<Server>& servers);
+
+  const std::string name_;
+  const TypeInfo& request_;
+  const TypeInfo& reply_;
+  const std::weak_ptr<Services> services_;
+  std::shared_ptr<ChannelOutlet> outlet_;  // Written by Start() alone.
+  Subscription replies_;                   // Likewise.
+
+  std::mutex mutex_;
+  std::vector<Server> servers_;
+  std::deque<std::shared_ptr<CallState>> waiting_;
+  std::map<std::uint64_t, std::string> misfits_;  // Sessions whose types do not fit, with what was said.
+  bool said_two_ = false;
+};
+
+}  // namespace hgros

@@ -1,0 +1,170 @@
+// What a session alone says of services: no server, two servers, waiting inside callbacks, the free functions.
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "session/services_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Add;
+using test::Await;
+using test::Kind;
+using test::kLong;
+using test::Note;
+using test::Robot;
+using test::Sum;
+using test::Total;
+
+class Services : public test::DomainFixture {};
+
+TEST_F(Services, PassPointersInsideASession) {
+  Session session;
+  const Note* seen = nullptr;
+  std::shared_ptr<const Note> given;
+  const Service service = session.Serve<Note, Note>("echo", [&](const Note& note) {
+    seen = &note;
+    given = std::make_shared<const Note>(note.text);
+    return given;
+  });
+  const auto request = std::make_shared<const Note>("hello");
+  Note::written = 0;
+  const auto result = session.Call<Note, Note>("echo", request, kLong).Wait();
+  ASSERT_TRUE(result);
+  EXPECT_EQ(seen, request.get());
+  EXPECT_EQ(result.reply(), given);
+  EXPECT_EQ(Note::written, 0);
+}
+
+TEST_F(Services, SayAtOnceThatASessionWithoutOthersHasNoServer) {
+  Robot robot("discovery: {local: false}");
+  const auto result = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
+  EXPECT_EQ(result.failure().kind, Kind::kNoServer);
+  EXPECT_EQ(result.failure().reason, "Nobody serves \"add\": discovery knows no session that does.");
+}
+
+TEST_F(Services, SayThatThereIsNoServerOnceDiscoveryHasHadItsTime) {
+  Robot other("");
+  Robot robot("");
+  const auto first = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
+  EXPECT_EQ(first.failure().kind, Kind::kNoServer);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto second = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
+  EXPECT_EQ(second.failure().kind, Kind::kNoServer);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, test::kPatience);
+}
+
+TEST_F(Services, WaitUntilTheTimeIsUpWhereAServerMayBehindAnEndpoint) {
+  Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}");
+  const auto result = robot->Call<Sum, Total>("add", Sum{}, std::chrono::milliseconds(30)).Wait();
+  EXPECT_EQ(result.failure().kind, Kind::kNoServer);
+  EXPECT_EQ(result.failure().reason, "No server of \"add\" was found within 30 ms.");
+}
+
+TEST_F(Services, AreServedOnceInASession) {
+  Session session;
+  const Service first = session.Serve<Sum, Total>("add", Add);
+  EXPECT_THROW((void)(session.Serve<Sum, Total>("add", Add)), Error);
+  EXPECT_TRUE((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()));
+}
+
+TEST_F(Services, AreServedAgainAfterTheyEnded) {
+  Session session;
+  Service first = session.Serve<Sum, Total>("add", Add);
+  first.Reset();
+  EXPECT_FALSE(first.active());
+  const Service second = session.Serve<Sum, Total>("add", [](const Sum&) { return Total{7}; });
+  EXPECT_EQ((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()->value), 7);
+}
+
+TEST_F(Services, HaveNamesThatChannelsCanBeNamedAfter) {
+  Session session;
+  EXPECT_THROW((void)(session.Serve<Sum, Total>("a b", Add)), Error);
+  EXPECT_THROW((void)(session.Serve<Sum, Total>(std::string(180, 'x'), Add)), Error);
+  EXPECT_THROW((void)(session.Call<Sum, Total>("a b", Sum{}, kLong)), Error);
+}
+
+TEST_F(Services, RefuseAQueueThatDropsRequests) {
+  Session session(Config::Parse("data_graph: {nodes: {add: {queue: {keep_last: 4}}}}"));
+  EXPECT_THROW((void)(session.Serve<Sum, Total>("add", Add)), Error);
+}
+
+TEST_F(Services, FailCallsThatAreLeftWhenTheSessionEnds) {
+  auto session = std::make_unique<Session>();
+  test::Door door;
+  std::atomic<bool> begun{false};
+  const Service service = session->Serve<Sum, Total>("slow", [&](const Sum& sum) {
+    begun = true;
+    door.Pass();
+    return Add(sum);
+  });
+  const auto call = session->Call<Sum, Total>("slow", Sum{}, kLong);
+  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  std::jthread end([&] { session.reset(); });
+  EXPECT_EQ(call.Wait().failure().kind, Kind::kClosed);
+  door.Open();
+  end.join();
+  EXPECT_TRUE(call.done());
+}
+
+TEST_F(Services, OfTwoServersAreReportedAndOneIsCalled) {
+  Robot caller("", "caller");
+  std::atomic<int> events{0};
+  const auto listening = caller->FromGraph<PeerEvent>(kPeerEventsChannel, Invoke::kSerial, [&](const PeerEvent& event) {
+    if (event.kind == PeerEvent::Kind::kServedTwice && event.channel == "hgros/call/who") ++events;
+  });
+  Robot first("", "first");
+  Robot second("", "second");
+  std::atomic<int> calls{0};
+  const auto handler = [&](const char* name) {
+    return [&calls, name](const Note&) {
+      ++calls;
+      return Note(name);
+    };
+  };
+  std::optional<Service> one = first->Serve<Note, Note>("who", handler("first"));
+  ASSERT_EQ((caller->Call<Note, Note>("who", Note(), kLong).Wait()->text), "first");
+  const Service two = second->Serve<Note, Note>("who", handler("second"));
+  EXPECT_TRUE(Await([&] { return caller.Said("Service \"who\" is served by more than one") && events == 1; }));
+  EXPECT_TRUE(
+      Await([&] { return first.Said("is served here and by session") && second.Said("is served here and by"); }));
+  calls = 0;
+  for (int i = 0; i < 20; ++i) EXPECT_EQ((caller->Call<Note, Note>("who", Note(), kLong).Wait()->text), "first");
+  EXPECT_EQ(calls, 20);
+  one.reset();
+  EXPECT_TRUE(Await([&] {
+    const auto result = caller->Call<Note, Note>("who", Note(), kLong).Wait();
+    return result && result->text == "second";
+  }));
+}
+
+TEST_F(Services, PassAListOfChannelsThatNamesTheirRequests) {
+  const test::Bus bus;
+  const std::string list = "hgros/call/add";
+  const auto yaml = [&](const std::string& own, const std::string& other) {
+    return "network: {" + bus.Publisher(own, list) + ", subscribers: [" + bus.Subscriber(other, list) +
+           "]}\ndiscovery: {local: false}\n";
+  };
+  Robot server(yaml("a", "b"));
+  Robot caller(yaml("b", "a"));
+  const Service add = server->Serve<Sum, Total>("add", Add);
+  const Service other = server->Serve<Sum, Total>("other", Add);
+  EXPECT_EQ((caller->Call<Sum, Total>("add", Sum{1, 2}, kLong).Wait()->value), 3);
+  const auto kept = caller->Call<Sum, Total>("other", Sum{}, std::chrono::milliseconds(50)).Wait();
+  EXPECT_EQ(kept.failure().kind, Kind::kNoServer);
+}
+
+TEST_F(Services, AreFreeFunctionsToo) {
+  Init(Config::Parse("discovery: {local: false}"));
+  Serve<Sum, Total>("add", Add);
+  EXPECT_EQ((Call<Sum, Total>("add", Sum{1, 2}, kLong).Wait()->value), 3);
+  std::atomic<int> sum{0};
+  Call<Sum, Total>("add", Sum{2, 2}, kLong, [&](const CallResult<Total>& result) { sum = result->value; });
+  EXPECT_TRUE(Await([&] { return sum == 4; }));
+  Shutdown();
+}
+
+}  // namespace
+}  // namespace hgros
