@@ -7,6 +7,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/clock/system_clocks.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -47,6 +48,11 @@ Demand DemandFor(const Queue& queue) {
   return demand;
 }
 
+std::shared_ptr<Clock> ClockOf(std::shared_ptr<Clock> given, std::shared_ptr<Clock> followed) {
+  if (given) return given;
+  return followed ? std::move(followed) : std::make_shared<SystemClock>();
+}
+
 }  // namespace
 
 // Belongs to one Subscription: ends its part of what the session asks of remote publishers.
@@ -73,13 +79,16 @@ Session::Core::Core(Config config, SessionOptions options)
       name_(options.name.empty() ? ProgramName() : std::move(options.name)),
       publisher_{id_.value, static_cast<std::uint64_t>(WallNow().nanoseconds), 0},
       log_(std::make_shared<Log>(std::move(options.log))),
-      domain_(DomainOf(config_)) {
+      domain_(DomainOf(config_)),
+      followed_clock_(config_.simulated_time && !options.clock ? std::make_shared<FollowingClock>() : nullptr),
+      clock_(ClockOf(std::move(options.clock), followed_clock_)) {
   alive_->core = this;
   GraphOptions graph_options;
   graph_options.threads = config_.threads;
   graph_options.overrides = config_.nodes;
   graph_options.publisher = publisher_;
   graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
+  timers_.emplace(clock_, *graph_, log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
   events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
   if (!config_.nodes.empty()) {
@@ -87,12 +96,14 @@ Session::Core::Core(Config config, SessionOptions options)
     errands_->PostIn(kTimeForNodes, [this] { graph_->SayUntakenNames(); });
   }
   if (!config_.publishers.empty() || !config_.subscribers.empty()) Reach();
+  clock_nodes_ = FollowClock();
 }
 
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
 Session::Core::~Core() {
   graph_->SayUntakenNames();
   graph_->Refuse();
+  clock_nodes_.clear();
   {
     const std::unique_lock lock(alive_->mutex);
     alive_->core = nullptr;
@@ -109,6 +120,7 @@ Session::Core::~Core() {
   for (const auto& inlet : inlets) inlet->Detach();
   if (carriers_) carriers_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
   for (const auto& outlet : outlets) outlet->Detach();
+  timers_->Stop();
   graph_->Shutdown();
   errands_.reset();
 }

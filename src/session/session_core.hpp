@@ -13,11 +13,13 @@
 #include <vector>
 
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/clock/following_clock.hpp"
 #include "hgros/session/session.hpp"
 #include "session/carriers.hpp"
 #include "session/channel_inlet.hpp"
 #include "session/channel_outlet.hpp"
 #include "session/errand_thread.hpp"
+#include "session/session_timers.hpp"
 
 namespace hgros {
 
@@ -60,6 +62,8 @@ class Session::Core final : public TransportListener {
 
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
+  [[nodiscard]] SessionTimers& timers() noexcept { return *timers_; }
+  [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept { return clock_; }
   // Nothing of the session may be waited for or destroyed here.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] SessionId id() const noexcept { return id_; }
@@ -97,6 +101,7 @@ class Session::Core final : public TransportListener {
   static Demand Combine(const std::list<Demand>& wanted);
   void Notify() noexcept;
   void PublishEvent(PeerEvent event) noexcept;
+  std::vector<Subscription> FollowClock();
 
   template <class Predicate>
   bool WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const;
@@ -108,6 +113,8 @@ class Session::Core final : public TransportListener {
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const std::optional<std::string> domain_;
+  const std::shared_ptr<FollowingClock> followed_clock_;  // clock_, if that follows a published one
+  const std::shared_ptr<Clock> clock_;
 
   const std::shared_ptr<Alive> alive_ = std::make_shared<Alive>();
 
@@ -118,12 +125,14 @@ class Session::Core final : public TransportListener {
   std::atomic<bool> closing_{false};
   mutable std::mutex mutex_;
   std::unique_ptr<DataGraph> graph_;
+  std::optional<SessionTimers> timers_;
   Publisher<PeerEvent> events_;
   std::optional<ErrandThread> errands_;
   std::unique_ptr<Carriers> carriers_;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
   std::map<std::string, Inflow, std::less<>> inflows_;
   std::set<std::string> said_confined_;  // Subscribed channels that were looked up in the white lists.
+  std::vector<Subscription> clock_nodes_;
 };
 
 }  // namespace hgros

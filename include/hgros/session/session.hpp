@@ -16,6 +16,7 @@
 #include "hgros/codec/message.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/config.hpp"
+#include "hgros/session/node_timer.hpp"
 #include "hgros/session/peer_event.hpp"
 #include "hgros/session/snapshot.hpp"
 
@@ -24,6 +25,7 @@ namespace hgros {
 struct SessionOptions {
   std::string name;  ///< For logs and other sessions' tables; empty: the program's name.
   LogSink log = DefaultLogSink();
+  std::shared_ptr<Clock> clock = nullptr;  ///< Empty: as the configuration says, usually the system's.
 };
 
 /// How a channel is published.
@@ -123,6 +125,18 @@ class HGROS_EXPORT Session {
     Latch(opened, options.latched);
     return Publisher<T>(Share(opened), Reach::kAny);
   }
+
+  /// Calls `callback` every `period` of clock(), for as long as the NodeTimer lives, as a serial node of the data graph
+  /// with that name. Jumps and pauses of the clock make neither a burst nor a gap. Turns that come while the callback
+  /// runs wait as NodeTimerOptions::queue says; those left out are told in Tick::missed. The first timer starts the
+  /// thread that fires them all; it sleeps in between.
+  /// Errors: throws Error unless `period` is above zero and no other timer of the session has the name.
+  [[nodiscard("the callback is called only while the NodeTimer lives")]] NodeTimer CreateTimer(
+      std::string_view name, Duration period, TimerCallback callback, NodeTimerOptions options = {});
+
+  /// What the session's timers follow; for SleepUntil(), Rate and whatever else is to. Stamps and statistics are of the
+  /// wall clock all the same.
+  [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept;
 
   /// A Block, or a Bulk of some message, with `size_bytes` of bytes to be filled and published on `channel`, in the
   /// memory that receivers on this host will read: then publishing it copies nothing. While nobody there receives the
