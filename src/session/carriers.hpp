@@ -63,6 +63,7 @@ class Carriers final : private DiscoveryListener {
   bool RemoveSubscribeEndpoint(const std::string& endpoint);
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
+  [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
   [[nodiscard]] TransportStats stats() const;
   /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
   void Close(int linger_ms) noexcept;
@@ -78,6 +79,7 @@ class Carriers final : private DiscoveryListener {
     void OnPeerCame(const PeerInfo& peer) noexcept override;
     void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
     void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+    void OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept override;
 
    private:
     Carriers& carriers_;

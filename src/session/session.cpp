@@ -39,6 +39,8 @@ NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCall
 }
 const std::shared_ptr<Clock>& Session::clock() const noexcept { return core_->clock(); }
 
+std::optional<ClockOffset> Session::OffsetTo(SessionId peer) const { return core_->OffsetTo(peer); }
+
 SessionId Session::id() const noexcept { return core_->id(); }
 const std::string& Session::name() const noexcept { return core_->name(); }
 Config Session::config() const { return core_->config(); }

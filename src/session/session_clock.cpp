@@ -26,4 +26,13 @@ std::vector<Subscription> Session::Core::FollowClock() {
   return subscriptions;
 }
 
+std::optional<ClockOffset> Session::Core::OffsetTo(SessionId peer) const {
+  if (peer == id_) return ClockOffset{};
+  {
+    const std::scoped_lock lock(mutex_);
+    if (carriers_ && carriers_->IsOnThisHost(peer)) return ClockOffset{};
+  }
+  return host_clocks_->OffsetTo(peer);
+}
+
 }  // namespace hgros

@@ -80,6 +80,7 @@ Session::Core::Core(Config config, SessionOptions options)
       publisher_{id_.value, static_cast<std::uint64_t>(WallNow().nanoseconds), 0},
       log_(std::make_shared<Log>(std::move(options.log))),
       domain_(DomainOf(config_)),
+      host_clocks_(std::make_shared<HostClocks>(std::move(options.wall))),
       followed_clock_(config_.simulated_time && !options.clock ? std::make_shared<FollowingClock>() : nullptr),
       clock_(ClockOf(std::move(options.clock), followed_clock_)) {
   alive_->core = this;
@@ -141,7 +142,8 @@ Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, con
   auto outlet = std::make_shared<ChannelOutlet>(
       std::string(name), type, publisher_, log_,
       OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { Notify(); },
-                   [this, channel_name = std::string(name)] { return SayIfItCannotLeave(channel_name); }});
+                   [this, channel_name = std::string(name)] { return SayIfItCannotLeave(channel_name); }},
+      host_clocks_);
   if (const auto entry = config_.channels.find(name); entry != config_.channels.end() && entry->second.latched) {
     graph_->Latch(channel, *entry->second.latched);
     outlet->Latch(*entry->second.latched);
@@ -200,7 +202,7 @@ Subscription Session::Core::SubscribeAny(Channel& channel, const TypeInfo& type,
     if (!inflow.inlet) {
       inflow.inlet = std::make_shared<ChannelInlet>(
           channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); },
-          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); });
+          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); }, host_clocks_);
     }
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
     subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
@@ -351,6 +353,7 @@ void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
 }
 
 void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
+  host_clocks_->Forget(peer.id);
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });  // In order with its return.
   log_->Write(LogLevel::kInfo,
               NameOf(peer) + (closing_ ? " is no longer reached: " : " is gone: ") + std::string(reason) + ".");

@@ -19,6 +19,7 @@
 #include "session/channel_inlet.hpp"
 #include "session/channel_outlet.hpp"
 #include "session/errand_thread.hpp"
+#include "session/host_clocks.hpp"
 #include "session/session_timers.hpp"
 
 namespace hgros {
@@ -55,10 +56,14 @@ class Session::Core final : public TransportListener {
 
   std::vector<PeerInfo> Peers() const;
   SessionSnapshot Snapshot() const;
+  std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
   void OnPeerCame(const PeerInfo& peer) noexcept override;
   void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
   void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+  void OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept override {
+    host_clocks_->Add(peer.id, exchange);
+  }
 
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
@@ -113,6 +118,7 @@ class Session::Core final : public TransportListener {
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const std::optional<std::string> domain_;
+  const std::shared_ptr<HostClocks> host_clocks_;
   const std::shared_ptr<FollowingClock> followed_clock_;  // clock_, if that follows a published one
   const std::shared_ptr<Clock> clock_;
 

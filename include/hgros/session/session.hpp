@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <concepts>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -12,6 +14,7 @@
 #include "hgros/base/call_site.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/clock/clock_offset.hpp"
 #include "hgros/codec/block.hpp"
 #include "hgros/codec/message.hpp"
 #include "hgros/graph/data_graph.hpp"
@@ -26,6 +29,7 @@ struct SessionOptions {
   std::string name;  ///< For logs and other sessions' tables; empty: the program's name.
   LogSink log = DefaultLogSink();
   std::shared_ptr<Clock> clock = nullptr;  ///< Empty: as the configuration says, usually the system's.
+  std::function<Time()> wall = {};         ///< Stamps messages; empty: the system's. For tests of clocks that differ.
 };
 
 /// How a channel is published.
@@ -175,6 +179,11 @@ class HGROS_EXPORT Session {
   void RemoveSubscriberEndpoint(std::string_view endpoint);
   /// Where other sessions can connect to: the real addresses, also if a port was left to the system.
   [[nodiscard]] std::vector<std::string> PublisherEndpoints() const;
+
+  /// By how much the wall clock of the peer's host is ahead of ours, and within what that is known: nothing at all on
+  /// this host. Known a heartbeat after sessions have met over endpoints; each heartbeat makes it better. Latencies in
+  /// statistics are corrected by it. Empty for who is no peer, or has not answered yet.
+  [[nodiscard]] std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
   [[nodiscard]] SessionSnapshot Snapshot() const;
