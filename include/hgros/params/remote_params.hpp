@@ -21,7 +21,8 @@ struct RemoteParam {
   std::string refusal = {};
 
   [[nodiscard]] bool ok() const noexcept { return value.has_value(); }
-  [[nodiscard]] const T& operator*() const { return *value; }
+  [[nodiscard]] const T& operator*() const& { return *value; }
+  [[nodiscard]] T operator*() && { return *std::move(value); }  ///< So that a loop may go over `*params.List()`.
   [[nodiscard]] const T* operator->() const { return &*value; }
 };
 
