@@ -1,5 +1,6 @@
 #include "hgros/clock/clock_line.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -17,10 +18,12 @@ Duration Bounded(long double nanoseconds) noexcept {
 }  // namespace
 
 Time ClockLine::At(Time source_now) const noexcept {
-  if (paused) return shown;
-  const Duration elapsed = source_now - source;
-  if (rate == 1.0) return Later(shown, elapsed);
-  return Later(shown, Bounded(std::floor(static_cast<long double>(elapsed.count()) * rate)));
+  Time at = shown;
+  if (!paused) {
+    const Duration elapsed = source_now - source;
+    at = Later(shown, rate == 1.0 ? elapsed : Bounded(std::floor(static_cast<long double>(elapsed.count()) * rate)));
+  }
+  return std::max(at, least);
 }
 
 Time ClockLine::SourceOf(Time due) const noexcept {

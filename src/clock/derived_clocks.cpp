@@ -1,5 +1,6 @@
 #include "hgros/clock/derived_clocks.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -26,6 +27,12 @@ ClockLine DerivedClock::line() const {
   return line_;
 }
 
+ClockState DerivedClock::State() const {
+  const std::scoped_lock lock(mutex_);
+  const Time source_now = source_->Read().elapsed();
+  return {{line_.At(source_now), jumped_}, source_now, line_.rate, line_.paused};
+}
+
 void DerivedClock::Wait(Sleeper& sleeper, const ClockReading& seen, Time due) {
   const WaitingRoom::Seat seat(waiting_, sleeper);
   ClockReading source_seen;
@@ -42,6 +49,10 @@ void DerivedClock::Wait(Sleeper& sleeper, const ClockReading& seen, Time due) {
 
 Listening DerivedClock::OnJump(JumpCallback callback) { return listeners_.Add(std::move(callback)); }
 
+Listening DerivedClock::OnChange(std::function<void()> callback) {
+  return changes_.Add([callback = std::move(callback)](const Changed&) { callback(); });
+}
+
 void DerivedClock::ChangePace(const std::function<void(ClockLine&)>& change) {
   {
     const std::scoped_lock lock(mutex_);
@@ -50,6 +61,7 @@ void DerivedClock::ChangePace(const std::function<void(ClockLine&)>& change) {
     line_.source = source_now;
     change(line_);
   }
+  changes_.Tell({});
   waiting_.WakeAll();
 }
 
@@ -64,6 +76,27 @@ void DerivedClock::Jump(Time after) {
     jumped_ += jump.after - jump.before;
   }
   listeners_.Tell(jump);
+  changes_.Tell({});
+  waiting_.WakeAll();
+}
+
+void DerivedClock::Replace(ClockLine line, std::optional<Duration> jump) {
+  ClockJump told;
+  Duration leap{0};
+  {
+    const std::scoped_lock lock(mutex_);
+    const Time source_now = source_->Read().elapsed();
+    told.before = line_.At(source_now);
+    if (jump == Duration::zero()) line.least = told.before;
+    told.after = line.At(source_now);
+    const Duration difference = told.after - told.before;
+    // What a clock that has run ahead has to go back is part of the jump, since elapsed time does not go back.
+    if (jump != Duration::zero()) leap = std::min(jump.value_or(difference), difference);
+    line_ = line;
+    jumped_ += leap;
+  }
+  if (leap != Duration::zero()) listeners_.Tell(told);
+  changes_.Tell({});
   waiting_.WakeAll();
 }
 

@@ -30,7 +30,7 @@ class TimerQueue::Core {
 
   // `add` gets the plan and a reading that it follows.
   template <class Add>
-  Timer AddTimer(const std::shared_ptr<Core>& self, TimerCallback callback, const Add& add) {
+  Timer AddTimer(const std::shared_ptr<Core>& self, TimerCallback callback, const Add& add, bool waits = true) {
     auto guarded = std::make_shared<GuardedCallback<const Tick&>>(std::move(callback));
     TimerPlan::Id id = 0;
     bool sooner = false;
@@ -43,9 +43,9 @@ class TimerQueue::Core {
       sooner = plan_.next() < before;
     }
     if (sooner) sleeper_.Wake();
-    return Timer([core = std::weak_ptr(self), id, guarded = std::move(guarded)] {
+    return Timer([core = std::weak_ptr(self), id, waits, guarded = std::move(guarded)] {
       if (const auto there = core.lock()) there->Remove(id);
-      guarded->Close();
+      if (waits) guarded->Close();
     });
   }
 
@@ -125,11 +125,13 @@ TimerQueue::TimerQueue(std::shared_ptr<Clock> clock, LogSink log)
 TimerQueue::~TimerQueue() { core_->Stop(); }
 
 Timer TimerQueue::Every(Duration period, TimerCallback callback, const TimerOptions& options) {
-  return core_->AddTimer(core_, std::move(callback),
-                         [&](TimerPlan& plan, const ClockReading& seen, const auto& guarded) {
-                           const Time first = Later(seen.now, options.first.value_or(period));
-                           return plan.AddPeriodic(PeriodicSchedule(seen, first, period, options.missed), guarded);
-                         });
+  return core_->AddTimer(
+      core_, std::move(callback),
+      [&](TimerPlan& plan, const ClockReading& seen, const auto& guarded) {
+        const Time first = Later(seen.now, options.first.value_or(period));
+        return plan.AddPeriodic(PeriodicSchedule(seen, first, period, options.missed), guarded);
+      },
+      options.waits_at_end);
 }
 
 Timer TimerQueue::After(Duration delay, TimerCallback callback) {

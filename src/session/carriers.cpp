@@ -32,6 +32,14 @@ void Carriers::Ear::OnTypeMismatch(std::string_view channel, const PeerInfo& pee
   carriers_.listener_.OnTypeMismatch(channel, peer, what);
 }
 
+void Carriers::Ear::OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept {
+  if (!carriers_.IsOnThisHost(peer.id)) carriers_.listener_.OnClockExchange(peer, exchange);
+}
+
+bool Carriers::IsOnThisHost(SessionId peer) const {
+  return peers_.IsFound(peer) || peers_.IsReached(peer, CarrierKind::kShm);
+}
+
 Carriers::Carriers(CarrierOptions options, TransportListener& listener, Log& log)
     : listener_(listener),
       log_(log),

@@ -69,6 +69,7 @@ class Carriers final : private DiscoveryListener {
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
   /// Who says in the host's registry that it subscribes to the channel, and whether anybody else could.
   [[nodiscard]] ChannelSearch Search(const std::string& channel);
+  [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
   [[nodiscard]] TransportStats stats() const;
   /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
   void Close(int linger_ms) noexcept;
@@ -87,6 +88,7 @@ class Carriers final : private DiscoveryListener {
     void OnPeerCame(const PeerInfo& peer) noexcept override;
     void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
     void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+    void OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept override;
 
    private:
     Carriers& carriers_;

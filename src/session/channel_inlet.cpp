@@ -18,12 +18,14 @@ constexpr int kMessagesPerErrand = 16;
 }  // namespace
 
 ChannelInlet::ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log,
-                           std::function<void()> on_publishers, std::function<void(Errand)> run_apart)
+                           std::function<void()> on_publishers, std::function<void(Errand)> run_apart,
+                           std::shared_ptr<const HostClocks> clocks)
     : channel_(channel),
       type_(type),
       log_(std::move(log)),
       on_publishers_(std::move(on_publishers)),
-      run_apart_(std::move(run_apart)) {}
+      run_apart_(std::move(run_apart)),
+      clocks_(std::move(clocks)) {}
 
 void ChannelInlet::Join(Carriers& carriers, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);
@@ -131,7 +133,9 @@ void ChannelInlet::RunErrand() noexcept {
 bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
   const MessageId& id = message.head.id;
   const std::scoped_lock lock(counts_mutex_);
-  if (message.head.publish_time_ns > 0) transport_.Record(WallNow().nanoseconds - message.head.publish_time_ns);
+  if (const std::int64_t then = message.head.publish_time_ns; then > 0) {
+    transport_.Record(clocks_->Since(then, message.from).count());
+  }
   const std::pair who{message.from.value, id.publisher};
   if (lives_.size() >= kMaxPublishers && !lives_.contains(who)) {
     lives_.erase(std::min_element(lives_.begin(), lives_.end(), [](const auto& a, const auto& b) {

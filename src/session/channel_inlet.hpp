@@ -17,6 +17,7 @@
 #include "hgros/transport/transport.hpp"
 #include "session/carriers.hpp"
 #include "session/fifo.hpp"
+#include "session/host_clocks.hpp"
 
 namespace hgros {
 
@@ -34,7 +35,7 @@ class ChannelInlet final : public InboundSink {
 
   // `run_apart` has its errand run, later, on a thread that owns no socket and that the channel outlives.
   ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log, std::function<void()> on_publishers,
-               std::function<void(Errand)> run_apart);
+               std::function<void(Errand)> run_apart, std::shared_ptr<const HostClocks> clocks);
 
   void Join(Carriers& carriers, const Demand& demand);
   void Detach();
@@ -90,6 +91,7 @@ class ChannelInlet final : public InboundSink {
   const std::shared_ptr<Log> log_;
   const std::function<void()> on_publishers_;
   const std::function<void(Errand)> run_apart_;
+  const std::shared_ptr<const HostClocks> clocks_;
 
   std::mutex carrier_mutex_;
   std::shared_ptr<JoinedInbound> carrier_;

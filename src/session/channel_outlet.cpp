@@ -8,12 +8,13 @@
 namespace hgros {
 
 ChannelOutlet::ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
-                             OutletEvents events)
+                             OutletEvents events, std::shared_ptr<const HostClocks> clocks)
     : channel_(std::move(channel)),
       type_(type),
       publisher_(publisher),
       log_(std::move(log)),
-      events_(std::move(events)) {}
+      events_(std::move(events)),
+      clocks_(std::move(clocks)) {}
 
 void ChannelOutlet::Join(Carriers& carriers) {
   {
@@ -122,7 +123,7 @@ void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noex
   head.encoding = type_.encoding;
   head.fingerprint = type_.fingerprint;
   head.id = publisher_;
-  head.publish_time_ns = WallNow().nanoseconds;
+  head.publish_time_ns = clocks_->Now().nanoseconds;
   head.publish_monotonic_ns = MonotonicNow();
   head.latched = static_cast<std::uint32_t>(depth);
 

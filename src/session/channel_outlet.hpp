@@ -15,6 +15,7 @@
 #include "hgros/session/snapshot.hpp"
 #include "hgros/transport/transport.hpp"
 #include "session/carriers.hpp"
+#include "session/host_clocks.hpp"
 
 namespace hgros {
 
@@ -36,7 +37,7 @@ struct OutletEvents {
 class ChannelOutlet final : public Outlet, public OutboundSource {
  public:
   ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
-                OutletEvents events);
+                OutletEvents events, std::shared_ptr<const HostClocks> clocks);
 
   void Join(Carriers& carriers);
   // Withdraws from the carrier; later publishes stay inside the process.
@@ -80,6 +81,7 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const OutletEvents events_;
+  const std::shared_ptr<const HostClocks> clocks_;
 
   std::atomic<std::size_t> subscribers_{0};
   std::atomic<bool> heard_{false};  // There has been a subscriber: what a cut keeps from it is numbered, so it counts.

@@ -6,13 +6,16 @@ namespace hgros {
 namespace {
 
 void ReadFile(const yaml::Document& document, std::span<const std::string> program_sections, ConfigDraft& draft) {
-  std::vector<std::string_view> known{"network", "discovery", "shared_memory", "data_graph", "channels"};
+  std::vector<std::string_view> known{"network", "discovery", "shared_memory", "time", "data_graph", "channels"};
   known.insert(known.end(), program_sections.begin(), program_sections.end());
   const yaml::Section file(yaml::Value(document),
-                           "a map with network, discovery, shared_memory, data_graph and channels", known);
+                           "a map with network, discovery, shared_memory, time, data_graph and channels", known);
   if (const auto network = file.Find("network")) ReadNetwork(*network, draft);
   if (const auto discovery = file.Find("discovery")) ReadDiscovery(*discovery, draft);
   if (const auto memory = file.Find("shared_memory")) ReadSharedMemory(*memory, draft);
+  if (const auto time = file.Find("time")) {
+    yaml::Settle(draft.simulated_time, time->Choice({"system", "simulated"}) == 1, *time);
+  }
   if (const auto data_graph = file.Find("data_graph")) ReadDataGraph(*data_graph, draft);
   if (const auto channels = file.Find("channels")) ReadChannels(*channels, draft);
 }
@@ -72,6 +75,7 @@ Config ConfigDraft::Finish() const {
   Apply(shared_memory_limit_bytes, config.shared_memory.limit_bytes);
   Apply(shared_memory_wait, config.shared_memory.wait);
   Apply(shared_memory_spin_us, config.shared_memory.spin_us);
+  Apply(simulated_time, config.simulated_time);
   config.closed_channels.assign(closed_channels.begin(), closed_channels.end());
   Apply(threads, config.threads);
   for (const auto& [name, node] : nodes) config.nodes[name] = {ValueOf(node.queue), ValueOf(node.executor)};

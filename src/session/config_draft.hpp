@@ -58,6 +58,7 @@ struct ConfigDraft {
   std::map<std::string, FilePosition> allowed_clients;  ///< By key.
   std::map<std::string, yaml::Setting<std::string>> servers;
 
+  Maybe<bool> simulated_time;
   std::set<std::string> closed_channels;
   Maybe<int> threads;
   std::map<std::string, Node> nodes;

@@ -33,6 +33,14 @@ std::vector<PeerInfo> Session::Peers() const { return core_->Peers(); }
 SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
 bool Session::WaitIdle(std::chrono::nanoseconds timeout) const { return core_->graph().WaitIdle(DeadlineIn(timeout)); }
 
+NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCallback callback,
+                               NodeTimerOptions options) {
+  return core_->timers().Create(name, period, std::move(callback), std::move(options));
+}
+const std::shared_ptr<Clock>& Session::clock() const noexcept { return core_->clock(); }
+
+std::optional<ClockOffset> Session::OffsetTo(SessionId peer) const { return core_->OffsetTo(peer); }
+
 SessionId Session::id() const noexcept { return core_->id(); }
 const std::string& Session::name() const noexcept { return core_->name(); }
 Log& Session::log() const noexcept { return core_->log(); }

@@ -7,6 +7,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/clock/system_clocks.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -47,6 +48,11 @@ Demand DemandFor(const Queue& queue) {
   return demand;
 }
 
+std::shared_ptr<Clock> ClockOf(std::shared_ptr<Clock> given, std::shared_ptr<Clock> followed) {
+  if (given) return given;
+  return followed ? std::move(followed) : std::make_shared<SystemClock>();
+}
+
 }  // namespace
 
 // Belongs to one Subscription: ends its part of what the session asks of remote publishers.
@@ -73,13 +79,17 @@ Session::Core::Core(Config config, SessionOptions options)
       name_(options.name.empty() ? ProgramName() : std::move(options.name)),
       publisher_{id_.value, static_cast<std::uint64_t>(WallNow().nanoseconds), 0},
       log_(std::make_shared<Log>(std::move(options.log))),
-      domain_(DomainOf(config_)) {
+      domain_(DomainOf(config_)),
+      host_clocks_(std::make_shared<HostClocks>(std::move(options.wall))),
+      followed_clock_(config_.simulated_time && !options.clock ? std::make_shared<FollowingClock>() : nullptr),
+      clock_(ClockOf(std::move(options.clock), followed_clock_)) {
   alive_->core = this;
   GraphOptions graph_options;
   graph_options.threads = config_.threads;
   graph_options.overrides = config_.nodes;
   graph_options.publisher = publisher_;
   graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
+  timers_.emplace(clock_, *graph_, log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
   events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
   services_ = std::make_shared<Services>(static_cast<ServicePlace&>(*this), id_, log_);
@@ -88,6 +98,7 @@ Session::Core::Core(Config config, SessionOptions options)
     errands_->PostIn(kTimeForNodes, [this] { graph_->SayUntakenNames(); });
   }
   if (!config_.publishers.empty() || !config_.subscribers.empty()) Reach();
+  clock_nodes_ = FollowClock();
 }
 
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
@@ -95,6 +106,7 @@ Session::Core::~Core() {
   graph_->SayUntakenNames();
   services_->Refuse();
   graph_->Refuse();
+  clock_nodes_.clear();
   {
     const std::unique_lock lock(alive_->mutex);
     alive_->core = nullptr;
@@ -112,6 +124,7 @@ Session::Core::~Core() {
   for (const auto& inlet : inlets) inlet->Detach();
   if (carriers_) carriers_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
   for (const auto& outlet : outlets) outlet->Detach();
+  timers_->Stop();
   graph_->Shutdown();
   services_->Close();
   errands_.reset();
@@ -133,7 +146,8 @@ Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, con
   auto outlet = std::make_shared<ChannelOutlet>(
       std::string(name), type, publisher_, log_,
       OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { Notify(); },
-                   [this, channel_name = std::string(name)] { return SayIfItCannotLeave(channel_name); }});
+                   [this, channel_name = std::string(name)] { return SayIfItCannotLeave(channel_name); }},
+      host_clocks_);
   if (const auto entry = config_.channels.find(name); entry != config_.channels.end() && entry->second.latched) {
     graph_->Latch(channel, *entry->second.latched);
     outlet->Latch(*entry->second.latched);
@@ -192,7 +206,7 @@ Subscription Session::Core::SubscribeAny(Channel& channel, const TypeInfo& type,
     if (!inflow.inlet) {
       inflow.inlet = std::make_shared<ChannelInlet>(
           channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); },
-          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); });
+          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); }, host_clocks_);
     }
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
     subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
@@ -344,6 +358,7 @@ void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
 
 void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
   services_->OnPeerGone(peer, reason);
+  host_clocks_->Forget(peer.id);
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });  // In order with its return.
   log_->Write(LogLevel::kInfo,
               NameOf(peer) + (closing_ ? " is no longer reached: " : " is gone: ") + std::string(reason) + ".");

@@ -13,11 +13,14 @@
 #include <vector>
 
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/clock/following_clock.hpp"
 #include "hgros/session/session.hpp"
 #include "session/carriers.hpp"
 #include "session/channel_inlet.hpp"
 #include "session/channel_outlet.hpp"
 #include "session/errand_thread.hpp"
+#include "session/host_clocks.hpp"
+#include "session/session_timers.hpp"
 #include "session/services.hpp"
 
 namespace hgros {
@@ -54,14 +57,20 @@ class Session::Core final : public TransportListener, private ServicePlace {
 
   std::vector<PeerInfo> Peers() const override;
   SessionSnapshot Snapshot() const;
+  std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
   void OnPeerCame(const PeerInfo& peer) noexcept override;
   void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
   void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+  void OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept override {
+    host_clocks_->Add(peer.id, exchange);
+  }
 
   [[nodiscard]] Services& services() noexcept { return *services_; }
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
+  [[nodiscard]] SessionTimers& timers() noexcept { return *timers_; }
+  [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept { return clock_; }
   // Nothing of the session may be waited for or destroyed here.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] SessionId id() const noexcept { return id_; }
@@ -110,6 +119,7 @@ class Session::Core final : public TransportListener, private ServicePlace {
   static Demand Combine(const std::list<Demand>& wanted);
   void Notify() noexcept;
   void PublishEvent(PeerEvent event) noexcept;
+  std::vector<Subscription> FollowClock();
 
   template <class Predicate>
   bool WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const;
@@ -121,6 +131,9 @@ class Session::Core final : public TransportListener, private ServicePlace {
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const std::optional<std::string> domain_;
+  const std::shared_ptr<HostClocks> host_clocks_;
+  const std::shared_ptr<FollowingClock> followed_clock_;  // clock_, if that follows a published one
+  const std::shared_ptr<Clock> clock_;
 
   const std::shared_ptr<Alive> alive_ = std::make_shared<Alive>();
 
@@ -131,6 +144,7 @@ class Session::Core final : public TransportListener, private ServicePlace {
   std::atomic<bool> closing_{false};
   mutable std::mutex mutex_;
   std::unique_ptr<DataGraph> graph_;
+  std::optional<SessionTimers> timers_;
   Publisher<PeerEvent> events_;
   std::optional<ErrandThread> errands_;
   std::unique_ptr<Carriers> carriers_;
@@ -140,6 +154,7 @@ class Session::Core final : public TransportListener, private ServicePlace {
   std::map<std::string, Inflow, std::less<>> inflows_;
   std::set<std::string> said_confined_;  // Subscribed channels that were looked up in the white lists.
   std::shared_ptr<Services> services_;
+  std::vector<Subscription> clock_nodes_;
 };
 
 }  // namespace hgros

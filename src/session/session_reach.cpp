@@ -65,6 +65,7 @@ CarrierOptions Session::Core::OptionsForCarriers() {
   zmq.peer_queue_bytes = config_.peer_queue_bytes;
   zmq.plain_queue_bytes = config_.peer_queue_bytes;
   zmq.linger = std::chrono::milliseconds(kLingerMs);
+  zmq.wall = [clocks = host_clocks_] { return clocks->Now(); };
   if (config_.security.enabled()) {
     zmq.security =
         ZmqSecurity{{config_.security.public_key, config_.security.secret_key}, config_.security.allowed_clients};

@@ -57,8 +57,12 @@ struct Inflow {
   std::vector<ChannelInlet::Errand> errands;
   std::uint64_t sequence = 0;
   DataGraph graph;
-  ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()), TypeOf<T>(), std::make_shared<Log>(), [] {},
-                     [this](ChannelInlet::Errand errand) { errands.push_back(std::move(errand)); }};
+  ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()),
+                     TypeOf<T>(),
+                     std::make_shared<Log>(),
+                     [] {},
+                     [this](ChannelInlet::Errand errand) { errands.push_back(std::move(errand)); },
+                     std::make_shared<HostClocks>()};
 };
 
 using Texts = std::vector<std::string>;

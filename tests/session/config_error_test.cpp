@@ -22,7 +22,7 @@ void ExpectSubscriberFault(const std::string& ip, const std::vector<std::string>
 TEST(ConfigKeys, AnUnknownOneIsMetWithTheNearestAndTheList) {
   ExpectFault("netwrok:\n", "1:1",
               {"Unknown key \"netwrok\" at the top level.", "Did you mean \"network\"?",
-               "Known keys: channels, data_graph, discovery, network, shared_memory."});
+               "Known keys: channels, data_graph, discovery, network, shared_memory, time."});
   ExpectFault("network:\n  publishers:\n", "2:3", {"Unknown key \"publishers\" in network.", "\"publisher\"?"});
   ExpectFault(
       "network:\n  publisher: {ip: x, chanels: []}\n", "2:22",
@@ -95,7 +95,7 @@ TEST(ConfigTypes, AreSaidAsWantedAndFound) {
   ExpectFault("channels: {a: {lossless: yes}}", "1:26", {"must be true or false, but is the text \"yes\"."});
   ExpectFault(
       "- network", "1:1",
-      {"The file must be a map with network, discovery, shared_memory, data_graph and channels, but is a list."});
+      {"The file must be a map with network, discovery, shared_memory, time, data_graph and channels, but is a list."});
   ExpectFault("network:x", "1:1", {"The file must be a map", "Put a blank after the colon"});
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
+
 #include "hgros/base/export.hpp"
 #include "hgros/clock/time.hpp"
 
@@ -14,6 +17,7 @@ struct HGROS_EXPORT ClockLine {
   Time shown;
   double rate = 1.0;
   bool paused = false;
+  Time least = {std::numeric_limits<std::int64_t>::min()};  ///< Shows no less: stands still until it has come so far.
 
   [[nodiscard]] Time At(Time source_now) const noexcept;
   /// The first moment of the source at which the clock shows `due` or more; Time::Never() while it is paused.

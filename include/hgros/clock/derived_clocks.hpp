@@ -3,11 +3,13 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "hgros/base/export.hpp"
 #include "hgros/clock/clock.hpp"
 #include "hgros/clock/clock_line.hpp"
+#include "hgros/clock/clock_state.hpp"
 #include "hgros/clock/waiting_room.hpp"
 
 namespace hgros {
@@ -19,6 +21,11 @@ class HGROS_EXPORT DerivedClock : public Clock {
   void Wait(Sleeper& sleeper, const ClockReading& seen, Time due) override;
   [[nodiscard]] Listening OnJump(JumpCallback callback) override;
 
+  [[nodiscard]] ClockState State() const;
+  /// Calls `callback` after each jump and each change of pace, on the thread that makes it. State() says what it is
+  /// now.
+  [[nodiscard]] Listening OnChange(std::function<void()> callback);
+
  protected:
   /// Shows `start` now. Without a source it takes a SteadyClock.
   DerivedClock(Time start, std::shared_ptr<Clock> source, bool paused = false);
@@ -27,14 +34,20 @@ class HGROS_EXPORT DerivedClock : public Clock {
   void ChangePace(const std::function<void(ClockLine&)>& change);
   /// Makes the clock show `after`, tells the listeners, then wakes whoever waits.
   void Jump(Time after);
+  /// Runs along `line` from now on. Of what this differs from what is shown now, `jump` is one, or all of it without a
+  /// `jump`; the rest is time that passed, and if it is less than none the clock stands still for so long.
+  void Replace(ClockLine line, std::optional<Duration> jump);
   [[nodiscard]] ClockLine line() const;
 
  private:
+  struct Changed {};
+
   const std::shared_ptr<Clock> source_;
   mutable std::mutex mutex_;
   ClockLine line_;      // guarded by mutex_
   Duration jumped_{0};  // guarded by mutex_
   Listeners<ClockJump> listeners_;
+  Listeners<Changed> changes_;
   WaitingRoom waiting_;
 };
 

@@ -22,6 +22,8 @@ using Timer = Listening;
 struct TimerOptions {
   Missed missed = Missed::kSkip;
   std::optional<Duration> first = {};  ///< From now to the first turn; left out: one period.
+  /// False: ending the timer does not wait for its callback, which then keeps alive itself whatever it uses.
+  bool waits_at_end = true;
 };
 
 /// Any number of timers of one clock on one thread.

@@ -78,6 +78,8 @@ struct HGROS_EXPORT Config {
   int heartbeat_ms = 1000;
   int peer_timeout_ms = 5000;  ///< A peer silent for longer is gone.
 
+  bool simulated_time = false;  ///< The session's clock follows the channel "clock".
+
   std::vector<std::string> closed_channels;  ///< Not delivered to this process' own nodes.
   int threads = 0;                           ///< Workers of the tbb executor; 0: one less than there are CPUs.
   NodeOverrides nodes;

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -13,11 +14,13 @@
 #include "hgros/base/call_site.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/clock/clock_offset.hpp"
 #include "hgros/codec/block.hpp"
 #include "hgros/codec/message.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/call_future.hpp"
 #include "hgros/session/config.hpp"
+#include "hgros/session/node_timer.hpp"
 #include "hgros/session/peer_event.hpp"
 #include "hgros/session/service.hpp"
 #include "hgros/session/snapshot.hpp"
@@ -27,6 +30,8 @@ namespace hgros {
 struct SessionOptions {
   std::string name;  ///< For logs and other sessions' tables; empty: the program's name.
   LogSink log = DefaultLogSink();
+  std::shared_ptr<Clock> clock = nullptr;  ///< Empty: as the configuration says, usually the system's.
+  std::function<Time()> wall = {};         ///< Stamps messages; empty: the system's. For tests of clocks that differ.
 };
 
 /// How a channel is published.
@@ -169,6 +174,18 @@ class HGROS_EXPORT Session {
     return Publisher<T>(Share(opened), Reach::kAny);
   }
 
+  /// Calls `callback` every `period` of clock(), for as long as the NodeTimer lives, as a serial node of the data graph
+  /// with that name. Jumps and pauses of the clock make neither a burst nor a gap. Turns that come while the callback
+  /// runs wait as NodeTimerOptions::queue says; those left out are told in Tick::missed. The first timer starts the
+  /// thread that fires them all; it sleeps in between.
+  /// Errors: throws Error unless `period` is above zero and no other timer of the session has the name.
+  [[nodiscard("the callback is called only while the NodeTimer lives")]] NodeTimer CreateTimer(
+      std::string_view name, Duration period, TimerCallback callback, NodeTimerOptions options = {});
+
+  /// What the session's timers follow; for SleepUntil(), Rate and whatever else is to. Stamps and statistics are of the
+  /// wall clock all the same.
+  [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept;
+
   /// A Block, or a Bulk of some message, with `size_bytes` of bytes to be filled and published on `channel`, in the
   /// memory that receivers on this host will read: then publishing it copies nothing. While nobody there receives the
   /// channel, or no such memory is left, it is ordinary memory (counted in ChannelTraffic::heap_loans). Never waits.
@@ -206,6 +223,11 @@ class HGROS_EXPORT Session {
   void RemoveSubscriberEndpoint(std::string_view endpoint);
   /// Where other sessions can connect to: the real addresses, also if a port was left to the system.
   [[nodiscard]] std::vector<std::string> PublisherEndpoints() const;
+
+  /// By how much the wall clock of the peer's host is ahead of ours, and within what that is known: nothing at all on
+  /// this host. Known a heartbeat after sessions have met over endpoints; each heartbeat makes it better. Latencies in
+  /// statistics are corrected by it. Empty for who is no peer, or has not answered yet.
+  [[nodiscard]] std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
   [[nodiscard]] SessionSnapshot Snapshot() const;

@@ -31,7 +31,8 @@ struct ChannelTraffic {
   std::size_t publishers = 0;       ///< Remote sessions that publish to us now.
   std::vector<PublisherTraffic> in;
   std::array<std::uint64_t, kPacketFaultCount> faults{};  ///< Dropped packets by PacketFault.
-  LogHistogram transport;  ///< From the sender's publish to our delivery by the wall clocks, ns.
+  /// From the sender's publish to our delivery by the wall clocks, ns; corrected by what is known of their offset.
+  LogHistogram transport;
 };
 
 /// Everything a session counts, at one moment.

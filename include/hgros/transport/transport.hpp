@@ -12,6 +12,7 @@
 #include "hgros/base/bytes.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/base/publish_status.hpp"
+#include "hgros/clock/clock_offset.hpp"
 #include "hgros/codec/block.hpp"
 #include "hgros/codec/packet.hpp"
 #include "hgros/codec/type_info.hpp"
@@ -168,6 +169,9 @@ class TransportListener {
   /// Two sides of a channel do not fit. Said on both sides, once per peer and channel. `what` names the channel and
   /// both types, without a final full stop.
   virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
+  /// The peer has told the time of its wall clock, now and then while it is reached; each pair of peers hears so on
+  /// both sides. Of carriers that leave the host only.
+  virtual void OnClockExchange(const PeerInfo& /*peer*/, const ClockExchange& /*exchange*/) noexcept {}
 };
 
 /// Packets that were dropped, those of unknown channels included.

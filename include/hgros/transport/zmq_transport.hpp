@@ -63,6 +63,7 @@ struct ZmqOptions {
   std::chrono::milliseconds unreachable_after{3000};  ///< Without a connection for so long: the log says so.
   std::chrono::milliseconds linger{500};              ///< Of the destructor's Close().
   std::optional<ZmqSecurity> security;
+  std::function<Time()> wall;  ///< This host's wall clock; empty: the system's.
   /// Whether that session's messages on the channel are to be received here, and not by another carrier; empty: always.
   /// Must be quick, and must not call the transport.
   std::function<bool(SessionId publisher, std::string_view channel)> takes;

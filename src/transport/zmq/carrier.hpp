@@ -29,6 +29,7 @@ struct Carrier {
 
   /// Counts a packet that was dropped, and says so once in a while. `where` is an endpoint or a peer.
   void CountFault(PacketFault fault, std::string_view where, std::string_view what);
+  [[nodiscard]] Time Wall() const { return options.wall ? options.wall() : WallNow(); }
   /// Has the leading thread make these calls.
   void Post(Actions&& actions);
   [[nodiscard]] Actions TakePosted();

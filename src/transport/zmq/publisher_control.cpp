@@ -153,9 +153,22 @@ void PublisherEndpoint::OnUpstream(Bytes bytes, Actions& actions) {
     case wire::Control::kSubscribe: OnSubscribe(peer, control->subscribe(), actions); break;
     case wire::Control::kUnsubscribe: OnUnsubscribe(peer, control->unsubscribe(), actions); break;
     case wire::Control::kCredit: OnCredit(peer, control->credit(), actions); break;
-    case wire::Control::kHeartbeat: break;
+    case wire::Control::kHeartbeat: OnHeartbeat(peer, control->heartbeat(), actions); break;
     case wire::Control::kBye: DropPeer(session, "it said goodbye", actions); break;
     default: carrier_.CountFault(PacketFault::kHead, Who(peer.facts.info), "a publisher's control message");
+  }
+}
+
+void PublisherEndpoint::OnHeartbeat(Peer& peer, const wire::Heartbeat& heartbeat, Actions& actions) {
+  const Time now = carrier_.Wall();
+  if (auto answer = AnswerTo(heartbeat, now); answer && !peer.cut) {
+    auto said = ControlFrom(carrier_.self.info.id);
+    *said.mutable_heartbeat() = std::move(*answer);
+    Say(peer, said);
+  }
+  if (const auto exchange = peer.clock.Read(heartbeat, now)) {
+    actions.emplace_back(
+        [this, info = peer.facts.info, told = *exchange] { carrier_.listener.OnClockExchange(info, told); });
   }
 }
 
@@ -331,14 +344,16 @@ void PublisherEndpoint::Tick(SteadyTime now, Actions& actions) {
   const auto timeout = carrier_.options.peer_timeout;
   const SocketUse use(mutex_, socket_, input_, *carrier_.waker);
   auto heartbeat = ControlFrom(carrier_.self.info.id);
-  heartbeat.mutable_heartbeat();
   std::vector<SessionId> silent;
   for (auto& [session, peer] : peers_) {
     if (now - peer->last_heard > timeout) {
       silent.push_back(session);
       continue;
     }
-    if (!peer->cut) Say(*peer, heartbeat);
+    if (!peer->cut) {
+      peer->clock.Ask(*heartbeat.mutable_heartbeat(), carrier_.Wall());
+      Say(*peer, heartbeat);
+    }
     for (auto& [channel, wish] : peer->wishes) {
       // It came back without asking for this channel again.
       const bool stale = wish.link && wish.link->flow.paused() && now - wish.link->paused_since > timeout;

@@ -14,6 +14,7 @@
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
 #include "transport/zmq/carrier.hpp"
+#include "transport/zmq/clock_question.hpp"
 #include "transport/zmq/wire_message.hpp"
 
 namespace hgros::zmq {
@@ -81,6 +82,7 @@ class PublisherEndpoint {
     std::uint64_t handshake = 0;
     SteadyTime last_heard{};
     bool cut = false;
+    ClockQuestion clock;
     std::uint64_t waiting_bytes = 0;
     std::unordered_map<std::string, Wish> wishes;  // By channel.
     std::unordered_set<std::string> told_mismatch;
@@ -113,6 +115,7 @@ class PublisherEndpoint {
   void OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions);
   void Refuse(std::string_view filter, Message& frame);
   void OnUpstream(Bytes bytes, Actions& actions);
+  void OnHeartbeat(Peer& peer, const wire::Heartbeat& heartbeat, Actions& actions);
   void OnHello(SessionId session, const wire::Hello& hello, Actions& actions);
   void OnSubscribe(Peer& peer, const wire::Subscribe& subscribe, Actions& actions);
   void OnUnsubscribe(Peer& peer, const wire::Unsubscribe& unsubscribe, Actions& actions);

@@ -90,9 +90,22 @@ void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& 
     case wire::Control::kSubscribed: OnSubscribed(control->subscribed(), actions); break;
     case wire::Control::kRefused: OnRefused(control->refused(), actions); break;
     case wire::Control::kWithdrawn: OnWithdrawn(control->withdrawn().channel(), actions); break;
-    case wire::Control::kHeartbeat: break;
+    case wire::Control::kHeartbeat: OnHeartbeat(control->heartbeat(), actions); break;
     case wire::Control::kBye: LosePublisher("it said goodbye", true, actions); break;
     default: carrier_.CountFault(PacketFault::kHead, endpoint_, "a subscriber's control message");
+  }
+}
+
+void SubscriberEndpoint::OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions) {
+  const Time now = carrier_.Wall();
+  if (auto answer = AnswerTo(heartbeat, now)) {
+    auto said = ControlFrom(carrier_.self.info.id);
+    *said.mutable_heartbeat() = std::move(*answer);
+    Say(said);
+  }
+  if (const auto exchange = publisher_->clock.Read(heartbeat, now)) {
+    actions.emplace_back(
+        [this, info = publisher_->facts.info, told = *exchange] { carrier_.listener.OnClockExchange(info, told); });
   }
 }
 
@@ -345,7 +358,7 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
     }
     if (connected_ && publisher_ && welcomed_) {
       auto said = ControlFrom(carrier_.self.info.id);
-      said.mutable_heartbeat();
+      publisher_->clock.Ask(*said.mutable_heartbeat(), carrier_.Wall());
       Say(said);
     }
   }

@@ -14,6 +14,7 @@
 
 #include "transport/inbound_core.hpp"
 #include "transport/zmq/carrier.hpp"
+#include "transport/zmq/clock_question.hpp"
 #include "transport/zmq/inbound_packet.hpp"
 #include "transport/zmq/link_credit.hpp"
 
@@ -87,6 +88,7 @@ class SubscriberEndpoint {
     std::uint64_t handshake = 0;
     SteadyTime last_heard{};
     bool alive = false;
+    ClockQuestion clock;
     std::unordered_set<std::string> told_mismatch;
   };
   struct Arrival {
@@ -110,6 +112,7 @@ class SubscriberEndpoint {
 
   // subscriber_control.cpp: what the publisher says.
   void OnControl(const std::vector<Message>& frames, Actions& actions);
+  void OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions);
   void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
   void OnSubscribed(const wire::Subscribed& subscribed, Actions& actions);
   void OnRefused(const wire::Refused& refused, Actions& actions);

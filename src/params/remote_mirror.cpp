@@ -1,0 +1,84 @@
+#include "params/remote_mirror.hpp"
+
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/ids.hpp"
+#include "params/param_wire.hpp"
+
+namespace hgros {
+
+RemoteMirror::RemoteMirror(std::string name) : name_(std::move(name)), asker_(RandomId()) {}
+
+void RemoteMirror::OnState(const ParamsState& state) {
+  State read;
+  std::string fault;
+  if (state.ended()) {
+    fault = "The session \"" + name_ + "\" offers its parameters no more.";
+  } else {
+    try {
+      read.root = param_wire::ReadValues(state, "parameters of " + name_);
+      read.declarations = param_wire::ReadDeclarations(state);
+    } catch (const Error& e) {
+      fault = "The parameters of \"" + name_ + "\" cannot be read: " + std::string(e.what());
+    }
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    if (state.life() == life_ && state.version() <= version_) return;
+    life_ = state.life();
+    version_ = state.version();
+    state_ = std::move(read);
+    fault_ = std::move(fault);
+  }
+  changed_.notify_all();
+}
+
+void RemoteMirror::OnAnswer(const ParamsAnswer& answer) {
+  if (answer.asker() != asker_) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto waiting = answers_.find(answer.number());
+    if (waiting == answers_.end() || waiting->second) return;
+    waiting->second = answer;
+  }
+  changed_.notify_all();
+}
+
+ParamsQuestion RemoteMirror::NextQuestion() {
+  const std::scoped_lock lock(mutex_);
+  ParamsQuestion question;
+  question.set_asker(asker_);
+  question.set_number(++last_number_);
+  answers_.emplace(last_number_, std::nullopt);
+  return question;
+}
+
+bool RemoteMirror::AwaitAnswer(const ParamsQuestion& question, Deadline until) {
+  std::unique_lock lock(mutex_);
+  const auto waiting = answers_.find(question.number());
+  return changed_.wait_until(lock, until, [&] { return waiting->second.has_value(); });
+}
+
+RemoteMirror::Outcome RemoteMirror::Wait(const ParamsQuestion& question, Deadline deadline) {
+  std::unique_lock lock(mutex_);
+  const auto waiting = answers_.find(question.number());
+  if (!changed_.wait_until(lock, deadline, [&] { return waiting->second.has_value(); })) {
+    return {{}, "The session \"" + name_ + "\" has not answered in time; whether it still will is not known."};
+  }
+  const ParamsAnswer& answer = *waiting->second;
+  if (!answer.refusal().empty()) return {{}, answer.refusal()};
+  const auto told = [&] { return life_ == answer.life() && version_ >= answer.version(); };
+  if (!changed_.wait_until(lock, deadline, told)) {
+    return {{}, "The session \"" + name_ + "\" has answered, but its parameters have not come in time."};
+  }
+  if (!fault_.empty()) return {{}, fault_};
+  return {state_, {}};
+}
+
+void RemoteMirror::Forget(const ParamsQuestion& question) {
+  const std::scoped_lock lock(mutex_);
+  answers_.erase(question.number());
+}
+
+}  // namespace hgros

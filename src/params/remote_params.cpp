@@ -1,0 +1,159 @@
+#include "hgros/params/remote_params.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "hgros/base/names.hpp"
+#include "hgros/clock/time.hpp"
+#include "params/param_tree.hpp"
+#include "params/param_wire.hpp"
+#include "params/remote_mirror.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr std::size_t kAnswers = 256;
+constexpr auto kFirstPause = std::chrono::milliseconds(100);  // Before a question is said again.
+
+void ListBelow(const ParamView& view, std::vector<std::string>& paths) {
+  if (!view.exists()) return;
+  if (view.node()->kind != ParamNode::Kind::kMap || (view.size() == 0 && !view.path().empty())) {
+    paths.push_back(view.path().ToString());
+    return;
+  }
+  for (const std::string& key : view.keys()) ListBelow(view[key], paths);
+}
+
+// Whether `path` is `top` or stands below it.
+bool IsBelow(const ParamPath& path, const ParamPath& top) {
+  return path.steps().size() >= top.steps().size() && path.Overlaps(top);
+}
+
+}  // namespace
+
+class RemoteParams::Core {
+ public:
+  Core(Session& session, std::string_view name, std::chrono::nanoseconds timeout)
+      : session_(session),
+        name_(name),
+        timeout_(timeout),
+        channels_(name),
+        mirror_(std::make_shared<RemoteMirror>(name_)),
+        ask_(session.Advertise<ParamsQuestion>(channels_.ask)),
+        states_(session.FromAny<ParamsState>(channels_.state, Invoke::kSerial,
+                                             [mirror = mirror_](const ParamsState& state) { mirror->OnState(state); },
+                                             {{}, {}, Executor::Inline()})),
+        answers_(
+            session.FromAny<ParamsAnswer>(channels_.answer, Invoke::kSerial,
+                                          [mirror = mirror_](const ParamsAnswer& answer) { mirror->OnAnswer(answer); },
+                                          {{}, Queue::KeepLast(kAnswers), Executor::Inline()})) {}
+
+  RemoteMirror::Outcome Ask(const std::vector<ParamChange>& changes) {
+    const auto deadline = DeadlineIn(timeout_);
+    if (!session_.WaitForSubscribers(channels_.ask, 1, timeout_)) return {{}, NobodyThere()};
+    ParamsQuestion question = mirror_->NextQuestion();
+    param_wire::WriteChanges(changes, question);
+    RemoteMirror::Outcome outcome;
+    if (Say(question, deadline)) {
+      outcome = mirror_->Wait(question, deadline);
+    } else {
+      outcome.refusal = "The session \"" + name_ + "\" could not be asked: this one shuts down.";
+    }
+    mirror_->Forget(question);
+    return outcome;
+  }
+
+  Subscription Watch(ParamPath path, ParamListener listener) {
+    return session_.FromAny<ParamsState>(
+        channels_.state, Invoke::kSerial,
+        [name = "parameters of " + name_, path = std::move(path), listener = std::move(listener),
+         before = param_tree::EmptyRoot()](const ParamsState& state) mutable {
+          if (state.ended()) return;
+          const ParamNodePtr after = param_wire::ReadValues(state, name);
+          ParamEvent event{ParamView(before), ParamView(after), {}};
+          for (param_tree::Difference& difference : param_tree::Differences(before, after)) {
+            event.paths.push_back(std::move(difference.path));
+          }
+          before = after;
+          if (!event.paths.empty() && event.Touches(path)) listener(event);
+        },
+        {{}, Queue::Latest(), {}});
+  }
+
+ private:
+  // Again and again until there is an answer, since who offers may just begin or end; a question is answered once,
+  // however often it is heard. False if it cannot be said.
+  bool Say(const ParamsQuestion& question, std::chrono::steady_clock::time_point deadline) {
+    for (std::chrono::nanoseconds pause = kFirstPause;; pause *= 2) {
+      const PublishStatus status = ask_(question);
+      if (status != PublishStatus::kOk && status != PublishStatus::kFull) return false;
+      const auto until = DeadlineIn(pause);
+      if (until >= deadline || mirror_->AwaitAnswer(question, until)) return true;
+    }
+  }
+  std::string NobodyThere() const {
+    std::vector<std::string> names;
+    for (const PeerInfo& peer : session_.Peers()) names.push_back(peer.process);
+    const std::string nearest = NearestName(name_, names);
+    return "No session \"" + name_ + "\" offers parameters." +
+           (nearest.empty() || nearest == name_ ? std::string() : " Did you mean \"" + nearest + "\"?");
+  }
+
+  Session& session_;
+  const std::string name_;
+  const std::chrono::nanoseconds timeout_;
+  const param_wire::Channels channels_;
+  const std::shared_ptr<RemoteMirror> mirror_;
+  const Publisher<ParamsQuestion> ask_;
+  const Subscription states_;
+  const Subscription answers_;
+};
+
+RemoteParams::RemoteParams(Session& session, std::string_view name, std::chrono::nanoseconds timeout)
+    : core_(std::make_unique<Core>(session, name, timeout)) {}
+RemoteParams::~RemoteParams() = default;
+
+RemoteParam<ParamView> RemoteParams::Snapshot() {
+  RemoteMirror::Outcome outcome = core_->Ask({});
+  if (!outcome.state) return {{}, std::move(outcome.refusal)};
+  return {ParamView(std::move(outcome.state->root)), {}};
+}
+
+RemoteParam<std::vector<std::string>> RemoteParams::List(std::string_view path) {
+  RemoteParam<ParamView> all = Snapshot();
+  if (!all.ok()) return {{}, std::move(all.refusal)};
+  try {
+    std::vector<std::string> paths;
+    ListBelow(all->At(path), paths);
+    return {std::move(paths), {}};
+  } catch (const ParamError& e) {
+    return {{}, e.what()};
+  }
+}
+
+RemoteParam<std::vector<ParamDeclaration>> RemoteParams::Describe(std::string_view path) {
+  RemoteMirror::Outcome outcome = core_->Ask({});
+  if (!outcome.state) return {{}, std::move(outcome.refusal)};
+  try {
+    const ParamPath top = ParamPath::Parse(path);
+    std::vector<ParamDeclaration> declarations = std::move(outcome.state->declarations);
+    std::erase_if(declarations, [&](const ParamDeclaration& declaration) {
+      return !IsBelow(ParamPath::Parse(declaration.path), top);
+    });
+    return {std::move(declarations), {}};
+  } catch (const ParamError& e) {
+    return {{}, e.what()};
+  }
+}
+
+ParamResult RemoteParams::Change(const std::vector<ParamChange>& changes) {
+  if (changes.empty()) return {};
+  return {core_->Ask(changes).refusal};
+}
+
+Subscription RemoteParams::Watch(std::string_view path, ParamListener listener) {
+  return core_->Watch(ParamPath::Parse(path), std::move(listener));
+}
+
+}  // namespace hgros

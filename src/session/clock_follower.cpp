@@ -1,0 +1,107 @@
+#include "session/clock_follower.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "hgros/clock/time.hpp"
+#include "hgros/discovery/announcement.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;  // Differences of two such times are times.
+constexpr double kFastest = 1e6;
+constexpr std::int64_t kLongestTransitNs = 10'000'000'000;
+// A clock that runs is heard ten times per second.
+constexpr std::int64_t kSilenceNs = 2'000'000'000;
+
+bool IsGood(const SimulatedTime& time) {
+  const auto near = [](std::int64_t ns) { return ns > -kFarthest && ns < kFarthest; };
+  return near(time.time_ns()) && near(time.jumped_ns()) && time.rate() > 0 && time.rate() <= kFastest;
+}
+
+}  // namespace
+
+ClockFollower::ClockFollower(std::shared_ptr<FollowingClock> clock, std::shared_ptr<Log> log)
+    : clock_(std::move(clock)), log_(std::move(log)), boot_id_(AnnouncementOfThisProcess({}, 0).boot_id) {}
+
+std::string ClockFollower::Heard::Name() const {
+  std::string name;
+  for (const char c : publisher.substr(0, 64)) name += c >= ' ' && c <= '~' ? c : '?';
+  return name + " (session " + SessionId{session}.ToString() + ")";
+}
+
+// On one host the time that the message has taken is known; from another one it is taken for none.
+ClockFollower::Heard ClockFollower::Hear(const SimulatedTime& time, std::uint64_t session) const {
+  Heard heard{session, time.clock_id(), time.publisher(), {}, MonotonicNow()};
+  heard.state.reading = {Time{time.time_ns()}, Duration(time.jumped_ns())};
+  heard.state.rate = time.rate();
+  heard.state.paused = time.paused() || time.ended();
+  const bool same_host = !boot_id_.empty() && time.boot_id() == boot_id_ && time.steady_ns() <= heard.at_ns &&
+                         time.steady_ns() > heard.at_ns - kLongestTransitNs;
+  heard.state.source = Time{same_host ? time.steady_ns() : heard.at_ns};
+  return heard;
+}
+
+void ClockFollower::OnTime(const SimulatedTime& time, const MessageInfo& info) {
+  if (!IsGood(time)) {
+    log_->WriteLimited(LogLevel::kWarning, "clock",
+                       "A message on the channel \"clock\" was left out: what it says cannot be a clock.");
+    return;
+  }
+  const std::scoped_lock lock(mutex_);
+  Heard heard = Hear(time, info.id.publisher);
+  if (gone_ != 0 && heard.session == gone_) return;
+  if (followed_ && followed_->SameClock(heard)) {
+    clock_->Follow(heard.state);
+    followed_ = std::move(heard);
+    if (time.ended()) End();
+    return;
+  }
+  if (rival_ && time.ended() && rival_->SameClock(heard)) rival_.reset();
+  const bool silent = followed_ && !followed_->state.paused && heard.at_ns - followed_->at_ns > kSilenceNs;
+  if (followed_ && !silent) {
+    if (time.ended()) return;
+    Report(heard);
+    rival_ = std::move(heard);
+    return;
+  }
+  Begin(std::move(heard));
+  if (time.ended()) End();
+}
+
+void ClockFollower::OnPeer(const PeerEvent& event) {
+  if (event.kind == PeerEvent::Kind::kTypeMismatch) return;
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t session = event.peer.id.value;
+  if (event.kind == PeerEvent::Kind::kCame) {
+    if (gone_ == session) gone_ = 0;
+    return;
+  }
+  if (rival_ && rival_->session == session) rival_.reset();
+  if (followed_ && followed_->session == session) {
+    gone_ = session;
+    log_->Write(LogLevel::kWarning, "The clock stands still: " + followed_->Name() + ", which published it, is gone.");
+    End();
+  }
+}
+
+void ClockFollower::Begin(Heard heard) {
+  followed_ = std::move(heard);
+  clock_->FollowAnother(followed_->state);
+}
+
+void ClockFollower::End() {
+  followed_.reset();
+  clock_->Pause();
+  if (!rival_) return;
+  Begin(*std::exchange(rival_, std::nullopt));
+}
+
+void ClockFollower::Report(const Heard& other) {
+  log_->WriteLimited(LogLevel::kError, "two clocks",
+                     "Two clocks are published on the channel \"clock\": by " + followed_->Name() +
+                         ", which this session follows, and by " + other.Name() + ". End one of them.");
+}
+
+}  // namespace hgros

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include <hgros/SimulatedTime.pb.h>
+
+#include "hgros/base/log.hpp"
+#include "hgros/clock/following_clock.hpp"
+#include "hgros/graph/message_info.hpp"
+#include "hgros/session/peer_event.hpp"
+
+namespace hgros {
+
+// Decides which of the clocks that are published a session follows: the first one, until that ends or its session is
+// gone; then the one that was in its way.
+//
+// Thread safety: all of it. Listeners of the clock run under the lock.
+class ClockFollower {
+ public:
+  ClockFollower(std::shared_ptr<FollowingClock> clock, std::shared_ptr<Log> log);
+
+  void OnTime(const SimulatedTime& time, const MessageInfo& info);
+  void OnPeer(const PeerEvent& event);
+
+ private:
+  // What was heard last of a clock.
+  struct Heard {
+    std::uint64_t session = 0;
+    std::uint64_t clock = 0;
+    std::string publisher;
+    ClockState state;
+    std::int64_t at_ns = 0;  // CLOCK_MONOTONIC
+
+    [[nodiscard]] bool SameClock(const Heard& other) const { return session == other.session && clock == other.clock; }
+    [[nodiscard]] std::string Name() const;
+  };
+
+  [[nodiscard]] Heard Hear(const SimulatedTime& time, std::uint64_t session) const;
+  void Begin(Heard heard);
+  void End();
+  void Report(const Heard& other);
+
+  const std::shared_ptr<FollowingClock> clock_;
+  const std::shared_ptr<Log> log_;
+  const std::string boot_id_;
+
+  std::mutex mutex_;
+  std::optional<Heard> followed_;  // guarded by mutex_, as all below
+  std::optional<Heard> rival_;
+  std::uint64_t gone_ = 0;  // The session that was followed last and is gone: what still comes from it is too late.
+};
+
+}  // namespace hgros

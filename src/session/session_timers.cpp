@@ -1,0 +1,111 @@
+#include "session/session_timers.hpp"
+
+#include <atomic>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr std::size_t kCatchUpDepth = 1024;
+
+// What a timer's channel carries.
+struct TimerTurn {
+  Tick tick;
+  std::uint64_t number = 0;  // Counts the turns that were planned, from 1: gaps were left out on the way.
+  std::uint64_t timer = 0;   // One of the same name may have ended just before.
+};
+
+std::uint64_t NextTimer() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+NodeOptions NodeOptionsOf(std::string_view name, const NodeTimerOptions& options) {
+  const Queue by_policy = options.missed == Missed::kCatchUp ? Queue::KeepLast(kCatchUpDepth) : Queue::Latest();
+  return {std::string(name), options.queue.value_or(by_policy), options.executor};
+}
+
+}  // namespace
+
+SessionTimers::SessionTimers(std::shared_ptr<Clock> clock, DataGraph& graph, std::shared_ptr<Log> log)
+    : clock_(std::move(clock)), graph_(graph), log_(std::move(log)) {}
+
+std::shared_ptr<const void> SessionTimers::Take(std::string_view name) {
+  if (name.empty()) throw Error("A timer needs a name.", {}, "Name it after what it does, as in \"control\".");
+  Names::iterator place;
+  {
+    const std::scoped_lock lock(taken_->mutex);
+    const auto [there, fresh] = taken_->names.emplace(name);
+    if (!fresh) {
+      throw Error("The session has a timer \"" + std::string(name) + "\" already.", {},
+                  "End that one first, or give this one another name.");
+    }
+    place = there;
+  }
+  return {static_cast<const void*>(&*place), [taken = taken_, place](const void*) {
+            const std::scoped_lock lock(taken->mutex);
+            taken->names.erase(place);
+          }};
+}
+
+Timer SessionTimers::Fire(Duration period, TimerCallback fire, const TimerOptions& options) {
+  const std::scoped_lock lock(mutex_);
+  if (stopped_) throw Error("The session is shutting down; it takes no new timers.");
+  if (!queue_) {
+    queue_ = std::make_unique<TimerQueue>(
+        clock_, [log = log_](LogLevel level, std::string_view text) { log->Write(level, text); });
+  }
+  return queue_->Every(period, std::move(fire), options);
+}
+
+NodeTimer SessionTimers::Create(std::string_view name, Duration period, TimerCallback callback,
+                                NodeTimerOptions options) {
+  auto taken = Take(name);
+  const std::string channel = "timer/" + std::string(name);
+  const auto publish = graph_.Advertise<TimerTurn>(channel);
+  const std::uint64_t timer = NextTimer();
+  Subscription node = graph_.FromGraph<TimerTurn>(
+      channel, Invoke::kSerial,
+      [timer, callback = std::move(callback), last = std::uint64_t{0}](const TimerTurn& turn) mutable {
+        if (turn.timer != timer) return;
+        Tick tick = turn.tick;
+        tick.missed = turn.number - last - 1;
+        last = turn.number;
+        callback(tick);
+      },
+      NodeOptionsOf(name, options));
+  // What still fires when the timer ends finds no node, so there is nothing to wait for.
+  Timer firing = Fire(period,
+                      [publish, timer, number = std::uint64_t{0}](const Tick& tick) mutable {
+                        number += tick.missed + 1;
+                        (void)publish(std::make_unique<TimerTurn>(TimerTurn{tick, number, timer}));
+                      },
+                      {.missed = options.missed, .first = options.first, .waits_at_end = false});
+  return {std::move(firing), std::move(node), std::move(taken)};
+}
+
+void SessionTimers::Stop() {
+  std::unique_ptr<TimerQueue> queue;  // Ended outside the lock: a callback that it waits for may make timers.
+  {
+    const std::scoped_lock lock(mutex_);
+    stopped_ = true;
+    queue = std::move(queue_);
+  }
+}
+
+bool NodeTimer::Join() {
+  firing_.Reset();
+  const bool joined = node_.Join();
+  if (joined) name_.reset();
+  return joined;
+}
+
+void NodeTimer::Reset() {
+  firing_.Reset();
+  node_.Reset();
+  name_.reset();
+}
+
+}  // namespace hgros

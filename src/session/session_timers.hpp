@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "hgros/base/log.hpp"
+#include "hgros/clock/timer_queue.hpp"
+#include "hgros/graph/data_graph.hpp"
+#include "hgros/session/node_timer.hpp"
+
+namespace hgros {
+
+// The timers of one session: a thread that only fires, made with the first timer, and a channel and a node for each.
+//
+// Thread safety: all of it.
+class SessionTimers {
+ public:
+  SessionTimers(std::shared_ptr<Clock> clock, DataGraph& graph, std::shared_ptr<Log> log);
+
+  NodeTimer Create(std::string_view name, Duration period, TimerCallback callback, NodeTimerOptions options);
+  // From here on nothing fires. Waits for an inline callback that runs.
+  void Stop();
+
+ private:
+  using Names = std::set<std::string, std::less<>>;
+  struct Taken {
+    std::mutex mutex;
+    Names names;
+  };
+  // Throws Error if a timer of that name is there.
+  [[nodiscard]] std::shared_ptr<const void> Take(std::string_view name);
+  [[nodiscard]] Timer Fire(Duration period, TimerCallback fire, const TimerOptions& options);
+
+  const std::shared_ptr<Clock> clock_;
+  DataGraph& graph_;
+  const std::shared_ptr<Log> log_;
+  const std::shared_ptr<Taken> taken_ = std::make_shared<Taken>();  // handles may outlive the session
+
+  std::mutex mutex_;
+  std::unique_ptr<TimerQueue> queue_;  // guarded by mutex_, as all below
+  bool stopped_ = false;
+};
+
+}  // namespace hgros

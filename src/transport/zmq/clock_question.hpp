@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+
+#include "hgros/clock/clock_offset.hpp"
+#include "hgros/control.pb.h"
+
+namespace hgros::zmq {
+
+/// Asks one peer for the time of its wall clock, together with the heartbeats.
+///
+/// Thread safety: none.
+class ClockQuestion {
+ public:
+  void Ask(wire::Heartbeat& heartbeat, Time now);
+  /// What the answer to the latest question says; nothing if this is none, or was read before.
+  [[nodiscard]] std::optional<ClockExchange> Read(const wire::Heartbeat& heartbeat, Time got);
+
+ private:
+  Time asked_;  // 0: nothing that is not answered yet.
+};
+
+/// The answer to a heartbeat that asks; nothing if it does not.
+[[nodiscard]] std::optional<wire::Heartbeat> AnswerTo(const wire::Heartbeat& heartbeat, Time received);
+
+}  // namespace hgros::zmq

@@ -1,0 +1,308 @@
+#include "hgros/params/remote_params.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <thread>
+
+#include <hgros/Params.pb.h>
+
+#include "hgros/params/param_service.hpp"
+#include "session/domain_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Await;
+using test::Bus;
+using test::kPatience;
+using test::Robot;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<ParamOverride> Values() {
+  return {{"slam.matcher.range", "8.5", "test"},
+          {"slam.matcher.method", "icp", "test"},
+          {"slam.gains", "[1, 2]", "test"},
+          {"a.\"the key\"", "\"5\"", "test"}};
+}
+
+// A robot that offers its parameters.
+struct Offering {
+  explicit Offering(Session& session) {
+    server.Declare("slam.matcher.range", 1.0,
+                   {.description = "how far the laser sees", .unit = "m", .least = 0, .most = 30});
+    server.Declare("slam.matcher.method", std::string("icp"), {.choices = {"icp", "ndt"}});
+    validator = server.AddValidator("slam.gains", [](const ParamEvent& event) -> std::optional<std::string> {
+      if (event.after.Get<std::vector<int>>("slam.gains").size() < 4) return std::nullopt;
+      return "The matcher takes three gains.";
+    });
+    service.emplace(session, server, "robot");
+  }
+
+  ParamServer server{ParamSources{{}, Values()}};
+  Listening validator;
+  std::optional<ParamService> service;
+};
+
+// The program: another session reads, sets and watches them.
+void UseFrom(Session& session) {
+  RemoteParams params(session, "robot", kPatience);
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 8.5);
+  EXPECT_THAT(*params.List(), ElementsAre("slam.matcher.range", "slam.matcher.method", "slam.gains", "a.\"the key\""));
+  EXPECT_THAT(*params.List("slam.matcher"), ElementsAre("slam.matcher.range", "slam.matcher.method"));
+
+  std::atomic<int> changes{0};
+  std::atomic<double> seen{0};
+  const auto watching = params.Watch("slam.matcher", [&](const ParamEvent& event) {
+    seen = event.after.Get<double>("slam.matcher.range");
+    ++changes;
+  });
+  EXPECT_TRUE(Await([&] { return seen == 8.5; })) << "first of all what is there";
+  const int before = changes;
+  EXPECT_EQ(params.Set("slam.gains", std::array{3, 4, 5}).refusal, "");
+  EXPECT_EQ(params.Set("slam.matcher.range", 12.25).refusal, "");
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 12.25) << "what was set is read";
+  EXPECT_TRUE(Await([&] { return seen == 12.25; }));
+  EXPECT_EQ(changes, before + 1) << "the gains are not watched";
+
+  EXPECT_EQ(params.Set("slam.matcher.range", 40).refusal,
+            "set while running: slam.matcher.range must be from 0.0 to 30.0 m, but is the number 40.");
+  EXPECT_EQ(params.Set("slam.gains", std::array{1, 2, 3, 4}).refusal, "The matcher takes three gains.");
+  EXPECT_FALSE(
+      params.Change({ParamChange::Of("slam.matcher.range", 5.0), ParamChange::Of("slam.matcher.method", 7)}).ok());
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 12.25) << "all or none";
+  EXPECT_TRUE(params
+                  .Change({ParamChange::Of("slam.matcher.range", 5.0),
+                           ParamChange::Of("slam.matcher.method", std::string("ndt"))})
+                  .ok());
+  EXPECT_EQ(*params.Get<std::string>("slam.matcher.method"), "ndt");
+  EXPECT_TRUE(params.Remove("slam.matcher.range").ok());
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 1.0) << "its default";
+
+  const auto described = params.Describe("slam");
+  ASSERT_TRUE(described.ok()) << described.refusal;
+  ASSERT_EQ(described->size(), 2U);
+  EXPECT_EQ(described->at(0).path, "slam.matcher.range");
+  const ParamInfo range{.description = "how far the laser sees", .unit = "m", .least = 0, .most = 30};
+  EXPECT_EQ(described->at(0).info, range);
+  EXPECT_THAT(described->at(1).info.choices, ElementsAre("icp", "ndt"));
+  EXPECT_TRUE(params.Describe("a")->empty());
+}
+
+struct Placement {
+  std::string name;
+  std::string robot;
+  std::optional<std::string> other;  // Nothing: the same session.
+};
+void PrintTo(const Placement& placement, std::ostream* out) { *out << placement.name; }
+
+const Bus& TheBus() {
+  static const Bus bus;
+  return bus;
+}
+
+class RemoteParamsOnEveryCarrier : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
+
+TEST_P(RemoteParamsOnEveryCarrier, AreReadSetAndWatched) {
+  Robot robot(GetParam().robot);
+  std::optional<Robot> other;
+  if (GetParam().other) {
+    other.emplace(*GetParam().other, "other");
+    for (const std::string& endpoint : robot->PublisherEndpoints()) {
+      other->session->AddSubscriberEndpoint({endpoint, {}, true});
+    }
+    for (const std::string& endpoint : other->session->PublisherEndpoints()) {
+      robot->AddSubscriberEndpoint({endpoint, {}, true});
+    }
+  }
+  const Offering offering(*robot.session);
+  UseFrom(other ? *other->session : *robot.session);
+}
+
+constexpr auto kTcp = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}";
+INSTANTIATE_TEST_SUITE_P(Placed, RemoteParamsOnEveryCarrier,
+                         testing::Values(Placement{"pointer", "", std::nullopt}, Placement{"sharedmemory", "", ""},
+                                         Placement{"ipc", TheBus().Publishing("robot") + "discovery: {local: false}",
+                                                   TheBus().Publishing("other") + "discovery: {local: false}"},
+                                         Placement{"tcp", kTcp, kTcp}),
+                         [](const auto& placed) { return placed.param.name; });
+
+class RemoteParamsTest : public test::DomainFixture {
+ protected:
+  Robot robot_{"", "robot"};
+  Robot other_{"", "other"};
+};
+
+TEST_F(RemoteParamsTest, SayWhenNobodyOffersThem) {
+  const Offering offering(*robot_.session);
+  RemoteParams known(*other_.session, "robot", kPatience);
+  ASSERT_TRUE(known.Snapshot().ok());
+  RemoteParams params(*other_.session, "robt", 20ms);
+  constexpr auto kSentence = "No session \"robt\" offers parameters. Did you mean \"robot\"?";
+  EXPECT_EQ(params.Get<int>("a").refusal, kSentence);
+  EXPECT_EQ(params.List().refusal, kSentence);
+  EXPECT_EQ(params.Describe().refusal, kSentence);
+  EXPECT_EQ(params.Set("a", 1).refusal, kSentence);
+  EXPECT_THROW(RemoteParams(*other_.session, "no channel name", 20ms), Error);
+}
+
+TEST_F(RemoteParamsTest, SayWhatIsNotThereOrIsOfAnotherType) {
+  const Offering offering(*robot_.session);
+  RemoteParams params(*other_.session, "robot", kPatience);
+  EXPECT_THAT(params.Get<double>("slam.matcher.reach").refusal, HasSubstr("slam.matcher.reach is not set"));
+  EXPECT_THAT(params.Get<int>("slam.matcher.method").refusal, HasSubstr("slam.matcher.method must be"));
+  EXPECT_FALSE(params.List("slam..x").ok());
+  EXPECT_FALSE(params.Describe("slam..x").ok());
+  EXPECT_FALSE(params.Set("slam..x", 1).ok());
+  EXPECT_TRUE(params.List("nothing")->empty());
+  EXPECT_EQ(*params.Get<std::string>("a.\"the key\""), "5") << "a text stays one";
+}
+
+TEST_F(RemoteParamsTest, SayWhenTheAnswerDoesNotComeInTime) {
+  Offering offering(*robot_.session);
+  test::Door door;
+  const auto validator = offering.server.AddValidator("slow", [&](const ParamEvent&) -> std::optional<std::string> {
+    door.Pass();
+    return std::nullopt;
+  });
+  RemoteParams patient(*other_.session, "robot", kPatience);
+  ASSERT_TRUE(patient.Snapshot().ok());
+  RemoteParams params(*other_.session, "robot", 50ms);
+  EXPECT_THAT(params.Set("slow", 1).refusal, HasSubstr("The session \"robot\" has not answered in time"));
+  door.Open();
+  EXPECT_EQ(*patient.Get<int>("slow"), 1) << "it was made all the same";
+}
+
+TEST_F(RemoteParamsTest, ShowWhatIsDeclaredAndSetThereLater) {
+  Offering offering(*robot_.session);
+  RemoteParams params(*other_.session, "robot", kPatience);
+  ASSERT_TRUE(params.Snapshot().ok());
+  offering.server.Declare("later", 7, {.read_only = true});
+  EXPECT_EQ(*params.Get<int>("later"), 7);
+  EXPECT_TRUE(params.Describe("later")->at(0).info.read_only);
+  EXPECT_FALSE(params.Set("later", 8).ok());
+  std::atomic<int> seen{0};
+  const auto watching = params.Watch("x", [&](const ParamEvent& event) { seen = event.after.Get<int>("x", -1); });
+  for (int i = 1; i <= 20; ++i) {
+    ASSERT_TRUE(offering.server.Set("x", i).ok());
+    ASSERT_EQ(*params.Get<int>("x"), i);
+    ASSERT_TRUE(Await([&] { return seen == i; }));
+  }
+}
+
+TEST_F(RemoteParamsTest, ComeBackWithWhoOffersThem) {
+  RemoteParams params(*other_.session, "robot", kPatience);
+  RemoteParams impatient(*other_.session, "robot", 20ms);
+  std::atomic<int> seen{0};
+  const auto watching = params.Watch("x", [&](const ParamEvent& event) { seen = event.after.Get<int>("x", -1); });
+  for (int life = 1; life <= 3; ++life) {
+    ParamServer server({{}, {{"x", std::to_string(life), "test"}}});
+    const ParamService service(*robot_.session, server);
+    EXPECT_EQ(*params.Get<int>("x"), life);
+    EXPECT_TRUE(Await([&] { return seen == life; }));
+  }
+  EXPECT_TRUE(Await([&] { return !impatient.Get<int>("x").ok(); }));
+}
+
+TEST_F(RemoteParamsTest, MayBeUsedWhereTheyAreWatched) {
+  Offering offering(*robot_.session);
+  RemoteParams params(*other_.session, "robot", kPatience);
+  const auto watching = params.Watch("count", [&](const ParamEvent& event) {
+    const int count = event.after.Get<int>("count");
+    if (count < 5) {
+      EXPECT_EQ(params.Set("count", count + 1).refusal, "");
+    }
+  });
+  EXPECT_TRUE(params.Set("count", 1).ok());
+  EXPECT_TRUE(Await([&] { return offering.server.Get<int>("count") == 5; }));
+}
+
+TEST_F(RemoteParamsTest, AreSetByManyAtOnce) {
+  Offering offering(*robot_.session);
+  std::vector<std::jthread> setters;
+  for (int t = 0; t < 4; ++t) {
+    setters.emplace_back([&, t] {
+      RemoteParams params(t % 2 == 0 ? *other_.session : *robot_.session, "robot", kPatience);
+      const std::string path = "many.of" + std::to_string(t);
+      for (int i = 1; i <= 25; ++i) {
+        ASSERT_EQ(params.Set(path, i).refusal, "");
+        ASSERT_EQ(*params.Get<int>(path), i);
+      }
+    });
+  }
+  setters.clear();
+  for (int t = 0; t < 4; ++t) EXPECT_EQ(offering.server.Get<int>("many.of" + std::to_string(t)), 25);
+}
+
+TEST_F(RemoteParamsTest, RefuseWhatCannotBeRead) {
+  Offering offering(*robot_.session);
+  const auto ask = other_->Advertise<ParamsQuestion>("params/robot/ask");
+  std::atomic<int> refused{0};
+  const auto answers =
+      other_->FromAny<ParamsAnswer>("params/robot/answer", Invoke::kSerial, [&](const ParamsAnswer& answer) {
+        EXPECT_EQ(answer.asker(), 1U);
+        EXPECT_FALSE(answer.refusal().empty());
+        ++refused;
+      });
+  ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 1, kPatience));
+  ParamsQuestion question;
+  question.set_asker(1);
+  question.add_changes();
+  const std::array<std::pair<std::string, std::string>, 4> wrong{
+      {{"a.b", "[1, 2"}, {"a..b", "1"}, {"a[9]", "1"}, {"x", "a: &a [*a]"}}};
+  for (const auto& [path, yaml] : wrong) {
+    question.set_number(question.number() + 1);
+    question.mutable_changes(0)->set_path(path);
+    question.mutable_changes(0)->set_yaml(yaml);
+    EXPECT_EQ(ask(question), PublishStatus::kOk);
+  }
+  EXPECT_TRUE(Await([&] { return refused == 4; })) << refused;
+}
+
+TEST_F(RemoteParamsTest, MakeAChangeOnceHoweverOftenItIsAskedFor) {
+  Offering offering(*robot_.session);
+  const auto ask = other_->Advertise<ParamsQuestion>("params/robot/ask");
+  std::atomic<int> answers{0};
+  const auto listening =
+      other_->FromAny<ParamsAnswer>("params/robot/answer", Invoke::kSerial, [&](const ParamsAnswer& answer) {
+        EXPECT_EQ(answer.refusal(), "");
+        ++answers;
+      });
+  ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 1, kPatience));
+  ParamsQuestion question;
+  question.set_asker(1);
+  question.set_number(1);
+  question.add_changes()->set_path("x");
+  question.mutable_changes(0)->set_yaml("1");
+  (void)ask(question);
+  ASSERT_TRUE(Await([&] { return answers >= 1; }));
+  ASSERT_TRUE(offering.server.Set("x", 2).ok());
+  (void)ask(question);
+  ASSERT_TRUE(Await([&] { return answers >= 2; }));
+  EXPECT_EQ(offering.server.Get<int>("x"), 2);
+}
+
+TEST_F(RemoteParamsTest, OfTwoSessionsUnderOneNameAreReported) {
+  std::mutex mutex;
+  std::vector<std::string> lines;
+  const auto log = [&](LogLevel, std::string_view line) {
+    const std::scoped_lock lock(mutex);
+    lines.emplace_back(line);
+  };
+  ParamServer server;
+  const ParamService one(*robot_.session, server, "robot", log);
+  const ParamService two(*other_.session, server, "robot", log);
+  EXPECT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return std::ranges::any_of(lines, [](const std::string& line) {
+      return line.find("offers parameters under the name \"robot\" as this one does") != std::string::npos;
+    });
+  }));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,228 @@
+// The time of a simulation, in every session of its domain.
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <thread>
+
+#include <hgros/SimulatedTime.pb.h>
+
+#include "hgros/clock/following_clock.hpp"
+#include "hgros/clock/rate.hpp"
+#include "hgros/session/clock_publisher.hpp"
+#include "session/domain_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Await;
+using test::Bus;
+using test::Robot;
+
+const std::string kSimulated = "time: simulated\n";
+// Later than anything that runs along the wall.
+constexpr Time kStart{1'000'000'000'000'000};
+
+bool Shows(const Session& session, Time time) {
+  return Await([&] { return session.clock()->Now() == time; });
+}
+
+// The program: a simulation that steps, and a controller with a timer.
+void Simulate(Session& session, const std::function<bool(Time)>& controller_is_at) {
+  const auto clock = SimulatedClock::Paused(kStart);
+  const ClockPublisher publisher(session, clock);
+  ASSERT_TRUE(controller_is_at(kStart));
+  for (int step = 0; step < 20; ++step) {
+    clock->Step(10ms);
+    ASSERT_TRUE(controller_is_at(clock->Now())) << step;
+  }
+  clock->JumpTo(Time{5});
+  ASSERT_TRUE(controller_is_at(Time{5}));
+}
+
+class Controller {
+ public:
+  explicit Controller(Session& session)
+      : session_(session),
+        listening_(session.clock()->OnJump([this](const ClockJump& jump) { jumped_to_ = jump.after.nanoseconds; })),
+        timer_(session.CreateTimer("control", 10ms,
+                                   [this](const Tick& tick) { turns_ += 1 + static_cast<int>(tick.missed); })) {}
+
+  [[nodiscard]] bool IsAt(Time time) const {
+    const int turns = time >= kStart ? static_cast<int>((time - kStart) / 10ms) : 20;
+    return Shows(session_, time) && Await([&] { return turns_ == turns; });
+  }
+  [[nodiscard]] Time jumped_to() const { return Time{jumped_to_}; }
+
+ private:
+  Session& session_;
+  std::atomic<int> turns_{0};
+  std::atomic<std::int64_t> jumped_to_{0};
+  Listening listening_;
+  NodeTimer timer_;
+};
+
+struct Placement {
+  std::string name;
+  std::string simulation;
+  /// The controller's configuration, when the simulation's session is there; nothing: it runs in that session.
+  std::function<std::optional<std::string>(Session& simulation)> controller;
+};
+
+std::string SubscribingAt(const Session& session) {
+  return "network: {subscribers: [{ip: \"" + session.PublisherEndpoints().at(0) + "\"}]}\ndiscovery: {local: false}\n";
+}
+
+const Bus& TheBus() {
+  static const Bus bus;
+  return bus;
+}
+
+class SessionClockOnEveryCarrier : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
+
+TEST_P(SessionClockOnEveryCarrier, FollowsTheOneThatIsPublished) {
+  Robot simulation(kSimulated + GetParam().simulation, "simulation");
+  std::optional<Robot> apart;
+  if (const auto yaml = GetParam().controller(*simulation.session)) apart.emplace(kSimulated + *yaml, "controller");
+  Session& session = apart ? *apart->session : *simulation.session;
+  const Controller controller(session);
+  EXPECT_EQ(session.clock()->Now(), Time{}) << "nobody has published yet";
+  Simulate(*simulation.session, [&](Time time) { return controller.IsAt(time); });
+  EXPECT_EQ(controller.jumped_to(), Time{5});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Placed, SessionClockOnEveryCarrier,
+    testing::Values(Placement{"pointer", "", [](Session&) { return std::nullopt; }},
+                    Placement{"sharedmemory", "", [](Session&) { return std::optional<std::string>(""); }},
+                    Placement{"ipc", TheBus().Publishing("simulation"),
+                              [](Session& simulation) { return std::optional(SubscribingAt(simulation)); }},
+                    Placement{"tcp", "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}",
+                              [](Session& simulation) { return std::optional(SubscribingAt(simulation)); }}),
+    [](const auto& placed) { return placed.param.name; });
+
+class SessionClock : public test::DomainFixture {};
+
+TEST_F(SessionClock, IsTheSystemsUnlessSaidOtherwise) {
+  const Robot robot("");
+  const Time before = WallNow();
+  const Time shown = robot->clock()->Now();
+  EXPECT_GE(shown, before);
+  EXPECT_LE(shown, WallNow());
+  EXPECT_FALSE(robot->config().simulated_time);
+}
+
+TEST_F(SessionClock, RunsOnByItselfBetweenMessages) {
+  const Robot simulation("");
+  const Robot robot(kSimulated);
+  const auto clock = std::make_shared<SimulatedClock>(kStart);
+  clock->SetRate(1000);
+  const ClockPublisher publisher(*simulation.session, clock);
+  ASSERT_TRUE(Await([&] { return robot->clock()->Now() >= kStart; }));
+  Rate rate(robot->clock(), 1s);  // Of a thousandth of a second: far more often than the clock is published.
+  std::uint64_t turns = 0;
+  while (turns < 500) {
+    const auto tick = rate.Sleep();
+    ASSERT_TRUE(tick);
+    turns += 1 + tick->missed;
+  }
+  EXPECT_LT(robot->Snapshot().traffic.at(0).in.at(0).received, 100U);
+}
+
+TEST_F(SessionClock, IsToldToLateSessions) {
+  const Robot simulation("");
+  const auto clock = SimulatedClock::Paused(kStart);
+  const ClockPublisher publisher(*simulation.session, clock);
+  clock->Step(7s);
+  for (int i = 0; i < 3; ++i) {
+    const Robot late(kSimulated);
+    EXPECT_TRUE(Shows(*late.session, kStart + 7s));
+  }
+}
+
+TEST_F(SessionClock, WakesWhoSleepsPausesAndEnds) {
+  const Robot simulation("");
+  const Robot robot(kSimulated);
+  const auto clock = std::make_shared<SimulatedClock>(kStart);
+  auto publisher = std::make_optional<ClockPublisher>(*simulation.session, clock);
+  ASSERT_TRUE(Await([&] { return robot->clock()->Now() >= kStart; }));
+  std::atomic<bool> awake{false};
+  std::jthread sleeper([&] { awake = SleepUntil(*robot->clock(), kStart + 24h); });
+  clock->JumpTo(kStart + 25h);
+  EXPECT_TRUE(Await([&] { return awake.load(); }));
+
+  publisher.reset();
+  const auto follower = std::dynamic_pointer_cast<FollowingClock>(robot->clock());
+  ASSERT_TRUE(follower);
+  EXPECT_TRUE(Await([&] { return follower->State().paused; })) << "it stands still when it is published no more";
+  const Time stands = robot->clock()->Now();
+  EXPECT_GE(stands, kStart + 25h);
+  publisher.emplace(*simulation.session, SimulatedClock::Paused(kStart + 1s));
+  EXPECT_TRUE(Shows(*robot.session, kStart + 1s)) << "another simulation begins";
+}
+
+TEST_F(SessionClock, StandsStillWhenItsPublisherIsGoneAndGoesOnWithTheNext) {
+  Robot robot(kSimulated);
+  std::optional<Robot> simulation(std::in_place, "", "first");
+  const auto clock = std::make_shared<SimulatedClock>(kStart);
+  // The session ends without the publisher's goodbye, as if its process had died.
+  std::optional<ClockPublisher> publisher(std::in_place, *simulation->session, clock);
+  ASSERT_TRUE(Await([&] { return robot->clock()->Now() >= kStart; }));
+  simulation.reset();
+  const auto follower = std::dynamic_pointer_cast<FollowingClock>(robot->clock());
+  EXPECT_TRUE(Await([&] { return follower->State().paused; }));
+  EXPECT_TRUE(robot.Said("The clock stands still: first"));
+  publisher.reset();
+  Robot next("", "next");
+  const ClockPublisher other(*next.session, SimulatedClock::Paused(kStart + 9h));
+  EXPECT_TRUE(Shows(*robot.session, kStart + 9h));
+  EXPECT_FALSE(robot.Said("Two clocks"));
+}
+
+TEST_F(SessionClock, OfTwoTheFirstIsFollowedAndBothAreReported) {
+  Robot robot(kSimulated);
+  Robot first("", "first");
+  Robot second("", "second");
+  std::optional<ClockPublisher> one(std::in_place, *first.session, SimulatedClock::Paused(kStart));
+  ASSERT_TRUE(Shows(*robot.session, kStart));
+  const ClockPublisher two(*second.session, SimulatedClock::Paused(kStart + 1h));
+  ASSERT_TRUE(Await([&] { return robot.Said("Two clocks are published"); }));
+  EXPECT_TRUE(robot.Said("by first (session " + first->id().ToString() + "), which this session follows"));
+  EXPECT_TRUE(robot.Said("by second (session " + second->id().ToString() + ")"));
+  EXPECT_EQ(robot->clock()->Now(), kStart);
+  one.reset();
+  EXPECT_TRUE(Shows(*robot.session, kStart + 1h)) << "now it is the only one";
+}
+
+TEST_F(SessionClock, LeavesOutWhatCannotBeAClock) {
+  Robot robot(kSimulated);
+  const auto publish = robot->Advertise<SimulatedTime>(kClockChannel);
+  SimulatedTime time;
+  time.set_clock_id(1);
+  for (const double rate : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    time.set_rate(rate);
+    (void)publish(time);
+  }
+  time.set_rate(1);
+  time.set_time_ns(INT64_MIN);
+  (void)publish(time);
+  time.set_time_ns(0);
+  time.set_jumped_ns(INT64_MAX);
+  (void)publish(time);
+  EXPECT_TRUE(robot.Said("cannot be a clock"));
+  EXPECT_EQ(robot->clock()->Now(), Time{});
+  time.set_jumped_ns(0);
+  time.set_time_ns(77);
+  time.set_paused(true);
+  (void)publish(time);
+  EXPECT_EQ(robot->clock()->Now(), Time{77});
+}
+
+TEST_F(SessionClock, IsReadFromYaml) {
+  EXPECT_TRUE(Config::Parse("time: simulated").simulated_time);
+  EXPECT_FALSE(Config::Parse("time: system").simulated_time);
+  EXPECT_THROW((void)Config::Parse("time: simulate"), ConfigError);
+}
+
+}  // namespace
+}  // namespace hgros
