@@ -25,7 +25,7 @@ std::shared_ptr<ChannelOutlet> Session::Core::OpenOutlet(const std::string& chan
   MessageId publisher = publisher_;
   publisher.incarnation = last_incarnation_ =
       std::max(last_incarnation_ + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
-  auto outlet = std::make_shared<ChannelOutlet>(channel, type, publisher, log_, std::move(events));
+  auto outlet = std::make_shared<ChannelOutlet>(channel, type, publisher, log_, std::move(events), host_clocks_);
   if (domain_) Reach();
   if (carriers_) outlet->Join(*carriers_);
   service_outlets_.push_back(outlet);
