@@ -71,6 +71,8 @@ std::shared_ptr<ServiceHost> Services::HostOf(std::string_view name) const {
 }
 
 std::vector<std::shared_ptr<ServiceClient>> Services::Clients() const {
+  // One that is being wired is told of peers before it is listed: what it is told has to reach it.
+  { const std::scoped_lock wiring(wiring_mutex_); }
   std::vector<std::shared_ptr<ServiceClient>> all;
   const std::shared_lock lock(mutex_);
   for (const auto& [name, client] : clients_) all.push_back(client);

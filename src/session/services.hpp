@@ -91,7 +91,7 @@ class Services : public std::enable_shared_from_this<Services> {
   bool thread_ended_ = false;
   std::optional<ErrandThread> thread_;
 
-  std::mutex wiring_mutex_;  // One service or client at a time is made.
+  mutable std::mutex wiring_mutex_;  // One service or client at a time is made.
   Subscription answers_;
 };
 
