@@ -20,8 +20,8 @@
 #include "session/channel_outlet.hpp"
 #include "session/errand_thread.hpp"
 #include "session/host_clocks.hpp"
-#include "session/session_timers.hpp"
 #include "session/services.hpp"
+#include "session/session_timers.hpp"
 
 namespace hgros {
 
