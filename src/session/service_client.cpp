@@ -28,7 +28,8 @@ void ServiceClient::Start() {
   const auto services = services_.lock();
   const auto update = [weak = weak_from_this(), desk = services_] {
     if (const auto alive = desk.lock()) {
-      alive->Post([weak] {
+      alive->Post([weak, desk] {
+        if (const auto wired = desk.lock()) wired->AwaitWiring();  // This is told while Start still runs, too.
         if (const auto client = weak.lock()) client->Update();
       });
     }

@@ -70,9 +70,10 @@ std::shared_ptr<ServiceHost> Services::HostOf(std::string_view name) const {
   return found == hosts_.end() ? nullptr : found->second;
 }
 
+void Services::AwaitWiring() const { const std::scoped_lock wiring(wiring_mutex_); }
+
 std::vector<std::shared_ptr<ServiceClient>> Services::Clients() const {
-  // One that is being wired is told of peers before it is listed: what it is told has to reach it.
-  { const std::scoped_lock wiring(wiring_mutex_); }
+  AwaitWiring();  // One that is being wired is told of peers before it is listed.
   std::vector<std::shared_ptr<ServiceClient>> all;
   const std::shared_lock lock(mutex_);
   for (const auto& [name, client] : clients_) all.push_back(client);

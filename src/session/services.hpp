@@ -56,6 +56,8 @@ class Services : public std::enable_shared_from_this<Services> {
   void With(const std::function<void(ServicePlace&)>& use);
   void Post(std::function<void()> errand);
   void PostAt(std::chrono::steady_clock::time_point when, std::function<void()> errand);
+  // Returns when no client is being wired that was when this was called.
+  void AwaitWiring() const;
   void EndCall(const CallMessage& reply, const std::string& service);
   void Forget(const ServiceHost& host);
   [[nodiscard]] std::shared_ptr<ServiceHost> HostOf(std::string_view name) const;
