@@ -52,8 +52,9 @@ struct TbbExecutor::Enqueued {
   // ThreadSanitizer does not see how TBB hands this object to another thread; the ticket's flag says it for the rest.
   __attribute__((no_sanitize("thread"))) void operator()() const { executor.RunEnqueued(ticket); }
   // Nor where its memory has been before: apart, so that a report names TBB's function, which is suppressed.
-  __attribute__((no_sanitize("thread"), noinline)) static void HandOver(tbb::task_arena& arena, Enqueued&& enqueued) {
-    arena.enqueue(std::move(enqueued));
+  __attribute__((no_sanitize("thread"), noinline)) static void HandOver(tbb::task_arena& arena,
+                                                                        const Enqueued& enqueued) {
+    arena.enqueue(enqueued);
   }
   const TbbExecutor& executor;
   Ticket& ticket;

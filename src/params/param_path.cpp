@@ -9,6 +9,9 @@
 namespace hgros {
 namespace {
 
+// Trees that are deeper could not be read back from YAML.
+constexpr std::size_t kMaxSteps = 63;
+
 bool IsPlain(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '/';
 }
@@ -26,6 +29,9 @@ class Reader {
     std::vector<ParamPath::Step> steps;
     bool wants_key = true;
     while (at_ < text_.size() || wants_key) {
+      if (steps.size() == kMaxSteps && (wants_key || text_[at_] == '[')) {
+        Fail(text_.substr(0, 200), "it has more than " + std::to_string(kMaxSteps) + " steps");
+      }
       if (wants_key) {
         steps.emplace_back(Key());
         wants_key = false;

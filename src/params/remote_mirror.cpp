@@ -26,6 +26,7 @@ void RemoteMirror::OnState(const ParamsState& state) {
   {
     const std::scoped_lock lock(mutex_);
     if (state.life() == life_ && state.version() <= version_) return;
+    if (state.ended() && life_ != 0 && state.life() != life_) return;  // Of one whose place another has taken.
     life_ = state.life();
     version_ = state.version();
     state_ = std::move(read);

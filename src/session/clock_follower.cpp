@@ -71,7 +71,7 @@ void ClockFollower::OnTime(const SimulatedTime& time, const MessageInfo& info) {
 }
 
 void ClockFollower::OnPeer(const PeerEvent& event) {
-  if (event.kind == PeerEvent::Kind::kTypeMismatch) return;
+  if (event.kind != PeerEvent::Kind::kCame && event.kind != PeerEvent::Kind::kGone) return;
   const std::scoped_lock lock(mutex_);
   const std::uint64_t session = event.peer.id.value;
   if (event.kind == PeerEvent::Kind::kCame) {

@@ -58,6 +58,7 @@ void ServiceHost::Start(NodeOptions options, const CallSite& where) {
         },
         std::min<std::size_t>(limit_, 1024));
   });
+  started_.store(true, std::memory_order_release);
 }
 
 void ServiceHost::OnRequest(const std::shared_ptr<const CallMessage>& request, const MessageInfo& info) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -43,13 +44,14 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
 
   ServiceHost(Setting setting, const std::shared_ptr<Services>& services);
 
-  // Wires it. Throws Error.
+  // Wires it. Throws Error. Before it has returned, calls of this session go elsewhere.
   void Start(NodeOptions options, const CallSite& where);
   // As Service says.
   void End();
   // The session ends: refuses requests, and answers those that wait.
   void Refuse();
   [[nodiscard]] bool ended() const;
+  [[nodiscard]] bool started() const noexcept { return started_.load(std::memory_order_acquire); }
 
   // A request of this session.
   void Arrive(std::shared_ptr<const CallMessage> request);
@@ -93,6 +95,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   Executor::Kind executor_ = Executor::Kind::kTbb;
   const std::shared_ptr<const ServiceTurn> turn_ = std::make_shared<const ServiceTurn>();
   Publisher<ServiceTurn> turns_;
+  std::atomic<bool> started_{false};
 
   mutable std::mutex mutex_;
   std::condition_variable idle_;

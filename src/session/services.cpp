@@ -67,7 +67,7 @@ void Services::PostAt(std::chrono::steady_clock::time_point when, std::function<
 std::shared_ptr<ServiceHost> Services::HostOf(std::string_view name) const {
   const std::shared_lock lock(mutex_);
   const auto found = hosts_.find(name);
-  return found == hosts_.end() ? nullptr : found->second;
+  return found == hosts_.end() || !found->second->started() ? nullptr : found->second;
 }
 
 void Services::AwaitWiring() const { const std::scoped_lock wiring(wiring_mutex_); }
@@ -99,13 +99,14 @@ std::shared_ptr<ServiceHost> Services::Serve(ServiceHost::Setting setting, NodeO
                   "End the other Service first, or give one of them another name.");
     }
   }
-  helpers_->Add(host);
   try {
     host->Start(std::move(options), where);
   } catch (...) {
     host->End();
     throw;
   }
+  helpers_->Add(host);
+  helpers_->Nudge();
   OnAnnouncements();
   std::shared_ptr<ServiceClient> client;
   {
@@ -148,7 +149,8 @@ std::shared_ptr<PendingCall> Services::Call(std::string_view name, Request reque
   call->message = std::make_shared<CallMessage>();
   call->message->caller = id_.value;
   call->message->reply_type = request.reply.name;
-  call->message->patience_ns = request.timeout == std::chrono::nanoseconds::max() ? 0 : request.timeout.count();
+  call->message->patience_ns =
+      request.timeout == std::chrono::nanoseconds::max() ? 0 : std::max<std::int64_t>(request.timeout.count(), 1);
   call->message->body = std::move(request.body);
   call->message->type = &request.body_type;
   if (!call->message->body) {

@@ -7,6 +7,11 @@
 #include "tf/transform_messages.hpp"
 
 namespace hgros::tf {
+namespace {
+
+constexpr Duration kUntilThereIsRoom = std::chrono::milliseconds(20);
+
+}  // namespace
 
 TransformSender::TransformSender(Session& session, Duration batch)
     : session_(session), batch_(std::max(batch, Duration::zero())), clock_(std::make_shared<SteadyClock>()) {
@@ -14,6 +19,10 @@ TransformSender::TransformSender(Session& session, Duration batch)
 }
 
 TransformSender::~TransformSender() {
+  {
+    const std::scoped_lock lock(mutex_);
+    closing_ = true;
+  }
   timers_.reset();
   Flush();
 }
@@ -60,6 +69,7 @@ void TransformSender::Touch(Lane& lane, std::unique_lock<std::mutex>& lock) {
 }
 
 void TransformSender::Arm(Lane& lane, Time now, std::unique_lock<std::mutex>& lock) {
+  if (closing_) return;
   if (!timers_) timers_.emplace(clock_);
   lane.armed = true;
   const Timer spent = std::exchange(lane.timer, timers_->After(std::max(lane.quiet_until - now, Duration::zero()),
@@ -86,8 +96,9 @@ void TransformSender::Send(Lane& lane, std::unique_lock<std::mutex>& lock) {
   if (status == PublishStatus::kOk) {
     ++sent_messages_;
     sent_transforms_ += count;
-  } else if (lane.keeps && status == PublishStatus::kFull) {
+  } else if (lane.keeps && status == PublishStatus::kFull && !closing_) {
     lane.changed = true;
+    lane.quiet_until = clock_->Now() + std::max(batch_, kUntilThereIsRoom);
   } else {
     unsent_transforms_ += count;
   }

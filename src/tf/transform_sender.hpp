@@ -80,6 +80,7 @@ class TransformSender {
   std::atomic<std::uint64_t> unsent_transforms_{0};
 
   std::mutex mutex_;
+  bool closing_ = false;                                // No timer is made any more.
   std::unordered_map<std::string, int> static_places_;  // By child, in what waits in static_.
   std::optional<TimerQueue> timers_;                    // From the first burst on.
   Lane moving_;

@@ -31,6 +31,19 @@ TEST(ParamPath, SaysWhatIsWrong) {
   }
 }
 
+TEST(ParamPath, IsNoDeeperThanWhatYamlCanSay) {
+  std::string path = "a";
+  for (int step = 1; step < 63; ++step) path += step % 2 == 0 ? ".a" : "[0]";
+  EXPECT_EQ(ParamPath::Parse(path).ToString(), path);
+  for (const char* one_more : {".a", "[0]"}) {
+    const std::string error = test::ErrorOf([&] { (void)ParamPath::Parse(path + one_more); });
+    EXPECT_NE(error.find("more than 63 steps"), std::string::npos) << error;
+  }
+  std::string hostile = "a";
+  for (int step = 0; step < 200'000; ++step) hostile += ".a";
+  EXPECT_NE(test::ErrorOf([&] { (void)ParamPath::Parse(hostile); }), "");
+}
+
 TEST(ParamPath, OverlapsWhatStandsAboveAndBelow) {
   const ParamPath path = ParamPath::Parse("a.b");
   EXPECT_TRUE(path.Overlaps(ParamPath::Parse("a")));

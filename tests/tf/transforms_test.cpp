@@ -226,6 +226,24 @@ TEST_F(TransformsOfTwo, WhatAProgramPublishesByHandIsTakenInItsOwnSessionToo) {
   EXPECT_EQ(transforms.stats().received_transforms, 1U) << "its own are not taken twice";
 }
 
+TEST_F(TransformsOfTwo, EndWhileASubscriberHasNoRoomForTheirStaticEdges) {
+  test::Door door;
+  std::atomic<int> taken{0};
+  const Subscription full =
+      a->FromAny<foxglove::FrameTransforms>(kStaticTransformsChannel, Invoke::kSerial,
+                                            [&](const foxglove::FrameTransforms&) {
+                                              ++taken;
+                                              door.Pass();
+                                            },
+                                            {.queue = Queue::KeepAll(1), .executor = Executor::Dedicated()});
+  for (int life = 0; life < 20; ++life) {
+    Transforms transforms(*a.session, {.batch = 0ns});
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(transforms.ToStaticTF("base", "s" + std::to_string(i), Shift(i)));
+  }
+  EXPECT_TRUE(Await([&] { return taken == 1; }));
+  door.Open();
+}
+
 TEST_F(TransformsOfTwo, ARobotsJointsTravel) {
   const auto robot = RobotDescription::FromText(R"(<robot name="arm">
     <link name="base"/><link name="mast"/><link name="head"/>
