@@ -77,7 +77,7 @@ TEST_F(TimerQueueTest, RunsOneShotTimersOnce) {
   const Timer after = queue_.After(30ms, Noting());
   const Timer at = queue_.At(kZero + 20ms, Noting());
   const Timer long_ago = queue_.At(kZero - 1h, Noting());
-  EXPECT_EQ(queue_.size() + ticks_.size() >= 2U, true);
+  EXPECT_GE(queue_.size(), 2U);  // the one of long ago may have run
   Step(1s);
   Step(1s);
   ASSERT_EQ(ticks_.size(), 3U);
