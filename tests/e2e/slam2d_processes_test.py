@@ -177,12 +177,13 @@ class Slam2dProcesses(unittest.TestCase):
         self.assertTrue((self.folder / "so_far/map.png").exists())
 
     def test_the_map_is_saved_for_another_process_that_asks(self):
-        running = self.start("--json", "--scans", 100, "--rate", 5)
+        own = {**os.environ, "HGROS_DOMAIN": f"slam2d-{os.getpid()}-saved"}
+        running = self.start("--json", "--scans", 100, "--rate", 5, env=own)
         err = ""
         while "scan " not in err:  # the first line of progress: it runs
             err = running.stderr.readline()
             self.assertNotEqual(err, "", "the demo has ended")
-        code, out, err = self.end(self.start("--save-map"))
+        code, out, err = self.end(self.start("--save-map", env=own))
         self.assertEqual(code, 0, err)
         self.assertIn(f"{self.folder}/slam2d_out/map.png, after ", out)
         self.assertTrue((self.folder / "slam2d_out/map.png").exists())
@@ -190,7 +191,7 @@ class Slam2dProcesses(unittest.TestCase):
         self.assertEqual(self.hashes(running), self.reference(100))
 
     def test_nobody_who_could_save_the_map_is_known_at_once(self):
-        code, _, err = self.end(self.start("--save-map"))
+        code, _, err = self.end(self.start("--save-map", env={**os.environ, "HGROS_DOMAIN": f"slam2d-{os.getpid()}"}))
         self.assertEqual(code, 1)
         self.assertIn("The map was not saved: Nobody serves \"save_map\"", err)
 
