@@ -176,6 +176,23 @@ class Slam2dProcesses(unittest.TestCase):
         self.assertIn(b"so_far/odometry.png", out)
         self.assertTrue((self.folder / "so_far/map.png").exists())
 
+    def test_the_map_is_saved_for_another_process_that_asks(self):
+        own = {**os.environ, "HGROS_DOMAIN": f"slam2d-{os.getpid()}-saved"}
+        running = self.start("--json", "--scans", 100, "--rate", 2, env=own)
+        code = 1
+        while code != 0 and running.poll() is None:  # until the first scans are drawn
+            code, out, err = self.end(self.start("--save-map", env=own))
+        self.assertEqual(code, 0, err)
+        self.assertIn(f"{self.folder}/slam2d_out/map.png, after ", out)
+        self.assertTrue((self.folder / "slam2d_out/map.png").exists())
+        self.assertIn("robot       x = ", out)  # the transforms of source and matcher
+        self.assertEqual(self.hashes(running), self.reference(100))
+
+    def test_nobody_who_could_save_the_map_is_known_at_once(self):
+        code, _, err = self.end(self.start("--save-map", env={**os.environ, "HGROS_DOMAIN": f"slam2d-{os.getpid()}"}))
+        self.assertEqual(code, 1)
+        self.assertIn("The map was not saved: Nobody serves \"save_map\"", err)
+
     def test_a_process_that_dies_ends_the_others(self):
         processes = self.start_plan(THREE, {"source": ["--rate", 1]})
         err = ""

@@ -21,6 +21,9 @@ inline constexpr std::string_view kMapState = "map_state";        ///< msg::MapS
 inline constexpr std::string_view kReady = "ready";               ///< msg::Ready, latched.
 inline constexpr std::string_view kDone = "done";                 ///< msg::Done, latched.
 
+/// A service: msg::SaveMap gives msg::MapSaved. The writer serves it.
+inline constexpr std::string_view kSaveMap = "save_map";
+
 inline constexpr std::size_t kScanDepth = 64;  ///< Scans that may wait for the matcher.
 /// Of queues that callbacks fill: never used up, because the loop holds its own messages back.
 inline constexpr std::size_t kLoopDepth = 4096;

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <hgros/hgros.hpp>
+#include <hgros/tf/transforms.hpp>
 
 #include "../carmen_log.hpp"
 #include "../relations_error.hpp"
@@ -174,6 +175,22 @@ void ShowProgress(const Plan& plan, const Options& options, const Crew& crew, En
   console.EndProgress();
 }
 
+// Asks the writer of a running demo.
+int CallSaveMap(hgros::Session& session, std::chrono::seconds patience) {
+  const auto saved = session.Call<msg::SaveMap, msg::MapSaved>(kSaveMap, msg::SaveMap(), patience).Wait();
+  if (!saved) {
+    std::fprintf(stderr, "slam2d: The map was not saved: %s\n", saved.failure().reason.c_str());
+    return kFailure;
+  }
+  std::printf("map         %s, after %llu scans\ntrajectory  %s\n", saved->map_file().c_str(),
+              static_cast<unsigned long long>(saved->scans()), saved->trajectory_file().c_str());
+  if (saved->has_robot()) {
+    std::printf("robot       x = %.2f m, y = %.2f m, heading = %.2f rad\n", saved->robot().x(), saved->robot().y(),
+                saved->robot().theta());
+  }
+  return kSuccess;
+}
+
 int Run(const Options& options) {
   const Plan plan = ReadPlan(options.configs);
   CheckAgainst(plan, options);
@@ -181,8 +198,8 @@ int Run(const Options& options) {
   const hgros::Config config = hgros::Config::Load(options.configs, own_sections);
   const auto relations = options.relations ? ReadRelations(*options.relations) : std::vector<Relation>();
   ScanReader reader;
-  if (plan.Runs("source")) reader = OpenSource(options);
-  if (plan.Runs("writer")) MakeFolder(options.out);
+  if (plan.Runs("source") && !options.save_map) reader = OpenSource(options);
+  if (plan.Runs("writer") && !options.save_map) MakeFolder(options.out);
 
   Console console(options.quiet);
   Ending ending;
@@ -190,12 +207,14 @@ int Run(const Options& options) {
   hgros::Session session(config, {.name = "slam2d", .log = [&console](hgros::LogLevel level, std::string_view text) {
                                     if (level >= hgros::LogLevel::kWarning) console.Warn(text);
                                   }});
+  if (options.save_map) return CallSaveMap(session, options.patience);
+  hgros::Transforms transforms(session);
   RollCall roll_call(session, ending);
   const DoneWatch done(session, ending);
   Report report;
   {
     Crew crew(ending);
-    if (plan.Runs("writer")) crew.writer.emplace(session, options.out, ending);
+    if (plan.Runs("writer")) crew.writer.emplace(session, transforms, options.out, ending);
     if (plan.Runs("mapper")) {
       std::function<void(std::uint64_t)> taken_over;
       if (plan.standby) {
@@ -207,9 +226,9 @@ int Run(const Options& options) {
       }
       crew.mapper.emplace(session, ending, std::move(taken_over));
     }
-    if (plan.Runs("matcher")) crew.matcher.emplace(session, ending);
+    if (plan.Runs("matcher")) crew.matcher.emplace(session, transforms, ending);
     if (plan.Runs("source")) {
-      crew.source.emplace(session, std::move(reader),
+      crew.source.emplace(session, transforms, std::move(reader),
                           SourceOptions{options.rate, options.scans, options.move_mapper_at}, ending);
     }
 

@@ -6,12 +6,14 @@
 #include <utility>
 
 #include "channels.hpp"
+#include "frames.hpp"
 #include "pose_message.hpp"
 
 namespace slam2d {
 
-MatcherNode::MatcherNode(hgros::Session& session, Ending& ending)
-    : ending_(ending),
+MatcherNode::MatcherNode(hgros::Session& session, hgros::Transforms& transforms, Ending& ending)
+    : transforms_(transforms),
+      ending_(ending),
       stop_(ending.token()),
       matches_(session.Advertise<msg::MatchedScan>(kPreChannel)),
       trajectory_(session.Advertise<foxglove::PoseInFrame>(kTrajectory)),
@@ -55,7 +57,13 @@ void MatcherNode::TakeScan(const msg::Scan& message) {
   }
   if (message.end_of_log()) return;
   matched_.fetch_add(1, std::memory_order_relaxed);
+  ShowMatch(match, Read(message.odometry()));
+}
+
+void MatcherNode::ShowMatch(const ScanMatch& match, const Pose2& T_odom_laser) {
   Show(trajectory_, PoseMessage(match.T_map_laser, match.stamp_seconds, "map"));
+  (void)transforms_.ToTF(TimeOf(match.stamp_seconds), kMapFrame, kOdomFrame,
+                         RigidOf(match.T_map_laser * Inverse(T_odom_laser)));
 }
 
 }  // namespace slam2d

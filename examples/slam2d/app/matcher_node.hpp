@@ -8,6 +8,7 @@
 
 #include <foxglove/PoseInFrame.pb.h>
 #include <hgros/hgros.hpp>
+#include <hgros/tf/transforms.hpp>
 
 #include "../scan_matcher.hpp"
 #include "ending.hpp"
@@ -15,7 +16,8 @@
 
 namespace slam2d {
 
-/// Takes scans and the map's updates; publishes matched scans on `pre_channel` and their poses on `trajectory`.
+/// Takes scans and the map's updates; publishes matched scans on `pre_channel`, their poses on `trajectory`, and where
+/// odometry began as the edge from `map` to `odom`.
 ///
 /// A scan waits inside its callback (on a thread of its own) until the map after the scan before is there: joined by
 /// sequence, so that the result does not depend on who is faster. The scans behind it fill the queue, and that holds
@@ -26,14 +28,16 @@ class MatcherNode {
  public:
   static constexpr const char* kName = "matcher";
 
-  MatcherNode(hgros::Session& session, Ending& ending);
+  MatcherNode(hgros::Session& session, hgros::Transforms& transforms, Ending& ending);
 
   [[nodiscard]] std::uint64_t matched() const { return matched_.load(std::memory_order_relaxed); }
 
  private:
   void TakeScan(const msg::Scan& message);
   void TakeMap(const msg::MapUpdate& message);
+  void ShowMatch(const ScanMatch& match, const Pose2& T_odom_laser);
 
+  hgros::Transforms& transforms_;
   Ending& ending_;
   const std::stop_token stop_;
   hgros::Publisher<msg::MatchedScan> matches_;

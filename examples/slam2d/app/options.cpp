@@ -92,6 +92,7 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   app.add_option("--patience", patience_s, "Seconds to wait for other processes (default: 30)")
       ->option_text("S")
       ->check(WholeNumberFromOne);
+  app.add_flag("--save-map", options.save_map, "Ask the demo that runs in another process to write its map now");
   app.add_flag("--quiet", options.quiet, "No progress on standard error, only what goes wrong");
   app.add_flag("--json", options.json, "The result as JSON, an object a line");
   try {

@@ -20,6 +20,7 @@ struct Options {
   std::optional<std::uint64_t> move_mapper_at;
   std::optional<std::filesystem::path> relations;
   std::chrono::seconds patience{30};  ///< How long to wait for other processes.
+  bool save_map = false;              ///< Nothing but to ask a running demo to save its map.
   bool quiet = false;
   bool json = false;
 

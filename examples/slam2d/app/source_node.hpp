@@ -12,6 +12,7 @@
 
 #include <foxglove/PoseInFrame.pb.h>
 #include <hgros/hgros.hpp>
+#include <hgros/tf/transforms.hpp>
 
 #include "../laser_scan.hpp"
 #include "ending.hpp"
@@ -28,8 +29,8 @@ struct SourceOptions {
   std::optional<std::uint64_t> hold_at;  ///< Waits with this scan until Release().
 };
 
-/// Publishes scans on `scan` (lossless: it waits for the matcher) and their odometry on `odometry`, from a thread of
-/// its own.
+/// Publishes scans on `scan` (lossless: it waits for the matcher) and their odometry on `odometry` and as the edges
+/// from `odom` to `laser`, from a thread of its own.
 ///
 /// Threading: thread-safe once made.
 /// Lifetime: to be destroyed after the ending has been decided; the destructor waits for the thread.
@@ -37,7 +38,8 @@ class SourceNode {
  public:
   static constexpr const char* kName = "source";
 
-  SourceNode(hgros::Session& session, ScanReader reader, const SourceOptions& options, Ending& ending);
+  SourceNode(hgros::Session& session, hgros::Transforms& transforms, ScanReader reader, const SourceOptions& options,
+             Ending& ending);
   SourceNode(const SourceNode&) = delete;
   SourceNode& operator=(const SourceNode&) = delete;
 
@@ -54,6 +56,7 @@ class SourceNode {
   enum class Hold { kNotYet, kHeld, kReleased, kNever };
 
   void Run();
+  void ShowOdometry(const LaserScan2& scan);
   [[nodiscard]] bool NextScan(LaserScan2& scan);
   void WaitForRelease();
   /// Waits until the scan is due. Stamps that step back count as their latest predecessor.
@@ -62,6 +65,7 @@ class SourceNode {
 
   ScanReader reader_;
   const SourceOptions options_;
+  hgros::Transforms& transforms_;
   Ending& ending_;
   const std::stop_token stop_;
   hgros::Publisher<msg::Scan> scans_;

@@ -10,6 +10,7 @@
 #include "../pipeline.hpp"
 #include "../trajectory_file.hpp"
 #include "channels.hpp"
+#include "frames.hpp"
 #include "pose_message.hpp"
 
 namespace slam2d {
@@ -67,15 +68,21 @@ std::unique_ptr<foxglove::Grid> GridMessage(const OccupancyMap& map, double stam
 
 }  // namespace
 
-WriterNode::WriterNode(hgros::Session& session, std::filesystem::path folder, Ending& ending)
-    : folder_(std::move(folder)),
+WriterNode::WriterNode(hgros::Session& session, hgros::Transforms& transforms, std::filesystem::path folder,
+                       Ending& ending)
+    : transforms_(transforms),
+      folder_(std::move(folder)),
       ending_(ending),
       maps_(session.Advertise<foxglove::Grid>(kMap, {.latched = 1})),
       done_(session.Advertise<msg::Done>(kDone, {.latched = 1})),
       subscription_(session.FromAny<msg::MapUpdate>(
           kNextChannel, hgros::Invoke::kSerial,
           [this](const msg::MapUpdate& message) { ending_.Guard("writer", [&] { Take(message); }); },
-          {.name = kName, .queue = hgros::Queue::KeepAll(kLoopDepth), .executor = {}})) {}
+          {.name = kName, .queue = hgros::Queue::KeepAll(kLoopDepth), .executor = {}})),
+      save_map_(
+          session.Serve<msg::SaveMap, msg::MapSaved>(kSaveMap, [this](const msg::SaveMap&) { return SaveMap(); })) {
+  (void)transforms_.tree();  // From now on it follows the robot.
+}
 
 void WriterNode::Take(const msg::MapUpdate& message) {
   if (!message.end_of_log()) {
@@ -109,6 +116,20 @@ void WriterNode::Take(const msg::MapUpdate& message) {
       status != hgros::PublishStatus::kOk) {
     throw std::runtime_error("the end could not be published: " + std::string(hgros::ToString(status)) + ".");
   }
+}
+
+msg::MapSaved WriterNode::SaveMap() {
+  if (scans() == 0) throw std::runtime_error("there is no map yet: no scan has been drawn.");
+  const Written written = WriteFiles();
+  msg::MapSaved saved;
+  saved.set_scans(written.scans);
+  saved.set_map_hash(written.map_hash);
+  saved.set_map_file(std::filesystem::absolute(written.map_file).string());
+  saved.set_trajectory_file(std::filesystem::absolute(written.trajectory_file).string());
+  if (const auto T_map_laser = transforms_.FromTF(kMapFrame, kLaserFrame)) {
+    Write(PlanarOf(T_map_laser->T_target_source), *saved.mutable_robot());
+  }
+  return saved;
 }
 
 void WriterNode::ShowMap() {

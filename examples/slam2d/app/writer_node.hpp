@@ -10,6 +10,7 @@
 
 #include <foxglove/Grid.pb.h>
 #include <hgros/hgros.hpp>
+#include <hgros/tf/transforms.hpp>
 
 #include "../occupancy_map.hpp"
 #include "../pose2.hpp"
@@ -34,7 +35,7 @@ struct Written {
 };
 
 /// Follows `next_channel` with a replica of the map; shows it on `map` about once a second; at the end of the log
-/// writes the files and publishes `done`.
+/// writes the files and publishes `done`. Writes them at any time for who calls `save_map`.
 ///
 /// Threading: thread-safe.
 class WriterNode {
@@ -42,11 +43,11 @@ class WriterNode {
   static constexpr const char* kName = "writer";
 
   /// `folder` must exist.
-  WriterNode(hgros::Session& session, std::filesystem::path folder, Ending& ending);
+  WriterNode(hgros::Session& session, hgros::Transforms& transforms, std::filesystem::path folder, Ending& ending);
 
   [[nodiscard]] std::uint64_t scans() const;
   [[nodiscard]] std::vector<ScanMatch> trajectory() const;
-  /// Set once the log has ended and the files are written.
+  /// Set once the files have been written.
   [[nodiscard]] std::optional<Written> written() const;
   /// Writes what has come so far: map.png with the corrected path, odometry.png with that of odometry
   /// too, trajectory.tum. Throws std::runtime_error with a sentence.
@@ -55,7 +56,9 @@ class WriterNode {
  private:
   void Take(const msg::MapUpdate& message);
   void ShowMap();
+  [[nodiscard]] msg::MapSaved SaveMap();
 
+  hgros::Transforms& transforms_;
   const std::filesystem::path folder_;
   Ending& ending_;
   hgros::Publisher<foxglove::Grid> maps_;
@@ -71,6 +74,7 @@ class WriterNode {
   std::chrono::steady_clock::time_point shown_;
 
   hgros::Subscription subscription_;
+  hgros::Service save_map_;
 };
 
 }  // namespace slam2d
