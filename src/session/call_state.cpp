@@ -57,7 +57,13 @@ void CallState::Nudge() noexcept {
 }
 
 const CallEnd& CallState::Wait() {
-  if (!done() && DataGraph::InCallback()) Help();
+  if (!done()) {
+    if (DataGraph::InCallback()) {
+      Help();
+    } else if (const auto reached = client()) {
+      reached->AwaitQuickly(*this);
+    }
+  }
   if (!done()) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return done(); });
@@ -134,6 +140,11 @@ bool CallState::IsOf(const ServiceClient& client) const {
 std::shared_ptr<ServiceHost> CallState::host() const {
   const std::scoped_lock lock(mutex_);
   return host_.lock();
+}
+
+std::shared_ptr<ServiceClient> CallState::client() const {
+  const std::scoped_lock lock(mutex_);
+  return client_.lock();
 }
 
 SessionId CallState::server() const {

@@ -56,6 +56,7 @@ class CallState final : public PendingCall, public HelpLine::Waiter, public std:
   [[nodiscard]] bool has_server() const;
   [[nodiscard]] CallEnd Overdue() const;
 
+  [[nodiscard]] std::chrono::nanoseconds Age() const { return std::chrono::steady_clock::now() - begun_; }
   [[nodiscard]] const std::string& service() const noexcept { return service_; }
   std::uint64_t number = 0;                                  // By the table, before others know it.
   std::optional<std::chrono::steady_clock::time_point> due;  // Likewise.
@@ -65,7 +66,9 @@ class CallState final : public PendingCall, public HelpLine::Waiter, public std:
  private:
   void Help();
   [[nodiscard]] std::shared_ptr<ServiceHost> host() const;
+  [[nodiscard]] std::shared_ptr<ServiceClient> client() const;
 
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   const std::string service_;
   const std::shared_ptr<CallTable> table_;
   const std::shared_ptr<HelpLine> helpers_;

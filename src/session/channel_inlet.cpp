@@ -5,6 +5,7 @@
 
 #include "hgros/clock/time.hpp"
 #include "hgros/graph/helping.hpp"
+#include "session/service_place.hpp"
 
 namespace hgros {
 namespace {
@@ -22,6 +23,7 @@ ChannelInlet::ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_p
                            std::shared_ptr<const HostClocks> clocks)
     : channel_(channel),
       type_(type),
+      brings_replies_(IsReplyChannel(DataGraph::NameOf(channel))),
       log_(std::move(log)),
       on_publishers_(std::move(on_publishers)),
       run_apart_(std::move(run_apart)),
@@ -68,12 +70,15 @@ bool ChannelInlet::IsQuick(const InboundMessage& message) const noexcept {
 
 Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
   const ThreadUse use = DataGraph::UseOfThread(channel_);
-  const bool quick = use == ThreadUse::kNone && IsQuick(message);
+  const bool quick = IsQuick(message);
+  Runner runner = use == ThreadUse::kHelp ? Runner::kCarrierHelps : Runner::kCarrierApart;
+  if (quick && use == ThreadUse::kNone) runner = Runner::kCarrier;
+  if (quick && brings_replies_ && ShmTransport::IsVisitor()) runner = Runner::kVisitor;
   const std::scoped_lock lock(waiting_mutex_);
   waiting_.Put(std::move(message));
   if (runner_ != Runner::kNobody) return Accepted::kNothing;
-  runner_ = quick ? Runner::kCarrier : use == ThreadUse::kHelp ? Runner::kCarrierHelps : Runner::kCarrierApart;
-  return quick ? Accepted::kRunHere : Accepted::kRunApart;
+  runner_ = runner;
+  return runner == Runner::kCarrier || runner == Runner::kVisitor ? Accepted::kRunHere : Accepted::kRunApart;
 }
 
 ChannelInlet::Taken ChannelInlet::Take(InboundMessage& message, UserCode user_code) {
@@ -93,18 +98,19 @@ void ChannelInlet::Run() noexcept {
     const std::scoped_lock lock(waiting_mutex_);
     as = runner_;
   }
-  const UserCode user_code = as == Runner::kCarrier ? UserCode::kRefused : UserCode::kAllowed;
+  const UserCode decoding = as == Runner::kCarrier || as == Runner::kVisitor ? UserCode::kRefused : UserCode::kAllowed;
+  const UserCode injecting = as == Runner::kCarrier ? UserCode::kRefused : UserCode::kAllowed;
   // Last of all, when the next message finds nobody running: a long callback holds up no other node of the channel.
   Helping helping(as == Runner::kCarrierHelps);
   std::optional<Decoded> undelivered;
   while (!undelivered) {
     InboundMessage message;
-    const Taken taken = Take(message, user_code);
+    const Taken taken = Take(message, decoding);
     if (taken == Taken::kNone) return helping.Run();
     helping.PassOn();
     if (taken == Taken::kNotQuick) break;
     std::optional<Decoded> decoded = Decode(std::move(message));
-    if (decoded && !Inject(*decoded, user_code)) undelivered = std::move(decoded);
+    if (decoded && !Inject(*decoded, injecting)) undelivered = std::move(decoded);
   }
   {
     const std::scoped_lock lock(waiting_mutex_);

@@ -61,6 +61,7 @@ class ChannelInlet final : public InboundSink {
   enum class Runner {
     kNobody,
     kCarrier,       // The carrier's own thread, without user code.
+    kVisitor,       // One that waits for a reply and reads it itself; the node of replies is the library's.
     kCarrierApart,  // A thread of the carrier without sockets.
     kCarrierHelps,  // Likewise; it runs a node that would have to be woken for.
     kErrand,        // The session's thread, to which a kCarrier has handed over.
@@ -88,6 +89,7 @@ class ChannelInlet final : public InboundSink {
 
   Channel& channel_;
   const TypeInfo& type_;
+  const bool brings_replies_;
   const std::shared_ptr<Log> log_;
   const std::function<void()> on_publishers_;
   const std::function<void(Errand)> run_apart_;

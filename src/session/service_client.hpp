@@ -34,6 +34,9 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   // Wires it. Throws Error.
   void Start();
   void Send(const std::shared_ptr<CallState>& call);
+  // A thread waits for the call: if replies come soon as a rule it looks for this one itself, for a moment. Falling
+  // asleep and being woken would take longer than all the rest.
+  void AwaitQuickly(const CallState& call);
   // The call has been cancelled: its server need not begin it.
   void Withdraw(const CallState& call);
   // This session serves the name now: calls that wait go there. On a thread that may run user code.
@@ -67,6 +70,8 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   const std::weak_ptr<Services> services_;
   std::shared_ptr<ChannelOutlet> outlet_;  // Written by Start() alone.
   Subscription replies_;                   // Likewise.
+
+  std::atomic<std::int64_t> usual_ns_{0};  // From a call to its reply, lately.
 
   std::mutex mutex_;
   std::vector<Server> servers_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -30,11 +32,15 @@ class ServicePlace {
   [[nodiscard]] virtual ChannelSearch Search(const std::string& channel) = 0;
   [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;
   virtual void Report(PeerEvent event) noexcept = 0;
+  // The calling thread has nothing to do until `done` or `until` but to read what comes from this host.
+  virtual void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept = 0;
 };
 
 // The channels of a service.
 [[nodiscard]] std::string RequestChannel(std::string_view service);
 [[nodiscard]] std::string ReplyChannel(std::string_view service, SessionId caller);
+// Nobody but a session's services can listen there: its type is theirs.
+[[nodiscard]] bool IsReplyChannel(std::string_view channel);
 // The node inside the serving session that runs the handler.
 [[nodiscard]] std::string TurnChannel(std::string_view service);
 // Throws Error if a service cannot have that name.

@@ -11,6 +11,8 @@ namespace {
 
 using Kind = CallFailure::Kind;
 
+constexpr std::string_view kReplies = "hgros/reply/";
+
 Kind KindOf(CallMessage::Outcome outcome) {
   switch (outcome) {
     case CallMessage::Outcome::kFull: return Kind::kFull;
@@ -27,8 +29,9 @@ Kind KindOf(CallMessage::Outcome outcome) {
 
 std::string RequestChannel(std::string_view service) { return "hgros/call/" + std::string(service); }
 std::string ReplyChannel(std::string_view service, SessionId caller) {
-  return "hgros/reply/" + caller.ToString() + "/" + std::string(service);
+  return std::string(kReplies) + caller.ToString() + "/" + std::string(service);
 }
+bool IsReplyChannel(std::string_view channel) { return channel.starts_with(kReplies); }
 std::string TurnChannel(std::string_view service) { return "hgros/serve/" + std::string(service); }
 
 void RequireServiceName(std::string_view service) {

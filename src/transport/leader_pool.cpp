@@ -1,7 +1,10 @@
 #include "transport/leader_pool.hpp"
 
+#include <sched.h>
+
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <system_error>
@@ -14,6 +17,8 @@ namespace {
 
 constexpr std::size_t kStanding = 2;  // Threads that wait for input; others are parked, and retire after a while.
 constexpr auto kRetireAfter = std::chrono::seconds(5);
+
+thread_local bool visits = false;
 
 }  // namespace
 
@@ -35,7 +40,9 @@ struct LeaderPool::State {
   std::vector<std::thread> retired;  // Have left Run(), still to be joined.
   std::size_t standing = 0;          // Inside Wait(), Lead() or on the way from one to the other.
   std::size_t parked = 0;
-  bool led = false;  // A thread is inside Lead().
+  std::deque<Task> handed_over;  // Read by a visitor.
+  bool led = false;              // A thread is inside Lead().
+  bool visited = false;          // A thread is inside Visit().
   bool stop = false;
 };
 
@@ -85,6 +92,10 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
     gone.clear();
     Task task = state->input.Lead();
     lock.lock();
+    if (!task && !state->handed_over.empty()) {
+      task = std::move(state->handed_over.front());
+      state->handed_over.pop_front();
+    }
     state->led = false;
     --state->standing;
     if (task && state->standing == 0 && !state->stop) {
@@ -100,21 +111,67 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
     }
     if (state->standing > 0) state->turn.notify_one();
     if (!task) continue;
+    const bool more = !state->handed_over.empty();
     lock.unlock();
+    if (more) state->input.Wake();
     task();
     task = nullptr;  // Its last reference may run a destructor: not under the lock.
     lock.lock();
   }
 }
 
+bool LeaderPool::IsVisitor() noexcept { return visits; }
+
+void LeaderPool::Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept {
+  State& state = *state_;
+  {
+    const std::scoped_lock lock(state.mutex);
+    if (state.stop || state.visited || state.threads.empty()) return;
+    state.visited = true;
+  }
+  if (state.input.BeginAsking()) {
+    visits = true;
+    while (!done() && std::chrono::steady_clock::now() < until) {
+      // Who sends what is awaited, or a thread of the pool, may need this core.
+      if (!state.input.MayRead() || !LeadOnce(state)) sched_yield();
+    }
+    visits = false;
+    state.input.EndAsking();
+  }
+  {
+    const std::scoped_lock lock(state.mutex);
+    state.visited = false;
+  }
+  state.turn.notify_all();  // One may wait to stop.
+}
+
+bool LeaderPool::LeadOnce(State& state) noexcept {
+  std::unique_lock lock(state.mutex);
+  if (state.led || state.stop) return false;
+  state.led = true;
+  lock.unlock();
+  Task task = state.input.Lead();
+  const bool hands_over = static_cast<bool>(task);
+  lock.lock();
+  if (hands_over) state.handed_over.push_back(std::move(task));
+  state.led = false;
+  lock.unlock();
+  state.turn.notify_one();
+  if (hands_over) state.input.Wake();
+  return true;
+}
+
 void LeaderPool::Stop() noexcept {
   std::map<std::thread::id, std::thread> threads;
   std::vector<std::thread> retired;
+  std::deque<Task> left;  // Ends after the lock.
   {
-    const std::scoped_lock lock(state_->mutex);
+    std::unique_lock lock(state_->mutex);
     state_->stop = true;
+    state_->turn.wait(lock, [this] { return !state_->visited; });
     threads.swap(state_->threads);
     retired.swap(state_->retired);
+    left.swap(state_->handed_over);
   }
   state_->turn.notify_all();
   state_->needed.notify_all();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -27,6 +28,12 @@ class LeaderPool {
     /// another thread reads the rest. One call at a time; each sees what the ones before did.
     virtual Task Lead() noexcept = 0;
     virtual void Wake() noexcept = 0;
+    /// From here on the calling thread asks again and again whether there is something to read, and what comes wakes no
+    /// other. False if another thread does so already, or the input cannot be asked.
+    virtual bool BeginAsking() noexcept { return false; }
+    [[nodiscard]] virtual bool MayRead() const noexcept { return false; }
+    /// What comes, or came after the last question, wakes a thread again.
+    virtual void EndAsking() noexcept {}
   };
 
   /// `input` outlives the pool.
@@ -39,12 +46,19 @@ class LeaderPool {
   /// Lets running tasks end, then joins all threads. Called from within a task it leaves that one's thread, which
   /// then ends by itself after the task and touches neither pool nor input any more.
   void Stop() noexcept;
+  /// Reads on the calling thread, which waits for something that input may bring and so needs no waking, until `done`
+  /// or `until`. Returns at once if another thread does so. Tasks do not run here, but on the pool's threads.
+  void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept;
+  /// Whether the calling thread is in a Visit().
+  [[nodiscard]] static bool IsVisitor() noexcept;
   [[nodiscard]] std::size_t thread_count() const;
 
  private:
   struct State;  // Shared with the threads: a task may destroy the pool.
   static void Run(const std::shared_ptr<State>& state);
   static void Spawn(const std::shared_ptr<State>& state);
+  // False if another thread reads just now.
+  static bool LeadOnce(State& state) noexcept;
 
   const std::shared_ptr<State> state_;
 };

@@ -80,6 +80,12 @@ class HGROS_EXPORT ShmTransport : public Transport {
   /// reached.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t size_bytes) = 0;
   [[nodiscard]] virtual ShmUsage usage() const = 0;
+
+  /// Reads what comes in on the calling thread, which waits for some of it, until `done` or `until`: no other thread is
+  /// woken for it. Returns at once if another thread does so. Runs InboundSink::Accept() and Run() after kRunHere.
+  virtual void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept = 0;
+  /// Whether the calling thread is in a Visit().
+  [[nodiscard]] static bool IsVisitor() noexcept;
 };
 
 /// Errors: throws Error if there is no shared memory here or somebody else is at the place. `listener` and `log`

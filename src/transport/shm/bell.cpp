@@ -75,10 +75,11 @@ Bell::Bell(Patience patience)
         return *page;
       }()) {}
 
-bool Bell::Rung() const noexcept {
-  if (woken_.load()) return true;
+bool Bell::HasRung() const noexcept {
   return std::ranges::any_of(page_.ready, [](const Shared64& word) { return word.load() != 0; });
 }
+
+bool Bell::Rung() const noexcept { return woken_.load() || HasRung(); }
 
 bool Bell::Spin() const noexcept {
   constexpr int kLooksPerClock = 64;
@@ -139,6 +140,17 @@ void Bell::PassOn() noexcept {
   if (spinning_.load()) return;
   (void)MarkAsleep(page_.asleep);
   if (Rung()) WakeSleeper(page_.asleep);
+}
+
+bool Bell::BeginLooking() noexcept {
+  if (spinning_.exchange(true)) return false;
+  MarkAwake(page_.asleep);
+  return true;
+}
+
+void Bell::EndLooking() noexcept {
+  spinning_.store(false);
+  PassOn();
 }
 
 std::unique_ptr<PeerBell> PeerBell::Open(const Handle& handle, std::uint32_t number, std::string& fault) {

@@ -54,6 +54,11 @@ class Bell {
   void Mend() noexcept;
   /// The calling thread stops looking for a while: a sleeping one is to be woken by what comes, or has come.
   void PassOn() noexcept;
+  /// The calling thread looks from here on: nobody is woken. False if another one looks already.
+  [[nodiscard]] bool BeginLooking() noexcept;
+  void EndLooking() noexcept;
+  /// Whether a peer has rung.
+  [[nodiscard]] bool HasRung() const noexcept;
 
  private:
   [[nodiscard]] bool Spin() const noexcept;

@@ -62,6 +62,10 @@ class ShmCore : public LeaderPool::Input {
   void Wait() noexcept override;
   LeaderPool::Task Lead() noexcept override;
   void Wake() noexcept override;
+  bool BeginAsking() noexcept override { return bell_.BeginLooking(); }
+  bool MayRead() const noexcept override { return bell_.HasRung(); }
+  void EndAsking() noexcept override { bell_.EndLooking(); }
+  void Visit(const std::function<bool()>& done, SteadyTime until) noexcept { pool_of_readers_.Visit(done, until); }
 
  private:
   struct Destination {

@@ -122,6 +122,9 @@ class ShmCarrierTransport final : public ShmTransport {
   const std::string& place() const noexcept override { return core_->options().place; }
   std::optional<Block> Loan(std::size_t size_bytes) override { return core_->Loan(size_bytes); }
   ShmUsage usage() const override { return core_->usage(); }
+  void Visit(const std::function<bool()>& done, SteadyTime until) noexcept override {
+    if (!core_->IsChild()) core_->Visit(done, until);
+  }
 
  private:
   void RequireParent() const {
@@ -134,6 +137,8 @@ class ShmCarrierTransport final : public ShmTransport {
 
 }  // namespace
 }  // namespace shm
+
+bool ShmTransport::IsVisitor() noexcept { return LeaderPool::IsVisitor(); }
 
 std::unique_ptr<ShmTransport> MakeShmTransport(ShmOptions options, TransportListener& listener, Log& log) {
   return std::make_unique<shm::ShmCarrierTransport>(std::move(options), listener, log);

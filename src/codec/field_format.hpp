@@ -1,0 +1,104 @@
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "hgros/base/bytes.hpp"
+
+// Protobuf's fields by hand, for the heads that go before every message: a generated class costs several times as much
+// and complains to standard error when a peer sends text that is not UTF-8. Tests compare the two on every input.
+namespace hgros::codec {
+
+/// How a field's value is written; protobuf's wire types.
+enum class FieldForm : std::uint32_t { kVarint = 0, kFixed64 = 1, kLengthDelimited = 2, kStartGroup = 3, kFixed32 = 5 };
+
+constexpr std::uint32_t FieldTag(std::uint32_t field, FieldForm form) {
+  return (field << 3U) | static_cast<std::uint32_t>(form);
+}
+
+template <std::unsigned_integral T>
+char* PutLittleEndian(char* at, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) at[i] = static_cast<char>((value >> (8 * i)) & 0xffU);
+  return at + sizeof(T);
+}
+
+template <std::unsigned_integral T>
+T GetLittleEndian(const std::byte* at) {
+  T value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) value = static_cast<T>(value | (std::to_integer<T>(at[i]) << (8 * i)));
+  return value;
+}
+
+inline char* PutVarint(char* at, std::uint64_t value) {
+  while (value >= 0x80U) {
+    *at++ = static_cast<char>(value | 0x80U);
+    value >>= 7U;
+  }
+  *at++ = static_cast<char>(value);
+  return at;
+}
+
+// The next three write nothing for an empty text or a zero, as protobuf does. Fields are below 16.
+
+inline char* PutText(char* at, std::uint32_t field, std::string_view text) {
+  if (text.empty()) return at;
+  *at++ = static_cast<char>(FieldTag(field, FieldForm::kLengthDelimited));
+  at = PutVarint(at, text.size());
+  std::memcpy(at, text.data(), text.size());
+  return at + text.size();
+}
+
+inline char* PutFixed64(char* at, std::uint32_t field, std::uint64_t value) {
+  if (value == 0) return at;
+  *at++ = static_cast<char>(FieldTag(field, FieldForm::kFixed64));
+  return PutLittleEndian(at, value);
+}
+
+inline char* PutNumber(char* at, std::uint32_t field, std::uint64_t value) {
+  if (value == 0) return at;
+  *at++ = static_cast<char>(FieldTag(field, FieldForm::kVarint));
+  return PutVarint(at, value);
+}
+
+/// Room that is enough for one field that the functions above write.
+constexpr std::size_t kMaxNumberField = 11;
+constexpr std::size_t MaxTextField(std::string_view text) { return 11 + text.size(); }
+
+/// Reads protobuf wire format. Once something does not read, ok() stays false and every value is 0.
+class FieldReader {
+ public:
+  explicit FieldReader(Bytes bytes) noexcept : rest_(bytes) {}
+
+  [[nodiscard]] bool ok() const noexcept { return ok_; }
+  [[nodiscard]] bool more() const noexcept { return ok_ && !rest_.empty(); }
+
+  std::uint32_t ReadTag() noexcept { return static_cast<std::uint32_t>(ReadVarint(kMaxShortVarint)); }
+  std::uint64_t ReadVarint() noexcept { return ReadVarint(kMaxVarint); }
+
+  template <std::unsigned_integral T>
+  T ReadFixed() noexcept {
+    const Bytes bytes = Take(sizeof(T));
+    return ok_ ? GetLittleEndian<T>(bytes.data()) : T{0};
+  }
+
+  std::string_view ReadText() noexcept { return AsText(Take(ReadVarint(kMaxShortVarint))); }
+
+  /// What is unknown, or of another form than ours, is skipped, as every protobuf reader does.
+  void Skip(std::uint32_t tag);
+
+ private:
+  static constexpr std::size_t kMaxVarint = 10;
+  static constexpr std::size_t kMaxShortVarint = 5;  ///< Of tags and lengths.
+
+  std::uint64_t ReadVarint(std::size_t max_bytes) noexcept;
+  Bytes Take(std::uint64_t size) noexcept;
+  void SkipGroup(std::uint32_t tag);
+
+  Bytes rest_;
+  bool ok_ = true;
+};
+
+}  // namespace hgros::codec
