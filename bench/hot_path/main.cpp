@@ -74,6 +74,16 @@ bool SendAll(Session& from, Session& to, const std::string& name) {
          Send<foxglove::PointCloud>(from, to, name + "_cloud_tbb", Executor::Tbb(), false, MakeCloud);
 }
 
+/// One call after the other, by a thread that waits for the reply.
+bool CallAll(Session& from, Session& to, const std::string& name) {
+  const auto service = to.Serve<Plain, Plain>(name, [](const Plain& request) { return request; }, Invoke::kConcurrent,
+                                              {.executor = Executor::Inline()});
+  for (int i = 0; i < kMessages; ++i) {
+    if (!from.Call<Plain, Plain>(name, MakePlain(), std::chrono::seconds(20)).Wait()) return false;
+  }
+  return true;
+}
+
 int Run() {
   Config here;
   here.discovery.domain = "hot-path-" + std::to_string(getpid());
@@ -86,8 +96,8 @@ int Run() {
                           .all_channels = true});
   for (const std::string& endpoint : c.PublisherEndpoints())
     d.AddSubscriberEndpoint({.endpoint = endpoint, .channels = {}, .all_channels = true});
-  if (SendAll(a, a, "graph") && SendAll(a, b, "shm") && SendAll(c, d, "ipc")) return 0;
-  std::fputs("The sessions did not find each other, or a message was refused.\n", stderr);
+  if (SendAll(a, a, "graph") && SendAll(a, b, "shm") && SendAll(c, d, "ipc") && CallAll(a, b, "echo")) return 0;
+  std::fputs("The sessions did not find each other, or a message or a call was refused.\n", stderr);
   return 1;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -63,9 +64,16 @@ inline char* PutNumber(char* at, std::uint32_t field, std::uint64_t value) {
   return PutVarint(at, value);
 }
 
-/// Room that is enough for one field that the functions above write.
-constexpr std::size_t kMaxNumberField = 11;
-constexpr std::size_t MaxTextField(std::string_view text) { return 11 + text.size(); }
+// How many bytes the functions above write.
+
+constexpr std::size_t SizeOfVarint(std::uint64_t value) {
+  return (static_cast<std::size_t>(std::bit_width(value | 1U)) + 6) / 7;
+}
+constexpr std::size_t SizeOfText(std::string_view text) {
+  return text.empty() ? 0 : 1 + SizeOfVarint(text.size()) + text.size();
+}
+constexpr std::size_t SizeOfFixed64(std::uint64_t value) { return value == 0 ? 0 : 9; }
+constexpr std::size_t SizeOfNumber(std::uint64_t value) { return value == 0 ? 0 : 1 + SizeOfVarint(value); }
 
 /// Reads protobuf wire format. Once something does not read, ok() stays false and every value is 0.
 class FieldReader {

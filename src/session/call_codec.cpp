@@ -31,43 +31,37 @@ enum CallField : std::uint32_t {
   kText = 8,
 };
 
-// Written in one go behind where its size, of kSizeBytes always, goes.
-class CallHeadBytes {
- public:
-  explicit CallHeadBytes(const CallMessage& call) : CallHeadBytes(call, call.outcome, call.text) {}
-  CallHeadBytes(const CallMessage& call, CallMessage::Outcome outcome, std::string_view text) {
-    const std::size_t most = kFixedPart + MaxTextField(call.reply_type) + MaxTextField(text);
-    if (most > short_.size()) long_.resize(most);
-    char* const begin = Begin();
-    char* const fields = begin + kTag.size() + kSizeBytes;
-    char* at = PutFixed64(fields, kCaller, call.caller);
+// What goes before the body.
+struct CallHead {
+  explicit CallHead(const CallMessage& of) : CallHead(of, of.outcome, of.text) {}
+  CallHead(const CallMessage& of, CallMessage::Outcome its_outcome, std::string_view its_text)
+      : call(of),
+        outcome(static_cast<std::uint64_t>(its_outcome)),
+        text(its_text),
+        fields_size(SizeOfFixed64(call.caller) + SizeOfFixed64(call.server) + SizeOfNumber(call.call) +
+                    SizeOfNumber(patience()) + SizeOfText(call.reply_type) + SizeOfNumber(cancelled()) +
+                    SizeOfNumber(outcome) + SizeOfText(text)) {}
+
+  [[nodiscard]] std::size_t size() const { return kTag.size() + SizeOfVarint(fields_size) + fields_size; }
+  void WriteTo(char* at) const {
+    std::memcpy(at, kTag.data(), kTag.size());
+    at = PutVarint(at + kTag.size(), fields_size);
+    at = PutFixed64(at, kCaller, call.caller);
     at = PutFixed64(at, kServer, call.server);
     at = PutNumber(at, kCall, call.call);
-    at = PutNumber(at, kPatience, static_cast<std::uint64_t>(call.patience_ns));
+    at = PutNumber(at, kPatience, patience());
     at = PutText(at, kReplyType, call.reply_type);
-    at = PutNumber(at, kCancelled, call.cancelled ? 1U : 0U);
-    at = PutNumber(at, kOutcome, static_cast<std::uint64_t>(outcome));
-    at = PutText(at, kText, text);
-    std::memcpy(begin, kTag.data(), kTag.size());
-    // As many bytes for the size as it needs: the fields move up to it.
-    const auto size = static_cast<std::size_t>(at - fields);
-    char* const behind = PutVarint(begin + kTag.size(), size);
-    std::memmove(behind, fields, size);
-    size_ = static_cast<std::size_t>(behind - begin) + size;
+    at = PutNumber(at, kCancelled, cancelled());
+    at = PutNumber(at, kOutcome, outcome);
+    PutText(at, kText, text);
   }
-  CallHeadBytes(const CallHeadBytes&) = delete;
-  CallHeadBytes& operator=(const CallHeadBytes&) = delete;
 
-  [[nodiscard]] std::string_view view() const { return {long_.empty() ? short_.data() : long_.data(), size_}; }
-
- private:
-  static constexpr std::size_t kSizeBytes = 10;
-  static constexpr std::size_t kFixedPart = kTag.size() + kSizeBytes + 6 * kMaxNumberField;
-  [[nodiscard]] char* Begin() { return long_.empty() ? short_.data() : long_.data(); }
-
-  std::array<char, 256> short_;
-  std::string long_;
-  std::size_t size_ = 0;
+  [[nodiscard]] std::uint64_t patience() const { return static_cast<std::uint64_t>(call.patience_ns); }
+  [[nodiscard]] std::uint64_t cancelled() const { return call.cancelled ? 1 : 0; }
+  const CallMessage& call;
+  const std::uint64_t outcome;
+  const std::string_view text;
+  const std::size_t fields_size;
 };
 
 // Where the head lies and the body begins; false if there is none.
@@ -87,10 +81,12 @@ bool Split(Bytes data, Bytes& head, Bytes& body) {
   return true;
 }
 
-Payload Joined(const CallHeadBytes& head, Bytes body) {
+Payload Joined(const CallHead& head, Bytes body) {
   auto all = std::make_shared<std::string>();
-  all->reserve(head.view().size() + body.size());
-  all->append(head.view()).append(AsText(body));
+  all->reserve(head.size() + body.size());
+  all->resize(head.size());
+  head.WriteTo(all->data());
+  all->append(AsText(body));
   return OwnString(std::move(all));
 }
 
@@ -127,25 +123,25 @@ bool ReadHead(Bytes head, CallMessage& call) {
 
 Payload EncodeCall(const AnyMessage& message) {
   const auto& call = *static_cast<const CallMessage*>(message.get());
-  if (!call.body) return Joined(CallHeadBytes(call), {});
+  if (!call.body) return Joined(CallHead(call), {});
   const Payload body = call.type->encode(call.body);
-  if (body.owner) return Joined(CallHeadBytes(call), body.bytes);
+  if (body.owner) return Joined(CallHead(call), body.bytes);
   const std::string fault = "It could not be written as " + call.type->name + ".";
-  return Joined(CallHeadBytes(call, CallMessage::Outcome::kNotWritable, fault), {});
+  return Joined(CallHead(call, CallMessage::Outcome::kNotWritable, fault), {});
 }
 
 std::size_t EncodedCallBytes(const void* message) {
   const auto& call = *static_cast<const CallMessage*>(message);
-  return CallHeadBytes(call).view().size() + (call.body ? call.type->encoded_bytes(call.body.get()) : 0);
+  return CallHead(call).size() + (call.body ? call.type->encoded_bytes(call.body.get()) : 0);
 }
 
 bool EncodeCallInto(const void* message, std::span<std::byte> bytes) {
   const auto& call = *static_cast<const CallMessage*>(message);
-  const CallHeadBytes head(call);
-  const std::string_view written = head.view();
-  if (written.size() > bytes.size()) return false;
-  std::memcpy(bytes.data(), written.data(), written.size());
-  return !call.body || call.type->encode_into(call.body.get(), bytes.subspan(written.size()));
+  const CallHead head(call);
+  const std::size_t size = head.size();
+  if (size > bytes.size()) return false;
+  head.WriteTo(reinterpret_cast<char*>(bytes.data()));
+  return !call.body || call.type->encode_into(call.body.get(), bytes.subspan(size));
 }
 
 AnyMessage DecodeCall(const Payload& payload, const TypeInfo& type) {

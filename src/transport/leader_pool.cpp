@@ -123,7 +123,8 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
 bool LeaderPool::IsVisitor() noexcept { return visits; }
 
 void LeaderPool::Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept {
-  State& state = *state_;
+  const auto keeps = state_;  // Who waits in Stop() may end the pool before the last line here.
+  State& state = *keeps;
   {
     const std::scoped_lock lock(state.mutex);
     if (state.stop || state.visited || state.threads.empty()) return;

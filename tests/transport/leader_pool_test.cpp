@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <queue>
+#include <thread>
 
 #include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
@@ -51,13 +52,33 @@ class Queue : public LeaderPool::Input {
     ready.notify_one();
   }
 
-  std::mutex mutex;
+  mutable std::mutex mutex;
   std::condition_variable ready;
   std::queue<LeaderPool::Task> tasks;
   bool woken = false;
   std::atomic<int> leaders{0};
   std::atomic<bool> two_leaders{false};
 };
+
+/// One that can be asked, and wakes nobody for what comes.
+class SilentQueue : public Queue {
+ public:
+  bool BeginAsking() noexcept override { return askable; }
+  [[nodiscard]] bool MayRead() const noexcept override {
+    const std::scoped_lock lock(mutex);
+    return !tasks.empty();
+  }
+  void EndAsking() noexcept override { ++ended; }
+  void PutSilently(LeaderPool::Task task) {
+    const std::scoped_lock lock(mutex);
+    tasks.push(std::move(task));
+  }
+
+  std::atomic<bool> askable{true};
+  std::atomic<int> ended{0};
+};
+
+std::chrono::steady_clock::time_point Never() { return std::chrono::steady_clock::now() + test::kPatience; }
 
 TEST(LeaderPool, RunsEveryTaskOnceWithOneLeaderAtATime) {
   Queue queue;
@@ -120,6 +141,95 @@ TEST(LeaderPool, MayBeDestroyedByItsOwnTask) {
     destroyed = true;
   });
   EXPECT_TRUE(Eventually([&] { return destroyed.load(); }));
+}
+
+TEST(LeaderPool, AVisitorReadsAndThePoolRuns) {
+  SilentQueue queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  std::atomic<int> ran{0};
+  std::atomic<bool> ran_here{false};
+  const auto visitor = std::this_thread::get_id();
+  for (int i = 0; i < 100; ++i) {
+    queue.PutSilently([&] {
+      if (std::this_thread::get_id() == visitor || LeaderPool::IsVisitor()) ran_here = true;
+      ++ran;
+    });
+  }
+  bool knows = false;
+  pool.Visit(
+      [&] {
+        knows = LeaderPool::IsVisitor();
+        return ran == 100;
+      },
+      Never());
+  EXPECT_EQ(ran, 100);
+  EXPECT_TRUE(knows);
+  EXPECT_FALSE(LeaderPool::IsVisitor());
+  EXPECT_FALSE(ran_here);
+  EXPECT_FALSE(queue.two_leaders);
+  EXPECT_EQ(queue.ended, 1);
+}
+
+TEST(LeaderPool, AVisitorsTasksRunWhileOthersBlock) {
+  SilentQueue queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  test::Door door;
+  std::atomic<int> blocked{0};
+  std::atomic<bool> ran{false};
+  for (int i = 0; i < 4; ++i) {
+    queue.PutSilently([&] {
+      ++blocked;
+      door.Pass();
+    });
+  }
+  queue.PutSilently([&] { ran = true; });
+  pool.Visit([&] { return ran && blocked == 4; }, Never());
+  EXPECT_TRUE(ran);
+  EXPECT_EQ(blocked, 4);
+  door.Open();
+}
+
+TEST(LeaderPool, AVisitEndsInTime) {
+  SilentQueue queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(2);
+  pool.Visit([] { return false; }, until);
+  EXPECT_GE(std::chrono::steady_clock::now(), until);
+  queue.askable = false;
+  pool.Visit([] { return false; }, Never());  // Cannot be asked: it does not wait.
+  EXPECT_EQ(queue.ended, 1);
+}
+
+TEST(LeaderPool, HasOneVisitorAtATimeWhomStopWaitsFor) {
+  SilentQueue queue;
+  auto pool = std::make_unique<LeaderPool>(queue);
+  pool->Start();
+  std::atomic<bool> inside{false}, leave{false};
+  std::jthread visitor([&] {
+    pool->Visit(
+        [&] {
+          inside = true;
+          return leave.load();
+        },
+        Never());
+  });
+  ASSERT_TRUE(Eventually([&] { return inside.load(); }));
+  pool->Visit([] { return false; }, Never());  // Returns: somebody visits already.
+  EXPECT_EQ(queue.ended, 0);
+  std::atomic<bool> stopped{false};
+  std::jthread stopping([&] {
+    pool->Stop();
+    stopped = true;
+  });
+  test::Linger(std::chrono::milliseconds(20));
+  EXPECT_FALSE(stopped);
+  leave = true;
+  EXPECT_TRUE(Eventually([&] { return stopped.load(); }));
+  EXPECT_EQ(queue.ended, 1);
+  pool->Visit([] { return false; }, Never());  // Nobody reads any more.
 }
 
 }  // namespace

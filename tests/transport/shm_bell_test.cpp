@@ -28,7 +28,7 @@ struct Ringer {
 };
 
 /// Every number is rung and must be seen before it is rung again: one lost ring hangs its ringer.
-void RingAndWait(Patience patience, int ringers, int waiters, int rounds) {
+void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool visited = false) {
   Bell bell(patience);
   std::vector<std::atomic<int>> seen(static_cast<std::size_t>(ringers));
   std::atomic<bool> stop{false};
@@ -40,6 +40,18 @@ void RingAndWait(Patience patience, int ringers, int waiters, int rounds) {
         (void)bell.Take([&](std::uint32_t number) { ++seen[number]; });
       }
       bell.Wake();
+    });
+  }
+  // Looks for a moment now and then, and takes nothing: who has gone to sleep meanwhile is woken at the end of it.
+  if (visited) {
+    threads.emplace_back([&] {
+      while (!stop) {
+        if (bell.BeginLooking()) {
+          std::this_thread::yield();
+          bell.EndLooking();
+        }
+        std::this_thread::yield();
+      }
     });
   }
   std::atomic<int> done{0};
@@ -69,6 +81,13 @@ TEST(ShmBell, NoRingIsLost) {
 TEST(ShmBell, NoRingIsLostWhileSomebodyLooks) {
   for (const int waiters : {1, 2, 3})
     RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500);
+}
+
+TEST(ShmBell, NoRingIsLostWhileSomebodyLooksNowAndThen) {
+  for (const int waiters : {1, 2}) {
+    RingAndWait({}, 2, waiters, 1500, true);
+    RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500, true);
+  }
 }
 
 TEST(ShmBell, APeerThatDiesBetweenMarkAndWakeUpLeavesNobodyAsleep) {

@@ -9,9 +9,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -30,11 +32,16 @@ using test::Await;
 class Keeper : public InboundSink {
  public:
   Accepted Accept(InboundMessage&& message) noexcept override {
+    if (ShmTransport::IsVisitor()) ++visits;
     const std::scoped_lock lock(mutex_);
     kept_.push_back(std::move(message));
-    return Accepted::kNothing;
+    return answer;
   }
-  void Run() noexcept override {}
+  void Run() noexcept override {
+    if (ShmTransport::IsVisitor() && answer == Accepted::kRunApart) ++wrong_runs;
+    if (answer != Accepted::kNothing) LetGo();  // For the credit.
+    ++runs;
+  }
   void OnFault(PacketFault fault, std::string_view what) noexcept override {
     const std::scoped_lock lock(mutex_);
     faults_.push_back(std::string(ToString(fault)) + ": " + std::string(what));
@@ -49,9 +56,15 @@ class Keeper : public InboundSink {
     return kept_;
   }
   void LetGo() {
+    std::vector<InboundMessage> gone;  // Ends after the lock.
     const std::scoped_lock lock(mutex_);
-    kept_.clear();
+    gone.swap(kept_);
   }
+
+  std::atomic<Accepted> answer{Accepted::kNothing};
+  std::atomic<int> visits{0};  ///< Messages that a visiting thread brought.
+  std::atomic<int> runs{0};
+  std::atomic<int> wrong_runs{0};  ///< User code on a visiting thread.
 
  private:
   mutable std::mutex mutex_;
@@ -148,6 +161,37 @@ TEST_F(ShmTransportTest, MessagesOutliveBothSessions) {
   subscriber.reset();
   for (std::size_t i = 0; i < kept.size(); ++i) {
     EXPECT_EQ(AsText(kept[i].data.bytes), std::string(1000, static_cast<char>('a' + static_cast<int>(i))));
+  }
+}
+
+TEST_F(ShmTransportTest, WhoWaitsMayReadItself) {
+  for (const Accepted answer : {Accepted::kRunHere, Accepted::kRunApart}) {
+    keeper.answer = answer;
+    keeper.visits = keeper.runs = 0;
+    constexpr int kRounds = 2000;
+    std::atomic<int> published{0};
+    std::jthread publishing([&] {
+      for (int i = 0; i < kRounds && !HasFatalFailure(); ++i) {
+        Publish("x");
+        ++published;
+        // Sometimes while the other side visits, sometimes while it does not.
+        if (i % 3 == 0) {
+          ASSERT_TRUE(Await([&] { return keeper.runs > i; }));
+        }
+      }
+    });
+    std::minstd_rand random(5);
+    const auto end = std::chrono::steady_clock::now() + test::kPatience;
+    while (keeper.runs < kRounds && std::chrono::steady_clock::now() < end) {
+      const int seen = keeper.runs;
+      subscriber->Visit([&] { return keeper.runs > seen; },
+                        std::chrono::steady_clock::now() + std::chrono::microseconds(random() % 50));
+    }
+    publishing.join();
+    EXPECT_EQ(keeper.runs, kRounds) << "of " << published;
+    EXPECT_GT(keeper.visits, 0);
+    EXPECT_EQ(keeper.wrong_runs, 0);
+    keeper.LetGo();
   }
 }
 
