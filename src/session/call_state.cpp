@@ -25,7 +25,8 @@ std::string InWords(std::chrono::nanoseconds time) {
 
 CallState::CallState(std::string service, std::shared_ptr<CallTable> table, std::shared_ptr<HelpLine> helpers,
                      AnyAnswer callback)
-    : service_(std::move(service)),
+    : is_waited_for_(!callback && !DataGraph::InCallback()),
+      service_(std::move(service)),
       table_(std::move(table)),
       helpers_(std::move(helpers)),
       callback_(std::move(callback)) {}

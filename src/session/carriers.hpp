@@ -70,10 +70,8 @@ class Carriers final : private DiscoveryListener {
   /// Who says in the host's registry that it subscribes to the channel, and whether anybody else could.
   [[nodiscard]] ChannelSearch Search(const std::string& channel);
   [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
-  /// The calling thread waits for what comes over shared memory, and reads it itself: see ShmTransport::Visit.
-  void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept {
-    if (shm_) shm_->Visit(done, until);
-  }
+  /// See ShmTransport::Receive.
+  void Receive(const Visit& visit) noexcept { shm_ ? shm_->Receive(visit) : visit.first(); }
   [[nodiscard]] TransportStats stats() const;
   /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
   void Close(int linger_ms) noexcept;

@@ -1,6 +1,7 @@
 #include "session/service_client.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "hgros/graph/helping.hpp"
@@ -61,6 +62,19 @@ void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
   services->EndCall(reply, name_);
 }
 
+bool ServiceClient::PostAndLook(const CallState& call, Services& services) {
+  std::optional<bool> sent;
+  const auto post = [&] { sent = Post(call.message); };
+  if (call.is_waited_for() && usual_ns_.load(std::memory_order_relaxed) <= kSoonNs) {
+    services.With([&](ServicePlace& place) {
+      place.Receive(
+          {.done = [&call] { return call.done(); }, .until = std::chrono::steady_clock::now(), .first = post});
+    });
+  }
+  if (!sent) post();
+  return *sent;
+}
+
 bool ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
   if (outlet_->subscriber_count() == 0 || outlet_->Reserve() != PublishStatus::kOk) return false;
   outlet_->Commit(message, request_);
@@ -87,7 +101,7 @@ void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
       waiting_.push_back(call);
     }
   }
-  if (now && Post(call->message)) return;
+  if (now && PostAndLook(*call, *services)) return;
   if (now) {  // It has no room just now.
     const std::scoped_lock lock(mutex_);
     waiting_.push_back(call);
@@ -118,7 +132,8 @@ void ServiceClient::AwaitQuickly(const CallState& call) {
   const auto services = services_.lock();
   if (usual > kSoonNs || !services || !call.has_server()) return;
   const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(std::max(2 * usual, kSoonNs / 2));
-  services->With([&](ServicePlace& place) { place.Visit([&call] { return call.done(); }, until); });
+  services->With(
+      [&](ServicePlace& place) { place.Receive({.done = [&call] { return call.done(); }, .until = until}); });
 }
 
 void ServiceClient::Withdraw(const CallState& call) {

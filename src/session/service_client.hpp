@@ -52,6 +52,8 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
 
  private:
   void OnReply(const CallMessage& reply, const MessageInfo& info);
+  // Posts it, and takes the reply if that is there as soon.
+  [[nodiscard]] bool PostAndLook(const CallState& call, Services& services);
   [[nodiscard]] bool Post(const std::shared_ptr<const CallMessage>& message);
   void UpdateServers(Services& services);
   void SendWaiting();

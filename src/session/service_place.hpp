@@ -1,7 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -32,8 +30,8 @@ class ServicePlace {
   [[nodiscard]] virtual ChannelSearch Search(const std::string& channel) = 0;
   [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;
   virtual void Report(PeerEvent event) noexcept = 0;
-  // The calling thread has nothing to do until `done` or `until` but to read what comes from this host.
-  virtual void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept = 0;
+  // Of what comes from this host.
+  virtual void Receive(const Visit& visit) noexcept = 0;
 };
 
 // The channels of a service.

@@ -102,7 +102,7 @@ class Session::Core final : public TransportListener, private ServicePlace {
   [[nodiscard]] DataGraph& Graph() override { return *graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string& channel) override;
   void Report(PeerEvent event) noexcept override { PublishEvent(std::move(event)); }
-  void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept override;
+  void Receive(const Visit& visit) noexcept override;
 
   // Throws Error while the session shuts down.
   void RequireOpen() const;

@@ -39,13 +39,13 @@ void Session::Core::CloseOutlet(const std::string& channel, const std::shared_pt
   if (carriers_ && !closing_) carriers_->Withdraw(channel);
 }
 
-void Session::Core::Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept {
+void Session::Core::Receive(const Visit& visit) noexcept {
   Carriers* carriers = nullptr;  // They stay as long as services may call.
   {
     const std::scoped_lock lock(mutex_);
     carriers = carriers_.get();
   }
-  if (carriers != nullptr) carriers->Visit(done, until);
+  carriers != nullptr ? carriers->Receive(visit) : visit.first();
 }
 
 ChannelSearch Session::Core::Search(const std::string& channel) {

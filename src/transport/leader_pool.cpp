@@ -42,7 +42,7 @@ struct LeaderPool::State {
   std::size_t parked = 0;
   std::deque<Task> handed_over;  // Read by a visitor.
   bool led = false;              // A thread is inside Lead().
-  bool visited = false;          // A thread is inside Visit().
+  bool visited = false;          // A thread is inside Receive().
   bool stop = false;
 };
 
@@ -122,22 +122,29 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
 
 bool LeaderPool::IsVisitor() noexcept { return visits; }
 
-void LeaderPool::Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept {
+void LeaderPool::Receive(const Visit& visit) noexcept {
   const auto keeps = state_;  // Who waits in Stop() may end the pool before the last line here.
   State& state = *keeps;
+  bool may = false;
   {
     const std::scoped_lock lock(state.mutex);
-    if (state.stop || state.visited || state.threads.empty()) return;
-    state.visited = true;
+    may = !state.stop && !state.visited && !state.threads.empty();
+    state.visited = state.visited || may;
   }
+  if (!may) return visit.first();
   if (state.input.BeginAsking()) {
+    visit.first();
     visits = true;
-    while (!done() && std::chrono::steady_clock::now() < until) {
-      // Who sends what is awaited, or a thread of the pool, may need this core.
-      if (!state.input.MayRead() || !LeadOnce(state)) sched_yield();
+    while (!visit.done()) {
+      const bool late = std::chrono::steady_clock::now() >= visit.until;
+      const bool read = state.input.MayRead() && LeadOnce(state);
+      if (late) break;
+      if (!read) sched_yield();  // Who sends what is awaited, or a thread of the pool, may need this core.
     }
     visits = false;
     state.input.EndAsking();
+  } else {
+    visit.first();
   }
   {
     const std::scoped_lock lock(state.mutex);

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
+
+#include "hgros/transport/transport.hpp"
 
 namespace hgros {
 
@@ -46,10 +47,10 @@ class LeaderPool {
   /// Lets running tasks end, then joins all threads. Called from within a task it leaves that one's thread, which
   /// then ends by itself after the task and touches neither pool nor input any more.
   void Stop() noexcept;
-  /// Reads on the calling thread, which waits for something that input may bring and so needs no waking, until `done`
-  /// or `until`. Returns at once if another thread does so. Tasks do not run here, but on the pool's threads.
-  void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept;
-  /// Whether the calling thread is in a Visit().
+  /// Reads on the calling thread. Tasks do not run here, but on the pool's threads. Returns after `first` if another
+  /// thread does so.
+  void Receive(const Visit& visit) noexcept;
+  /// Whether the calling thread is in Receive().
   [[nodiscard]] static bool IsVisitor() noexcept;
   [[nodiscard]] std::size_t thread_count() const;
 

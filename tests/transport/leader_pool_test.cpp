@@ -157,12 +157,11 @@ TEST(LeaderPool, AVisitorReadsAndThePoolRuns) {
     });
   }
   bool knows = false;
-  pool.Visit(
-      [&] {
-        knows = LeaderPool::IsVisitor();
-        return ran == 100;
-      },
-      Never());
+  const auto all_ran = [&] {
+    knows = LeaderPool::IsVisitor();
+    return ran == 100;
+  };
+  pool.Receive({.done = all_ran, .until = Never()});
   EXPECT_EQ(ran, 100);
   EXPECT_TRUE(knows);
   EXPECT_FALSE(LeaderPool::IsVisitor());
@@ -185,7 +184,7 @@ TEST(LeaderPool, AVisitorsTasksRunWhileOthersBlock) {
     });
   }
   queue.PutSilently([&] { ran = true; });
-  pool.Visit([&] { return ran && blocked == 4; }, Never());
+  pool.Receive({.done = [&] { return ran && blocked == 4; }, .until = Never()});
   EXPECT_TRUE(ran);
   EXPECT_EQ(blocked, 4);
   door.Open();
@@ -196,10 +195,10 @@ TEST(LeaderPool, AVisitEndsInTime) {
   LeaderPool pool(queue);
   pool.Start();
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(2);
-  pool.Visit([] { return false; }, until);
+  pool.Receive({.done = [] { return false; }, .until = until});
   EXPECT_GE(std::chrono::steady_clock::now(), until);
   queue.askable = false;
-  pool.Visit([] { return false; }, Never());  // Cannot be asked: it does not wait.
+  pool.Receive({.done = [] { return false; }, .until = Never()});  // Cannot be asked: it does not wait.
   EXPECT_EQ(queue.ended, 1);
 }
 
@@ -209,15 +208,14 @@ TEST(LeaderPool, HasOneVisitorAtATimeWhomStopWaitsFor) {
   pool->Start();
   std::atomic<bool> inside{false}, leave{false};
   std::jthread visitor([&] {
-    pool->Visit(
-        [&] {
-          inside = true;
-          return leave.load();
-        },
-        Never());
+    const auto told_to_leave = [&] {
+      inside = true;
+      return leave.load();
+    };
+    pool->Receive({.done = told_to_leave, .until = Never()});
   });
   ASSERT_TRUE(Eventually([&] { return inside.load(); }));
-  pool->Visit([] { return false; }, Never());  // Returns: somebody visits already.
+  pool->Receive({.done = [] { return false; }, .until = Never()});  // Returns: somebody visits already.
   EXPECT_EQ(queue.ended, 0);
   std::atomic<bool> stopped{false};
   std::jthread stopping([&] {
@@ -229,7 +227,7 @@ TEST(LeaderPool, HasOneVisitorAtATimeWhomStopWaitsFor) {
   leave = true;
   EXPECT_TRUE(Eventually([&] { return stopped.load(); }));
   EXPECT_EQ(queue.ended, 1);
-  pool->Visit([] { return false; }, Never());  // Nobody reads any more.
+  pool->Receive({.done = [] { return false; }, .until = Never()});  // Nobody reads any more.
 }
 
 }  // namespace

@@ -184,8 +184,8 @@ TEST_F(ShmTransportTest, WhoWaitsMayReadItself) {
     const auto end = std::chrono::steady_clock::now() + test::kPatience;
     while (keeper.runs < kRounds && std::chrono::steady_clock::now() < end) {
       const int seen = keeper.runs;
-      subscriber->Visit([&] { return keeper.runs > seen; },
-                        std::chrono::steady_clock::now() + std::chrono::microseconds(random() % 50));
+      subscriber->Receive({.done = [&] { return keeper.runs > seen; },
+                           .until = std::chrono::steady_clock::now() + std::chrono::microseconds(random() % 50)});
     }
     publishing.join();
     EXPECT_EQ(keeper.runs, kRounds) << "of " << published;

@@ -81,10 +81,10 @@ class HGROS_EXPORT ShmTransport : public Transport {
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t size_bytes) = 0;
   [[nodiscard]] virtual ShmUsage usage() const = 0;
 
-  /// Reads what comes in on the calling thread, which waits for some of it, until `done` or `until`: no other thread is
-  /// woken for it. Returns at once if another thread does so. Runs InboundSink::Accept() and Run() after kRunHere.
-  virtual void Visit(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) noexcept = 0;
-  /// Whether the calling thread is in a Visit().
+  /// Reads on the calling thread, which InboundSink::Accept() and Run() after kRunHere are called on. Returns at once
+  /// if another thread does so.
+  virtual void Receive(const Visit& visit) noexcept = 0;
+  /// Whether the calling thread is in Receive().
   [[nodiscard]] static bool IsVisitor() noexcept;
 };
 

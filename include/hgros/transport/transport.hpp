@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -172,6 +174,13 @@ class TransportListener {
   /// The peer has told the time of its wall clock, now and then while it is reached; each pair of peers hears so on
   /// both sides. Of carriers that leave the host only.
   virtual void OnClockExchange(const PeerInfo& /*peer*/, const ClockExchange& /*exchange*/) noexcept {}
+};
+
+/// A thread that waits for what comes in and reads it itself, so that no other is woken for it.
+struct Visit {
+  std::function<bool()> done;                   ///< Must not block.
+  std::chrono::steady_clock::time_point until;  ///< If it lies behind, it reads what is there.
+  std::function<void()> first = [] {};          ///< Runs before that, and also if nothing can be read so.
 };
 
 /// Packets that were dropped, those of unknown channels included.

@@ -65,7 +65,7 @@ class ShmCore : public LeaderPool::Input {
   bool BeginAsking() noexcept override { return bell_.BeginLooking(); }
   bool MayRead() const noexcept override { return bell_.HasRung(); }
   void EndAsking() noexcept override { bell_.EndLooking(); }
-  void Visit(const std::function<bool()>& done, SteadyTime until) noexcept { pool_of_readers_.Visit(done, until); }
+  void Receive(const Visit& visit) noexcept { pool_of_readers_.Receive(visit); }
 
  private:
   struct Destination {

@@ -122,9 +122,7 @@ class ShmCarrierTransport final : public ShmTransport {
   const std::string& place() const noexcept override { return core_->options().place; }
   std::optional<Block> Loan(std::size_t size_bytes) override { return core_->Loan(size_bytes); }
   ShmUsage usage() const override { return core_->usage(); }
-  void Visit(const std::function<bool()>& done, SteadyTime until) noexcept override {
-    if (!core_->IsChild()) core_->Visit(done, until);
-  }
+  void Receive(const Visit& visit) noexcept override { core_->IsChild() ? visit.first() : core_->Receive(visit); }
 
  private:
   void RequireParent() const {
