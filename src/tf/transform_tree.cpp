@@ -79,7 +79,7 @@ SetResult TransformTree::SetStatic(std::string_view parent, std::string_view chi
   return core_->Set(parent, child, {0, true, T_parent_child, {}}, publisher);
 }
 
-void TransformTree::BeginAnew() noexcept { core_->BeginAnew(); }
+void TransformTree::BeginAnew(Time latest) noexcept { core_->BeginAnew(latest.nanoseconds); }
 
 TransformResult TransformTree::Lookup(FrameId target, FrameId source) const {
   tf::Outcome outcome;

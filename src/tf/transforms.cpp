@@ -26,7 +26,12 @@ std::string Edge(std::string_view parent, std::string_view child) {
 class Transforms::Core {
  public:
   Core(Session& session, TransformsOptions options)
-      : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {}
+      : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {
+    jumps_ = session_.clock()->OnJump([this](const ClockJump& jump) {
+      // What is on its way yet has stamps near the one end, what comes from now on has them near the other.
+      if (jump.after < jump.before) tree_.BeginAnew(Later(jump.after, (jump.before - jump.after) / 2));
+    });
+  }
 
   TransformTree& tree() noexcept { return tree_; }
   tf::TransformSender& sender() noexcept { return sender_; }
@@ -55,6 +60,7 @@ class Transforms::Core {
   std::unordered_map<SessionId, std::string> names_;
   tf::TransformSender sender_;
   std::once_flag listens_;
+  Listening jumps_;                          // Ends before the tree that it tells.
   std::vector<Subscription> subscriptions_;  // The last: its callbacks use all others.
 };
 

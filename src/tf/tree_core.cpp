@@ -106,19 +106,32 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
   if (child.is_static != value.is_static) return Refuse(SetFault::kStatic, parent, child, value);
 
   bool awaited = false;
+  bool anew = false;
   {
     const std::scoped_lock lock(child.write);
-    const std::uint64_t time = time_.load(std::memory_order_relaxed);
-    const bool anew = std::exchange(child.time, time) != time && !child.is_static;
-    if (anew) WriteAnew(child, {value.stamp, pose});
-    if (anew || Write(child, {value.stamp, pose})) {
+    const std::uint64_t time = time_.load(std::memory_order_acquire);
+    const bool begins = BeginsAnew(child);
+    anew = begins && value.stamp <= latest_anew_.load(std::memory_order_relaxed);
+    // A later stamp is taken for one of the time before, unless it is too old for that.
+    const bool written = !anew && Write(child, {value.stamp, pose});
+    if (begins && !written) {
+      anew = true;
+      child.time = time;
+      begun_anew_.fetch_add(1, std::memory_order_relaxed);
+      WriteAnew(child, {value.stamp, pose});
+    }
+    if (anew || written) {
       awaited = child.newest >= child.awaited_from;
       if (value.publisher.value != 0) child.publisher.store(value.publisher.value, std::memory_order_relaxed);
     } else {
       fault = SetFault::kTooOld;
     }
   }
-  if (awaited) waits_->EdgeHasGrown(child);
+  if (anew) {
+    waits_->EdgeHasBegunAnew();
+  } else if (awaited) {
+    waits_->EdgeHasGrown(child);
+  }
   return fault == SetFault::kNone ? SetResult() : Refuse(fault, parent, child, value);
 }
 

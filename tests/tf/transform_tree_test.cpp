@@ -360,5 +360,18 @@ TEST(TransformTree, BeginsAnewWhereTimeHasJumpedBack) {
   }
 }
 
+TEST(TransformTree, WhatWasUnderWayWhenTimeJumpedBackBeginsNothingAnew) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(100), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "arm", At(100), Shift(1)));
+  tree.BeginAnew(At(50));
+  ASSERT_TRUE(tree.Set("map", "base", At(100.1), Shift(2)));
+  EXPECT_EQ(tree.Lookup("map", "base", At(100.05))->stamp, At(100.05)) << "with what was before";
+  ASSERT_TRUE(tree.Set("map", "base", At(0), Shift(3)));
+  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(0));
+  ASSERT_TRUE(tree.Set("map", "arm", At(60), Shift(4))) << "the edge has slept for long";
+  EXPECT_EQ(tree.Lookup("map", "arm")->stamp, At(60));
+}
+
 }  // namespace
 }  // namespace hgros

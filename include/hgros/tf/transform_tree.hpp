@@ -74,8 +74,9 @@ class HGROS_EXPORT TransformTree {
                       std::string_view publisher = {});
 
   /// Time has jumped back, as when a recording begins again: of each edge that moves, the next transform replaces all
-  /// that it has, whatever its stamp. Until then it is found as before.
-  void BeginAnew() noexcept;
+  /// that it has. Until then it is found as before, and who waits for what is too old waits on. With `latest`, what has
+  /// a later stamp was still under way when time jumped, and goes to what was before.
+  void BeginAnew(Time latest = Time::Never()) noexcept;
 
   /// T_target_source, at the latest time that every edge between the two knows of.
   [[nodiscard]] TransformResult Lookup(FrameId target, FrameId source) const;
