@@ -56,6 +56,7 @@ class Transforms::Core {
   std::atomic<std::uint64_t> received_{0};
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> shared_{0};
+  std::atomic<bool> said_full_{false};
   std::mutex names_mutex_;
   std::unordered_map<SessionId, std::string> names_;
   tf::TransformSender sender_;
@@ -110,8 +111,12 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
     const std::string& child = transform.child_frame_id();
     if (const SetResult result = Take(transform, publisher, is_static)) {
       NoteOwner(parent, child, by, is_static);
+    } else if (++refused_; result.fault() == SetFault::kTooManyFrames) {
+      if (!said_full_.exchange(true)) {
+        session_.log().Write(LogLevel::kError, "Of the transforms of session \"" + publisher + "\": " + result.text() +
+                                                   " Others that are refused for that are counted alone.");
+      }
     } else {
-      ++refused_;
       session_.log().WriteLimited(LogLevel::kWarning, "transform " + parent + " " + child,
                                   "Of the transforms of session \"" + publisher + "\": " + result.text());
     }

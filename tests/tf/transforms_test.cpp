@@ -205,6 +205,22 @@ TEST_F(TransformsOfTwo, WhatIsNoTransformIsRefusedCountedAndNamed) {
   EXPECT_EQ(b.Count("Of the transforms of session"), 6U);
 }
 
+TEST_F(TransformsOfTwo, AFloodOfFramesIsRefusedAndSaidOnce) {
+  Transforms looking(*b.session, {.tree = {.max_frames = 10}});
+  (void)looking.tree();
+  const auto publish = a->Advertise<foxglove::FrameTransforms>(kTransformsChannel);
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  foxglove::FrameTransforms flood;
+  for (int i = 0; i < 100; ++i) flood.MergeFrom(Message("map", "flood" + std::to_string(i)));
+  ASSERT_EQ(publish(flood), PublishStatus::kOk);
+  ASSERT_EQ(publish(Message("map", "flood0", 1, 2)), PublishStatus::kOk);
+  ASSERT_TRUE(Arrives(looking, "map", "flood0", At(2)));
+  EXPECT_EQ(looking.stats().refused_transforms, 91U);
+  EXPECT_EQ(looking.tree().Edges().size(), 9U);
+  EXPECT_EQ(b.Count("Of the transforms of session"), 1U);
+  EXPECT_TRUE(b.Said("the tree has 10 frames"));
+}
+
 TEST_F(TransformsOfTwo, ACallbackMaySetTransformsWhereverItRuns) {
   Transforms transforms(*a.session, {.batch = 0ns});
   int rounds = 0;

@@ -25,6 +25,8 @@ struct TransformTreeOptions {
   Duration buffer = std::chrono::seconds(10);
   /// ... and at most so many transforms (64 bytes each), at least 2.
   std::size_t max_transforms_per_edge = 65536;
+  /// So many frames at most, with those whose ids were asked for by name: other sessions name frames, too.
+  std::size_t max_frames = 65536;
 };
 
 /// Where the frames of a robot lie in one another, over time: a tree whose edges are transforms T_parent_child, each
