@@ -324,6 +324,7 @@ SessionSnapshot Session::Core::Snapshot() const {
   snapshot.id = id_;
   snapshot.name = name_;
   snapshot.graph = graph_->Snapshot();
+  snapshot.services = services_->Snapshot();
   const std::scoped_lock lock(mutex_);
   for (const auto& [name, outlet] : outlets_) {
     ChannelTraffic traffic;
