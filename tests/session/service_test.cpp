@@ -152,6 +152,25 @@ TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
   EXPECT_TRUE(Await([&] { return robot->Snapshot().services.at(0).unhandled_requests == 1; }));
 }
 
+TEST_F(Services, TakeCallsThatAreMadeWhileTheyBegin) {
+  for (int round = 0; round < 20; ++round) {
+    const test::Places places = test::PlacesOf("ipc");  // There a call waits for a server as long as it may.
+    const Robot robot(places.first);
+    std::atomic<int> replies{0};
+    std::vector<std::jthread> callers;
+    for (int i = 0; i < 3; ++i) {
+      callers.emplace_back([&] {
+        const auto result = robot->Call<Sum, Total>("add", Sum{2, 3}, kLong).Wait();
+        EXPECT_TRUE(result) << result.failure().reason;
+        if (result && result->value == 5) ++replies;
+      });
+    }
+    const Service service = robot->Serve<Sum, Total>("add", Add);
+    callers.clear();
+    EXPECT_EQ(replies, 3);
+  }
+}
+
 TEST_F(Services, OfTwoServersAreReportedAndOneIsCalled) {
   Robot caller("", "caller");
   std::atomic<int> events{0};
