@@ -54,7 +54,8 @@ class HGROS_EXPORT TransformTree {
   ~TransformTree();
 
   /// The id of a name; the frame itself is known once an edge has it. Names are told apart to the byte: "/map" is not
-  /// "map". Errors: throws Error if it cannot be a name (the rules are those of channels, RequireChannelName).
+  /// "map". Errors: throws Error if it cannot be a name (the rules are those of channels, RequireChannelName), or if
+  /// there are too many.
   [[nodiscard]] FrameId Frame(std::string_view name);
   /// None if nobody has used the name yet.
   [[nodiscard]] std::optional<FrameId> Find(std::string_view name) const noexcept;
