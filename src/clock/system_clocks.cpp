@@ -1,7 +1,11 @@
 #include "hgros/clock/system_clocks.hpp"
 
+#include <algorithm>
+#include <exception>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "clock/wall_jump_watch.hpp"
@@ -10,6 +14,9 @@
 
 namespace hgros {
 namespace {
+
+// While nothing tells when the clock is set.
+constexpr Duration kLookAgain = std::chrono::milliseconds(100);
 
 struct BothClocks {
   Time wall;
@@ -31,8 +38,8 @@ BothClocks ReadBoth() {
 }  // namespace
 
 struct SystemClock::State {
-  State() : State(ReadBoth()) {}
-  explicit State(const BothClocks& both) : offset(both.wall, both.steady) {}
+  explicit State(LogSink sink) : State(std::move(sink), ReadBoth()) {}
+  State(LogSink sink, const BothClocks& both) : log(std::move(sink)), offset(both.wall, both.steady) {}
 
   ClockReading Read() {
     const std::scoped_lock lock(mutex);
@@ -42,6 +49,29 @@ struct SystemClock::State {
 
   void Watch() {
     const std::scoped_lock lock(watch_mutex);
+    StartWatch();
+  }
+
+  // False if it cannot be watched for now.
+  bool TryWatch() {
+    const std::scoped_lock lock(watch_mutex);
+    const Time now{MonotonicNow()};
+    if (watch == nullptr && now < watch_again) return false;
+    try {
+      StartWatch();
+      if (std::exchange(unwatched, false)) SayOf(LogLevel::kInfo, "The wall clock is watched again.");
+      return true;
+    } catch (const std::exception& e) {
+      watch_again = Later(now, kLookAgain);
+      if (std::exchange(unwatched, true)) return false;
+      SayOf(LogLevel::kWarning,
+            std::string(e.what()) + " Until then, whoever waits on it looks at it ten times per second.");
+      return false;
+    }
+  }
+
+  // Under watch_mutex. Throws if descriptors or threads are used up.
+  void StartWatch() {
     if (watch != nullptr) return;
     OwnDescriptor timer = MakeWallTimer();
     told = Read().jumped;  // What came before nobody has asked for.
@@ -56,26 +86,32 @@ struct SystemClock::State {
     waiting.WakeAll();
   }
 
+  void SayOf(LogLevel level, std::string_view text) { Log(log ? log : DefaultLogSink()).Write(level, text); }
+
+  const LogSink log;
   std::mutex mutex;
   WallOffset offset;  // guarded by mutex
   Duration told{0};   // the watch's thread alone, once there is one
   Listeners<ClockJump> listeners;
   WaitingRoom waiting;
   std::mutex watch_mutex;
-  std::unique_ptr<WallJumpWatch> watch;  // guarded by watch_mutex; last, because its thread uses the rest
+  bool unwatched = false;                // guarded by watch_mutex, as the next two
+  Time watch_again{0};                   // By the steady clock.
+  std::unique_ptr<WallJumpWatch> watch;  // last, because its thread uses the rest
 };
 
-SystemClock::SystemClock() : state_(std::make_unique<State>()) {}
+SystemClock::SystemClock(LogSink log) : state_(std::make_unique<State>(std::move(log))) {}
 SystemClock::~SystemClock() = default;
 
 ClockReading SystemClock::Read() const { return state_->Read(); }
 
 void SystemClock::Wait(Sleeper& sleeper, const ClockReading& seen, Time due) {
-  state_->Watch();
+  const bool watched = state_->TryWatch();
   const WaitingRoom::Seat seat(state_->waiting, sleeper);
   const ClockReading reading = Read();
   if (reading.jumped != seen.jumped || reading.now >= due) return;
-  sleeper.WaitUntil(due.ToSystemClock());
+  if (watched) return sleeper.WaitUntil(due.ToSystemClock());
+  sleeper.WaitUntil(std::chrono::steady_clock::now() + std::min(due - reading.now, kLookAgain));
 }
 
 Listening SystemClock::OnJump(JumpCallback callback) {

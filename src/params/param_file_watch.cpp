@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -37,6 +38,10 @@ class ParamFileWatch::Core {
       const std::filesystem::path target = std::filesystem::canonical(file, fault);
       if (!fault) WatchName(target);
     }
+    // What was written since the files were read and before they were watched. Not on the thread, for which somebody
+    // may be writing again by then: what is half written is read when it is closed.
+    const ParamNodePtr read = server_.Snapshot().node();
+    if (const ParamResult result = server_.Reload(); !result.ok() || server_.Snapshot().node() != read) Say(result);
     thread_ = std::thread([this] { Loop(); });
   }
   Core(const Core&) = delete;
@@ -69,7 +74,7 @@ class ParamFileWatch::Core {
         return;
       }
       if (descriptors[1].revents != 0) return;
-      if (ReadNews()) Reload();
+      if (ReadNews()) Say(server_.Reload());
     }
   }
 
@@ -93,12 +98,18 @@ class ParamFileWatch::Core {
     }
   }
 
-  void Reload() {
-    const ParamResult result = server_.Reload();
-    if (done_) {
+  void Say(const ParamResult& result) {
+    if (!done_) {
+      if (!result.ok()) log_.Write(LogLevel::kWarning, "The parameters stay as they were: " + result.refusal);
+      return;
+    }
+    try {
       done_(result);
-    } else if (!result.ok()) {
-      log_.Write(LogLevel::kWarning, "The parameters stay as they were: " + result.refusal);
+    } catch (const std::exception& e) {
+      log_.Write(LogLevel::kError, std::string("A callback that is told of reloaded parameters threw: ") + e.what());
+    } catch (...) {
+      log_.Write(LogLevel::kError,
+                 "A callback that is told of reloaded parameters threw something that is no std::exception.");
     }
   }
 

@@ -1,10 +1,14 @@
 #include "hgros/params/param_service.hpp"
 
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include <hgros/Params.pb.h>
 
@@ -19,10 +23,13 @@ namespace {
 constexpr std::size_t kQuestions = 256;
 // Those who ask may hear of the answers a little late, and ask once more.
 constexpr std::size_t kAnswers = 64;
+// How long a state waits for room before a newer one is looked for; and the last one of all.
+constexpr auto kPatience = std::chrono::milliseconds(100);
 
 }  // namespace
 
-// Invariant: states are published in the order of their versions, under mutex_.
+// Invariants: states are published in the order of their versions, under mutex_. While a lossless subscriber has no
+// room for one, the newest is owed, and published by a thread of its own alone.
 class ParamService::Core {
  public:
   Core(Session& session, ParamServer& server, const std::string& name, LogSink log)
@@ -48,29 +55,61 @@ class ParamService::Core {
     (void)questions_.Join();
     changes_.Reset();
     (void)others_.Join();
+    if (pays_.joinable()) {
+      pays_.request_stop();
+      pays_.join();
+    }
     auto last = std::make_unique<ParamsState>();
     last->set_life(life_);
     last->set_version(version_ + 1);
     last->set_ended(true);
-    (void)say_(std::move(last));
+    (void)say_.Wait(std::move(last), std::chrono::steady_clock::now() + kPatience);
   }
 
  private:
   // Says the state, if it is another one than before; its version.
   std::uint64_t Say() {
     const std::scoped_lock lock(mutex_);
-    const ParamView root = server_.Snapshot();
-    const std::vector<ParamDeclaration> declarations = server_.Declarations();
-    if (version_ != 0 && root.node() == said_ && declarations.size() == declared_) return version_;
-    said_ = root.node();
-    declared_ = declarations.size();  // Declarations are never taken back.
+    if (!Look() || owed_) return version_;
+    if (say_(State()) == PublishStatus::kFull) {
+      owed_ = true;
+      if (!pays_.joinable()) pays_ = std::jthread([this](const std::stop_token& stop) { Pay(stop); });
+      owes_.notify_one();
+    }
+    return version_;
+  }
+
+  // Whether there is a newer state. Under mutex_, as the next one.
+  bool Look() {
+    ParamNodePtr root = server_.Snapshot().node();
+    std::vector<ParamDeclaration> declared = server_.Declarations();
+    // Declarations are never taken back.
+    if (version_ != 0 && root == said_ && declared.size() == declared_.size()) return false;
+    said_ = std::move(root);
+    declared_ = std::move(declared);
+    ++version_;
+    return true;
+  }
+
+  [[nodiscard]] std::unique_ptr<ParamsState> State() const {
     auto state = std::make_unique<ParamsState>();
     state->set_life(life_);
-    state->set_version(++version_);
-    param_wire::WriteValues(root, *state);
-    param_wire::WriteDeclarations(declarations, *state);
-    (void)say_(std::move(state));
-    return version_;
+    state->set_version(version_);
+    param_wire::WriteValues(ParamView(said_), *state);
+    param_wire::WriteDeclarations(declared_, *state);
+    return state;
+  }
+
+  void Pay(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (owes_.wait(lock, stop, [this] { return owed_; }) && !stop.stop_requested()) {
+      auto state = State();
+      const std::uint64_t version = version_;
+      lock.unlock();
+      const PublishStatus status = say_.Wait(std::move(state), std::chrono::steady_clock::now() + kPatience, stop);
+      lock.lock();
+      owed_ = status == PublishStatus::kTimedOut || version != version_;
+    }
   }
 
   void OnQuestion(const ParamsQuestion& question) {
@@ -112,13 +151,16 @@ class ParamService::Core {
   const Publisher<ParamsAnswer> answer_;
 
   std::mutex mutex_;
-  std::uint64_t version_ = 0;  // guarded by mutex_, as the next two
+  std::condition_variable_any owes_;
+  std::uint64_t version_ = 0;  // guarded by mutex_, as the next three
   ParamNodePtr said_;
-  std::size_t declared_ = 0;
+  std::vector<ParamDeclaration> declared_;
+  bool owed_ = false;
   std::deque<std::shared_ptr<const ParamsAnswer>> given_;  // The latest; of the node that answers alone.
   Listening changes_;
   Subscription others_;
   Subscription questions_;
+  std::jthread pays_;  // From the first time on that there is no room.
 };
 
 ParamService::ParamService(Session& session, ParamServer& server, std::string name, LogSink log)

@@ -33,7 +33,7 @@ std::string ClockFollower::Heard::Name() const {
 
 // On one host the time that the message has taken is known; from another one it is taken for none.
 ClockFollower::Heard ClockFollower::Hear(const SimulatedTime& time, std::uint64_t session) const {
-  Heard heard{session, time.clock_id(), time.publisher(), {}, MonotonicNow()};
+  Heard heard{session, time.clock_id(), time.publisher(), {}, MonotonicNow(), time.ended()};
   heard.state.reading = {Time{time.time_ns()}, Duration(time.jumped_ns())};
   heard.state.rate = time.rate();
   heard.state.paused = time.paused() || time.ended();
@@ -51,23 +51,28 @@ void ClockFollower::OnTime(const SimulatedTime& time, const MessageInfo& info) {
   }
   const std::scoped_lock lock(mutex_);
   Heard heard = Hear(time, info.id.publisher);
-  if (gone_ != 0 && heard.session == gone_) return;
+  if (gone_ == 0 || heard.session != gone_) return Take(std::move(heard));
+  early_ = std::move(heard);
+}
+
+void ClockFollower::Take(Heard heard) {
+  const bool ended = heard.ended;
   if (followed_ && followed_->SameClock(heard)) {
     clock_->Follow(heard.state);
     followed_ = std::move(heard);
-    if (time.ended()) End();
+    if (ended) End();
     return;
   }
-  if (rival_ && time.ended() && rival_->SameClock(heard)) rival_.reset();
+  if (rival_ && ended && rival_->SameClock(heard)) rival_.reset();
   const bool silent = followed_ && !followed_->state.paused && heard.at_ns - followed_->at_ns > kSilenceNs;
   if (followed_ && !silent) {
-    if (time.ended()) return;
+    if (ended) return;
     Report(heard);
     rival_ = std::move(heard);
     return;
   }
   Begin(std::move(heard));
-  if (time.ended()) End();
+  if (ended) End();
 }
 
 void ClockFollower::OnPeer(const PeerEvent& event) {
@@ -75,12 +80,16 @@ void ClockFollower::OnPeer(const PeerEvent& event) {
   const std::scoped_lock lock(mutex_);
   const std::uint64_t session = event.peer.id.value;
   if (event.kind == PeerEvent::Kind::kCame) {
-    if (gone_ == session) gone_ = 0;
+    if (gone_ != session) return;
+    gone_ = 0;
+    if (early_) Take(*std::exchange(early_, std::nullopt));
     return;
   }
+  if (gone_ == session) early_.reset();
   if (rival_ && rival_->session == session) rival_.reset();
   if (followed_ && followed_->session == session) {
     gone_ = session;
+    early_.reset();
     log_->Write(LogLevel::kWarning, "The clock stands still: " + followed_->Name() + ", which published it, is gone.");
     End();
   }

@@ -34,12 +34,14 @@ class ClockFollower {
     std::string publisher;
     ClockState state;
     std::int64_t at_ns = 0;  // CLOCK_MONOTONIC
+    bool ended = false;
 
     [[nodiscard]] bool SameClock(const Heard& other) const { return session == other.session && clock == other.clock; }
     [[nodiscard]] std::string Name() const;
   };
 
   [[nodiscard]] Heard Hear(const SimulatedTime& time, std::uint64_t session) const;
+  void Take(Heard heard);
   void Begin(Heard heard);
   void End();
   void Report(const Heard& other);
@@ -51,7 +53,8 @@ class ClockFollower {
   std::mutex mutex_;
   std::optional<Heard> followed_;  // guarded by mutex_, as all below
   std::optional<Heard> rival_;
-  std::uint64_t gone_ = 0;  // The session that was followed last and is gone: what still comes from it is too late.
+  std::uint64_t gone_ = 0;  // The session that was followed last and is gone. What still comes from it is too late ...
+  std::optional<Heard> early_;  // ... unless it is told to be back: then this, which came last, holds.
 };
 
 }  // namespace hgros

@@ -43,7 +43,7 @@ class ClockPublisher::Core {
     listening_.Reset();
     thread_.request_stop();
     thread_.join();
-    Say(true);
+    Say(true, {});
   }
 
  private:
@@ -52,7 +52,7 @@ class ClockPublisher::Core {
     while (!stop.stop_requested()) {
       changed_ = false;
       lock.unlock();
-      const bool paused = Say(false);
+      const bool paused = Say(false, stop);
       lock.lock();
       const auto changed = [this] { return changed_; };
       if (paused) {
@@ -63,8 +63,9 @@ class ClockPublisher::Core {
     }
   }
 
-  // Whether the clock is paused.
-  bool Say(bool ended) {
+  // Whether the clock is paused. Where a lossless subscriber has no room it waits a while: what the clock shows by then
+  // is said in the next turn.
+  bool Say(bool ended, const std::stop_token& stop) {
     const std::int64_t steady = MonotonicNow();
     const ClockState state = clock_->State();
     auto time = std::make_unique<SimulatedTime>(always_);
@@ -74,7 +75,12 @@ class ClockPublisher::Core {
     time->set_paused(state.paused || ended);
     time->set_ended(ended);
     time->set_steady_ns(steady);
-    (void)publish_(std::move(time));
+    const auto deadline = std::chrono::steady_clock::now() + kPeriod;
+    const bool said = publish_.Wait(std::move(time), deadline, stop) != PublishStatus::kTimedOut;
+    if (!said) {
+      const std::scoped_lock lock(mutex_);
+      changed_ = true;
+    }
     return state.paused;
   }
 

@@ -12,10 +12,11 @@ bool ReplyLine::TrySend(const std::shared_ptr<const CallMessage>& reply) {
   return true;
 }
 
-void ReplyLine::Send(std::shared_ptr<const CallMessage> reply) {
-  if (TrySend(reply)) return;
+bool ReplyLine::Send(std::shared_ptr<const CallMessage> reply) {
+  if (TrySend(reply)) return true;
   {
     const std::scoped_lock lock(mutex_);
+    if (closed_) return false;
     if (waiting_.size() < kMaxWaiting) {
       waiting_.push_back(std::move(reply));
       reply.reset();
@@ -25,10 +26,19 @@ void ReplyLine::Send(std::shared_ptr<const CallMessage> reply) {
     log_->WriteLimited(LogLevel::kWarning, "reply " + service_,
                        "A reply of service \"" + service_ + "\" was dropped: its caller takes none, and " +
                            std::to_string(kMaxWaiting) + " wait for it.");
-    return;
+    return false;
   }
   // The subscription, or room, may have come between the try and the waiting.
   flush_soon_();
+  return true;
+}
+
+std::size_t ReplyLine::Close() {
+  std::deque<std::shared_ptr<const CallMessage>> dropped;  // Ends after the lock: that may be the user's code.
+  const std::scoped_lock lock(mutex_);
+  closed_ = true;
+  dropped.swap(waiting_);
+  return dropped.size();
 }
 
 void ReplyLine::Flush() {

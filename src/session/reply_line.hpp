@@ -28,12 +28,16 @@ class ReplyLine {
         service_(std::move(service)),
         flush_soon_(std::move(flush_soon)) {}
 
-  void Send(std::shared_ptr<const CallMessage> reply);
+  static constexpr std::size_t kMaxWaiting = 65536;
+
+  // False if it was dropped: too many wait, or the line is closed.
+  bool Send(std::shared_ptr<const CallMessage> reply);
   void Flush();
+  // Its caller is gone. How many replies waited for it.
+  std::size_t Close();
   [[nodiscard]] const std::shared_ptr<ChannelOutlet>& outlet() const noexcept { return outlet_; }
 
  private:
-  static constexpr std::size_t kMaxWaiting = 65536;
   [[nodiscard]] bool TrySend(const std::shared_ptr<const CallMessage>& reply);
 
   const std::shared_ptr<ChannelOutlet> outlet_;
@@ -43,6 +47,7 @@ class ReplyLine {
   const std::function<void()> flush_soon_;
   std::mutex mutex_;
   std::deque<std::shared_ptr<const CallMessage>> waiting_;
+  bool closed_ = false;
 };
 
 }  // namespace hgros

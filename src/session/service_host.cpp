@@ -115,6 +115,7 @@ void ServiceHost::Withdraw(std::uint64_t caller, std::uint64_t call) {
   if (found == waiting_.end()) return;
   dropped = std::move(found->request);
   waiting_.erase(found);
+  ++unhandled_;
 }
 
 bool ServiceHost::Help(std::optional<std::uint64_t> own_call) {
@@ -170,7 +171,10 @@ bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
 void ServiceHost::Handle(const Waiting& waiting) {
   using Outcome = CallMessage::Outcome;
   const CallMessage& request = *waiting.request;
-  if (waiting.due && *waiting.due <= std::chrono::steady_clock::now()) return;  // Its caller has said so already.
+  if (waiting.due && *waiting.due <= std::chrono::steady_clock::now()) {  // Its caller has said so already.
+    ++unhandled_;
+    return;
+  }
   AnyMessage reply;
   Outcome outcome = Outcome::kHandlerFailed;
   std::string text = "The handler gave no reply.";
@@ -200,7 +204,8 @@ void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcom
     if (const auto services = services_.lock()) services->EndCall(*answer, setting_.name);
     return;
   }
-  if (const auto line = LineTo(SessionId{request.caller})) line->Send(std::move(answer));
+  const auto line = LineTo(SessionId{request.caller});
+  if (!line || !line->Send(std::move(answer))) ++dropped_replies_;
 }
 
 std::shared_ptr<ReplyLine> ServiceHost::LineTo(SessionId caller) const {
@@ -253,8 +258,10 @@ void ServiceHost::OnPeerGone(SessionId peer) {
       }
       dropped.push_back(std::move(*one));
       one = waiting_.erase(one);
+      ++unhandled_;
     }
   }
+  if (line) dropped_replies_ += line->Close();
   const auto services = services_.lock();
   if (!line || !services) return;
   services->With([&](ServicePlace& place) { place.CloseOutlet(ReplyChannel(setting_.name, peer), line->outlet()); });

@@ -14,6 +14,7 @@
 
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/service.hpp"
+#include "hgros/session/snapshot.hpp"
 #include "session/reply_line.hpp"
 
 namespace hgros {
@@ -65,6 +66,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
 
   void OnPeerGone(SessionId peer);
   [[nodiscard]] NodeSnapshot stats() const { return node_.stats(); }
+  [[nodiscard]] ServiceSnapshot Counts() const { return {setting_.name, unhandled_, dropped_replies_}; }
   [[nodiscard]] const Setting& setting() const noexcept { return setting_; }
   [[nodiscard]] bool Fits(const TypeInfo& request, const TypeInfo& reply) const noexcept {
     return setting_.request->cpp_type == request.cpp_type && setting_.reply->cpp_type == reply.cpp_type;
@@ -96,6 +98,8 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   const std::shared_ptr<const ServiceTurn> turn_ = std::make_shared<const ServiceTurn>();
   Publisher<ServiceTurn> turns_;
   std::atomic<bool> started_{false};
+  std::atomic<std::uint64_t> unhandled_{0};
+  std::atomic<std::uint64_t> dropped_replies_{0};
 
   mutable std::mutex mutex_;
   std::condition_variable idle_;

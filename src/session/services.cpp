@@ -90,6 +90,12 @@ std::vector<std::shared_ptr<ServiceHost>> Services::Hosts() const {
   return all;
 }
 
+std::vector<ServiceSnapshot> Services::Snapshot() const {
+  std::vector<ServiceSnapshot> all;
+  for (const auto& host : Hosts()) all.push_back(host->Counts());
+  return all;
+}
+
 std::shared_ptr<ServiceHost> Services::Serve(ServiceHost::Setting setting, NodeOptions options, const CallSite& where) {
   RequireServiceName(setting.name);
   const std::string name = setting.name;

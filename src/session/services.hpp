@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hgros/session/snapshot.hpp"
 #include "session/call_table.hpp"
 #include "session/errand_thread.hpp"
 #include "session/help_line.hpp"
@@ -60,6 +61,7 @@ class Services : public std::enable_shared_from_this<Services> {
   void AwaitWiring() const;
   void EndCall(const CallMessage& reply, const std::string& service);
   void Forget(const ServiceHost& host);
+  [[nodiscard]] std::vector<ServiceSnapshot> Snapshot() const;
   [[nodiscard]] std::shared_ptr<ServiceHost> HostOf(std::string_view name) const;
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::shared_ptr<Log>& log() const noexcept { return log_; }

@@ -48,9 +48,11 @@ Demand DemandFor(const Queue& queue) {
   return demand;
 }
 
-std::shared_ptr<Clock> ClockOf(std::shared_ptr<Clock> given, std::shared_ptr<Clock> followed) {
+std::shared_ptr<Clock> ClockOf(std::shared_ptr<Clock> given, std::shared_ptr<Clock> followed,
+                               const std::shared_ptr<Log>& log) {
   if (given) return given;
-  return followed ? std::move(followed) : std::make_shared<SystemClock>();
+  if (followed) return followed;
+  return std::make_shared<SystemClock>([log](LogLevel level, std::string_view text) { log->Write(level, text); });
 }
 
 }  // namespace
@@ -82,7 +84,7 @@ Session::Core::Core(Config config, SessionOptions options)
       domain_(DomainOf(config_)),
       host_clocks_(std::make_shared<HostClocks>(std::move(options.wall))),
       followed_clock_(config_.simulated_time && !options.clock ? std::make_shared<FollowingClock>() : nullptr),
-      clock_(ClockOf(std::move(options.clock), followed_clock_)) {
+      clock_(ClockOf(std::move(options.clock), followed_clock_, log_)) {
   alive_->core = this;
   GraphOptions graph_options;
   graph_options.threads = config_.threads;
@@ -322,6 +324,7 @@ SessionSnapshot Session::Core::Snapshot() const {
   snapshot.id = id_;
   snapshot.name = name_;
   snapshot.graph = graph_->Snapshot();
+  snapshot.services = services_->Snapshot();
   const std::scoped_lock lock(mutex_);
   for (const auto& [name, outlet] : outlets_) {
     ChannelTraffic traffic;

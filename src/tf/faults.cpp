@@ -145,6 +145,10 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
             " to " + Seconds(range.newest) + ".";
       break;
     }
+    case SetFault::kTooManyFrames:
+      why = "the tree has " + std::to_string(frames_.most()) +
+            " frames, as many as TransformTreeOptions::max_frames lets it have.";
+      break;
     case SetFault::kName:
     case SetFault::kNone: break;
   }

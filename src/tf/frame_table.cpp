@@ -1,6 +1,8 @@
 #include "tf/frame_table.hpp"
 
+#include <algorithm>
 #include <functional>
+#include <limits>
 #include <utility>
 
 namespace hgros::tf {
@@ -16,7 +18,8 @@ FrameTable::Place& FrameTable::Table::PlaceFor(std::string_view name, std::size_
   }
 }
 
-FrameTable::FrameTable() {
+FrameTable::FrameTable(std::size_t most)
+    : most_(std::min<std::size_t>(most, std::numeric_limits<std::uint32_t>::max())) {
   tables_.push_back(std::make_unique<Table>(64));
   table_ = tables_.back().get();
 }
@@ -26,14 +29,15 @@ Frame* FrameTable::Find(std::string_view name) const noexcept {
   return table_.load(std::memory_order_acquire)->PlaceFor(name, hash).load(std::memory_order_acquire);
 }
 
-Frame& FrameTable::Intern(std::string_view name) {
-  if (Frame* found = Find(name)) return *found;
+Frame* FrameTable::Intern(std::string_view name) {
+  if (Frame* found = Find(name)) return found;
   const std::size_t hash = std::hash<std::string_view>{}(name);
   const std::scoped_lock lock(mutex_);
   Table* table = tables_.back().get();
-  if (Frame* found = table->PlaceFor(name, hash).load(std::memory_order_relaxed)) return *found;
+  if (Frame* found = table->PlaceFor(name, hash).load(std::memory_order_relaxed)) return found;
 
   const std::size_t count = frames_.size();
+  if (count >= most_) return nullptr;
   if (count == table->capacity) {
     auto larger = std::make_unique<Table>(2 * count);
     for (Frame& frame : frames_) {
@@ -51,7 +55,7 @@ Frame& FrameTable::Intern(std::string_view name) {
   table->by_id[count].store(&frame, std::memory_order_release);
   table->PlaceFor(name, hash).store(&frame, std::memory_order_release);
   size_.store(count + 1, std::memory_order_release);
-  return frame;
+  return &frame;
 }
 
 }  // namespace hgros::tf

@@ -16,7 +16,8 @@ namespace hgros::tf {
 /// Thread safety: full; reading takes no lock. A table that has become too small is kept for those who still read it.
 class FrameTable {
  public:
-  FrameTable();
+  /// Of `most` frames at most.
+  explicit FrameTable(std::size_t most);
 
   /// Null if there is none.
   [[nodiscard]] Frame* At(FrameId id) const noexcept {
@@ -25,8 +26,9 @@ class FrameTable {
     return table_.load(std::memory_order_acquire)->by_id[id.value].load(std::memory_order_acquire);
   }
   [[nodiscard]] Frame* Find(std::string_view name) const noexcept;
-  /// Makes it if there is none.
-  [[nodiscard]] Frame& Intern(std::string_view name);
+  /// Makes it if there is none; null if there are too many.
+  [[nodiscard]] Frame* Intern(std::string_view name);
+  [[nodiscard]] std::size_t most() const noexcept { return most_; }
   [[nodiscard]] std::size_t size() const noexcept { return size_.load(std::memory_order_acquire); }
 
  private:
@@ -39,6 +41,7 @@ class FrameTable {
     [[nodiscard]] Place& PlaceFor(std::string_view name, std::size_t hash) const noexcept;
   };
 
+  const std::size_t most_;
   std::atomic<std::size_t> size_{0};
   std::atomic<Table*> table_{nullptr};
   std::mutex mutex_;  ///< Of those who add.

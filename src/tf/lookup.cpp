@@ -70,6 +70,23 @@ std::int64_t EarliestNewest(Way edges, std::uint64_t* versions, std::int64_t ear
   return earliest;
 }
 
+// The one that moves whose newest stamp is the earliest; there is one.
+const Frame* EarliestEdge(Way from_source, Way from_target) {
+  const Frame* found = nullptr;
+  std::int64_t earliest = kAlways;
+  for (const Way edges : {from_source, from_target}) {
+    for (const Frame* edge : edges) {
+      Pose pose;
+      std::uint64_t version = 0;
+      const std::int64_t newest = ReadNewest(*edge, pose, version);
+      if (edge->is_static || (found != nullptr && newest >= earliest)) continue;
+      found = edge;
+      earliest = newest;
+    }
+  }
+  return found;
+}
+
 // T_target_source from both frames' poses in their common ancestor.
 Pose Joined(const Pose& target, const Pose& source, bool target_is_ancestor) {
   return target_is_ancestor ? source : Inverse(target) * source;
@@ -108,9 +125,10 @@ void ComposeLatest(Way from_source, Way from_target, std::uint64_t* versions, Ou
     outcome.fault = TransformFault::kNone;
     if (Compose(from_source, from_target, stamp, outcome)) return;
     const std::int64_t now = earliest();
-    if (now == stamp) return;
+    if (now == stamp) break;
     stamp = now;
   }
+  if (outcome.fault == TransformFault::kTooOld) outcome.lagging = EarliestEdge(from_source, from_target);
 }
 
 }  // namespace

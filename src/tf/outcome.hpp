@@ -19,8 +19,9 @@ struct Outcome {
   FrameId target;  ///< Of the part that failed, for time travel.
   FrameId source;
   FrameId unknown;
-  std::int64_t wanted = 0;      ///< kTooOld, kTooNew
-  const Frame* edge = nullptr;  ///< kTooOld, kTooNew
+  std::int64_t wanted = 0;         ///< kTooOld, kTooNew
+  const Frame* edge = nullptr;     ///< kTooOld, kTooNew
+  const Frame* lagging = nullptr;  ///< kTooOld, of a look-up of the latest: the edge that is behind `edge`.
   const Frame* target_root = nullptr;
   const Frame* source_root = nullptr;
 };

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "tf/transform_messages.hpp"
 
 namespace hgros {
 namespace {
@@ -133,6 +134,14 @@ SetResult RobotDescription::SetFixed(TransformTree& tree) const {
 
 SetResult RobotDescription::SetJoints(TransformTree& tree, Time stamp, std::span<const JointPosition> positions) const {
   return SetAll(tree, EdgesAt(stamp, positions));
+}
+
+std::optional<Time> RobotDescription::StampOf(std::int64_t seconds, std::int64_t nanos) noexcept {
+  return tf::TimeOf(seconds, nanos);
+}
+
+SetResult RobotDescription::NoTime() {
+  return {SetFault::kTooOld, "The joint states were refused: their time stamp is no time."};
 }
 
 SetResult RobotDescription::SetAll(TransformTree& tree, std::span<const StampedEdge> edges) {

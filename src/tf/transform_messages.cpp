@@ -29,14 +29,17 @@ void Append(foxglove::FrameTransforms& message, std::string_view parent, std::st
   one.mutable_rotation()->set_w(T_parent_child.rotation.w());
 }
 
-std::optional<Time> StampOf(const foxglove::FrameTransform& message) {
-  const std::int32_t nanos = message.timestamp().nanos();
-  std::int64_t stamp = 0;
-  if (nanos < 0 || nanos >= kSecond || __builtin_mul_overflow(message.timestamp().seconds(), kSecond, &stamp) ||
-      __builtin_add_overflow(stamp, std::int64_t{nanos}, &stamp)) {
+std::optional<Time> TimeOf(std::int64_t seconds, std::int64_t nanos) noexcept {
+  std::int64_t time = 0;
+  if (nanos < 0 || nanos >= kSecond || __builtin_mul_overflow(seconds, kSecond, &time) ||
+      __builtin_add_overflow(time, nanos, &time)) {
     return std::nullopt;
   }
-  return Time{stamp};
+  return Time{time};
+}
+
+std::optional<Time> StampOf(const foxglove::FrameTransform& message) {
+  return TimeOf(message.timestamp().seconds(), message.timestamp().nanos());
 }
 
 RigidTransform TransformOf(const foxglove::FrameTransform& message) {

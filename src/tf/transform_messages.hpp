@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -13,7 +14,8 @@ namespace hgros::tf {
 void Append(foxglove::FrameTransforms& message, std::string_view parent, std::string_view child, Time stamp,
             const RigidTransform& T_parent_child);
 
-/// Nothing if that is no time.
+/// A protobuf time. Nothing if it is none that nanoseconds can tell.
+[[nodiscard]] std::optional<Time> TimeOf(std::int64_t seconds, std::int64_t nanos) noexcept;
 [[nodiscard]] std::optional<Time> StampOf(const foxglove::FrameTransform& message);
 /// As it stands there: the tree refuses what is no rotation. A rotation that is left out is none.
 [[nodiscard]] RigidTransform TransformOf(const foxglove::FrameTransform& message);

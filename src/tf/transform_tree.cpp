@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
 #include "tf/tree_core.hpp"
 
@@ -44,7 +45,10 @@ TransformTree::~TransformTree() = default;
 FrameId TransformTree::Frame(std::string_view name) {
   if (const tf::Frame* frame = core_->frames().Find(name)) return frame->id;
   RequireChannelName(name);
-  return core_->frames().Intern(name).id;
+  if (const tf::Frame* frame = core_->frames().Intern(name)) return frame->id;
+  throw Error("The tree has " + std::to_string(core_->frames().most()) + " frames already, so \"" + std::string(name) +
+                  "\" gets no id.",
+              {}, "Raise TransformTreeOptions::max_frames.");
 }
 
 std::optional<FrameId> TransformTree::Find(std::string_view name) const noexcept {
@@ -79,7 +83,7 @@ SetResult TransformTree::SetStatic(std::string_view parent, std::string_view chi
   return core_->Set(parent, child, {0, true, T_parent_child, {}}, publisher);
 }
 
-void TransformTree::BeginAnew() noexcept { core_->BeginAnew(); }
+void TransformTree::BeginAnew(Time latest) noexcept { core_->BeginAnew(latest.nanoseconds); }
 
 TransformResult TransformTree::Lookup(FrameId target, FrameId source) const {
   tf::Outcome outcome;

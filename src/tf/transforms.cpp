@@ -26,7 +26,12 @@ std::string Edge(std::string_view parent, std::string_view child) {
 class Transforms::Core {
  public:
   Core(Session& session, TransformsOptions options)
-      : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {}
+      : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {
+    jumps_ = session_.clock()->OnJump([this](const ClockJump& jump) {
+      // What is on its way yet has stamps near the one end, what comes from now on has them near the other.
+      if (jump.after < jump.before) tree_.BeginAnew(Later(jump.after, (jump.before - jump.after) / 2));
+    });
+  }
 
   TransformTree& tree() noexcept { return tree_; }
   tf::TransformSender& sender() noexcept { return sender_; }
@@ -51,10 +56,12 @@ class Transforms::Core {
   std::atomic<std::uint64_t> received_{0};
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> shared_{0};
+  std::atomic<bool> said_full_{false};
   std::mutex names_mutex_;
   std::unordered_map<SessionId, std::string> names_;
   tf::TransformSender sender_;
   std::once_flag listens_;
+  Listening jumps_;                          // Ends before the tree that it tells.
   std::vector<Subscription> subscriptions_;  // The last: its callbacks use all others.
 };
 
@@ -104,8 +111,12 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
     const std::string& child = transform.child_frame_id();
     if (const SetResult result = Take(transform, publisher, is_static)) {
       NoteOwner(parent, child, by, is_static);
+    } else if (++refused_; result.fault() == SetFault::kTooManyFrames) {
+      if (!said_full_.exchange(true)) {
+        session_.log().Write(LogLevel::kError, "Of the transforms of session \"" + publisher + "\": " + result.text() +
+                                                   " Others that are refused for that are counted alone.");
+      }
     } else {
-      ++refused_;
       session_.log().WriteLimited(LogLevel::kWarning, "transform " + parent + " " + child,
                                   "Of the transforms of session \"" + publisher + "\": " + result.text());
     }

@@ -48,6 +48,7 @@ TreeCore::TreeCore(const TransformTreeOptions& options)
     : limits_{std::max<std::int64_t>(options.buffer.count(), 0),
               std::max<std::uint64_t>(options.max_transforms_per_edge, 2)},
       number_(NextTreeNumber()),
+      frames_(options.max_frames),
       publishers_{""},
       waits_(std::make_shared<Waits>(*this)) {}
 
@@ -85,10 +86,25 @@ SetResult TreeCore::Set(std::string_view parent, std::string_view child, const E
                                    " name, " + fault + "."};
     }
   }
+  if (above == nullptr || below == nullptr) {  // What is refused leaves no frames behind.
+    Pose pose = PoseOf(value.T_parent_child);
+    SetFault fault = PoseFault(pose);
+    if (fault == SetFault::kNone && parent == child) fault = SetFault::kCycle;
+    const bool hangs = below != nullptr && below->parent.load(std::memory_order_acquire) != nullptr;
+    if (fault == SetFault::kNone && hangs) fault = SetFault::kTwoParents;
+    if (fault == SetFault::kNone && (above = frames_.Intern(parent)) != nullptr) below = frames_.Intern(child);
+    if (fault == SetFault::kNone && (above == nullptr || below == nullptr)) fault = SetFault::kTooManyFrames;
+    if (fault != SetFault::kNone) {
+      Frame upper;
+      upper.name = parent;
+      Frame lower;
+      lower.name = child;
+      return Refuse(fault, upper, hangs ? *below : (parent == child ? upper : lower), value);
+    }
+  }
   EdgeValue named = value;
   if (!publisher.empty()) named.publisher = Publisher(publisher);
-  return SetFrames(above != nullptr ? *above : frames_.Intern(parent),
-                   below != nullptr ? *below : frames_.Intern(child), named);
+  return SetFrames(*above, *below, named);
 }
 
 SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& value) {
@@ -106,19 +122,32 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
   if (child.is_static != value.is_static) return Refuse(SetFault::kStatic, parent, child, value);
 
   bool awaited = false;
+  bool anew = false;
   {
     const std::scoped_lock lock(child.write);
-    const std::uint64_t time = time_.load(std::memory_order_relaxed);
-    const bool anew = std::exchange(child.time, time) != time && !child.is_static;
-    if (anew) WriteAnew(child, {value.stamp, pose});
-    if (anew || Write(child, {value.stamp, pose})) {
+    const std::uint64_t time = time_.load(std::memory_order_acquire);
+    const bool begins = BeginsAnew(child);
+    anew = begins && value.stamp <= latest_anew_.load(std::memory_order_relaxed);
+    // A later stamp is taken for one of the time before, unless it is too old for that.
+    const bool written = !anew && Write(child, {value.stamp, pose});
+    if (begins && !written) {
+      anew = true;
+      child.time = time;
+      begun_anew_.fetch_add(1, std::memory_order_relaxed);
+      WriteAnew(child, {value.stamp, pose});
+    }
+    if (anew || written) {
       awaited = child.newest >= child.awaited_from;
       if (value.publisher.value != 0) child.publisher.store(value.publisher.value, std::memory_order_relaxed);
     } else {
       fault = SetFault::kTooOld;
     }
   }
-  if (awaited) waits_->EdgeHasGrown(child);
+  if (anew) {
+    waits_->EdgeHasBegunAnew();
+  } else if (awaited) {
+    waits_->EdgeHasGrown(child);
+  }
   return fault == SetFault::kNone ? SetResult() : Refuse(fault, parent, child, value);
 }
 

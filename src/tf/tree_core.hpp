@@ -44,7 +44,10 @@ class TreeCore {
   SetResult Set(FrameId parent, FrameId child, const EdgeValue& value);
   SetResult Set(std::string_view parent, std::string_view child, const EdgeValue& value, std::string_view publisher);
 
-  void BeginAnew() noexcept { time_.fetch_add(1, std::memory_order_relaxed); }
+  void BeginAnew(std::int64_t latest) noexcept {
+    latest_anew_.store(latest, std::memory_order_relaxed);
+    time_.fetch_add(1, std::memory_order_release);
+  }
 
   void LookupLatest(FrameId target, FrameId source, Outcome& outcome) const;
   void LookupAt(FrameId target, FrameId source, std::int64_t stamp, Outcome& outcome) const;
@@ -62,6 +65,10 @@ class TreeCore {
   friend class Waits;
 
   SetResult SetFrames(Frame& parent, Frame& child, const EdgeValue& value);
+  /// Holding the edge's `write`: whether its next transform is to replace all that it has.
+  [[nodiscard]] bool BeginsAnew(const Frame& edge) const noexcept {
+    return !edge.is_static && edge.time != time_.load(std::memory_order_acquire);
+  }
   [[nodiscard]] SetFault Connect(Frame& parent, Frame& child, const EdgeValue& value, const Pose& pose);
   [[nodiscard]] SetResult Refuse(SetFault fault, const Frame& parent, const Frame& child, const EdgeValue& value) const;
   /// The way between two frames, remembered or in `route`; false with the fault in `outcome`.
@@ -70,7 +77,9 @@ class TreeCore {
   const RingLimits limits_;
   const std::uint64_t number_;  ///< Of this tree among all of the process.
   FrameTable frames_;
-  std::atomic<std::uint64_t> time_{0};  ///< Raised when time begins anew.
+  std::atomic<std::uint64_t> time_{0};        ///< Raised when time begins anew ...
+  std::atomic<std::int64_t> latest_anew_{0};  ///< ... after this was written: no later stamp begins an edge anew.
+  std::atomic<std::uint64_t> begun_anew_{0};  ///< So many times an edge has; written under its `write`.
   std::mutex topology_;
   std::uint64_t edge_count_ = 0;    ///< Guarded by topology_.
   bool edges_are_awaited_ = false;  ///< Guarded by topology_.

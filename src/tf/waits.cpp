@@ -85,6 +85,8 @@ void Waits::Remove(const std::shared_ptr<Waiter>& waiter) {
 
 void Waits::EdgeHasGrown(Frame& edge) { LookAgain(&edge); }
 void Waits::TreeHasGrown() { LookAgain(nullptr); }
+// Also for those who wait for another edge: what they want of that depends on what this one has.
+void Waits::EdgeHasBegunAnew() { LookAgain(nullptr, For::kEverybody); }
 
 void Waits::Close() {
   std::list<std::shared_ptr<Waiter>> forgotten;
@@ -93,7 +95,7 @@ void Waits::Close() {
   forgotten.swap(pending_);
 }
 
-void Waits::LookAgain(Frame* edge) {
+void Waits::LookAgain(Frame* edge, For whom) {
   std::vector<std::pair<std::shared_ptr<Waiter>, TransformResult>> settled;
   {
     const std::scoped_lock lock(mutex_);
@@ -111,7 +113,8 @@ void Waits::LookAgain(Frame* edge) {
     for (auto place = pending_.begin(); place != pending_.end();) {
       Waiter& waiter = **place;
       std::optional<TransformResult> result;
-      const bool concerned = waiter.edge_ == edge && (edge == nullptr || waiter.from_stamp_ <= newest);
+      const bool concerned =
+          whom == For::kEverybody || (waiter.edge_ == edge && (edge == nullptr || waiter.from_stamp_ <= newest));
       if (concerned && Settle(waiter, result)) {
         settled.emplace_back(std::move(*place), std::move(*result));
         place = pending_.erase(place);
@@ -123,6 +126,17 @@ void Waits::LookAgain(Frame* edge) {
   for (const auto& [waiter, result] : settled) waiter->Finish(result);
 }
 
+// False if the edge has it already.
+bool Waits::Await(Waiter& waiter, const Frame& growing, std::int64_t from_stamp) {
+  Frame& edge = *tree_->frames_.At(growing.id);
+  const std::scoped_lock lock(edge.write);
+  if (edge.newest >= from_stamp) return false;
+  edge.awaited_from = std::min(edge.awaited_from, from_stamp);
+  waiter.edge_ = &edge;
+  waiter.from_stamp_ = from_stamp;
+  return true;
+}
+
 // True with what came out, or false: then whoever sets the one thing that it lacks will look again. What it lacks is
 // noted under the lock under which that is set, if it is not there by then.
 bool Waits::Settle(Waiter& waiter, std::optional<TransformResult>& result) {
@@ -132,15 +146,25 @@ bool Waits::Settle(Waiter& waiter, std::optional<TransformResult>& result) {
       const std::scoped_lock lock(tree_->topology_);
       edges = tree_->edge_count_;
     }
+    const std::uint64_t begun_anew = tree_->begun_anew_.load(std::memory_order_relaxed);
     Outcome outcome;
     tree_->Lookup(waiter.query_, outcome);
     if (outcome.fault == TransformFault::kTooNew) {
+      if (!Await(waiter, *outcome.edge, outcome.wanted)) continue;
+      return false;
+    }
+    if (outcome.fault == TransformFault::kTooOld) {
       Frame& edge = *tree_->frames_.At(outcome.edge->id);
       const std::scoped_lock lock(edge.write);
-      if (edge.newest >= outcome.wanted) continue;
-      edge.awaited_from = std::min(edge.awaited_from, outcome.wanted);
-      waiter.edge_ = &edge;
-      waiter.from_stamp_ = outcome.wanted;
+      if (tree_->BeginsAnew(edge)) {  // Then everybody looks again.
+        waiter.edge_ = &edge;
+        waiter.from_stamp_ = std::numeric_limits<std::int64_t>::max();
+        return false;
+      }
+      if (tree_->begun_anew_.load(std::memory_order_relaxed) != begun_anew) continue;
+    }
+    if (outcome.lagging != nullptr) {
+      if (!Await(waiter, *outcome.lagging, outcome.wanted + 1)) continue;
       return false;
     }
     if (outcome.fault == TransformFault::kUnknownFrame || outcome.fault == TransformFault::kNotConnected) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -61,6 +62,8 @@ class Waits {
   void Remove(const std::shared_ptr<Waiter>& waiter);
   /// The edge has a stamp that somebody waits for. Holding none of the tree's locks.
   void EdgeHasGrown(Frame& edge);
+  /// An edge has nothing any more but its newest stamp.
+  void EdgeHasBegunAnew();
   /// There is a new edge.
   void TreeHasGrown();
   /// The tree is about to end.
@@ -68,7 +71,9 @@ class Waits {
 
  private:
   [[nodiscard]] bool Settle(Waiter& waiter, std::optional<TransformResult>& result);
-  void LookAgain(Frame* edge);
+  [[nodiscard]] bool Await(Waiter& waiter, const Frame& growing, std::int64_t from_stamp);
+  enum class For : std::uint8_t { kTheEdge, kEverybody };
+  void LookAgain(Frame* edge, For whom = For::kTheEdge);
 
   std::mutex mutex_;
   TreeCore* tree_;  ///< Null when the tree has ended.

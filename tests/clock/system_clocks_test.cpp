@@ -2,14 +2,23 @@
 
 #include <gtest/gtest.h>
 #include <sys/eventfd.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "clock/wall_jump_watch.hpp"
 #include "clock/wall_offset.hpp"
+#include "hgros/base/error.hpp"
 #include "hgros/clock/time_system.hpp"
+#include "hgros/clock/timer_queue.hpp"
 #include "support/await.hpp"
 
 namespace hgros {
@@ -37,6 +46,65 @@ TEST(WallJumpWatch, CallsWhenTheTimerSaysThatTheClockWasSet) {
     ASSERT_EQ(eventfd_write(fd, 1), 0);
     ASSERT_TRUE(test::Await([&] { return set == i; }));
   }
+}
+
+// Nothing can be opened while it lives.
+class NoDescriptors {
+ public:
+  NoDescriptors() {
+    EXPECT_EQ(getrlimit(RLIMIT_NOFILE, &before_), 0);
+    rlimit none = before_;
+    none.rlim_cur = 0;
+    EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  }
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+  ~NoDescriptors() { EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &before_), 0); }
+
+ private:
+  rlimit before_{};
+};
+
+class Lines {
+ public:
+  [[nodiscard]] LogSink Sink() {
+    return [this](LogLevel, std::string_view text) {
+      const std::scoped_lock lock(mutex_);
+      lines_.emplace_back(text);
+    };
+  }
+  [[nodiscard]] std::vector<std::string> all() {
+    const std::scoped_lock lock(mutex_);
+    return lines_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
+TEST(SystemClock, GoesOnWhenItCannotBeWatchedUntilItCan) {
+  Lines lines;
+  const auto clock = std::make_shared<SystemClock>(lines.Sink());
+  std::atomic<int> turns{0};
+  std::optional<TimerQueue> timers;
+  Timer timer;
+  {
+    const NoDescriptors none;
+    EXPECT_THROW((void)clock->OnJump([](const ClockJump&) {}), Error);
+    timers.emplace(clock);
+    timer = timers->Every(1ms, [&](const Tick&) { ++turns; });
+    EXPECT_TRUE(test::Await([&] { return turns >= 20; }));
+    EXPECT_TRUE(SleepUntil(*clock, clock->Now() + 5ms));
+    Sleeper sleeper;
+    const ClockReading reading = clock->Read();
+    clock->Wait(sleeper, reading, reading.now + 24h);  // Returns: who waits is to look at the clock again.
+    ASSERT_EQ(lines.all().size(), 1U);
+    EXPECT_NE(lines.all()[0].find("The wall clock cannot be watched: Too many open files."), std::string::npos);
+  }
+  EXPECT_TRUE(test::Await([&] { return lines.all().size() == 2; }));
+  EXPECT_EQ(lines.all().back(), "The wall clock is watched again.");
+  EXPECT_NO_THROW((void)clock->OnJump([](const ClockJump&) {}));
 }
 
 TEST(SystemClock, ShowsTheWallClock) {

@@ -103,6 +103,49 @@ TEST_F(HelpedGraph, WhatCallbacksPublishGoesToTheWorkers) {
   EXPECT_FALSE(RanHere(next));
 }
 
+TEST_F(HelpedGraph, WhoIsInvitedStaysWithAThreadThatDidNotWantTo) {
+  Node one, two;
+  Subscribe(one, "one");
+  Subscribe(two, "two");
+  Helping helping(false);
+  {
+    const Helping::Invited invited;
+    Publish("one");
+  }
+  Publish("two");
+  EXPECT_TRUE(Await([&] { return two.count == 1; })) << "the invitation is over";
+  EXPECT_EQ(one.count, 0);
+  helping.Run();
+  EXPECT_EQ(one.count, 1);
+  EXPECT_TRUE(RanHere(one));
+  EXPECT_FALSE(RanHere(two));
+}
+
+TEST_F(HelpedGraph, AnInvitationEndsNoHelpThatWasWantedAnyway) {
+  Node node;
+  Subscribe(node, "c");
+  Helping helping(true);
+  { const Helping::Invited invited; }
+  Publish("c");
+  EXPECT_EQ(node.count, 0) << "it stays";
+  helping.Run();
+  EXPECT_TRUE(RanHere(node));
+}
+
+TEST_F(HelpedGraph, AnInvitationIsNothingWhereNobodyHelps) {
+  Node node;
+  Subscribe(node, "c");
+  const Helping::Invited lonely;
+  Publish("c");
+  EXPECT_TRUE(Await([&] { return node.count == 1; }));
+  EXPECT_FALSE(RanHere(node));
+  Helping helping(false);
+  helping.Run();
+  const Helping::Invited late;
+  Publish("c");
+  EXPECT_TRUE(Await([&] { return node.count == 2; })) << "it has run what it took, and takes no more";
+}
+
 TEST_F(HelpedGraph, ANodeThatEndsMeanwhileIsNotRun) {
   std::optional<Node> node(std::in_place);
   Subscribe(*node, "c");

@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <mutex>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "params/params_fixture.hpp"
 #include "support/await.hpp"
@@ -58,6 +60,42 @@ TEST_F(ParamFileWatchTest, FollowsALinkToItsFile) {
   const ParamFileWatch watch(params);
   Write("there/robot.yaml", "a: 2\n");
   EXPECT_TRUE(test::Await([&] { return params.Get<int>("a") == 2; }));
+}
+
+TEST_F(ParamFileWatchTest, SeesWhatWasWrittenBeforeItBegan) {
+  const auto file = Write("robot.yaml", "a: 1\n");
+  ParamServer params({{file}});
+  Write("robot.yaml", "a: 2\n");
+  std::atomic<int> calls{0};
+  {
+    const ParamFileWatch watch(params, [&](const ParamResult&) { ++calls; });
+    EXPECT_EQ(calls, 1);
+    EXPECT_EQ(params.Get<int>("a"), 2);
+  }
+  {
+    const ParamFileWatch watch(params, [&](const ParamResult&) { ++calls; });
+  }
+  EXPECT_EQ(calls, 1) << "nothing has changed since";
+}
+
+TEST_F(ParamFileWatchTest, GoesOnWhenItsCallbackThrows) {
+  const auto file = Write("robot.yaml", "a: 1\n");
+  ParamServer params({{file}});
+  std::mutex mutex;
+  std::string said;
+  const ParamFileWatch watch(
+      params, [](const ParamResult&) { throw std::runtime_error("as it is meant to"); },
+      [&](LogLevel, std::string_view text) {
+        const std::scoped_lock lock(mutex);
+        said = text;
+      });
+  Write("robot.yaml", "a: 2\n");
+  EXPECT_TRUE(test::Await([&] {
+    const std::scoped_lock lock(mutex);
+    return said == "A callback that is told of reloaded parameters threw: as it is meant to";
+  }));
+  Write("robot.yaml", "a: 3\n");
+  EXPECT_TRUE(test::Await([&] { return params.Get<int>("a") == 3; }));
 }
 
 TEST_F(ParamFileWatchTest, EndsAtOnce) {

@@ -194,6 +194,28 @@ TEST_F(RemoteParamsTest, ShowWhatIsDeclaredAndSetThereLater) {
   }
 }
 
+TEST_F(RemoteParamsTest, TheLatestReachesWhoHadNoRoom) {
+  Offering offering(*robot_.session);
+  test::Door door;
+  std::atomic<std::uint64_t> version{0};
+  std::atomic<int> states{0};
+  const Subscription slow = robot_->FromAny<ParamsState>("params/robot/state", Invoke::kSerial,
+                                                         [&](const ParamsState& state) {
+                                                           door.Pass();
+                                                           version = state.version();
+                                                           ++states;
+                                                         },
+                                                         {{}, Queue::KeepAll(1), Executor::Dedicated()});
+  for (int i = 1; i <= 30; ++i) ASSERT_TRUE(offering.server.Set("x", i).ok()) << "it does not wait";
+  door.Open();
+  EXPECT_TRUE(Await([&] { return version == 31; }));
+  EXPECT_LT(states, 31);
+  RemoteParams late(*other_.session, "robot", kPatience);
+  EXPECT_EQ(*late.Get<int>("x"), 30);
+  for (int i = 31; i <= 40; ++i) ASSERT_TRUE(offering.server.Set("x", i).ok());
+  EXPECT_TRUE(Await([&] { return version == 41; }));
+}
+
 TEST_F(RemoteParamsTest, ComeBackWithWhoOffersThem) {
   RemoteParams params(*other_.session, "robot", kPatience);
   RemoteParams impatient(*other_.session, "robot", 20ms);

@@ -9,6 +9,7 @@
 namespace hgros {
 namespace {
 
+using namespace std::chrono_literals;
 using test::Add;
 using test::Await;
 using test::Kind;
@@ -107,6 +108,67 @@ TEST_F(Services, FailCallsThatAreLeftWhenTheSessionEnds) {
   door.Open();
   end.join();
   EXPECT_TRUE(call.done());
+}
+
+TEST_F(Services, CountRequestsThatNobodyWaitsForAndRepliesThatNobodyTakes) {
+  test::Pair pair(test::PlacesOf("sharedmemory"));
+  test::Door door;
+  std::atomic<int> begun{0};
+  const Service other = pair.server().Serve<Sum, Total>("other", &test::Add);
+  const Service service = pair.server().Serve<Sum, Total>("busy", [&](const Sum& sum) {
+    ++begun;
+    door.Pass();
+    return test::Add(sum);
+  });
+  auto first = pair.caller().Call<Sum, Total>("busy", Sum{1, 1}, test::kLong);
+  ASSERT_TRUE(Await([&] { return begun == 1; }));
+  { const auto cancelled = pair.caller().Call<Sum, Total>("busy", Sum{2, 2}, test::kLong); }
+  const auto late = pair.caller().Call<Sum, Total>("busy", Sum{3, 3}, 1ms);
+  EXPECT_EQ(late.Wait().failure().kind, Kind::kTimedOut);
+  pair.EndCaller();
+  ASSERT_TRUE(Await([&] { return pair.server().Peers().empty(); }));
+  door.Open();
+  const auto counts = [&] { return pair.server().Snapshot().services; };
+  EXPECT_TRUE(Await([&] { return counts().at(0).dropped_replies == 1; })) << "of the first";
+  EXPECT_EQ(counts().at(0).name, "busy");
+  EXPECT_LE(counts().at(0).unhandled_requests, 2U) << "what was withdrawn in time has not even come";
+  EXPECT_EQ(counts().at(1).name, "other");
+  EXPECT_EQ(counts().at(1).unhandled_requests, 0U);
+  EXPECT_EQ(begun, 1);
+}
+
+TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
+  const Robot robot("");
+  test::Door door;
+  const Service service = robot->Serve<Sum, Total>("busy", [&](const Sum& sum) {
+    door.Pass();
+    return test::Add(sum);
+  });
+  const auto first = robot->Call<Sum, Total>("busy", Sum{1, 1}, test::kLong);
+  const auto late = robot->Call<Sum, Total>("busy", Sum{3, 3}, 1ms);
+  EXPECT_EQ(late.Wait().failure().kind, Kind::kTimedOut);
+  door.Open();
+  EXPECT_TRUE(first.Wait());
+  EXPECT_TRUE(Await([&] { return robot->Snapshot().services.at(0).unhandled_requests == 1; }));
+}
+
+TEST_F(Services, TakeCallsThatAreMadeWhileTheyBegin) {
+  for (int round = 0; round < 20; ++round) {
+    const test::Places places = test::PlacesOf("ipc");  // There a call waits for a server as long as it may.
+    const Robot robot(places.first);
+    std::atomic<int> replies{0};
+    std::vector<std::jthread> callers;
+    for (int i = 0; i < 3; ++i) {
+      callers.emplace_back([&] {
+        const auto result = robot->Call<Sum, Total>("add", Sum{2, 3}, kLong).Wait();
+        EXPECT_TRUE(result) << result.failure().reason;
+        if (result && result->value == 5) ++replies;
+      });
+    }
+    const Service service = robot->Serve<Sum, Total>("add", Add);
+    callers.clear();
+    EXPECT_EQ(replies, 3);
+  }
 }
 
 TEST_F(Services, OfTwoServersAreReportedAndOneIsCalled) {

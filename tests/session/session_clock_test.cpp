@@ -194,6 +194,33 @@ TEST_F(SessionClock, OfTwoTheFirstIsFollowedAndBothAreReported) {
   EXPECT_TRUE(Shows(*robot.session, kStart + 1h)) << "now it is the only one";
 }
 
+TEST_F(SessionClock, ItsLatestStateReachesWhoHadNoRoom) {
+  const Robot simulation("");
+  test::Door door;
+  std::atomic<std::int64_t> shown{0};
+  const Subscription slow = simulation->FromAny<SimulatedTime>(kClockChannel, Invoke::kSerial,
+                                                               [&](const SimulatedTime& time) {
+                                                                 door.Pass();
+                                                                 shown = time.time_ns();
+                                                               },
+                                                               {{}, Queue::KeepAll(1), Executor::Dedicated()});
+  const auto clock = SimulatedClock::Paused(kStart);
+  const ClockPublisher publisher(*simulation.session, clock);
+  const auto channel = [&] {
+    for (ChannelSnapshot& one : simulation->Snapshot().graph.channels) {
+      if (one.name == kClockChannel) return one;
+    }
+    return ChannelSnapshot();
+  };
+  for (std::uint64_t said = 1; channel().refused == 0; ++said) {
+    ASSERT_TRUE(Await([&] { return channel().published + channel().refused >= said; }));
+    if (channel().refused == 0) clock->Step(1ms);
+  }
+  const Time last = clock->Now();
+  door.Open();
+  EXPECT_TRUE(Await([&] { return shown == last.nanoseconds; }));
+}
+
 TEST_F(SessionClock, LeavesOutWhatCannotBeAClock) {
   Robot robot(kSimulated);
   const auto publish = robot->Advertise<SimulatedTime>(kClockChannel);

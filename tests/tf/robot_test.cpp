@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -63,6 +64,24 @@ TEST(RobotDescription, MakesStaticEdgesOfFixedJointsAndMovesTheOthers) {
       Difference(tree.Lookup("robot1/base", "robot1/head", stamp)->T_target_source, Shift(0.5, 0, 1) * TurnZ(0.7)),
       1e-12);
   EXPECT_LT(Difference(tree.Lookup("robot1/base", "robot1/finger", stamp)->T_target_source, Shift(0.2, 0.1)), 1e-12);
+}
+
+TEST(RobotDescription, RefusesJointStatesWhoseStampIsNoTime) {
+  const RobotDescription robot = RobotDescription::FromText(kSmallRobot);
+  for (const auto& [seconds, nanos] : {std::pair(INT64_MAX, 0), std::pair(INT64_MIN, 0), std::pair(INT64_C(1), -1),
+                                       std::pair(INT64_C(9'223'372'036), 999'999'999)}) {
+    foxglove::JointStates states;
+    states.mutable_timestamp()->set_seconds(seconds);
+    states.mutable_timestamp()->set_nanos(nanos);
+    auto& joint = *states.add_joints();
+    joint.set_name("head_pan");
+    TransformTree tree;
+    const SetResult result = robot.SetJoints(tree, states);
+    EXPECT_FALSE(result);
+    EXPECT_EQ(result.text(), "The joint states were refused: their time stamp is no time.");
+    EXPECT_TRUE(tree.Edges().empty());
+    EXPECT_THROW((void)robot.EdgesAt(states), Error);
+  }
 }
 
 TEST(RobotDescription, RefusesWhatIsNone) {

@@ -360,5 +360,48 @@ TEST(TransformTree, BeginsAnewWhereTimeHasJumpedBack) {
   }
 }
 
+TEST(TransformTree, WhatWasUnderWayWhenTimeJumpedBackBeginsNothingAnew) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(100), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "arm", At(100), Shift(1)));
+  tree.BeginAnew(At(50));
+  ASSERT_TRUE(tree.Set("map", "base", At(100.1), Shift(2)));
+  EXPECT_EQ(tree.Lookup("map", "base", At(100.05))->stamp, At(100.05)) << "with what was before";
+  ASSERT_TRUE(tree.Set("map", "base", At(0), Shift(3)));
+  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(0));
+  ASSERT_TRUE(tree.Set("map", "arm", At(60), Shift(4))) << "the edge has slept for long";
+  EXPECT_EQ(tree.Lookup("map", "arm")->stamp, At(60));
+}
+
+TEST(TransformTree, WhatIsRefusedLeavesNoFramesBehind) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  RigidTransform bad;
+  bad.rotation.w() = 2;
+  EXPECT_EQ(tree.Set("a", "b", At(1), bad).fault(), SetFault::kRotation);
+  bad = Shift(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(tree.SetStatic("map", "b", bad).fault(), SetFault::kTranslation);
+  const SetResult two = tree.Set("a", "base", At(1), Shift(1));
+  EXPECT_EQ(two.fault(), SetFault::kTwoParents);
+  EXPECT_THAT(two.text(), HasSubstr("from \"a\" to \"base\" was refused: \"base\" hangs below \"map\" already"));
+  const SetResult itself = tree.Set("a", "a", At(1), Shift(1));
+  EXPECT_EQ(itself.fault(), SetFault::kCycle);
+  EXPECT_THAT(itself.text(), HasSubstr("a frame cannot hang below itself"));
+  EXPECT_EQ(tree.Set("a", "", At(1), Shift(1)).fault(), SetFault::kName);
+  EXPECT_FALSE(tree.Find("a"));
+  EXPECT_FALSE(tree.Find("b"));
+}
+
+TEST(TransformTree, HasNoMoreFramesThanItMay) {
+  TransformTree tree({.max_frames = 3});
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  ASSERT_TRUE(tree.Set("base", "arm", At(1), Shift(1)));
+  const SetResult result = tree.Set("arm", "hand", At(1), Shift(1));
+  EXPECT_EQ(result.fault(), SetFault::kTooManyFrames);
+  EXPECT_THAT(result.text(), HasSubstr("from \"arm\" to \"hand\" was refused: the tree has 3 frames"));
+  EXPECT_THROW((void)tree.Frame("hand"), Error);
+  EXPECT_TRUE(tree.Set("base", "arm", At(2), Shift(1))) << "those that are there go on";
+}
+
 }  // namespace
 }  // namespace hgros

@@ -2,10 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <limits>
+#include <thread>
 
 #include <foxglove/FrameTransforms.pb.h>
 
+#include "hgros/clock/derived_clocks.hpp"
+#include "hgros/session/clock_publisher.hpp"
 #include "hgros/tf/default_transforms.hpp"
 #include "hgros/tf/robot_description.hpp"
 #include "session/domain_fixture.hpp"
@@ -201,6 +205,22 @@ TEST_F(TransformsOfTwo, WhatIsNoTransformIsRefusedCountedAndNamed) {
   EXPECT_EQ(b.Count("Of the transforms of session"), 6U);
 }
 
+TEST_F(TransformsOfTwo, AFloodOfFramesIsRefusedAndSaidOnce) {
+  Transforms looking(*b.session, {.tree = {.max_frames = 10}});
+  (void)looking.tree();
+  const auto publish = a->Advertise<foxglove::FrameTransforms>(kTransformsChannel);
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  foxglove::FrameTransforms flood;
+  for (int i = 0; i < 100; ++i) flood.MergeFrom(Message("map", "flood" + std::to_string(i)));
+  ASSERT_EQ(publish(flood), PublishStatus::kOk);
+  ASSERT_EQ(publish(Message("map", "flood0", 1, 2)), PublishStatus::kOk);
+  ASSERT_TRUE(Arrives(looking, "map", "flood0", At(2)));
+  EXPECT_EQ(looking.stats().refused_transforms, 91U);
+  EXPECT_EQ(looking.tree().Edges().size(), 9U);
+  EXPECT_EQ(b.Count("Of the transforms of session"), 1U);
+  EXPECT_TRUE(b.Said("the tree has 10 frames"));
+}
+
 TEST_F(TransformsOfTwo, ACallbackMaySetTransformsWhereverItRuns) {
   Transforms transforms(*a.session, {.batch = 0ns});
   int rounds = 0;
@@ -260,6 +280,53 @@ TEST_F(TransformsOfTwo, ARobotsJointsTravel) {
   ASSERT_TRUE(setting.ToTF(robot.EdgesAt(At(2), {&neck, 1})));
   ASSERT_TRUE(Arrives(looking, "base", "head", At(2)));
   EXPECT_LT(Difference(looking.FromTF("base", "head")->T_target_source, Shift(0, 0, 1) * test::TurnZ(0.5)), 1e-9);
+}
+
+TEST_F(TransformsOfTwo, BeginAnewWhenTheClockOfTheirSessionJumpsBack) {
+  const auto clock = SimulatedClock::Paused(At(100));
+  Session player(Config::Parse(""), {.name = "player", .clock = clock});
+  const Robot follower{"time: simulated", "follower"};
+  const ClockPublisher publisher(player, clock);
+  Transforms setting(player, {.batch = 0ns});
+  Transforms looking(*follower.session);
+  (void)looking.tree();
+  ASSERT_TRUE(Await([&] { return follower->clock()->Now() == At(100); }));
+  ASSERT_TRUE(setting.ToTF(At(100), "map", "base", Shift(1)));
+  ASSERT_TRUE(player.WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  ASSERT_TRUE(setting.ToTF(At(101), "map", "base", Shift(1)));
+  ASSERT_TRUE(Arrives(looking, "map", "base", At(101)));
+  EXPECT_EQ(setting.ToTF(At(1), "map", "base", Shift(2)).fault(), SetFault::kTooOld);
+
+  std::atomic<bool> jumped{false};
+  const Listening after_them = follower->clock()->OnJump([&](const ClockJump&) { jumped = true; });
+  clock->JumpTo(At(0));
+  ASSERT_TRUE(Await([&] { return jumped.load(); }));
+  const TransformTree& tree = looking.tree();
+  std::atomic<bool> came{false};
+  const auto pending = tree.WhenAvailable({*tree.Find("map"), *tree.Find("base"), At(0.5)},
+                                          [&](const TransformResult& result) { came = bool(result); });
+  ASSERT_TRUE(setting.ToTF(At(101.5), "map", "base", Shift(3))) << "it was under way";
+  for (const double stamp : {0.25, 0.75}) ASSERT_TRUE(setting.ToTF(At(stamp), "map", "base", Shift(stamp)));
+  ASSERT_TRUE(Await([&] { return came.load(); }));
+  for (Transforms* one : {&setting, &looking}) {
+    EXPECT_LT(Difference(one->FromTF("map", "base", At(0.5))->T_target_source, Shift(0.5)), 1e-9);
+    EXPECT_EQ(one->FromTF("map", "base")->stamp, At(0.75)) << "nothing is left of the time before";
+  }
+}
+
+TEST_F(TransformsOfTwo, EndWhileTheClockJumps) {
+  const auto clock = SimulatedClock::Paused(At(100));
+  Session session(Config::Parse(""), {.name = "robot", .clock = clock});
+  std::jthread jumper([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      clock->JumpTo(At(100));
+      clock->JumpTo(At(0));
+    }
+  });
+  for (int life = 0; life < 200; ++life) {
+    Transforms transforms(session, {.batch = 0ns});
+    ASSERT_TRUE(transforms.ToTF(At(life), "map", "base", Shift(life)));
+  }
 }
 
 TEST(DefaultTransforms, AreThoseOfTheDefaultSession) {

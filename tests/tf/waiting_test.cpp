@@ -145,6 +145,49 @@ TEST_F(Waiting, AHandleMayOutliveItsTree) {
   EXPECT_EQ(calls, 0);
 }
 
+TEST_F(Waiting, WhoWaitsForTheLatestWaitsForTheEdgeThatLagsBehind) {
+  tree.Set("base", "arm", Time{200}, Shift(1));
+  EXPECT_EQ(tree.Lookup("map", "arm").fault(), TransformFault::kTooOld);
+  std::int64_t found = 0;
+  const auto pending = tree.WhenAvailable({tree.Frame("map"), tree.Frame("arm")},
+                                          [&](const TransformResult& result) { found = result->stamp.nanoseconds; });
+  tree.Set("map", "base", Time{150}, Shift(1));
+  EXPECT_TRUE(pending.pending());
+  tree.Set("map", "base", Time{210}, Shift(1));
+  EXPECT_EQ(found, 200);
+}
+
+TEST_F(Waiting, WhoWaitsForTheLatestFindsItWhenAllEdgesHaveBegunAnew) {
+  tree.Set("base", "arm", Time{200}, Shift(1));  // The latest of both is what the first one lacks.
+  tree.Set("map", "base", Time{90}, Shift(1));
+  int calls = 0;
+  const auto pending = tree.WhenAvailable({tree.Frame("map"), tree.Frame("arm")}, [&](const TransformResult& result) {
+    ++calls;
+    EXPECT_EQ(result->stamp, Time{5});
+  });
+  ASSERT_TRUE(pending.pending());
+  tree.BeginAnew();
+  tree.Set("map", "base", Time{5}, Shift(1));
+  EXPECT_EQ(calls, 0);
+  tree.Set("base", "arm", Time{5}, Shift(1));
+  EXPECT_EQ(calls, 1);
+}
+
+TEST_F(Waiting, WhatIsTooOldMayComeYetWhereAnEdgeIsToBeginAnew) {
+  tree.BeginAnew();
+  EXPECT_EQ(tree.Lookup(tree.Frame("map"), tree.Frame("base"), Time{50}).fault(), TransformFault::kTooOld);
+  int calls = 0;
+  const auto pending = tree.WhenAvailable(Base(50), [&](const TransformResult& result) {
+    ++calls;
+    EXPECT_TRUE(result);
+  });
+  EXPECT_TRUE(pending.pending());
+  tree.Set("map", "base", Time{40}, Shift(1));
+  EXPECT_EQ(calls, 0);
+  tree.Set("map", "base", Time{60}, Shift(1));
+  EXPECT_EQ(calls, 1);
+}
+
 TEST_F(Waiting, ManyWaitForManyMoments) {
   constexpr int kWaiters = 8;
   std::atomic<int> found{0};

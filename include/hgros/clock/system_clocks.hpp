@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "hgros/base/export.hpp"
+#include "hgros/base/log.hpp"
 #include "hgros/clock/clock.hpp"
 
 namespace hgros {
@@ -11,10 +12,12 @@ namespace hgros {
 /// wakes from suspension; steps of less than a millisecond count as none.
 ///
 /// The first wait and the first listener start a thread that watches for that; it sleeps in between.
-/// Errors: both throw Error if the system has no file descriptor or thread left.
+/// Errors: OnJump throws Error if the system has no file descriptor or thread left. Waits then look at the clock ten
+/// times per second, until it can be watched; that is said once in `log`.
 class HGROS_EXPORT SystemClock final : public Clock {
  public:
-  SystemClock();
+  /// Without a `log` it speaks on standard error.
+  explicit SystemClock(LogSink log = {});
   ~SystemClock() override;
 
   [[nodiscard]] ClockReading Read() const override;

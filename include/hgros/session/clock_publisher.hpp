@@ -14,13 +14,13 @@ inline constexpr std::string_view kClockChannel = "clock";
 
 /// Makes a simulated clock that of all sessions of the domain that say `time: simulated`, this one included: each is
 /// told of every change, late ones of how it stands, and all ten times per second while it runs. Changes that follow
-/// each other faster than they are sent are sent as one.
+/// each other faster than they are sent, or than a lossless subscriber makes room, are sent as one.
 ///
 /// One clock is published at a time; a second one is reported in the log of whoever follows the first.
 ///
 /// Threading: a thread of its own, which sleeps while the clock is paused. It runs nodes on the channel that are
-/// inline. Lifetime: when it ends, the clocks that follow stand still. It may outlive its session, and then does
-/// nothing. Errors: throws TypeMismatch if the channel carries something else.
+/// inline. Lifetime: when it ends, the clocks that follow stand still; its end waits for room for 0.1 s at most. It may
+/// outlive its session, and then does nothing. Errors: throws TypeMismatch if the channel carries something else.
 class HGROS_EXPORT ClockPublisher {
  public:
   ClockPublisher(Session& session, std::shared_ptr<SimulatedClock> clock);

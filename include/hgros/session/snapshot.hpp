@@ -35,12 +35,21 @@ struct ChannelTraffic {
   LogHistogram transport;
 };
 
+/// A service that the session offers. Its node in the graph, under the same name, counts what was handled.
+struct ServiceSnapshot {
+  std::string name;
+  std::uint64_t unhandled_requests =
+      0;  ///< Callers that waited no more when their turn came: out of time, cancelled, gone.
+  std::uint64_t dropped_replies = 0;  ///< Callers that were gone, or took none while 65536 waited for them.
+};
+
 /// Everything a session counts, at one moment.
 struct SessionSnapshot {
   SessionId id;
   std::string name;
   GraphSnapshot graph;
-  std::vector<ChannelTraffic> traffic;  ///< Sorted by channel; only channels that reach outside.
+  std::vector<ChannelTraffic> traffic;    ///< Sorted by channel; only channels that reach outside.
+  std::vector<ServiceSnapshot> services;  ///< Sorted by name.
   std::vector<PeerInfo> peers;
   TransportStats transport;
 };

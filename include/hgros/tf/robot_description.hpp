@@ -1,12 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "hgros/base/error.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/tf/stamped_edge.hpp"
 #include "hgros/tf/transform_tree.hpp"
@@ -44,13 +47,15 @@ class HGROS_EXPORT RobotDescription {
   [[nodiscard]] std::vector<StampedEdge> FixedEdges() const;
   /// Every joint of those names as an edge, for Transforms::ToTF, and joints that mimic them. Names that are no movable
   /// joint of the robot are passed over.
+  /// Errors: of a message, throws Error if its stamp is no time; SetJoints says that as a result.
   [[nodiscard]] std::vector<StampedEdge> EdgesAt(Time stamp, std::span<const JointPosition> positions) const;
   template <JointStatesMessage T>
   [[nodiscard]] std::vector<StampedEdge> EdgesAt(const T& states) const {
     std::vector<JointPosition> positions;
     for (const auto& joint : states.joints()) positions.push_back({joint.name(), joint.position()});
-    const Time stamp{states.timestamp().seconds() * 1'000'000'000 + states.timestamp().nanos()};
-    return EdgesAt(stamp, positions);
+    const std::optional<Time> stamp = StampOf(states.timestamp().seconds(), states.timestamp().nanos());
+    if (!stamp) throw Error(NoTime().text());
+    return EdgesAt(*stamp, positions);
   }
 
   /// Sets every fixed joint in a tree. The first edge that is refused ends it.
@@ -59,10 +64,13 @@ class HGROS_EXPORT RobotDescription {
   SetResult SetJoints(TransformTree& tree, Time stamp, std::span<const JointPosition> positions) const;
   template <JointStatesMessage T>
   SetResult SetJoints(TransformTree& tree, const T& states) const {
-    return SetAll(tree, EdgesAt(states));
+    return StampOf(states.timestamp().seconds(), states.timestamp().nanos()) ? SetAll(tree, EdgesAt(states)) : NoTime();
   }
 
  private:
+  // Nothing if that is no time in nanoseconds.
+  static std::optional<Time> StampOf(std::int64_t seconds, std::int64_t nanos) noexcept;
+  static SetResult NoTime();
   static SetResult SetAll(TransformTree& tree, std::span<const StampedEdge> edges);
 
   struct Model;

@@ -80,13 +80,14 @@ class HGROS_EXPORT TransformResult {
 /// Why a transform was not taken.
 enum class SetFault : std::uint8_t {
   kNone,
-  kName,         ///< Empty, or not fit for a name.
-  kRotation,     ///< Not of unit length (more than 0.1 % off), or not a number.
-  kTranslation,  ///< Not a finite number.
-  kCycle,        ///< The parent hangs below the child.
-  kTwoParents,   ///< The child hangs below another parent already.
-  kStatic,       ///< The edge is static and was set with a stamp, or the other way round.
-  kTooOld,       ///< Its stamp lies before what the edge's buffer keeps.
+  kName,           ///< Empty, or not fit for a name.
+  kRotation,       ///< Not of unit length (more than 0.1 % off), or not a number.
+  kTranslation,    ///< Not a finite number.
+  kCycle,          ///< The parent hangs below the child.
+  kTwoParents,     ///< The child hangs below another parent already.
+  kStatic,         ///< The edge is static and was set with a stamp, or the other way round.
+  kTooOld,         ///< Its stamp lies before what the edge's buffer keeps.
+  kTooManyFrames,  ///< It would bring a frame more than TransformTreeOptions::max_frames.
 };
 
 /// Whether a transform was taken.

@@ -25,6 +25,8 @@ struct TransformTreeOptions {
   Duration buffer = std::chrono::seconds(10);
   /// ... and at most so many transforms (64 bytes each), at least 2.
   std::size_t max_transforms_per_edge = 65536;
+  /// So many frames at most, with those whose ids were asked for by name: other sessions name frames, too.
+  std::size_t max_frames = 65536;
 };
 
 /// Where the frames of a robot lie in one another, over time: a tree whose edges are transforms T_parent_child, each
@@ -52,7 +54,8 @@ class HGROS_EXPORT TransformTree {
   ~TransformTree();
 
   /// The id of a name; the frame itself is known once an edge has it. Names are told apart to the byte: "/map" is not
-  /// "map". Errors: throws Error if it cannot be a name (the rules are those of channels, RequireChannelName).
+  /// "map". Errors: throws Error if it cannot be a name (the rules are those of channels, RequireChannelName), or if
+  /// there are too many.
   [[nodiscard]] FrameId Frame(std::string_view name);
   /// None if nobody has used the name yet.
   [[nodiscard]] std::optional<FrameId> Find(std::string_view name) const noexcept;
@@ -74,8 +77,9 @@ class HGROS_EXPORT TransformTree {
                       std::string_view publisher = {});
 
   /// Time has jumped back, as when a recording begins again: of each edge that moves, the next transform replaces all
-  /// that it has, whatever its stamp. Until then it is found as before.
-  void BeginAnew() noexcept;
+  /// that it has. Until then it is found as before, and who waits for what is too old waits on. With `latest`, what has
+  /// a later stamp was still under way when time jumped, and goes to what was before.
+  void BeginAnew(Time latest = Time::Never()) noexcept;
 
   /// T_target_source, at the latest time that every edge between the two knows of.
   [[nodiscard]] TransformResult Lookup(FrameId target, FrameId source) const;

@@ -50,9 +50,13 @@ struct TransformsStats {
 /// Who only sets transforms subscribes to none: other sessions are asked for theirs from the first call of FromTF or
 /// tree() on, and it takes a moment until they are here; tree().Wait waits for one.
 ///
+/// When the session's clock jumps back, as for a recording that begins again, the tree begins anew by itself
+/// (TransformTree::BeginAnew): what comes from then on replaces what was there, and what waits goes on waiting.
+///
 /// Thread safety: all of it, but construction and destruction. Lifetime: ends before its session, and not within one
-/// of its callbacks. Errors: refusals are results that name the edge; of what others send they are counted and said in
-/// the session's log, as are edges that two sessions set.
+/// of its callbacks. Errors: the constructor throws Error if the session's clock cannot be watched for jumps.
+/// Refusals are results that name the edge; of what others send they are counted and said in the session's log, as are
+/// edges that two sessions set.
 class HGROS_EXPORT Transforms {
  public:
   explicit Transforms(Session& session, const TransformsOptions& options = {});
