@@ -33,7 +33,8 @@ class Ours final : public Side {
   }
   double Latest() override { return tree_.Lookup(names_.front(), names_.back())->T_target_source.translation.x(); }
   double At(std::int64_t stamp) override {
-    return tree_.Lookup(names_.front(), names_.back(), Time{stamp})->T_target_source.translation.x();
+    const TransformResult found = tree_.Lookup(names_.front(), names_.back(), Time{stamp});
+    return found ? found->T_target_source.translation.x() : 0;
   }
 
  private:

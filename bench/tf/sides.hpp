@@ -21,6 +21,7 @@ class Side {
   virtual void SetMany(int first, int count) = 0;
   /// Leaf to root, latest; the number that comes back keeps the compiler from leaving it out.
   virtual double Latest() = 0;
+  /// 0 if it is too old or too new.
   virtual double At(std::int64_t stamp) = 0;
 };
 

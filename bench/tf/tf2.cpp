@@ -1,5 +1,6 @@
 // The peer: tf2 0.7 of ROS 1, as Debian has it.
 #include <tf2/buffer_core.h>
+#include <tf2/exceptions.h>
 
 #include <string>
 #include <vector>
@@ -47,7 +48,11 @@ class Tf2 final : public Side {
     return buffer_.lookupTransform(names_.front(), names_.back(), ros::Time(0)).transform.translation.x;
   }
   double At(std::int64_t stamp) override {
-    return buffer_.lookupTransform(names_.front(), names_.back(), TimeOf(stamp)).transform.translation.x;
+    try {
+      return buffer_.lookupTransform(names_.front(), names_.back(), TimeOf(stamp)).transform.translation.x;
+    } catch (const tf2::TransformException&) {
+      return 0;
+    }
   }
 
  private:

@@ -23,6 +23,8 @@ std::string Named(const PeerInfo& peer) {
   return "Session " + peer.id.ToString() + " (" + peer.process + ", process " + std::to_string(peer.pid) + ")";
 }
 
+constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
+
 }  // namespace
 
 ServiceClient::ServiceClient(std::string name, const TypeInfo& request, const TypeInfo& reply,
@@ -180,12 +182,26 @@ void ServiceClient::UpdateServers(Services& services) {
     if (servers_.size() < 2) said_two_ = false;
     if (servers_.size() > 1 && !std::exchange(said_two_, true)) two = servers_;
   }
-  for (const Server& server : gone) {
-    EndCallsTo(
-        services, server.id,
-        Failed(Kind::kServerGone, Named(server.info) + " ended service \"" + name_ + "\", or is no longer reached."));
-  }
+  for (const Server& server : gone) EndCallsSoon(services, server);
   if (!two.empty()) ReportTwo(services, two);
+}
+
+void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
+  std::vector<std::uint64_t> lost;
+  services.calls()->EndAll([&](const CallState& call) -> std::optional<CallEnd> {
+    if (call.IsOf(*this) && call.server() == server.id) lost.push_back(call.number);
+    return std::nullopt;
+  });
+  if (lost.empty()) return;
+  CallEnd end =
+      Failed(Kind::kServerGone, Named(server.info) + " ended service \"" + name_ + "\", or is no longer reached.");
+  services.PostAt(std::chrono::steady_clock::now() + kTimeForTheReason,
+                  [desk = services_, lost = std::move(lost), end = std::move(end)] {
+                    const auto still = desk.lock();
+                    for (const std::uint64_t number : lost) {
+                      if (still) still->calls()->End(number, end);
+                    }
+                  });
 }
 
 void ServiceClient::ReportTwo(Services& services, const std::vector<Server>& servers) {

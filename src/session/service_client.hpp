@@ -64,6 +64,8 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
     SessionId id;
     PeerInfo info;
   };
+  // Unless a better reason is told before: that its type does not fit, or that the session is gone.
+  void EndCallsSoon(Services& services, const Server& server);
   void ReportTwo(Services& services, const std::vector<Server>& servers);
 
   const std::string name_;

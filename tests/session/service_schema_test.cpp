@@ -148,6 +148,19 @@ TEST_P(ServiceBetweenSessions, AReplyWhoseFieldDoesNotFitIsRefusedByItsName) {
   EXPECT_NE(result.failure().reason.find("text"), std::string::npos) << result.failure().reason;
 }
 
+TEST_P(ServiceBetweenSessions, ARequestWhoseFieldDoesNotFitIsRefusedByItsName) {
+  Pair pair(PlacesOf(GetParam()));
+  std::atomic<int> handled{0};
+  const Service service = pair.server().Serve<OtherLine, OldLine>("twice", [&](const OtherLine&) {
+    ++handled;
+    return OldLine();
+  });
+  const auto result = pair.caller().Call<OldLine, OldLine>("twice", OldLine{"ab"}, kLong).Wait();
+  EXPECT_EQ(result.failure().kind, Kind::kTypeMismatch) << result.failure().reason;
+  EXPECT_NE(result.failure().reason.find("text"), std::string::npos) << result.failure().reason;
+  EXPECT_EQ(handled, 0);
+}
+
 TEST_P(ServiceBetweenSessions, ABulkReplyArrivesAsItIs) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Sum, BulkCloud>("cloud", CloudOf);
