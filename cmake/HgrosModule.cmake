@@ -1,13 +1,19 @@
-# hgros_module(NAME name SOURCES ... [DEPENDS targets...] [PRIVATE targets...])
+# hgros_module(NAME name SOURCES ... [SMALL sources...|ALL] [DEPENDS targets...] [PRIVATE targets...])
 # One module of the tree: a static library hgros_<name>, known as hgros::<name>. Its public headers are
-# include/hgros/<name>/, its private ones lie beside its sources.
+# include/hgros/<name>/, its private ones lie beside its sources. SMALL names the sources that no message, call or
+# look-up passes through: a release has them compiled for size.
 function(hgros_module)
-  cmake_parse_arguments(ARG "" "NAME" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME" "SOURCES;SMALL;DEPENDS;PRIVATE" ${ARGN})
   add_library(hgros_${ARG_NAME} STATIC ${ARG_SOURCES})
   add_library(hgros::${ARG_NAME} ALIAS hgros_${ARG_NAME})
   target_include_directories(hgros_${ARG_NAME}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(hgros_${ARG_NAME} PUBLIC ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:hgros_warnings> ${ARG_PRIVATE})
+  if(ARG_SMALL STREQUAL "ALL")
+    target_compile_options(hgros_${ARG_NAME} PRIVATE $<$<CONFIG:Release>:-Os>)
+  elseif(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT CMAKE_UNITY_BUILD)
+    set_source_files_properties(${ARG_SMALL} PROPERTIES COMPILE_OPTIONS -Os)
+  endif()
   set_property(GLOBAL APPEND PROPERTY HGROS_MODULES hgros_${ARG_NAME})
 endfunction()
