@@ -31,6 +31,12 @@ void Console::Say(std::string_view sentence) {
 
 void Console::Warn(std::string_view sentence) { Write(sentence); }
 
+hgros::LogSink Console::log() {
+  return [this](hgros::LogLevel level, std::string_view text) {
+    if (level >= hgros::LogLevel::kWarning) Warn(text);
+  };
+}
+
 void Console::Progress(const std::string& line) {
   if (quiet_) return;
   const std::scoped_lock lock(mutex_);

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include <hgros/base/log.hpp>
+
 namespace slam2d {
 
 /// Standard error as the user sees it: sentences, and below them one line of progress that is rewritten on a terminal
@@ -21,6 +23,8 @@ class Console {
 
   void Say(std::string_view sentence);
   void Warn(std::string_view sentence);
+  /// Where the library says what goes wrong. To be used no longer than the console.
+  [[nodiscard]] hgros::LogSink log();
   void Progress(const std::string& line);
   /// Takes the line of progress away.
   void EndProgress();

@@ -19,7 +19,9 @@
 #include "mapper_node.hpp"
 #include "matcher_node.hpp"
 #include "options.hpp"
+#include "parameters.hpp"
 #include "plan.hpp"
+#include "remote_commands.hpp"
 #include "report.hpp"
 #include "roll_call.hpp"
 #include "signal_watch.hpp"
@@ -175,39 +177,22 @@ void ShowProgress(const Plan& plan, const Options& options, const Crew& crew, En
   console.EndProgress();
 }
 
-// Asks the writer of a running demo.
-int CallSaveMap(hgros::Session& session, std::chrono::seconds patience) {
-  const auto saved = session.Call<msg::SaveMap, msg::MapSaved>(kSaveMap, msg::SaveMap(), patience).Wait();
-  if (!saved) {
-    std::fprintf(stderr, "slam2d: The map was not saved: %s\n", saved.failure().reason.c_str());
-    return kFailure;
-  }
-  std::printf("map         %s, after %llu scans\ntrajectory  %s\n", saved->map_file().c_str(),
-              static_cast<unsigned long long>(saved->scans()), saved->trajectory_file().c_str());
-  if (saved->has_robot()) {
-    std::printf("robot       x = %.2f m, y = %.2f m, heading = %.2f rad\n", saved->robot().x(), saved->robot().y(),
-                saved->robot().theta());
-  }
-  return kSuccess;
-}
-
 int Run(const Options& options) {
   const Plan plan = ReadPlan(options.configs);
   CheckAgainst(plan, options);
   const std::vector<std::string> own_sections{kPlanSection};
   const hgros::Config config = hgros::Config::Load(options.configs, own_sections);
+  if (options.asks()) return AskRunningDemo(options, config);
   const auto relations = options.relations ? ReadRelations(*options.relations) : std::vector<Relation>();
   ScanReader reader;
-  if (plan.Runs("source") && !options.save_map) reader = OpenSource(options);
-  if (plan.Runs("writer") && !options.save_map) MakeFolder(options.out);
+  if (plan.Runs("source")) reader = OpenSource(options);
+  if (plan.Runs("writer")) MakeFolder(options.out);
 
   Console console(options.quiet);
+  Parameters parameters(plan, options.params, console);
   Ending ending;
   const SignalWatch signals([&ending](int signal) { ending.Interrupt(signal); });
-  hgros::Session session(config, {.name = "slam2d", .log = [&console](hgros::LogLevel level, std::string_view text) {
-                                    if (level >= hgros::LogLevel::kWarning) console.Warn(text);
-                                  }});
-  if (options.save_map) return CallSaveMap(session, options.patience);
+  hgros::Session session(config, {.name = "slam2d", .log = console.log()});
   hgros::Transforms transforms(session);
   RollCall roll_call(session, ending);
   const DoneWatch done(session, ending);
@@ -224,12 +209,12 @@ int Run(const Options& options) {
           roll_call.Answer(plan.nodes, next_scan);
         };
       }
-      crew.mapper.emplace(session, ending, std::move(taken_over));
+      crew.mapper.emplace(session, *parameters.mapper, ending, console, std::move(taken_over));
     }
-    if (plan.Runs("matcher")) crew.matcher.emplace(session, transforms, ending);
+    if (plan.Runs("matcher")) crew.matcher.emplace(session, transforms, *parameters.matcher, ending, console);
     if (plan.Runs("source")) {
-      crew.source.emplace(session, transforms, std::move(reader),
-                          SourceOptions{options.rate, options.scans, options.move_mapper_at}, ending);
+      crew.source.emplace(session, transforms, std::move(reader), SourceOptions{options.scans, options.move_mapper_at},
+                          *parameters.source, ending, console);
     }
 
     std::jthread move;

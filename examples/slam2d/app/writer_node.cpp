@@ -93,6 +93,7 @@ void WriterNode::Take(const msg::MapUpdate& message) {
     }
     latest_ = std::chrono::steady_clock::now();
     if (trajectory_.empty()) first_ = shown_ = latest_;
+    if (message.has_layout()) map_ = OccupancyMap(Read(message.layout()));
     map_.Apply(Read(message));
     trajectory_.push_back(Read(message.match()));
     odometry_.push_back(Read(message.odometry()));
