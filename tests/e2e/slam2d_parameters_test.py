@@ -33,7 +33,8 @@ class Slam2dParameters(Slam2dTest):
         return code, out, err
 
     def tuned_from_the_start(self):
-        return self.hashes(self.start("--json", "--scans", SCANS, *assignments("--param", TUNED)))
+        return self.hashes(self.start("--json", "--scans", SCANS, "--out", "expected",
+                                      *assignments("--param", TUNED)))
 
     def start_three(self):
         processes = {}

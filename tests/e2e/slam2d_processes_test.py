@@ -93,6 +93,7 @@ class Slam2dProcesses(Slam2dTest):
         self.assertEqual(code, 0, err)
         self.assertIn(f"{self.folder}/slam2d_out/map.png, after ", out)
         self.assertTrue((self.folder / "slam2d_out/map.png").exists())
+        self.assertIn("log time    0.0 s .. ", out)
         self.assertIn("robot       x = ", out)  # the transforms of source and matcher
         self.assertEqual(self.hashes(running), self.reference(100))
 

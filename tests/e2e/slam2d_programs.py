@@ -17,20 +17,20 @@ DEADLINE_S = float(os.environ.get("SLAM2D_DEADLINE_S", "50"))
 SCANS = 300
 
 THREE = {
-    "source": ("[source]", "source", "scan, odometry, ready", {"matcher": "ready", "mapper": "ready, done"}),
+    "source": ("[source]", "source", "scan, odometry, clock, ready", {"matcher": "ready", "mapper": "ready, done"}),
     "matcher": ("[matcher]", "matcher", "pre_channel, trajectory, ready",
-                {"source": "scan, ready", "mapper": "next_channel, ready, done"}),
+                {"source": "scan, clock, ready", "mapper": "next_channel, ready, done"}),
     "mapper": ("[mapper, writer]", "mapper", "next_channel, map, ready, done",
-               {"source": "ready", "matcher": "pre_channel, ready"}),
+               {"source": "clock, ready", "matcher": "pre_channel, ready"}),
 }
 TWO = {
-    "front": ("[source, matcher]", "front", "pre_channel, ready", {"back": "next_channel, ready, done"}),
-    "back": ("[mapper, writer]", "back", "next_channel, map, ready, done", {"front": "pre_channel, ready"}),
+    "front": ("[source, matcher]", "front", "pre_channel, clock, ready", {"back": "next_channel, ready, done"}),
+    "back": ("[mapper, writer]", "back", "next_channel, map, ready, done", {"front": "pre_channel, clock, ready"}),
 }
 ROBOTS = {
-    "robot1": ("[source, matcher, mapper, writer]", "robot1", "map_state, ready, done", {"robot2": "ready"}),
+    "robot1": ("[source, matcher, mapper, writer]", "robot1", "map_state, clock, ready, done", {"robot2": "ready"}),
     "robot2": ("[mapper]\n  standby: true", "robot2", "next_channel, ready",
-               {"robot1": "map_state, pre_channel, ready, done"}),
+               {"robot1": "map_state, pre_channel, clock, ready, done"}),
 }
 
 
@@ -55,7 +55,7 @@ class Slam2dTest(unittest.TestCase):
                               for other, channels in subscribed.items())
         closed = "data_graph: {close_channels: [next_channel]}\n" if "standby" in nodes else ""
         file = self.folder / f"{name}.yaml"
-        file.write_text(f"slam2d:\n  nodes: {nodes}\n"
+        file.write_text(f"slam2d:\n  nodes: {nodes}\ntime: simulated\n"
                         f"network:\n  publisher:\n"
                         f"    {{ip: \"ipc://{self.folder}/{endpoint}.ipc\", channels: [{published}]}}\n"
                         f"  subscribers:\n{subscribers}{closed}")
@@ -81,14 +81,18 @@ class Slam2dTest(unittest.TestCase):
             self.fail(f"{process.args} hangs")
         return process.returncode, out, err
 
-    def hashes(self, process):
+    def result(self, process):
+        """What a process that ends well has to say with --json."""
         code, out, err = self.end(process)
         self.assertEqual(code, 0, err)
         results = [json.loads(line) for line in out.splitlines()]
         for node in results:
             if node["kind"] == "node":
                 self.assertEqual(node["dropped"], 0, node)
-        result = next(one for one in results if one["kind"] == "result")
+        return next(one for one in results if one["kind"] == "result")
+
+    def hashes(self, process):
+        result = self.result(process)
         return result["map_hash"], result["trajectory_hash"]
 
     def reference(self, *arguments):

@@ -150,12 +150,13 @@ std::uint64_t ScansSoFar(const Crew& crew) {
   return crew.source->sent();
 }
 
-void ShowProgress(const Plan& plan, const Options& options, const Crew& crew, Ending& ending, Console& console) {
+void ShowProgress(const Plan& plan, const Options& options, const hgros::Session& session, bool log_time,
+                  const Crew& crew, Console& console) {
   std::optional<std::uint64_t> all = options.scans;
   if (plan.Runs("source") && !options.log && !all) all = Options::kSimulatedScans;
   std::optional<std::chrono::steady_clock::time_point> began;
   std::uint64_t first = 0;
-  while (!ending.WaitUntil(std::chrono::steady_clock::now() + console.period())) {
+  while (!crew.ending.WaitUntil(std::chrono::steady_clock::now() + console.period())) {
     const std::uint64_t scans = ScansSoFar(crew);
     if (scans == 0) continue;
     const auto now = std::chrono::steady_clock::now();
@@ -164,13 +165,16 @@ void ShowProgress(const Plan& plan, const Options& options, const Crew& crew, En
       first = scans;
       continue;
     }
-    char text[128];
     const double per_second = static_cast<double>(scans - first) / std::chrono::duration<double>(now - *began).count();
-    if (all) {
-      std::snprintf(text, sizeof text, "scan %llu of %llu, %.0f scans/s", static_cast<unsigned long long>(scans),
-                    static_cast<unsigned long long>(*all), per_second);
-    } else {
-      std::snprintf(text, sizeof text, "scan %llu, %.0f scans/s", static_cast<unsigned long long>(scans), per_second);
+    std::string text = "scan " + std::to_string(scans);
+    if (all) text += " of " + std::to_string(*all);
+    char more[64];
+    std::snprintf(more, sizeof more, ", %.0f scans/s", per_second);
+    text += more;
+    if (log_time) {
+      std::snprintf(more, sizeof more, ", log time %.1f s",
+                    static_cast<double>(session.clock()->Now().nanoseconds) * 1e-9);
+      text += more;
     }
     console.Progress(text);
   }
@@ -181,7 +185,8 @@ int Run(const Options& options) {
   const Plan plan = ReadPlan(options.configs);
   CheckAgainst(plan, options);
   const std::vector<std::string> own_sections{kPlanSection};
-  const hgros::Config config = hgros::Config::Load(options.configs, own_sections);
+  hgros::Config config = hgros::Config::Load(options.configs, own_sections);
+  if (options.configs.empty()) config.simulated_time = true;  // Files say so themselves.
   if (options.asks()) return AskRunningDemo(options, config);
   const auto relations = options.relations ? ReadRelations(*options.relations) : std::vector<Relation>();
   ScanReader reader;
@@ -228,7 +233,7 @@ int Run(const Options& options) {
         });
       });
     }
-    ShowProgress(plan, options, crew, ending, console);
+    ShowProgress(plan, options, session, config.simulated_time, crew, console);
 
     report.graph = session.Snapshot().graph;
     if (crew.source) report.scans_sent = crew.source->sent();

@@ -102,8 +102,9 @@ int SaveMap(hgros::Session& session, std::chrono::seconds patience) {
     Complain("The map was not saved: " + saved.failure().reason);
     return kFailure;
   }
-  std::printf("map         %s, after %llu scans\ntrajectory  %s\n", saved->map_file().c_str(),
-              static_cast<unsigned long long>(saved->scans()), saved->trajectory_file().c_str());
+  std::printf("map         %s, after %llu scans\ntrajectory  %s\nlog time    %.1f s .. %.1f s\n",
+              saved->map_file().c_str(), static_cast<unsigned long long>(saved->scans()),
+              saved->trajectory_file().c_str(), saved->log_time().first_seconds(), saved->log_time().last_seconds());
   if (saved->has_robot()) {
     std::printf("robot       x = %.2f m, y = %.2f m, heading = %.2f rad\n", saved->robot().x(), saved->robot().y(),
                 saved->robot().theta());

@@ -26,6 +26,7 @@ SourceNode::SourceNode(hgros::Session& session, hgros::Transforms& transforms, S
       scans_(session.Advertise<msg::Scan>(kScan)),
       odometry_(session.Advertise<foxglove::PoseInFrame>(kOdometry)),
       rate_(params.Now().rate),
+      published_clock_(session, clock_),
       rate_set_(params.server().OnChange(kTunedSource.prefix,
                                          [this, &params](const hgros::ParamEvent&) {
                                            const std::scoped_lock lock(mutex_);
@@ -65,6 +66,7 @@ void SourceNode::Run() {
     ShowOdometry(scan);
   }
   if (stop_.stop_requested()) return;
+  clock_->Pause();
   auto end = std::make_unique<msg::Scan>();
   end->set_sequence(sent());
   end->set_end_of_log(true);

@@ -15,6 +15,7 @@
 #include <hgros/clock/derived_clocks.hpp>
 #include <hgros/hgros.hpp>
 #include <hgros/params/param_service.hpp>
+#include <hgros/session/clock_publisher.hpp>
 #include <hgros/tf/transforms.hpp>
 
 #include "../laser_scan.hpp"
@@ -34,8 +35,8 @@ struct SourceOptions {
 };
 
 /// Publishes scans on `scan` (lossless: it waits for the matcher) and their odometry on `odometry` and as the edges
-/// from `odom` to `laser`, from a thread of its own. Its clock shows the log's time: it steps from scan to scan, or
-/// runs at the rate of `slam.source.rate` and the scans come when it shows their stamps.
+/// from `odom` to `laser`, from a thread of its own. The clock that it publishes shows the log's time: it steps from
+/// scan to scan, or runs at the rate of `slam.source.rate` and the scans come when it shows their stamps.
 ///
 /// Threading: thread-safe once made.
 /// Lifetime: to be destroyed after the ending has been decided; the destructor waits for the thread.
@@ -85,6 +86,7 @@ class SourceNode {
   Hold hold_ = Hold::kNotYet;
   double rate_;
 
+  const hgros::ClockPublisher published_clock_;
   hgros::Listening rate_set_;
   hgros::ParamService offered_;
 
