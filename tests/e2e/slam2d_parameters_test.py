@@ -105,6 +105,35 @@ class Slam2dParameters(Slam2dTest):
         self.assertEqual(tuned, self.tuned_from_the_start())
         self.assertNotEqual(tuned, self.reference(SCANS))
 
+    def test_what_is_edited_in_a_file_while_it_runs_is_as_if_given_at_the_start(self):
+        file = self.folder / "params.yaml"
+
+        def edit(params):
+            fresh = self.folder / "fresh.yaml"  # Half a file would be one without the rest.
+            fresh.write_text("".join(f"{path}: {value}\n" for path, value in params.items()))
+            fresh.rename(file)
+
+        def await_sentences(*sentences):
+            missing = set(sentences)
+            while missing:
+                line = running.stderr.readline()
+                self.assertNotEqual(line, "", f"the demo has ended without saying {missing}")
+                missing = {sentence for sentence in missing if sentence not in line}
+
+        def nested(params, rate):
+            return {"slam": json.dumps({"source": {"rate": rate}, **params})}
+
+        tuned = {"matcher": {"max_range_m": 8}, "map": {"min_translation_m": 0.5}}
+        edit(nested({}, 0.001))
+        running = self.start("--json", "--scans", SCANS, "--params", file, env=self.own)
+        self.ask([running], "--list-params")  # It has read the file.
+        edit(nested({"matcher": {"max_range": 8}}, 0.001))
+        await_sentences("There is no parameter slam.matcher.max_range. Did you mean slam.matcher.max_range_m?")
+        edit(nested(tuned, 0.001))
+        await_sentences("slam.matcher.max_range_m is 8 from", "slam.map.min_translation_m is 0.5 from")
+        edit(nested(tuned, 0))
+        self.assertEqual(self.hashes(running), self.tuned_from_the_start())
+
     def test_each_of_three_processes_offers_the_parameters_of_its_nodes(self):
         processes = self.start_three()
         # The source has its place last: it begins when all others are there.

@@ -22,6 +22,7 @@ class Console {
   ~Console();
 
   void Say(std::string_view sentence);
+  /// Not the same one twice in a row: several nodes may find one fault.
   void Warn(std::string_view sentence);
   /// Where the library says what goes wrong. To be used no longer than the console.
   [[nodiscard]] hgros::LogSink log();
@@ -41,6 +42,7 @@ class Console {
   std::mutex mutex_;
   bool line_shown_ = false;
   std::string last_line_;
+  std::string last_warning_;
 };
 
 }  // namespace slam2d

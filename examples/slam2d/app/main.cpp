@@ -194,9 +194,9 @@ int Run(const Options& options) {
   if (plan.Runs("writer")) MakeFolder(options.out);
 
   Console console(options.quiet);
-  Parameters parameters(plan, options.params, console);
   Ending ending;
   const SignalWatch signals([&ending](int signal) { ending.Interrupt(signal); });
+  Parameters parameters(plan, options.params, console);
   hgros::Session session(config, {.name = "slam2d", .log = console.log()});
   hgros::Transforms transforms(session);
   RollCall roll_call(session, ending);

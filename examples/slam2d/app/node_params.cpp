@@ -20,24 +20,27 @@ std::string UnknownParam(const std::string& path, const std::vector<std::string>
   return "There is no parameter " + path + "." + (nearest.empty() ? "" : " Did you mean " + nearest + "?");
 }
 
-DeclaredParams::DeclaredParams(const hgros::ParamSources& sources, Console& console)
-    : server_(sources, console.log()),
-      validating_(server_.AddValidator("slam",
-                                       [this](const hgros::ParamEvent& event) -> std::optional<std::string> {
-                                         const std::vector<std::string> known = PathsOf(server_);
-                                         for (const hgros::ParamPath& path : event.paths) {
-                                           const std::string text = path.ToString();
-                                           if (event.after.At(path).exists() && std::ranges::count(known, text) == 0) {
-                                             return UnknownParam(text, known);
-                                           }
-                                         }
-                                         return std::nullopt;
-                                       })),
-      telling_(server_.OnChange("slam", [&console](const hgros::ParamEvent& event) {
+DeclaredParams::DeclaredParams(std::string_view prefix, const hgros::ParamSources& sources, Console& console)
+    : prefix_(hgros::ParamPath::Parse(prefix)),
+      server_(sources, console.log()),
+      validating_(server_.AddValidator("", [this](const hgros::ParamEvent& event) { return Fault(event); })),
+      telling_(server_.OnChange(prefix, [this, &console](const hgros::ParamEvent& event) {
         for (const hgros::ParamPath& path : event.paths) {
           const hgros::ParamView value = event.after.At(path);
-          if (value.exists()) console.Say(path.ToString() + " is " + value.node()->text + " from the next scan on.");
+          if (!path.Overlaps(prefix_) || !value.exists()) continue;
+          console.Say(path.ToString() + " is " + value.node()->text + " from the next scan on.");
         }
       })) {}
+
+std::optional<std::string> DeclaredParams::Fault(const hgros::ParamEvent& event) const {
+  const std::vector<std::string> known = PathsOf(server_);
+  for (const hgros::ParamPath& path : event.paths) {
+    const hgros::ParamView value = event.after.At(path);
+    const std::string text = path.ToString();
+    if (!value.exists() || std::ranges::count(known, text) != 0) continue;
+    if (path.Overlaps(prefix_) || value.node()->origin.at_run_time) return UnknownParam(text, known);
+  }
+  return std::nullopt;
+}
 
 }  // namespace slam2d
