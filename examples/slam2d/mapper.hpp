@@ -18,6 +18,9 @@ class Mapper {
   /// Goes on where another one stopped, with its map() and its T_map_drawn().
   Mapper(OccupancyMap map, std::optional<Pose2> T_map_drawn) : map_(std::move(map)), T_map_drawn_(T_map_drawn) {}
 
+  /// As OccupancyMap::SetOptions.
+  void SetOptions(const MapOptions& options) { map_.SetOptions(options); }
+
   /// Draws `scan` at `match` into the map if the laser has moved or turned enough since the last scan drawn. The delta
   /// carries the scan's sequence as version either way.
   MapDelta Add(const LaserScan2& scan, const ScanMatch& match);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace slam2d {
 namespace {
@@ -123,6 +124,13 @@ OccupancyMap::OccupancyMap(const MapOptions& options) : options_(options) {
   }
 }
 
+void OccupancyMap::SetOptions(const MapOptions& options) {
+  const MapOptions before = std::exchange(options_, options);
+  options_.cell_size_m = before.cell_size_m;
+  options_.max_value = before.max_value;
+  options_.min_value = before.min_value;
+}
+
 MapDelta OccupancyMap::Integrate(const LaserScan2& scan, const Pose2& T_map_laser) {
   const double cells_per_m = 1.0 / options_.cell_size_m;
   const Point2 origin{T_map_laser.x * cells_per_m, T_map_laser.y * cells_per_m};
@@ -154,7 +162,8 @@ MapDelta OccupancyMap::Integrate(const LaserScan2& scan, const Pose2& T_map_lase
   MapDelta delta;
   delta.version = version_ = scan.sequence;
   for (const auto& [index, bits] : footprint.tiles()) {
-    Tile& tile = tiles_.try_emplace(index).first->second;
+    const auto [place, is_new] = tiles_.try_emplace(index);
+    Tile& tile = place->second;
     const auto first = static_cast<std::uint32_t>(delta.cells.size());
     for (std::size_t row = 0; row < bits.hit.size(); ++row) {
       for (std::uint64_t left = bits.hit[row] | bits.bridged[row] | bits.crossed[row]; left != 0; left &= left - 1) {
@@ -174,7 +183,11 @@ MapDelta OccupancyMap::Integrate(const LaserScan2& scan, const Pose2& T_map_lase
       }
     }
     const auto count = static_cast<std::uint32_t>(delta.cells.size()) - first;
-    if (count > 0) delta.tiles.push_back({index, first, count});
+    if (count > 0) {
+      delta.tiles.push_back({index, first, count});
+    } else if (is_new) {
+      tiles_.erase(place);  // Replicas do not hear of it.
+    }
   }
   return delta;
 }

@@ -12,21 +12,20 @@
 
 namespace slam2d {
 
-/// How scans enter the map.
+/// How scans enter the map. tunables.hpp tells what each number is, and its bounds.
 struct MapOptions {
-  double cell_size_m = 0.05;         ///< Edge of a cell.
-  double max_hit_range_m = 30.0;     ///< Farther returns mark no obstacle and clear the way up to this range only.
-  double min_hit_range_m = 0.1;      ///< Nearer returns are the robot itself.
-  double max_bridge_m = 1.5;         ///< Farthest neighbouring returns between which a wall is drawn; 0: none is.
-  double bridge_tolerance_m = 0.05;  ///< How straight that wall must be, by the two returns on either side of it.
-  double min_bridge_offset_m = 0.6;  ///< Least distance of the laser from that wall's line: nearer, it is a veil of
-                                     ///< returns along an edge, not a wall.
-  int hit_gain = 18;                 ///< Added to a cell in which a beam ends.
-  int miss_loss = 5;                 ///< Subtracted from a cell that beams only cross.
-  int max_value = 60;                ///< Upper clamp; small enough that moved furniture is forgotten.
-  int min_value = -60;               ///< Lower clamp; free cells soon stop changing, which keeps deltas small.
-  double min_translation_m = 0.15;   ///< A scan is integrated after this much motion since the last one ...
-  double min_rotation_rad = 0.06;    ///< ... or this much turning.
+  double cell_size_m = 0.05;
+  double max_hit_range_m = 30.0;
+  double min_hit_range_m = 0.1;
+  double max_bridge_m = 1.5;
+  double bridge_tolerance_m = 0.05;  ///< By the two returns on either side of it.
+  double min_bridge_offset_m = 0.6;  ///< Nearer, it is a veil of returns along an edge, not a wall.
+  int hit_gain = 18;
+  int miss_loss = 5;
+  int max_value = 60;   ///< Small enough that moved furniture is forgotten.
+  int min_value = -60;  ///< Free cells soon stop changing, which keeps deltas small.
+  double min_translation_m = 0.15;
+  double min_rotation_rad = 0.06;
 };
 
 inline constexpr int kTileEdgeCells = 64;
@@ -74,6 +73,9 @@ class OccupancyMap {
   using Tile = std::array<std::int8_t, static_cast<std::size_t>(kTileEdgeCells) * kTileEdgeCells>;
 
   explicit OccupancyMap(const MapOptions& options = {});
+
+  /// Scans are drawn with `options` from now on. The size and the range of cells stay as they are.
+  void SetOptions(const MapOptions& options);
 
   /// Draws `scan`, taken at `T_map_laser`, into the map and returns what changed. The version becomes scan.sequence.
   MapDelta Integrate(const LaserScan2& scan, const Pose2& T_map_laser);

@@ -10,23 +10,24 @@
 
 namespace slam2d {
 
+/// How old places are recognised. tunables.hpp tells what each number is, and its bounds.
 struct RevisitOptions {
-  double lag_m = 20.0;              ///< What was drawn within this much travel is not yet "old".
-  double check_every_m = 0.2;       ///< Travel between two searches of the old map.
-  double half_width_m = 0.4;        ///< Search window along x and y: this much ...
-  double half_width_per_m = 0.02;   ///< ... and this much per m since the pose last agreed with the old map.
-  double max_half_width_m = 2.5;    ///< At most so wide.
-  double half_angle_rad = 0.05;     ///< Search window of the heading: this much ...
-  double half_angle_per_m = 0.002;  ///< ... and this much per m since then.
-  double max_half_angle_rad = 0.2;  ///< At most so wide.
+  double lag_m = 20.0;
+  double check_every_m = 0.2;
+  double half_width_m = 0.4;
+  double half_width_per_m = 0.02;
+  double max_half_width_m = 2.5;
+  double half_angle_rad = 0.05;
+  double half_angle_per_m = 0.002;
+  double max_half_angle_rad = 0.2;
   double angle_step_rad = 0.0075;
-  double cost_per_m2 = 0.05;      ///< Score lost per squared distance from the tracked pose ...
-  double cost_per_rad2 = 1.0;     ///< ... and per squared angle.
-  double min_score = 0.6;         ///< A place is recognised from this mean likelihood on ...
-  double min_gain = 0.12;         ///< ... and the tracked pose doubted if it scores this much less.
-  int confirmations = 5;          ///< Successive searches that must find the same correction ...
-  double same_distance_m = 0.25;  ///< ... up to this distance ...
-  double same_angle_rad = 0.04;   ///< ... and angle.
+  double cost_per_m2 = 0.05;
+  double cost_per_rad2 = 1.0;
+  double min_score = 0.6;
+  double min_gain = 0.12;
+  int confirmations = 5;
+  double same_distance_m = 0.25;
+  double same_angle_rad = 0.04;
 };
 
 /// Notices that the laser is back at a place mapped long ago, and that the tracked pose has drifted since.
@@ -39,6 +40,9 @@ struct RevisitOptions {
 class RevisitDetector {
  public:
   RevisitDetector(const RevisitOptions& options, double cell_size_m, double field_sigma_m);
+
+  /// Takes effect with the next Check() and Apply(). What is old already stays old.
+  void SetOptions(const RevisitOptions& options) { options_ = options; }
 
   struct Verdict {
     bool doubtful = false;             ///< The tracked pose contradicts the old map; do not draw from it.

@@ -108,8 +108,23 @@ ScanMatcher::ScanMatcher(const MatcherOptions& matcher_options, const MapOptions
       field_(map_options.cell_size_m, matcher_options.field_sigma_m),
       revisits_(matcher_options.revisit, map_options.cell_size_m, matcher_options.field_sigma_m) {}
 
+void ScanMatcher::SetOptions(const MatcherOptions& options) {
+  const double field_sigma_m = options_.field_sigma_m;
+  options_ = options;
+  options_.field_sigma_m = field_sigma_m;
+  revisits_.SetOptions(options.revisit);
+}
+
+void ScanMatcher::SetMap(const MapOptions& map_options) {
+  if (applied_) throw std::logic_error("A matcher cannot change its map while it follows it.");
+  replica_ = OccupancyMap(map_options);
+  field_ = LikelihoodField(map_options.cell_size_m, options_.field_sigma_m);
+  revisits_ = RevisitDetector(options_.revisit, map_options.cell_size_m, options_.field_sigma_m);
+}
+
 void ScanMatcher::Apply(const MapDelta& delta) {
   replica_.Apply(delta);
+  applied_ = true;
   field_.Apply(delta);
   revisits_.Apply(delta, travelled_m_);
 }

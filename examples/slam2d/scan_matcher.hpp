@@ -12,25 +12,26 @@
 
 namespace slam2d {
 
+/// How scans are matched. tunables.hpp tells what each number is, and its bounds.
 struct MatcherOptions {
-  double max_range_m = 25.0;         ///< Farther returns are not matched.
-  double min_range_m = 0.1;          ///< Nearer returns are the robot itself.
-  double point_spacing_m = 0.08;     ///< Points nearer to the one kept last than this are left out.
-  std::size_t min_points = 20;       ///< With fewer points odometry stands alone.
-  double field_sigma_m = 0.05;       ///< Smoothing of the likelihood field.
-  double skip_translation_m = 0.02;  ///< Below this much motion since the last match, and ...
-  double skip_rotation_rad = 0.01;   ///< ... this much turning, odometry stands alone.
-  double half_width_m = 0.15;        ///< Search window along x and y: this much ...
-  double half_width_per_m = 0.4;     ///< ... and this much per m of motion since the last match.
-  double max_half_width_m = 0.5;     ///< At most so wide.
-  double half_angle_rad = 0.12;      ///< Search window of the heading: this much ...
-  double half_angle_per_rad = 0.5;   ///< ... and this much per rad of turning since the last match.
-  double angle_step_rad = 0.0075;    ///< Grid of headings; the refinement goes between.
-  double cost_per_m2 = 4.0;          ///< Score lost per squared distance from the predicted pose ...
-  double cost_per_rad2 = 0.4;        ///< ... and per squared angle: decides where the walls leave it open.
-  double min_score = 0.25;           ///< Below this score odometry stands alone.
-  int max_refinements = 12;          ///< Gauss-Newton steps after the search.
-  RevisitOptions revisit;            ///< How old places are recognised.
+  double max_range_m = 25.0;
+  double min_range_m = 0.1;
+  double point_spacing_m = 0.08;
+  std::size_t min_points = 20;
+  double field_sigma_m = 0.05;
+  double skip_translation_m = 0.02;
+  double skip_rotation_rad = 0.01;
+  double half_width_m = 0.15;
+  double half_width_per_m = 0.4;
+  double max_half_width_m = 0.5;
+  double half_angle_rad = 0.12;
+  double half_angle_per_rad = 0.5;
+  double angle_step_rad = 0.0075;
+  double cost_per_m2 = 4.0;
+  double cost_per_rad2 = 0.4;  ///< Both costs decide where the walls leave it open.
+  double min_score = 0.25;
+  int max_refinements = 12;
+  RevisitOptions revisit;
 };
 
 /// Where a scan was taken, and how sure that is.
@@ -64,6 +65,13 @@ class ScanMatcher {
  public:
   ScanMatcher(const MatcherOptions& matcher_options, const MapOptions& map_options);
 
+  /// Scans are matched with `options` from now on. The field's smoothing stays as it is.
+  void SetOptions(const MatcherOptions& options);
+  /// Follows a map with cells of another size. To be called before its first delta.
+  ///
+  /// Errors: throws std::logic_error if a delta has been applied, std::invalid_argument as OccupancyMap() does.
+  void SetMap(const MapOptions& map_options);
+
   /// The pose of `scan`. The first scan's is its odometry.
   ///
   /// Errors: throws std::logic_error if the delta of the scan before has not been applied.
@@ -82,6 +90,7 @@ class ScanMatcher {
   RevisitDetector revisits_;
   double travelled_m_ = 0.0;
   bool started_ = false;
+  bool applied_ = false;  // A delta.
   std::uint64_t last_sequence_ = 0;
   Pose2 T_odometry_matched_;  // Odometry and pose of the scan matched last.
   Pose2 T_map_matched_;

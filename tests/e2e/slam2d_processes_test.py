@@ -4,109 +4,17 @@
     SLAM2D=<binary> SLAM2D_REFERENCE=<binary> slam2d_processes_test.py [TEST...]
 """
 
-import contextlib
 import gzip
 import json
 import os
 import pathlib
 import pty
 import signal
-import subprocess
-import sys
-import tempfile
-import unittest
 
-BINARY = os.environ["SLAM2D"]
-REFERENCE = os.environ["SLAM2D_REFERENCE"]
-os.environ.setdefault("HGROS_DOMAIN", "none")
-DATA = os.environ.get("HGROS_DATA", "")
-DEADLINE_S = float(os.environ.get("SLAM2D_DEADLINE_S", "50"))
-SCANS = 300
-
-THREE = {
-    "source": ("[source]", "source", "scan, odometry, ready", {"matcher": "ready", "mapper": "ready, done"}),
-    "matcher": ("[matcher]", "matcher", "pre_channel, trajectory, ready",
-                {"source": "scan, ready", "mapper": "next_channel, ready, done"}),
-    "mapper": ("[mapper, writer]", "mapper", "next_channel, map, ready, done",
-               {"source": "ready", "matcher": "pre_channel, ready"}),
-}
-TWO = {
-    "front": ("[source, matcher]", "front", "pre_channel, ready", {"back": "next_channel, ready, done"}),
-    "back": ("[mapper, writer]", "back", "next_channel, map, ready, done", {"front": "pre_channel, ready"}),
-}
-ROBOTS = {
-    "robot1": ("[source, matcher, mapper, writer]", "robot1", "map_state, ready, done", {"robot2": "ready"}),
-    "robot2": ("[mapper]\n  standby: true", "robot2", "next_channel, ready",
-               {"robot1": "map_state, pre_channel, ready, done"}),
-}
+from slam2d_programs import DATA, ROBOTS, SCANS, THREE, TWO, Slam2dTest, main
 
 
-class Slam2dProcesses(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="slam2d_")
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        self.processes = []
-        self.addCleanup(self.end_processes)
-
-    def end_processes(self):
-        for process in self.processes:
-            if process.poll() is None:
-                process.kill()
-            with contextlib.suppress(ValueError):
-                process.communicate()
-
-    def write_config(self, name, plan):
-        nodes, endpoint, published, subscribed = plan
-        subscribers = "".join(f"    - {{ip: \"ipc://{self.folder}/{other}.ipc\", channels: [{channels}]}}\n"
-                              for other, channels in subscribed.items())
-        closed = "data_graph: {close_channels: [next_channel]}\n" if "standby" in nodes else ""
-        file = self.folder / f"{name}.yaml"
-        file.write_text(f"slam2d:\n  nodes: {nodes}\n"
-                        f"network:\n  publisher:\n"
-                        f"    {{ip: \"ipc://{self.folder}/{endpoint}.ipc\", channels: [{published}]}}\n"
-                        f"  subscribers:\n{subscribers}{closed}")
-        return file
-
-    def start(self, *arguments, **options):
-        options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}
-        process = subprocess.Popen([BINARY, *map(str, arguments)], cwd=self.folder, **options)
-        self.processes.append(process)
-        return process
-
-    def start_plan(self, plan, extra=None):
-        """Starts every process of the plan; returns them by name."""
-        extra = extra or {}
-        return {name: self.start("--json", "--config", self.write_config(name, part), *extra.get(name, []))
-                for name, part in plan.items()}
-
-    def end(self, process):
-        """Waits for a process; returns exit code, standard output and standard error."""
-        try:
-            out, err = process.communicate(timeout=DEADLINE_S)
-        except subprocess.TimeoutExpired:
-            self.fail(f"{process.args} hangs")
-        return process.returncode, out, err
-
-    def hashes(self, process):
-        code, out, err = self.end(process)
-        self.assertEqual(code, 0, err)
-        results = [json.loads(line) for line in out.splitlines()]
-        for node in results:
-            if node["kind"] == "node":
-                self.assertEqual(node["dropped"], 0, node)
-        result = next(one for one in results if one["kind"] == "result")
-        return result["map_hash"], result["trajectory_hash"]
-
-    def reference(self, *arguments):
-        done = subprocess.run([REFERENCE, *map(str, arguments)], check=True, text=True, capture_output=True,
-                              timeout=DEADLINE_S)
-        return tuple(done.stdout.split())
-
-    def assert_all_agree(self, processes, expected):
-        self.assertEqual({name: self.hashes(process) for name, process in processes.items()},
-                         dict.fromkeys(processes, expected))
-
+class Slam2dProcesses(Slam2dTest):
     def test_what_a_command_line_cannot_mean_is_a_sentence_with_the_mend(self):
         for arguments, sentence in (
                 (["--log", "missing.log"], "The log missing.log cannot be opened: No such file or directory. Name a "),
@@ -185,6 +93,7 @@ class Slam2dProcesses(unittest.TestCase):
         self.assertEqual(code, 0, err)
         self.assertIn(f"{self.folder}/slam2d_out/map.png, after ", out)
         self.assertTrue((self.folder / "slam2d_out/map.png").exists())
+        self.assertIn("log time    0.0 s .. ", out)
         self.assertIn("robot       x = ", out)  # the transforms of source and matcher
         self.assertEqual(self.hashes(running), self.reference(100))
 
@@ -237,4 +146,4 @@ class Slam2dProcesses(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], *(f"Slam2dProcesses.{name}" for name in sys.argv[1:])])
+    main(Slam2dProcesses)

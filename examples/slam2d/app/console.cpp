@@ -29,7 +29,20 @@ void Console::Say(std::string_view sentence) {
   if (!quiet_) Write(sentence);
 }
 
-void Console::Warn(std::string_view sentence) { Write(sentence); }
+void Console::Warn(std::string_view sentence) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (sentence == last_warning_) return;
+    last_warning_ = sentence;
+  }
+  Write(sentence);
+}
+
+hgros::LogSink Console::log() {
+  return [this](hgros::LogLevel level, std::string_view text) {
+    if (level >= hgros::LogLevel::kWarning) Warn(text);
+  };
+}
 
 void Console::Progress(const std::string& line) {
   if (quiet_) return;

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include <hgros/base/log.hpp>
+
 namespace slam2d {
 
 /// Standard error as the user sees it: sentences, and below them one line of progress that is rewritten on a terminal
@@ -20,7 +22,10 @@ class Console {
   ~Console();
 
   void Say(std::string_view sentence);
+  /// Not the same one twice in a row: several nodes may find one fault.
   void Warn(std::string_view sentence);
+  /// Where the library says what goes wrong. To be used no longer than the console.
+  [[nodiscard]] hgros::LogSink log();
   void Progress(const std::string& line);
   /// Takes the line of progress away.
   void EndProgress();
@@ -37,6 +42,7 @@ class Console {
   std::mutex mutex_;
   bool line_shown_ = false;
   std::string last_line_;
+  std::string last_warning_;
 };
 
 }  // namespace slam2d

@@ -19,7 +19,9 @@
 #include "mapper_node.hpp"
 #include "matcher_node.hpp"
 #include "options.hpp"
+#include "parameters.hpp"
 #include "plan.hpp"
+#include "remote_commands.hpp"
 #include "report.hpp"
 #include "roll_call.hpp"
 #include "signal_watch.hpp"
@@ -148,12 +150,13 @@ std::uint64_t ScansSoFar(const Crew& crew) {
   return crew.source->sent();
 }
 
-void ShowProgress(const Plan& plan, const Options& options, const Crew& crew, Ending& ending, Console& console) {
+void ShowProgress(const Plan& plan, const Options& options, const hgros::Session& session, bool log_time,
+                  const Crew& crew, Console& console) {
   std::optional<std::uint64_t> all = options.scans;
   if (plan.Runs("source") && !options.log && !all) all = Options::kSimulatedScans;
   std::optional<std::chrono::steady_clock::time_point> began;
   std::uint64_t first = 0;
-  while (!ending.WaitUntil(std::chrono::steady_clock::now() + console.period())) {
+  while (!crew.ending.WaitUntil(std::chrono::steady_clock::now() + console.period())) {
     const std::uint64_t scans = ScansSoFar(crew);
     if (scans == 0) continue;
     const auto now = std::chrono::steady_clock::now();
@@ -162,52 +165,39 @@ void ShowProgress(const Plan& plan, const Options& options, const Crew& crew, En
       first = scans;
       continue;
     }
-    char text[128];
     const double per_second = static_cast<double>(scans - first) / std::chrono::duration<double>(now - *began).count();
-    if (all) {
-      std::snprintf(text, sizeof text, "scan %llu of %llu, %.0f scans/s", static_cast<unsigned long long>(scans),
-                    static_cast<unsigned long long>(*all), per_second);
-    } else {
-      std::snprintf(text, sizeof text, "scan %llu, %.0f scans/s", static_cast<unsigned long long>(scans), per_second);
+    std::string text = "scan " + std::to_string(scans);
+    if (all) text += " of " + std::to_string(*all);
+    char more[64];
+    std::snprintf(more, sizeof more, ", %.0f scans/s", per_second);
+    text += more;
+    if (log_time) {
+      std::snprintf(more, sizeof more, ", log time %.1f s",
+                    static_cast<double>(session.clock()->Now().nanoseconds) * 1e-9);
+      text += more;
     }
     console.Progress(text);
   }
   console.EndProgress();
 }
 
-// Asks the writer of a running demo.
-int CallSaveMap(hgros::Session& session, std::chrono::seconds patience) {
-  const auto saved = session.Call<msg::SaveMap, msg::MapSaved>(kSaveMap, msg::SaveMap(), patience).Wait();
-  if (!saved) {
-    std::fprintf(stderr, "slam2d: The map was not saved: %s\n", saved.failure().reason.c_str());
-    return kFailure;
-  }
-  std::printf("map         %s, after %llu scans\ntrajectory  %s\n", saved->map_file().c_str(),
-              static_cast<unsigned long long>(saved->scans()), saved->trajectory_file().c_str());
-  if (saved->has_robot()) {
-    std::printf("robot       x = %.2f m, y = %.2f m, heading = %.2f rad\n", saved->robot().x(), saved->robot().y(),
-                saved->robot().theta());
-  }
-  return kSuccess;
-}
-
 int Run(const Options& options) {
   const Plan plan = ReadPlan(options.configs);
   CheckAgainst(plan, options);
   const std::vector<std::string> own_sections{kPlanSection};
-  const hgros::Config config = hgros::Config::Load(options.configs, own_sections);
+  hgros::Config config = hgros::Config::Load(options.configs, own_sections);
+  if (options.configs.empty()) config.simulated_time = true;  // Files say so themselves.
+  if (options.asks()) return AskRunningDemo(options, config);
   const auto relations = options.relations ? ReadRelations(*options.relations) : std::vector<Relation>();
   ScanReader reader;
-  if (plan.Runs("source") && !options.save_map) reader = OpenSource(options);
-  if (plan.Runs("writer") && !options.save_map) MakeFolder(options.out);
+  if (plan.Runs("source")) reader = OpenSource(options);
+  if (plan.Runs("writer")) MakeFolder(options.out);
 
   Console console(options.quiet);
   Ending ending;
   const SignalWatch signals([&ending](int signal) { ending.Interrupt(signal); });
-  hgros::Session session(config, {.name = "slam2d", .log = [&console](hgros::LogLevel level, std::string_view text) {
-                                    if (level >= hgros::LogLevel::kWarning) console.Warn(text);
-                                  }});
-  if (options.save_map) return CallSaveMap(session, options.patience);
+  Parameters parameters(plan, options.params, console);
+  hgros::Session session(config, {.name = "slam2d", .log = console.log()});
   hgros::Transforms transforms(session);
   RollCall roll_call(session, ending);
   const DoneWatch done(session, ending);
@@ -224,12 +214,12 @@ int Run(const Options& options) {
           roll_call.Answer(plan.nodes, next_scan);
         };
       }
-      crew.mapper.emplace(session, ending, std::move(taken_over));
+      crew.mapper.emplace(session, *parameters.mapper, ending, console, std::move(taken_over));
     }
-    if (plan.Runs("matcher")) crew.matcher.emplace(session, transforms, ending);
+    if (plan.Runs("matcher")) crew.matcher.emplace(session, transforms, *parameters.matcher, ending, console);
     if (plan.Runs("source")) {
-      crew.source.emplace(session, transforms, std::move(reader),
-                          SourceOptions{options.rate, options.scans, options.move_mapper_at}, ending);
+      crew.source.emplace(session, transforms, std::move(reader), SourceOptions{options.scans, options.move_mapper_at},
+                          *parameters.source, ending, console);
     }
 
     std::jthread move;
@@ -243,7 +233,7 @@ int Run(const Options& options) {
         });
       });
     }
-    ShowProgress(plan, options, crew, ending, console);
+    ShowProgress(plan, options, session, config.simulated_time, crew, console);
 
     report.graph = session.Snapshot().graph;
     if (crew.source) report.scans_sent = crew.source->sent();

@@ -1,9 +1,29 @@
 #include "map_owner.hpp"
 
 #include <optional>
+#include <sstream>
+#include <stdexcept>
 #include <utility>
 
 namespace slam2d {
+
+namespace {
+
+// As its options say now, and as they were where the map was begun.
+void RequireSame(const MapOptions& ours, const MapOptions& theirs) {
+  const auto require = [](const char* name, double our_value, double their_value) {
+    if (our_value == their_value) return;
+    std::ostringstream text;
+    text << "the map that comes has slam.map." << name << " = " << their_value << ", but here it is " << our_value
+         << ". Start both mappers with the same.";
+    throw std::invalid_argument(text.str());
+  };
+  require("cell_size_m", ours.cell_size_m, theirs.cell_size_m);
+  require("min_value", ours.min_value, theirs.min_value);
+  require("max_value", ours.max_value, theirs.max_value);
+}
+
+}  // namespace
 
 MapDelta MapOwner::Add(const LaserScan2& scan, const ScanMatch& match) {
   next_scan_ = scan.sequence + 1;
@@ -24,11 +44,13 @@ void MapOwner::Save(msg::MapState& state) const {
     all.tiles.push_back({index, first, static_cast<std::uint32_t>(all.cells.size()) - first});
   }
   Write(all, *state.mutable_map());
+  Write(map().options(), *state.mutable_map()->mutable_layout());
   if (mapper_.T_map_drawn()) Write(*mapper_.T_map_drawn(), *state.mutable_drawn());
 }
 
 void MapOwner::Restore(const msg::MapState& state) {
-  OccupancyMap map;
+  OccupancyMap map(mapper_.map().options());
+  RequireSame(map.options(), Read(state.map().layout()));
   map.Apply(Read(state.map()));
   std::optional<Pose2> drawn;
   if (state.has_drawn()) drawn = Read(state.drawn());

@@ -13,6 +13,11 @@ namespace slam2d {
 /// Threading: one thread at a time.
 class MapOwner {
  public:
+  explicit MapOwner(const MapOptions& options) : mapper_(options) {}
+
+  /// As Mapper::SetOptions.
+  void SetOptions(const MapOptions& options) { mapper_.SetOptions(options); }
+
   /// As Mapper::Add.
   MapDelta Add(const LaserScan2& scan, const ScanMatch& match);
 
@@ -21,11 +26,13 @@ class MapOwner {
   [[nodiscard]] const OccupancyMap& map() const { return mapper_.map(); }
 
   void Save(msg::MapState& state) const;
-  /// Errors: throws std::invalid_argument if the state contradicts itself.
+  /// Goes on with the state's map and this owner's options.
+  ///
+  /// Errors: throws std::invalid_argument if the state contradicts itself or has other cells than the options say.
   void Restore(const msg::MapState& state);
 
  private:
-  Mapper mapper_{MapOptions{}};
+  Mapper mapper_;
   std::uint64_t next_scan_ = 0;
 };
 

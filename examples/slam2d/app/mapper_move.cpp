@@ -33,6 +33,7 @@ void MoveMapper(std::uint64_t at, std::chrono::seconds patience, hgros::Session&
     ending.Fail("No process on standby has taken the mapper over within " + std::to_string(patience.count()) + " s.");
     return;
   }
+  mapper.Retire();
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
   console.Say("From scan " + std::to_string(at) + " on the mapper runs in session " + successor + "; the move took " +
               std::to_string(static_cast<int>(took.count() + 0.5)) + " ms.");

@@ -6,21 +6,29 @@
 #include <utility>
 
 #include "channels.hpp"
+#include "parameters.hpp"
 
 namespace slam2d {
 
-MapperNode::MapperNode(hgros::Session& session, Ending& ending, std::function<void(std::uint64_t)> taken_over)
-    : ending_(ending),
+MapperNode::MapperNode(hgros::Session& session, NodeParams<MapOptions>& params, Ending& ending, Console& console,
+                       std::function<void(std::uint64_t)> taken_over)
+    : session_(session),
+      params_(params),
+      ending_(ending),
+      console_(console),
       stop_(ending.token()),
       taken_over_(std::move(taken_over)),
       updates_(session.Advertise<msg::MapUpdate>(kNextChannel)),
       states_(session.Advertise<msg::MapState>(kMapState, {.latched = 1})),
+      owner_(params.Now()),
       standby_(taken_over_ != nullptr) {
   if (standby_) {
     state_subscription_ = session.FromAny<msg::MapState>(
         kMapState, hgros::Invoke::kSerial,
         [this](const msg::MapState& message) { ending_.Guard("mapper", [&] { TakeState(message); }); },
         {.name = "mapper/state", .queue = hgros::Queue::KeepAll(1), .executor = {}});
+  } else {
+    OfferParams();
   }
   match_subscription_ = session.FromAny<msg::MatchedScan>(
       kPreChannel, hgros::Invoke::kSerial,
@@ -36,8 +44,13 @@ void MapperNode::TakeState(const msg::MapState& message) {
     published_scans_ = message.next_scan();
     standby_ = false;
   }
+  OfferParams();
   taken_over_(message.next_scan());
 }
+
+void MapperNode::OfferParams() { offered_.emplace(session_, params_.server(), kTunedMapper.offered, console_.log()); }
+
+void MapperNode::Retire() { offered_.reset(); }
 
 void MapperNode::TakeMatch(const msg::MatchedScan& message) {
   auto update = std::make_unique<msg::MapUpdate>();
@@ -52,6 +65,8 @@ void MapperNode::TakeMatch(const msg::MatchedScan& message) {
       update->set_version(scan.sequence());
       update->set_end_of_log(true);
     } else {
+      if (const auto options = params_.News()) owner_.SetOptions(*options);
+      if (scan.sequence() == 0) Write(owner_.map().options(), *update->mutable_layout());
       Write(owner_.Add(Read(scan), Read(message.match())), *update);
       *update->mutable_match() = message.match();
       *update->mutable_odometry() = scan.odometry();

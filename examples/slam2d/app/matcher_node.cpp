@@ -7,17 +7,20 @@
 
 #include "channels.hpp"
 #include "frames.hpp"
+#include "parameters.hpp"
 #include "pose_message.hpp"
 
 namespace slam2d {
 
-MatcherNode::MatcherNode(hgros::Session& session, hgros::Transforms& transforms, Ending& ending)
+MatcherNode::MatcherNode(hgros::Session& session, hgros::Transforms& transforms, NodeParams<MatcherOptions>& params,
+                         Ending& ending, Console& console)
     : transforms_(transforms),
+      params_(params),
       ending_(ending),
       stop_(ending.token()),
       matches_(session.Advertise<msg::MatchedScan>(kPreChannel)),
       trajectory_(session.Advertise<foxglove::PoseInFrame>(kTrajectory)),
-      matcher_(MatcherOptions{}, MapOptions{}),
+      matcher_(params.Now(), MapOptions{}),
       map_subscription_(session.FromAny<msg::MapUpdate>(
           kNextChannel, hgros::Invoke::kSerial,
           [this](const msg::MapUpdate& message) { ending_.Guard("matcher", [&] { TakeMap(message); }); },
@@ -25,7 +28,8 @@ MatcherNode::MatcherNode(hgros::Session& session, hgros::Transforms& transforms,
       scan_subscription_(session.FromAny<msg::Scan>(
           kScan, hgros::Invoke::kSerial,
           [this](const msg::Scan& message) { ending_.Guard("matcher", [&] { TakeScan(message); }); },
-          {.name = kName, .queue = hgros::Queue::KeepAll(kScanDepth), .executor = hgros::Executor::Dedicated()})) {}
+          {.name = kName, .queue = hgros::Queue::KeepAll(kScanDepth), .executor = hgros::Executor::Dedicated()})),
+      offered_(session, params.server(), kTunedMatcher.offered, console.log()) {}
 
 void MatcherNode::TakeMap(const msg::MapUpdate& message) {
   if (message.end_of_log()) return;
@@ -35,6 +39,7 @@ void MatcherNode::TakeMap(const msg::MapUpdate& message) {
     throw std::runtime_error("the map after scan " + std::to_string(delta.version) + " came where that after scan " +
                              std::to_string(updates_) + " is due.");
   }
+  if (message.has_layout()) matcher_.SetMap(Read(message.layout()));
   matcher_.Apply(delta);
   ++updates_;
   map_changed_.notify_all();
@@ -47,6 +52,7 @@ void MatcherNode::TakeScan(const msg::Scan& message) {
     std::unique_lock lock(mutex_);
     if (!map_changed_.wait(lock, stop_, [&] { return updates_ >= message.sequence(); })) return;
     if (!message.end_of_log()) {
+      if (const auto options = params_.News()) matcher_.SetOptions(*options);
       match = matcher_.Match(Read(message));
       Write(match, *matched->mutable_match());
     }

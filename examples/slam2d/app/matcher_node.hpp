@@ -8,11 +8,14 @@
 
 #include <foxglove/PoseInFrame.pb.h>
 #include <hgros/hgros.hpp>
+#include <hgros/params/param_service.hpp>
 #include <hgros/tf/transforms.hpp>
 
 #include "../scan_matcher.hpp"
+#include "console.hpp"
 #include "ending.hpp"
 #include "messages.hpp"
+#include "node_params.hpp"
 
 namespace slam2d {
 
@@ -21,14 +24,16 @@ namespace slam2d {
 ///
 /// A scan waits inside its callback (on a thread of its own) until the map after the scan before is there: joined by
 /// sequence, so that the result does not depend on who is faster. The scans behind it fill the queue, and that holds
-/// the source back.
+/// the source back. Parameters that are set take effect between two scans.
 ///
 /// Lifetime: to be destroyed after the ending has been decided.
 class MatcherNode {
  public:
   static constexpr const char* kName = "matcher";
 
-  MatcherNode(hgros::Session& session, hgros::Transforms& transforms, Ending& ending);
+  /// `params` is to outlive the node.
+  MatcherNode(hgros::Session& session, hgros::Transforms& transforms, NodeParams<MatcherOptions>& params,
+              Ending& ending, Console& console);
 
   [[nodiscard]] std::uint64_t matched() const { return matched_.load(std::memory_order_relaxed); }
 
@@ -38,6 +43,7 @@ class MatcherNode {
   void ShowMatch(const ScanMatch& match, const Pose2& T_odom_laser);
 
   hgros::Transforms& transforms_;
+  NodeParams<MatcherOptions>& params_;
   Ending& ending_;
   const std::stop_token stop_;
   hgros::Publisher<msg::MatchedScan> matches_;
@@ -51,6 +57,7 @@ class MatcherNode {
 
   hgros::Subscription map_subscription_;
   hgros::Subscription scan_subscription_;
+  hgros::ParamService offered_;
 };
 
 }  // namespace slam2d

@@ -72,6 +72,23 @@ void Write(const MapDelta& delta, msg::MapUpdate& message) {
   if (!delta.values.empty()) std::memcpy(message.mutable_values()->data(), delta.values.data(), delta.values.size());
 }
 
+void Write(const MapOptions& options, msg::MapLayout& message) {
+  message.set_cell_size_m(options.cell_size_m);
+  message.set_min_value(options.min_value);
+  message.set_max_value(options.max_value);
+}
+
+MapOptions Read(const msg::MapLayout& message) {
+  MapOptions options;
+  options.cell_size_m = message.cell_size_m();
+  options.min_value = message.min_value();
+  options.max_value = message.max_value();
+  if (!(options.cell_size_m >= 0.001) || options.min_value >= 0 || options.max_value <= 0) {
+    throw std::invalid_argument("A map's layout has no cells that a map can have.");
+  }
+  return options;
+}
+
 MapDelta Read(const msg::MapUpdate& message) {
   if (message.tile_x_size() != message.tile_y_size() || message.tile_x_size() != message.tile_count_size()) {
     throw std::invalid_argument("A map update has not one place and one count for each tile.");

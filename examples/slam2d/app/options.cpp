@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <hgros/base/names.hpp>
+#include <hgros/params/param_codec.hpp>
 
 #include "ending.hpp"
+#include "parameters.hpp"
 
 namespace slam2d {
 namespace {
@@ -32,6 +35,13 @@ std::string RateOrNothing(const std::string& text) {
   double rate = -1;
   if (CLI::detail::lexical_cast(text, rate) && rate >= 0 && rate <= 1e6) return {};
   return "must be a number from 0 to 1000000, but is \"" + text + "\".";
+}
+
+std::string Assignment(const std::string& text) {
+  if (std::string fault = NoOption(text); !fault.empty()) return fault;
+  const std::size_t equals = text.find('=');
+  if (equals != std::string::npos && equals > 0 && equals + 1 < text.size()) return {};
+  return "must be PATH=VALUE, as in slam.matcher.max_range_m=20, but is \"" + text + "\".";
 }
 
 std::string UnknownOption(const CLI::App& app) {
@@ -65,6 +75,8 @@ std::string Sentence(const CLI::App& app, const CLI::ParseError& error) {
 std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   Options options;
   int patience_s = static_cast<int>(options.patience.count());
+  std::vector<std::string> set_params;
+  std::vector<std::string> taken_before;
   CLI::App app{"2D laser SLAM as a hypergraph of nodes: source, matcher, mapper, writer."};
   app.footer(
       "Without --log a simulated building is driven through. Exit codes: 0 done, 1 failed while running,\n"
@@ -82,6 +94,12 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
       ->option_text("FILE")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(NoOption);
+  app.add_option("--params", options.params.files, "YAML: parameters of the nodes, below slam; repeatable")
+      ->option_text("FILE")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->check(NoOption);
+  app.add_option("--param", taken_before, "One parameter, as in slam.matcher.max_range_m=20; repeatable")
+      ->option_text("PATH=VALUE");
   app.add_option("--move-mapper-at", options.move_mapper_at,
                  "At scan K hand the mapper to a process on standby, while running")
       ->option_text("K")
@@ -92,17 +110,37 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   app.add_option("--patience", patience_s, "Seconds to wait for other processes (default: 30)")
       ->option_text("S")
       ->check(WholeNumberFromOne);
+  app.add_flag("--list-params", options.list_params, "List the parameters of the demo that runs in another process");
+  app.add_option("--set-param", set_params, "Set a parameter of the demo that runs in another process; repeatable")
+      ->option_text("PATH=VALUE")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->check(Assignment);
   app.add_flag("--save-map", options.save_map, "Ask the demo that runs in another process to write its map now");
   app.add_flag("--quiet", options.quiet, "No progress on standard error, only what goes wrong");
   app.add_flag("--json", options.json, "The result as JSON, an object a line");
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    options.params.overrides = hgros::ParamOverridesOfEnvironment();
+    std::ranges::move(hgros::TakeParamArguments(arguments), std::back_inserter(options.params.overrides));
+    std::ranges::reverse(arguments);  // as CLI11 takes them
+    app.parse(std::move(arguments));
+  } catch (const hgros::ParamError& error) {
+    std::fprintf(stderr, "slam2d: %s\n", error.what());
+    return static_cast<int>(kBadInput);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "slam2d: %s --help lists the options.\n", Sentence(app, error).c_str());
     return static_cast<int>(kBadInput);
   }
   options.patience = std::chrono::seconds(patience_s);
+  if (options.rate) {
+    options.params.overrides.push_back(
+        {kTunedSource.prefix + std::string(".rate"), hgros::ParamCodec<double>::Write(*options.rate).text, "--rate"});
+  }
+  for (const std::string& text : set_params) {
+    const std::size_t equals = text.find('=');
+    options.set_params.push_back({text.substr(0, equals), text.substr(equals + 1), "--set-param"});
+  }
   return options;
 }
 
@@ -113,7 +151,7 @@ void CheckAgainst(const Plan& plan, const Options& options) {
                              "; this one runs only " + Enumerate({plan.nodes.begin(), plan.nodes.end()}) + ".");
   };
   require(options.log.has_value(), "--log", "source");
-  require(options.rate > 0.0, "--rate", "source");
+  require(options.rate.has_value(), "--rate", "source");
   require(options.scans.has_value(), "--scans", "source");
   require(options.move_mapper_at.has_value(), "--move-mapper-at", "source");
   require(options.move_mapper_at.has_value(), "--move-mapper-at", "matcher");

@@ -7,22 +7,30 @@
 #include <variant>
 #include <vector>
 
+#include <hgros/params/param_sources.hpp>
+
 #include "plan.hpp"
 
 namespace slam2d {
 
 struct Options {
   std::optional<std::filesystem::path> log;  ///< None: the simulated building.
-  double rate = 0.0;                         ///< 0: as fast as it is processed.
+  std::optional<double> rate;
   std::optional<std::uint64_t> scans;
   std::filesystem::path out = "slam2d_out";
   std::vector<std::filesystem::path> configs;
   std::optional<std::uint64_t> move_mapper_at;
   std::optional<std::filesystem::path> relations;
   std::chrono::seconds patience{30};  ///< How long to wait for other processes.
-  bool save_map = false;              ///< Nothing but to ask a running demo to save its map.
+  hgros::ParamSources params;         ///< Files, environment and command line, --rate included.
+  // What a running demo is asked for; the rest is for one that runs here.
+  std::vector<hgros::ParamOverride> set_params;
+  bool list_params = false;
+  bool save_map = false;
   bool quiet = false;
   bool json = false;
+
+  [[nodiscard]] bool asks() const { return save_map || list_params || !set_params.empty(); }
 
   static constexpr std::uint64_t kSimulatedScans = 1500;
 };

@@ -52,6 +52,12 @@ std::vector<const hgros::NodeSnapshot*> ShownNodes(const hgros::GraphSnapshot& g
   return nodes;
 }
 
+// Null if no scan was taken.
+const msg::LogTime* LogTimeOf(const Report& report) {
+  if (report.written && report.written->scans > 0) return &report.written->log_time;
+  return report.done && report.done->scans() > 0 ? &report.done->log_time() : nullptr;
+}
+
 // Names on the left, numbers on the right.
 void PrintTable(const std::vector<std::vector<std::string>>& rows, std::size_t names) {
   std::vector<std::size_t> widths(rows.front().size(), 0);
@@ -96,6 +102,14 @@ void PrintText(const Report& report) {
     std::printf("speed       %.2f s, %.0f scans/s\n", written->seconds,
                 written->seconds > 0.0 ? static_cast<double>(written->scans) / written->seconds : 0.0);
   }
+  if (const msg::LogTime* time = LogTimeOf(report)) {
+    std::printf("log time    %.1f s .. %.1f s", time->first_seconds(), time->last_seconds());
+    const double duration = time->last_seconds() - time->first_seconds();
+    if (report.written && report.written->seconds > 0.0) {
+      std::printf(", at %.4g times real time", duration / report.written->seconds);
+    }
+    std::printf("\n");
+  }
   if (report.done) {
     std::printf("hashes      map %016" PRIx64 ", trajectory %016" PRIx64 "\n", report.done->map_hash(),
                 report.done->trajectory_hash());
@@ -116,6 +130,9 @@ void PrintJson(const Report& report) {
     std::printf("{\"kind\": \"result\", \"scans\": %" PRIu64 ", \"map_hash\": \"%016" PRIx64
                 "\", \"trajectory_hash\": \"%016" PRIx64 "\"",
                 report.done->scans(), report.done->map_hash(), report.done->trajectory_hash());
+    if (const msg::LogTime* time = LogTimeOf(report)) {
+      std::printf(", \"log_first_s\": %.3f, \"log_last_s\": %.3f", time->first_seconds(), time->last_seconds());
+    }
     if (report.written) {
       std::printf(", \"width_m\": %.2f, \"height_m\": %.2f, \"seconds\": %.3f", report.written->width_m,
                   report.written->height_m, report.written->seconds);

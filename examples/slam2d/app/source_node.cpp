@@ -1,6 +1,7 @@
 #include "source_node.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <utility>
 
@@ -9,16 +10,30 @@
 #include "pose_message.hpp"
 
 namespace slam2d {
+namespace {
+
+constexpr double kLongestWaitNs = 3.6e12;
+
+}  // namespace
 
 SourceNode::SourceNode(hgros::Session& session, hgros::Transforms& transforms, ScanReader reader,
-                       const SourceOptions& options, Ending& ending)
+                       const SourceOptions& options, NodeParams<SourceTuning>& params, Ending& ending, Console& console)
     : reader_(std::move(reader)),
       options_(options),
       transforms_(transforms),
       ending_(ending),
       stop_(ending.token()),
       scans_(session.Advertise<msg::Scan>(kScan)),
-      odometry_(session.Advertise<foxglove::PoseInFrame>(kOdometry)) {}
+      odometry_(session.Advertise<foxglove::PoseInFrame>(kOdometry)),
+      rate_(params.Now().rate),
+      published_clock_(session, clock_),
+      rate_set_(params.server().OnChange(kTunedSource.prefix,
+                                         [this, &params](const hgros::ParamEvent&) {
+                                           const std::scoped_lock lock(mutex_);
+                                           rate_ = params.Now().rate;
+                                           changed_.notify_all();
+                                         })),
+      offered_(session, params.server(), kTunedSource.offered, console.log()) {}
 
 void SourceNode::Start() {
   thread_ = std::jthread([this] {
@@ -42,7 +57,7 @@ void SourceNode::Run() {
   LaserScan2 scan;
   while (NextScan(scan)) {
     if (scan.sequence == options_.hold_at) WaitForRelease();
-    if (options_.rate > 0.0) Pace(scan.stamp_seconds);
+    AdvanceTo(TimeOf(scan.stamp_seconds));
     if (stop_.stop_requested()) return;
     auto message = std::make_unique<msg::Scan>();
     Write(scan, *message);
@@ -51,6 +66,7 @@ void SourceNode::Run() {
     ShowOdometry(scan);
   }
   if (stop_.stop_requested()) return;
+  clock_->Pause();
   auto end = std::make_unique<msg::Scan>();
   end->set_sequence(sent());
   end->set_end_of_log(true);
@@ -72,16 +88,24 @@ bool SourceNode::Send(std::unique_ptr<msg::Scan> message) {
   return false;
 }
 
-void SourceNode::Pace(double stamp_seconds) {
-  if (sent() == 0) {
-    first_stamp_s_ = latest_stamp_s_ = stamp_seconds;
-    first_sent_ = std::chrono::steady_clock::now();
-  }
-  latest_stamp_s_ = std::max(latest_stamp_s_, stamp_seconds);
-  const std::chrono::duration<double> after((latest_stamp_s_ - first_stamp_s_) / options_.rate);
-  const auto due = first_sent_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(after);
+void SourceNode::AdvanceTo(hgros::Time stamp) {
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, stop_, due, [] { return false; });
+  if (sent() == 0) clock_->JumpTo(stamp);
+  while (!stop_.stop_requested()) {
+    const hgros::Duration left = stamp - clock_->Now();
+    const double rate = rate_;
+    if (rate == 0.0) {
+      if (!clock_->paused()) clock_->Pause();
+      if (left > hgros::Duration::zero()) clock_->Step(left);
+      return;
+    }
+    if (rate != clock_->rate()) clock_->SetRate(rate);
+    if (clock_->paused()) clock_->Resume();
+    if (left <= hgros::Duration::zero()) return;
+    const std::chrono::duration<double, std::nano> due(
+        std::min(static_cast<double>(left.count()) / rate, kLongestWaitNs));
+    changed_.wait_for(lock, stop_, std::chrono::ceil<std::chrono::nanoseconds>(due), [&] { return rate_ != rate; });
+  }
 }
 
 void SourceNode::WaitForRelease() {

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -11,12 +12,17 @@
 #include <thread>
 
 #include <foxglove/PoseInFrame.pb.h>
+#include <hgros/clock/derived_clocks.hpp>
 #include <hgros/hgros.hpp>
+#include <hgros/params/param_service.hpp>
+#include <hgros/session/clock_publisher.hpp>
 #include <hgros/tf/transforms.hpp>
 
 #include "../laser_scan.hpp"
+#include "console.hpp"
 #include "ending.hpp"
 #include "messages.hpp"
+#include "parameters.hpp"
 
 namespace slam2d {
 
@@ -24,13 +30,13 @@ namespace slam2d {
 using ScanReader = std::function<bool(LaserScan2&)>;
 
 struct SourceOptions {
-  double rate = 0.0;                     ///< Times real time, by the scans' stamps; 0: as fast as they are taken.
-  std::optional<std::uint64_t> scans;    ///< At most so many.
-  std::optional<std::uint64_t> hold_at;  ///< Waits with this scan until Release().
+  std::optional<std::uint64_t> scans = {};    ///< At most so many.
+  std::optional<std::uint64_t> hold_at = {};  ///< Waits with this scan until Release().
 };
 
 /// Publishes scans on `scan` (lossless: it waits for the matcher) and their odometry on `odometry` and as the edges
-/// from `odom` to `laser`, from a thread of its own.
+/// from `odom` to `laser`, from a thread of its own. The clock that it publishes shows the log's time: it steps from
+/// scan to scan, or runs at the rate of `slam.source.rate` and the scans come when it shows their stamps.
 ///
 /// Threading: thread-safe once made.
 /// Lifetime: to be destroyed after the ending has been decided; the destructor waits for the thread.
@@ -38,8 +44,9 @@ class SourceNode {
  public:
   static constexpr const char* kName = "source";
 
+  /// `params` is to outlive the node.
   SourceNode(hgros::Session& session, hgros::Transforms& transforms, ScanReader reader, const SourceOptions& options,
-             Ending& ending);
+             NodeParams<SourceTuning>& params, Ending& ending, Console& console);
   SourceNode(const SourceNode&) = delete;
   SourceNode& operator=(const SourceNode&) = delete;
 
@@ -59,8 +66,8 @@ class SourceNode {
   void ShowOdometry(const LaserScan2& scan);
   [[nodiscard]] bool NextScan(LaserScan2& scan);
   void WaitForRelease();
-  /// Waits until the scan is due. Stamps that step back count as their latest predecessor.
-  void Pace(double stamp_seconds);
+  /// Takes the clock to the stamp, or waits until it shows it. One that steps back is shown already.
+  void AdvanceTo(hgros::Time stamp);
   [[nodiscard]] bool Send(std::unique_ptr<msg::Scan> message);
 
   ScanReader reader_;
@@ -72,13 +79,16 @@ class SourceNode {
   hgros::Publisher<foxglove::PoseInFrame> odometry_;
   std::atomic<std::uint64_t> sent_{0};
 
-  double first_stamp_s_ = 0.0;
-  double latest_stamp_s_ = 0.0;
-  std::chrono::steady_clock::time_point first_sent_;
+  const std::shared_ptr<hgros::SimulatedClock> clock_ = hgros::SimulatedClock::Paused();
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
   Hold hold_ = Hold::kNotYet;
+  double rate_;
+
+  const hgros::ClockPublisher published_clock_;
+  hgros::Listening rate_set_;
+  hgros::ParamService offered_;
 
   std::jthread thread_;
 };

@@ -16,6 +16,7 @@
 namespace slam2d {
 namespace {
 
+// Of the wall clock: who looks gets no more the faster the log is taken.
 constexpr std::chrono::seconds kShowEvery{1};
 
 // -1: unknown; else how likely the cell is occupied, in percent.
@@ -93,6 +94,7 @@ void WriterNode::Take(const msg::MapUpdate& message) {
     }
     latest_ = std::chrono::steady_clock::now();
     if (trajectory_.empty()) first_ = shown_ = latest_;
+    if (message.has_layout()) map_ = OccupancyMap(Read(message.layout()));
     map_.Apply(Read(message));
     trajectory_.push_back(Read(message.match()));
     odometry_.push_back(Read(message.odometry()));
@@ -105,6 +107,7 @@ void WriterNode::Take(const msg::MapUpdate& message) {
   try {
     const Written written = WriteFiles();
     done.set_scans(written.scans);
+    *done.mutable_log_time() = written.log_time;
     done.set_map_hash(written.map_hash);
     done.set_trajectory_hash(written.trajectory_hash);
     const std::scoped_lock lock(mutex_);
@@ -123,6 +126,7 @@ msg::MapSaved WriterNode::SaveMap() {
   const Written written = WriteFiles();
   msg::MapSaved saved;
   saved.set_scans(written.scans);
+  *saved.mutable_log_time() = written.log_time;
   saved.set_map_hash(written.map_hash);
   saved.set_map_file(std::filesystem::absolute(written.map_file).string());
   saved.set_trajectory_file(std::filesystem::absolute(written.trajectory_file).string());
@@ -172,6 +176,11 @@ Written WriterNode::WriteFiles() {
   written.scans = trajectory_.size();
   written.map_hash = HashMap(map_);
   written.trajectory_hash = HashTrajectory(trajectory_);
+  if (!trajectory_.empty()) {
+    const auto [first, last] = std::ranges::minmax(trajectory_, {}, &ScanMatch::stamp_seconds);
+    written.log_time.set_first_seconds(first.stamp_seconds);
+    written.log_time.set_last_seconds(last.stamp_seconds);
+  }
   written.seconds = std::chrono::duration<double>(latest_ - first_).count();
   written_ = written;
   return written;

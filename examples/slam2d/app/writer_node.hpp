@@ -32,6 +32,7 @@ struct Written {
   double height_m = 0.0;
   double cell_size_m = 0.0;
   double seconds = 0.0;  ///< From the first update to the last.
+  msg::LogTime log_time;
 };
 
 /// Follows `next_channel` with a replica of the map; shows it on `map` about once a second; at the end of the log

@@ -151,5 +151,34 @@ TEST(Mapper, DrawsAScanOnlyAfterEnoughMotionAndOnlyWhereThePoseIsTrusted) {
   EXPECT_FALSE(mapper.Add(scan, match).cells.empty());
 }
 
+TEST(OccupancyMap, DrawsWithNewOptionsOnCellsThatStayAsTheyAre) {
+  OccupancyMap map;
+  MapOptions others;
+  others.hit_gain = 7;
+  others.cell_size_m = 0.5;
+  others.max_value = 127;
+  others.min_value = -127;
+  map.SetOptions(others);
+  map.Integrate(OneBeam(1.02), {0.025, 0.025, 0.0});
+  EXPECT_EQ(map.At(20, 0), 7);
+  EXPECT_EQ(map.options().hit_gain, 7);
+  EXPECT_EQ(map.options().cell_size_m, MapOptions{}.cell_size_m);
+  EXPECT_EQ(map.options().max_value, MapOptions{}.max_value);
+  EXPECT_EQ(map.options().min_value, MapOptions{}.min_value);
+}
+
+TEST(Mapper, DrawsMoreScansOnceLessMotionIsEnough) {
+  Mapper mapper{MapOptions{}};
+  LaserScan2 scan = OneBeam(2.0);
+  ScanMatch match;
+  (void)mapper.Add(scan, match);
+  match.T_map_laser.x = 0.1;
+  EXPECT_TRUE(mapper.Add(scan, match).cells.empty());
+  MapOptions options;
+  options.min_translation_m = 0.08;
+  mapper.SetOptions(options);
+  EXPECT_FALSE(mapper.Add(scan, match).cells.empty());
+}
+
 }  // namespace
 }  // namespace slam2d

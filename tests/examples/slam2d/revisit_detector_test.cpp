@@ -68,5 +68,24 @@ TEST_F(OldRoom, RevisitDetectorDoesNotRecogniseNewSurroundings) {
   EXPECT_FALSE(verdict.T_map_laser);
 }
 
+TEST_F(OldRoom, RevisitDetectorTakesNewOptionsInTheMiddleOfASearch) {
+  LeaveFor(40.0);
+  const Pose2 drifted = true_pose_ * Pose2{0.5, 0.4, 0.05};
+  EXPECT_TRUE(detector_.Check(points_, drifted, 40.3).doubtful);
+  RevisitOptions options;
+  options.confirmations = 2;
+  detector_.SetOptions(options);
+  EXPECT_TRUE(detector_.Check(points_, drifted, 40.6).T_map_laser);
+}
+
+TEST_F(OldRoom, RevisitDetectorKeepsWhatIsOldWhenTheLagGrows) {
+  LeaveFor(40.0);
+  RevisitOptions options;
+  options.lag_m = 1000.0;
+  detector_.SetOptions(options);
+  LeaveFor(41.0);
+  EXPECT_FALSE(detector_.old_field().empty());
+}
+
 }  // namespace
 }  // namespace slam2d

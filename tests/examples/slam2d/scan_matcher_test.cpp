@@ -69,5 +69,58 @@ TEST(ScanMatcher, ThinsNearPointsAndDropsFarOnes) {
   EXPECT_NEAR(static_cast<double>(MatchedPoints(scan, options).size()), 1.0 / options.point_spacing_m, 2.0);
 }
 
+// The first scans of a building, and a pipeline's parts that have taken all of them but the last.
+class OnTheWay : public testing::Test {
+ protected:
+  OnTheWay() {
+    SimulationOptions options;
+    options.scans = 12;
+    SimulatedBuilding building(options);
+    while (building.Next(scan_) && scan_.sequence < 11) matcher_.Apply(mapper_.Add(scan_, matcher_.Match(scan_)));
+  }
+
+  ScanMatcher matcher_{{}, {}};
+  Mapper mapper_{MapOptions{}};
+  LaserScan2 scan_;
+};
+
+TEST_F(OnTheWay, ScanMatcherMatchesWithNewOptionsFromTheNextScanOn) {
+  ScanMatcher same = matcher_;
+  EXPECT_GT(same.Match(scan_).score, 0.5);
+  MatcherOptions options;
+  options.min_points = 100000;
+  matcher_.SetOptions(options);
+  EXPECT_EQ(matcher_.Match(scan_).score, 0.0);
+}
+
+TEST_F(OnTheWay, ScanMatcherKeepsItsFieldWhenItsOptionsChange) {
+  ScanMatcher same = matcher_;
+  MatcherOptions options;
+  options.field_sigma_m = 0.4;
+  matcher_.SetOptions(options);
+  EXPECT_EQ(matcher_.Match(scan_), same.Match(scan_));
+}
+
+TEST_F(OnTheWay, ScanMatcherRefusesAnotherMapWhileItFollowsOne) { EXPECT_THROW(matcher_.SetMap({}), std::logic_error); }
+
+TEST(ScanMatcher, FollowsAMapWithCellsOfAnotherSize) {
+  MapOptions coarse;
+  coarse.cell_size_m = 0.1;
+  SimulationOptions options;
+  options.scans = 12;
+  SimulatedBuilding building(options);
+  Pipeline pipeline({}, coarse);
+  ScanMatcher told({}, {});
+  Mapper mapper(coarse);
+  LaserScan2 scan;
+  while (building.Next(scan)) {
+    const ScanMatch match = told.Match(scan);
+    EXPECT_EQ(match, pipeline.Add(scan));
+    const MapDelta delta = mapper.Add(scan, match);
+    if (scan.sequence == 0) told.SetMap(coarse);
+    told.Apply(delta);
+  }
+}
+
 }  // namespace
 }  // namespace slam2d
