@@ -17,3 +17,13 @@ function(hgros_module)
   endif()
   set_property(GLOBAL APPEND PROPERTY HGROS_MODULES hgros_${ARG_NAME})
 endfunction()
+
+# hgros_pack_relocations(target): a shared library's relative relocations in a small part of the room, where the C
+# library can read them so (glibc 2.36 and later).
+include(CheckLinkerFlag)
+check_linker_flag(CXX LINKER:-z,pack-relative-relocs HGROS_PACKS_RELOCATIONS)
+function(hgros_pack_relocations target)
+  if(HGROS_PACKS_RELOCATIONS)
+    target_link_options(${target} PRIVATE LINKER:-z,pack-relative-relocs)
+  endif()
+endfunction()
