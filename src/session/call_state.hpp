@@ -11,8 +11,8 @@
 #include <string>
 
 #include "hgros/base/ids.hpp"
+#include "hgros/codec/call_message.hpp"
 #include "hgros/session/call_future.hpp"
-#include "hgros/session/call_message.hpp"
 #include "session/help_line.hpp"
 
 namespace hgros {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "hgros/session/call_message.hpp"
+#include "hgros/codec/call_message.hpp"
 
 namespace hgros {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hgros/session/call_message.hpp"
+#include "hgros/codec/call_message.hpp"
 #include "session/host_clocks.hpp"
 #include "session/services_fixture.hpp"
 

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "hgros/base/export.hpp"
+#include "hgros/codec/call_message.hpp"
 #include "hgros/graph/snapshot.hpp"
-#include "hgros/session/call_message.hpp"
 
 namespace hgros {
 

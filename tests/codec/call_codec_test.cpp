@@ -13,7 +13,7 @@
 
 #include "hgros/base/bytes.hpp"
 #include "hgros/call.pb.h"
-#include "hgros/session/call_message.hpp"
+#include "hgros/codec/call_message.hpp"
 
 namespace hgros {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "codec/field_format.hpp"
-#include "hgros/session/call_message.hpp"
+#include "hgros/codec/call_message.hpp"
 
 namespace hgros::codec {
 namespace {
