@@ -29,15 +29,6 @@ void Append(foxglove::FrameTransforms& message, std::string_view parent, std::st
   one.mutable_rotation()->set_w(T_parent_child.rotation.w());
 }
 
-std::optional<Time> TimeOf(std::int64_t seconds, std::int64_t nanos) noexcept {
-  std::int64_t time = 0;
-  if (nanos < 0 || nanos >= kSecond || __builtin_mul_overflow(seconds, kSecond, &time) ||
-      __builtin_add_overflow(time, nanos, &time)) {
-    return std::nullopt;
-  }
-  return Time{time};
-}
-
 std::optional<Time> StampOf(const foxglove::FrameTransform& message) {
   return TimeOf(message.timestamp().seconds(), message.timestamp().nanos());
 }

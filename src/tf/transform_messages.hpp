@@ -15,7 +15,15 @@ void Append(foxglove::FrameTransforms& message, std::string_view parent, std::st
             const RigidTransform& T_parent_child);
 
 /// A protobuf time. Nothing if it is none that nanoseconds can tell.
-[[nodiscard]] std::optional<Time> TimeOf(std::int64_t seconds, std::int64_t nanos) noexcept;
+[[nodiscard]] inline std::optional<Time> TimeOf(std::int64_t seconds, std::int64_t nanos) noexcept {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  std::int64_t time = 0;
+  if (nanos < 0 || nanos >= kSecond || __builtin_mul_overflow(seconds, kSecond, &time) ||
+      __builtin_add_overflow(time, nanos, &time)) {
+    return std::nullopt;
+  }
+  return Time{time};
+}
 [[nodiscard]] std::optional<Time> StampOf(const foxglove::FrameTransform& message);
 /// As it stands there: the tree refuses what is no rotation. A rotation that is left out is none.
 [[nodiscard]] RigidTransform TransformOf(const foxglove::FrameTransform& message);

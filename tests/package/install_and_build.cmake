@@ -42,6 +42,7 @@ execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${bui
   COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${build} COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${build}/consumer COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${build}/robot COMMAND_ERROR_IS_FATAL ANY)
 
 # The programs start from where they were installed.
 execute_process(COMMAND ${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
