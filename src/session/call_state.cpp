@@ -25,7 +25,7 @@ std::string InWords(std::chrono::nanoseconds time) {
 
 CallState::CallState(std::string service, std::shared_ptr<CallTable> table, std::shared_ptr<HelpLine> helpers,
                      AnyAnswer callback)
-    : is_waited_for_(!callback && !DataGraph::InCallback()),
+    : may_be_waited_for_(!callback && !DataGraph::InCallback()),
       service_(std::move(service)),
       table_(std::move(table)),
       helpers_(std::move(helpers)),

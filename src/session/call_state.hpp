@@ -56,8 +56,8 @@ class CallState final : public PendingCall, public HelpLine::Waiter, public std:
   [[nodiscard]] bool has_server() const;
   [[nodiscard]] CallEnd Overdue() const;
 
-  // By a thread that can do so: not by a callback, whose answer comes as one itself.
-  [[nodiscard]] bool is_waited_for() const noexcept { return is_waited_for_; }
+  // By a thread that is outside of callbacks.
+  [[nodiscard]] bool may_be_waited_for() const noexcept { return may_be_waited_for_; }
   [[nodiscard]] std::chrono::nanoseconds Age() const { return std::chrono::steady_clock::now() - begun_; }
   [[nodiscard]] const std::string& service() const noexcept { return service_; }
   std::uint64_t number = 0;                                  // By the table, before others know it.
@@ -71,7 +71,7 @@ class CallState final : public PendingCall, public HelpLine::Waiter, public std:
   [[nodiscard]] std::shared_ptr<ServiceClient> client() const;
 
   const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  const bool is_waited_for_;
+  const bool may_be_waited_for_;
   const std::string service_;
   const std::shared_ptr<CallTable> table_;
   const std::shared_ptr<HelpLine> helpers_;

@@ -106,7 +106,8 @@ void ChannelInlet::Run() noexcept {
   while (!undelivered) {
     InboundMessage message;
     const Taken taken = Take(message, decoding);
-    if (taken == Taken::kNone) return helping.Run();
+    // A visitor reads for others too: what a reply has made ready is user code, which is the workers'.
+    if (taken == Taken::kNone) return as == Runner::kVisitor ? helping.PassOn() : helping.Run();
     helping.PassOn();
     if (taken == Taken::kNotQuick) break;
     std::optional<Decoded> decoded = Decode(std::move(message));

@@ -23,6 +23,7 @@ std::string Named(const PeerInfo& peer) {
   return "Session " + peer.id.ToString() + " (" + peer.process + ", process " + std::to_string(peer.pid) + ")";
 }
 
+constexpr std::size_t kSmallBytes = 64 * 1024;
 constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -67,7 +68,12 @@ void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
 bool ServiceClient::PostAndLook(const CallState& call, Services& services) {
   std::optional<bool> sent;
   const auto post = [&] { sent = Post(call.message); };
-  if (call.is_waited_for() && usual_ns_.load(std::memory_order_relaxed) <= kSoonNs) {
+  // Meanwhile nobody else reads: not for what takes long to write.
+  const auto is_small = [&] {
+    return !request_.users_codec && request_.encoded_bytes != nullptr &&
+           request_.encoded_bytes(call.message.get()) <= kSmallBytes;
+  };
+  if (call.may_be_waited_for() && usual_ns_.load(std::memory_order_relaxed) <= kSoonNs && is_small()) {
     services.With([&](ServicePlace& place) {
       place.Receive(
           {.done = [&call] { return call.done(); }, .until = std::chrono::steady_clock::now(), .first = post});
@@ -106,6 +112,7 @@ void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
   if (now && PostAndLook(*call, *services)) return;
   if (now) {  // It has no room just now.
     const std::scoped_lock lock(mutex_);
+    call->AwaitsServerOf(shared_from_this());
     waiting_.push_back(call);
   } else if (const auto host = services->HostOf(name_)) {  // Since it was looked for.
     return HandOver(*host);
@@ -229,6 +236,7 @@ void ServiceClient::SendWaiting() {
     }
     if (Post(next->message)) continue;
     const std::scoped_lock lock(mutex_);
+    next->AwaitsServerOf(shared_from_this());
     waiting_.push_front(std::move(next));
     return;
   }

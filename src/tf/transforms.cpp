@@ -19,6 +19,8 @@ std::string Edge(std::string_view parent, std::string_view child) {
   return "from \"" + std::string(parent.substr(0, 200)) + "\" to \"" + std::string(child.substr(0, 200)) + "\"";
 }
 
+constexpr Duration kLeastJump = std::chrono::seconds(1);
+
 }  // namespace
 
 // Ties a tree to the channels of a session.
@@ -28,8 +30,10 @@ class Transforms::Core {
   Core(Session& session, TransformsOptions options)
       : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {
     jumps_ = session_.clock()->OnJump([this](const ClockJump& jump) {
+      // A wall clock that is put right by less takes nothing from the past: later transforms go among the others.
+      if (jump.before - jump.after < kLeastJump) return;
       // What is on its way yet has stamps near the one end, what comes from now on has them near the other.
-      if (jump.after < jump.before) tree_.BeginAnew(Later(jump.after, (jump.before - jump.after) / 2));
+      tree_.BeginAnew(Later(jump.after, (jump.before - jump.after) / 2));
     });
   }
 

@@ -92,6 +92,8 @@ SetResult TreeCore::Set(std::string_view parent, std::string_view child, const E
     if (fault == SetFault::kNone && parent == child) fault = SetFault::kCycle;
     const bool hangs = below != nullptr && below->parent.load(std::memory_order_acquire) != nullptr;
     if (fault == SetFault::kNone && hangs) fault = SetFault::kTwoParents;
+    const std::size_t missing = (above == nullptr ? 1 : 0) + (below == nullptr ? 1 : 0);
+    if (fault == SetFault::kNone && frames_.size() + missing > frames_.most()) fault = SetFault::kTooManyFrames;
     if (fault == SetFault::kNone && (above = frames_.Intern(parent)) != nullptr) below = frames_.Intern(child);
     if (fault == SetFault::kNone && (above == nullptr || below == nullptr)) fault = SetFault::kTooManyFrames;
     if (fault != SetFault::kNone) {

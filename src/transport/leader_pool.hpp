@@ -13,7 +13,8 @@ namespace hgros {
 ///
 /// Thread safety: all functions. Start() and Stop() once each.
 /// Invariants: at most one thread is inside Input::Lead(). While started, at least one thread waits or reads or is on
-/// its way there, whatever tasks do. A task runs on the thread that read it.
+/// its way there, whatever tasks do. A task runs on the thread that read it, or, if that was a visitor,
+/// on one of the pool.
 class LeaderPool {
  public:
   using Task = std::function<void()>;
@@ -47,8 +48,8 @@ class LeaderPool {
   /// Lets running tasks end, then joins all threads. Called from within a task it leaves that one's thread, which
   /// then ends by itself after the task and touches neither pool nor input any more.
   void Stop() noexcept;
-  /// Reads on the calling thread. Tasks do not run here, but on the pool's threads. Returns after `first` if another
-  /// thread does so.
+  /// Reads on the calling thread, in rounds that end. Tasks do not run here, but on the pool's threads. Returns after
+  /// `first` if another thread does so.
   void Receive(const Visit& visit) noexcept;
   /// Whether the calling thread is in Receive().
   [[nodiscard]] static bool IsVisitor() noexcept;

@@ -137,6 +137,30 @@ TEST_F(Services, CountRequestsThatNobodyWaitsForAndRepliesThatNobodyTakes) {
   EXPECT_EQ(begun, 1);
 }
 
+TEST_F(Services, CallBackOnWorkersWhoeverReadsTheReply) {
+  test::Pair pair(test::PlacesOf("sharedmemory"));
+  const Service service =
+      pair.server().Serve<Sum, Total>("add", Add, Invoke::kConcurrent, {.executor = Executor::Inline()});
+  ASSERT_TRUE(Await([&] { return bool(pair.caller().Call<Sum, Total>("add", Sum{1, 1}, kLong).Wait()); }));
+  const auto waiting = std::this_thread::get_id();
+  std::atomic<int> called{0};
+  std::atomic<int> called_here{0};
+  std::atomic<int> nested{0};
+  constexpr int kRounds = 300;
+  for (int round = 0; round < kRounds; ++round) {
+    pair.caller().Call<Sum, Total>("add", Sum{1, 1}, kLong, [&](const CallResult<Total>&) {
+      if (std::this_thread::get_id() == waiting) ++called_here;
+      if (pair.caller().Call<Sum, Total>("add", Sum{2, 2}, kLong).Wait()) ++nested;
+      ++called;
+    });
+    const auto reply = pair.caller().Call<Sum, Total>("add", Sum{3, 3}, kLong).Wait();
+    ASSERT_TRUE(reply) << reply.failure().reason;
+  }
+  EXPECT_TRUE(Await([&] { return called == kRounds; }));
+  EXPECT_EQ(called_here, 0);
+  EXPECT_EQ(nested, kRounds);
+}
+
 TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
   const Robot robot("");
   test::Door door;
@@ -147,6 +171,7 @@ TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
   const auto first = robot->Call<Sum, Total>("busy", Sum{1, 1}, test::kLong);
   const auto late = robot->Call<Sum, Total>("busy", Sum{3, 3}, 1ms);
   EXPECT_EQ(late.Wait().failure().kind, Kind::kTimedOut);
+  test::Linger(20ms);  // The server's time begins with the request's arrival.
   door.Open();
   EXPECT_TRUE(first.Wait());
   EXPECT_TRUE(Await([&] { return robot->Snapshot().services.at(0).unhandled_requests == 1; }));

@@ -33,7 +33,10 @@ SourceNode::SourceNode(hgros::Session& session, hgros::Transforms& transforms, S
                                            rate_ = params.Now().rate;
                                            changed_.notify_all();
                                          })),
-      offered_(session, params.server(), kTunedSource.offered, console.log()) {}
+      offered_(session, params.server(), kTunedSource.offered, console.log()) {
+  const std::scoped_lock lock(mutex_);
+  rate_ = params.Now().rate;  // It may have changed before this listened.
+}
 
 void SourceNode::Start() {
   thread_ = std::jthread([this] {

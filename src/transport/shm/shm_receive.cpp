@@ -56,6 +56,7 @@ LeaderPool::Task ShmCore::Lead() noexcept {
       return task;
     }
     to_serve_.clear();
+    if (LeaderPool::IsVisitor()) return {};  // It has something else to look after; what is left has rung.
   }
 }
 
