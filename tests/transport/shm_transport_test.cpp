@@ -168,7 +168,7 @@ TEST_F(ShmTransportTest, WhoWaitsMayReadItself) {
   for (const Accepted answer : {Accepted::kRunHere, Accepted::kRunApart}) {
     keeper.answer = answer;
     keeper.visits = keeper.runs = 0;
-    constexpr int kRounds = 2000;
+    constexpr int kRounds = 600;
     std::atomic<int> published{0};
     std::jthread publishing([&] {
       for (int i = 0; i < kRounds && !HasFatalFailure(); ++i) {
