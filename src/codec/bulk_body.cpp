@@ -49,7 +49,7 @@ BulkBody::BulkBody(Block room) : memory_(std::move(room)) {
   bytes_ = writable_;
 }
 
-BulkBody::BulkBody(Payload bytes) {
+void BulkBody::Share(Payload bytes) {
   if (bytes.bytes.empty()) return;  // Then nothing needs to be kept.
   shared_ = Block(std::move(bytes)).payload();
   bytes_ = shared_.bytes;
@@ -97,6 +97,8 @@ Bytes BytesOf(const Message& message, const FieldDescriptor& field) {
 void SetBytes(Message& message, const FieldDescriptor& field, Bytes bytes) {
   message.GetReflection()->SetString(&message, &field, std::string(AsText(bytes)));
 }
+
+int NumberOf(const FieldDescriptor& field) { return field.number(); }
 
 bool HasPresence(const FieldDescriptor& field) { return field.has_presence(); }
 

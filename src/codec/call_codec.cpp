@@ -17,7 +17,6 @@ namespace {
 // Field 536870911, length-delimited, as protobuf writes a tag. A parser that knows nothing of calls skips it, so the
 // data of a protobuf type stay an ordinary message of that type.
 constexpr std::array<unsigned char, 5> kTag{0xFA, 0xFF, 0xFF, 0xFF, 0x0F};
-constexpr std::size_t kMaxLengthBytes = 5;
 
 // The fields of CallHead in proto/hgros/call.proto.
 enum CallField : std::uint32_t {
@@ -67,18 +66,10 @@ struct CallHead {
 // Where the head lies and the body begins; false if there is none.
 bool Split(Bytes data, Bytes& head, Bytes& body) {
   if (data.size() <= kTag.size() || std::memcmp(data.data(), kTag.data(), kTag.size()) != 0) return false;
-  std::size_t at = kTag.size();
-  std::uint64_t size = 0;
-  for (std::size_t i = 0;; ++i) {
-    if (i == kMaxLengthBytes || at == data.size()) return false;
-    const auto byte = std::to_integer<std::uint64_t>(data[at++]);
-    size |= (byte & 0x7FU) << (7 * i);
-    if ((byte & 0x80U) == 0) break;
-  }
-  if (size > data.size() - at || size > std::numeric_limits<int>::max()) return false;
-  head = data.subspan(at, size);
-  body = data.subspan(at + size);
-  return true;
+  FieldReader in(data.subspan(kTag.size()));
+  head = AsBytes(in.ReadText());
+  body = in.rest();
+  return in.ok();
 }
 
 Payload Joined(const CallHead& head, Bytes body) {

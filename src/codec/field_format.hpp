@@ -82,6 +82,8 @@ class FieldReader {
 
   [[nodiscard]] bool ok() const noexcept { return ok_; }
   [[nodiscard]] bool more() const noexcept { return ok_ && !rest_.empty(); }
+  /// What is not read yet.
+  [[nodiscard]] Bytes rest() const noexcept { return rest_; }
 
   std::uint32_t ReadTag() noexcept { return static_cast<std::uint32_t>(ReadVarint(kMaxShortVarint)); }
   std::uint64_t ReadVarint() noexcept { return ReadVarint(kMaxVarint); }

@@ -1,20 +1,15 @@
 #include "tf/transform_messages.hpp"
 
 namespace hgros::tf {
-namespace {
-
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-}  // namespace
 
 void Append(foxglove::FrameTransforms& message, std::string_view parent, std::string_view child, Time stamp,
             const RigidTransform& T_parent_child) {
   foxglove::FrameTransform& one = *message.add_transforms();
-  std::int64_t seconds = stamp.nanoseconds / kSecond;
-  std::int64_t nanos = stamp.nanoseconds % kSecond;
+  std::int64_t seconds = stamp.nanoseconds / kNanosPerSecond;
+  std::int64_t nanos = stamp.nanoseconds % kNanosPerSecond;
   if (nanos < 0) {  // A protobuf time counts on from a second, also before 1970.
     --seconds;
-    nanos += kSecond;
+    nanos += kNanosPerSecond;
   }
   one.mutable_timestamp()->set_seconds(seconds);
   one.mutable_timestamp()->set_nanos(static_cast<std::int32_t>(nanos));

@@ -11,14 +11,15 @@
 
 namespace hgros::tf {
 
+inline constexpr std::int64_t kNanosPerSecond = 1'000'000'000;
+
 void Append(foxglove::FrameTransforms& message, std::string_view parent, std::string_view child, Time stamp,
             const RigidTransform& T_parent_child);
 
 /// A protobuf time. Nothing if it is none that nanoseconds can tell.
 [[nodiscard]] inline std::optional<Time> TimeOf(std::int64_t seconds, std::int64_t nanos) noexcept {
-  constexpr std::int64_t kSecond = 1'000'000'000;
   std::int64_t time = 0;
-  if (nanos < 0 || nanos >= kSecond || __builtin_mul_overflow(seconds, kSecond, &time) ||
+  if (nanos < 0 || nanos >= kNanosPerSecond || __builtin_mul_overflow(seconds, kNanosPerSecond, &time) ||
       __builtin_add_overflow(time, nanos, &time)) {
     return std::nullopt;
   }

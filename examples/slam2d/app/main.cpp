@@ -239,8 +239,8 @@ int Run(const Options& options) {
     if (crew.source) report.scans_sent = crew.source->sent();
     if (crew.writer) {
       // Who interrupts a long log still gets the map so far.
-      if (ending.exit_code() > 128 && crew.writer->scans() > 0) crew.writer->WriteFiles();
-      report.written = crew.writer->written();
+      const bool interrupted = ending.exit_code() > 128 && crew.writer->scans() > 0;
+      report.written = interrupted ? crew.writer->WriteFiles() : crew.writer->written();
     }
     if (report.written && options.relations) {
       report.relations_error = CompareWithRelations(crew.writer->trajectory(), relations);

@@ -111,6 +111,7 @@ void WriterNode::Take(const msg::MapUpdate& message) {
     done.set_map_hash(written.map_hash);
     done.set_trajectory_hash(written.trajectory_hash);
     const std::scoped_lock lock(mutex_);
+    written_ = written;
     ShowMap();
   } catch (const std::exception& error) {
     done.set_error(error.what());
@@ -182,7 +183,6 @@ Written WriterNode::WriteFiles() {
     written.log_time.set_last_seconds(last.stamp_seconds);
   }
   written.seconds = std::chrono::duration<double>(latest_ - first_).count();
-  written_ = written;
   return written;
 }
 

@@ -48,7 +48,7 @@ class WriterNode {
 
   [[nodiscard]] std::uint64_t scans() const;
   [[nodiscard]] std::vector<ScanMatch> trajectory() const;
-  /// Set once the files have been written.
+  /// Set once the files have been written at the end of the log.
   [[nodiscard]] std::optional<Written> written() const;
   /// Writes what has come so far: map.png with the corrected path, odometry.png with that of odometry
   /// too, trajectory.tum. Throws std::runtime_error with a sentence.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -16,6 +17,11 @@
 #include "hgros/codec/type_info.hpp"
 
 namespace hgros {
+
+namespace codec {
+template <class M>
+struct BulkTraits;
+}
 
 /// A protobuf message of class T whose one large `bytes` field (BulkField<T>) lies in memory of its own and is neither
 /// copied when it is written nor when it is read. On the wire, by name and by schema it is an ordinary T: whoever
@@ -71,7 +77,7 @@ class Bulk {
   }
 
   /// The large field; 64-byte aligned in memory of ours and where memory is shared, at any place over a network.
-  [[nodiscard]] Bytes bytes() const { return body_.bytes().empty() ? codec::BytesOf(head(), Field()) : body_.bytes(); }
+  [[nodiscard]] Bytes bytes() const { return body_.bytes().empty() ? BytesInHead() : body_.bytes(); }
   [[nodiscard]] std::size_t size() const { return bytes().size(); }
 
   /// The large field for filling before the message is published; empty if it is shared with others.
@@ -86,11 +92,32 @@ class Bulk {
     return field;
   }
   /// There are bytes, and other ones in the head.
-  [[nodiscard]] bool contradicts_itself() const {
-    return !body_.bytes().empty() && !codec::BytesOf(head(), Field()).empty();
-  }
+  [[nodiscard]] bool contradicts_itself() const { return !body_.bytes().empty() && !BytesInHead().empty(); }
 
  private:
+  friend codec::BulkTraits<Bulk>;
+
+  // Reflection passes several cold cache lines, which the generated accessor does not.
+  [[nodiscard]] Bytes BytesInHead() const {
+    if constexpr (requires {
+                    { head().data() } -> std::same_as<const std::string&>;
+                    T::kDataFieldNumber;
+                  }) {
+      static const bool is_data = codec::NumberOf(Field()) == T::kDataFieldNumber;
+      if (is_data) return AsBytes(head().data());
+    }
+    return codec::BytesOf(head(), Field());
+  }
+  // An empty one becomes what is written there. False: nobody may see it.
+  bool Read(const Payload& wire) {
+    Bytes bytes;
+    bool present = false;
+    if (!codec::ReadBulk(wire.bytes, Field(), own_, bytes, present) || !own_.IsInitialized()) return false;
+    if (present && bytes.empty() && codec::HasPresence(Field())) codec::SetBytes(own_, Field(), {});
+    body_.Share({bytes, wire.owner});
+    return true;
+  }
+
   T own_;
   std::shared_ptr<const T> shared_;  ///< Instead of own_.
   codec::BulkBody body_;
@@ -137,12 +164,9 @@ struct BulkTraits {
   }
 
   static std::shared_ptr<const M> Decode(const Payload& payload) {
-    T head;
-    Bytes bulk;
-    bool present = false;
-    if (!ReadBulk(payload.bytes, M::Field(), head, bulk, present) || !head.IsInitialized()) return nullptr;
-    if (present && bulk.empty() && HasPresence(M::Field())) SetBytes(head, M::Field(), {});
-    return std::make_shared<const M>(std::move(head), Payload{bulk, payload.owner});
+    auto message = std::make_shared<M>();
+    if (!message->Read(payload)) return nullptr;
+    return message;
   }
 
   /// The other C++ class for the same messages.

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <utility>
 
 #include "hgros/base/bytes.hpp"
 #include "hgros/base/export.hpp"
@@ -30,13 +31,16 @@ class HGROS_EXPORT BulkBody {
   BulkBody() = default;
   /// Takes over `room`, at least kHeadroomBytes of writable memory: the bytes are all that follows those.
   explicit BulkBody(Block room);
-  /// Shares bytes that are never written again, without headroom. They are copied if they have no owner.
-  explicit BulkBody(Payload bytes);
+  explicit BulkBody(Payload bytes) { Share(std::move(bytes)); }
   BulkBody(const BulkBody&) = delete;
   BulkBody& operator=(const BulkBody&) = delete;
 
   /// How much room `size_bytes` of bytes take. Errors: throws std::bad_alloc if no number can say it.
   [[nodiscard]] static std::size_t RoomFor(std::size_t size_bytes);
+
+  /// Shares bytes that are never written again, without headroom, in a body that has none. They are copied if they have
+  /// no owner.
+  void Share(Payload bytes);
 
   [[nodiscard]] Bytes bytes() const noexcept { return bytes_; }
   [[nodiscard]] std::span<std::byte> writable() noexcept { return writable_; }
@@ -78,6 +82,7 @@ class HGROS_EXPORT BulkBody {
                                          const google::protobuf::FieldDescriptor& field);
 HGROS_EXPORT void SetBytes(google::protobuf::Message& message, const google::protobuf::FieldDescriptor& field,
                            Bytes bytes);
+[[nodiscard]] HGROS_EXPORT int NumberOf(const google::protobuf::FieldDescriptor& field);
 /// Whether a value of no bytes differs from no value.
 [[nodiscard]] HGROS_EXPORT bool HasPresence(const google::protobuf::FieldDescriptor& field);
 
