@@ -127,8 +127,11 @@ class OurInlet final : public Inlet {
 
 Config ConfigOf(const Task& task, const Place& place) {
   Config config;
-  config.shared_memory.wait = place.wait;
-  if (place.wait == ShmWait::kSpin) config.shared_memory.spin_us = 5000;  // Beyond the pause between two messages.
+  // Only who receives waits that way, as with the others: a third thread that never sleeps takes the sender's core.
+  if (task.role != Task::Role::kPublish) {
+    config.shared_memory.wait = place.wait;
+    if (place.wait == ShmWait::kSpin) config.shared_memory.spin_us = 5000;  // Beyond the pause between two messages.
+  }
   // The processes of a measurement, and nobody else.
   config.discovery.domain = "bench-" + std::to_string(std::hash<std::string>()(task.folder + "/" + task.name));
   if (!place.endpoint) return config;

@@ -12,7 +12,7 @@ namespace hgros {
 
 Channel::Channel(std::string name, const TypeInfo& type, std::string declared_at, GraphCore& core)
     : name_(std::move(name)),
-      type_(type),
+      type_(&type),
       declared_at_(std::move(declared_at)),
       core_(core),
       current_fanout_(std::make_shared<const Fanout>()) {
@@ -58,7 +58,7 @@ class Channel::Handover {
 
 PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
   const TypeInfo* const other = other_type_.load(std::memory_order_acquire);
-  return other == nullptr ? TryAs(offer, type_, reach) : TryOneOfTwo(offer, *other, reach);
+  return other == nullptr ? TryAs(offer, type(), reach) : TryOneOfTwo(offer, *other, reach);
 }
 
 PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Reach reach) noexcept {
@@ -278,7 +278,9 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
     fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
     fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
     // Who takes the bytes where they lie shall get them so; the others' copies are then made for them alone.
-    if (fanout->inbound == nullptr || setting.type->encode_in_place != nullptr) fanout->inbound = setting.type;
+    const bool raw = fanout->inbound != nullptr && IsAnyType(*fanout->inbound);  // The others' are made of that.
+    const bool better = setting.type->encode_in_place != nullptr || IsAnyType(*setting.type);
+    if (fanout->inbound == nullptr || (better && !raw)) fanout->inbound = setting.type;
   }
   fanout->nodes = std::move(nodes);
   return fanout;
@@ -289,7 +291,13 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
 void Channel::Add(const std::shared_ptr<Node>& node) {
   const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
   std::vector<QueuedMessage> kept = latched_messages_.ForNewNode(node);
-  if (other_type_.load(std::memory_order_relaxed) != nullptr) node->ExpectTwoForms();
+  if (IsAnyType(*node->setting().type) && !raw_.load(std::memory_order_relaxed)) {
+    for (const std::shared_ptr<Node>& other : current_fanout_->nodes) other->ExpectTwoForms();
+    raw_.store(true, std::memory_order_release);
+  }
+  if (other_type_.load(std::memory_order_relaxed) != nullptr || raw_.load(std::memory_order_relaxed)) {
+    node->ExpectTwoForms();
+  }
   if (!kept.empty()) node->Preload(std::move(kept));
   std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
   nodes.push_back(node);
@@ -329,16 +337,16 @@ ThreadUse Channel::UseOfThread() const noexcept {
 }
 
 const TypeInfo& Channel::InboundType() const noexcept {
-  if (other_type_.load(std::memory_order_acquire) == nullptr) return type_;
+  if (other_type_.load(std::memory_order_acquire) == nullptr && !raw_.load(std::memory_order_acquire)) return type();
   const epoch::Guard guard;
   const TypeInfo* const inbound = fanout_.load(std::memory_order_seq_cst)->inbound;
-  return inbound == nullptr ? type_ : *inbound;
+  return inbound == nullptr ? type() : *inbound;
 }
 
 ChannelSnapshot Channel::Snapshot() const {
   ChannelSnapshot snapshot;
   snapshot.name = name_;
-  snapshot.type = type_.name;
+  snapshot.type = IsAnyType(type()) ? std::string() : type().name;
   snapshot.published = sequence_.load(std::memory_order_relaxed);
   snapshot.refused = refused_.load(std::memory_order_relaxed);
   snapshot.received = received_.load(std::memory_order_relaxed);

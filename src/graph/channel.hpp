@@ -10,6 +10,7 @@
 #include "graph/latched_messages.hpp"
 #include "graph/node.hpp"
 #include "graph/node_stats.hpp"
+#include "graph/raw_forms.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/graph/outlet.hpp"
 #include "hgros/graph/publisher.hpp"
@@ -33,7 +34,8 @@ struct Fanout {
 // Thread safety: all public functions may be called from any thread.
 // Invariants: fanout_ and outlet_ are read under an epoch guard and replaced under wiring_mutex_. A new node gets a
 // latched message exactly once: under latch_mutex_ a publisher stores the message and looks which nodes there are, and
-// under the same lock a node is handed what is stored and wired.
+// under the same lock a node is handed what is stored and wired. A message that is not wrapped (two_forms) is of type_;
+// a raw one is always wrapped.
 class Channel {
  public:
   Channel(std::string name, const TypeInfo& type, std::string declared_at, GraphCore& core);
@@ -49,10 +51,11 @@ class Channel {
                             std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept;
   [[nodiscard]] const TypeInfo& InboundType() const noexcept;
 
-  // Whether the channel can be used with `type`: its first user's, or the second C++ type of the same wire form. The
-  // first question for that one makes it the second.
-  [[nodiscard]] bool Takes(const TypeInfo& type);
-  // A message of this channel as `type`, one of its two; made at most once for all who ask. Null: it cannot be made.
+  // Whether the channel can be used with `type`: its first user's, the second C++ type of the same wire form, or
+  // AnyType(). The first question for that second one makes it so; where there was only AnyType() before, the channel
+  // gets its type. `where` is where that is asked.
+  [[nodiscard]] bool Takes(const TypeInfo& type, const CallSite& where);
+  // A message of this channel as `type`, one of those; made at most once for all who ask. Null: it cannot be made.
   [[nodiscard]] AnyMessage InForm(const AnyMessage& message, const TypeInfo& type);
 
   void Add(const std::shared_ptr<Node>& node);
@@ -72,8 +75,9 @@ class Channel {
   [[nodiscard]] ChannelSnapshot Snapshot() const;
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
-  [[nodiscard]] const std::string& declared_at() const noexcept { return declared_at_; }
+  // AnyType() until somebody says which.
+  [[nodiscard]] const TypeInfo& type() const noexcept { return *type_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::string declared_at() const;
   [[nodiscard]] GraphCore& core() const noexcept { return core_; }
 
  private:
@@ -81,7 +85,8 @@ class Channel {
   PublishStatus TryAs(const MessageOffer& offer, const TypeInfo& type, Reach reach) noexcept;
   PublishStatus TryOneOfTwo(const MessageOffer& offer, const TypeInfo& other, Reach reach) noexcept;
   void UseWith(const TypeInfo& other);
-  // With a place for its other form, if the channel is used with two types.
+  void Adopt(const TypeInfo& type, const CallSite& where);
+  // With a place for its other form, if the channel is used with two types, or the message is raw.
   [[nodiscard]] AnyMessage Wrapped(AnyMessage message, const TypeInfo& type) const;
   [[nodiscard]] const TypeInfo& TypeOfMessage(const AnyMessage& message) const noexcept;
   PublishStatus WaitForRoom(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
@@ -122,13 +127,14 @@ class Channel {
   void Replace(std::shared_ptr<const Fanout> fanout);
 
   const std::string name_;
-  const TypeInfo& type_;
-  const std::string declared_at_;
+  std::atomic<const TypeInfo*> type_;  // Set once more, under wiring_mutex_, if it was AnyType().
+  std::string declared_at_;            // Under wiring_mutex_.
   GraphCore& core_;
 
   std::atomic<const Fanout*> fanout_;
   std::atomic<Outlet*> outlet_{nullptr};
   std::atomic<const TypeInfo*> other_type_{nullptr};  // Set once, under wiring_mutex_.
+  std::atomic<bool> raw_{false};                      // Some node takes messages raw, or did.
   std::atomic<bool> closed_{false};
   std::atomic<std::size_t> latched_{0};
   alignas(64) std::atomic<std::uint64_t> sequence_{0};  // Of the last message that this process published.
@@ -140,6 +146,7 @@ class Channel {
 
   std::mutex latch_mutex_;
   LatchedMessages latched_messages_;
+  RawForms raw_forms_;
 
   std::mutex room_mutex_;
   std::condition_variable_any room_;

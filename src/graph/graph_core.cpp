@@ -18,7 +18,7 @@ namespace {
 constexpr auto kPatience = std::chrono::seconds(2);
 
 void RequireFittingType(Channel& channel, const TypeInfo& type, const CallSite& where) {
-  if (channel.Takes(type)) return;
+  if (channel.Takes(type, where)) return;
   throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + channel.type().name + " (first used so at " +
                          channel.declared_at() + ") and cannot be used with " + type.name + ".",
                      where.ToString(),

@@ -1,8 +1,11 @@
 #include "graph/two_forms.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
+#include <typeindex>
 #include <utility>
+#include <vector>
 
 namespace hgros::two_forms {
 namespace {
@@ -14,8 +17,14 @@ struct Forms {
   const AnyMessage message;
   const TypeInfo& type;
   const void* const channel;
-  std::once_flag once;
-  AnyMessage other;
+
+  // Two who want the same form at once get one: the second waits for it.
+  std::mutex making;
+  struct Made {
+    std::type_index as;
+    AnyMessage message;
+  };
+  std::vector<Made> made;  // One, or two where somebody wants the bytes as well.
 };
 
 // Known by its type: what std::get_deleter finds is ours.
@@ -32,10 +41,6 @@ Forms* Find(const AnyMessage& message, const void* channel) noexcept {
 
 bool Knows(const TypeInfo& one, const TypeInfo& other) noexcept {
   return one.to_other != nullptr && one.other_cpp_type == other.cpp_type;
-}
-
-AnyMessage Convert(const AnyMessage& message, const TypeInfo& from, const TypeInfo& to) {
-  return Knows(from, to) ? from.to_other(message) : to.from_other(message);
 }
 
 }  // namespace
@@ -55,21 +60,21 @@ const TypeInfo* TypeOfWrapped(const AnyMessage& message, const void* channel) no
   return forms == nullptr ? nullptr : &forms->type;
 }
 
+AnyMessage Convert(const AnyMessage& message, const TypeInfo& from, const TypeInfo& to) {
+  if (Knows(from, to)) return from.to_other(message);
+  return Knows(to, from) ? to.from_other(message) : nullptr;
+}
+
 AnyMessage As(const AnyMessage& message, const TypeInfo& wanted, const TypeInfo& unwrapped, const void* channel,
-              const std::function<void(bool made)>& on_made) {
+              const std::function<AnyMessage(const AnyMessage& message, const TypeInfo& type)>& make) {
   Forms* const forms = Find(message, channel);
   const TypeInfo& type = forms == nullptr ? unwrapped : forms->type;
   if (type.cpp_type == wanted.cpp_type) return message;
-  if (forms == nullptr) {
-    AnyMessage made = Convert(message, type, wanted);
-    on_made(made != nullptr);
-    return made;
-  }
-  std::call_once(forms->once, [&] {
-    forms->other = Convert(forms->message, type, wanted);
-    on_made(forms->other != nullptr);
-  });
-  return forms->other;
+  if (forms == nullptr) return make(message, type);
+  const std::scoped_lock lock(forms->making);
+  const auto known = std::ranges::find(forms->made, wanted.cpp_type, &Forms::Made::as);
+  if (known != forms->made.end()) return known->message;
+  return forms->made.emplace_back(Forms::Made{wanted.cpp_type, make(forms->message, type)}).message;
 }
 
 }  // namespace hgros::two_forms

@@ -23,10 +23,14 @@ namespace two_forms {
 // The type of a message of `channel`, or null if it was not wrapped for it.
 [[nodiscard]] const TypeInfo* TypeOfWrapped(const AnyMessage& message, const void* channel) noexcept;
 
-// The message as `wanted`, made at the first call for a wrapped message and at every call for another, which is of
-// `unwrapped`; `on_made` is called when it is. Null if it cannot be made. Any thread.
+// The message, which is of the one type, as the other one of two that fit. Null if it cannot be made.
+[[nodiscard]] AnyMessage Convert(const AnyMessage& message, const TypeInfo& from, const TypeInfo& to);
+
+// The message as `wanted`: `make` is called for it with its own type, at the first time for a wrapped message and every
+// time for another, which is of `unwrapped`. Null if that is what `make` gives. Any thread.
 [[nodiscard]] AnyMessage As(const AnyMessage& message, const TypeInfo& wanted, const TypeInfo& unwrapped,
-                            const void* channel, const std::function<void(bool made)>& on_made);
+                            const void* channel,
+                            const std::function<AnyMessage(const AnyMessage& message, const TypeInfo& type)>& make);
 
 }  // namespace two_forms
 }  // namespace hgros

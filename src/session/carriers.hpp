@@ -67,6 +67,8 @@ class Carriers final : private DiscoveryListener {
   bool RemoveSubscribeEndpoint(const std::string& endpoint);
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
+  /// What the sessions of this host say in its registry.
+  [[nodiscard]] std::vector<SessionChannels> AnnouncedChannels();
   /// Who says in the host's registry that it subscribes to the channel, and whether anybody else could.
   [[nodiscard]] ChannelSearch Search(const std::string& channel);
   [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
@@ -91,6 +93,7 @@ class Carriers final : private DiscoveryListener {
     void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
     void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
     void OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept override;
+    void OnChannels() noexcept override { carriers_.listener_.OnChannels(); }
 
    private:
     Carriers& carriers_;

@@ -80,12 +80,13 @@ ChannelAnnouncement& Carriers::Own(const std::string& channel, const TypeInfo& t
   const auto known = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
   ChannelAnnouncement& entry = known == own_.channels.end() ? own_.channels.emplace_back() : *known;
   entry.channel = channel;
-  entry.type_name = type.name;
-  entry.encoding = type.encoding;
-  entry.fingerprint = type.fingerprint;
   const CarrierSet rule = RuleOf(channel);
   entry.by_shared_memory = rule.shared_memory;
   entry.by_endpoints = rule.zmq;
+  if (IsAnyType(type)) return entry;
+  entry.type_name = type.name;
+  entry.encoding = type.encoding;
+  entry.fingerprint = type.fingerprint;
   return entry;
 }
 
@@ -109,6 +110,25 @@ void Carriers::Withdraw(const std::string& channel) {
     if (!entry->subscribes) own_.channels.erase(entry);
   }
   Announce();
+}
+
+std::vector<SessionChannels> Carriers::AnnouncedChannels() {
+  std::vector<SessionChannels> announced;
+  const std::scoped_lock lock(announcing_);
+  if (!registry_) return announced;
+  for (const Announcement& peer : registry_->List()) {
+    if (!IsWanted(peer)) continue;
+    SessionChannels& session = announced.emplace_back();
+    session.session.id = peer.session;
+    session.session.process = peer.process;
+    session.session.host = peer.host;
+    session.session.pid = peer.pid;
+    for (const ChannelAnnouncement& one : peer.channels) {
+      session.channels.push_back(
+          {one.channel, one.type_name, one.encoding, one.fingerprint, one.publishes, one.subscribes, one.lossless});
+    }
+  }
+  return announced;
 }
 
 ChannelSearch Carriers::Search(const std::string& channel) {
@@ -144,6 +164,7 @@ void Carriers::Announce() {
   };
   if (registry_) announce(*registry_, "this host");
   if (beacon_) announce(*beacon_, "this network");
+  listener_.OnChannels();
 }
 
 // Either of two sessions may narrow down whom it has to do with.
@@ -156,6 +177,7 @@ bool Carriers::IsWanted(const Announcement& peer) {
 void Carriers::OnCame(const Announcement& peer) {
   last_came_ = std::chrono::steady_clock::now();
   options_.on_announcements();
+  listener_.OnChannels();
   if (!IsWanted(peer)) {
     log_.Write(LogLevel::kInfo,
                NameOf(peer) + " of this host is not connected to: `discovery: local` " +
@@ -175,6 +197,7 @@ void Carriers::OnCame(const Announcement& peer) {
 
 void Carriers::OnChanged(const Announcement& peer) {
   options_.on_announcements();
+  listener_.OnChannels();
   CarrierRules rules = RulesOf(peer);
   if (!rules.empty()) ruled_ = true;
   SayLaterWhatCannotPass();
@@ -187,6 +210,7 @@ void Carriers::OnChanged(const Announcement& peer) {
 void Carriers::OnGone(const Announcement& last, std::string_view /*reason*/) {
   peers_.Lost(last.session);
   options_.on_announcements();
+  listener_.OnChannels();
   GiveUpSubscriber(last.session);
   AskAgain(CarrierKind::kZmq);  // What is still reached otherwise is no longer left to shared memory.
   if (shm_ && !last.shared_memory.empty()) shm_->RemovePeer(last.shared_memory);

@@ -18,20 +18,25 @@ constexpr int kMessagesPerErrand = 16;
 
 }  // namespace
 
-ChannelInlet::ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log,
-                           std::function<void()> on_publishers, std::function<void(Errand)> run_apart,
+ChannelInlet::ChannelInlet(Channel& channel, std::shared_ptr<Log> log, std::function<void()> on_publishers,
+                           std::function<void(Errand)> run_apart, TellMisfit tell_misfit,
                            std::shared_ptr<const HostClocks> clocks)
     : channel_(channel),
-      type_(type),
+      type_(&DataGraph::TypeOfChannel(channel)),
       brings_replies_(IsReplyChannel(DataGraph::NameOf(channel))),
       log_(std::move(log)),
       on_publishers_(std::move(on_publishers)),
       run_apart_(std::move(run_apart)),
+      tell_misfit_(std::move(tell_misfit)),
       clocks_(std::move(clocks)) {}
 
 void ChannelInlet::Join(Carriers& carriers, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);
-  auto carrier = carriers.Subscribe(DataGraph::NameOf(channel_), type_, demand, *this);
+  const TypeInfo& own = DataGraph::TypeOfChannel(channel_);
+  // What stays inside this process has no name outside; who wants the channel from there wants whatever comes.
+  const TypeInfo& type = own.encoding == Encoding::kNone ? AnyType() : own;
+  type_.store(&type, std::memory_order_release);
+  auto carrier = carriers.Subscribe(DataGraph::NameOf(channel_), type, demand, *this);
   const std::scoped_lock lock(carrier_mutex_);
   carrier_ = std::move(carrier);
 }
@@ -53,6 +58,10 @@ void ChannelInlet::Detach() {
     if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
   }
   publishers_.store(0, std::memory_order_release);
+  {
+    const std::scoped_lock lock(offers_mutex_);
+    offers_.clear();
+  }
   // What is published while nobody here wants it is not lost.
   const std::scoped_lock lock(counts_mutex_);
   for (auto& [publisher, life] : lives_) life.away = true;
@@ -65,7 +74,7 @@ void ChannelInlet::SetDemand(const Demand& demand) {
 }
 
 bool ChannelInlet::IsQuick(const InboundMessage& message) const noexcept {
-  return message.data.bytes.size() <= kQuickBytes && !type_.users_codec;
+  return message.data.bytes.size() <= kQuickBytes && !type_.load(std::memory_order_relaxed)->users_codec;
 }
 
 Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
@@ -174,9 +183,11 @@ bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
 
 std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message) noexcept {
   const PacketHead& head = message.head;
-  if (!head.type_name.empty() && head.type_name != type_.name) {
+  const bool any = TakesAny();
+  const TypeInfo& asked = *type_.load(std::memory_order_relaxed);
+  if (!any && !head.type_name.empty() && head.type_name != asked.name) {
     OnFault(PacketFault::kType,
-            "it carries " + head.type_name + ", but the channel is used with " + type_.name +
+            "it carries " + head.type_name + ", but the channel is used with " + asked.name +
                 " here; build both programs with one type, or give one of them another channel name");
     return std::nullopt;
   }
@@ -184,10 +195,14 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
   if (!CountIn(message, lost)) return std::nullopt;
   if (lost > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost);
   Decoded decoded;
-  decoded.type = &DataGraph::InboundType(channel_);
-  decoded.message = decoded.type->decode(message.data);
+  decoded.type = any ? &AnyType() : &DataGraph::InboundType(channel_);
+  if (IsAnyType(*decoded.type)) {
+    decoded.message = std::make_shared<const RawMessage>(RawMessage{SchemaOf(message), std::move(message.data)});
+  } else {
+    decoded.message = decoded.type->decode(message.data);
+  }
   if (decoded.message == nullptr) {
-    OnFault(PacketFault::kData, "its data does not parse as " + type_.name);
+    OnFault(PacketFault::kData, "its data does not parse as " + asked.name);
     return std::nullopt;
   }
   decoded.info.id = head.id;
@@ -196,6 +211,60 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
   decoded.credit = std::move(message.credit);
   decoded.latched = head.latched;
   return decoded;
+}
+
+// Plain programs say it with each message, and sessions whose type is ours do not say it at all.
+std::shared_ptr<const MessageSchema> ChannelInlet::SchemaOf(const InboundMessage& message) {
+  if (message.schema) return message.schema;
+  const PacketHead& head = message.head;
+  MessageSchema said{head.type_name, head.encoding, head.fingerprint, {}};
+  const TypeInfo& asked = *type_.load(std::memory_order_relaxed);
+  if (!IsAnyType(asked)) {
+    if (said.fingerprint == 0) said.fingerprint = asked.fingerprint;
+    said.type_name = asked.name;
+    said.encoding = asked.encoding;
+  }
+  const bool known = said_schema_ && said_schema_->type_name == said.type_name &&
+                     said_schema_->encoding == said.encoding && said_schema_->fingerprint == said.fingerprint;
+  if (!known) {
+    if (!IsAnyType(asked) && said.fingerprint == asked.fingerprint) said = hgros::SchemaOf(asked);
+    said_schema_ = std::make_shared<const MessageSchema>(std::move(said));
+  }
+  return said_schema_;
+}
+
+void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept {
+  {
+    const std::scoped_lock lock(offers_mutex_);
+    if (offers_.size() >= kMaxPublishers && !offers_.contains(from.id.value)) offers_.erase(offers_.begin());
+    offers_[from.id.value] = {from, schema, false};
+  }
+  on_publishers_();  // Somebody may wait for the schema.
+  if (!IsAnyType(DataGraph::TypeOfChannel(channel_))) run_apart_([this] { CompareOffers(); });
+}
+
+// Not on a carrier's thread: comparing schemas takes its time.
+void ChannelInlet::CompareOffers() {
+  const TypeInfo& type = DataGraph::TypeOfChannel(channel_);
+  if (IsAnyType(type)) return;
+  const std::string& name = DataGraph::NameOf(channel_);
+  std::vector<Offer> misfits;
+  {
+    const std::scoped_lock lock(offers_mutex_);
+    for (auto& [session, offer] : offers_) {
+      if (!std::exchange(offer.compared, true)) misfits.push_back(offer);
+    }
+  }
+  for (const Offer& offer : misfits) {
+    if (const std::string what = MisfitOf(*offer.schema, type); !what.empty()) {
+      tell_misfit_(name, offer.from, "channel " + name + ": " + what);
+    }
+  }
+}
+
+std::shared_ptr<const MessageSchema> ChannelInlet::Schema() const {
+  const std::scoped_lock lock(offers_mutex_);
+  return offers_.empty() ? nullptr : offers_.begin()->second.schema;
 }
 
 bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {

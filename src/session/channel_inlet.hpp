@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hgros/base/log.hpp"
+#include "hgros/codec/raw_message.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/snapshot.hpp"
 #include "hgros/transport/transport.hpp"
@@ -33,10 +34,14 @@ class ChannelInlet final : public InboundSink {
  public:
   using Errand = std::function<void()>;
 
-  // `run_apart` has its errand run, later, on a thread that owns no socket and that the channel outlives.
-  ChannelInlet(Channel& channel, const TypeInfo& type, std::shared_ptr<Log> log, std::function<void()> on_publishers,
-               std::function<void(Errand)> run_apart, std::shared_ptr<const HostClocks> clocks);
+  // A publisher's messages are not what the channel is used with here.
+  using TellMisfit = std::function<void(const std::string& channel, const PeerInfo& from, const std::string& what)>;
 
+  // `run_apart` has its errand run, later, on a thread that owns no socket and that the channel outlives.
+  ChannelInlet(Channel& channel, std::shared_ptr<Log> log, std::function<void()> on_publishers,
+               std::function<void(Errand)> run_apart, TellMisfit tell_misfit, std::shared_ptr<const HostClocks> clocks);
+
+  // Asks for messages of the type that the channel has now; for any, if it has none yet.
   void Join(Carriers& carriers, const Demand& demand);
   void Detach();
   void SetDemand(const Demand& demand);
@@ -45,7 +50,14 @@ class ChannelInlet final : public InboundSink {
   void Run() noexcept override;
   void OnFault(PacketFault fault, std::string_view what) noexcept override;
   void OnPublishers(std::size_t count) noexcept override;
+  void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override;
 
+  // The channel has got its type: who is asked for messages of any, and sends others, is told of.
+  void CompareOffers();
+  // What the publishers send; null if none has said so yet.
+  [[nodiscard]] std::shared_ptr<const MessageSchema> Schema() const;
+  // What the channel is used with here: AnyType() if nobody has said.
+  [[nodiscard]] const TypeInfo& channel_type() const noexcept { return DataGraph::TypeOfChannel(channel_); }
   [[nodiscard]] std::size_t publisher_count() const noexcept { return publishers_.load(std::memory_order_acquire); }
   void AddTo(ChannelTraffic& traffic) const;
 
@@ -86,13 +98,21 @@ class ChannelInlet final : public InboundSink {
   void SayLost(std::uint64_t count);
   // False for a repeat. `lost` is set to how many before it did not arrive.
   [[nodiscard]] bool CountIn(const InboundMessage& message, std::uint64_t& lost);
+  [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
+  [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
+  struct Offer {
+    PeerInfo from;
+    std::shared_ptr<const MessageSchema> schema;
+    bool compared = false;  // With the channel's type.
+  };
 
   Channel& channel_;
-  const TypeInfo& type_;
+  std::atomic<const TypeInfo*> type_;  // That was asked for.
   const bool brings_replies_;
   const std::shared_ptr<Log> log_;
   const std::function<void()> on_publishers_;
   const std::function<void(Errand)> run_apart_;
+  const TellMisfit tell_misfit_;
   const std::shared_ptr<const HostClocks> clocks_;
 
   std::mutex carrier_mutex_;
@@ -104,6 +124,10 @@ class ChannelInlet final : public InboundSink {
   Fifo<InboundMessage> waiting_;
   Runner runner_ = Runner::kNobody;
   std::optional<Decoded> handed_over_;  // Comes before those that wait.
+
+  std::shared_ptr<const MessageSchema> said_schema_;  // Of those whose link has none. Whoever delivers.
+  mutable std::mutex offers_mutex_;
+  std::map<std::uint64_t, Offer> offers_;
 
   mutable std::mutex counts_mutex_;
   // By the session that sent it (0: none) and the publisher that it names, so that nobody can speak for another.

@@ -55,6 +55,8 @@ class ChannelOutlet final : public Outlet, public OutboundSource {
   void OnRoom() noexcept override;
   void OnSubscribers(std::size_t count) noexcept override;
 
+  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
+  [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
   [[nodiscard]] std::size_t subscriber_count() const noexcept { return subscribers_.load(std::memory_order_acquire); }
   // The sessions among them.
   [[nodiscard]] std::vector<SessionId> Subscribers() const;

@@ -166,6 +166,9 @@ class JoinedInbound::Part final : public InboundSink {
   }
   void Run() noexcept override { joined_.sink_.Run(); }
   void OnFault(PacketFault fault, std::string_view what) noexcept override { joined_.sink_.OnFault(fault, what); }
+  void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override {
+    joined_.sink_.OnOffer(from, schema);
+  }
   void OnPublishers(std::size_t count) noexcept override {
     const std::scoped_lock lock(joined_.telling_);
     auto& counts = joined_.publishers_;

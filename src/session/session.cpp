@@ -21,6 +21,10 @@ bool Session::WaitForPublishers(std::string_view channel, std::size_t count, std
   return core_->WaitForPublishers(channel, count, timeout);
 }
 
+std::shared_ptr<const MessageSchema> Session::AwaitSchema(std::string_view channel, std::chrono::nanoseconds timeout) {
+  return core_->AwaitSchema(channel, timeout);
+}
+
 void Session::SetClosed(std::string_view channel, bool closed) { core_->graph().SetClosed(channel, closed); }
 void Session::AllowPublishing(std::string_view channel, bool allowed) { core_->AllowPublishing(channel, allowed); }
 void Session::AllowSubscribing(std::string_view channel, bool allowed) { core_->AllowSubscribing(channel, allowed); }
@@ -30,6 +34,7 @@ void Session::RemoveSubscriberEndpoint(std::string_view endpoint) { core_->Remov
 std::vector<std::string> Session::PublisherEndpoints() const { return core_->PublisherEndpoints(); }
 
 std::vector<PeerInfo> Session::Peers() const { return core_->Peers(); }
+std::vector<KnownChannel> Session::Channels() const { return core_->Channels(); }
 SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
 bool Session::WaitIdle(std::chrono::nanoseconds timeout) const { return core_->graph().WaitIdle(DeadlineIn(timeout)); }
 

@@ -15,7 +15,7 @@ std::vector<Subscription> Session::Core::FollowClock() {
   NodeOptions options{"hgros/clock", {}, Executor::Inline()};
   const TypeInfo& type = TypeOf<SimulatedTime>();
   subscriptions.push_back(
-      SubscribeAny(OpenAny(kClockChannel, type, CallSite::Current()), type, Invoke::kSerial,
+      SubscribeAny(Open(kClockChannel, type, CallSite::Current()), type, Invoke::kSerial,
                    EraseCallback<SimulatedTime>([follower](const SimulatedTime& time, const MessageInfo& info) {
                      follower->OnTime(time, info);
                    }),

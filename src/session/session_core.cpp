@@ -94,6 +94,7 @@ Session::Core::Core(Config config, SessionOptions options)
   timers_.emplace(clock_, *graph_, log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
   events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
+  channel_events_ = graph_->Advertise<ChannelsChanged>(kChannelEventsChannel);
   services_ = std::make_shared<Services>(static_cast<ServicePlace&>(*this), id_, log_);
   if (!config_.nodes.empty()) {
     errands_.emplace();
@@ -207,8 +208,14 @@ Subscription Session::Core::SubscribeAny(Channel& channel, const TypeInfo& type,
     const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
     if (!inflow.inlet) {
       inflow.inlet = std::make_shared<ChannelInlet>(
-          channel, DataGraph::TypeOfChannel(channel), log_, [this] { Notify(); },
-          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); }, host_clocks_);
+          channel, log_, [this] { Notify(); },
+          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); },
+          [this](const std::string& misused, const PeerInfo& from, const std::string& what) {
+            OnTypeMismatch(misused, from, what);
+          },
+          host_clocks_);
+    } else if (inflow.joined && !IsAnyType(type)) {
+      errands_->Post([inlet = inflow.inlet] { inlet->CompareOffers(); });
     }
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
     subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
@@ -276,23 +283,12 @@ void Session::Core::Notify() noexcept {
   changed_.notify_all();
 }
 
-// The predicate takes other locks, so it is asked outside this one.
-template <class Predicate>
-bool Session::Core::WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const {
-  const auto deadline = DeadlineIn(timeout);
-  for (;;) {
-    std::unique_lock lock(changed_mutex_);
-    const std::uint64_t seen = changes_;
-    lock.unlock();
-    if (predicate()) return true;
-    if (closing_) return false;
-    lock.lock();
-    if (!changed_.wait_until(lock, deadline, [&] { return changes_ != seen; })) return predicate();
+// Who waits for them is about to publish.
+bool Session::Core::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) {
+  if (graph_->NodeCount(channel) > 0 && !closing_) {
+    const TypeInfo& type = DataGraph::TypeOfChannel(graph_->Open(channel, AnyType(), CallSite::Current()));
+    if (type.encoding != Encoding::kNone) (void)OpenAny(channel, type, CallSite::Current());
   }
-}
-
-bool Session::Core::WaitForSubscribers(std::string_view channel, std::size_t count,
-                                       std::chrono::nanoseconds timeout) const {
   return WaitUntil(timeout, [&] {
     const std::scoped_lock lock(mutex_);
     const auto outlet = outlets_.find(channel);
@@ -333,6 +329,14 @@ SessionSnapshot Session::Core::Snapshot() const {
     if (const auto entry = inflows_.find(name); entry != inflows_.end()) entry->second.inlet->AddTo(traffic);
     snapshot.traffic.push_back(std::move(traffic));
   }
+  for (const auto& [name, inflow] : inflows_) {
+    if (outlets_.contains(name)) continue;
+    ChannelTraffic traffic;
+    traffic.channel = name;
+    inflow.inlet->AddTo(traffic);
+    snapshot.traffic.push_back(std::move(traffic));
+  }
+  std::ranges::sort(snapshot.traffic, {}, &ChannelTraffic::channel);
   if (carriers_) {
     snapshot.peers = carriers_->Peers();
     snapshot.transport = carriers_->stats();

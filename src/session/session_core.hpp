@@ -14,6 +14,7 @@
 
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/clock/following_clock.hpp"
+#include "hgros/clock/time.hpp"
 #include "hgros/session/session.hpp"
 #include "session/carriers.hpp"
 #include "session/channel_inlet.hpp"
@@ -38,6 +39,7 @@ class Session::Core final : public TransportListener, private ServicePlace {
 
   Channel& Open(std::string_view name, const TypeInfo& type, const CallSite& where);
   Channel& OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where);
+  std::shared_ptr<const MessageSchema> AwaitSchema(std::string_view channel, std::chrono::nanoseconds timeout);
   void Latch(Channel& channel, std::size_t count);
   Block LoanBlock(std::string_view channel, std::size_t size_bytes);
   Subscription SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
@@ -45,7 +47,7 @@ class Session::Core final : public TransportListener, private ServicePlace {
   Subscription SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
                               NodeOptions options);
 
-  bool WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const;
+  bool WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout);
   bool WaitForPublishers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const;
 
   void AllowPublishing(std::string_view channel, bool allowed);
@@ -56,11 +58,14 @@ class Session::Core final : public TransportListener, private ServicePlace {
   std::vector<std::string> PublisherEndpoints() const;
 
   std::vector<PeerInfo> Peers() const override;
+  // Lets others be found, if that has not begun.
+  std::vector<KnownChannel> Channels();
   SessionSnapshot Snapshot() const;
   std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
   void OnPeerCame(const PeerInfo& peer) noexcept override;
   void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
+  void OnChannels() noexcept override;
   void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
   void OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept override {
     host_clocks_->Add(peer.id, exchange);
@@ -104,6 +109,9 @@ class Session::Core final : public TransportListener, private ServicePlace {
   void Report(PeerEvent event) noexcept override { PublishEvent(std::move(event)); }
   void Receive(const Visit& visit) noexcept override;
 
+  // session_channels.cpp. Under mutex_.
+  [[nodiscard]] SessionChannels OwnChannels() const;
+
   // Throws Error while the session shuts down.
   void RequireOpen() const;
   static constexpr int kLingerMs = 500;
@@ -143,10 +151,13 @@ class Session::Core final : public TransportListener, private ServicePlace {
   std::uint64_t changes_ = 0;
 
   std::atomic<bool> closing_{false};
+  std::atomic<bool> telling_channels_{false};
+  std::uint64_t channel_changes_ = 0;  // The errand thread's.
   mutable std::mutex mutex_;
   std::unique_ptr<DataGraph> graph_;
   std::optional<SessionTimers> timers_;
   Publisher<PeerEvent> events_;
+  Publisher<ChannelsChanged> channel_events_;
   std::optional<ErrandThread> errands_;
   std::unique_ptr<Carriers> carriers_;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
@@ -157,5 +168,20 @@ class Session::Core final : public TransportListener, private ServicePlace {
   std::shared_ptr<Services> services_;
   std::vector<Subscription> clock_nodes_;
 };
+
+// The predicate takes other locks, so it is asked outside this one.
+template <class Predicate>
+bool Session::Core::WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const {
+  const auto deadline = DeadlineIn(timeout);
+  for (;;) {
+    std::unique_lock lock(changed_mutex_);
+    const std::uint64_t seen = changes_;
+    lock.unlock();
+    if (predicate()) return true;
+    if (closing_) return false;
+    lock.lock();
+    if (!changed_.wait_until(lock, deadline, [&] { return changes_ != seen; })) return predicate();
+  }
+}
 
 }  // namespace hgros

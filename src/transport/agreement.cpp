@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/packet.hpp"
 #include "hgros/codec/schema_compatibility.hpp"
@@ -63,17 +64,30 @@ SessionFacts ReadFacts(SessionId session, const wire::SessionFacts& from) {
   facts.info.host = Readable(from.host());
   facts.info.pid = from.pid();
   facts.incarnation = from.incarnation();
+  facts.wire_minor = from.wire_minor();
   return facts;
 }
 
 void WriteType(std::string_view channel, const TypeInfo& type, wire::ChannelType& to) {
   to.set_channel(std::string(channel));
+  if (IsAnyType(type)) return;
   to.set_type_name(type.name);
   to.set_encoding(static_cast<std::uint32_t>(type.encoding));
   to.set_fingerprint(type.fingerprint);
 }
 
+std::optional<ChannelUse> ReadUse(const wire::ChannelType& from) {
+  if (!ChannelNameFault(from.channel()).empty()) return std::nullopt;
+  ChannelUse use{.channel = from.channel()};
+  use.type_name = Readable(from.type_name());
+  const bool known = from.encoding() <= static_cast<std::uint32_t>(Encoding::kPlain);
+  if (known) use.encoding = static_cast<Encoding>(from.encoding());
+  use.fingerprint = from.fingerprint();
+  return use;
+}
+
 TypeFit CompareTypes(const wire::ChannelType& theirs, const TypeInfo& ours) noexcept {
+  if (IsAnyType(ours)) return TypeFit::kEqual;
   if (theirs.type_name() != ours.name || theirs.encoding() != static_cast<std::uint32_t>(ours.encoding)) {
     return TypeFit::kDiffer;
   }
@@ -108,7 +122,20 @@ std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo&
   return verdict.compatible ? std::string() : verdict.reason;
 }
 
+std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered, const std::string& descriptor_set) {
+  constexpr std::size_t kMaxDescriptorSetBytes = 1 << 20;
+  auto schema = std::make_shared<MessageSchema>();
+  schema->type_name = Readable(offered.type_name());
+  const bool known = offered.encoding() <= static_cast<std::uint32_t>(Encoding::kPlain);
+  if (known) schema->encoding = static_cast<Encoding>(offered.encoding());
+  schema->fingerprint = offered.fingerprint();
+  if (descriptor_set.size() <= kMaxDescriptorSetBytes) schema->descriptor_set = descriptor_set;
+  return schema;
+}
+
 std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type) {
+  const bool takes_any = wanted.type_name().empty() && wanted.encoding() == 0;
+  if (takes_any) return type.descriptor_set != nullptr ? type.descriptor_set() : std::string();
   switch (CompareTypes(wanted, type)) {
     case TypeFit::kEqual: return std::string();
     case TypeFit::kEvolved: return type.descriptor_set != nullptr ? type.descriptor_set() : std::string();

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "hgros/base/ids.hpp"
+#include "hgros/codec/raw_message.hpp"
 #include "hgros/codec/type_info.hpp"
 #include "hgros/control.pb.h"
 #include "hgros/transport/transport.hpp"
@@ -18,6 +20,8 @@ namespace hgros {
 
 /// The longest type name that can be asked for.
 inline constexpr std::size_t kMaxTypeNameBytes = 1024;
+/// Sessions of this minor version and later are told of channels that come and go.
+inline constexpr std::uint32_t kOffersSinceMinor = 1;
 /// The longest text for people in a control message; a longer one is cut.
 inline constexpr std::size_t kMaxTextBytes = 512;
 
@@ -25,6 +29,7 @@ inline constexpr std::size_t kMaxTextBytes = 512;
 struct SessionFacts {
   PeerInfo info;
   std::uint64_t incarnation = 0;
+  std::uint32_t wire_minor = 0;
 };
 
 /// A peer's text, fit for a line of a log: not too long, without control characters.
@@ -33,7 +38,11 @@ struct SessionFacts {
 void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to);
 [[nodiscard]] SessionFacts ReadFacts(SessionId session, const wire::SessionFacts& from);
 
+/// AnyType() is written as no type at all.
 void WriteType(std::string_view channel, const TypeInfo& type, wire::ChannelType& to);
+
+/// What a peer's text says of a channel that it uses; nothing if it names none.
+[[nodiscard]] std::optional<ChannelUse> ReadUse(const wire::ChannelType& from);
 
 /// Whether what one side publishes can be what the other side reads.
 enum class TypeFit {
@@ -51,7 +60,12 @@ enum class TypeFit {
 /// What this process says of a session of its own.
 [[nodiscard]] SessionFacts OwnFacts(SessionId session, const std::string& process);
 
-/// The schema for a subscriber that has another version of the type; empty if the types are equal, none if they differ.
+/// What a publisher has said of its messages. A descriptor set of more than 1 MiB is left out.
+[[nodiscard]] std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered,
+                                                              const std::string& descriptor_set);
+
+/// The schema for a subscriber that has another version of the type, or takes any; empty if the types are equal, none
+/// if they differ.
 [[nodiscard]] std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type);
 
 /// The name under which an endpoint's list of channels lets the channel pass: its own, or, for the replies to a caller

@@ -18,6 +18,10 @@ InboundCore::HeadFault InboundCore::Check(const PacketHead& head, SessionId from
   if (from.value != 0 && head.id.publisher != 0 && head.id.publisher != from.value) {
     return {PacketFault::kHead, "its head names another publisher than the session it came from"};
   }
+  if (IsAnyType(type)) {
+    if (from.value == 0 || head.fingerprint == 0 || head.fingerprint == compared) return {};
+    return {PacketFault::kType, "its " + head.type_name + " has another schema than the publisher named"};
+  }
   // The paper's own head has the channel and nothing else.
   if (!head.type_name.empty() && head.type_name != type.name) {
     return {PacketFault::kType, "it carries " + head.type_name + ", not " + type.name};
@@ -110,6 +114,12 @@ bool InboundCore::Release(SessionId publisher, const void* endpoint) {
 void InboundCore::CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions) {
   core->publishers.fetch_add(static_cast<std::size_t>(change));
   actions.emplace_back([core] { core->gate_.Through([&] { core->sink_.OnPublishers(core->publishers.load()); }); });
+}
+
+void InboundCore::TellOffer(const std::shared_ptr<InboundCore>& core, const PeerInfo& from,
+                            const std::shared_ptr<const MessageSchema>& schema, Actions& actions) {
+  if (!IsAnyType(core->type)) return;
+  actions.emplace_back([core, from, schema] { core->gate_.Through([&] { core->sink_.OnOffer(from, schema); }); });
 }
 
 Demand InboundCore::demand() const {

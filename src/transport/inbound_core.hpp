@@ -46,6 +46,9 @@ class InboundCore {
   [[nodiscard]] bool IsClaimed(SessionId publisher) const;
   /// True if `endpoint` had the claim.
   bool Release(SessionId publisher, const void* endpoint);
+  /// Tells the sink what a publisher sends, if it takes whatever comes.
+  static void TellOffer(const std::shared_ptr<InboundCore>& core, const PeerInfo& from,
+                        const std::shared_ptr<const MessageSchema>& schema, Actions& actions);
   static void CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions);
 
   [[nodiscard]] Demand demand() const;

@@ -79,10 +79,17 @@ Accepted Sink::Accept(InboundMessage&& message) noexcept {
     const std::scoped_lock lock(mutex_);
     texts_.emplace_back(AsText(message.data.bytes));
     ids.push_back(message.head.id);
+    schemas.push_back(message.schema);
     if (hold_credit) credits_.push_back(std::move(message.credit));
   }
   --inside;
   return answer;
+}
+
+void Sink::OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept {
+  const std::scoped_lock lock(mutex_);
+  offers[from.id] = schema;
+  offered = offers.size();
 }
 
 void Sink::Run() noexcept {

@@ -119,6 +119,7 @@ class Sink : public InboundSink {
   void Run() noexcept override;
   void OnFault(PacketFault fault, std::string_view what) noexcept override;
   void OnPublishers(std::size_t count) noexcept override { publishers = count; }
+  void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override;
 
   [[nodiscard]] std::vector<std::string> texts() const;
   [[nodiscard]] std::size_t count() const;
@@ -133,7 +134,10 @@ class Sink : public InboundSink {
   std::atomic<bool> overlapped{false};  ///< Accept() was called twice at once.
   std::atomic<int> faults{0};
   std::atomic<std::size_t> publishers{0};
-  std::vector<MessageId> ids;  // Guarded by mutex_ until the subscription has ended.
+  std::vector<MessageId> ids;  // Guarded by mutex_ until the subscription has ended, and so are the next two.
+  std::vector<std::shared_ptr<const MessageSchema>> schemas;  // Of messages.
+  std::map<SessionId, std::shared_ptr<const MessageSchema>> offers;
+  std::atomic<std::size_t> offered{0};
 
  private:
   mutable std::mutex mutex_;

@@ -45,6 +45,22 @@ TEST_P(TransportConformance, ChannelsWhoseNamesBeginAlikeStayApart) {
   EXPECT_EQ(filtered.channel->subscriber_count(), 0u);
 }
 
+TEST_P(TransportConformance, WhoTakesAnyTypeGetsMessagesAndTheirSchema) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  const TypeInfo type = ProtobufType("hgros.test.Any", {{"int32", 1}});
+  Publication out(a, "scan", type);
+  Reception in(b, "scan", AnyType(), kLossless);
+  ASSERT_TRUE(Joined(out));
+  ASSERT_TRUE(Eventually([&] { return in.sink.offered == 1; }));
+  for (int i = 1; i <= 100; ++i) ASSERT_TRUE(out.PublishSoon(std::to_string(i)));
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 100; }));
+  EXPECT_EQ(in.sink.texts(), Numbers(1, 100));
+  in.channel.reset();
+  EXPECT_EQ(*in.sink.offers.at(a.id), SchemaOf(type));
+  for (const auto& schema : in.sink.schemas) EXPECT_EQ(schema, in.sink.offers.at(a.id));
+  EXPECT_EQ(a.listener.mismatches + b.listener.mismatches, 0);
+}
+
 TEST_P(TransportConformance, ALargePayloadIsKeptUntilSentAndThenReleased) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "cloud", TextType());

@@ -58,10 +58,10 @@ struct Inflow {
   std::uint64_t sequence = 0;
   DataGraph graph;
   ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()),
-                     TypeOf<T>(),
                      std::make_shared<Log>(),
                      [] {},
                      [this](ChannelInlet::Errand errand) { errands.push_back(std::move(errand)); },
+                     [](const std::string&, const PeerInfo&, const std::string&) {},
                      std::make_shared<HostClocks>()};
 };
 

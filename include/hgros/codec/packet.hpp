@@ -47,7 +47,7 @@ inline constexpr std::size_t kPacketFaultCount = 10;
 
 inline constexpr std::uint16_t kHeaderSeparator = 0x2424;
 inline constexpr std::uint32_t kWireMajor = 1;  ///< Raised when an older reader would misread.
-inline constexpr std::uint32_t kWireMinor = 0;  ///< Raised when fields are added that an older reader may skip.
+inline constexpr std::uint32_t kWireMinor = 1;  ///< Raised when fields are added that an older reader may skip.
 
 /// Writes the head frame: header_length (u32 LE), header_separator (u16 LE), head_str.
 /// Errors: none; appends nothing but the frame to `frame`, which is cleared first (its capacity is reused).

@@ -36,6 +36,8 @@ struct TypeInfo {
   std::uint64_t fingerprint = 0;  ///< Of the schema or layout; 0 where a type has none (custom codecs, kNone).
   std::type_index cpp_type = typeid(void);
 
+  /// Stands for any type: see AnyType().
+  bool any = false;
   /// The functions below run code of the user's, which has no place on a thread that owns a socket.
   bool users_codec = false;
 

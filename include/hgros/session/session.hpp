@@ -17,9 +17,11 @@
 #include "hgros/clock/clock_offset.hpp"
 #include "hgros/codec/block.hpp"
 #include "hgros/codec/message.hpp"
+#include "hgros/codec/raw_message.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/call_future.hpp"
 #include "hgros/session/config.hpp"
+#include "hgros/session/known_channel.hpp"
 #include "hgros/session/node_timer.hpp"
 #include "hgros/session/peer_event.hpp"
 #include "hgros/session/service.hpp"
@@ -109,11 +111,29 @@ class HGROS_EXPORT Session {
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
       const CallSite& where = CallSite::Current()) {
     RequireMessage<T>();
-    return SubscribeAny(OpenAny(channel, TypeOf<T>(), where), TypeOf<T>(), invoke,
+    return SubscribeAny(Open(channel, TypeOf<T>(), where), TypeOf<T>(), invoke,
                         EraseCallback<T>(std::forward<F>(callback)), std::move(options));
   }
-  /// Likewise without asking other sessions: what this process publishes (and what comes from outside for a FromAny on
-  /// the same channel); any type.
+  /// Calls `callback` with every message on `channel` as bytes, whatever its type: for programs that were built without
+  /// it. What comes from outside is passed on as it came; of what this session publishes, the bytes are made for it.
+  ///
+  /// Says nothing of the channel's type: others may use it with any, here too. Who is subscribed before with a type of
+  /// the channel hears only publishers of that; so does this then. No mismatch is counted.
+  template <CallbackFor<RawMessage> F>
+  [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromAnyRaw(
+      std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+      const CallSite& where = CallSite::Current()) {
+    return SubscribeAny(Open(channel, AnyType(), where), AnyType(), invoke,
+                        EraseCallback<RawMessage>(std::forward<F>(callback)), std::move(options));
+  }
+  /// The schema of what is published on `channel`: this program's own, or that of the publisher which says so first.
+  /// Null if `timeout` comes before. For as long as it waits, it is a subscriber. Who subscribes with FromAnyRaw has
+  /// the schema with each message.
+  [[nodiscard]] std::shared_ptr<const MessageSchema> AwaitSchema(std::string_view channel,
+                                                                 std::chrono::nanoseconds timeout);
+
+  /// As FromAny without asking other sessions: what this process publishes (and what comes from outside for a FromAny
+  /// on the same channel); any type.
   template <class T, CallbackFor<T> F>
   [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromGraph(
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
@@ -230,6 +250,9 @@ class HGROS_EXPORT Session {
   [[nodiscard]] std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
+  /// All channels that the session could publish on or receive, its own among them, by name. That they change is told
+  /// on kChannelEventsChannel.
+  [[nodiscard]] std::vector<KnownChannel> Channels() const;
   [[nodiscard]] SessionSnapshot Snapshot() const;
   /// Waits until nothing is queued and no callback runs in this process, as long as nothing new comes meanwhile.
   bool WaitIdle(std::chrono::nanoseconds timeout) const;

@@ -17,6 +17,7 @@
 #include "hgros/clock/clock_offset.hpp"
 #include "hgros/codec/block.hpp"
 #include "hgros/codec/packet.hpp"
+#include "hgros/codec/raw_message.hpp"
 #include "hgros/codec/type_info.hpp"
 
 namespace hgros {
@@ -36,9 +37,22 @@ struct InboundMessage {
   PacketHead head;
   Payload data;
   SessionId from;  ///< None if the sender is not a HyperGraph ROS session.
+  /// What the sender said when the link was made, if it is not the type that was subscribed to.
+  std::shared_ptr<const MessageSchema> schema;
   /// While any copy lives the message counts as in flight, and the sender's credit stays used. A sender that knows no
   /// credit is cut short instead: what it sends while too much is in flight is dropped (PacketFault::kOverrun).
   std::shared_ptr<const void> credit;
+};
+
+/// A session as seen over one carrier.
+struct PeerInfo {
+  SessionId id;
+  std::string process;  ///< Its program's name.
+  std::string host;     ///< Its host's name; for people, never compared.
+  std::int64_t pid = 0;
+  std::string endpoint;  ///< Where we connected to, or empty if it connected to us.
+  std::string carrier;   ///< What carries its messages: "shared memory" or "ZeroMQ"; told by the session.
+  std::string why;       ///< Why that carrier, in a few words: "same host"; likewise.
 };
 
 /// What happens to an accepted message next.
@@ -64,6 +78,9 @@ class InboundSink {
   virtual void OnFault(PacketFault fault, std::string_view what) noexcept = 0;
   /// The number of publishing sessions connected to this channel has changed.
   virtual void OnPublishers(std::size_t count) noexcept = 0;
+  /// That session will send, or sends, messages of this type: told for each one if the channel is subscribed to with
+  /// AnyType(). Perhaps after the first of them.
+  virtual void OnOffer(const PeerInfo& /*from*/, const std::shared_ptr<const MessageSchema>& /*schema*/) noexcept {}
 };
 
 /// One message of this session on its way out.
@@ -150,15 +167,21 @@ class InboundChannel {
   virtual void SetDemand(const Demand& demand) = 0;
 };
 
-/// A session as seen over one carrier.
-struct PeerInfo {
-  SessionId id;
-  std::string process;  ///< Its program's name.
-  std::string host;     ///< Its host's name; for people, never compared.
-  std::int64_t pid = 0;
-  std::string endpoint;  ///< Where we connected to, or empty if it connected to us.
-  std::string carrier;   ///< What carries its messages: "shared memory" or "ZeroMQ"; told by the session.
-  std::string why;       ///< Why that carrier, in a few words: "same host"; likewise.
+/// What a session does with one channel.
+struct ChannelUse {
+  std::string channel;
+  std::string type_name = {};  ///< Empty: it takes any, or does not say.
+  Encoding encoding = Encoding::kNone;
+  std::uint64_t fingerprint = 0;  ///< 0: unknown.
+  bool publishes = false;
+  bool subscribes = false;
+  bool lossless = false;  ///< As a subscriber.
+};
+
+/// A session and what is known of its channels.
+struct SessionChannels {
+  PeerInfo session;
+  std::vector<ChannelUse> channels;
 };
 
 /// What a carrier tells the session as a whole. Called on carrier threads; must not block.
@@ -171,6 +194,8 @@ class TransportListener {
   /// Two sides of a channel do not fit. Said on both sides, once per peer and channel. `what` names the channel and
   /// both types, without a final full stop.
   virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
+  /// What peers do with channels has changed; the carrier tells what.
+  virtual void OnChannels() noexcept {}
   /// The peer has told the time of its wall clock, now and then while it is reached; each pair of peers hears so on
   /// both sides. Of carriers that leave the host only.
   virtual void OnClockExchange(const PeerInfo& /*peer*/, const ClockExchange& /*exchange*/) noexcept {}
@@ -197,7 +222,8 @@ class Transport {
   /// Offers `channel` to other sessions. `type` outlives the transport; `source` outlives the returned object.
   [[nodiscard]] virtual std::unique_ptr<OutboundChannel> Advertise(std::string_view channel, const TypeInfo& type,
                                                                    OutboundSource& source) = 0;
-  /// Asks all publishers of `channel` for its messages. `sink` outlives the returned object.
+  /// Asks all publishers of `channel` for its messages, whatever they are if `type` is AnyType(). `sink` outlives the
+  /// returned object.
   [[nodiscard]] virtual std::unique_ptr<InboundChannel> Subscribe(std::string_view channel, const TypeInfo& type,
                                                                   const Demand& demand, InboundSink& sink) = 0;
   [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;

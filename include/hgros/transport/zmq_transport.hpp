@@ -98,6 +98,8 @@ class HGROS_EXPORT ZmqTransport : public Transport {
 
   /// The publish endpoints as others can connect to them: wildcard ports resolved. In the order of adding.
   [[nodiscard]] virtual std::vector<std::string> BoundEndpoints() const = 0;
+  /// What was said here of channels: what connected publishers offer, and what connected subscribers ask for.
+  [[nodiscard]] virtual std::vector<SessionChannels> KnownChannels() const = 0;
   /// Connections refused for want of the right key.
   [[nodiscard]] virtual std::uint64_t refused_handshakes() const = 0;
 };

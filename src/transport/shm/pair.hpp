@@ -94,8 +94,9 @@ struct InLink {
   std::string type_name;
   Encoding encoding = Encoding::kNone;
   std::uint64_t fingerprint = 0;
-  bool checked = false;                     ///< Its type: the reading thread has found nothing wrong.
-  std::optional<std::uint64_t> ends_after;  ///< The publisher has withdrawn the channel behind so many messages.
+  std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is not the core's.
+  bool checked = false;                         ///< Its type: the reading thread has found nothing wrong.
+  std::optional<std::uint64_t> ends_after;      ///< The publisher has withdrawn the channel behind so many messages.
 };
 
 /// One session that we share memory with, or are about to.

@@ -175,6 +175,7 @@ ShmCore::Step ShmCore::Next(Pair& pair, std::shared_ptr<InLink>& link, InboundMe
   message.head.type_name = link->type_name;
   message.head.encoding = link->encoding;
   message.head.fingerprint = link->fingerprint;
+  message.schema = link->schema;
   message.head.id = {descriptor.publisher, descriptor.incarnation, descriptor.sequence};
   message.head.publish_time_ns = descriptor.publish_time_ns;
   message.head.publish_monotonic_ns = descriptor.publish_monotonic_ns;

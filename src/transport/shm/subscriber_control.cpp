@@ -262,8 +262,13 @@ void ShmCore::OnGranted(Pair& pair, const wire::Granted& granted) {
       link->receipt->SetWindow(std::min<std::uint64_t>(granted.credit_messages(), link->asked_messages),
                                std::min(granted.credit_bytes(), link->asked_bytes));
       link->type_name = granted.offered().type_name();
-      link->encoding = type.encoding;  // Compared.
+      if (!IsAnyType(type)) link->encoding = type.encoding;  // Compared.
       link->fingerprint = granted.offered().fingerprint();
+      if (!link->granted && (IsAnyType(type) || !granted.descriptor_set().empty())) {
+        link->schema = ReadSchema(granted.offered(), granted.descriptor_set());
+        if (IsAnyType(type)) link->encoding = link->schema->encoding;
+        InboundCore::TellOffer(link->core, pair.facts.info, link->schema, actions);
+      }
       if (!std::exchange(link->granted, true)) InboundCore::CountPublisher(link->core, 1, actions);
     }
   }

@@ -43,6 +43,7 @@ LeaderPool::Task Deliver(const std::shared_ptr<InboundCore>& core, InboundPacket
   }
   message.data = PayloadOf(std::move(packet.data));
   message.from = packet.from;
+  message.schema = std::move(packet.schema);
   message.credit = std::move(packet.credit);
   return InboundCore::Deliver(core, std::move(message), carrier.repeats);
 }

@@ -19,6 +19,7 @@ struct InboundPacket {
   SessionId from;  ///< None from a plain publisher.
   std::shared_ptr<const void> credit;
   std::uint64_t fingerprint = 0;  ///< Of the type that the session named for the link, and that was compared with ours.
+  std::shared_ptr<const MessageSchema> schema;  ///< Likewise, if it is not ours.
 };
 
 /// Reads the packet and gives it to the channel. What is returned runs apart. On the leading thread.

@@ -106,7 +106,7 @@ void PublisherEndpoint::Greet(SessionId session, bool at_once) {
   }
   Greeting& greeting = greetings_[session];
   if (!at_once && now - greeting.when < kGreetAgainAfter) return;
-  greeting = {++last_handshake_, now};
+  greeting = {++last_handshake_, now, false, {}};
   if (const auto peer = peers_.find(session); peer != peers_.end()) {
     peer->second->handshake = greeting.handshake;
     PauseLinks(*peer->second);
@@ -119,6 +119,10 @@ void PublisherEndpoint::Greet(SessionId session, bool at_once) {
     if (channel.allowed) WriteType(name, channel.core->type, *welcome.add_offers());
   }
   Say(ControlTopic(session), said);
+}
+
+void PublisherEndpoint::TellWishes(Actions& actions) {
+  actions.emplace_back([this] { carrier_.listener.OnChannels(); });
 }
 
 void PublisherEndpoint::PauseLinks(Peer& peer) {
@@ -201,6 +205,7 @@ void PublisherEndpoint::OnHello(SessionId session, const wire::Hello& hello, Act
     }
     found = peers_.emplace(session, std::make_unique<Peer>()).first;
     actions.emplace_back([this, info = facts.info] { carrier_.peers.Came(info); });
+    TellWishes(actions);
   }
   Peer& peer = *found->second;
   peer.facts = std::move(facts);
@@ -208,6 +213,7 @@ void PublisherEndpoint::OnHello(SessionId session, const wire::Hello& hello, Act
   peer.handshake = hello.handshake();
   peer.last_heard = std::chrono::steady_clock::now();
   peer.cut = false;
+  TellAllOffers(peer, greeting->second);
 }
 
 void PublisherEndpoint::OnSubscribe(Peer& peer, const wire::Subscribe& asked, Actions& actions) {
@@ -218,6 +224,7 @@ void PublisherEndpoint::OnSubscribe(Peer& peer, const wire::Subscribe& asked, Ac
     carrier_.CountFault(PacketFault::kHead, Who(peer.facts.info), "a subscription that cannot be");
     return;
   }
+  if (!peer.wishes.contains(name)) TellWishes(actions);
   Wish& wish = peer.wishes[name];
   wish.asked = asked;
   const Demand granted = DemandOf(asked, carrier_.options);
@@ -308,6 +315,7 @@ void PublisherEndpoint::OnUnsubscribe(Peer& peer, const wire::Unsubscribe& unsub
   if (linked && !unsubscribe.mismatch().empty())
     TellMismatch(peer, wish->first, Readable(unsubscribe.mismatch()), actions);
   peer.wishes.erase(wish);
+  TellWishes(actions);
 }
 
 void PublisherEndpoint::OnCredit(Peer& peer, const wire::Credit& credit, Actions& actions) {
@@ -338,6 +346,7 @@ void PublisherEndpoint::DropPeer(SessionId session, std::string_view reason, Act
   actions.emplace_back(
       [this, info = found->second->facts.info, said = std::string(reason)] { carrier_.peers.Gone(info, said); });
   peers_.erase(found);
+  TellWishes(actions);
 }
 
 void PublisherEndpoint::Tick(SteadyTime now, Actions& actions) {

@@ -86,7 +86,53 @@ void PublisherEndpoint::SetChannels(const ChannelList& list) {
   carrier_.Post(std::move(actions));
 }
 
+void PublisherEndpoint::TellOffer(const Channel& channel, bool came) {
+  auto said = ControlFrom(carrier_.self.info.id);
+  auto& offers = *said.mutable_offers();
+  if (came) {
+    WriteType(channel.core->name, channel.core->type, *offers.add_came());
+  } else {
+    offers.add_gone(channel.core->name);
+  }
+  for (const auto& [id, peer] : peers_) {
+    if (!peer->cut && peer->facts.wire_minor >= kOffersSinceMinor) Say(*peer, said);
+  }
+  for (auto& [id, greeting] : greetings_) {
+    const auto peer = peers_.find(id);
+    if (peer != peers_.end() && !peer->second->cut) continue;
+    greeting.stale = true;
+    if (!came) greeting.gone.insert(channel.core->name);
+  }
+}
+
+// To one who has just said Hello: what it was told in the Welcome may be the past.
+void PublisherEndpoint::TellAllOffers(const Peer& peer, Greeting& greeting) {
+  if (!std::exchange(greeting.stale, false) || peer.facts.wire_minor < kOffersSinceMinor) return;
+  auto said = ControlFrom(carrier_.self.info.id);
+  auto& offers = *said.mutable_offers();
+  for (const std::string& channel : std::exchange(greeting.gone, {})) offers.add_gone(channel);
+  for (const auto& [name, channel] : channels_) {
+    if (channel.allowed) WriteType(name, channel.core->type, *offers.add_came());
+  }
+  Say(peer, said);
+}
+
+void PublisherEndpoint::AddWishes(std::vector<SessionChannels>& known) const {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [id, peer] : peers_) {
+    SessionChannels& session = known.emplace_back(SessionChannels{peer->facts.info, {}});
+    for (const auto& [channel, wish] : peer->wishes) {
+      auto use = ReadUse(wish.asked.wanted());
+      if (!use) continue;
+      use->subscribes = true;
+      use->lossless = wish.asked.lossless();
+      session.channels.push_back(std::move(*use));
+    }
+  }
+}
+
 void PublisherEndpoint::OpenChannel(Channel& channel, Actions& actions) {
+  TellOffer(channel, true);
   UpdatePlain(channel, actions);
   for (auto& [id, peer] : peers_) {
     const auto wish = peer->wishes.find(channel.core->name);
@@ -95,6 +141,7 @@ void PublisherEndpoint::OpenChannel(Channel& channel, Actions& actions) {
 }
 
 void PublisherEndpoint::CloseChannel(Channel& channel, Actions& actions) {
+  TellOffer(channel, false);
   if (channel.plain) {
     channel.plain = false;
     OutboundCore::CountSubscriber(channel.core, {}, -1, actions);

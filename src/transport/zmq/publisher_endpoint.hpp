@@ -57,6 +57,8 @@ class PublisherEndpoint {
   /// The waiting thread was asleep itself: nobody's silence counts.
   void Forgive(SteadyTime now);
   [[nodiscard]] bool AllSent() const;
+  /// Who subscribes here, and to what.
+  void AddWishes(std::vector<SessionChannels>& known) const;
   /// Says goodbye.
   void Close(int linger_ms, Actions& actions);
 
@@ -96,6 +98,9 @@ class PublisherEndpoint {
   struct Greeting {
     std::uint64_t handshake = 0;
     SteadyTime when{};
+    // What is offered has changed since, and nobody has said Hello whom that could be told.
+    bool stale = false;
+    std::set<std::string> gone;
   };
 
   // publisher_endpoint.cpp: channels and data.
@@ -107,6 +112,8 @@ class PublisherEndpoint {
   void RemoveLink(Wish& wish, bool died, Actions& actions);
   void CloseChannel(Channel& channel, Actions& actions);
   void OpenChannel(Channel& channel, Actions& actions);
+  void TellOffer(const Channel& channel, bool came);
+  void TellAllOffers(const Peer& peer, Greeting& greeting);
   [[nodiscard]] bool Allowed(const std::string& channel) const;
   void StartLink(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link_id);
 
@@ -124,6 +131,7 @@ class PublisherEndpoint {
   void Greet(SessionId session, bool at_once);
   void DropPeer(SessionId session, std::string_view reason, Actions& actions);
   void PauseLinks(Peer& peer);
+  void TellWishes(Actions& actions);
   void TellMismatch(Peer& peer, const std::string& channel, const std::string& what, Actions& actions);
   void SendSubscribed(Peer& peer, const Link& link, const std::string& descriptor_set);
   void Say(const Peer& peer, const wire::Control& control) { Say(peer.topic, control); }

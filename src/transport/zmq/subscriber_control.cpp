@@ -11,6 +11,7 @@ namespace hgros::zmq {
 namespace {
 
 constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
+constexpr std::size_t kMaxOffers = 4096;  // Of which a publisher may make us remember.
 
 }  // namespace
 
@@ -90,6 +91,7 @@ void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& 
     case wire::Control::kSubscribed: OnSubscribed(control->subscribed(), actions); break;
     case wire::Control::kRefused: OnRefused(control->refused(), actions); break;
     case wire::Control::kWithdrawn: OnWithdrawn(control->withdrawn().channel(), actions); break;
+    case wire::Control::kOffers: OnOffers(control->offers(), actions); break;
     case wire::Control::kHeartbeat: OnHeartbeat(control->heartbeat(), actions); break;
     case wire::Control::kBye: LosePublisher("it said goodbye", true, actions); break;
     default: carrier_.CountFault(PacketFault::kHead, endpoint_, "a subscriber's control message");
@@ -143,10 +145,37 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   unreached_since_.reset();
   if (came) actions.emplace_back([this, info = publisher_->facts.info] { carrier_.peers.Came(info); });
   SayHello(welcome.handshake());
+  publisher_->offers.clear();
+  for (const auto& offered : welcome.offers()) AddOffer(offered);
+  TellChannels(actions);
   for (auto& [name, link] : links_) {
     link.asked = false;
     Ask(link);
   }
+}
+
+void SubscriberEndpoint::AddOffer(const wire::ChannelType& offered) {
+  auto use = ReadUse(offered);
+  if (!use || (publisher_->offers.size() >= kMaxOffers && !publisher_->offers.contains(offered.channel()))) return;
+  use->publishes = true;
+  publisher_->offers.insert_or_assign(offered.channel(), std::move(*use));
+}
+
+void SubscriberEndpoint::OnOffers(const wire::Offers& offers, Actions& actions) {
+  for (const std::string& channel : offers.gone()) publisher_->offers.erase(channel);
+  for (const auto& offered : offers.came()) AddOffer(offered);
+  TellChannels(actions);
+}
+
+void SubscriberEndpoint::TellChannels(Actions& actions) {
+  actions.emplace_back([this] { carrier_.listener.OnChannels(); });
+}
+
+void SubscriberEndpoint::AddOffers(std::vector<SessionChannels>& known) const {
+  const std::scoped_lock lock(mutex_);
+  if (!publisher_ || !publisher_->alive) return;
+  SessionChannels& session = known.emplace_back(SessionChannels{publisher_->facts.info, {}});
+  for (const auto& [channel, use] : publisher_->offers) session.channels.push_back(use);
 }
 
 void SubscriberEndpoint::Ask(Link& link) {
@@ -236,6 +265,11 @@ void SubscriberEndpoint::OnSubscribed(const wire::Subscribed& subscribed, Action
     }
     link.id = subscribed.link();
     link.fingerprint = subscribed.offered().fingerprint();
+    link.schema = nullptr;
+    if (IsAnyType(link.core->type) || !subscribed.descriptor_set().empty()) {
+      link.schema = ReadSchema(subscribed.offered(), subscribed.descriptor_set());
+      InboundCore::TellOffer(link.core, publisher_->facts.info, link.schema, actions);
+    }
     EndCredit(link);
     link.credit = std::make_shared<LinkCredit>(window_messages, window_bytes, carrier_.waker);
   }
@@ -326,6 +360,7 @@ void SubscriberEndpoint::LosePublisher(std::string_view reason, bool for_good, A
     publisher_->alive = false;
     actions.emplace_back(
         [this, info = publisher_->facts.info, said = std::string(reason)] { carrier_.peers.Gone(info, said); });
+    TellChannels(actions);
   }
   if (freed) actions.emplace_back(claims_freed_);
 }

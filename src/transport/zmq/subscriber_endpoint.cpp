@@ -240,6 +240,7 @@ void SubscriberEndpoint::OnData(Message& topic_frame, std::vector<Message>& fram
     packet.credit = link.credit->Take(bytes);
     packet.from = publisher_->facts.info.id;
     packet.fingerprint = link.fingerprint;
+    packet.schema = link.schema;
   } else if (!link.plain) {
     return;  // Asked for before the publisher turned out to be a session.
   } else if (!link.plain_credit->HasRoom()) {

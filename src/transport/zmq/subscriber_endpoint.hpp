@@ -34,6 +34,8 @@ class SubscriberEndpoint {
   SubscriberEndpoint(Carrier& carrier, const SubscribeEndpoint& endpoint, std::function<void()> claims_freed);
   ~SubscriberEndpoint();
 
+  /// What is published there.
+  void AddOffers(std::vector<SessionChannels>& known) const;
   [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
   [[nodiscard]] int fd() const noexcept { return fd_; }
   [[nodiscard]] int monitor_fd() const noexcept { return monitor_fd_; }
@@ -75,7 +77,8 @@ class SubscriberEndpoint {
     bool asked = false;       // Subscribe was sent since the last Welcome.
     bool active = false;      // Counted as a publisher.
     std::uint64_t id = 0;
-    std::uint64_t fingerprint = 0;  // Of the publisher's type, compared with ours.
+    std::uint64_t fingerprint = 0;                // Of the publisher's type, compared with ours.
+    std::shared_ptr<const MessageSchema> schema;  // That type, if it is another one.
     // The widest window that was asked for: whatever a publisher says, it was granted no more.
     std::uint64_t asked_messages = 1;
     std::uint64_t asked_bytes = 1;
@@ -90,6 +93,7 @@ class SubscriberEndpoint {
     bool alive = false;
     ClockQuestion clock;
     std::unordered_set<std::string> told_mismatch;
+    std::map<std::string, ChannelUse> offers;
   };
   struct Arrival {
     std::shared_ptr<InboundCore> core;  // Null: `action` is to be done.
@@ -117,6 +121,9 @@ class SubscriberEndpoint {
   void OnSubscribed(const wire::Subscribed& subscribed, Actions& actions);
   void OnRefused(const wire::Refused& refused, Actions& actions);
   void OnWithdrawn(const std::string& channel, Actions& actions);
+  void OnOffers(const wire::Offers& offers, Actions& actions);
+  void AddOffer(const wire::ChannelType& offered);
+  void TellChannels(Actions& actions);
   void OnMonitor(Actions& actions);
   void TellUnreachable();
   void Ask(Link& link);

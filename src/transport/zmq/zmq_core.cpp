@@ -168,6 +168,14 @@ std::vector<std::string> ZmqCore::BoundEndpoints() const {
   return bound;
 }
 
+std::vector<SessionChannels> ZmqCore::KnownChannels() const {
+  const std::shared_lock lock(mutex_);
+  std::vector<SessionChannels> known;
+  for (const auto& endpoint : subscribers_) endpoint->AddOffers(known);
+  for (const auto& endpoint : publishers_) endpoint->AddWishes(known);
+  return known;
+}
+
 void ZmqCore::Offer(const std::shared_ptr<OutboundCore>& core) {
   const std::unique_lock lock(mutex_);
   RequireNew(outbound_, core->name, "advertised");

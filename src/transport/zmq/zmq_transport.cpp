@@ -141,6 +141,7 @@ class ZmqCarrierTransport final : public ZmqTransport {
     if (!IsChild()) core_->AskAgain();
   }
   std::vector<std::string> BoundEndpoints() const override { return core_->BoundEndpoints(); }
+  std::vector<SessionChannels> KnownChannels() const override { return core_->KnownChannels(); }
   std::uint64_t refused_handshakes() const override { return core_->refused_handshakes(); }
 
  private:

@@ -1,0 +1,47 @@
+#include "hgros/codec/dynamic_schema.hpp"
+
+#include <google/protobuf/dynamic_message.h>
+#include <google/protobuf/stubs/logging.h>
+
+#include <limits>
+#include <utility>
+
+#include "codec/foreign_schema.hpp"
+
+namespace hgros {
+
+struct DynamicSchema::Parts {
+  ForeignSchema schema;
+  google::protobuf::DynamicMessageFactory factory;
+  const google::protobuf::Message* prototype = nullptr;
+};
+
+DynamicSchema::DynamicSchema(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+DynamicSchema::~DynamicSchema() = default;
+
+std::shared_ptr<const DynamicSchema> DynamicSchema::Build(const MessageSchema& schema, std::string& fault) {
+  if (schema.encoding != Encoding::kProtobuf) {
+    fault = "Messages of " + schema.type_name + " are not protobuf.";
+    return nullptr;
+  }
+  auto parts = std::make_unique<Parts>();
+  parts->schema = BuildForeignSchema(schema.descriptor_set, schema.type_name, EnumValues::kKept);
+  if (parts->schema.type == nullptr) {
+    fault = "The publisher's schema " + parts->schema.fault;
+    return nullptr;
+  }
+  parts->prototype = parts->factory.GetPrototype(parts->schema.type);
+  return std::shared_ptr<const DynamicSchema>(new DynamicSchema(std::move(parts)));
+}
+
+const google::protobuf::Descriptor& DynamicSchema::descriptor() const noexcept { return *parts_->schema.type; }
+
+std::unique_ptr<google::protobuf::Message> DynamicSchema::Read(Bytes bytes) const {
+  if (bytes.size() > std::numeric_limits<int>::max()) return nullptr;
+  const google::protobuf::LogSilencer silence;  // Of strings that are not UTF-8.
+  std::unique_ptr<google::protobuf::Message> message(parts_->prototype->New());
+  if (!message->ParsePartialFromArray(bytes.data(), static_cast<int>(bytes.size()))) return nullptr;
+  return message;
+}
+
+}  // namespace hgros

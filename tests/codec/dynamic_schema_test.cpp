@@ -1,0 +1,139 @@
+#include "hgros/codec/dynamic_schema.hpp"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/message.h>
+#include <gtest/gtest.h>
+
+#include "foxglove/Log.pb.h"
+#include "foxglove/PointCloud.pb.h"
+#include "hgros/codec/message.hpp"
+
+namespace hgros {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::FileDescriptorSet;
+using ::testing::HasSubstr;
+
+MessageSchema SchemaWith(const FileDescriptorSet& set, const std::string& type) {
+  return {type, Encoding::kProtobuf, 1, set.SerializeAsString()};
+}
+
+std::string FaultOf(const MessageSchema& schema) {
+  std::string fault;
+  EXPECT_EQ(DynamicSchema::Build(schema, fault), nullptr);
+  return fault;
+}
+
+TEST(DynamicSchema, ReadsMessagesOfATypeWithImports) {
+  std::string fault;
+  const auto schema = DynamicSchema::Build(SchemaOf(TypeOf<foxglove::PointCloud>()), fault);
+  ASSERT_NE(schema, nullptr) << fault;
+  foxglove::PointCloud cloud;
+  cloud.set_frame_id("lidar");
+  cloud.mutable_pose()->mutable_position()->set_x(4);
+  const auto message = schema->Read(AsBytes(cloud.SerializeAsString()));
+  ASSERT_NE(message, nullptr);
+  const auto& type = schema->descriptor();
+  EXPECT_EQ(message->GetReflection()->GetString(*message, type.FindFieldByName("frame_id")), "lidar");
+  const auto& pose = message->GetReflection()->GetMessage(*message, type.FindFieldByName("pose"));
+  const auto& position = pose.GetReflection()->GetMessage(pose, pose.GetDescriptor()->FindFieldByName("position"));
+  EXPECT_EQ(position.GetReflection()->GetDouble(position, position.GetDescriptor()->FindFieldByName("x")), 4);
+  EXPECT_EQ(message->SerializeAsString(), cloud.SerializeAsString());
+}
+
+TEST(DynamicSchema, KnowsTheNamesOfEnumValues) {
+  std::string fault;
+  const auto schema = DynamicSchema::Build(SchemaOf(TypeOf<foxglove::Log>()), fault);
+  ASSERT_NE(schema, nullptr) << fault;
+  EXPECT_EQ(schema->descriptor().FindFieldByName("level")->enum_type()->FindValueByNumber(4)->name(), "ERROR");
+}
+
+TEST(MisfitOf, APublisherThatSendsNoDescriptionIsTrusted) {
+  MessageSchema theirs = SchemaOf(TypeOf<foxglove::Log>());
+  ++theirs.fingerprint;
+  theirs.descriptor_set.clear();
+  EXPECT_EQ(MisfitOf(theirs, TypeOf<foxglove::Log>()), "");
+  theirs.type_name = "foxglove.Logs";
+  EXPECT_THAT(MisfitOf(theirs, TypeOf<foxglove::Log>()), HasSubstr("foxglove.Logs there"));
+}
+
+TEST(DynamicSchema, ReadsAnEnumWithTwoNamesForOneValue) {
+  google::protobuf::FileDescriptorSet set;
+  auto& file = *set.add_file();
+  file.set_name("gear.proto");
+  file.set_syntax("proto3");
+  auto& gear = *file.add_enum_type();
+  gear.set_name("Gear");
+  gear.mutable_options()->set_allow_alias(true);
+  for (const char* name : {"NEUTRAL", "IDLE"}) {
+    gear.add_value()->set_name(name);
+    gear.mutable_value(gear.value_size() - 1)->set_number(0);
+  }
+  auto& type = *file.add_message_type();
+  type.set_name("Drive");
+  auto& field = *type.add_field();
+  field.set_name("gear");
+  field.set_number(1);
+  field.set_label(google::protobuf::FieldDescriptorProto::LABEL_OPTIONAL);
+  field.set_type(google::protobuf::FieldDescriptorProto::TYPE_ENUM);
+  field.set_type_name(".Gear");
+  std::string fault;
+  EXPECT_NE(DynamicSchema::Build({"Drive", Encoding::kProtobuf, 1, set.SerializeAsString()}, fault), nullptr) << fault;
+}
+
+TEST(DynamicSchema, RefusesBytesThatDoNotParse) {
+  std::string fault;
+  const auto schema = DynamicSchema::Build(SchemaOf(TypeOf<foxglove::Log>()), fault);
+  EXPECT_EQ(schema->Read(AsBytes("\xff\xff\xff")), nullptr);
+  EXPECT_NE(schema->Read({}), nullptr);
+}
+
+TEST(DynamicSchema, SaysWhatIsWrongWithADescription) {
+  EXPECT_THAT(FaultOf({"t.M", Encoding::kPlain, 0, ""}), HasSubstr("t.M are not protobuf"));
+  EXPECT_THAT(FaultOf({"t.M", Encoding::kProtobuf, 0, "\xff\xff"}), HasSubstr("is not a FileDescriptorSet"));
+  EXPECT_THAT(FaultOf({"t.M", Encoding::kProtobuf, 0, ""}), HasSubstr("does not contain t.M"));
+  EXPECT_THAT(FaultOf({"t.M", Encoding::kProtobuf, 0, std::string((1 << 20) + 1, 'x')}), HasSubstr("more than"));
+
+  FileDescriptorSet lacks;
+  lacks.add_file()->set_name("a.proto");
+  lacks.mutable_file(0)->add_dependency("missing.proto");
+  EXPECT_THAT(FaultOf(SchemaWith(lacks, "t.M")), HasSubstr("is not valid"));
+
+  FileDescriptorSet deep;
+  deep.add_file()->set_name("a.proto");
+  auto* type = deep.mutable_file(0)->add_message_type();
+  for (int i = 0; i < 40; ++i) {
+    type->set_name("M");
+    type = type->add_nested_type();
+  }
+  type->set_name("M");
+  EXPECT_THAT(FaultOf(SchemaWith(deep, "M")), HasSubstr("levels of nested types"));
+}
+
+TEST(DynamicSchema, ATypeThatContainsItselfIsReadAsDeepAsProtobufAllows) {
+  FileDescriptorSet set;
+  auto& file = *set.add_file();
+  file.set_name("a.proto");
+  file.set_syntax("proto3");
+  auto& type = *file.add_message_type();
+  type.set_name("M");
+  auto& field = *type.add_field();
+  field.set_name("m");
+  field.set_number(1);
+  field.set_label(google::protobuf::FieldDescriptorProto::LABEL_OPTIONAL);
+  field.set_type(google::protobuf::FieldDescriptorProto::TYPE_MESSAGE);
+  field.set_type_name(".M");
+  std::string fault;
+  const auto schema = DynamicSchema::Build(SchemaWith(set, "M"), fault);
+  ASSERT_NE(schema, nullptr) << fault;
+  EXPECT_NE(schema->Read(AsBytes(std::string("\x0a\x02\x0a\x00", 4))), nullptr);
+  std::string deep;
+  for (int i = 0; i < 20000; ++i) deep += "\x0b";  // Groups that never end.
+  EXPECT_EQ(schema->Read(AsBytes(deep)), nullptr);
+}
+
+}  // namespace
+}  // namespace hgros
