@@ -1,0 +1,99 @@
+// Shows what robots publish.
+#include <imgui.h>
+#include <malloc.h>
+#include <pthread.h>
+#include <signal.h>
+
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include "hgros/base/error.hpp"
+#include "viewer/app/offscreen.hpp"
+#include "viewer/app/options.hpp"
+#include "viewer/app/viewer.hpp"
+#include "viewer/app/window.hpp"
+#include "viewer/panels/look.hpp"
+
+namespace {
+
+using namespace hgros::viewer;
+
+/// Interrupt and termination end the program as closing the window does. They are blocked in every thread but this one.
+class EndingSignals {
+ public:
+  EndingSignals() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  }
+  void Watch(Viewer& viewer) {
+    thread_ = std::jthread([this, &viewer](const std::stop_token& stop) {
+      int signal = 0;
+      sigwait(&signals_, &signal);
+      if (!stop.stop_requested()) viewer.Stop();
+    });
+  }
+  /// Before the viewer ends.
+  void Unwatch() {
+    thread_.request_stop();
+    pthread_kill(thread_.native_handle(), SIGTERM);
+    thread_.join();
+  }
+
+ private:
+  sigset_t signals_{};
+  std::jthread thread_;
+};
+
+/// ImGui's state, as long as the program runs.
+class Panels {
+ public:
+  Panels() {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
+  }
+  Panels(const Panels&) = delete;
+  Panels& operator=(const Panels&) = delete;
+  ~Panels() { ImGui::DestroyContext(); }
+};
+
+int Show(const Options& options, EndingSignals& signals) {
+  const Panels panels;
+  std::unique_ptr<Surface> surface;
+  if (options.offscreen) {
+    surface = std::make_unique<Offscreen>(*options.offscreen);
+  } else {
+    auto opened = std::make_unique<Window>("hgros-viewer", options.window);
+    opened->ConnectPanels();
+    surface = std::move(opened);
+  }
+  SetLook(surface->scale());
+  Viewer viewer(options, *surface);
+  signals.Watch(viewer);
+  const int code = viewer.Run();
+  signals.Unwatch();
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // Messages come and go by the hundred kilobytes: their memory goes back to the system instead of lying about.
+  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+  mallopt(M_ARENA_MAX, 2);
+#endif
+  const ReadOptions read = ReadCommandLine(argc, argv);
+  if (!read.options) return read.exit_code;
+  try {
+    EndingSignals signals;
+    return Show(*read.options, signals);
+  } catch (const hgros::Error& error) {
+    std::fprintf(stderr, "hgros-viewer: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viewer/view/camera.hpp"
+
+namespace hgros::viewer {
+
+/// A display that the command line asks for.
+struct WantedDisplay {
+  std::string channel;  ///< Or the kind, for those that need no channel.
+  std::string schema;
+  std::vector<std::pair<std::string, std::string>> settings;
+};
+
+struct Options {
+  std::vector<std::filesystem::path> network;
+  std::vector<WantedDisplay> channels;
+  std::vector<WantedDisplay> displays;
+  std::string fixed_frame;
+  std::string follow;  ///< A frame that the camera goes along with.
+  bool follow_pose = false;
+  std::optional<Viewport> offscreen;
+  Viewport window{1280, 800};
+  std::filesystem::path screenshot;
+  std::optional<double> after_s;
+  std::optional<std::size_t> frames;
+  double fps_limit = 30;
+  bool from_above = false;
+  bool orthographic = false;
+  bool show_all = false;
+  bool panels = true;
+  std::optional<double> report_s;
+};
+
+/// What the command line says; an exit code instead where that is all there is to do. Speaks on standard output and
+/// error.
+struct ReadOptions {
+  std::optional<Options> options;
+  int exit_code = 0;
+};
+[[nodiscard]] ReadOptions ReadCommandLine(int argc, char** argv);
+
+}  // namespace hgros::viewer

@@ -1,0 +1,347 @@
+#include "viewer/app/viewer.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "viewer/app/png_file.hpp"
+#include "viewer/app/process_figures.hpp"
+#include "viewer/panels/help_overlay.hpp"
+#include "viewer/panels/label_layer.hpp"
+#include "viewer/panels/status_line.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+constexpr int kFramesAfterInput = 3;
+constexpr std::size_t kMostByThemselves = 32;
+constexpr int kPickRadius = 6;  // pixels around a click in which the nearest point is taken
+
+double NowS() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+Config SessionConfig(const Options& options) {
+  return options.network.empty() ? Config() : Config::Load(options.network);
+}
+
+}  // namespace
+
+Viewer::Viewer(const Options& options, Surface& surface)
+    : options_(options),
+      surface_(surface),
+      session_(SessionConfig(options), {.name = "hgros-viewer"}),
+      transforms_(session_),
+      frame_(transforms_.tree()),
+      navigation_(camera_),
+      show_panels_(options.panels),
+      begin_s_(NowS()) {
+  frame_.Ask(options.fixed_frame);
+  if (options.from_above) camera_.LookFromAbove();
+  if (options.orthographic) camera_.SetOrthographic(true);
+  view_panel_.Follow(options.follow, options.follow_pose);
+  if (options.report_s) next_report_s_ = begin_s_ + *options.report_s;
+  for (const std::string_view channel : {kTransformsChannel, kStaticTransformsChannel}) {
+    subscriptions_.push_back(session_.FromAny<foxglove::FrameTransforms>(channel, Invoke::kSerial,
+                                                                         [this](const foxglove::FrameTransforms&) {
+                                                                           if (!transforms_changed_.exchange(true))
+                                                                             WakeFromData();
+                                                                         },
+                                                                         {.queue = Queue::Latest()}));
+  }
+  subscriptions_.push_back(session_.FromGraph<ChannelsChanged>(kChannelEventsChannel, Invoke::kSerial,
+                                                               [this](const ChannelsChanged&) {
+                                                                 channels_changed_ = true;
+                                                                 WakeFromData();
+                                                               },
+                                                               {.queue = Queue::Latest()}));
+  AddWanted();
+}
+
+Viewer::~Viewer() {
+  subscriptions_.clear();
+  scene_.entries().clear();
+}
+
+void Viewer::WakeFromData() {
+  if (!woken_.exchange(true)) surface_.Wake();
+}
+
+void Viewer::Stop() {
+  stop_ = true;
+  surface_.Wake();
+}
+
+void Viewer::AddWanted() {
+  Add(*DisplayTypeNamed("Ground"), "", {});
+  Add(*DisplayTypeNamed("Frames"), "", {});
+  for (const WantedDisplay& wanted : options_.channels) {
+    if (wanted.schema.empty()) {
+      awaited_.push_back(wanted);
+      continue;
+    }
+    const DisplayType* const type = DisplayTypeFor(wanted.schema);
+    if (type == nullptr) throw Error("No display shows channels of \"" + wanted.schema + "\".");
+    Add(*type, wanted.channel, wanted.settings);
+  }
+  for (const WantedDisplay& wanted : options_.displays) {
+    auto& entries = scene_.entries();
+    const auto entry = std::ranges::find(entries, wanted.channel, &Scene::Entry::name);
+    if (entry == entries.end()) throw Error("There is no display \"" + wanted.channel + "\" for --display.");
+    for (const auto& [name, value] : wanted.settings) {
+      if (name == "visible") {
+        entry->visible = value != "off";
+        continue;
+      }
+      const std::vector<Setting> settings = entry->display->Settings();
+      const auto setting = std::ranges::find(settings, name, &Setting::name);
+      if (setting == settings.end()) throw Error("\"" + wanted.channel + "\" has no setting \"" + name + "\".");
+      if (const std::string fault = SetFromText(*setting, value); !fault.empty()) throw Error(fault);
+      entry->display->OnSetting(name);
+    }
+  }
+}
+
+// Once a publisher tells its schema: what was asked for by name, or, if nothing was, all that can be shown.
+void Viewer::TakeChannels() {
+  if (!channels_changed_.exchange(false)) return;
+  channels_.clear();
+  for (const KnownChannel& known : session_.Channels()) {
+    if (known.publishers.empty() || known.name.starts_with("hgros/")) continue;
+    channels_.push_back({known.name, known.type_name});
+    const DisplayType* const type = DisplayTypeFor(known.type_name);
+    const auto awaited = std::ranges::find(awaited_, known.name, &WantedDisplay::channel);
+    if (awaited != awaited_.end()) {
+      const WantedDisplay wanted = std::move(*awaited);
+      awaited_.erase(awaited);
+      if (type == nullptr) {
+        notice_ = "No display shows \"" + known.name + "\", which carries " + known.type_name + ".";
+      } else {
+        AddOrSay(*type, wanted);
+      }
+    } else if (options_.channels.empty() && type != nullptr && shown_by_itself_.size() < kMostByThemselves &&
+               shown_by_itself_.insert(known.name).second) {
+      AddOrSay(*type, {known.name, {}, {}});
+    }
+  }
+  frames_wanted_ = kFramesAfterInput;
+}
+
+// The channel's publisher may have come long after the arguments were read: what is wrong with them ends nothing now.
+void Viewer::AddOrSay(const DisplayType& type, const WantedDisplay& wanted) {
+  try {
+    Add(type, wanted.channel, wanted.settings);
+  } catch (const Error& error) {
+    notice_ = error.what();
+  }
+}
+
+void Viewer::Add(const DisplayType& type, const std::string& channel,
+                 const std::vector<std::pair<std::string, std::string>>& settings) {
+  const Scene::Entry& entry = scene_.Add(type, {session_, channel, [this] { WakeFromData(); }});
+  const std::vector<Setting> known = entry.display->Settings();
+  for (const auto& [name, value] : settings) {
+    const auto setting = std::ranges::find(known, name, &Setting::name);
+    if (setting == known.end()) {
+      std::string names;
+      for (const Setting& other : known) names += (names.empty() ? "" : ", ") + other.name;
+      throw Error("\"" + entry.name + "\" has no setting \"" + name + "\"; there are " + names + ".");
+    }
+    if (const std::string fault = SetFromText(*setting, value); !fault.empty()) throw Error(fault);
+    entry.display->OnSetting(name);
+  }
+}
+
+int Viewer::Run() {
+  while (!stop_ && !surface_.closing()) {
+    const double now_s = NowS();
+    surface_.Wait(std::max(0.0, NextTurnS() - now_s));
+    if (stop_ || surface_.closing()) break;
+    if (surface_.TakeDisturbed()) frames_wanted_ = kFramesAfterInput;
+    const double woken_s = NowS();
+    if (woken_s < NextTurnS()) continue;
+    Turn(woken_s);
+    if (woken_s >= next_report_s_) Report(woken_s);
+    if (AtEnd(woken_s)) break;
+  }
+  return exit_code_;
+}
+
+double Viewer::NextTurnS() const {
+  const bool draws_on = frames_wanted_ > 0 || scene_.unfinished() || whole_picture_wanted_;
+  const bool something = woken_ || (draws_on && !surface_.hidden());
+  const double soonest_s = last_turn_s_ + 1 / options_.fps_limit;
+  double next_s = something ? soonest_s : std::max(soonest_s, scene_.next_change_s());
+  if (options_.after_s) next_s = std::min(next_s, std::max(begin_s_ + *options_.after_s, soonest_s));
+  return std::min(next_s, next_report_s_);
+}
+
+void Viewer::Turn(double now_s) {
+  last_turn_s_ = now_s;
+  woken_ = false;
+  const Camera before = camera_;
+  TakeChannels();
+  TakeInput();
+  TakeArrived(now_s);
+  const bool moved = !camera_.SameViewAs(before);
+  const bool wanted = moved || frames_wanted_ > 0 || scene_.unfinished() || scene_.pending();
+  if (!wanted || surface_.hidden()) return;
+  if (frames_wanted_ > 0) --frames_wanted_;
+  DrawFrame(now_s);
+}
+
+void Viewer::TakeInput() {
+  const Viewport size = surface_.size();
+  for (const InputEvent& event : surface_.TakeInput()) {
+    switch (event.kind) {
+      case InputEvent::Kind::kPress: navigation_.OnPress(event.button, event.x, event.y); break;
+      case InputEvent::Kind::kRelease:
+        if (const auto pixel = navigation_.OnRelease(event.button, event.x, event.y)) Pick(*pixel);
+        break;
+      case InputEvent::Kind::kPointer: navigation_.OnPointer(event.x, event.y, size); break;
+      case InputEvent::Kind::kWheel: navigation_.OnWheel(event.steps, size); break;
+      case InputEvent::Kind::kKey: OnKey(event.key); break;
+    }
+  }
+}
+
+void Viewer::OnKey(int key) {
+  const auto table = KeyTable();
+  const auto row = std::ranges::find(table, key, &KeyRow::key);
+  if (row == table.end()) return;
+  switch (row->viewer) {
+    case ViewerKey::kNone: navigation_.OnKey(row->camera); break;
+    case ViewerKey::kHelp: help_ = !help_; break;
+    case ViewerKey::kPause: paused_ = !paused_; break;
+    case ViewerKey::kPanels: show_panels_ = !show_panels_; break;
+    case ViewerKey::kFocus: ShowEverything(); break;
+    case ViewerKey::kScreenshot: {
+      char name[64];
+      const std::time_t now = std::time(nullptr);
+      std::tm parts{};
+      localtime_r(&now, &parts);
+      std::strftime(name, sizeof name, "hgros-viewer-%Y%m%d-%H%M%S.png", &parts);
+      screenshot_ = name;
+      frames_wanted_ = kFramesAfterInput;
+      break;
+    }
+  }
+}
+
+void Viewer::Pick(const Eigen::Vector2d& pixel) {
+  int x = static_cast<int>(pixel.x());
+  int y = static_cast<int>(pixel.y());
+  const float depth = scene_.picture().NearestDepth(x, y, static_cast<int>(kPickRadius * surface_.scale()));
+  if (depth >= 1) {
+    notice_ = "There is nothing to set the anchor on.";
+    return;
+  }
+  const Eigen::Vector3d point = camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), surface_.size());
+  camera_.SetAnchor(point);
+  char text[128];
+  std::snprintf(text, sizeof text, "anchor at %.3f, %.3f, %.3f m", point.x(), point.y(), point.z());
+  notice_ = text;
+}
+
+void Viewer::ShowEverything() {
+  const Eigen::AlignedBox3d bounds = scene_.Bounds();
+  if (bounds.isEmpty()) return;
+  camera_.Focus(bounds, surface_.size());
+}
+
+void Viewer::TakeArrived(double now_s) {
+  if (paused_) return;
+  const bool transforms_changed = transforms_changed_.exchange(false);
+  if (transforms_changed) frame_changed_ |= frame_.Refresh();
+  if (transforms_changed || frame_changed_) FollowFrame();
+  scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
+  frame_changed_ = false;
+}
+
+void Viewer::FollowFrame() {
+  RigidTransform now;
+  std::string why;
+  if (view_panel_.follow().empty() || frame_changed_ ||
+      frame_.Find(view_panel_.follow(), now, why) != FixedFrame::Answer::kFound) {
+    followed_.reset();
+    return;
+  }
+  if (followed_) camera_.Follow(*followed_, now, view_panel_.with_rotation());
+  followed_ = now;
+}
+
+void Viewer::DrawFrame(double now_s) {
+  const Viewport size = surface_.size();
+  scene_.Draw(camera_.Matrices(size), surface_.scale());
+  scene_.picture().ShowOn(surface_.framebuffer());
+  DrawPanels();
+  if (!screenshot_.empty()) WriteScreenshot(std::exchange(screenshot_, {}));
+  surface_.Present();
+  ++frames_;
+  frame_times_s_.push_back(now_s);
+  std::erase_if(frame_times_s_, [&](double time_s) { return time_s < now_s - 1; });
+}
+
+void Viewer::DrawPanels() {
+  surface_.BeginPanels();
+  panels_renderer_.Prepare();
+  ImGui::NewFrame();
+  const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
+  DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
+  if (show_panels_) {
+    view_panel_.Draw(camera_, frame_);
+    const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_);
+    if (wish.add != nullptr) Add(*wish.add, wish.channel, {});
+    if (wish.set_fixed_frame) {
+      frame_.Ask(wish.fixed_frame);
+      if (wish.fixed_frame.empty()) frame_.Refresh();
+      frame_changed_ = true;
+      frames_wanted_ = kFramesAfterInput;
+    }
+    DrawStatusLine({static_cast<double>(frame_times_s_.size()), scene_.points(), scene_.gpu_bytes(), ResidentBytes(),
+                    frame_.name(), notice_, paused_, scene_.unfinished()});
+  }
+  DrawHelp(help_);
+  ImGui::Render();
+  panels_renderer_.Draw();
+}
+
+bool Viewer::AtEnd(double now_s) {
+  const bool end = (options_.after_s && now_s >= begin_s_ + *options_.after_s) ||
+                   (options_.frames && frames_ >= *options_.frames) || whole_picture_wanted_;
+  if (!end) return false;
+  if (options_.screenshot.empty()) return true;
+  if (!whole_picture_wanted_ && options_.show_all) {
+    ShowEverything();
+    frames_wanted_ = kFramesAfterInput;
+  }
+  whole_picture_wanted_ = true;
+  if (frames_wanted_ > 0 || scene_.unfinished() || scene_.pending()) return false;
+  screenshot_ = options_.screenshot;
+  DrawFrame(now_s);
+  return true;
+}
+
+void Viewer::WriteScreenshot(const std::filesystem::path& file) {
+  const Viewport size = surface_.size();
+  Picture copy;
+  copy.Resize(size);
+  copy.TakeFrom(surface_.framebuffer());
+  const std::string fault = WritePng(file, size, copy.Pixels());
+  notice_ = fault.empty() ? "wrote " + file.string() : fault;
+  if (fault.empty()) return;
+  std::fprintf(stderr, "hgros-viewer: %s\n", fault.c_str());
+  exit_code_ = 1;
+}
+
+void Viewer::Report(double now_s) {
+  next_report_s_ = now_s + *options_.report_s;
+  std::fprintf(stderr, "seconds=%.1f frames=%zu points=%zu gpu_mb=%.1f rss_mb=%.1f cpu_s=%.2f\n", now_s - begin_s_,
+               frames_, scene_.points(), static_cast<double>(scene_.gpu_bytes()) / 1e6,
+               static_cast<double>(ResidentBytes()) / 1e6, ProcessorSeconds());
+}
+
+}  // namespace hgros::viewer

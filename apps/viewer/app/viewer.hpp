@@ -1,0 +1,102 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "foxglove/FrameTransforms.pb.h"
+#include "hgros/session/session.hpp"
+#include "hgros/tf/transforms.hpp"
+#include "viewer/app/options.hpp"
+#include "viewer/app/surface.hpp"
+#include "viewer/panels/display_panel.hpp"
+#include "viewer/panels/imgui_renderer.hpp"
+#include "viewer/panels/key_table.hpp"
+#include "viewer/panels/view_panel.hpp"
+#include "viewer/scene/scene.hpp"
+#include "viewer/view/navigation.hpp"
+
+namespace hgros::viewer {
+
+/// The program: a session, a scene, panels and a camera, on a surface. It sleeps until something has changed.
+class Viewer {
+ public:
+  /// Errors: throws Error if the session cannot be had, or the options name what there is not.
+  Viewer(const Options& options, Surface& surface);
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+  ~Viewer();
+
+  /// Until the window is closed, the options' end has come, or Stop. Returns the exit code.
+  int Run();
+  /// Thread-safe.
+  void Stop();
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  void WakeFromData();
+  void AddWanted();
+  void TakeChannels();
+  void AddOrSay(const DisplayType& type, const WantedDisplay& wanted);
+  void Add(const DisplayType& type, const std::string& channel,
+           const std::vector<std::pair<std::string, std::string>>& settings);
+
+  [[nodiscard]] double NextTurnS() const;
+  void Turn(double now_s);
+  void TakeInput();
+  void OnKey(int key);
+  void Pick(const Eigen::Vector2d& pixel);
+  void ShowEverything();
+  void TakeArrived(double now_s);
+  void DrawFrame(double now_s);
+  void FollowFrame();
+  void DrawPanels();
+  [[nodiscard]] bool AtEnd(double now_s);
+  void WriteScreenshot(const std::filesystem::path& file);
+  void Report(double now_s);
+
+  const Options options_;
+  Surface& surface_;
+  Session session_;
+  Transforms transforms_;
+  FixedFrame frame_;
+  Scene scene_;
+  Camera camera_;
+  Navigation navigation_;
+  ImguiRenderer panels_renderer_;
+  DisplayPanel display_panel_;
+  ViewPanel view_panel_;
+
+  std::atomic<bool> woken_ = true;
+  std::atomic<bool> stop_ = false;
+  std::atomic<bool> transforms_changed_ = false;
+  std::atomic<bool> channels_changed_ = true;
+  std::vector<ChannelRow> channels_;       ///< What is published now.
+  std::vector<WantedDisplay> awaited_;     ///< Their schema is still to be heard of.
+  std::set<std::string> shown_by_itself_;  ///< Also those that were removed since.
+  bool frame_changed_ = false;
+  bool paused_ = false;
+  bool help_ = false;
+  bool show_panels_ = true;
+  int frames_wanted_ = 3;  ///< ImGui settles within some frames after each thing that a person does.
+  bool whole_picture_wanted_ = false;
+  std::string notice_;
+  std::filesystem::path screenshot_;        ///< To be written with the next frame.
+  std::optional<RigidTransform> followed_;  ///< Where the frame that is followed was.
+  int exit_code_ = 0;
+
+  double begin_s_ = 0;
+  double last_turn_s_ = -kNever;
+  double next_report_s_ = kNever;
+  std::size_t frames_ = 0;
+  std::vector<double> frame_times_s_;  ///< Of the last second.
+
+  std::vector<Subscription> subscriptions_;  ///< Last: their callbacks use the others.
+};
+
+}  // namespace hgros::viewer

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hgros::viewer {
+
+/// Red, green, blue and alpha of one byte each, red in the lowest.
+using Rgba = std::uint32_t;
+[[nodiscard]] constexpr Rgba MakeRgba(unsigned red, unsigned green, unsigned blue, unsigned alpha = 255) noexcept {
+  return red | green << 8U | blue << 16U | alpha << 24U;
+}
+[[nodiscard]] constexpr unsigned AlphaOf(Rgba color) noexcept { return color >> 24U; }
+
+/// A cube, sphere or cylinder of size 1 about the origin, moved and stretched.
+struct SolidShape {
+  Eigen::Matrix<double, 3, 4> pose;  ///< From the unit shape to the entity's frame, or to that of the drawing.
+  Rgba color = 0;
+  float bottom_scale = 1;  ///< Of cylinders: factor on the face at z = -0.5; 0 makes a cone.
+  float top_scale = 1;     ///< Likewise at z = +0.5.
+};
+
+/// A piece of a line.
+struct LinePiece {
+  Eigen::Vector3d from, to;
+  Rgba from_color = 0, to_color = 0;
+  float thickness = 1;  ///< Metres, or pixels.
+  bool pixels = false;
+};
+
+struct TriangleCorner {
+  Eigen::Vector3d position;
+  Rgba color = 0;
+};
+
+struct SceneText {
+  Eigen::Matrix<double, 3, 4> pose;  ///< Text runs along x, its top is towards y.
+  std::string text;
+  Rgba color = 0;
+  double height = 0;  ///< Of a line: metres, or pixels.
+  bool pixels = false;
+  bool billboard = false;
+};
+
+/// A mesh of somebody else's.
+struct SceneModel {
+  Eigen::Matrix<double, 3, 4> pose;
+  std::string url;  ///< Empty: `data` is the file.
+  std::string media_type;
+  std::string data;
+  Rgba color = 0;
+  bool override_color = false;
+};
+
+/// Shapes by how they are drawn, so that any number of one kind is one draw call.
+struct SceneShapes {
+  std::vector<SolidShape> cubes, spheres, cylinders;
+  std::vector<LinePiece> lines;
+  std::vector<TriangleCorner> triangles;  ///< Three each.
+  std::vector<SceneText> texts;
+  std::vector<SceneModel> models;
+
+  /// How many things there are to draw.
+  [[nodiscard]] std::size_t size() const noexcept {
+    return cubes.size() + spheres.size() + cylinders.size() + lines.size() + triangles.size() / 3 + texts.size() +
+           models.size();
+  }
+};
+
+}  // namespace hgros::viewer

@@ -1,0 +1,136 @@
+#include "viewer/data/scene_store.hpp"
+
+#include <algorithm>
+
+#include "viewer/data/scene_reader.hpp"
+#include "viewer/data/shape_reader.hpp"
+#include "viewer/data/stamp.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+using Pose = Eigen::Matrix<double, 3, 4>;
+
+Pose Moved(const Eigen::Isometry3d& T, const Pose& pose) {
+  Pose moved = T.linear() * pose;
+  moved.col(3) += T.translation();
+  return moved;
+}
+
+template <class Shape>
+void AddMoved(const Eigen::Isometry3d& T, const std::vector<Shape>& from, std::vector<Shape>& to) {
+  for (const Shape& shape : from) to.emplace_back(shape).pose = Moved(T, shape.pose);
+}
+
+void AddMoved(const Eigen::Isometry3d& T, const SceneShapes& from, SceneShapes& to) {
+  AddMoved(T, from.cubes, to.cubes);
+  AddMoved(T, from.spheres, to.spheres);
+  AddMoved(T, from.cylinders, to.cylinders);
+  AddMoved(T, from.texts, to.texts);
+  AddMoved(T, from.models, to.models);
+  for (const LinePiece& line : from.lines) {
+    LinePiece& moved = to.lines.emplace_back(line);
+    moved.from = T * line.from;
+    moved.to = T * line.to;
+  }
+  for (const TriangleCorner& corner : from.triangles) to.triangles.push_back({T * corner.position, corner.color});
+}
+
+std::string TooMany() {
+  return "More than " + std::to_string(SceneStore::kMaxEntities) + " entities: the rest is left out.";
+}
+
+}  // namespace
+
+void SceneStore::Delete(const foxglove::SceneEntityDeletion& deletion) {
+  const Time before = StampOf(deletion.timestamp());
+  const auto concerns = [&](const Entity& entity) {
+    return before.nanoseconds == 0 || entity.stamp.nanoseconds < before.nanoseconds;
+  };
+  if (deletion.type() == foxglove::SceneEntityDeletion::ALL) {
+    std::erase_if(entities_, [&](const auto& entry) { return concerns(entry.second); });
+  } else if (const auto found = entities_.find(deletion.id()); found != entities_.end() && concerns(found->second)) {
+    entities_.erase(found);
+  }
+}
+
+std::string SceneStore::Apply(const foxglove::SceneUpdate& update) {
+  for (const auto& deletion : update.deletions()) Delete(deletion);
+  std::string first_fault;
+  for (const auto& said : update.entities()) {
+    if (!HasRoom(said.id())) return TooMany();
+    auto shapes = std::make_shared<SceneShapes>();
+    std::string fault = ReadScene(said, *shapes);
+    if (shapes->size() > kMaxShapes) {
+      fault = "It has more than " + std::to_string(kMaxShapes) + " shapes, and is left out.";
+      *shapes = {};
+    }
+    if (!fault.empty() && first_fault.empty()) first_fault = "Entity \"" + said.id() + "\": " + fault;
+    Entity entity;
+    entity.frame = said.frame_id();
+    entity.stamp = StampOf(said.timestamp());
+    const auto lifetime = said.lifetime().seconds() * 1'000'000'000 + said.lifetime().nanos();
+    if (lifetime > 0) entity.ends = Time{entity.stamp.nanoseconds + lifetime};
+    entity.frame_locked = said.frame_locked();
+    for (const auto& pair : said.metadata()) entity.metadata.emplace_back(pair.key(), pair.value());
+    entity.shapes = std::move(shapes);
+    entities_.insert_or_assign(said.id(), std::move(entity));
+  }
+  return first_fault;
+}
+
+bool SceneStore::HasRoom(const std::string& id) const {
+  return entities_.size() < kMaxEntities || entities_.contains(id);
+}
+
+std::string SceneStore::Apply(const hgros::Shapes& update) {
+  if (update.remove_all()) entities_.clear();
+  for (const std::string& name : update.removed()) entities_.erase(name);
+  std::string first_fault;
+  for (const auto& shape : update.shapes()) {
+    if (!HasRoom(shape.name())) return TooMany();
+    auto shapes = std::make_shared<SceneShapes>();
+    const std::string fault = ReadShape(shape, *shapes);
+    if (!fault.empty() && first_fault.empty()) first_fault = "Shape \"" + shape.name() + "\": " + fault;
+    Entity entity;
+    entity.frame = update.frame_id();
+    entity.stamp = StampOf(update.timestamp());
+    entity.frame_locked = true;
+    entity.shapes = std::move(shapes);
+    entities_.insert_or_assign(shape.name(), std::move(entity));
+  }
+  return first_fault;
+}
+
+bool SceneStore::Expire(Time now) {
+  return std::erase_if(entities_, [&](const auto& entry) {
+           return entry.second.ends && entry.second.ends->nanoseconds <= now.nanoseconds;
+         }) > 0;
+}
+
+std::optional<Time> SceneStore::NextEnd() const {
+  std::optional<Time> next;
+  for (const auto& [id, entity] : entities_) {
+    if (entity.ends && (!next || entity.ends->nanoseconds < next->nanoseconds)) next = entity.ends;
+  }
+  return next;
+}
+
+SceneStore::Drawing SceneStore::Draw(const FramePose& pose_of, const Eigen::Vector3d& origin) const {
+  Drawing drawing;
+  for (const auto& [id, entity] : entities_) {
+    drawing.moves = drawing.moves || entity.frame_locked;
+    const auto T_fixed_frame =
+        pose_of(entity.frame, entity.frame_locked || entity.stamp.nanoseconds == 0 ? std::nullopt
+                                                                                   : std::optional<Time>(entity.stamp));
+    if (!T_fixed_frame) {
+      ++drawing.unplaced;
+      drawing.unplaced_frame = entity.frame;
+      continue;
+    }
+    AddMoved(Eigen::Translation3d(-origin) * *T_fixed_frame, *entity.shapes, drawing.shapes);
+  }
+  return drawing;
+}
+
+}  // namespace hgros::viewer

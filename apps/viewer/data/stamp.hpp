@@ -1,0 +1,13 @@
+#pragma once
+
+#include "google/protobuf/timestamp.pb.h"
+#include "hgros/clock/time.hpp"
+
+namespace hgros::viewer {
+
+/// The time that a message says.
+[[nodiscard]] inline Time StampOf(const google::protobuf::Timestamp& stamp) noexcept {
+  return {stamp.seconds() * 1'000'000'000 + stamp.nanos()};
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace hgros::viewer {
+
+/// The range of values that colours are spread over. It grows with the values but for the outermost fiftieth at each
+/// end, in steps, so that it is seldom another one.
+class ValueRange {
+ public:
+  /// Whether the range is another one now. Values that are no numbers count for nothing.
+  bool Cover(std::span<const float> values) {
+    sample_.clear();
+    const std::size_t step = std::max<std::size_t>(1, values.size() / kSample);
+    for (std::size_t i = 0; i < values.size(); i += step) {
+      if (std::isfinite(values[i])) sample_.push_back(values[i]);
+    }
+    if (sample_.empty()) return false;
+    const auto tail = static_cast<std::ptrdiff_t>(sample_.size() / 50);
+    const auto low = sample_.begin() + tail;
+    std::ranges::nth_element(sample_, low);
+    const float lowest = *low;
+    const auto high = sample_.end() - 1 - tail;
+    std::ranges::nth_element(sample_, high);
+    const float highest = *high;
+    if (known_ && lowest >= lo_ && highest <= hi_) return false;
+    const float new_lo = known_ ? std::min(lo_, lowest) : lowest;
+    const float new_hi = known_ ? std::max(hi_, highest) : highest;
+    const float margin = known_ ? 0.25F * (new_hi - new_lo) : 0;  // What grows once grows again.
+    if (!known_ || new_lo < lo_) lo_ = new_lo - margin;
+    if (!known_ || new_hi > hi_) hi_ = new_hi + margin;
+    known_ = true;
+    return true;
+  }
+
+  [[nodiscard]] bool known() const noexcept { return known_; }
+  [[nodiscard]] float lo() const noexcept { return lo_; }
+  [[nodiscard]] float hi() const noexcept { return hi_ > lo_ ? hi_ : lo_ + 1; }
+
+ private:
+  static constexpr std::size_t kSample = 4096;
+
+  bool known_ = false;
+  float lo_ = 0;
+  float hi_ = 1;
+  std::vector<float> sample_;
+};
+
+/// A value of a range in 8 bits.
+[[nodiscard]] inline std::uint8_t EncodeIn(const ValueRange& range, float value) noexcept {
+  const float unit = (value - range.lo()) / (range.hi() - range.lo());
+  return static_cast<std::uint8_t>(std::isfinite(unit) ? std::lround(std::clamp(unit, 0.0F, 1.0F) * 255) : 0);
+}
+
+/// What each code of one range becomes in another: for codes that lie somewhere already.
+[[nodiscard]] inline std::vector<std::uint8_t> Recoding(const ValueRange& before, const ValueRange& now) {
+  std::vector<std::uint8_t> codes(256);
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = EncodeIn(now, before.lo() + static_cast<float>(i) / 255 * (before.hi() - before.lo()));
+  }
+  return codes;
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,145 @@
+#include "viewer/panels/display_panel.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "viewer/panels/look.hpp"
+#include "viewer/panels/view_panel.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+void Warn(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(WarningColor::kRgba[0], WarningColor::kRgba[1], WarningColor::kRgba[2],
+                                              WarningColor::kRgba[3]));
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+void Note(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+}  // namespace
+
+DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels) {
+  Wish wish;
+  const float unit = ImGui::GetFontSize();
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.6F * unit, 0.6F * unit}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({21 * unit, std::min(40 * unit, size.y - 4 * unit)}, ImGuiCond_FirstUseEver);
+  if (ImGui::Begin("Displays", nullptr, ImGuiWindowFlags_NoSavedSettings)) {
+    DrawFrame(frame, wish);
+    ImGui::Separator();
+    for (std::size_t i = 0; i < scene.entries().size(); ++i) DrawEntry(scene, i);
+    if (remove_) {
+      remove_ = false;
+      scene.Remove(removed_);
+    }
+    ImGui::Separator();
+    DrawAdd(channels, wish);
+  }
+  ImGui::End();
+  return wish;
+}
+
+void DisplayPanel::DrawFrame(const FixedFrame& frame, Wish& wish) {
+  ImGui::SetNextItemWidth(0.5F * ImGui::GetContentRegionAvail().x);
+  const std::string shown = frame.name().empty() ? "none yet" : frame.name() + (frame.chosen() ? " (chosen)" : "");
+  if (!ImGui::BeginCombo("fixed frame", shown.c_str())) return;
+  if (ImGui::Selectable("choose by itself", frame.chosen())) {
+    wish.set_fixed_frame = true;
+  }
+  for (const std::string& name : FrameNames(frame.tree())) {
+    if (ImGui::Selectable(name.c_str(), name == frame.name())) {
+      wish.set_fixed_frame = true;
+      wish.fixed_frame = name;
+    }
+  }
+  ImGui::EndCombo();
+}
+
+void DisplayPanel::DrawEntry(Scene& scene, std::size_t index) {
+  Scene::Entry& entry = scene.entries()[index];
+  ImGui::PushID(entry.display.get());
+  bool visible = entry.visible;
+  if (ImGui::Checkbox("##visible", &visible)) scene.SetVisible(index, visible);
+  ImGui::SameLine();
+  const bool fault = entry.display->HasFault();
+  if (fault) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(WarningColor::kRgba[0], WarningColor::kRgba[1], WarningColor::kRgba[2],
+                                                WarningColor::kRgba[3]));
+  }
+  const bool unfolded = ImGui::TreeNodeEx("##entry", ImGuiTreeNodeFlags_SpanAvailWidth, "%s", entry.name.c_str());
+  if (fault) ImGui::PopStyleColor();
+  if (entry.name != entry.type->name) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", entry.type->name.c_str());
+  }
+  if (unfolded) {
+    bool first = true;
+    for (const std::string& line : entry.display->Status()) {
+      first&& fault ? Warn(line) : Note(line);
+      first = false;
+    }
+    for (const Setting& setting : entry.display->Settings()) {
+      if (setting.shown && !setting.shown()) continue;
+      if (!DrawSetting(setting)) continue;
+      entry.display->OnSetting(setting.name);
+      scene.Redraw();
+    }
+    if (ImGui::SmallButton("clear")) {
+      entry.display->Clear();
+      scene.Redraw();
+    }
+    ImGui::SameLine();
+    if (ImGui::SmallButton("up")) scene.MoveUp(index);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("remove")) {
+      removed_ = index;
+      remove_ = true;
+    }
+    ImGui::TreePop();
+  }
+  ImGui::PopID();
+}
+
+void DisplayPanel::DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish) {
+  if (!channels.empty() && ImGui::TreeNode("Channels")) {
+    for (const ChannelRow& row : channels) {
+      const DisplayType* const type = DisplayTypeFor(row.schema);
+      ImGui::PushID(row.name.c_str());
+      if (type != nullptr && ImGui::SmallButton("show")) {
+        wish.add = type;
+        wish.channel = row.name;
+      }
+      if (type != nullptr) ImGui::SameLine();
+      ImGui::TextUnformatted(row.name.c_str());
+      ImGui::SameLine();
+      ImGui::TextDisabled("%s", row.schema.c_str());
+      ImGui::PopID();
+    }
+    ImGui::TreePop();
+  }
+  if (!ImGui::TreeNode("Add a display")) return;
+  const auto types = DisplayTypes();
+  const DisplayType& type = types[static_cast<std::size_t>(type_)];
+  if (ImGui::BeginCombo("kind", type.name.c_str())) {
+    for (std::size_t i = 0; i < types.size(); ++i) {
+      if (ImGui::Selectable(types[i].name.c_str(), static_cast<int>(i) == type_)) type_ = static_cast<int>(i);
+    }
+    ImGui::EndCombo();
+  }
+  const bool needs_channel = !type.schemas.empty();
+  if (needs_channel) ImGui::InputText("channel", channel_, sizeof channel_);
+  if (ImGui::Button("add") && (!needs_channel || channel_[0] != '\0')) {
+    wish.add = &type;
+    wish.channel = needs_channel ? channel_ : "";
+  }
+  ImGui::TreePop();
+}
+
+}  // namespace hgros::viewer

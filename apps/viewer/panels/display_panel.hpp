@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "viewer/scene/scene.hpp"
+
+namespace hgros::viewer {
+
+/// A channel that could be shown.
+struct ChannelRow {
+  std::string name;
+  std::string schema;
+};
+
+/// The list of displays with their settings and what there is to say of each, and what could be added. Remembers only
+/// what is unfolded and typed.
+class DisplayPanel {
+ public:
+  struct Wish {
+    const DisplayType* add = nullptr;  ///< Something is to be added, ...
+    std::string channel;               ///< ... for this channel.
+    std::string fixed_frame;
+    bool set_fixed_frame = false;
+  };
+
+  /// What a person wants that the panel cannot do itself.
+  [[nodiscard]] Wish Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels);
+
+ private:
+  void DrawEntry(Scene& scene, std::size_t index);
+  void DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish);
+  void DrawFrame(const FixedFrame& frame, Wish& wish);
+
+  char channel_[128] = "";
+  int type_ = 0;
+  std::size_t removed_ = 0;
+  bool remove_ = false;
+};
+
+/// A widget for a setting; whether it was changed.
+bool DrawSetting(const Setting& setting);
+
+}  // namespace hgros::viewer

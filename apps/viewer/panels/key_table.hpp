@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+
+#include "viewer/view/navigation.hpp"
+
+namespace hgros::viewer {
+
+/// What a key of the keyboard does. Letters are upper case; other keys have a number above 255 of our own.
+enum SpecialKey { kKeyLeft = 256, kKeyRight, kKeyUp, kKeyDown, kKeyHome, kKeyF1, kKeyF12, kKeyEscape };
+
+enum class ViewerKey { kNone, kHelp, kPause, kScreenshot, kFocus, kPanels };
+
+struct KeyRow {
+  int key;
+  CameraKey camera;
+  ViewerKey viewer;  ///< kNone: it is the camera's.
+  const char* name;
+  const char* meaning;
+};
+
+/// All keys, in the order of the help.
+[[nodiscard]] std::span<const KeyRow> KeyTable();
+
+}  // namespace hgros::viewer

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <span>
+
+#include "viewer/scene/display.hpp"
+#include "viewer/view/camera.hpp"
+
+namespace hgros::viewer {
+
+/// Writes words beside their places in the scene, behind all panels; and marks the anchor. `pixels_per_unit` is of the
+/// screen to ImGui's coordinates.
+void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewport& viewport, float pixels_per_unit);
+
+}  // namespace hgros::viewer

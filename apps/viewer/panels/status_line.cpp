@@ -1,0 +1,45 @@
+#include "viewer/panels/status_line.hpp"
+
+#include <imgui.h>
+
+#include <cstdio>
+
+namespace hgros::viewer {
+namespace {
+
+std::string Thousands(std::size_t number) {
+  std::string digits = std::to_string(number);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, " ");
+  return digits;
+}
+
+}  // namespace
+
+void DrawStatusLine(const StatusFigures& figures) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float height = ImGui::GetFrameHeight();
+  ImGui::SetNextWindowPos({0, size.y - height});
+  ImGui::SetNextWindowSize({size.x, height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10, 3});
+  if (ImGui::Begin("status", nullptr,
+                   ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                       ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoNav)) {
+    char rates[96];
+    std::snprintf(rates, sizeof rates, "%.0f frames/s   %.0f MB, %.0f MB of them graphics", figures.frames_per_second,
+                  static_cast<double>(figures.resident_bytes) / 1e6, static_cast<double>(figures.gpu_bytes) / 1e6);
+    std::string text = figures.fixed_frame.empty() ? "no frame yet" : "fixed frame " + figures.fixed_frame;
+    text += "   " + Thousands(figures.points) + " points   " + rates;
+    if (figures.unfinished) text += "   drawing ...";
+    if (figures.paused) text += "   paused (Space)";
+    ImGui::TextUnformatted(text.c_str());
+    const std::string right = figures.notice.empty() ? "F1: mouse and keys" : figures.notice;
+    ImGui::SameLine(size.x - ImGui::CalcTextSize(right.c_str()).x - 12);
+    ImGui::TextDisabled("%s", right.c_str());
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(3);
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace hgros::viewer {
+
+struct StatusFigures {
+  double frames_per_second = 0;
+  std::size_t points = 0;
+  std::size_t gpu_bytes = 0;
+  std::size_t resident_bytes = 0;
+  std::string fixed_frame;
+  std::string notice;  ///< What has just happened, in a sentence; may be empty.
+  bool paused = false;
+  bool unfinished = false;
+};
+
+/// One line at the lower edge of the window.
+void DrawStatusLine(const StatusFigures& figures);
+
+}  // namespace hgros::viewer

@@ -1,0 +1,48 @@
+#include "viewer/panels/view_panel.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+
+namespace hgros::viewer {
+
+std::vector<std::string> FrameNames(const TransformTree& tree) {
+  std::vector<std::string> names;
+  for (const EdgeSnapshot& edge : tree.Edges()) {
+    names.push_back(edge.parent);
+    names.push_back(edge.child);
+  }
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+void ViewPanel::Draw(Camera& camera, const FixedFrame& frame) {
+  const float unit = ImGui::GetFontSize();
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({size.x - 0.6F * unit, 0.6F * unit}, ImGuiCond_FirstUseEver, {1, 0});
+  ImGui::SetNextWindowSize({15 * unit, 0}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
+  if (ImGui::Begin("View", nullptr, ImGuiWindowFlags_NoSavedSettings)) {
+    bool orthographic = camera.orthographic();
+    if (ImGui::Checkbox("orthographic", &orthographic)) camera.SetOrthographic(orthographic);
+    if (ImGui::Button("from above")) camera.LookFromAbove();
+    ImGui::SameLine();
+    if (ImGui::Button("reset")) camera.Reset();
+    ImGui::SetNextItemWidth(0.6F * ImGui::GetContentRegionAvail().x);
+    if (ImGui::BeginCombo("follow", follow_.empty() ? "nothing" : follow_.c_str())) {
+      if (ImGui::Selectable("nothing", follow_.empty())) follow_.clear();
+      for (const std::string& name : FrameNames(frame.tree())) {
+        if (ImGui::Selectable(name.c_str(), name == follow_)) follow_ = name;
+      }
+      ImGui::EndCombo();
+    }
+    if (!follow_.empty()) ImGui::Checkbox("with its direction", &with_rotation_);
+    const Eigen::Vector3d pivot = camera.Pivot();
+    ImGui::TextDisabled("%s %.2f, %.2f, %.2f m", camera.anchor() ? "anchor" : "middle", pivot.x(), pivot.y(),
+                        pivot.z());
+  }
+  ImGui::End();
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "viewer/data/fixed_frame.hpp"
+#include "viewer/view/camera.hpp"
+
+namespace hgros::viewer {
+
+/// How the scene is looked at, and which frame the camera goes along with.
+class ViewPanel {
+ public:
+  void Draw(Camera& camera, const FixedFrame& frame);
+
+  /// Empty: none.
+  void Follow(std::string_view frame, bool with_rotation) {
+    follow_ = frame;
+    with_rotation_ = with_rotation;
+  }
+  [[nodiscard]] const std::string& follow() const noexcept { return follow_; }
+  [[nodiscard]] bool with_rotation() const noexcept { return with_rotation_; }
+
+ private:
+  std::string follow_;
+  bool with_rotation_ = false;
+};
+
+/// The names of all frames, in order.
+[[nodiscard]] std::vector<std::string> FrameNames(const TransformTree& tree);
+
+}  // namespace hgros::viewer

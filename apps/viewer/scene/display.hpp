@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "hgros/session/session.hpp"
+#include "viewer/data/fixed_frame.hpp"
+#include "viewer/scene/point_programs.hpp"
+#include "viewer/scene/setting.hpp"
+#include "viewer/scene/slice.hpp"
+#include "viewer/view/camera.hpp"
+
+namespace hgros::viewer {
+
+/// What an update means for the picture; the greater value includes the smaller ones.
+enum class Change : std::uint8_t {
+  kNothing,
+  kMoving,    ///< What DrawMoving draws.
+  kAppended,  ///< DrawNew has something for the settled layer.
+  kRedraw,    ///< The settled layer has to be drawn anew.
+};
+
+/// What displays are made from. The session outlives them; `wake` may be called by any thread, and brings an Update.
+struct DisplayInputs {
+  Session& session;
+  std::string channel;
+  std::function<void()> wake;
+};
+
+struct UpdateContext {
+  FixedFrame& frame;
+  double now_s;             ///< On a steady clock.
+  bool frame_changed;       ///< The fixed frame is another one: what was placed in the old one is void.
+  bool transforms_changed;  ///< Since the last update.
+};
+
+struct DrawContext {
+  const ViewMatrices& view;
+  PointPrograms& points;
+  float scale;  ///< Pixels of the screen to a pixel as settings mean it.
+};
+
+/// Words at a place of the scene.
+struct Label {
+  Eigen::Vector3d at;
+  std::string text;
+};
+
+/// Something that is shown: messages of one channel, or what the viewer itself knows. Messages arrive on threads of the
+/// session and wait in an Inbox; everything below is called by the thread that draws, with its GL context current.
+///
+/// There are two layers. The settled one is kept from frame to frame: what DrawNew adds costs only itself, and after
+/// Change::kRedraw, or when the camera moves, DrawSettled is called for all slices, over several frames if there is
+/// much. It is opaque. The moving one is drawn over it in every frame.
+class Display {
+ public:
+  Display() = default;
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+  virtual ~Display() = default;
+
+  /// Takes in what has arrived.
+  [[nodiscard]] virtual Change Update(const UpdateContext& context) = 0;
+  virtual void DrawNew(const DrawContext& /*context*/) {}
+  virtual void DrawSettled(const DrawContext& /*context*/, const Slice& /*slice*/) {}
+  virtual void DrawMoving(const DrawContext& /*context*/) {}
+  /// Forgets what it has kept.
+  virtual void Clear() {}
+
+  [[nodiscard]] virtual std::vector<Setting> Settings() { return {}; }
+  /// A setting has changed, and `name` is which one.
+  virtual void OnSetting(const std::string& /*name*/) {}
+  /// What there is to say: first what is wrong, in sentences.
+  [[nodiscard]] virtual std::vector<std::string> Status() const { return {}; }
+  [[nodiscard]] virtual bool HasFault() const { return false; }
+  [[nodiscard]] virtual std::vector<Label> Labels() const { return {}; }
+  /// How much DrawSettled draws, in points; decides into how many slices it is cut.
+  [[nodiscard]] virtual std::size_t settled_points() const { return 0; }
+  [[nodiscard]] virtual std::size_t points() const { return 0; }
+  [[nodiscard]] virtual std::size_t gpu_bytes() const { return 0; }
+  [[nodiscard]] virtual Eigen::AlignedBox3d Bounds() const { return {}; }
+  /// When it changes without a message, on the clock of UpdateContext.
+  [[nodiscard]] virtual double next_change_s() const { return std::numeric_limits<double>::infinity(); }
+};
+
+}  // namespace hgros::viewer

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "viewer/data/page_book.hpp"
+#include "viewer/data/value_range.hpp"
+#include "viewer/scene/gl_object.hpp"
+#include "viewer/scene/point_programs.hpp"
+#include "viewer/scene/slice.hpp"
+
+namespace hgros::viewer {
+
+/// Points that are kept for ever: 4 bytes each on the GPU, 1 more for a value, 2 more for a colour, and nothing on the
+/// CPU. Memory comes in slabs, so that nothing is copied when it grows.
+/// Thread: the one whose GL context is current.
+class KeptPoints {
+ public:
+  /// `cell_metres` as PageBook. What is not asked for here is not stored.
+  KeptPoints(double cell_metres, bool with_values, bool with_colors);
+
+  /// `values` and `colors` are as long as `positions` or not used; colours have red in the lowest byte.
+  void Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
+           std::span<const std::uint32_t> colors);
+
+  /// What came since the last call.
+  void DrawNew(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style);
+  void Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style, const Slice& slice);
+
+  [[nodiscard]] std::size_t points() const noexcept { return book_.points(); }
+  [[nodiscard]] std::size_t gpu_bytes() const noexcept;
+  [[nodiscard]] const Eigen::AlignedBox3d& bounds() const noexcept { return bounds_; }
+  [[nodiscard]] const ValueRange& values() const noexcept { return range_; }
+  [[nodiscard]] bool with_values() const noexcept { return with_values_; }
+  [[nodiscard]] bool with_colors() const noexcept { return with_colors_; }
+
+ private:
+  static constexpr std::size_t kSlabPages = 512;
+  static constexpr std::size_t kSlabPoints = kSlabPages * PageBook::kPagePoints;
+
+  struct Slab {
+    GlBuffer codes;
+    GlBuffer values;
+    GlBuffer colors;
+    GlBuffer pages;
+    GlTexture page_texture;
+    Eigen::Vector3d origin;
+    Eigen::AlignedBox3d bounds;
+    std::size_t used_pages = 0;
+    std::vector<GLint> new_firsts;  ///< Runs that DrawNew has not drawn yet.
+    std::vector<GLsizei> new_counts;
+  };
+
+  void BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners);
+  [[nodiscard]] Slab MakeSlab(const Eigen::Vector3d& origin) const;
+  void Recode(const ValueRange& before);
+  /// Ready to be drawn: every `stride`-th point from `first` on.
+  void Bind(PointPrograms& programs, ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
+            const Slab& slab, const Slice& slice);
+
+  PageBook book_;
+  const bool with_values_;
+  const bool with_colors_;
+  ValueRange range_;
+  Eigen::AlignedBox3d bounds_;
+  std::vector<Slab> slabs_;
+  GlVertexArray vertices_;
+};
+
+}  // namespace hgros::viewer

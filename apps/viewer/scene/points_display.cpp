@@ -1,0 +1,217 @@
+#include "viewer/scene/points_display.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace hgros::viewer {
+namespace {
+
+constexpr std::size_t kMostWaiting = 64;
+constexpr double kLongestWaitS = 2;
+constexpr std::size_t kMovingBudget = 2'000'000;  // points of the moving layer; what is more is thinned
+constexpr std::size_t kKeepCapacity = 100'000;    // positions; more are given back after they were placed
+
+}  // namespace
+
+Change PointsDisplay::Update(const UpdateContext& context) {
+  Change change = Change::kNothing;
+  if (context.frame_changed) {
+    Clear();
+    change = Change::kRedraw;
+  }
+  if (std::exchange(setting_changed_, false)) change = Change::kRedraw;
+  for (Read& read : ReadArrived(field_)) {
+    if (!read.fault.empty()) {
+      fault_ = std::move(read.fault);
+      continue;
+    }
+    if (!read.batch.fields.empty()) fields_ = read.batch.fields;
+    shown_field_ = read.batch.scalar_name;
+    empty_ = read.batch.positions.empty();
+    if (waiting_.size() == kMostWaiting) {
+      waiting_.pop_front();
+      ++unplaced_;
+    }
+    waiting_.push_back({std::move(read.batch), context.now_s});
+  }
+  change = std::max(change, PlaceWaiting(context));
+  const auto count = static_cast<std::size_t>(keep_ == kLatest ? 1 : std::max(1.0F, keep_count_));
+  const bool gone = keep_ == kForEver ? false
+                    : keep_ == kTime  ? recent_.Expire(std::numeric_limits<std::size_t>::max(), context.now_s - keep_s_)
+                                      : recent_.Expire(count, -std::numeric_limits<double>::infinity());
+  return gone ? std::max(change, Change::kMoving) : change;
+}
+
+Change PointsDisplay::PlaceWaiting(const UpdateContext& context) {
+  Change change = Change::kNothing;
+  while (!waiting_.empty()) {
+    const Waiting& next = waiting_.front();
+    context.frame.Saw(next.batch.frame);
+    RigidTransform T_fixed_frame;
+    std::string why;
+    const FixedFrame::Answer answer = context.frame.Find(next.batch.frame, next.batch.stamp, T_fixed_frame, why);
+    if (answer == FixedFrame::Answer::kFound) {
+      fault_.clear();
+      const bool recolored = Place(next.batch, T_fixed_frame, context.now_s);
+      const Change placed = keep_ != kForEver ? Change::kMoving : recolored ? Change::kRedraw : Change::kAppended;
+      change = std::max(change, placed);
+    } else {
+      fault_ = why;
+      const bool patient = answer == FixedFrame::Answer::kLater && context.now_s - next.since_s < kLongestWaitS;
+      if (patient) break;  // Those behind it are later still.
+      ++unplaced_;
+    }
+    waiting_.pop_front();
+  }
+  return change;
+}
+
+bool PointsDisplay::Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s) {
+  const RigidTransform T_fixed_points = T_fixed_frame * batch.T_frame_points;
+  const Eigen::Matrix3d turn = T_fixed_points.rotation.toRotationMatrix();
+  placed_.resize(batch.positions.size());
+  std::ranges::transform(batch.positions, placed_.begin(), [&](const Eigen::Vector3f& at) {
+    return Eigen::Vector3d(turn * at.cast<double>() + T_fixed_points.translation);
+  });
+
+  bool other_range = false;
+  if (!placed_.empty()) {
+    std::vector<float> sample;
+    const std::size_t step = std::max<std::size_t>(1, placed_.size() / 4096);
+    for (int axis = 0; axis < 3; ++axis) {
+      sample.clear();
+      for (std::size_t i = 0; i < placed_.size(); i += step) sample.push_back(static_cast<float>(placed_[i][axis]));
+      const bool other = axis_ranges_[static_cast<std::size_t>(axis)].Cover(sample);
+      other_range |= other && color_by_ == static_cast<int>(ColorBy::kAxis) && axis == axis_;
+    }
+    other_range |= value_range_.Cover(batch.scalars) && color_by_ == static_cast<int>(ColorBy::kScalar);
+  }
+
+  if (keep_ == kForEver) {
+    if (!kept_ && !placed_.empty()) {
+      Eigen::AlignedBox3d box;
+      for (const Eigen::Vector3d& at : placed_) box.extend(at);
+      kept_ = std::make_unique<KeptPoints>(PageBook::CellFor(box.sizes().maxCoeff()), !batch.scalars.empty(),
+                                           !batch.colors.empty());
+    }
+    if (kept_) kept_->Add(placed_, batch.scalars, batch.colors);
+  } else {
+    recent_.Add(placed_, batch.scalars, batch.colors, now_s);
+  }
+  placed_.clear();
+  if (placed_.capacity() > kKeepCapacity) placed_.shrink_to_fit();
+  return other_range && auto_range_;
+}
+
+PointStyle PointsDisplay::Style(float scale) const {
+  PointStyle style;
+  style.color_by = static_cast<ColorBy>(color_by_);
+  style.flat = flat_;
+  style.axis = axis_;
+  style.map = static_cast<ColorMap>(map_);
+  const ValueRange& range =
+      style.color_by == ColorBy::kScalar ? value_range_ : axis_ranges_[static_cast<std::size_t>(axis_)];
+  style.lo = auto_range_ ? range.lo() : lo_;
+  style.hi = auto_range_ ? range.hi() : hi_;
+  style.size_in_metres = size_unit_ == 1;
+  style.size = style.size_in_metres ? size_ : size_ * scale;
+  return style;
+}
+
+void PointsDisplay::DrawNew(const DrawContext& context) {
+  if (kept_) kept_->DrawNew(context.points, context.view, Style(context.scale));
+}
+
+void PointsDisplay::DrawSettled(const DrawContext& context, const Slice& slice) {
+  if (kept_) kept_->Draw(context.points, context.view, Style(context.scale), slice);
+}
+
+void PointsDisplay::DrawMoving(const DrawContext& context) {
+  const std::size_t thinned = recent_.points() / kMovingBudget + 1;
+  recent_.Draw(context.points, context.view, Style(context.scale), {0, thinned});
+}
+
+void PointsDisplay::Clear() {
+  kept_.reset();
+  recent_.Clear();
+  waiting_.clear();
+  axis_ranges_ = {};
+  value_range_ = {};
+}
+
+std::vector<Setting> PointsDisplay::Settings() {
+  const auto colored_by = [this](ColorBy by) { return [this, by] { return color_by_ == static_cast<int>(by); }; };
+  const auto mapped = [this] {
+    return color_by_ == static_cast<int>(ColorBy::kAxis) || color_by_ == static_cast<int>(ColorBy::kScalar);
+  };
+  const auto ranged = [this, mapped] { return mapped() && !auto_range_; };
+  return {
+      {"keep", "Which points stay: those of the latest message, of some, of some time, or all.",
+       Setting::Choice{&keep_, {"latest", "count", "time", "all"}}},
+      {"count", "So many messages stay.", Setting::Number{&keep_count_, 1, 10000, ""},
+       [this] { return keep_ == kCount; }},
+      {"seconds", "So long they stay.", Setting::Number{&keep_s_, 0.1F, 3600, "s"}, [this] { return keep_ == kTime; }},
+      {"color", "What the colour shows.", Setting::Choice{&color_by_, {"flat", "axis", "value", "rgb"}}},
+      {"flat", "The colour of all points.", Setting::Color{&flat_}, colored_by(ColorBy::kFlat)},
+      {"axis", "The axis of the fixed frame whose coordinate is shown.", Setting::Choice{&axis_, {"x", "y", "z"}},
+       colored_by(ColorBy::kAxis)},
+      {"field", "The field whose value is shown; empty: intensity. Points that are kept begin anew.",
+       Setting::Text{&field_}, colored_by(ColorBy::kScalar)},
+      {"map", "The colours from the lowest to the highest value.",
+       Setting::Choice{&map_, {kColorMapNames.begin(), kColorMapNames.end()}}, mapped},
+      {"auto range", "The colours go from the lowest to the highest value that has come.",
+       Setting::Switch{&auto_range_}, mapped},
+      {"lowest", "The value of the first colour.", Setting::Number{&lo_, -1e6F, 1e6F, ""}, ranged},
+      {"highest", "The value of the last colour.", Setting::Number{&hi_, -1e6F, 1e6F, ""}, ranged},
+      {"size", "Of a point.", Setting::Number{&size_, 0.001F, 64, ""}},
+      {"unit", "What the size counts: pixels of the screen, or metres of the scene.",
+       Setting::Choice{&size_unit_, {"px", "m"}}},
+  };
+}
+
+void PointsDisplay::OnSetting(const std::string& name) {
+  setting_changed_ = true;
+  if (name == "keep") {
+    Clear();
+  } else if (name == "field") {
+    value_range_ = {};
+    Clear();
+  }
+}
+
+std::vector<std::string> PointsDisplay::Status() const {
+  std::vector<std::string> lines;
+  if (!fault_.empty()) lines.push_back(fault_);
+  if (received() == 0) lines.emplace_back("Nothing has arrived yet.");
+  if (empty_ && fault_.empty()) lines.emplace_back("The last message has no points.");
+  lines.push_back(std::to_string(points()) + " points");
+  if (color_by_ == static_cast<int>(ColorBy::kScalar)) {
+    lines.push_back(shown_field_.empty() ? "The points have no such value." : "The value is " + shown_field_ + ".");
+    if (!fields_.empty()) {
+      std::string names = "There are:";
+      for (const std::string& field : fields_) names += " " + field;
+      lines.push_back(std::move(names));
+    }
+  }
+  if (dropped() + unplaced_ > 0) {
+    lines.push_back(std::to_string(dropped()) + " messages came too fast, " + std::to_string(unplaced_) +
+                    " had no transform.");
+  }
+  return lines;
+}
+
+Eigen::AlignedBox3d PointsDisplay::Bounds() const {
+  Eigen::AlignedBox3d bounds = recent_.Bounds();
+  if (kept_) bounds.extend(kept_->bounds());
+  return bounds;
+}
+
+double PointsDisplay::next_change_s() const {
+  double next = std::numeric_limits<double>::infinity();
+  if (keep_ == kTime) next = recent_.oldest_s() + keep_s_;
+  if (!waiting_.empty()) next = std::min(next, waiting_.front().since_s + kLongestWaitS);
+  return next;
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "viewer/data/point_batch.hpp"
+#include "viewer/data/value_range.hpp"
+#include "viewer/scene/display.hpp"
+#include "viewer/scene/kept_points.hpp"
+#include "viewer/scene/recent_points.hpp"
+
+namespace hgros::viewer {
+
+/// What clouds and scans have in common: points that are shown for one message, for some, for a time, or for ever.
+/// Those for ever are settled, the others move.
+class PointsDisplay : public Display {
+ public:
+  [[nodiscard]] Change Update(const UpdateContext& context) final;
+  void DrawNew(const DrawContext& context) final;
+  void DrawSettled(const DrawContext& context, const Slice& slice) final;
+  void DrawMoving(const DrawContext& context) final;
+  void Clear() final;
+  [[nodiscard]] std::vector<Setting> Settings() final;
+  void OnSetting(const std::string& name) final;
+  [[nodiscard]] std::vector<std::string> Status() const final;
+  [[nodiscard]] bool HasFault() const final { return !fault_.empty(); }
+  [[nodiscard]] std::size_t settled_points() const final { return kept_ ? kept_->points() : 0; }
+  [[nodiscard]] std::size_t points() const final { return settled_points() + recent_.points(); }
+  [[nodiscard]] std::size_t gpu_bytes() const final { return (kept_ ? kept_->gpu_bytes() : 0) + recent_.gpu_bytes(); }
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
+  [[nodiscard]] double next_change_s() const final;
+
+ protected:
+  struct Read {
+    PointBatch batch;
+    std::string fault;  ///< If there is one, there is no batch.
+  };
+  /// What has arrived since the last call.
+  [[nodiscard]] virtual std::vector<Read> ReadArrived(const std::string& field) = 0;
+  [[nodiscard]] virtual std::uint64_t received() const = 0;
+  [[nodiscard]] virtual std::uint64_t dropped() const = 0;
+
+ private:
+  enum Keep { kLatest, kCount, kTime, kForEver };
+  struct Waiting {
+    PointBatch batch;
+    double since_s;
+  };
+
+  [[nodiscard]] PointStyle Style(float scale) const;
+  /// Places a batch in the fixed frame. Whether the colours' range is another one now.
+  bool Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s);
+  [[nodiscard]] Change PlaceWaiting(const UpdateContext& context);
+
+  std::deque<Waiting> waiting_;  ///< For their transforms.
+  std::unique_ptr<KeptPoints> kept_;
+  RecentPoints recent_;
+  std::array<ValueRange, 3> axis_ranges_;
+  ValueRange value_range_;
+  std::vector<Eigen::Vector3d> placed_;
+  std::vector<std::string> fields_;
+  std::string fault_;
+  std::string shown_field_;
+  std::uint64_t unplaced_ = 0;
+  bool setting_changed_ = false;
+  bool empty_ = false;  ///< The last message had no points.
+
+  int keep_ = kLatest;
+  float keep_count_ = 10;
+  float keep_s_ = 5;
+  int color_by_ = static_cast<int>(ColorBy::kAxis);
+  std::string field_;
+  int axis_ = 2;
+  int map_ = 0;
+  bool auto_range_ = true;
+  float lo_ = 0;
+  float hi_ = 10;
+  std::array<float, 3> flat_ = {0.92F, 0.92F, 0.92F};
+  float size_ = 2;
+  int size_unit_ = 0;  ///< 0: pixels, 1: metres.
+};
+
+}  // namespace hgros::viewer

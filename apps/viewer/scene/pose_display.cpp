@@ -1,0 +1,60 @@
+#include "foxglove/PoseInFrame.pb.h"
+#include "viewer/data/inbox.hpp"
+#include "viewer/data/pose_reader.hpp"
+#include "viewer/scene/display_types.hpp"
+#include "viewer/scene/pose_history.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+using foxglove::PoseInFrame;
+constexpr std::size_t kMostWaiting = 256;
+
+/// The last pose, or the last ones as a trail.
+class PoseDisplay : public PoseHistory {
+ public:
+  explicit PoseDisplay(const DisplayInputs& inputs)
+      : subscription_(inputs.session.FromAny<PoseInFrame>(
+            inputs.channel, Invoke::kSerial,
+            [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const PoseInFrame> pose) {
+              if (inbox->Put(std::move(pose))) wake();
+            },
+            {.queue = Queue::KeepLast(kMostWaiting)})) {
+    style_ = kBoth;
+    axes_metres_ = 1;
+    width_ = 3;
+  }
+
+  [[nodiscard]] std::vector<Setting> Settings() override {
+    std::vector<Setting> all = PoseHistory::Settings();
+    all.push_back({"trail", "So many of the last poses are shown.", Setting::Number{&trail_, 1, 100'000, ""}});
+    return all;
+  }
+
+ protected:
+  [[nodiscard]] PoseList::Change TakeArrived(PoseList& poses, std::string& frame) override {
+    PoseList::Change change = PoseList::Change::kNothing;
+    for (const auto& pose : inbox_->TakeAll()) {
+      if (pose->frame_id() != frame) poses.Clear();
+      frame = pose->frame_id();
+      change = std::max(change, poses.Append(ReadPose(pose->pose())));
+    }
+    return std::max(change, poses.KeepLast(static_cast<std::size_t>(trail_)));
+  }
+  [[nodiscard]] std::uint64_t received() const override { return inbox_->received(); }
+
+ private:
+  std::shared_ptr<Inbox<PoseInFrame>> inbox_ = std::make_shared<Inbox<PoseInFrame>>(kMostWaiting);
+  Subscription subscription_;
+  float trail_ = 1;
+};
+
+}  // namespace
+
+DisplayType PoseDisplayType() {
+  return {"Pose", {"foxglove.PoseInFrame"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
+            return std::make_unique<PoseDisplay>(inputs);
+          }};
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,136 @@
+#include "viewer/scene/pose_history.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace hgros::viewer {
+
+Change PoseHistory::Rewritten(double now_s) {
+  rewritten_s_ = now_s;
+  const bool was_settled = !moving_ && drawn_ > 0;
+  moving_ = true;
+  drawn_ = 0;
+  return was_settled ? Change::kRedraw : Change::kMoving;
+}
+
+Change PoseHistory::TakeTransform(const UpdateContext& context) {
+  if (poses_.poses().empty()) return Change::kNothing;
+  if (is_placed_ && !context.transforms_changed && !context.frame_changed) return Change::kNothing;
+  context.frame.Saw(frame_);
+  RigidTransform T_fixed_frame;
+  std::string why;
+  if (context.frame.Find(frame_, T_fixed_frame, why) != FixedFrame::Answer::kFound) {
+    fault_ = why;
+    return Change::kNothing;
+  }
+  fault_.clear();
+  const bool same = is_placed_ && T_fixed_frame.translation == T_fixed_frame_.translation &&
+                    T_fixed_frame.rotation.coeffs() == T_fixed_frame_.rotation.coeffs();
+  if (same) return Change::kNothing;
+  T_fixed_frame_ = T_fixed_frame;
+  return std::exchange(is_placed_, true) ? Rewritten(context.now_s) : Change::kAppended;
+}
+
+Change PoseHistory::Update(const UpdateContext& context) {
+  Change change = Change::kNothing;
+  if (context.frame_changed) {
+    is_placed_ = false;
+    change = drawn_ > 0 ? Change::kRedraw : Change::kMoving;
+    drawn_ = 0;
+    moving_ = false;
+  }
+  if (std::exchange(setting_changed_, false)) change = Change::kRedraw;
+  const std::string frame_before = frame_;
+  const std::size_t before = poses_.poses().size();
+  PoseList::Change taken = TakeArrived(poses_, frame_);
+  if (frame_ != frame_before) {
+    is_placed_ = false;
+    taken = PoseList::Change::kRewritten;
+  }
+  if (taken == PoseList::Change::kAppended) {
+    strip_.Set(poses_.poses(), before);
+    change = std::max(change, moving_ ? Change::kMoving : Change::kAppended);
+  } else if (taken == PoseList::Change::kRewritten) {
+    strip_.Set(poses_.poses());
+    change = std::max(change, Rewritten(context.now_s));
+  }
+  change = std::max(change, TakeTransform(context));
+  if (moving_ && context.now_s - rewritten_s_ >= kRestS) {
+    moving_ = false;
+    change = std::max(change, Change::kAppended);
+  }
+  return change;
+}
+
+void PoseHistory::DrawFrom(const DrawContext& context, std::size_t first) {
+  if (!is_placed_) return;
+  const RigidTransform T_fixed_poses = T_fixed_frame_ * RigidTransform({1, 0, 0, 0}, poses_.origin());
+  const float width = width_ * context.scale;
+  if (style_ != kAxes) strip_.DrawLine(context.view, T_fixed_poses, color_, width, first);
+  if (style_ != kLine) strip_.DrawAxes(context.view, T_fixed_poses, axes_metres_, width, first);
+}
+
+void PoseHistory::DrawNew(const DrawContext& context) {
+  if (moving_ || !is_placed_) return;
+  DrawFrom(context, drawn_);
+  drawn_ = strip_.size();
+}
+
+void PoseHistory::DrawSettled(const DrawContext& context, const Slice& slice) {
+  if (moving_ || slice.index != 0 || !is_placed_) return;
+  DrawFrom(context, 0);
+  drawn_ = strip_.size();
+}
+
+void PoseHistory::DrawMoving(const DrawContext& context) {
+  if (moving_) DrawFrom(context, 0);
+}
+
+void PoseHistory::Clear() {
+  poses_.Clear();
+  strip_.Set({});
+  drawn_ = 0;
+  moving_ = false;
+  setting_changed_ = true;
+}
+
+std::vector<Setting> PoseHistory::Settings() {
+  return {
+      {"style", "A line through the poses, the axes of each, or both.",
+       Setting::Choice{&style_, {"line", "axes", "both"}}},
+      {"color", "Of the line.", Setting::Color{&color_}, [this] { return style_ != kAxes; }},
+      {"axes length", "Of the axes.", Setting::Number{&axes_metres_, 0.001F, 100, "m"},
+       [this] { return style_ != kLine; }},
+      {"width", "Of all lines.", Setting::Number{&width_, 1, 20, "px"}},
+  };
+}
+
+void PoseHistory::OnSetting(const std::string& /*name*/) { setting_changed_ = true; }
+
+std::vector<std::string> PoseHistory::Status() const {
+  std::vector<std::string> lines;
+  if (!fault_.empty()) lines.push_back(fault_);
+  if (received() == 0) {
+    lines.emplace_back("Nothing has arrived yet.");
+  } else if (poses_.poses().empty()) {
+    lines.emplace_back("The last message has no poses.");
+  }
+  lines.push_back(std::to_string(poses_.poses().size()) + " poses in " + (frame_.empty() ? "no frame" : frame_));
+  if (poses_.left_out() > 0) lines.push_back(std::to_string(poses_.left_out()) + " poses are no numbers.");
+  return lines;
+}
+
+Eigen::AlignedBox3d PoseHistory::Bounds() const {
+  Eigen::AlignedBox3d bounds;
+  if (!is_placed_) return bounds;
+  for (const PoseList::Pose& pose : poses_.poses()) {
+    bounds.extend(T_fixed_frame_ * (poses_.origin() + pose.position.cast<double>()));
+  }
+  return bounds;
+}
+
+double PoseHistory::next_change_s() const {
+  return moving_ ? rewritten_s_ + kRestS : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace hgros::viewer

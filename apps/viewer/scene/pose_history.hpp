@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "viewer/data/pose_list.hpp"
+#include "viewer/scene/display.hpp"
+#include "viewer/scene/pose_strip.hpp"
+
+namespace hgros::viewer {
+
+/// What trajectories and poses have in common: a list of poses in one frame, as a line, as axes, or both. One that only
+/// grows is settled; one that is rewritten moves until it has been left alone for a while.
+class PoseHistory : public Display {
+ public:
+  [[nodiscard]] Change Update(const UpdateContext& context) final;
+  void DrawNew(const DrawContext& context) final;
+  void DrawSettled(const DrawContext& context, const Slice& slice) final;
+  void DrawMoving(const DrawContext& context) final;
+  void Clear() final;
+  [[nodiscard]] std::vector<Setting> Settings() override;
+  void OnSetting(const std::string& name) override;
+  [[nodiscard]] std::vector<std::string> Status() const final;
+  [[nodiscard]] bool HasFault() const final { return !fault_.empty(); }
+  [[nodiscard]] std::size_t gpu_bytes() const final { return strip_.gpu_bytes(); }
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
+  [[nodiscard]] double next_change_s() const final;
+
+ protected:
+  /// Takes what has arrived into `poses`, and says in which frame they are.
+  [[nodiscard]] virtual PoseList::Change TakeArrived(PoseList& poses, std::string& frame) = 0;
+  [[nodiscard]] virtual std::uint64_t received() const = 0;
+
+  enum Style { kLine, kAxes, kBoth };
+  int style_ = kLine;
+  std::array<float, 3> color_ = {0.20F, 0.85F, 0.65F};
+  float width_ = 2;
+  float axes_metres_ = 0.5F;
+
+ private:
+  static constexpr double kRestS = 2;  ///< So long nothing was rewritten: then it is settled again.
+
+  void DrawFrom(const DrawContext& context, std::size_t first);
+
+  [[nodiscard]] Change Rewritten(double now_s);
+  [[nodiscard]] Change TakeTransform(const UpdateContext& context);
+
+  PoseList poses_;
+  PoseStrip strip_;
+  std::string frame_;
+  std::string fault_;
+  RigidTransform T_fixed_frame_;
+  bool is_placed_ = false;
+  bool setting_changed_ = false;
+  double rewritten_s_ = -std::numeric_limits<double>::infinity();
+  bool moving_ = false;    ///< Drawn in every frame instead of settled.
+  std::size_t drawn_ = 0;  ///< So many poses are in the settled layer.
+};
+
+}  // namespace hgros::viewer

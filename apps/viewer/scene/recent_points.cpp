@@ -1,0 +1,110 @@
+#include "viewer/scene/recent_points.hpp"
+
+#include <utility>
+
+#include "viewer/data/packed_points.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+constexpr std::size_t kSpareMessages = 2;
+
+/// The buffer's old contents are given up, so that nobody has to wait for who still draws them.
+template <class T>
+void Replace(GlBuffer& buffer, std::size_t& capacity, std::span<const T> values) {
+  if (!buffer) buffer = GlBuffer::New();
+  glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
+  if (values.size_bytes() > capacity || values.size_bytes() * 4 < capacity) capacity = values.size_bytes();
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity), nullptr, GL_STREAM_DRAW);
+  glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(values.size_bytes()), values.data());
+}
+
+}  // namespace
+
+void RecentPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
+                       std::span<const std::uint32_t> colors, double when_s) {
+  const PackedPoints packed = Pack(positions, values);
+  Message message;
+  if (!spare_.empty()) {
+    message = std::move(spare_.back());
+    spare_.pop_back();
+  }
+  message.count = packed.points.size();
+  message.has_colors = !colors.empty();
+  message.corner = packed.corner;
+  message.size = packed.size;
+  message.scalar_lo = packed.scalar_lo;
+  message.scalar_hi = packed.scalar_hi;
+  message.when_s = when_s;
+  Replace(message.points, message.points_capacity, std::span(packed.points));
+  if (message.has_colors) Replace(message.colors, message.colors_capacity, colors);
+  points_ += message.count;
+  messages_.push_back(std::move(message));
+}
+
+bool RecentPoints::Expire(std::size_t messages, double oldest_s) {
+  bool gone = false;
+  while (!messages_.empty() && (messages_.size() > messages || messages_.front().when_s < oldest_s)) {
+    points_ -= messages_.front().count;
+    if (spare_.size() < kSpareMessages) spare_.push_back(std::move(messages_.front()));
+    messages_.pop_front();
+    gone = true;
+  }
+  return gone;
+}
+
+void RecentPoints::Clear() {
+  messages_.clear();
+  spare_.clear();
+  points_ = 0;
+}
+
+void RecentPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style,
+                        const Slice& slice) {
+  if (points_ == 0) return;
+  if (!vertices_) vertices_ = GlVertexArray::New();
+  glBindVertexArray(vertices_.name());
+  ShaderProgram& program = programs.Begin(false, view, style);
+  for (const Message& message : messages_) {
+    if (message.count <= slice.index) continue;
+    programs.SetOrigin(program, view, style, message.corner, message.scalar_lo, message.scalar_hi);
+    program.Set("box", message.size);
+    const auto attribute = [&](GLuint at, const GlBuffer& buffer, GLenum type, std::size_t size_bytes) {
+      glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
+      glEnableVertexAttribArray(at);
+      glVertexAttribPointer(at, 4, type, GL_TRUE, static_cast<GLsizei>(slice.count * size_bytes),
+                            reinterpret_cast<const void*>(slice.index * size_bytes));  // NOLINT: as GL wants it
+    };
+    attribute(0, message.points, GL_UNSIGNED_SHORT, 8);
+    if (message.has_colors) {
+      attribute(2, message.colors, GL_UNSIGNED_BYTE, 4);
+    } else {
+      glDisableVertexAttribArray(2);
+      glVertexAttrib4f(2, 1, 1, 1, 1);
+    }
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>((message.count - slice.index + slice.count - 1) / slice.count));
+  }
+}
+
+std::size_t RecentPoints::gpu_bytes() const noexcept {
+  std::size_t bytes = 0;
+  for (const Message& message : messages_) bytes += message.points_capacity + message.colors_capacity;
+  for (const Message& message : spare_) bytes += message.points_capacity + message.colors_capacity;
+  return bytes;
+}
+
+Eigen::AlignedBox3d RecentPoints::Bounds() const {
+  Eigen::AlignedBox3d bounds;
+  for (const Message& message : messages_) {
+    if (message.count == 0) continue;
+    bounds.extend(message.corner);
+    bounds.extend(message.corner + message.size.cast<double>());
+  }
+  return bounds;
+}
+
+double RecentPoints::oldest_s() const noexcept {
+  return messages_.empty() ? std::numeric_limits<double>::infinity() : messages_.front().when_s;
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,47 @@
+#include "viewer/data/inbox.hpp"
+#include "viewer/data/scan_reader.hpp"
+#include "viewer/scene/display_types.hpp"
+#include "viewer/scene/points_display.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+using foxglove::LaserScan;
+constexpr std::size_t kMostWaiting = 128;
+
+class ScanDisplay : public PointsDisplay {
+ public:
+  explicit ScanDisplay(const DisplayInputs& inputs)
+      : subscription_(inputs.session.FromAny<LaserScan>(
+            inputs.channel, Invoke::kSerial,
+            [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const LaserScan> scan) {
+              if (inbox->Put(std::move(scan))) wake();
+            })) {}
+
+ protected:
+  [[nodiscard]] std::vector<Read> ReadArrived(const std::string& /*field*/) override {
+    std::vector<Read> all;
+    for (const auto& scan : inbox_->TakeAll()) {
+      Read read;
+      read.fault = ReadScan(*scan, read.batch);
+      all.push_back(std::move(read));
+    }
+    return all;
+  }
+  [[nodiscard]] std::uint64_t received() const override { return inbox_->received(); }
+  [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
+
+ private:
+  std::shared_ptr<Inbox<LaserScan>> inbox_ = std::make_shared<Inbox<LaserScan>>(kMostWaiting);
+  Subscription subscription_;
+};
+
+}  // namespace
+
+DisplayType ScanDisplayType() {
+  return {"Laser scan", {"foxglove.LaserScan"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
+            return std::make_unique<ScanDisplay>(inputs);
+          }};
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,144 @@
+#include "viewer/scene/scene.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+namespace hgros::viewer {
+namespace {
+
+constexpr float kBackground[3] = {0.105F, 0.115F, 0.13F};
+constexpr double kSliceMs = 60;                  // for a slice, so that a moving camera stays smooth
+constexpr std::size_t kSmallestSlice = 100'000;  // points
+constexpr std::size_t kWorthMeasuring = 50'000;  // points
+
+}  // namespace
+
+Scene::Entry& Scene::Add(const DisplayType& type, const DisplayInputs& inputs) {
+  Entry entry;
+  entry.name = inputs.channel.empty() ? type.name : inputs.channel;
+  entry.channel = inputs.channel;
+  entry.type = &type;
+  entry.display = type.make(inputs);
+  entries_.push_back(std::move(entry));
+  Redraw();
+  return entries_.back();
+}
+
+void Scene::Remove(std::size_t index) {
+  entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(index));
+  Redraw();
+}
+
+void Scene::MoveUp(std::size_t index) {
+  if (index == 0 || index >= entries_.size()) return;
+  std::swap(entries_[index - 1], entries_[index]);
+  Redraw();
+}
+
+void Scene::SetVisible(std::size_t index, bool visible) {
+  entries_[index].visible = visible;
+  Redraw();
+}
+
+void Scene::ClearAll() {
+  for (Entry& entry : entries_) entry.display->Clear();
+  Redraw();
+}
+
+void Scene::Update(const UpdateContext& context) {
+  for (Entry& entry : entries_) {
+    const Change change = entry.display->Update(context);
+    if (entry.visible) pending_ = std::max(pending_, change);
+  }
+}
+
+void Scene::DrawSlice(const DrawContext& context) {
+  std::size_t drawn = 0;
+  for (const Entry& entry : entries_) {
+    if (entry.visible) drawn += entry.display->settled_points() / slices_;
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  for (Entry& entry : entries_) {
+    if (entry.visible) entry.display->DrawSettled(context, {next_slice_, slices_});
+  }
+  ++next_slice_;
+  if (drawn < kWorthMeasuring) return;
+  glFinish();
+  const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  points_per_ms_ = 0.5 * points_per_ms_ + 0.5 * static_cast<double>(drawn) / std::max(ms, 0.01);
+}
+
+void Scene::Draw(const ViewMatrices& view, float scale) {
+  const bool resized = settled_.Resize(view.viewport);
+  picture_.Resize(view.viewport);
+  const bool moved = view.clip_from_eye != drawn_clip_ || view.eye != drawn_eye_;
+  const Change change = std::exchange(pending_, Change::kNothing);
+  const DrawContext context{view, points_, scale};
+  if (resized || moved || change == Change::kRedraw) {
+    drawn_clip_ = view.clip_from_eye;
+    drawn_eye_ = view.eye;
+    std::size_t total = 0;
+    for (const Entry& entry : entries_) {
+      if (entry.visible) total += entry.display->settled_points();
+    }
+    const auto budget = std::max(kSmallestSlice, static_cast<std::size_t>(points_per_ms_ * kSliceMs));
+    slices_ = total / budget + 1;
+    next_slice_ = 0;
+    settled_.Clear(kBackground);
+    DrawSlice(context);
+  } else {
+    settled_.Bind();
+    if (change == Change::kAppended) {
+      for (Entry& entry : entries_) {
+        if (entry.visible) entry.display->DrawNew(context);
+      }
+    }
+    if (unfinished()) DrawSlice(context);
+  }
+  settled_.CopyTo(picture_);
+  picture_.Bind();
+  for (Entry& entry : entries_) {
+    if (entry.visible) entry.display->DrawMoving(context);
+  }
+}
+
+std::size_t Scene::points() const {
+  std::size_t points = 0;
+  for (const Entry& entry : entries_) points += entry.display->points();
+  return points;
+}
+
+std::size_t Scene::gpu_bytes() const {
+  std::size_t bytes = 0;
+  for (const Entry& entry : entries_) bytes += entry.display->gpu_bytes();
+  return bytes;
+}
+
+Eigen::AlignedBox3d Scene::Bounds() const {
+  Eigen::AlignedBox3d bounds;
+  for (const Entry& entry : entries_) {
+    if (entry.visible) bounds.extend(entry.display->Bounds());
+  }
+  return bounds;
+}
+
+double Scene::next_change_s() const {
+  double next = std::numeric_limits<double>::infinity();
+  for (const Entry& entry : entries_) {
+    if (entry.visible) next = std::min(next, entry.display->next_change_s());
+  }
+  return next;
+}
+
+std::vector<Label> Scene::Labels() const {
+  std::vector<Label> all;
+  for (const Entry& entry : entries_) {
+    if (!entry.visible) continue;
+    for (Label& label : entry.display->Labels()) all.push_back(std::move(label));
+  }
+  return all;
+}
+
+}  // namespace hgros::viewer

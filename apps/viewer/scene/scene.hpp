@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "viewer/scene/display.hpp"
+#include "viewer/scene/display_types.hpp"
+#include "viewer/scene/picture.hpp"
+#include "viewer/scene/point_programs.hpp"
+
+namespace hgros::viewer {
+
+/// All displays and the picture that they make.
+///
+/// The settled layer is kept between frames: while the camera stands still, a frame costs what is new. When the camera
+/// moves, one slice of everything is drawn, as much as fits into a frame; when it rests, a slice more in each frame
+/// until the picture is whole. How much that is, is measured.
+/// Thread: the one whose GL context is current.
+class Scene {
+ public:
+  struct Entry {
+    std::string name;
+    std::string channel;
+    const DisplayType* type = nullptr;
+    std::unique_ptr<Display> display;
+    bool visible = true;
+  };
+
+  Entry& Add(const DisplayType& type, const DisplayInputs& inputs);
+  void Remove(std::size_t index);
+  /// Exchanges two neighbours.
+  void MoveUp(std::size_t index);
+  void SetVisible(std::size_t index, bool visible);
+  void ClearAll();
+  [[nodiscard]] std::vector<Entry>& entries() noexcept { return entries_; }
+  [[nodiscard]] const std::vector<Entry>& entries() const noexcept { return entries_; }
+
+  /// Takes in what has arrived.
+  void Update(const UpdateContext& context);
+  /// Whether something has changed since the last Draw.
+  [[nodiscard]] bool pending() const noexcept { return pending_ != Change::kNothing; }
+  /// The whole settled layer is out of date.
+  void Redraw() noexcept { pending_ = Change::kRedraw; }
+  /// `scale`: pixels of the screen to a pixel as people set it.
+  void Draw(const ViewMatrices& view, float scale);
+  /// The settled layer still lacks slices: another Draw with the same view adds one.
+  [[nodiscard]] bool unfinished() const noexcept { return next_slice_ < slices_; }
+  [[nodiscard]] const Picture& picture() const noexcept { return picture_; }
+
+  [[nodiscard]] std::size_t points() const;
+  [[nodiscard]] std::size_t gpu_bytes() const;
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const;
+  [[nodiscard]] double next_change_s() const;
+  [[nodiscard]] std::vector<Label> Labels() const;
+
+ private:
+  void DrawSlice(const DrawContext& context);
+
+  std::vector<Entry> entries_;
+  PointPrograms points_;
+  Picture settled_;
+  Picture picture_;
+  Change pending_ = Change::kRedraw;
+  Eigen::Matrix4f drawn_clip_ = Eigen::Matrix4f::Zero();
+  Eigen::Vector3d drawn_eye_ = Eigen::Vector3d::Zero();
+  std::size_t slices_ = 1;
+  std::size_t next_slice_ = 0;
+  double points_per_ms_ = 5000;  ///< As measured; a guess until then.
+};
+
+}  // namespace hgros::viewer

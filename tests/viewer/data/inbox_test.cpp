@@ -1,0 +1,30 @@
+#include "viewer/data/inbox.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace hgros::viewer {
+namespace {
+
+TEST(Inbox, KeepsTheNewestAndCountsWhatItDrops) {
+  Inbox<int> inbox(3);
+  for (int i = 0; i < 5; ++i) inbox.Put(std::make_shared<const int>(i));
+  const auto taken = inbox.TakeAll();
+  ASSERT_EQ(taken.size(), 3U);
+  EXPECT_EQ(*taken.front(), 2);
+  EXPECT_EQ(*taken.back(), 4);
+  EXPECT_EQ(inbox.received(), 5U);
+  EXPECT_EQ(inbox.dropped(), 2U);
+}
+
+TEST(Inbox, SaysThatSomebodyHasToBeToldOnlyOfTheFirstMessage) {
+  Inbox<int> inbox(3);
+  EXPECT_TRUE(inbox.Put(std::make_shared<const int>(0)));
+  EXPECT_FALSE(inbox.Put(std::make_shared<const int>(1)));
+  (void)inbox.TakeAll();
+  EXPECT_TRUE(inbox.Put(std::make_shared<const int>(2)));
+}
+
+}  // namespace
+}  // namespace hgros::viewer

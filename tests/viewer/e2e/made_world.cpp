@@ -1,0 +1,107 @@
+#include "viewer/e2e/made_world.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <random>
+
+namespace hgros::viewer::test::made_world {
+namespace {
+
+constexpr double kStepMetres = 0.5;
+
+void SetStamp(google::protobuf::Timestamp& stamp, std::int64_t ns) {
+  stamp.set_seconds(ns / 1'000'000'000);
+  stamp.set_nanos(static_cast<std::int32_t>(ns % 1'000'000'000));
+}
+
+/// The nearest wall along a ray in the plane: houses left and right of a street 12 m wide that bends with the way, with
+/// a gap every 20 m.
+double Range(const RigidTransform& pose, double angle) {
+  const Eigen::Vector3d direction = pose.rotation * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+  for (double range = 0.5; range < 60; range += 0.25) {
+    const Eigen::Vector3d at = pose.translation + range * direction;
+    const double gap = std::fmod(std::abs(at.x()) + 3, 20);
+    const double middle = 22.5 * (1 - std::cos(at.x() / 25));
+    if (std::abs(at.y() - middle) > (gap < 5 ? 16 : 6)) return range;
+  }
+  return 60;
+}
+
+void Copy(const RigidTransform& from, foxglove::Pose& to) {
+  to.mutable_position()->set_x(from.translation.x());
+  to.mutable_position()->set_y(from.translation.y());
+  to.mutable_position()->set_z(from.translation.z());
+  to.mutable_orientation()->set_x(from.rotation.x());
+  to.mutable_orientation()->set_y(from.rotation.y());
+  to.mutable_orientation()->set_z(from.rotation.z());
+  to.mutable_orientation()->set_w(from.rotation.w());
+}
+
+}  // namespace
+
+RigidTransform PoseAt(std::size_t step) {
+  const double x = kStepMetres * static_cast<double>(step);
+  const double slope = 0.9 * std::sin(x / 25);
+  return {RigidTransform::Rotation(Eigen::AngleAxisd(std::atan(slope), Eigen::Vector3d::UnitZ())),
+          Eigen::Vector3d(x, 22.5 * (1 - std::cos(x / 25)), 0)};
+}
+
+std::unique_ptr<Bulk<foxglove::PointCloud>> CloudAt(std::size_t step, std::size_t points, std::int64_t stamp_ns) {
+  std::mt19937 random(static_cast<unsigned>(step));
+  std::uniform_real_distribution<double> unit(0, 1);
+  const RigidTransform pose = PoseAt(step);
+  auto cloud = std::make_unique<Bulk<foxglove::PointCloud>>(points * 16);
+  foxglove::PointCloud& head = cloud->head();
+  head.set_frame_id("lidar");
+  SetStamp(*head.mutable_timestamp(), stamp_ns);
+  head.set_point_stride(16);
+  std::uint32_t offset = 0;
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    auto* const field = head.add_fields();
+    field->set_name(name);
+    field->set_offset(offset);
+    field->set_type(foxglove::PackedElementField::FLOAT32);
+    offset += 4;
+  }
+  constexpr std::size_t kRays = 720;
+  std::array<double, kRays> ranges;
+  for (std::size_t i = 0; i < kRays; ++i)
+    ranges[i] = Range(pose, 2 * std::numbers::pi * static_cast<double>(i) / kRays);
+  for (std::size_t i = 0; i < points; ++i) {
+    const double turn = unit(random);
+    const double angle = 2 * std::numbers::pi * turn;
+    const double to_wall = ranges[static_cast<std::size_t>(turn * kRays) % kRays];
+    const bool ground = unit(random) < 0.4;
+    const double range = ground ? to_wall * std::sqrt(unit(random)) : to_wall + 0.05 * unit(random);
+    const double height = ground ? -1.7 : -1.7 + 7 * unit(random);
+    const std::array<float, 4> point = {static_cast<float>(range * std::cos(angle)),
+                                        static_cast<float>(range * std::sin(angle)), static_cast<float>(height),
+                                        static_cast<float>(ground ? 0.2 : 0.4 + 0.6 * unit(random))};
+    std::memcpy(cloud->writable().data() + 16 * i, point.data(), sizeof point);
+  }
+  return cloud;
+}
+
+foxglove::LaserScan ScanAt(std::size_t step, std::int64_t stamp_ns) {
+  const RigidTransform pose = PoseAt(step);
+  foxglove::LaserScan scan;
+  scan.set_frame_id("lidar");
+  SetStamp(*scan.mutable_timestamp(), stamp_ns);
+  constexpr int kRays = 541;
+  scan.set_start_angle(-0.75 * std::numbers::pi);
+  scan.set_end_angle(0.75 * std::numbers::pi);
+  for (int i = 0; i < kRays; ++i) scan.add_ranges(Range(pose, (1.5 * i / (kRays - 1) - 0.75) * std::numbers::pi));
+  return scan;
+}
+
+foxglove::PosesInFrame TrajectoryUntil(std::size_t step, std::int64_t stamp_ns) {
+  foxglove::PosesInFrame poses;
+  poses.set_frame_id("map");
+  SetStamp(*poses.mutable_timestamp(), stamp_ns);
+  for (std::size_t i = 0; i <= step; ++i) Copy(PoseAt(i), *poses.add_poses());
+  return poses;
+}
+
+}  // namespace hgros::viewer::test::made_world

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "foxglove/LaserScan.pb.h"
+#include "foxglove/PointCloud.pb.h"
+#include "foxglove/PosesInFrame.pb.h"
+#include "hgros/codec/bulk.hpp"
+#include "hgros/tf/rigid_transform.hpp"
+
+namespace hgros::viewer::test {
+
+/// A street with houses that a robot drives along, for pictures that are the same in every run.
+namespace made_world {
+
+/// Where the robot is after `step` steps of 0.5 m.
+[[nodiscard]] RigidTransform PoseAt(std::size_t step);
+/// What its sensor sees from there: x, y, z, intensity as floats.
+[[nodiscard]] std::unique_ptr<Bulk<foxglove::PointCloud>> CloudAt(std::size_t step, std::size_t points,
+                                                                  std::int64_t stamp_ns);
+[[nodiscard]] foxglove::LaserScan ScanAt(std::size_t step, std::int64_t stamp_ns);
+/// The way until there, in "map".
+[[nodiscard]] foxglove::PosesInFrame TrajectoryUntil(std::size_t step, std::int64_t stamp_ns);
+
+}  // namespace made_world
+}  // namespace hgros::viewer::test

@@ -1,0 +1,156 @@
+// Publishes recorded data as the robot did: viewer_recorded_publisher kitti|intel|aces FOLDER [HZ], where FOLDER has
+// lidar3d/ and lidar2d/ below it.
+#include <zlib.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "foxglove/LaserScan.pb.h"
+#include "foxglove/PointCloud.pb.h"
+#include "foxglove/PosesInFrame.pb.h"
+#include "hgros/clock/rate.hpp"
+#include "hgros/session/session.hpp"
+#include "hgros/tf/transforms.hpp"
+
+namespace {
+
+using namespace hgros;
+
+std::string Unpacked(const std::filesystem::path& file) {
+  std::string text;
+  gzFile opened = gzopen(file.c_str(), "rb");
+  if (opened == nullptr) return text;
+  char part[65536];
+  for (int got = 0; (got = gzread(opened, part, sizeof part)) > 0;) text.append(part, static_cast<std::size_t>(got));
+  gzclose(opened);
+  return text;
+}
+
+void SetStamp(google::protobuf::Timestamp& stamp, Time time) {
+  stamp.set_seconds(time.nanoseconds / 1'000'000'000);
+  stamp.set_nanos(static_cast<std::int32_t>(time.nanoseconds % 1'000'000'000));
+}
+
+void Append(const RigidTransform& pose, foxglove::PosesInFrame& way) {
+  foxglove::Pose& to = *way.add_poses();
+  to.mutable_position()->set_x(pose.translation.x());
+  to.mutable_position()->set_y(pose.translation.y());
+  to.mutable_position()->set_z(pose.translation.z());
+  to.mutable_orientation()->set_x(pose.rotation.x());
+  to.mutable_orientation()->set_y(pose.rotation.y());
+  to.mutable_orientation()->set_z(pose.rotation.z());
+  to.mutable_orientation()->set_w(pose.rotation.w());
+}
+
+std::unique_ptr<Bulk<foxglove::PointCloud>> KittiCloud(const std::string& bytes, Time stamp) {
+  auto cloud = std::make_unique<Bulk<foxglove::PointCloud>>(bytes.size());
+  foxglove::PointCloud& head = cloud->head();
+  head.set_frame_id("velodyne");
+  SetStamp(*head.mutable_timestamp(), stamp);
+  head.set_point_stride(16);
+  std::uint32_t offset = 0;
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    auto* const field = head.add_fields();
+    field->set_name(name);
+    field->set_offset(offset);
+    field->set_type(foxglove::PackedElementField::FLOAT32);
+    offset += 4;
+  }
+  std::memcpy(cloud->writable().data(), bytes.data(), bytes.size());
+  return cloud;
+}
+
+int Kitti(Session& session, const std::filesystem::path& folder, Duration period) {
+  Transforms transforms(session);
+  auto clouds = session.Advertise<Bulk<foxglove::PointCloud>>("cloud");
+  auto ways = session.Advertise<foxglove::PosesInFrame>("trajectory");
+  (void)session.WaitForSubscribers("cloud", 1, std::chrono::seconds(20));
+  std::ifstream poses(folder / "poses_derived.txt");
+  foxglove::PosesInFrame way;
+  way.set_frame_id("map");
+  Rate rate(session.clock(), period);
+  std::string line;
+  for (int i = 0; std::getline(poses, line); ++i) {
+    std::istringstream numbers(line);
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) numbers >> T.matrix()(row, column);
+    }
+    char name[32];
+    std::snprintf(name, sizeof name, "%06d.bin.gz", i);
+    const Time now = WallNow();
+    transforms.ToTF(now, "map", "velodyne", T);
+    transforms.Flush();
+    clouds(KittiCloud(Unpacked(folder / "velodyne" / name), now));
+    Append(RigidTransform(T), way);
+    ways(way);
+    (void)rate.Sleep();
+  }
+  return 0;
+}
+
+int Carmen(Session& session, const std::filesystem::path& file, Duration period) {
+  Transforms transforms(session);
+  auto scans = session.Advertise<foxglove::LaserScan>("scan");
+  auto ways = session.Advertise<foxglove::PosesInFrame>("trajectory");
+  (void)session.WaitForSubscribers("scan", 1, std::chrono::seconds(20));
+  std::istringstream log(Unpacked(file));
+  foxglove::PosesInFrame way;
+  way.set_frame_id("odom");
+  Rate rate(session.clock(), period);
+  std::string line;
+  while (std::getline(log, line)) {
+    std::istringstream words(line);
+    std::string kind;
+    int count = 0;
+    if (!(words >> kind >> count) || kind != "FLASER") continue;
+    const Time now = WallNow();
+    foxglove::LaserScan scan;
+    scan.set_frame_id("laser");
+    SetStamp(*scan.mutable_timestamp(), now);
+    scan.set_start_angle(-std::numbers::pi / 2);
+    scan.set_end_angle(std::numbers::pi / 2 - std::numbers::pi / count);
+    for (int i = 0; i < count; ++i) {
+      double range = 0;
+      words >> range;
+      scan.add_ranges(range < 30 ? range : INFINITY);
+    }
+    double x = 0;
+    double y = 0;
+    double heading = 0;
+    words >> x >> y >> heading;
+    const RigidTransform pose(RigidTransform::Rotation(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ())),
+                              {x, y, 0});
+    transforms.ToTF(now, "odom", "laser", pose);
+    transforms.Flush();
+    scans(scan);
+    Append(pose, way);
+    ways(way);
+    (void)rate.Sleep();
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fputs("usage: viewer_recorded_publisher kitti|intel|aces FOLDER [HZ]\n", stderr);
+    return 2;
+  }
+  const std::string what = argv[1];
+  const std::filesystem::path folder = argv[2];
+  const Duration period(static_cast<std::int64_t>(1e9 / (argc > 3 ? std::atof(argv[3]) : 10)));
+  Session session;
+  if (what == "kitti") return Kitti(session, folder / "lidar3d" / "kitti_drive0005", period);
+  return Carmen(session, folder / "lidar2d" / (what + ".clf.gz"), period);
+}

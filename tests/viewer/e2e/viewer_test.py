@@ -1,0 +1,195 @@
+"""hgros-viewer as a person starts it: beside a robot that publishes, into memory or in a window of a screen in memory."""
+
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import zlib
+
+VIEWER = os.environ["HGROS_VIEWER"]
+PUBLISHER = os.environ["HGROS_VIEWER_PUBLISHER"]
+DEADLINE_S = float(os.environ.get("HGROS_VIEWER_DEADLINE_S", "60"))
+
+
+def pixels(path):
+    """Width, height and rows of a PNG with 8 bits a channel and no palette, as the viewer writes them."""
+    data = pathlib.Path(path).read_bytes()
+    at, size, packed = 8, None, b""
+    while at < len(data):
+        length = int.from_bytes(data[at:at + 4], "big")
+        kind, body = data[at + 4:at + 8], data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            size = int.from_bytes(body[:4], "big"), int.from_bytes(body[4:8], "big")
+        elif kind == b"IDAT":
+            packed += body
+        at += 12 + length
+    width, height = size
+    raw, stride, rows, above = zlib.decompress(packed), 3 * width, [], bytes(3 * width)
+    for y in range(height):
+        mode, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for x in range(stride):
+            left = line[x - 3] if x >= 3 else 0
+            corner = above[x - 3] if x >= 3 else 0
+            if mode == 1:
+                guess = left
+            elif mode == 2:
+                guess = above[x]
+            elif mode == 3:
+                guess = (left + above[x]) // 2
+            elif mode == 4:
+                estimate = left + above[x] - corner
+                guess = min((abs(estimate - left), 0, left), (abs(estimate - above[x]), 1, above[x]),
+                            (abs(estimate - corner), 2, corner))[2]
+            else:
+                guess = 0
+            line[x] = (line[x] + guess) & 255
+        above = bytes(line)
+        rows.append(above)
+    return width, height, rows
+
+
+def colorful(path):
+    """Share of the pixels that are neither background nor grey lines nor panels: what the robot published."""
+    width, height, rows = pixels(path)
+    count = 0
+    for row in rows:
+        for x in range(0, 3 * width, 3):
+            if max(row[x:x + 3]) - min(row[x:x + 3]) > 80:
+                count += 1
+    return count / (width * height)
+
+
+class ViewerCase(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.environment = dict(os.environ, HGROS_DOMAIN=f"viewer-{os.getpid()}")
+        self.running = []
+        self.addCleanup(self.end_all)
+
+    def end_all(self):
+        for process in self.running:
+            if process.poll() is None:
+                process.kill()
+            process.wait()
+
+    def start(self, *arguments, **options):
+        process = subprocess.Popen([str(a) for a in arguments], env=self.environment, stderr=subprocess.PIPE, text=True,
+                                   **options)
+        self.addCleanup(process.stderr.close)
+        self.running.append(process)
+        return process
+
+    def end(self, process):
+        self.assertEqual(process.wait(timeout=DEADLINE_S), 0, process.stderr.read())
+
+    def picture(self):
+        return pathlib.Path(self.folder.name, "picture.png")
+
+    def read_until(self, viewer, wanted):
+        deadline = time.monotonic() + DEADLINE_S
+        while time.monotonic() < deadline:
+            line = viewer.stderr.readline()
+            if not line:
+                break
+            figures = dict(part.split("=") for part in line.split() if "=" in part)
+            if "points" in figures and wanted(figures):
+                return figures
+        self.fail("The viewer has not said what was waited for.")
+
+
+class InMemory(ViewerCase):
+    def test_shows_what_another_process_publishes(self):
+        picture = self.picture()
+        viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 20,
+                            "--show-all", "--channel", "cloud:foxglove.PointCloud,keep=all",
+                            "--channel", "trajectory:foxglove.PosesInFrame")
+        self.start(PUBLISHER, 20, 2000, 1000)
+        self.end(viewer)
+        self.assertGreater(colorful(picture), 0.02)
+
+    def test_shows_by_itself_what_it_finds(self):
+        for arguments in ([], ["--channel", "cloud,keep=all"]):
+            with self.subTest(arguments=arguments):
+                picture = self.picture()
+                viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 60,
+                                    "--show-all", "--report", "0.1", *arguments)
+                publisher = self.start(PUBLISHER, 20, 2000, 1000)
+                self.read_until(viewer, lambda figures: float(figures["points"]) > 0)
+                self.end(viewer)
+                self.assertGreater(colorful(picture), 0.005)
+                publisher.kill()
+                publisher.wait()
+
+    def test_goes_on_when_the_publisher_was_killed_and_comes_again(self):
+        picture = self.picture()
+        viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 60,
+                            "--channel", "cloud:foxglove.PointCloud", "--report", "0.1")
+        publisher = self.start(PUBLISHER, 20, 2000, 1000)
+        self.read_until(viewer, lambda figures: float(figures["points"]) > 0)
+        publisher.kill()
+        publisher.wait()
+        self.start(PUBLISHER, 20, 2000, 1000)
+        self.end(viewer)
+        self.assertGreater(colorful(picture), 0.005)
+
+    def test_draws_nothing_while_nothing_changes(self):
+        viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2")
+        first = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 0.5)
+        last = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 1.5)
+        self.assertEqual(first["frames"], last["frames"])
+        viewer.send_signal(signal.SIGTERM)
+        self.end(viewer)
+
+    def test_says_what_is_wrong_with_its_arguments(self):
+        for arguments, words in ((["--channel", "cloud:foxglove.Nothing"], "No display shows"),
+                                 (["--channel", "cloud:foxglove.PointCloud,sise=3"], "no setting"),
+                                 (["--channel", "cloud:foxglove.PointCloud,keep=some"], "there are latest"),
+                                 (["--screenshot", "x.png"], "--after")):
+            with self.subTest(arguments=arguments):
+                viewer = self.start(VIEWER, "--offscreen", "64x64", *arguments)
+                self.assertNotEqual(viewer.wait(timeout=DEADLINE_S), 0)
+                self.assertIn(words, viewer.stderr.read())
+
+
+class InAWindow(ViewerCase):
+    """Under a screen in memory, driven as by a person."""
+
+    def setUp(self):
+        super().setUp()
+        missing = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
+        if missing:
+            self.skipTest(f"{' and '.join(missing)} are not installed; ./dev setup viewer installs them.")
+        read, write = os.pipe()
+        screen = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-nolisten", "tcp"],
+                                  pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        self.running.append(screen)
+        with os.fdopen(read) as number:
+            self.environment["DISPLAY"] = ":" + number.readline().strip()
+
+    def do(self, *arguments):
+        return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, check=True, timeout=DEADLINE_S,
+                              stdout=subprocess.PIPE, text=True).stdout
+
+    def test_turns_zooms_and_takes_another_size(self):
+        viewer = self.start(VIEWER, "--size", "640x480", "--report", "0.1")
+        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
+        idle = self.read_until(viewer, lambda figures: float(figures["frames"]) >= 3)
+        self.do("mousemove", "--window", window, 400, 300, "mousedown", 1, "mousemove", "--window", window, 460, 330,
+                "mouseup", 1, "click", 4, "click", 5)
+        self.do("windowfocus", "--sync", window, "key", "F1")
+        self.read_until(viewer, lambda figures: float(figures["frames"]) > float(idle["frames"]) + 3)
+        turned = self.read_until(viewer, lambda figures: True)
+        self.do("windowsize", window, 300, 200)
+        self.read_until(viewer, lambda figures: float(figures["frames"]) > float(turned["frames"]))
+        viewer.send_signal(signal.SIGTERM)
+        self.end(viewer)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,134 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "foxglove/PoseInFrame.pb.h"
+#include "foxglove/PosesInFrame.pb.h"
+#include "viewer/scene/scene_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+void SetPose(foxglove::Pose& pose, double x, double y, double heading) {
+  pose.mutable_position()->set_x(x);
+  pose.mutable_position()->set_y(y);
+  pose.mutable_orientation()->set_z(std::sin(heading / 2));
+  pose.mutable_orientation()->set_w(std::cos(heading / 2));
+}
+
+foxglove::PosesInFrame Wave(int count, double bend = 0) {
+  foxglove::PosesInFrame poses;
+  poses.set_frame_id("map");
+  for (int i = 0; i < count; ++i) {
+    const double x = 0.25 * i - 6;
+    SetPose(*poses.add_poses(), x, 2 * std::sin(0.6 * x) + bend * x, std::atan(1.2 * std::cos(0.6 * x) + bend));
+  }
+  return poses;
+}
+
+class Poses : public SceneTest {};
+
+TEST_F(Poses, OfATrajectoryAsALine) {
+  Add("Ground");
+  Add("Trajectory", "way", {"style", "line", "width", "3"});
+  Publish("way", Wave(48));
+  Update();
+  ExpectAsKept("trajectory_line");
+}
+
+TEST_F(Poses, OfATrajectoryAsAxes) {
+  Add("Ground");
+  Add("Trajectory", "way", {"style", "both", "axes length", "0.6"});
+  Publish("way", Wave(48));
+  Update();
+  ExpectAsKept("trajectory_axes");
+}
+
+TEST_F(Poses, ThatComeOneByOneLookLikeAllAtOnce) {
+  Add("Trajectory", "way", {"style", "both"});
+  for (int i = 1; i <= 48; ++i) {
+    Publish("way", Wave(i));
+    Update();
+    (void)Draw();
+  }
+  const Pixels grown = Draw();
+  scene_.Redraw();
+  EXPECT_LT(DifferentShare(grown, Draw()), 0.002);
+}
+
+TEST_F(Poses, OfARewrittenTrajectoryLeaveNothingOfTheOldOne) {
+  Add("Trajectory", "way");
+  Publish("way", Wave(48));
+  Update(0);
+  (void)Draw();
+  Publish("way", Wave(48, 0.3));
+  Update(1);
+  const Pixels rewritten = Draw();
+  Update(10);  // At rest it is settled again.
+  const Pixels settled = Draw();
+  scene_.Remove(0);
+  Add("Trajectory", "way");
+  Publish("way", Wave(48, 0.3));
+  Update(11);
+  const Pixels fresh = Draw();
+  EXPECT_LT(DifferentShare(rewritten, fresh), 0.002);
+  EXPECT_LT(DifferentShare(settled, fresh), 0.002);
+}
+
+TEST_F(Poses, OfAnotherFrameMoveWithIt) {
+  Add("Trajectory", "way");
+  tree_.Set("map", "odom", Time{1}, RigidTransform());
+  foxglove::PosesInFrame poses = Wave(48);
+  poses.set_frame_id("odom");
+  Publish("way", poses);
+  Update(0);
+  const Pixels before = Draw();
+  tree_.Set("map", "odom", Time{2}, RigidTransform({1, 0, 0, 0}, {0, 3, 0}));
+  transforms_changed_ = true;
+  Update(1);
+  const Pixels after = Draw();
+  EXPECT_GT(DifferentShare(before, after), 0.005);
+  tree_.Set("map", "odom", Time{3}, RigidTransform());
+  transforms_changed_ = true;
+  Update(2);
+  EXPECT_LT(DifferentShare(before, Draw()), 0.002);
+}
+
+TEST_F(Poses, OfAMessageOfItsOwn) {
+  Add("Ground");
+  Add("Pose", "pose", {"axes length", "3"});
+  foxglove::PoseInFrame pose;
+  pose.set_frame_id("map");
+  SetPose(*pose.mutable_pose(), 1, 1, 0.5);
+  Publish("pose", pose);
+  Update();
+  ExpectAsKept("pose");
+}
+
+TEST_F(Poses, OfFramesWithLinksAndNames) {
+  Add("Ground");
+  Display& frames = Add("Frames", "", {"axes length", "1"});
+  tree_.Set("map", "base", Time{1}, RigidTransform({1, 0, 0, 0}, {3, 1, 0}));
+  tree_.SetStatic(
+      "base", "lidar",
+      RigidTransform(RigidTransform::Rotation(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitX())), {0, 0, 2}));
+  Update();
+  ExpectAsKept("frames");
+  std::vector<std::string> names;
+  for (const Label& label : frames.Labels()) names.push_back(label.text);
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("map", "base", "lidar"));
+}
+
+TEST_F(Poses, ThatAreNoNumbersAreLeftOutAndSaid) {
+  Display& display = Add("Trajectory", "way");
+  foxglove::PosesInFrame poses = Wave(5);
+  poses.mutable_poses(2)->mutable_position()->set_x(std::nan(""));
+  Publish("way", poses);
+  Update();
+  (void)Draw();
+  EXPECT_THAT(display.Status(), ::testing::Contains(::testing::HasSubstr("1 poses are no numbers")));
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test

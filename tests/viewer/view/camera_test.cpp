@@ -1,0 +1,176 @@
+#include "viewer/view/camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace hgros::viewer {
+namespace {
+
+constexpr Viewport kViewport{800, 600};
+
+void ExpectNear(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double tolerance) {
+  EXPECT_LT((a - b).norm(), tolerance) << a.transpose() << " is not " << b.transpose();
+}
+
+TEST(Camera, LooksAtTheOriginFromTheStart) {
+  const Camera camera;
+  const auto pixel = camera.PixelOf(Eigen::Vector3d::Zero(), kViewport);
+  ASSERT_TRUE(pixel);
+  EXPECT_NEAR(pixel->x(), 400, 1e-6);
+  EXPECT_NEAR(pixel->y(), 300, 1e-6);
+}
+
+TEST(Camera, FindsThePointOfAPixelAgain) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> metres(-5, 5);
+  for (const bool orthographic : {false, true}) {
+    Camera camera;
+    camera.SetOrthographic(orthographic);
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector3d point(metres(random), metres(random), metres(random));
+      const auto pixel = camera.PixelOf(point, kViewport);
+      ASSERT_TRUE(pixel);
+      ExpectNear(camera.PointAt(pixel->x(), pixel->y(), pixel->z(), kViewport), point, 1e-6);
+    }
+  }
+}
+
+TEST(Camera, OrbitingLeavesTheAnchorWhereItIsInThePicture) {
+  Camera camera;
+  const Eigen::Vector3d anchor(2, -1, 0.5);
+  const auto before = camera.PixelOf(anchor, kViewport);
+  camera.SetAnchor(anchor);
+  camera.Orbit(0.7, 0.2);
+  camera.Turn(0.3, -0.1, 0.4);
+  const auto after = camera.PixelOf(anchor, kViewport);
+  ASSERT_TRUE(before && after);
+  // The direction to it turns with the camera, so its pixel stays.
+  EXPECT_NEAR(before->x(), after->x(), 1e-6);
+  EXPECT_NEAR(before->y(), after->y(), 1e-6);
+}
+
+TEST(Camera, OrbitingKeepsTheHorizonLevelAndEndsAtThePoles) {
+  Camera camera;
+  for (int i = 0; i < 50; ++i) {
+    camera.Orbit(0.3, 0.2);
+    EXPECT_NEAR((camera.orientation() * Eigen::Vector3d::UnitX()).z(), 0, 1e-9);
+    EXPECT_GE((camera.orientation() * Eigen::Vector3d::UnitY()).z(), 0);
+  }
+  for (int i = 0; i < 50; ++i) camera.Orbit(0, -0.2);
+  EXPECT_GE((camera.orientation() * Eigen::Vector3d::UnitY()).z(), 0);
+}
+
+TEST(Camera, ZoomsTowardsThePointerOrTheAnchor) {
+  for (const bool orthographic : {false, true}) {
+    Camera camera;
+    camera.SetOrthographic(orthographic);
+    const Eigen::Vector3d pivot = camera.Pivot();
+    const Eigen::Vector3d beside = pivot + camera.orientation() * Eigen::Vector3d(3, 1, 0);
+    const auto pixel = camera.PixelOf(beside, kViewport);
+    ASSERT_TRUE(pixel);
+    camera.Zoom(2, pixel->x(), pixel->y(), kViewport);
+    auto after = camera.PixelOf(beside, kViewport);
+    ASSERT_TRUE(after);
+    EXPECT_NEAR(after->x(), pixel->x(), 1e-6);
+    EXPECT_NEAR(after->y(), pixel->y(), 1e-6);
+    EXPECT_NEAR(camera.distance(), 10, 1e-9);
+
+    camera.SetAnchor(pivot);
+    const auto anchored = camera.PixelOf(pivot, kViewport);
+    camera.Zoom(0.5, 0, 0, kViewport);
+    after = camera.PixelOf(pivot, kViewport);
+    ASSERT_TRUE(anchored && after);
+    EXPECT_NEAR(after->x(), anchored->x(), 1e-6);
+    EXPECT_NEAR(after->y(), anchored->y(), 1e-6);
+  }
+}
+
+TEST(Camera, PanningMovesWhatIsAtThePivotWithThePointer) {
+  for (const bool orthographic : {false, true}) {
+    Camera camera;
+    camera.SetOrthographic(orthographic);
+    const Eigen::Vector3d pivot = camera.Pivot();
+    camera.Pan(50, -20, kViewport);
+    const auto pixel = camera.PixelOf(pivot, kViewport);
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR(pixel->x(), 450, 1e-6);
+    EXPECT_NEAR(pixel->y(), 280, 1e-6);
+  }
+}
+
+TEST(Camera, FromAboveNorthStaysWhereTheViewWentAndTheMiddleStays) {
+  Camera camera;
+  const Eigen::Vector3d pivot = camera.Pivot();
+  camera.LookFromAbove();
+  ExpectNear(camera.Pivot(), pivot, 1e-9);
+  ExpectNear(camera.orientation() * -Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitZ(), 1e-9);
+  camera.LookFromAbove();  // Twice is once.
+  ExpectNear(camera.Pivot(), pivot, 1e-9);
+}
+
+TEST(Camera, FollowsAPositionOrAPose) {
+  const RigidTransform before({1, 0, 0, 0}, {1, 2, 0});
+  const RigidTransform now(RigidTransform::Rotation(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ())), {4, 2, 0});
+  Camera position;
+  const Eigen::Vector3d eye = position.eye();
+  position.Follow(before, now, false);
+  ExpectNear(position.eye(), eye + Eigen::Vector3d(3, 0, 0), 1e-12);
+
+  Camera pose;
+  pose.SetAnchor(Eigen::Vector3d(1, 1, 1));
+  const auto pixel = pose.PixelOf(*pose.anchor(), kViewport);
+  pose.Follow(before, now, true);
+  const auto after = pose.PixelOf(*pose.anchor(), kViewport);
+  ASSERT_TRUE(pixel && after);
+  EXPECT_NEAR(after->x(), pixel->x(), 1e-6);
+  ExpectNear(before.Inverse() * eye, now.Inverse() * pose.eye(), 1e-9);
+}
+
+TEST(Camera, DrawsCoordinatesOfMillionsOfMetresExactly) {
+  Camera near_origin;
+  Camera far_away;
+  const Eigen::Vector3d there(500'000, 5'400'000, 300);
+  far_away.Focus(there, std::tan(std::numbers::pi / 8) * 20);
+  const Eigen::Vector3d point(1.234, -0.567, 0.25);
+  const auto here = near_origin.PixelOf(point, kViewport);
+  const ViewMatrices view = far_away.Matrices(kViewport);
+  // As the GPU does it: float differences to the eye.
+  const Eigen::Vector3f from_eye = (there + point - view.eye).cast<float>();
+  const Eigen::Vector4f clip = view.clip_from_eye * from_eye.homogeneous();
+  ASSERT_TRUE(here);
+  EXPECT_NEAR((clip.x() / clip.w() + 1) / 2 * 800, here->x(), 1e-2);
+  EXPECT_NEAR((1 - clip.y() / clip.w()) / 2 * 600, here->y(), 1e-2);
+}
+
+TEST(Camera, ShowsAllOfABoxAndLittleElse) {
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(100, -3, 0), Eigen::Vector3d(160, 9, 5));
+  for (const bool orthographic : {false, true}) {
+    Camera camera;
+    camera.SetOrthographic(orthographic);
+    camera.Focus(box, kViewport);
+    double widest = 0;
+    for (int i = 0; i < 8; ++i) {
+      const auto pixel = camera.PixelOf(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)), kViewport);
+      ASSERT_TRUE(pixel);
+      widest = std::max({widest, std::abs(pixel->x() - 400) / 400, std::abs(pixel->y() - 300) / 300});
+    }
+    EXPECT_LE(widest, 1);
+    EXPECT_GT(widest, 0.7);
+  }
+}
+
+TEST(Camera, ZoomingEndsSomewhere) {
+  Camera camera;
+  for (int i = 0; i < 1000; ++i) camera.Zoom(10, 400, 300, kViewport);
+  EXPECT_GT(camera.distance(), 0);
+  for (int i = 0; i < 1000; ++i) camera.Zoom(0.1, 400, 300, kViewport);
+  EXPECT_TRUE(std::isfinite(camera.distance()));
+  EXPECT_TRUE(camera.eye().allFinite());
+}
+
+}  // namespace
+}  // namespace hgros::viewer
