@@ -30,12 +30,12 @@ void TakeType(KnownChannel& channel, const std::vector<ChannelUser>& users) {
 }  // namespace
 
 void ChannelDirectory::Add(const std::vector<SessionChannels>& source) {
-  std::set<SessionId> said;
+  std::set<std::uint64_t> said;
   for (const auto& [session, channels] : source) {
-    if (known_.contains(session.id)) continue;
-    said.insert(session.id);
+    if (known_.contains(session.id.value)) continue;
+    said.insert(session.id.value);
     for (const ChannelUse& use : channels) {
-      Use& entry = uses_[use.channel][session.id];
+      Use& entry = uses_[use.channel][session.id.value];
       const ChannelUse before = std::exchange(entry.use, use);
       entry.session = session;
       entry.use.publishes = use.publishes || before.publishes;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
@@ -25,9 +26,9 @@ class ChannelDirectory {
     PeerInfo session;
     ChannelUse use;
   };
-  std::set<SessionId> known_;
+  std::set<std::uint64_t> known_;  // Sessions.
   // By channel and session.
-  std::map<std::string, std::map<SessionId, Use>> uses_;
+  std::map<std::string, std::map<std::uint64_t, Use>> uses_;
 };
 
 }  // namespace hgros

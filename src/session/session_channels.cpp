@@ -66,7 +66,7 @@ void Session::Core::OnChannels() noexcept {
   if (graph_->NodeCount(kChannelEventsChannel) == 0 || telling_channels_.exchange(true)) return;
   errands_->PostIn(kTimeToGather, [this] {
     telling_channels_ = false;
-    (void)channel_events_(std::make_unique<ChannelsChanged>(++channel_changes_));
+    (void)channel_events_(std::make_unique<ChannelsChanged>(ChannelsChanged{++channel_changes_}));
   });
 }
 

@@ -88,7 +88,7 @@ Accepted Sink::Accept(InboundMessage&& message) noexcept {
 
 void Sink::OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept {
   const std::scoped_lock lock(mutex_);
-  offers[from.id] = schema;
+  offers[from.id.value] = schema;
   offered = offers.size();
 }
 

@@ -136,7 +136,7 @@ class Sink : public InboundSink {
   std::atomic<std::size_t> publishers{0};
   std::vector<MessageId> ids;  // Guarded by mutex_ until the subscription has ended, and so are the next two.
   std::vector<std::shared_ptr<const MessageSchema>> schemas;  // Of messages.
-  std::map<SessionId, std::shared_ptr<const MessageSchema>> offers;
+  std::map<std::uint64_t, std::shared_ptr<const MessageSchema>> offers;
   std::atomic<std::size_t> offered{0};
 
  private:

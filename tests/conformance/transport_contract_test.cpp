@@ -56,8 +56,8 @@ TEST_P(TransportConformance, WhoTakesAnyTypeGetsMessagesAndTheirSchema) {
   ASSERT_TRUE(Eventually([&] { return in.sink.count() == 100; }));
   EXPECT_EQ(in.sink.texts(), Numbers(1, 100));
   in.channel.reset();
-  EXPECT_EQ(*in.sink.offers.at(a.id), SchemaOf(type));
-  for (const auto& schema : in.sink.schemas) EXPECT_EQ(schema, in.sink.offers.at(a.id));
+  EXPECT_EQ(*in.sink.offers.at(a.id.value), SchemaOf(type));
+  for (const auto& schema : in.sink.schemas) EXPECT_EQ(schema, in.sink.offers.at(a.id.value));
   EXPECT_EQ(a.listener.mismatches + b.listener.mismatches, 0);
 }
 

@@ -38,7 +38,7 @@ class EndingSignals {
   /// Before the viewer ends.
   void Unwatch() {
     thread_.request_stop();
-    pthread_kill(thread_.native_handle(), SIGTERM);
+    pthread_kill(thread_.native_handle(), SIGINT);
     thread_.join();
   }
 

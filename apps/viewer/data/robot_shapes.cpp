@@ -66,8 +66,8 @@ std::string ReadRobot(const std::string& urdf, const std::string& prefix, RobotS
   if (!model) return "The robot's description is no URDF.";
   std::vector<RobotShape> read;
   for (const auto& [name, link] : model->links_) {
-    const auto add = [&](const urdf::Pose& origin, const urdf::GeometrySharedPtr& geometry,
-                         const urdf::MaterialSharedPtr& material) {
+    const auto add = [&, &name = name](const urdf::Pose& origin, const urdf::GeometrySharedPtr& geometry,
+                                       const urdf::MaterialSharedPtr& material) {
       RobotShape shape;
       shape.link = prefix + name;
       shape.T_link_shape = PoseOf(origin);

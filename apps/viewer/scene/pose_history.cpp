@@ -24,10 +24,10 @@ Change PoseHistory::TakeTransform(const UpdateContext& context) {
     return Change::kNothing;
   }
   fault_.clear();
-  const bool same = is_placed_ && T_fixed_frame.translation == T_fixed_frame_.translation &&
-                    T_fixed_frame.rotation.coeffs() == T_fixed_frame_.rotation.coeffs();
+  const bool same = is_placed_ && T_fixed_frame.translation == placement_.translation &&
+                    T_fixed_frame.rotation.coeffs() == placement_.rotation.coeffs();
   if (same) return Change::kNothing;
-  T_fixed_frame_ = T_fixed_frame;
+  placement_ = T_fixed_frame;
   return std::exchange(is_placed_, true) ? Rewritten(context.now_s) : Change::kAppended;
 }
 
@@ -64,7 +64,7 @@ Change PoseHistory::Update(const UpdateContext& context) {
 
 void PoseHistory::DrawFrom(const DrawContext& context, std::size_t first) {
   if (!is_placed_) return;
-  const RigidTransform T_fixed_poses = T_fixed_frame_ * RigidTransform({1, 0, 0, 0}, poses_.origin());
+  const RigidTransform T_fixed_poses = placement_ * RigidTransform({1, 0, 0, 0}, poses_.origin());
   const float width = width_ * context.scale;
   if (style_ != kAxes) strip_.DrawLine(context.view, T_fixed_poses, color_, width, first);
   if (style_ != kLine) strip_.DrawAxes(context.view, T_fixed_poses, axes_metres_, width, first);
@@ -124,7 +124,7 @@ Eigen::AlignedBox3d PoseHistory::Bounds() const {
   Eigen::AlignedBox3d bounds;
   if (!is_placed_) return bounds;
   for (const PoseList::Pose& pose : poses_.poses()) {
-    bounds.extend(T_fixed_frame_ * (poses_.origin() + pose.position.cast<double>()));
+    bounds.extend(placement_ * (poses_.origin() + pose.position.cast<double>()));
   }
   return bounds;
 }

@@ -52,7 +52,7 @@ class PoseHistory : public Display {
   PoseStrip strip_;
   std::string frame_;
   std::string fault_;
-  RigidTransform T_fixed_frame_;
+  RigidTransform placement_;
   bool is_placed_ = false;
   bool setting_changed_ = false;
   double rewritten_s_ = -std::numeric_limits<double>::infinity();
