@@ -199,7 +199,9 @@ TEST_P(RawSubscription, LargeMessagesAreNotCopied) {
 INSTANTIATE_TEST_SUITE_P(Over, RawSubscription, testing::Values("sharedmemory", "ipc", "tcp"), test::CarrierName);
 
 TEST_P(RawSubscription, OfAChannelWhoseTypeHereStaysInsideTheProcessHearsWhateverComes) {
-  struct Local {};
+  struct Local {
+    std::string text;  // No plain struct, so it has no wire form.
+  };
   Begin();
   const auto local = observer->session->FromGraph<Local>("v", kSerial, [](const Local&) {});
   KeptRaw kept;
