@@ -1,6 +1,7 @@
 #include "viewer/data/hypergraph.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <tuple>
 
@@ -26,7 +27,7 @@ bool Disagrees(const KnownChannel& channel, const ChannelUser& user) {
 
 Hypergraph MakeHypergraph(const std::vector<KnownChannel>& channels, const SessionSnapshot& own, Inner inner) {
   Hypergraph graph;
-  std::map<SessionId, Hypergraph::Process> users;
+  std::map<std::uint64_t, Hypergraph::Process> users;
   const auto shown = [&](const KnownChannel& channel) {
     return inner == Inner::kShown || !channel.name.starts_with("hgros/");
   };
@@ -34,15 +35,15 @@ Hypergraph MakeHypergraph(const std::vector<KnownChannel>& channels, const Sessi
     if (!shown(channel)) continue;
     for (const auto* side : {&channel.publishers, &channel.subscribers}) {
       for (const ChannelUser& user : *side) {
-        users.try_emplace(user.session,
+        users.try_emplace(user.session.value,
                           Hypergraph::Process{user.session, user.process, user.host, user.pid, user.session == own.id});
       }
     }
   }
   for (const auto& [id, process] : users) graph.processes.push_back(process);
   std::ranges::stable_sort(graph.processes, {}, &Hypergraph::Process::name);
-  std::map<SessionId, std::size_t> places;
-  for (std::size_t i = 0; i < graph.processes.size(); ++i) places[graph.processes[i].session] = i;
+  std::map<std::uint64_t, std::size_t> places;
+  for (std::size_t i = 0; i < graph.processes.size(); ++i) places[graph.processes[i].session.value] = i;
 
   for (const KnownChannel& channel : channels) {
     if (!shown(channel)) continue;
@@ -51,11 +52,11 @@ Hypergraph MakeHypergraph(const std::vector<KnownChannel>& channels, const Sessi
         graph.channels.emplace_back(Hypergraph::Channel{channel.name, channel.type_name, false});
     for (const ChannelUser& user : channel.publishers) {
       added.types_differ = added.types_differ || Disagrees(channel, user);
-      graph.lines.push_back({places.at(user.session), place, true, false, 0});
+      graph.lines.push_back({places.at(user.session.value), place, true, false, 0});
     }
     for (const ChannelUser& user : channel.subscribers) {
       added.types_differ = added.types_differ || Disagrees(channel, user);
-      graph.lines.push_back({places.at(user.session), place, false, user.lossless,
+      graph.lines.push_back({places.at(user.session.value), place, false, user.lossless,
                              user.session == own.id ? DroppedBy(own, channel.name) : 0});
     }
   }
