@@ -1,0 +1,100 @@
+"""The paper's second use case: the robot on one host, hgros-viewer on another, with a network file each and nothing else."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import unittest
+
+from viewer_test import VIEWER, ViewerCase, colorful
+
+ROBOT = os.environ["HGROS_VIEWER_ROBOT"]
+ROBOT_ADDRESS, DESK_ADDRESS = "10.112.0.1", "10.112.0.2"
+ROBOT_FILE = """network:
+  publisher: {ip: "tcp://*:5553", channels: [lidar_visual_channel, re_optimized_poses, tf, tf_static]}
+"""
+DESK_FILE = f"""network:
+  subscribers:
+    - {{ip: "tcp://{ROBOT_ADDRESS}:5553", channels: [lidar_visual_channel, re_optimized_poses, tf, tf_static]}}
+"""
+
+
+class Host:
+    """A network namespace without a name, and a runtime folder: gone with the process that holds them."""
+
+    def __init__(self, case):
+        self.holder = subprocess.Popen(["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                       stderr=subprocess.DEVNULL)
+        case.addCleanup(self.end)
+        self.runtime = pathlib.Path(case.folder.name, f"host{self.holder.pid}")
+        self.runtime.mkdir(mode=0o700)
+        try:
+            self.holder.stdin.write(b"\n")
+            self.holder.stdin.flush()
+        except BrokenPipeError:
+            pass
+        if self.holder.stdout.read(1) != b"\n":
+            case.skipTest("this system lets nobody make network namespaces.")
+
+    def end(self):
+        self.holder.stdin.close()
+        self.holder.wait()
+        self.holder.stdout.close()
+
+    @property
+    def inside(self):
+        return ["nsenter", f"--net=/proc/{self.holder.pid}/ns/net", "env", f"XDG_RUNTIME_DIR={self.runtime}"]
+
+
+class OnAnotherHost(ViewerCase):
+    def setUp(self):
+        super().setUp()
+        missing = [name for name in ("unshare", "nsenter", "ip") if shutil.which(name) is None]
+        if missing:
+            self.skipTest(f"{' and '.join(missing)} are not installed.")
+        self.robot, self.desk = Host(self), Host(self)
+        self.line("ip", "link", "add", "hgva", "netns", str(self.robot.holder.pid), "type", "veth", "peer", "name", "hgvb",
+                  "netns", str(self.desk.holder.pid))
+        for host, device, address in ((self.robot, "hgva", ROBOT_ADDRESS), (self.desk, "hgvb", DESK_ADDRESS)):
+            self.line(*host.inside, "ip", "address", "add", f"{address}/24", "dev", device)
+            self.line(*host.inside, "ip", "link", "set", "lo", "up")
+            self.line(*host.inside, "ip", "link", "set", device, "up")
+
+    def line(self, *words):
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            self.skipTest(f'"{" ".join(words)}" failed: {done.stderr.strip()}')
+
+    def file(self, name, text):
+        path = pathlib.Path(self.folder.name, name)
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def test_shows_the_robot_that_its_network_file_names(self):
+        picture = self.picture()
+        viewer = self.start(*self.desk.inside, VIEWER, "--network", self.file("desk.yaml", DESK_FILE), "--offscreen", "320x240",
+                            "--no-panels", "--screenshot", picture, "--frames", 80, "--show-all", "--report", "0.1",
+                            "--channel", "lidar_visual_channel,keep=all", "--channel", "re_optimized_poses,style=both")
+        self.start(*self.robot.inside, ROBOT, self.file("robot.yaml", ROBOT_FILE))
+        self.read_until(viewer, lambda figures: float(figures["points"]) > 6000)
+        self.end(viewer)
+        self.assertGreater(colorful(picture), 0.02)
+
+    def test_goes_on_when_the_robot_was_killed_and_comes_again(self):
+        picture = self.picture()
+        viewer = self.start(*self.desk.inside, VIEWER, "--network", self.file("desk.yaml", DESK_FILE), "--offscreen", "320x240",
+                            "--no-panels", "--screenshot", picture, "--frames", 120, "--show-all", "--report", "0.1",
+                            "--channel", "lidar_visual_channel,keep=all")
+        file = self.file("robot.yaml", ROBOT_FILE)
+        robot = self.start(*self.robot.inside, ROBOT, file)
+        first = self.read_until(viewer, lambda figures: float(figures["points"]) > 6000)
+        robot.kill()
+        robot.wait()
+        self.start(*self.robot.inside, ROBOT, file)
+        self.read_until(viewer, lambda figures: float(figures["points"]) > float(first["points"]) + 6000)
+        self.end(viewer)
+        self.assertGreater(colorful(picture), 0.02)
+
+
+if __name__ == "__main__":
+    unittest.main()
