@@ -58,10 +58,7 @@ void ChannelInlet::Detach() {
     if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
   }
   publishers_.store(0, std::memory_order_release);
-  {
-    const std::scoped_lock lock(offers_mutex_);
-    offers_.clear();
-  }
+  ForgetOffers();
   // What is published while nobody here wants it is not lost.
   const std::scoped_lock lock(counts_mutex_);
   for (auto& [publisher, life] : lives_) life.away = true;
@@ -238,6 +235,7 @@ void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const Mes
     const std::scoped_lock lock(offers_mutex_);
     if (offers_.size() >= kMaxPublishers && !offers_.contains(from.id.value)) offers_.erase(offers_.begin());
     offers_[from.id.value] = {from, schema, false};
+    newest_offer_ = schema;
   }
   on_publishers_();  // Somebody may wait for the schema.
   if (!IsAnyType(DataGraph::TypeOfChannel(channel_))) run_apart_([this] { CompareOffers(); });
@@ -262,9 +260,15 @@ void ChannelInlet::CompareOffers() {
   }
 }
 
+void ChannelInlet::ForgetOffers() {
+  const std::scoped_lock lock(offers_mutex_);
+  offers_.clear();
+  newest_offer_ = nullptr;
+}
+
 std::shared_ptr<const MessageSchema> ChannelInlet::Schema() const {
   const std::scoped_lock lock(offers_mutex_);
-  return offers_.empty() ? nullptr : offers_.begin()->second.schema;
+  return newest_offer_;
 }
 
 bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
@@ -292,6 +296,7 @@ void ChannelInlet::OnFault(PacketFault fault, std::string_view what) noexcept {
 }
 
 void ChannelInlet::OnPublishers(std::size_t count) noexcept {
+  if (count == 0) ForgetOffers();
   publishers_.store(count, std::memory_order_release);
   on_publishers_();
 }

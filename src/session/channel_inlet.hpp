@@ -54,7 +54,7 @@ class ChannelInlet final : public InboundSink {
 
   // The channel has got its type: who is asked for messages of any, and sends others, is told of.
   void CompareOffers();
-  // What the publishers send; null if none has said so yet.
+  // What the latest of the publishers sends; null if none has said so yet, or the last one has gone.
   [[nodiscard]] std::shared_ptr<const MessageSchema> Schema() const;
   // What the channel is used with here: AnyType() if nobody has said.
   [[nodiscard]] const TypeInfo& channel_type() const noexcept { return DataGraph::TypeOfChannel(channel_); }
@@ -100,6 +100,7 @@ class ChannelInlet final : public InboundSink {
   [[nodiscard]] bool CountIn(const InboundMessage& message, std::uint64_t& lost);
   [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
+  void ForgetOffers();
   struct Offer {
     PeerInfo from;
     std::shared_ptr<const MessageSchema> schema;
@@ -127,7 +128,8 @@ class ChannelInlet final : public InboundSink {
 
   std::shared_ptr<const MessageSchema> said_schema_;  // Of those whose link has none. Whoever delivers.
   mutable std::mutex offers_mutex_;
-  std::map<std::uint64_t, Offer> offers_;
+  std::map<std::uint64_t, Offer> offers_;  // By session; those that have gone, too, while others are there.
+  std::shared_ptr<const MessageSchema> newest_offer_;
 
   mutable std::mutex counts_mutex_;
   // By the session that sent it (0: none) and the publisher that it names, so that nobody can speak for another.

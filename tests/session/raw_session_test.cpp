@@ -96,6 +96,17 @@ TEST_P(RawSubscription, NobodyTellsTheSchemaOfAChannelThatNobodyPublishes) {
   EXPECT_EQ(observer->session->AwaitSchema("nothing", std::chrono::milliseconds(50)), nullptr);
 }
 
+TEST_P(RawSubscription, TheSchemaIsThatOfWhoPublishesNow) {
+  Begin();
+  KeptRaw kept;
+  const auto subscription = observer->session->FromAnyRaw("v", kSerial, std::ref(kept), All());
+  const auto vectors = robot->session->Advertise<Vector3>("v");
+  ASSERT_NE(observer->session->AwaitSchema("v", kPatience), nullptr);
+  robot.reset();
+  EXPECT_TRUE(Await([&] { return observer->session->AwaitSchema("v", std::chrono::milliseconds(1)) == nullptr; }))
+      << "nobody publishes any more";
+}
+
 TEST_P(RawSubscription, BesideATypedOneBothGetEverything) {
   for (const bool raw_first : {true, false}) {
     Begin();
