@@ -34,11 +34,11 @@ def cpu_s(pid):
 
 
 def rss_mb(pid):
-    return int(pathlib.Path(f"/proc/{pid}/statm").read_text(encoding="utf-8").split()[1]) * PAGE / 1e6
+    return int(pathlib.Path(f"/proc/{pid}/statm").read_text(encoding="utf-8").split()[1]) * PAGE / 2**20
 
 
 class Samples:
-    """One row a second: seconds, CPU in % of a core, MB, frames a second."""
+    """One row a second: seconds, CPU in % of a core, MB (2^20 bytes), frames a second."""
 
     def __init__(self, subject):
         self.subject = subject
@@ -111,7 +111,7 @@ def measure_growth(subject, folder, seconds):
     emit(f"{subject.prefix}cpu_growth", last[0] / first[0], "ratio")
     if len(marks) > 1:
         points = POINTS * HZ * (marks[-1] - marks[0])
-        emit(f"{subject.prefix}bytes_per_point", 1e6 * (last[1] - first[1]) / points, "bytes")
+        emit(f"{subject.prefix}bytes_per_point", 2**20 * (last[1] - first[1]) / points, "bytes")
     emit(f"{subject.prefix}moving_frame_ms_at_{marks[-1]}s", turn_camera(subject, 6), "ms")
     subprocess.run(["import", "-window", "root", str(folder / f"{subject.prefix or 'ours_'}growth.png")],
                    env=subject.screen.environment, check=False, timeout=60) if installed.has("import") else None
