@@ -11,9 +11,9 @@ bool IsMeasured(float value) { return std::isfinite(value) && value != 0; }
 
 }  // namespace
 
-void PaintDepth(std::span<const float> values, const DepthColors& colors, Picture& picture) {
+void PaintDepth(const DepthColors& colors, ImagePicture& picture) {
   double least = std::numeric_limits<double>::infinity(), greatest = -least;
-  for (const float value : values) {
+  for (const float value : picture.values) {
     if (!IsMeasured(value)) continue;
     least = std::min<double>(least, value);
     greatest = std::max<double>(greatest, value);
@@ -26,8 +26,9 @@ void PaintDepth(std::span<const float> values, const DepthColors& colors, Pictur
 
   static const std::vector<std::uint8_t> table = ColorMapTable();
   const std::uint8_t* const map = table.data() + static_cast<std::size_t>(colors.map) * kColorMapSteps * 3;
+  picture.rgba.resize(4 * picture.values.size());
   std::uint8_t* out = picture.rgba.data();
-  for (const float value : values) {
+  for (const float value : picture.values) {
     if (IsMeasured(value)) {
       const double part = greatest > least ? std::clamp((value - least) / (greatest - least), 0.0, 1.0) : 0.5;
       const auto step = static_cast<std::size_t>(std::lround(part * (kColorMapSteps - 1)));

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <span>
-
-#include "viewer/data/picture.hpp"
+#include "viewer/data/image_picture.hpp"
 
 namespace hgros::viewer {
 
-/// Colours measurements, row by row, into `picture`, whose size they have; 0 and what is no finite number means that
-/// nothing was measured, and is transparent. Tells the range of the colours in `picture`.
-void PaintDepth(std::span<const float> values, const DepthColors& colors, Picture& picture);
+/// Colours a picture by its values, row by row; 0 and what is no finite number means that nothing was measured, and is
+/// transparent. Tells the range of the colours in `picture`.
+void PaintDepth(const DepthColors& colors, ImagePicture& picture);
 
 }  // namespace hgros::viewer

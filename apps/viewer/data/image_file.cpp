@@ -26,7 +26,7 @@ std::string TooLarge(std::size_t width, std::size_t height) {
 }
 
 // libpng's simple interface: 8 bits a sample, whatever the file has.
-std::string ReadPng(Bytes file, Picture& picture) {
+std::string ReadPng(Bytes file, ImagePicture& picture) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   const auto failed = [&image] {
@@ -64,7 +64,7 @@ class Gray16 {
   ~Gray16() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   // Nothing with a destructor of its own is made between setjmp and what jumps there.
-  [[nodiscard]] std::string Read(Bytes file, Picture& picture, std::vector<float>& values) {
+  [[nodiscard]] std::string Read(Bytes file, ImagePicture& picture, std::vector<float>& values) {
     rest_ = file;
     if (png_ == nullptr || info_ == nullptr) return "There is no memory for the png.";
     if (setjmp(jump_) != 0) return "The png cannot be read: " + std::string(message_.data()) + ".";
@@ -126,7 +126,7 @@ class Jpeg {
   }
 
   // Nothing with a destructor of its own is made between setjmp and what jumps there.
-  [[nodiscard]] std::string Read(Bytes file, Picture& picture) {
+  [[nodiscard]] std::string Read(Bytes file, ImagePicture& picture) {
     if (setjmp(jump_) != 0) return "The jpeg cannot be read: " + std::string(message_.data()) + ".";
     jpeg_create_decompress(&state_);
     made_ = true;
@@ -166,7 +166,7 @@ class Jpeg {
 
 }  // namespace
 
-std::string ReadImageFile(Bytes file, const DepthColors& colors, Picture& picture) {
+std::string ReadImageFile(Bytes file, const DepthColors& colors, ImagePicture& picture) {
   constexpr std::array<std::uint8_t, 8> kPng{0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a};
   constexpr std::array<std::uint8_t, 3> kJpeg{0xff, 0xd8, 0xff};
   if (BeginsWith(file, kJpeg)) return Jpeg().Read(file, picture);
@@ -175,10 +175,8 @@ std::string ReadImageFile(Bytes file, const DepthColors& colors, Picture& pictur
            (picture.encoding.empty() ? std::string() : "; it is said to be \"" + picture.encoding + "\"") + ".";
   }
   if (!IsGray16(file)) return ReadPng(file, picture);
-  std::vector<float> values;
-  if (std::string fault = Gray16().Read(file, picture, values); !fault.empty()) return fault;
-  picture.rgba.resize(picture.width * picture.height * 4);
-  PaintDepth(values, colors, picture);
+  if (std::string fault = Gray16().Read(file, picture, picture.values); !fault.empty()) return fault;
+  PaintDepth(colors, picture);
   return {};
 }
 

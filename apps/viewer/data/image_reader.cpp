@@ -55,7 +55,7 @@ void PaintGray16(const ImageView& view, std::vector<std::uint8_t>& rgba) {
 }
 
 // False: nothing is known of that encoding here.
-bool Paint(const ImageView& view, const DepthColors& colors, Picture& picture) {
+bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& picture) {
   const std::string& encoding = view.encoding();
   auto& rgba = picture.rgba;
   if (encoding == "rgb8" || encoding == "8UC3") {
@@ -71,9 +71,11 @@ bool Paint(const ImageView& view, const DepthColors& colors, Picture& picture) {
   } else if (encoding == "mono16") {
     PaintGray16(view, rgba);
   } else if (encoding == "16UC1") {
-    PaintDepth(ValuesOf<std::uint16_t>(view), colors, picture);
+    picture.values = ValuesOf<std::uint16_t>(view);
+    PaintDepth(colors, picture);
   } else if (encoding == "32FC1") {
-    PaintDepth(ValuesOf<float>(view), colors, picture);
+    picture.values = ValuesOf<float>(view);
+    PaintDepth(colors, picture);
   } else if (encoding == "yuyv" || encoding == "yuv422_yuy2") {
     PaintYuv422(view, YuvOrder::kYuyv, rgba);
   } else if (encoding == "uyvy" || encoding == "yuv422") {
@@ -88,13 +90,13 @@ bool Paint(const ImageView& view, const DepthColors& colors, Picture& picture) {
 
 }  // namespace
 
-std::string ReadImage(const Bulk<foxglove::RawImage>& image, const DepthColors& colors, Picture& picture) {
+std::string ReadImage(const Bulk<foxglove::RawImage>& image, const DepthColors& colors, ImagePicture& picture) {
   const auto view = ViewImage(image);
   if (!view) return view.fault();
   if (view->height() > 0 && view->width() > kMaxPixels / view->height()) {
     return "The image has more than " + std::to_string(kMaxPixels) + " pixels.";
   }
-  Picture read;
+  ImagePicture read;
   read.frame = image.head().frame_id();
   read.stamp = StampOf(image.head().timestamp());
   read.width = view->width();
@@ -106,8 +108,8 @@ std::string ReadImage(const Bulk<foxglove::RawImage>& image, const DepthColors& 
   return {};
 }
 
-std::string ReadImage(const Bulk<foxglove::CompressedImage>& image, const DepthColors& colors, Picture& picture) {
-  Picture read;
+std::string ReadImage(const Bulk<foxglove::CompressedImage>& image, const DepthColors& colors, ImagePicture& picture) {
+  ImagePicture read;
   read.frame = image.head().frame_id();
   read.stamp = StampOf(image.head().timestamp());
   read.encoding = image.head().format();

@@ -27,13 +27,13 @@ RawImage Raw(const std::string& encoding, unsigned width, unsigned height, unsig
   return image;
 }
 
-Picture Shown(const RawImage& image, const DepthColors& colors = {}) {
-  Picture picture;
+ImagePicture Shown(const RawImage& image, const DepthColors& colors = {}) {
+  ImagePicture picture;
   EXPECT_EQ(ReadImage(Bulk<RawImage>(image), colors, picture), "");
   return picture;
 }
 
-Bytes4 Pixel(const Picture& picture, std::size_t x, std::size_t y) {
+Bytes4 Pixel(const ImagePicture& picture, std::size_t x, std::size_t y) {
   const std::uint8_t* const at = picture.rgba.data() + 4 * (y * picture.width + x);
   return {at[0], at[1], at[2], at[3]};
 }
@@ -48,7 +48,7 @@ TEST(ImageReader, PartsOfPixelsAreInTheirPlaces) {
 }
 
 TEST(ImageReader, RowsMayHavePadding) {
-  const Picture picture = Shown(Raw("mono8", 2, 2, 4, "\1\2..\3\4.."));
+  const ImagePicture picture = Shown(Raw("mono8", 2, 2, 4, "\1\2..\3\4.."));
   EXPECT_EQ(Pixel(picture, 1, 0)[0], 2);
   EXPECT_EQ(Pixel(picture, 0, 1)[0], 3);
 }
@@ -56,13 +56,13 @@ TEST(ImageReader, RowsMayHavePadding) {
 TEST(ImageReader, YuvIsConverted) {
   // White, and then red, by BT.601.
   const std::string white = "\xeb\x80\xeb\x80", red = std::string("\x51\x5a\x51\xf0", 4);
-  const Picture yuyv = Shown(Raw("yuyv", 4, 1, 8, white + red));
+  const ImagePicture yuyv = Shown(Raw("yuyv", 4, 1, 8, white + red));
   EXPECT_EQ(Pixel(yuyv, 1, 0), (Bytes4{255, 255, 255, 255}));
   const Bytes4 pixel = Pixel(yuyv, 3, 0);
   EXPECT_NEAR(pixel[0], 255, 2);
   EXPECT_NEAR(pixel[1], 0, 2);
   EXPECT_NEAR(pixel[2], 0, 2);
-  const Picture uyvy = Shown(Raw("uyvy", 2, 1, 4, "\x5a\x51\xf0\x51"));
+  const ImagePicture uyvy = Shown(Raw("uyvy", 2, 1, 4, "\x5a\x51\xf0\x51"));
   EXPECT_EQ(Pixel(uyvy, 0, 0), pixel);
   EXPECT_EQ(Shown(Raw("yuv422", 3, 1, 6, "\x80\xeb\x80\xeb\x80\xeb")).rgba.size(), 12U) << "an odd width";
 }
@@ -79,7 +79,7 @@ TEST(ImageReader, EveryBayerPatternGivesTheSameColours) {
         data += static_cast<char>(part == 'r' ? 200 : (part == 'g' ? 100 : 50));
       }
     }
-    const Picture picture = Shown(Raw(encoding, 6, 6, 6, data));
+    const ImagePicture picture = Shown(Raw(encoding, 6, 6, 6, data));
     for (std::size_t y = 0; y < 6; ++y) {
       for (std::size_t x = 0; x < 6; ++x) ASSERT_EQ(Pixel(picture, x, y), (Bytes4{200, 100, 50, 255})) << encoding;
     }
@@ -88,16 +88,17 @@ TEST(ImageReader, EveryBayerPatternGivesTheSameColours) {
 
 TEST(ImageReader, DepthIsColouredOverItsRange) {
   const std::string data("\x00\x00\xe8\x03\xd0\x07\xb8\x0b", 8);  // 0, 1000, 2000, 3000
-  const Picture picture = Shown(Raw("16UC1", 4, 1, 8, data), {ColorMap::kGray, {}, {}});
+  const ImagePicture picture = Shown(Raw("16UC1", 4, 1, 8, data), {ColorMap::kGray, {}, {}});
   EXPECT_EQ(picture.least, 1000);
   EXPECT_EQ(picture.greatest, 3000);
   EXPECT_EQ(Pixel(picture, 0, 0)[3], 0) << "nothing was measured";
   EXPECT_LT(Pixel(picture, 1, 0)[0], Pixel(picture, 2, 0)[0]);
   EXPECT_LT(Pixel(picture, 2, 0)[0], Pixel(picture, 3, 0)[0]);
-  const Picture fixed = Shown(Raw("16UC1", 4, 1, 8, data), {ColorMap::kGray, 0, 1000});
+  const ImagePicture fixed = Shown(Raw("16UC1", 4, 1, 8, data), {ColorMap::kGray, 0, 1000});
   EXPECT_EQ(Pixel(fixed, 1, 0), Pixel(fixed, 3, 0)) << "what is beyond has the last colour";
   const std::vector<float> values{1, NAN, INFINITY, 3};
-  const Picture floats = Shown(Raw("32FC1", 4, 1, 16, std::string(reinterpret_cast<const char*>(values.data()), 16)));
+  const ImagePicture floats =
+      Shown(Raw("32FC1", 4, 1, 16, std::string(reinterpret_cast<const char*>(values.data()), 16)));
   EXPECT_EQ(floats.greatest, 3);
   EXPECT_EQ(Pixel(floats, 1, 0)[3], 0);
   EXPECT_EQ(Pixel(floats, 2, 0)[3], 0);
@@ -105,7 +106,7 @@ TEST(ImageReader, DepthIsColouredOverItsRange) {
 
 TEST(ImageReader, SaysWhatIsWrong) {
   const auto fault = [](const RawImage& image) {
-    Picture picture;
+    ImagePicture picture;
     picture.width = 77;
     std::string said = ReadImage(Bulk<RawImage>(image), {}, picture);
     EXPECT_EQ(picture.width, 77U);
@@ -129,7 +130,7 @@ CompressedImage File(const std::string& data, const std::string& format = "png")
   return image;
 }
 
-std::string ReadFile(const std::string& data, Picture& picture) {
+std::string ReadFile(const std::string& data, ImagePicture& picture) {
   return ReadImage(Bulk<CompressedImage>(File(data)), {}, picture);
 }
 
@@ -179,7 +180,7 @@ std::vector<std::uint8_t> Plain(std::size_t pixels, std::uint8_t r, std::uint8_t
 }
 
 TEST(ImageReader, ReadsPngAndJpegByWhatTheyAre) {
-  Picture picture;
+  ImagePicture picture;
   ASSERT_EQ(ReadFile(Png(PNG_FORMAT_RGB, Plain(6, 10, 20, 30).data(), 3, 2), picture), "");
   EXPECT_EQ(picture.width, 3U);
   EXPECT_EQ(Pixel(picture, 2, 1), (Bytes4{10, 20, 30, 255}));
@@ -193,7 +194,7 @@ TEST(ImageReader, ReadsPngAndJpegByWhatTheyAre) {
 TEST(ImageReader, APngOf16BitGreyIsMeasurements) {
   // The simple interface writes linear samples as they are.
   const std::vector<std::uint16_t> depths{0, 500, 1500, 2500};
-  Picture picture;
+  ImagePicture picture;
   ASSERT_EQ(ReadFile(Png(PNG_FORMAT_LINEAR_Y, depths.data(), 2, 2), picture), "");
   EXPECT_EQ(picture.least, 500);
   EXPECT_EQ(picture.greatest, 2500);
@@ -206,7 +207,7 @@ TEST(ImageReader, DamagedFilesAreSentences) {
   const std::string gray = Png(PNG_FORMAT_LINEAR_Y, depths.data(), 2, 2);
   const std::string jpeg = Jpeg(Plain(64, 200, 100, 50), 8, 8);
   std::mt19937 random(7);
-  Picture picture;
+  ImagePicture picture;
   EXPECT_THAT(ReadFile("", picture), HasSubstr("neither png nor jpeg"));
   EXPECT_THAT(ReadFile("GIF89a", picture), HasSubstr("neither png nor jpeg"));
   for (const std::string& file : {png, gray, jpeg}) {

@@ -6,15 +6,12 @@
 #include <numbers>
 #include <random>
 
+#include "viewer/e2e/message_parts.hpp"
+
 namespace hgros::viewer::test::made_world {
 namespace {
 
 constexpr double kStepMetres = 0.5;
-
-void SetStamp(google::protobuf::Timestamp& stamp, std::int64_t ns) {
-  stamp.set_seconds(ns / 1'000'000'000);
-  stamp.set_nanos(static_cast<std::int32_t>(ns % 1'000'000'000));
-}
 
 /// The nearest wall along a ray in the plane: houses left and right of a street 12 m wide that bends with the way, with
 /// a gap every 20 m.
@@ -27,16 +24,6 @@ double Range(const RigidTransform& pose, double angle) {
     if (std::abs(at.y() - middle) > (gap < 5 ? 16 : 6)) return range;
   }
   return 60;
-}
-
-void Copy(const RigidTransform& from, foxglove::Pose& to) {
-  to.mutable_position()->set_x(from.translation.x());
-  to.mutable_position()->set_y(from.translation.y());
-  to.mutable_position()->set_z(from.translation.z());
-  to.mutable_orientation()->set_x(from.rotation.x());
-  to.mutable_orientation()->set_y(from.rotation.y());
-  to.mutable_orientation()->set_z(from.rotation.z());
-  to.mutable_orientation()->set_w(from.rotation.w());
 }
 
 }  // namespace
@@ -56,15 +43,7 @@ std::unique_ptr<Bulk<foxglove::PointCloud>> CloudAt(std::size_t step, std::size_
   foxglove::PointCloud& head = cloud->head();
   head.set_frame_id("lidar");
   SetStamp(*head.mutable_timestamp(), stamp_ns);
-  head.set_point_stride(16);
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z", "intensity"}) {
-    auto* const field = head.add_fields();
-    field->set_name(name);
-    field->set_offset(offset);
-    field->set_type(foxglove::PackedElementField::FLOAT32);
-    offset += 4;
-  }
+  SetFloatFields(head);
   constexpr std::size_t kRays = 720;
   std::array<double, kRays> ranges;
   for (std::size_t i = 0; i < kRays; ++i)
@@ -100,7 +79,7 @@ foxglove::PosesInFrame TrajectoryUntil(std::size_t step, std::int64_t stamp_ns) 
   foxglove::PosesInFrame poses;
   poses.set_frame_id("map");
   SetStamp(*poses.mutable_timestamp(), stamp_ns);
-  for (std::size_t i = 0; i <= step; ++i) Copy(PoseAt(i), *poses.add_poses());
+  for (std::size_t i = 0; i <= step; ++i) SetPose(*poses.add_poses(), PoseAt(i));
   return poses;
 }
 

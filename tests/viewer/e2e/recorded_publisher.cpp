@@ -20,10 +20,14 @@
 #include "hgros/clock/rate.hpp"
 #include "hgros/session/session.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace {
 
 using namespace hgros;
+using viewer::test::SetFloatFields;
+using viewer::test::SetPose;
+using viewer::test::SetStamp;
 
 std::string Unpacked(const std::filesystem::path& file) {
   std::string text;
@@ -35,36 +39,12 @@ std::string Unpacked(const std::filesystem::path& file) {
   return text;
 }
 
-void SetStamp(google::protobuf::Timestamp& stamp, Time time) {
-  stamp.set_seconds(time.nanoseconds / 1'000'000'000);
-  stamp.set_nanos(static_cast<std::int32_t>(time.nanoseconds % 1'000'000'000));
-}
-
-void Append(const RigidTransform& pose, foxglove::PosesInFrame& way) {
-  foxglove::Pose& to = *way.add_poses();
-  to.mutable_position()->set_x(pose.translation.x());
-  to.mutable_position()->set_y(pose.translation.y());
-  to.mutable_position()->set_z(pose.translation.z());
-  to.mutable_orientation()->set_x(pose.rotation.x());
-  to.mutable_orientation()->set_y(pose.rotation.y());
-  to.mutable_orientation()->set_z(pose.rotation.z());
-  to.mutable_orientation()->set_w(pose.rotation.w());
-}
-
 std::unique_ptr<Bulk<foxglove::PointCloud>> KittiCloud(const std::string& bytes, Time stamp) {
   auto cloud = std::make_unique<Bulk<foxglove::PointCloud>>(bytes.size());
   foxglove::PointCloud& head = cloud->head();
   head.set_frame_id("velodyne");
-  SetStamp(*head.mutable_timestamp(), stamp);
-  head.set_point_stride(16);
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z", "intensity"}) {
-    auto* const field = head.add_fields();
-    field->set_name(name);
-    field->set_offset(offset);
-    field->set_type(foxglove::PackedElementField::FLOAT32);
-    offset += 4;
-  }
+  SetStamp(*head.mutable_timestamp(), stamp.nanoseconds);
+  SetFloatFields(head);
   std::memcpy(cloud->writable().data(), bytes.data(), bytes.size());
   return cloud;
 }
@@ -91,7 +71,7 @@ int Kitti(Session& session, const std::filesystem::path& folder, Duration period
     transforms.ToTF(now, "map", "velodyne", T);
     transforms.Flush();
     clouds(KittiCloud(Unpacked(folder / "velodyne" / name), now));
-    Append(RigidTransform(T), way);
+    SetPose(*way.add_poses(), RigidTransform(T));
     ways(way);
     (void)rate.Sleep();
   }
@@ -116,7 +96,7 @@ int Carmen(Session& session, const std::filesystem::path& file, Duration period)
     const Time now = WallNow();
     foxglove::LaserScan scan;
     scan.set_frame_id("laser");
-    SetStamp(*scan.mutable_timestamp(), now);
+    SetStamp(*scan.mutable_timestamp(), now.nanoseconds);
     scan.set_start_angle(-std::numbers::pi / 2);
     scan.set_end_angle(std::numbers::pi / 2 - std::numbers::pi / count);
     for (int i = 0; i < count; ++i) {
@@ -133,7 +113,7 @@ int Carmen(Session& session, const std::filesystem::path& file, Duration period)
     transforms.ToTF(now, "odom", "laser", pose);
     transforms.Flush();
     scans(scan);
-    Append(pose, way);
+    SetPose(*way.add_poses(), pose);
     ways(way);
     (void)rate.Sleep();
   }

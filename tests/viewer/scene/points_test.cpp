@@ -46,7 +46,19 @@ PointCloud Spiral(const Eigen::Vector3d& center = Eigen::Vector3d::Zero(), int f
   return cloud;
 }
 
-class Points : public SceneTest {};
+class Points : public SceneTest {
+ protected:
+  /// Shows a cloud that has come in a frame without a transform to the fixed one.
+  Display& AddWithoutTransform() {
+    Display& display = Add("Point cloud", "cloud");
+    tree_.SetStatic("map", "other", RigidTransform());
+    PointCloud cloud = Spiral();
+    cloud.set_frame_id("lidar");
+    Publish("cloud", cloud);
+    Update(0);
+    return display;
+  }
+};
 
 TEST_F(Points, ByHeight) {
   Add("Ground");
@@ -156,12 +168,7 @@ TEST_F(Points, OfTheLastMessagesOrTheLastSeconds) {
 }
 
 TEST_F(Points, WaitForTheirTransformAndSayWhatIsMissing) {
-  Display& display = Add("Point cloud", "cloud");
-  tree_.SetStatic("map", "other", RigidTransform());
-  PointCloud cloud = Spiral();
-  cloud.set_frame_id("lidar");
-  Publish("cloud", cloud);
-  Update(0);
+  Display& display = AddWithoutTransform();
   EXPECT_EQ(display.points(), 0U);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), ::testing::HasSubstr("lidar"));
@@ -173,12 +180,7 @@ TEST_F(Points, WaitForTheirTransformAndSayWhatIsMissing) {
 }
 
 TEST_F(Points, GiveUpWaitingAfterAWhile) {
-  Display& display = Add("Point cloud", "cloud");
-  tree_.SetStatic("map", "other", RigidTransform());
-  PointCloud cloud = Spiral();
-  cloud.set_frame_id("lidar");
-  Publish("cloud", cloud);
-  Update(0);
+  Display& display = AddWithoutTransform();
   EXPECT_EQ(display.next_change_s(), 2.0);
   Update(2);
   EXPECT_EQ(display.next_change_s(), std::numeric_limits<double>::infinity());

@@ -12,7 +12,7 @@
 namespace hgros::viewer {
 
 /// An image as it is shown.
-struct Picture {
+struct ImagePicture {
   std::string frame;
   Time stamp;
   std::size_t width = 0, height = 0;
@@ -20,6 +20,7 @@ struct Picture {
   std::string encoding;            ///< As the message names it.
   /// Of images of measurements (16UC1, 32FC1): the values that the colours stand for.
   std::optional<double> least, greatest;
+  std::vector<float> values;  ///< Those measurements, a pixel each.
 };
 
 /// How the values of depth images become colours.

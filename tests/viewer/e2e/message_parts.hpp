@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+
+#include "foxglove/PointCloud.pb.h"
+#include "foxglove/Pose.pb.h"
+#include "google/protobuf/timestamp.pb.h"
+#include "hgros/tf/rigid_transform.hpp"
+
+namespace hgros::viewer::test {
+
+void SetStamp(google::protobuf::Timestamp& stamp, std::int64_t ns);
+void SetPose(foxglove::Pose& pose, const RigidTransform& T_frame_pose);
+/// x, y, z and intensity, 4 bytes each.
+void SetFloatFields(foxglove::PointCloud& cloud);
+
+}  // namespace hgros::viewer::test
