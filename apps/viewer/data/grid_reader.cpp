@@ -83,7 +83,8 @@ std::string ReadGrid(const Bulk<foxglove::Grid>& grid, std::string_view field, s
   layout.rows = data.size() / layout.row_stride;
   // The last row may be without padding.
   if (data.size() % layout.row_stride >= layout.columns * layout.cell_stride && layout.cell_stride > 0) ++layout.rows;
-  if (layout.rows > 0 && layout.columns > kMaxCells / layout.rows) {
+  if (layout.rows == 0) return "The grid has no cells.";
+  if (layout.columns > kMaxCells / layout.rows) {
     return "The grid has more than " + std::to_string(kMaxCells) + " cells.";
   }
   GridPicture read;

@@ -11,6 +11,8 @@ namespace {
 
 using Pose = Eigen::Matrix<double, 3, 4>;
 
+constexpr std::int64_t kForEverS = 1'000'000'000;
+
 Pose Moved(const Eigen::Isometry3d& T, const Pose& pose) {
   Pose moved = T.linear() * pose;
   moved.col(3) += T.translation();
@@ -54,7 +56,7 @@ void SceneStore::Delete(const foxglove::SceneEntityDeletion& deletion) {
   }
 }
 
-std::string SceneStore::Apply(const foxglove::SceneUpdate& update) {
+std::string SceneStore::Apply(const foxglove::SceneUpdate& update, Time now) {
   for (const auto& deletion : update.deletions()) Delete(deletion);
   std::string first_fault;
   for (const auto& said : update.entities()) {
@@ -69,8 +71,11 @@ std::string SceneStore::Apply(const foxglove::SceneUpdate& update) {
     Entity entity;
     entity.frame = said.frame_id();
     entity.stamp = StampOf(said.timestamp());
-    const auto lifetime = said.lifetime().seconds() * 1'000'000'000 + said.lifetime().nanos();
-    if (lifetime > 0) entity.ends = Time{entity.stamp.nanoseconds + lifetime};
+    if (const auto& lifetime = said.lifetime(); lifetime.seconds() < kForEverS) {
+      const Duration lasts(lifetime.seconds() * 1'000'000'000 + lifetime.nanos());
+      const Time begin = entity.stamp.nanoseconds == 0 ? now : entity.stamp;
+      if (lasts > Duration::zero()) entity.ends = Later(begin, lasts);
+    }
     entity.frame_locked = said.frame_locked();
     for (const auto& pair : said.metadata()) entity.metadata.emplace_back(pair.key(), pair.value());
     entity.shapes = std::move(shapes);
@@ -83,7 +88,7 @@ bool SceneStore::HasRoom(const std::string& id) const {
   return entities_.size() < kMaxEntities || entities_.contains(id);
 }
 
-std::string SceneStore::Apply(const hgros::Shapes& update) {
+std::string SceneStore::Apply(const hgros::Shapes& update, Time /*now*/) {
   if (update.remove_all()) entities_.clear();
   for (const std::string& name : update.removed()) entities_.erase(name);
   std::string first_fault;

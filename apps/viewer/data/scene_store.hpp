@@ -36,10 +36,10 @@ class SceneStore {
   };
 
   /// Deletions first, then entities; each replaces the one of its id as a whole. Returns what is wrong with the first
-  /// entity that cannot be shown whole, in a sentence.
-  [[nodiscard]] std::string Apply(const foxglove::SceneUpdate& update);
+  /// entity that cannot be shown whole, in a sentence. The lifetime of one without a stamp begins `now`.
+  [[nodiscard]] std::string Apply(const foxglove::SceneUpdate& update, Time now = {});
   /// The paper's shapes likewise; each is an entity named as it is, and moves with its frame.
-  [[nodiscard]] std::string Apply(const hgros::Shapes& update);
+  [[nodiscard]] std::string Apply(const hgros::Shapes& update, Time now = {});
   /// Forgets what has ended; true if something has.
   bool Expire(Time now);
   /// When the next one ends.

@@ -29,8 +29,8 @@ std::string ReadVoxels(const Bulk<foxglove::VoxelGrid>& grid, std::string_view f
     return "The voxel grid has no columns or rows, or slices of no bytes.";
   }
   layout.slices = data.size() / layout.slice_stride;
-  if (layout.rows > kMaxCells / layout.columns ||
-      (layout.slices > 0 && layout.rows * layout.columns > kMaxCells / layout.slices)) {
+  if (layout.slices == 0) return "The voxel grid has no cells.";
+  if (layout.rows > kMaxCells / layout.columns || layout.rows * layout.columns > kMaxCells / layout.slices) {
     return "The voxel grid has more than " + std::to_string(kMaxCells) + " cells.";
   }
   VoxelPicture read;

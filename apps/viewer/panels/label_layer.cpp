@@ -2,11 +2,31 @@
 
 #include <imgui.h>
 
+#include <algorithm>
+
 namespace hgros::viewer {
+namespace {
+
+constexpr float kSmallestText = 3;
+constexpr float kLargestText = 400;
+
+/// In pixels.
+float HeightOnScreen(const Label& label, const ViewMatrices& view) {
+  float height = label.height;
+  if (label.in_metres) {
+    const Eigen::Vector3f from_eye = (label.at - view.eye).cast<float>();
+    height *= view.pixels_per_metre_at_1m / (view.clip_from_eye * from_eye.homogeneous()).w();
+  }
+  return std::min(height, kLargestText);
+}
+
+}  // namespace
 
 void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewport& viewport, float pixels_per_unit) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float lift = ImGui::GetFontSize() * 0.4F;
+  const float usual = ImGui::GetFontSize();
+  const float lift = usual * 0.4F;
+  const ViewMatrices view = camera.Matrices(viewport);
   for (const Label& label : labels) {
     const auto pixel = camera.PixelOf(label.at, viewport);
     if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() > viewport.width || pixel->y() > viewport.height) {
@@ -14,8 +34,11 @@ void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewp
     }
     const ImVec2 at(static_cast<float>(pixel->x()) / pixels_per_unit + lift,
                     static_cast<float>(pixel->y()) / pixels_per_unit - lift);
-    list.AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 200), label.text.c_str());
-    list.AddText(at, IM_COL32(235, 238, 242, 255), label.text.c_str());
+    const float size = label.height > 0 ? HeightOnScreen(label, view) / pixels_per_unit : usual;
+    if (size < kSmallestText) continue;
+    const char* const text = label.text.c_str();
+    list.AddText(nullptr, size, {at.x + 1, at.y + 1}, MakeRgba(0, 0, 0, AlphaOf(label.color) * 4 / 5), text);
+    list.AddText(nullptr, size, at, label.color, text);
   }
   if (!camera.anchor()) return;
   if (const auto pixel = camera.PixelOf(*camera.anchor(), viewport)) {

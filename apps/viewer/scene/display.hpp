@@ -10,6 +10,7 @@
 
 #include "hgros/session/session.hpp"
 #include "viewer/data/fixed_frame.hpp"
+#include "viewer/data/scene_shapes.hpp"
 #include "viewer/scene/point_programs.hpp"
 #include "viewer/scene/setting.hpp"
 #include "viewer/scene/slice.hpp"
@@ -20,7 +21,7 @@ namespace hgros::viewer {
 /// What an update means for the picture; the greater value includes the smaller ones.
 enum class Change : std::uint8_t {
   kNothing,
-  kMoving,    ///< What DrawMoving draws.
+  kMoving,    ///< What DrawMoving or DrawBlended draws.
   kAppended,  ///< DrawNew has something for the settled layer.
   kRedraw,    ///< The settled layer has to be drawn anew.
 };
@@ -49,6 +50,9 @@ struct DrawContext {
 struct Label {
   Eigen::Vector3d at;
   std::string text;
+  Rgba color = MakeRgba(235, 238, 242);
+  float height = 0;  ///< In pixels or metres; 0: as it is usual.
+  bool in_metres = false;
 };
 
 /// Something that is shown: messages of one channel, or what the viewer itself knows. Messages arrive on threads of the
@@ -56,7 +60,7 @@ struct Label {
 ///
 /// There are two layers. The settled one is kept from frame to frame: what DrawNew adds costs only itself, and after
 /// Change::kRedraw, or when the camera moves, DrawSettled is called for all slices, over several frames if there is
-/// much. It is opaque. The moving one is drawn over it in every frame.
+/// much. It is opaque. The moving one is drawn over it in every frame, and what can be seen through last.
 class Display {
  public:
   Display() = default;
@@ -69,6 +73,8 @@ class Display {
   virtual void DrawNew(const DrawContext& /*context*/) {}
   virtual void DrawSettled(const DrawContext& /*context*/, const Slice& /*slice*/) {}
   virtual void DrawMoving(const DrawContext& /*context*/) {}
+  /// In every frame, too, after everything opaque, whose depth it must leave as it is.
+  virtual void DrawBlended(const DrawContext& /*context*/) {}
   /// Forgets what it has kept.
   virtual void Clear() {}
 

@@ -6,8 +6,8 @@ namespace hgros::viewer {
 
 std::span<const DisplayType> DisplayTypes() {
   static const std::vector<DisplayType> types = {
-      CloudDisplayType(), ScanDisplayType(),   TrajectoryDisplayType(),
-      PoseDisplayType(),  FramesDisplayType(), GroundDisplayType(),
+      CloudDisplayType(),  ScanDisplayType(),       GridDisplayType(), VoxelDisplayType(),  SceneDisplayType(),
+      ShapesDisplayType(), TrajectoryDisplayType(), PoseDisplayType(), FramesDisplayType(), GroundDisplayType(),
   };
   return types;
 }

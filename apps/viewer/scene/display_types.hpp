@@ -21,6 +21,10 @@ DisplayType CloudDisplayType();
 DisplayType ScanDisplayType();
 DisplayType TrajectoryDisplayType();
 DisplayType PoseDisplayType();
+DisplayType GridDisplayType();
+DisplayType VoxelDisplayType();
+DisplayType SceneDisplayType();
+DisplayType ShapesDisplayType();
 DisplayType FramesDisplayType();
 DisplayType GroundDisplayType();
 

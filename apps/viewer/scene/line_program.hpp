@@ -15,7 +15,8 @@ namespace hgros::viewer {
 namespace line_program {
 
 /// A vertex shader around a `main` in GLSL, which has `vec4 OnScreen(vec3 from, vec3 to, int corner)`: the corner 0 to
-/// 5 of the segment's quad, both ends in the frame that Begin was told; and sets `color`.
+/// 5 of the segment's quad, both ends in the frame that Begin was told; and sets `color`. With two more arguments a
+/// segment has a width of its own: `float width, float metres`, the last 1 for metres and 0 for pixels.
 [[nodiscard]] std::string VertexSource(std::string_view kind);
 [[nodiscard]] std::string FragmentSource();
 

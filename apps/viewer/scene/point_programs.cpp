@@ -75,7 +75,7 @@ PointPrograms::PointPrograms()
     : by_cell_("points by cell", "#define BY_CELL\n#define PAGE_POINTS 256\n", kVertex, kFragment),
       by_message_("points by message", "", kVertex, kFragment) {}
 
-ShaderProgram& PointPrograms::Begin(bool by_cell, const ViewMatrices& view, const PointStyle& style) {
+GLuint PointPrograms::color_maps() {
   if (!maps_) {
     maps_ = GlTexture::New();
     const std::vector<std::uint8_t> table = ColorMapTable();
@@ -89,10 +89,15 @@ ShaderProgram& PointPrograms::Begin(bool by_cell, const ViewMatrices& view, cons
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
+  return maps_.name();
+}
+
+ShaderProgram& PointPrograms::Begin(bool by_cell, const ViewMatrices& view, const PointStyle& style) {
   ShaderProgram& program = by_cell ? by_cell_ : by_message_;
   program.Use();
+  const GLuint maps = color_maps();
   glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, maps_.name());
+  glBindTexture(GL_TEXTURE_2D, maps);
   program.Set("maps", 0);
   program.Set("pages", 1);
   program.Set("clip_from_eye", view.clip_from_eye);

@@ -21,6 +21,9 @@ class PointPrograms {
   void SetOrigin(ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
                  const Eigen::Vector3d& origin, double scalar_lo, double scalar_hi);
 
+  /// All colour maps, a row for each: ColorMapTable.
+  [[nodiscard]] GLuint color_maps();
+
  private:
   ShaderProgram by_cell_;
   ShaderProgram by_message_;

@@ -102,6 +102,9 @@ void Scene::Draw(const ViewMatrices& view, float scale) {
   for (Entry& entry : entries_) {
     if (entry.visible) entry.display->DrawMoving(context);
   }
+  for (Entry& entry : entries_) {
+    if (entry.visible) entry.display->DrawBlended(context);
+  }
 }
 
 std::size_t Scene::points() const {

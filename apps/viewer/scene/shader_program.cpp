@@ -28,11 +28,13 @@ GLuint Compile(GLenum kind, const std::string& name, const std::string& preamble
 
 }  // namespace
 
-ShaderProgram::ShaderProgram(std::string name, std::string preamble, std::string vertex, std::string fragment)
+ShaderProgram::ShaderProgram(std::string name, std::string preamble, std::string vertex, std::string fragment,
+                             std::string geometry)
     : name_(std::move(name)),
       preamble_(std::move(preamble)),
       vertex_(std::move(vertex)),
-      fragment_(std::move(fragment)) {}
+      fragment_(std::move(fragment)),
+      geometry_(std::move(geometry)) {}
 
 ShaderProgram::~ShaderProgram() {
   if (program_ != 0) glDeleteProgram(program_);
@@ -40,17 +42,20 @@ ShaderProgram::~ShaderProgram() {
 
 void ShaderProgram::Use() {
   if (program_ == 0) {
-    const GLuint vertex = Compile(GL_VERTEX_SHADER, name_, preamble_, vertex_);
-    const GLuint fragment = Compile(GL_FRAGMENT_SHADER, name_, preamble_, fragment_);
-    program_ = glCreateProgram();
-    glAttachShader(program_, vertex);
-    glAttachShader(program_, fragment);
-    glLinkProgram(program_);
-    glDeleteShader(vertex);
-    glDeleteShader(fragment);
+    const std::array<std::pair<GLenum, const std::string*>, 3> sources = {
+        {{GL_VERTEX_SHADER, &vertex_}, {GL_GEOMETRY_SHADER, &geometry_}, {GL_FRAGMENT_SHADER, &fragment_}}};
+    const GLuint program = glCreateProgram();
+    for (const auto& [kind, source] : sources) {
+      if (source->empty()) continue;
+      const GLuint shader = Compile(kind, name_, preamble_, *source);
+      glAttachShader(program, shader);
+      glDeleteShader(shader);
+    }
+    glLinkProgram(program);
     GLint linked = 0;
-    glGetProgramiv(program_, GL_LINK_STATUS, &linked);
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
     if (linked == 0) throw Error("The shaders of \"" + name_ + "\" do not fit together on this driver.");
+    program_ = program;
   }
   glUseProgram(program_);
 }

@@ -9,11 +9,13 @@
 
 namespace hgros::viewer {
 
-/// A vertex and a fragment shader, compiled when they are first used. GLSL 3.30; the version line is added.
+/// A vertex and a fragment shader, with a geometry shader between them if there is one, compiled when they are first
+/// used. GLSL 3.30; the version line is added.
 class ShaderProgram {
  public:
-  /// `name` is for errors; `preamble` goes before both sources, for definitions that make variants.
-  ShaderProgram(std::string name, std::string preamble, std::string vertex, std::string fragment);
+  /// `name` is for errors; `preamble` goes before all sources, for definitions that make variants.
+  ShaderProgram(std::string name, std::string preamble, std::string vertex, std::string fragment,
+                std::string geometry = {});
   ShaderProgram(const ShaderProgram&) = delete;
   ShaderProgram& operator=(const ShaderProgram&) = delete;
   ~ShaderProgram();
@@ -36,6 +38,7 @@ class ShaderProgram {
   std::string preamble_;
   std::string vertex_;
   std::string fragment_;
+  std::string geometry_;
   GLuint program_ = 0;
   std::map<std::string, GLint, std::less<>> locations_;
 };

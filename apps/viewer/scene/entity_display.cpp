@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "hgros/clock/clock.hpp"
+#include "viewer/data/inbox.hpp"
+#include "viewer/data/scene_store.hpp"
+#include "viewer/data/shape_bounds.hpp"
+#include "viewer/scene/display_types.hpp"
+#include "viewer/scene/drawn_shapes.hpp"
+#include "viewer/scene/settling.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+constexpr std::size_t kMostWaiting = 1024;
+constexpr double kFarMetres = 1000;  ///< From the origin of what is drawn, which then is chosen anew.
+
+void Fade(float alpha, SceneShapes& shapes) {
+  if (alpha >= 1) return;
+  const auto fade = [alpha](Rgba& color) {
+    color = (color & 0xFFFFFFU) | static_cast<Rgba>(std::lround(static_cast<float>(AlphaOf(color)) * alpha)) << 24U;
+  };
+  for (auto* const solids : {&shapes.cubes, &shapes.spheres, &shapes.cylinders}) {
+    for (SolidShape& solid : *solids) fade(solid.color);
+  }
+  for (LinePiece& line : shapes.lines) {
+    fade(line.from_color);
+    fade(line.to_color);
+  }
+  for (TriangleCorner& corner : shapes.triangles) fade(corner.color);
+}
+
+/// The entities of a channel, as one kind of message changes them. All that are opaque are drawn in at most five calls,
+/// and so are all that can be seen through.
+template <class Message>
+class EntityDisplay : public Display {
+ public:
+  explicit EntityDisplay(const DisplayInputs& inputs)
+      : clock_(inputs.session.clock()),
+        subscription_(inputs.session.FromAny<Message>(
+            inputs.channel, Invoke::kSerial,
+            [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const Message> update) {
+              if (inbox->Put(std::move(update))) wake();
+            },
+            {.queue = Queue::KeepLast(kMostWaiting)})) {}
+
+  [[nodiscard]] Change Update(const UpdateContext& context) override {
+    Change change = Change::kNothing;
+    if (std::exchange(setting_changed_, false)) {
+      change = Change::kRedraw;
+      outdated_ = true;
+    }
+    const Time now = clock_->Now();
+    for (const auto& update : inbox_->TakeAll()) {
+      fault_ = store_.Apply(*update, now);
+      outdated_ = true;
+      for (const auto& [id, entity] : store_.entities()) {
+        if (context.frame.Saw(entity.frame) || !context.frame.name().empty()) break;
+      }
+    }
+    outdated_ |= store_.Expire(now);
+    if (context.frame_changed) {
+      change = std::max(change, settling_.Gone());
+      placed_.clear();
+      outdated_ = true;
+    }
+    if (context.transforms_changed) outdated_ |= provisional_ || drawing_.unplaced > 0 || HasMoved(context);
+    if (std::exchange(outdated_, false)) {
+      Rebuild(context);
+      change = std::max(change, settling_.Replaced(context.now_s));
+    }
+    const auto ends = store_.NextEnd();
+    end_s_ = ends ? context.now_s + std::max(0.01, std::chrono::duration<double>(*ends - now).count())
+                  : std::numeric_limits<double>::infinity();
+    return std::max(change, settling_.Rest(context.now_s));
+  }
+
+  void DrawNew(const DrawContext& context) override {
+    if (settling_.TakeNew()) drawn_.Draw(context, Place(), false);
+  }
+  void DrawSettled(const DrawContext& context, const Slice& slice) override {
+    if (slice.index == 0 && settling_.TakeSettled()) drawn_.Draw(context, Place(), false);
+  }
+  void DrawMoving(const DrawContext& context) override {
+    if (settling_.moves()) drawn_.Draw(context, Place(), false);
+  }
+  void DrawBlended(const DrawContext& context) override { drawn_.Draw(context, Place(), true); }
+  void Clear() override {
+    store_.Clear();
+    outdated_ = true;
+  }
+
+  [[nodiscard]] std::vector<Setting> Settings() override {
+    return {
+        {"alpha", "How much it hides of what lies behind it.", Setting::Number{&alpha_, 0, 1, ""}},
+        {"texts", "The words that are among the shapes.", Setting::Switch{&texts_}},
+    };
+  }
+  void OnSetting(const std::string& /*name*/) override { setting_changed_ = true; }
+
+  [[nodiscard]] std::vector<std::string> Status() const override {
+    std::vector<std::string> lines;
+    if (!fault_.empty()) lines.push_back(fault_);
+    if (drawing_.unplaced > 0) {
+      lines.push_back(why_ + " (" + std::to_string(drawing_.unplaced) + " entities in " + drawing_.unplaced_frame +
+                      " and such are not shown.)");
+    }
+    if (inbox_->received() == 0) {
+      lines.emplace_back("Nothing has arrived yet.");
+    } else if (store_.entities().empty()) {
+      lines.emplace_back("No entity is left.");
+    }
+    lines.push_back(std::to_string(store_.entities().size()) + " entities, " + std::to_string(shapes_) + " shapes");
+    if (models_ > 0) lines.push_back(std::to_string(models_) + " models from files are not drawn.");
+    if (inbox_->dropped() > 0) lines.push_back(std::to_string(inbox_->dropped()) + " messages came too fast.");
+    return lines;
+  }
+  [[nodiscard]] bool HasFault() const override { return !fault_.empty() || drawing_.unplaced > 0; }
+  [[nodiscard]] std::vector<Label> Labels() const override { return texts_ ? labels_ : std::vector<Label>(); }
+  [[nodiscard]] std::size_t gpu_bytes() const override { return drawn_.gpu_bytes(); }
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return bounds_; }
+  [[nodiscard]] double next_change_s() const override { return std::min(end_s_, settling_.next_change_s()); }
+
+ private:
+  /// A frame at a time, or as it is now.
+  using Key = std::pair<std::string, std::optional<std::int64_t>>;
+
+  [[nodiscard]] RigidTransform Place() const { return {{1, 0, 0, 0}, origin_}; }
+
+  /// Whether a frame that entities are locked to lies elsewhere than when they were drawn.
+  [[nodiscard]] bool HasMoved(const UpdateContext& context) const {
+    return std::ranges::any_of(placed_, [&](const auto& placed) {
+      RigidTransform T_fixed_frame;
+      std::string why;
+      const auto& [frame, at] = placed.first;
+      return !at && context.frame.Find(frame, T_fixed_frame, why) == FixedFrame::Answer::kFound &&
+             !T_fixed_frame.Isometry().matrix().isApprox(placed.second.matrix(), 0);
+    });
+  }
+
+  /// Where a frame was is looked up once: later it is too long ago. While the time is still to come, it is where it is
+  /// now, and once it is too long ago, too.
+  [[nodiscard]] std::optional<Eigen::Isometry3d> Find(const UpdateContext& context, const std::string& frame,
+                                                      std::optional<Time> at,
+                                                      std::map<Key, Eigen::Isometry3d>& placed) {
+    const Key key{frame, at ? std::optional(at->nanoseconds) : std::nullopt};
+    if (const auto known = placed.find(key); known != placed.end()) return known->second;
+    if (const auto known = placed_.find(key); at && known != placed_.end()) {
+      return placed.emplace(key, known->second).first->second;
+    }
+    RigidTransform T_fixed_frame;
+    auto answer =
+        at ? context.frame.Find(frame, *at, T_fixed_frame, why_) : context.frame.Find(frame, T_fixed_frame, why_);
+    const bool later = at && answer == FixedFrame::Answer::kLater;
+    if (at && answer != FixedFrame::Answer::kFound) answer = context.frame.Find(frame, T_fixed_frame, why_);
+    if (answer != FixedFrame::Answer::kFound) return std::nullopt;
+    if (later) {
+      provisional_ = true;
+      return T_fixed_frame.Isometry();
+    }
+    return placed.emplace(key, T_fixed_frame.Isometry()).first->second;
+  }
+
+  void Rebuild(const UpdateContext& context) {
+    provisional_ = false;
+    why_.clear();
+    std::map<Key, Eigen::Isometry3d> placed;
+    const auto pose_of = [&](const std::string& frame, std::optional<Time> at) {
+      return Find(context, frame, at, placed);
+    };
+    drawing_ = store_.Draw(pose_of, origin_);
+    bounds_ = BoundsOf(drawing_.shapes);
+    if (!bounds_.isEmpty() && bounds_.center().norm() > kFarMetres) {
+      origin_ += bounds_.center();
+      drawing_ = store_.Draw(pose_of, origin_);
+      bounds_ = BoundsOf(drawing_.shapes);
+    }
+    if (!bounds_.isEmpty()) bounds_.translate(origin_);
+    placed_ = std::move(placed);
+    shapes_ = drawing_.shapes.size();
+    Fade(alpha_, drawing_.shapes);
+    drawn_.Set(drawing_.shapes);
+    labels_.clear();
+    for (SceneText& text : drawing_.shapes.texts) {
+      labels_.push_back({origin_ + text.pose.col(3), std::move(text.text), text.color, static_cast<float>(text.height),
+                         !text.pixels});
+    }
+    models_ = drawing_.shapes.models.size();
+    drawing_.shapes = {};
+  }
+
+  const std::shared_ptr<Clock> clock_;
+  SceneStore store_;
+  SceneStore::Drawing drawing_;  ///< Without what the GPU has.
+  DrawnShapes drawn_;
+  std::vector<Label> labels_;
+  Settling settling_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  Eigen::AlignedBox3d bounds_;
+  std::map<Key, Eigen::Isometry3d> placed_;
+  std::string fault_, why_;
+  std::size_t shapes_ = 0, models_ = 0;
+  double end_s_ = std::numeric_limits<double>::infinity();
+  bool outdated_ = false;
+  bool provisional_ = false;  ///< Some transform is still to come.
+  bool setting_changed_ = false;
+
+  float alpha_ = 1;
+  bool texts_ = true;
+
+  std::shared_ptr<Inbox<Message>> inbox_ = std::make_shared<Inbox<Message>>(kMostWaiting);
+  Subscription subscription_;
+};
+
+}  // namespace
+
+DisplayType SceneDisplayType() {
+  return {"Scene", {"foxglove.SceneUpdate"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
+            return std::make_unique<EntityDisplay<foxglove::SceneUpdate>>(inputs);
+          }};
+}
+
+DisplayType ShapesDisplayType() {
+  return {"Shapes", {"hgros.Shapes"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
+            return std::make_unique<EntityDisplay<hgros::Shapes>>(inputs);
+          }};
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <utility>
+
+#include "viewer/data/grid_reader.hpp"
+#include "viewer/scene/display_types.hpp"
+#include "viewer/scene/newest_message.hpp"
+#include "viewer/scene/picture_tiles.hpp"
+#include "viewer/scene/placed_display.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+using Grid = Bulk<foxglove::Grid>;
+
+struct GridOptions {
+  std::string field;
+  std::optional<GridPalette> palette;
+};
+
+std::string Read(const Grid& grid, const GridOptions& options, GridPicture& picture) {
+  return ReadGrid(grid, options.field, options.palette, picture);
+}
+
+/// The newest grid of a channel, as a picture on the ground.
+class GridDisplay : public PlacedDisplay {
+ public:
+  explicit GridDisplay(const DisplayInputs& inputs) : newest_(inputs, GridOptions(), Read) {}
+
+  [[nodiscard]] std::vector<Setting> Settings() override {
+    std::vector<std::string> palettes = {"as it suits"};
+    palettes.insert(palettes.end(), kGridPaletteNames.begin(), kGridPaletteNames.end());
+    return {
+        {"palette",
+         "How values become colours: map (0 free to 100 occupied), costmap (1 to 98 from blue to red), raw (black at "
+         "the least value, white at the greatest).",
+         Setting::Choice{&palette_, palettes}},
+        {"field", "The field of the cells that is shown; empty: their colour, or else the first.",
+         Setting::Text{&field_}},
+        {"alpha", "How much it hides of what lies behind it.", Setting::Number{&alpha_, 0, 1, ""}},
+    };
+  }
+  [[nodiscard]] std::size_t gpu_bytes() const override { return tiles_.gpu_bytes(); }
+
+ protected:
+  [[nodiscard]] std::optional<std::string> TakeArrived() override {
+    auto read = newest_.Take();
+    if (!read) return std::nullopt;
+    if (!read->fault.empty()) return std::move(read->fault);
+    grid_ = std::move(read->shown);
+    see_through_ = std::ranges::any_of(grid_.pixels, [](Rgba pixel) { return AlphaOf(pixel) < 255; });
+    tiles_.Set(grid_.pixels, grid_.columns, grid_.rows);
+    grid_.pixels = {};  // The message is kept: they can be made again.
+    return std::string();
+  }
+  void TakeSetting(const std::string& name) override {
+    if (name == "alpha") return;
+    newest_.SetOptions({field_, palette_ == 0 ? std::nullopt : std::optional(static_cast<GridPalette>(palette_ - 1))});
+  }
+  void Forget() override {
+    newest_.Clear();
+    grid_ = {};
+    tiles_.Set({}, 0, 0);
+  }
+  [[nodiscard]] bool empty() const override { return grid_.columns * grid_.rows == 0; }
+  [[nodiscard]] bool blended() const override { return see_through_ || alpha_ < 1; }
+  [[nodiscard]] const std::string& frame() const override { return grid_.frame; }
+  [[nodiscard]] const Eigen::Isometry3d& T_frame_corner() const override { return grid_.T_frame_corner; }
+  [[nodiscard]] Eigen::AlignedBox3d box() const override {
+    const Eigen::Vector3d far(grid_.cell_size.x() * static_cast<double>(grid_.columns),
+                              grid_.cell_size.y() * static_cast<double>(grid_.rows), 0);
+    return {Eigen::Vector3d::Zero(), far};
+  }
+  void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Slice& slice) override {
+    if (slice.index == 0) tiles_.Draw(context.view, T_fixed_corner, grid_.cell_size, alpha_, blended());
+  }
+  void Describe(std::vector<std::string>& lines) const override {
+    lines.push_back(std::to_string(grid_.columns) + " x " + std::to_string(grid_.rows) + " cells in " + grid_.frame);
+    lines.push_back(grid_.colored ? "The cells have colours of their own." : "The value is " + grid_.field + ".");
+    ListFields(grid_.fields, lines);
+  }
+  [[nodiscard]] std::uint64_t received() const override { return newest_.received(); }
+  [[nodiscard]] std::uint64_t dropped() const override { return newest_.dropped(); }
+
+ private:
+  GridPicture grid_;  ///< Without its pixels.
+  PictureTiles tiles_;
+  bool see_through_ = false;
+
+  int palette_ = 0;
+  std::string field_;
+  float alpha_ = 1;
+
+  NewestMessage<Grid, GridOptions, GridPicture> newest_;
+};
+
+}  // namespace
+
+DisplayType GridDisplayType() {
+  return {"Grid", {"foxglove.Grid"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
+            return std::make_unique<GridDisplay>(inputs);
+          }};
+}
+
+}  // namespace hgros::viewer

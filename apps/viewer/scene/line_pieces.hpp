@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "viewer/data/scene_shapes.hpp"
+#include "viewer/scene/gl_object.hpp"
+#include "viewer/scene/shader_program.hpp"
+#include "viewer/view/camera.hpp"
+
+namespace hgros::viewer {
+
+/// Straight lines, each with a colour at either end and a width of its own, all in one draw call.
+/// Thread: the one whose GL context is current.
+class LinePieces {
+ public:
+  LinePieces();
+  /// Positions are in the frame that they are drawn with.
+  void Set(std::span<const LinePiece> pieces);
+  /// Those that hide what is behind them, or the others, which are to be drawn later. `scale`: pixels of the screen to
+  /// one of a width.
+  void Draw(const ViewMatrices& view, const RigidTransform& T_fixed_lines, float scale, bool blended);
+  [[nodiscard]] std::size_t gpu_bytes() const noexcept { return (opaque_ + blended_) * sizeof(Instance); }
+
+ private:
+  struct Instance {
+    std::array<float, 3> from, to;
+    Rgba from_color, to_color;
+    std::array<float, 2> width;  ///< And 1 if it is in metres.
+  };
+
+  ShaderProgram program_;
+  GlBuffer buffer_;
+  GlVertexArray vertices_;
+  std::size_t opaque_ = 0, blended_ = 0;
+};
+
+}  // namespace hgros::viewer

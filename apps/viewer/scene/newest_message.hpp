@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "hgros/session/session.hpp"
+#include "viewer/scene/display.hpp"
+
+namespace hgros::viewer {
+
+/// The newest message of a channel, read by the thread of the session that brought it, so that the one that draws need
+/// not wait for large ones. What was read and not yet taken when the next came is dropped and counted.
+///
+/// Thread safety: none; the callback inside sees only what a mutex guards.
+/// Invariants: what Take gives was read with the options that were set last.
+template <class Message, class Options, class Shown>
+class NewestMessage {
+ public:
+  /// Returns what is wrong, in a sentence, or nothing.
+  using Reader = std::function<std::string(const Message&, const Options&, Shown&)>;
+  struct Read {
+    Shown shown;
+    std::string fault;  ///< If there is one, nothing is shown.
+  };
+
+  NewestMessage(const DisplayInputs& inputs, Options options, Reader read)
+      : shared_(std::make_shared<Shared>(std::move(options), std::move(read))),
+        subscription_(inputs.session.FromAny<Message>(
+            inputs.channel, Invoke::kSerial,
+            [shared = shared_, wake = inputs.wake](std::shared_ptr<const Message> message) {
+              if (shared->Put(std::move(message))) wake();
+            },
+            {.queue = Queue::Latest()})) {}
+
+  /// The last message is read with them again, by the caller.
+  void SetOptions(Options options) {
+    std::shared_ptr<const Message> last;
+    {
+      const std::scoped_lock lock(shared_->mutex);
+      shared_->options = std::move(options);
+      ++shared_->version;
+      last = shared_->last;
+    }
+    if (last) (void)shared_->Put(std::move(last), true);
+  }
+  /// What has come since the last call.
+  [[nodiscard]] std::optional<Read> Take() {
+    const std::scoped_lock lock(shared_->mutex);
+    return std::exchange(shared_->waiting, std::nullopt);
+  }
+  void Clear() {
+    const std::scoped_lock lock(shared_->mutex);
+    shared_->waiting.reset();
+    shared_->last.reset();
+  }
+
+  [[nodiscard]] std::uint64_t received() const {
+    const std::scoped_lock lock(shared_->mutex);
+    return shared_->received;
+  }
+  [[nodiscard]] std::uint64_t dropped() const {
+    const std::scoped_lock lock(shared_->mutex);
+    return shared_->dropped;
+  }
+
+ private:
+  struct Shared {
+    Shared(Options with, Reader reader) : read(std::move(reader)), options(std::move(with)) {}
+
+    /// Whether somebody has to be told.
+    bool Put(std::shared_ptr<const Message> message, bool again = false) {
+      for (;;) {
+        Options with;
+        std::uint64_t of = 0;
+        {
+          const std::scoped_lock lock(mutex);
+          with = options;
+          of = version;
+        }
+        Read result;
+        result.fault = read(*message, with, result.shown);
+        const std::scoped_lock lock(mutex);
+        if (of != version) continue;
+        if (again && message != last) return false;  // A newer one has come meanwhile.
+        const bool first = !waiting;
+        if (!again) {
+          ++received;
+          dropped += first ? 0 : 1;
+        }
+        waiting = std::move(result);
+        last = std::move(message);
+        return first;
+      }
+    }
+
+    const Reader read;
+    mutable std::mutex mutex;
+    Options options;
+    std::uint64_t version = 0;  ///< Of the options.
+    std::optional<Read> waiting;
+    std::shared_ptr<const Message> last;
+    std::uint64_t received = 0;
+    std::uint64_t dropped = 0;
+  };
+
+  std::shared_ptr<Shared> shared_;
+  Subscription subscription_;
+};
+
+}  // namespace hgros::viewer

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "hgros/tf/rigid_transform.hpp"
+#include "viewer/data/scene_shapes.hpp"
+#include "viewer/scene/gl_object.hpp"
+#include "viewer/scene/shader_program.hpp"
+#include "viewer/view/camera.hpp"
+
+namespace hgros::viewer {
+
+/// A picture that lies in the plane z = 0 of a frame, its first pixel at the origin, its rows along x: as many textures
+/// as its size takes. Thread: the one whose GL context is current.
+class PictureTiles {
+ public:
+  /// `most_pixels`: the longest side of a texture; what the driver takes, if that is less.
+  explicit PictureTiles(std::size_t most_pixels = 4096);
+
+  void Set(std::span<const Rgba> pixels, std::size_t columns, std::size_t rows);
+  /// `pixel_metres`: the size of a pixel along x and y. With `blended` it hides nothing that is drawn later.
+  void Draw(const ViewMatrices& view, const RigidTransform& T_fixed_corner, const Eigen::Vector2d& pixel_metres,
+            float alpha, bool blended);
+  [[nodiscard]] std::size_t tiles() const noexcept { return tiles_.size(); }
+  [[nodiscard]] std::size_t gpu_bytes() const noexcept { return columns_ * rows_ * 4 * 4 / 3; }
+
+ private:
+  struct Tile {
+    GlTexture texture;
+    std::size_t column, row, columns, rows;
+  };
+  void Cut(std::size_t columns, std::size_t rows);
+
+  std::size_t most_pixels_;
+  ShaderProgram program_;
+  GlVertexArray corners_;  ///< Without attributes, as GL wants one.
+  std::vector<Tile> tiles_;
+  std::size_t columns_ = 0, rows_ = 0;
+};
+
+}  // namespace hgros::viewer

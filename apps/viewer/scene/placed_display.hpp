@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viewer/scene/display.hpp"
+#include "viewer/scene/placement.hpp"
+#include "viewer/scene/settling.hpp"
+
+namespace hgros::viewer {
+
+/// What shows the newest message of a channel as a whole, in the frame that the message names: settled while it is left
+/// alone, and drawn last while it can be seen through.
+class PlacedDisplay : public Display {
+ public:
+  [[nodiscard]] Change Update(const UpdateContext& context) final;
+  void DrawNew(const DrawContext& context) final;
+  void DrawSettled(const DrawContext& context, const Slice& slice) final;
+  void DrawMoving(const DrawContext& context) final;
+  void DrawBlended(const DrawContext& context) final;
+  void Clear() final;
+  void OnSetting(const std::string& name) final;
+  [[nodiscard]] std::vector<std::string> Status() const final;
+  [[nodiscard]] bool HasFault() const final { return !fault_.empty() || !placement_.fault().empty(); }
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
+  [[nodiscard]] double next_change_s() const final { return settling_.next_change_s(); }
+
+ protected:
+  /// Takes what has arrived. Returns what is wrong with it, or an empty sentence; nothing if nothing has arrived.
+  [[nodiscard]] virtual std::optional<std::string> TakeArrived() = 0;
+  /// A setting has changed. If it is one of reading, the last message arrives once more.
+  virtual void TakeSetting(const std::string& name) = 0;
+  virtual void Forget() = 0;
+  /// Nothing of the last message can be drawn.
+  [[nodiscard]] virtual bool empty() const = 0;
+  [[nodiscard]] virtual bool blended() const = 0;
+  [[nodiscard]] virtual const std::string& frame() const = 0;
+  /// What it begins at, in its frame.
+  [[nodiscard]] virtual const Eigen::Isometry3d& T_frame_corner() const = 0;
+  /// Where it is from there, along the axes of the corner.
+  [[nodiscard]] virtual Eigen::AlignedBox3d box() const = 0;
+  virtual void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Slice& slice) = 0;
+  /// What there is to say of a message that is not empty.
+  virtual void Describe(std::vector<std::string>& lines) const = 0;
+  [[nodiscard]] virtual std::uint64_t received() const = 0;
+  [[nodiscard]] virtual std::uint64_t dropped() const = 0;
+
+ private:
+  [[nodiscard]] RigidTransform T_fixed_corner() const {
+    return placement_.T_fixed_frame() * RigidTransform(T_frame_corner());
+  }
+
+  Placement placement_;
+  Settling settling_;
+  std::string fault_;
+  bool setting_changed_ = false;
+};
+
+/// "There are: x y z", if there are several.
+void ListFields(const std::vector<std::string>& fields, std::vector<std::string>& lines);
+
+}  // namespace hgros::viewer

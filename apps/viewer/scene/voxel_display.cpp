@@ -1,0 +1,148 @@
+#include <utility>
+
+#include "viewer/data/value_range.hpp"
+#include "viewer/scene/display_types.hpp"
+#include "viewer/scene/newest_message.hpp"
+#include "viewer/scene/placed_display.hpp"
+#include "viewer/scene/voxel_cubes.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+using VoxelGrid = Bulk<foxglove::VoxelGrid>;
+
+constexpr std::size_t kPointsOfACube = 4;  ///< It takes about as long to draw as so many points.
+
+struct VoxelOptions {
+  std::string field;
+  float threshold = 0;
+};
+
+struct ReadVoxelGrid {
+  VoxelPicture picture;
+  ValueRange values;
+  Eigen::AlignedBox3d box;  ///< About what is occupied, from the corner.
+};
+
+std::string Read(const VoxelGrid& grid, const VoxelOptions& options, ReadVoxelGrid& read) {
+  if (std::string fault = ReadVoxels(grid, options.field, static_cast<double>(options.threshold), read.picture);
+      !fault.empty()) {
+    return fault;
+  }
+  for (const std::size_t count : read.picture.counts) {
+    if (count > VoxelCubes::kMostInARow) {
+      return "The voxel grid has more than " + std::to_string(VoxelCubes::kMostInARow) + " cells in a row.";
+    }
+  }
+  const Eigen::Vector3d& size = read.picture.cell_size;
+  std::vector<float> values;
+  values.reserve(read.picture.cubes.size());
+  for (const VoxelCube& cube : read.picture.cubes) {
+    const Eigen::Vector3d least = size.cwiseProduct(Eigen::Vector3d(cube.cell[0], cube.cell[1], cube.cell[2]));
+    read.box.extend(least);
+    read.box.extend(least + size);
+    values.push_back(cube.value);
+  }
+  (void)read.values.Cover(values);
+  return {};
+}
+
+/// The occupied voxels of the newest grid of a channel.
+class VoxelDisplay : public PlacedDisplay {
+ public:
+  explicit VoxelDisplay(const DisplayInputs& inputs) : newest_(inputs, VoxelOptions(), Read) {}
+
+  [[nodiscard]] std::vector<Setting> Settings() override {
+    const auto mapped = [this] { return color_by_ != static_cast<int>(VoxelStyle::ColorBy::kFlat); };
+    const auto ranged = [this, mapped] { return mapped() && !auto_range_; };
+    return {
+        {"color", "What the colour shows.", Setting::Choice{&color_by_, {"flat", "height", "value"}}},
+        {"flat", "The colour of all voxels.", Setting::Color{&style_.flat}, [mapped] { return !mapped(); }},
+        {"map", "The colours from the lowest to the highest value.",
+         Setting::Choice{&style_.map, {kColorMapNames.begin(), kColorMapNames.end()}}, mapped},
+        {"auto range", "The colours go from the lowest to the highest there is.", Setting::Switch{&auto_range_},
+         mapped},
+        {"lowest", "The value of the first colour.", Setting::Number{&lo_, -1e6F, 1e6F, ""}, ranged},
+        {"highest", "The value of the last colour.", Setting::Number{&hi_, -1e6F, 1e6F, ""}, ranged},
+        {"field", "The field that says what is occupied; empty: the first.", Setting::Text{&field_}},
+        {"threshold", "A voxel whose value is above it is occupied.", Setting::Number{&threshold_, -1e6F, 1e6F, ""}},
+        {"alpha", "How much they hide of what lies behind them.", Setting::Number{&style_.alpha, 0, 1, ""}},
+    };
+  }
+  [[nodiscard]] std::size_t settled_points() const override { return blended() ? 0 : kPointsOfACube * cubes_.size(); }
+  [[nodiscard]] std::size_t gpu_bytes() const override { return cubes_.gpu_bytes(); }
+
+ protected:
+  [[nodiscard]] std::optional<std::string> TakeArrived() override {
+    auto read = newest_.Take();
+    if (!read) return std::nullopt;
+    if (!read->fault.empty()) return std::move(read->fault);
+    read_ = std::move(read->shown);
+    cubes_.Set(read_.picture);
+    read_.picture.cubes = {};  // The message is kept: they can be made again.
+    return std::string();
+  }
+  void TakeSetting(const std::string& name) override {
+    if (name == "field" || name == "threshold") newest_.SetOptions({field_, threshold_});
+  }
+  void Forget() override {
+    newest_.Clear();
+    read_ = {};
+    cubes_.Set({});
+  }
+  [[nodiscard]] bool empty() const override { return cubes_.size() == 0; }
+  [[nodiscard]] bool blended() const override { return style_.alpha < 1; }
+  [[nodiscard]] const std::string& frame() const override { return read_.picture.frame; }
+  [[nodiscard]] const Eigen::Isometry3d& T_frame_corner() const override { return read_.picture.T_frame_corner; }
+  [[nodiscard]] Eigen::AlignedBox3d box() const override { return read_.box; }
+  void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Slice& slice) override {
+    VoxelStyle style = style_;
+    style.color_by = static_cast<VoxelStyle::ColorBy>(color_by_);
+    if (!auto_range_) {
+      style.lo = static_cast<double>(lo_);
+      style.hi = static_cast<double>(hi_);
+    } else if (style.color_by == VoxelStyle::ColorBy::kValue) {
+      style.lo = static_cast<double>(read_.values.lo());
+      style.hi = static_cast<double>(read_.values.hi());
+    } else {
+      const Eigen::AlignedBox3d bounds = Bounds();
+      style.lo = bounds.min().z();
+      style.hi = bounds.max().z();
+    }
+    cubes_.Draw(context, T_fixed_corner, style, slice, blended());
+  }
+  void Describe(std::vector<std::string>& lines) const override {
+    const VoxelPicture& picture = read_.picture;
+    lines.push_back(std::to_string(picture.occupied) + " of " + std::to_string(picture.counts[0]) + " x " +
+                    std::to_string(picture.counts[1]) + " x " + std::to_string(picture.counts[2]) +
+                    " voxels are occupied, " + std::to_string(cubes_.size()) + " of them can be seen.");
+    lines.push_back("The value is " + picture.field + ".");
+    ListFields(picture.fields, lines);
+  }
+  [[nodiscard]] std::uint64_t received() const override { return newest_.received(); }
+  [[nodiscard]] std::uint64_t dropped() const override { return newest_.dropped(); }
+
+ private:
+  ReadVoxelGrid read_;  ///< Without the cubes.
+  VoxelCubes cubes_;
+
+  VoxelStyle style_{.flat = {0.75F, 0.78F, 0.82F}};
+  int color_by_ = static_cast<int>(VoxelStyle::ColorBy::kHeight);
+  bool auto_range_ = true;
+  float lo_ = 0;
+  float hi_ = 10;
+  std::string field_;
+  float threshold_ = 0;
+
+  NewestMessage<VoxelGrid, VoxelOptions, ReadVoxelGrid> newest_;
+};
+
+}  // namespace
+
+DisplayType VoxelDisplayType() {
+  return {"Voxels", {"foxglove.VoxelGrid"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
+            return std::make_unique<VoxelDisplay>(inputs);
+          }};
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,263 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "foxglove/Grid.pb.h"
+#include "foxglove/PointCloud.pb.h"
+#include "viewer/scene/picture_tiles.hpp"
+#include "viewer/scene/scene_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+using foxglove::PackedElementField;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr int kColumns = 48;
+constexpr int kRows = 36;
+constexpr double kCell = 0.25;
+
+/// Cells about the origin, with no values yet.
+foxglove::Grid Empty(PackedElementField::NumericType type, std::uint32_t bytes) {
+  foxglove::Grid grid;
+  grid.set_frame_id("map");
+  grid.mutable_pose()->mutable_position()->set_x(-0.5 * kColumns * kCell);
+  grid.mutable_pose()->mutable_position()->set_y(-0.5 * kRows * kCell);
+  grid.mutable_cell_size()->set_x(kCell);
+  grid.mutable_cell_size()->set_y(kCell);
+  grid.set_column_count(kColumns);
+  grid.set_cell_stride(bytes);
+  grid.set_row_stride(kColumns * bytes);
+  auto* const field = grid.add_fields();
+  field->set_name("value");
+  field->set_type(type);
+  return grid;
+}
+
+/// Two rooms with a door between them; beyond the right one nothing is known.
+foxglove::Grid Rooms(int door = 10) {
+  foxglove::Grid grid = Empty(PackedElementField::INT8, 1);
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kColumns; ++x) {
+      const bool wall = x == 0 || y == 0 || y == kRows - 1 || x == 38 || (x == 20 && std::abs(y - door) > 3);
+      grid.mutable_data()->push_back(x > 38 ? char{-1} : wall ? char{100} : char{0});
+    }
+  }
+  return grid;
+}
+
+/// Costs that fall off about one place, and are nothing far from it.
+foxglove::Grid Costs() {
+  foxglove::Grid grid = Empty(PackedElementField::INT8, 1);
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kColumns; ++x) {
+      grid.mutable_data()->push_back(static_cast<char>(std::max(0.0, 100 - 8 * std::hypot(x - 28, y - 12))));
+    }
+  }
+  return grid;
+}
+
+foxglove::Grid Heights() {
+  foxglove::Grid grid = Empty(PackedElementField::FLOAT32, 4);
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kColumns; ++x) {
+      const auto height = static_cast<float>(std::sin(0.3 * x) + std::cos(0.25 * y));
+      grid.mutable_data()->append(reinterpret_cast<const char*>(&height), sizeof height);
+    }
+  }
+  return grid;
+}
+
+/// A line of points on the ground, from one corner to the other.
+foxglove::PointCloud Diagonal() {
+  foxglove::PointCloud cloud;
+  cloud.set_frame_id("map");
+  cloud.set_point_stride(12);
+  std::uint32_t offset = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    auto* const field = cloud.add_fields();
+    field->set_name(name);
+    field->set_type(PackedElementField::FLOAT32);
+    field->set_offset(offset);
+    offset += 4;
+  }
+  for (int i = 0; i < 200; ++i) {
+    const float at[3] = {0.05F * static_cast<float>(i) - 5, 0.04F * static_cast<float>(i) - 4, 0};
+    cloud.mutable_data()->append(reinterpret_cast<const char*>(at), sizeof at);
+  }
+  return cloud;
+}
+
+class GridPictures : public SceneTest {};
+
+TEST_F(GridPictures, OfAMapWithPointsOnIt) {
+  Add("Point cloud", "cloud", {"color", "flat", "flat", "#ff4000", "size", "3"});
+  Add("Grid", "map");
+  Publish("map", Rooms());
+  Publish("cloud", Diagonal());
+  Update();
+  ExpectAsKept("grid_map");
+}
+
+TEST_F(GridPictures, OfCostsThatTheMapIsSeenThrough) {
+  Add("Grid", "costs", {"palette", "costmap", "alpha", "0.7"});
+  Add("Grid", "map");
+  Publish("map", Rooms());
+  Publish("costs", Costs());
+  Update();
+  ExpectAsKept("grid_costs_over_map");
+}
+
+TEST_F(GridPictures, OfValuesAsTheyAre) {
+  Add("Grid", "heights");
+  Publish("heights", Heights());
+  Update();
+  ExpectAsKept("grid_raw");
+}
+
+TEST_F(GridPictures, OfARewrittenGridLeaveNothingOfTheOldOne) {
+  Add("Grid", "map");
+  Publish("map", Rooms(10));
+  Update(0);
+  (void)Draw();
+  Publish("map", Rooms(24));
+  Update(1);
+  const Pixels rewritten = Draw();
+  Update(10);  // At rest it is settled again.
+  const Pixels settled = Draw();
+  scene_.Remove(0);
+  Add("Grid", "map");
+  Publish("map", Rooms(24));
+  Update(11);
+  const Pixels fresh = Draw();
+  EXPECT_LT(DifferentShare(rewritten, fresh), 0.001);
+  EXPECT_LT(DifferentShare(settled, fresh), 0.001);
+}
+
+TEST_F(GridPictures, ComeToRestWithoutAMessage) {
+  Display& display = Add("Grid", "map");
+  Publish("map", Rooms(10));
+  Update(0);
+  (void)Draw();
+  EXPECT_EQ(display.next_change_s(), std::numeric_limits<double>::infinity());
+  Publish("map", Rooms(24));
+  Update(1);
+  EXPECT_EQ(display.next_change_s(), 3);
+  Update(3);
+  EXPECT_EQ(display.next_change_s(), std::numeric_limits<double>::infinity());
+}
+
+TEST_F(GridPictures, MoveWithTheirFrame) {
+  Add("Grid", "map");
+  tree_.Set("map", "odom", Time{1}, RigidTransform());
+  foxglove::Grid grid = Rooms();
+  grid.set_frame_id("odom");
+  Publish("map", grid);
+  Update(0);
+  const Pixels before = Draw();
+  tree_.Set("map", "odom", Time{2}, RigidTransform({1, 0, 0, 0}, {0, 3, 0}));
+  transforms_changed_ = true;
+  Update(1);
+  EXPECT_GT(DifferentShare(before, Draw()), 0.01);
+  tree_.Set("map", "odom", Time{3}, RigidTransform());
+  transforms_changed_ = true;
+  Update(2);
+  EXPECT_LT(DifferentShare(before, Draw()), 0.002);
+}
+
+TEST_F(GridPictures, LookTheSameMillionsOfMetresAway) {
+  Add("Grid", "map");
+  Publish("map", Rooms());
+  Update();
+  const Pixels here = Draw();
+  const Eigen::Vector3d there(500'000, 5'400'000, 256);
+  foxglove::Grid grid = Rooms();
+  auto& corner = *grid.mutable_pose()->mutable_position();
+  corner.set_x(corner.x() + there.x());
+  corner.set_y(corner.y() + there.y());
+  corner.set_z(corner.z() + there.z());
+  Publish("map", grid);
+  Update();
+  camera_.Follow(RigidTransform(), RigidTransform({1, 0, 0, 0}, there), false);
+  EXPECT_LT(DifferentShare(here, Draw()), 0.005);
+}
+
+TEST_F(GridPictures, AreReadAgainWhenTheirPaletteIsAnotherOne) {
+  Display& display = Add("Grid", "map");
+  Publish("map", Rooms());
+  Update();
+  const Pixels map = Draw();
+  const std::vector<Setting> settings = display.Settings();
+  ASSERT_EQ(SetFromText(settings.front(), "costmap"), "");
+  display.OnSetting("palette");
+  Update();
+  EXPECT_GT(DifferentShare(map, Draw()), 0.1);
+}
+
+TEST_F(GridPictures, ThatCannotBeDrawnAreASentence) {
+  Display& display = Add("Grid", "map");
+  EXPECT_THAT(display.Status(), Contains(HasSubstr("Nothing has arrived")));
+  foxglove::Grid bad = Rooms();
+  bad.clear_cell_size();
+  Publish("map", bad);
+  Update();
+  EXPECT_TRUE(display.HasFault());
+  EXPECT_THAT(display.Status().front(), HasSubstr("no size"));
+  tree_.SetStatic("map", "other", RigidTransform());
+  foxglove::Grid lost = Rooms();
+  lost.set_frame_id("nowhere");
+  transforms_changed_ = true;
+  Publish("map", lost);
+  Update();
+  EXPECT_THAT(display.Status().front(), HasSubstr("nowhere"));
+  Publish("map", Rooms());
+  Update();
+  EXPECT_FALSE(display.HasFault());
+  Publish("map", Empty(PackedElementField::INT8, 1));
+  Update();
+  EXPECT_THAT(display.Status().front(), HasSubstr("no cells"));
+}
+
+/// A board of many colours, cut into textures of so many pixels.
+class Board : public Display {
+ public:
+  explicit Board(std::size_t most_pixels) : tiles_(most_pixels) {
+    std::vector<Rgba> pixels;
+    for (unsigned i = 0; i < 100 * 70; ++i) pixels.push_back(MakeRgba(i % 100 * 2, i / 100 * 3, i * 77 % 256));
+    tiles_.Set(pixels, 100, 70);
+  }
+  [[nodiscard]] Change Update(const UpdateContext& /*context*/) override { return Change::kMoving; }
+  void DrawMoving(const DrawContext& context) override {
+    tiles_.Draw(context.view, RigidTransform({1, 0, 0, 0}, {-5, -3.5, 0}), {0.1, 0.1}, 1, false);
+  }
+  [[nodiscard]] std::size_t points() const override { return tiles_.tiles(); }
+
+ private:
+  PictureTiles tiles_;
+};
+
+TEST_F(GridPictures, LookTheSameInOneTextureAsInMany) {
+  const auto drawn = [&](std::unique_ptr<Display> (*make)(const DisplayInputs&), std::size_t tiles) {
+    const DisplayType type{"Board", {}, make};
+    scene_.Add(type, {session_, "", [] {}});
+    Update();
+    EXPECT_EQ(scene_.points(), tiles);
+    const Pixels pixels = Draw();
+    scene_.Remove(0);
+    return pixels;
+  };
+  camera_.LookFromAbove();
+  camera_.Zoom(1.8, 160, 120, kPictureSize);
+  const Pixels one =
+      drawn([](const DisplayInputs&) -> std::unique_ptr<Display> { return std::make_unique<Board>(4096); }, 1);
+  const Pixels many =
+      drawn([](const DisplayInputs&) -> std::unique_ptr<Display> { return std::make_unique<Board>(32); }, 12);
+  EXPECT_LT(DifferentShare(one, many), 0.02);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test
