@@ -293,6 +293,7 @@ void Viewer::DrawPanels() {
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
   if (show_panels_) {
     view_panel_.Draw(camera_, frame_);
+    image_panel_.Draw(scene_);
     const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_);
     if (wish.add != nullptr) Add(*wish.add, wish.channel, {});
     if (wish.set_fixed_frame) {

@@ -14,6 +14,7 @@
 #include "viewer/app/options.hpp"
 #include "viewer/app/surface.hpp"
 #include "viewer/panels/display_panel.hpp"
+#include "viewer/panels/image_panel.hpp"
 #include "viewer/panels/imgui_renderer.hpp"
 #include "viewer/panels/key_table.hpp"
 #include "viewer/panels/view_panel.hpp"
@@ -71,6 +72,7 @@ class Viewer {
   ImguiRenderer panels_renderer_;
   DisplayPanel display_panel_;
   ViewPanel view_panel_;
+  ImagePanel image_panel_;
 
   std::atomic<bool> woken_ = true;
   std::atomic<bool> stop_ = false;

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hgros/session/session.hpp"
 #include "viewer/data/fixed_frame.hpp"
+#include "viewer/data/image_picture.hpp"
 #include "viewer/data/scene_shapes.hpp"
 #include "viewer/scene/point_programs.hpp"
 #include "viewer/scene/setting.hpp"
@@ -55,6 +57,12 @@ struct Label {
   bool in_metres = false;
 };
 
+/// An image that has a panel of its own.
+struct ShownImage {
+  const ImagePicture* picture;  ///< Until the next Update.
+  unsigned texture;             ///< GL's name of it.
+};
+
 /// Something that is shown: messages of one channel, or what the viewer itself knows. Messages arrive on threads of the
 /// session and wait in an Inbox; everything below is called by the thread that draws, with its GL context current.
 ///
@@ -85,6 +93,7 @@ class Display {
   [[nodiscard]] virtual std::vector<std::string> Status() const { return {}; }
   [[nodiscard]] virtual bool HasFault() const { return false; }
   [[nodiscard]] virtual std::vector<Label> Labels() const { return {}; }
+  [[nodiscard]] virtual std::optional<ShownImage> Image() const { return std::nullopt; }
   /// How much DrawSettled draws, in points; decides into how many slices it is cut.
   [[nodiscard]] virtual std::size_t settled_points() const { return 0; }
   [[nodiscard]] virtual std::size_t points() const { return 0; }

@@ -6,8 +6,9 @@ namespace hgros::viewer {
 
 std::span<const DisplayType> DisplayTypes() {
   static const std::vector<DisplayType> types = {
-      CloudDisplayType(),  ScanDisplayType(),       GridDisplayType(), VoxelDisplayType(),  SceneDisplayType(),
-      ShapesDisplayType(), TrajectoryDisplayType(), PoseDisplayType(), FramesDisplayType(), GroundDisplayType(),
+      CloudDisplayType(),  ScanDisplayType(),       GridDisplayType(), VoxelDisplayType(), SceneDisplayType(),
+      ShapesDisplayType(), TrajectoryDisplayType(), PoseDisplayType(), ImageDisplayType(), CompressedImageDisplayType(),
+      FramesDisplayType(), GroundDisplayType(),
   };
   return types;
 }

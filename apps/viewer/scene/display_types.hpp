@@ -25,6 +25,8 @@ DisplayType GridDisplayType();
 DisplayType VoxelDisplayType();
 DisplayType SceneDisplayType();
 DisplayType ShapesDisplayType();
+DisplayType ImageDisplayType();
+DisplayType CompressedImageDisplayType();
 DisplayType FramesDisplayType();
 DisplayType GroundDisplayType();
 

@@ -1,5 +1,5 @@
-// Publishes recorded data as the robot did: viewer_recorded_publisher kitti|intel|aces FOLDER [HZ], where FOLDER has
-// lidar3d/ and lidar2d/ below it.
+// Publishes recorded data as the robot did: viewer_recorded_publisher kitti|intel|aces|willow|fr079|fetch|tum FOLDER
+// [HZ], where FOLDER has lidar3d/, lidar2d/, maps/, robots/ and images/ below it.
 #include <zlib.h>
 
 #include <chrono>
@@ -9,25 +9,34 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "foxglove/CompressedImage.pb.h"
 #include "foxglove/LaserScan.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
 #include "hgros/clock/rate.hpp"
 #include "hgros/session/session.hpp"
+#include "hgros/tf/robot_description.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "viewer/e2e/message_parts.hpp"
+#include "viewer/e2e/recorded_maps.hpp"
 
 namespace {
 
 using namespace hgros;
+using viewer::test::ReadMap;
+using viewer::test::ReadOctree;
 using viewer::test::SetFloatFields;
 using viewer::test::SetPose;
 using viewer::test::SetStamp;
+
+constexpr int kRepeats = 60;
 
 std::string Unpacked(const std::filesystem::path& file) {
   std::string text;
@@ -120,17 +129,76 @@ int Carmen(Session& session, const std::filesystem::path& file, Duration period)
   return 0;
 }
 
+/// Sends the same message again and again, for as long as somebody may look.
+template <class T>
+int Repeat(Session& session, const std::string& channel, std::unique_ptr<T> message, Duration period) {
+  auto publish = session.Advertise<T>(channel);
+  const std::shared_ptr<const T> shared = std::move(message);
+  Rate rate(session.clock(), period);
+  for (int i = 0; i < kRepeats; ++i) {
+    publish(shared);
+    (void)rate.Sleep();
+  }
+  return 0;
+}
+
+int Images(Session& session, const std::filesystem::path& folder, Duration period) {
+  auto colors = session.Advertise<foxglove::CompressedImage>("color");
+  auto depths = session.Advertise<foxglove::CompressedImage>("depth");
+  Rate rate(session.clock(), period);
+  for (int i = 0; i < kRepeats; ++i) {
+    const std::string number(1, static_cast<char>('1' + i % 2));
+    for (const auto& [publish, name] : {std::pair(&colors, number + ".png"), {&depths, number + "_depth.png"}}) {
+      foxglove::CompressedImage image;
+      image.set_frame_id("camera");
+      image.set_format("png");
+      SetStamp(*image.mutable_timestamp(), WallNow().nanoseconds);
+      std::ifstream file(folder / name, std::ios::binary);
+      image.mutable_data()->assign(std::istreambuf_iterator<char>(file), {});
+      (*publish)(image);
+    }
+    (void)rate.Sleep();
+  }
+  return 0;
+}
+
+/// Its joints swing about their middle.
+int Robot(Session& session, const std::filesystem::path& urdf, Duration period) {
+  const RobotDescription robot = RobotDescription::FromFile(urdf);
+  Transforms transforms(session);
+  (void)transforms.ToStaticTF(robot.FixedEdges());
+  Rate rate(session.clock(), period);
+  for (int i = 0; i < 20 * kRepeats; ++i) {
+    std::vector<JointPosition> positions;
+    for (const std::string& joint : robot.joints()) {
+      positions.push_back({joint, joint.starts_with("base") ? 0 : 0.3 * std::sin(0.1 * i)});
+    }
+    (void)transforms.ToTF(robot.EdgesAt(WallNow(), positions));
+    transforms.Flush();
+    (void)rate.Sleep();
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fputs("usage: viewer_recorded_publisher kitti|intel|aces FOLDER [HZ]\n", stderr);
+    std::fputs("usage: viewer_recorded_publisher kitti|intel|aces|willow|fr079|fetch|tum FOLDER [HZ]\n", stderr);
     return 2;
   }
   const std::string what = argv[1];
   const std::filesystem::path folder = argv[2];
   const Duration period(static_cast<std::int64_t>(1e9 / (argc > 3 ? std::atof(argv[3]) : 10)));
   Session session;
+  if (what == "willow") {
+    return Repeat(session, "map", ReadMap(folder / "maps" / "willow-2010-02-18-0.10.pgm", 0.1), period);
+  }
+  if (what == "fr079") {
+    return Repeat(session, "voxels", ReadOctree(folder / "maps" / "freiburg_079_corridor.bt"), period);
+  }
+  if (what == "fetch") return Robot(session, folder / "robots" / "fetch.urdf", period);
+  if (what == "tum") return Images(session, folder / "images" / "tum_rgbd_pair", period);
   if (what == "kitti") return Kitti(session, folder / "lidar3d" / "kitti_drive0005", period);
   return Carmen(session, folder / "lidar2d" / (what + ".clf.gz"), period);
 }

@@ -78,7 +78,12 @@ Pixels SceneTest::Draw() {
 }
 
 void SceneTest::ExpectAsKept(const std::string& name) {
-  const Pixels pixels = Draw();
+  (void)Draw();
+  ExpectDrawnAsKept(name);
+}
+
+void SceneTest::ExpectDrawnAsKept(const std::string& name) {
+  const Pixels pixels = scene_.picture().Pixels();
   const std::filesystem::path kept = std::filesystem::path(HGROS_KEPT_PICTURES) / (name + ".png");
   if (std::getenv("HGROS_KEEP_PICTURES") != nullptr) {
     ASSERT_EQ(WritePng(kept, kPictureSize, pixels), "");

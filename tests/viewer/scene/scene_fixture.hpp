@@ -33,6 +33,8 @@ class SceneTest : public ::testing::Test {
   [[nodiscard]] Pixels Draw();
   /// The picture is as the one that was looked at and kept; HGROS_KEEP_PICTURES=1 keeps it.
   void ExpectAsKept(const std::string& name);
+  /// Likewise of what was drawn before.
+  void ExpectDrawnAsKept(const std::string& name);
 
   template <class T>
   void Publish(const std::string& channel, const T& message) {
