@@ -72,7 +72,8 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_option("--channel", channels,
                  "NAME:SCHEMA[,setting=value...], such as lidar:foxglove.PointCloud,keep=all; repeatable")
       ->take_all();
-  app.add_option("--display", displays, "Frames or Ground[,setting=value...]; visible=off hides it; repeatable")
+  app.add_option("--display", displays,
+                 "Frames, Ground or \"Robot model\"[,setting=value...]; visible=off hides it; repeatable")
       ->take_all();
   app.add_option("--network", network, "configuration of the session, as for every program; repeatable")
       ->take_all()

@@ -38,7 +38,7 @@ struct Widget {
     return ImGui::ColorEdit3(name, color.value->data(), ImGuiColorEditFlags_NoInputs);
   }
   bool operator()(const Setting::Text& text) const {
-    char words[128];
+    char words[1024];
     std::snprintf(words, sizeof words, "%s", text.value->c_str());
     if (!ImGui::InputText(name, words, sizeof words, ImGuiInputTextFlags_EnterReturnsTrue)) return false;
     *text.value = words;

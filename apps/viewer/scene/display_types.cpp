@@ -6,9 +6,11 @@ namespace hgros::viewer {
 
 std::span<const DisplayType> DisplayTypes() {
   static const std::vector<DisplayType> types = {
-      CloudDisplayType(),  ScanDisplayType(),       GridDisplayType(), VoxelDisplayType(), SceneDisplayType(),
-      ShapesDisplayType(), TrajectoryDisplayType(), PoseDisplayType(), ImageDisplayType(), CompressedImageDisplayType(),
-      FramesDisplayType(), GroundDisplayType(),
+      CloudDisplayType(),           ScanDisplayType(),  GridDisplayType(),
+      VoxelDisplayType(),           SceneDisplayType(), ShapesDisplayType(),
+      TrajectoryDisplayType(),      PoseDisplayType(),  ImageDisplayType(),
+      CompressedImageDisplayType(), RobotDisplayType(), FramesDisplayType(),
+      GroundDisplayType(),
   };
   return types;
 }

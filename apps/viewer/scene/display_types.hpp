@@ -27,6 +27,7 @@ DisplayType SceneDisplayType();
 DisplayType ShapesDisplayType();
 DisplayType ImageDisplayType();
 DisplayType CompressedImageDisplayType();
+DisplayType RobotDisplayType();
 DisplayType FramesDisplayType();
 DisplayType GroundDisplayType();
 

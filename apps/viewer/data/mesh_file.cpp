@@ -1,0 +1,26 @@
+#include "viewer/data/mesh_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+
+#include "hgros/base/bytes.hpp"
+#include "viewer/data/stl_mesh.hpp"
+
+namespace hgros::viewer {
+
+std::string ReadMesh(const std::filesystem::path& path, std::vector<TriangleCorner>& corners) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char letter) { return std::tolower(letter); });
+  if (ending != ".stl") return "Meshes of the kind \"" + ending + "\", as " + path.string() + ", cannot be read.";
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  if (!file) return "The mesh " + path.string() + " cannot be read.";
+  std::vector<Eigen::Vector3f> read;
+  if (std::string fault = ReadStl(AsBytes(bytes), read); !fault.empty()) return path.string() + ": " + fault;
+  for (const Eigen::Vector3f& corner : read) corners.push_back({corner.cast<double>(), 0});
+  return {};
+}
+
+}  // namespace hgros::viewer
