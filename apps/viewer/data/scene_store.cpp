@@ -71,7 +71,7 @@ std::string SceneStore::Apply(const foxglove::SceneUpdate& update, Time now) {
     Entity entity;
     entity.frame = said.frame_id();
     entity.stamp = StampOf(said.timestamp());
-    if (const auto& lifetime = said.lifetime(); lifetime.seconds() < kForEverS) {
+    if (const auto& lifetime = said.lifetime(); lifetime.seconds() >= 0 && lifetime.seconds() < kForEverS) {
       const Duration lasts(lifetime.seconds() * 1'000'000'000 + lifetime.nanos());
       const Time begin = entity.stamp.nanoseconds == 0 ? now : entity.stamp;
       if (lasts > Duration::zero()) entity.ends = Later(begin, lasts);

@@ -16,9 +16,9 @@ bool Placement::Follow(const std::string& frame, const UpdateContext& context) {
     return false;
   }
   fault_.clear();
-  const bool same = known_ && now.translation == T_fixed_frame_.translation &&
-                    now.rotation.coeffs() == T_fixed_frame_.rotation.coeffs();
-  T_fixed_frame_ = now;
+  const bool same = known_ && now.translation == placed_.translation &&
+                    now.rotation.coeffs() == placed_.rotation.coeffs();
+  placed_ = now;
   known_ = true;
   return !same;
 }

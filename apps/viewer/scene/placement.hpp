@@ -17,13 +17,13 @@ class Placement {
   void Forget() { known_ = false; }
 
   [[nodiscard]] bool known() const noexcept { return known_; }
-  [[nodiscard]] const RigidTransform& T_fixed_frame() const noexcept { return T_fixed_frame_; }
+  [[nodiscard]] const RigidTransform& T_fixed_frame() const noexcept { return placed_; }
   /// Why there is no newer place, in a sentence; empty if there is one.
   [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
 
  private:
   std::string frame_;
-  RigidTransform T_fixed_frame_;
+  RigidTransform placed_;
   std::string fault_;
   bool known_ = false;
 };

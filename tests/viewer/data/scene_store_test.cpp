@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace hgros::viewer {
@@ -90,6 +91,18 @@ TEST(SceneStore, EntitiesEndWithTheirLifetime) {
   EXPECT_EQ(Ids(store), (std::vector<std::string>{"ever", "long"}));
   EXPECT_TRUE(store.Expire({100 * kSecond}));
   EXPECT_FALSE(store.NextEnd());
+}
+
+TEST(SceneStore, TheLifetimeOfAnEntityWithoutAStampBeginsWhenItComes) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "unstamped", 0).mutable_lifetime()->set_seconds(1);
+  Add(update, "nearly for ever", 10).mutable_lifetime()->set_seconds(std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(store.Apply(update, Time{50 * kSecond}), "");
+  ASSERT_TRUE(store.NextEnd());
+  EXPECT_EQ(store.NextEnd()->nanoseconds, 51 * kSecond);
+  EXPECT_TRUE(store.Expire({51 * kSecond}));
+  EXPECT_EQ(Ids(store), (std::vector<std::string>{"nearly for ever"}));
 }
 
 TEST(SceneStore, LockedEntitiesMoveWithTheirFrameAndOthersStay) {
