@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -32,9 +33,10 @@ class Inbox {
     return first;
   }
 
-  /// All that wait, oldest first.
-  [[nodiscard]] std::vector<Message> TakeAll() {
+  /// All that wait, oldest first; only the newest `most` if there are more, and the others are dropped.
+  [[nodiscard]] std::vector<Message> TakeAll(std::size_t most = std::numeric_limits<std::size_t>::max()) {
     const std::scoped_lock lock(mutex_);
+    for (; messages_.size() > most; messages_.pop_front()) ++dropped_;
     std::vector<Message> taken(std::make_move_iterator(messages_.begin()), std::make_move_iterator(messages_.end()));
     messages_.clear();
     return taken;

@@ -26,7 +26,7 @@ PackedPoints Pack(std::span<const Eigen::Vector3d> positions, std::span<const fl
   if (packed.scalar_hi <= packed.scalar_lo) packed.scalar_hi = packed.scalar_lo + 1;
 
   const auto code = [](double unit) {
-    return static_cast<std::uint16_t>(std::isfinite(unit) ? std::lround(std::clamp(unit, 0.0, 1.0) * 65535) : 0);
+    return static_cast<std::uint16_t>(std::isfinite(unit) ? std::clamp(unit, 0.0, 1.0) * 65535 + 0.5 : 0);
   };
   packed.points.reserve(positions.size());
   const Eigen::Vector3d scale = packed.size.cast<double>().cwiseInverse();

@@ -18,9 +18,9 @@ class CloudDisplay : public PointsDisplay {
             })) {}
 
  protected:
-  [[nodiscard]] std::vector<Read> ReadArrived(const std::string& field) override {
+  [[nodiscard]] std::vector<Read> ReadArrived(const std::string& field, std::size_t most) override {
     std::vector<Read> all;
-    for (const auto& cloud : inbox_->TakeAll()) {
+    for (const auto& cloud : inbox_->TakeAll(most)) {
       Read read;
       read.fault = ReadCloud(*cloud, field, read.batch);
       all.push_back(std::move(read));

@@ -21,7 +21,7 @@ Change PointsDisplay::Update(const UpdateContext& context) {
     change = Change::kRedraw;
   }
   if (std::exchange(setting_changed_, false)) change = Change::kRedraw;
-  for (Read& read : ReadArrived(field_)) {
+  for (Read& read : ReadArrived(field_, MostMessages())) {
     if (!read.fault.empty()) {
       fault_ = std::move(read.fault);
       continue;
@@ -36,11 +36,15 @@ Change PointsDisplay::Update(const UpdateContext& context) {
     waiting_.push_back({std::move(read.batch), context.now_s});
   }
   change = std::max(change, PlaceWaiting(context));
-  const auto count = static_cast<std::size_t>(keep_ == kLatest ? 1 : std::max(1.0F, keep_count_));
-  const bool gone = keep_ == kForEver ? false
-                    : keep_ == kTime  ? recent_.Expire(std::numeric_limits<std::size_t>::max(), context.now_s - keep_s_)
-                                      : recent_.Expire(count, -std::numeric_limits<double>::infinity());
+  const double oldest_s = keep_ == kTime ? context.now_s - keep_s_ : -std::numeric_limits<double>::infinity();
+  const bool gone = keep_ != kForEver && recent_.Expire(MostMessages(), oldest_s);
   return gone ? std::max(change, Change::kMoving) : change;
+}
+
+std::size_t PointsDisplay::MostMessages() const {
+  if (keep_ == kLatest) return 1;
+  return keep_ == kCount ? static_cast<std::size_t>(std::max(1.0F, keep_count_))
+                         : std::numeric_limits<std::size_t>::max();
 }
 
 Change PointsDisplay::PlaceWaiting(const UpdateContext& context) {

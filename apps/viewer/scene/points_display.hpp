@@ -38,8 +38,8 @@ class PointsDisplay : public Display {
     PointBatch batch;
     std::string fault;  ///< If there is one, there is no batch.
   };
-  /// What has arrived since the last call.
-  [[nodiscard]] virtual std::vector<Read> ReadArrived(const std::string& field) = 0;
+  /// What has arrived since the last call; of more messages than `most`, the newest.
+  [[nodiscard]] virtual std::vector<Read> ReadArrived(const std::string& field, std::size_t most) = 0;
   [[nodiscard]] virtual std::uint64_t received() const = 0;
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 
@@ -50,6 +50,7 @@ class PointsDisplay : public Display {
     double since_s;
   };
 
+  [[nodiscard]] std::size_t MostMessages() const;
   [[nodiscard]] PointStyle Style(float scale) const;
   /// Places a batch in the fixed frame. Whether the colours' range is another one now.
   bool Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s);

@@ -19,9 +19,9 @@ class ScanDisplay : public PointsDisplay {
             })) {}
 
  protected:
-  [[nodiscard]] std::vector<Read> ReadArrived(const std::string& /*field*/) override {
+  [[nodiscard]] std::vector<Read> ReadArrived(const std::string& /*field*/, std::size_t most) override {
     std::vector<Read> all;
-    for (const auto& scan : inbox_->TakeAll()) {
+    for (const auto& scan : inbox_->TakeAll(most)) {
       Read read;
       read.fault = ReadScan(*scan, read.batch);
       all.push_back(std::move(read));

@@ -18,6 +18,16 @@ TEST(Inbox, KeepsTheNewestAndCountsWhatItDrops) {
   EXPECT_EQ(inbox.dropped(), 2U);
 }
 
+TEST(Inbox, GivesTheNewestWhereOnlySoManyAreWanted) {
+  Inbox<int> inbox(5);
+  for (int i = 0; i < 4; ++i) inbox.Put(std::make_shared<const int>(i));
+  const auto taken = inbox.TakeAll(1);
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(*taken.front(), 3);
+  EXPECT_EQ(inbox.dropped(), 3U);
+  EXPECT_TRUE(inbox.TakeAll().empty());
+}
+
 TEST(Inbox, SaysThatSomebodyHasToBeToldOnlyOfTheFirstMessage) {
   Inbox<int> inbox(3);
   EXPECT_TRUE(inbox.Put(std::make_shared<const int>(0)));
