@@ -61,7 +61,7 @@ std::string ParseTexts(const std::vector<std::string>& channels, const std::vect
 }  // namespace
 
 ReadOptions ReadCommandLine(int argc, char** argv) {
-  CLI::App app("Shows what robots publish: clouds, scans, trajectories, frames.", "hgros-viewer");
+  CLI::App app("Shows what robots publish: clouds, scans, trajectories, maps, images, frames.", "hgros-viewer");
   Options options;
   std::vector<std::string> channels;
   std::vector<std::string> displays;

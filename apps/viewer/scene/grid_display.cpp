@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <utility>
 
 #include "viewer/data/grid_reader.hpp"
@@ -17,8 +16,21 @@ struct GridOptions {
   std::optional<GridPalette> palette;
 };
 
-std::string Read(const Grid& grid, const GridOptions& options, GridPicture& picture) {
-  return ReadGrid(grid, options.field, options.palette, picture);
+struct ReadPicture {
+  GridPicture picture;       ///< Its colours are multiplied by their alpha.
+  bool see_through = false;  ///< Somewhere.
+};
+
+std::string Read(const Grid& grid, const GridOptions& options, ReadPicture& read) {
+  std::string fault = ReadGrid(grid, options.field, options.palette, read.picture);
+  for (Rgba& pixel : read.picture.pixels) {
+    const unsigned alpha = AlphaOf(pixel);
+    if (alpha == 255) continue;
+    read.see_through = true;
+    const auto times = [alpha](unsigned channel) { return (channel & 255U) * alpha / 255; };
+    pixel = MakeRgba(times(pixel), times(pixel >> 8U), times(pixel >> 16U), alpha);
+  }
+  return fault;
 }
 
 /// The newest grid of a channel, as a picture on the ground.
@@ -46,8 +58,8 @@ class GridDisplay : public PlacedDisplay {
     auto read = newest_.Take();
     if (!read) return std::nullopt;
     if (!read->fault.empty()) return std::move(read->fault);
-    grid_ = std::move(read->shown);
-    see_through_ = std::ranges::any_of(grid_.pixels, [](Rgba pixel) { return AlphaOf(pixel) < 255; });
+    grid_ = std::move(read->shown.picture);
+    see_through_ = read->shown.see_through;
     tiles_.Set(grid_.pixels, grid_.columns, grid_.rows);
     grid_.pixels = {};  // The message is kept: they can be made again.
     return std::string();
@@ -90,7 +102,7 @@ class GridDisplay : public PlacedDisplay {
   std::string field_;
   float alpha_ = 1;
 
-  NewestMessage<Grid, GridOptions, GridPicture> newest_;
+  NewestMessage<Grid, GridOptions, ReadPicture> newest_;
 };
 
 }  // namespace

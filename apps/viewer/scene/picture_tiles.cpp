@@ -26,22 +26,6 @@ out vec4 result;
 void main() { result = texture(picture, at) * alpha; }
 )";
 
-/// The pixels of a part with their colours multiplied by their alpha, so that those without any do not shine through
-/// when several become one.
-std::vector<Rgba> Multiplied(std::span<const Rgba> pixels, std::size_t all_columns, std::size_t column, std::size_t row,
-                             std::size_t columns, std::size_t rows) {
-  std::vector<Rgba> part;
-  part.reserve(columns * rows);
-  for (std::size_t y = row; y < row + rows; ++y) {
-    for (const Rgba pixel : pixels.subspan(y * all_columns + column, columns)) {
-      const unsigned alpha = AlphaOf(pixel);
-      const auto times = [alpha](unsigned channel) { return (channel & 255U) * alpha / 255; };
-      part.push_back(alpha == 255 ? pixel : MakeRgba(times(pixel), times(pixel >> 8U), times(pixel >> 16U), alpha));
-    }
-  }
-  return part;
-}
-
 }  // namespace
 
 PictureTiles::PictureTiles(std::size_t most_pixels)
@@ -73,13 +57,15 @@ void PictureTiles::Set(std::span<const Rgba> pixels, std::size_t columns, std::s
   glActiveTexture(GL_TEXTURE0);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   if (columns != columns_ || rows != rows_) Cut(columns, rows);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(columns));
   for (const Tile& tile : tiles_) {
-    const std::vector<Rgba> part = Multiplied(pixels, columns, tile.column, tile.row, tile.columns, tile.rows);
+    const Rgba* const part = pixels.data() + tile.row * columns + tile.column;
     glBindTexture(GL_TEXTURE_2D, tile.texture.name());
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, static_cast<GLsizei>(tile.columns), static_cast<GLsizei>(tile.rows),
-                    GL_RGBA, GL_UNSIGNED_BYTE, part.data());
+                    GL_RGBA, GL_UNSIGNED_BYTE, part);
     glGenerateMipmap(GL_TEXTURE_2D);
   }
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
 void PictureTiles::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_corner,

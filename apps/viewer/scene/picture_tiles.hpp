@@ -20,6 +20,8 @@ class PictureTiles {
   /// `most_pixels`: the longest side of a texture; what the driver takes, if that is less.
   explicit PictureTiles(std::size_t most_pixels = 4096);
 
+  /// Colours are multiplied by their alpha already, so that what has none does not shine through when several pixels
+  /// become one.
   void Set(std::span<const Rgba> pixels, std::size_t columns, std::size_t rows);
   /// `pixel_metres`: the size of a pixel along x and y. With `blended` it hides nothing that is drawn later.
   void Draw(const ViewMatrices& view, const RigidTransform& T_fixed_corner, const Eigen::Vector2d& pixel_metres,

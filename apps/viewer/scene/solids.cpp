@@ -31,7 +31,10 @@ void main() {
 }
 )";
 
-constexpr std::size_t kRound = 28;  ///< Corners of a circle.
+// Corners of a circle: fine for some, coarse for many, which are small on the screen.
+constexpr std::size_t kFine = 28;
+constexpr std::size_t kCoarse = 14;
+constexpr std::size_t kMostFine = 200;
 
 /// Floats, or the 4 bytes of a colour.
 void Attribute(GLuint at, GLint size, std::size_t stride, std::size_t offset, GLuint divisor) {
@@ -46,67 +49,81 @@ void Attribute(GLuint at, GLint size, std::size_t stride, std::size_t offset, GL
 
 Solids::Solids() : program_("solids", "", shaded_program::VertexSource(kVertex), shaded_program::FragmentSource()) {}
 
-std::vector<Solids::Corner> Solids::Cube() {
-  std::vector<Corner> corners;
+Solids::Mesh Solids::Cube(std::size_t /*steps*/) {
+  Mesh mesh;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const float side : {-0.5F, 0.5F}) {
-      for (const auto& [u, v] : std::array<std::array<float, 2>, 6>{
-               {{-0.5F, -0.5F}, {0.5F, -0.5F}, {0.5F, 0.5F}, {-0.5F, -0.5F}, {0.5F, 0.5F}, {-0.5F, 0.5F}}}) {
+      const auto first = static_cast<std::uint16_t>(mesh.corners.size());
+      for (const auto& [u, v] :
+           std::array<std::array<float, 2>, 4>{{{-0.5F, -0.5F}, {0.5F, -0.5F}, {0.5F, 0.5F}, {-0.5F, 0.5F}}}) {
         Corner corner{};
         corner.at[axis] = side;
         corner.at[(axis + 1) % 3] = u;
         corner.at[(axis + 2) % 3] = v;
         corner.normal[axis] = 2 * side;
-        corners.push_back(corner);
+        mesh.corners.push_back(corner);
+      }
+      const auto outward = side > 0 ? std::array<int, 6>{0, 1, 2, 0, 2, 3} : std::array<int, 6>{0, 2, 1, 0, 3, 2};
+      for (const int index : outward) mesh.indices.push_back(static_cast<std::uint16_t>(first + index));
+    }
+  }
+  return mesh;
+}
+
+Solids::Mesh Solids::Sphere(std::size_t steps) {
+  const std::size_t rings = steps / 2;
+  Mesh mesh;
+  for (std::size_t ring = 0; ring <= rings; ++ring) {
+    for (std::size_t step = 0; step <= steps; ++step) {
+      const double down = std::numbers::pi * static_cast<double>(ring) / static_cast<double>(rings);
+      const double around = 2 * std::numbers::pi * static_cast<double>(step) / static_cast<double>(steps);
+      Corner& corner = mesh.corners.emplace_back();
+      corner.normal = {static_cast<float>(std::sin(down) * std::cos(around)),
+                       static_cast<float>(std::sin(down) * std::sin(around)), static_cast<float>(std::cos(down))};
+      for (std::size_t i = 0; i < 3; ++i) corner.at[i] = 0.5F * corner.normal[i];
+    }
+  }
+  const std::size_t row = steps + 1;
+  for (std::size_t ring = 0; ring < rings; ++ring) {
+    for (std::size_t step = 0; step < steps; ++step) {
+      const std::size_t at = ring * row + step;
+      for (const std::size_t index : {at, at + row, at + 1, at + row, at + row + 1, at + 1}) {
+        mesh.indices.push_back(static_cast<std::uint16_t>(index));
       }
     }
   }
-  return corners;
+  return mesh;
 }
 
-std::vector<Solids::Corner> Solids::Sphere() {
-  constexpr std::size_t kRings = 14;
-  const auto at = [](std::size_t ring, std::size_t step) {
-    const double down = std::numbers::pi * static_cast<double>(ring) / kRings;
-    const double around = 2 * std::numbers::pi * static_cast<double>(step) / kRound;
-    Corner corner{};
-    corner.normal = {static_cast<float>(std::sin(down) * std::cos(around)),
-                     static_cast<float>(std::sin(down) * std::sin(around)), static_cast<float>(std::cos(down))};
-    for (std::size_t i = 0; i < 3; ++i) corner.at[i] = 0.5F * corner.normal[i];
-    return corner;
-  };
-  std::vector<Corner> corners;
-  for (std::size_t ring = 0; ring < kRings; ++ring) {
-    for (std::size_t step = 0; step < kRound; ++step) {
-      if (ring > 0) corners.insert(corners.end(), {at(ring, step), at(ring + 1, step), at(ring, step + 1)});
-      if (ring + 1 < kRings) {
-        corners.insert(corners.end(), {at(ring + 1, step), at(ring + 1, step + 1), at(ring, step + 1)});
+Solids::Mesh Solids::Cylinder(std::size_t steps) {
+  Mesh mesh;
+  // The side, and the two caps, whose normals are others.
+  for (const float cap : {0.0F, -0.5F, 0.5F}) {
+    const auto first = static_cast<std::uint16_t>(mesh.corners.size());
+    for (std::size_t step = 0; step <= steps; ++step) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(step) / static_cast<double>(steps);
+      const std::array<float, 2> out = {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+      for (const float z : {-0.5F, 0.5F}) {
+        if (cap == 0) {
+          mesh.corners.push_back({{0.5F * out[0], 0.5F * out[1], z}, {out[0], out[1], 0}});
+        } else if (z == cap) {
+          mesh.corners.push_back({{0.5F * out[0], 0.5F * out[1], z}, {0, 0, 2 * z}});
+        }
+      }
+      if (step == 0) continue;
+      const auto at = static_cast<std::uint16_t>(first + (cap == 0 ? 2 * step : step));
+      const auto add = [&](int a, int b, int c) {
+        for (const int index : {a, b, c}) mesh.indices.push_back(static_cast<std::uint16_t>(index));
+      };
+      if (cap != 0) {
+        add(first, cap > 0 ? at - 1 : at, cap > 0 ? at : at - 1);
+      } else {
+        add(at - 2, at, at + 1);
+        add(at - 2, at + 1, at - 1);
       }
     }
   }
-  return corners;
-}
-
-std::vector<Solids::Corner> Solids::Cylinder() {
-  std::vector<Corner> corners;
-  for (std::size_t step = 0; step < kRound; ++step) {
-    const auto around = [](std::size_t i) {
-      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRound;
-      return std::array<float, 2>{static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
-    };
-    const auto from = around(step);
-    const auto to = around(step + 1);
-    const auto side = [](const std::array<float, 2>& out, float z) {
-      return Corner{{0.5F * out[0], 0.5F * out[1], z}, {out[0], out[1], 0}};
-    };
-    corners.insert(corners.end(), {side(from, -0.5F), side(to, -0.5F), side(to, 0.5F)});
-    corners.insert(corners.end(), {side(from, -0.5F), side(to, 0.5F), side(from, 0.5F)});
-    for (const float z : {-0.5F, 0.5F}) {
-      const auto cap = [z](float x, float y) { return Corner{{0.5F * x, 0.5F * y, z}, {0, 0, 2 * z}}; };
-      corners.insert(corners.end(), {cap(0, 0), cap(from[0], from[1]), cap(to[0], to[1])});
-    }
-  }
-  return corners;
+  return mesh;
 }
 
 void Solids::Set(const SceneShapes& shapes) {
@@ -115,22 +132,32 @@ void Solids::Set(const SceneShapes& shapes) {
   Set(kinds_[2], Cylinder, shapes.cylinders);
 }
 
-void Solids::Set(Kind& kind, std::vector<Corner> (*mesh)(), std::span<const SolidShape> shapes) {
+void Solids::SetMesh(Kind& kind, Mesh (*make)(std::size_t steps), std::size_t steps) {
+  if (!kind.corners) {
+    kind.vertices = GlVertexArray::New();
+    kind.corners = GlBuffer::New();
+    kind.indices = GlBuffer::New();
+    kind.instances = GlBuffer::New();
+  }
+  kind.steps = steps;
+  const Mesh mesh = make(steps);
+  const auto bytes = [](const auto& list) { return static_cast<GLsizeiptr>(list.size() * sizeof(list[0])); };
+  kind.index_count = mesh.indices.size();
+  kind.mesh_bytes = static_cast<std::size_t>(bytes(mesh.corners) + bytes(mesh.indices));
+  glBindVertexArray(kind.vertices.name());
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, kind.indices.name());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, bytes(mesh.indices), mesh.indices.data(), GL_STATIC_DRAW);
+  glBindBuffer(GL_ARRAY_BUFFER, kind.corners.name());
+  glBufferData(GL_ARRAY_BUFFER, bytes(mesh.corners), mesh.corners.data(), GL_STATIC_DRAW);
+  Attribute(0, 3, sizeof(Corner), offsetof(Corner, at), 0);
+  Attribute(1, 3, sizeof(Corner), offsetof(Corner, normal), 0);
+}
+
+void Solids::Set(Kind& kind, Mesh (*make)(std::size_t steps), std::span<const SolidShape> shapes) {
   kind.opaque = kind.blended = 0;
   if (shapes.empty()) return;
-  if (!kind.mesh) {
-    kind.vertices = GlVertexArray::New();
-    kind.mesh = GlBuffer::New();
-    kind.instances = GlBuffer::New();
-    const std::vector<Corner> corners = mesh();
-    kind.corners = corners.size();
-    glBindVertexArray(kind.vertices.name());
-    glBindBuffer(GL_ARRAY_BUFFER, kind.mesh.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(Corner)), corners.data(),
-                 GL_STATIC_DRAW);
-    Attribute(0, 3, sizeof(Corner), offsetof(Corner, at), 0);
-    Attribute(1, 3, sizeof(Corner), offsetof(Corner, normal), 0);
-  }
+  const std::size_t steps = shapes.size() <= kMostFine ? kFine : kCoarse;
+  if (kind.steps != steps) SetMesh(kind, make, steps);
   std::vector<Instance> instances;
   instances.reserve(shapes.size());
   for (const bool blended : {false, true}) {
@@ -162,16 +189,21 @@ void Solids::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_shapes
     }
     Attribute(6, 4, sizeof(Instance), first + offsetof(Instance, color), 1);
     Attribute(7, 2, sizeof(Instance), first + offsetof(Instance, scales), 1);
-    if (blended) shaded_program::BeginBlending();
-    glDrawArraysInstanced(GL_TRIANGLES, 0, static_cast<GLsizei>(kind.corners), static_cast<GLsizei>(count));
+    if (blended) {  // Of what can be seen through, the inside is not.
+      shaded_program::BeginBlending();
+      glEnable(GL_CULL_FACE);
+    }
+    glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(kind.index_count), GL_UNSIGNED_SHORT, nullptr,
+                            static_cast<GLsizei>(count));
     if (blended) shaded_program::EndBlending();
+    glDisable(GL_CULL_FACE);
   }
 }
 
 std::size_t Solids::gpu_bytes() const noexcept {
   std::size_t bytes = 0;
   for (const Kind& kind : kinds_) {
-    bytes += kind.corners * sizeof(Corner) + (kind.opaque + kind.blended) * sizeof(Instance);
+    bytes += kind.mesh_bytes + (kind.opaque + kind.blended) * sizeof(Instance);
   }
   return bytes;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,10 @@ class Solids {
     std::array<float, 3> at;
     std::array<float, 3> normal;
   };
+  struct Mesh {
+    std::vector<Corner> corners;
+    std::vector<std::uint16_t> indices;  ///< Three for each triangle.
+  };
   struct Instance {
     std::array<float, 12> pose;  ///< Column by column.
     Rgba color;
@@ -36,13 +41,16 @@ class Solids {
   };
   struct Kind {
     GlVertexArray vertices;
-    GlBuffer mesh, instances;
-    std::size_t corners = 0, opaque = 0, blended = 0;
+    GlBuffer corners, indices, instances;
+    std::size_t steps = 0;  ///< How finely the mesh is cut; 0: there is none yet.
+    std::size_t mesh_bytes = 0, index_count = 0, opaque = 0, blended = 0;
   };
-  static std::vector<Corner> Cube();
-  static std::vector<Corner> Sphere();
-  static std::vector<Corner> Cylinder();
-  void Set(Kind& kind, std::vector<Corner> (*mesh)(), std::span<const SolidShape> shapes);
+  /// `steps`: corners of a circle.
+  static Mesh Cube(std::size_t steps);
+  static Mesh Sphere(std::size_t steps);
+  static Mesh Cylinder(std::size_t steps);
+  static void SetMesh(Kind& kind, Mesh (*make)(std::size_t steps), std::size_t steps);
+  static void Set(Kind& kind, Mesh (*make)(std::size_t steps), std::span<const SolidShape> shapes);
 
   ShaderProgram program_;
   std::array<Kind, 3> kinds_;

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   auto cloud = session.Advertise<Bulk<foxglove::PointCloud>>("cloud");
   auto scan = session.Advertise<foxglove::LaserScan>("scan");
   auto trajectory = session.Advertise<foxglove::PosesInFrame>("trajectory");
+  auto things = session.Advertise<foxglove::SceneUpdate>("things");
   if (!session.WaitForSubscribers("cloud", 1, std::chrono::seconds(20))) std::fputs("Nobody listens.\n", stderr);
   Rate rate(session.clock(), Duration(static_cast<std::int64_t>(1e9 / hz)));
   for (std::size_t step = 0; step < steps; ++step) {
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
     cloud(world::CloudAt(step, points, now.nanoseconds));
     scan(std::make_unique<foxglove::LaserScan>(world::ScanAt(step, now.nanoseconds)));
     trajectory(std::make_unique<foxglove::PosesInFrame>(world::TrajectoryUntil(step, now.nanoseconds)));
+    things(std::make_unique<foxglove::SceneUpdate>(world::ThingsAt(step, now.nanoseconds)));
     (void)rate.Sleep();
   }
   return 0;

@@ -7,6 +7,7 @@
 #include "foxglove/LaserScan.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
+#include "foxglove/SceneUpdate.pb.h"
 #include "hgros/codec/bulk.hpp"
 #include "hgros/tf/rigid_transform.hpp"
 
@@ -23,6 +24,9 @@ namespace made_world {
 [[nodiscard]] foxglove::LaserScan ScanAt(std::size_t step, std::int64_t stamp_ns);
 /// The way until there, in "map".
 [[nodiscard]] foxglove::PosesInFrame TrajectoryUntil(std::size_t step, std::int64_t stamp_ns);
+/// The robot's body, locked to "base", an arrow along its way and its name, each for a second; and a post every 50 m of
+/// the way so far.
+[[nodiscard]] foxglove::SceneUpdate ThingsAt(std::size_t step, std::int64_t stamp_ns);
 
 }  // namespace made_world
 }  // namespace hgros::viewer::test

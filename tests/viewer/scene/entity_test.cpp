@@ -234,7 +234,10 @@ TEST_F(Entities, TwoThousandThatAreDeletedOneByOneLeaveNothing) {
   Update(0);
   const Pixels empty = Draw();
   SceneUpdate all;
-  for (int i = 0; i < 2000; ++i) AddCube(AddEntity(all, std::to_string(i)), i % 50 * 0.2 - 5, i / 50 * 0.2 - 4, 0.15);
+  for (int i = 0; i < 2000; ++i) {
+    const int row = i / 50;
+    AddCube(AddEntity(all, std::to_string(i)), i % 50 * 0.2 - 5, row * 0.2 - 4, 0.15);
+  }
   Publish("scene", all);
   Update(1);
   EXPECT_THAT(display.Status(), Contains(HasSubstr("2000 entities")));
