@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "hgros/base/bytes.hpp"
+#include "viewer/data/mesh_import.hpp"
 #include "viewer/data/stl_mesh.hpp"
 
 namespace hgros::viewer {
@@ -13,7 +14,7 @@ namespace hgros::viewer {
 std::string ReadMesh(const std::filesystem::path& path, std::vector<TriangleCorner>& corners) {
   std::string ending = path.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char letter) { return std::tolower(letter); });
-  if (ending != ".stl") return "Meshes of the kind \"" + ending + "\", as " + path.string() + ", cannot be read.";
+  if (ending != ".stl") return ImportMesh(path, corners);
   std::ifstream file(path, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(file), {});
   if (!file) return "The mesh " + path.string() + " cannot be read.";
