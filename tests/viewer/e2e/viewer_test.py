@@ -125,6 +125,17 @@ class InMemory(ViewerCase):
                 publisher.kill()
                 publisher.wait()
 
+    def test_shows_robots_whose_files_are_named(self):
+        robot = pathlib.Path(self.folder.name, "robot.urdf")
+        robot.write_text('<robot name="r"><link name="base"><visual><geometry><box size="6 3 2"/></geometry>'
+                         '<material name="m"><color rgba="1 0.4 0 1"/></material></visual></link></robot>')
+        picture = self.picture()
+        viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 20,
+                            "--follow", "base", "--channel", "cloud,color=flat", "--display", f"Robot model,file={robot}")
+        self.start(PUBLISHER, 20, 100, 1000)
+        self.end(viewer)
+        self.assertGreater(colorful(picture), 0.005)
+
     def test_goes_on_when_the_publisher_was_killed_and_comes_again(self):
         picture = self.picture()
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 60,
