@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <iterator>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -89,14 +90,14 @@ void Viewer::AddWanted() {
   }
   for (const WantedDisplay& wanted : options_.displays) {
     auto& entries = scene_.entries();
-    const auto entry = std::ranges::find(entries, wanted.channel, &Scene::Entry::name);
+    auto entry = std::ranges::find(entries, wanted.channel, &Scene::Entry::name);
     if (entry == entries.end() || entry->type == DisplayTypeNamed("Robot model")) {
       const DisplayType* const type = DisplayTypeNamed(wanted.channel);
       if (type == nullptr || !type->schemas.empty()) {
         throw Error("There is no display \"" + wanted.channel + "\" for --display.");
       }
-      Add(*type, "", wanted.settings);
-      continue;
+      Add(*type, "", {});
+      entry = std::prev(entries.end());
     }
     for (const auto& [name, value] : wanted.settings) {
       if (name == "visible") {

@@ -15,26 +15,15 @@ Change PoseHistory::Rewritten(double now_s) {
 
 Change PoseHistory::TakeTransform(const UpdateContext& context) {
   if (poses_.poses().empty()) return Change::kNothing;
-  if (is_placed_ && !context.transforms_changed && !context.frame_changed) return Change::kNothing;
-  context.frame.Saw(frame_);
-  RigidTransform T_fixed_frame;
-  std::string why;
-  if (context.frame.Find(frame_, T_fixed_frame, why) != FixedFrame::Answer::kFound) {
-    fault_ = why;
-    return Change::kNothing;
-  }
-  fault_.clear();
-  const bool same = is_placed_ && T_fixed_frame.translation == placement_.translation &&
-                    T_fixed_frame.rotation.coeffs() == placement_.rotation.coeffs();
-  if (same) return Change::kNothing;
-  placement_ = T_fixed_frame;
-  return std::exchange(is_placed_, true) ? Rewritten(context.now_s) : Change::kAppended;
+  const bool was_known = placement_.known();
+  if (!placement_.Follow(frame_, context)) return Change::kNothing;
+  return was_known ? Rewritten(context.now_s) : Change::kAppended;
 }
 
 Change PoseHistory::Update(const UpdateContext& context) {
   Change change = Change::kNothing;
   if (context.frame_changed) {
-    is_placed_ = false;
+    placement_.Forget();
     change = drawn_ > 0 ? Change::kRedraw : Change::kMoving;
     drawn_ = 0;
     moving_ = false;
@@ -44,7 +33,7 @@ Change PoseHistory::Update(const UpdateContext& context) {
   const std::size_t before = poses_.poses().size();
   PoseList::Change taken = TakeArrived(poses_, frame_);
   if (frame_ != frame_before) {
-    is_placed_ = false;
+    placement_.Forget();
     taken = PoseList::Change::kRewritten;
   }
   if (taken == PoseList::Change::kAppended) {
@@ -63,21 +52,21 @@ Change PoseHistory::Update(const UpdateContext& context) {
 }
 
 void PoseHistory::DrawFrom(const DrawContext& context, std::size_t first) {
-  if (!is_placed_) return;
-  const RigidTransform T_fixed_poses = placement_ * RigidTransform({1, 0, 0, 0}, poses_.origin());
+  if (!placement_.known()) return;
+  const RigidTransform T_fixed_poses = placement_.T_fixed_frame() * RigidTransform({1, 0, 0, 0}, poses_.origin());
   const float width = width_ * context.scale;
   if (style_ != kAxes) strip_.DrawLine(context.view, T_fixed_poses, color_, width, first);
   if (style_ != kLine) strip_.DrawAxes(context.view, T_fixed_poses, axes_metres_, width, first);
 }
 
 void PoseHistory::DrawNew(const DrawContext& context) {
-  if (moving_ || !is_placed_) return;
+  if (moving_ || !placement_.known()) return;
   DrawFrom(context, drawn_);
   drawn_ = strip_.size();
 }
 
 void PoseHistory::DrawSettled(const DrawContext& context, const Slice& slice) {
-  if (moving_ || slice.index != 0 || !is_placed_) return;
+  if (moving_ || slice.index != 0 || !placement_.known()) return;
   DrawFrom(context, 0);
   drawn_ = strip_.size();
 }
@@ -109,7 +98,7 @@ void PoseHistory::OnSetting(const std::string& /*name*/) { setting_changed_ = tr
 
 std::vector<std::string> PoseHistory::Status() const {
   std::vector<std::string> lines;
-  if (!fault_.empty()) lines.push_back(fault_);
+  if (!placement_.fault().empty()) lines.push_back(placement_.fault());
   if (received() == 0) {
     lines.emplace_back("Nothing has arrived yet.");
   } else if (poses_.poses().empty()) {
@@ -122,9 +111,9 @@ std::vector<std::string> PoseHistory::Status() const {
 
 Eigen::AlignedBox3d PoseHistory::Bounds() const {
   Eigen::AlignedBox3d bounds;
-  if (!is_placed_) return bounds;
+  if (!placement_.known()) return bounds;
   for (const PoseList::Pose& pose : poses_.poses()) {
-    bounds.extend(placement_ * (poses_.origin() + pose.position.cast<double>()));
+    bounds.extend(placement_.T_fixed_frame() * (poses_.origin() + pose.position.cast<double>()));
   }
   return bounds;
 }

@@ -8,6 +8,7 @@
 
 #include "viewer/data/pose_list.hpp"
 #include "viewer/scene/display.hpp"
+#include "viewer/scene/placement.hpp"
 #include "viewer/scene/pose_strip.hpp"
 
 namespace hgros::viewer {
@@ -24,7 +25,7 @@ class PoseHistory : public Display {
   [[nodiscard]] std::vector<Setting> Settings() override;
   void OnSetting(const std::string& name) override;
   [[nodiscard]] std::vector<std::string> Status() const final;
-  [[nodiscard]] bool HasFault() const final { return !fault_.empty(); }
+  [[nodiscard]] bool HasFault() const final { return !placement_.fault().empty(); }
   [[nodiscard]] std::size_t gpu_bytes() const final { return strip_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
   [[nodiscard]] double next_change_s() const final;
@@ -51,9 +52,7 @@ class PoseHistory : public Display {
   PoseList poses_;
   PoseStrip strip_;
   std::string frame_;
-  std::string fault_;
-  RigidTransform placement_;
-  bool is_placed_ = false;
+  Placement placement_;
   bool setting_changed_ = false;
   double rewritten_s_ = -std::numeric_limits<double>::infinity();
   bool moving_ = false;    ///< Drawn in every frame instead of settled.
