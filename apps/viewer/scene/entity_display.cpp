@@ -5,6 +5,7 @@
 
 #include "hgros/clock/clock.hpp"
 #include "viewer/data/inbox.hpp"
+#include "viewer/data/model_meshes.hpp"
 #include "viewer/data/scene_store.hpp"
 #include "viewer/data/shape_bounds.hpp"
 #include "viewer/scene/display_types.hpp"
@@ -103,6 +104,7 @@ class EntityDisplay : public Display {
   [[nodiscard]] std::vector<std::string> Status() const override {
     std::vector<std::string> lines;
     if (!fault_.empty()) lines.push_back(fault_);
+    if (!model_fault_.empty()) lines.push_back(model_fault_);
     if (drawing_.unplaced > 0) {
       lines.push_back(why_ + " (" + std::to_string(drawing_.unplaced) + " entities in " + drawing_.unplaced_frame +
                       " and such are not shown.)");
@@ -113,11 +115,12 @@ class EntityDisplay : public Display {
       lines.emplace_back("No entity is left.");
     }
     lines.push_back(std::to_string(store_.entities().size()) + " entities, " + std::to_string(shapes_) + " shapes");
-    if (models_ > 0) lines.push_back(std::to_string(models_) + " models from files are not drawn.");
     if (inbox_->dropped() > 0) lines.push_back(std::to_string(inbox_->dropped()) + " messages came too fast.");
     return lines;
   }
-  [[nodiscard]] bool HasFault() const override { return !fault_.empty() || drawing_.unplaced > 0; }
+  [[nodiscard]] bool HasFault() const override {
+    return !fault_.empty() || !model_fault_.empty() || drawing_.unplaced > 0;
+  }
   [[nodiscard]] std::vector<Label> Labels() const override { return texts_ ? labels_ : std::vector<Label>(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return drawn_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return bounds_; }
@@ -180,6 +183,8 @@ class EntityDisplay : public Display {
     if (!bounds_.isEmpty()) bounds_.translate(origin_);
     placed_ = std::move(placed);
     shapes_ = drawing_.shapes.size();
+    model_fault_ = models_.AddTo(drawing_.shapes);
+    for (const TriangleCorner& corner : drawing_.shapes.triangles) bounds_.extend(origin_ + corner.position);
     Fade(alpha_, drawing_.shapes);
     drawn_.Set(drawing_.shapes);
     labels_.clear();
@@ -187,7 +192,6 @@ class EntityDisplay : public Display {
       labels_.push_back({origin_ + text.pose.col(3), std::move(text.text), text.color, static_cast<float>(text.height),
                          !text.pixels});
     }
-    models_ = drawing_.shapes.models.size();
     drawing_.shapes = {};
   }
 
@@ -200,8 +204,9 @@ class EntityDisplay : public Display {
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   Eigen::AlignedBox3d bounds_;
   std::map<Key, Eigen::Isometry3d> placed_;
-  std::string fault_, why_;
-  std::size_t shapes_ = 0, models_ = 0;
+  ModelMeshes models_;
+  std::string fault_, model_fault_, why_;
+  std::size_t shapes_ = 0;
   double end_s_ = std::numeric_limits<double>::infinity();
   bool outdated_ = false;
   bool provisional_ = false;  ///< Some transform is still to come.

@@ -352,6 +352,22 @@ TEST_F(Entities, TellTheirWordsWithPlaceAndColor) {
   EXPECT_TRUE(labels[0].in_metres);
 }
 
+TEST_F(Entities, OfAModelInsideTheMessage) {
+  Display& display = Add("Scene", "scene");
+  Update(0);
+  const Pixels empty = Draw();
+  SceneUpdate update;
+  auto& model = *AddEntity(update, "model").add_models();
+  SetSize(*model.mutable_scale(), 3, 3, 3);
+  model.set_media_type("model/stl");
+  model.set_data("solid x\nvertex -1 -1 0\nvertex 1 -1 0\nvertex 0 1 1\nendsolid");
+  Publish("scene", update);
+  Update(1);
+  EXPECT_GT(DifferentShare(empty, Draw()), 0.02);
+  EXPECT_NEAR(display.Bounds().max().z(), 3, 1e-6);
+  EXPECT_FALSE(display.HasFault());
+}
+
 TEST_F(Entities, OfAMalformedMessageAreASentence) {
   Display& display = Add("Scene", "scene");
   SceneUpdate update;

@@ -1,0 +1,75 @@
+#include "viewer/data/model_meshes.hpp"
+
+#include <functional>
+#include <utility>
+
+#include "hgros/base/bytes.hpp"
+#include "viewer/data/mesh_file.hpp"
+#include "viewer/data/mesh_place.hpp"
+#include "viewer/data/stl_mesh.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+constexpr std::size_t kMostCorners = 12'000'000;  ///< Of all models together.
+constexpr Rgba kPlain = MakeRgba(190, 190, 190);
+
+std::string KeyOf(const SceneModel& model) {
+  if (!model.url.empty()) return model.url;
+  return "data " + std::to_string(model.data.size()) + " " + std::to_string(std::hash<std::string>()(model.data));
+}
+
+Rgba ColorOf(const SceneModel& model, const TriangleCorner& corner) {
+  if (model.override_color) return model.color;
+  if (AlphaOf(corner.color) > 0) return corner.color;
+  return AlphaOf(model.color) > 0 ? model.color : kPlain;
+}
+
+}  // namespace
+
+ModelMeshes::Mesh ModelMeshes::Read(const SceneModel& model) {
+  Mesh mesh;
+  if (!model.url.empty()) {
+    const std::filesystem::path path = FindMesh(model.url, MeshFolders({}), mesh.fault);
+    if (mesh.fault.empty()) mesh.fault = ReadMesh(path, mesh.corners);
+    return mesh;
+  }
+  if (model.media_type.find("stl") == std::string::npos) {
+    mesh.fault = "A model inside a message is STL, or it is not drawn; this one is \"" + model.media_type + "\".";
+    return mesh;
+  }
+  std::vector<Eigen::Vector3f> corners;
+  mesh.fault = ReadStl(AsBytes(model.data), corners);
+  for (const Eigen::Vector3f& corner : corners) mesh.corners.push_back({corner.cast<double>(), 0});
+  return mesh;
+}
+
+std::string ModelMeshes::AddTo(SceneShapes& shapes) {
+  std::string first_fault;
+  std::map<std::string, Mesh> used;
+  for (const SceneModel& model : shapes.models) {
+    const std::string key = KeyOf(model);
+    auto found = used.find(key);
+    if (found == used.end()) {
+      auto known = meshes_.extract(key);
+      found = known.empty() ? used.emplace(key, Read(model)).first : used.insert(std::move(known)).position;
+    }
+    const Mesh& mesh = found->second;
+    std::string fault = mesh.fault;
+    if (fault.empty() && shapes.triangles.size() + mesh.corners.size() > kMostCorners) {
+      fault = "The models have more than " + std::to_string(kMostCorners / 3) + " triangles: the rest is left out.";
+    }
+    if (!fault.empty()) {
+      if (first_fault.empty()) first_fault = std::move(fault);
+      continue;
+    }
+    for (const TriangleCorner& corner : mesh.corners) {
+      shapes.triangles.push_back(
+          {model.pose.leftCols<3>() * corner.position + model.pose.col(3), ColorOf(model, corner)});
+    }
+  }
+  meshes_ = std::move(used);
+  return first_fault;
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "viewer/data/scene_shapes.hpp"
+
+namespace hgros::viewer {
+
+/// The meshes that entities name or carry, each read once for as long as it is shown.
+/// Thread safety: none.
+class ModelMeshes {
+ public:
+  /// Adds the triangles of `shapes.models` to `shapes.triangles`. Returns what is wrong with the first one that cannot
+  /// be drawn, in a sentence; the others are added.
+  [[nodiscard]] std::string AddTo(SceneShapes& shapes);
+
+ private:
+  struct Mesh {
+    std::vector<TriangleCorner> corners;  ///< In its own frame; a colour without alpha is none.
+    std::string fault;
+  };
+  [[nodiscard]] static Mesh Read(const SceneModel& model);
+
+  std::map<std::string, Mesh> meshes_;  ///< By where they are from.
+};
+
+}  // namespace hgros::viewer
