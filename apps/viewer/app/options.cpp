@@ -38,12 +38,16 @@ std::string ParseSize(const std::string& text, Viewport& size) {
 
 /// The first of several faults ends it all.
 std::string ParseTexts(const std::vector<std::string>& channels, const std::vector<std::string>& displays,
-                       const std::string& window, const std::string& offscreen, Options& options) {
+                       const std::vector<std::string>& panels, const std::string& window, const std::string& offscreen,
+                       Options& options) {
   for (const std::string& text : channels) {
     if (std::string fault = ParseDisplay(text, options.channels.emplace_back()); !fault.empty()) return fault;
   }
   for (const std::string& text : displays) {
     if (std::string fault = ParseDisplay(text, options.displays.emplace_back()); !fault.empty()) return fault;
+  }
+  for (const std::string& text : panels) {
+    if (std::string fault = ParseDisplay(text, options.opened_panels.emplace_back()); !fault.empty()) return fault;
   }
   if (!window.empty()) {
     if (std::string fault = ParseSize(window, options.window); !fault.empty()) return fault;
@@ -65,6 +69,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   Options options;
   std::vector<std::string> channels;
   std::vector<std::string> displays;
+  std::vector<std::string> panels;
   std::string window;
   std::string offscreen;
   std::vector<std::string> network;
@@ -74,6 +79,9 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
       ->take_all();
   app.add_option("--display", displays,
                  "Frames, Ground or \"Robot model\"[,setting=value...]; visible=off hides it; repeatable")
+      ->take_all();
+  app.add_option("--panel", panels,
+                 "Channels, Log, Message, Plot or Graph[,setting=value...], open from the start; repeatable")
       ->take_all();
   app.add_option("--network", network, "configuration of the session, as for every program; repeatable")
       ->take_all()
@@ -99,7 +107,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   }
   options.network.assign(network.begin(), network.end());
   options.screenshot = screenshot;
-  const std::string fault = ParseTexts(channels, displays, window, offscreen, options);
+  const std::string fault = ParseTexts(channels, displays, panels, window, offscreen, options);
   if (!fault.empty()) {
     std::fprintf(stderr, "hgros-viewer: %s `hgros-viewer --help` tells more.\n", fault.c_str());
     return {std::nullopt, 2};

@@ -21,6 +21,8 @@ struct Options {
   std::vector<std::filesystem::path> network;
   std::vector<WantedDisplay> channels;
   std::vector<WantedDisplay> displays;
+  std::vector<WantedDisplay> opened_panels;  ///< The channel is the panel's name.
+  std::filesystem::path config;              ///< A layout file; empty: none.
   std::string fixed_frame;
   std::string follow;  ///< A frame that the camera goes along with.
   bool follow_pose = false;

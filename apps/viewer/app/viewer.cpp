@@ -38,6 +38,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
       transforms_(session_),
       frame_(transforms_.tree()),
       navigation_(camera_),
+      dock_(session_, [this] { surface_.Wake(); }),
       show_panels_(options.panels),
       begin_s_(NowS()) {
   frame_.Ask(options.fixed_frame);
@@ -111,14 +112,21 @@ void Viewer::AddWanted() {
       entry->display->OnSetting(name);
     }
   }
+  for (const WantedDisplay& wanted : options_.opened_panels) {
+    if (const std::string fault = dock_.Restore({wanted.channel, std::nullopt, wanted.settings}); !fault.empty()) {
+      throw Error(fault);
+    }
+  }
 }
 
 // Once a publisher tells its schema: what was asked for by name, or, if nothing was, all that can be shown.
 void Viewer::TakeChannels() {
   if (!channels_changed_.exchange(false)) return;
   channels_.clear();
-  for (const KnownChannel& known : session_.Channels()) {
-    if (known.publishers.empty() || known.name.starts_with("hgros/")) continue;
+  known_ = session_.Channels();
+  std::erase_if(known_, [](const KnownChannel& known) { return known.name.starts_with("hgros/"); });
+  for (const KnownChannel& known : known_) {
+    if (known.publishers.empty()) continue;
     channels_.push_back({known.name, known.type_name});
     const DisplayType* const type = DisplayTypeFor(known.type_name);
     const auto awaited = std::ranges::find(awaited_, known.name, &WantedDisplay::channel);
@@ -135,6 +143,7 @@ void Viewer::TakeChannels() {
       AddOrSay(*type, {known.name, {}, {}});
     }
   }
+  dock_.Refresh();
   frames_wanted_ = kFramesAfterInput;
 }
 
@@ -183,6 +192,7 @@ double Viewer::NextTurnS() const {
   const bool something = woken_ || (draws_on && !surface_.hidden());
   const double soonest_s = last_turn_s_ + 1 / options_.fps_limit;
   double next_s = something ? soonest_s : std::max(soonest_s, scene_.next_change_s());
+  if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, dock_.next_change_s()));
   if (options_.after_s) next_s = std::min(next_s, std::max(begin_s_ + *options_.after_s, soonest_s));
   return std::min(next_s, next_report_s_);
 }
@@ -194,6 +204,9 @@ void Viewer::Turn(double now_s) {
   TakeChannels();
   TakeInput();
   TakeArrived(now_s);
+  if (show_panels_ && !surface_.hidden() && dock_.Update({now_s, known_})) {
+    frames_wanted_ = std::max(frames_wanted_, 1);
+  }
   const bool moved = !camera_.SameViewAs(before);
   const bool wanted = moved || frames_wanted_ > 0 || scene_.unfinished() || scene_.pending();
   if (!wanted || surface_.hidden()) return;
@@ -224,6 +237,11 @@ void Viewer::OnKey(int key) {
     case ViewerKey::kNone: navigation_.OnKey(row->camera); break;
     case ViewerKey::kHelp: help_ = !help_; break;
     case ViewerKey::kPause: paused_ = !paused_; break;
+    case ViewerKey::kOnePanel:
+      dock_.Toggle(PanelTypes()[static_cast<std::size_t>(key - '1')]);
+      frames_wanted_ = kFramesAfterInput;
+      break;
+    case ViewerKey::kSaveLayout: break;
     case ViewerKey::kPanels: show_panels_ = !show_panels_; break;
     case ViewerKey::kFocus: ShowEverything(); break;
     case ViewerKey::kScreenshot: {
@@ -302,7 +320,7 @@ void Viewer::DrawPanels() {
   if (show_panels_) {
     view_panel_.Draw(camera_, frame_);
     image_panel_.Draw(scene_);
-    const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_);
+    const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_, dock_);
     if (wish.add != nullptr) Add(*wish.add, wish.channel, {});
     if (wish.set_fixed_frame) {
       frame_.Ask(wish.fixed_frame);
@@ -310,6 +328,7 @@ void Viewer::DrawPanels() {
       frame_changed_ = true;
       frames_wanted_ = kFramesAfterInput;
     }
+    dock_.Draw();
     DrawStatusLine({static_cast<double>(frame_times_s_.size()), scene_.points(), scene_.gpu_bytes(), ResidentBytes(),
                     frame_.name(), notice_, paused_, scene_.unfinished()});
   }

@@ -17,6 +17,7 @@
 #include "viewer/panels/image_panel.hpp"
 #include "viewer/panels/imgui_renderer.hpp"
 #include "viewer/panels/key_table.hpp"
+#include "viewer/panels/panel_dock.hpp"
 #include "viewer/panels/view_panel.hpp"
 #include "viewer/scene/scene.hpp"
 #include "viewer/view/navigation.hpp"
@@ -71,6 +72,7 @@ class Viewer {
   Navigation navigation_;
   ImguiRenderer panels_renderer_;
   DisplayPanel display_panel_;
+  PanelDock dock_;
   ViewPanel view_panel_;
   ImagePanel image_panel_;
 
@@ -78,6 +80,7 @@ class Viewer {
   std::atomic<bool> stop_ = false;
   std::atomic<bool> transforms_changed_ = false;
   std::atomic<bool> channels_changed_ = true;
+  std::vector<KnownChannel> known_;        ///< Without the library's own.
   std::vector<ChannelRow> channels_;       ///< What is published now.
   std::vector<WantedDisplay> awaited_;     ///< Their schema is still to be heard of.
   std::set<std::string> shown_by_itself_;  ///< Also those that were removed since.

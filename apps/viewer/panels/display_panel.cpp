@@ -5,33 +5,20 @@
 #include <algorithm>
 
 #include "viewer/panels/look.hpp"
+#include "viewer/panels/text_lines.hpp"
 #include "viewer/panels/view_panel.hpp"
 
 namespace hgros::viewer {
-namespace {
-
-void Warn(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(WarningColor::kRgba[0], WarningColor::kRgba[1], WarningColor::kRgba[2],
-                                              WarningColor::kRgba[3]));
-  ImGui::TextWrapped("%s", text.c_str());
-  ImGui::PopStyleColor();
-}
-
-void Note(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-  ImGui::TextWrapped("%s", text.c_str());
-  ImGui::PopStyleColor();
-}
-
-}  // namespace
-
-DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels) {
+DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels,
+                                      PanelDock& dock) {
   Wish wish;
   const float unit = ImGui::GetFontSize();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.6F * unit, 0.6F * unit}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({21 * unit, std::min(40 * unit, size.y - 4 * unit)}, ImGuiCond_FirstUseEver);
   if (ImGui::Begin("Displays", nullptr, ImGuiWindowFlags_NoSavedSettings)) {
+    dock.DrawSwitches();
+    ImGui::Separator();
     DrawFrame(frame, wish);
     ImGui::Separator();
     for (std::size_t i = 0; i < scene.entries().size(); ++i) DrawEntry(scene, i);
@@ -82,7 +69,7 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index) {
   if (unfolded) {
     bool first = true;
     for (const std::string& line : entry.display->Status()) {
-      first&& fault ? Warn(line) : Note(line);
+      first&& fault ? DrawWarning(line) : DrawNote(line);
       first = false;
     }
     for (const Setting& setting : entry.display->Settings()) {

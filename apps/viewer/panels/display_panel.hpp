@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "viewer/panels/panel_dock.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace hgros::viewer {
@@ -25,7 +26,8 @@ class DisplayPanel {
   };
 
   /// What a person wants that the panel cannot do itself.
-  [[nodiscard]] Wish Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels);
+  [[nodiscard]] Wish Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels,
+                          PanelDock& dock);
 
  private:
   void DrawEntry(Scene& scene, std::size_t index);

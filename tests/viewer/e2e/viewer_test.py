@@ -12,6 +12,7 @@ import zlib
 
 VIEWER = os.environ["HGROS_VIEWER"]
 PUBLISHER = os.environ["HGROS_VIEWER_PUBLISHER"]
+TALKER = os.environ["HGROS_VIEWER_TALKER"]
 DEADLINE_S = float(os.environ.get("HGROS_VIEWER_DEADLINE_S", "60"))
 
 
@@ -148,6 +149,16 @@ class InMemory(ViewerCase):
         self.end(viewer)
         self.assertGreater(colorful(picture), 0.005)
 
+    def test_goes_on_beside_a_robot_that_sends_what_is_no_message(self):
+        picture = self.picture()
+        panels = ["Channels,measure=odometry,measure=broken_cloud", "Log", "Message,channel=broken_cloud,unfolded=pose",
+                  "Plot,series=odometry pose.position.x,series=broken_scan start_angle", "Graph"]
+        viewer = self.start(VIEWER, "--offscreen", "640x480", "--screenshot", picture, "--frames", 60,
+                            *(part for panel in panels for part in ("--panel", panel)))
+        self.start(TALKER, 1000, 30)
+        self.end(viewer)
+        self.assertTrue(picture.exists())
+
     def test_draws_nothing_while_nothing_changes(self):
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2")
         first = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 0.5)
@@ -160,6 +171,8 @@ class InMemory(ViewerCase):
         for arguments, words in ((["--channel", "cloud:foxglove.Nothing"], "No display shows"),
                                  (["--channel", "cloud:foxglove.PointCloud,sise=3"], "no setting"),
                                  (["--channel", "cloud:foxglove.PointCloud,keep=some"], "there are latest"),
+                                 (["--panel", "Radar"], "there are Channels"),
+                                 (["--panel", "Plot,seconds=long"], "from 1 to 600"),
                                  (["--screenshot", "x.png"], "--after")):
             with self.subTest(arguments=arguments):
                 viewer = self.start(VIEWER, "--offscreen", "64x64", *arguments)

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace hgros::viewer {
+
+/// A number with three digits that count and its unit, as people read it: "1.25 MB/s", "340 B/s".
+[[nodiscard]] std::string ByteRateText(double bytes_per_second);
+/// "12.5 Hz", "0.05 Hz"; of nothing "0 Hz".
+[[nodiscard]] std::string RateText(double per_second);
+/// "340 us", "1.25 ms", "12.5 s", "3 min".
+[[nodiscard]] std::string DurationText(std::chrono::nanoseconds duration);
+
+}  // namespace hgros::viewer

@@ -1,0 +1,79 @@
+#include "viewer/panels/panel_dock.hpp"
+
+#include <algorithm>
+
+#include "foxglove/Log.pb.h"
+#include "foxglove/PoseInFrame.pb.h"
+#include "viewer/panels/panel_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+using PanelDockTest = PanelTest;
+
+TEST_F(PanelDockTest, SubscribesOnlyWhileSomethingIsOpenThatAsksForIt) {
+  auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
+  for (const char* name : {"Channels", "Log", "Message", "Plot", "Graph"}) Open(name);
+  Update();
+  EXPECT_FALSE(Subscribes("odometry")) << "nobody has asked for it";
+  EXPECT_EQ(Open("Channels").Set("measure", "odometry"), "");
+  EXPECT_TRUE(Subscribes("odometry"));
+  Close("Channels");
+  EXPECT_FALSE(Subscribes("odometry"));
+  EXPECT_EQ(Open("Plot").Set("series", "odometry pose.position.x"), "");
+  EXPECT_TRUE(Subscribes("odometry"));
+  Close("Plot");
+  EXPECT_EQ(Open("Message").Set("channel", "odometry"), "");
+  EXPECT_TRUE(Subscribes("odometry"));
+  Close("Message");
+  EXPECT_FALSE(Subscribes("odometry"));
+}
+
+TEST_F(PanelDockTest, IsNeverDueWhileNothingIsOpen) {
+  EXPECT_EQ(dock_.next_change_s(), std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(dock_.Update({1, {}}));
+  EXPECT_EQ(wakes_, 0);
+}
+
+TEST_F(PanelDockTest, WakesOnceForAFloodAndTakesItInSomeTimesASecond) {
+  auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
+  ASSERT_EQ(Open("Plot").Set("series", "odometry pose.position.x"), "");
+  Update();
+  wakes_ = 0;
+  for (int i = 0; i < 100; ++i) odometry(foxglove::PoseInFrame());
+  ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10)));
+  EXPECT_EQ(wakes_, 1);
+  EXPECT_GT(dock_.next_change_s(), now_s_ + 0.1) << "not at once: it was taken in just now";
+  EXPECT_LT(dock_.next_change_s(), now_s_ + 0.3);
+  EXPECT_FALSE(dock_.Update({now_s_ + 0.05, channels_}));
+  EXPECT_TRUE(dock_.Update({now_s_ + 0.3, channels_}));
+}
+
+TEST_F(PanelDockTest, GivesBackWhatItWasGiven) {
+  const std::vector<PanelLayout> wanted = {
+      {"Plot", PanelPlace{10, 20, 400, 300}, {{"seconds", "30"}, {"series", "a x"}, {"series", "b y[0]"}}},
+      {"Message", std::nullopt, {{"channel", "a"}, {"unfolded", "pose"}}},
+      {"Log", std::nullopt, {{"level", "warning"}, {"source", "driver"}, {"text", "wheel"}, {"follow", "off"}}},
+      {"Channels", std::nullopt, {{"measure", "a"}, {"measure", "b"}}},
+      {"Graph", std::nullopt, {{"viewer", "off"}, {"own channels", "on"}}},
+  };
+  for (const PanelLayout& layout : wanted) EXPECT_EQ(dock_.Restore(layout), "") << layout.name;
+  EXPECT_EQ(dock_.Layout(), wanted);
+  Update();
+  Draw();
+  EXPECT_EQ(dock_.Layout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it stands where it was asked to";
+}
+
+TEST_F(PanelDockTest, SaysWhatIsWrongWithALayout) {
+  const auto fault = [&](const PanelLayout& layout) { return dock_.Restore(layout); };
+  EXPECT_NE(fault({"Radar", std::nullopt, {}}).find("there are Channels, Log"), std::string::npos);
+  EXPECT_NE(fault({"plot", std::nullopt, {{"series", "a"}}}).find("one is written as"), std::string::npos);
+  EXPECT_NE(fault({"Plot", std::nullopt, {{"seconds", "long"}}}).find("from 1 to 600"), std::string::npos);
+  EXPECT_NE(fault({"Log", std::nullopt, {{"level", "loud"}}}).find("there are all"), std::string::npos);
+  EXPECT_NE(fault({"Graph", std::nullopt, {{"viewer", "x"}}}).find("on or off"), std::string::npos);
+  EXPECT_NE(fault({"Message", std::nullopt, {{"size", "1"}}}).find("no setting"), std::string::npos);
+  EXPECT_NE(fault({"Channels", std::nullopt, {{"size", "1"}}}).find("no setting"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test

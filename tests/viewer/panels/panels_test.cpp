@@ -1,0 +1,103 @@
+#include "foxglove/Log.pb.h"
+#include "foxglove/PoseInFrame.pb.h"
+#include "viewer/panels/panel_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+using PanelsTest = PanelTest;
+
+TEST_F(PanelsTest, AllSayWhatToDoWhileThereIsNothing) {
+  const int none = Draw();
+  for (const PanelType& type : PanelTypes()) {
+    dock_.Open(type);
+    Update();
+    EXPECT_GT(Draw(), none) << type.name;
+    dock_.Close(type);
+  }
+}
+
+TEST_F(PanelsTest, LogShowsLinesAsTheyCome) {
+  auto log = session_.Advertise<foxglove::Log>("log");
+  Open("Log");
+  Update();  // Now it subscribes.
+  const int before = Draw();
+  foxglove::Log line;
+  line.set_level(foxglove::Log::WARNING);
+  line.set_message("the wheel slips");
+  for (int i = 0; i < 5; ++i) {
+    line.set_line(static_cast<std::uint32_t>(i));
+    line.set_name("driver");
+    log(line);
+  }
+  Update();
+  Draw();
+  EXPECT_GT(Draw(), before);
+}
+
+TEST_F(PanelsTest, MessageUnfoldsWhatWasAskedFor) {
+  auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
+  ASSERT_EQ(Open("Message").Set("channel", "odometry"), "");
+  odometry(foxglove::PoseInFrame());
+  Update();
+  Draw();
+  const int folded = Draw();
+  foxglove::PoseInFrame pose;
+  pose.mutable_pose()->mutable_position()->set_x(1.5);
+  odometry(pose);
+  ASSERT_EQ(Open("Message").Set("unfolded", "pose"), "");
+  ASSERT_EQ(Open("Message").Set("unfolded", "pose.position"), "");
+  Update();
+  Draw();
+  EXPECT_GT(Draw(), folded);
+}
+
+TEST_F(PanelsTest, PlotDrawsALineThroughItsNumbers) {
+  auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
+  ASSERT_EQ(Open("Plot").Set("series", "odometry pose.position.x"), "");
+  Update();
+  Draw();
+  const int empty = Draw();
+  for (int i = 0; i < 50; ++i) {
+    foxglove::PoseInFrame pose;
+    pose.mutable_pose()->mutable_position()->set_x(i);
+    odometry(pose);
+  }
+  Update();
+  EXPECT_GT(Draw(), empty);
+}
+
+TEST_F(PanelsTest, AreLaidOutInATinyWindow) {
+  auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
+  for (const PanelType& type : PanelTypes()) dock_.Open(type);
+  ASSERT_EQ(Open("Plot").Set("series", "odometry pose.position.x"), "");
+  ASSERT_EQ(Open("Message").Set("channel", "odometry"), "");
+  odometry(foxglove::PoseInFrame());
+  for (const ImVec2 size : {ImVec2(1, 1), ImVec2(40, 30), ImVec2(16384, 16384), ImVec2(640, 480)}) {
+    ImGui::GetIO().DisplaySize = size;
+    Update();
+    Draw();
+  }
+}
+
+TEST_F(PanelsTest, GraphIsReadableWithFiftyProcesses) {
+  std::vector<KnownChannel> channels;
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    KnownChannel channel;
+    channel.name = "channel_" + std::to_string(i);
+    ChannelUser user;
+    user.session = {i + 1};
+    user.process = "process_" + std::to_string(i);
+    channel.publishers.push_back(user);
+    user.session = {(i * 7) % 50 + 1};
+    channel.subscribers.push_back(user);
+    channels.push_back(channel);
+  }
+  Open("Graph");
+  EXPECT_TRUE(dock_.Update({1, channels}));
+  Draw();
+  EXPECT_GT(Draw(), 500);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test
