@@ -5,10 +5,13 @@
 #include <signal.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "hgros/base/error.hpp"
+#include "viewer/app/layout_file.hpp"
 #include "viewer/app/offscreen.hpp"
 #include "viewer/app/options.hpp"
 #include "viewer/app/viewer.hpp"
@@ -62,6 +65,8 @@ class Panels {
 };
 
 int Show(const Options& options, EndingSignals& signals) {
+  std::optional<Layout> layout;
+  if (!options.config.empty() && std::filesystem::exists(options.config)) layout = LoadLayout(options.config);
   const Panels panels;
   std::unique_ptr<Surface> surface;
   if (options.offscreen) {
@@ -72,7 +77,7 @@ int Show(const Options& options, EndingSignals& signals) {
     surface = std::move(opened);
   }
   SetLook(surface->scale());
-  Viewer viewer(options, *surface);
+  Viewer viewer(options, layout, *surface);
   signals.Watch(viewer);
   const int code = viewer.Run();
   signals.Unwatch();

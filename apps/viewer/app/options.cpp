@@ -58,7 +58,7 @@ std::string ParseTexts(const std::vector<std::string>& channels, const std::vect
   if (!options.screenshot.empty() && !options.after_s && !options.frames) {
     return "--screenshot needs --after SECONDS or --frames N.";
   }
-  if (!(options.fps_limit > 0)) return "--fps-limit is a number above 0.";
+  if (options.fps_limit && !(*options.fps_limit > 0)) return "--fps-limit is a number above 0.";
   return {};
 }
 
@@ -74,6 +74,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   std::string offscreen;
   std::vector<std::string> network;
   std::string screenshot;
+  std::string config;
   app.add_option("--channel", channels,
                  "NAME:SCHEMA[,setting=value...], such as lidar:foxglove.PointCloud,keep=all; repeatable")
       ->take_all();
@@ -83,6 +84,8 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_option("--panel", panels,
                  "Channels, Log, Message, Plot or Graph[,setting=value...], open from the start; repeatable")
       ->take_all();
+  app.add_option("--config", config,
+                 "a layout file, which need not be there yet: the key L or the panel View writes it");
   app.add_option("--network", network, "configuration of the session, as for every program; repeatable")
       ->take_all()
       ->check(CLI::ExistingFile);
@@ -107,6 +110,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   }
   options.network.assign(network.begin(), network.end());
   options.screenshot = screenshot;
+  options.config = config;
   const std::string fault = ParseTexts(channels, displays, panels, window, offscreen, options);
   if (!fault.empty()) {
     std::fprintf(stderr, "hgros-viewer: %s `hgros-viewer --help` tells more.\n", fault.c_str());

@@ -31,7 +31,7 @@ struct Options {
   std::filesystem::path screenshot;
   std::optional<double> after_s;
   std::optional<std::size_t> frames;
-  double fps_limit = 30;
+  std::optional<double> fps_limit;
   bool from_above = false;
   bool orthographic = false;
   bool show_all = false;

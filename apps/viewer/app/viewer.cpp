@@ -31,7 +31,7 @@ Config SessionConfig(const Options& options) {
 
 }  // namespace
 
-Viewer::Viewer(const Options& options, Surface& surface)
+Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surface& surface)
     : options_(options),
       surface_(surface),
       session_(SessionConfig(options), {.name = "hgros-viewer"}),
@@ -41,10 +41,8 @@ Viewer::Viewer(const Options& options, Surface& surface)
       dock_(session_, [this] { surface_.Wake(); }),
       show_panels_(options.panels),
       begin_s_(NowS()) {
-  frame_.Ask(options.fixed_frame);
-  if (options.from_above) camera_.LookFromAbove();
-  if (options.orthographic) camera_.SetOrthographic(true);
-  view_panel_.Follow(options.follow, options.follow_pose);
+  shows_what_it_finds_ = options.channels.empty();
+  layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config.string();
   if (options.report_s) next_report_s_ = begin_s_ + *options.report_s;
   for (const std::string_view channel : {kTransformsChannel, kStaticTransformsChannel}) {
     subscriptions_.push_back(session_.FromAny<foxglove::FrameTransforms>(channel, Invoke::kSerial,
@@ -60,7 +58,14 @@ Viewer::Viewer(const Options& options, Surface& surface)
                                                                  WakeFromData();
                                                                },
                                                                {.queue = Queue::Latest()}));
+  if (layout) Restore(*layout);
   AddWanted();
+  AddPanels();
+  if (!options.fixed_frame.empty()) frame_.Ask(options.fixed_frame);
+  if (options.fps_limit) fps_limit_ = *options.fps_limit;
+  if (options.from_above) camera_.LookFromAbove();
+  if (options.orthographic) camera_.SetOrthographic(true);
+  if (!options.follow.empty()) view_panel_.Follow(options.follow, options.follow_pose);
 }
 
 Viewer::~Viewer() {
@@ -78,8 +83,10 @@ void Viewer::Stop() {
 }
 
 void Viewer::AddWanted() {
-  Add(*DisplayTypeNamed("Ground"), "", {});
-  Add(*DisplayTypeNamed("Frames"), "", {});
+  if (scene_.entries().empty()) {
+    Add(*DisplayTypeNamed("Ground"), "", {});
+    Add(*DisplayTypeNamed("Frames"), "", {});
+  }
   for (const WantedDisplay& wanted : options_.channels) {
     if (wanted.schema.empty()) {
       awaited_.push_back(wanted);
@@ -112,11 +119,6 @@ void Viewer::AddWanted() {
       entry->display->OnSetting(name);
     }
   }
-  for (const WantedDisplay& wanted : options_.opened_panels) {
-    if (const std::string fault = dock_.Restore({wanted.channel, std::nullopt, wanted.settings}); !fault.empty()) {
-      throw Error(fault);
-    }
-  }
 }
 
 // Once a publisher tells its schema: what was asked for by name, or, if nothing was, all that can be shown.
@@ -138,7 +140,7 @@ void Viewer::TakeChannels() {
       } else {
         AddOrSay(*type, wanted);
       }
-    } else if (options_.channels.empty() && type != nullptr && shown_by_itself_.size() < kMostByThemselves &&
+    } else if (shows_what_it_finds_ && type != nullptr && shown_by_itself_.size() < kMostByThemselves &&
                shown_by_itself_.insert(known.name).second) {
       AddOrSay(*type, {known.name, {}, {}});
     }
@@ -184,13 +186,14 @@ int Viewer::Run() {
     if (woken_s >= next_report_s_) Report(woken_s);
     if (AtEnd(woken_s)) break;
   }
+  if (layout_file_.save_on_exit) SaveLayoutNow();
   return exit_code_;
 }
 
 double Viewer::NextTurnS() const {
   const bool draws_on = frames_wanted_ > 0 || scene_.unfinished() || whole_picture_wanted_;
   const bool something = woken_ || (draws_on && !surface_.hidden());
-  const double soonest_s = last_turn_s_ + 1 / options_.fps_limit;
+  const double soonest_s = last_turn_s_ + 1 / fps_limit_;
   double next_s = something ? soonest_s : std::max(soonest_s, scene_.next_change_s());
   if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, dock_.next_change_s()));
   if (options_.after_s) next_s = std::min(next_s, std::max(begin_s_ + *options_.after_s, soonest_s));
@@ -241,7 +244,7 @@ void Viewer::OnKey(int key) {
       dock_.Toggle(PanelTypes()[static_cast<std::size_t>(key - '1')]);
       frames_wanted_ = kFramesAfterInput;
       break;
-    case ViewerKey::kSaveLayout: break;
+    case ViewerKey::kSaveLayout: SaveLayoutNow(); break;
     case ViewerKey::kPanels: show_panels_ = !show_panels_; break;
     case ViewerKey::kFocus: ShowEverything(); break;
     case ViewerKey::kScreenshot: {
@@ -318,7 +321,7 @@ void Viewer::DrawPanels() {
   const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
   if (show_panels_) {
-    view_panel_.Draw(camera_, frame_);
+    if (view_panel_.Draw(camera_, frame_, layout_file_)) SaveLayoutNow();
     image_panel_.Draw(scene_);
     const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_, dock_);
     if (wish.add != nullptr) Add(*wish.add, wish.channel, {});

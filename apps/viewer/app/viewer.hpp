@@ -11,6 +11,7 @@
 #include "foxglove/FrameTransforms.pb.h"
 #include "hgros/session/session.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "viewer/app/layout.hpp"
 #include "viewer/app/options.hpp"
 #include "viewer/app/surface.hpp"
 #include "viewer/panels/display_panel.hpp"
@@ -28,7 +29,8 @@ namespace hgros::viewer {
 class Viewer {
  public:
   /// Errors: throws Error if the session cannot be had, or the options name what there is not.
-  Viewer(const Options& options, Surface& surface);
+  /// `layout` is what was read from the options' file, or none.
+  Viewer(const Options& options, const std::optional<Layout>& layout, Surface& surface);
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
   ~Viewer();
@@ -37,12 +39,19 @@ class Viewer {
   int Run();
   /// Thread-safe.
   void Stop();
+  /// All that makes it look as it does.
+  [[nodiscard]] Layout CurrentLayout() const;
 
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   void WakeFromData();
   void AddWanted();
+  void AddPanels();
+  /// What a file or a lost window says; what the command line says goes before. Throws Error where it cannot be had.
+  void Restore(const Layout& layout);
+  void RestoreDisplays(const std::vector<LayoutDisplay>& displays);
+  void SaveLayoutNow();
   void TakeChannels();
   void AddOrSay(const DisplayType& type, const WantedDisplay& wanted);
   void Add(const DisplayType& type, const std::string& channel,
@@ -94,6 +103,9 @@ class Viewer {
   std::filesystem::path screenshot_;        ///< To be written with the next frame.
   std::optional<RigidTransform> followed_;  ///< Where the frame that is followed was.
   int exit_code_ = 0;
+  double fps_limit_ = 30;
+  bool shows_what_it_finds_ = true;
+  ViewPanel::LayoutFile layout_file_;
 
   double begin_s_ = 0;
   double last_turn_s_ = -kNever;

@@ -17,7 +17,8 @@ std::vector<std::string> FrameNames(const TransformTree& tree) {
   return names;
 }
 
-void ViewPanel::Draw(Camera& camera, const FixedFrame& frame) {
+bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) {
+  bool save = false;
   const float unit = ImGui::GetFontSize();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x - 0.6F * unit, 0.6F * unit}, ImGuiCond_FirstUseEver, {1, 0});
@@ -41,8 +42,15 @@ void ViewPanel::Draw(Camera& camera, const FixedFrame& frame) {
     const Eigen::Vector3d pivot = camera.Pivot();
     ImGui::TextDisabled("%s %.2f, %.2f, %.2f m", camera.anchor() ? "anchor" : "middle", pivot.x(), pivot.y(),
                         pivot.z());
+    ImGui::Separator();
+    save = ImGui::Button("save layout");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Writes displays, panels and camera to %s.", file.path.c_str());
+    ImGui::SameLine();
+    ImGui::Checkbox("save at the end", &file.save_on_exit);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Writes the layout whenever the viewer is closed.");
   }
   ImGui::End();
+  return save;
 }
 
 }  // namespace hgros::viewer

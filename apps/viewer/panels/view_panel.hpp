@@ -12,7 +12,12 @@ namespace hgros::viewer {
 /// How the scene is looked at, and which frame the camera goes along with.
 class ViewPanel {
  public:
-  void Draw(Camera& camera, const FixedFrame& frame);
+  struct LayoutFile {
+    std::string path;
+    bool save_on_exit = false;
+  };
+  /// Whether the layout is to be written now.
+  [[nodiscard]] bool Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file);
 
   /// Empty: none.
   void Follow(std::string_view frame, bool with_rotation) {

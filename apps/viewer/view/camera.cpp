@@ -135,6 +135,12 @@ void Camera::Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport) {
   anchor_.reset();
 }
 
+void Camera::Place(const Eigen::Vector3d& eye, const Eigen::Quaterniond& orientation, double distance) {
+  eye_ = eye;
+  orientation_ = orientation.normalized();
+  distance_ = std::clamp(distance, kNearest, kFurthest);
+}
+
 void Camera::Follow(const RigidTransform& before, const RigidTransform& now, bool with_rotation) {
   const Eigen::Vector3d from = before.translation;
   const Eigen::Vector3d to = now.translation;

@@ -52,6 +52,8 @@ class Camera {
   void Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport);
   void SetOrthographic(bool orthographic) { orthographic_ = orthographic; }
   void Reset() { *this = Camera(); }
+  /// Puts it where one was before: eye(), orientation() and distance(). The quaternion need not be of unit length.
+  void Place(const Eigen::Vector3d& eye, const Eigen::Quaterniond& orientation, double distance);
   /// Takes eye and anchor along with something that has moved: with its whole pose, or its position alone.
   void Follow(const RigidTransform& before, const RigidTransform& now, bool with_rotation);
 

@@ -149,6 +149,21 @@ class InMemory(ViewerCase):
         self.end(viewer)
         self.assertGreater(colorful(picture), 0.005)
 
+    def test_writes_a_layout_that_it_reads_again(self):
+        layout = pathlib.Path(self.folder.name, "layout.yaml")
+        layout.write_text("save_on_exit: true\ndisplays:\n  - kind: Point cloud\n    channel: cloud\n"
+                          "    settings: {keep: all}\npanels: [Graph]\n")
+        for _ in range(2):
+            self.end(self.start(VIEWER, "--offscreen", "320x240", "--config", layout, "--frames", 3))
+            written = layout.read_text()
+            self.assertIn("keep: all", written)
+            self.assertIn("kind: Graph", written)
+            self.assertNotIn("Ground", written, "only what the layout names is shown")
+        layout.write_text("displays:\n  - kind: Groud\n")
+        viewer = self.start(VIEWER, "--offscreen", "64x64", "--config", layout)
+        self.assertEqual(viewer.wait(timeout=DEADLINE_S), 1)
+        self.assertIn("layout.yaml:2:5: There is no display", viewer.stderr.read())
+
     def test_goes_on_beside_a_robot_that_sends_what_is_no_message(self):
         picture = self.picture()
         panels = ["Channels,measure=odometry,measure=broken_cloud", "Log", "Message,channel=broken_cloud,unfolded=pose",
