@@ -17,6 +17,7 @@ struct InputEvent {
   double y = 0;
   double steps = 0;  ///< Of the wheel.
   int key = 0;       ///< As KeyRow.
+  bool shift = false;
 };
 
 /// Where the pictures go: a window, or memory. Thread: the one that made it, but for Wake.

@@ -14,14 +14,15 @@
 #include "viewer/app/process_figures.hpp"
 #include "viewer/panels/help_overlay.hpp"
 #include "viewer/panels/label_layer.hpp"
+#include "viewer/panels/pick_layer.hpp"
 #include "viewer/panels/status_line.hpp"
+#include "viewer/panels/time_bar.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 constexpr int kFramesAfterInput = 3;
 constexpr std::size_t kMostByThemselves = 32;
-constexpr int kPickRadius = 6;  // pixels around a click in which the nearest point is taken
 
 double NowS() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -194,7 +195,7 @@ double Viewer::NextTurnS() const {
   const bool draws_on = frames_wanted_ > 0 || scene_.unfinished() || whole_picture_wanted_;
   const bool something = woken_ || (draws_on && !surface_.hidden());
   const double soonest_s = last_turn_s_ + 1 / fps_limit_;
-  double next_s = something ? soonest_s : std::max(soonest_s, scene_.next_change_s());
+  double next_s = something ? soonest_s : std::max(soonest_s, paused_ ? kNever : scene_.next_change_s());
   if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, dock_.next_change_s()));
   if (options_.after_s) next_s = std::min(next_s, std::max(begin_s_ + *options_.after_s, soonest_s));
   return std::min(next_s, next_report_s_);
@@ -223,7 +224,9 @@ void Viewer::TakeInput() {
     switch (event.kind) {
       case InputEvent::Kind::kPress: navigation_.OnPress(event.button, event.x, event.y); break;
       case InputEvent::Kind::kRelease:
-        if (const auto pixel = navigation_.OnRelease(event.button, event.x, event.y)) Pick(*pixel);
+        if (const auto pixel = navigation_.OnRelease(event.button, event.x, event.y)) {
+          Pick(*pixel, picking_ || event.shift);
+        }
         break;
       case InputEvent::Kind::kPointer: navigation_.OnPointer(event.x, event.y, size); break;
       case InputEvent::Kind::kWheel: navigation_.OnWheel(event.steps, size); break;
@@ -239,7 +242,13 @@ void Viewer::OnKey(int key) {
   switch (row->viewer) {
     case ViewerKey::kNone: navigation_.OnKey(row->camera); break;
     case ViewerKey::kHelp: help_ = !help_; break;
-    case ViewerKey::kPause: paused_ = !paused_; break;
+    case ViewerKey::kPause: SetPaused(!paused_); break;
+    case ViewerKey::kStep: Step(); break;
+    case ViewerKey::kPick: picking_ = !picking_; break;
+    case ViewerKey::kForget:
+      picking_ = false;
+      picks_.Clear();
+      break;
     case ViewerKey::kOnePanel:
       dock_.Toggle(PanelTypes()[static_cast<std::size_t>(key - '1')]);
       frames_wanted_ = kFramesAfterInput;
@@ -260,21 +269,6 @@ void Viewer::OnKey(int key) {
   }
 }
 
-void Viewer::Pick(const Eigen::Vector2d& pixel) {
-  int x = static_cast<int>(pixel.x());
-  int y = static_cast<int>(pixel.y());
-  const float depth = scene_.picture().NearestDepth(x, y, static_cast<int>(kPickRadius * surface_.scale()));
-  if (depth >= 1) {
-    notice_ = "There is nothing to set the anchor on.";
-    return;
-  }
-  const Eigen::Vector3d point = camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), surface_.size());
-  camera_.SetAnchor(point);
-  char text[128];
-  std::snprintf(text, sizeof text, "anchor at %.3f, %.3f, %.3f m", point.x(), point.y(), point.z());
-  notice_ = text;
-}
-
 void Viewer::ShowEverything() {
   const Eigen::AlignedBox3d bounds = scene_.Bounds();
   if (bounds.isEmpty()) return;
@@ -282,7 +276,8 @@ void Viewer::ShowEverything() {
 }
 
 void Viewer::TakeArrived(double now_s) {
-  if (paused_) return;
+  if (paused_ && !std::exchange(steps_, false)) return;
+  newest_s_ = now_s;
   const bool transforms_changed = transforms_changed_.exchange(false);
   if (transforms_changed) frame_changed_ |= frame_.Refresh();
   if (transforms_changed || frame_changed_) FollowFrame();
@@ -320,6 +315,7 @@ void Viewer::DrawPanels() {
   ImGui::NewFrame();
   const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
+  DrawPicks(picks_, camera_, surface_.size(), pixels_per_unit);
   if (show_panels_) {
     if (view_panel_.Draw(camera_, frame_, layout_file_)) SaveLayoutNow();
     image_panel_.Draw(scene_);
@@ -332,8 +328,14 @@ void Viewer::DrawPanels() {
       frames_wanted_ = kFramesAfterInput;
     }
     dock_.Draw();
+    if (paused_) {
+      const TimeBarWish time = DrawTimeBar({back_s_, KeptS(), scene_.dropped() - dropped_before_});
+      if (time.moved) LookBack(time.back_s);
+      if (time.step) Step();
+      if (time.go_on) SetPaused(false);
+    }
     DrawStatusLine({static_cast<double>(frame_times_s_.size()), scene_.points(), scene_.gpu_bytes(), ResidentBytes(),
-                    frame_.name(), notice_, paused_, scene_.unfinished()});
+                    frame_.name(), notice_, paused_, picking_, scene_.unfinished()});
   }
   DrawHelp(help_);
   ImGui::Render();

@@ -22,6 +22,7 @@
 #include "viewer/panels/view_panel.hpp"
 #include "viewer/scene/scene.hpp"
 #include "viewer/view/navigation.hpp"
+#include "viewer/view/point_picks.hpp"
 
 namespace hgros::viewer {
 
@@ -61,7 +62,15 @@ class Viewer {
   void Turn(double now_s);
   void TakeInput();
   void OnKey(int key);
-  void Pick(const Eigen::Vector2d& pixel);
+  /// Sets the anchor on what is there, or picks the point to be measured.
+  void Pick(const Eigen::Vector2d& pixel, bool measures);
+  /// While it stands still, messages wait in the displays' inboxes, which drop the oldest.
+  void SetPaused(bool paused);
+  /// Shows once what has come until now.
+  void Step();
+  void LookBack(double back_s);
+  /// How far back one can look.
+  [[nodiscard]] double KeptS() const;
   void ShowEverything();
   void TakeArrived(double now_s);
   void DrawFrame(double now_s);
@@ -95,6 +104,12 @@ class Viewer {
   std::set<std::string> shown_by_itself_;  ///< Also those that were removed since.
   bool frame_changed_ = false;
   bool paused_ = false;
+  bool steps_ = false;
+  double newest_s_ = -kNever;  ///< When displays took in something last.
+  double back_s_ = 0;
+  std::uint64_t dropped_before_ = 0;  ///< The pause.
+  bool picking_ = false;
+  PointPicks picks_;
   bool help_ = false;
   bool show_panels_ = true;
   int frames_wanted_ = 3;  ///< ImGui settles within some frames after each thing that a person does.

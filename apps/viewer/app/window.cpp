@@ -82,8 +82,8 @@ void Window::InstallCallbacks() {
     const PointerButton which = button == GLFW_MOUSE_BUTTON_LEFT    ? PointerButton::kLeft
                                 : button == GLFW_MOUSE_BUTTON_RIGHT ? PointerButton::kRight
                                                                     : PointerButton::kMiddle;
-    window.input_.push_back(
-        {release ? InputEvent::Kind::kRelease : InputEvent::Kind::kPress, which, window.x_, window.y_});
+    window.input_.push_back({release ? InputEvent::Kind::kRelease : InputEvent::Kind::kPress, which, window.x_,
+                             window.y_, 0, 0, (mods & GLFW_MOD_SHIFT) != 0});
   });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* at, double x, double y) {
     Window& window = WindowOf(at);

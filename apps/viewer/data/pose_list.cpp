@@ -61,6 +61,7 @@ PoseList::Change PoseList::Append(const RigidTransform& pose) {
 
 PoseList::Change PoseList::KeepLast(std::size_t count) {
   if (poses_.size() <= count) return Change::kNothing;
+  removed_ += poses_.size() - count;
   poses_.erase(poses_.begin(), poses_.end() - static_cast<std::ptrdiff_t>(count));
   return Change::kRewritten;
 }

@@ -30,6 +30,8 @@ class PoseList {
 
   [[nodiscard]] const std::vector<Pose>& poses() const noexcept { return poses_; }
   [[nodiscard]] const Eigen::Vector3d& origin() const noexcept { return origin_; }
+  /// So many KeepLast has taken away, ever.
+  [[nodiscard]] std::size_t removed() const noexcept { return removed_; }
   [[nodiscard]] std::size_t left_out() const noexcept { return left_out_; }
 
  private:
@@ -37,6 +39,7 @@ class PoseList {
 
   std::vector<Pose> poses_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  std::size_t removed_ = 0;
   std::size_t left_out_ = 0;
 };
 

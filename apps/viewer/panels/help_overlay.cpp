@@ -32,6 +32,7 @@ void DrawHelp(bool& open) {
       Row("Right drag", "move the picture");
       Row("Wheel", "nearer and further: to the anchor, or to the pointer");
       Row("Left click", "set the anchor on what is there");
+      Row("Shift and click", "pick the point there; a second one is measured from it");
       std::string keys;
       const auto table = KeyTable();
       for (std::size_t i = 0; i < table.size(); ++i) {

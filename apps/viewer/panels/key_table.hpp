@@ -9,7 +9,19 @@ namespace hgros::viewer {
 /// What a key of the keyboard does. Letters are upper case; other keys have a number above 255 of our own.
 enum SpecialKey { kKeyLeft = 256, kKeyRight, kKeyUp, kKeyDown, kKeyHome, kKeyF1, kKeyF12, kKeyEscape };
 
-enum class ViewerKey { kNone, kHelp, kPause, kScreenshot, kFocus, kPanels, kOnePanel, kSaveLayout };
+enum class ViewerKey {
+  kNone,
+  kHelp,
+  kPause,
+  kScreenshot,
+  kFocus,
+  kPanels,
+  kOnePanel,
+  kSaveLayout,
+  kStep,
+  kPick,
+  kForget
+};
 
 struct KeyRow {
   int key;

@@ -33,6 +33,7 @@ void DrawStatusLine(const StatusFigures& figures) {
     text += "   " + Thousands(figures.points) + " points   " + rates;
     if (figures.unfinished) text += "   drawing ...";
     if (figures.paused) text += "   paused (Space)";
+    if (figures.picking) text += "   a click picks a point (M)";
     ImGui::TextUnformatted(text.c_str());
     const std::string right = figures.notice.empty() ? "F1: mouse and keys" : figures.notice;
     ImGui::SameLine(size.x - ImGui::CalcTextSize(right.c_str()).x - 12);

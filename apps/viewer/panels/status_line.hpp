@@ -13,6 +13,7 @@ struct StatusFigures {
   std::string fixed_frame;
   std::string notice;  ///< What has just happened, in a sentence; may be empty.
   bool paused = false;
+  bool picking = false;
   bool unfinished = false;
 };
 

@@ -83,6 +83,10 @@ class Display {
   virtual void DrawMoving(const DrawContext& /*context*/) {}
   /// In every frame, too, after everything opaque, whose depth it must leave as it is.
   virtual void DrawBlended(const DrawContext& /*context*/) {}
+  /// Shows what it had `back_s` before the newest that Update took in at `newest_s`, as far as that is kept; 0: all.
+  [[nodiscard]] virtual Change LookBack(double /*newest_s*/, double /*back_s*/) { return Change::kNothing; }
+  /// From when the oldest is that LookBack can show, on the clock of UpdateContext; infinity: there is nothing.
+  [[nodiscard]] virtual double oldest_s() const { return std::numeric_limits<double>::infinity(); }
   /// Forgets what it has kept.
   virtual void Clear() {}
 
@@ -99,6 +103,12 @@ class Display {
   [[nodiscard]] virtual std::size_t points() const { return 0; }
   [[nodiscard]] virtual std::size_t gpu_bytes() const { return 0; }
   [[nodiscard]] virtual Eigen::AlignedBox3d Bounds() const { return {}; }
+  /// The frame that what is shown came in; empty: none, or several.
+  [[nodiscard]] virtual std::string data_frame() const { return {}; }
+  /// What there is to say of the thing that is shown at a place of the fixed frame, or within `radius_m` around it.
+  [[nodiscard]] virtual std::string ValueAt(const Eigen::Vector3d& /*at*/, double /*radius_m*/) const { return {}; }
+  /// Messages that came too fast to be shown, or while nothing was taken in.
+  [[nodiscard]] virtual std::uint64_t dropped() const { return 0; }
   /// When it changes without a message, on the clock of UpdateContext.
   [[nodiscard]] virtual double next_change_s() const { return std::numeric_limits<double>::infinity(); }
 };

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -15,8 +18,28 @@ class FramesDisplay : public Display {
   [[nodiscard]] Change Update(const UpdateContext& context) override {
     const bool due = context.transforms_changed || context.frame_changed || std::exchange(setting_changed_, false);
     if (!due) return Change::kNothing;
-    Take(context);
+    fixed_ = &context.frame;
+    updated_s_ = context.now_s;
+    back_ns_ = 0;
+    Take();
     return Change::kMoving;
+  }
+
+  // Everything as it lay so long before the newest transform.
+  [[nodiscard]] Change LookBack(double /*newest_s*/, double back_s) override {
+    const auto back_ns = static_cast<std::int64_t>(back_s * 1e9);
+    if (std::exchange(back_ns_, back_ns) == back_ns || fixed_ == nullptr) return Change::kNothing;
+    Take();
+    return Change::kMoving;
+  }
+
+  [[nodiscard]] double oldest_s() const override { return updated_s_ - remembered_s_; }
+  // The name of the nearest frame.
+  [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
+    const auto distance = [&](const Label& label) { return (label.at - at).norm(); };
+    const auto nearest = std::ranges::min_element(labels_, {}, distance);
+    const double reach_m = radius_m + static_cast<double>(axes_metres_);
+    return nearest == labels_.end() || distance(*nearest) > reach_m ? std::string() : nearest->text;
   }
 
   void DrawMoving(const DrawContext& context) override {
@@ -50,9 +73,22 @@ class FramesDisplay : public Display {
   }
 
  private:
-  void Take(const UpdateContext& context) {
-    const std::vector<EdgeSnapshot> edges = context.frame.tree().Edges();
+  [[nodiscard]] Time ShownTime(const std::vector<EdgeSnapshot>& edges) const {
+    if (back_ns_ == 0) return {};
+    Time newest;
+    for (const EdgeSnapshot& edge : edges) newest = std::max(newest, edge.newest);
+    return {std::max<std::int64_t>(newest.nanoseconds - back_ns_, 1)};
+  }
+
+  void Take() {
+    const std::vector<EdgeSnapshot> edges = fixed_->tree().Edges();
+    const Time shown = ShownTime(edges);
     edges_ = edges.size();
+    std::int64_t remembered_ns = 0;
+    for (const EdgeSnapshot& edge : edges) {
+      if (!edge.is_static) remembered_ns = std::max(remembered_ns, (edge.newest - edge.oldest).count());
+    }
+    remembered_s_ = 1e-9 * static_cast<double>(remembered_ns);
     fault_.clear();
     labels_.clear();
     std::vector<RigidTransform> poses;
@@ -61,7 +97,7 @@ class FramesDisplay : public Display {
       if (index.contains(frame)) return;
       RigidTransform T_fixed_frame;
       std::string why;
-      if (context.frame.Find(frame, T_fixed_frame, why) != FixedFrame::Answer::kFound) {
+      if (fixed_->Find(frame, shown, T_fixed_frame, why) != FixedFrame::Answer::kFound) {
         fault_ = why;
         return;
       }
@@ -96,6 +132,10 @@ class FramesDisplay : public Display {
   std::vector<Label> labels_;
   std::size_t edges_ = 0;
   std::string fault_;
+  const FixedFrame* fixed_ = nullptr;
+  std::int64_t back_ns_ = 0;
+  double updated_s_ = std::numeric_limits<double>::infinity();
+  double remembered_s_ = 0;  ///< So far back the transforms go.
   bool setting_changed_ = true;
   float axes_metres_ = 0.5F;
   bool names_ = true;

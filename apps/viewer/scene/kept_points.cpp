@@ -199,6 +199,40 @@ void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const P
   }
 }
 
+void KeptPoints::Find(const Eigen::Vector3d& at, NearestPoint& nearest) const {
+  const double cell = book_.cell_metres();
+  std::array<std::uint32_t, kPage> codes;
+  std::array<std::uint8_t, kPage> values;
+  std::vector<Eigen::Vector4f> corners;
+  for (const Slab& slab : slabs_) {
+    if (slab.bounds.exteriorDistance(at) > nearest.distance_m) continue;
+    corners.resize(slab.used_pages);
+    glBindBuffer(GL_ARRAY_BUFFER, slab.pages.name());
+    glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(corners.size() * sizeof(Eigen::Vector4f)),
+                       corners.data());
+    for (std::size_t page = 0; page < corners.size(); ++page) {
+      const Eigen::Vector3d corner = slab.origin + corners[page].head<3>().cast<double>();
+      const Eigen::AlignedBox3d box(corner, corner + Eigen::Vector3d::Constant(cell));
+      if (box.exteriorDistance(at) > nearest.distance_m) continue;
+      glBindBuffer(GL_ARRAY_BUFFER, slab.codes.name());
+      glGetBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(page * sizeof codes), sizeof codes, codes.data());
+      if (with_values_) {
+        glBindBuffer(GL_ARRAY_BUFFER, slab.values.name());
+        glGetBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(page * sizeof values), sizeof values, values.data());
+      }
+      for (std::size_t i = 0; i < kPage; ++i) {
+        if (codes[i] == cell_code::kNowhere) continue;
+        const double distance_m = (corner + cell * cell_code::Decode(codes[i]) - at).norm();
+        if (distance_m > nearest.distance_m) continue;
+        nearest.distance_m = distance_m;
+        nearest.value.reset();
+        if (with_values_)
+          nearest.value = range_.lo() + static_cast<float>(values[i]) / 255 * (range_.hi() - range_.lo());
+      }
+    }
+  }
+}
+
 std::size_t KeptPoints::gpu_bytes() const noexcept {
   return slabs_.size() * (kSlabPoints * (4U + (with_values_ ? 1U : 0U) + (with_colors_ ? 2U : 0U)) + kSlabPages * 16U);
 }

@@ -10,6 +10,7 @@
 #include "viewer/data/page_book.hpp"
 #include "viewer/data/value_range.hpp"
 #include "viewer/scene/gl_object.hpp"
+#include "viewer/scene/nearest_point.hpp"
 #include "viewer/scene/point_programs.hpp"
 #include "viewer/scene/slice.hpp"
 
@@ -30,6 +31,8 @@ class KeptPoints {
   /// What came since the last call.
   void DrawNew(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style);
   void Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style, const Slice& slice);
+  /// Looks for a point nearer to `at`. Reads what lies there back from the GPU.
+  void Find(const Eigen::Vector3d& at, NearestPoint& nearest) const;
 
   [[nodiscard]] std::size_t points() const noexcept { return book_.points(); }
   [[nodiscard]] std::size_t gpu_bytes() const noexcept;

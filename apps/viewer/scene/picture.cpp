@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 
 #include "hgros/base/error.hpp"
 
@@ -71,13 +72,23 @@ float Picture::NearestDepth(int& x, int& y, int radius) const {
   std::vector<float> depths(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
   glReadPixels(left, size_.height - 1 - bottom, columns, rows, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
-  const auto nearest = std::ranges::min_element(depths);
-  const auto index = static_cast<int>(nearest - depths.begin());
-  if (*nearest < 1) {
-    x = left + index % columns;
-    y = bottom - index / columns;
+  const float nearest = std::ranges::min(depths);
+  if (nearest >= 1) return nearest;
+  // A point covers several pixels: of those at that depth, the one that was meant.
+  int best = std::numeric_limits<int>::max();
+  const int at_x = x;
+  const int at_y = y;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (depths[i] > nearest) continue;
+    const int column = left + static_cast<int>(i) % columns;
+    const int row = bottom - static_cast<int>(i) / columns;
+    const int distance = (column - at_x) * (column - at_x) + (row - at_y) * (row - at_y);
+    if (distance >= best) continue;
+    best = distance;
+    x = column;
+    y = row;
   }
-  return *nearest;
+  return nearest;
 }
 
 std::vector<std::uint8_t> Picture::Pixels() const {

@@ -25,6 +25,7 @@ class PlacedDisplay : public Display {
   [[nodiscard]] std::vector<std::string> Status() const final;
   [[nodiscard]] bool HasFault() const final { return !fault_.empty() || !placement_.fault().empty(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
+  [[nodiscard]] std::string data_frame() const final { return frame(); }
   [[nodiscard]] double next_change_s() const final { return settling_.next_change_s(); }
 
  protected:

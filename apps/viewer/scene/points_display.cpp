@@ -1,6 +1,7 @@
 #include "viewer/scene/points_display.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -28,6 +29,7 @@ Change PointsDisplay::Update(const UpdateContext& context) {
     }
     if (!read.batch.fields.empty()) fields_ = read.batch.fields;
     shown_field_ = read.batch.scalar_name;
+    frame_ = read.batch.frame;
     empty_ = read.batch.positions.empty();
     if (waiting_.size() == kMostWaiting) {
       waiting_.pop_front();
@@ -133,7 +135,23 @@ void PointsDisplay::DrawSettled(const DrawContext& context, const Slice& slice) 
 
 void PointsDisplay::DrawMoving(const DrawContext& context) {
   const std::size_t thinned = recent_.points() / kMovingBudget + 1;
-  recent_.Draw(context.points, context.view, Style(context.scale), {0, thinned});
+  recent_.Draw(context.points, context.view, Style(context.scale), {0, thinned}, shown_until_s_);
+}
+
+Change PointsDisplay::LookBack(double newest_s, double back_s) {
+  const double until_s = back_s > 0 ? newest_s - back_s : std::numeric_limits<double>::infinity();
+  if (std::exchange(shown_until_s_, until_s) == until_s || recent_.points() == 0) return Change::kNothing;
+  return Change::kMoving;
+}
+
+std::string PointsDisplay::ValueAt(const Eigen::Vector3d& at, double radius_m) const {
+  NearestPoint nearest{radius_m, std::nullopt};
+  recent_.Find(at, shown_until_s_, nearest);
+  if (kept_) kept_->Find(at, nearest);
+  if (!nearest.value || shown_field_.empty()) return {};
+  char text[64];
+  std::snprintf(text, sizeof text, " = %.4g", static_cast<double>(*nearest.value));
+  return shown_field_ + text;
 }
 
 void PointsDisplay::Clear() {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +33,10 @@ class PointsDisplay : public Display {
   [[nodiscard]] std::size_t gpu_bytes() const final { return (kept_ ? kept_->gpu_bytes() : 0) + recent_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
   [[nodiscard]] double next_change_s() const final;
+  [[nodiscard]] Change LookBack(double newest_s, double back_s) final;
+  [[nodiscard]] double oldest_s() const final { return recent_.oldest_s(); }
+  [[nodiscard]] std::string data_frame() const final { return frame_; }
+  [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const final;
 
  protected:
   struct Read {
@@ -41,7 +46,6 @@ class PointsDisplay : public Display {
   /// What has arrived since the last call; of more messages than `most`, the newest.
   [[nodiscard]] virtual std::vector<Read> ReadArrived(const std::string& field, std::size_t most) = 0;
   [[nodiscard]] virtual std::uint64_t received() const = 0;
-  [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 
  private:
   enum Keep { kLatest, kCount, kTime, kForEver };
@@ -65,6 +69,8 @@ class PointsDisplay : public Display {
   std::vector<std::string> fields_;
   std::string fault_;
   std::string shown_field_;
+  std::string frame_;  ///< Of the last message.
+  double shown_until_s_ = std::numeric_limits<double>::infinity();
   std::uint64_t unplaced_ = 0;
   bool setting_changed_ = false;
   bool empty_ = false;  ///< The last message had no points.

@@ -42,6 +42,7 @@ class PoseDisplay : public PoseHistory {
     return std::max(change, poses.KeepLast(static_cast<std::size_t>(trail_)));
   }
   [[nodiscard]] std::uint64_t received() const override { return inbox_->received(); }
+  [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
 
  private:
   std::shared_ptr<Inbox<PoseInFrame>> inbox_ = std::make_shared<Inbox<PoseInFrame>>(kMostWaiting);

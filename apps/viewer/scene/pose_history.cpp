@@ -1,6 +1,7 @@
 #include "viewer/scene/pose_history.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace hgros::viewer {
@@ -36,6 +37,8 @@ Change PoseHistory::Update(const UpdateContext& context) {
     placement_.Forget();
     taken = PoseList::Change::kRewritten;
   }
+  if (taken != PoseList::Change::kNothing) KeepTimes(context.now_s);
+  if (std::exchange(looking_back_, false)) taken = PoseList::Change::kRewritten;
   if (taken == PoseList::Change::kAppended) {
     strip_.Set(poses_.poses(), before);
     change = std::max(change, moving_ ? Change::kMoving : Change::kAppended);
@@ -49,6 +52,29 @@ Change PoseHistory::Update(const UpdateContext& context) {
     change = std::max(change, Change::kAppended);
   }
   return change;
+}
+
+void PoseHistory::KeepTimes(double now_s) {
+  const std::size_t gone = std::min(poses_.removed() - removed_, times_s_.size());
+  times_s_.erase(times_s_.begin(), times_s_.begin() + static_cast<std::ptrdiff_t>(gone));
+  removed_ = poses_.removed();
+  times_s_.resize(poses_.poses().size(), now_s);
+}
+
+Change PoseHistory::LookBack(double newest_s, double back_s) {
+  const std::span<const PoseList::Pose> all(poses_.poses());
+  const auto later = std::ranges::upper_bound(times_s_, newest_s - back_s);
+  const std::size_t shown =
+      back_s > 0 ? std::min(all.size(), static_cast<std::size_t>(later - times_s_.begin())) : all.size();
+  looking_back_ = shown < all.size();
+  if (shown == strip_.size()) return Change::kNothing;
+  strip_.Set(all.first(shown));
+  drawn_ = 0;
+  return Change::kRedraw;
+}
+
+double PoseHistory::oldest_s() const {
+  return times_s_.empty() ? std::numeric_limits<double>::infinity() : times_s_.front();
 }
 
 void PoseHistory::DrawFrom(const DrawContext& context, std::size_t first) {
@@ -77,6 +103,8 @@ void PoseHistory::DrawMoving(const DrawContext& context) {
 
 void PoseHistory::Clear() {
   poses_.Clear();
+  times_s_.clear();
+  looking_back_ = false;
   strip_.Set({});
   drawn_ = 0;
   moving_ = false;

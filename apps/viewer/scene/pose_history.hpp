@@ -29,6 +29,9 @@ class PoseHistory : public Display {
   [[nodiscard]] std::size_t gpu_bytes() const final { return strip_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
   [[nodiscard]] double next_change_s() const final;
+  [[nodiscard]] Change LookBack(double newest_s, double back_s) final;
+  [[nodiscard]] double oldest_s() const final;
+  [[nodiscard]] std::string data_frame() const final { return frame_; }
 
  protected:
   /// Takes what has arrived into `poses`, and says in which frame they are.
@@ -47,10 +50,15 @@ class PoseHistory : public Display {
   void DrawFrom(const DrawContext& context, std::size_t first);
 
   [[nodiscard]] Change Rewritten(double now_s);
+  /// Each pose has the time at which it came first; those of a list that was rewritten keep it by their place.
+  void KeepTimes(double now_s);
   [[nodiscard]] Change TakeTransform(const UpdateContext& context);
 
   PoseList poses_;
   PoseStrip strip_;
+  std::vector<double> times_s_;  ///< When each pose came.
+  std::size_t removed_ = 0;      ///< From the front of the list, as far as times_s_ knows.
+  bool looking_back_ = false;    ///< The strip has the first ones only.
   std::string frame_;
   Placement placement_;
   bool setting_changed_ = false;

@@ -1,5 +1,6 @@
 #include "viewer/scene/recent_points.hpp"
 
+#include <array>
 #include <utility>
 
 #include "viewer/data/packed_points.hpp"
@@ -30,6 +31,7 @@ void RecentPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<con
     spare_.pop_back();
   }
   message.count = packed.points.size();
+  message.has_values = !values.empty();
   message.has_colors = !colors.empty();
   message.corner = packed.corner;
   message.size = packed.size;
@@ -59,14 +61,14 @@ void RecentPoints::Clear() {
   points_ = 0;
 }
 
-void RecentPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style,
-                        const Slice& slice) {
+void RecentPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style, const Slice& slice,
+                        double until_s) {
   if (points_ == 0) return;
   if (!vertices_) vertices_ = GlVertexArray::New();
   glBindVertexArray(vertices_.name());
   ShaderProgram& program = programs.Begin(false, view, style);
   for (const Message& message : messages_) {
-    if (message.count <= slice.index) continue;
+    if (message.count <= slice.index || message.when_s > until_s) continue;
     programs.SetOrigin(program, view, style, message.corner, message.scalar_lo, message.scalar_hi);
     program.Set("box", message.size);
     const auto attribute = [&](GLuint at, const GlBuffer& buffer, GLenum type, std::size_t size_bytes) {
@@ -83,6 +85,27 @@ void RecentPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const
       glVertexAttrib4f(2, 1, 1, 1, 1);
     }
     glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>((message.count - slice.index + slice.count - 1) / slice.count));
+  }
+}
+
+void RecentPoints::Find(const Eigen::Vector3d& at, double until_s, NearestPoint& nearest) const {
+  std::vector<std::array<std::uint16_t, 4>> codes;
+  for (const Message& message : messages_) {
+    const Eigen::AlignedBox3d box(message.corner, message.corner + message.size.cast<double>());
+    if (message.count == 0 || message.when_s > until_s || box.exteriorDistance(at) > nearest.distance_m) continue;
+    codes.resize(message.count);
+    glBindBuffer(GL_ARRAY_BUFFER, message.points.name());
+    glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(8 * message.count), codes.data());
+    const Eigen::Vector3d step = message.size.cast<double>() / 65535;
+    for (const auto& code : codes) {
+      const Eigen::Vector3d point = message.corner + step.cwiseProduct(Eigen::Vector3d(code[0], code[1], code[2]));
+      const double distance_m = (point - at).norm();
+      if (distance_m > nearest.distance_m) continue;
+      nearest.distance_m = distance_m;
+      nearest.value.reset();
+      if (!message.has_values) continue;
+      nearest.value = message.scalar_lo + static_cast<float>(code[3]) / 65535 * (message.scalar_hi - message.scalar_lo);
+    }
   }
 }
 

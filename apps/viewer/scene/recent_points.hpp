@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "viewer/scene/gl_object.hpp"
+#include "viewer/scene/nearest_point.hpp"
 #include "viewer/scene/point_programs.hpp"
 #include "viewer/scene/slice.hpp"
 
@@ -25,7 +26,11 @@ class RecentPoints {
   bool Expire(std::size_t messages, double oldest_s);
   void Clear();
 
-  void Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style, const Slice& slice);
+  /// Those that came no later than `until_s`.
+  void Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style, const Slice& slice,
+            double until_s);
+  /// Looks for a point nearer to `at` among those. Reads them back from the GPU.
+  void Find(const Eigen::Vector3d& at, double until_s, NearestPoint& nearest) const;
 
   [[nodiscard]] std::size_t points() const noexcept { return points_; }
   [[nodiscard]] std::size_t messages() const noexcept { return messages_.size(); }
@@ -41,6 +46,7 @@ class RecentPoints {
     std::size_t points_capacity = 0;
     std::size_t colors_capacity = 0;
     std::size_t count = 0;
+    bool has_values = false;
     bool has_colors = false;
     Eigen::Vector3d corner;
     Eigen::Vector3f size;

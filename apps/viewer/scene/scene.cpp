@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -52,6 +53,52 @@ void Scene::Update(const UpdateContext& context) {
     const Change change = entry.display->Update(context);
     if (entry.visible) pending_ = std::max(pending_, change);
   }
+}
+
+void Scene::LookBack(double newest_s, double back_s) {
+  for (Entry& entry : entries_) {
+    const Change change = entry.display->LookBack(newest_s, back_s);
+    if (entry.visible) pending_ = std::max(pending_, change);
+  }
+}
+
+double Scene::oldest_s() const {
+  double oldest = std::numeric_limits<double>::infinity();
+  for (const Entry& entry : entries_) oldest = std::min(oldest, entry.display->oldest_s());
+  return oldest;
+}
+
+const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
+                                   const Eigen::Vector3d& at) {
+  constexpr float kSameDepth = 1e-6F;
+  constexpr double kOutside = 0.1;  // of the box: what is wide in pixels goes beyond it
+  Picture probe;
+  probe.Resize(view.viewport);
+  const DrawContext context{view, points_, scale};
+  const Entry* found = nullptr;
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(x, view.viewport.height - 1 - y, 1, 1);
+  for (const Entry& entry : entries_) {
+    if (!entry.visible) continue;
+    const Eigen::AlignedBox3d box = entry.display->Bounds();
+    if (!box.isEmpty() && box.exteriorDistance(at) > kOutside * box.diagonal().norm() + 1) continue;
+    probe.Clear(kBackground);
+    entry.display->DrawSettled(context, {});
+    entry.display->DrawMoving(context);
+    int same_x = x;
+    int same_y = y;
+    if (std::abs(probe.NearestDepth(same_x, same_y, 0) - depth) < kSameDepth) found = &entry;
+    probe.Bind();
+  }
+  glDisable(GL_SCISSOR_TEST);
+  if (pending()) Redraw();  // What was new to a display may have gone into the probe.
+  return found;
+}
+
+std::uint64_t Scene::dropped() const {
+  std::uint64_t dropped = 0;
+  for (const Entry& entry : entries_) dropped += entry.display->dropped();
+  return dropped;
 }
 
 void Scene::DrawSlice(const DrawContext& context) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ class Scene {
 
   /// Takes in what has arrived.
   void Update(const UpdateContext& context);
+  /// As Display::LookBack, of all.
+  void LookBack(double newest_s, double back_s);
+  [[nodiscard]] double oldest_s() const;
   /// Whether something has changed since the last Draw.
   [[nodiscard]] bool pending() const noexcept { return pending_ != Change::kNothing; }
   /// The whole settled layer is out of date.
@@ -48,6 +52,13 @@ class Scene {
   /// The settled layer still lacks slices: another Draw with the same view adds one.
   [[nodiscard]] bool unfinished() const noexcept { return next_slice_ < slices_; }
   [[nodiscard]] const Picture& picture() const noexcept { return picture_; }
+
+  /// What is seen at a pixel, counted from the upper left corner, if its depth is what is there; null if it is none of
+  /// the displays. Draws each that may be it once more, alone. `at` is the pixel's point in the fixed frame.
+  [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
+                                     const Eigen::Vector3d& at);
+  /// Messages that displays could not take; ever.
+  [[nodiscard]] std::uint64_t dropped() const;
 
   [[nodiscard]] std::size_t points() const;
   [[nodiscard]] std::size_t gpu_bytes() const;

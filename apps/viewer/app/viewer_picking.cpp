@@ -1,0 +1,50 @@
+#include <string>
+
+#include "viewer/app/viewer.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+constexpr int kPickRadius = 6;  // pixels around a click in which the nearest point is taken
+
+}  // namespace
+
+void Viewer::Pick(const Eigen::Vector2d& pixel, bool measures) {
+  int x = static_cast<int>(pixel.x());
+  int y = static_cast<int>(pixel.y());
+  const int radius = static_cast<int>(kPickRadius * surface_.scale());
+  const float depth = scene_.picture().NearestDepth(x, y, radius);
+  if (depth >= 1) {
+    notice_ = measures ? "There is nothing to pick." : "There is nothing to set the anchor on.";
+    return;
+  }
+  const Viewport size = surface_.size();
+  const auto seen = [&](int right) {
+    return camera_.PointAt(x + right + 0.5, y + 0.5, static_cast<double>(depth), size);
+  };
+  const Eigen::Vector3d at = seen(0);
+  if (!measures) {
+    camera_.SetAnchor(at);
+    notice_ = "anchor at " + MetresText(at);
+    return;
+  }
+  PickedPoint point;
+  point.at = at;
+  const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(size), surface_.scale(), x, y, depth, at);
+  if (entry != nullptr) {
+    point.display = entry->name;
+    point.value = entry->display->ValueAt(at, (seen(radius) - at).norm());
+    const std::string frame = entry->display->data_frame();
+    RigidTransform T_fixed_frame;
+    std::string why;
+    const bool other = !frame.empty() && frame != frame_.name();
+    if (other && frame_.Find(frame, T_fixed_frame, why) == FixedFrame::Answer::kFound) {
+      point.frame = frame;
+      point.in_frame = T_fixed_frame.Inverse() * at;
+    }
+  }
+  notice_ = "picked " + MetresText(at) + (point.display.empty() ? "" : " of " + point.display);
+  picks_.Add(std::move(point));
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,48 @@
+#include "viewer/panels/time_bar.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace hgros::viewer {
+
+TimeBarWish DrawTimeBar(const TimeBarFigures& figures) {
+  TimeBarWish wish;
+  const float unit = ImGui::GetFontSize();
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.5F * size.x, size.y - ImGui::GetFrameHeight() - 0.4F * unit}, ImGuiCond_Always, {0.5F, 1});
+  ImGui::SetNextWindowSize({std::min(46 * unit, size.x), 0});
+  if (ImGui::Begin("time", nullptr,
+                   ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing)) {
+    wish.go_on = ImGui::SmallButton("go on");
+    ImGui::SameLine();
+    wish.step = ImGui::SmallButton("step");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Shows what has come until now, and stands still again.");
+    ImGui::SameLine();
+    char lost[64];
+    std::snprintf(lost, sizeof lost, "%llu dropped", static_cast<unsigned long long>(figures.dropped));
+    const float room = ImGui::CalcTextSize(lost).x + unit;
+    auto shown = static_cast<float>(-figures.back_s);
+    if (figures.kept_s > 0) {
+      ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - room);
+      wish.moved = ImGui::SliderFloat("##back", &shown, static_cast<float>(-figures.kept_s), 0, "%.2f s",
+                                      ImGuiSliderFlags_AlwaysClamp);
+      if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s",
+                          "Looks back, as far as displays keep what they had: points kept by time or count,\n"
+                          "poses, and frames.");
+      }
+      wish.back_s = static_cast<double>(-shown);
+    } else {
+      ImGui::TextDisabled("Nothing is kept to look back at: let points keep some seconds.");
+    }
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", lost);
+  }
+  ImGui::End();
+  return wish;
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+namespace hgros::viewer {
+
+/// What there is to say while the view stands still.
+struct TimeBarFigures {
+  double back_s = 0;          ///< How far before the newest the view is.
+  double kept_s = 0;          ///< How far that can be.
+  std::uint64_t dropped = 0;  ///< Messages that have been lost since it stands still.
+};
+
+struct TimeBarWish {
+  bool go_on = false;
+  bool step = false;
+  bool moved = false;  ///< `back_s` is to be shown.
+  double back_s = 0;
+};
+
+/// Above the status line: how far to look back, and the ways on.
+[[nodiscard]] TimeBarWish DrawTimeBar(const TimeBarFigures& figures);
+
+}  // namespace hgros::viewer

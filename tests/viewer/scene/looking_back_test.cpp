@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include "foxglove/PointCloud.pb.h"
+#include "foxglove/PoseInFrame.pb.h"
+#include "foxglove/PosesInFrame.pb.h"
+#include "viewer/scene/scene_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+foxglove::PointCloud PointAt(double x) {
+  foxglove::PointCloud cloud;
+  cloud.set_frame_id("map");
+  cloud.set_point_stride(24);
+  std::uint32_t offset = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    auto* const field = cloud.add_fields();
+    field->set_name(name);
+    field->set_offset(offset);
+    field->set_type(foxglove::PackedElementField::FLOAT64);
+    offset += 8;
+  }
+  const double at[] = {x, 0, 0};
+  cloud.mutable_data()->assign(reinterpret_cast<const char*>(at), sizeof at);  // NOLINT: bytes are bytes
+  return cloud;
+}
+
+/// How many pixels are not background.
+std::size_t Drawn(const Pixels& pixels) {
+  std::size_t drawn = 0;
+  for (std::size_t i = 0; i + 2 < pixels.size(); i += 3) drawn += pixels[i] > 60 || pixels[i + 1] > 60 ? 1 : 0;
+  return drawn;
+}
+
+class LookingBack : public SceneTest {};
+
+TEST_F(LookingBack, ShowsThePointsThatWereThereThen) {
+  Add("Point cloud", "cloud", {"keep", "time", "seconds", "60", "color", "flat", "size", "4"});
+  for (int second = 0; second < 5; ++second) {
+    Publish("cloud", PointAt(second - 2));
+    Update(second);
+  }
+  EXPECT_EQ(scene_.oldest_s(), 0);
+  const std::size_t all = Drawn(Draw());
+  scene_.LookBack(4, 2.5);
+  EXPECT_TRUE(scene_.pending());
+  const std::size_t two = Drawn(Draw());
+  scene_.LookBack(4, 2.4);
+  (void)Draw();
+  scene_.LookBack(4, 0);
+  EXPECT_EQ(Drawn(Draw()), all);
+  EXPECT_NEAR(static_cast<double>(two) / static_cast<double>(all), 2.0 / 5, 0.01);
+}
+
+TEST_F(LookingBack, ShowsThePosesThatHadCome) {
+  Display& trail = Add("Pose", "pose", {"trail", "100", "style", "line"});
+  for (int second = 0; second < 5; ++second) {
+    foxglove::PoseInFrame pose;
+    pose.set_frame_id("map");
+    pose.mutable_pose()->mutable_position()->set_x(2 * second - 4);
+    pose.mutable_pose()->mutable_orientation()->set_w(1);
+    Publish("pose", pose);
+    Update(second);
+  }
+  EXPECT_EQ(trail.oldest_s(), 0);
+  const std::size_t all = Drawn(Draw());
+  scene_.LookBack(4, 2);
+  const std::size_t half = Drawn(Draw());
+  EXPECT_LT(half, all);
+  EXPECT_GT(half, 0U);
+  scene_.LookBack(4, 100);
+  EXPECT_EQ(Drawn(Draw()), 0U);
+  scene_.LookBack(4, 0);
+  EXPECT_EQ(Drawn(Draw()), all);
+}
+
+TEST_F(LookingBack, ForgetsTimesWithThePosesThatGo) {
+  Display& trail = Add("Pose", "pose", {"trail", "3"});
+  for (int second = 0; second < 10; ++second) {
+    foxglove::PoseInFrame pose;
+    pose.mutable_pose()->mutable_position()->set_x(second);
+    Publish("pose", pose);
+    Update(second);
+    EXPECT_EQ(trail.oldest_s(), std::max(0, second - 2));
+  }
+}
+
+TEST_F(LookingBack, GoesOnWithWhatComesNext) {
+  Add("Trajectory", "way", {"style", "line"});
+  foxglove::PosesInFrame way;
+  way.set_frame_id("map");
+  for (int second = 0; second < 6; ++second) {
+    way.add_poses()->mutable_position()->set_x(2 * second - 5);
+    if (second == 5) scene_.LookBack(4, 3);
+    Publish("way", way);
+    Update(second);
+    (void)Draw();
+  }
+  const Pixels grown = Draw();
+  scene_.LookBack(5, 0);
+  scene_.Redraw();
+  EXPECT_LT(DifferentShare(grown, Draw()), 0.002) << "a message brings it back to the newest";
+}
+
+TEST_F(LookingBack, ShowsFramesWhereTheyWere) {
+  Display& frames = Add("Frames");
+  for (int second = 1; second <= 5; ++second) {
+    const Time stamp{second * 1'000'000'000LL};
+    (void)tree_.Set("map", "base", stamp, RigidTransform({1, 0, 0, 0}, {static_cast<double>(second), 0, 0}));
+  }
+  Update(5);
+  const auto base = [&] {
+    for (const Label& label : frames.Labels()) {
+      if (label.text == "base") return label.at.x();
+    }
+    return -1.0;
+  };
+  EXPECT_EQ(base(), 5);
+  EXPECT_EQ(frames.oldest_s(), 1);
+  scene_.LookBack(5, 2.5);
+  EXPECT_DOUBLE_EQ(base(), 2.5);
+  scene_.LookBack(5, 0);
+  EXPECT_EQ(base(), 5);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test

@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "foxglove/PointCloud.pb.h"
+#include "foxglove/PosesInFrame.pb.h"
+#include "viewer/scene/scene_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+/// One point with an intensity.
+foxglove::PointCloud PointAt(float x, float y, float z, float intensity) {
+  foxglove::PointCloud cloud;
+  cloud.set_frame_id("lidar");
+  cloud.set_point_stride(16);
+  std::uint32_t offset = 0;
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    auto* const field = cloud.add_fields();
+    field->set_name(name);
+    field->set_offset(offset);
+    field->set_type(foxglove::PackedElementField::FLOAT32);
+    offset += 4;
+  }
+  const float values[] = {x, y, z, intensity};
+  cloud.mutable_data()->assign(reinterpret_cast<const char*>(values), sizeof values);  // NOLINT: bytes are bytes
+  return cloud;
+}
+
+class Picking : public SceneTest {
+ protected:
+  void SetUp() override {
+    SceneTest::SetUp();
+    camera_.LookFromAbove();
+  }
+  /// What is seen where a point lies.
+  const Scene::Entry* EntryAt(const Eigen::Vector3d& at, Eigen::Vector3d& found) {
+    (void)Draw();
+    const auto pixel = camera_.PixelOf(at, kPictureSize);
+    int x = static_cast<int>(pixel->x());
+    int y = static_cast<int>(pixel->y());
+    const float depth = scene_.picture().NearestDepth(x, y, 3);
+    if (depth >= 1) return nullptr;
+    found = camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize);
+    const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(kPictureSize), 1, x, y, depth, found);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    return entry;
+  }
+};
+
+TEST_F(Picking, TellsPositionDisplayFrameAndValue) {
+  for (const char* keep : {"latest", "all"}) {
+    const std::string channel = std::string("cloud_") + keep;
+    Add("Ground");
+    Add("Point cloud", channel, {"keep", keep, "color", "value", "size", "5"});
+    const double side = keep == std::string("latest") ? 1 : -1;
+    ASSERT_EQ(tree_.SetStatic("map", "lidar", RigidTransform({1, 0, 0, 0}, {0, 0, 1})).text(), "");
+    Publish(channel, PointAt(static_cast<float>(3 * side), 2, 0.5F, 42));
+    Update();
+    const Eigen::Vector3d at(3 * side, 2, 1.5);
+    Eigen::Vector3d found;
+    const Scene::Entry* const entry = EntryAt(at, found);
+    ASSERT_NE(entry, nullptr) << keep;
+    EXPECT_EQ(entry->name, channel);
+    EXPECT_LT((found - at).norm(), 0.15);
+    EXPECT_EQ(entry->display->data_frame(), "lidar");
+    const std::string value = entry->display->ValueAt(found, 0.5);
+    EXPECT_TRUE(value.starts_with("intensity = 42")) << value;
+    EXPECT_EQ(entry->display->ValueAt(found + Eigen::Vector3d(3, 0, 0), 0.5), "");
+  }
+}
+
+TEST_F(Picking, TellsWhatLiesInFront) {
+  Add("Point cloud", "low", {"size", "9"});
+  Add("Point cloud", "high", {"size", "9"});
+  for (const auto& [channel, height] : {std::pair("low", 0.0F), std::pair("high", 2.0F)}) {
+    foxglove::PointCloud cloud = PointAt(0, 0, height, 1);
+    cloud.set_frame_id("map");
+    Publish(channel, cloud);
+  }
+  Update();
+  Eigen::Vector3d found;
+  const Scene::Entry* const entry = EntryAt({0, 0, 2}, found);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->name, "high");
+  EXPECT_NEAR(found.z(), 2, 0.05);
+}
+
+TEST_F(Picking, ChangesNothingOfThePicture) {
+  Add("Ground");
+  Add("Point cloud", "cloud", {"keep", "all", "size", "5"});
+  Add("Trajectory", "way");
+  foxglove::PosesInFrame way;
+  for (int i = 0; i < 10; ++i) way.add_poses()->mutable_position()->set_x(i);
+  Publish("way", way);
+  Publish("cloud", PointAt(1, 1, 0, 1));
+  Update();
+  const Pixels before = Draw();
+  Eigen::Vector3d found;
+  // Something new has arrived that was not drawn yet.
+  Publish("cloud", PointAt(-4, 2, 0, 1));
+  Update();
+  (void)scene_.EntryAt(camera_.Matrices(kPictureSize), 1, 160, 120, 0.5F, {0, 0, 0});
+  const Pixels after = Draw();
+  scene_.Redraw();
+  EXPECT_LT(DifferentShare(after, Draw()), 1e-9) << "what was new is there";
+  EXPECT_GT(DifferentShare(after, before), 0);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test
