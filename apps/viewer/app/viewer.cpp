@@ -147,6 +147,7 @@ void Viewer::TakeChannels() {
     }
   }
   dock_.Refresh();
+  next_count_s_ = std::min(next_count_s_, last_turn_s_);
   frames_wanted_ = kFramesAfterInput;
 }
 
@@ -198,6 +199,7 @@ double Viewer::NextTurnS() const {
   double next_s = something ? soonest_s : std::max(soonest_s, paused_ ? kNever : scene_.next_change_s());
   if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, dock_.next_change_s()));
   if (options_.after_s) next_s = std::min(next_s, std::max(begin_s_ + *options_.after_s, soonest_s));
+  if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, next_count_s_));
   return std::min(next_s, next_report_s_);
 }
 
@@ -208,6 +210,7 @@ void Viewer::Turn(double now_s) {
   TakeChannels();
   TakeInput();
   TakeArrived(now_s);
+  CountUnreadable(now_s);
   if (show_panels_ && !surface_.hidden() && dock_.Update({now_s, known_})) {
     frames_wanted_ = std::max(frames_wanted_, 1);
   }
@@ -283,6 +286,23 @@ void Viewer::TakeArrived(double now_s) {
   if (transforms_changed || frame_changed_) FollowFrame();
   scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
   frame_changed_ = false;
+}
+
+void Viewer::CountUnreadable(double now_s) {
+  constexpr double kPeriodS = 2;
+  if (now_s < next_count_s_) return;
+  const bool shown = std::ranges::any_of(channels_, [](const ChannelRow& row) { return !row.schema.empty(); });
+  next_count_s_ = shown ? now_s + kPeriodS : kNever;
+  if (!shown) return;
+  const SessionSnapshot own = session_.Snapshot();
+  for (Scene::Entry& entry : scene_.entries()) {
+    const auto traffic = std::ranges::find(own.traffic, entry.channel, &ChannelTraffic::channel);
+    if (entry.channel.empty() || traffic == own.traffic.end()) continue;
+    const std::uint64_t count = traffic->faults[static_cast<std::size_t>(PacketFault::kData)];
+    const bool more = count > entry.unreadable;
+    if (more != std::exchange(entry.still_unreadable, more) || more) frames_wanted_ = std::max(frames_wanted_, 1);
+    entry.unreadable = count;
+  }
 }
 
 void Viewer::FollowFrame() {
@@ -364,7 +384,8 @@ void Viewer::WriteScreenshot(const std::filesystem::path& file) {
   copy.Resize(size);
   copy.TakeFrom(surface_.framebuffer());
   const std::string fault = WritePng(file, size, copy.Pixels());
-  notice_ = fault.empty() ? "wrote " + file.string() : fault;
+  std::error_code ignored;
+  notice_ = fault.empty() ? "wrote " + std::filesystem::absolute(file, ignored).string() : fault;
   if (fault.empty()) return;
   std::fprintf(stderr, "hgros-viewer: %s\n", fault.c_str());
   exit_code_ = 1;

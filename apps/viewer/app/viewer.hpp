@@ -75,6 +75,8 @@ class Viewer {
   void TakeArrived(double now_s);
   void DrawFrame(double now_s);
   void FollowFrame();
+  /// Asks the session what could not be read, every now and then: such messages wake nobody.
+  void CountUnreadable(double now_s);
   void DrawPanels();
   [[nodiscard]] bool AtEnd(double now_s);
   void WriteScreenshot(const std::filesystem::path& file);
@@ -125,6 +127,7 @@ class Viewer {
   double begin_s_ = 0;
   double last_turn_s_ = -kNever;
   double next_report_s_ = kNever;
+  double next_count_s_ = 0;
   std::size_t frames_ = 0;
   std::vector<double> frame_times_s_;  ///< Of the last second.
 

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "viewer/panels/look.hpp"
 #include "viewer/panels/text_lines.hpp"
@@ -55,7 +56,7 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index) {
   bool visible = entry.visible;
   if (ImGui::Checkbox("##visible", &visible)) scene.SetVisible(index, visible);
   ImGui::SameLine();
-  const bool fault = entry.display->HasFault();
+  const bool fault = entry.display->HasFault() || entry.still_unreadable;
   if (fault) {
     ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(WarningColor::kRgba[0], WarningColor::kRgba[1], WarningColor::kRgba[2],
                                                 WarningColor::kRgba[3]));
@@ -67,10 +68,15 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index) {
     ImGui::TextDisabled("%s", entry.type->name.c_str());
   }
   if (unfolded) {
-    bool first = true;
+    bool warns = entry.display->HasFault();
     for (const std::string& line : entry.display->Status()) {
-      first&& fault ? DrawWarning(line) : DrawNote(line);
-      first = false;
+      std::exchange(warns, false) ? DrawWarning(line) : DrawNote(line);
+    }
+    if (entry.unreadable > 0) {
+      const std::string line = std::to_string(entry.unreadable) +
+                               " messages are not what their publisher says: their bytes are no " +
+                               entry.type->schemas.front() + ".";
+      entry.still_unreadable ? DrawWarning(line) : DrawNote(line);
     }
     for (const Setting& setting : entry.display->Settings()) {
       if (setting.shown && !setting.shown()) continue;

@@ -62,9 +62,9 @@ bool PanelDock::Draw(Opened& opened, PanelWish& wish) const {
     ImGui::SetNextWindowSize({opened.wanted->width, opened.wanted->height});
     opened.wanted.reset();
   } else {
-    // Beside the list of displays, from the lower edge up.
+    // Beside the list of displays, from the lower edge up; the time bar has its place below.
     const float left = 22.2F * unit;
-    const float lower = screen.y - ImGui::GetFrameHeight() - 0.6F * unit;
+    const float lower = screen.y - ImGui::GetFrameHeight() - 3.2F * unit;
     const auto place = static_cast<float>(&opened - opened_.data());
     const ImVec2 size(std::clamp(opened.type->width * unit, 12 * unit, std::max(12 * unit, screen.x - left - unit)),
                       std::min(opened.type->height * unit, std::max(8 * unit, lower - unit)));

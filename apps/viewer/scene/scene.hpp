@@ -27,6 +27,8 @@ class Scene {
     const DisplayType* type = nullptr;
     std::unique_ptr<Display> display;
     bool visible = true;
+    std::uint64_t unreadable = 0;  ///< Messages of the channel that are not what their publisher says.
+    bool still_unreadable = false;  ///< And more come.
   };
 
   Entry& Add(const DisplayType& type, const DisplayInputs& inputs);
