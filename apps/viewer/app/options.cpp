@@ -75,6 +75,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   std::vector<std::string> network;
   std::string screenshot;
   std::string config;
+  std::string film;
   app.add_option("--channel", channels,
                  "NAME:SCHEMA[,setting=value...], such as lidar:foxglove.PointCloud,keep=all; repeatable")
       ->take_all();
@@ -95,6 +96,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_option("--size", window, "of the window, such as 1280x800");
   app.add_option("--offscreen", offscreen, "WIDTHxHEIGHT: without a window, on a machine without a screen");
   app.add_option("--screenshot", screenshot, "a PNG that is written at the end");
+  app.add_option("--record-video", film, "a film of all that is drawn, such as film.mp4; by the program ffmpeg");
   app.add_option("--after", options.after_s, "ends after so many seconds");
   app.add_option("--frames", options.frames, "ends after so many frames");
   app.add_option("--fps-limit", options.fps_limit, "frames a second at most; 30 unless told");
@@ -111,6 +113,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   options.network.assign(network.begin(), network.end());
   options.screenshot = screenshot;
   options.config = config;
+  options.film = film;
   const std::string fault = ParseTexts(channels, displays, panels, window, offscreen, options);
   if (!fault.empty()) {
     std::fprintf(stderr, "hgros-viewer: %s `hgros-viewer --help` tells more.\n", fault.c_str());

@@ -29,6 +29,7 @@ struct Options {
   std::optional<Viewport> offscreen;
   Viewport window{1280, 800};
   std::filesystem::path screenshot;
+  std::filesystem::path film;
   std::optional<double> after_s;
   std::optional<std::size_t> frames;
   std::optional<double> fps_limit;

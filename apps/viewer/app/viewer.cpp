@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
-#include "viewer/app/png_file.hpp"
 #include "viewer/app/process_figures.hpp"
 #include "viewer/panels/help_overlay.hpp"
 #include "viewer/panels/label_layer.hpp"
@@ -25,6 +24,16 @@ constexpr int kFramesAfterInput = 3;
 constexpr std::size_t kMostByThemselves = 32;
 
 double NowS() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// "hgros-viewer-20261122-070603.png"
+std::string NameOfTheMoment() {
+  char name[64];
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  localtime_r(&now, &parts);
+  std::strftime(name, sizeof name, "hgros-viewer-%Y%m%d-%H%M%S.png", &parts);
+  return name;
+}
 
 Config SessionConfig(const Options& options) {
   return options.network.empty() ? Config() : Config::Load(options.network);
@@ -44,6 +53,7 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
       begin_s_(NowS()) {
   shows_what_it_finds_ = options.channels.empty();
   layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config.string();
+  if (!options.film.empty()) film_.emplace(options.film);
   if (options.report_s) next_report_s_ = begin_s_ + *options.report_s;
   for (const std::string_view channel : {kTransformsChannel, kStaticTransformsChannel}) {
     subscriptions_.push_back(session_.FromAny<foxglove::FrameTransforms>(channel, Invoke::kSerial,
@@ -188,6 +198,7 @@ int Viewer::Run() {
     if (woken_s >= next_report_s_) Report(woken_s);
     if (AtEnd(woken_s)) break;
   }
+  if (film_) FinishFilm();
   if (layout_file_.save_on_exit) SaveLayoutNow();
   return exit_code_;
 }
@@ -259,16 +270,10 @@ void Viewer::OnKey(int key) {
     case ViewerKey::kSaveLayout: SaveLayoutNow(); break;
     case ViewerKey::kPanels: show_panels_ = !show_panels_; break;
     case ViewerKey::kFocus: ShowEverything(); break;
-    case ViewerKey::kScreenshot: {
-      char name[64];
-      const std::time_t now = std::time(nullptr);
-      std::tm parts{};
-      localtime_r(&now, &parts);
-      std::strftime(name, sizeof name, "hgros-viewer-%Y%m%d-%H%M%S.png", &parts);
-      screenshot_ = name;
+    case ViewerKey::kScreenshot:
+      screenshot_ = NameOfTheMoment();
       frames_wanted_ = kFramesAfterInput;
       break;
-    }
   }
 }
 
@@ -323,6 +328,7 @@ void Viewer::DrawFrame(double now_s) {
   scene_.picture().ShowOn(surface_.framebuffer());
   DrawPanels();
   if (!screenshot_.empty()) WriteScreenshot(std::exchange(screenshot_, {}));
+  if (film_) RecordFrame();
   surface_.Present();
   ++frames_;
   frame_times_s_.push_back(now_s);
@@ -376,19 +382,6 @@ bool Viewer::AtEnd(double now_s) {
   screenshot_ = options_.screenshot;
   DrawFrame(now_s);
   return true;
-}
-
-void Viewer::WriteScreenshot(const std::filesystem::path& file) {
-  const Viewport size = surface_.size();
-  Picture copy;
-  copy.Resize(size);
-  copy.TakeFrom(surface_.framebuffer());
-  const std::string fault = WritePng(file, size, copy.Pixels());
-  std::error_code ignored;
-  notice_ = fault.empty() ? "wrote " + std::filesystem::absolute(file, ignored).string() : fault;
-  if (fault.empty()) return;
-  std::fprintf(stderr, "hgros-viewer: %s\n", fault.c_str());
-  exit_code_ = 1;
 }
 
 void Viewer::Report(double now_s) {

@@ -14,6 +14,7 @@
 #include "viewer/app/layout.hpp"
 #include "viewer/app/options.hpp"
 #include "viewer/app/surface.hpp"
+#include "viewer/app/video_recorder.hpp"
 #include "viewer/panels/display_panel.hpp"
 #include "viewer/panels/image_panel.hpp"
 #include "viewer/panels/imgui_renderer.hpp"
@@ -80,6 +81,12 @@ class Viewer {
   void DrawPanels();
   [[nodiscard]] bool AtEnd(double now_s);
   void WriteScreenshot(const std::filesystem::path& file);
+  void RecordFrame();
+  void FinishFilm();
+  /// Something could not be written: said, and told by the exit code.
+  void Complain(const std::string& fault);
+  /// What the surface shows, as rows from the top, 3 bytes a pixel.
+  [[nodiscard]] std::vector<std::uint8_t> ShownPixels() const;
   void Report(double now_s);
 
   const Options options_;
@@ -123,6 +130,7 @@ class Viewer {
   double fps_limit_ = 30;
   bool shows_what_it_finds_ = true;
   ViewPanel::LayoutFile layout_file_;
+  std::optional<VideoRecorder> film_;
 
   double begin_s_ = 0;
   double last_turn_s_ = -kNever;

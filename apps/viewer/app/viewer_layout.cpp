@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 
 #include "hgros/base/error.hpp"
 #include "viewer/app/layout_file.hpp"
@@ -99,11 +98,9 @@ void Viewer::AddPanels() {
 void Viewer::SaveLayoutNow() {
   const std::string fault = SaveLayout(CurrentLayout(), layout_file_.path);
   std::error_code ignored;
-  notice_ = fault.empty() ? "wrote " + std::filesystem::absolute(layout_file_.path, ignored).string() : fault;
+  notice_ = "wrote " + std::filesystem::absolute(layout_file_.path, ignored).string();
+  if (!fault.empty()) Complain(fault);
   frames_wanted_ = 3;
-  if (fault.empty()) return;
-  std::fprintf(stderr, "hgros-viewer: %s\n", fault.c_str());
-  exit_code_ = 1;
 }
 
 }  // namespace hgros::viewer

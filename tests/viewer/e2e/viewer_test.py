@@ -164,6 +164,19 @@ class InMemory(ViewerCase):
         self.assertEqual(viewer.wait(timeout=DEADLINE_S), 1)
         self.assertIn("layout.yaml:2:5: There is no display", viewer.stderr.read())
 
+    def test_hands_its_pictures_to_ffmpeg(self):
+        film, ffmpeg = pathlib.Path(self.folder.name, "film.mp4"), pathlib.Path(self.folder.name, "ffmpeg")
+        ffmpeg.write_text('#!/bin/sh\nfor word; do last=$word; done\nexec cat > "${last#file:}"\n')
+        ffmpeg.chmod(0o755)
+        self.environment["PATH"] = f"{self.folder.name}:{self.environment['PATH']}"
+        self.end(self.start(VIEWER, "--offscreen", "64x48", "--frames", 2, "--record-video", film))
+        self.assertEqual(film.stat().st_size % (64 * 48 * 3), 0)
+        self.assertGreaterEqual(film.stat().st_size, 2 * 64 * 48 * 3)
+        ffmpeg.write_text("#!/bin/sh\necho no room >&2\nexit 1\n")
+        viewer = self.start(VIEWER, "--offscreen", "640x480", "--frames", 3, "--record-video", film)
+        self.assertEqual(viewer.wait(timeout=DEADLINE_S), 1)
+        self.assertIn("failed and said: no room", viewer.stderr.read())
+
     def test_goes_on_beside_a_robot_that_sends_what_is_no_message(self):
         picture = self.picture()
         panels = ["Channels,measure=odometry,measure=broken_cloud", "Log", "Message,channel=broken_cloud,unfolded=pose",

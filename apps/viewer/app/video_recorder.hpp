@@ -1,0 +1,53 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viewer/view/camera.hpp"
+
+namespace hgros::viewer {
+
+/// Writes pictures into a film, by the program ffmpeg, which gets them as they are drawn: how long each one is seen
+/// is how long it was there. Which kind of film it is, its name says (.mp4, .mkv, .webm ...).
+///
+/// All pictures have the size of the first one: what is larger is cut, what is smaller has a black edge.
+class VideoRecorder {
+ public:
+  /// Errors: throws Error if there is no ffmpeg.
+  explicit VideoRecorder(std::filesystem::path file);
+  VideoRecorder(const VideoRecorder&) = delete;
+  VideoRecorder& operator=(const VideoRecorder&) = delete;
+  /// As Finish, without a word.
+  ~VideoRecorder();
+
+  /// Rows from the top, 3 bytes a pixel. Waits for ffmpeg to take it. Returns what went wrong, or nothing; after a
+  /// fault nothing is recorded any more.
+  [[nodiscard]] std::string Add(const Viewport& size, std::span<const std::uint8_t> rgb);
+  /// Ends the film and waits for ffmpeg. Returns what went wrong, or nothing.
+  [[nodiscard]] std::string Finish();
+  [[nodiscard]] bool recording() const noexcept { return !ended_; }
+  [[nodiscard]] std::size_t pictures() const noexcept { return pictures_; }
+
+ private:
+  [[nodiscard]] std::string Start(const Viewport& size);
+  /// Takes ffmpeg's end, and what it said of it.
+  [[nodiscard]] std::string End();
+
+  const std::filesystem::path file_;
+  std::string program_;
+  Viewport size_{0, 0};
+  std::vector<std::uint8_t> fitted_;
+  pid_t child_ = -1;
+  int to_child_ = -1;
+  int words_ = -1;  ///< What ffmpeg says on standard error, as a file in memory.
+  std::size_t pictures_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace hgros::viewer

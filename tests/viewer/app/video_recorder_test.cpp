@@ -1,0 +1,112 @@
+#include "viewer/app/video_recorder.hpp"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+/// A folder in which a script stands for ffmpeg, first in the path.
+class VideoRecorderTest : public ::testing::Test {
+ protected:
+  VideoRecorderTest() {
+    std::filesystem::create_directory(folder_);
+    setenv("PATH", (folder_.string() + ":" + path_).c_str(), 1);
+  }
+  ~VideoRecorderTest() override {
+    setenv("PATH", path_.c_str(), 1);
+    std::filesystem::remove_all(folder_);
+  }
+  void Stand(const std::string& script) {
+    const auto file = folder_ / "ffmpeg";
+    std::ofstream(file) << "#!/bin/sh\n" << script;
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  [[nodiscard]] std::string Film() const {
+    std::ifstream stream(folder_ / "film.mp4", std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  const std::string path_ = getenv("PATH");
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("video_recorder_test_" + std::to_string(getpid()));
+  // The film is the last word of the command, behind "file:".
+  const std::string copies_ = "for word; do last=$word; done; exec cat > \"${last#file:}\"\n";
+};
+
+std::vector<std::uint8_t> Picture(const Viewport& size, std::uint8_t value) {
+  return std::vector<std::uint8_t>(static_cast<std::size_t>(3 * size.width * size.height), value);
+}
+
+TEST_F(VideoRecorderTest, HandsOverEveryPicture) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  constexpr Viewport kSize{640, 480};
+  for (std::uint8_t i = 0; i < 5; ++i) EXPECT_EQ(recorder.Add(kSize, Picture(kSize, i)), "");
+  EXPECT_EQ(recorder.pictures(), 5U);
+  EXPECT_EQ(recorder.Finish(), "");
+  const std::string film = Film();
+  ASSERT_EQ(film.size(), 5U * 640 * 480 * 3);
+  EXPECT_EQ(film.front(), 0);
+  EXPECT_EQ(film.back(), 4);
+}
+
+TEST_F(VideoRecorderTest, KeepsTheSizeOfTheFirstPicture) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  for (const Viewport size : {Viewport{4, 2}, Viewport{2, 3}, Viewport{6, 1}}) {
+    EXPECT_EQ(recorder.Add(size, Picture(size, 9)), "");
+  }
+  EXPECT_EQ(recorder.Finish(), "");
+  const std::string film = Film();
+  ASSERT_EQ(film.size(), 3U * 4 * 2 * 3);
+  EXPECT_EQ(std::count(film.begin() + 24, film.begin() + 48, 9), 2 * 2 * 3) << "narrower: two columns of two rows";
+  EXPECT_EQ(std::count(film.begin() + 48, film.end(), 9), 4 * 3) << "lower: one row";
+}
+
+TEST_F(VideoRecorderTest, SaysWhatFfmpegSaidWhenItFails) {
+  Stand("echo 'Unknown encoder' >&2\nexit 1\n");
+  VideoRecorder recorder(folder_ / "film.mp4");
+  constexpr Viewport kSize{640, 480};
+  std::string fault;
+  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(kSize, Picture(kSize, 1));
+  EXPECT_NE(fault.find("failed and said: Unknown encoder"), std::string::npos) << fault;
+  EXPECT_FALSE(recorder.recording());
+  EXPECT_EQ(recorder.Add(kSize, Picture(kSize, 1)), "") << "it is said once";
+  EXPECT_EQ(recorder.Finish(), "");
+}
+
+TEST_F(VideoRecorderTest, SurvivesThatFfmpegIsKilled) {
+  Stand("kill -9 $$\n");
+  VideoRecorder recorder(folder_ / "film.mp4");
+  constexpr Viewport kSize{640, 480};
+  std::string fault;
+  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(kSize, Picture(kSize, 1));
+  EXPECT_NE(fault.find("was killed"), std::string::npos) << fault;
+}
+
+TEST_F(VideoRecorderTest, SaysThatThereIsNoFfmpeg) {
+  setenv("PATH", folder_.c_str(), 1);
+  try {
+    const VideoRecorder recorder(folder_ / "film.mp4");
+    FAIL() << "there is none";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("package ffmpeg"), std::string::npos);
+  }
+}
+
+TEST_F(VideoRecorderTest, SaysThatNothingWasDrawn) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  EXPECT_NE(recorder.Finish().find("No picture"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hgros::viewer
