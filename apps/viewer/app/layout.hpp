@@ -53,6 +53,7 @@ struct Layout {
   bool save_on_exit = false;
   std::optional<LayoutCamera> camera;
   std::optional<std::vector<LayoutDisplay>> displays;  ///< In their order; none: those that are found.
+  bool show_found = false;                             ///< Beside those displays, what is found.
   std::vector<LayoutPanel> panels;
   bool operator==(const Layout&) const = default;
 };

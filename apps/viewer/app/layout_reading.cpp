@@ -29,6 +29,8 @@ class Reader {
         if (!(*layout.fps_limit > 0)) Fail(value, "fps_limit is a number above 0.", "Write 30, for example.");
       } else if (key == "save_on_exit") {
         layout.save_on_exit = Truth(value, key);
+      } else if (key == "show_found") {
+        layout.show_found = Truth(value, key);
       } else if (key == "follow") {
         layout.follow = Text(value, key);
       } else if (key == "follow_direction") {
@@ -41,8 +43,8 @@ class Reader {
       } else if (key == "panels") {
         for (const Node* const panel : List(value, key)) layout.panels.push_back(Panel(*panel));
       } else {
-        FailKey(*entry.key, {"fixed_frame", "fps_limit", "save_on_exit", "follow", "follow_direction", "camera",
-                             "displays", "panels"});
+        FailKey(*entry.key, {"fixed_frame", "fps_limit", "save_on_exit", "show_found", "follow", "follow_direction",
+                             "camera", "displays", "panels"});
       }
     }
     return layout;

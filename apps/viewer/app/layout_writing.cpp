@@ -119,6 +119,7 @@ std::string LayoutText(const Layout& layout) {
   }
   if (layout.fps_limit) text += Line("", "fps_limit", Shortest(*layout.fps_limit));
   text += Line("", "save_on_exit", TruthText(layout.save_on_exit));
+  if (layout.show_found) text += Line("", "show_found", "true");
   if (layout.camera) text += CameraText(*layout.camera);
   if (layout.displays) {
     text += layout.displays->empty() ? "\ndisplays: []\n" : "\ndisplays:\n";

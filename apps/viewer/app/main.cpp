@@ -14,9 +14,9 @@
 #include "viewer/app/layout_file.hpp"
 #include "viewer/app/offscreen.hpp"
 #include "viewer/app/options.hpp"
+#include "viewer/app/showing.hpp"
 #include "viewer/app/viewer.hpp"
 #include "viewer/app/window.hpp"
-#include "viewer/panels/look.hpp"
 
 namespace {
 
@@ -64,24 +64,20 @@ class Panels {
   ~Panels() { ImGui::DestroyContext(); }
 };
 
+std::unique_ptr<Surface> MakeSurface(const Options& options) {
+  if (options.offscreen) return std::make_unique<Offscreen>(*options.offscreen);
+  auto opened = std::make_unique<Window>("hgros-viewer", options.window);
+  opened->ConnectPanels();
+  return opened;
+}
+
 int Show(const Options& options, EndingSignals& signals) {
+  const Panels panels;
   std::optional<Layout> layout;
   if (!options.config.empty() && std::filesystem::exists(options.config)) layout = LoadLayout(options.config);
-  const Panels panels;
-  std::unique_ptr<Surface> surface;
-  if (options.offscreen) {
-    surface = std::make_unique<Offscreen>(*options.offscreen);
-  } else {
-    auto opened = std::make_unique<Window>("hgros-viewer", options.window);
-    opened->ConnectPanels();
-    surface = std::move(opened);
-  }
-  SetLook(surface->scale());
-  Viewer viewer(options, layout, *surface);
-  signals.Watch(viewer);
-  const int code = viewer.Run();
-  signals.Unwatch();
-  return code;
+  return ShowUntilClosed(
+      options, layout, [&] { return MakeSurface(options); },
+      [&](Viewer* viewer) { viewer == nullptr ? signals.Unwatch() : signals.Watch(*viewer); });
 }
 
 }  // namespace

@@ -39,8 +39,11 @@ class Surface {
   [[nodiscard]] virtual bool hidden() const = 0;
   [[nodiscard]] virtual bool closing() const = 0;
 
+  /// The graphics card was reset, and all that GL had is gone: the surface has to be made anew.
+  [[nodiscard]] virtual bool lost() const { return false; }
+
   [[nodiscard]] virtual Viewport size() const = 0;
-  /// Pixels of the screen to a pixel as people set it.
+  /// Pixels of the screen to a pixel as people set it; another one on another screen.
   [[nodiscard]] virtual float scale() const = 0;
   /// Tells ImGui sizes, time, and what mouse and keys did.
   virtual void BeginPanels() = 0;

@@ -13,6 +13,7 @@
 #include "viewer/app/process_figures.hpp"
 #include "viewer/panels/help_overlay.hpp"
 #include "viewer/panels/label_layer.hpp"
+#include "viewer/panels/look.hpp"
 #include "viewer/panels/pick_layer.hpp"
 #include "viewer/panels/status_line.hpp"
 #include "viewer/panels/time_bar.hpp"
@@ -69,6 +70,7 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
                                                                  WakeFromData();
                                                                },
                                                                {.queue = Queue::Latest()}));
+  SetLook(look_scale_ = surface.scale());
   if (layout) Restore(*layout);
   AddWanted();
   AddPanels();
@@ -195,6 +197,7 @@ int Viewer::Run() {
     const double woken_s = NowS();
     if (woken_s < NextTurnS()) continue;
     Turn(woken_s);
+    if ((lost_ = surface_.lost())) return exit_code_;
     if (woken_s >= next_report_s_) Report(woken_s);
     if (AtEnd(woken_s)) break;
   }
@@ -322,8 +325,17 @@ void Viewer::FollowFrame() {
   followed_ = now;
 }
 
+void Viewer::TakeScale() {
+  if (surface_.scale() == look_scale_) return;
+  look_scale_ = surface_.scale();
+  SetLook(look_scale_);
+  panels_renderer_.ForgetFont();
+  scene_.Redraw();
+}
+
 void Viewer::DrawFrame(double now_s) {
   const Viewport size = surface_.size();
+  TakeScale();
   scene_.Draw(camera_.Matrices(size), surface_.scale());
   scene_.picture().ShowOn(surface_.framebuffer());
   DrawPanels();

@@ -37,10 +37,12 @@ class Viewer {
   Viewer& operator=(const Viewer&) = delete;
   ~Viewer();
 
-  /// Until the window is closed, the options' end has come, or Stop. Returns the exit code.
+  /// Until the window is closed, the options' end has come, Stop, or the surface is lost. Returns the exit code.
   int Run();
   /// Thread-safe.
   void Stop();
+  /// Run has ended because the surface was lost: make another one, and another viewer with this one's layout.
+  [[nodiscard]] bool lost() const noexcept { return lost_; }
   /// All that makes it look as it does.
   [[nodiscard]] Layout CurrentLayout() const;
 
@@ -76,6 +78,8 @@ class Viewer {
   void TakeArrived(double now_s);
   void DrawFrame(double now_s);
   void FollowFrame();
+  /// Fonts and lines for the screen that the window is on now.
+  void TakeScale();
   /// Asks the session what could not be read, every now and then: such messages wake nobody.
   void CountUnreadable(double now_s);
   void DrawPanels();
@@ -129,6 +133,9 @@ class Viewer {
   int exit_code_ = 0;
   double fps_limit_ = 30;
   bool shows_what_it_finds_ = true;
+  bool keeps_finding_ = false;  ///< With the layout that is written, too.
+  bool lost_ = false;
+  float look_scale_ = 1;
   ViewPanel::LayoutFile layout_file_;
   std::optional<VideoRecorder> film_;
 

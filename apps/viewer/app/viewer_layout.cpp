@@ -11,6 +11,7 @@ void Viewer::Restore(const Layout& layout) {
   view_panel_.Follow(layout.follow, layout.follow_pose);
   if (layout.fps_limit) fps_limit_ = *layout.fps_limit;
   layout_file_.save_on_exit = layout.save_on_exit;
+  keeps_finding_ = layout.show_found;
   if (layout.camera) {
     const LayoutCamera& kept = *layout.camera;
     const auto& q = kept.orientation;
@@ -19,7 +20,7 @@ void Viewer::Restore(const Layout& layout) {
     camera_.SetOrthographic(kept.orthographic);
   }
   if (layout.displays) {
-    shows_what_it_finds_ = false;
+    shows_what_it_finds_ = layout.show_found;
     RestoreDisplays(*layout.displays);
   }
   for (const LayoutPanel& panel : layout.panels) {
@@ -74,6 +75,7 @@ Layout Viewer::CurrentLayout() const {
   kept.distance = camera_.distance();
   kept.orthographic = camera_.orthographic();
   if (camera_.anchor()) std::ranges::copy(*camera_.anchor(), kept.anchor.emplace().begin());
+  layout.show_found = shows_what_it_finds_;
   layout.displays.emplace();
   for (const Scene::Entry& entry : scene_.entries()) {
     LayoutDisplay& display = layout.displays->emplace_back();
@@ -96,7 +98,9 @@ void Viewer::AddPanels() {
 }
 
 void Viewer::SaveLayoutNow() {
-  const std::string fault = SaveLayout(CurrentLayout(), layout_file_.path);
+  Layout layout = CurrentLayout();
+  layout.show_found = keeps_finding_;
+  const std::string fault = SaveLayout(layout, layout_file_.path);
   std::error_code ignored;
   notice_ = "wrote " + std::filesystem::absolute(layout_file_.path, ignored).string();
   if (!fault.empty()) Complain(fault);

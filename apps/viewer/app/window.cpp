@@ -48,6 +48,7 @@ Window::Window(const std::string& title, const Viewport& size) {
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHintString(GLFW_X11_CLASS_NAME, "hgros-viewer");
@@ -63,6 +64,8 @@ Window::Window(const std::string& title, const Viewport& size) {
   float scale_y = 1;
   glfwGetWindowContentScale(window_, &scale_, &scale_y);
   scale_ = std::max(1.0F, scale_);
+  tells_loss_ = glfwGetWindowAttrib(window_, GLFW_CONTEXT_ROBUSTNESS) == GLFW_LOSE_CONTEXT_ON_RESET &&
+                epoxy_has_gl_extension("GL_ARB_robustness");
   InstallCallbacks();
 }
 
@@ -118,6 +121,10 @@ void Window::InstallCallbacks() {
     WindowOf(at).disturbed_ = true;
     if (WindowOf(at).panels_connected_) ImGui_ImplGlfw_WindowFocusCallback(at, focused);
   });
+  glfwSetWindowContentScaleCallback(window_, [](GLFWwindow* at, float x, float) {
+    WindowOf(at).scale_ = std::max(1.0F, x);
+    WindowOf(at).disturbed_ = true;
+  });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* at, int, int) { WindowOf(at).disturbed_ = true; });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* at) { WindowOf(at).disturbed_ = true; });
   glfwSetWindowIconifyCallback(window_, [](GLFWwindow* at, int) { WindowOf(at).disturbed_ = true; });
@@ -165,6 +172,8 @@ bool Window::hidden() const {
   return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE ||
          glfwGetWindowAttrib(window_, GLFW_VISIBLE) == GLFW_FALSE || now.width < 1 || now.height < 1;
 }
+
+bool Window::lost() const { return tells_loss_ && glGetGraphicsResetStatusARB() != GL_NO_ERROR; }
 
 bool Window::closing() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
 

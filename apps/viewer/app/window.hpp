@@ -21,6 +21,7 @@ class Window : public Surface {
   [[nodiscard]] std::vector<InputEvent> TakeInput() override;
   [[nodiscard]] bool hidden() const override;
   [[nodiscard]] bool closing() const override;
+  [[nodiscard]] bool lost() const override;
   [[nodiscard]] Viewport size() const override;
   [[nodiscard]] float scale() const override { return scale_; }
   void BeginPanels() override;
@@ -38,6 +39,7 @@ class Window : public Surface {
 
   GLFWwindow* window_ = nullptr;
   float scale_ = 1;
+  bool tells_loss_ = false;  ///< The driver says when it was reset.
   bool disturbed_ = true;
   bool panels_connected_ = false;
   std::vector<InputEvent> input_;

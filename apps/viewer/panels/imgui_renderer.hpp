@@ -12,6 +12,8 @@ class ImguiRenderer {
   ImguiRenderer();
   /// Before each ImGui::NewFrame.
   void Prepare();
+  /// ImGui has another font.
+  void ForgetFont() { font_ = {}; }
   /// The frame that ImGui::Render has finished, into the bound framebuffer.
   void Draw();
 

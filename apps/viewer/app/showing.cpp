@@ -1,0 +1,59 @@
+#include "viewer/app/showing.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include "viewer/app/viewer.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+constexpr int kMostLosses = 3;
+constexpr auto kInARow = std::chrono::seconds(60);
+
+/// What is still to be done of the options when a layout has the rest.
+Options RestOf(Options options, const Layout& layout) {
+  std::erase_if(options.channels, [&](const WantedDisplay& wanted) {
+    return layout.displays &&
+           std::ranges::find(*layout.displays, wanted.channel, &LayoutDisplay::channel) != layout.displays->end();
+  });
+  options.displays.clear();
+  options.opened_panels.clear();
+  options.fixed_frame.clear();
+  options.follow.clear();
+  options.from_above = false;
+  options.orthographic = false;
+  options.film.clear();  // It has ended; another one would take its place.
+  return options;
+}
+
+}  // namespace
+
+int ShowUntilClosed(Options options, std::optional<Layout> layout,
+                    const std::function<std::unique_ptr<Surface>()>& make_surface,
+                    const std::function<void(Viewer* viewer)>& watch) {
+  int losses = 0;
+  while (true) {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::unique_ptr<Surface> surface = make_surface();
+    Viewer viewer(options, layout, *surface);
+    watch(&viewer);
+    const int code = viewer.Run();
+    watch(nullptr);
+    if (!viewer.lost()) return code;
+    if (std::chrono::steady_clock::now() - begin > kInARow) losses = 0;
+    if (++losses >= kMostLosses) {
+      std::fputs("hgros-viewer: The graphics card was reset again and again; see what the kernel says of it.\n",
+                 stderr);
+      return 1;
+    }
+    std::fputs("hgros-viewer: The graphics card was reset: everything is made anew, and fills with what comes.\n",
+               stderr);
+    layout = viewer.CurrentLayout();
+    options = RestOf(std::move(options), *layout);
+  }
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,146 @@
+#include "viewer/app/viewer.hpp"
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "hgros/base/error.hpp"
+#include "viewer/app/scripted_surface.hpp"
+#include "viewer/app/showing.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+class ViewerTest : public ::testing::Test {
+ protected:
+  ViewerTest() {
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::GetIO().BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
+    options_.fps_limit = 1000;
+  }
+  ~ViewerTest() override { ImGui::DestroyContext(); }
+
+  void SetUp() override {
+    try {
+      const ScriptedSurface surface({});
+    } catch (const Error& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+  /// Does the steps, and gives what the viewer looked like in the end.
+  Layout Do(std::vector<ScriptedSurface::Step> steps, const std::optional<Layout>& layout = std::nullopt) {
+    ScriptedSurface surface(std::move(steps));
+    Viewer viewer(options_, layout, surface);
+    EXPECT_EQ(viewer.Run(), 0);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    return viewer.CurrentLayout();
+  }
+  static ScriptedSurface::Step Key(int key) {
+    return [key](ScriptedSurface& surface) { surface.Press(key); };
+  }
+  static std::vector<std::string> PanelsOf(const Layout& layout) {
+    std::vector<std::string> names;
+    for (const LayoutPanel& panel : layout.panels) names.push_back(panel.panel.name);
+    return names;
+  }
+
+  Options options_;
+};
+
+TEST_F(ViewerTest, OpensAndClosesPanelsByKeys) {
+  EXPECT_EQ(PanelsOf(Do({Key('1'), Key('5'), Key('4'), Key('5')})), (std::vector<std::string>{"Channels", "Plot"}));
+}
+
+TEST_F(ViewerTest, LooksAsTheLayoutSays) {
+  const Layout before = Do({Key('T'), Key('O'), Key('2'), Key('4')});
+  ASSERT_TRUE(before.camera->orthographic);
+  EXPECT_EQ(Do({Key('H'), Key('H')}, before), before);
+}
+
+TEST_F(ViewerTest, DrawsIntoAnySize) {
+  options_.opened_panels = {
+      {"Channels", "", {}}, {"Log", "", {}}, {"Message", "", {}}, {"Plot", "", {}}, {"Graph", "", {}}};
+  std::vector<ScriptedSurface::Step> steps;
+  for (const Viewport size : {Viewport{1, 1}, Viewport{2, 480}, Viewport{640, 1}, Viewport{640, 480}, Viewport{3, 3}}) {
+    steps.push_back([size](ScriptedSurface& surface) { surface.Resize(size); });
+    steps.push_back(Key('Z'));
+    steps.push_back([](ScriptedSurface& surface) { surface.Click(0, 0, true); });
+  }
+  (void)Do(steps);
+}
+
+TEST_F(ViewerTest, TakesFontsForAnotherScreenWhileItRuns) {
+  float before = 0;
+  float on_the_other = 0;
+  const auto note = [](float& size) { return [&size](ScriptedSurface&) { size = ImGui::GetFontSize(); }; };
+  (void)Do({note(before), [](ScriptedSurface& surface) { surface.Rescale(2); }, note(on_the_other),
+            [](ScriptedSurface& surface) { surface.Rescale(1); }});
+  EXPECT_EQ(on_the_other, 2 * before);
+}
+
+TEST_F(ViewerTest, StandsStillAndStepsAndGoesOn) {
+  (void)Do({Key(' '), Key('N'), Key('N'), Key(' '), Key('N'), Key(' ')});
+}
+
+TEST_F(ViewerTest, MakesEverythingAnewWhenTheSurfaceIsLost) {
+  int made = 0;
+  Layout last;
+  Viewer* running = nullptr;
+  const auto surface = [&]() -> std::unique_ptr<Surface> {
+    ++made;
+    if (made == 1) {
+      return std::make_unique<ScriptedSurface>(
+          std::vector<ScriptedSurface::Step>{Key('T'), Key('4'), [](ScriptedSurface& at) { at.Lose(); }});
+    }
+    return std::make_unique<ScriptedSurface>(
+        std::vector<ScriptedSurface::Step>{Key('H'), [&](ScriptedSurface&) { last = running->CurrentLayout(); }});
+  };
+  options_.channels = {{"cloud", "foxglove.PointCloud", {{"keep", "all"}}}};
+  const int code = ShowUntilClosed(options_, std::nullopt, surface, [&](Viewer* viewer) { running = viewer; });
+  EXPECT_EQ(code, 0);
+  EXPECT_EQ(made, 2);
+  EXPECT_EQ(PanelsOf(last), std::vector<std::string>{"Plot"});
+  EXPECT_EQ(std::ranges::count(*last.displays, "cloud", &LayoutDisplay::channel), 1) << "once, not twice";
+}
+
+TEST_F(ViewerTest, GivesUpWhenTheSurfaceIsLostAgainAndAgain) {
+  int made = 0;
+  const auto surface = [&]() -> std::unique_ptr<Surface> {
+    ++made;
+    return std::make_unique<ScriptedSurface>(
+        std::vector<ScriptedSurface::Step>{[](ScriptedSurface& at) { at.Lose(); }, [](ScriptedSurface&) {}});
+  };
+  EXPECT_EQ(ShowUntilClosed(options_, std::nullopt, surface, [](Viewer*) {}), 1);
+  EXPECT_EQ(made, 3);
+}
+
+TEST_F(ViewerTest, SaysWhatIsWrongWithALayout) {
+  const auto fault = [&](const Layout& layout) -> std::string {
+    ScriptedSurface surface({});
+    try {
+      const Viewer viewer(options_, layout, surface);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "nothing is wrong";
+  };
+  const auto shown = [](LayoutDisplay display) {
+    Layout layout;
+    display.where = {"layout.yaml", 3, 5};
+    layout.displays = {{display}};
+    return layout;
+  };
+  EXPECT_NE(fault(shown({"Groud", "", true, {}})).find("There are Point cloud"), std::string::npos);
+  EXPECT_NE(fault(shown({"Point cloud", "", true, {}})).find("needs a channel"), std::string::npos);
+  EXPECT_NE(fault(shown({"Ground", "cloud", true, {}})).find("has no channel"), std::string::npos);
+  const LayoutSetting wrong{"cell", "x", {"layout.yaml", 7, 9}};
+  EXPECT_NE(fault(shown({"Ground", "", true, {wrong}})).find("layout.yaml:7:9"), std::string::npos);
+  Layout layout;
+  layout.panels = {{{"Radar", std::nullopt, {}}, {"layout.yaml", 2, 5}}};
+  EXPECT_NE(fault(layout).find("layout.yaml:2:5"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test
