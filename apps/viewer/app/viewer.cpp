@@ -296,23 +296,6 @@ void Viewer::TakeArrived(double now_s) {
   frame_changed_ = false;
 }
 
-void Viewer::CountUnreadable(double now_s) {
-  constexpr double kPeriodS = 2;
-  if (now_s < next_count_s_) return;
-  const bool shown = std::ranges::any_of(channels_, [](const ChannelRow& row) { return !row.schema.empty(); });
-  next_count_s_ = shown ? now_s + kPeriodS : kNever;
-  if (!shown) return;
-  const SessionSnapshot own = session_.Snapshot();
-  for (Scene::Entry& entry : scene_.entries()) {
-    const auto traffic = std::ranges::find(own.traffic, entry.channel, &ChannelTraffic::channel);
-    if (entry.channel.empty() || traffic == own.traffic.end()) continue;
-    const std::uint64_t count = traffic->faults[static_cast<std::size_t>(PacketFault::kData)];
-    const bool more = count > entry.unreadable;
-    if (more != std::exchange(entry.still_unreadable, more) || more) frames_wanted_ = std::max(frames_wanted_, 1);
-    entry.unreadable = count;
-  }
-}
-
 void Viewer::FollowFrame() {
   RigidTransform now;
   std::string why;

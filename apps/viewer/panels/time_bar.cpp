@@ -24,11 +24,11 @@ TimeBarWish DrawTimeBar(const TimeBarFigures& figures) {
     char lost[64];
     std::snprintf(lost, sizeof lost, "%llu dropped", static_cast<unsigned long long>(figures.dropped));
     const float room = ImGui::CalcTextSize(lost).x + unit;
-    auto shown = static_cast<float>(-figures.back_s);
+    auto shown = static_cast<float>(0 - figures.back_s);
     if (figures.kept_s > 0) {
       ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - room);
-      wish.moved = ImGui::SliderFloat("##back", &shown, static_cast<float>(-figures.kept_s), 0, "%.2f s",
-                                      ImGuiSliderFlags_AlwaysClamp);
+      wish.moved = ImGui::SliderFloat("##back", &shown, static_cast<float>(-figures.kept_s), 0,
+                                      figures.back_s > 0 ? "%.2f s" : "now", ImGuiSliderFlags_AlwaysClamp);
       if (ImGui::IsItemHovered()) {
         ImGui::SetTooltip("%s",
                           "Looks back, as far as displays keep what they had: points kept by time or count,\n"

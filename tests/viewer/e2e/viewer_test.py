@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -188,7 +189,8 @@ class InMemory(ViewerCase):
         self.assertTrue(picture.exists())
 
     def test_draws_nothing_while_nothing_changes(self):
-        viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2")
+        viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2", "--panel", "Log", "--panel", "Message",
+                            "--panel", "Plot", "--panel", "Channels")
         first = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 0.5)
         last = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 1.5)
         self.assertEqual(first["frames"], last["frames"])
@@ -228,6 +230,10 @@ class InAWindow(ViewerCase):
         return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, check=True, timeout=DEADLINE_S,
                               stdout=subprocess.PIPE, text=True).stdout
 
+    def await_pictures(self, viewer, count):
+        drawn = float(self.read_until(viewer, lambda figures: True)["frames"])
+        self.read_until(viewer, lambda figures: float(figures["frames"]) >= drawn + count)
+
     def test_turns_zooms_and_takes_another_size(self):
         viewer = self.start(VIEWER, "--size", "640x480", "--report", "0.1")
         window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
@@ -239,6 +245,37 @@ class InAWindow(ViewerCase):
         turned = self.read_until(viewer, lambda figures: True)
         self.do("windowsize", window, 300, 200)
         self.read_until(viewer, lambda figures: float(figures["frames"]) > float(turned["frames"]))
+        viewer.send_signal(signal.SIGTERM)
+        self.end(viewer)
+
+    def test_opens_panels_picks_stands_still_and_writes_what_it_shows(self):
+        layout = pathlib.Path(self.folder.name, "layout.yaml")
+        viewer = self.start(VIEWER, "--size", "760x560", "--report", "0.1", "--config", layout, cwd=self.folder.name)
+        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
+        self.start(TALKER, 2000, 20)
+        self.read_until(viewer, lambda figures: float(figures["frames"]) >= 10)
+        self.do("windowfocus", "--sync", window, "key", "1", "key", "4", "key", "5", "key", "2", "key", "2")
+        self.do("mousemove", "--window", window, 500, 200, "keydown", "shift", "click", 1, "keyup", "shift",
+                "key", "m", "key", "Escape", "key", "space", "key", "n", "key", "space", "key", "F12", "key", "l")
+        self.read_until(viewer, lambda figures: layout.exists())
+        written = layout.read_text()
+        for words in ("kind: Channels", "kind: Plot", "kind: Graph", "channel: odometry"):
+            self.assertIn(words, written)
+        self.assertNotIn("kind: Log", written, "it was closed again")
+        self.read_until(viewer, lambda figures: list(pathlib.Path(self.folder.name).glob("hgros-viewer-*.png")))
+        place = re.compile(r"kind: Graph\n +place: \[(\d+), (\d+),")
+        left, top = map(int, place.search(written).groups())
+        # A window knows what is below the pointer from the next picture on.
+        for deed in (("mousemove", "--window", window, left + 80, top + 8), ("mousedown", 1),
+                     ("mousemove", "--window", window, left + 60, top + 28)):
+            self.do(*deed)
+            self.await_pictures(viewer, 3)
+        self.do("mouseup", 1, "key", "l")
+        self.read_until(viewer, lambda figures: layout.read_text() != written)
+        self.assertEqual(tuple(map(int, place.search(layout.read_text()).groups())), (left - 20, top + 20))
+        self.do("key", "p", "key", "p", "windowsize", window, 400, 300)
+        self.await_pictures(viewer, 3)
+        self.do("windowsize", window, 1, 1)
         viewer.send_signal(signal.SIGTERM)
         self.end(viewer)
 
