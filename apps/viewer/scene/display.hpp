@@ -45,7 +45,8 @@ struct UpdateContext {
 struct DrawContext {
   const ViewMatrices& view;
   PointPrograms& points;
-  float scale;  ///< Pixels of the screen to a pixel as settings mean it.
+  float scale;                     ///< Pixels of the screen to a pixel as settings mean it.
+  std::size_t moving_thinned = 1;  ///< Of the points that move every so-manieth is drawn.
 };
 
 /// Words at a place of the scene.
@@ -100,6 +101,8 @@ class Display {
   [[nodiscard]] virtual std::optional<ShownImage> Image() const { return std::nullopt; }
   /// How much DrawSettled draws, in points; decides into how many slices it is cut.
   [[nodiscard]] virtual std::size_t settled_points() const { return 0; }
+  /// How many points DrawMoving draws, unless they are thinned.
+  [[nodiscard]] virtual std::size_t moving_points() const { return 0; }
   [[nodiscard]] virtual std::size_t points() const { return 0; }
   [[nodiscard]] virtual std::size_t gpu_bytes() const { return 0; }
   [[nodiscard]] virtual Eigen::AlignedBox3d Bounds() const { return {}; }

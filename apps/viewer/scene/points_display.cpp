@@ -10,8 +10,7 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 64;
 constexpr double kLongestWaitS = 2;
-constexpr std::size_t kMovingBudget = 2'000'000;  // points of the moving layer; what is more is thinned
-constexpr std::size_t kKeepCapacity = 100'000;    // positions; more are given back after they were placed
+constexpr std::size_t kKeepCapacity = 100'000;  // positions; more are given back after they were placed
 
 }  // namespace
 
@@ -134,8 +133,7 @@ void PointsDisplay::DrawSettled(const DrawContext& context, const Slice& slice) 
 }
 
 void PointsDisplay::DrawMoving(const DrawContext& context) {
-  const std::size_t thinned = recent_.points() / kMovingBudget + 1;
-  recent_.Draw(context.points, context.view, Style(context.scale), {0, thinned}, shown_until_s_);
+  recent_.Draw(context.points, context.view, Style(context.scale), {0, context.moving_thinned}, shown_until_s_);
 }
 
 Change PointsDisplay::LookBack(double newest_s, double back_s) {

@@ -29,6 +29,7 @@ class PointsDisplay : public Display {
   [[nodiscard]] std::vector<std::string> Status() const final;
   [[nodiscard]] bool HasFault() const final { return !fault_.empty(); }
   [[nodiscard]] std::size_t settled_points() const final { return kept_ ? kept_->points() : 0; }
+  [[nodiscard]] std::size_t moving_points() const final { return recent_.points(); }
   [[nodiscard]] std::size_t points() const final { return settled_points() + recent_.points(); }
   [[nodiscard]] std::size_t gpu_bytes() const final { return (kept_ ? kept_->gpu_bytes() : 0) + recent_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kBackground[3] = {0.105F, 0.115F, 0.13F};
 constexpr double kSliceMs = 60;                  // for a slice, so that a moving camera stays smooth
+constexpr double kMovingMs = 60;                 // for what is drawn over the settled layer in every frame
 constexpr std::size_t kSmallestSlice = 100'000;  // points
 constexpr std::size_t kWorthMeasuring = 50'000;  // points
 
@@ -112,9 +113,32 @@ void Scene::DrawSlice(const DrawContext& context) {
   }
   ++next_slice_;
   if (drawn < kWorthMeasuring) return;
+  Measure(drawn, begin);
+}
+
+void Scene::DrawMoving(const DrawContext& context) {
+  std::size_t drawn = 0;
+  for (const Entry& entry : entries_) {
+    if (entry.visible) drawn += entry.display->moving_points() / context.moving_thinned;
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  for (Entry& entry : entries_) {
+    if (entry.visible) entry.display->DrawMoving(context);
+  }
+  if (drawn >= kWorthMeasuring) Measure(drawn, begin);
+  for (Entry& entry : entries_) {
+    if (entry.visible) entry.display->DrawBlended(context);
+  }
+}
+
+void Scene::Measure(std::size_t drawn, std::chrono::steady_clock::time_point begin) {
   glFinish();
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   points_per_ms_ = 0.5 * points_per_ms_ + 0.5 * static_cast<double>(drawn) / std::max(ms, 0.01);
+}
+
+std::size_t Scene::Affordable(double ms) const {
+  return std::max(kSmallestSlice, static_cast<std::size_t>(points_per_ms_ * ms));
 }
 
 void Scene::Draw(const ViewMatrices& view, float scale) {
@@ -122,7 +146,11 @@ void Scene::Draw(const ViewMatrices& view, float scale) {
   picture_.Resize(view.viewport);
   const bool moved = view.clip_from_eye != drawn_clip_ || view.eye != drawn_eye_;
   const Change change = std::exchange(pending_, Change::kNothing);
-  const DrawContext context{view, points_, scale};
+  std::size_t moving = 0;
+  for (const Entry& entry : entries_) {
+    if (entry.visible) moving += entry.display->moving_points();
+  }
+  const DrawContext context{view, points_, scale, moving / Affordable(kMovingMs) + 1};
   if (resized || moved || change == Change::kRedraw) {
     drawn_clip_ = view.clip_from_eye;
     drawn_eye_ = view.eye;
@@ -130,8 +158,7 @@ void Scene::Draw(const ViewMatrices& view, float scale) {
     for (const Entry& entry : entries_) {
       if (entry.visible) total += entry.display->settled_points();
     }
-    const auto budget = std::max(kSmallestSlice, static_cast<std::size_t>(points_per_ms_ * kSliceMs));
-    slices_ = total / budget + 1;
+    slices_ = total / Affordable(kSliceMs) + 1;
     next_slice_ = 0;
     settled_.Clear(kBackground);
     DrawSlice(context);
@@ -146,12 +173,7 @@ void Scene::Draw(const ViewMatrices& view, float scale) {
   }
   settled_.CopyTo(picture_);
   picture_.Bind();
-  for (Entry& entry : entries_) {
-    if (entry.visible) entry.display->DrawMoving(context);
-  }
-  for (Entry& entry : entries_) {
-    if (entry.visible) entry.display->DrawBlended(context);
-  }
+  DrawMoving(context);
 }
 
 std::size_t Scene::points() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -27,7 +28,7 @@ class Scene {
     const DisplayType* type = nullptr;
     std::unique_ptr<Display> display;
     bool visible = true;
-    std::uint64_t unreadable = 0;  ///< Messages of the channel that are not what their publisher says.
+    std::uint64_t unreadable = 0;   ///< Messages of the channel that are not what their publisher says.
     bool still_unreadable = false;  ///< And more come.
   };
 
@@ -70,6 +71,10 @@ class Scene {
 
  private:
   void DrawSlice(const DrawContext& context);
+  void DrawMoving(const DrawContext& context);
+  void Measure(std::size_t drawn, std::chrono::steady_clock::time_point begin);
+  /// So many points are drawn in that time, as far as is known.
+  [[nodiscard]] std::size_t Affordable(double ms) const;
 
   std::vector<Entry> entries_;
   PointPrograms points_;
