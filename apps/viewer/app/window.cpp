@@ -10,6 +10,7 @@
 
 #include "hgros/base/error.hpp"
 #include "viewer/panels/key_table.hpp"
+#include "viewer/panels/panel_below.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -81,7 +82,7 @@ void Window::InstallCallbacks() {
     window.disturbed_ = true;
     if (window.panels_connected_) ImGui_ImplGlfw_MouseButtonCallback(at, button, action, mods);
     const bool release = action == GLFW_RELEASE;
-    if (!release && window.panels_connected_ && ImGui::GetIO().WantCaptureMouse) return;
+    if (!release && window.OverPanel()) return;
     const PointerButton which = button == GLFW_MOUSE_BUTTON_LEFT    ? PointerButton::kLeft
                                 : button == GLFW_MOUSE_BUTTON_RIGHT ? PointerButton::kRight
                                                                     : PointerButton::kMiddle;
@@ -100,7 +101,7 @@ void Window::InstallCallbacks() {
     window.disturbed_ = true;
     if (window.panels_connected_) {
       ImGui_ImplGlfw_ScrollCallback(at, dx, dy);
-      if (ImGui::GetIO().WantCaptureMouse) return;
+      if (window.OverPanel()) return;
     }
     window.input_.push_back({InputEvent::Kind::kWheel, {}, window.x_, window.y_, dy});
   });
@@ -135,6 +136,12 @@ void Window::OnKey(int key, int action) {
   if (panels_connected_ && ImGui::GetIO().WantTextInput) return;
   const int known = KeyOf(key);
   if (known != 0) input_.push_back({InputEvent::Kind::kKey, {}, x_, y_, 0, known});
+}
+
+bool Window::OverPanel() const {
+  if (!panels_connected_) return false;
+  const double scale = PixelsPerUnit();
+  return PanelBelow(static_cast<float>(x_ / scale), static_cast<float>(y_ / scale));
 }
 
 double Window::PixelsPerUnit() const {

@@ -34,6 +34,8 @@ class Window : public Surface {
  private:
   void InstallCallbacks();
   void OnKey(int key, int action);
+  /// The pointer is over a panel now.
+  [[nodiscard]] bool OverPanel() const;
   /// From the window's coordinates to pixels.
   [[nodiscard]] double PixelsPerUnit() const;
 

@@ -68,11 +68,15 @@ bool PanelDock::Draw(Opened& opened, PanelWish& wish) const {
     const auto place = static_cast<float>(&opened - opened_.data());
     const ImVec2 size(std::clamp(opened.type->width * unit, 12 * unit, std::max(12 * unit, screen.x - left - unit)),
                       std::min(opened.type->height * unit, std::max(8 * unit, lower - unit)));
-    const float top = std::max(0.6F * unit, lower - size.y - place * 2 * unit);
-    ImGui::SetNextWindowPos({left + place * 1.2F * unit, top}, ImGuiCond_FirstUseEver);
+    // Above the one that was opened before, if there is room; else over all of them, but for their titles.
+    const float above = &opened == opened_.data() ? 0 : (&opened)[-1].place.y - size.y - 0.4F * unit;
+    const bool fits = above >= 0.6F * unit;
+    const float top = fits ? above : std::max(0.6F * unit, lower - size.y - place * 2 * unit);
+    ImGui::SetNextWindowPos({left + (fits ? 0 : place * 1.2F * unit), top}, ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSize(size, ImGuiCond_FirstUseEver);
   }
   ImGui::SetNextWindowSizeConstraints({12 * unit, 6 * unit}, {1e5F, 1e5F});
+  ImGui::SetNextWindowBgAlpha(1);  // What is read need not be seen through.
   bool stays = true;
   if (ImGui::Begin(opened.type->name.c_str(), &stays, ImGuiWindowFlags_NoSavedSettings)) opened.panel->Draw(wish);
   opened.place = {ImGui::GetWindowPos().x, ImGui::GetWindowPos().y, ImGui::GetWindowSize().x, ImGui::GetWindowSize().y};

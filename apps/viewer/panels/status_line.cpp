@@ -34,10 +34,12 @@ void DrawStatusLine(const StatusFigures& figures) {
     if (figures.unfinished) text += "   drawing ...";
     if (figures.paused) text += "   paused (Space)";
     if (figures.picking) text += "   a click picks a point (M)";
-    ImGui::TextUnformatted(text.c_str());
     const std::string right = figures.notice.empty() ? "F1: mouse and keys" : figures.notice;
-    ImGui::SameLine(size.x - ImGui::CalcTextSize(right.c_str()).x - 12);
-    ImGui::TextDisabled("%s", right.c_str());
+    const float place = size.x - ImGui::CalcTextSize(right.c_str()).x - 12;
+    const bool both_fit = ImGui::CalcTextSize(text.c_str()).x + 30 < place;
+    if (both_fit || figures.notice.empty()) ImGui::TextUnformatted(text.c_str());
+    if (both_fit) ImGui::SameLine(place);
+    if (both_fit || !figures.notice.empty()) ImGui::TextDisabled("%s", right.c_str());
   }
   ImGui::End();
   ImGui::PopStyleVar(3);

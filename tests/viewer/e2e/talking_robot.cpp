@@ -9,11 +9,16 @@
 #include <string>
 #include <vector>
 
+#include "foxglove/CompressedImage.pb.h"
+#include "foxglove/Grid.pb.h"
 #include "foxglove/LaserScan.pb.h"
 #include "foxglove/Log.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
+#include "foxglove/RawImage.pb.h"
+#include "foxglove/SceneUpdate.pb.h"
+#include "foxglove/VoxelGrid.pb.h"
 #include "hgros/clock/rate.hpp"
 #include "hgros/codec/custom_codec.hpp"
 #include "hgros/session/session.hpp"
@@ -110,6 +115,12 @@ int main(int argc, char** argv) {
   auto broken_scan = driver.Advertise<Broken<foxglove::LaserScan>>("broken_scan");
   auto broken_way = driver.Advertise<Broken<foxglove::PosesInFrame>>("broken_way");
   auto broken_log = planner.Advertise<Broken<foxglove::Log>>("broken_log");
+  auto broken_grid = driver.Advertise<Broken<foxglove::Grid>>("broken_grid");
+  auto broken_voxels = driver.Advertise<Broken<foxglove::VoxelGrid>>("broken_voxels");
+  auto broken_scene = driver.Advertise<Broken<foxglove::SceneUpdate>>("broken_scene");
+  auto broken_image = driver.Advertise<Broken<foxglove::RawImage>>("broken_image");
+  auto broken_photo = driver.Advertise<Broken<foxglove::CompressedImage>>("broken_photo");
+  auto broken_pose = driver.Advertise<Broken<foxglove::PoseInFrame>>("broken_pose");
   std::mt19937 random(5);
   Rate rate(driver.clock(), Duration(static_cast<std::int64_t>(1e9 / hz)));
   for (std::size_t step = 0; step < steps; ++step) {
@@ -121,6 +132,12 @@ int main(int argc, char** argv) {
     broken_scan(BrokenBytes<foxglove::LaserScan>(random));
     broken_way(BrokenBytes<foxglove::PosesInFrame>(random));
     broken_log(BrokenBytes<foxglove::Log>(random));
+    broken_grid(BrokenBytes<foxglove::Grid>(random));
+    broken_voxels(BrokenBytes<foxglove::VoxelGrid>(random));
+    broken_scene(BrokenBytes<foxglove::SceneUpdate>(random));
+    broken_image(BrokenBytes<foxglove::RawImage>(random));
+    broken_photo(BrokenBytes<foxglove::CompressedImage>(random));
+    broken_pose(BrokenBytes<foxglove::PoseInFrame>(random));
     (void)rate.Sleep();
   }
   return 0;

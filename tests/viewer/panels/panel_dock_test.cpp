@@ -4,6 +4,7 @@
 
 #include "foxglove/Log.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
+#include "viewer/panels/panel_below.hpp"
 #include "viewer/panels/panel_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -62,6 +63,21 @@ TEST_F(PanelDockTest, GivesBackWhatItWasGiven) {
   Update();
   Draw();
   EXPECT_EQ(dock_.Layout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it stands where it was asked to";
+}
+
+TEST_F(PanelDockTest, KnowsWhatLiesBelowThePointerBeforeTheNextPicture) {
+  ASSERT_EQ(dock_.Restore({"Plot", PanelPlace{100, 200, 400, 300}, {}}), "");
+  Update();
+  Draw();
+  Draw();
+  EXPECT_TRUE(PanelBelow(101, 201));
+  EXPECT_TRUE(PanelBelow(499, 499));
+  EXPECT_FALSE(PanelBelow(90, 300));
+  EXPECT_FALSE(PanelBelow(300, 510));
+  Close("Plot");
+  Draw();
+  Draw();
+  EXPECT_FALSE(PanelBelow(300, 300)) << "it is closed";
 }
 
 TEST_F(PanelDockTest, SaysWhatIsWrongWithALayout) {
