@@ -120,17 +120,7 @@ void Viewer::AddWanted() {
       Add(*type, "", {});
       entry = std::prev(entries.end());
     }
-    for (const auto& [name, value] : wanted.settings) {
-      if (name == "visible") {
-        entry->visible = value != "off";
-        continue;
-      }
-      const std::vector<Setting> settings = entry->display->Settings();
-      const auto setting = std::ranges::find(settings, name, &Setting::name);
-      if (setting == settings.end()) throw Error("\"" + wanted.channel + "\" has no setting \"" + name + "\".");
-      if (const std::string fault = SetFromText(*setting, value); !fault.empty()) throw Error(fault);
-      entry->display->OnSetting(name);
-    }
+    Set(*entry, wanted.settings);
   }
 }
 
@@ -174,9 +164,16 @@ void Viewer::AddOrSay(const DisplayType& type, const WantedDisplay& wanted) {
 
 void Viewer::Add(const DisplayType& type, const std::string& channel,
                  const std::vector<std::pair<std::string, std::string>>& settings) {
-  const Scene::Entry& entry = scene_.Add(type, {session_, channel, [this] { WakeFromData(); }});
-  const std::vector<Setting> known = entry.display->Settings();
+  Set(scene_.Add(type, {session_, channel, [this] { WakeFromData(); }}), settings);
+}
+
+void Viewer::Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings) {
   for (const auto& [name, value] : settings) {
+    if (name == "visible") {
+      entry.visible = value != "off";
+      continue;
+    }
+    const std::vector<Setting> known = entry.display->Settings();
     const auto setting = std::ranges::find(known, name, &Setting::name);
     if (setting == known.end()) {
       std::string names;

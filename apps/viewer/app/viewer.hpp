@@ -60,6 +60,7 @@ class Viewer {
   void AddOrSay(const DisplayType& type, const WantedDisplay& wanted);
   void Add(const DisplayType& type, const std::string& channel,
            const std::vector<std::pair<std::string, std::string>>& settings);
+  void Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings);
 
   [[nodiscard]] double NextTurnS() const;
   void Turn(double now_s);
