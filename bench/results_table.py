@@ -82,6 +82,22 @@ def network(values):
                            ratios(values, ("network_vs_", "latency_"), line.suffix))
 
 
+def viewer(values):
+    yield from table(["everything kept", *(f"{second} s" for second in (10, 60, 120))],
+                     [(f"{prefix}{name}", [number(values[metric]) if metric in values else ""
+                                           for metric in (f"{prefix}{name}_at_{second}s" for second in (10, 60, 120))])
+                      for name in ("cpu_percent", "fps", "cpu_ms_per_frame", "rss_mb") for prefix in ("", "rviz_")])
+    frames = [name for name in values if name.endswith(("_1M", "_10M", "_50M"))]
+    families = dict.fromkeys(name.rpartition("_")[0] for name in frames)
+    yield from table(["a frame", "1M", "10M", "50M"],
+                     [(name, [number(values[f"{name}_{size}"]) if f"{name}_{size}" in values else ""
+                              for size in ("1M", "10M", "50M")]) for name in families])
+    others = [name for name in values if "_at_" not in name or name.startswith(("moving", "rviz_moving"))]
+    yield from table(["figure", "hgros-viewer", "RViz"],
+                     [(name, [number(values[name]), number(values[f"rviz_{name}"]) if f"rviz_{name}" in values else ""])
+                      for name in others if name not in frames and not name.startswith("rviz_")])
+
+
 def section(results, name, write):
     folder = results / name
     yield f"### {name}"
@@ -109,7 +125,8 @@ def main():
     _, end, after = rest.partition(END)
     if not begin or not end:
         raise SystemExit(f"{given.into} has not both marks, {BEGIN} and {END}.")
-    lines = [*section(given.results, "peers", peers), *section(given.results, "network", network)]
+    lines = [*section(given.results, "peers", peers), *section(given.results, "network", network),
+             *section(given.results, "viewer", viewer)]
     given.into.write_text(before + begin + "\n\n" + "\n".join(lines) + end + after, encoding="utf-8")
 
 
