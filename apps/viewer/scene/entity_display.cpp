@@ -122,6 +122,7 @@ class EntityDisplay : public Display {
     return !fault_.empty() || !model_fault_.empty() || drawing_.unplaced > 0;
   }
   [[nodiscard]] std::vector<Label> Labels() const override { return texts_ ? labels_ : std::vector<Label>(); }
+  [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return drawn_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return bounds_; }
   [[nodiscard]] double next_change_s() const override { return std::min(end_s_, settling_.next_change_s()); }
