@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -19,6 +20,7 @@ namespace {
 using test::Await;
 
 constexpr std::uint64_t kGroupBytes = 48u << 20;
+constexpr auto kSameLineAgainAfter = std::chrono::seconds(10);  // As Log::WriteLimited has it.
 
 /// A memory control group below our own, if one can be made.
 class SmallGroup {
@@ -105,10 +107,14 @@ TEST(ShmMemoryGroupProcess, AFullGroupEndsNobodyAndMessagesTakeAnotherWay) {
     }
     ASSERT_TRUE(worker.Reaches({{"published", until}})) << worker;
   };
+  const auto begin = std::chrono::steady_clock::now();
   publish(kMessages);
+  // A machine that has much else to do takes longer than the log keeps the same line back.
+  const auto lines = 1 + static_cast<std::uint64_t>((std::chrono::steady_clock::now() - begin) / kSameLineAgainAfter);
   EXPECT_GT(worker["apart"], kMessages / 4) << worker;
   EXPECT_LT(worker["apart"], kMessages) << worker;
-  EXPECT_EQ(worker["warnings"], 1u) << "said once, not for each message" << worker;
+  EXPECT_GE(worker["warnings"], 1u) << worker;
+  EXPECT_LE(worker["warnings"], lines) << "said once, not for each message" << worker;
   // What is let go of is used again, from the second message on: the first one finds it.
   hoard.LetGo();
   publish(kMessages + 1);

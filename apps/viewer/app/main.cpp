@@ -1,4 +1,5 @@
 // Shows what robots publish.
+#include <google/protobuf/stubs/logging.h>
 #include <imgui.h>
 #include <malloc.h>
 #include <pthread.h>
@@ -88,6 +89,8 @@ int main(int argc, char** argv) {
   mallopt(M_MMAP_THRESHOLD, 256 * 1024);
   mallopt(M_ARENA_MAX, 2);
 #endif
+  // What does not parse is counted, and said beside its display; protobuf would write a line for each message.
+  google::protobuf::SetLogHandler(nullptr);
   const ReadOptions read = ReadCommandLine(argc, argv);
   if (!read.options) return read.exit_code;
   try {

@@ -188,6 +188,17 @@ class InMemory(ViewerCase):
         self.end(viewer)
         self.assertTrue(picture.exists())
 
+    def test_shows_clouds_of_a_million_points_that_come_ten_times_a_second(self):
+        viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--report", "0.1", "--channel",
+                            "cloud:foxglove.PointCloud,size=1")
+        self.start(PUBLISHER, 10, 1_000_000, 1000)
+        first = self.read_until(viewer, lambda figures: float(figures["points"]) == 1_000_000)
+        later = self.read_until(viewer, lambda figures: float(figures["frames"]) > float(first["frames"]) + 5)
+        self.assertEqual(float(later["points"]), 1_000_000)
+        self.assertLess(float(later["rss_mb"]), 1000)
+        viewer.send_signal(signal.SIGTERM)
+        self.end(viewer)
+
     def test_draws_nothing_while_nothing_changes(self):
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2", "--panel", "Log", "--panel", "Message",
                             "--panel", "Plot", "--panel", "Channels")
