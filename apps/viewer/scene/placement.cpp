@@ -16,8 +16,8 @@ bool Placement::Follow(const std::string& frame, const UpdateContext& context) {
     return false;
   }
   fault_.clear();
-  const bool same = known_ && now.translation == placed_.translation &&
-                    now.rotation.coeffs() == placed_.rotation.coeffs();
+  const bool same =
+      known_ && now.translation == placed_.translation && now.rotation.coeffs() == placed_.rotation.coeffs();
   placed_ = now;
   known_ = true;
   return !same;
