@@ -22,15 +22,15 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
   const float unit = ImGui::GetFontSize();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x - 0.6F * unit, 0.6F * unit}, ImGuiCond_FirstUseEver, {1, 0});
-  ImGui::SetNextWindowSize({15 * unit, 0}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints({17 * unit, 0}, {17 * unit, size.y});
   ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
-  if (ImGui::Begin("View", nullptr, ImGuiWindowFlags_NoSavedSettings)) {
+  if (ImGui::Begin("View", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize)) {
     bool orthographic = camera.orthographic();
     if (ImGui::Checkbox("orthographic", &orthographic)) camera.SetOrthographic(orthographic);
     if (ImGui::Button("from above")) camera.LookFromAbove();
     ImGui::SameLine();
     if (ImGui::Button("reset")) camera.Reset();
-    ImGui::SetNextItemWidth(0.6F * ImGui::GetContentRegionAvail().x);
+    ImGui::SetNextItemWidth(9 * unit);
     if (ImGui::BeginCombo("follow", follow_.empty() ? "nothing" : follow_.c_str())) {
       if (ImGui::Selectable("nothing", follow_.empty())) follow_.clear();
       for (const std::string& name : FrameNames(frame.tree())) {
