@@ -291,17 +291,20 @@ void Viewer::TakeArrived(double now_s) {
   if (transforms_changed || frame_changed_) FollowFrame();
   scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
   frame_changed_ = false;
+  if (paused_) KeepTransforms();
 }
 
 void Viewer::FollowFrame() {
+  const bool other = std::exchange(followed_name_, view_panel_.follow()) != view_panel_.follow();
+  if (other || frame_changed_) followed_.reset();
   RigidTransform now;
   std::string why;
-  if (view_panel_.follow().empty() || frame_changed_ ||
-      frame_.Find(view_panel_.follow(), now, why) != FixedFrame::Answer::kFound) {
-    followed_.reset();
-    return;
+  if (followed_name_.empty() || frame_.Find(followed_name_, now, why) != FixedFrame::Answer::kFound) return;
+  if (followed_) {
+    camera_.Follow(*followed_, now, view_panel_.with_rotation());
+  } else {
+    camera_.Center(now.translation);  // It may be far away from what was looked at.
   }
-  if (followed_) camera_.Follow(*followed_, now, view_panel_.with_rotation());
   followed_ = now;
 }
 

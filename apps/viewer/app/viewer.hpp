@@ -79,6 +79,9 @@ class Viewer {
   void TakeArrived(double now_s);
   void DrawFrame(double now_s);
   void FollowFrame();
+  void KeepTransforms();
+  /// To the fixed frame, as the picture has it; none if that is not known any more.
+  [[nodiscard]] std::optional<RigidTransform> TransformInPicture(const std::string& frame) const;
   /// Fonts and lines for the screen that the window is on now.
   void TakeScale();
   /// Asks the session what could not be read, every now and then: such messages wake nobody.
@@ -129,7 +132,9 @@ class Viewer {
   int frames_wanted_ = 3;  ///< ImGui settles within some frames after each thing that a person does.
   bool whole_picture_wanted_ = false;
   std::string notice_;
-  std::filesystem::path screenshot_;        ///< To be written with the next frame.
+  std::filesystem::path screenshot_;                       ///< To be written with the next frame.
+  std::map<std::string, RigidTransform> kept_transforms_;  ///< Of the displays' frames, while the view stands still.
+  std::string followed_name_;
   std::optional<RigidTransform> followed_;  ///< Where the frame that is followed was.
   int exit_code_ = 0;
   double fps_limit_ = 30;

@@ -35,12 +35,10 @@ void Viewer::Pick(const Eigen::Vector2d& pixel, bool measures) {
     point.display = entry->name;
     point.value = entry->display->ValueAt(at, (seen(radius) - at).norm());
     const std::string frame = entry->display->data_frame();
-    RigidTransform T_fixed_frame;
-    std::string why;
     const bool other = !frame.empty() && frame != frame_.name();
-    if (other && frame_.Find(frame, T_fixed_frame, why) == FixedFrame::Answer::kFound) {
+    if (const auto T_fixed_frame = other ? TransformInPicture(frame) : std::nullopt) {
       point.frame = frame;
-      point.in_frame = T_fixed_frame.Inverse() * at;
+      point.in_frame = T_fixed_frame->Inverse() * at;
     }
   }
   notice_ = "picked " + MetresText(at) + (point.display.empty() ? "" : " of " + point.display);

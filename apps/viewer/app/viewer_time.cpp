@@ -11,11 +11,36 @@ void Viewer::SetPaused(bool paused) {
   paused_ = paused;
   if (paused) {
     dropped_before_ = scene_.dropped();
+    KeepTransforms();
     return;
   }
   LookBack(0);
   const std::uint64_t lost = scene_.dropped() - dropped_before_;
   if (lost > 0) notice_ = std::to_string(lost) + " messages were dropped while the view stood still";
+}
+
+// Of what stands still: the transforms themselves go on.
+void Viewer::KeepTransforms() {
+  kept_transforms_.clear();
+  for (const Scene::Entry& entry : scene_.entries()) {
+    const std::string frame = entry.display->data_frame();
+    RigidTransform T_fixed_frame;
+    std::string why;
+    if (frame.empty() || frame_.Find(frame, T_fixed_frame, why) != FixedFrame::Answer::kFound) continue;
+    kept_transforms_.insert_or_assign(frame, T_fixed_frame);
+  }
+}
+
+std::optional<RigidTransform> Viewer::TransformInPicture(const std::string& frame) const {
+  RigidTransform T_fixed_frame;
+  std::string why;
+  if (!paused_) {
+    if (frame_.Find(frame, T_fixed_frame, why) != FixedFrame::Answer::kFound) return std::nullopt;
+    return T_fixed_frame;
+  }
+  const auto kept = kept_transforms_.find(frame);
+  if (back_s_ > 0 || kept == kept_transforms_.end()) return std::nullopt;
+  return kept->second;
 }
 
 void Viewer::LookBack(double back_s) {

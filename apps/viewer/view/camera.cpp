@@ -113,10 +113,14 @@ void Camera::LookFromAbove() {
   eye_ = pivot + Eigen::Vector3d(0, 0, distance_);
 }
 
+void Camera::Center(const Eigen::Vector3d& at) {
+  eye_ = at + orientation_ * Eigen::Vector3d(0, 0, distance_);
+  anchor_.reset();
+}
+
 void Camera::Focus(const Eigen::Vector3d& center, double radius) {
   distance_ = std::clamp(radius / std::tan(kHalfAngle), kNearest, kFurthest);
-  eye_ = center + orientation_ * Eigen::Vector3d(0, 0, distance_);
-  anchor_.reset();
+  Center(center);
 }
 
 void Camera::Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport) {

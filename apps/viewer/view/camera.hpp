@@ -46,6 +46,8 @@ class Camera {
 
   void SetAnchor(const std::optional<Eigen::Vector3d>& anchor);
   void LookFromAbove();
+  /// Looks at a point from the direction and distance that the camera has.
+  void Center(const Eigen::Vector3d& at);
   /// Looks at a sphere so that it fills the picture, from the direction that the camera has.
   void Focus(const Eigen::Vector3d& center, double radius);
   /// Likewise at a box, of which the picture shows all and little else.

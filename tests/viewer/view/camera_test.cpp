@@ -130,6 +130,20 @@ TEST(Camera, FollowsAPositionOrAPose) {
   ExpectNear(before.Inverse() * eye, now.Inverse() * pose.eye(), 1e-9);
 }
 
+TEST(Camera, CentersAPointWithoutTurningOrZooming) {
+  Camera camera;
+  camera.Orbit(0.3, 0.1);
+  const Eigen::Quaterniond turned = camera.orientation();
+  const Eigen::Vector3d there(300, -40, 2);
+  camera.Center(there);
+  const auto pixel = camera.PixelOf(there, kViewport);
+  ASSERT_TRUE(pixel);
+  EXPECT_NEAR(pixel->x(), 400, 1e-6);
+  EXPECT_NEAR(pixel->y(), 300, 1e-6);
+  EXPECT_NEAR((camera.eye() - there).norm(), camera.distance(), 1e-9);
+  EXPECT_TRUE(camera.orientation().isApprox(turned));
+}
+
 TEST(Camera, DrawsCoordinatesOfMillionsOfMetresExactly) {
   Camera near_origin;
   Camera far_away;
