@@ -4,6 +4,7 @@
 #include <cctype>
 #include <utility>
 
+#include "viewer/data/cut_text.hpp"
 #include "viewer/data/stamp.hpp"
 
 namespace hgros::viewer {
@@ -26,9 +27,9 @@ void LogStore::Add(const foxglove::Log& log) {
   Line line;
   line.stamp = StampOf(log.timestamp());
   line.level = known ? log.level() : foxglove::Log::UNKNOWN;
-  line.source = log.name();
-  line.text = log.message().substr(0, kMaxTextBytes);
-  if (!log.file().empty()) line.place = log.file() + ":" + std::to_string(log.line());
+  line.source = CutText(log.name());
+  line.text = CutText(log.message());
+  if (!log.file().empty()) line.place = std::string(CutText(log.file())) + ":" + std::to_string(log.line());
   ++counts_[static_cast<std::size_t>(line.level)];
   if (sources_.size() < kMaxSources || sources_.contains(line.source)) ++sources_[line.source];
   if (!lines_.empty()) {

@@ -22,12 +22,11 @@ class LogStore {
   struct Line {
     Time stamp;
     foxglove::Log::Level level = foxglove::Log::UNKNOWN;
-    std::string source;         ///< The program or node.
-    std::string text;           ///< Cut at kMaxTextBytes.
+    std::string source;  ///< The program or node. Cut, as text and the file are (CutText).
+    std::string text;
     std::string place;          ///< "file:line"; empty: unknown.
     std::uint64_t repeats = 0;  ///< How often the same came again right behind it.
   };
-  static constexpr std::size_t kMaxTextBytes = 4096;
 
   explicit LogStore(std::size_t max_lines = 10'000) : max_lines_(max_lines) {}
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "viewer/data/cut_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -141,8 +143,8 @@ std::string Read(const foxglove::TriangleListPrimitive& list, const Isometry3d& 
 
 std::string Read(const foxglove::TextPrimitive& text, const Isometry3d& pose, SceneShapes& shapes) {
   if (!std::isfinite(text.font_size()) || text.font_size() < 0) return "has a size that is no number";
-  shapes.texts.push_back({pose.matrix().topRows<3>(), text.text(), ReadColor(text.color()), text.font_size(),
-                          text.scale_invariant(), text.billboard()});
+  shapes.texts.push_back({pose.matrix().topRows<3>(), std::string(CutText(text.text())), ReadColor(text.color()),
+                          text.font_size(), text.scale_invariant(), text.billboard()});
   return {};
 }
 

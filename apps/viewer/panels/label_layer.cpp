@@ -3,12 +3,17 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <string_view>
+
+#include "viewer/data/cut_text.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 constexpr float kSmallestText = 3;
 constexpr float kLargestText = 400;
+constexpr std::size_t kMostLabels = 1000;      ///< In view. Nobody reads more.
+constexpr std::size_t kMostLetters = 100'000;  ///< Of all of them, in bytes.
 
 /// In pixels.
 float HeightOnScreen(const Label& label, const ViewMatrices& view) {
@@ -27,6 +32,8 @@ void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewp
   const float usual = ImGui::GetFontSize();
   const float lift = usual * 0.4F;
   const ViewMatrices view = camera.Matrices(viewport);
+  std::size_t drawn = 0;
+  std::size_t letters = kMostLetters;
   for (const Label& label : labels) {
     const auto pixel = camera.PixelOf(label.at, viewport);
     if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() > viewport.width || pixel->y() > viewport.height) {
@@ -36,9 +43,13 @@ void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewp
                     static_cast<float>(pixel->y()) / pixels_per_unit - lift);
     const float size = label.height > 0 ? HeightOnScreen(label, view) / pixels_per_unit : usual;
     if (size < kSmallestText) continue;
-    const char* const text = label.text.c_str();
-    list.AddText(nullptr, size, {at.x + 1, at.y + 1}, MakeRgba(0, 0, 0, AlphaOf(label.color) * 4 / 5), text);
-    list.AddText(nullptr, size, at, label.color, text);
+    const std::string_view text = CutText(label.text);
+    if (++drawn > kMostLabels || text.size() > letters) break;
+    letters -= text.size();
+    const char* const end = text.data() + text.size();
+    list.AddText(nullptr, size, {at.x + 1, at.y + 1}, MakeRgba(0, 0, 0, AlphaOf(label.color) * 4 / 5), text.data(),
+                 end);
+    list.AddText(nullptr, size, at, label.color, text.data(), end);
   }
   if (!camera.anchor()) return;
   if (const auto pixel = camera.PixelOf(*camera.anchor(), viewport)) {

@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include "viewer/data/cut_text.hpp"
 #include "viewer/panels/look.hpp"
 
 namespace hgros::viewer {
@@ -9,13 +10,13 @@ namespace hgros::viewer {
 void DrawWarning(const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(WarningColor::kRgba[0], WarningColor::kRgba[1], WarningColor::kRgba[2],
                                               WarningColor::kRgba[3]));
-  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::TextWrapped("%s", std::string(CutText(text)).c_str());
   ImGui::PopStyleColor();
 }
 
 void DrawNote(const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::TextWrapped("%s", std::string(CutText(text)).c_str());
   ImGui::PopStyleColor();
 }
 

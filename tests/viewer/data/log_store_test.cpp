@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "viewer/data/cut_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -54,9 +56,14 @@ TEST(LogStore, StrangeLevelsAndLongTextsAreNoTrouble) {
   log.set_file("a.cpp");
   log.set_line(7);
   store.Add(log);
+  log.set_name(std::string(100'000, 'n'));
+  log.set_file(std::string(100'000, 'f'));
+  store.Add(log);
   EXPECT_EQ(store.lines()[0].level, Log::UNKNOWN);
-  EXPECT_EQ(store.lines()[0].text.size(), LogStore::kMaxTextBytes);
+  EXPECT_EQ(store.lines()[0].text.size(), kMaxShownBytes);
   EXPECT_EQ(store.lines()[0].place, "a.cpp:7");
+  EXPECT_EQ(store.lines()[1].source.size(), kMaxShownBytes);
+  EXPECT_EQ(store.lines()[1].place.size(), kMaxShownBytes + 2);
 }
 
 }  // namespace

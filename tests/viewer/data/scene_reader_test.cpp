@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "viewer/data/cut_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -162,6 +164,14 @@ TEST(SceneReader, WhatCannotBeDrawnIsSaidAndTheRestIsDrawn) {
                 one.add_spheres()->mutable_pose()->mutable_position()->set_x(std::numeric_limits<double>::infinity());
               }),
               HasSubstr("Sphere 0 has a pose"));
+}
+
+TEST(SceneReader, LongTextsAreCut) {
+  SceneEntity entity;
+  entity.add_texts()->set_text(std::string(24'000, 'x'));
+  SceneShapes shapes;
+  EXPECT_EQ(ReadScene(entity, shapes), "");
+  EXPECT_EQ(shapes.texts.at(0).text.size(), kMaxShownBytes);
 }
 
 TEST(SceneReader, ColoursOutsideOfTheirRangeAreCut) {

@@ -1,0 +1,13 @@
+#include "viewer/data/cut_text.hpp"
+
+namespace hgros::viewer {
+
+std::string_view CutText(std::string_view text) noexcept {
+  if (text.size() <= kMaxShownBytes) return text;
+  std::size_t end = kMaxShownBytes;
+  // What continues a character begins with the bits 10; there are at most three of these.
+  for (int back = 0; back < 3 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U; ++back) --end;
+  return text.substr(0, end);
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace hgros::viewer {
+
+/// As much of somebody else's text as is shown at once. ImGui ends the program if one text has more than 16,383 letters
+/// that are in view.
+inline constexpr std::size_t kMaxShownBytes = 4096;
+
+/// The beginning of `text`: at most kMaxShownBytes, and no part of a UTF-8 character.
+[[nodiscard]] std::string_view CutText(std::string_view text) noexcept;
+
+}  // namespace hgros::viewer

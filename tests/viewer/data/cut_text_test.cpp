@@ -1,0 +1,31 @@
+#include "viewer/data/cut_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace hgros::viewer {
+namespace {
+
+TEST(CutText, LeavesWhatIsShortEnough) {
+  EXPECT_EQ(CutText(""), "");
+  EXPECT_EQ(CutText(std::string(kMaxShownBytes, 'x')).size(), kMaxShownBytes);
+}
+
+TEST(CutText, CutsNoCharacterInTwo) {
+  for (const std::string character : {"x", "\u00e4", "\u20ac", "\U0001F600"}) {
+    for (std::size_t before = 0; before < 4; ++before) {
+      std::string text(before, '.');
+      while (text.size() < 2 * kMaxShownBytes) text += character;
+      const std::size_t cut = CutText(text).size();
+      EXPECT_LE(cut, kMaxShownBytes);
+      EXPECT_GT(cut, kMaxShownBytes - 4);
+      EXPECT_EQ((cut - before) % character.size(), 0U);
+    }
+  }
+}
+
+TEST(CutText, CutsWhatIsNoUtf8Too) { EXPECT_GT(CutText(std::string(100'000, '\x80')).size(), kMaxShownBytes - 4); }
+
+}  // namespace
+}  // namespace hgros::viewer

@@ -1,0 +1,54 @@
+#include "viewer/panels/label_layer.hpp"
+
+#include <string>
+#include <vector>
+
+#include "viewer/panels/panel_fixture.hpp"
+#include "viewer/panels/text_lines.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+class LabelLayer : public PanelTest {
+ protected:
+  LabelLayer() { ImGui::GetIO().BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset; }
+
+  /// How many triangles there are of `count` labels in the middle of the picture.
+  int DrawLabelsOf(const std::string& text, std::size_t count) {
+    const std::vector<Label> labels(count, {Eigen::Vector3d::Zero(), text, MakeRgba(255, 255, 255), 3, false});
+    ImGui::NewFrame();
+    DrawLabels(labels, camera_, {1280, 800}, 1);
+    ImGui::Render();
+    return ImGui::GetDrawData()->TotalIdxCount / 3;
+  }
+
+  Camera camera_;
+};
+
+TEST_F(LabelLayer, ATextOfAnyLengthIsDrawnInPart) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) text += std::string(120, 'x') + '\n';
+  EXPECT_GT(DrawLabelsOf(text, 1), 0);
+  EXPECT_LT(DrawLabelsOf(text, 1), 20'000);
+}
+
+TEST_F(LabelLayer, AnyNumberOfTextsIsDrawnInPart) {
+  const int thousand = DrawLabelsOf("kitchen", 1000);
+  EXPECT_EQ(thousand, 1000 * 7 * 2 * 2);
+  EXPECT_EQ(DrawLabelsOf("kitchen", 100'000), thousand);
+  EXPECT_LT(DrawLabelsOf(std::string(4000, 'x'), 1000), 2 * 2 * 100'000);
+}
+
+TEST_F(LabelLayer, AWarningOfAnyLengthIsDrawnInPart) {
+  ImGui::GetIO().DisplaySize = {10'000, 10'000};
+  ImGui::NewFrame();
+  ImGui::SetNextWindowSize({9'000, 9'000});
+  ImGui::Begin("warnings");
+  DrawWarning(std::string(100'000, 'x'));
+  ImGui::End();
+  ImGui::Render();
+  EXPECT_GT(ImGui::GetDrawData()->TotalIdxCount / 3, 2 * 4000);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test
