@@ -2,11 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace hgros::viewer {
 
 void NumberSeries::Add(Time at, double value) {
-  if (!values_.empty() && at < values_.back().at) values_.clear();
+  // So that no difference of two times overflows: to 2116 at most.
+  at.nanoseconds = std::clamp<std::int64_t>(at.nanoseconds, 0, std::numeric_limits<std::int64_t>::max() / 2);
+  if (!values_.empty() && at < values_.back().at) {
+    if (values_.back().at - at <= kSlightlyLate) return;
+    values_.clear();
+  }
   values_.push_back({at, value});
   while (values_.size() > most_ || values_.back().at - values_.front().at > kept_) values_.pop_front();
 }

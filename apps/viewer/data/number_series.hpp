@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <vector>
@@ -12,13 +13,16 @@ namespace hgros::viewer {
 /// each column of a plot, so that no spike is lost however many values there are.
 ///
 /// Thread safety: none.
-/// Invariants: times ascend; a value that is older than the last one (a clock that went back) begins anew.
+/// Invariants: times ascend; one that is older than the last by more than kSlightlyLate (a clock that went back) begins
+/// anew, one that is less so (of two publishers whose messages cross) is left out.
 class NumberSeries {
  public:
   struct Value {
     Time at;
     double value = 0;
   };
+  static constexpr Duration kSlightlyLate = std::chrono::seconds(1);
+
   explicit NumberSeries(Duration kept, std::size_t most = 1'000'000) : kept_(kept), most_(most) {}
 
   void Add(Time at, double value);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <random>
 
 namespace hgros::viewer {
@@ -24,9 +26,32 @@ TEST(NumberSeries, AClockThatGoesBackBeginsAnew) {
   NumberSeries series(std::chrono::seconds(100));
   series.Add(At(1000), 1);
   series.Add(At(2000), 2);
-  series.Add(At(500), 3);
+  series.Add(At(999), 3);
   ASSERT_EQ(series.size(), 1U);
   EXPECT_EQ(series.values().front().value, 3);
+}
+
+TEST(NumberSeries, WhatIsSlightlyLateIsLeftOut) {
+  NumberSeries series(std::chrono::seconds(100));
+  series.Add(At(1000), 1);
+  series.Add(At(2000), 2);
+  series.Add(At(1999), 3);
+  series.Add(At(1000), 4);
+  ASSERT_EQ(series.size(), 2U);
+  EXPECT_EQ(series.values().back().value, 2);
+}
+
+TEST(NumberSeries, TimesAtTheEndsOfTimeOverflowNothing) {
+  constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max();
+  NumberSeries series(std::chrono::seconds(100));
+  series.Add({0}, 1);
+  series.Add({kEnd}, 2);
+  series.Add({-kEnd - 1}, 3);
+  series.Add({kEnd}, 4);
+  ASSERT_EQ(series.size(), 1U);
+  EXPECT_LT(series.values().back().at.nanoseconds, kEnd);
+  const Time newest = series.values().back().at;
+  EXPECT_EQ(series.Columns(newest - std::chrono::seconds(600), {newest.nanoseconds + 1}, 10).size(), 1U);
 }
 
 TEST(NumberSeries, ColumnsKeepEverySpike) {
