@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "viewer/data/far_shapes.hpp"
 #include "viewer/data/scene_reader.hpp"
 #include "viewer/data/shape_reader.hpp"
 #include "viewer/data/stamp.hpp"
@@ -38,6 +39,13 @@ void AddMoved(const Eigen::Isometry3d& T, const SceneShapes& from, SceneShapes& 
   for (const TriangleCorner& corner : from.triangles) to.triangles.push_back({T * corner.position, corner.color});
 }
 
+/// What to say of those that it leaves out; empty: there are none.
+std::string FarOnes(SceneShapes& shapes) {
+  const std::size_t far = LeaveOutFar(shapes);
+  if (far == 0) return {};
+  return std::to_string(far) + " of its shapes are farther away or larger than 1,000,000 km, and are left out.";
+}
+
 std::string TooMany() {
   return "More than " + std::to_string(SceneStore::kMaxEntities) + " entities: the rest is left out.";
 }
@@ -63,6 +71,7 @@ std::string SceneStore::Apply(const foxglove::SceneUpdate& update, Time now) {
     if (!HasRoom(said.id())) return TooMany();
     auto shapes = std::make_shared<SceneShapes>();
     std::string fault = ReadScene(said, *shapes);
+    if (std::string far = FarOnes(*shapes); fault.empty()) fault = std::move(far);
     if (shapes->size() > kMaxShapes) {
       fault = "It has more than " + std::to_string(kMaxShapes) + " shapes, and is left out.";
       *shapes = {};
@@ -95,7 +104,8 @@ std::string SceneStore::Apply(const hgros::Shapes& update, Time /*now*/) {
   for (const auto& shape : update.shapes()) {
     if (!HasRoom(shape.name())) return TooMany();
     auto shapes = std::make_shared<SceneShapes>();
-    const std::string fault = ReadShape(shape, *shapes);
+    std::string fault = ReadShape(shape, *shapes);
+    if (std::string far = FarOnes(*shapes); fault.empty()) fault = std::move(far);
     if (!fault.empty() && first_fault.empty()) first_fault = "Shape \"" + shape.name() + "\": " + fault;
     Entity entity;
     entity.frame = update.frame_id();

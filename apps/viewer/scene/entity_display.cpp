@@ -16,7 +16,8 @@ namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kMostWaiting = 1024;
-constexpr double kFarMetres = 1000;  ///< From the origin of what is drawn, which then is chosen anew.
+constexpr double kFarMetres = 1000;     ///< From the origin of what is drawn, which then is chosen anew.
+constexpr double kTooFarMetres = 1e10;  ///< Then it is not.
 
 void Fade(float alpha, SceneShapes& shapes) {
   if (alpha >= 1) return;
@@ -160,6 +161,10 @@ class EntityDisplay : public Display {
     const bool later = at && answer == FixedFrame::Answer::kLater;
     if (at && answer != FixedFrame::Answer::kFound) answer = context.frame.Find(frame, T_fixed_frame, why_);
     if (answer != FixedFrame::Answer::kFound) return std::nullopt;
+    if (!(T_fixed_frame.Isometry().translation().norm() < kTooFarMetres)) {
+      why_ = "The frame " + frame + " is farther away than 10,000,000 km.";
+      return std::nullopt;
+    }
     if (later) {
       provisional_ = true;
       return T_fixed_frame.Isometry();
@@ -176,7 +181,10 @@ class EntityDisplay : public Display {
     };
     drawing_ = store_.Draw(pose_of, origin_);
     bounds_ = BoundsOf(drawing_.shapes);
-    if (!bounds_.isEmpty() && bounds_.center().norm() > kFarMetres) {
+    // What lies in a frame that is much too far away is drawn nowhere: no number would bring the origin back from
+    // there.
+    const double far = bounds_.isEmpty() ? 0 : bounds_.center().norm();
+    if (far > kFarMetres && far < kTooFarMetres) {
       origin_ += bounds_.center();
       drawing_ = store_.Draw(pose_of, origin_);
       bounds_ = BoundsOf(drawing_.shapes);

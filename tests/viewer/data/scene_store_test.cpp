@@ -158,6 +158,21 @@ TEST(SceneStore, NamesTheEntityThatCannotBeShownWhole) {
   EXPECT_EQ(store.entities().size(), 1U);
 }
 
+TEST(SceneStore, SaysWhatIsTooFarAwayAndShowsTheRest) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "near", 1);
+  Add(update, "far", 1, 9e307);
+  EXPECT_THAT(store.Apply(update), HasSubstr("Entity \"far\": 1 of its shapes"));
+  EXPECT_EQ(store.Draw(Everywhere(), Eigen::Vector3d::Zero()).shapes.cubes.size(), 1U);
+  hgros::Shapes shapes;
+  auto& far = *shapes.add_shapes();
+  far.set_name("far");
+  far.mutable_pose()->mutable_position()->set_x(-9e307);
+  far.mutable_point();
+  EXPECT_THAT(store.Apply(shapes), HasSubstr("Shape \"far\": 1 of its shapes"));
+}
+
 // Against a naive model: a list of what was said, read from the end.
 TEST(SceneStore, DoesWhatANaiveModelDoes) {
   const unsigned seed = std::random_device()();

@@ -333,6 +333,29 @@ TEST_F(Entities, LookTheSameMillionsOfMetresAway) {
   EXPECT_LT(DifferentShare(here, Draw()), 0.01);
 }
 
+TEST_F(Entities, ThatAreTooFarAwayHideNoOthers) {
+  Display& display = Add("Scene", "scene");
+  Publish("scene", EverySolid());
+  Update(0);
+  const Pixels before = Draw();
+  SceneUpdate far;
+  AddCube(AddEntity(far, "far"), 9e307, 0);
+  AddCube(AddEntity(far, "as far"), 9e307, 9e307);
+  AddCube(AddEntity(far, "in a far frame"), 0, 0);
+  far.mutable_entities(2)->set_frame_id("nowhere");
+  tree_.SetStatic("map", "nowhere", RigidTransform({1, 0, 0, 0}, {9e307, 0, 0}));
+  transforms_changed_ = true;
+  Publish("scene", far);
+  Update(1);
+  EXPECT_TRUE(display.HasFault());
+  EXPECT_THAT(FirstStatus(display), HasSubstr("Entity \"far\": 1 of its shapes"));
+  EXPECT_THAT(display.Status(), Contains(HasSubstr("The frame nowhere is farther away")));
+  EXPECT_EQ(DifferentShare(before, Draw()), 0);
+  Publish("scene", EverySolid());
+  Update(2);
+  EXPECT_EQ(DifferentShare(before, Draw()), 0);
+}
+
 TEST_F(Entities, TellTheirWordsWithPlaceAndColor) {
   Display& display = Add("Scene", "scene");
   SceneUpdate update;
