@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <iterator>
 
 #include "hgros/base/bytes.hpp"
 #include "viewer/data/mesh_import.hpp"
 #include "viewer/data/stl_mesh.hpp"
+#include "viewer/data/whole_file.hpp"
 
 namespace hgros::viewer {
 
@@ -15,11 +14,10 @@ std::string ReadMesh(const std::filesystem::path& path, std::vector<TriangleCorn
   std::string ending = path.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char letter) { return std::tolower(letter); });
   if (ending != ".stl") return ImportMesh(path, corners);
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(file), {});
-  if (!file) return "The mesh " + path.string() + " cannot be read.";
+  const auto bytes = ReadWholeFile(path);
+  if (!bytes) return "The mesh " + path.string() + " is not a file that can be read.";
   std::vector<Eigen::Vector3f> read;
-  if (std::string fault = ReadStl(AsBytes(bytes), read); !fault.empty()) return path.string() + ": " + fault;
+  if (std::string fault = ReadStl(AsBytes(*bytes), read); !fault.empty()) return path.string() + ": " + fault;
   for (const Eigen::Vector3f& corner : read) corners.push_back({corner.cast<double>(), 0});
   return {};
 }

@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
@@ -10,6 +8,7 @@
 #include "viewer/data/mesh_place.hpp"
 #include "viewer/data/robot_shapes.hpp"
 #include "viewer/data/shape_bounds.hpp"
+#include "viewer/data/whole_file.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/solids.hpp"
 #include "viewer/scene/triangles.hpp"
@@ -35,6 +34,11 @@ class RobotDisplay : public Display {
   [[nodiscard]] Change Update(const UpdateContext& context) override {
     const bool read = std::exchange(outdated_, false);
     if (read) Read();
+    if (std::exchange(faded_, false) && !read) {
+      for (auto& [shape, mesh] : meshes_) SetColors(mesh);
+      if (!Place(context)) PlaceShapes();
+      return Change::kMoving;
+    }
     if (!read && !context.transforms_changed && !context.frame_changed) return Change::kNothing;
     return Place(context) || read ? Change::kMoving : Change::kNothing;
   }
@@ -55,7 +59,7 @@ class RobotDisplay : public Display {
         {"alpha", "How much it hides of what lies behind it.", Setting::Number{&alpha_, 0, 1, ""}},
     };
   }
-  void OnSetting(const std::string& /*name*/) override { outdated_ = true; }
+  void OnSetting(const std::string& name) override { (name == "alpha" ? faded_ : outdated_) = true; }
 
   [[nodiscard]] std::vector<std::string> Status() const override {
     std::vector<std::string> lines;
@@ -81,6 +85,7 @@ class RobotDisplay : public Display {
 
  private:
   struct Mesh {
+    std::vector<TriangleCorner> corners;  ///< As they are without alpha_.
     Triangles triangles;
     Eigen::AlignedBox3d box;
   };
@@ -97,13 +102,12 @@ class RobotDisplay : public Display {
     meshes_.clear();
     links_.clear();
     if (file_.empty()) return;
-    std::ifstream file(file_, std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    if (!file) {
-      fault_ = "The file " + file_ + " cannot be read.";
+    const auto text = ReadWholeFile(file_);
+    if (!text) {
+      fault_ = file_ + " is not a file that can be read.";
       return;
     }
-    fault_ = ReadRobot(text, prefix_, static_cast<RobotSide>(side_), shapes_);
+    fault_ = ReadRobot(*text, prefix_, static_cast<RobotSide>(side_), shapes_);
     std::vector<fs::path> folders;
     if (!packages_.empty()) folders.emplace_back(packages_);
     std::error_code ignored;
@@ -131,9 +135,15 @@ class RobotDisplay : public Display {
     for (TriangleCorner& corner : corners) {
       corner.position = corner.position.cwiseProduct(shape.size);
       if (shape.colored || AlphaOf(corner.color) == 0) corner.color = shape.color;
-      corner.color = Faded(corner.color);
       mesh.box.extend(corner.position);
     }
+    mesh.corners = std::move(corners);
+    SetColors(mesh);
+  }
+
+  void SetColors(Mesh& mesh) const {
+    std::vector<TriangleCorner> corners = mesh.corners;
+    for (TriangleCorner& corner : corners) corner.color = Faded(corner.color);
     mesh.triangles.Set(corners);
   }
 
@@ -204,6 +214,7 @@ class RobotDisplay : public Display {
   std::string fault_, why_, mesh_fault_;
   std::vector<std::string> unplaced_, missing_;
   bool outdated_ = true;
+  bool faded_ = false;  ///< alpha_ is another one.
 
   std::string file_;
   std::string packages_;

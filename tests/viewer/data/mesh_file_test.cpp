@@ -37,6 +37,11 @@ TEST_F(MeshFile, GivesTheTrianglesOfAnStlWhateverTheCaseOfItsEnding) {
   EXPECT_EQ(AlphaOf(corners_[2].color), 0U);
 }
 
+TEST_F(MeshFile, AFolderIsNoMesh) {
+  fs::create_directory(folder_ / "folder.stl");
+  EXPECT_THAT(ReadMesh(folder_ / "folder.stl", corners_), HasSubstr("is not a file that can be read"));
+}
+
 constexpr const char* kCollada = R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
   <asset><unit name="millimeter" meter="0.001"/><up_axis>Z_UP</up_axis></asset>
@@ -68,7 +73,7 @@ TEST_F(MeshFile, GivesAColladaFileInMetresWithItsAxesAndColors) {
 }
 
 TEST_F(MeshFile, ThatCannotBeReadIsASentence) {
-  EXPECT_THAT(ReadMesh(folder_ / "none.stl", corners_), HasSubstr("cannot be read"));
+  EXPECT_THAT(ReadMesh(folder_ / "none.stl", corners_), HasSubstr("is not a file that can be read"));
   EXPECT_THAT(ReadMesh(Write("one.txt", ""), corners_), HasSubstr("one.txt"));
   EXPECT_THAT(ReadMesh(Write("bad.stl", "solid x\nvertex 0 0 zero\n"), corners_), HasSubstr("bad.stl"));
   EXPECT_TRUE(corners_.empty());

@@ -94,6 +94,21 @@ TEST_F(Robots, CanBeSeenThrough) {
   ExpectAsKept("robot_see_through");
 }
 
+TEST_F(Robots, AreNotReadAgainToBeSeenThrough) {
+  Add("Ground");
+  Display& display = Add("Robot model", "", {"file", urdf()});
+  PlaceLinks();
+  Update();
+  fs::remove_all(folder_ / "rover");
+  EXPECT_EQ(SetFromText(display.Settings().back(), "0.4"), "");
+  display.OnSetting("alpha");
+  Update();
+  EXPECT_TRUE(scene_.pending());
+  EXPECT_FALSE(display.HasFault()) << display.Status().front();
+  camera_.Zoom(2.5, 160, 120, kPictureSize);
+  ExpectAsKept("robot_see_through");
+}
+
 TEST_F(Robots, MoveWithTheirFramesAndDrawNothingAnewWhileTheyStand) {
   Display& display = Add("Robot model", "", {"file", urdf()});
   PlaceLinks();
@@ -146,7 +161,11 @@ TEST_F(Robots, SayWhatIsWrongWithTheirFile) {
   display.OnSetting("file");
   Update();
   EXPECT_TRUE(display.HasFault());
-  EXPECT_THAT(display.Status().front(), HasSubstr("cannot be read"));
+  EXPECT_THAT(display.Status().front(), HasSubstr("is not a file that can be read"));
+  EXPECT_EQ(SetFromText(display.Settings().front(), folder_.string()), "");
+  display.OnSetting("file");
+  Update();
+  EXPECT_THAT(display.Status().front(), HasSubstr("is not a file that can be read")) << "a folder";
 }
 
 TEST_F(Robots, LookTheSameMillionsOfMetresAway) {
