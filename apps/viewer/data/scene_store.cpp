@@ -86,7 +86,6 @@ std::string SceneStore::Apply(const foxglove::SceneUpdate& update, Time now) {
       if (lasts > Duration::zero()) entity.ends = Later(begin, lasts);
     }
     entity.frame_locked = said.frame_locked();
-    for (const auto& pair : said.metadata()) entity.metadata.emplace_back(pair.key(), pair.value());
     entity.shapes = std::move(shapes);
     entities_.insert_or_assign(said.id(), std::move(entity));
   }
@@ -134,7 +133,6 @@ std::optional<Time> SceneStore::NextEnd() const {
 SceneStore::Drawing SceneStore::Draw(const FramePose& pose_of, const Eigen::Vector3d& origin) const {
   Drawing drawing;
   for (const auto& [id, entity] : entities_) {
-    drawing.moves = drawing.moves || entity.frame_locked;
     const auto T_fixed_frame =
         pose_of(entity.frame, entity.frame_locked || entity.stamp.nanoseconds == 0 ? std::nullopt
                                                                                    : std::optional<Time>(entity.stamp));

@@ -7,8 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/Shapes.pb.h"
@@ -31,7 +29,6 @@ class SceneStore {
     Time stamp;
     std::optional<Time> ends;  ///< After that it is no longer shown.
     bool frame_locked = false;
-    std::vector<std::pair<std::string, std::string>> metadata;
     std::shared_ptr<const SceneShapes> shapes;  ///< In `frame`.
   };
 
@@ -55,7 +52,6 @@ class SceneStore {
     SceneShapes shapes;
     std::size_t unplaced = 0;    ///< Entities whose frame is unknown.
     std::string unplaced_frame;  ///< One of those frames.
-    bool moves = false;          ///< Some entity is locked to a frame: it is somewhere else when frames have moved.
   };
   /// All entities in the fixed frame, relative to `origin`, which is near what is looked at: so that coordinates stay
   /// small enough for floats.

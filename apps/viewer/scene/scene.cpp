@@ -44,11 +44,6 @@ void Scene::SetVisible(std::size_t index, bool visible) {
   Redraw();
 }
 
-void Scene::ClearAll() {
-  for (Entry& entry : entries_) entry.display->Clear();
-  Redraw();
-}
-
 void Scene::Update(const UpdateContext& context) {
   for (Entry& entry : entries_) {
     const Change change = entry.display->Update(context);

@@ -37,7 +37,6 @@ class Scene {
   /// Exchanges two neighbours.
   void MoveUp(std::size_t index);
   void SetVisible(std::size_t index, bool visible);
-  void ClearAll();
   [[nodiscard]] std::vector<Entry>& entries() noexcept { return entries_; }
   [[nodiscard]] const std::vector<Entry>& entries() const noexcept { return entries_; }
 
