@@ -11,24 +11,25 @@
 
 namespace hgros::viewer {
 
-/// Where messages wait for the thread that draws: the newest `depth`; older ones are dropped and counted.
+/// Where messages wait for the thread that draws: the newest `depth`, and of these no more than `most_bytes`; older
+/// ones
+/// are dropped and counted. The newest waits however large it is.
 /// Thread safety: all of it.
 template <class T>
 class Inbox {
  public:
   using Message = std::shared_ptr<const T>;
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20U;
 
-  explicit Inbox(std::size_t depth) : depth_(depth) {}
+  explicit Inbox(std::size_t depth, std::size_t most_bytes = kMostBytes) : depth_(depth), most_bytes_(most_bytes) {}
 
-  /// Whether it was empty before, so that somebody has to be told.
-  bool Put(Message message) {
+  /// Whether it was empty before, so that somebody has to be told. `bytes` are those that the message takes.
+  bool Put(Message message, std::size_t bytes = 0) {
     const std::scoped_lock lock(mutex_);
     const bool first = messages_.empty();
-    if (messages_.size() == depth_) {
-      messages_.pop_front();
-      ++dropped_;
-    }
-    messages_.push_back(std::move(message));
+    while (!messages_.empty() && (messages_.size() == depth_ || bytes_ + bytes > most_bytes_)) DropOldest();
+    messages_.push_back({std::move(message), bytes});
+    bytes_ += bytes;
     ++received_;
     return first;
   }
@@ -36,9 +37,12 @@ class Inbox {
   /// All that wait, oldest first; only the newest `most` if there are more, and the others are dropped.
   [[nodiscard]] std::vector<Message> TakeAll(std::size_t most = std::numeric_limits<std::size_t>::max()) {
     const std::scoped_lock lock(mutex_);
-    for (; messages_.size() > most; messages_.pop_front()) ++dropped_;
-    std::vector<Message> taken(std::make_move_iterator(messages_.begin()), std::make_move_iterator(messages_.end()));
+    while (messages_.size() > most) DropOldest();
+    std::vector<Message> taken;
+    taken.reserve(messages_.size());
+    for (Waiting& waiting : messages_) taken.push_back(std::move(waiting.message));
     messages_.clear();
+    bytes_ = 0;
     return taken;
   }
 
@@ -52,9 +56,21 @@ class Inbox {
   }
 
  private:
-  const std::size_t depth_;
+  struct Waiting {
+    Message message;
+    std::size_t bytes;
+  };
+
+  void DropOldest() {
+    bytes_ -= messages_.front().bytes;
+    messages_.pop_front();
+    ++dropped_;
+  }
+
+  const std::size_t depth_, most_bytes_;
   mutable std::mutex mutex_;
-  std::deque<Message> messages_;
+  std::deque<Waiting> messages_;
+  std::size_t bytes_ = 0;
   std::uint64_t received_ = 0;
   std::uint64_t dropped_ = 0;
 };

@@ -52,15 +52,47 @@ std::string TooMany() {
 
 }  // namespace
 
+void SceneStore::Clear() {
+  entities_.clear();
+  shapes_ = 0;
+}
+
+bool SceneStore::EraseIf(const std::function<bool(const Entity& entity)>& concerns) {
+  return std::erase_if(entities_, [&](const auto& entry) {
+           const bool erased = concerns(entry.second);
+           if (erased) shapes_ -= entry.second.shapes->size();
+           return erased;
+         }) > 0;
+}
+
+void SceneStore::Erase(const std::string& id) {
+  const auto found = entities_.find(id);
+  if (found == entities_.end()) return;
+  shapes_ -= found->second.shapes->size();
+  entities_.erase(found);
+}
+
+std::string SceneStore::Put(const std::string& id, Entity entity) {
+  Erase(id);
+  std::string fault;
+  if (entity.shapes->size() > kMaxShapes - shapes_) {
+    fault = "With it there are more than " + std::to_string(kMaxShapes) + " shapes, and it is left out.";
+    entity.shapes = std::make_shared<SceneShapes>();
+  }
+  shapes_ += entity.shapes->size();
+  entities_.emplace(id, std::move(entity));
+  return fault;
+}
+
 void SceneStore::Delete(const foxglove::SceneEntityDeletion& deletion) {
   const Time before = StampOf(deletion.timestamp());
   const auto concerns = [&](const Entity& entity) {
     return before.nanoseconds == 0 || entity.stamp.nanoseconds < before.nanoseconds;
   };
   if (deletion.type() == foxglove::SceneEntityDeletion::ALL) {
-    std::erase_if(entities_, [&](const auto& entry) { return concerns(entry.second); });
+    EraseIf(concerns);
   } else if (const auto found = entities_.find(deletion.id()); found != entities_.end() && concerns(found->second)) {
-    entities_.erase(found);
+    Erase(deletion.id());
   }
 }
 
@@ -72,11 +104,6 @@ std::string SceneStore::Apply(const foxglove::SceneUpdate& update, Time now) {
     auto shapes = std::make_shared<SceneShapes>();
     std::string fault = ReadScene(said, *shapes);
     if (std::string far = FarOnes(*shapes); fault.empty()) fault = std::move(far);
-    if (shapes->size() > kMaxShapes) {
-      fault = "It has more than " + std::to_string(kMaxShapes) + " shapes, and is left out.";
-      *shapes = {};
-    }
-    if (!fault.empty() && first_fault.empty()) first_fault = "Entity \"" + said.id() + "\": " + fault;
     Entity entity;
     entity.frame = said.frame_id();
     entity.stamp = StampOf(said.timestamp());
@@ -87,7 +114,8 @@ std::string SceneStore::Apply(const foxglove::SceneUpdate& update, Time now) {
     }
     entity.frame_locked = said.frame_locked();
     entity.shapes = std::move(shapes);
-    entities_.insert_or_assign(said.id(), std::move(entity));
+    if (std::string left_out = Put(said.id(), std::move(entity)); !left_out.empty()) fault = std::move(left_out);
+    if (!fault.empty() && first_fault.empty()) first_fault = "Entity \"" + said.id() + "\": " + fault;
   }
   return first_fault;
 }
@@ -97,29 +125,27 @@ bool SceneStore::HasRoom(const std::string& id) const {
 }
 
 std::string SceneStore::Apply(const hgros::Shapes& update, Time /*now*/) {
-  if (update.remove_all()) entities_.clear();
-  for (const std::string& name : update.removed()) entities_.erase(name);
+  if (update.remove_all()) Clear();
+  for (const std::string& name : update.removed()) Erase(name);
   std::string first_fault;
   for (const auto& shape : update.shapes()) {
     if (!HasRoom(shape.name())) return TooMany();
     auto shapes = std::make_shared<SceneShapes>();
     std::string fault = ReadShape(shape, *shapes);
     if (std::string far = FarOnes(*shapes); fault.empty()) fault = std::move(far);
-    if (!fault.empty() && first_fault.empty()) first_fault = "Shape \"" + shape.name() + "\": " + fault;
     Entity entity;
     entity.frame = update.frame_id();
     entity.stamp = StampOf(update.timestamp());
     entity.frame_locked = true;
     entity.shapes = std::move(shapes);
-    entities_.insert_or_assign(shape.name(), std::move(entity));
+    if (std::string left_out = Put(shape.name(), std::move(entity)); !left_out.empty()) fault = std::move(left_out);
+    if (!fault.empty() && first_fault.empty()) first_fault = "Shape \"" + shape.name() + "\": " + fault;
   }
   return first_fault;
 }
 
 bool SceneStore::Expire(Time now) {
-  return std::erase_if(entities_, [&](const auto& entry) {
-           return entry.second.ends && entry.second.ends->nanoseconds <= now.nanoseconds;
-         }) > 0;
+  return EraseIf([&](const Entity& entity) { return entity.ends && entity.ends->nanoseconds <= now.nanoseconds; });
 }
 
 std::optional<Time> SceneStore::NextEnd() const {

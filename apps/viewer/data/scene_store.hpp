@@ -18,7 +18,7 @@ namespace hgros::viewer {
 /// The entities of one channel, as foxglove.SceneUpdate or hgros.Shapes change them.
 ///
 /// Thread safety: none.
-/// Invariants: at most kMaxEntities, each with at most kMaxShapes; what is more is left out and said.
+/// Invariants: at most kMaxEntities, with at most kMaxShapes in all; what is more is left out and said.
 class SceneStore {
  public:
   static constexpr std::size_t kMaxEntities = 100'000;
@@ -41,7 +41,7 @@ class SceneStore {
   bool Expire(Time now);
   /// When the next one ends.
   [[nodiscard]] std::optional<Time> NextEnd() const;
-  void Clear() { entities_.clear(); }
+  void Clear();
 
   /// By id.
   [[nodiscard]] const std::map<std::string, Entity>& entities() const noexcept { return entities_; }
@@ -60,8 +60,15 @@ class SceneStore {
  private:
   // False if there are too many.
   [[nodiscard]] bool HasRoom(const std::string& id) const;
+  // Without its shapes if there are too many; then what is wrong.
+  [[nodiscard]] std::string Put(const std::string& id, Entity entity);
+  // Whether there was one.
+  bool EraseIf(const std::function<bool(const Entity& entity)>& concerns);
+  void Erase(const std::string& id);
   void Delete(const foxglove::SceneEntityDeletion& deletion);
+
   std::map<std::string, Entity> entities_;
+  std::size_t shapes_ = 0;  ///< Of all entities.
 };
 
 }  // namespace hgros::viewer

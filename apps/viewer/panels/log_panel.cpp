@@ -51,7 +51,8 @@ class LogPanel : public Panel {
       subscriptions_.emplace(
           channel.name, session_.FromAnyRaw(channel.name, Invoke::kSerial,
                                             [inbox = inbox_, wake = wake_](std::shared_ptr<const RawMessage> message) {
-                                              if (inbox->Put(std::move(message))) wake();
+                                              const std::size_t bytes = message->data.bytes.size();
+                                              if (inbox->Put(std::move(message), bytes)) wake();
                                             },
                                             {.queue = Queue::KeepLast(512)}));
     }

@@ -8,13 +8,15 @@ namespace {
 
 using Cloud = Bulk<foxglove::PointCloud>;
 constexpr std::size_t kMostWaiting = 32;
+constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 
 class CloudDisplay : public PointsDisplay {
  public:
   explicit CloudDisplay(const DisplayInputs& inputs)
       : subscription_(inputs.session.FromAny<Cloud>(
             inputs.channel, Invoke::kSerial, [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const Cloud> cloud) {
-              if (inbox->Put(std::move(cloud))) wake();
+              const std::size_t bytes = cloud->bytes().size();
+              if (inbox->Put(std::move(cloud), bytes)) wake();
             })) {}
 
  protected:
@@ -31,7 +33,7 @@ class CloudDisplay : public PointsDisplay {
   [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
 
  private:
-  std::shared_ptr<Inbox<Cloud>> inbox_ = std::make_shared<Inbox<Cloud>>(kMostWaiting);
+  std::shared_ptr<Inbox<Cloud>> inbox_ = std::make_shared<Inbox<Cloud>>(kMostWaiting, kMostBytes);
   Subscription subscription_;
 };
 

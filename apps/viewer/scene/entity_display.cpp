@@ -44,7 +44,8 @@ class EntityDisplay : public Display {
         subscription_(inputs.session.FromAny<Message>(
             inputs.channel, Invoke::kSerial,
             [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const Message> update) {
-              if (inbox->Put(std::move(update))) wake();
+              const std::size_t bytes = update->SpaceUsedLong();
+              if (inbox->Put(std::move(update), bytes)) wake();
             },
             {.queue = Queue::KeepLast(kMostWaiting)})) {}
 

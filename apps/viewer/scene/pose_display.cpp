@@ -17,7 +17,8 @@ class PoseDisplay : public PoseHistory {
       : subscription_(inputs.session.FromAny<PoseInFrame>(
             inputs.channel, Invoke::kSerial,
             [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const PoseInFrame> pose) {
-              if (inbox->Put(std::move(pose))) wake();
+              const std::size_t bytes = pose->SpaceUsedLong();
+              if (inbox->Put(std::move(pose), bytes)) wake();
             },
             {.queue = Queue::KeepLast(kMostWaiting)})) {
     style_ = kBoth;

@@ -15,7 +15,8 @@ class ScanDisplay : public PointsDisplay {
       : subscription_(inputs.session.FromAny<LaserScan>(
             inputs.channel, Invoke::kSerial,
             [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const LaserScan> scan) {
-              if (inbox->Put(std::move(scan))) wake();
+              const std::size_t bytes = scan->SpaceUsedLong();
+              if (inbox->Put(std::move(scan), bytes)) wake();
             })) {}
 
  protected:

@@ -18,6 +18,23 @@ TEST(Inbox, KeepsTheNewestAndCountsWhatItDrops) {
   EXPECT_EQ(inbox.dropped(), 2U);
 }
 
+TEST(Inbox, HoldsNoMoreBytesThanItMay) {
+  constexpr std::size_t kMost = Inbox<int>::kMostBytes;
+  Inbox<int> inbox(1024);
+  for (int i = 0; i < 8; ++i) inbox.Put(std::make_shared<const int>(i), kMost / 4);
+  EXPECT_EQ(inbox.dropped(), 4U);
+  inbox.Put(std::make_shared<const int>(8), kMost / 2);
+  EXPECT_EQ(inbox.dropped(), 6U);
+  EXPECT_EQ(inbox.TakeAll().size(), 3U);
+  inbox.Put(std::make_shared<const int>(9), kMost);
+  EXPECT_EQ(inbox.dropped(), 6U) << "what was taken counts no longer";
+  inbox.Put(std::make_shared<const int>(10), 10 * kMost);
+  const auto taken = inbox.TakeAll();
+  ASSERT_EQ(taken.size(), 1U) << "the newest waits however large it is";
+  EXPECT_EQ(*taken.front(), 10);
+  EXPECT_EQ(inbox.dropped(), 7U);
+}
+
 TEST(Inbox, GivesTheNewestWhereOnlySoManyAreWanted) {
   Inbox<int> inbox(5);
   for (int i = 0; i < 4; ++i) inbox.Put(std::make_shared<const int>(i));

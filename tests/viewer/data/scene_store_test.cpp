@@ -172,6 +172,32 @@ TEST(SceneStore, SaysWhatIsTooFarAwayAndShowsTheRest) {
   EXPECT_THAT(store.Apply(shapes), HasSubstr("Shape \"far\": 1 of its shapes"));
 }
 
+TEST(SceneStore, HoldsNoMoreShapesThanItMayInAll) {
+  constexpr int kMost = static_cast<int>(SceneStore::kMaxShapes);
+  const auto lines = [](const std::string& id, int count) {
+    SceneUpdate update;
+    auto& entity = *update.add_entities();
+    entity.set_id(id);
+    auto& line = *entity.add_lines();
+    line.add_points();
+    for (int i = 0; i <= count; ++i) line.add_indices(0);
+    return update;
+  };
+  SceneStore store;
+  EXPECT_EQ(store.Apply(lines("a", kMost - 10)), "");
+  EXPECT_THAT(store.Apply(lines("b", 11)), HasSubstr("Entity \"b\": With it there are more than 1000000 shapes"));
+  EXPECT_EQ(store.Apply(lines("b", 10)), "") << "what was left out takes no room";
+  EXPECT_EQ(store.Apply(lines("a", kMost - 10)), "") << "what is replaced takes no room";
+  SceneUpdate gone;
+  Delete(gone, SceneEntityDeletion::MATCHING_ID, "a", 0);
+  EXPECT_EQ(store.Apply(gone), "");
+  EXPECT_EQ(store.Apply(lines("c", kMost - 10)), "") << "what is deleted takes no room";
+  hgros::Shapes all;
+  all.set_remove_all(true);
+  EXPECT_EQ(store.Apply(all), "");
+  EXPECT_EQ(store.Apply(lines("a", kMost)), "");
+}
+
 // Against a naive model: a list of what was said, read from the end.
 TEST(SceneStore, DoesWhatANaiveModelDoes) {
   const unsigned seed = std::random_device()();
