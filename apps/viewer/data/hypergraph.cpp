@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include "viewer/data/cut_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -36,7 +38,8 @@ Hypergraph MakeHypergraph(const std::vector<KnownChannel>& channels, const Sessi
     for (const auto* side : {&channel.publishers, &channel.subscribers}) {
       for (const ChannelUser& user : *side) {
         users.try_emplace(user.session.value,
-                          Hypergraph::Process{user.session, user.process, user.host, user.pid, user.session == own.id});
+                          Hypergraph::Process{user.session, std::string(CutText(user.process)),
+                                              std::string(CutText(user.host)), user.pid, user.session == own.id});
       }
     }
   }

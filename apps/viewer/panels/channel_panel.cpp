@@ -8,6 +8,7 @@
 
 #include "hgros/base/error.hpp"
 #include "viewer/data/channel_table.hpp"
+#include "viewer/data/cut_text.hpp"
 #include "viewer/data/quantity_text.hpp"
 #include "viewer/panels/panel_types.hpp"
 #include "viewer/panels/text_lines.hpp"
@@ -165,8 +166,9 @@ class ChannelPanel : public Panel {
     DrawFigures(line);
     for (const std::string* text : {&line.schema, &line.publishers, &line.subscribers}) {
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(text->empty() ? "-" : text->c_str());
-      if (!text->empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text->c_str());
+      const std::string shown(CutText(*text));
+      ImGui::TextUnformatted(shown.empty() ? "-" : shown.c_str());
+      if (!shown.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", shown.c_str());
     }
     ImGui::PopID();
   }

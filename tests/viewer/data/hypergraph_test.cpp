@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "viewer/data/cut_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -43,6 +45,12 @@ TEST(Hypergraph, ConnectsProcessesByTheirChannels) {
   EXPECT_EQ(graph.lines[1].dropped, 5U) << "by the viewer's own node";
   EXPECT_EQ(graph.lines[2].dropped, 0U);
   EXPECT_EQ(graph.lines[3].channel, 1U);
+}
+
+TEST(Hypergraph, CutsLongNamesOfProcesses) {
+  const auto graph = MakeHypergraph({Channel("scan", {User(2, std::string(60'000, 'x'))}, {})}, {}, Inner::kLeftOut);
+  ASSERT_EQ(graph.processes.size(), 1U);
+  EXPECT_EQ(graph.processes[0].name.size(), kMaxShownBytes);
 }
 
 TEST(Hypergraph, LeavesOutWhatIsTheLibrarysOwn) {
