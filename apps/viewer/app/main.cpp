@@ -6,9 +6,12 @@
 #include <signal.h>
 
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "hgros/base/error.hpp"
@@ -75,7 +78,10 @@ std::unique_ptr<Surface> MakeSurface(const Options& options) {
 int Show(const Options& options, EndingSignals& signals) {
   const Panels panels;
   std::optional<Layout> layout;
-  if (!options.config.empty() && std::filesystem::exists(options.config)) layout = LoadLayout(options.config);
+  std::error_code fault;  // Whoever cannot tell whether the file is there hears why when it is read.
+  if (!options.config.empty() && (std::filesystem::exists(options.config, fault) || fault)) {
+    layout = LoadLayout(options.config);
+  }
   return ShowUntilClosed(
       options, layout, [&] { return MakeSurface(options); },
       [&](Viewer* viewer) { viewer == nullptr ? signals.Unwatch() : signals.Watch(*viewer); });
@@ -98,6 +104,12 @@ int main(int argc, char** argv) {
     return Show(*read.options, signals);
   } catch (const hgros::Error& error) {
     std::fprintf(stderr, "hgros-viewer: %s\n", error.what());
+    return 1;
+  } catch (const std::bad_alloc&) {
+    std::fputs("hgros-viewer: There is not enough memory for this.\n", stderr);
+    return 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "hgros-viewer: It cannot go on: %s.\n", error.what());
     return 1;
   }
 }

@@ -13,6 +13,18 @@ namespace {
 constexpr int kMostLosses = 3;
 constexpr auto kInARow = std::chrono::seconds(60);
 
+/// Tells that there is no viewer any more, however it ended.
+class Watched {
+ public:
+  explicit Watched(const std::function<void(Viewer* viewer)>& watch) : watch_(watch) {}
+  Watched(const Watched&) = delete;
+  Watched& operator=(const Watched&) = delete;
+  ~Watched() { watch_(nullptr); }
+
+ private:
+  const std::function<void(Viewer* viewer)>& watch_;
+};
+
 /// What is still to be done of the options when a layout has the rest.
 Options RestOf(Options options, const Layout& layout) {
   std::erase_if(options.channels, [&](const WantedDisplay& wanted) {
@@ -39,9 +51,11 @@ int ShowUntilClosed(Options options, std::optional<Layout> layout,
     const auto begin = std::chrono::steady_clock::now();
     const std::unique_ptr<Surface> surface = make_surface();
     Viewer viewer(options, layout, *surface);
-    watch(&viewer);
-    const int code = viewer.Run();
-    watch(nullptr);
+    const int code = [&] {
+      watch(&viewer);
+      const Watched watched(watch);
+      return viewer.Run();
+    }();
     if (!viewer.lost()) return code;
     if (std::chrono::steady_clock::now() - begin > kInARow) losses = 0;
     if (++losses >= kMostLosses) {

@@ -105,6 +105,17 @@ TEST_F(ViewerTest, MakesEverythingAnewWhenTheSurfaceIsLost) {
   EXPECT_EQ(std::ranges::count(*last.displays, "cloud", &LayoutDisplay::channel), 1) << "once, not twice";
 }
 
+TEST_F(ViewerTest, IsWatchedNoLongerWhenItEndsByAnError) {
+  std::vector<bool> watched;
+  const auto surface = []() -> std::unique_ptr<Surface> {
+    return std::make_unique<ScriptedSurface>(
+        std::vector<ScriptedSurface::Step>{[](ScriptedSurface&) { throw Error("The picture is too large."); }});
+  };
+  const auto watch = [&](Viewer* viewer) { watched.push_back(viewer != nullptr); };
+  EXPECT_THROW((void)ShowUntilClosed(options_, std::nullopt, surface, watch), Error);
+  EXPECT_EQ(watched, (std::vector<bool>{true, false}));
+}
+
 TEST_F(ViewerTest, GivesUpWhenTheSurfaceIsLostAgainAndAgain) {
   int made = 0;
   const auto surface = [&]() -> std::unique_ptr<Surface> {

@@ -214,6 +214,7 @@ class InMemory(ViewerCase):
                                  (["--channel", "cloud:foxglove.PointCloud,keep=some"], "there are latest"),
                                  (["--panel", "Radar"], "there are Channels"),
                                  (["--panel", "Plot,seconds=long"], "from 1 to 600"),
+                                 (["--config", "x" * 300], "cannot be read: File name too long"),
                                  (["--screenshot", "x.png"], "--after")):
             with self.subTest(arguments=arguments):
                 viewer = self.start(VIEWER, "--offscreen", "64x64", *arguments)
