@@ -10,6 +10,9 @@
 
 namespace hgros::viewer {
 
+/// No number of a layout lies further from 0.
+constexpr double kMostInLayout = 1e12;
+
 /// One setting of a display, and where it was read.
 struct LayoutSetting {
   std::string name;

@@ -13,7 +13,8 @@ namespace hgros::viewer {
 /// Likewise from a file.
 [[nodiscard]] Layout LoadLayout(const std::filesystem::path& file);
 
-/// As YAML, in an order and with names that people can read and change.
+/// As YAML, in an order and with names that people can read and change. A camera that could not be read again is left
+/// out.
 [[nodiscard]] std::string LayoutText(const Layout& layout);
 /// The file is there whole or not at all. Returns what went wrong, or nothing.
 [[nodiscard]] std::string SaveLayout(const Layout& layout, const std::filesystem::path& file);

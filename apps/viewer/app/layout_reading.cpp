@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <initializer_list>
 
 #include "hgros/session/yaml_document.hpp"
@@ -89,9 +90,8 @@ class Reader {
     const std::string& text = Text(node, what);
     double number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    constexpr double kMost = 1e12;
-    if (error != std::errc() || end != text.data() + text.size() || !(number >= -kMost && number <= kMost)) {
-      Fail(node, what + " is a number, not \"" + text + "\".", "Write one such as 2.5.");
+    if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= kMostInLayout)) {
+      Fail(node, what + " is a number between -1e12 and 1e12, not \"" + text + "\".", "Write one such as 2.5.");
     }
     return number;
   }

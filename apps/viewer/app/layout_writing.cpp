@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <span>
 #include <system_error>
@@ -66,6 +67,12 @@ std::string Line(const std::string& indent, const std::string& name, const std::
 
 std::string TruthText(bool truth) { return truth ? "true" : "false"; }
 
+bool IsReadable(const LayoutCamera& camera) {
+  const auto in_bounds = [](double number) { return std::abs(number) <= kMostInLayout; };
+  return std::ranges::all_of(camera.eye, in_bounds) && std::ranges::all_of(camera.orientation, in_bounds) &&
+         in_bounds(camera.distance) && (!camera.anchor || std::ranges::all_of(*camera.anchor, in_bounds));
+}
+
 std::string CameraText(const LayoutCamera& camera) {
   std::string text = "\ncamera:\n";
   text += Line("  ", "eye", Bracketed<double>(camera.eye));
@@ -120,7 +127,7 @@ std::string LayoutText(const Layout& layout) {
   if (layout.fps_limit) text += Line("", "fps_limit", Shortest(*layout.fps_limit));
   text += Line("", "save_on_exit", TruthText(layout.save_on_exit));
   if (layout.show_found) text += Line("", "show_found", "true");
-  if (layout.camera) text += CameraText(*layout.camera);
+  if (layout.camera && IsReadable(*layout.camera)) text += CameraText(*layout.camera);
   if (layout.displays) {
     text += layout.displays->empty() ? "\ndisplays: []\n" : "\ndisplays:\n";
     for (const LayoutDisplay& display : *layout.displays) text += DisplayText(display);

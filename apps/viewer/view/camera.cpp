@@ -10,6 +10,7 @@ namespace {
 constexpr double kHalfAngle = std::numbers::pi / 8;  // 45 degrees from the bottom to the top of the picture
 constexpr double kNearest = 1e-3;
 constexpr double kFurthest = 1e7;
+constexpr double kOutermost = 1e11;  // from the origin: what lies beyond it is not looked at
 constexpr double kDepthRatio = 1e5;  // of the far to the near plane: 24 bits of depth tell 1 cm apart at 100 m
 constexpr double kSteepest = std::numbers::pi / 2 - 1e-3;
 
@@ -114,16 +115,18 @@ void Camera::LookFromAbove() {
 }
 
 void Camera::Center(const Eigen::Vector3d& at) {
-  eye_ = at + orientation_ * Eigen::Vector3d(0, 0, distance_);
+  eye_ = at.cwiseMax(-kOutermost).cwiseMin(kOutermost) + orientation_ * Eigen::Vector3d(0, 0, distance_);
   anchor_.reset();
 }
 
 void Camera::Focus(const Eigen::Vector3d& center, double radius) {
+  if (!center.allFinite() || !std::isfinite(radius)) return;
   distance_ = std::clamp(radius / std::tan(kHalfAngle), kNearest, kFurthest);
   Center(center);
 }
 
 void Camera::Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport) {
+  if (box.isEmpty() || !box.center().allFinite() || !box.sizes().allFinite()) return;
   constexpr double kMargin = 1.1;
   constexpr double kSmallest = 0.5;
   const double aspect = static_cast<double>(viewport.width) / viewport.height;
@@ -135,8 +138,7 @@ void Camera::Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport) {
     distance = std::max(distance, orthographic_ ? half : half + corner.z());
   }
   distance_ = std::min(distance, kFurthest);
-  eye_ = box.center() + orientation_ * Eigen::Vector3d(0, 0, distance_);
-  anchor_.reset();
+  Center(box.center());
 }
 
 void Camera::Place(const Eigen::Vector3d& eye, const Eigen::Quaterniond& orientation, double distance) {

@@ -50,7 +50,7 @@ class Camera {
   void Center(const Eigen::Vector3d& at);
   /// Looks at a sphere so that it fills the picture, from the direction that the camera has.
   void Focus(const Eigen::Vector3d& center, double radius);
-  /// Likewise at a box, of which the picture shows all and little else.
+  /// Likewise at a box, of which the picture shows all and little else. What is not finite is not looked at.
   void Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport);
   void SetOrthographic(bool orthographic) { orthographic_ = orthographic; }
   void Reset() { *this = Camera(); }

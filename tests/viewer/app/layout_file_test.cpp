@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <random>
 
 namespace hgros::viewer {
@@ -64,6 +66,22 @@ TEST(LayoutFile, KeepsEveryTextAndNumber) {
   }
 }
 
+TEST(LayoutFile, LeavesOutACameraThatItCouldNotReadAgain) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double number : {kInfinity, -kInfinity, std::numeric_limits<double>::quiet_NaN(), 2e12, -1e300}) {
+    std::array<LayoutCamera, 4> cameras;
+    cameras[0].eye[1] = number;
+    cameras[1].orientation[0] = number;
+    cameras[2].distance = number;
+    cameras[3].anchor = {0, 0, number};
+    for (const LayoutCamera& camera : cameras) {
+      Layout layout;
+      layout.camera = camera;
+      EXPECT_EQ(ParseLayout(LayoutText(layout), "x"), Layout()) << number;
+    }
+  }
+}
+
 TEST(LayoutFile, ReadsWhatAPersonWrites) {
   const Layout layout = ParseLayout(R"(
 fixed_frame: odom
@@ -96,6 +114,7 @@ TEST(LayoutFile, SaysWhereItIsWrongAndHowToMendIt) {
       {"camera: {orientation: [0, 0, 0, 0]}", {"quaternion"}},
       {"camera: {distance: -1}", {"above 0"}},
       {"camera: {eye: [1, 2, nan]}", {"a number"}},
+      {"camera: {eye: [1, 2, 2e12]}", {"between -1e12 and 1e12"}},
       {"panels:\n  - place: [1, 2, 3, 4]", {"of which kind"}},
       {"panels:\n  - {kind: Log, place: [1, 2, 0, 0]}", {"no size"}},
       {"save_on_exit: maybe", {"true or false"}},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -175,6 +176,22 @@ TEST(Camera, ShowsAllOfABoxAndLittleElse) {
     EXPECT_LE(widest, 1);
     EXPECT_GT(widest, 0.7);
   }
+}
+
+TEST(Camera, LooksAtNothingThatIsNotFinite) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  const Eigen::Vector3d one = Eigen::Vector3d::Ones();
+  const Eigen::AlignedBox3d boxes[] = {
+      {one, kInfinity * one}, {-kInfinity * one, one}, {-kLargest * one, kLargest * one}};
+  for (const Eigen::AlignedBox3d& box : boxes) {
+    Camera camera;
+    camera.Focus(box, kViewport);
+    EXPECT_TRUE(camera.SameViewAs(Camera()));
+  }
+  Camera camera;
+  camera.Focus(Eigen::AlignedBox3d(1e20 * one, 1.1e20 * one), kViewport);
+  EXPECT_LT(camera.eye().cwiseAbs().maxCoeff(), 1e12) << "a layout keeps no more";
 }
 
 TEST(Camera, ZoomingEndsSomewhere) {
