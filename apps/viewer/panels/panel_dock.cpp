@@ -125,7 +125,7 @@ std::string PanelDock::Restore(const PanelLayout& layout) {
     return "There is no panel \"" + layout.name + "\"; there are " + names + ".";
   }
   Panel& panel = Open(*type);
-  opened_.back().wanted = layout.place;
+  if (layout.place) std::ranges::find(opened_, type, &Opened::type)->wanted = layout.place;
   for (const auto& [name, value] : layout.settings) {
     if (std::string fault = panel.Set(name, value); !fault.empty()) return fault;
   }

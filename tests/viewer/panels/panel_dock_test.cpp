@@ -65,6 +65,20 @@ TEST_F(PanelDockTest, GivesBackWhatItWasGiven) {
   EXPECT_EQ(dock_.Layout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it stands where it was asked to";
 }
 
+TEST_F(PanelDockTest, PutsThePanelThatIsMeantIntoItsPlace) {
+  const PanelPlace first{10, 20, 400, 300};
+  const PanelPlace second{30, 40, 500, 200};
+  ASSERT_EQ(dock_.Restore({"Plot", first, {}}), "");
+  ASSERT_EQ(dock_.Restore({"Log", second, {}}), "");
+  ASSERT_EQ(dock_.Restore({"Plot", std::nullopt, {{"seconds", "30"}}}), "");
+  EXPECT_EQ(dock_.Layout()[0].place, first) << "none was given: it stays";
+  EXPECT_EQ(dock_.Layout()[1].place, second);
+  const PanelPlace other{50, 60, 300, 300};
+  ASSERT_EQ(dock_.Restore({"Plot", other, {}}), "");
+  EXPECT_EQ(dock_.Layout()[0].place, other);
+  EXPECT_EQ(dock_.Layout()[1].place, second);
+}
+
 TEST_F(PanelDockTest, KnowsWhatLiesBelowThePointerBeforeTheNextPicture) {
   ASSERT_EQ(dock_.Restore({"Plot", PanelPlace{100, 200, 400, 300}, {}}), "");
   Update();
