@@ -6,11 +6,13 @@
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -20,7 +22,8 @@
 namespace hgros::viewer {
 namespace {
 
-constexpr int kPatienceMs = 20'000;  // So long ffmpeg may take no byte at all.
+constexpr int kEndPatience = 3;  // times as long ffmpeg may take for its end: it writes what it has kept until then
+constexpr int kKilledMs = 5'000;
 
 /// The file that a program's name means; empty: there is none.
 std::string FindProgram(const std::string& name) {
@@ -45,9 +48,31 @@ std::string LastLine(int file) {
   return all.substr(all.find_last_of("\r\n") + 1);
 }
 
+std::string Seconds(std::chrono::milliseconds time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g s", std::chrono::duration<double>(time).count());
+  return text;
+}
+
+/// Whether a child has ended within that time; it is still to be waited for.
+bool AwaitEnd(pid_t child, std::chrono::milliseconds most) {
+  const int handle = static_cast<int>(syscall(SYS_pidfd_open, child, 0U));
+  if (handle < 0) return true;  // An old kernel: whoever waits for the child waits as long as it takes.
+  pollfd wait{handle, POLLIN, 0};
+  const auto end = std::chrono::steady_clock::now() + most;
+  int ready = 0;
+  do {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    ready = poll(&wait, 1, static_cast<int>(std::max<std::int64_t>(0, left.count())));
+  } while (ready < 0 && errno == EINTR);
+  close(handle);
+  return ready != 0;
+}
+
 }  // namespace
 
-VideoRecorder::VideoRecorder(std::filesystem::path file) : file_(std::move(file)), program_(FindProgram("ffmpeg")) {
+VideoRecorder::VideoRecorder(std::filesystem::path file, std::chrono::milliseconds patience)
+    : file_(std::move(file)), patience_(patience), program_(FindProgram("ffmpeg")) {
   if (program_.empty()) {
     throw Error("Films are written by the program ffmpeg, and it is not installed.", "",
                 "Install Debian's package ffmpeg, or leave out --record-video.");
@@ -124,24 +149,32 @@ std::string VideoRecorder::Add(const Viewport& size, std::span<const std::uint8_
       return fault;
     }
   }
-  if (!(size == size_)) {
+  if (size == size_) {
+    last_.assign(rgb.begin(), rgb.end());
+  } else {
     const auto row_bytes = static_cast<std::ptrdiff_t>(size_.width) * 3;
     const std::ptrdiff_t given_bytes = static_cast<std::ptrdiff_t>(size.width) * 3;
-    fitted_.assign(static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(size_.height), 0);
+    last_.assign(static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(size_.height), 0);
     for (int y = 0; y < std::min(size.height, size_.height); ++y) {
-      std::copy_n(rgb.begin() + given_bytes * y, std::min(row_bytes, given_bytes), fitted_.begin() + row_bytes * y);
+      std::copy_n(rgb.begin() + given_bytes * y, std::min(row_bytes, given_bytes), last_.begin() + row_bytes * y);
     }
-    rgb = fitted_;
   }
+  return Send();
+}
+
+std::string VideoRecorder::Repeat() { return ended_ || last_.empty() ? std::string() : Send(); }
+
+std::string VideoRecorder::Send() {
+  std::span<const std::uint8_t> rgb = last_;
   while (!rgb.empty()) {
     pollfd wait{to_child_, POLLOUT, 0};
-    const int ready = poll(&wait, 1, kPatienceMs);
+    const int ready = poll(&wait, 1, static_cast<int>(patience_.count()));
     if (ready < 0 && errno == EINTR) continue;
     if (ready == 0) {
       kill(child_, SIGKILL);
       (void)End();
-      return "ffmpeg took no picture for " + std::to_string(kPatienceMs / 1000) +
-             " s and was ended: " + file_.string() + " is not whole.";
+      return "ffmpeg took no picture for " + Seconds(patience_) + " and was ended: " + file_.string() +
+             " is not whole.";
     }
     const ssize_t sent = send(to_child_, rgb.data(), rgb.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
@@ -158,15 +191,25 @@ std::string VideoRecorder::Add(const Viewport& size, std::span<const std::uint8_
 std::string VideoRecorder::End() {
   ended_ = true;
   if (to_child_ >= 0) close(std::exchange(to_child_, -1));
+  const bool stuck = child_ > 0 && !AwaitEnd(child_, kEndPatience * patience_);
+  bool gone = true;
+  if (stuck) {
+    kill(child_, SIGKILL);
+    gone = AwaitEnd(child_, std::chrono::milliseconds(kKilledMs));  // Not even that ends who waits for a disk.
+  }
   int status = 0;
   pid_t got = -1;
-  while (child_ > 0 && (got = waitpid(child_, &status, 0)) < 0 && errno == EINTR) {
+  while (gone && child_ > 0 && (got = waitpid(child_, &status, 0)) < 0 && errno == EINTR) {
   }
   child_ = -1;
   std::string said;
   if (words_ >= 0) {
     said = LastLine(words_);
     close(std::exchange(words_, -1));
+  }
+  if (stuck) {
+    return "ffmpeg did not end within " + Seconds(kEndPatience * patience_) + " and was killed: " + file_.string() +
+           " is not whole.";
   }
   if (got <= 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) return {};
   return "The film " + file_.string() + " is not whole: ffmpeg " + (WIFSIGNALED(status) ? "was killed" : "failed") +

@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,7 +21,8 @@ namespace hgros::viewer {
 class VideoRecorder {
  public:
   /// Errors: throws Error if there is no ffmpeg.
-  explicit VideoRecorder(std::filesystem::path file);
+  /// `patience`: so long ffmpeg may take no byte at all, and some times as long it may need for its end.
+  explicit VideoRecorder(std::filesystem::path file, std::chrono::milliseconds patience = std::chrono::seconds(20));
   VideoRecorder(const VideoRecorder&) = delete;
   VideoRecorder& operator=(const VideoRecorder&) = delete;
   /// As Finish, without a word.
@@ -29,20 +31,24 @@ class VideoRecorder {
   /// Rows from the top, 3 bytes a pixel. Waits for ffmpeg to take it. Returns what went wrong, or nothing; after a
   /// fault nothing is recorded any more.
   [[nodiscard]] std::string Add(const Viewport& size, std::span<const std::uint8_t> rgb);
-  /// Ends the film and waits for ffmpeg. Returns what went wrong, or nothing.
+  /// The last picture once more: it is seen until now.
+  [[nodiscard]] std::string Repeat();
+  /// Ends the film and waits for ffmpeg, which is killed if it is stuck. Returns what went wrong, or nothing.
   [[nodiscard]] std::string Finish();
   [[nodiscard]] bool recording() const noexcept { return !ended_; }
   [[nodiscard]] std::size_t pictures() const noexcept { return pictures_; }
 
  private:
   [[nodiscard]] std::string Start(const Viewport& size);
+  [[nodiscard]] std::string Send();
   /// Takes ffmpeg's end, and what it said of it.
   [[nodiscard]] std::string End();
 
   const std::filesystem::path file_;
+  const std::chrono::milliseconds patience_;
   std::string program_;
   Viewport size_{0, 0};
-  std::vector<std::uint8_t> fitted_;
+  std::vector<std::uint8_t> last_;  ///< The last picture, in that size.
   pid_t child_ = -1;
   int to_child_ = -1;
   int words_ = -1;  ///< What ffmpeg says on standard error, as a file in memory.

@@ -323,7 +323,7 @@ void Viewer::DrawFrame(double now_s) {
   scene_.picture().ShowOn(surface_.framebuffer());
   DrawPanels();
   if (!screenshot_.empty()) WriteScreenshot(std::exchange(screenshot_, {}));
-  if (film_) RecordFrame();
+  if (film_ && film_->recording()) RecordFrame();
   surface_.Present();
   ++frames_;
   frame_times_s_.push_back(now_s);

@@ -33,9 +33,8 @@ void Viewer::RecordFrame() {
 }
 
 void Viewer::FinishFilm() {
-  // The last picture is seen until now.
-  if (film_->recording() && film_->pictures() > 0) RecordFrame();
-  const std::string fault = film_->Finish();
+  std::string fault = film_->Repeat();  // The last picture is seen until now.
+  if (fault.empty()) fault = film_->Finish();
   if (!fault.empty()) Complain(fault);
 }
 

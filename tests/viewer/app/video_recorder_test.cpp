@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <iterator>
 
@@ -69,6 +70,38 @@ TEST_F(VideoRecorderTest, KeepsTheSizeOfTheFirstPicture) {
   ASSERT_EQ(film.size(), 3U * 4 * 2 * 3);
   EXPECT_EQ(std::count(film.begin() + 24, film.begin() + 48, 9), 2 * 2 * 3) << "narrower: two columns of two rows";
   EXPECT_EQ(std::count(film.begin() + 48, film.end(), 9), 4 * 3) << "lower: one row";
+}
+
+TEST_F(VideoRecorderTest, ShowsTheLastPictureOnceMore) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  EXPECT_EQ(recorder.Repeat(), "") << "there is none yet";
+  EXPECT_EQ(recorder.Add({2, 2}, Picture({2, 2}, 7)), "");
+  EXPECT_EQ(recorder.Add({1, 2}, Picture({1, 2}, 8)), "");
+  EXPECT_EQ(recorder.Repeat(), "");
+  EXPECT_EQ(recorder.Finish(), "");
+  const std::string film = Film();
+  ASSERT_EQ(film.size(), 3U * 2 * 2 * 3);
+  EXPECT_EQ(film.substr(12, 12), film.substr(24)) << "as it was fitted into the film";
+  EXPECT_EQ(std::count(film.begin() + 24, film.end(), 8), 2 * 3);
+}
+
+TEST_F(VideoRecorderTest, KillsFfmpegWhenItDoesNotEnd) {
+  Stand("cat > /dev/null; exec sleep 1000\n");
+  VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
+  EXPECT_EQ(recorder.Add({2, 2}, Picture({2, 2}, 1)), "");
+  const std::string fault = recorder.Finish();
+  EXPECT_NE(fault.find("did not end within 0.6 s and was killed"), std::string::npos) << fault;
+  EXPECT_FALSE(recorder.recording());
+}
+
+TEST_F(VideoRecorderTest, KillsFfmpegWhenItTakesNothing) {
+  Stand("exec sleep 1000\n");
+  VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
+  constexpr Viewport kSize{1024, 1024};
+  std::string fault;
+  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(kSize, Picture(kSize, 1));
+  EXPECT_NE(fault.find("took no picture for 0.2 s"), std::string::npos) << fault;
 }
 
 TEST_F(VideoRecorderTest, SaysWhatFfmpegSaidWhenItFails) {
