@@ -59,6 +59,7 @@ std::string ParseTexts(const std::vector<std::string>& channels, const std::vect
     return "--screenshot needs --after SECONDS or --frames N.";
   }
   if (options.fps_limit && !(*options.fps_limit > 0)) return "--fps-limit is a number above 0.";
+  if (options.report_s && !(*options.report_s > 0)) return "--report is a number above 0.";
   return {};
 }
 
@@ -77,7 +78,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   std::string config;
   std::string film;
   app.add_option("--channel", channels,
-                 "NAME:SCHEMA[,setting=value...], such as lidar:foxglove.PointCloud,keep=all; repeatable")
+                 "NAME[:SCHEMA][,setting=value...], such as lidar:foxglove.PointCloud,keep=all; repeatable")
       ->take_all();
   app.add_option("--display", displays,
                  "Frames, Ground or \"Robot model\"[,setting=value...]; visible=off hides it; repeatable")

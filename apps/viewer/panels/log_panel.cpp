@@ -104,7 +104,9 @@ class LogPanel : public Panel {
     } else if (name == "text") {
       std::snprintf(text_, sizeof text_, "%s", value.c_str());
     } else if (name == "follow") {
-      follow_ = value != "off";
+      const bool follow = value == "on" || value == "true";
+      if (!follow && value != "off" && value != "false") return "follow is on or off, not \"" + value + "\".";
+      follow_ = follow;
     } else {
       return "The panel Log has no setting \"" + name + "\"; there are level, source, text and follow.";
     }

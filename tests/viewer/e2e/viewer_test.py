@@ -215,6 +215,7 @@ class InMemory(ViewerCase):
                                  (["--panel", "Radar"], "there are Channels"),
                                  (["--panel", "Plot,seconds=long"], "from 1 to 600"),
                                  (["--config", "x" * 300], "cannot be read: File name too long"),
+                                 (["--report", "0"], "--report is a number above 0"),
                                  (["--screenshot", "x.png"], "--after")):
             with self.subTest(arguments=arguments):
                 viewer = self.start(VIEWER, "--offscreen", "64x64", *arguments)
