@@ -1,6 +1,5 @@
 #include "viewer/app/showing.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <utility>
@@ -26,11 +25,8 @@ class Watched {
 };
 
 /// What is still to be done of the options when a layout has the rest.
-Options RestOf(Options options, const Layout& layout) {
-  std::erase_if(options.channels, [&](const WantedDisplay& wanted) {
-    return layout.displays &&
-           std::ranges::find(*layout.displays, wanted.channel, &LayoutDisplay::channel) != layout.displays->end();
-  });
+Options RestOf(Options options, const Carried& carried) {
+  options.channels = carried.awaited;
   options.displays.clear();
   options.opened_panels.clear();
   options.fixed_frame.clear();
@@ -47,10 +43,12 @@ int ShowUntilClosed(Options options, std::optional<Layout> layout,
                     const std::function<std::unique_ptr<Surface>()>& make_surface,
                     const std::function<void(Viewer* viewer)>& watch) {
   int losses = 0;
+  std::optional<Carried> carried;
   while (true) {
     const auto begin = std::chrono::steady_clock::now();
     const std::unique_ptr<Surface> surface = make_surface();
     Viewer viewer(options, layout, *surface);
+    if (carried) viewer.TakeOver(*carried);
     const int code = [&] {
       watch(&viewer);
       const Watched watched(watch);
@@ -66,7 +64,11 @@ int ShowUntilClosed(Options options, std::optional<Layout> layout,
     std::fputs("hgros-viewer: The graphics card was reset: everything is made anew, and fills with what comes.\n",
                stderr);
     layout = viewer.CurrentLayout();
-    options = RestOf(std::move(options), *layout);
+    carried = viewer.Carry();
+    if (!options.film.empty()) {
+      std::fprintf(stderr, "hgros-viewer: The film %s ends here.\n", options.film.c_str());
+    }
+    options = RestOf(std::move(options), *carried);
   }
 }
 

@@ -72,6 +72,10 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
                                                                {.queue = Queue::Latest()}));
   SetLook(look_scale_ = surface.scale());
   if (layout) Restore(*layout);
+  if (!layout || !layout->displays) {
+    Add(*DisplayTypeNamed("Ground"), "", {});
+    Add(*DisplayTypeNamed("Frames"), "", {});
+  }
   AddWanted();
   AddPanels();
   if (!options.fixed_frame.empty()) frame_.Ask(options.fixed_frame);
@@ -96,10 +100,6 @@ void Viewer::Stop() {
 }
 
 void Viewer::AddWanted() {
-  if (scene_.entries().empty()) {
-    Add(*DisplayTypeNamed("Ground"), "", {});
-    Add(*DisplayTypeNamed("Frames"), "", {});
-  }
   for (const WantedDisplay& wanted : options_.channels) {
     if (wanted.schema.empty()) {
       awaited_.push_back(wanted);
@@ -170,7 +170,10 @@ void Viewer::Add(const DisplayType& type, const std::string& channel,
 void Viewer::Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings) {
   for (const auto& [name, value] : settings) {
     if (name == "visible") {
-      entry.visible = value != "off";
+      entry.visible = value == "on" || value == "true";
+      if (!entry.visible && value != "off" && value != "false") {
+        throw Error("visible is on or off, not \"" + value + "\".");
+      }
       continue;
     }
     const std::vector<Setting> known = entry.display->Settings();
@@ -194,12 +197,12 @@ int Viewer::Run() {
     const double woken_s = NowS();
     if (woken_s < NextTurnS()) continue;
     Turn(woken_s);
-    if ((lost_ = surface_.lost())) return exit_code_;
+    if ((lost_ = surface_.lost())) break;
     if (woken_s >= next_report_s_) Report(woken_s);
     if (AtEnd(woken_s)) break;
   }
   if (film_) FinishFilm();
-  if (layout_file_.save_on_exit) SaveLayoutNow();
+  if (layout_file_.save_on_exit && !lost_) SaveLayoutNow();
   return exit_code_;
 }
 
@@ -337,11 +340,13 @@ void Viewer::DrawPanels() {
   const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
   DrawPicks(picks_, camera_, surface_.size(), pixels_per_unit);
+  std::optional<std::size_t> remove;
   if (show_panels_) {
     if (view_panel_.Draw(camera_, frame_, layout_file_)) SaveLayoutNow();
     image_panel_.Draw(scene_);
     const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_, dock_);
     if (wish.add != nullptr) AddOrSay(*wish.add, {wish.channel, {}, {}});
+    remove = wish.remove;
     if (wish.set_fixed_frame) {
       frame_.Ask(wish.fixed_frame);
       if (wish.fixed_frame.empty()) frame_.Refresh();
@@ -350,7 +355,7 @@ void Viewer::DrawPanels() {
     }
     dock_.Draw();
     if (paused_) {
-      const TimeBarWish time = DrawTimeBar({back_s_, KeptS(), scene_.dropped() - dropped_before_});
+      const TimeBarWish time = DrawTimeBar({back_s_, KeptS(), scene_.dropped()});
       if (time.moved) LookBack(time.back_s);
       if (time.step) Step();
       if (time.go_on) SetPaused(false);
@@ -361,6 +366,7 @@ void Viewer::DrawPanels() {
   DrawHelp(help_);
   ImGui::Render();
   panels_renderer_.Draw();
+  if (remove) scene_.Remove(*remove);  // What it drew with was needed until now.
 }
 
 bool Viewer::AtEnd(double now_s) {

@@ -11,6 +11,7 @@
 #include "foxglove/FrameTransforms.pb.h"
 #include "hgros/session/session.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "viewer/app/carried.hpp"
 #include "viewer/app/layout.hpp"
 #include "viewer/app/options.hpp"
 #include "viewer/app/surface.hpp"
@@ -45,6 +46,10 @@ class Viewer {
   [[nodiscard]] bool lost() const noexcept { return lost_; }
   /// All that makes it look as it does.
   [[nodiscard]] Layout CurrentLayout() const;
+  /// What the next viewer needs beside that, ...
+  [[nodiscard]] Carried Carry() const;
+  /// ... and takes before it runs.
+  void TakeOver(Carried carried);
 
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -124,7 +129,6 @@ class Viewer {
   bool steps_ = false;
   double newest_s_ = -kNever;  ///< When displays took in something last.
   double back_s_ = 0;
-  std::uint64_t dropped_before_ = 0;  ///< The pause.
   bool picking_ = false;
   PointPicks picks_;
   bool help_ = false;

@@ -90,6 +90,13 @@ Layout Viewer::CurrentLayout() const {
   return layout;
 }
 
+Carried Viewer::Carry() const { return {awaited_, shown_by_itself_, keeps_finding_}; }
+
+void Viewer::TakeOver(Carried carried) {
+  shown_by_itself_.merge(carried.found);
+  keeps_finding_ = carried.keeps_finding;
+}
+
 void Viewer::AddPanels() {
   for (const WantedDisplay& wanted : options_.opened_panels) {
     const std::string fault = dock_.Restore({wanted.channel, std::nullopt, wanted.settings});

@@ -10,13 +10,16 @@ void Viewer::SetPaused(bool paused) {
   if (paused == paused_) return;
   paused_ = paused;
   if (paused) {
-    dropped_before_ = scene_.dropped();
+    scene_.CountDropped();
     KeepTransforms();
     return;
   }
   LookBack(0);
-  const std::uint64_t lost = scene_.dropped() - dropped_before_;
-  if (lost > 0) notice_ = std::to_string(lost) + " messages were dropped while the view stood still";
+  const std::uint64_t lost = scene_.dropped();
+  if (lost > 0) {
+    notice_ =
+        std::to_string(lost) + (lost == 1 ? " message was" : " messages were") + " dropped while the view stood still";
+  }
 }
 
 // Of what stands still: the transforms themselves go on.

@@ -22,11 +22,7 @@ DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, con
     ImGui::Separator();
     DrawFrame(frame, wish);
     ImGui::Separator();
-    for (std::size_t i = 0; i < scene.entries().size(); ++i) DrawEntry(scene, i);
-    if (remove_) {
-      remove_ = false;
-      scene.Remove(removed_);
-    }
+    for (std::size_t i = 0; i < scene.entries().size(); ++i) DrawEntry(scene, i, wish);
     ImGui::Separator();
     DrawAdd(channels, wish);
   }
@@ -50,7 +46,7 @@ void DisplayPanel::DrawFrame(const FixedFrame& frame, Wish& wish) {
   ImGui::EndCombo();
 }
 
-void DisplayPanel::DrawEntry(Scene& scene, std::size_t index) {
+void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, Wish& wish) {
   Scene::Entry& entry = scene.entries()[index];
   ImGui::PushID(entry.display.get());
   bool visible = entry.visible;
@@ -73,9 +69,11 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index) {
       std::exchange(warns, false) ? DrawWarning(line) : DrawNote(line);
     }
     if (entry.unreadable > 0) {
-      const std::string line = std::to_string(entry.unreadable) +
-                               " messages are not what their publisher says: their bytes are no " +
-                               entry.type->schemas.front() + ".";
+      const std::string line =
+          std::to_string(entry.unreadable) +
+          (entry.unreadable == 1 ? " message is not what its publisher says: its bytes are no "
+                                 : " messages are not what their publisher says: their bytes are no ") +
+          entry.type->schemas.front() + ".";
       entry.still_unreadable ? DrawWarning(line) : DrawNote(line);
     }
     for (const Setting& setting : entry.display->Settings()) {
@@ -91,10 +89,7 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index) {
     ImGui::SameLine();
     if (ImGui::SmallButton("up")) scene.MoveUp(index);
     ImGui::SameLine();
-    if (ImGui::SmallButton("remove")) {
-      removed_ = index;
-      remove_ = true;
-    }
+    if (ImGui::SmallButton("remove")) wish.remove = index;
     ImGui::TreePop();
   }
   ImGui::PopID();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ class DisplayPanel {
     std::string channel;               ///< ... for this channel.
     std::string fixed_frame;
     bool set_fixed_frame = false;
+    std::optional<std::size_t> remove;  ///< An entry, once this picture is drawn: it is in there.
   };
 
   /// What a person wants that the panel cannot do itself.
@@ -30,14 +32,12 @@ class DisplayPanel {
                           PanelDock& dock);
 
  private:
-  void DrawEntry(Scene& scene, std::size_t index);
+  void DrawEntry(Scene& scene, std::size_t index, Wish& wish);
   void DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish);
   void DrawFrame(const FixedFrame& frame, Wish& wish);
 
   char channel_[128] = "";
   int type_ = 0;
-  std::size_t removed_ = 0;
-  bool remove_ = false;
 };
 
 /// A widget for a setting; whether it was changed.

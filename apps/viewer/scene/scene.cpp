@@ -91,9 +91,13 @@ const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x,
   return found;
 }
 
+void Scene::CountDropped() {
+  for (Entry& entry : entries_) entry.dropped_before = entry.display->dropped();
+}
+
 std::uint64_t Scene::dropped() const {
   std::uint64_t dropped = 0;
-  for (const Entry& entry : entries_) dropped += entry.display->dropped();
+  for (const Entry& entry : entries_) dropped += entry.display->dropped() - entry.dropped_before;
   return dropped;
 }
 

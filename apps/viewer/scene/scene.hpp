@@ -28,8 +28,9 @@ class Scene {
     const DisplayType* type = nullptr;
     std::unique_ptr<Display> display;
     bool visible = true;
-    std::uint64_t unreadable = 0;   ///< Messages of the channel that are not what their publisher says.
-    bool still_unreadable = false;  ///< And more come.
+    std::uint64_t dropped_before = 0;  ///< CountDropped.
+    std::uint64_t unreadable = 0;      ///< Messages of the channel that are not what their publisher says.
+    bool still_unreadable = false;     ///< And more come.
   };
 
   Entry& Add(const DisplayType& type, const DisplayInputs& inputs);
@@ -59,7 +60,9 @@ class Scene {
   /// the displays. Draws each that may be it once more, alone. `at` is the pixel's point in the fixed frame.
   [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
                                      const Eigen::Vector3d& at);
-  /// Messages that displays could not take; ever.
+  /// From here on dropped() counts.
+  void CountDropped();
+  /// Messages that the displays that are there could not take since CountDropped.
   [[nodiscard]] std::uint64_t dropped() const;
 
   [[nodiscard]] std::size_t points() const;

@@ -116,6 +116,45 @@ TEST_F(ViewerTest, IsWatchedNoLongerWhenItEndsByAnError) {
   EXPECT_EQ(watched, (std::vector<bool>{true, false}));
 }
 
+TEST_F(ViewerTest, RemembersWhatAPersonHasRemovedWhenTheSurfaceIsLost) {
+  int made = 0;
+  Carried last;
+  Viewer* running = nullptr;
+  const auto surface = [&]() -> std::unique_ptr<Surface> {
+    if (++made == 1) {
+      return std::make_unique<ScriptedSurface>(
+          std::vector<ScriptedSurface::Step>{[](ScriptedSurface& at) { at.Lose(); }});
+    }
+    return std::make_unique<ScriptedSurface>(
+        std::vector<ScriptedSurface::Step>{[&](ScriptedSurface&) { last = running->Carry(); }});
+  };
+  const auto watch = [&](Viewer* viewer) {
+    running = viewer;
+    if (viewer != nullptr && made == 1) viewer->TakeOver({{}, {"removed"}, false});
+  };
+  EXPECT_EQ(ShowUntilClosed(options_, std::nullopt, surface, watch), 0);
+  EXPECT_EQ(made, 2);
+  EXPECT_TRUE(last.found.contains("removed")) << "it does not come back";
+  EXPECT_FALSE(last.keeps_finding) << "the layout that is written says what it would have said";
+}
+
+TEST_F(ViewerTest, ShowsNothingWhereALayoutSaysSo) {
+  Layout layout;
+  layout.displays.emplace();
+  EXPECT_EQ(Do({Key('H')}, layout).displays, layout.displays);
+}
+
+TEST_F(ViewerTest, TakesVisibleAsOnOrOff) {
+  const std::pair<const char*, bool> cases[] = {{"on", true}, {"true", true}, {"off", false}, {"false", false}};
+  for (const auto& [text, visible] : cases) {
+    options_.displays = {{"Ground", "", {{"visible", text}}}};
+    EXPECT_EQ(Do({Key('H')}).displays->front().visible, visible) << text;
+  }
+  options_.displays = {{"Ground", "", {{"visible", "no"}}}};
+  ScriptedSurface surface({});
+  EXPECT_THROW(Viewer(options_, std::nullopt, surface), Error);
+}
+
 TEST_F(ViewerTest, GivesUpWhenTheSurfaceIsLostAgainAndAgain) {
   int made = 0;
   const auto surface = [&]() -> std::unique_ptr<Surface> {

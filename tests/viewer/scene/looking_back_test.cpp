@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
@@ -50,6 +52,26 @@ TEST_F(LookingBack, ShowsThePointsThatWereThereThen) {
   scene_.LookBack(4, 0);
   EXPECT_EQ(Drawn(Draw()), all);
   EXPECT_NEAR(static_cast<double>(two) / static_cast<double>(all), 2.0 / 5, 0.01);
+}
+
+TEST_F(LookingBack, CountsWhatTheDisplaysThatAreThereHaveDropped) {
+  Add("Point cloud", "one");
+  Add("Point cloud", "other");
+  const auto flood = [&](const std::string& channel, int count) {
+    for (int i = 0; i < count; ++i) Publish(channel, PointAt(0));
+    ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10)));
+  };
+  constexpr int kMore = 200;  // than wait
+  flood("one", kMore);
+  ASSERT_GT(scene_.dropped(), 0U);
+  scene_.CountDropped();
+  EXPECT_EQ(scene_.dropped(), 0U);
+  flood("one", 7);
+  flood("other", kMore);
+  const std::uint64_t both = scene_.dropped();
+  scene_.Remove(0);
+  EXPECT_EQ(scene_.dropped(), both - 7) << "the other one's alone";
+  EXPECT_GT(scene_.dropped(), 0U);
 }
 
 TEST_F(LookingBack, ShowsThePosesThatHadCome) {
