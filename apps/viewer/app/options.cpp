@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "viewer/app/layout.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -58,7 +60,9 @@ std::string ParseTexts(const std::vector<std::string>& channels, const std::vect
   if (!options.screenshot.empty() && !options.after_s && !options.frames) {
     return "--screenshot needs --after SECONDS or --frames N.";
   }
-  if (options.fps_limit && !(*options.fps_limit > 0)) return "--fps-limit is a number above 0.";
+  if (options.fps_limit && !(*options.fps_limit > 0 && *options.fps_limit <= kMostInLayout)) {
+    return "--fps-limit is a number above 0, and 1e12 at most.";
+  }
   if (options.report_s && !(*options.report_s > 0)) return "--report is a number above 0.";
   return {};
 }

@@ -215,6 +215,7 @@ class InMemory(ViewerCase):
                                  (["--panel", "Radar"], "there are Channels"),
                                  (["--panel", "Plot,seconds=long"], "from 1 to 600"),
                                  (["--config", "x" * 300], "cannot be read: File name too long"),
+                                 (["--fps-limit", "inf"], "1e12 at most"),
                                  (["--report", "0"], "--report is a number above 0"),
                                  (["--screenshot", "x.png"], "--after")):
             with self.subTest(arguments=arguments):

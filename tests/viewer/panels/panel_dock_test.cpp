@@ -100,6 +100,7 @@ TEST_F(PanelDockTest, SaysWhatIsWrongWithALayout) {
   EXPECT_NE(fault({"plot", std::nullopt, {{"series", "a"}}}).find("one is written as"), std::string::npos);
   EXPECT_NE(fault({"Plot", std::nullopt, {{"seconds", "long"}}}).find("from 1 to 600"), std::string::npos);
   EXPECT_NE(fault({"Log", std::nullopt, {{"level", "loud"}}}).find("there are all"), std::string::npos);
+  EXPECT_EQ(fault({"Log", std::nullopt, {{"follow", "false"}}}), "");
   EXPECT_NE(fault({"Log", std::nullopt, {{"follow", "perhaps"}}}).find("on or off"), std::string::npos);
   EXPECT_NE(fault({"Graph", std::nullopt, {{"viewer", "x"}}}).find("on or off"), std::string::npos);
   EXPECT_NE(fault({"Message", std::nullopt, {{"size", "1"}}}).find("no setting"), std::string::npos);
