@@ -47,7 +47,7 @@ class MessageEnd : public test::DomainFixture {
       ASSERT_TRUE(Await([&] { return received > i; }));
     }
     EXPECT_TRUE(Await([&] { return received == kMessages + 1; })) << received;
-    EXPECT_TRUE(in_time) << "the end of a message waited for somebody who published";
+    EXPECT_TRUE(Await([&] { return in_time.load(); })) << "the end of a message waited for somebody who published";
     talker.session.reset();
     EXPECT_TRUE(Await([&] { return ended == kMessages; }));
     if (another.joinable()) another.join();

@@ -159,6 +159,7 @@ void Viewer::AddOrSay(const DisplayType& type, const WantedDisplay& wanted) {
     Add(type, wanted.channel, wanted.settings);
   } catch (const Error& error) {
     notice_ = error.what();
+    std::fprintf(stderr, "hgros-viewer: %s\n", error.what());
   }
 }
 
