@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include <foxglove/PointCloud.pb.h>
 
 #include "hgros/hgros.hpp"
+#include "scan_cloud.hpp"
 #include "slam_run.hpp"
 #include "viewer/app/offscreen.hpp"
 #include "viewer/scene/scene.hpp"
@@ -48,17 +48,7 @@ std::unique_ptr<Bulk<foxglove::PointCloud>> CloudAt(std::size_t step, std::size_
     scan[i + 1] = static_cast<float>(pose.y) + s * x + c * scan[i + 1];
   }
   auto cloud = std::make_unique<Bulk<foxglove::PointCloud>>(scan.size() * sizeof(float));
-  cloud->head().set_frame_id("map");
-  cloud->head().set_point_stride(16);
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z", "intensity"}) {
-    auto* const field = cloud->head().add_fields();
-    field->set_name(name);
-    field->set_offset(offset);
-    field->set_type(foxglove::PackedElementField::FLOAT32);
-    offset += sizeof(float);
-  }
-  std::memcpy(cloud->writable().data(), scan.data(), scan.size() * sizeof(float));
+  slam_run::WriteScan(scan, "map", *cloud);
   return cloud;
 }
 

@@ -1,7 +1,6 @@
 // Plays the run to hgros-viewer: channels "scan" and "path", and transforms.
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 #include <foxglove/PointCloud.pb.h>
@@ -10,6 +9,7 @@
 #include "hgros/hgros.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "playing.hpp"
+#include "scan_cloud.hpp"
 
 namespace {
 
@@ -27,19 +27,8 @@ void SetStamp(google::protobuf::Timestamp& stamp, Time time) {
 
 std::unique_ptr<Bulk<foxglove::PointCloud>> CloudOf(Session& session, const std::vector<float>& scan, Time time) {
   auto cloud = session.Loan<Bulk<foxglove::PointCloud>>("scan", scan.size() * sizeof(float));
-  foxglove::PointCloud& head = cloud->head();
-  head.set_frame_id("lidar");
-  SetStamp(*head.mutable_timestamp(), time);
-  head.set_point_stride(16);
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z", "intensity"}) {
-    auto* const field = head.add_fields();
-    field->set_name(name);
-    field->set_offset(offset);
-    field->set_type(foxglove::PackedElementField::FLOAT32);
-    offset += sizeof(float);
-  }
-  std::memcpy(cloud->writable().data(), scan.data(), scan.size() * sizeof(float));
+  slam_run::WriteScan(scan, "lidar", *cloud);
+  SetStamp(*cloud->head().mutable_timestamp(), time);
   return cloud;
 }
 

@@ -46,6 +46,13 @@ std::vector<std::uint8_t> Picture(const Viewport& size, std::uint8_t value) {
   return std::vector<std::uint8_t>(static_cast<std::size_t>(3 * size.width * size.height), value);
 }
 
+/// What is said first of an ffmpeg that does not take pictures for long.
+std::string FirstFault(VideoRecorder& recorder, const Viewport& size) {
+  std::string fault;
+  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(size, Picture(size, 1));
+  return fault;
+}
+
 TEST_F(VideoRecorderTest, HandsOverEveryPicture) {
   Stand(copies_);
   VideoRecorder recorder(folder_ / "film.mp4");
@@ -99,8 +106,7 @@ TEST_F(VideoRecorderTest, KillsFfmpegWhenItTakesNothing) {
   Stand("exec sleep 1000\n");
   VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
   constexpr Viewport kSize{1024, 1024};
-  std::string fault;
-  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(kSize, Picture(kSize, 1));
+  const std::string fault = FirstFault(recorder, kSize);
   EXPECT_NE(fault.find("took no picture for 0.2 s"), std::string::npos) << fault;
 }
 
@@ -108,8 +114,7 @@ TEST_F(VideoRecorderTest, SaysWhatFfmpegSaidWhenItFails) {
   Stand("echo 'Unknown encoder' >&2\nexit 1\n");
   VideoRecorder recorder(folder_ / "film.mp4");
   constexpr Viewport kSize{640, 480};
-  std::string fault;
-  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(kSize, Picture(kSize, 1));
+  const std::string fault = FirstFault(recorder, kSize);
   EXPECT_NE(fault.find("failed and said: Unknown encoder"), std::string::npos) << fault;
   EXPECT_FALSE(recorder.recording());
   EXPECT_EQ(recorder.Add(kSize, Picture(kSize, 1)), "") << "it is said once";
@@ -120,8 +125,7 @@ TEST_F(VideoRecorderTest, SurvivesThatFfmpegIsKilled) {
   Stand("kill -9 $$\n");
   VideoRecorder recorder(folder_ / "film.mp4");
   constexpr Viewport kSize{640, 480};
-  std::string fault;
-  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(kSize, Picture(kSize, 1));
+  const std::string fault = FirstFault(recorder, kSize);
   EXPECT_NE(fault.find("was killed"), std::string::npos) << fault;
 }
 

@@ -4,6 +4,7 @@
 
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
+#include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -13,15 +14,7 @@ namespace {
 foxglove::PointCloud PointAt(float x, float y, float z, float intensity) {
   foxglove::PointCloud cloud;
   cloud.set_frame_id("lidar");
-  cloud.set_point_stride(16);
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z", "intensity"}) {
-    auto* const field = cloud.add_fields();
-    field->set_name(name);
-    field->set_offset(offset);
-    field->set_type(foxglove::PackedElementField::FLOAT32);
-    offset += 4;
-  }
+  SetFloatFields(cloud);
   const float values[] = {x, y, z, intensity};
   cloud.mutable_data()->assign(reinterpret_cast<const char*>(values), sizeof values);  // NOLINT: bytes are bytes
   return cloud;
