@@ -21,6 +21,7 @@ from plan import SIZES, size_name  # noqa: E402
 
 BEGIN, END = "<!-- results: written by bench/results_table.py -->", "<!-- results: end -->"
 SIZE_NAMES = [size_name(size) for size in SIZES]
+PACED = ("100KB", "500KB", "1MB", "5MB", "10MB")  # The paper's, at 10 Hz.
 SIZED = re.compile(r"(.+)_(\d+(?:KB|MB))(_[a-z0-9]+)?")
 
 
@@ -68,9 +69,14 @@ def peers(values):
                        ratios(values, ("shm_vs_", "shm_bulk_vs_", "shm_spin_vs_", "shm_over_"), ""))
     single = ("shm_bulk_size_ratio", "shm_plain_4MB_over_memcpy", "shm_fanout8_bulk_4MB_us", "shm_msgs_per_s_1KB")
     yield from table(["figure", "value"], [(name, [number(values[name])]) for name in single if name in values])
-    for title, inter in (("between processes, median, us", True), ("in one process, median, us", False)):
-        yield from by_size(values, title,
-                           [(mode.key, f"{mode.key}_p50_us", "") for mode in MODES if mode.inter == inter])
+    for what, metric in (("median", "p50_us"), ("mean", "mean_us")):
+        for where, inter in (("between processes", True), ("in one process", False)):
+            yield from by_size(values, f"{where}, {what}, us",
+                               [(mode.key, f"{mode.key}_{metric}", "") for mode in MODES if mode.inter == inter])
+    yield from table(["in one process, all bytes over the sum of latencies, MB/s", *PACED],
+                     [(mode.key, [number(values[name]) if name in values else ""
+                                  for name in (f"{mode.key}_paced_mb_per_s_{size}" for size in PACED)])
+                      for mode in MODES if not mode.inter])
 
 
 def network(values):
