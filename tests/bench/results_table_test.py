@@ -52,6 +52,16 @@ class ResultsTable(unittest.TestCase):
             self.assertIn(row, text)
         self.assertEqual(text.count("the machine."), 2)
 
+    def test_means_throughput_and_the_viewers_have_tables_of_their_own(self):
+        self.result("peers", "raw_tcp_p50_us_1KB,9,us", "raw_tcp_mean_us_1KB,11,us", "raw_call_paced_mb_per_s_5MB,700,MB/s")
+        self.result("viewer", "fps_at_10s,11.5,1/s", "rviz_fps_at_10s,1.9,1/s", "frame_ms_10M,61,ms", "startup_ms,170,ms",
+                    "rviz_startup_ms,320,ms", "installed_mb,14.4,MB")
+        text = self.write()
+        for row in ("| `raw_tcp` | 9 |  |  |  |  |  |  |", "| `raw_tcp` | 11 |  |  |  |  |  |  |",
+                    "| `raw_call` |  |  |  | 700 |  |", "| `fps` | 11.5 |  |  |", "| `rviz_fps` | 1.9 |  |  |",
+                    "| `frame_ms` |  | 61 |  |", "| `startup_ms` | 170 | 320 |", "| `installed_mb` | 14.4 |  |"):
+            self.assertIn(row, text)
+
     def test_only_what_lies_between_the_marks_is_written_and_again_the_same(self):
         text = self.write()
         self.assertTrue(text.startswith("before\n") and text.endswith("after\n"))
