@@ -34,11 +34,13 @@ SessionChannels Session::Core::OwnChannels() const {
     use.publishes = true;
     SetType(use, outlet->type());
   }
-  for (const auto& outlet : service_outlets_) {
-    ChannelUse& use = add(outlet->channel());
+  const auto add_outlet = [&](const ChannelOutlet& outlet) {
+    ChannelUse& use = add(outlet.channel());
     use.publishes = true;
-    SetType(use, outlet->type());
-  }
+    SetType(use, outlet.type());
+  };
+  for (const auto& outlet : service_outlets_) add_outlet(*outlet);
+  if (snapshots_) add_outlet(*snapshots_->outlet());
   for (const auto& [name, inflow] : inflows_) {
     if (inflow.wanted.empty()) continue;
     ChannelUse& use = add(name);

@@ -122,6 +122,7 @@ Session::Core::~Core() {
     for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
     for (auto& [name, outlet] : outlets_) outlets.push_back(outlet);
     outlets.insert(outlets.end(), service_outlets_.begin(), service_outlets_.end());
+    if (snapshots_) outlets.push_back(snapshots_->outlet());
   }
   Notify();
   for (const auto& inlet : inlets) inlet->Detach();

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -23,6 +25,7 @@
 #include "session/host_clocks.hpp"
 #include "session/services.hpp"
 #include "session/session_timers.hpp"
+#include "session/snapshot_publisher.hpp"
 
 namespace hgros {
 
@@ -118,6 +121,8 @@ class Session::Core final : public TransportListener, private ServicePlace {
   // Under mutex_: makes the carriers at the first call.
   Carriers& Reach();
   CarrierOptions OptionsForCarriers();
+  // Posts to the errand thread.
+  std::function<void(std::chrono::nanoseconds, std::function<void()>)> Later();
   enum class Way { kOut, kIn };
   std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way) const;
   bool SayIfItCannotLeave(const std::string& channel);
@@ -160,6 +165,7 @@ class Session::Core final : public TransportListener, private ServicePlace {
   Publisher<ChannelsChanged> channel_events_;
   std::optional<ErrandThread> errands_;
   std::unique_ptr<Carriers> carriers_;
+  std::optional<SnapshotPublisher> snapshots_;  // Made with them.
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
   std::vector<std::shared_ptr<ChannelOutlet>> service_outlets_;
   std::uint64_t last_incarnation_ = 0;  // Of these.

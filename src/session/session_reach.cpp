@@ -39,12 +39,20 @@ Carriers& Session::Core::Reach() {
   carriers_ = std::make_unique<Carriers>(OptionsForCarriers(), *this, *log_);
   for (auto& [name, outlet] : outlets_) outlet->Join(*carriers_);
   for (const auto& outlet : service_outlets_) outlet->Join(*carriers_);
+  snapshots_.emplace(publisher_, log_, host_clocks_, SnapshotPublisher::Means{[this] { return Snapshot(); }, Later()});
+  snapshots_->outlet()->Join(*carriers_);
   for (auto& [name, inflow] : inflows_) {
     if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
     inflow.inlet->Join(*carriers_, Combine(inflow.wanted));
     inflow.joined = true;
   }
   return *carriers_;
+}
+
+std::function<void(std::chrono::nanoseconds, std::function<void()>)> Session::Core::Later() {
+  return [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
+    errands_->PostIn(delay, std::move(errand));
+  };
 }
 
 CarrierOptions Session::Core::OptionsForCarriers() {
@@ -92,9 +100,7 @@ CarrierOptions Session::Core::OptionsForCarriers() {
     beacon.interfaces = config_.discovery.lan_interfaces;
   }
   options.on_announcements = [this] { services_->OnAnnouncements(); };
-  options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
-    errands_->PostIn(delay, std::move(errand));
-  };
+  options.later = Later();
   return options;
 }
 

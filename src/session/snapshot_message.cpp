@@ -1,0 +1,73 @@
+#include "hgros/session/snapshot_message.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "hgros/clock/time.hpp"
+#include "hgros/discovery/announcement.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr double kMiddle = 0.5;
+constexpr double kAlmostAll = 0.99;
+
+void Fill(Snapshot::Node& message, const NodeSnapshot& node) {
+  message.set_name(node.name);
+  message.set_serial(node.invoke == Invoke::kSerial);
+  message.set_lossless(node.queue.lossless());
+  message.set_queue_depth(node.queue.depth());
+  message.set_received(node.received);
+  message.set_dropped(node.dropped);
+  message.set_run(node.run);
+  message.set_failed(node.failed);
+  message.set_queued(node.queued);
+  message.set_wait_p50_ns(node.queue_wait.Quantile(kMiddle));
+  message.set_wait_p99_ns(node.queue_wait.Quantile(kAlmostAll));
+  message.set_run_p50_ns(node.run_time.Quantile(kMiddle));
+  message.set_run_p99_ns(node.run_time.Quantile(kAlmostAll));
+}
+
+void Fill(Snapshot::Channel& message, const ChannelTraffic& traffic) {
+  message.set_sent(traffic.out.sent);
+  message.set_send_dropped(traffic.out.dropped + traffic.out.missed);
+  std::uint64_t lost = 0;
+  for (const PublisherTraffic& publisher : traffic.in) lost += publisher.lost;
+  message.set_lost(lost);
+  message.set_faults(std::accumulate(traffic.faults.begin(), traffic.faults.end(), std::uint64_t{0}));
+  message.set_transport_p50_ns(traffic.transport.Quantile(kMiddle));
+  message.set_transport_p99_ns(traffic.transport.Quantile(kAlmostAll));
+}
+
+}  // namespace
+
+Snapshot ToMessage(const SessionSnapshot& snapshot) {
+  const Announcement self = AnnouncementOfThisProcess(snapshot.id, 0);
+  Snapshot message;
+  message.set_session(snapshot.id.value);
+  message.set_process(snapshot.name);
+  message.set_host(self.host);
+  message.set_pid(self.pid);
+  message.set_time_ns(WallNow().nanoseconds);
+  message.set_steady_ns(MonotonicNow());
+  for (const ChannelSnapshot& channel : snapshot.graph.channels) {
+    Snapshot::Channel& one = *message.add_channels();
+    one.set_name(channel.name);
+    one.set_type(channel.type);
+    one.set_published(channel.published);
+    one.set_refused(channel.refused);
+    one.set_received(channel.received);
+    for (const NodeSnapshot& node : channel.nodes) Fill(*one.add_nodes(), node);
+    const auto traffic = std::ranges::lower_bound(snapshot.traffic, channel.name, {}, &ChannelTraffic::channel);
+    if (traffic != snapshot.traffic.end() && traffic->channel == channel.name) Fill(one, *traffic);
+  }
+  for (const ServiceSnapshot& service : snapshot.services) {
+    Snapshot::Service& one = *message.add_services();
+    one.set_name(service.name);
+    one.set_unhandled_requests(service.unhandled_requests);
+    one.set_dropped_replies(service.dropped_replies);
+  }
+  return message;
+}
+
+}  // namespace hgros

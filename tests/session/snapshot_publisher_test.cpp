@@ -1,0 +1,95 @@
+// What sessions tell each other of what they count.
+#include <map>
+#include <mutex>
+
+#include <foxglove/Vector3.pb.h>
+
+#include "hgros/session/snapshot_message.hpp"
+#include "session/observed_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using foxglove::Vector3;
+using test::Await;
+using test::kSerial;
+
+class SnapshotPublishers : public test::ObservedFixture {
+ protected:
+  // What the observer has heard last of a session, and how often.
+  struct Heard {
+    Snapshot last;
+    int times = 0;
+  };
+
+  [[nodiscard]] Subscription Listen() {
+    return observer->session->FromAny<Snapshot>(kSnapshotsChannel, kSerial,
+                                                [this](const Snapshot& snapshot, const MessageInfo& info) {
+                                                  const std::scoped_lock lock(mutex_);
+                                                  Heard& heard = heard_[info.id.publisher];
+                                                  heard.last = snapshot;
+                                                  ++heard.times;
+                                                });
+  }
+  [[nodiscard]] Heard Of(const Session& session) {
+    const std::scoped_lock lock(mutex_);
+    return heard_[session.id().value];
+  }
+  [[nodiscard]] Snapshot::Channel ChannelOf(const Session& session, const std::string& name) {
+    const Heard heard = Of(session);
+    for (const Snapshot::Channel& channel : heard.last.channels()) {
+      if (channel.name() == name) return channel;
+    }
+    return {};
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint64_t, Heard> heard_;
+};
+
+TEST_P(SnapshotPublishers, TellWhatTheySendAndWhatTheirNodesDid) {
+  Begin();
+  Session& session = *robot->session;
+  const auto node = session.FromAny<Vector3>("v", kSerial, [](const Vector3&) {}, {.name = "eater"});
+  const auto publish = session.Advertise<Vector3>("v");
+  const auto outside = observer->session->FromAny<Vector3>("v", kSerial, [](const Vector3&) {});
+  ASSERT_TRUE(session.WaitForSubscribers("v", 2, std::chrono::seconds(30)));
+  const auto listening = Listen();
+  for (int i = 0; i < 5; ++i) ASSERT_EQ(publish(Vector3()), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] {
+    const auto channel = ChannelOf(session, "v");
+    return channel.published() == 5 && channel.sent() == 5 && channel.nodes_size() == 1 && channel.nodes(0).run() == 5;
+  }));
+  EXPECT_EQ(Of(session).last.process(), "robot");
+  EXPECT_EQ(Of(session).last.session(), session.id().value);
+  EXPECT_EQ(Of(session).last.pid(), getpid());
+  EXPECT_EQ(ChannelOf(session, "v").type(), "foxglove.Vector3");
+  EXPECT_EQ(ChannelOf(session, "v").nodes(0).name(), "eater");
+}
+
+TEST_P(SnapshotPublishers, TellItAgainWhileSomebodySubscribesAndToWhoComesLater) {
+  Begin();
+  const auto publish = robot->session->Advertise<Vector3>("v");
+  {
+    const auto listening = Listen();
+    ASSERT_TRUE(Await([&] { return Of(*robot->session).times >= 2; }));
+  }
+  EXPECT_GT(Of(*robot->session).last.steady_ns(), 0);
+  ASSERT_EQ(publish(Vector3()), PublishStatus::kOk);
+  const auto again = Listen();
+  EXPECT_TRUE(Await([&] { return ChannelOf(*robot->session, "v").published() == 1; }));
+}
+
+TEST_P(SnapshotPublishers, AreListedAmongTheLibrarysOwnChannels) {
+  Begin();
+  const auto publish = robot->session->Advertise<Vector3>("v");
+  ASSERT_TRUE(Await([&] { return IsPublished(std::string(kSnapshotsChannel)) && IsPublished("v"); }));
+  EXPECT_EQ(Known(std::string(kSnapshotsChannel))->type_name, "hgros.Snapshot");
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, SnapshotPublishers, testing::Values("sharedmemory", "ipc", "tcp"),
+                         [](const auto& over) { return over.param; });
+
+}  // namespace
+}  // namespace hgros
