@@ -12,12 +12,27 @@ namespace {
 
 constexpr auto kPeriod = std::chrono::seconds(1);
 
+// The type as it is announced. Without fingerprint, which is made of the schema: to build that costs a process that is
+// not observed half a megabyte.
+const TypeInfo& AnnouncedType() {
+  static const TypeInfo announced = [] {
+    TypeInfo info;
+    info.name = "hgros.Snapshot";
+    info.encoding = Encoding::kProtobuf;
+    info.cpp_type = typeid(Snapshot);
+    info.descriptor_set = [] { return TypeOf<Snapshot>().descriptor_set(); };
+    info.descriptor = [] { return TypeOf<Snapshot>().descriptor(); };
+    return info;
+  }();
+  return announced;
+}
+
 }  // namespace
 
 SnapshotPublisher::SnapshotPublisher(MessageId publisher, const std::shared_ptr<Log>& log,
                                      const std::shared_ptr<const HostClocks>& clocks, Means means)
     : means_(std::move(means)),
-      outlet_(std::make_shared<ChannelOutlet>(std::string(kSnapshotsChannel), TypeOf<Snapshot>(), publisher, log,
+      outlet_(std::make_shared<ChannelOutlet>(std::string(kSnapshotsChannel), AnnouncedType(), publisher, log,
                                               OutletEvents{[] {}, [this] { TellSoon({}); }, [] { return true; }},
                                               clocks)) {}
 
@@ -29,7 +44,7 @@ void SnapshotPublisher::TellSoon(std::chrono::nanoseconds delay) {
 void SnapshotPublisher::Tell() {
   // A subscriber whose queue is lossless and full gets the next one.
   if (outlet_->subscriber_count() > 0 && outlet_->Reserve() == PublishStatus::kOk) {
-    outlet_->Commit(std::make_shared<Snapshot>(ToMessage(means_.count())), outlet_->type());
+    outlet_->Commit(std::make_shared<Snapshot>(ToMessage(means_.count())), TypeOf<Snapshot>());
   }
   telling_ = false;
   TellSoon(kPeriod);

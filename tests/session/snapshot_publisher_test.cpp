@@ -4,6 +4,7 @@
 
 #include <foxglove/Vector3.pb.h>
 
+#include "hgros/codec/dynamic_schema.hpp"
 #include "hgros/session/snapshot_message.hpp"
 #include "session/observed_fixture.hpp"
 
@@ -85,7 +86,17 @@ TEST_P(SnapshotPublishers, AreListedAmongTheLibrarysOwnChannels) {
   Begin();
   const auto publish = robot->session->Advertise<Vector3>("v");
   ASSERT_TRUE(Await([&] { return IsPublished(std::string(kSnapshotsChannel)) && IsPublished("v"); }));
-  EXPECT_EQ(Known(std::string(kSnapshotsChannel))->type_name, "hgros.Snapshot");
+  const KnownChannel known = *Known(std::string(kSnapshotsChannel));
+  EXPECT_EQ(known.type_name, TypeOf<Snapshot>().name);
+  EXPECT_EQ(known.encoding, Encoding::kProtobuf);
+}
+
+TEST_P(SnapshotPublishers, BringTheirSchemaToWhoReadsThemWithoutTheClass) {
+  Begin();
+  const auto schema = observer->session->AwaitSchema(kSnapshotsChannel, std::chrono::seconds(30));
+  ASSERT_NE(schema, nullptr);
+  std::string fault;
+  EXPECT_NE(DynamicSchema::Build(*schema, fault), nullptr) << fault;
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, SnapshotPublishers, testing::Values("sharedmemory", "ipc", "tcp"),
