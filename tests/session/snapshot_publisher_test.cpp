@@ -93,6 +93,7 @@ TEST_P(SnapshotPublishers, AreListedAmongTheLibrarysOwnChannels) {
 
 TEST_P(SnapshotPublishers, BringTheirSchemaToWhoReadsThemWithoutTheClass) {
   Begin();
+  const auto publish = robot->session->Advertise<Vector3>("v");
   const auto schema = observer->session->AwaitSchema(kSnapshotsChannel, std::chrono::seconds(30));
   ASSERT_NE(schema, nullptr);
   std::string fault;
