@@ -1,23 +1,25 @@
 #include "viewer/data/hypergraph.hpp"
 
 #include <algorithm>
-#include <cstdint>
+#include <compare>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "viewer/data/cut_text.hpp"
 
 namespace hgros::viewer {
 namespace {
 
-std::uint64_t DroppedBy(const SessionSnapshot& own, const std::string& channel) {
-  std::uint64_t dropped = 0;
-  for (const ChannelSnapshot& one : own.graph.channels) {
-    if (one.name != channel) continue;
-    for (const NodeSnapshot& node : one.nodes) dropped += node.dropped;
-  }
-  return dropped;
-}
+using Counts = Hypergraph::Counts;
+
+/// A process, or one of its nodes on one channel.
+struct Vertex {
+  std::uint64_t session = 0;
+  std::string channel;  ///< Of a node.
+  std::string node;
+  auto operator<=>(const Vertex&) const = default;
+};
 
 bool Disagrees(const KnownChannel& channel, const ChannelUser& user) {
   return !user.type_name.empty() &&
@@ -25,45 +27,130 @@ bool Disagrees(const KnownChannel& channel, const ChannelUser& user) {
           (user.fingerprint != 0 && channel.fingerprint != 0 && user.fingerprint != channel.fingerprint));
 }
 
+Counts OfPublisher(const SessionCounts::Use& use) {
+  Counts counts;
+  counts.messages = use.published.messages;
+  counts.per_second = use.published.per_second;
+  counts.refused = use.refused;
+  counts.dropped = use.send_dropped;
+  return counts;
+}
+
+Counts OfNode(const SessionCounts::Node& node, const SessionCounts::Use& use) {
+  Counts counts;
+  counts.lost = use.lost;
+  counts.unreadable = use.faults;
+  counts.messages = node.received.messages;
+  counts.per_second = node.received.per_second;
+  counts.dropped = node.dropped;
+  counts.failed = node.failed;
+  counts.run_p99_ns = node.run_p99_ns;
+  return counts;
+}
+
+/// What reaches its busiest node, which also gets what the process publishes itself.
+Counts OfSubscriber(const SessionCounts::Use& use) {
+  Counts counts;
+  counts.messages = use.received.messages;
+  counts.per_second = use.received.per_second;
+  for (const SessionCounts::Node& node : use.nodes) {
+    if (node.received.messages >= counts.messages) {
+      counts.messages = node.received.messages;
+      counts.per_second = node.received.per_second;
+    }
+    counts.dropped += node.dropped;
+    counts.failed += node.failed;
+    counts.run_p99_ns = std::max(counts.run_p99_ns, node.run_p99_ns);
+  }
+  counts.lost = use.lost;
+  counts.unreadable = use.faults;
+  return counts;
+}
+
+class Maker {
+ public:
+  Maker(SessionId own, const SessionCounts& counts, HypergraphDetail detail)
+      : own_(own), counts_(counts), detail_(detail) {}
+
+  void Add(const KnownChannel& channel) {
+    if (!detail_.inner && channel.name.starts_with("hgros/")) return;
+    const std::size_t place = graph_.channels.size();
+    graph_.channels.push_back({channel.name, channel.type_name, false, {}});
+    for (const ChannelUser& user : channel.publishers) AddPublisher(channel, user, place);
+    for (const ChannelUser& user : channel.subscribers) AddSubscriber(channel, user, place);
+  }
+
+  // Until now lines name the places of processes in the order in which they came.
+  [[nodiscard]] Hypergraph Done() && {
+    std::vector<std::size_t> order(graph_.processes.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::ranges::sort(order, {}, [&](std::size_t i) {
+      const Hypergraph::Process& process = graph_.processes[i];
+      return std::tie(process.name, process.session.value, process.node);
+    });
+    std::vector<Hypergraph::Process> sorted;
+    std::vector<std::size_t> places(order.size());
+    for (const std::size_t i : order) {
+      places[i] = sorted.size();
+      sorted.push_back(std::move(graph_.processes[i]));
+    }
+    graph_.processes = std::move(sorted);
+    for (Hypergraph::Line& line : graph_.lines) line.process = places[line.process];
+    return std::move(graph_);
+  }
+
+ private:
+  std::size_t PlaceOf(const ChannelUser& user, const std::string& channel, const std::string& node) {
+    const auto [entry, added] = places_.try_emplace(
+        Vertex{user.session.value, node.empty() ? std::string() : channel, node}, graph_.processes.size());
+    if (added) {
+      graph_.processes.push_back({user.session, std::string(CutText(user.process)), std::string(CutText(user.host)),
+                                  user.pid, user.session == own_, node});
+    }
+    return entry->second;
+  }
+
+  void AddPublisher(const KnownChannel& channel, const ChannelUser& user, std::size_t place) {
+    Hypergraph::Channel& added = graph_.channels[place];
+    added.types_differ = added.types_differ || Disagrees(channel, user);
+    Hypergraph::Line line{PlaceOf(user, channel.name, {}), place, true, false};
+    if (const SessionCounts::Use* const use = counts_.Find(user.session.value, channel.name)) {
+      line.counts = OfPublisher(*use);
+      if (line.counts->per_second) added.per_second = added.per_second.value_or(0) + *line.counts->per_second;
+    }
+    graph_.lines.push_back(line);
+  }
+
+  void AddSubscriber(const KnownChannel& channel, const ChannelUser& user, std::size_t place) {
+    Hypergraph::Channel& added = graph_.channels[place];
+    added.types_differ = added.types_differ || Disagrees(channel, user);
+    const SessionCounts::Use* const use = counts_.Find(user.session.value, channel.name);
+    if (detail_.nodes && use != nullptr && !use->nodes.empty()) {
+      for (const SessionCounts::Node& node : use->nodes) {
+        const bool unnamed = node.name.starts_with(channel.name + "#");
+        const std::string name = unnamed ? node.name.substr(channel.name.size()) : node.name;
+        graph_.lines.push_back({PlaceOf(user, channel.name, name), place, false, user.lossless, OfNode(node, *use)});
+      }
+      return;
+    }
+    graph_.lines.push_back({PlaceOf(user, channel.name, {}), place, false, user.lossless,
+                            use == nullptr ? std::nullopt : std::optional(OfSubscriber(*use))});
+  }
+
+  const SessionId own_;
+  const SessionCounts& counts_;
+  const HypergraphDetail detail_;
+  Hypergraph graph_;
+  std::map<Vertex, std::size_t> places_;
+};
+
 }  // namespace
 
-Hypergraph MakeHypergraph(const std::vector<KnownChannel>& channels, const SessionSnapshot& own, Inner inner) {
-  Hypergraph graph;
-  std::map<std::uint64_t, Hypergraph::Process> users;
-  const auto shown = [&](const KnownChannel& channel) {
-    return inner == Inner::kShown || !channel.name.starts_with("hgros/");
-  };
-  for (const KnownChannel& channel : channels) {
-    if (!shown(channel)) continue;
-    for (const auto* side : {&channel.publishers, &channel.subscribers}) {
-      for (const ChannelUser& user : *side) {
-        users.try_emplace(user.session.value,
-                          Hypergraph::Process{user.session, std::string(CutText(user.process)),
-                                              std::string(CutText(user.host)), user.pid, user.session == own.id});
-      }
-    }
-  }
-  for (const auto& [id, process] : users) graph.processes.push_back(process);
-  std::ranges::stable_sort(graph.processes, {}, &Hypergraph::Process::name);
-  std::map<std::uint64_t, std::size_t> places;
-  for (std::size_t i = 0; i < graph.processes.size(); ++i) places[graph.processes[i].session.value] = i;
-
-  for (const KnownChannel& channel : channels) {
-    if (!shown(channel)) continue;
-    const std::size_t place = graph.channels.size();
-    Hypergraph::Channel& added =
-        graph.channels.emplace_back(Hypergraph::Channel{channel.name, channel.type_name, false});
-    for (const ChannelUser& user : channel.publishers) {
-      added.types_differ = added.types_differ || Disagrees(channel, user);
-      graph.lines.push_back({places.at(user.session.value), place, true, false, 0});
-    }
-    for (const ChannelUser& user : channel.subscribers) {
-      added.types_differ = added.types_differ || Disagrees(channel, user);
-      graph.lines.push_back({places.at(user.session.value), place, false, user.lossless,
-                             user.session == own.id ? DroppedBy(own, channel.name) : 0});
-    }
-  }
-  return graph;
+Hypergraph MakeHypergraph(const std::vector<KnownChannel>& channels, SessionId own, const SessionCounts& counts,
+                          HypergraphDetail detail) {
+  Maker maker(own, counts, detail);
+  for (const KnownChannel& channel : channels) maker.Add(channel);
+  return std::move(maker).Done();
 }
 
 }  // namespace hgros::viewer

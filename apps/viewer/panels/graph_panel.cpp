@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
-#include <map>
 #include <memory>
+#include <set>
 
+#include "hgros/session/snapshot_message.hpp"
 #include "viewer/data/hypergraph.hpp"
 #include "viewer/data/hypergraph_layout.hpp"
+#include "viewer/data/inbox.hpp"
 #include "viewer/data/quantity_text.hpp"
 #include "viewer/panels/panel_types.hpp"
 #include "viewer/panels/text_lines.hpp"
@@ -31,29 +34,51 @@ std::string Fitting(const std::string& text, float width) {
   return cut + "...";
 }
 
+std::string Rate(double per_second) { return RateText(per_second >= 10 ? std::round(per_second) : per_second); }
+
+/// What a session has told. The channel's messages alone say who tells.
+struct Telling {
+  std::uint64_t session;
+  Snapshot snapshot;
+};
+constexpr std::size_t kMostWaiting = 1024;
+
 /// Processes and channels, and the lines between them.
 class GraphPanel : public Panel {
  public:
-  explicit GraphPanel(const PanelInputs& inputs) : session_(inputs.session), wake_(inputs.wake) {}
+  explicit GraphPanel(const PanelInputs& inputs) : session_(inputs.session), wake_(inputs.wake) {
+    subscription_ = session_.FromAny<Snapshot>(
+        kSnapshotsChannel, Invoke::kConcurrent,
+        [inbox = inbox_](const Snapshot& snapshot, const MessageInfo& info) {
+          inbox->Put(std::make_shared<Telling>(Telling{info.id.publisher, snapshot}), snapshot.ByteSizeLong());
+        },
+        {.queue = Queue::KeepLast(kMostWaiting)});
+  }
 
   void Update(const PanelContext& context) override {
-    const SessionSnapshot own = session_.Snapshot();
-    TakeRates(own, context.now_s);
     updated_s_ = context.now_s;
-    graph_ = MakeHypergraph(
-        inner_ ? session_.Channels() : std::vector<KnownChannel>(context.channels.begin(), context.channels.end()), own,
-        inner_ ? Inner::kShown : Inner::kLeftOut);
+    const SessionSnapshot own = session_.Snapshot();
+    counts_.Take(own.id.value, ToMessage(own));
+    for (const auto& telling : inbox_->TakeAll()) counts_.Take(telling->session, telling->snapshot);
+    const auto channels =
+        inner_ ? session_.Channels() : std::vector<KnownChannel>(context.channels.begin(), context.channels.end());
+    counts_.Keep(SessionsIn(channels));
+    graph_ = MakeHypergraph(channels, own.id, counts_, {.inner = inner_, .nodes = nodes_});
     if (!with_viewer_) LeaveOutViewer();
     layout_ = LayOut(graph_);
   }
   [[nodiscard]] double next_change_s() const override { return updated_s_ + kTickS; }
 
   void Draw(PanelWish& wish) override {
+    if (ImGui::Checkbox("nodes", &nodes_)) Again();
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Who subscribes, node by node");
+    ImGui::SameLine();
     if (ImGui::Checkbox("this viewer", &with_viewer_)) Again();
     ImGui::SameLine();
     if (ImGui::Checkbox("the library's own channels", &inner_)) Again();
     ImGui::SameLine();
-    ImGui::TextDisabled("%zu processes, %zu channels", graph_.processes.size(), graph_.channels.size());
+    ImGui::TextDisabled("%zu %s, %zu channels", graph_.processes.size(), nodes_ ? "processes and nodes" : "processes",
+                        graph_.channels.size());
     if (layout_.links.empty()) {
       DrawNote("Nobody publishes or subscribes to anything yet.");
       return;
@@ -63,28 +88,26 @@ class GraphPanel : public Panel {
   }
 
   [[nodiscard]] State Settings() const override {
-    return {{"viewer", with_viewer_ ? "on" : "off"}, {"own channels", inner_ ? "on" : "off"}};
+    return {{"nodes", nodes_ ? "on" : "off"},
+            {"viewer", with_viewer_ ? "on" : "off"},
+            {"own channels", inner_ ? "on" : "off"}};
   }
   [[nodiscard]] std::string Set(const std::string& name, const std::string& value) override {
-    if (value != "on" && value != "off") return name + " is on or off, not \"" + value + "\".";
-    if (name == "viewer") {
-      with_viewer_ = value == "on";
-    } else if (name == "own channels") {
-      inner_ = value == "on";
-    } else {
-      return "The panel Graph has no setting \"" + name + "\"; there are viewer and own channels.";
+    bool* const setting = name == "nodes"          ? &nodes_
+                          : name == "viewer"       ? &with_viewer_
+                          : name == "own channels" ? &inner_
+                                                   : nullptr;
+    if (setting == nullptr) {
+      return "The panel Graph has no setting \"" + name + "\"; there are nodes, viewer and own channels.";
     }
+    if (value != "on" && value != "off") return name + " is on or off, not \"" + value + "\".";
+    *setting = value == "on";
     return {};
   }
 
  private:
   static constexpr double kTickS = 1;
 
-  struct Flow {
-    std::uint64_t received = 0;
-    double rate = 0;
-    std::uint64_t lost = 0;
-  };
   /// Where the boxes stand.
   struct Grid {
     ImVec2 corner;
@@ -99,20 +122,13 @@ class GraphPanel : public Panel {
     wake_();
   }
 
-  // What this session receives is all that it can count.
-  void TakeRates(const SessionSnapshot& own, double now_s) {
-    const double passed = now_s - updated_s_;
-    for (const ChannelSnapshot& channel : own.graph.channels) {
-      Flow& flow = flows_[channel.name];
-      const bool known = flow.received > 0 && channel.received >= flow.received && passed > 0.1 && passed < 10;
-      if (known) flow.rate = static_cast<double>(channel.received - flow.received) / passed;
-      flow.received = channel.received;
+  [[nodiscard]] static std::set<std::uint64_t> SessionsIn(const std::vector<KnownChannel>& channels) {
+    std::set<std::uint64_t> sessions;
+    for (const KnownChannel& channel : channels) {
+      for (const ChannelUser& user : channel.publishers) sessions.insert(user.session.value);
+      for (const ChannelUser& user : channel.subscribers) sessions.insert(user.session.value);
     }
-    for (const ChannelTraffic& traffic : own.traffic) {
-      Flow& flow = flows_[traffic.channel];
-      flow.lost = 0;
-      for (const PublisherTraffic& publisher : traffic.in) flow.lost += publisher.lost;
-    }
+    return sessions;
   }
 
   void LeaveOutViewer() {
@@ -172,7 +188,7 @@ class GraphPanel : public Panel {
     const Hypergraph::Line& line = graph_.lines[link.line];
     const bool any = pointed < layout_.boxes.size();
     const bool lit = any && (link.from == pointed || link.to == pointed);
-    const ImU32 color = lit ? kLit : any ? kFaded : line.dropped > 0 ? kFault : kLine;
+    const ImU32 color = lit ? kLit : any ? kFaded : line.counts && line.counts->has_faults() ? kFault : kLine;
     list.AddBezierCubic(begin, {begin.x + bow, begin.y}, {end.x - bow, end.y}, end, color,
                         lit || line.lossless ? 2.2F : 1.3F);
     const float tip = 0.3F * ImGui::GetFontSize();
@@ -192,62 +208,106 @@ class GraphPanel : public Panel {
     }
     const float font = ImGui::GetFontSize();
     const float y = lo.y + 0.5F * (grid.box_height - font);
-    const std::string figures = channel ? FiguresOf(graph_.channels[box.index].name) : std::string();
+    const std::string figures = channel ? FiguresOf(graph_.channels[box.index]) : std::string();
     const float room = figures.empty() ? 0 : ImGui::CalcTextSize(figures.c_str()).x + 0.5F * font;
-    const std::string& name = channel ? graph_.channels[box.index].name : graph_.processes[box.index].name;
+    const std::string name = channel ? graph_.channels[box.index].name : NameOf(graph_.processes[box.index]);
     list.AddText({lo.x + 0.6F * font, y}, ImGui::GetColorU32(ImGuiCol_Text),
                  Fitting(name, grid.box_width - 1.2F * font - room).c_str());
     if (figures.empty()) return;
     list.AddText({hi.x - room - 0.1F * font, y}, ImGui::GetColorU32(ImGuiCol_TextDisabled), figures.c_str());
   }
 
-  [[nodiscard]] std::string FiguresOf(const std::string& channel) const {
-    const auto flow = flows_.find(channel);
-    if (flow == flows_.end() || flow->second.received == 0) return {};
-    const double rate = flow->second.rate;
-    return RateText(rate >= 10 ? std::round(rate) : rate);
+  /// Two sessions of one name are told apart by the numbers of their processes.
+  [[nodiscard]] std::string NameOf(const Hypergraph::Process& process) const {
+    std::string name = process.name;
+    const bool ambiguous = std::ranges::any_of(graph_.processes, [&](const Hypergraph::Process& other) {
+      return other.name == process.name && other.session != process.session;
+    });
+    if (ambiguous) name += " " + std::to_string(process.pid);
+    if (process.node.empty()) return name;
+    return name + (process.node.starts_with('#') ? " " : ": ") + process.node;
+  }
+
+  [[nodiscard]] static std::string FiguresOf(const Hypergraph::Channel& channel) {
+    return channel.per_second ? Rate(*channel.per_second) : std::string();
   }
 
   void Explain(const HypergraphLayout::Box& box, PanelWish& wish) const {
     ImGui::BeginTooltip();
-    if (box.column != HypergraphLayout::Column::kChannels) {
+    const bool is_channel = box.column == HypergraphLayout::Column::kChannels;
+    if (!is_channel) {
       const Hypergraph::Process& process = graph_.processes[box.index];
-      ImGui::TextUnformatted(process.name.c_str());
+      ImGui::TextUnformatted(NameOf(process).c_str());
       ImGui::TextDisabled("process %lld on %s\nsession %s", static_cast<long long>(process.pid), process.host.c_str(),
                           process.session.ToString().c_str());
     } else {
       const Hypergraph::Channel& channel = graph_.channels[box.index];
       ImGui::TextUnformatted(channel.name.c_str());
       ImGui::TextDisabled("%s", channel.type.empty() ? "nobody has said its type" : channel.type.c_str());
-      if (channel.types_differ) DrawWarning("Its users do not agree on the type.");
-      if (const auto flow = flows_.find(channel.name); flow != flows_.end() && flow->second.received > 0) {
-        ImGui::TextDisabled("%llu messages here, %llu lost on the way",
-                            static_cast<unsigned long long>(flow->second.received),
-                            static_cast<unsigned long long>(flow->second.lost));
-      }
-      ExplainDrops(box.index);
+      if (channel.types_differ) DrawWarning("Its users do not agree on the type: nothing passes between these.");
+    }
+    ExplainLines(box);
+    if (is_channel) {
       ImGui::TextDisabled("%s", "A click shows its messages.");
-      if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) wish.message = channel.name;
+      if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) wish.message = graph_.channels[box.index].name;
     }
     ImGui::EndTooltip();
   }
 
-  void ExplainDrops(std::size_t channel) const {
-    std::uint64_t dropped = 0;
-    for (const Hypergraph::Line& line : graph_.lines) dropped += line.channel == channel ? line.dropped : 0;
-    if (dropped > 0) {
-      ImGui::TextDisabled("%llu dropped by full queues of this viewer", static_cast<unsigned long long>(dropped));
+  /// What the users of a channel count, or what a process counts of its channels.
+  void ExplainLines(const HypergraphLayout::Box& box) const {
+    const bool is_channel = box.column == HypergraphLayout::Column::kChannels;
+    std::size_t shown = 0;
+    std::size_t left_out = 0;
+    for (const Hypergraph::Line& line : graph_.lines) {
+      const bool publishers = box.column == HypergraphLayout::Column::kPublishers;
+      if (is_channel ? line.channel != box.index : line.process != box.index || line.publishes != publishers) continue;
+      if (shown == kMostLines) {
+        ++left_out;
+        continue;
+      }
+      ++shown;
+      const std::string who = is_channel ? NameOf(graph_.processes[line.process]) : graph_.channels[line.channel].name;
+      const ImVec4 color = ImGui::ColorConvertU32ToFloat4(line.counts && line.counts->has_faults() ? kFault : kFigures);
+      ImGui::TextColored(color, "%s", (who + ": " + TextOf(line)).c_str());
     }
+    if (left_out > 0) ImGui::TextDisabled("and %zu more", left_out);
   }
+
+  [[nodiscard]] static std::string TextOf(const Hypergraph::Line& line) {
+    if (!line.counts) return line.publishes ? "publishes; has not told how much" : "subscribes; has not told how much";
+    const Hypergraph::Counts& counts = *line.counts;
+    std::string text = line.publishes ? "publishes " : "receives ";
+    text += counts.per_second ? Rate(*counts.per_second) + ", " : "";
+    text += std::to_string(counts.messages) + " in all";
+    const auto add = [&text](std::uint64_t count, const char* what) {
+      if (count > 0) text += ", " + std::to_string(count) + what;
+    };
+    add(counts.refused, " refused");
+    add(counts.lost, " lost on the way");
+    add(counts.unreadable, " unreadable");
+    add(counts.dropped, line.publishes ? " dropped on the way out" : " dropped by full queues");
+    add(counts.failed, " callbacks failed");
+    if (counts.run_p99_ns > 0) {
+      text += ", callbacks up to " + DurationText(std::chrono::nanoseconds(counts.run_p99_ns));
+    }
+    return text + (line.lossless ? " (lossless)" : "");
+  }
+
+  static constexpr std::size_t kMostLines = 16;
+  static constexpr ImU32 kFigures = IM_COL32(190, 200, 215, 255);
 
   Session& session_;
   const std::function<void()> wake_;
   Hypergraph graph_;
   HypergraphLayout layout_;
-  std::map<std::string, Flow> flows_;
+  SessionCounts counts_;
+  const std::shared_ptr<Inbox<Telling>> inbox_ = std::make_shared<Inbox<Telling>>(kMostWaiting);
+  bool nodes_ = false;
   bool with_viewer_ = true;
   bool inner_ = false;
   double updated_s_ = 0;
+  Subscription subscription_;
 };
 
 }  // namespace

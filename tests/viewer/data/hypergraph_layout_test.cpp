@@ -31,7 +31,7 @@ int Crossings(const HypergraphLayout& layout) {
 
 TEST(HypergraphLayout, PutsAProcessThatDoesBothOnBothSides) {
   Hypergraph graph = Graph(1, 2);
-  graph.lines = {{0, 0, true, false, 0}, {0, 1, false, false, 0}};
+  graph.lines = {{0, 0, true, false}, {0, 1, false, false}};
   const HypergraphLayout layout = LayOut(graph);
   ASSERT_EQ(layout.boxes.size(), 4U);
   ASSERT_EQ(layout.links.size(), 2U);
@@ -49,14 +49,14 @@ TEST(HypergraphLayout, IsEmptyForAnEmptyGraph) {
 TEST(HypergraphLayout, UntanglesWhatNeedNotCross) {
   // Process i publishes channel 9 - i.
   Hypergraph graph = Graph(10, 10);
-  for (std::size_t i = 0; i < 10; ++i) graph.lines.push_back({i, 9 - i, true, false, 0});
+  for (std::size_t i = 0; i < 10; ++i) graph.lines.push_back({i, 9 - i, true, false});
   EXPECT_EQ(Crossings(LayOut(graph)), 0);
 }
 
 TEST(HypergraphLayout, GivesEachBoxOfAColumnARowOfItsOwn) {
   std::mt19937 random(3);
   Hypergraph graph = Graph(50, 40);
-  for (int i = 0; i < 150; ++i) graph.lines.push_back({random() % 50, random() % 40, random() % 2 == 0, false, 0});
+  for (int i = 0; i < 150; ++i) graph.lines.push_back({random() % 50, random() % 40, random() % 2 == 0, false});
   const HypergraphLayout layout = LayOut(graph);
   for (std::size_t i = 0; i < layout.boxes.size(); ++i) {
     EXPECT_GE(layout.boxes[i].row, 0);

@@ -56,7 +56,7 @@ TEST_F(PanelDockTest, GivesBackWhatItWasGiven) {
       {"Message", std::nullopt, {{"channel", "a"}, {"unfolded", "pose"}}},
       {"Log", std::nullopt, {{"level", "warning"}, {"source", "driver"}, {"text", "wheel"}, {"follow", "off"}}},
       {"Channels", std::nullopt, {{"measure", "a"}, {"measure", "b"}}},
-      {"Graph", std::nullopt, {{"viewer", "off"}, {"own channels", "on"}}},
+      {"Graph", std::nullopt, {{"nodes", "on"}, {"viewer", "off"}, {"own channels", "on"}}},
   };
   for (const PanelLayout& layout : wanted) EXPECT_EQ(dock_.Restore(layout), "") << layout.name;
   EXPECT_EQ(dock_.Layout(), wanted);

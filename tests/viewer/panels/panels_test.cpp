@@ -1,5 +1,10 @@
+#include <unistd.h>
+
+#include <cstdlib>
+
 #include "foxglove/Log.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
+#include "support/await.hpp"
 #include "viewer/panels/panel_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -97,6 +102,32 @@ TEST_F(PanelsTest, GraphIsReadableWithFiftyProcesses) {
   EXPECT_TRUE(dock_.Update({1, channels}));
   Draw();
   EXPECT_GT(Draw(), 500);
+}
+
+/// Sessions find each other in a domain that nobody else uses.
+struct Domain {
+  Domain() { setenv("HGROS_DOMAIN", ("panels" + std::to_string(getpid())).c_str(), 1); }
+  ~Domain() { setenv("HGROS_DOMAIN", "none", 1); }
+};
+class FoundPanelsTest : private Domain, public PanelTest {};
+
+TEST_F(FoundPanelsTest, GraphShowsTheNodesOfOtherSessions) {
+  Session robot({}, {"robot", [](LogLevel, std::string_view) {}});
+  std::vector<Subscription> nodes;
+  for (int i = 0; i < 8; ++i) {
+    nodes.push_back(
+        robot.FromAny<foxglove::PoseInFrame>("odometry", Invoke::kSerial, [](const foxglove::PoseInFrame&) {}));
+  }
+  Open("Graph");
+  double now_s = 0;
+  const auto drawn = [&](const char* by_node) {
+    EXPECT_EQ(Open("Graph").Set("nodes", by_node), "");
+    std::vector<KnownChannel> channels = session_.Channels();
+    std::erase_if(channels, [](const KnownChannel& channel) { return channel.name.starts_with("hgros/"); });
+    (void)dock_.Update({now_s += 2, channels});
+    return Draw();
+  };
+  EXPECT_TRUE(hgros::test::Await([&] { return drawn("on") > drawn("off") + 7 * 24; })) << "seven boxes more";
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <hgros/Snapshot.pb.h>
+
+namespace hgros::viewer {
+
+/// What sessions count, as they tell it: the counts and, from the second time on, how fast they grow. What a session
+/// says is not checked, only bounded.
+/// Thread safety: none.
+class SessionCounts {
+ public:
+  /// Of one node or one channel, in one direction.
+  struct Flow {
+    std::uint64_t messages = 0;
+    std::optional<double> per_second;  ///< Unknown until the session has told twice.
+  };
+  struct Node {
+    std::string name;
+    Flow received;
+    std::uint64_t dropped = 0;  ///< By its full queue.
+    std::uint64_t failed = 0;   ///< Callbacks that ended with an exception.
+    std::uint64_t queued = 0;   ///< Now.
+    std::int64_t run_p50_ns = 0;
+    std::int64_t run_p99_ns = 0;
+  };
+  struct Use {
+    Flow published;
+    std::uint64_t refused = 0;       ///< Of these, not taken: a lossless queue was full, for one.
+    std::uint64_t send_dropped = 0;  ///< On the way out, by full queues of subscribers.
+    Flow received;                   ///< From other sessions.
+    std::uint64_t lost = 0;          ///< Gaps in their numbers.
+    std::uint64_t faults = 0;        ///< Packets that could not be read.
+    std::vector<Node> nodes;         ///< By name; kMaxNodes at most.
+  };
+  static constexpr std::size_t kMaxNodes = 64;
+  static constexpr std::size_t kMaxChannels = 4096;
+
+  void Take(std::uint64_t session, const Snapshot& snapshot);
+  /// Forgets all others.
+  void Keep(const std::set<std::uint64_t>& sessions);
+
+  /// Null if the session has said nothing of it. Until the next Take().
+  [[nodiscard]] const Use* Find(std::uint64_t session, const std::string& channel) const;
+
+ private:
+  struct Told {
+    std::int64_t steady_ns = 0;
+    std::map<std::string, Use> channels;
+  };
+  std::map<std::uint64_t, Told> sessions_;
+};
+
+}  // namespace hgros::viewer
