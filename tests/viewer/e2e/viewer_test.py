@@ -11,6 +11,8 @@ import time
 import unittest
 import zlib
 
+from window_closing import ask_to_close
+
 VIEWER = os.environ["HGROS_VIEWER"]
 PUBLISHER = os.environ["HGROS_VIEWER_PUBLISHER"]
 TALKER = os.environ["HGROS_VIEWER_TALKER"]
@@ -292,6 +294,17 @@ class InAWindow(ViewerCase):
         self.do("windowsize", window, 1, 1)
         viewer.send_signal(signal.SIGTERM)
         self.end(viewer)
+
+    def test_ends_and_keeps_its_layout_when_its_window_is_closed(self):
+        layout = pathlib.Path(self.folder.name, "layout.yaml")
+        layout.write_text("save_on_exit: true\nfixed_frame: map\n")
+        viewer = self.start(VIEWER, "--size", "640x480", "--report", "0.1", "--config", layout)
+        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
+        self.read_until(viewer, lambda figures: float(figures["frames"]) >= 3)
+        self.assertNotIn("camera", layout.read_text())
+        ask_to_close(self.environment["DISPLAY"], int(window))
+        self.end(viewer)
+        self.assertIn("camera", layout.read_text())
 
 
 if __name__ == "__main__":
