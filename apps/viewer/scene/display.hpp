@@ -82,8 +82,10 @@ class Display {
   virtual void DrawNew(const DrawContext& /*context*/) {}
   virtual void DrawSettled(const DrawContext& /*context*/, const Slice& /*slice*/) {}
   virtual void DrawMoving(const DrawContext& /*context*/) {}
-  /// In every frame, too, after everything opaque, whose depth it must leave as it is.
+  /// In every frame, too, after everything opaque, whose depth it must leave as it is; if blends().
   virtual void DrawBlended(const DrawContext& /*context*/) {}
+  /// Something of it can be seen through.
+  [[nodiscard]] virtual bool blends() const { return false; }
   /// Shows what it had `back_s` before the newest that Update took in at `newest_s`, as far as that is kept; 0: all.
   [[nodiscard]] virtual Change LookBack(double /*newest_s*/, double /*back_s*/) { return Change::kNothing; }
   /// From when the oldest is that LookBack can show, on the clock of UpdateContext; infinity: there is nothing.

@@ -90,6 +90,7 @@ class EntityDisplay : public Display {
     if (settling_.moves()) drawn_.Draw(context, Place(), false);
   }
   void DrawBlended(const DrawContext& context) override { drawn_.Draw(context, Place(), true); }
+  [[nodiscard]] bool blends() const override { return true; }
   void Clear() override {
     store_.Clear();
     outdated_ = true;

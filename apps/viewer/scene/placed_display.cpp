@@ -40,9 +40,7 @@ void PlacedDisplay::DrawMoving(const DrawContext& context) {
   if (settling_.moves()) Draw(context, T_fixed_corner(), {});
 }
 
-void PlacedDisplay::DrawBlended(const DrawContext& context) {
-  if (blended() && placement_.known() && !empty()) Draw(context, T_fixed_corner(), {});
-}
+void PlacedDisplay::DrawBlended(const DrawContext& context) { Draw(context, T_fixed_corner(), {}); }
 
 void PlacedDisplay::Clear() {
   Forget();

@@ -20,6 +20,7 @@ class PlacedDisplay : public Display {
   void DrawSettled(const DrawContext& context, const Slice& slice) final;
   void DrawMoving(const DrawContext& context) final;
   void DrawBlended(const DrawContext& context) final;
+  [[nodiscard]] bool blends() const final { return blended() && placement_.known() && !empty(); }
   void Clear() final;
   void OnSetting(const std::string& name) final;
   [[nodiscard]] std::vector<std::string> Status() const final;

@@ -44,6 +44,7 @@ class RobotDisplay : public Display {
   }
   void DrawMoving(const DrawContext& context) override { Draw(context, false); }
   void DrawBlended(const DrawContext& context) override { Draw(context, true); }
+  [[nodiscard]] bool blends() const override { return true; }
   void Clear() override { outdated_ = true; }
 
   [[nodiscard]] std::vector<Setting> Settings() override {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace hgros::viewer {
 namespace {
@@ -125,9 +127,25 @@ void Scene::DrawMoving(const DrawContext& context) {
     if (entry.visible) entry.display->DrawMoving(context);
   }
   if (drawn >= kWorthMeasuring) Measure(drawn, begin);
+  DrawBlended(context);
+}
+
+// What reaches farthest from the eye comes first: a map before the robot on it, whatever is behind before what is in
+// front. What is inside one display keeps its order.
+void Scene::DrawBlended(const DrawContext& context) {
+  std::vector<std::pair<double, Display*>> blended;
   for (Entry& entry : entries_) {
-    if (entry.visible) entry.display->DrawBlended(context);
+    if (!entry.visible || !entry.display->blends()) continue;
+    const Eigen::AlignedBox3d box = entry.display->Bounds();
+    double reach_m = 0;
+    if (!box.isEmpty()) {
+      const Eigen::Vector3d& eye = context.view.eye;
+      reach_m = (box.min() - eye).cwiseAbs().cwiseMax((box.max() - eye).cwiseAbs()).norm();
+    }
+    blended.emplace_back(reach_m, entry.display.get());
   }
+  std::ranges::stable_sort(blended, std::ranges::greater{}, &std::pair<double, Display*>::first);
+  for (const auto& [reach_m, display] : blended) display->DrawBlended(context);
 }
 
 void Scene::Measure(std::size_t drawn, std::chrono::steady_clock::time_point begin) {

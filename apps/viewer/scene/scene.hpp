@@ -74,6 +74,7 @@ class Scene {
  private:
   void DrawSlice(const DrawContext& context);
   void DrawMoving(const DrawContext& context);
+  void DrawBlended(const DrawContext& context);
   void Measure(std::size_t drawn, std::chrono::steady_clock::time_point begin);
   /// So many points are drawn in that time, as far as is known.
   [[nodiscard]] std::size_t Affordable(double ms) const;

@@ -158,6 +158,23 @@ TEST_F(Entities, ThatCanBeSeenThroughAreDrawnAfterTheOthers) {
   ExpectAsKept("scene_see_through");
 }
 
+TEST_F(Entities, OfTwoChannelsAreSeenThroughFromBehindWhateverTheirOrder) {
+  for (const double edge : {1.0, 3.0}) {  // One inside the other.
+    const std::string channel = edge < 2 ? "inner" : "outer";
+    Add("Scene", channel);
+    SceneUpdate update;
+    AddCube(AddEntity(update, channel), 0, 0, edge, 0.5);
+    SetColor(*update.mutable_entities(0)->mutable_cubes(0)->mutable_color(), edge < 2 ? 0.9 : 0.1, 0.2, 0.5, 0.5);
+    Publish(channel, update);
+  }
+  Update();
+  camera_.Zoom(1.6, 160, 120, kPictureSize);
+  const Pixels before = Draw();
+  scene_.MoveUp(1);
+  scene_.Redraw();
+  EXPECT_TRUE(before == Draw());
+}
+
 TEST_F(Entities, OfThePapersShapes) {
   Add("Ground");
   Add("Shapes", "shapes");
