@@ -16,6 +16,8 @@ namespace {
 // A node that nobody has made so long after the session is perhaps a slip of the pen in the configuration.
 constexpr auto kTimeForNodes = std::chrono::seconds(5);
 
+constexpr std::string_view kOwnChannels = "hgros/";
+
 std::string ProgramName() {
   std::ifstream file("/proc/self/comm");
   std::string name;
@@ -145,6 +147,10 @@ Channel& Session::Core::Open(std::string_view name, const TypeInfo& type, const 
 Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where) {
   Channel& channel = graph_->Open(name, type, where);
   if (DataGraph::HasOutlet(channel)) return channel;
+  if (name.starts_with(kOwnChannels)) {
+    throw Error("Channel \"" + std::string(name) + "\" is the library's own: a program cannot publish there.",
+                {where.ToString()}, "Take a name that does not begin with \"" + std::string(kOwnChannels) + "\".");
+  }
   const std::scoped_lock lock(mutex_);
   if (DataGraph::HasOutlet(channel) || closing_) return channel;
   auto outlet = std::make_shared<ChannelOutlet>(
@@ -286,7 +292,7 @@ void Session::Core::Notify() noexcept {
 
 // Who waits for them is about to publish.
 bool Session::Core::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) {
-  if (graph_->NodeCount(channel) > 0 && !closing_) {
+  if (graph_->NodeCount(channel) > 0 && !closing_ && !channel.starts_with(kOwnChannels)) {
     const TypeInfo& type = DataGraph::TypeOfChannel(graph_->Open(channel, AnyType(), CallSite::Current()));
     if (type.encoding != Encoding::kNone) (void)OpenAny(channel, type, CallSite::Current());
   }

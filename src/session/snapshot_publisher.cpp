@@ -32,6 +32,7 @@ const TypeInfo& AnnouncedType() {
 SnapshotPublisher::SnapshotPublisher(MessageId publisher, const std::shared_ptr<Log>& log,
                                      const std::shared_ptr<const HostClocks>& clocks, Means means)
     : means_(std::move(means)),
+      log_(log),
       outlet_(std::make_shared<ChannelOutlet>(std::string(kSnapshotsChannel), AnnouncedType(), publisher, log,
                                               OutletEvents{[] {}, [this] { TellSoon({}); }, [] { return true; }},
                                               clocks)) {}
@@ -42,11 +43,17 @@ void SnapshotPublisher::TellSoon(std::chrono::nanoseconds delay) {
 }
 
 void SnapshotPublisher::Tell() {
-  // A subscriber whose queue is lossless and full gets the next one.
-  if (outlet_->subscriber_count() > 0 && outlet_->Reserve() == PublishStatus::kOk) {
-    outlet_->Commit(std::make_shared<Snapshot>(ToMessage(means_.count())), TypeOf<Snapshot>());
+  if (outlet_->subscriber_count() > 0) {
+    if (outlet_->Reserve() == PublishStatus::kOk) {
+      outlet_->Commit(std::make_shared<Snapshot>(ToMessage(means_.count())), TypeOf<Snapshot>());
+    } else {
+      log_->WriteLimited(LogLevel::kWarning, "snapshots",
+                         "What this session counts was not told to anybody: a subscriber of \"" +
+                             std::string(kSnapshotsChannel) +
+                             "\" whose queue is lossless has no room. Let it subscribe with keep_last.");
+    }
   }
-  telling_ = false;
+  (void)telling_.exchange(false);  // In one order with TellSoon's: either of the two sees the other's subscriber.
   TellSoon(kPeriod);
 }
 

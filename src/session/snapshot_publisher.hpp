@@ -11,7 +11,7 @@
 namespace hgros {
 
 // Tells other sessions once a second what this one counts, while one of them subscribes to that. Until then it is an
-// entry in what the session announces, and nothing else.
+// entry in what the session announces, and nothing else. While a lossless subscriber has no room nobody is told.
 //
 // Thread safety: all functions from any thread.
 class SnapshotPublisher {
@@ -32,6 +32,7 @@ class SnapshotPublisher {
   void Tell();
 
   const Means means_;
+  const std::shared_ptr<Log> log_;
   std::atomic<bool> telling_{false};
   std::shared_ptr<ChannelOutlet> outlet_;
 };

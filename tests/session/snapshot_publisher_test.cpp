@@ -1,6 +1,11 @@
 // What sessions tell each other of what they count.
+#include "session/snapshot_publisher.hpp"
+
+#include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include <foxglove/Vector3.pb.h>
 
@@ -98,6 +103,63 @@ TEST_P(SnapshotPublishers, BringTheirSchemaToWhoReadsThemWithoutTheClass) {
   ASSERT_NE(schema, nullptr);
   std::string fault;
   EXPECT_NE(DynamicSchema::Build(*schema, fault), nullptr) << fault;
+}
+
+TEST_P(SnapshotPublishers, AreNotSpokenFor) {
+  Begin();
+  try {
+    (void)robot->session->Advertise<Snapshot>(kSnapshotsChannel);
+    FAIL() << "a program could count for the session";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("the library's own"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW((void)robot->session->ToAny("hgros/call/add", Vector3()), Error);
+}
+
+// Without carriers, by hand.
+class SnapshotPublisherAlone : public testing::Test {
+ protected:
+  void RunNext() {
+    ASSERT_FALSE(errands_.empty());
+    const auto errand = std::move(errands_.front().second);
+    errands_.pop_front();
+    errand();
+  }
+
+  int counted_ = 0;
+  std::deque<std::pair<std::chrono::nanoseconds, std::function<void()>>> errands_;
+  SnapshotPublisher publisher_{MessageId{1, 1, 0},
+                               std::make_shared<Log>([](LogLevel, std::string_view) {}),
+                               std::make_shared<HostClocks>(nullptr),
+                               {[this] {
+                                  ++counted_;
+                                  return SessionSnapshot();
+                                },
+                                [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
+                                  errands_.emplace_back(delay, std::move(errand));
+                                }}};
+};
+
+TEST_F(SnapshotPublisherAlone, CountsOnceASecondAndOnlyWhileSomebodySubscribes) {
+  EXPECT_TRUE(errands_.empty());
+  ChannelOutlet& outlet = *publisher_.outlet();
+  outlet.OnSubscribers(1);
+  ASSERT_EQ(errands_.size(), 1U);
+  EXPECT_EQ(errands_[0].first.count(), 0);
+  outlet.OnSubscribers(2);
+  EXPECT_EQ(errands_.size(), 1U) << "it is about to tell anyway";
+  RunNext();
+  EXPECT_EQ(counted_, 1);
+  ASSERT_EQ(errands_.size(), 1U);
+  EXPECT_EQ(errands_[0].first, std::chrono::seconds(1));
+  RunNext();
+  EXPECT_EQ(counted_, 2);
+  outlet.OnSubscribers(0);
+  RunNext();
+  EXPECT_EQ(counted_, 2) << "nobody listens";
+  EXPECT_TRUE(errands_.empty());
+  outlet.OnSubscribers(1);
+  EXPECT_EQ(errands_.size(), 1U) << "somebody listens again";
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, SnapshotPublishers, testing::Values("sharedmemory", "ipc", "tcp"),

@@ -78,6 +78,7 @@ class Maker {
     graph_.channels.push_back({channel.name, channel.type_name, false, {}});
     for (const ChannelUser& user : channel.publishers) AddPublisher(channel, user, place);
     for (const ChannelUser& user : channel.subscribers) AddSubscriber(channel, user, place);
+    GuessRate(place);
   }
 
   // Until now lines name the places of processes in the order in which they came.
@@ -135,6 +136,22 @@ class Maker {
     }
     graph_.lines.push_back({PlaceOf(user, channel.name, {}), place, false, user.lossless,
                             use == nullptr ? std::nullopt : std::optional(OfSubscriber(*use))});
+  }
+
+  // Where a publisher does not tell, at least as much is published as the one gets who gets most.
+  void GuessRate(std::size_t place) {
+    bool all_tell = true;
+    std::optional<double> most;
+    for (const Hypergraph::Line& line : graph_.lines) {
+      if (line.channel != place) continue;
+      if (line.publishes) {
+        all_tell = all_tell && line.counts.has_value();
+      } else if (line.counts && line.counts->per_second) {
+        most = std::max(most.value_or(0), *line.counts->per_second);
+      }
+    }
+    std::optional<double>& rate = graph_.channels[place].per_second;
+    if (!all_tell && most) rate = std::max(rate.value_or(0), *most);
   }
 
   const SessionId own_;

@@ -26,7 +26,7 @@ struct Hypergraph {
     std::string name;
     std::string type;
     bool types_differ = false;         ///< Its users do not agree on that.
-    std::optional<double> per_second;  ///< Published by those who tell.
+    std::optional<double> per_second;  ///< Published; if not all publishers tell, at least.
   };
   /// What the process, or the node, counts of the channel.
   struct Counts {

@@ -39,7 +39,8 @@ Node ReadNode(const Snapshot::Node& told, const Use* before, double seconds) {
   return node;
 }
 
-Use ReadUse(const Snapshot::Channel& told, const Use* before, double seconds) {
+// `nodes` counts those of all channels.
+Use ReadUse(const Snapshot::Channel& told, const Use* before, double seconds, std::size_t& nodes) {
   Use use;
   use.published = Grown(told.published(), before == nullptr ? nullptr : &before->published, seconds);
   use.refused = told.refused();
@@ -48,7 +49,7 @@ Use ReadUse(const Snapshot::Channel& told, const Use* before, double seconds) {
   use.lost = told.lost();
   use.faults = told.faults();
   for (const Snapshot::Node& node : told.nodes()) {
-    if (use.nodes.size() == SessionCounts::kMaxNodes) break;
+    if (nodes++ >= SessionCounts::kMaxNodes) break;
     use.nodes.push_back(ReadNode(node, before, seconds));
   }
   std::ranges::sort(use.nodes, {}, &Node::name);
@@ -59,13 +60,15 @@ Use ReadUse(const Snapshot::Channel& told, const Use* before, double seconds) {
 
 void SessionCounts::Take(std::uint64_t session, const Snapshot& snapshot) {
   Told& told = sessions_[session];
-  const double seconds = static_cast<double>(snapshot.steady_ns() - told.steady_ns) / kNsPerSecond;
+  const double seconds =
+      (static_cast<double>(snapshot.steady_ns()) - static_cast<double>(told.steady_ns)) / kNsPerSecond;
+  std::size_t nodes = 0;
   std::map<std::string, Use> channels;
   for (const Snapshot::Channel& channel : snapshot.channels()) {
     if (channels.size() == kMaxChannels) break;
     const auto before = told.channels.find(channel.name());
     channels.emplace(channel.name(),
-                     ReadUse(channel, before == told.channels.end() ? nullptr : &before->second, seconds));
+                     ReadUse(channel, before == told.channels.end() ? nullptr : &before->second, seconds, nodes));
   }
   told = {snapshot.steady_ns(), std::move(channels)};
 }

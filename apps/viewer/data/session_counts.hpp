@@ -32,14 +32,14 @@ class SessionCounts {
   };
   struct Use {
     Flow published;
-    std::uint64_t refused = 0;       ///< Of these, not taken: a lossless queue was full, for one.
+    std::uint64_t refused = 0;       ///< Beside these: not taken, because a lossless queue was full, for one.
     std::uint64_t send_dropped = 0;  ///< On the way out, by full queues of subscribers.
     Flow received;                   ///< From other sessions.
     std::uint64_t lost = 0;          ///< Gaps in their numbers.
     std::uint64_t faults = 0;        ///< Packets that could not be read.
-    std::vector<Node> nodes;         ///< By name; kMaxNodes at most.
+    std::vector<Node> nodes;         ///< By name.
   };
-  static constexpr std::size_t kMaxNodes = 64;
+  static constexpr std::size_t kMaxNodes = 1024;  ///< Of one session.
   static constexpr std::size_t kMaxChannels = 4096;
 
   void Take(std::uint64_t session, const Snapshot& snapshot);

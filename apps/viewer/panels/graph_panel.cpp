@@ -4,8 +4,10 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "hgros/session/snapshot_message.hpp"
 #include "viewer/data/hypergraph.hpp"
@@ -39,7 +41,7 @@ std::string Rate(double per_second) { return RateText(per_second >= 10 ? std::ro
 /// What a session has told. The channel's messages alone say who tells.
 struct Telling {
   std::uint64_t session;
-  Snapshot snapshot;
+  std::shared_ptr<const Snapshot> snapshot;
 };
 constexpr std::size_t kMostWaiting = 1024;
 
@@ -49,23 +51,26 @@ class GraphPanel : public Panel {
   explicit GraphPanel(const PanelInputs& inputs) : session_(inputs.session), wake_(inputs.wake) {
     subscription_ = session_.FromAny<Snapshot>(
         kSnapshotsChannel, Invoke::kConcurrent,
-        [inbox = inbox_](const Snapshot& snapshot, const MessageInfo& info) {
-          inbox->Put(std::make_shared<Telling>(Telling{info.id.publisher, snapshot}), snapshot.ByteSizeLong());
+        [inbox = inbox_](const std::shared_ptr<const Snapshot>& snapshot, const MessageInfo& info) {
+          inbox->Put(std::make_shared<Telling>(Telling{info.id.publisher, snapshot}), snapshot->SpaceUsedLong());
         },
         {.queue = Queue::KeepLast(kMostWaiting)});
   }
 
   void Update(const PanelContext& context) override {
     updated_s_ = context.now_s;
-    const SessionSnapshot own = session_.Snapshot();
-    counts_.Take(own.id.value, ToMessage(own));
-    for (const auto& telling : inbox_->TakeAll()) counts_.Take(telling->session, telling->snapshot);
+    if (context.now_s >= counted_s_ + kTickS) {  // As often as others tell.
+      counted_s_ = context.now_s;
+      counts_.Take(session_.id().value, ToMessage(session_.Snapshot()));
+    }
+    for (const auto& telling : inbox_->TakeAll()) counts_.Take(telling->session, *telling->snapshot);
     const auto channels =
         inner_ ? session_.Channels() : std::vector<KnownChannel>(context.channels.begin(), context.channels.end());
     counts_.Keep(SessionsIn(channels));
-    graph_ = MakeHypergraph(channels, own.id, counts_, {.inner = inner_, .nodes = nodes_});
+    graph_ = MakeHypergraph(channels, session_.id(), counts_, {.inner = inner_, .nodes = nodes_});
     if (!with_viewer_) LeaveOutViewer();
     layout_ = LayOut(graph_);
+    SetNames();
   }
   [[nodiscard]] double next_change_s() const override { return updated_s_ + kTickS; }
 
@@ -129,6 +134,23 @@ class GraphPanel : public Panel {
       for (const ChannelUser& user : channel.subscribers) sessions.insert(user.session.value);
     }
     return sessions;
+  }
+
+  /// Sessions of one name are told apart by the numbers of their processes, and in one process by their own.
+  void SetNames() {
+    std::map<std::string, std::set<std::uint64_t>> named;
+    std::map<std::pair<std::string, std::int64_t>, std::set<std::uint64_t>> in_process;
+    for (const Hypergraph::Process& process : graph_.processes) {
+      named[process.name].insert(process.session.value);
+      in_process[{process.name, process.pid}].insert(process.session.value);
+    }
+    names_.clear();
+    for (const Hypergraph::Process& process : graph_.processes) {
+      std::string& name = names_.emplace_back(process.name);
+      if (named[process.name].size() > 1) name += " " + std::to_string(process.pid);
+      if (in_process[{process.name, process.pid}].size() > 1) name += "/" + process.session.ToString().substr(0, 4);
+      if (!process.node.empty()) name += (process.node.starts_with('#') ? " " : ": ") + process.node;
+    }
   }
 
   void LeaveOutViewer() {
@@ -210,22 +232,11 @@ class GraphPanel : public Panel {
     const float y = lo.y + 0.5F * (grid.box_height - font);
     const std::string figures = channel ? FiguresOf(graph_.channels[box.index]) : std::string();
     const float room = figures.empty() ? 0 : ImGui::CalcTextSize(figures.c_str()).x + 0.5F * font;
-    const std::string name = channel ? graph_.channels[box.index].name : NameOf(graph_.processes[box.index]);
+    const std::string name = channel ? graph_.channels[box.index].name : names_[box.index];
     list.AddText({lo.x + 0.6F * font, y}, ImGui::GetColorU32(ImGuiCol_Text),
                  Fitting(name, grid.box_width - 1.2F * font - room).c_str());
     if (figures.empty()) return;
     list.AddText({hi.x - room - 0.1F * font, y}, ImGui::GetColorU32(ImGuiCol_TextDisabled), figures.c_str());
-  }
-
-  /// Two sessions of one name are told apart by the numbers of their processes.
-  [[nodiscard]] std::string NameOf(const Hypergraph::Process& process) const {
-    std::string name = process.name;
-    const bool ambiguous = std::ranges::any_of(graph_.processes, [&](const Hypergraph::Process& other) {
-      return other.name == process.name && other.session != process.session;
-    });
-    if (ambiguous) name += " " + std::to_string(process.pid);
-    if (process.node.empty()) return name;
-    return name + (process.node.starts_with('#') ? " " : ": ") + process.node;
   }
 
   [[nodiscard]] static std::string FiguresOf(const Hypergraph::Channel& channel) {
@@ -237,14 +248,14 @@ class GraphPanel : public Panel {
     const bool is_channel = box.column == HypergraphLayout::Column::kChannels;
     if (!is_channel) {
       const Hypergraph::Process& process = graph_.processes[box.index];
-      ImGui::TextUnformatted(NameOf(process).c_str());
+      ImGui::TextUnformatted(names_[box.index].c_str());
       ImGui::TextDisabled("process %lld on %s\nsession %s", static_cast<long long>(process.pid), process.host.c_str(),
                           process.session.ToString().c_str());
     } else {
       const Hypergraph::Channel& channel = graph_.channels[box.index];
       ImGui::TextUnformatted(channel.name.c_str());
       ImGui::TextDisabled("%s", channel.type.empty() ? "nobody has said its type" : channel.type.c_str());
-      if (channel.types_differ) DrawWarning("Its users do not agree on the type: nothing passes between these.");
+      if (channel.types_differ) DrawWarning("Its users do not agree on the type, or on its version.");
     }
     ExplainLines(box);
     if (is_channel) {
@@ -267,7 +278,7 @@ class GraphPanel : public Panel {
         continue;
       }
       ++shown;
-      const std::string who = is_channel ? NameOf(graph_.processes[line.process]) : graph_.channels[line.channel].name;
+      const std::string who = is_channel ? names_[line.process] : graph_.channels[line.channel].name;
       const ImVec4 color = ImGui::ColorConvertU32ToFloat4(line.counts && line.counts->has_faults() ? kFault : kFigures);
       ImGui::TextColored(color, "%s", (who + ": " + TextOf(line)).c_str());
     }
@@ -275,7 +286,7 @@ class GraphPanel : public Panel {
   }
 
   [[nodiscard]] static std::string TextOf(const Hypergraph::Line& line) {
-    if (!line.counts) return line.publishes ? "publishes; has not told how much" : "subscribes; has not told how much";
+    if (!line.counts) return line.publishes ? "publishes" : "subscribes";
     const Hypergraph::Counts& counts = *line.counts;
     std::string text = line.publishes ? "publishes " : "receives ";
     text += counts.per_second ? Rate(*counts.per_second) + ", " : "";
@@ -289,7 +300,7 @@ class GraphPanel : public Panel {
     add(counts.dropped, line.publishes ? " dropped on the way out" : " dropped by full queues");
     add(counts.failed, " callbacks failed");
     if (counts.run_p99_ns > 0) {
-      text += ", callbacks up to " + DurationText(std::chrono::nanoseconds(counts.run_p99_ns));
+      text += ", 99 % of callbacks within " + DurationText(std::chrono::nanoseconds(counts.run_p99_ns));
     }
     return text + (line.lossless ? " (lossless)" : "");
   }
@@ -301,7 +312,9 @@ class GraphPanel : public Panel {
   const std::function<void()> wake_;
   Hypergraph graph_;
   HypergraphLayout layout_;
+  std::vector<std::string> names_;  // Of the graph's processes.
   SessionCounts counts_;
+  double counted_s_ = -kTickS;
   const std::shared_ptr<Inbox<Telling>> inbox_ = std::make_shared<Inbox<Telling>>(kMostWaiting);
   bool nodes_ = false;
   bool with_viewer_ = true;

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "viewer/scene/blending_order.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -130,22 +131,15 @@ void Scene::DrawMoving(const DrawContext& context) {
   DrawBlended(context);
 }
 
-// What reaches farthest from the eye comes first: a map before the robot on it, whatever is behind before what is in
-// front. What is inside one display keeps its order.
 void Scene::DrawBlended(const DrawContext& context) {
-  std::vector<std::pair<double, Display*>> blended;
+  std::vector<Display*> blended;
+  std::vector<Eigen::AlignedBox3d> boxes;
   for (Entry& entry : entries_) {
     if (!entry.visible || !entry.display->blends()) continue;
-    const Eigen::AlignedBox3d box = entry.display->Bounds();
-    double reach_m = 0;
-    if (!box.isEmpty()) {
-      const Eigen::Vector3d& eye = context.view.eye;
-      reach_m = (box.min() - eye).cwiseAbs().cwiseMax((box.max() - eye).cwiseAbs()).norm();
-    }
-    blended.emplace_back(reach_m, entry.display.get());
+    blended.push_back(entry.display.get());
+    boxes.push_back(entry.display->Bounds());
   }
-  std::ranges::stable_sort(blended, std::ranges::greater{}, &std::pair<double, Display*>::first);
-  for (const auto& [reach_m, display] : blended) display->DrawBlended(context);
+  for (const std::size_t i : BlendingOrder(boxes, context.view.eye)) blended[i]->DrawBlended(context);
 }
 
 void Scene::Measure(std::size_t drawn, std::chrono::steady_clock::time_point begin) {

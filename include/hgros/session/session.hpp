@@ -49,8 +49,9 @@ struct PublishOptions {
 /// Threading: thread-safe, but for construction and destruction.
 /// Lifetime: the destructor refuses publishes, stops receiving, waits for callbacks in flight (naming in the log after
 /// 2 s what hangs), and says goodbye. It must not run inside one of the session's callbacks.
-/// Errors: wiring (channels, types, endpoints) throws Error; publishing never throws and never blocks. ToAny, FromAny
-/// and Advertise do not compile with a type that is no Message.
+/// Errors: wiring (channels, types, endpoints) throws Error, and so does a channel named "hgros/...", which is the
+/// library's own, where others would hear what is published on it; publishing never throws and never blocks. ToAny,
+/// FromAny and Advertise do not compile with a type that is no Message.
 class HGROS_EXPORT Session {
  public:
   /// A session that reaches no other process until endpoints are added.

@@ -100,6 +100,18 @@ TEST(Hypergraph, ShowsWhatProcessesCount) {
   EXPECT_EQ(by_node.lines[2].counts->dropped, 6U);
 }
 
+TEST(Hypergraph, KnowsTheRateOfPublishersThatDoNotTellFromWhoSubscribes) {
+  SessionCounts counts;
+  for (int second = 0; second < 2; ++second) {
+    Snapshot own;
+    own.set_steady_ns(1'000'000'000LL * second);
+    AddChannel(own, "scan").set_received(static_cast<std::uint64_t>(7 * second));
+    counts.Take(1, own);
+  }
+  const auto graph = MakeHypergraph({Channel("scan", {User(2, "driver")}, {User(1, "viewer")})}, {1}, counts, {});
+  EXPECT_DOUBLE_EQ(graph.channels[0].per_second.value(), 7);
+}
+
 TEST(Hypergraph, CutsLongNamesOfProcesses) {
   const auto graph = MakeHypergraph({Channel("scan", {User(2, std::string(60'000, 'x'))}, {})}, {}, {}, {});
   ASSERT_EQ(graph.processes.size(), 1U);

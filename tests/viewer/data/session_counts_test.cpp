@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "viewer/data/cut_text.hpp"
 
 namespace hgros::viewer {
@@ -40,6 +42,9 @@ TEST(SessionCounts, ThatGoBackHaveNoRate) {
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "no time has passed";
   counts.Take(1, Told(4 * kSecond, 5));
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "its clock went back";
+  counts.Take(1, Told(std::numeric_limits<std::int64_t>::max(), 6));
+  counts.Take(1, Told(std::numeric_limits<std::int64_t>::min(), 7));
+  EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "its clock went back by all that there is";
 }
 
 TEST(SessionCounts, ForgetWhatIsGone) {
