@@ -110,6 +110,10 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_flag("--show-all", options.show_all, "the screenshot shows everything there is");
   app.add_flag("!--no-panels", options.panels, "the scene alone");
   app.add_option("--report", options.report_s, "figures on standard error, every so many seconds");
+  app.footer(
+      "Exit status: 0; 1 if it could not go on, something could not be written, or (with --offscreen) something that\n"
+      "was asked for is not in the picture: a channel, a robot, or a frame that never came; 2 if the command line is\n"
+      "wrong. What that is stands on standard error.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

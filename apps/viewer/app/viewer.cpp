@@ -21,9 +21,6 @@
 namespace hgros::viewer {
 namespace {
 
-constexpr int kFramesAfterInput = 3;
-constexpr std::size_t kMostByThemselves = 32;
-
 double NowS() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// "hgros-viewer-20261122-070603.png"
@@ -99,96 +96,6 @@ void Viewer::Stop() {
   surface_.Wake();
 }
 
-void Viewer::AddWanted() {
-  for (const WantedDisplay& wanted : options_.channels) {
-    if (wanted.schema.empty()) {
-      awaited_.push_back(wanted);
-      continue;
-    }
-    const DisplayType* const type = DisplayTypeFor(wanted.schema);
-    if (type == nullptr) throw Error("No display shows channels of \"" + wanted.schema + "\".");
-    Add(*type, wanted.channel, wanted.settings);
-  }
-  for (const WantedDisplay& wanted : options_.displays) {
-    auto& entries = scene_.entries();
-    auto entry = std::ranges::find(entries, wanted.channel, &Scene::Entry::name);
-    if (entry == entries.end() || entry->type == DisplayTypeNamed("Robot model")) {
-      const DisplayType* const type = DisplayTypeNamed(wanted.channel);
-      if (type == nullptr || !type->schemas.empty()) {
-        throw Error("There is no display \"" + wanted.channel + "\" for --display.");
-      }
-      Add(*type, "", {});
-      entry = std::prev(entries.end());
-    }
-    Set(*entry, wanted.settings);
-  }
-}
-
-// Once a publisher tells its schema: what was asked for by name, or, if nothing was, all that can be shown.
-void Viewer::TakeChannels() {
-  if (!channels_changed_.exchange(false)) return;
-  channels_.clear();
-  known_ = session_.Channels();
-  std::erase_if(known_, [](const KnownChannel& known) { return known.name.starts_with("hgros/"); });
-  for (const KnownChannel& known : known_) {
-    if (known.publishers.empty()) continue;
-    channels_.push_back({known.name, known.type_name});
-    const DisplayType* const type = DisplayTypeFor(known.type_name);
-    const auto awaited = std::ranges::find(awaited_, known.name, &WantedDisplay::channel);
-    if (awaited != awaited_.end()) {
-      const WantedDisplay wanted = std::move(*awaited);
-      awaited_.erase(awaited);
-      if (type == nullptr) {
-        notice_ = "No display shows \"" + known.name + "\", which carries " + known.type_name + ".";
-      } else {
-        AddOrSay(*type, wanted);
-      }
-    } else if (shows_what_it_finds_ && type != nullptr && shown_by_itself_.size() < kMostByThemselves &&
-               shown_by_itself_.insert(known.name).second) {
-      AddOrSay(*type, {known.name, {}, {}});
-    }
-  }
-  dock_.Refresh();
-  next_count_s_ = std::min(next_count_s_, last_turn_s_);
-  frames_wanted_ = kFramesAfterInput;
-}
-
-// The channel's publisher may have come long after the arguments were read: what is wrong with them ends nothing now.
-void Viewer::AddOrSay(const DisplayType& type, const WantedDisplay& wanted) {
-  try {
-    Add(type, wanted.channel, wanted.settings);
-  } catch (const Error& error) {
-    notice_ = error.what();
-    std::fprintf(stderr, "hgros-viewer: %s\n", error.what());
-  }
-}
-
-void Viewer::Add(const DisplayType& type, const std::string& channel,
-                 const std::vector<std::pair<std::string, std::string>>& settings) {
-  Set(scene_.Add(type, {session_, channel, [this] { WakeFromData(); }}), settings);
-}
-
-void Viewer::Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings) {
-  for (const auto& [name, value] : settings) {
-    if (name == "visible") {
-      entry.visible = value == "on" || value == "true";
-      if (!entry.visible && value != "off" && value != "false") {
-        throw Error("visible is on or off, not \"" + value + "\".");
-      }
-      continue;
-    }
-    const std::vector<Setting> known = entry.display->Settings();
-    const auto setting = std::ranges::find(known, name, &Setting::name);
-    if (setting == known.end()) {
-      std::string names;
-      for (const Setting& other : known) names += (names.empty() ? "" : ", ") + other.name;
-      throw Error("\"" + entry.name + "\" has no setting \"" + name + "\"; there are " + names + ".");
-    }
-    if (const std::string fault = SetFromText(*setting, value); !fault.empty()) throw Error(fault);
-    entry.display->OnSetting(name);
-  }
-}
-
 int Viewer::Run() {
   while (!stop_ && !surface_.closing()) {
     const double now_s = NowS();
@@ -204,6 +111,7 @@ int Viewer::Run() {
   }
   if (film_) FinishFilm();
   if (layout_file_.save_on_exit && !lost_) SaveLayoutNow();
+  if (!lost_) SayWhatIsUnmet();
   return exit_code_;
 }
 

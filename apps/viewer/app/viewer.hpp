@@ -53,6 +53,7 @@ class Viewer {
 
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
+  static constexpr int kFramesAfterInput = 3;
 
   void WakeFromData();
   void AddWanted();
@@ -62,7 +63,8 @@ class Viewer {
   void RestoreDisplays(const std::vector<LayoutDisplay>& displays);
   void SaveLayoutNow();
   void TakeChannels();
-  void AddOrSay(const DisplayType& type, const WantedDisplay& wanted);
+  /// Whether it could be added.
+  bool AddOrSay(const DisplayType& type, const WantedDisplay& wanted);
   void Add(const DisplayType& type, const std::string& channel,
            const std::vector<std::pair<std::string, std::string>>& settings);
   void Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings);
@@ -93,6 +95,9 @@ class Viewer {
   void CountUnreadable(double now_s);
   void DrawPanels();
   [[nodiscard]] bool AtEnd(double now_s);
+  /// On standard error: what was asked for by name and is not there at the end. Into memory that is a fault.
+  void SayWhatIsUnmet();
+  [[nodiscard]] bool IsFixedFrameKnown(const std::vector<std::string>& frames) const;
   void WriteScreenshot(const std::filesystem::path& file);
   void RecordFrame();
   void FinishFilm();
@@ -140,6 +145,7 @@ class Viewer {
   std::map<std::string, RigidTransform> kept_transforms_;  ///< Of the displays' frames, while the view stands still.
   std::string followed_name_;
   std::optional<RigidTransform> followed_;  ///< Where the frame that is followed was.
+  bool unmet_ = false;                      ///< Something that was asked for could not be shown.
   int exit_code_ = 0;
   double fps_limit_ = 30;
   bool shows_what_it_finds_ = true;

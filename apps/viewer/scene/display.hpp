@@ -112,6 +112,8 @@ class Display {
   [[nodiscard]] virtual std::string data_frame() const { return {}; }
   /// What there is to say of the thing that is shown at a place of the fixed frame, or within `radius_m` around it.
   [[nodiscard]] virtual std::string ValueAt(const Eigen::Vector3d& /*at*/, double /*radius_m*/) const { return {}; }
+  /// Messages that came, also those that were dropped since.
+  [[nodiscard]] virtual std::uint64_t received() const { return 0; }
   /// Messages that came too fast to be shown, or while nothing was taken in.
   [[nodiscard]] virtual std::uint64_t dropped() const { return 0; }
   /// When it changes without a message, on the clock of UpdateContext.

@@ -125,6 +125,7 @@ class EntityDisplay : public Display {
     return !fault_.empty() || !model_fault_.empty() || drawing_.unplaced > 0;
   }
   [[nodiscard]] std::vector<Label> Labels() const override { return texts_ ? labels_ : std::vector<Label>(); }
+  [[nodiscard]] std::uint64_t received() const override { return inbox_->received(); }
   [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return drawn_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return bounds_; }

@@ -76,6 +76,7 @@ class ImageDisplay : public Display {
   }
   [[nodiscard]] bool HasFault() const override { return !fault_.empty(); }
   [[nodiscard]] std::string data_frame() const override { return picture_.frame; }
+  [[nodiscard]] std::uint64_t received() const override { return newest_.received(); }
   [[nodiscard]] std::uint64_t dropped() const override { return newest_.dropped(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return 4 * width_ * height_; }
 

@@ -46,7 +46,7 @@ class PlacedDisplay : public Display {
   virtual void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Slice& slice) = 0;
   /// What there is to say of a message that is not empty.
   virtual void Describe(std::vector<std::string>& lines) const = 0;
-  [[nodiscard]] virtual std::uint64_t received() const = 0;
+  [[nodiscard]] std::uint64_t received() const override = 0;
   [[nodiscard]] std::uint64_t dropped() const override = 0;
 
  private:

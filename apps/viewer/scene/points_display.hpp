@@ -46,7 +46,7 @@ class PointsDisplay : public Display {
   };
   /// What has arrived since the last call; of more messages than `most`, the newest.
   [[nodiscard]] virtual std::vector<Read> ReadArrived(const std::string& field, std::size_t most) = 0;
-  [[nodiscard]] virtual std::uint64_t received() const = 0;
+  [[nodiscard]] std::uint64_t received() const override = 0;
 
  private:
   enum Keep { kLatest, kCount, kTime, kForEver };

@@ -36,7 +36,7 @@ class PoseHistory : public Display {
  protected:
   /// Takes what has arrived into `poses`, and says in which frame they are.
   [[nodiscard]] virtual PoseList::Change TakeArrived(PoseList& poses, std::string& frame) = 0;
-  [[nodiscard]] virtual std::uint64_t received() const = 0;
+  [[nodiscard]] std::uint64_t received() const override = 0;
 
   enum Style { kLine, kAxes, kBoth };
   int style_ = kLine;

@@ -155,6 +155,18 @@ TEST_F(ViewerTest, TakesVisibleAsOnOrOff) {
   EXPECT_THROW(Viewer(options_, std::nullopt, surface), Error);
 }
 
+TEST_F(ViewerTest, SaysWhatNeverCameWhenItsWindowCloses) {
+  options_.channels = {{"never", "", {}}};
+  for (const bool into_memory : {false, true}) {
+    if (into_memory) options_.offscreen = Viewport{64, 64};
+    ScriptedSurface surface({Key('H')});
+    Viewer viewer(options_, std::nullopt, surface);
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(viewer.Run(), into_memory ? 1 : 0);
+    EXPECT_NE(::testing::internal::GetCapturedStderr().find("The channel \"never\" never came."), std::string::npos);
+  }
+}
+
 TEST_F(ViewerTest, GivesUpWhenTheSurfaceIsLostAgainAndAgain) {
   int made = 0;
   const auto surface = [&]() -> std::unique_ptr<Surface> {

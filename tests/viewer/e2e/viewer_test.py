@@ -210,6 +210,28 @@ class InMemory(ViewerCase):
         viewer.send_signal(signal.SIGTERM)
         self.end(viewer)
 
+    def test_ends_by_saying_what_was_asked_for_and_never_came(self):
+        robot = pathlib.Path(self.folder.name, "broken.urdf")
+        robot.write_text("<robot>")
+        for arguments, words in ((["--channel", "clodu"], 'The channel "clodu" never came. Did you mean "cloud"?'),
+                                 (["--channel", "clodu:foxglove.PointCloud"], 'The channel "clodu" never came.'),
+                                 (["--channel", "cloud", "--follow", "bsae"], '"bsae", which the camera was to follow'),
+                                 (["--fixed-frame", "mapp"], 'The fixed frame "mapp" never came. Did you mean "map"?'),
+                                 (["--display", "Robot model,file=none.urdf"], "none.urdf is not a file"),
+                                 (["--display", f"Robot model,file={robot}"], "Robot model: "),
+                                 (["--channel", "cloud:foxglove.Grid"], "No message came")):
+            with self.subTest(arguments=arguments):
+                viewer = self.start(VIEWER, "--offscreen", "64x64", "--report", "0.1", *arguments)
+                publisher = self.start(PUBLISHER, 20, 100, 1000)
+                others = self.start(VIEWER, "--offscreen", "64x64", "--frames", 20, "--channel", "cloud")
+                self.end(others)
+                self.read_until(viewer, lambda figures: True)
+                viewer.send_signal(signal.SIGTERM)
+                self.assertEqual(viewer.wait(timeout=DEADLINE_S), 1)
+                self.assertIn(words, viewer.stderr.read())
+                publisher.kill()
+                publisher.wait()
+
     def test_says_what_is_wrong_with_its_arguments(self):
         for arguments, words in ((["--channel", "cloud:foxglove.Nothing"], "No display shows"),
                                  (["--channel", "cloud:foxglove.PointCloud,sise=3"], "no setting"),
