@@ -4,12 +4,36 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
 #include "viewer/app/viewer.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kMostByThemselves = 32;
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+/// Why --display cannot have that one.
+std::string WhyNoDisplay(const std::string& name) {
+  std::vector<std::string> alone;
+  std::vector<std::string> of_channels;
+  for (const DisplayType& type : DisplayTypes()) (type.schemas.empty() ? alone : of_channels).push_back(type.name);
+  if (std::ranges::find(of_channels, name) != of_channels.end()) {
+    return "The display \"" + name + "\" shows a channel: ask for it by --channel NAME. --display takes " +
+           Listed(alone) + ".";
+  }
+  std::vector<std::string> all = alone;
+  all.insert(all.end(), of_channels.begin(), of_channels.end());
+  const std::string nearest = name.size() <= 64 ? NearestName(name, all) : std::string();
+  return "There is no display \"" + name + "\" for --display." +
+         (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") + " It takes " + Listed(alone) +
+         "; --channel shows channels as " + Listed(of_channels) + ".";
+}
 
 }  // namespace
 
@@ -29,7 +53,7 @@ void Viewer::AddWanted() {
     if (entry == entries.end() || entry->type == DisplayTypeNamed("Robot model")) {
       const DisplayType* const type = DisplayTypeNamed(wanted.channel);
       if (type == nullptr || !type->schemas.empty()) {
-        throw Error("There is no display \"" + wanted.channel + "\" for --display.");
+        throw Error(WhyNoDisplay(wanted.channel));
       }
       Add(*type, "", {});
       entry = std::prev(entries.end());

@@ -236,6 +236,8 @@ class InMemory(ViewerCase):
         for arguments, words in ((["--channel", "cloud:foxglove.Nothing"], "No display shows"),
                                  (["--channel", "cloud:foxglove.PointCloud,sise=3"], "no setting"),
                                  (["--channel", "cloud:foxglove.PointCloud,keep=some"], "there are latest"),
+                                 (["--display", "Frame"], 'Did you mean "Frames"? It takes Robot model, Frames, Ground;'),
+                                 (["--display", "Grid"], "shows a channel: ask for it by --channel"),
                                  (["--panel", "Radar"], "there are Channels"),
                                  (["--panel", "Plot,seconds=long"], "from 1 to 600"),
                                  (["--config", "x" * 300], "cannot be read: File name too long"),
