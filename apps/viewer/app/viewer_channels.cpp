@@ -6,6 +6,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
 #include "viewer/app/viewer.hpp"
+#include "viewer/data/type_conflict.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -70,7 +71,7 @@ void Viewer::TakeChannels() {
   std::erase_if(known_, [](const KnownChannel& known) { return known.name.starts_with("hgros/"); });
   for (const KnownChannel& known : known_) {
     if (known.publishers.empty()) continue;
-    channels_.push_back({known.name, known.type_name});
+    channels_.push_back({known.name, known.type_name, TypeConflict(known)});
     const DisplayType* const type = DisplayTypeFor(known.type_name);
     const auto awaited = std::ranges::find(awaited_, known.name, &WantedDisplay::channel);
     if (awaited != awaited_.end()) {

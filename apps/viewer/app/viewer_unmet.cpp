@@ -37,9 +37,14 @@ void Viewer::SayWhatIsUnmet() {
       const std::string sentence = entry.name + ": " + entry.display->Status().front();
       ShowsNothing(*entry.display) ? lacks(sentence) : say(sentence);
     } else if (asked && entry.display->received() == 0) {
-      const bool came = std::ranges::find(published, entry.channel) != published.end();
-      came ? lacks("No message came on the channel \"" + entry.channel + "\" that could be shown.")
-           : never(entry.channel);
+      const auto row = std::ranges::find(channels_, entry.channel, &ChannelRow::name);
+      if (row == channels_.end()) {
+        never(entry.channel);
+      } else if (row->conflict.empty()) {
+        lacks("No message came on the channel \"" + entry.channel + "\" that could be shown.");
+      } else {
+        lacks("Nothing of the channel \"" + entry.channel + "\" could be shown. " + row->conflict);
+      }
     }
   }
   const std::vector<std::string> frames = FrameNames(frame_.tree());

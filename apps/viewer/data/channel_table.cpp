@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "viewer/data/type_conflict.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -45,7 +47,8 @@ std::optional<double> NumberIn(const ChannelLine& line, ChannelColumn column) {
 }  // namespace
 
 ChannelLine MakeChannelLine(const KnownChannel& channel) {
-  return {channel.name, channel.type_name, Programs(channel.publishers), Programs(channel.subscribers), std::nullopt};
+  return {channel.name, channel.type_name,    Programs(channel.publishers), Programs(channel.subscribers),
+          std::nullopt, TypeConflict(channel)};
 }
 
 void SortLines(std::vector<ChannelLine>& lines, ChannelColumn column, bool descending) {

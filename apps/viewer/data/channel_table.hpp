@@ -18,6 +18,7 @@ struct ChannelLine {
   std::string publishers;  ///< Their programs; how often each, if more than once.
   std::string subscribers;
   std::optional<ChannelRate::Figures> figures;  ///< None: it is not measured.
+  std::string conflict = {};                    ///< TypeConflict.
 };
 
 enum class ChannelColumn { kName, kSchema, kPublishers, kSubscribers, kRate, kBandwidth, kLatency, kDrops, kAge };

@@ -34,7 +34,7 @@ class ChannelPanel : public Panel {
     for (const auto& [name, measured] : measured_) {
       auto line = std::ranges::find(lines_, name, &ChannelLine::name);
       if (line == lines_.end()) {
-        lines_.push_back({name, "", "", "", std::nullopt});
+        lines_.push_back({name, "", "", "", std::nullopt, ""});
         line = std::prev(lines_.end());
       }
       const std::scoped_lock lock(measured.meter->mutex);
@@ -161,8 +161,13 @@ class ChannelPanel : public Panel {
     ImGui::PopStyleVar();
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Measure this channel: it is subscribed to meanwhile.");
     ImGui::TableNextColumn();
+    if (!line.conflict.empty()) PushWarningColor();
     if (ImGui::Selectable(line.name.c_str())) wish.message = line.name;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nA click shows its messages.", line.name.c_str());
+    if (!line.conflict.empty()) ImGui::PopStyleColor();
+    if (ImGui::IsItemHovered()) {
+      DrawTooltip(line.name + "\n" + (line.conflict.empty() ? "" : line.conflict + "\n") +
+                  "A click shows its messages.");
+    }
     DrawFigures(line);
     for (const std::string* text : {&line.schema, &line.publishers, &line.subscribers}) {
       ImGui::TableNextColumn();

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "viewer/panels/look.hpp"
 #include "viewer/panels/text_lines.hpp"
 #include "viewer/panels/view_panel.hpp"
 
@@ -22,7 +21,11 @@ DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, con
     ImGui::Separator();
     DrawFrame(frame, wish);
     ImGui::Separator();
-    for (std::size_t i = 0; i < scene.entries().size(); ++i) DrawEntry(scene, i, wish);
+    static const std::string none;
+    for (std::size_t i = 0; i < scene.entries().size(); ++i) {
+      const auto row = std::ranges::find(channels, scene.entries()[i].channel, &ChannelRow::name);
+      DrawEntry(scene, i, row == channels.end() ? none : row->conflict, wish);
+    }
     ImGui::Separator();
     DrawAdd(channels, wish);
   }
@@ -46,24 +49,29 @@ void DisplayPanel::DrawFrame(const FixedFrame& frame, Wish& wish) {
   ImGui::EndCombo();
 }
 
-void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, Wish& wish) {
+void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, const std::string& conflict, Wish& wish) {
   Scene::Entry& entry = scene.entries()[index];
   ImGui::PushID(entry.display.get());
   bool visible = entry.visible;
   if (ImGui::Checkbox("##visible", &visible)) scene.SetVisible(index, visible);
   ImGui::SameLine();
-  const bool fault = entry.display->HasFault() || entry.still_unreadable;
-  if (fault) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(WarningColor::kRgba[0], WarningColor::kRgba[1], WarningColor::kRgba[2],
-                                                WarningColor::kRgba[3]));
-  }
+  const bool fault = entry.display->HasFault() || entry.still_unreadable || !conflict.empty();
+  if (fault) PushWarningColor();
   const bool unfolded = ImGui::TreeNodeEx("##entry", ImGuiTreeNodeFlags_SpanAvailWidth, "%s", entry.name.c_str());
   if (fault) ImGui::PopStyleColor();
+  if (ImGui::IsItemHovered()) {
+    if (!conflict.empty()) {
+      DrawTooltip(conflict);
+    } else if (entry.display->HasFault()) {
+      DrawTooltip(entry.display->Status().front());
+    }
+  }
   if (entry.name != entry.type->name) {
     ImGui::SameLine();
     ImGui::TextDisabled("%s", entry.type->name.c_str());
   }
   if (unfolded) {
+    if (!conflict.empty()) DrawWarning(conflict);
     bool warns = entry.display->HasFault();
     for (const std::string& line : entry.display->Status()) {
       std::exchange(warns, false) ? DrawWarning(line) : DrawNote(line);
@@ -105,7 +113,10 @@ void DisplayPanel::DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish) 
         wish.channel = row.name;
       }
       if (type != nullptr) ImGui::SameLine();
+      if (!row.conflict.empty()) PushWarningColor();
       ImGui::TextUnformatted(row.name.c_str());
+      if (!row.conflict.empty()) ImGui::PopStyleColor();
+      if (!row.conflict.empty() && ImGui::IsItemHovered()) DrawTooltip(row.conflict);
       ImGui::SameLine();
       ImGui::TextDisabled("%s", row.schema.c_str());
       ImGui::PopID();

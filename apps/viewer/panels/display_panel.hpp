@@ -13,6 +13,7 @@ namespace hgros::viewer {
 struct ChannelRow {
   std::string name;
   std::string schema;
+  std::string conflict;  ///< TypeConflict.
 };
 
 /// The list of displays with their settings and what there is to say of each, and what could be added. Remembers only
@@ -32,7 +33,8 @@ class DisplayPanel {
                           PanelDock& dock);
 
  private:
-  void DrawEntry(Scene& scene, std::size_t index, Wish& wish);
+  /// `conflict` is that of the entry's channel.
+  void DrawEntry(Scene& scene, std::size_t index, const std::string& conflict, Wish& wish);
   void DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish);
   void DrawFrame(const FixedFrame& frame, Wish& wish);
 

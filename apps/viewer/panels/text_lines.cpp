@@ -7,11 +7,23 @@
 
 namespace hgros::viewer {
 
+void PushWarningColor() {
+  const float* const rgba = WarningColor::kRgba;
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(rgba[0], rgba[1], rgba[2], rgba[3]));
+}
+
 void DrawWarning(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(WarningColor::kRgba[0], WarningColor::kRgba[1], WarningColor::kRgba[2],
-                                              WarningColor::kRgba[3]));
+  PushWarningColor();
   ImGui::TextWrapped("%s", std::string(CutText(text)).c_str());
   ImGui::PopStyleColor();
+}
+
+void DrawTooltip(const std::string& text) {
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(32 * ImGui::GetFontSize());
+  ImGui::TextUnformatted(std::string(CutText(text)).c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
 }
 
 void DrawNote(const std::string& text) {

@@ -6,6 +6,10 @@ namespace hgros::viewer {
 
 /// A sentence about what is wrong, over as many lines as it takes.
 void DrawWarning(const std::string& text);
+/// What is written until ImGui::PopStyleColor is wrong.
+void PushWarningColor();
+/// Beside the pointer, over as many lines as it takes.
+void DrawTooltip(const std::string& text);
 /// A sentence that explains, in grey.
 void DrawNote(const std::string& text);
 

@@ -219,7 +219,8 @@ class InMemory(ViewerCase):
                                  (["--fixed-frame", "mapp"], 'The fixed frame "mapp" never came. Did you mean "map"?'),
                                  (["--display", "Robot model,file=none.urdf"], "none.urdf is not a file"),
                                  (["--display", f"Robot model,file={robot}"], "Robot model: "),
-                                 (["--channel", "cloud:foxglove.Grid"], "No message came")):
+                                 (["--channel", "cloud:foxglove.Grid"],
+                                  "foxglove.Grid is subscribed to by hgros-viewer")):
             with self.subTest(arguments=arguments):
                 viewer = self.start(VIEWER, "--offscreen", "64x64", "--report", "0.1", *arguments)
                 publisher = self.start(PUBLISHER, 20, 100, 1000)

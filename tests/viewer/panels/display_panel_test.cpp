@@ -1,0 +1,55 @@
+#include "viewer/panels/display_panel.hpp"
+
+#include "viewer/panels/look.hpp"
+#include "viewer/panels/panel_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+/// A display without messages or GL.
+class Silent : public Display {
+ public:
+  [[nodiscard]] Change Update(const UpdateContext& /*context*/) override { return Change::kNothing; }
+};
+
+const DisplayType kSilent = {"Silent", {"Silence"}, [](const DisplayInputs& /*inputs*/) -> std::unique_ptr<Display> {
+                               return std::make_unique<Silent>();
+                             }};
+
+class DisplayPanelTest : public PanelTest {
+ protected:
+  DisplayPanelTest() {
+    scene_.Add(kSilent, {session_, "scan", [] {}});
+  }
+
+  /// How much of the panel stands in the colour of what is wrong.
+  int Orange(const std::vector<ChannelRow>& channels) {
+    for (int i = 0; i < 2; ++i) {
+      ImGui::NewFrame();
+      (void)panel_.Draw(scene_, frame_, channels, dock_);
+      ImGui::Render();
+    }
+    const float* const rgba = WarningColor::kRgba;
+    const ImU32 color = ImGui::ColorConvertFloat4ToU32({rgba[0], rgba[1], rgba[2], rgba[3]});
+    int count = 0;
+    const ImDrawData& drawn = *ImGui::GetDrawData();
+    for (int i = 0; i < drawn.CmdListsCount; ++i) {
+      for (const ImDrawVert& corner : drawn.CmdLists[i]->VtxBuffer) count += corner.col == color ? 1 : 0;
+    }
+    return count;
+  }
+
+  TransformTree tree_;
+  FixedFrame frame_{tree_};
+  Scene scene_;
+  DisplayPanel panel_;
+};
+
+TEST_F(DisplayPanelTest, ShowsInOrangeWhoseUsersDoNotAgreeOnTheType) {
+  EXPECT_EQ(Orange({}), 0);
+  EXPECT_EQ(Orange({{"scan", "Silence", ""}, {"other", "Silence", "They differ."}}), 0) << "it is another channel's";
+  EXPECT_GT(Orange({{"scan", "Silence", "They differ."}}), 0);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test
