@@ -44,6 +44,7 @@ struct LayoutCamera {
   double distance = 20;
   bool orthographic = false;
   std::optional<std::array<double, 3>> anchor;
+  bool relative = false;  ///< Eye, orientation and anchor are seen from the frame that is followed.
   bool operator==(const LayoutCamera&) const = default;
 };
 

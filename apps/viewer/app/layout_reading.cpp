@@ -125,8 +125,10 @@ class Reader {
         camera.orthographic = Truth(*entry.value, key);
       } else if (key == "anchor") {
         camera.anchor = Numbers<3>(*entry.value, key);
+      } else if (key == "relative") {
+        camera.relative = Truth(*entry.value, key);
       } else {
-        FailKey(*entry.key, {"eye", "orientation", "distance", "orthographic", "anchor"});
+        FailKey(*entry.key, {"eye", "orientation", "distance", "orthographic", "anchor", "relative"});
       }
     }
     return camera;

@@ -80,6 +80,7 @@ std::string CameraText(const LayoutCamera& camera) {
   text += Line("  ", "distance", Shortest(camera.distance));
   text += Line("  ", "orthographic", TruthText(camera.orthographic));
   if (camera.anchor) text += Line("  ", "anchor", Bracketed<double>(*camera.anchor));
+  if (camera.relative) text += Line("  ", "relative", "true");
   return text;
 }
 

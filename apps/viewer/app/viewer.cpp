@@ -208,12 +208,17 @@ void Viewer::TakeArrived(double now_s) {
 
 void Viewer::FollowFrame() {
   const bool other = std::exchange(followed_name_, view_panel_.follow()) != view_panel_.follow();
-  if (other || frame_changed_) followed_.reset();
+  if (other) {
+    followed_.reset();
+    seen_from_followed_ = false;
+  }
   RigidTransform now;
   std::string why;
   if (followed_name_.empty() || frame_.Find(followed_name_, now, why) != FixedFrame::Answer::kFound) return;
   if (followed_) {
     camera_.Follow(*followed_, now, view_panel_.with_rotation());
+  } else if (std::exchange(seen_from_followed_, false)) {
+    camera_.Follow(RigidTransform(), now, view_panel_.with_rotation());
   } else {
     camera_.Center(now.translation);  // It may be far away from what was looked at.
   }

@@ -145,6 +145,7 @@ class Viewer {
   std::map<std::string, RigidTransform> kept_transforms_;  ///< Of the displays' frames, while the view stands still.
   std::string followed_name_;
   std::optional<RigidTransform> followed_;  ///< Where the frame that is followed was.
+  bool seen_from_followed_ = false;         ///< The camera is as if that frame, still to be found, lay at the origin.
   bool unmet_ = false;                      ///< Something that was asked for could not be shown.
   int exit_code_ = 0;
   double fps_limit_ = 30;

@@ -18,6 +18,8 @@ void Viewer::Restore(const Layout& layout) {
     if (kept.anchor) camera_.SetAnchor(Eigen::Vector3d(kept.anchor->data()));
     camera_.Place(Eigen::Vector3d(kept.eye.data()), Eigen::Quaterniond(q[3], q[0], q[1], q[2]), kept.distance);
     camera_.SetOrthographic(kept.orthographic);
+    followed_name_ = layout.follow;
+    seen_from_followed_ = kept.relative && !layout.follow.empty();
   }
   if (layout.displays) {
     shows_what_it_finds_ = layout.show_found;
@@ -70,11 +72,15 @@ Layout Viewer::CurrentLayout() const {
   layout.fps_limit = fps_limit_;
   layout.save_on_exit = layout_file_.save_on_exit;
   LayoutCamera& kept = layout.camera.emplace();
-  std::ranges::copy(camera_.eye(), kept.eye.begin());
-  std::ranges::copy(camera_.orientation().coeffs(), kept.orientation.begin());
-  kept.distance = camera_.distance();
-  kept.orthographic = camera_.orthographic();
-  if (camera_.anchor()) std::ranges::copy(*camera_.anchor(), kept.anchor.emplace().begin());
+  const bool follows = followed_ && followed_name_ == layout.follow;
+  kept.relative = follows || seen_from_followed_;
+  Camera camera = camera_;
+  if (follows) camera.Follow(*followed_, RigidTransform(), layout.follow_pose);
+  std::ranges::copy(camera.eye(), kept.eye.begin());
+  std::ranges::copy(camera.orientation().coeffs(), kept.orientation.begin());
+  kept.distance = camera.distance();
+  kept.orthographic = camera.orthographic();
+  if (camera.anchor()) std::ranges::copy(*camera.anchor(), kept.anchor.emplace().begin());
   layout.show_found = shows_what_it_finds_;
   layout.displays.emplace();
   for (const Scene::Entry& entry : scene_.entries()) {

@@ -20,7 +20,7 @@ Layout FullLayout() {
   layout.fps_limit = 12.5;
   layout.save_on_exit = true;
   layout.show_found = true;
-  layout.camera = LayoutCamera{{500000.125, -0.1, 1e-7}, {0.1, 0.2, 0.3, 0.9}, 17.25, true, {{1, 2, 3}}};
+  layout.camera = LayoutCamera{{500000.125, -0.1, 1e-7}, {0.1, 0.2, 0.3, 0.9}, 17.25, true, {{1, 2, 3}}, true};
   layout.displays = {{{"Ground", "", false, {{"cell", "1"}, {"axes", "on"}}},
                       {"Point cloud", "front/lidar", true, {{"flat", "#ff8000"}, {"field", ""}, {"size", "2.5"}}}}};
   layout.panels = {

@@ -2,11 +2,13 @@
 
 #include <imgui.h>
 
+#include <cstdint>
 #include <functional>
 #include <utility>
 #include <vector>
 
 #include "viewer/app/offscreen.hpp"
+#include "viewer/scene/picture.hpp"
 
 namespace hgros::viewer::test {
 
@@ -22,12 +24,21 @@ class ScriptedSurface : public Offscreen {
   void Resize(const Viewport& size) { shown_ = size; }
   void Rescale(float scale) { scale_ = scale; }
   void Lose() { lost_ = true; }
+  /// The step that runs comes again after the next picture.
+  void Again() { --next_; }
   void Press(int key) { input_.push_back({InputEvent::Kind::kKey, {}, 0, 0, 0, key}); }
   void Click(double x, double y, bool shift) {
     input_.push_back({InputEvent::Kind::kPress, PointerButton::kLeft, x, y, 0, 0, shift});
     input_.push_back({InputEvent::Kind::kRelease, PointerButton::kLeft, x, y, 0, 0, shift});
   }
 
+  /// What is shown, 3 bytes a pixel.
+  [[nodiscard]] std::vector<std::uint8_t> Pixels() const {
+    Picture copy;
+    copy.Resize(shown_);
+    copy.TakeFrom(framebuffer());
+    return copy.Pixels();
+  }
   [[nodiscard]] int pictures() const noexcept { return pictures_; }
 
   void Wait(double seconds) override {

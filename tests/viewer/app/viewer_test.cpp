@@ -4,8 +4,11 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 
 #include "hgros/base/error.hpp"
+#include "hgros/tf/transforms.hpp"
 #include "viewer/app/scripted_surface.hpp"
 #include "viewer/app/showing.hpp"
 
@@ -136,6 +139,51 @@ TEST_F(ViewerTest, RemembersWhatAPersonHasRemovedWhenTheSurfaceIsLost) {
   EXPECT_EQ(made, 2);
   EXPECT_TRUE(last.found.contains("removed")) << "it does not come back";
   EXPECT_FALSE(last.keeps_finding) << "the layout that is written says what it would have said";
+}
+
+TEST_F(ViewerTest, ShowsTheSamePictureOfAFollowedFrameThatLiesElsewhereByThen) {
+  options_.panels = false;
+  Session robot;
+  Transforms transforms(robot);
+  for (const bool follow_pose : {false, true}) {
+    options_.displays = {{"Ground", "", {{"visible", "off"}}},
+                         {"Frames", "", {{"names", "off"}, {"links", "off"}, {"axes length", "5"}}}};
+    options_.fixed_frame = "map";
+    options_.follow = "base";
+    options_.follow_pose = follow_pose;
+    transforms.ToStaticTF("map", "base", RigidTransform({1, 0, 0, 0}, {100, 0, 0}));
+    transforms.Flush();
+    std::vector<std::uint8_t> shown;
+    const auto until = [deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](auto holds) {
+      return [=](ScriptedSurface& surface) {
+        if (!holds(surface.Pixels()) && std::chrono::steady_clock::now() < deadline) surface.Again();
+      };
+    };
+    const auto settled = until([&](std::vector<std::uint8_t> pixels) {
+      const bool drawn = std::ranges::any_of(pixels, [](std::uint8_t value) { return value > 150; });
+      shown = std::move(pixels);
+      return drawn;
+    });
+    const Layout kept = Do({settled, Key('A'), Key('E'), settled});
+    ASSERT_TRUE(kept.camera && kept.camera->relative);
+    options_.displays.clear();
+    options_.follow.clear();
+    const Eigen::Quaterniond turn(follow_pose ? Eigen::AngleAxisd(2, Eigen::Vector3d(1, 2, 3).normalized())
+                                              : Eigen::AngleAxisd::Identity());
+    transforms.ToStaticTF("map", "base", RigidTransform(turn, {-300, 70, 5}));
+    transforms.Flush();
+    bool same = false;
+    const Layout again = Do({until([&](const std::vector<std::uint8_t>& pixels) {
+                              std::size_t different = 0;
+                              for (std::size_t i = 0; i < pixels.size(); ++i) {
+                                different += std::abs(pixels[i] - shown[i]) > 48 ? 1U : 0U;
+                              }
+                              return same = 1000 * different < pixels.size();
+                            })},
+                            kept);
+    EXPECT_TRUE(same) << follow_pose;
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(again.camera->eye[i], kept.camera->eye[i], 1e-6);
+  }
 }
 
 TEST_F(ViewerTest, ShowsNothingWhereALayoutSaysSo) {
