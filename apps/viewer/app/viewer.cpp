@@ -200,7 +200,8 @@ void Viewer::TakeArrived(double now_s) {
   newest_s_ = now_s;
   const bool transforms_changed = transforms_changed_.exchange(false);
   if (transforms_changed) frame_changed_ |= frame_.Refresh();
-  if (transforms_changed || frame_changed_) FollowFrame();
+  // Transforms may reach the tree after that was told: whoever is not found yet is looked for again.
+  if (transforms_changed || frame_changed_ || !followed_) FollowFrame();
   scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
   frame_changed_ = false;
   if (paused_) KeepTransforms();
