@@ -21,6 +21,8 @@
 namespace hgros::viewer {
 namespace {
 
+constexpr double kRateS = 1;  ///< Frames are counted over so long.
+
 double NowS() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// "hgros-viewer-20261122-070603.png"
@@ -121,6 +123,7 @@ double Viewer::NextTurnS() const {
   const double soonest_s = last_turn_s_ + 1 / fps_limit_;
   double next_s = something ? soonest_s : std::max(soonest_s, paused_ ? kNever : scene_.next_change_s());
   if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, dock_.next_change_s()));
+  if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, idle_s_));
   if (options_.after_s) next_s = std::min(next_s, std::max(begin_s_ + *options_.after_s, soonest_s));
   if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, next_count_s_));
   return std::min(next_s, next_report_s_);
@@ -137,6 +140,7 @@ void Viewer::Turn(double now_s) {
   if (show_panels_ && !surface_.hidden() && dock_.Update({now_s, known_})) {
     frames_wanted_ = std::max(frames_wanted_, 1);
   }
+  if (show_panels_ && now_s >= idle_s_) frames_wanted_ = std::max(frames_wanted_, 1);
   const bool moved = !camera_.SameViewAs(before);
   const bool wanted = moved || frames_wanted_ > 0 || scene_.unfinished() || scene_.pending();
   if (!wanted || surface_.hidden()) return;
@@ -196,7 +200,10 @@ void Viewer::ShowEverything() {
 }
 
 void Viewer::TakeArrived(double now_s) {
-  if (paused_ && !std::exchange(steps_, false)) return;
+  if (paused_ && !std::exchange(steps_, false)) {
+    scene_.ApplySettings({frame_, now_s, false, false});
+    return;
+  }
   newest_s_ = now_s;
   const bool transforms_changed = transforms_changed_.exchange(false);
   if (transforms_changed) frame_changed_ |= frame_.Refresh();
@@ -237,6 +244,8 @@ void Viewer::TakeScale() {
 void Viewer::DrawFrame(double now_s) {
   const Viewport size = surface_.size();
   TakeScale();
+  std::erase_if(frame_times_s_, [&](double time_s) { return time_s <= now_s - kRateS; });
+  idle_s_ = frame_times_s_.empty() ? kNever : now_s + kRateS;
   scene_.Draw(camera_.Matrices(size), surface_.scale());
   scene_.picture().ShowOn(surface_.framebuffer());
   DrawPanels();
@@ -245,7 +254,6 @@ void Viewer::DrawFrame(double now_s) {
   surface_.Present();
   ++frames_;
   frame_times_s_.push_back(now_s);
-  std::erase_if(frame_times_s_, [&](double time_s) { return time_s < now_s - 1; });
 }
 
 void Viewer::DrawPanels() {
@@ -270,7 +278,8 @@ void Viewer::DrawPanels() {
     }
     dock_.Draw();
     if (paused_) {
-      const TimeBarWish time = DrawTimeBar({back_s_, KeptS(), scene_.dropped()});
+      const TimeBarWish time =
+          DrawTimeBar({back_s_, KeptS(), scene_.truthful_since_s() > scene_.oldest_s(), scene_.dropped()});
       if (time.moved) LookBack(time.back_s);
       if (time.step) Step();
       if (time.go_on) SetPaused(false);

@@ -80,7 +80,7 @@ class Viewer {
   /// Shows once what has come until now.
   void Step();
   void LookBack(double back_s);
-  /// How far back one can look.
+  /// How far back one can look, and all that is seen is what was there.
   [[nodiscard]] double KeptS() const;
   void ShowEverything();
   void TakeArrived(double now_s);
@@ -158,6 +158,7 @@ class Viewer {
 
   double begin_s_ = 0;
   double last_turn_s_ = -kNever;
+  double idle_s_ = kNever;  ///< When the status line has to say that nothing is drawn.
   double next_report_s_ = kNever;
   double next_count_s_ = 0;
   std::size_t frames_ = 0;

@@ -52,7 +52,7 @@ void Viewer::LookBack(double back_s) {
 }
 
 double Viewer::KeptS() const {
-  const double oldest_s = scene_.oldest_s();
+  const double oldest_s = std::max(scene_.oldest_s(), scene_.truthful_since_s());
   return std::isfinite(oldest_s) && std::isfinite(newest_s_) ? std::max(0.0, newest_s_ - oldest_s) : 0;
 }
 

@@ -44,4 +44,8 @@ std::string DurationText(std::chrono::nanoseconds duration) {
   return text;
 }
 
+std::string Counted(std::uint64_t count, std::string_view one, std::string_view several) {
+  return std::to_string(count) + " " + std::string(count == 1 ? one : several);
+}
+
 }  // namespace hgros::viewer

@@ -13,7 +13,26 @@ std::string Thousands(std::size_t number) {
   return digits;
 }
 
+std::string RateOf(double per_second) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f frames/s", per_second);
+  return text;
+}
+
 }  // namespace
+
+std::string StatusText(const StatusFigures& figures) {
+  char rates[96];
+  std::snprintf(rates, sizeof rates, "   %.0f MB, %.0f MB of them graphics",
+                static_cast<double>(figures.resident_bytes) / 1e6, static_cast<double>(figures.gpu_bytes) / 1e6);
+  std::string text = figures.fixed_frame.empty() ? "no frame yet" : "fixed frame " + figures.fixed_frame;
+  text += "   " + Thousands(figures.points) + (figures.points == 1 ? " point   " : " points   ");
+  text += (figures.frames_per_second > 0 ? RateOf(figures.frames_per_second) : "idle") + rates;
+  if (figures.unfinished) text += "   drawing ...";
+  if (figures.paused) text += "   paused (Space)";
+  if (figures.picking) text += "   a click picks a point (M)";
+  return text;
+}
 
 void DrawStatusLine(const StatusFigures& figures) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -26,14 +45,7 @@ void DrawStatusLine(const StatusFigures& figures) {
   if (ImGui::Begin("status", nullptr,
                    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                        ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoNav)) {
-    char rates[96];
-    std::snprintf(rates, sizeof rates, "%.0f frames/s   %.0f MB, %.0f MB of them graphics", figures.frames_per_second,
-                  static_cast<double>(figures.resident_bytes) / 1e6, static_cast<double>(figures.gpu_bytes) / 1e6);
-    std::string text = figures.fixed_frame.empty() ? "no frame yet" : "fixed frame " + figures.fixed_frame;
-    text += "   " + Thousands(figures.points) + " points   " + rates;
-    if (figures.unfinished) text += "   drawing ...";
-    if (figures.paused) text += "   paused (Space)";
-    if (figures.picking) text += "   a click picks a point (M)";
+    const std::string text = StatusText(figures);
     const std::string right = figures.notice.empty() ? "F1: mouse and keys" : figures.notice;
     const float place = size.x - ImGui::CalcTextSize(right.c_str()).x - 12;
     const bool both_fit = ImGui::CalcTextSize(text.c_str()).x + 30 < place;

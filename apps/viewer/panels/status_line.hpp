@@ -6,7 +6,7 @@
 namespace hgros::viewer {
 
 struct StatusFigures {
-  double frames_per_second = 0;
+  double frames_per_second = 0;  ///< 0: nothing was drawn for a while.
   std::size_t points = 0;
   std::size_t gpu_bytes = 0;
   std::size_t resident_bytes = 0;
@@ -17,6 +17,8 @@ struct StatusFigures {
   bool unfinished = false;
 };
 
+/// The figures in words.
+[[nodiscard]] std::string StatusText(const StatusFigures& figures);
 /// One line at the lower edge of the window.
 void DrawStatusLine(const StatusFigures& figures);
 

@@ -7,6 +7,12 @@
 
 namespace hgros::viewer {
 
+std::string SpanText(const TimeBarFigures& figures) {
+  char span[64];
+  std::snprintf(span, sizeof span, "spans %.1f s", figures.kept_s);
+  return std::string(span) + (figures.frames_end_it ? " (frames)" : "");
+}
+
 TimeBarWish DrawTimeBar(const TimeBarFigures& figures) {
   TimeBarWish wish;
   const float unit = ImGui::GetFontSize();
@@ -23,7 +29,8 @@ TimeBarWish DrawTimeBar(const TimeBarFigures& figures) {
     ImGui::SameLine();
     char lost[64];
     std::snprintf(lost, sizeof lost, "%llu dropped", static_cast<unsigned long long>(figures.dropped));
-    const float room = ImGui::CalcTextSize(lost).x + unit;
+    const std::string span = SpanText(figures);
+    const float room = ImGui::CalcTextSize(lost).x + ImGui::CalcTextSize(span.c_str()).x + 2 * unit;
     auto shown = static_cast<float>(0 - figures.back_s);
     if (figures.kept_s > 0) {
       ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - room);
@@ -35,6 +42,11 @@ TimeBarWish DrawTimeBar(const TimeBarFigures& figures) {
                           "poses, and frames.");
       }
       wish.back_s = static_cast<double>(-shown);
+      ImGui::SameLine();
+      ImGui::TextDisabled("%s", span.c_str());
+      if (figures.frames_end_it && ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s", "Transforms are remembered no longer. Hide the display Frames to look farther back.");
+      }
     } else {
       ImGui::TextDisabled("Nothing is kept to look back at: let points keep some seconds.");
     }

@@ -90,6 +90,10 @@ class Display {
   [[nodiscard]] virtual Change LookBack(double /*newest_s*/, double /*back_s*/) { return Change::kNothing; }
   /// From when the oldest is that LookBack can show, on the clock of UpdateContext; infinity: there is nothing.
   [[nodiscard]] virtual double oldest_s() const { return std::numeric_limits<double>::infinity(); }
+  /// Before that LookBack cannot show what was there, on the same clock; minus infinity: it always can.
+  [[nodiscard]] virtual double truthful_since_s() const { return -std::numeric_limits<double>::infinity(); }
+  /// Settings that were changed while nothing is taken in apply to what is shown.
+  [[nodiscard]] virtual Change ApplySettings(const UpdateContext& /*context*/) { return Change::kNothing; }
   /// Forgets what it has kept.
   virtual void Clear() {}
 

@@ -6,6 +6,7 @@
 #include "hgros/clock/clock.hpp"
 #include "viewer/data/inbox.hpp"
 #include "viewer/data/model_meshes.hpp"
+#include "viewer/data/quantity_text.hpp"
 #include "viewer/data/scene_store.hpp"
 #include "viewer/data/shape_bounds.hpp"
 #include "viewer/scene/display_types.hpp"
@@ -80,6 +81,15 @@ class EntityDisplay : public Display {
     return std::max(change, settling_.Rest(context.now_s));
   }
 
+  // Where its frames lay when it was drawn last: they may have moved on.
+  [[nodiscard]] Change ApplySettings(const UpdateContext& context) override {
+    if (!std::exchange(setting_changed_, false)) return Change::kNothing;
+    stands_ = true;
+    Rebuild(context);
+    stands_ = false;
+    return Change::kRedraw;
+  }
+
   void DrawNew(const DrawContext& context) override {
     if (settling_.TakeNew()) drawn_.Draw(context, Place(), false);
   }
@@ -109,16 +119,17 @@ class EntityDisplay : public Display {
     if (!fault_.empty()) lines.push_back(fault_);
     if (!model_fault_.empty()) lines.push_back(model_fault_);
     if (drawing_.unplaced > 0) {
-      lines.push_back(why_ + " (" + std::to_string(drawing_.unplaced) + " entities in " + drawing_.unplaced_frame +
-                      " and such are not shown.)");
+      lines.push_back(why_ + " (Not shown: " + Counted(drawing_.unplaced, "entity", "entities") + " in " +
+                      drawing_.unplaced_frame + " and such.)");
     }
     if (inbox_->received() == 0) {
       lines.emplace_back("Nothing has arrived yet.");
     } else if (store_.entities().empty()) {
       lines.emplace_back("No entity is left.");
     }
-    lines.push_back(std::to_string(store_.entities().size()) + " entities, " + std::to_string(shapes_) + " shapes");
-    if (inbox_->dropped() > 0) lines.push_back(std::to_string(inbox_->dropped()) + " messages came too fast.");
+    lines.push_back(Counted(store_.entities().size(), "entity", "entities") + ", " +
+                    Counted(shapes_, "shape", "shapes"));
+    if (inbox_->dropped() > 0) lines.push_back(Counted(inbox_->dropped(), "message", "messages") + " came too fast.");
     return lines;
   }
   [[nodiscard]] bool HasFault() const override {
@@ -155,7 +166,7 @@ class EntityDisplay : public Display {
                                                       std::map<Key, Eigen::Isometry3d>& placed) {
     const Key key{frame, at ? std::optional(at->nanoseconds) : std::nullopt};
     if (const auto known = placed.find(key); known != placed.end()) return known->second;
-    if (const auto known = placed_.find(key); at && known != placed_.end()) {
+    if (const auto known = placed_.find(key); (at || stands_) && known != placed_.end()) {
       return placed.emplace(key, known->second).first->second;
     }
     RigidTransform T_fixed_frame;
@@ -223,6 +234,7 @@ class EntityDisplay : public Display {
   bool outdated_ = false;
   bool provisional_ = false;  ///< Some transform is still to come.
   bool setting_changed_ = false;
+  bool stands_ = false;  ///< Frames lie where they did.
 
   float alpha_ = 1;
   bool texts_ = true;

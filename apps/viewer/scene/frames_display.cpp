@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "viewer/data/pose_list.hpp"
+#include "viewer/data/quantity_text.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/pose_strip.hpp"
 #include "viewer/scene/segments.hpp"
@@ -34,6 +35,9 @@ class FramesDisplay : public Display {
   }
 
   [[nodiscard]] double oldest_s() const override { return updated_s_ - remembered_s_; }
+  [[nodiscard]] double truthful_since_s() const override {
+    return moves_ ? oldest_s() : -std::numeric_limits<double>::infinity();
+  }
   // The name of the nearest frame.
   [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
     const auto distance = [&](const Label& label) { return (label.at - at).norm(); };
@@ -60,7 +64,7 @@ class FramesDisplay : public Display {
   [[nodiscard]] std::vector<std::string> Status() const override {
     std::vector<std::string> lines;
     if (!fault_.empty()) lines.push_back(fault_);
-    lines.push_back(edges_ == 0 ? "No transforms have arrived yet." : std::to_string(labels_.size()) + " frames");
+    lines.push_back(edges_ == 0 ? "No transforms have arrived yet." : Counted(labels_.size(), "frame", "frames"));
     return lines;
   }
   [[nodiscard]] bool HasFault() const override { return !fault_.empty(); }
@@ -85,7 +89,9 @@ class FramesDisplay : public Display {
     const Time shown = ShownTime(edges);
     edges_ = edges.size();
     std::int64_t remembered_ns = 0;
+    moves_ = false;
     for (const EdgeSnapshot& edge : edges) {
+      moves_ |= !edge.is_static;
       if (!edge.is_static) remembered_ns = std::max(remembered_ns, (edge.newest - edge.oldest).count());
     }
     remembered_s_ = 1e-9 * static_cast<double>(remembered_ns);
@@ -136,6 +142,7 @@ class FramesDisplay : public Display {
   std::int64_t back_ns_ = 0;
   double updated_s_ = std::numeric_limits<double>::infinity();
   double remembered_s_ = 0;  ///< So far back the transforms go.
+  bool moves_ = false;       ///< Some transform is none of those that stay for ever.
   bool setting_changed_ = true;
   float axes_metres_ = 0.5F;
   bool names_ = true;

@@ -54,16 +54,8 @@ class GridDisplay : public PlacedDisplay {
   [[nodiscard]] std::size_t gpu_bytes() const override { return tiles_.gpu_bytes(); }
 
  protected:
-  [[nodiscard]] std::optional<std::string> TakeArrived() override {
-    auto read = newest_.Take();
-    if (!read) return std::nullopt;
-    if (!read->fault.empty()) return std::move(read->fault);
-    grid_ = std::move(read->shown.picture);
-    see_through_ = read->shown.see_through;
-    tiles_.Set(grid_.pixels, grid_.columns, grid_.rows);
-    grid_.pixels = {};  // The message is kept: they can be made again.
-    return std::string();
-  }
+  [[nodiscard]] std::optional<std::string> TakeArrived() override { return Show(newest_.Take()); }
+  [[nodiscard]] std::optional<std::string> TakeAgain() override { return Show(newest_.TakeAgain()); }
   void TakeSetting(const std::string& name) override {
     if (name == "alpha") return;
     newest_.SetOptions({field_, palette_ == 0 ? std::nullopt : std::optional(static_cast<GridPalette>(palette_ - 1))});
@@ -94,6 +86,18 @@ class GridDisplay : public PlacedDisplay {
   [[nodiscard]] std::uint64_t dropped() const override { return newest_.dropped(); }
 
  private:
+  using Newest = NewestMessage<Grid, GridOptions, ReadPicture>;
+
+  [[nodiscard]] std::optional<std::string> Show(std::optional<Newest::Read> read) {
+    if (!read) return std::nullopt;
+    if (!read->fault.empty()) return std::move(read->fault);
+    grid_ = std::move(read->shown.picture);
+    see_through_ = read->shown.see_through;
+    tiles_.Set(grid_.pixels, grid_.columns, grid_.rows);
+    grid_.pixels = {};  // The message is kept: they can be made again.
+    return std::string();
+  }
+
   GridPicture grid_;  ///< Without its pixels.
   PictureTiles tiles_;
   bool see_through_ = false;
@@ -102,7 +106,7 @@ class GridDisplay : public PlacedDisplay {
   std::string field_;
   float alpha_ = 1;
 
-  NewestMessage<Grid, GridOptions, ReadPicture> newest_;
+  Newest newest_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "viewer/data/image_reader.hpp"
+#include "viewer/data/quantity_text.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/gl_object.hpp"
 #include "viewer/scene/newest_message.hpp"
@@ -23,14 +24,12 @@ class ImageDisplay : public Display {
 
   [[nodiscard]] Change Update(const UpdateContext& /*context*/) override {
     if (std::exchange(colors_changed_, false)) newest_.SetOptions(Colors());
-    auto read = newest_.Take();
-    if (!read) return Change::kNothing;
-    fault_ = std::move(read->fault);
-    if (fault_.empty()) {
-      picture_ = std::move(read->shown);
-      Upload();
-    }
-    return Change::kMoving;
+    return Show(newest_.Take());
+  }
+  [[nodiscard]] Change ApplySettings(const UpdateContext& /*context*/) override {
+    if (!std::exchange(colors_changed_, false)) return Change::kNothing;
+    newest_.SetOptions(Colors());
+    return Show(newest_.TakeAgain());
   }
   void Clear() override {
     newest_.Clear();
@@ -71,7 +70,7 @@ class ImageDisplay : public Display {
         lines.push_back("The colours go from " + Number(*picture_.least) + " to " + Number(*picture_.greatest) + ".");
       }
     }
-    if (newest_.dropped() > 0) lines.push_back(std::to_string(newest_.dropped()) + " images came too fast.");
+    if (newest_.dropped() > 0) lines.push_back(Counted(newest_.dropped(), "image", "images") + " came too fast.");
     return lines;
   }
   [[nodiscard]] bool HasFault() const override { return !fault_.empty(); }
@@ -81,6 +80,18 @@ class ImageDisplay : public Display {
   [[nodiscard]] std::size_t gpu_bytes() const override { return 4 * width_ * height_; }
 
  private:
+  using Newest = NewestMessage<Message, DepthColors, ImagePicture>;
+
+  [[nodiscard]] Change Show(std::optional<typename Newest::Read> read) {
+    if (!read) return Change::kNothing;
+    fault_ = std::move(read->fault);
+    if (fault_.empty()) {
+      picture_ = std::move(read->shown);
+      Upload();
+    }
+    return Change::kMoving;
+  }
+
   [[nodiscard]] static std::string Number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.6g", value);
@@ -135,7 +146,7 @@ class ImageDisplay : public Display {
   float lo_ = 0;
   float hi_ = 10'000;
 
-  NewestMessage<Message, DepthColors, ImagePicture> newest_;
+  Newest newest_;
 };
 
 }  // namespace

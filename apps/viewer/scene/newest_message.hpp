@@ -51,12 +51,26 @@ class NewestMessage {
   /// What has come since the last call.
   [[nodiscard]] std::optional<Read> Take() {
     const std::scoped_lock lock(shared_->mutex);
+    if (shared_->waiting) shown_ = shared_->last;
     return std::exchange(shared_->waiting, std::nullopt);
+  }
+  /// What the last Take gave, read with the options that count now; nothing if there is none.
+  [[nodiscard]] std::optional<Read> TakeAgain() const {
+    if (!shown_) return std::nullopt;
+    Options with;
+    {
+      const std::scoped_lock lock(shared_->mutex);
+      with = shared_->options;
+    }
+    Read again;
+    again.fault = shared_->read(*shown_, with, again.shown);
+    return again;
   }
   void Clear() {
     const std::scoped_lock lock(shared_->mutex);
     shared_->waiting.reset();
     shared_->last.reset();
+    shown_.reset();
   }
 
   [[nodiscard]] std::uint64_t received() const {
@@ -109,6 +123,7 @@ class NewestMessage {
   };
 
   std::shared_ptr<Shared> shared_;
+  std::shared_ptr<const Message> shown_;  ///< That Take gave last: a newer one may wait.
   Subscription subscription_;
 };
 

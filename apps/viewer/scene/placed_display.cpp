@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "viewer/data/quantity_text.hpp"
+
 namespace hgros::viewer {
 
 Change PlacedDisplay::Update(const UpdateContext& context) {
@@ -19,13 +21,25 @@ Change PlacedDisplay::Update(const UpdateContext& context) {
     return settling_.settled() || settling_.moves() ? std::max(change, settling_.Gone()) : change;
   }
   if (blended()) {
-    if (settling_.settled()) change = std::max(change, settling_.Gone());
+    if (settling_.settled() || settling_.moves()) change = std::max(change, settling_.Gone());
     return replaced ? std::max(change, Change::kMoving) : change;
   }
   if (replaced || (!settling_.settled() && !settling_.moves())) {
     change = std::max(change, settling_.Replaced(context.now_s));
   }
   return std::max(change, settling_.Rest(context.now_s));
+}
+
+// It stays where it is, and in its layer unless that is the one of what can be seen through.
+Change PlacedDisplay::ApplySettings(const UpdateContext& context) {
+  if (!std::exchange(setting_changed_, false)) return Change::kNothing;
+  if (auto fault = TakeAgain()) fault_ = *std::move(fault);
+  if (empty() || !placement_.known() || blended()) {
+    (void)settling_.Gone();
+  } else if (!settling_.settled() && !settling_.moves()) {
+    (void)settling_.Replaced(context.now_s);
+  }
+  return Change::kRedraw;
 }
 
 void PlacedDisplay::DrawNew(const DrawContext& context) {
@@ -63,7 +77,7 @@ std::vector<std::string> PlacedDisplay::Status() const {
   } else {
     Describe(lines);
   }
-  if (dropped() > 0) lines.push_back(std::to_string(dropped()) + " messages came too fast.");
+  if (dropped() > 0) lines.push_back(Counted(dropped(), "message", "messages") + " came too fast.");
   return lines;
 }
 

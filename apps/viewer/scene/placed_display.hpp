@@ -16,6 +16,7 @@ namespace hgros::viewer {
 class PlacedDisplay : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& context) final;
+  [[nodiscard]] Change ApplySettings(const UpdateContext& context) final;
   void DrawNew(const DrawContext& context) final;
   void DrawSettled(const DrawContext& context, const Slice& slice) final;
   void DrawMoving(const DrawContext& context) final;
@@ -32,6 +33,8 @@ class PlacedDisplay : public Display {
  protected:
   /// Takes what has arrived. Returns what is wrong with it, or an empty sentence; nothing if nothing has arrived.
   [[nodiscard]] virtual std::optional<std::string> TakeArrived() = 0;
+  /// Reads what is shown once more. Returns as TakeArrived.
+  [[nodiscard]] virtual std::optional<std::string> TakeAgain() = 0;
   /// A setting has changed. If it is one of reading, the last message arrives once more.
   virtual void TakeSetting(const std::string& name) = 0;
   virtual void Forget() = 0;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "viewer/data/quantity_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -205,7 +207,7 @@ std::vector<std::string> PointsDisplay::Status() const {
   if (!fault_.empty()) lines.push_back(fault_);
   if (received() == 0) lines.emplace_back("Nothing has arrived yet.");
   if (empty_ && fault_.empty()) lines.emplace_back("The last message has no points.");
-  lines.push_back(std::to_string(points()) + " points");
+  lines.push_back(Counted(points(), "point", "points"));
   if (color_by_ == static_cast<int>(ColorBy::kScalar)) {
     lines.push_back(shown_field_.empty() ? "The points have no such value." : "The value is " + shown_field_ + ".");
     if (!fields_.empty()) {
@@ -214,10 +216,14 @@ std::vector<std::string> PointsDisplay::Status() const {
       lines.push_back(std::move(names));
     }
   }
-  if (dropped() + unplaced_ > 0) {
-    lines.push_back(std::to_string(dropped()) + " messages came too fast, " + std::to_string(unplaced_) +
-                    " had no transform.");
+  std::string lost;
+  if (dropped() > 0) lost = Counted(dropped(), "message", "messages") + " came too fast";
+  if (dropped() > 0 && unplaced_ > 0) {
+    lost += ", " + std::to_string(unplaced_) + " had no transform";
+  } else if (unplaced_ > 0) {
+    lost = Counted(unplaced_, "message", "messages") + " had no transform";
   }
+  if (!lost.empty()) lines.push_back(lost + ".");
   return lines;
 }
 

@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "viewer/data/quantity_text.hpp"
+
 namespace hgros::viewer {
 
 Change PoseHistory::Rewritten(double now_s) {
@@ -132,8 +134,8 @@ std::vector<std::string> PoseHistory::Status() const {
   } else if (poses_.poses().empty()) {
     lines.emplace_back("The last message has no poses.");
   }
-  lines.push_back(std::to_string(poses_.poses().size()) + " poses in " + (frame_.empty() ? "no frame" : frame_));
-  if (poses_.left_out() > 0) lines.push_back(std::to_string(poses_.left_out()) + " poses are no numbers.");
+  lines.push_back(Counted(poses_.poses().size(), "pose", "poses") + " in " + (frame_.empty() ? "no frame" : frame_));
+  if (poses_.left_out() > 0) lines.push_back(Counted(poses_.left_out(), "pose is not", "poses are not") + " made of numbers.");
   return lines;
 }
 

@@ -6,6 +6,7 @@
 
 #include "viewer/data/mesh_file.hpp"
 #include "viewer/data/mesh_place.hpp"
+#include "viewer/data/quantity_text.hpp"
 #include "viewer/data/robot_shapes.hpp"
 #include "viewer/data/shape_bounds.hpp"
 #include "viewer/data/whole_file.hpp"
@@ -42,6 +43,12 @@ class RobotDisplay : public Display {
     if (!read && !context.transforms_changed && !context.frame_changed) return Change::kNothing;
     return Place(context) || read ? Change::kMoving : Change::kNothing;
   }
+  [[nodiscard]] Change ApplySettings(const UpdateContext& context) override {
+    if (outdated_ || !std::exchange(faded_, false)) return outdated_ ? Update(context) : Change::kNothing;
+    for (auto& [shape, mesh] : meshes_) SetColors(mesh);
+    PlaceShapes();  // Its links lie where they did.
+    return Change::kMoving;
+  }
   void DrawMoving(const DrawContext& context) override { Draw(context, false); }
   void DrawBlended(const DrawContext& context) override { Draw(context, true); }
   [[nodiscard]] bool blends() const override { return true; }
@@ -71,7 +78,7 @@ class RobotDisplay : public Display {
     if (!missing_.empty()) lines.push_back("Not shown for want of a mesh: " + Listed(missing_) + ". " + mesh_fault_);
     if (file_.empty()) lines.emplace_back("It needs a file: a URDF.");
     if (!shapes_.empty()) {
-      lines.push_back(std::to_string(shapes_.size()) + " shapes, " + std::to_string(meshes_.size()) +
+      lines.push_back(Counted(shapes_.size(), "shape", "shapes") + ", " + std::to_string(meshes_.size()) +
                       " of them meshes");
     }
     return lines;

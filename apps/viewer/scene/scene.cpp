@@ -54,6 +54,13 @@ void Scene::Update(const UpdateContext& context) {
   }
 }
 
+void Scene::ApplySettings(const UpdateContext& context) {
+  for (Entry& entry : entries_) {
+    const Change change = entry.display->ApplySettings(context);
+    if (entry.visible) pending_ = std::max(pending_, change);
+  }
+}
+
 void Scene::LookBack(double newest_s, double back_s) {
   for (Entry& entry : entries_) {
     const Change change = entry.display->LookBack(newest_s, back_s);
@@ -63,8 +70,18 @@ void Scene::LookBack(double newest_s, double back_s) {
 
 double Scene::oldest_s() const {
   double oldest = std::numeric_limits<double>::infinity();
-  for (const Entry& entry : entries_) oldest = std::min(oldest, entry.display->oldest_s());
+  for (const Entry& entry : entries_) {
+    if (entry.visible) oldest = std::min(oldest, entry.display->oldest_s());
+  }
   return oldest;
+}
+
+double Scene::truthful_since_s() const {
+  double since = -std::numeric_limits<double>::infinity();
+  for (const Entry& entry : entries_) {
+    if (entry.visible) since = std::max(since, entry.display->truthful_since_s());
+  }
+  return since;
 }
 
 const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,

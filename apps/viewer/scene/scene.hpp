@@ -43,9 +43,14 @@ class Scene {
 
   /// Takes in what has arrived.
   void Update(const UpdateContext& context);
+  /// As Display::ApplySettings, of all.
+  void ApplySettings(const UpdateContext& context);
   /// As Display::LookBack, of all.
   void LookBack(double newest_s, double back_s);
+  /// Of those that are visible, the oldest there is.
   [[nodiscard]] double oldest_s() const;
+  /// Before that some of them would show what was not there.
+  [[nodiscard]] double truthful_since_s() const;
   /// Whether something has changed since the last Draw.
   [[nodiscard]] bool pending() const noexcept { return pending_ != Change::kNothing; }
   /// The whole settled layer is out of date.

@@ -73,15 +73,8 @@ class VoxelDisplay : public PlacedDisplay {
   [[nodiscard]] std::size_t gpu_bytes() const override { return cubes_.gpu_bytes(); }
 
  protected:
-  [[nodiscard]] std::optional<std::string> TakeArrived() override {
-    auto read = newest_.Take();
-    if (!read) return std::nullopt;
-    if (!read->fault.empty()) return std::move(read->fault);
-    read_ = std::move(read->shown);
-    cubes_.Set(read_.picture);
-    read_.picture.cubes = {};  // The message is kept: they can be made again.
-    return std::string();
-  }
+  [[nodiscard]] std::optional<std::string> TakeArrived() override { return Show(newest_.Take()); }
+  [[nodiscard]] std::optional<std::string> TakeAgain() override { return Show(newest_.TakeAgain()); }
   void TakeSetting(const std::string& name) override {
     if (name == "field" || name == "threshold") newest_.SetOptions({field_, threshold_});
   }
@@ -123,6 +116,17 @@ class VoxelDisplay : public PlacedDisplay {
   [[nodiscard]] std::uint64_t dropped() const override { return newest_.dropped(); }
 
  private:
+  using Newest = NewestMessage<VoxelGrid, VoxelOptions, ReadVoxelGrid>;
+
+  [[nodiscard]] std::optional<std::string> Show(std::optional<Newest::Read> read) {
+    if (!read) return std::nullopt;
+    if (!read->fault.empty()) return std::move(read->fault);
+    read_ = std::move(read->shown);
+    cubes_.Set(read_.picture);
+    read_.picture.cubes = {};  // The message is kept: they can be made again.
+    return std::string();
+  }
+
   ReadVoxelGrid read_;  ///< Without the cubes.
   VoxelCubes cubes_;
 
@@ -134,7 +138,7 @@ class VoxelDisplay : public PlacedDisplay {
   std::string field_;
   float threshold_ = 0;
 
-  NewestMessage<VoxelGrid, VoxelOptions, ReadVoxelGrid> newest_;
+  Newest newest_;
 };
 
 }  // namespace

@@ -27,5 +27,11 @@ TEST(QuantityText, ChoosesTheUnitOfADuration) {
   EXPECT_EQ(DurationText(-2ms), "-2.00 ms") << "the sender's clock may be ahead";
 }
 
+TEST(QuantityText, CountsOneAndSeveral) {
+  EXPECT_EQ(Counted(1, "message", "messages"), "1 message");
+  EXPECT_EQ(Counted(0, "message", "messages"), "0 messages");
+  EXPECT_EQ(Counted(12, "entity", "entities"), "12 entities");
+}
+
 }  // namespace
 }  // namespace hgros::viewer

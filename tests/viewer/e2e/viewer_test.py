@@ -204,8 +204,9 @@ class InMemory(ViewerCase):
     def test_draws_nothing_while_nothing_changes(self):
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2", "--panel", "Log", "--panel", "Message",
                             "--panel", "Plot", "--panel", "Channels")
-        first = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 0.5)
-        last = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 1.5)
+        # A second after the last picture one more says that nothing is drawn.
+        first = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 2.5)
+        last = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 4)
         self.assertEqual(first["frames"], last["frames"])
         viewer.send_signal(signal.SIGTERM)
         self.end(viewer)

@@ -420,5 +420,27 @@ TEST_F(Entities, OfAMalformedMessageAreASentence) {
   (void)Draw();
 }
 
+TEST_F(Entities, ThatStandStillTakeSettingsAndKeepWhatTheyShow) {
+  Display& display = Add("Scene", "scene");
+  SceneUpdate update;
+  SceneEntity& entity = AddEntity(update, "cube");
+  entity.set_frame_id("base");
+  entity.set_frame_locked(true);
+  AddCube(entity, 0, 0, 3);
+  (void)tree_.Set("map", "base", Time{1'000'000'000}, RigidTransform({1, 0, 0, 0}, {0, 0, 0}));
+  Publish("scene", update);
+  Update();
+  (void)Draw();
+  (void)tree_.Set("map", "base", Time{2'000'000'000}, RigidTransform({1, 0, 0, 0}, {4, 0, 0}));
+  SceneUpdate deleted;
+  deleted.add_deletions()->set_type(foxglove::SceneEntityDeletion::ALL);
+  Publish("scene", deleted);
+  SetStandingStill(display, "alpha", "0.4");
+  const Pixels faded = Draw();
+  EXPECT_DOUBLE_EQ(display.Bounds().center().x(), 0) << "its frame has not moved in this picture";
+  SetStandingStill(display, "alpha", "1");
+  EXPECT_GT(DifferentShare(faded, Draw()), 0.01);
+}
+
 }  // namespace
 }  // namespace hgros::viewer::test

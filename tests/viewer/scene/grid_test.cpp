@@ -259,5 +259,35 @@ TEST_F(GridPictures, LookTheSameInOneTextureAsInMany) {
   EXPECT_LT(DifferentShare(one, many), 0.02);
 }
 
+TEST_F(GridPictures, ThatStandStillTakeSettingsAndKeepWhatTheyShow) {
+  for (const auto& [name, text] : {std::pair("palette", "costmap"), std::pair("alpha", "0.5")}) {
+    Display& display = Add("Grid", "grid");
+    Publish("grid", Costs());
+    Update();
+    const Pixels before = Draw();
+    Publish("grid", Rooms());
+    SetStandingStill(display, name, text);
+    const Pixels standing = Draw();
+    scene_.Remove(0);
+    Add("Grid", "fresh", {name, text});
+    Publish("fresh", Costs());
+    Update();
+    EXPECT_EQ(DifferentShare(standing, Draw()), 0) << name;
+    EXPECT_GT(DifferentShare(standing, before), 0.01) << name;
+    scene_.Remove(0);
+  }
+}
+
+TEST_F(GridPictures, ThatCouldBeSeenThroughAreWholeAgainWhileTheyStandStill) {
+  Display& display = Add("Grid", "grid", {"palette", "raw"});
+  Publish("grid", Costs());
+  Update();
+  const Pixels whole = Draw();
+  SetStandingStill(display, "alpha", "0.3");
+  EXPECT_GT(DifferentShare(Draw(), whole), 0.01);
+  SetStandingStill(display, "alpha", "1");
+  EXPECT_EQ(DifferentShare(Draw(), whole), 0);
+}
+
 }  // namespace
 }  // namespace hgros::viewer::test

@@ -179,5 +179,20 @@ TEST_F(Images, ThatCannotBeShownAreASentence) {
   EXPECT_TRUE(display.Image());
 }
 
+TEST_F(Images, ThatStandStillTakeSettingsAndKeepWhatTheyShow) {
+  Display& display = Add("Image", "image");
+  Publish("image", Depth());
+  Update();
+  const std::vector<std::uint8_t> before = display.Image()->picture->rgba;
+  Publish("image", Colors());
+  SetStandingStill(display, "map", "gray");
+  const std::vector<std::uint8_t> standing = display.Image()->picture->rgba;
+  EXPECT_NE(standing, before);
+  Display& fresh = Add("Image", "fresh", {"map", "gray"});
+  Publish("fresh", Depth());
+  Update();
+  EXPECT_EQ(standing, fresh.Image()->picture->rgba);
+}
+
 }  // namespace
 }  // namespace hgros::viewer::test

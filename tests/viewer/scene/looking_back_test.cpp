@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <limits>
 
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
@@ -145,6 +146,34 @@ TEST_F(LookingBack, ShowsFramesWhereTheyWere) {
   EXPECT_DOUBLE_EQ(base(), 2.5);
   scene_.LookBack(5, 0);
   EXPECT_EQ(base(), 5);
+}
+
+TEST_F(LookingBack, IsTruthfulAsLongAsFramesThatAreSeenAreRemembered) {
+  Add("Pose", "pose", {"trail", "100"});
+  Add("Frames");
+  for (int second = 0; second < 60; ++second) {
+    foxglove::PoseInFrame pose;
+    pose.set_frame_id("map");
+    pose.mutable_pose()->mutable_position()->set_x(second);
+    Publish("pose", pose);
+    const Time stamp{(second + 1) * 1'000'000'000LL};
+    (void)tree_.Set("map", "base", stamp, RigidTransform({1, 0, 0, 0}, {static_cast<double>(second), 0, 0}));
+    transforms_changed_ = true;
+    Update(second);
+  }
+  EXPECT_EQ(scene_.oldest_s(), 0);
+  EXPECT_NEAR(scene_.truthful_since_s(), 59 - 10, 1);
+  scene_.SetVisible(1, false);
+  EXPECT_EQ(scene_.truthful_since_s(), -std::numeric_limits<double>::infinity()) << "nobody sees the frames";
+  scene_.SetVisible(0, false);
+  EXPECT_EQ(scene_.oldest_s(), std::numeric_limits<double>::infinity()) << "nobody sees the poses";
+}
+
+TEST_F(LookingBack, IsTruthfulForEverWhereNoFrameMoves) {
+  Add("Frames");
+  (void)tree_.SetStatic("map", "base", RigidTransform({1, 0, 0, 0}, {1, 0, 0}));
+  Update(5);
+  EXPECT_EQ(scene_.truthful_since_s(), -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

@@ -167,6 +167,12 @@ TEST_F(Points, OfTheLastMessagesOrTheLastSeconds) {
   EXPECT_EQ(count.points(), 200U);
 }
 
+TEST_F(Points, SayHowManyHadNoTransformAndNothingOfWhatDidNotHappen) {
+  Display& display = AddWithoutTransform();
+  Update(3);
+  EXPECT_THAT(display.Status(), ::testing::Contains("1 message had no transform."));
+}
+
 TEST_F(Points, WaitForTheirTransformAndSayWhatIsMissing) {
   Display& display = AddWithoutTransform();
   EXPECT_EQ(display.points(), 0U);

@@ -127,7 +127,7 @@ TEST_F(Poses, ThatAreNoNumbersAreLeftOutAndSaid) {
   Publish("way", poses);
   Update();
   (void)Draw();
-  EXPECT_THAT(display.Status(), ::testing::Contains(::testing::HasSubstr("1 poses are no numbers")));
+  EXPECT_THAT(display.Status(), ::testing::Contains(::testing::HasSubstr("1 pose is not made of numbers")));
 }
 
 }  // namespace

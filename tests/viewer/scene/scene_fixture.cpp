@@ -69,6 +69,16 @@ void SceneTest::Update(double now_s) {
   transforms_changed_ = false;
 }
 
+void SceneTest::SetStandingStill(Display& display, const std::string& name, const std::string& text) {
+  ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10)));
+  const std::vector<Setting> known = display.Settings();
+  const auto setting = std::ranges::find(known, name, &Setting::name);
+  ASSERT_NE(setting, known.end()) << name;
+  ASSERT_EQ(SetFromText(*setting, text), "");
+  display.OnSetting(name);
+  scene_.ApplySettings({frame_, 0, false, false});
+}
+
 Pixels SceneTest::Draw() {
   const ViewMatrices view = camera_.Matrices(kPictureSize);
   scene_.Draw(view, 1);

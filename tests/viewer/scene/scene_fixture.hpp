@@ -29,6 +29,8 @@ class SceneTest : public ::testing::Test {
   /// The display shows `channel`, with settings as name, text, name, text ...
   Display& Add(const std::string& type, const std::string& channel = {}, const std::vector<std::string>& settings = {});
   void Update(double now_s = 0);
+  /// As a person does while the view stands still: nothing is taken in.
+  void SetStandingStill(Display& display, const std::string& name, const std::string& text);
   /// Draws until the picture is whole.
   [[nodiscard]] Pixels Draw();
   /// The picture is as the one that was looked at and kept; HGROS_KEEP_PICTURES=1 keeps it.

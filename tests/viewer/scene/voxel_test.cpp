@@ -137,5 +137,19 @@ TEST_F(Voxels, AreCountedAndThoseInsideAreNotDrawn) {
   EXPECT_TRUE(display.HasFault());
 }
 
+TEST_F(Voxels, ThatStandStillTakeSettingsAndKeepWhatTheyShow) {
+  Display& display = Add("Voxels", "voxels");
+  Publish("voxels", Ball());
+  Update();
+  Publish("voxels", Ball(3));
+  SetStandingStill(display, "threshold", "12");
+  const Pixels standing = Draw();
+  scene_.Remove(0);
+  Add("Voxels", "fresh", {"threshold", "12"});
+  Publish("fresh", Ball());
+  Update();
+  EXPECT_EQ(DifferentShare(standing, Draw()), 0);
+}
+
 }  // namespace
 }  // namespace hgros::viewer::test
