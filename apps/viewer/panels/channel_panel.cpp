@@ -131,15 +131,15 @@ class ChannelPanel : public Panel {
     };
     ImGui::TableSetupColumn("##measure", ImGuiTableColumnFlags_NoSort | ImGuiTableColumnFlags_WidthFixed, 1.6F * unit,
                             100);
-    column("channel", ChannelColumn::kName, 11 * unit, ImGuiTableColumnFlags_DefaultSort);
-    column("rate", ChannelColumn::kRate, 4.6F * unit, ImGuiTableColumnFlags_PreferSortDescending);
-    column("bandwidth", ChannelColumn::kBandwidth, 5.6F * unit, ImGuiTableColumnFlags_PreferSortDescending);
-    column("latency", ChannelColumn::kLatency, 4.6F * unit, ImGuiTableColumnFlags_PreferSortDescending);
+    column("channel", ChannelColumn::kName, 10 * unit, ImGuiTableColumnFlags_DefaultSort);
+    column("rate", ChannelColumn::kRate, 4.4F * unit, ImGuiTableColumnFlags_PreferSortDescending);
+    column("bandwidth", ChannelColumn::kBandwidth, 5.4F * unit, ImGuiTableColumnFlags_PreferSortDescending);
+    column("latency", ChannelColumn::kLatency, 4.4F * unit, ImGuiTableColumnFlags_PreferSortDescending);
     column("drops", ChannelColumn::kDrops, 3.6F * unit, ImGuiTableColumnFlags_PreferSortDescending);
     column("age", ChannelColumn::kAge, 4.2F * unit, ImGuiTableColumnFlags_PreferSortDescending);
-    column("schema", ChannelColumn::kSchema, 13 * unit);
-    column("publishers", ChannelColumn::kPublishers, 9 * unit);
-    column("subscribers", ChannelColumn::kSubscribers, 9 * unit);
+    column("schema", ChannelColumn::kSchema, 11.6F * unit);
+    column("publishers", ChannelColumn::kPublishers, 7.2F * unit);
+    column("subscribers", ChannelColumn::kSubscribers, 7.2F * unit);
     ImGui::TableHeadersRow();
   }
 
@@ -208,7 +208,7 @@ class ChannelPanel : public Panel {
 }  // namespace
 
 PanelType ChannelPanelType() {
-  return {"Channels", "All channels, with rate, bandwidth, latency and drops of those that you ask for.", 62, 17,
+  return {"Channels", "All channels, with rate, bandwidth, latency and drops of those that you ask for.", 68, 17,
           [](const PanelInputs& inputs) -> std::unique_ptr<Panel> { return std::make_unique<ChannelPanel>(inputs); }};
 }
 

@@ -14,9 +14,10 @@ DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, con
   Wish wish;
   const float unit = ImGui::GetFontSize();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({0.6F * unit, 0.6F * unit}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({21 * unit, std::min(40 * unit, size.y - 4 * unit)}, ImGuiCond_FirstUseEver);
-  if (ImGui::Begin("Displays", nullptr, ImGuiWindowFlags_NoSavedSettings)) {
+  window_.Place({0.6F * unit, 0.6F * unit, 21 * unit, std::clamp(size.y - 4 * unit, 6 * unit, 40 * unit)});
+  const bool open = ImGui::Begin("Displays", nullptr, ImGuiWindowFlags_NoSavedSettings);
+  window_.Note();
+  if (open) {
     dock.DrawSwitches();
     ImGui::Separator();
     DrawFrame(frame, wish);

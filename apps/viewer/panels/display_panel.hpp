@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "viewer/panels/panel_dock.hpp"
+#include "viewer/panels/placed_window.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace hgros::viewer {
@@ -38,6 +39,7 @@ class DisplayPanel {
   void DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish);
   void DrawFrame(const FixedFrame& frame, Wish& wish);
 
+  PlacedWindow window_;
   char channel_[128] = "";
   int type_ = 0;
 };

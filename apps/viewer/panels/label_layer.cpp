@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "viewer/data/cut_text.hpp"
+#include "viewer/panels/name_piles.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -25,6 +26,13 @@ float HeightOnScreen(const Label& label, const ViewMatrices& view) {
   return std::min(height, kLargestText);
 }
 
+/// With a shadow.
+void Write(ImDrawList& list, float size, const ImVec2& at, Rgba color, std::string_view text) {
+  const char* const end = text.data() + text.size();
+  list.AddText(nullptr, size, {at.x + 1, at.y + 1}, MakeRgba(0, 0, 0, AlphaOf(color) * 4 / 5), text.data(), end);
+  list.AddText(nullptr, size, at, color, text.data(), end);
+}
+
 }  // namespace
 
 void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewport& viewport, float pixels_per_unit) {
@@ -34,6 +42,7 @@ void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewp
   const ViewMatrices view = camera.Matrices(viewport);
   std::size_t drawn = 0;
   std::size_t letters = kMostLetters;
+  std::vector<PlacedName> names;
   for (const Label& label : labels) {
     const auto pixel = camera.PixelOf(label.at, viewport);
     if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() > viewport.width || pixel->y() > viewport.height) {
@@ -46,11 +55,13 @@ void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewp
     const std::string_view text = CutText(label.text);
     if (++drawn > kMostLabels || text.size() > letters) break;
     letters -= text.size();
-    const char* const end = text.data() + text.size();
-    list.AddText(nullptr, size, {at.x + 1, at.y + 1}, MakeRgba(0, 0, 0, AlphaOf(label.color) * 4 / 5), text.data(),
-                 end);
-    list.AddText(nullptr, size, at, label.color, text.data(), end);
+    if (label.height > 0) {
+      Write(list, size, at, label.color, text);
+    } else {
+      names.push_back({at.x, at.y, text, label.color});
+    }
   }
+  for (const NamePile& pile : PileNames(names, usual)) Write(list, usual, {pile.x, pile.y}, pile.color, pile.text);
   if (!camera.anchor()) return;
   if (const auto pixel = camera.PixelOf(*camera.anchor(), viewport)) {
     const ImVec2 at(static_cast<float>(pixel->x()) / pixels_per_unit, static_cast<float>(pixel->y()) / pixels_per_unit);

@@ -5,7 +5,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "viewer/panels/panel_tiles.hpp"
+
 namespace hgros::viewer {
+namespace {
+
+// Of a panel, in heights of the font.
+constexpr float kNarrowest = 12;
+constexpr float kLowest = 6;
+
+}  // namespace
 
 PanelDock::PanelDock(Session& session, std::function<void()> wake) : session_(session), wake_(std::move(wake)) {}
 
@@ -21,12 +30,20 @@ Panel& PanelDock::Open(const PanelType& type) {
   const auto wake = [arrived = arrived_, wake = wake_] {
     if (!arrived->exchange(true)) wake();
   };
-  opened_.push_back({&type, std::nullopt, {}, type.make({session_, wake})});
+  Opened& opened = opened_.emplace_back(Opened{&type, std::nullopt, {}, type.make({session_, wake})});
+  if (const auto before = closed_.find(&type); before != closed_.end()) {
+    opened.wanted = before->second.place;
+    for (const auto& [name, value] : before->second.settings) (void)opened.panel->Set(name, value);
+  }
   Refresh();
-  return *opened_.back().panel;
+  return *opened.panel;
 }
 
 void PanelDock::Close(const PanelType& type) {
+  const Opened* const open = Find(type);
+  if (open == nullptr) return;
+  PanelLayout& kept = closed_[&type] = LayoutOf(*open);
+  if (!open->window.by_hand()) kept.place = open->wanted;
   std::erase_if(opened_, [&](const Opened& opened) { return opened.type == &type; });
 }
 
@@ -54,39 +71,55 @@ bool PanelDock::Update(const PanelContext& context) {
   return true;
 }
 
-bool PanelDock::Draw(Opened& opened, PanelWish& wish) const {
+std::vector<PanelPlace> PanelDock::Tiles() const {
   const float unit = ImGui::GetFontSize();
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  // Beside the list of displays and below the panel View; the time bar has its place below.
+  const float left = 22.2F * unit;
+  const float top = ImGui::GetFrameHeight() + unit;
+  const float lower = screen.y - ImGui::GetFrameHeight() - 3.2F * unit;
+  const PanelPlace room{left, top, std::max(kNarrowest * unit, screen.x - left - 0.6F * unit),
+                        std::max(kLowest * unit, lower - top)};
+  std::vector<PanelSize> wanted;
+  for (const Opened& opened : opened_) {
+    if (!opened.window.by_hand() && !opened.wanted)
+      wanted.push_back({opened.type->width * unit, opened.type->height * unit});
+  }
+  std::vector<PanelPlace> tiles = TilePanels(wanted, room, 0.4F * unit);
+  for (PanelPlace& tile : tiles) {
+    tile.width = std::max(tile.width, kNarrowest * unit);
+    tile.height = std::max(tile.height, kLowest * unit);
+  }
+  return tiles;
+}
+
+bool PanelDock::Draw(Opened& opened, const PanelPlace& tile, PanelWish& wish) {
+  const float unit = ImGui::GetFontSize();
   if (opened.wanted) {
-    ImGui::SetNextWindowPos({opened.wanted->x, opened.wanted->y});
-    ImGui::SetNextWindowSize({opened.wanted->width, opened.wanted->height});
+    opened.window.PlaceByHand(*opened.wanted);
     opened.wanted.reset();
   } else {
-    // Beside the list of displays, from the lower edge up; the time bar has its place below.
-    const float left = 22.2F * unit;
-    const float lower = screen.y - ImGui::GetFrameHeight() - 3.2F * unit;
-    const auto place = static_cast<float>(&opened - opened_.data());
-    const ImVec2 size(std::clamp(opened.type->width * unit, 12 * unit, std::max(12 * unit, screen.x - left - unit)),
-                      std::min(opened.type->height * unit, std::max(8 * unit, lower - unit)));
-    // Above the one that was opened before, if there is room; else over all of them, but for their titles.
-    const float above = &opened == opened_.data() ? 0 : (&opened)[-1].place.y - size.y - 0.4F * unit;
-    const bool fits = above >= 0.6F * unit;
-    const float top = fits ? above : std::max(0.6F * unit, lower - size.y - place * 2 * unit);
-    ImGui::SetNextWindowPos({left + (fits ? 0 : place * 1.2F * unit), top}, ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize(size, ImGuiCond_FirstUseEver);
+    opened.window.Place(tile);
   }
-  ImGui::SetNextWindowSizeConstraints({12 * unit, 6 * unit}, {1e5F, 1e5F});
+  ImGui::SetNextWindowSizeConstraints({kNarrowest * unit, kLowest * unit}, {1e5F, 1e5F});
   ImGui::SetNextWindowBgAlpha(1);  // What is read need not be seen through.
   bool stays = true;
   if (ImGui::Begin(opened.type->name.c_str(), &stays, ImGuiWindowFlags_NoSavedSettings)) opened.panel->Draw(wish);
-  opened.place = {ImGui::GetWindowPos().x, ImGui::GetWindowPos().y, ImGui::GetWindowSize().x, ImGui::GetWindowSize().y};
+  opened.window.Note();
   ImGui::End();
   return stays;
 }
 
 void PanelDock::Draw() {
   PanelWish wish;
-  std::erase_if(opened_, [&](Opened& opened) { return !Draw(opened, wish); });
+  const std::vector<PanelPlace> tiles = Tiles();
+  auto tile = tiles.begin();
+  std::vector<const PanelType*> closed;
+  for (Opened& opened : opened_) {
+    const bool tiled = !opened.window.by_hand() && !opened.wanted;
+    if (!Draw(opened, tiled ? *tile++ : PanelPlace(), wish)) closed.push_back(opened.type);
+  }
+  for (const PanelType* const type : closed) Close(*type);
   if (!wish.message.empty()) (void)Open(*PanelTypeNamed("Message")).Set("channel", wish.message);
   if (!wish.plot.empty()) (void)Open(*PanelTypeNamed("Plot")).Set("series", wish.plot);
   if (!wish.message.empty() || !wish.plot.empty()) Refresh();
@@ -108,12 +141,14 @@ void PanelDock::DrawSwitches() {
   }
 }
 
+PanelLayout PanelDock::LayoutOf(const Opened& opened) {
+  const bool drawn = opened.window.place().width > 0 && !opened.wanted;
+  return {opened.type->name, drawn ? std::optional(opened.window.place()) : opened.wanted, opened.panel->Settings()};
+}
+
 std::vector<PanelLayout> PanelDock::Layout() const {
   std::vector<PanelLayout> all;
-  for (const Opened& opened : opened_) {
-    const bool drawn = opened.place.width > 0;
-    all.push_back({opened.type->name, drawn ? std::optional(opened.place) : opened.wanted, opened.panel->Settings()});
-  }
+  for (const Opened& opened : opened_) all.push_back(LayoutOf(opened));
   return all;
 }
 

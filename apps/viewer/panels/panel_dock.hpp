@@ -3,23 +3,17 @@
 #include <atomic>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "viewer/panels/panel_place.hpp"
 #include "viewer/panels/panel_types.hpp"
+#include "viewer/panels/placed_window.hpp"
 
 namespace hgros::viewer {
-
-/// Where a window lies, in ImGui's coordinates.
-struct PanelPlace {
-  float x = 0;
-  float y = 0;
-  float width = 0;
-  float height = 0;
-  bool operator==(const PanelPlace&) const = default;
-};
 
 /// A panel as a layout keeps it.
 struct PanelLayout {
@@ -29,9 +23,9 @@ struct PanelLayout {
   bool operator==(const PanelLayout&) const = default;
 };
 
-/// The panels that are open: one of each kind at most. What arrives for them is shown some times a second; what is
-/// closed costs nothing.
-/// Thread: the one that draws.
+/// The panels that are open: one of each kind at most. Those that nobody has placed share the room beside the list of
+/// displays. One that is opened again is as it was when it was closed. What arrives for them is shown some times a
+/// second; what is closed costs nothing. Thread: the one that draws.
 class PanelDock {
  public:
   /// `wake` may be called by any thread, and brings an Update.
@@ -64,17 +58,21 @@ class PanelDock {
   struct Opened {
     const PanelType* type;
     std::optional<PanelPlace> wanted;  ///< For the next Draw.
-    PanelPlace place;
+    PlacedWindow window;
     std::unique_ptr<Panel> panel;
   };
   [[nodiscard]] const Opened* Find(const PanelType& type) const;
-  [[nodiscard]] bool Draw(Opened& opened, PanelWish& wish) const;
+  [[nodiscard]] static PanelLayout LayoutOf(const Opened& opened);
+  /// Where they belong that nobody has placed, in their order.
+  [[nodiscard]] std::vector<PanelPlace> Tiles() const;
+  [[nodiscard]] static bool Draw(Opened& opened, const PanelPlace& tile, PanelWish& wish);
 
   Session& session_;
   const std::function<void()> wake_;
   const std::shared_ptr<std::atomic<bool>> arrived_ = std::make_shared<std::atomic<bool>>(false);
   double last_update_s_ = -kNever;
   std::vector<Opened> opened_;
+  std::map<const PanelType*, PanelLayout> closed_;  ///< As they were.
 };
 
 }  // namespace hgros::viewer

@@ -21,7 +21,15 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
   bool save = false;
   const float unit = ImGui::GetFontSize();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({size.x - 0.6F * unit, 0.6F * unit}, ImGuiCond_FirstUseEver, {1, 0});
+  // It stays as far from the edge that it is nearer to, whatever becomes of the window.
+  const bool at_right = place_.x + 0.5F * place_.width > 0.5F * screen_width_;
+  if (place_.width == 0) {
+    ImGui::SetNextWindowPos({size.x - 0.6F * unit, 0.6F * unit}, ImGuiCond_Always, {1, 0});
+  } else if (size.x != screen_width_) {
+    const float moved = place_.x + (at_right ? size.x - screen_width_ : 0);
+    ImGui::SetNextWindowPos({std::clamp(moved, 0.0F, std::max(0.0F, size.x - place_.width)), place_.y});
+  }
+  screen_width_ = size.x;
   ImGui::SetNextWindowSizeConstraints({17 * unit, 0}, {17 * unit, size.y});
   ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
   if (ImGui::Begin("View", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize)) {
@@ -49,6 +57,7 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
     ImGui::Checkbox("save at the end", &file.save_on_exit);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Writes the layout whenever the viewer is closed.");
   }
+  place_ = {ImGui::GetWindowPos().x, ImGui::GetWindowPos().y, ImGui::GetWindowSize().x, ImGui::GetWindowSize().y};
   ImGui::End();
   return save;
 }

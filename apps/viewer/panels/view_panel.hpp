@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "viewer/data/fixed_frame.hpp"
+#include "viewer/panels/panel_place.hpp"
 #include "viewer/view/camera.hpp"
 
 namespace hgros::viewer {
@@ -30,6 +31,8 @@ class ViewPanel {
  private:
   std::string follow_;
   bool with_rotation_ = false;
+  PanelPlace place_;
+  float screen_width_ = 0;
 };
 
 /// The names of all frames, in order.

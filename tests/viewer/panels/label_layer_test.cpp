@@ -39,6 +39,18 @@ TEST_F(LabelLayer, AnyNumberOfTextsIsDrawnInPart) {
   EXPECT_LT(DrawLabelsOf(std::string(4000, 'x'), 1000), 2 * 2 * 100'000);
 }
 
+TEST_F(LabelLayer, NamesThatCoincideAreListed) {
+  const auto triangles = [&](std::size_t count) {
+    const std::vector<Label> labels(count, {Eigen::Vector3d::Zero(), "kitchen"});
+    ImGui::NewFrame();
+    DrawLabels(labels, camera_, {1280, 800}, 1);
+    ImGui::Render();
+    return ImGui::GetDrawData()->TotalIdxCount / 3;
+  };
+  EXPECT_EQ(triangles(3), 3 * triangles(1));
+  EXPECT_EQ(triangles(60), triangles(70)) << "and so many more";
+}
+
 TEST_F(LabelLayer, AWarningOfAnyLengthIsDrawnInPart) {
   ImGui::GetIO().DisplaySize = {10'000, 10'000};
   ImGui::NewFrame();

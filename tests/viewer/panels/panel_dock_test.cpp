@@ -107,5 +107,57 @@ TEST_F(PanelDockTest, SaysWhatIsWrongWithALayout) {
   EXPECT_NE(fault({"Channels", std::nullopt, {{"size", "1"}}}).find("no setting"), std::string::npos);
 }
 
+TEST_F(PanelDockTest, SharesTheRoomUntilAPersonMovesAPanel) {
+  for (const PanelType& type : PanelTypes()) dock_.Open(type);
+  const auto places = [&](const ImVec2& size) {
+    ImGui::GetIO().DisplaySize = size;
+    for (int i = 0; i < 3; ++i) Draw();
+    std::vector<PanelPlace> all;
+    for (const PanelLayout& layout : dock_.Layout()) all.push_back(*layout.place);
+    return all;
+  };
+  const std::vector<PanelPlace> tiny = places({300, 200});
+  const std::vector<PanelPlace> large = places({1280, 800});
+  for (std::size_t i = 0; i < large.size(); ++i) {
+    EXPECT_GT(large[i].height, tiny[i].height) << "it grows with the window";
+    EXPECT_GT(large[i].height, 200) << "it can be read";
+    EXPECT_GT(large[i].width, 400);
+  }
+  EXPECT_EQ(places({300, 200}), tiny);
+  (void)places({1280, 800});
+
+  ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 title(large[1].x + 100, large[1].y + 8);
+  io.MousePos = title;
+  Draw();
+  io.MouseDown[0] = true;
+  Draw();
+  io.MousePos = {title.x - 40, title.y + 30};
+  Draw();
+  io.MouseDown[0] = false;
+  Draw();
+  const PanelPlace moved{large[1].x - 40, large[1].y + 30, large[1].width, large[1].height};
+  EXPECT_EQ(dock_.Layout()[1].place, moved);
+  EXPECT_EQ(places({1900, 1000})[1], moved) << "it is a person's now";
+  EXPECT_NE(places({1900, 1000})[0], large[0]) << "the others share the room";
+}
+
+TEST_F(PanelDockTest, OpensAPanelAgainAsItWas) {
+  const std::vector<PanelLayout> wanted = {
+      {"Plot", PanelPlace{10, 20, 400, 300}, {{"seconds", "30"}, {"series", "a x"}, {"series", "b y[0]"}}},
+      {"Message", std::nullopt, {{"channel", "a"}, {"unfolded", "pose"}}},
+      {"Log", std::nullopt, {{"level", "warning"}, {"source", "driver"}, {"text", "wheel"}, {"follow", "off"}}},
+      {"Graph", std::nullopt, {{"viewer", "off"}, {"own channels", "on"}}},
+  };
+  for (const PanelLayout& layout : wanted) ASSERT_EQ(dock_.Restore(layout), "");
+  Draw();
+  for (const PanelLayout& layout : wanted) Close(layout.name);
+  EXPECT_TRUE(dock_.Layout().empty());
+  for (const PanelLayout& layout : wanted) {
+    Open(layout.name);
+    EXPECT_EQ(dock_.Layout().back(), layout);
+  }
+}
+
 }  // namespace
 }  // namespace hgros::viewer::test
