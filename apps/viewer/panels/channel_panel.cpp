@@ -133,11 +133,11 @@ class ChannelPanel : public Panel {
                             100);
     column("channel", ChannelColumn::kName, 10 * unit, ImGuiTableColumnFlags_DefaultSort);
     column("rate", ChannelColumn::kRate, 4.4F * unit, ImGuiTableColumnFlags_PreferSortDescending);
-    column("bandwidth", ChannelColumn::kBandwidth, 5.4F * unit, ImGuiTableColumnFlags_PreferSortDescending);
+    column("bandwidth", ChannelColumn::kBandwidth, 6.0F * unit, ImGuiTableColumnFlags_PreferSortDescending);
     column("latency", ChannelColumn::kLatency, 4.4F * unit, ImGuiTableColumnFlags_PreferSortDescending);
     column("drops", ChannelColumn::kDrops, 3.6F * unit, ImGuiTableColumnFlags_PreferSortDescending);
     column("age", ChannelColumn::kAge, 4.2F * unit, ImGuiTableColumnFlags_PreferSortDescending);
-    column("schema", ChannelColumn::kSchema, 11.6F * unit);
+    column("schema", ChannelColumn::kSchema, 11.4F * unit);
     column("publishers", ChannelColumn::kPublishers, 7.2F * unit);
     column("subscribers", ChannelColumn::kSubscribers, 7.2F * unit);
     ImGui::TableHeadersRow();

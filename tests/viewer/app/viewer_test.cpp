@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <imgui.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <string>
 
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
@@ -14,6 +16,20 @@
 
 namespace hgros::viewer::test {
 namespace {
+
+/// The sessions of this process find each other, as long as it lives.
+class MetOnThisHost {
+ public:
+  MetOnThisHost() : before_(std::getenv("HGROS_DOMAIN")) {
+    setenv("HGROS_DOMAIN", ("viewer-whole-" + std::to_string(getpid())).c_str(), 1);
+  }
+  MetOnThisHost(const MetOnThisHost&) = delete;
+  MetOnThisHost& operator=(const MetOnThisHost&) = delete;
+  ~MetOnThisHost() { setenv("HGROS_DOMAIN", before_.c_str(), 1); }
+
+ private:
+  const std::string before_;
+};
 
 class ViewerTest : public ::testing::Test {
  protected:
@@ -143,6 +159,7 @@ TEST_F(ViewerTest, RemembersWhatAPersonHasRemovedWhenTheSurfaceIsLost) {
 
 TEST_F(ViewerTest, ShowsTheSamePictureOfAFollowedFrameThatLiesElsewhereByThen) {
   options_.panels = false;
+  const MetOnThisHost met;
   Session robot;
   Transforms transforms(robot);
   for (const bool follow_pose : {false, true}) {
