@@ -147,7 +147,7 @@ TEST_F(PanelDockTest, OpensAPanelAgainAsItWas) {
       {"Plot", PanelPlace{10, 20, 400, 300}, {{"seconds", "30"}, {"series", "a x"}, {"series", "b y[0]"}}},
       {"Message", std::nullopt, {{"channel", "a"}, {"unfolded", "pose"}}},
       {"Log", std::nullopt, {{"level", "warning"}, {"source", "driver"}, {"text", "wheel"}, {"follow", "off"}}},
-      {"Graph", std::nullopt, {{"viewer", "off"}, {"own channels", "on"}}},
+      {"Graph", std::nullopt, {{"nodes", "on"}, {"viewer", "off"}, {"own channels", "on"}}},
   };
   for (const PanelLayout& layout : wanted) ASSERT_EQ(dock_.Restore(layout), "");
   Draw();
