@@ -81,9 +81,11 @@ class GraphPanel : public Panel {
     if (ImGui::Checkbox("this viewer", &with_viewer_)) Again();
     ImGui::SameLine();
     if (ImGui::Checkbox("the library's own channels", &inner_)) Again();
-    ImGui::SameLine();
-    ImGui::TextDisabled("%zu %s, %zu channels", graph_.processes.size(), nodes_ ? "processes and nodes" : "processes",
-                        graph_.channels.size());
+    const std::string counts = std::to_string(graph_.processes.size()) +
+                               (nodes_ ? " processes and nodes, " : " processes, ") +
+                               std::to_string(graph_.channels.size()) + " channels";
+    SameLineFor(counts);
+    ImGui::TextDisabled("%s", counts.c_str());
     if (layout_.links.empty()) {
       DrawNote("Nobody publishes or subscribes to anything yet.");
       return;

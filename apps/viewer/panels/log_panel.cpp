@@ -149,7 +149,7 @@ class LogPanel : public Panel {
     ImGui::SameLine();
     ImGui::Checkbox("follow", &follow_);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Keeps the newest line in view.");
-    ImGui::SameLine();
+    SameLineFor("clear");
     if (ImGui::SmallButton("clear")) {
       store_.Clear();
       unreadable_ = 0;

@@ -160,7 +160,7 @@ class PlotPanel : public Panel {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(5 * unit);
     ImGui::DragFloat("##seconds", &seconds_, 0.2F, kShortest, kLongest, "last %.0f s", ImGuiSliderFlags_AlwaysClamp);
-    ImGui::SameLine();
+    SameLineFor("clear");
     if (ImGui::SmallButton("clear")) {
       for (const auto& [name, feed] : feeds_) feed.feed->Clear();
     }

@@ -32,4 +32,11 @@ void DrawNote(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
+void SameLineFor(const std::string& text) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float width = ImGui::CalcTextSize(text.c_str()).x + 2 * style.FramePadding.x;
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  if (ImGui::GetItemRectMax().x + style.ItemSpacing.x + width <= right) ImGui::SameLine();
+}
+
 }  // namespace hgros::viewer

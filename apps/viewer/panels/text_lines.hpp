@@ -13,4 +13,7 @@ void DrawTooltip(const std::string& text);
 /// A sentence that explains, in grey.
 void DrawNote(const std::string& text);
 
+/// What comes next, a button or words, stands on the same line if there is room for it.
+void SameLineFor(const std::string& text);
+
 }  // namespace hgros::viewer
