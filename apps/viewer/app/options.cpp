@@ -105,7 +105,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_option("--after", options.after_s, "ends after so many seconds");
   app.add_option("--frames", options.frames, "ends after so many frames");
   app.add_option("--fps-limit", options.fps_limit, "frames a second at most; 30 unless told");
-  app.add_flag("--from-above", options.from_above, "looks down at the start");
+  app.add_flag("--from-above", options.from_above, "looks straight down at the start, x to the right and y up");
   app.add_flag("--orthographic", options.orthographic, "without perspective");
   app.add_flag("--show-all", options.show_all, "the screenshot shows everything there is");
   app.add_flag("!--no-panels", options.panels, "the scene alone");

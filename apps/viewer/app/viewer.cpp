@@ -268,7 +268,7 @@ void Viewer::DrawPanels() {
     if (view_panel_.Draw(camera_, frame_, layout_file_)) SaveLayoutNow();
     image_panel_.Draw(scene_);
     const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_, dock_);
-    if (wish.add != nullptr) AddOrSay(*wish.add, {wish.channel, {}, {}});
+    if (wish.add != nullptr) AddByHand(*wish.add, wish.channel);
     remove = wish.remove;
     if (wish.set_fixed_frame) {
       frame_.Ask(wish.fixed_frame);

@@ -67,6 +67,14 @@ class Viewer {
   bool AddOrSay(const DisplayType& type, const WantedDisplay& wanted);
   void Add(const DisplayType& type, const std::string& channel,
            const std::vector<std::pair<std::string, std::string>>& settings);
+  /// Throws Error, in a person's words, where the channel has another type.
+  Scene::Entry& Open(const DisplayType& type, const std::string& channel);
+  /// What cannot be is said beside the button.
+  void AddByHand(const DisplayType& type, const std::string& channel);
+  /// The type that is published there; empty: nobody knows yet.
+  [[nodiscard]] std::string CarriedBy(const std::string& channel) const;
+  /// Displays whose channel turns out to carry something else.
+  void SayMismatches();
   void Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings);
 
   [[nodiscard]] double NextTurnS() const;

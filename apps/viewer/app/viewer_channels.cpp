@@ -7,6 +7,7 @@
 #include "hgros/base/names.hpp"
 #include "viewer/app/viewer.hpp"
 #include "viewer/data/type_conflict.hpp"
+#include "viewer/scene/setting_needs.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -87,6 +88,7 @@ void Viewer::TakeChannels() {
       AddOrSay(*type, {known.name, {}, {}});
     }
   }
+  SayMismatches();
   dock_.Refresh();
   next_count_s_ = std::min(next_count_s_, last_turn_s_);
   frames_wanted_ = kFramesAfterInput;
@@ -106,10 +108,12 @@ bool Viewer::AddOrSay(const DisplayType& type, const WantedDisplay& wanted) {
 
 void Viewer::Add(const DisplayType& type, const std::string& channel,
                  const std::vector<std::pair<std::string, std::string>>& settings) {
-  Set(scene_.Add(type, {session_, channel, [this] { WakeFromData(); }}), settings);
+  Set(Open(type, channel), settings);
 }
 
 void Viewer::Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings) {
+  const SettingTexts before = TextsOf(entry.display->Settings());
+  std::vector<std::string> given;
   for (const auto& [name, value] : settings) {
     if (name == "visible") {
       entry.visible = value == "on" || value == "true";
@@ -127,7 +131,9 @@ void Viewer::Set(Scene::Entry& entry, const std::vector<std::pair<std::string, s
     }
     if (const std::string fault = SetFromText(*setting, value); !fault.empty()) throw Error(fault);
     entry.display->OnSetting(name);
+    given.push_back(name);
   }
+  entry.without_effect = MeetNeeds(*entry.display, given, before);
 }
 
 }  // namespace hgros::viewer

@@ -3,6 +3,7 @@
 #include "hgros/base/error.hpp"
 #include "viewer/app/layout_file.hpp"
 #include "viewer/app/viewer.hpp"
+#include "viewer/scene/setting_needs.hpp"
 
 namespace hgros::viewer {
 
@@ -44,9 +45,17 @@ void Viewer::RestoreDisplays(const std::vector<LayoutDisplay>& displays) {
           "The display \"" + kept.kind + "\" " + (kept.channel.empty() ? "needs a" : "has no") + " channel.",
           kept.where, kept.channel.empty() ? "Write \"channel: NAME\" below its kind." : "Remove the channel.");
     }
-    Scene::Entry& entry = scene_.Add(*type, {session_, kept.channel, [this] { WakeFromData(); }});
+    Scene::Entry* opened = nullptr;
+    try {
+      opened = &Open(*type, kept.channel);
+    } catch (const Error& error) {
+      throw ConfigError(error.what(), kept.where);
+    }
+    Scene::Entry& entry = *opened;
     entry.visible = kept.visible;
     const std::vector<Setting> known = entry.display->Settings();
+    const SettingTexts before = TextsOf(known);
+    std::vector<std::string> given;
     for (const LayoutSetting& setting : kept.settings) {
       const auto found = std::ranges::find(known, setting.name, &Setting::name);
       if (found == known.end()) {
@@ -59,7 +68,9 @@ void Viewer::RestoreDisplays(const std::vector<LayoutDisplay>& displays) {
         throw ConfigError(fault, setting.where);
       }
       entry.display->OnSetting(setting.name);
+      given.push_back(setting.name);
     }
+    entry.without_effect = MeetNeeds(*entry.display, given, before);
     shown_by_itself_.insert(kept.channel);
   }
 }

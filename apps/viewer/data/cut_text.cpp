@@ -2,9 +2,9 @@
 
 namespace hgros::viewer {
 
-std::string_view CutText(std::string_view text) noexcept {
-  if (text.size() <= kMaxShownBytes) return text;
-  std::size_t end = kMaxShownBytes;
+std::string_view CutText(std::string_view text, std::size_t most) noexcept {
+  if (text.size() <= most) return text;
+  std::size_t end = most;
   // What continues a character begins with the bits 10; there are at most three of these.
   for (int back = 0; back < 3 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U; ++back) --end;
   return text.substr(0, end);

@@ -9,7 +9,7 @@ namespace hgros::viewer {
 /// that are in view.
 inline constexpr std::size_t kMaxShownBytes = 4096;
 
-/// The beginning of `text`: at most kMaxShownBytes, and no part of a UTF-8 character.
-[[nodiscard]] std::string_view CutText(std::string_view text) noexcept;
+/// The beginning of `text`: at most `most` bytes, and no part of a UTF-8 character.
+[[nodiscard]] std::string_view CutText(std::string_view text, std::size_t most = kMaxShownBytes) noexcept;
 
 }  // namespace hgros::viewer

@@ -6,16 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "viewer/data/robot_pose.hpp"
+
 namespace hgros::viewer {
 namespace {
-
-Eigen::Isometry3d PoseOf(const urdf::Pose& pose) {
-  Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();
-  const Eigen::Quaterniond rotation(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
-  if (rotation.norm() > 1e-9) isometry.linear() = rotation.normalized().toRotationMatrix();
-  isometry.translation() = Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z);
-  return isometry;
-}
 
 bool SetGeometry(const urdf::GeometrySharedPtr& geometry, RobotShape& shape) {
   if (!geometry) return false;
@@ -70,7 +64,7 @@ std::string ReadRobot(const std::string& urdf, const std::string& prefix, RobotS
                                        const urdf::MaterialSharedPtr& material) {
       RobotShape shape;
       shape.link = prefix + name;
-      shape.T_link_shape = PoseOf(origin);
+      shape.T_link_shape = RobotPose(origin);
       if (!SetGeometry(geometry, shape)) return;
       SetColor(material, shape);
       read.push_back(std::move(shape));

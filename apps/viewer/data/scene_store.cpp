@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "viewer/data/cut_text.hpp"
 #include "viewer/data/far_shapes.hpp"
 #include "viewer/data/scene_reader.hpp"
+#include "viewer/data/shape_distance.hpp"
 #include "viewer/data/shape_reader.hpp"
 #include "viewer/data/stamp.hpp"
 
@@ -13,6 +15,23 @@ namespace {
 using Pose = Eigen::Matrix<double, 3, 4>;
 
 constexpr std::int64_t kForEverS = 1'000'000'000;
+constexpr int kMostNotes = 12;              ///< That are told of an entity, ...
+constexpr std::size_t kMostNoteBytes = 80;  ///< ... each name or value so long.
+
+std::string Short(const std::string& text) {
+  const std::string_view shown = CutText(text, kMostNoteBytes);
+  return std::string(shown) + (shown.size() < text.size() ? "..." : "");
+}
+
+std::string ToldOf(const foxglove::SceneEntity& entity) {
+  std::string told = "entity \"" + Short(entity.id()) + "\"";
+  const int notes = entity.metadata_size();
+  for (int i = 0; i < std::min(notes, kMostNotes); ++i) {
+    told += "\n" + Short(entity.metadata(i).key()) + " = " + Short(entity.metadata(i).value());
+  }
+  if (notes > kMostNotes) told += "\nand " + std::to_string(notes - kMostNotes) + " more";
+  return told;
+}
 
 Pose Moved(const Eigen::Isometry3d& T, const Pose& pose) {
   Pose moved = T.linear() * pose;
@@ -113,6 +132,7 @@ std::string SceneStore::Apply(const foxglove::SceneUpdate& update, Time now) {
       if (lasts > Duration::zero()) entity.ends = Later(begin, lasts);
     }
     entity.frame_locked = said.frame_locked();
+    entity.told = ToldOf(said);
     entity.shapes = std::move(shapes);
     if (std::string left_out = Put(said.id(), std::move(entity)); !left_out.empty()) fault = std::move(left_out);
     if (!fault.empty() && first_fault.empty()) first_fault = "Entity \"" + said.id() + "\": " + fault;
@@ -137,6 +157,7 @@ std::string SceneStore::Apply(const hgros::Shapes& update, Time /*now*/) {
     entity.frame = update.frame_id();
     entity.stamp = StampOf(update.timestamp());
     entity.frame_locked = true;
+    entity.told = "shape \"" + Short(shape.name()) + "\"";
     entity.shapes = std::move(shapes);
     if (std::string left_out = Put(shape.name(), std::move(entity)); !left_out.empty()) fault = std::move(left_out);
     if (!fault.empty() && first_fault.empty()) first_fault = "Shape \"" + shape.name() + "\": " + fault;
@@ -156,12 +177,29 @@ std::optional<Time> SceneStore::NextEnd() const {
   return next;
 }
 
+std::optional<Time> SceneStore::PlacedAt(const Entity& entity) {
+  if (entity.frame_locked || entity.stamp.nanoseconds == 0) return std::nullopt;
+  return entity.stamp;
+}
+
+const SceneStore::Entity* SceneStore::EntityAt(const FramePose& pose_of, const Eigen::Vector3d& at,
+                                               double radius_m) const {
+  const Entity* nearest = nullptr;
+  for (const auto& [id, entity] : entities_) {
+    const auto T_fixed_frame = pose_of(entity.frame, PlacedAt(entity));
+    if (!T_fixed_frame) continue;
+    const double distance = DistanceTo(*entity.shapes, T_fixed_frame->inverse() * at);
+    if (distance > radius_m) continue;
+    radius_m = distance;
+    nearest = &entity;
+  }
+  return nearest;
+}
+
 SceneStore::Drawing SceneStore::Draw(const FramePose& pose_of, const Eigen::Vector3d& origin) const {
   Drawing drawing;
   for (const auto& [id, entity] : entities_) {
-    const auto T_fixed_frame =
-        pose_of(entity.frame, entity.frame_locked || entity.stamp.nanoseconds == 0 ? std::nullopt
-                                                                                   : std::optional<Time>(entity.stamp));
+    const auto T_fixed_frame = pose_of(entity.frame, PlacedAt(entity));
     if (!T_fixed_frame) {
       ++drawing.unplaced;
       drawing.unplaced_frame = entity.frame;

@@ -30,6 +30,7 @@ class SceneStore {
     std::optional<Time> ends;  ///< After that it is no longer shown.
     bool frame_locked = false;
     std::shared_ptr<const SceneShapes> shapes;  ///< In `frame`.
+    std::string told;                           ///< What there is to say of it: its name, and notes, in lines.
   };
 
   /// Deletions first, then entities; each replaces the one of its id as a whole. Returns what is wrong with the first
@@ -46,6 +47,8 @@ class SceneStore {
   /// By id.
   [[nodiscard]] const std::map<std::string, Entity>& entities() const noexcept { return entities_; }
 
+  /// When `frame` is where the entity's shapes are; none: now.
+  [[nodiscard]] static std::optional<Time> PlacedAt(const Entity& entity);
   /// Where a frame is: T_fixed_frame at that time, or now if there is none; nothing if that is unknown.
   using FramePose = std::function<std::optional<Eigen::Isometry3d>(const std::string& frame, std::optional<Time> at)>;
   struct Drawing {
@@ -56,6 +59,9 @@ class SceneStore {
   /// All entities in the fixed frame, relative to `origin`, which is near what is looked at: so that coordinates stay
   /// small enough for floats.
   [[nodiscard]] Drawing Draw(const FramePose& pose_of, const Eigen::Vector3d& origin) const;
+  /// The entity whose surface is the nearest to a place of the fixed frame, but not farther than `radius_m`; null:
+  /// none.
+  [[nodiscard]] const Entity* EntityAt(const FramePose& pose_of, const Eigen::Vector3d& at, double radius_m) const;
 
  private:
   // False if there are too many.

@@ -10,7 +10,7 @@
 namespace hgros::viewer {
 
 /// The range of values that colours are spread over. It grows with the values but for the outermost fiftieth at each
-/// end, in steps, so that it is seldom another one.
+/// end (unless that leaves one value alone), in steps, so that it is seldom another one.
 class ValueRange {
  public:
   /// Whether the range is another one now. Values that are no numbers count for nothing.
@@ -24,10 +24,15 @@ class ValueRange {
     const auto tail = static_cast<std::ptrdiff_t>(sample_.size() / 50);
     const auto low = sample_.begin() + tail;
     std::ranges::nth_element(sample_, low);
-    const float lowest = *low;
+    float lowest = *low;
     const auto high = sample_.end() - 1 - tail;
     std::ranges::nth_element(sample_, high);
-    const float highest = *high;
+    float highest = *high;
+    if (lowest == highest && !(known_ && hi_ > lo_)) {  // All but outliers are one value: then those count, too.
+      const auto [least, greatest] = std::ranges::minmax(sample_);
+      lowest = least;
+      highest = greatest;
+    }
     if (known_ && lowest >= lo_ && highest <= hi_) return false;
     const float new_lo = known_ ? std::min(lo_, lowest) : lowest;
     const float new_hi = known_ ? std::max(hi_, highest) : highest;

@@ -7,6 +7,7 @@
 
 #include "viewer/panels/text_lines.hpp"
 #include "viewer/panels/view_panel.hpp"
+#include "viewer/scene/setting_needs.hpp"
 
 namespace hgros::viewer {
 DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels,
@@ -29,6 +30,7 @@ DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, con
     }
     ImGui::Separator();
     DrawAdd(channels, wish);
+    if (!refusal_.empty()) DrawWarning(refusal_);
   }
   ImGui::End();
   return wish;
@@ -56,13 +58,14 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, const std::string&
   bool visible = entry.visible;
   if (ImGui::Checkbox("##visible", &visible)) scene.SetVisible(index, visible);
   ImGui::SameLine();
-  const bool fault = entry.display->HasFault() || entry.still_unreadable || !conflict.empty();
+  const std::string& misuse = entry.mismatch.empty() ? conflict : entry.mismatch;
+  const bool fault = entry.display->HasFault() || entry.still_unreadable || !misuse.empty();
   if (fault) PushWarningColor();
   const bool unfolded = ImGui::TreeNodeEx("##entry", ImGuiTreeNodeFlags_SpanAvailWidth, "%s", entry.name.c_str());
   if (fault) ImGui::PopStyleColor();
   if (ImGui::IsItemHovered()) {
-    if (!conflict.empty()) {
-      DrawTooltip(conflict);
+    if (!misuse.empty()) {
+      DrawTooltip(misuse);
     } else if (entry.display->HasFault()) {
       DrawTooltip(entry.display->Status().front());
     }
@@ -72,9 +75,10 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, const std::string&
     ImGui::TextDisabled("%s", entry.type->name.c_str());
   }
   if (unfolded) {
-    if (!conflict.empty()) DrawWarning(conflict);
+    if (!misuse.empty()) DrawWarning(misuse);
     bool warns = entry.display->HasFault();
     for (const std::string& line : entry.display->Status()) {
+      if (!entry.mismatch.empty() && line == "Nothing has arrived yet.") continue;
       std::exchange(warns, false) ? DrawWarning(line) : DrawNote(line);
     }
     if (entry.unreadable > 0) {
@@ -85,7 +89,11 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, const std::string&
           entry.type->schemas.front() + ".";
       entry.still_unreadable ? DrawWarning(line) : DrawNote(line);
     }
-    for (const Setting& setting : entry.display->Settings()) {
+    const std::vector<Setting> settings = entry.display->Settings();
+    for (const std::string& name : entry.without_effect) {
+      if (const std::string why = WhyWithoutEffect(settings, name); !why.empty()) DrawNote(why);
+    }
+    for (const Setting& setting : settings) {
       if (setting.shown && !setting.shown()) continue;
       if (!DrawSetting(setting)) continue;
       entry.display->OnSetting(setting.name);
@@ -105,7 +113,7 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, const std::string&
 }
 
 void DisplayPanel::DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish) {
-  if (!channels.empty() && ImGui::TreeNode("Channels")) {
+  if (!channels.empty() && ImGui::TreeNode("Channels##that_are_published")) {
     for (const ChannelRow& row : channels) {
       const DisplayType* const type = DisplayTypeFor(row.schema);
       ImGui::PushID(row.name.c_str());
@@ -129,12 +137,14 @@ void DisplayPanel::DrawAdd(const std::vector<ChannelRow>& channels, Wish& wish) 
   const DisplayType& type = types[static_cast<std::size_t>(type_)];
   if (ImGui::BeginCombo("kind", type.name.c_str())) {
     for (std::size_t i = 0; i < types.size(); ++i) {
-      if (ImGui::Selectable(types[i].name.c_str(), static_cast<int>(i) == type_)) type_ = static_cast<int>(i);
+      if (!ImGui::Selectable(types[i].name.c_str(), static_cast<int>(i) == type_)) continue;
+      type_ = static_cast<int>(i);
+      refusal_.clear();
     }
     ImGui::EndCombo();
   }
   const bool needs_channel = !type.schemas.empty();
-  if (needs_channel) ImGui::InputText("channel", channel_, sizeof channel_);
+  if (needs_channel && ImGui::InputText("channel", channel_, sizeof channel_)) refusal_.clear();
   if (ImGui::Button("add") && (!needs_channel || channel_[0] != '\0')) {
     wish.add = &type;
     wish.channel = needs_channel ? channel_ : "";

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "viewer/panels/panel_dock.hpp"
@@ -32,6 +33,8 @@ class DisplayPanel {
   /// What a person wants that the panel cannot do itself.
   [[nodiscard]] Wish Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels,
                           PanelDock& dock);
+  /// What was wished to be added cannot be, for this reason; empty: it was.
+  void Refuse(std::string why) { refusal_ = std::move(why); }
 
  private:
   /// `conflict` is that of the entry's channel.
@@ -40,6 +43,7 @@ class DisplayPanel {
   void DrawFrame(const FixedFrame& frame, Wish& wish);
 
   PlacedWindow window_;
+  std::string refusal_;
   char channel_[128] = "";
   int type_ = 0;
 };

@@ -24,7 +24,7 @@ constexpr KeyRow kKeys[] = {
     Camera('R', CameraKey::kUp, "R", "move the anchor up and down"),
     Camera('F', CameraKey::kDown, "F", nullptr),
     Camera('C', CameraKey::kClearAnchor, "C", "clear the anchor"),
-    Camera('T', CameraKey::kFromAbove, "T", "look from above"),
+    Camera('T', CameraKey::kFromAbove, "T", "look from above, x to the right and y up"),
     Camera('O', CameraKey::kOrthographic, "O", "orthographic or perspective"),
     Viewer('Z', ViewerKey::kFocus, "Z", "show everything"),
     Camera(kKeyHome, CameraKey::kReset, "Home", "the view as at the start"),

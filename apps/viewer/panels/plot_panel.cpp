@@ -199,15 +199,25 @@ class PlotPanel : public Panel {
       ImGui::SameLine(0, 4);
       if (ImGui::SmallButton("x")) removed = i;
       ImGui::PopID();
-      if (!view.fault.empty()) DrawWarning(view.fault);
+    }
+    for (const Series& series : series_) {
+      if (const std::string fault = FaultOf(series); !fault.empty()) {
+        DrawWarning(series.channel + " " + series.path + ": " + fault);
+      }
     }
     if (removed < series_.size()) Remove(removed);
   }
 
+  /// Why there is no number; empty: nothing is wrong.
+  [[nodiscard]] std::string FaultOf(const Series& series) const {
+    const auto view = feeds_.at(series.channel).feed->Look(series.path, {}, {}, 0);
+    if (!view.fault.empty() || view.newest) return view.fault;
+    const auto known = std::ranges::find(channels_, series.channel, &KnownChannel::name);
+    const bool published = known != channels_.end() && !known->publishers.empty();
+    return published ? std::string() : "Nobody publishes this channel.";
+  }
   [[nodiscard]] bool HasFault() const {
-    return std::ranges::any_of(series_, [&](const Series& series) {
-      return !feeds_.at(series.channel).feed->Look(series.path, {}, {}, 0).fault.empty();
-    });
+    return std::ranges::any_of(series_, [&](const Series& series) { return !FaultOf(series).empty(); });
   }
   [[nodiscard]] Time Newest() const {
     Time newest;

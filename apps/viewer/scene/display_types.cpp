@@ -6,10 +6,19 @@ namespace hgros::viewer {
 
 std::span<const DisplayType> DisplayTypes() {
   static const std::vector<DisplayType> types = {
-      CloudDisplayType(),           ScanDisplayType(),  GridDisplayType(),
-      VoxelDisplayType(),           SceneDisplayType(), ShapesDisplayType(),
-      TrajectoryDisplayType(),      PoseDisplayType(),  ImageDisplayType(),
-      CompressedImageDisplayType(), RobotDisplayType(), FramesDisplayType(),
+      CloudDisplayType(),
+      ScanDisplayType(),
+      GridDisplayType(),
+      VoxelDisplayType(),
+      SceneDisplayType(),
+      ShapesDisplayType(),
+      TrajectoryDisplayType(),
+      PoseDisplayType(),
+      OdometryDisplayType(),
+      ImageDisplayType(),
+      CompressedImageDisplayType(),
+      RobotDisplayType(),
+      FramesDisplayType(),
       GroundDisplayType(),
   };
   return types;

@@ -21,6 +21,7 @@ DisplayType CloudDisplayType();
 DisplayType ScanDisplayType();
 DisplayType TrajectoryDisplayType();
 DisplayType PoseDisplayType();
+DisplayType OdometryDisplayType();
 DisplayType GridDisplayType();
 DisplayType VoxelDisplayType();
 DisplayType SceneDisplayType();

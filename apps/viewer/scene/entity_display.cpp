@@ -140,6 +140,15 @@ class EntityDisplay : public Display {
   [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return drawn_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return bounds_; }
+  [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
+    const auto pose_of = [&](const std::string& frame, std::optional<Time> when) -> std::optional<Eigen::Isometry3d> {
+      const auto known = placed_.find({frame, when ? std::optional(when->nanoseconds) : std::nullopt});
+      if (known == placed_.end()) return std::nullopt;
+      return known->second;
+    };
+    const SceneStore::Entity* const entity = store_.EntityAt(pose_of, at, radius_m);
+    return entity == nullptr ? std::string() : entity->told;
+  }
   [[nodiscard]] double next_change_s() const override { return std::min(end_s_, settling_.next_change_s()); }
 
  private:

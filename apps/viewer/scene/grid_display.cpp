@@ -1,5 +1,8 @@
+#include <cmath>
+#include <memory>
 #include <utility>
 
+#include "viewer/data/cell_text.hpp"
 #include "viewer/data/grid_reader.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/newest_message.hpp"
@@ -52,6 +55,22 @@ class GridDisplay : public PlacedDisplay {
     };
   }
   [[nodiscard]] std::size_t gpu_bytes() const override { return tiles_.gpu_bytes(); }
+  [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
+    const auto from_corner = FromCorner(at);
+    if (!from_corner || !shown_ || std::abs(from_corner->z()) > radius_m) return {};
+    const double column = std::floor(from_corner->x() / grid_.cell_size.x());
+    const double row = std::floor(from_corner->y() / grid_.cell_size.y());
+    if (!(column >= 0 && row >= 0 && column < static_cast<double>(grid_.columns) &&
+          row < static_cast<double>(grid_.rows))) {
+      return {};
+    }
+    const foxglove::Grid& head = shown_->head();
+    CellValues::Layout layout{grid_.columns, grid_.rows};
+    layout.cell_stride = head.cell_stride();
+    layout.row_stride = head.row_stride();
+    return CellText(shown_->bytes(), layout, head.fields(), grid_.colored ? "" : grid_.field,
+                    {static_cast<std::size_t>(column), static_cast<std::size_t>(row), 0});
+  }
 
  protected:
   [[nodiscard]] std::optional<std::string> TakeArrived() override { return Show(newest_.Take()); }
@@ -62,6 +81,7 @@ class GridDisplay : public PlacedDisplay {
   }
   void Forget() override {
     newest_.Clear();
+    shown_.reset();
     grid_ = {};
     tiles_.Set({}, 0, 0);
   }
@@ -91,6 +111,7 @@ class GridDisplay : public PlacedDisplay {
   [[nodiscard]] std::optional<std::string> Show(std::optional<Newest::Read> read) {
     if (!read) return std::nullopt;
     if (!read->fault.empty()) return std::move(read->fault);
+    shown_ = std::move(read->message);
     grid_ = std::move(read->shown.picture);
     see_through_ = read->shown.see_through;
     tiles_.Set(grid_.pixels, grid_.columns, grid_.rows);
@@ -98,6 +119,7 @@ class GridDisplay : public PlacedDisplay {
     return std::string();
   }
 
+  std::shared_ptr<const Grid> shown_;
   GridPicture grid_;  ///< Without its pixels.
   PictureTiles tiles_;
   bool see_through_ = false;

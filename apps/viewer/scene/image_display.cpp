@@ -48,10 +48,16 @@ class ImageDisplay : public Display {
          Setting::Choice{&map_, {kColorMapNames.begin(), kColorMapNames.end()}}, measured},
         {"auto range", "The colours go from the least to the greatest value of each image.",
          Setting::Switch{&auto_range_}, measured},
-        {"lowest", "The value of the first colour, in the image's unit.", Setting::Number{&lo_, -1e9F, 1e9F, ""},
-         ranged},
-        {"highest", "The value of the last colour, in the image's unit.", Setting::Number{&hi_, -1e9F, 1e9F, ""},
-         ranged},
+        {"lowest",
+         "The value of the first colour, in the image's unit.",
+         Setting::Number{&lo_, -1e9F, 1e9F, ""},
+         ranged,
+         {{"auto range", {"off"}}}},
+        {"highest",
+         "The value of the last colour, in the image's unit.",
+         Setting::Number{&hi_, -1e9F, 1e9F, ""},
+         ranged,
+         {{"auto range", {"off"}}}},
     };
   }
   void OnSetting(const std::string& /*name*/) override { colors_changed_ = true; }

@@ -25,7 +25,8 @@ class NewestMessage {
   using Reader = std::function<std::string(const Message&, const Options&, Shown&)>;
   struct Read {
     Shown shown;
-    std::string fault;  ///< If there is one, nothing is shown.
+    std::string fault;                       ///< If there is one, nothing is shown.
+    std::shared_ptr<const Message> message;  ///< That it was read from.
   };
 
   NewestMessage(const DisplayInputs& inputs, Options options, Reader read)
@@ -98,6 +99,7 @@ class NewestMessage {
         }
         Read result;
         result.fault = read(*message, with, result.shown);
+        result.message = message;
         const std::scoped_lock lock(mutex);
         if (of != version) continue;
         if (again && message != last) return false;  // A newer one has come meanwhile.

@@ -52,6 +52,12 @@ class PlacedDisplay : public Display {
   [[nodiscard]] std::uint64_t received() const override = 0;
   [[nodiscard]] std::uint64_t dropped() const override = 0;
 
+  /// A place of the fixed frame along the axes of the corner; none while that has no place.
+  [[nodiscard]] std::optional<Eigen::Vector3d> FromCorner(const Eigen::Vector3d& at) const {
+    if (!placement_.known() || empty()) return std::nullopt;
+    return T_fixed_corner().Inverse() * at;
+  }
+
  private:
   [[nodiscard]] RigidTransform T_fixed_corner() const {
     return placement_.T_fixed_frame() * RigidTransform(T_frame_corner());

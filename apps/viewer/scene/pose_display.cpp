@@ -1,3 +1,4 @@
+#include "foxglove/Odometry.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "viewer/data/inbox.hpp"
 #include "viewer/data/pose_reader.hpp"
@@ -7,20 +8,20 @@
 namespace hgros::viewer {
 namespace {
 
-using foxglove::PoseInFrame;
 constexpr std::size_t kMostWaiting = 256;
 
-/// The last pose, or the last ones as a trail.
+/// The last pose, or the last ones as a trail, of messages with a frame and a pose.
+template <class Message>
 class PoseDisplay : public PoseHistory {
  public:
   explicit PoseDisplay(const DisplayInputs& inputs)
-      : subscription_(inputs.session.FromAny<PoseInFrame>(
-            inputs.channel, Invoke::kSerial,
-            [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const PoseInFrame> pose) {
-              const std::size_t bytes = pose->SpaceUsedLong();
-              if (inbox->Put(std::move(pose), bytes)) wake();
-            },
-            {.queue = Queue::KeepLast(kMostWaiting)})) {
+      : subscription_(
+            inputs.session.FromAny<Message>(inputs.channel, Invoke::kSerial,
+                                            [inbox = inbox_, wake = inputs.wake](std::shared_ptr<const Message> pose) {
+                                              const std::size_t bytes = pose->SpaceUsedLong();
+                                              if (inbox->Put(std::move(pose), bytes)) wake();
+                                            },
+                                            {.queue = Queue::KeepLast(kMostWaiting)})) {
     style_ = kBoth;
     axes_metres_ = 1;
     width_ = 3;
@@ -46,7 +47,7 @@ class PoseDisplay : public PoseHistory {
   [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
 
  private:
-  std::shared_ptr<Inbox<PoseInFrame>> inbox_ = std::make_shared<Inbox<PoseInFrame>>(kMostWaiting);
+  std::shared_ptr<Inbox<Message>> inbox_ = std::make_shared<Inbox<Message>>(kMostWaiting);
   Subscription subscription_;
   float trail_ = 1;
 };
@@ -55,7 +56,13 @@ class PoseDisplay : public PoseHistory {
 
 DisplayType PoseDisplayType() {
   return {"Pose", {"foxglove.PoseInFrame"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
-            return std::make_unique<PoseDisplay>(inputs);
+            return std::make_unique<PoseDisplay<foxglove::PoseInFrame>>(inputs);
+          }};
+}
+
+DisplayType OdometryDisplayType() {
+  return {"Odometry", {"foxglove.Odometry"}, [](const DisplayInputs& inputs) -> std::unique_ptr<Display> {
+            return std::make_unique<PoseDisplay<foxglove::Odometry>>(inputs);
           }};
 }
 

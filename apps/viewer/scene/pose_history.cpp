@@ -117,9 +117,16 @@ std::vector<Setting> PoseHistory::Settings() {
   return {
       {"style", "A line through the poses, the axes of each, or both.",
        Setting::Choice{&style_, {"line", "axes", "both"}}},
-      {"color", "Of the line.", Setting::Color{&color_}, [this] { return style_ != kAxes; }},
-      {"axes length", "Of the axes.", Setting::Number{&axes_metres_, 0.001F, 100, "m"},
-       [this] { return style_ != kLine; }},
+      {"color",
+       "Of the line.",
+       Setting::Color{&color_},
+       [this] { return style_ != kAxes; },
+       {{"style", {"both", "line"}}}},
+      {"axes length",
+       "Of the axes.",
+       Setting::Number{&axes_metres_, 0.001F, 100, "m"},
+       [this] { return style_ != kLine; },
+       {{"style", {"both", "axes"}}}},
       {"width", "Of all lines.", Setting::Number{&width_, 1, 20, "px"}},
   };
 }
@@ -135,7 +142,8 @@ std::vector<std::string> PoseHistory::Status() const {
     lines.emplace_back("The last message has no poses.");
   }
   lines.push_back(Counted(poses_.poses().size(), "pose", "poses") + " in " + (frame_.empty() ? "no frame" : frame_));
-  if (poses_.left_out() > 0) lines.push_back(Counted(poses_.left_out(), "pose is not", "poses are not") + " made of numbers.");
+  if (poses_.left_out() > 0)
+    lines.push_back(Counted(poses_.left_out(), "pose is not", "poses are not") + " made of numbers.");
   return lines;
 }
 

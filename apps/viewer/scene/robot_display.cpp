@@ -2,11 +2,13 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "viewer/data/mesh_file.hpp"
 #include "viewer/data/mesh_place.hpp"
 #include "viewer/data/quantity_text.hpp"
+#include "viewer/data/robot_links.hpp"
 #include "viewer/data/robot_shapes.hpp"
 #include "viewer/data/shape_bounds.hpp"
 #include "viewer/data/whole_file.hpp"
@@ -29,7 +31,7 @@ std::string Listed(const std::vector<std::string>& names) {
   return list;
 }
 
-/// A robot as its URDF describes it, each link where its frame is now.
+/// A robot as its URDF describes it, each link where its frame is now, or where its joint holds it.
 class RobotDisplay : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& context) override {
@@ -40,7 +42,8 @@ class RobotDisplay : public Display {
       if (!Place(context)) PlaceShapes();
       return Change::kMoving;
     }
-    if (!read && !context.transforms_changed && !context.frame_changed) return Change::kNothing;
+    const bool other_frame = placed_in_ != context.frame.name();  // The first message of another display chooses it.
+    if (!read && !context.transforms_changed && !context.frame_changed && !other_frame) return Change::kNothing;
     return Place(context) || read ? Change::kMoving : Change::kNothing;
   }
   [[nodiscard]] Change ApplySettings(const UpdateContext& context) override {
@@ -74,6 +77,14 @@ class RobotDisplay : public Display {
     if (!fault_.empty()) lines.push_back(fault_);
     if (!unplaced_.empty()) {
       lines.push_back("Not shown for want of a transform: " + Listed(unplaced_) + ". " + why_);
+    }
+    if (!standing_.at_fixed_frame.empty()) {
+      lines.push_back("There are no transforms: " + standing_.at_fixed_frame + " stands at the fixed frame.");
+    }
+    if (!standing_.joints_at_zero.empty()) {
+      lines.push_back("No transform moves " + Listed(standing_.joints_at_zero) +
+                      (standing_.joints_at_zero.size() == 1 ? ": it stands" : ": they stand") +
+                      " at zero. Publish the joints: docs/tf.md.");
     }
     if (!missing_.empty()) lines.push_back("Not shown for want of a mesh: " + Listed(missing_) + ". " + mesh_fault_);
     if (file_.empty()) lines.emplace_back("It needs a file: a URDF.");
@@ -109,6 +120,9 @@ class RobotDisplay : public Display {
     shapes_.clear();
     meshes_.clear();
     links_.clear();
+    described_.clear();
+    unplaced_.clear();
+    standing_ = {};
     if (file_.empty()) return;
     const auto text = ReadWholeFile(file_);
     if (!text) {
@@ -116,6 +130,7 @@ class RobotDisplay : public Display {
       return;
     }
     fault_ = ReadRobot(*text, prefix_, static_cast<RobotSide>(side_), shapes_);
+    if (fault_.empty()) described_ = ReadRobotLinks(*text, prefix_);
     std::vector<fs::path> folders;
     if (!packages_.empty()) folders.emplace_back(packages_);
     std::error_code ignored;
@@ -158,16 +173,17 @@ class RobotDisplay : public Display {
   /// Whether something has moved.
   bool Place(const UpdateContext& context) {
     unplaced_.clear();
-    std::map<std::string, Eigen::Isometry3d, std::less<>> links;
-    for (const RobotShape& shape : shapes_) {
-      if (links.contains(shape.link)) continue;
+    placed_in_ = context.frame.name();
+    const auto find = [&](const std::string& link) -> std::optional<Eigen::Isometry3d> {
       RigidTransform T_fixed_link;
-      std::string why;
-      if (context.frame.Find(shape.link, T_fixed_link, why) == FixedFrame::Answer::kFound) {
-        links.emplace(shape.link, T_fixed_link.Isometry());
-      } else if (std::ranges::find(unplaced_, shape.link) == unplaced_.end()) {
+      if (context.frame.Find(link, T_fixed_link, why_) != FixedFrame::Answer::kFound) return std::nullopt;
+      return T_fixed_link.Isometry();
+    };
+    standing_ = PlaceLinks(described_, find, context.frame.tree().Edges().empty());
+    auto links = std::move(standing_.T_fixed_link);
+    for (const RobotShape& shape : shapes_) {
+      if (!links.contains(shape.link) && std::ranges::find(unplaced_, shape.link) == unplaced_.end()) {
         unplaced_.push_back(shape.link);
-        why_ = std::move(why);
       }
     }
     const bool same = std::ranges::equal(links, links_, [](const auto& a, const auto& b) {
@@ -214,6 +230,9 @@ class RobotDisplay : public Display {
   }
 
   std::vector<RobotShape> shapes_;
+  std::vector<RobotLink> described_;
+  PlacedLinks standing_;                ///< Without the places.
+  std::string placed_in_;               ///< The fixed frame.
   std::map<std::size_t, Mesh> meshes_;  ///< By the shape's index.
   std::map<std::string, Eigen::Isometry3d, std::less<>> links_;
   Solids solids_;  ///< Relative to origin_.

@@ -28,9 +28,11 @@ class Scene {
     const DisplayType* type = nullptr;
     std::unique_ptr<Display> display;
     bool visible = true;
-    std::uint64_t dropped_before = 0;  ///< CountDropped.
-    std::uint64_t unreadable = 0;      ///< Messages of the channel that are not what their publisher says.
-    bool still_unreadable = false;     ///< And more come.
+    std::uint64_t dropped_before = 0;         ///< CountDropped.
+    std::uint64_t unreadable = 0;             ///< Messages of the channel that are not what their publisher says.
+    bool still_unreadable = false;            ///< And more come.
+    std::vector<std::string> without_effect;  ///< Settings that were given and need others; WhyWithoutEffect.
+    std::string mismatch;                     ///< The channel carries what the display does not show: a sentence.
   };
 
   Entry& Add(const DisplayType& type, const DisplayInputs& inputs);

@@ -37,6 +37,12 @@ struct Setting {
   std::string meaning;  ///< A sentence for whoever wonders.
   Value value;
   std::function<bool()> shown = {};  ///< Whether it counts now; empty: always.
+  /// Another setting that must have one of these values for this one to count; the first is the one to be set.
+  struct Need {
+    std::string name;
+    std::vector<std::string> values;
+  };
+  std::vector<Need> needs = {};
 };
 
 /// Sets the value that a text says. Returns what is wrong with the text, or nothing.

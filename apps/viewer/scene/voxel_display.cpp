@@ -1,5 +1,9 @@
+#include <algorithm>
+#include <array>
+#include <memory>
 #include <utility>
 
+#include "viewer/data/cell_text.hpp"
 #include "viewer/data/value_range.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/newest_message.hpp"
@@ -55,15 +59,35 @@ class VoxelDisplay : public PlacedDisplay {
   [[nodiscard]] std::vector<Setting> Settings() override {
     const auto mapped = [this] { return color_by_ != static_cast<int>(VoxelStyle::ColorBy::kFlat); };
     const auto ranged = [this, mapped] { return mapped() && !auto_range_; };
+    const Setting::Need of_mapped{"color", {"height", "value"}};
+    const Setting::Need of_ranged{"auto range", {"off"}};
     return {
         {"color", "What the colour shows.", Setting::Choice{&color_by_, {"flat", "height", "value"}}},
-        {"flat", "The colour of all voxels.", Setting::Color{&style_.flat}, [mapped] { return !mapped(); }},
-        {"map", "The colours from the lowest to the highest value.",
-         Setting::Choice{&style_.map, {kColorMapNames.begin(), kColorMapNames.end()}}, mapped},
-        {"auto range", "The colours go from the lowest to the highest there is.", Setting::Switch{&auto_range_},
-         mapped},
-        {"lowest", "The value of the first colour.", Setting::Number{&lo_, -1e6F, 1e6F, ""}, ranged},
-        {"highest", "The value of the last colour.", Setting::Number{&hi_, -1e6F, 1e6F, ""}, ranged},
+        {"flat",
+         "The colour of all voxels.",
+         Setting::Color{&style_.flat},
+         [mapped] { return !mapped(); },
+         {{"color", {"flat"}}}},
+        {"map",
+         "The colours from the lowest to the highest value.",
+         Setting::Choice{&style_.map, {kColorMapNames.begin(), kColorMapNames.end()}},
+         mapped,
+         {of_mapped}},
+        {"auto range",
+         "The colours go from the lowest to the highest there is; of values but for the outermost 2 % at each end.",
+         Setting::Switch{&auto_range_},
+         mapped,
+         {of_mapped}},
+        {"lowest",
+         "The value of the first colour.",
+         Setting::Number{&lo_, -1e6F, 1e6F, ""},
+         ranged,
+         {of_mapped, of_ranged}},
+        {"highest",
+         "The value of the last colour.",
+         Setting::Number{&hi_, -1e6F, 1e6F, ""},
+         ranged,
+         {of_mapped, of_ranged}},
         {"field", "The field that says what is occupied; empty: the first.", Setting::Text{&field_}},
         {"threshold", "A voxel whose value is above it is occupied.", Setting::Number{&threshold_, -1e6F, 1e6F, ""}},
         {"alpha", "How much they hide of what lies behind them.", Setting::Number{&style_.alpha, 0, 1, ""}},
@@ -71,6 +95,40 @@ class VoxelDisplay : public PlacedDisplay {
   }
   [[nodiscard]] std::size_t settled_points() const override { return blended() ? 0 : kPointsOfACube * cubes_.size(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return cubes_.gpu_bytes(); }
+  // What is seen is a face between two cells: the occupied one is meant.
+  [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
+    const auto from_corner = FromCorner(at);
+    if (!from_corner || !shown_) return {};
+    const foxglove::VoxelGrid& head = shown_->head();
+    const VoxelPicture& picture = read_.picture;
+    CellValues::Layout layout{picture.counts[0], picture.counts[1], picture.counts[2]};
+    layout.cell_stride = head.cell_stride();
+    layout.row_stride = head.row_stride();
+    layout.slice_stride = head.slice_stride();
+    const auto field = std::ranges::find(head.fields(), picture.field, &foxglove::PackedElementField::name);
+    if (field == head.fields().end()) return {};
+    const auto values =
+        CellValues::Of(shown_->bytes(), layout, {field->name(), field->offset(), static_cast<int>(field->type())});
+    if (!values) return {};
+    for (int step = -1; step < 6; ++step) {
+      Eigen::Vector3d inside = from_corner->cwiseQuotient(picture.cell_size);
+      if (step >= 0) {
+        const double cell = picture.cell_size[step / 2];
+        inside[step / 2] += (step % 2 == 0 ? -1 : 1) * std::min(radius_m, 0.5 * cell) / cell;
+      }
+      const Eigen::Vector3d cell = inside.array().floor();
+      std::array<std::size_t, 3> index{};
+      bool there = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double part = cell[static_cast<Eigen::Index>(axis)];
+        there = there && part >= 0 && part < static_cast<double>(picture.counts[axis]);
+        if (there) index[axis] = static_cast<std::size_t>(part);
+      }
+      if (!there || !(values->At(index[0], index[1], index[2]) > static_cast<double>(threshold_))) continue;
+      return CellText(shown_->bytes(), layout, head.fields(), picture.field, index);
+    }
+    return {};
+  }
 
  protected:
   [[nodiscard]] std::optional<std::string> TakeArrived() override { return Show(newest_.Take()); }
@@ -80,6 +138,7 @@ class VoxelDisplay : public PlacedDisplay {
   }
   void Forget() override {
     newest_.Clear();
+    shown_.reset();
     read_ = {};
     cubes_.Set({});
   }
@@ -121,12 +180,14 @@ class VoxelDisplay : public PlacedDisplay {
   [[nodiscard]] std::optional<std::string> Show(std::optional<Newest::Read> read) {
     if (!read) return std::nullopt;
     if (!read->fault.empty()) return std::move(read->fault);
+    shown_ = std::move(read->message);
     read_ = std::move(read->shown);
     cubes_.Set(read_.picture);
     read_.picture.cubes = {};  // The message is kept: they can be made again.
     return std::string();
   }
 
+  std::shared_ptr<const VoxelGrid> shown_;
   ReadVoxelGrid read_;  ///< Without the cubes.
   VoxelCubes cubes_;
 

@@ -105,12 +105,7 @@ void Camera::SetAnchor(const std::optional<Eigen::Vector3d>& anchor) {
 
 void Camera::LookFromAbove() {
   const Eigen::Vector3d pivot = Pivot();
-  const Eigen::Vector3d forward = orientation_ * -Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d heading(forward.x(), forward.y(), 0);
-  if (heading.norm() < 1e-2) heading = orientation_ * Eigen::Vector3d::UnitY();
-  heading.z() = 0;
-  if (heading.norm() < 1e-6) heading = Eigen::Vector3d::UnitX();
-  orientation_ = LookAlong(-Eigen::Vector3d::UnitZ(), heading.normalized());
+  orientation_ = Eigen::Quaterniond::Identity();
   eye_ = pivot + Eigen::Vector3d(0, 0, distance_);
 }
 

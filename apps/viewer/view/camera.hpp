@@ -45,6 +45,7 @@ class Camera {
   void Move(const Eigen::Vector3d& right_up_forward);
 
   void SetAnchor(const std::optional<Eigen::Vector3d>& anchor);
+  /// Straight down at the pivot, with x to the right and y up in the picture.
   void LookFromAbove();
   /// Looks at a point from the direction and distance that the camera has.
   void Center(const Eigen::Vector3d& at);

@@ -243,6 +243,40 @@ TEST_F(ViewerTest, GivesUpWhenTheSurfaceIsLostAgainAndAgain) {
   EXPECT_EQ(made, 3);
 }
 
+TEST_F(ViewerTest, SwitchesWhatASettingNeeds) {
+  const auto text = [](const Layout& layout, const std::string& name) -> std::string {
+    const auto display = std::ranges::find(*layout.displays, "cloud", &LayoutDisplay::channel);
+    if (display == layout.displays->end()) return "there is no display";
+    return std::ranges::find(display->settings, name, &LayoutSetting::name)->value;
+  };
+  Layout layout;
+  layout.displays = {{{"Point cloud", "cloud", true, {{"field", "speed"}, {"lowest", "2"}}}}};
+  const Layout restored = Do({Key('H')}, layout);
+  EXPECT_EQ(text(restored, "color"), "value");
+  EXPECT_EQ(text(restored, "auto range"), "off");
+  EXPECT_EQ(Do({Key('H')}, restored).displays, restored.displays);
+  options_.channels = {{"cloud", "foxglove.PointCloud", {{"seconds", "2"}}}};
+  EXPECT_EQ(text(Do({Key('H')}), "keep"), "time");
+}
+
+TEST_F(ViewerTest, SaysInAPersonsWordsThatAChannelHasAnotherType) {
+  const std::string sentence = "\"cloud\" carries foxglove.PointCloud; a Grid shows foxglove.Grid.";
+  const auto fault = [&](const std::optional<Layout>& layout) -> std::string {
+    ScriptedSurface surface({});
+    try {
+      const Viewer viewer(options_, layout, surface);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing is wrong";
+  };
+  Layout layout;
+  layout.displays = {{{"Point cloud", "cloud", true, {}}, {"Grid", "cloud", true, {}, {"layout.yaml", 3, 5}}}};
+  EXPECT_EQ(fault(layout), "layout.yaml:3:5: " + sentence);
+  options_.channels = {{"cloud", "foxglove.PointCloud", {}}, {"cloud", "foxglove.Grid", {}}};
+  EXPECT_EQ(fault(std::nullopt), sentence);
+}
+
 TEST_F(ViewerTest, SaysWhatIsWrongWithALayout) {
   const auto fault = [&](const Layout& layout) -> std::string {
     ScriptedSurface surface({});

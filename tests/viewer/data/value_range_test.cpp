@@ -34,6 +34,20 @@ TEST(ValueRange, LeavesOutliersAndWhatIsNoNumberAlone) {
   EXPECT_FALSE(range.Cover({}));
 }
 
+TEST(ValueRange, CountsOutliersWhereAllOthersAreOneValue) {
+  std::vector<float> values(1000, 5);
+  values[3] = 9;
+  ValueRange range;
+  EXPECT_TRUE(range.Cover(values));
+  EXPECT_EQ(range.lo(), 5);
+  EXPECT_EQ(range.hi(), 9);
+  values[3] = 1e9F;
+  EXPECT_FALSE(range.Cover(values)) << "there is a range now";
+  ValueRange one;
+  one.Cover(std::vector<float>(1000, 5));
+  EXPECT_LT(one.lo(), one.hi());
+}
+
 TEST(ValueRange, CodesOfAnotherRangeMeanTheSameValues) {
   ValueRange before;
   before.Cover(std::vector<float>{0, 10});

@@ -140,6 +140,26 @@ class InMemory(ViewerCase):
         self.end(viewer)
         self.assertGreater(colorful(picture), 0.005)
 
+    def test_says_that_a_channel_carries_another_type(self):
+        viewer = self.start(VIEWER, "--offscreen", "64x64", "--channel", "cloud:foxglove.Grid")
+        self.start(PUBLISHER, 20, 100, 1000)
+        line = viewer.stderr.readline()
+        while line and "carries" not in line:
+            line = viewer.stderr.readline()
+        self.assertIn('"cloud" carries foxglove.PointCloud; a Grid shows foxglove.Grid.', line)
+        viewer.send_signal(signal.SIGTERM)
+        viewer.wait(timeout=DEADLINE_S)
+
+    def test_says_that_a_channel_has_no_display(self):
+        viewer = self.start(VIEWER, "--offscreen", "64x64", "--channel", "log")
+        self.start(TALKER, 1000, 30)
+        line = viewer.stderr.readline()
+        while line and "No display" not in line:
+            line = viewer.stderr.readline()
+        self.assertIn('No display shows "log", which carries foxglove.Log.', line)
+        viewer.send_signal(signal.SIGTERM)
+        viewer.wait(timeout=DEADLINE_S)
+
     def test_goes_on_when_the_publisher_was_killed_and_comes_again(self):
         picture = self.picture()
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 60,

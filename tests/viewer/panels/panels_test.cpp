@@ -72,6 +72,28 @@ TEST_F(PanelsTest, PlotDrawsALineThroughItsNumbers) {
   EXPECT_GT(Draw(), empty);
 }
 
+TEST_F(PanelsTest, PlotSaysOfEachSeriesWhatIsWrongOnALineOfItsOwn) {
+  auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
+  Panel& plot = Open("Plot");
+  ASSERT_EQ(plot.Set("series", "odometry pose.speed"), "");
+  ASSERT_EQ(plot.Set("series", "nothing pose.position.x"), "");
+  odometry(foxglove::PoseInFrame());
+  Update();
+  Draw();
+  ImGui::NewFrame();
+  ImGui::LogToClipboard();
+  dock_.Draw();
+  ImGui::LogFinish();
+  ImGui::Render();
+  const std::string text = ImGui::GetClipboardText();
+  const std::size_t first = text.find("odometry pose.speed: ");
+  const std::size_t second = text.find("nothing pose.position.x: Nobody publishes this channel.");
+  ASSERT_NE(first, std::string::npos) << text;
+  ASSERT_NE(second, std::string::npos) << text;
+  EXPECT_NE(text.substr(first, second - first).find('\n'), std::string::npos) << text;
+  EXPECT_GT(first, text.find("nothing pose.position.x ")) << "below the names of all: " << text;
+}
+
 TEST_F(PanelsTest, AreLaidOutInATinyWindow) {
   auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
   for (const PanelType& type : PanelTypes()) dock_.Open(type);

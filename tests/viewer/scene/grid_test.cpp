@@ -289,5 +289,19 @@ TEST_F(GridPictures, ThatCouldBeSeenThroughAreWholeAgainWhileTheyStandStill) {
   EXPECT_EQ(DifferentShare(Draw(), whole), 0);
 }
 
+TEST_F(GridPictures, TellTheValueOfACell) {
+  Display& display = Add("Grid", "map");
+  Publish("map", Rooms());
+  Update();
+  const auto middle = [](int column, int row) {
+    return Eigen::Vector3d((column + 0.5 - 0.5 * kColumns) * kCell, (row + 0.5 - 0.5 * kRows) * kCell, 0);
+  };
+  EXPECT_EQ(display.ValueAt(middle(0, 0), 0.1), "value = 100");
+  EXPECT_EQ(display.ValueAt(middle(5, 5), 0.1), "value = 0");
+  EXPECT_EQ(display.ValueAt(middle(kColumns - 1, 5), 0.1), "value = -1");
+  EXPECT_EQ(display.ValueAt(middle(kColumns, 5), 0.1), "") << "beside it";
+  EXPECT_EQ(display.ValueAt(middle(0, 0) + Eigen::Vector3d::UnitZ(), 0.1), "") << "above it";
+}
+
 }  // namespace
 }  // namespace hgros::viewer::test

@@ -4,6 +4,8 @@
 
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
+#include "foxglove/SceneUpdate.pb.h"
+#include "hgros/Shapes.pb.h"
 #include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
@@ -77,6 +79,53 @@ TEST_F(Picking, TellsWhatLiesInFront) {
   ASSERT_NE(entry, nullptr);
   EXPECT_EQ(entry->name, "high");
   EXPECT_NEAR(found.z(), 2, 0.05);
+}
+
+TEST_F(Picking, TellsTheEntityAndItsNotes) {
+  Add("Scene", "things");
+  foxglove::SceneUpdate update;
+  for (const double x : {-2.0, 2.0}) {
+    auto* const entity = update.add_entities();
+    entity->set_frame_id("map");
+    entity->set_id(x < 0 ? "left" : "right");
+    auto* const cube = entity->add_cubes();
+    cube->mutable_pose()->mutable_position()->set_x(x);
+    for (auto* const size : {cube->mutable_size()}) {
+      size->set_x(1);
+      size->set_y(1);
+      size->set_z(1);
+    }
+    cube->mutable_color()->set_a(1);
+    for (int i = 0; i < 20; ++i) {
+      auto* const note = entity->add_metadata();
+      note->set_key("key" + std::to_string(i));
+      note->set_value(std::string(1000, 'v'));
+    }
+  }
+  Publish("things", update);
+  Update();
+  Eigen::Vector3d found;
+  const Scene::Entry* const entry = EntryAt({2, 0, 0.5}, found);
+  ASSERT_NE(entry, nullptr);
+  const std::string told = entry->display->ValueAt(found, 0.1);
+  EXPECT_TRUE(told.starts_with("entity \"right\"\nkey0 = vvv")) << told;
+  EXPECT_TRUE(told.ends_with("and 8 more")) << told;
+  EXPECT_LT(told.size(), 2000U);
+  EXPECT_EQ(entry->display->ValueAt({0, 0, 0}, 0.1), "");
+}
+
+TEST_F(Picking, TellsAShapesName) {
+  Display& display = Add("Shapes", "shapes");
+  hgros::Shapes update;
+  update.set_frame_id("map");
+  auto* const shape = update.add_shapes();
+  shape->set_name("disc");
+  shape->mutable_oval()->set_a(2);
+  shape->mutable_oval()->set_b(2);
+  shape->mutable_color()->set_a(1);
+  Publish("shapes", update);
+  Update();
+  EXPECT_EQ(display.ValueAt({1, 1, 0}, 0.1), "shape \"disc\"");
 }
 
 TEST_F(Picking, ChangesNothingOfThePicture) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "foxglove/Odometry.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
 #include "viewer/scene/scene_fixture.hpp"
@@ -104,6 +105,20 @@ TEST_F(Poses, OfAMessageOfItsOwn) {
   Publish("pose", pose);
   Update();
   ExpectAsKept("pose");
+}
+
+TEST_F(Poses, OfOdometryAreShownAsAnyOther) {
+  Add("Ground");
+  Display& display = Add("Odometry", "odometry", {"axes length", "3"});
+  foxglove::Odometry odometry;
+  odometry.set_frame_id("map");
+  odometry.set_body_frame_id("base");
+  SetPose(*odometry.mutable_pose(), 1, 1, 0.5);
+  Publish("odometry", odometry);
+  Update();
+  ExpectAsKept("pose");
+  EXPECT_EQ(display.data_frame(), "map");
+  EXPECT_EQ(DisplayTypeFor("foxglove.Odometry"), DisplayTypeNamed("Odometry"));
 }
 
 TEST_F(Poses, OfFramesWithLinksAndNames) {

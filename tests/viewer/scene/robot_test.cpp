@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kRobot = R"(<robot name="rover">
   <material name="blue"><color rgba="0.2 0.4 0.9 1"/></material>
@@ -134,13 +135,34 @@ TEST_F(Robots, ShowWhatTheyCollideWith) {
 
 TEST_F(Robots, SayWhichLinksHaveNoTransform) {
   Display& display = Add("Robot model", "", {"file", urdf()});
-  tree_.Set("map", "base", Time{1}, RigidTransform());
+  tree_.Set("map", "elsewhere", Time{1}, RigidTransform());
   Update();
   EXPECT_TRUE(display.HasFault());
-  EXPECT_THAT(display.Status().front(), HasSubstr("want of a transform: head, left, mast and 1 more"));
+  EXPECT_THAT(display.Status().front(), HasSubstr("want of a transform: base, head, left and 2 more"));
   PlaceLinks();
   Update();
   EXPECT_FALSE(display.HasFault());
+}
+
+TEST_F(Robots, StandAsTheDescriptionHasThemWhereNoTransformMovesTheirLinks) {
+  Display& display = Add("Robot model", "", {"file", urdf()});
+  tree_.Set("map", "base", Time{1}, RigidTransform({1, 0, 0, 0}, {7, 0, 0}));
+  Update();
+  EXPECT_FALSE(display.HasFault());
+  EXPECT_THAT(display.Status(),
+              Contains("No transform moves l, r: they stand at zero. Publish the joints: docs/tf.md."));
+  EXPECT_NEAR(display.Bounds().max().x(), 8.5, 1e-6);
+  PlaceLinks();
+  Update();
+  EXPECT_THAT(display.Status(), Not(Contains(HasSubstr("stand"))));
+}
+
+TEST_F(Robots, CanBeLookedAtWithNothingPublished) {
+  Display& display = Add("Robot model", "", {"file", urdf()});
+  Update();
+  EXPECT_FALSE(display.HasFault());
+  EXPECT_THAT(display.Status(), Contains("There are no transforms: base stands at the fixed frame."));
+  EXPECT_TRUE(display.Bounds().contains(Eigen::Vector3d(0, 0, 1)));
 }
 
 TEST_F(Robots, SayWhichMeshesAreMissing) {

@@ -151,5 +151,18 @@ TEST_F(Voxels, ThatStandStillTakeSettingsAndKeepWhatTheyShow) {
   EXPECT_EQ(DifferentShare(standing, Draw()), 0);
 }
 
+TEST_F(Voxels, TellTheValueOfTheOccupiedOneBehindAFace) {
+  Display& display = Add("Voxels", "voxels");
+  Publish("voxels", Ball());
+  Update();
+  const double plate_top = kEdge;
+  const double x = (2.5 - 0.5 * kCells) * kEdge;
+  for (const double off : {-1e-4, 0.0, 1e-4}) {
+    EXPECT_EQ(display.ValueAt({x, x, plate_top + off}, 0.05), "occupancy = 3") << off;
+  }
+  EXPECT_EQ(display.ValueAt({x, x, plate_top + 0.5 * kEdge}, 0.05), "");
+  EXPECT_EQ(display.ValueAt({100, 0, 0}, 0.05), "");
+}
+
 }  // namespace
 }  // namespace hgros::viewer::test

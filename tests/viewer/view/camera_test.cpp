@@ -103,12 +103,20 @@ TEST(Camera, PanningMovesWhatIsAtThePivotWithThePointer) {
   }
 }
 
-TEST(Camera, FromAboveNorthStaysWhereTheViewWentAndTheMiddleStays) {
+TEST(Camera, FromAboveHasXToTheRightAndYUpAndTheMiddleStays) {
   Camera camera;
   const Eigen::Vector3d pivot = camera.Pivot();
   camera.LookFromAbove();
   ExpectNear(camera.Pivot(), pivot, 1e-9);
   ExpectNear(camera.orientation() * -Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitZ(), 1e-9);
+  const Viewport viewport{400, 300};
+  const auto right = camera.PixelOf(pivot + Eigen::Vector3d::UnitX(), viewport);
+  const auto up = camera.PixelOf(pivot + Eigen::Vector3d::UnitY(), viewport);
+  ASSERT_TRUE(right && up);
+  EXPECT_GT(right->x(), 201);
+  EXPECT_NEAR(right->y(), 150, 1e-6);
+  EXPECT_NEAR(up->x(), 200, 1e-6);
+  EXPECT_LT(up->y(), 149);
   camera.LookFromAbove();  // Twice is once.
   ExpectNear(camera.Pivot(), pivot, 1e-9);
 }

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "viewer/data/scene_shapes.hpp"
+
+namespace hgros::viewer {
+
+/// How far `at`, in the frame of the shapes, is from the surface of the nearest one, in metres; infinity: there is
+/// none. Words and models of other files count for nothing. Of round shapes that are stretched it is an estimate, which
+/// is exact on the surface.
+[[nodiscard]] double DistanceTo(const SceneShapes& shapes, const Eigen::Vector3d& at);
+
+}  // namespace hgros::viewer
