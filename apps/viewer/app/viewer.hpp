@@ -71,8 +71,8 @@ class Viewer {
   Scene::Entry& Open(const DisplayType& type, const std::string& channel);
   /// What cannot be is said beside the button.
   void AddByHand(const DisplayType& type, const std::string& channel);
-  /// The type that is published there; empty: nobody knows yet.
-  [[nodiscard]] std::string CarriedBy(const std::string& channel) const;
+  /// The type that is published there, one that the display shows if there are several; empty: nobody knows yet.
+  [[nodiscard]] std::string CarriedBy(const std::string& channel, const DisplayType& type) const;
   /// Displays whose channel turns out to carry something else.
   void SayMismatches();
   void Set(Scene::Entry& entry, const std::vector<std::pair<std::string, std::string>>& settings);

@@ -103,7 +103,7 @@ Layout Viewer::CurrentLayout() const {
       display.settings.push_back({setting.name, TextOf(setting), {}});
     }
   }
-  for (const PanelLayout& panel : dock_.Layout()) layout.panels.push_back({panel, {}});
+  for (const PanelLayout& panel : dock_.KeptLayout()) layout.panels.push_back({panel, {}});
   return layout;
 }
 

@@ -7,16 +7,20 @@
 
 namespace hgros::viewer {
 
-std::string Viewer::CarriedBy(const std::string& channel) const {
+std::string Viewer::CarriedBy(const std::string& channel, const DisplayType& type) const {
   const auto known = std::ranges::find(known_, channel, &KnownChannel::name);
-  return known == known_.end() || known->publishers.empty() ? std::string() : known->type_name;
+  if (known == known_.end() || known->publishers.empty()) return {};
+  for (const ChannelUser& user : known->publishers) {
+    if (std::ranges::find(type.schemas, user.type_name) != type.schemas.end()) return user.type_name;
+  }
+  return known->type_name;
 }
 
 Scene::Entry& Viewer::Open(const DisplayType& type, const std::string& channel) {
   try {
     return scene_.Add(type, {session_, channel, [this] { WakeFromData(); }});
   } catch (const TypeMismatch&) {
-    std::string carried = CarriedBy(channel);
+    std::string carried = CarriedBy(channel, type);
     const auto other = std::ranges::find(scene_.entries(), channel, &Scene::Entry::channel);
     if (carried.empty() && other != scene_.entries().end()) carried = other->type->schemas.front();
     const std::string why = WhyNotShown(type, channel, carried);
@@ -28,7 +32,7 @@ Scene::Entry& Viewer::Open(const DisplayType& type, const std::string& channel) 
 }
 
 void Viewer::AddByHand(const DisplayType& type, const std::string& channel) {
-  std::string refusal = WhyNotShown(type, channel, CarriedBy(channel));
+  std::string refusal = WhyNotShown(type, channel, CarriedBy(channel, type));
   try {
     if (refusal.empty()) Add(type, channel, {});
   } catch (const Error& error) {
@@ -40,7 +44,7 @@ void Viewer::AddByHand(const DisplayType& type, const std::string& channel) {
 
 void Viewer::SayMismatches() {
   for (Scene::Entry& entry : scene_.entries()) {
-    std::string mismatch = WhyNotShown(*entry.type, entry.channel, CarriedBy(entry.channel));
+    std::string mismatch = WhyNotShown(*entry.type, entry.channel, CarriedBy(entry.channel, *entry.type));
     if (mismatch == entry.mismatch) continue;
     entry.mismatch = std::move(mismatch);
     if (!entry.mismatch.empty()) std::fprintf(stderr, "hgros-viewer: %s\n", entry.mismatch.c_str());

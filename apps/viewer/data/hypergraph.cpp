@@ -1,7 +1,6 @@
 #include "viewer/data/hypergraph.hpp"
 
 #include <algorithm>
-#include <compare>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -13,13 +12,8 @@ namespace {
 
 using Counts = Hypergraph::Counts;
 
-/// A process, or one of its nodes on one channel.
-struct Vertex {
-  std::uint64_t session = 0;
-  std::string channel;  ///< Of a node.
-  std::string node;
-  auto operator<=>(const Vertex&) const = default;
-};
+/// A process by its session; or one of its nodes by session, channel and name.
+using Vertex = std::tuple<std::uint64_t, std::string, std::string>;
 
 bool Disagrees(const KnownChannel& channel, const ChannelUser& user) {
   return !user.type_name.empty() &&

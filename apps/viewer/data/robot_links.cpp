@@ -2,7 +2,6 @@
 
 #include <urdf_parser/urdf_parser.h>
 
-#include <ranges>
 #include <set>
 #include <utility>
 
@@ -30,7 +29,10 @@ std::vector<RobotLink> ReadRobotLinks(const std::string& urdf, const std::string
       read.T_parent_link = RobotPose(joint.parent_to_joint_origin_transform);
     }
     const std::size_t index = links.size() - 1;
-    for (const auto& child : link->child_links | std::views::reverse) open.emplace_back(child, index);
+    // Last in, first out: the first child comes next.
+    for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
+      open.emplace_back(*child, index);
+    }
   }
   return links;
 }

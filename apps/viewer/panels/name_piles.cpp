@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "viewer/data/cut_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -29,7 +31,9 @@ std::vector<NamePile> PileNames(std::span<const PlacedName> names, float line_he
   for (const auto& pile : piles) {
     NamePile& added = all.emplace_back(NamePile{pile.front()->x, pile.front()->y, "", pile.front()->color});
     const std::size_t named = pile.size() <= kMostLines ? pile.size() : kMostLines - 1;
-    for (std::size_t i = 0; i < named; ++i) added.text += (i > 0 ? "\n" : "") + std::string(pile[i]->text);
+    const std::size_t most = kMaxShownBytes / named;
+    for (std::size_t i = 0; i < named; ++i)
+      added.text += (i > 0 ? "\n" : "") + std::string(CutText(pile[i]->text, most));
     if (named < pile.size()) added.text += "\nand " + std::to_string(pile.size() - named) + " more";
   }
   return all;

@@ -42,8 +42,7 @@ Panel& PanelDock::Open(const PanelType& type) {
 void PanelDock::Close(const PanelType& type) {
   const Opened* const open = Find(type);
   if (open == nullptr) return;
-  PanelLayout& kept = closed_[&type] = LayoutOf(*open);
-  if (!open->window.by_hand()) kept.place = open->wanted;
+  closed_[&type] = KeptLayoutOf(*open);
   std::erase_if(opened_, [&](const Opened& opened) { return opened.type == &type; });
 }
 
@@ -149,6 +148,18 @@ PanelLayout PanelDock::LayoutOf(const Opened& opened) {
 std::vector<PanelLayout> PanelDock::Layout() const {
   std::vector<PanelLayout> all;
   for (const Opened& opened : opened_) all.push_back(LayoutOf(opened));
+  return all;
+}
+
+PanelLayout PanelDock::KeptLayoutOf(const Opened& opened) {
+  PanelLayout kept = LayoutOf(opened);
+  if (!opened.window.by_hand()) kept.place = opened.wanted;
+  return kept;
+}
+
+std::vector<PanelLayout> PanelDock::KeptLayout() const {
+  std::vector<PanelLayout> all;
+  for (const Opened& opened : opened_) all.push_back(KeptLayoutOf(opened));
   return all;
 }
 

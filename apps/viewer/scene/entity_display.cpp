@@ -142,9 +142,10 @@ class EntityDisplay : public Display {
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return bounds_; }
   [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
     const auto pose_of = [&](const std::string& frame, std::optional<Time> when) -> std::optional<Eigen::Isometry3d> {
-      const auto known = placed_.find({frame, when ? std::optional(when->nanoseconds) : std::nullopt});
-      if (known == placed_.end()) return std::nullopt;
-      return known->second;
+      const Key key{frame, when ? std::optional(when->nanoseconds) : std::nullopt};
+      if (const auto known = placed_.find(key); known != placed_.end()) return known->second;
+      if (const auto known = passing_.find(key); known != passing_.end()) return known->second;
+      return std::nullopt;
     };
     const SceneStore::Entity* const entity = store_.EntityAt(pose_of, at, radius_m);
     return entity == nullptr ? std::string() : entity->told;
@@ -178,6 +179,10 @@ class EntityDisplay : public Display {
     if (const auto known = placed_.find(key); (at || stands_) && known != placed_.end()) {
       return placed.emplace(key, known->second).first->second;
     }
+    if (const auto known = passing_.find(key); stands_ && known != passing_.end()) {
+      provisional_ = true;
+      return known->second;
+    }
     RigidTransform T_fixed_frame;
     auto answer =
         at ? context.frame.Find(frame, *at, T_fixed_frame, why_) : context.frame.Find(frame, T_fixed_frame, why_);
@@ -190,13 +195,14 @@ class EntityDisplay : public Display {
     }
     if (later) {
       provisional_ = true;
-      return T_fixed_frame.Isometry();
+      return passing_[key] = T_fixed_frame.Isometry();
     }
     return placed.emplace(key, T_fixed_frame.Isometry()).first->second;
   }
 
   void Rebuild(const UpdateContext& context) {
     provisional_ = false;
+    if (!stands_) passing_.clear();
     why_.clear();
     std::map<Key, Eigen::Isometry3d> placed;
     const auto pose_of = [&](const std::string& frame, std::optional<Time> at) {
@@ -236,6 +242,7 @@ class EntityDisplay : public Display {
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   Eigen::AlignedBox3d bounds_;
   std::map<Key, Eigen::Isometry3d> placed_;
+  std::map<Key, Eigen::Isometry3d> passing_;  ///< Where it was drawn for want of a transform that is still to come.
   ModelMeshes models_;
   std::string fault_, model_fault_, why_;
   std::size_t shapes_ = 0;

@@ -18,9 +18,9 @@ class FramesDisplay : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& context) override {
     const bool due = context.transforms_changed || context.frame_changed || std::exchange(setting_changed_, false);
+    if (due) fixed_ = &context.frame;
+    if (fixed_ != nullptr) updated_s_ = context.now_s;
     if (!due) return Change::kNothing;
-    fixed_ = &context.frame;
-    updated_s_ = context.now_s;
     back_ns_ = 0;
     Take();
     return Change::kMoving;

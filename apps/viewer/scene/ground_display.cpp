@@ -38,6 +38,8 @@ class GroundDisplay : public Display {
     return Change::kRedraw;
   }
 
+  [[nodiscard]] Change ApplySettings(const UpdateContext& context) override { return Update(context); }
+
   void DrawSettled(const DrawContext& context, const Slice& slice) override {
     if (slice.index == 0) segments_.Draw(context.view, RigidTransform(), context.scale);
   }

@@ -41,6 +41,7 @@ class NewestMessage {
   /// The last message is read with them again, by the caller.
   void SetOptions(Options options) {
     std::shared_ptr<const Message> last;
+    again_ = true;
     {
       const std::scoped_lock lock(shared_->mutex);
       shared_->options = std::move(options);
@@ -52,19 +53,24 @@ class NewestMessage {
   /// What has come since the last call.
   [[nodiscard]] std::optional<Read> Take() {
     const std::scoped_lock lock(shared_->mutex);
-    if (shared_->waiting) shown_ = shared_->last;
+    if (shared_->waiting) {
+      shown_ = shared_->last;
+      again_ = false;
+    }
     return std::exchange(shared_->waiting, std::nullopt);
   }
-  /// What the last Take gave, read with the options that count now; nothing if there is none.
-  [[nodiscard]] std::optional<Read> TakeAgain() const {
-    if (!shown_) return std::nullopt;
+  /// What the last Take gave, read with the options that count now; nothing if it was, or if there is none.
+  [[nodiscard]] std::optional<Read> TakeAgain() {
+    if (!shown_ || !std::exchange(again_, false)) return std::nullopt;
     Options with;
     {
       const std::scoped_lock lock(shared_->mutex);
+      if (shared_->waiting && shared_->waiting->message == shown_) return std::exchange(shared_->waiting, std::nullopt);
       with = shared_->options;
     }
     Read again;
     again.fault = shared_->read(*shown_, with, again.shown);
+    again.message = shown_;
     return again;
   }
   void Clear() {
@@ -126,6 +132,7 @@ class NewestMessage {
 
   std::shared_ptr<Shared> shared_;
   std::shared_ptr<const Message> shown_;  ///< That Take gave last: a newer one may wait.
+  bool again_ = false;                    ///< Options have changed since it was read.
   Subscription subscription_;
 };
 

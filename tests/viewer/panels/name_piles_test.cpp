@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "viewer/data/cut_text.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -29,6 +33,12 @@ TEST(NamePiles, NameSomeOfManyAndSayHowManyMoreThereAre) {
   EXPECT_EQ(PileNames(names, kLine)[0].text, "wheel\nwheel\nwheel\nwheel\nwheel\nand 3 more");
   EXPECT_EQ(PileNames(std::span(names).first(6), kLine)[0].text, "wheel\nwheel\nwheel\nwheel\nwheel\nwheel");
   EXPECT_TRUE(PileNames({}, kLine).empty());
+}
+
+TEST(NamePiles, AreNoLongerThanOneTextMayBe) {
+  const std::string hostile(kMaxShownBytes, 'x');
+  const std::vector<PlacedName> names(6, {10, 10, hostile, 1});
+  EXPECT_LE(PileNames(names, kLine)[0].text.size(), kMaxShownBytes + 64);
 }
 
 }  // namespace

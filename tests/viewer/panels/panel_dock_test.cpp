@@ -138,6 +138,8 @@ TEST_F(PanelDockTest, SharesTheRoomUntilAPersonMovesAPanel) {
   Draw();
   const PanelPlace moved{large[1].x - 40, large[1].y + 30, large[1].width, large[1].height};
   EXPECT_EQ(dock_.Layout()[1].place, moved);
+  EXPECT_EQ(dock_.KeptLayout()[1].place, moved);
+  EXPECT_EQ(dock_.KeptLayout()[0].place, std::nullopt) << "nobody has placed it";
   EXPECT_EQ(places({1900, 1000})[1], moved) << "it is a person's now";
   EXPECT_NE(places({1900, 1000})[0], large[0]) << "the others share the room";
 }

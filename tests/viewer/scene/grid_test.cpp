@@ -301,6 +301,8 @@ TEST_F(GridPictures, TellTheValueOfACell) {
   EXPECT_EQ(display.ValueAt(middle(kColumns - 1, 5), 0.1), "value = -1");
   EXPECT_EQ(display.ValueAt(middle(kColumns, 5), 0.1), "") << "beside it";
   EXPECT_EQ(display.ValueAt(middle(0, 0) + Eigen::Vector3d::UnitZ(), 0.1), "") << "above it";
+  SetStandingStill(display, "palette", "costmap");
+  EXPECT_EQ(display.ValueAt(middle(0, 0), 0.1), "value = 100") << "read again with another setting";
 }
 
 }  // namespace
