@@ -1,17 +1,16 @@
 #include "viewer/data/robot_links.hpp"
 
-#include <urdf_parser/urdf_parser.h>
-
 #include <set>
 #include <utility>
 
+#include "viewer/data/robot_model.hpp"
 #include "viewer/data/robot_pose.hpp"
 
 namespace hgros::viewer {
 
 std::vector<RobotLink> ReadRobotLinks(const std::string& urdf, const std::string& prefix) {
   std::vector<RobotLink> links;
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf);
+  const auto model = ReadRobotModel(urdf);
   if (!model || !model->root_link_) return links;
   std::vector<std::pair<urdf::LinkConstSharedPtr, std::optional<std::size_t>>> open = {{model->root_link_, {}}};
   std::set<std::string> seen;

@@ -1,11 +1,10 @@
 #include "viewer/data/robot_shapes.hpp"
 
-#include <urdf_parser/urdf_parser.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "viewer/data/robot_model.hpp"
 #include "viewer/data/robot_pose.hpp"
 
 namespace hgros::viewer {
@@ -56,7 +55,7 @@ void SetColor(const urdf::MaterialSharedPtr& material, RobotShape& shape) {
 
 std::string ReadRobot(const std::string& urdf, const std::string& prefix, RobotSide side,
                       std::vector<RobotShape>& shapes) {
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf);
+  const auto model = ReadRobotModel(urdf);
   if (!model) return "The robot's description is no URDF.";
   std::vector<RobotShape> read;
   for (const auto& [name, link] : model->links_) {
