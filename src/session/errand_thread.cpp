@@ -6,14 +6,26 @@ namespace hgros {
 
 ErrandThread::ErrandThread() : thread_([this](const std::stop_token& stop) { Loop(stop); }) {}
 
-ErrandThread::~ErrandThread() {
+ErrandThread::~ErrandThread() { End(); }
+
+void ErrandThread::End() {
+  const std::scoped_lock one_at_a_time(ending_);
+  if (!thread_.joinable()) return;
   thread_.request_stop();
   thread_.join();
+  // What they hold is let go outside the lock.
+  decltype(errands_) too_late;
+  decltype(later_) not_due;
+  const std::scoped_lock lock(mutex_);
+  ended_ = true;
+  too_late.swap(errands_);
+  not_due.swap(later_);
 }
 
 void ErrandThread::Post(std::function<void()> errand) {
   {
     const std::scoped_lock lock(mutex_);
+    if (ended_) return;
     errands_.push_back(std::move(errand));
   }
   changed_.notify_one();
@@ -22,6 +34,7 @@ void ErrandThread::Post(std::function<void()> errand) {
 void ErrandThread::PostIn(std::chrono::nanoseconds delay, std::function<void()> errand) {
   {
     const std::scoped_lock lock(mutex_);
+    if (ended_) return;
     later_.emplace(std::chrono::steady_clock::now() + delay, std::move(errand));
   }
   changed_.notify_one();

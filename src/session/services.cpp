@@ -295,7 +295,7 @@ void Services::Close() {
     const std::scoped_lock lock(thread_mutex_);
     thread_ended_ = true;
   }
-  thread_.reset();
+  if (thread_) thread_->End();
   {
     const std::unique_lock lock(place_mutex_);
     place_ = nullptr;

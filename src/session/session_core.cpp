@@ -133,7 +133,7 @@ Session::Core::~Core() {
   timers_->Stop();
   graph_->Shutdown();
   services_->Close();
-  errands_.reset();
+  if (errands_) errands_->End();  // Not reset: errands in flight post others.
 }
 
 void Session::Core::RequireOpen() const {
