@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <utility>
 
@@ -18,6 +19,18 @@ RigidTransform OriginOf(const urdf::Pose& pose) {
   RigidTransform::Rotation rotation(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
   rotation.normalize();
   return {rotation, Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z)};
+}
+
+// Links whose joints make a ring hold each other: whoever has the model last unties them.
+std::shared_ptr<const urdf::ModelInterface> Parse(const std::string& urdf) {
+  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf);
+  if (!model) return nullptr;
+  return {model.get(), [model](const urdf::ModelInterface* /*model*/) {
+            for (const auto& [name, link] : model->links_) {
+              link->child_links.clear();
+              link->child_joints.clear();
+            }
+          }};
 }
 
 }  // namespace
@@ -62,7 +75,7 @@ RobotDescription RobotDescription::FromFile(const std::filesystem::path& path, s
 }
 
 RobotDescription RobotDescription::FromText(const std::string& urdf, std::string_view prefix) {
-  const urdf::ModelInterfaceSharedPtr parsed = urdf::parseURDF(urdf);
+  const std::shared_ptr<const urdf::ModelInterface> parsed = Parse(urdf);
   if (!parsed || !parsed->getRoot()) {
     throw Error("The robot's description is no URDF that can be used.", {},
                 "The parser's words stand on standard error; check_urdf says the same.");

@@ -94,6 +94,21 @@ TEST(RobotDescription, RefusesWhatIsNone) {
                Error);
 }
 
+// LeakSanitizer reports the links if a ring of them stays.
+TEST(RobotDescription, LeaksNothingOfJointsThatMakeARing) {
+  const std::string beside = R"(<robot name="r"><link name="base"/><link name="a"/><link name="b"/>
+    <joint name="ab" type="fixed"><parent link="a"/><child link="b"/></joint>
+    <joint name="ba" type="fixed"><parent link="b"/><child link="a"/></joint>)";
+  const std::string below = R"(<parent link="base"/><child link="a"/></joint></robot>)";
+  for (const std::string& urdf : {beside + "</robot>", beside + R"(<joint name="j" type="fixed">)" + below}) {
+    const RobotDescription robot = RobotDescription::FromText(urdf);
+    EXPECT_EQ(robot.root(), "base");
+    TransformTree tree;
+    EXPECT_FALSE(robot.SetFixed(tree)) << "a tree has no rings";
+  }
+  EXPECT_THROW((void)RobotDescription::FromText(beside + R"(<joint name="j" type="floating">)" + below), Error);
+}
+
 struct StampedPose {
   Time stamp;
   RigidTransform pose;
