@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "viewer/data/quantity_text.hpp"
+#include "viewer/scene/color_map_settings.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -167,9 +168,11 @@ std::vector<Setting> PointsDisplay::Settings() {
   const auto mapped = [this] {
     return color_by_ == static_cast<int>(ColorBy::kAxis) || color_by_ == static_cast<int>(ColorBy::kScalar);
   };
-  const auto ranged = [this, mapped] { return mapped() && !auto_range_; };
-  const Setting::Need of_mapped{"color", {"axis", "value"}};
-  const Setting::Need of_ranged{"auto range", {"off"}};
+  const auto [map, automatic, lowest, highest] = ColorMapSettings(
+      {&map_, &auto_range_, &lo_, &hi_},
+      "The colours go from the lowest to the highest value that has come, but for the outermost 2 % at "
+      "each end; those have the first and the last colour.",
+      mapped, {"color", {"axis", "value"}});
   return {
       {"keep", "Which points stay: those of the latest message, of some, of some time, or all.",
        Setting::Choice{&keep_, {"latest", "count", "time", "all"}}},
@@ -195,28 +198,10 @@ std::vector<Setting> PointsDisplay::Settings() {
        Setting::Text{&field_},
        colored_by(ColorBy::kScalar),
        {{"color", {"value"}}}},
-      {"map",
-       "The colours from the lowest to the highest value.",
-       Setting::Choice{&map_, {kColorMapNames.begin(), kColorMapNames.end()}},
-       mapped,
-       {of_mapped}},
-      {"auto range",
-       "The colours go from the lowest to the highest value that has come, but for the outermost 2 % at each end; "
-       "those "
-       "have the first and the last colour.",
-       Setting::Switch{&auto_range_},
-       mapped,
-       {of_mapped}},
-      {"lowest",
-       "The value of the first colour.",
-       Setting::Number{&lo_, -1e6F, 1e6F, ""},
-       ranged,
-       {of_mapped, of_ranged}},
-      {"highest",
-       "The value of the last colour.",
-       Setting::Number{&hi_, -1e6F, 1e6F, ""},
-       ranged,
-       {of_mapped, of_ranged}},
+      map,
+      automatic,
+      lowest,
+      highest,
       {"size", "Of a point.", Setting::Number{&size_, 0.001F, 64, ""}},
       {"unit", "What the size counts: pixels of the screen, or metres of the scene.",
        Setting::Choice{&size_unit_, {"px", "m"}}},

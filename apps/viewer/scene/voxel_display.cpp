@@ -5,6 +5,7 @@
 
 #include "viewer/data/cell_text.hpp"
 #include "viewer/data/value_range.hpp"
+#include "viewer/scene/color_map_settings.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/newest_message.hpp"
 #include "viewer/scene/placed_display.hpp"
@@ -58,9 +59,10 @@ class VoxelDisplay : public PlacedDisplay {
 
   [[nodiscard]] std::vector<Setting> Settings() override {
     const auto mapped = [this] { return color_by_ != static_cast<int>(VoxelStyle::ColorBy::kFlat); };
-    const auto ranged = [this, mapped] { return mapped() && !auto_range_; };
-    const Setting::Need of_mapped{"color", {"height", "value"}};
-    const Setting::Need of_ranged{"auto range", {"off"}};
+    const auto [map, automatic, lowest, highest] = ColorMapSettings(
+        {&style_.map, &auto_range_, &lo_, &hi_},
+        "The colours go from the lowest to the highest there is; of values but for the outermost 2 % at each end.",
+        mapped, {"color", {"height", "value"}});
     return {
         {"color", "What the colour shows.", Setting::Choice{&color_by_, {"flat", "height", "value"}}},
         {"flat",
@@ -68,26 +70,10 @@ class VoxelDisplay : public PlacedDisplay {
          Setting::Color{&style_.flat},
          [mapped] { return !mapped(); },
          {{"color", {"flat"}}}},
-        {"map",
-         "The colours from the lowest to the highest value.",
-         Setting::Choice{&style_.map, {kColorMapNames.begin(), kColorMapNames.end()}},
-         mapped,
-         {of_mapped}},
-        {"auto range",
-         "The colours go from the lowest to the highest there is; of values but for the outermost 2 % at each end.",
-         Setting::Switch{&auto_range_},
-         mapped,
-         {of_mapped}},
-        {"lowest",
-         "The value of the first colour.",
-         Setting::Number{&lo_, -1e6F, 1e6F, ""},
-         ranged,
-         {of_mapped, of_ranged}},
-        {"highest",
-         "The value of the last colour.",
-         Setting::Number{&hi_, -1e6F, 1e6F, ""},
-         ranged,
-         {of_mapped, of_ranged}},
+        map,
+        automatic,
+        lowest,
+        highest,
         {"field", "The field that says what is occupied; empty: the first.", Setting::Text{&field_}},
         {"threshold", "A voxel whose value is above it is occupied.", Setting::Number{&threshold_, -1e6F, 1e6F, ""}},
         {"alpha", "How much they hide of what lies behind them.", Setting::Number{&style_.alpha, 0, 1, ""}},
