@@ -6,8 +6,6 @@
 
 namespace hgros::viewer {
 
-/// "foxglove.PoseInFrame or foxglove.Odometry"
-[[nodiscard]] std::string SchemasOf(const DisplayType& type);
 /// Why a display of that type shows nothing of a channel that carries `carried`, in a sentence; empty if it does, or if
 /// that is unknown (empty).
 [[nodiscard]] std::string WhyNotShown(const DisplayType& type, const std::string& channel, const std::string& carried);
