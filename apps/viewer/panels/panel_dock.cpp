@@ -140,21 +140,10 @@ void PanelDock::DrawSwitches() {
   }
 }
 
-PanelLayout PanelDock::LayoutOf(const Opened& opened) {
-  const bool drawn = opened.window.place().width > 0 && !opened.wanted;
-  return {opened.type->name, drawn ? std::optional(opened.window.place()) : opened.wanted, opened.panel->Settings()};
-}
-
-std::vector<PanelLayout> PanelDock::Layout() const {
-  std::vector<PanelLayout> all;
-  for (const Opened& opened : opened_) all.push_back(LayoutOf(opened));
-  return all;
-}
-
 PanelLayout PanelDock::KeptLayoutOf(const Opened& opened) {
-  PanelLayout kept = LayoutOf(opened);
-  if (!opened.window.by_hand()) kept.place = opened.wanted;
-  return kept;
+  std::optional<PanelPlace> place = opened.wanted;
+  if (!place && opened.window.by_hand()) place = opened.window.place();
+  return {opened.type->name, place, opened.panel->Settings()};
 }
 
 std::vector<PanelLayout> PanelDock::KeptLayout() const {

@@ -47,8 +47,8 @@ class PanelDock {
   /// A switch for each kind.
   void DrawSwitches();
 
-  [[nodiscard]] std::vector<PanelLayout> Layout() const;
-  /// What is kept of it: the places of those alone that a person has placed. The others share whatever room there is.
+  /// All that are open, with the places of those alone that a person has placed. The others share whatever room there
+  /// is.
   [[nodiscard]] std::vector<PanelLayout> KeptLayout() const;
   /// Opens a panel as it was. Returns what is wrong with it, or nothing.
   [[nodiscard]] std::string Restore(const PanelLayout& layout);
@@ -64,7 +64,6 @@ class PanelDock {
     std::unique_ptr<Panel> panel;
   };
   [[nodiscard]] const Opened* Find(const PanelType& type) const;
-  [[nodiscard]] static PanelLayout LayoutOf(const Opened& opened);
   [[nodiscard]] static PanelLayout KeptLayoutOf(const Opened& opened);
   /// Where they belong that nobody has placed, in their order.
   [[nodiscard]] std::vector<PanelPlace> Tiles() const;

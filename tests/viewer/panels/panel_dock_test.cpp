@@ -10,7 +10,23 @@
 namespace hgros::viewer::test {
 namespace {
 
-using PanelDockTest = PanelTest;
+class PanelDockTest : public PanelTest {
+ protected:
+  /// Where each panel lies in one more picture; all are open.
+  std::vector<PanelPlace> Places() {
+    std::vector<PanelPlace> all;
+    ImGui::NewFrame();
+    dock_.Draw();
+    for (const PanelType& type : PanelTypes()) {
+      ImGui::Begin(type.name.c_str());
+      all.push_back(
+          {ImGui::GetWindowPos().x, ImGui::GetWindowPos().y, ImGui::GetWindowWidth(), ImGui::GetWindowHeight()});
+      ImGui::End();
+    }
+    ImGui::Render();
+    return all;
+  }
+};
 
 TEST_F(PanelDockTest, SubscribesOnlyWhileSomethingIsOpenThatAsksForIt) {
   auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
@@ -59,10 +75,10 @@ TEST_F(PanelDockTest, GivesBackWhatItWasGiven) {
       {"Graph", std::nullopt, {{"nodes", "on"}, {"viewer", "off"}, {"own channels", "on"}}},
   };
   for (const PanelLayout& layout : wanted) EXPECT_EQ(dock_.Restore(layout), "") << layout.name;
-  EXPECT_EQ(dock_.Layout(), wanted);
+  EXPECT_EQ(dock_.KeptLayout(), wanted);
   Update();
   Draw();
-  EXPECT_EQ(dock_.Layout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it stands where it was asked to";
+  EXPECT_EQ(dock_.KeptLayout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it stands where it was asked to";
 }
 
 TEST_F(PanelDockTest, PutsThePanelThatIsMeantIntoItsPlace) {
@@ -71,12 +87,12 @@ TEST_F(PanelDockTest, PutsThePanelThatIsMeantIntoItsPlace) {
   ASSERT_EQ(dock_.Restore({"Plot", first, {}}), "");
   ASSERT_EQ(dock_.Restore({"Log", second, {}}), "");
   ASSERT_EQ(dock_.Restore({"Plot", std::nullopt, {{"seconds", "30"}}}), "");
-  EXPECT_EQ(dock_.Layout()[0].place, first) << "none was given: it stays";
-  EXPECT_EQ(dock_.Layout()[1].place, second);
+  EXPECT_EQ(dock_.KeptLayout()[0].place, first) << "none was given: it stays";
+  EXPECT_EQ(dock_.KeptLayout()[1].place, second);
   const PanelPlace other{50, 60, 300, 300};
   ASSERT_EQ(dock_.Restore({"Plot", other, {}}), "");
-  EXPECT_EQ(dock_.Layout()[0].place, other);
-  EXPECT_EQ(dock_.Layout()[1].place, second);
+  EXPECT_EQ(dock_.KeptLayout()[0].place, other);
+  EXPECT_EQ(dock_.KeptLayout()[1].place, second);
 }
 
 TEST_F(PanelDockTest, KnowsWhatLiesBelowThePointerBeforeTheNextPicture) {
@@ -112,9 +128,7 @@ TEST_F(PanelDockTest, SharesTheRoomUntilAPersonMovesAPanel) {
   const auto places = [&](const ImVec2& size) {
     ImGui::GetIO().DisplaySize = size;
     for (int i = 0; i < 3; ++i) Draw();
-    std::vector<PanelPlace> all;
-    for (const PanelLayout& layout : dock_.Layout()) all.push_back(*layout.place);
-    return all;
+    return Places();
   };
   const std::vector<PanelPlace> tiny = places({300, 200});
   const std::vector<PanelPlace> large = places({1280, 800});
@@ -137,7 +151,7 @@ TEST_F(PanelDockTest, SharesTheRoomUntilAPersonMovesAPanel) {
   io.MouseDown[0] = false;
   Draw();
   const PanelPlace moved{large[1].x - 40, large[1].y + 30, large[1].width, large[1].height};
-  EXPECT_EQ(dock_.Layout()[1].place, moved);
+  EXPECT_EQ(Places()[1], moved);
   EXPECT_EQ(dock_.KeptLayout()[1].place, moved);
   EXPECT_EQ(dock_.KeptLayout()[0].place, std::nullopt) << "nobody has placed it";
   EXPECT_EQ(places({1900, 1000})[1], moved) << "it is a person's now";
@@ -154,10 +168,10 @@ TEST_F(PanelDockTest, OpensAPanelAgainAsItWas) {
   for (const PanelLayout& layout : wanted) ASSERT_EQ(dock_.Restore(layout), "");
   Draw();
   for (const PanelLayout& layout : wanted) Close(layout.name);
-  EXPECT_TRUE(dock_.Layout().empty());
+  EXPECT_TRUE(dock_.KeptLayout().empty());
   for (const PanelLayout& layout : wanted) {
     Open(layout.name);
-    EXPECT_EQ(dock_.Layout().back(), layout);
+    EXPECT_EQ(dock_.KeptLayout().back(), layout);
   }
 }
 
