@@ -208,7 +208,8 @@ void Viewer::TakeArrived(double now_s) {
   const bool transforms_changed = transforms_changed_.exchange(false);
   if (transforms_changed) frame_changed_ |= frame_.Refresh();
   // Transforms may reach the tree after that was told: whoever is not found yet is looked for again.
-  if (transforms_changed || frame_changed_ || !followed_) FollowFrame();
+  const bool sought = !followed_ || followed_name_ != view_panel_.follow();
+  if (transforms_changed || frame_changed_ || sought) FollowFrame();
   scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
   frame_changed_ = false;
   if (paused_) KeepTransforms();

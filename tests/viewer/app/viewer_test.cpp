@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -201,6 +202,54 @@ TEST_F(ViewerTest, ShowsTheSamePictureOfAFollowedFrameThatLiesElsewhereByThen) {
     EXPECT_TRUE(same) << follow_pose;
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(again.camera->eye[i], kept.camera->eye[i], 1e-6);
   }
+}
+
+TEST_F(ViewerTest, GoesAtOnceToTheFrameThatAPersonChoosesToFollow) {
+  const MetOnThisHost met;
+  Session robot;
+  Transforms transforms(robot);
+  const std::vector<StampedEdge> still = {{"map", "right", {}, RigidTransform({1, 0, 0, 0}, {-300, 70, 5})},
+                                          {"map", "left", {}, RigidTransform({1, 0, 0, 0}, {100, 0, 0})}};
+  transforms.ToStaticTF(still);
+  transforms.Flush();
+  options_.fixed_frame = "map";
+  options_.follow = "left";
+  Viewer* running = nullptr;
+  LayoutCamera before;
+  std::vector<ScriptedSurface::Step> steps;
+  steps.emplace_back([&, deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
+    before = *running->CurrentLayout().camera;
+    if (!before.relative && std::chrono::steady_clock::now() < deadline) at.Again();
+    ImGui::SetWindowCollapsed("View", false);
+  });
+  const auto nothing = [](ScriptedSurface&) {};
+  /// On a row of a window that has rows of that height.
+  const auto click = [&](const char* name, int row, float (*height)()) {
+    steps.emplace_back(nothing);  // The window takes its size.
+    steps.emplace_back([=](ScriptedSurface&) {
+      const ImGuiWindow* const window = ImGui::FindWindowByName(name);
+      ASSERT_NE(window, nullptr) << name;
+      const ImVec2 begin = window->InnerRect.Min;
+      const float above =
+          window->WindowPadding.y + static_cast<float>(row) * (height() + ImGui::GetStyle().ItemSpacing.y);
+      ImGui::GetIO().MousePos = {begin.x + 2 * ImGui::GetFontSize(), begin.y + above + 0.5F * height()};
+    });
+    for (const bool down : {true, false}) {
+      steps.emplace_back([down](ScriptedSurface&) { ImGui::GetIO().MouseDown[0] = down; });
+    }
+  };
+  click("View", 2, ImGui::GetFrameHeight);     // orthographic, from above, follow
+  click("##Combo_00", 3, ImGui::GetFontSize);  // nothing, left, map, right
+  steps.emplace_back(nothing);
+  ScriptedSurface surface(std::move(steps));
+  Viewer viewer(options_, std::nullopt, surface);
+  running = &viewer;
+  EXPECT_EQ(viewer.Run(), 0);
+  const Layout after = viewer.CurrentLayout();
+  EXPECT_TRUE(before.relative);
+  EXPECT_EQ(after.follow, "right");
+  EXPECT_TRUE(after.camera->relative) << "nothing else has moved since";
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(after.camera->eye[i], before.eye[i], 1e-6);
 }
 
 TEST_F(ViewerTest, ShowsNothingWhereALayoutSaysSo) {
