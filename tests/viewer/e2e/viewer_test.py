@@ -105,6 +105,10 @@ class ViewerCase(unittest.TestCase):
                 return figures
         self.fail("The viewer has not said what was waited for.")
 
+    def line_with(self, viewer, words):
+        """The next line of its standard error that has these words; empty if it ends before."""
+        return next((line for line in viewer.stderr if words in line), "")
+
 
 class InMemory(ViewerCase):
     def test_shows_what_another_process_publishes(self):
@@ -143,20 +147,15 @@ class InMemory(ViewerCase):
     def test_says_that_a_channel_carries_another_type(self):
         viewer = self.start(VIEWER, "--offscreen", "64x64", "--channel", "cloud:foxglove.Grid")
         self.start(PUBLISHER, 20, 100, 1000)
-        line = viewer.stderr.readline()
-        while line and "carries" not in line:
-            line = viewer.stderr.readline()
-        self.assertIn('"cloud" carries foxglove.PointCloud; a Grid shows foxglove.Grid.', line)
+        self.assertIn('"cloud" carries foxglove.PointCloud; a Grid shows foxglove.Grid.',
+                      self.line_with(viewer, "carries"))
         viewer.send_signal(signal.SIGTERM)
         viewer.wait(timeout=DEADLINE_S)
 
     def test_says_that_a_channel_has_no_display(self):
         viewer = self.start(VIEWER, "--offscreen", "64x64", "--channel", "log")
         self.start(TALKER, 1000, 30)
-        line = viewer.stderr.readline()
-        while line and "No display" not in line:
-            line = viewer.stderr.readline()
-        self.assertIn('No display shows "log", which carries foxglove.Log.', line)
+        self.assertIn('No display shows "log", which carries foxglove.Log.', self.line_with(viewer, "No display"))
         viewer.send_signal(signal.SIGTERM)
         viewer.wait(timeout=DEADLINE_S)
 
