@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
+#include "viewer/data/frame_ages.hpp"
 #include "viewer/data/pose_list.hpp"
 #include "viewer/data/quantity_text.hpp"
 #include "viewer/scene/display_types.hpp"
@@ -17,7 +20,8 @@ namespace {
 class FramesDisplay : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& context) override {
-    const bool due = context.transforms_changed || context.frame_changed || std::exchange(setting_changed_, false);
+    const bool due = context.transforms_changed || context.frame_changed || std::exchange(setting_changed_, false) ||
+                     context.now_s >= next_change_s_;
     if (due) fixed_ = &context.frame;
     if (fixed_ != nullptr) updated_s_ = context.now_s;
     if (!due) return Change::kNothing;
@@ -57,6 +61,10 @@ class FramesDisplay : public Display {
         {"axes length", "Of the axes.", Setting::Number{&axes_metres_, 0.001F, 100, "m"}},
         {"names", "Each frame's name beside it.", Setting::Switch{&names_}},
         {"links", "A line from each frame to its parent.", Setting::Switch{&links_}},
+        {"ages", "How long ago the last transform of each moving frame came, beside its name.",
+         Setting::Switch{&ages_}},
+        {"silent after", "A frame whose transform has not come for so long stands in orange.",
+         Setting::Number{&silent_after_s_, 0.1F, 3600, "s"}},
     };
   }
   void OnSetting(const std::string& /*name*/) override { setting_changed_ = true; }
@@ -65,8 +73,11 @@ class FramesDisplay : public Display {
     std::vector<std::string> lines;
     if (!fault_.empty()) lines.push_back(fault_);
     lines.push_back(edges_ == 0 ? "No transforms have arrived yet." : Counted(labels_.size(), "frame", "frames"));
+    for (std::size_t i = 0; i < std::min(told_.size(), kMostTold); ++i) lines.push_back(told_[i]);
+    if (told_.size() > kMostTold) lines.push_back("and " + std::to_string(told_.size() - kMostTold) + " more");
     return lines;
   }
+  [[nodiscard]] double next_change_s() const override { return next_change_s_; }
   [[nodiscard]] bool HasFault() const override { return !fault_.empty(); }
   [[nodiscard]] std::vector<Label> Labels() const override { return names_ ? labels_ : std::vector<Label>(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return strip_.gpu_bytes(); }
@@ -84,6 +95,43 @@ class FramesDisplay : public Display {
     return {std::max<std::int64_t>(newest.nanoseconds - back_ns_, 1)};
   }
 
+  /// Seconds since the last transform came, of a moving frame that is shown as it is now.
+  [[nodiscard]] std::optional<double> AgeOf(const std::string& frame) const {
+    return back_ns_ == 0 ? known_.AgeOf(frame, updated_s_) : std::nullopt;
+  }
+  [[nodiscard]] bool IsSilent(const std::string& frame) const {
+    return back_ns_ == 0 && known_.HasAged(frame, static_cast<double>(silent_after_s_), updated_s_);
+  }
+  [[nodiscard]] static std::string AgeText(double age_s) {
+    if (age_s < 1) return "under 1 s";
+    return age_s < 120 ? std::to_string(static_cast<std::int64_t>(age_s)) + " s"
+                       : std::to_string(static_cast<std::int64_t>(age_s / 60)) + " min";
+  }
+
+  [[nodiscard]] Label LabelOf(const std::string& frame, const Eigen::Vector3d& at) const {
+    Label label{at, frame};
+    const auto age_s = AgeOf(frame);
+    if (ages_ && age_s) label.text += ", " + AgeText(*age_s);
+    if (!IsSilent(frame)) return label;
+    if (!ages_) label.text += " (silent)";
+    label.color = kSilent;
+    return label;
+  }
+
+  void TellOf(const std::vector<EdgeSnapshot>& edges) {
+    told_.clear();
+    for (const EdgeSnapshot& edge : edges) {
+      std::string line = edge.child + ": below " + edge.parent;
+      if (edge.is_static) {
+        line += ", static";
+      } else if (const auto age_s = AgeOf(edge.child)) {
+        line += IsSilent(edge.child) ? ", silent" : ", " + RateText(edge.RateHz());
+        if (ages_) line += ", " + AgeText(*age_s) + " ago";
+      }
+      told_.push_back(std::move(line));
+    }
+  }
+
   void Take() {
     const std::vector<EdgeSnapshot> edges = fixed_->tree().Edges();
     const Time shown = ShownTime(edges);
@@ -95,8 +143,15 @@ class FramesDisplay : public Display {
       if (!edge.is_static) remembered_ns = std::max(remembered_ns, (edge.newest - edge.oldest).count());
     }
     remembered_s_ = 1e-9 * static_cast<double>(remembered_ns);
+    const bool now = back_ns_ == 0;
+    if (now) known_.Take(edges, updated_s_);
+    const double silent_after_s = static_cast<double>(silent_after_s_);
+    next_change_s_ = !now || known_.empty() ? std::numeric_limits<double>::infinity()
+                     : ages_                ? std::floor(updated_s_) + 1
+                                            : known_.NextAged(silent_after_s, updated_s_);
     fault_.clear();
     labels_.clear();
+    TellOf(edges);
     std::vector<RigidTransform> poses;
     std::map<std::string, std::size_t, std::less<>> index;
     const auto place = [&](const std::string& frame) {
@@ -109,7 +164,7 @@ class FramesDisplay : public Display {
       }
       index.emplace(frame, poses.size());
       poses.push_back(T_fixed_frame);
-      labels_.push_back({T_fixed_frame.translation, frame});
+      labels_.push_back(LabelOf(frame, T_fixed_frame.translation));
     };
     for (const EdgeSnapshot& edge : edges) {
       place(edge.parent);
@@ -132,6 +187,12 @@ class FramesDisplay : public Display {
     segments_.Set(links);
   }
 
+  static constexpr std::size_t kMostTold = 50;
+  static constexpr Rgba kSilent = MakeRgba(255, 178, 90);
+
+  FrameAges known_;
+  std::vector<std::string> told_;  ///< Of each frame that hangs on another one, a line.
+  double next_change_s_ = std::numeric_limits<double>::infinity();
   PoseList poses_;
   PoseStrip strip_;
   Segments segments_;
@@ -147,6 +208,8 @@ class FramesDisplay : public Display {
   float axes_metres_ = 0.5F;
   bool names_ = true;
   bool links_ = true;
+  bool ages_ = false;
+  float silent_after_s_ = 5;
 };
 
 }  // namespace

@@ -135,6 +135,66 @@ TEST_F(Poses, OfFramesWithLinksAndNames) {
   EXPECT_THAT(names, ::testing::UnorderedElementsAre("map", "base", "lidar"));
 }
 
+std::vector<std::string> TextsOf(const Display& display) {
+  std::vector<std::string> texts;
+  for (const Label& label : display.Labels()) texts.push_back(label.text);
+  return texts;
+}
+
+TEST_F(Poses, OfFramesThatHaveFallenSilentStandInOrange) {
+  Display& frames = Add("Frames");
+  tree_.Set("map", "base", Time{1}, RigidTransform({1, 0, 0, 0}, {3, 1, 0}));
+  tree_.SetStatic("base", "lidar", RigidTransform());
+  Update(100);
+  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base", "lidar"));
+  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 105) << "when it will have been silent for long";
+  Update(104);
+  EXPECT_THAT(TextsOf(frames), ::testing::Contains("base"));
+  Update(105);
+  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base (silent)", "lidar"));
+  EXPECT_THAT(frames.Status(), ::testing::Contains("base: below map, silent"));
+  EXPECT_THAT(frames.Status(), ::testing::Contains("lidar: below base, static"));
+  EXPECT_EQ(scene_.next_change_s(), std::numeric_limits<double>::infinity()) << "nothing is drawn anew for it";
+  tree_.Set("map", "base", Time{2}, RigidTransform());
+  transforms_changed_ = true;
+  Update(110);
+  EXPECT_THAT(TextsOf(frames), ::testing::Contains("base"));
+}
+
+TEST_F(Poses, OfFramesTellTheirAgeOnceASecondIfAsked) {
+  Display& frames = Add("Frames", "", {"ages", "on"});
+  tree_.Set("map", "base", Time{1}, RigidTransform());
+  Update(100.5);
+  EXPECT_THAT(TextsOf(frames), ::testing::Contains("base, under 1 s"));
+  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 101);
+  Update(103.6);
+  EXPECT_THAT(TextsOf(frames), ::testing::Contains("base, 3 s"));
+  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 104);
+  EXPECT_THAT(frames.Status(), ::testing::Contains("base: below map, 0 Hz, 3 s ago"));
+}
+
+TEST_F(Poses, OfFiveHundredFramesAreAllShownAndMove) {
+  Display& frames = Add("Frames", "", {"axes length", "0.2"});
+  const auto set = [&](int time, double height) {
+    for (int i = 0; i < 500; ++i) {
+      const Eigen::Vector3d at(0.5 * (i % 25) - 6, 0.5 * static_cast<double>(i / 25) - 5, height);
+      tree_.Set(i % 2 == 0 ? "map" : "frame" + std::to_string(i - 1), "frame" + std::to_string(i), Time{time},
+                RigidTransform({1, 0, 0, 0}, i % 2 == 0 ? at : Eigen::Vector3d(0.5, 0, 0)));
+    }
+    transforms_changed_ = true;
+  };
+  set(1, 0);
+  Update();
+  EXPECT_EQ(frames.Labels().size(), 501U);
+  EXPECT_THAT(frames.Status(), ::testing::Contains("501 frames"));
+  EXPECT_THAT(frames.Status(), ::testing::Contains("and 450 more"));
+  EXPECT_FALSE(frames.HasFault());
+  const Pixels low = Draw();
+  set(2, 2);
+  Update();
+  EXPECT_GT(DifferentShare(low, Draw()), 0.02);
+}
+
 TEST_F(Poses, ThatAreNoNumbersAreLeftOutAndSaid) {
   Display& display = Add("Trajectory", "way");
   foxglove::PosesInFrame poses = Wave(5);
