@@ -4,21 +4,26 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace hgros::viewer {
 
-/// The points of one message in 8 bytes each: position in 3 x 16 bits of the box around them, a value in 16 bits of
-/// its range. Exact to 1/130000 of the box.
-struct PackedPoints {
-  std::vector<std::array<std::uint16_t, 4>> points;
-  Eigen::Vector3d corner = Eigen::Vector3d::Zero();  ///< The box's lower one.
-  Eigen::Vector3f size = Eigen::Vector3f::Ones();    ///< Of the box, metres.
+/// A point in 8 bytes: position in 3 x 16 bits of the box around all of one message, a value in 16 bits of its range.
+/// Exact to 1/130000 of the box.
+using PackedPoint = std::array<std::uint16_t, 4>;
+
+/// What the codes of one message stand for.
+struct PackedBox {
+  Eigen::Vector3d corner = Eigen::Vector3d::Zero();  ///< The lower one.
+  Eigen::Vector3f size = Eigen::Vector3f::Ones();    ///< Metres.
   float scalar_lo = 0;
   float scalar_hi = 1;
 };
 
 /// `scalars` is as long as `positions`, or empty.
-[[nodiscard]] PackedPoints Pack(std::span<const Eigen::Vector3d> positions, std::span<const float> scalars);
+[[nodiscard]] PackedBox BoxAround(std::span<const Eigen::Vector3d> positions, std::span<const float> scalars);
+
+/// Writes each point once, in order; `packed` is as long as `positions`.
+void Pack(std::span<const Eigen::Vector3d> positions, std::span<const float> scalars, const PackedBox& box,
+          std::span<PackedPoint> packed);
 
 }  // namespace hgros::viewer

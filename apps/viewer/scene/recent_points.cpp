@@ -1,45 +1,34 @@
 #include "viewer/scene/recent_points.hpp"
 
-#include <array>
+#include <algorithm>
 #include <utility>
-
-#include "viewer/data/packed_points.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kSpareMessages = 2;
 
-/// The buffer's old contents are given up, so that nobody has to wait for who still draws them.
-template <class T>
-void Replace(GlBuffer& buffer, std::size_t& capacity, std::span<const T> values) {
-  if (!buffer) buffer = GlBuffer::New();
-  glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
-  if (values.size_bytes() > capacity || values.size_bytes() * 4 < capacity) capacity = values.size_bytes();
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity), nullptr, GL_STREAM_DRAW);
-  glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(values.size_bytes()), values.data());
-}
-
 }  // namespace
 
 void RecentPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
                        std::span<const std::uint32_t> colors, double when_s) {
-  const PackedPoints packed = Pack(positions, values);
   Message message;
   if (!spare_.empty()) {
     message = std::move(spare_.back());
     spare_.pop_back();
   }
-  message.count = packed.points.size();
+  message.count = positions.size();
   message.has_values = !values.empty();
   message.has_colors = !colors.empty();
-  message.corner = packed.corner;
-  message.size = packed.size;
-  message.scalar_lo = packed.scalar_lo;
-  message.scalar_hi = packed.scalar_hi;
+  message.box = BoxAround(positions, values);
   message.when_s = when_s;
-  Replace(message.points, message.points_capacity, std::span(packed.points));
-  if (message.has_colors) Replace(message.colors, message.colors_capacity, colors);
+  const StreamBuffer::Way way = StreamBuffer::BestWay();
+  message.points.Write<PackedPoint>(
+      way, message.count, [&](std::span<PackedPoint> packed) { Pack(positions, values, message.box, packed); });
+  if (message.has_colors) {
+    message.colors.Write<std::uint32_t>(
+        way, colors.size(), [&](std::span<std::uint32_t> written) { std::ranges::copy(colors, written.begin()); });
+  }
   points_ += message.count;
   messages_.push_back(std::move(message));
 }
@@ -48,7 +37,11 @@ bool RecentPoints::Expire(std::size_t messages, double oldest_s) {
   bool gone = false;
   while (!messages_.empty() && (messages_.size() > messages || messages_.front().when_s < oldest_s)) {
     points_ -= messages_.front().count;
-    if (spare_.size() < kSpareMessages) spare_.push_back(std::move(messages_.front()));
+    if (spare_.size() < kSpareMessages) {
+      messages_.front().points.Retire();
+      messages_.front().colors.Retire();
+      spare_.push_back(std::move(messages_.front()));
+    }
     messages_.pop_front();
     gone = true;
   }
@@ -69,9 +62,9 @@ void RecentPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const
   ShaderProgram& program = programs.Begin(false, view, style);
   for (const Message& message : messages_) {
     if (message.count <= slice.index || message.when_s > until_s) continue;
-    programs.SetOrigin(program, view, style, message.corner, message.scalar_lo, message.scalar_hi);
-    program.Set("box", message.size);
-    const auto attribute = [&](GLuint at, const GlBuffer& buffer, GLenum type, std::size_t size_bytes) {
+    programs.SetOrigin(program, view, style, message.box.corner, message.box.scalar_lo, message.box.scalar_hi);
+    program.Set("box", message.box.size);
+    const auto attribute = [&](GLuint at, const StreamBuffer& buffer, GLenum type, std::size_t size_bytes) {
       glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
       glEnableVertexAttribArray(at);
       glVertexAttribPointer(at, 4, type, GL_TRUE, static_cast<GLsizei>(slice.count * size_bytes),
@@ -89,30 +82,31 @@ void RecentPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const
 }
 
 void RecentPoints::Find(const Eigen::Vector3d& at, double until_s, NearestPoint& nearest) const {
-  std::vector<std::array<std::uint16_t, 4>> codes;
+  std::vector<PackedPoint> codes;
   for (const Message& message : messages_) {
-    const Eigen::AlignedBox3d box(message.corner, message.corner + message.size.cast<double>());
+    const Eigen::AlignedBox3d box(message.box.corner, message.box.corner + message.box.size.cast<double>());
     if (message.count == 0 || message.when_s > until_s || box.exteriorDistance(at) > nearest.distance_m) continue;
     codes.resize(message.count);
     glBindBuffer(GL_ARRAY_BUFFER, message.points.name());
     glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(8 * message.count), codes.data());
-    const Eigen::Vector3d step = message.size.cast<double>() / 65535;
-    for (const auto& code : codes) {
-      const Eigen::Vector3d point = message.corner + step.cwiseProduct(Eigen::Vector3d(code[0], code[1], code[2]));
+    const Eigen::Vector3d step = message.box.size.cast<double>() / 65535;
+    for (const PackedPoint& code : codes) {
+      const Eigen::Vector3d point = message.box.corner + step.cwiseProduct(Eigen::Vector3d(code[0], code[1], code[2]));
       const double distance_m = (point - at).norm();
       if (distance_m > nearest.distance_m) continue;
       nearest.distance_m = distance_m;
       nearest.value.reset();
       if (!message.has_values) continue;
-      nearest.value = message.scalar_lo + static_cast<float>(code[3]) / 65535 * (message.scalar_hi - message.scalar_lo);
+      nearest.value =
+          message.box.scalar_lo + static_cast<float>(code[3]) / 65535 * (message.box.scalar_hi - message.box.scalar_lo);
     }
   }
 }
 
 std::size_t RecentPoints::gpu_bytes() const noexcept {
   std::size_t bytes = 0;
-  for (const Message& message : messages_) bytes += message.points_capacity + message.colors_capacity;
-  for (const Message& message : spare_) bytes += message.points_capacity + message.colors_capacity;
+  for (const Message& message : messages_) bytes += message.points.capacity_bytes() + message.colors.capacity_bytes();
+  for (const Message& message : spare_) bytes += message.points.capacity_bytes() + message.colors.capacity_bytes();
   return bytes;
 }
 
@@ -120,8 +114,8 @@ Eigen::AlignedBox3d RecentPoints::Bounds() const {
   Eigen::AlignedBox3d bounds;
   for (const Message& message : messages_) {
     if (message.count == 0) continue;
-    bounds.extend(message.corner);
-    bounds.extend(message.corner + message.size.cast<double>());
+    bounds.extend(message.box.corner);
+    bounds.extend(message.box.corner + message.box.size.cast<double>());
   }
   return bounds;
 }

@@ -8,10 +8,12 @@
 #include <span>
 #include <vector>
 
+#include "viewer/data/packed_points.hpp"
 #include "viewer/scene/gl_object.hpp"
 #include "viewer/scene/nearest_point.hpp"
 #include "viewer/scene/point_programs.hpp"
 #include "viewer/scene/slice.hpp"
+#include "viewer/scene/stream_buffer.hpp"
 
 namespace hgros::viewer {
 
@@ -41,17 +43,12 @@ class RecentPoints {
 
  private:
   struct Message {
-    GlBuffer points;
-    GlBuffer colors;
-    std::size_t points_capacity = 0;
-    std::size_t colors_capacity = 0;
+    StreamBuffer points;
+    StreamBuffer colors;
     std::size_t count = 0;
     bool has_values = false;
     bool has_colors = false;
-    Eigen::Vector3d corner;
-    Eigen::Vector3f size;
-    float scalar_lo = 0;
-    float scalar_hi = 1;
+    PackedBox box;
     double when_s = 0;
   };
 

@@ -1,0 +1,53 @@
+#include "viewer/scene/stream_buffer.hpp"
+
+namespace hgros::viewer {
+
+StreamBuffer::Way StreamBuffer::BestWay() {
+  return epoxy_gl_version() >= 44 || epoxy_has_gl_extension("GL_ARB_buffer_storage") ? Way::kMapped : Way::kCopied;
+}
+
+bool StreamBuffer::Fits(std::size_t size_bytes) const noexcept {
+  return buffer_ && size_bytes <= capacity_ && size_bytes * 4 >= capacity_;
+}
+
+bool StreamBuffer::IsDrawn() const {
+  if (!retired_) return true;
+  const GLenum answer = glClientWaitSync(retired_.get(), GL_SYNC_FLUSH_COMMANDS_BIT, 0);
+  return answer == GL_ALREADY_SIGNALED || answer == GL_CONDITION_SATISFIED;
+}
+
+// Such storage keeps its size, so another size is another buffer, as is what may be written while the former is drawn.
+void* StreamBuffer::MapFor(std::size_t size_bytes) {
+  const bool drawn = IsDrawn();
+  retired_.reset();
+  if (mapped_ != nullptr && drawn && Fits(size_bytes)) return mapped_;
+  constexpr GLbitfield kAccess = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+  const auto size = static_cast<GLsizeiptr>(size_bytes);
+  buffer_ = GlBuffer::New();
+  capacity_ = size_bytes;
+  glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+  glBufferStorage(GL_ARRAY_BUFFER, size, nullptr, kAccess);
+  mapped_ = glMapBufferRange(GL_ARRAY_BUFFER, 0, size, kAccess);
+  if (mapped_ == nullptr) buffer_ = {};  // Its storage could not be written in any other way.
+  return mapped_;
+}
+
+// The former contents are given up, so that nobody has to wait for who still draws them.
+void StreamBuffer::Copy(const void* values, std::size_t size_bytes) {
+  if (!buffer_ || mapped_ != nullptr) {
+    buffer_ = GlBuffer::New();
+    mapped_ = nullptr;
+    capacity_ = 0;
+  }
+  retired_.reset();
+  if (!Fits(size_bytes)) capacity_ = size_bytes;
+  glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity_), nullptr, GL_STREAM_DRAW);
+  glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(size_bytes), values);
+}
+
+void StreamBuffer::Retire() {
+  if (mapped_ != nullptr) retired_.reset(glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0));
+}
+
+}  // namespace hgros::viewer
