@@ -1,5 +1,6 @@
 // How long one frame takes with so many points: drawn into memory, without a window system between. Lines
-// "metric,value,unit"; what is asked for are numbers of millions of points.
+// "metric,value,unit". What is asked for: numbers of millions of points that are kept, "decay" of 10 million,
+// "messages" of a million points; "card" before them: not in software.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -170,12 +171,51 @@ void MeasureDecay(std::size_t millions) {
   Print("decay_longest_ms_" + std::to_string(millions) + "M", std::ranges::max(frames), "ms");
 }
 
+// Clouds of a million points, each in place of the last: from their arrival to all that GL has to know, and the frame.
+void MeasureMessages() {
+  View view;
+  view.Set("keep", "latest");
+  view.Set("color", "value");
+  std::vector<double> taken;
+  std::vector<double> frames;
+  for (int i = 0; i < 23; ++i) {
+    view.Send(1'000'000);
+    const auto begin = Clock::now();
+    view.Update();
+    const double ms = MsSince(begin);
+    const double frame_ms = view.DrawWhole().second;
+    if (i < 3) continue;
+    taken.push_back(ms);
+    frames.push_back(frame_ms);
+  }
+  Print("message_taken_ms_1M", Median(taken), "ms");
+  Print("message_frame_ms_1M", Median(frames), "ms");
+}
+
+bool DrawsInSoftware(const std::string& renderer) {
+  return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const Offscreen surface(kWindow);
-  std::fprintf(stderr, "Renderer: %s\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
-  for (int i = 1; i < argc; ++i) MeasureKept(static_cast<std::size_t>(std::atol(argv[i])));
-  MeasureDecay(10);
+  const std::string renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  std::fprintf(stderr, "Renderer: %s\n", renderer.c_str());
+  for (const std::string& what : std::vector<std::string>(argv + 1, argv + argc)) {
+    if (what == "card") {
+      if (DrawsInSoftware(renderer)) return 77;
+    } else if (what == "decay") {
+      MeasureDecay(10);
+    } else if (what == "messages") {
+      MeasureMessages();
+    } else if (const long millions = std::atol(what.c_str()); millions > 0) {
+      MeasureKept(static_cast<std::size_t>(millions));
+    } else {
+      std::fprintf(stderr, "bench_viewer_frames: \"%s\" is no measurement; [card] MILLIONS... decay messages\n",
+                   what.c_str());
+      return 1;
+    }
+  }
   return 0;
 }

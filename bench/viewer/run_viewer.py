@@ -8,8 +8,10 @@ import pathlib
 import statistics
 import subprocess
 import sys
+import threading
 import time
 
+import graphics_memory
 import installed
 from screen import Screen
 from subjects import SUBJECTS
@@ -138,6 +140,48 @@ def measure_still(subject, keep, metric, seconds):
     subject.end()
 
 
+NO_CARD = 77
+
+
+def measure_frames(build, environment, what, prefix=""):
+    """Lets bench_viewer_frames measure and passes on its lines. The exit status, and the card's memory at its highest."""
+    with subprocess.Popen([str(build / "bench/viewer/bench_viewer_frames"), *what], env=environment, stdout=subprocess.PIPE,
+                          text=True) as frames:
+        peak = graphics_memory.Peak(frames.pid)
+        ended = threading.Event()
+
+        def look():
+            while not ended.wait(0.1):
+                peak.look()
+
+        watch = threading.Thread(target=look)
+        watch.start()
+        for line in frames.stdout:
+            print(prefix + line, end="", flush=True)
+        ended.set()
+        watch.join()
+    return frames.returncode, peak.bytes
+
+
+def measure_all_frames(build, environment, sizes):
+    status, _ = measure_frames(build, environment, [*sizes, "decay", "messages"])
+    if status != 0:
+        raise RuntimeError(f"bench_viewer_frames ended with status {status}.")
+    # As a driver of OpenGL 3.3 alone would do it. Mesa can be told so; others draw as before.
+    measure_frames(build, dict(environment, MESA_EXTENSION_OVERRIDE="-GL_ARB_buffer_storage"), ["messages"], "copied_")
+    if not graphics_memory.has_card():
+        say("There is no graphics card, so nothing is said of its memory.")
+        return
+    card = {name: value for name, value in environment.items() if name not in ("LIBGL_ALWAYS_SOFTWARE", "GALLIUM_DRIVER")}
+    for size in sizes:
+        status, most = measure_frames(build, card, ["card", size], "card_")
+        if status == NO_CARD:
+            say("The graphics card is not drawn on without a window, so nothing is said of its memory.")
+            return
+        if most is not None:
+            emit(f"card_peak_mb_{size}M", most / 2**20, "MB")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--build", type=pathlib.Path, required=True)
@@ -167,8 +211,7 @@ def main():
         for metric, megabytes in installed.sizes(arguments.build):
             emit(metric, megabytes, "MB")
         if "" in last_cpu:
-            subprocess.run([str(arguments.build / "bench/viewer/bench_viewer_frames"), *(["1"] if arguments.quick else
-                           ["1", "10", "50"])], env=screen.environment, check=True)
+            measure_all_frames(arguments.build, screen.environment, ["1"] if arguments.quick else ["1", "10", "50"])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,82 @@
+"""How much of a graphics card's memory a process has, as its driver tells: the kernel's files of open cards (amdgpu, i915, xe,
+msm, panfrost, v3d, nouveau ...), or nvidia-smi. A process that draws in software has none, and no figure."""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import time
+import xml.etree.ElementTree
+
+UNITS = {"": 1, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
+SMI_EVERY_S = 2  # It takes a good part of a second.
+
+
+def has_card(devices=pathlib.Path("/dev/dri")):
+    return any(devices.glob("renderD*")) or shutil.which("nvidia-smi") is not None
+
+
+def client_of(text):
+    """(what names the client, bytes) of one open file, or None if it is no card's or its driver tells no memory."""
+    fields = dict(re.findall(r"^(drm-[\w-]+):\s*(.*?)\s*$", text, re.MULTILINE))
+    if "drm-driver" not in fields:
+        return None
+    # A driver tells them of each region; the first kind that it has says best what is there.
+    for kind in ("resident", "memory", "total"):
+        sizes = [re.fullmatch(r"(\d+)\s*(\w*)", value) for key, value in fields.items() if key.startswith(f"drm-{kind}-")]
+        sizes = [int(size[1]) * UNITS[size[2]] for size in sizes if size and size[2] in UNITS]
+        if sizes:
+            return (fields["drm-driver"], fields.get("drm-pdev"), fields.get("drm-client-id")), sum(sizes)
+    return None
+
+
+def told_by_kernel(pid, proc=pathlib.Path("/proc")):
+    """Bytes, or None. Several files may be one client."""
+    clients = {}
+    try:
+        files = list((proc / str(pid) / "fdinfo").iterdir())
+    except OSError:
+        return None
+    for file in files:
+        try:
+            client = client_of(file.read_text(encoding="utf-8", errors="replace"))
+        except OSError:
+            continue  # It has just been closed.
+        if client:
+            name, size = client
+            clients[name if name[2] is not None else (*name, file.name)] = size
+    return sum(clients.values()) if clients else None
+
+
+def told_by_nvidia(pid, report):
+    """Bytes, or None. `report`: what `nvidia-smi -q -x` writes."""
+    try:
+        root = xml.etree.ElementTree.fromstring(report)
+    except xml.etree.ElementTree.ParseError:
+        return None
+    sizes = []
+    for process in root.iter("process_info"):
+        size = re.fullmatch(r"(\d+) (\w+)", process.findtext("used_memory", "").strip())
+        if process.findtext("pid", "").strip() == str(pid) and size and size[2] in UNITS:
+            sizes.append(int(size[1]) * UNITS[size[2]])
+    return sum(sizes) if sizes else None
+
+
+class Peak:
+    """The most that one process has had each time that somebody looked."""
+
+    def __init__(self, pid):
+        self.pid = pid
+        self.bytes = None
+        self.smi = shutil.which("nvidia-smi")
+        self.smi_at = 0
+
+    def look(self):
+        now = time.monotonic()
+        told = told_by_kernel(self.pid)
+        if told is None and self.smi and now >= self.smi_at:
+            said = subprocess.run([self.smi, "-q", "-x"], capture_output=True, text=True, check=False, timeout=30)
+            told = told_by_nvidia(self.pid, said.stdout)
+            self.smi_at = time.monotonic() + SMI_EVERY_S
+        if told is not None:
+            self.bytes = max(self.bytes or 0, told)
