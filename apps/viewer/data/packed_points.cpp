@@ -5,12 +5,13 @@
 
 namespace hgros::viewer {
 
-PackedBox BoxAround(std::span<const Eigen::Vector3d> positions, std::span<const float> scalars) {
+PackedBox BoxAround(const PlacedPoints& positions, std::span<const float> scalars) {
   PackedBox box;
   if (positions.empty()) return box;
-  Eigen::Vector3d lo = positions.front();
+  Eigen::Vector3d lo = positions[0];
   Eigen::Vector3d hi = lo;
-  for (const Eigen::Vector3d& at : positions) {
+  for (std::size_t i = 1; i < positions.size(); ++i) {
+    const Eigen::Vector3d at = positions[i];
     lo = lo.cwiseMin(at);
     hi = hi.cwiseMax(at);
   }
@@ -27,7 +28,7 @@ PackedBox BoxAround(std::span<const Eigen::Vector3d> positions, std::span<const 
   return box;
 }
 
-void Pack(std::span<const Eigen::Vector3d> positions, std::span<const float> scalars, const PackedBox& box,
+void Pack(const PlacedPoints& positions, std::span<const float> scalars, const PackedBox& box,
           std::span<PackedPoint> packed) {
   const auto code = [](double unit) {
     return static_cast<std::uint16_t>(std::isfinite(unit) ? std::clamp(unit, 0.0, 1.0) * 65535 + 0.5 : 0);

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <span>
 
+#include "viewer/data/placed_points.hpp"
+
 namespace hgros::viewer {
 
 /// A point in 8 bytes: position in 3 x 16 bits of the box around all of one message, a value in 16 bits of its range.
@@ -20,10 +22,10 @@ struct PackedBox {
 };
 
 /// `scalars` is as long as `positions`, or empty.
-[[nodiscard]] PackedBox BoxAround(std::span<const Eigen::Vector3d> positions, std::span<const float> scalars);
+[[nodiscard]] PackedBox BoxAround(const PlacedPoints& positions, std::span<const float> scalars);
 
 /// Writes each point once, in order; `packed` is as long as `positions`.
-void Pack(std::span<const Eigen::Vector3d> positions, std::span<const float> scalars, const PackedBox& box,
+void Pack(const PlacedPoints& positions, std::span<const float> scalars, const PackedBox& box,
           std::span<PackedPoint> packed);
 
 }  // namespace hgros::viewer

@@ -77,19 +77,15 @@ Change PointsDisplay::PlaceWaiting(const UpdateContext& context) {
 
 bool PointsDisplay::Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s) {
   const RigidTransform T_fixed_points = T_fixed_frame * batch.T_frame_points;
-  const Eigen::Matrix3d turn = T_fixed_points.rotation.toRotationMatrix();
-  placed_.resize(batch.positions.size());
-  std::ranges::transform(batch.positions, placed_.begin(), [&](const Eigen::Vector3f& at) {
-    return Eigen::Vector3d(turn * at.cast<double>() + T_fixed_points.translation);
-  });
+  const PlacedPoints placed(batch.positions, T_fixed_points);
 
   bool other_range = false;
-  if (!placed_.empty()) {
+  if (!placed.empty()) {
     std::vector<float> sample;
-    const std::size_t step = std::max<std::size_t>(1, placed_.size() / 4096);
+    const std::size_t step = std::max<std::size_t>(1, placed.size() / 4096);
     for (int axis = 0; axis < 3; ++axis) {
       sample.clear();
-      for (std::size_t i = 0; i < placed_.size(); i += step) sample.push_back(static_cast<float>(placed_[i][axis]));
+      for (std::size_t i = 0; i < placed.size(); i += step) sample.push_back(static_cast<float>(placed[i][axis]));
       const bool other = axis_ranges_[static_cast<std::size_t>(axis)].Cover(sample);
       other_range |= other && color_by_ == static_cast<int>(ColorBy::kAxis) && axis == axis_;
     }
@@ -97,19 +93,25 @@ bool PointsDisplay::Place(const PointBatch& batch, const RigidTransform& T_fixed
   }
 
   if (keep_ == kForEver) {
-    if (!kept_ && !placed_.empty()) {
-      Eigen::AlignedBox3d box;
-      for (const Eigen::Vector3d& at : placed_) box.extend(at);
-      kept_ = std::make_unique<KeptPoints>(PageBook::CellFor(box.sizes().maxCoeff()), !batch.scalars.empty(),
-                                           !batch.colors.empty());
-    }
-    if (kept_) kept_->Add(placed_, batch.scalars, batch.colors);
+    Keep(placed, batch);
   } else {
-    recent_.Add(placed_, batch.scalars, batch.colors, now_s);
+    recent_.Add(placed, batch.scalars, batch.colors, now_s);
   }
+  return other_range && auto_range_;
+}
+
+void PointsDisplay::Keep(const PlacedPoints& placed, const PointBatch& batch) {
+  placed_.resize(placed.size());
+  for (std::size_t i = 0; i < placed.size(); ++i) placed_[i] = placed[i];
+  if (!kept_ && !placed_.empty()) {
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& at : placed_) box.extend(at);
+    kept_ = std::make_unique<KeptPoints>(PageBook::CellFor(box.sizes().maxCoeff()), !batch.scalars.empty(),
+                                         !batch.colors.empty());
+  }
+  if (kept_) kept_->Add(placed_, batch.scalars, batch.colors);
   placed_.clear();
   if (placed_.capacity() > kKeepCapacity) placed_.shrink_to_fit();
-  return other_range && auto_range_;
 }
 
 PointStyle PointsDisplay::Style(float scale) const {

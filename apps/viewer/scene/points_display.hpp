@@ -59,6 +59,7 @@ class PointsDisplay : public Display {
   [[nodiscard]] PointStyle Style(float scale) const;
   /// Places a batch in the fixed frame. Whether the colours' range is another one now.
   bool Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s);
+  void Keep(const PlacedPoints& placed, const PointBatch& batch);
   [[nodiscard]] Change PlaceWaiting(const UpdateContext& context);
 
   std::deque<Waiting> waiting_;  ///< For their transforms.

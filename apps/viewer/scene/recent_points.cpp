@@ -10,7 +10,7 @@ constexpr std::size_t kSpareMessages = 2;
 
 }  // namespace
 
-void RecentPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
+void RecentPoints::Add(const PlacedPoints& positions, std::span<const float> values,
                        std::span<const std::uint32_t> colors, double when_s) {
   Message message;
   if (!spare_.empty()) {

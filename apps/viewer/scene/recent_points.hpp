@@ -22,8 +22,8 @@ namespace hgros::viewer {
 class RecentPoints {
  public:
   /// `when_s` on the clock that Expire goes by.
-  void Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
-           std::span<const std::uint32_t> colors, double when_s);
+  void Add(const PlacedPoints& positions, std::span<const float> values, std::span<const std::uint32_t> colors,
+           double when_s);
   /// Keeps at most the last `messages`, none from before `oldest_s`. Whether some have gone.
   bool Expire(std::size_t messages, double oldest_s);
   void Clear();

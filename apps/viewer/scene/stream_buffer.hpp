@@ -21,8 +21,8 @@ class StreamBuffer {
   /// The best one that the current context can.
   [[nodiscard]] static Way BestWay();
 
-  /// `fill` gets memory for `count` of T (none: nothing is done), to be written in full and not to be read. Never waits: what GL still draws of
-  /// the former contents stays as it is.
+  /// `fill` gets memory for `count` of T, to be written in full and not to be read; if that is none, nothing is done.
+  /// Never waits: what GL still draws of the former contents stays as it is.
   template <class T, std::invocable<std::span<T>> Fill>
   requires std::is_trivially_copyable_v<T>
   void Write(Way way, std::size_t count, Fill&& fill) {

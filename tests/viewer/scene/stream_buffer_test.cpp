@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <numeric>
+#include <string_view>
 #include <vector>
 
 #include "viewer/app/offscreen.hpp"
@@ -56,6 +58,20 @@ class StreamBufferIn : public ::testing::TestWithParam<StreamBuffer::Way> {
 INSTANTIATE_TEST_SUITE_P(Ways, StreamBufferIn,
                          ::testing::Values(StreamBuffer::Way::kMapped, StreamBuffer::Way::kCopied),
                          [](const auto& way) { return way.param == StreamBuffer::Way::kMapped ? "mapped" : "copied"; });
+
+TEST(StreamBufferWay, IsWhatTheDriverCan) {
+  const Offscreen surface({64, 64});
+  GLint count = 0;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+  bool can = false;
+  for (GLuint i = 0; i < static_cast<GLuint>(count); ++i) {
+    can |= std::string_view(reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, i))) == "GL_ARB_buffer_storage";
+  }
+  EXPECT_EQ(StreamBuffer::BestWay(), can ? StreamBuffer::Way::kMapped : StreamBuffer::Way::kCopied);
+  if (std::getenv("MESA_EXTENSION_OVERRIDE") != nullptr) {
+    EXPECT_FALSE(can) << "this run is about drivers without it";
+  }
+}
 
 TEST_P(StreamBufferIn, HoldsWhatWasWrittenLastWhateverItsSize) {
   StreamBuffer buffer;
