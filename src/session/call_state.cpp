@@ -31,15 +31,21 @@ CallState::CallState(std::string service, std::shared_ptr<CallTable> table, std:
       helpers_(std::move(helpers)),
       callback_(std::move(callback)) {}
 
-void CallState::Finish(CallEnd end) {
-  AnyAnswer callback;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (done()) return;
-    end_ = std::move(end);
-    callback = std::move(callback_);
-    done_.store(true, std::memory_order_release);
-  }
+void CallState::Finish(CallEnd end) { Finish(std::unique_lock(mutex_), std::move(end)); }
+
+// Nobody finds a server between the reason and the end.
+void CallState::FinishOverdue() {
+  std::unique_lock lock(mutex_);
+  CallEnd end = Overdue();
+  Finish(std::move(lock), std::move(end));
+}
+
+void CallState::Finish(std::unique_lock<std::mutex> lock, CallEnd end) {
+  if (done()) return;
+  end_ = std::move(end);
+  AnyAnswer callback = std::move(callback_);
+  done_.store(true, std::memory_order_release);
+  lock.unlock();
   changed_.notify_all();
   if (!callback) return;
   auto answered = std::make_shared<const AnsweredCall>(AnsweredCall{std::move(callback), end_});
@@ -119,19 +125,27 @@ void CallState::Cancel() noexcept {
   if (client) client->Withdraw(*this);
 }
 
-void CallState::GoesTo(const std::shared_ptr<ServiceHost>& host) {
+bool CallState::GoesTo(const std::shared_ptr<ServiceHost>& host) {
   const std::scoped_lock lock(mutex_);
+  if (done()) return false;
   host_ = host;
   server_ = SessionId{message->caller};
+  return true;
 }
 
-void CallState::GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server) {
+bool CallState::GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server) {
   const std::scoped_lock lock(mutex_);
+  if (done()) return false;
   client_ = client;
   server_ = server;
+  return true;
 }
 
-void CallState::AwaitsServerOf(const std::shared_ptr<ServiceClient>& client) { GoesTo(client, {}); }
+void CallState::AwaitsServerOf(const std::shared_ptr<ServiceClient>& client) {
+  const std::scoped_lock lock(mutex_);
+  client_ = client;
+  server_ = {};
+}
 
 bool CallState::IsOf(const ServiceClient& client) const {
   const std::scoped_lock lock(mutex_);
@@ -156,7 +170,7 @@ SessionId CallState::server() const {
 bool CallState::has_server() const { return server() != SessionId{}; }
 
 CallEnd CallState::Overdue() const {
-  if (has_server()) {
+  if (server_ != SessionId{}) {
     return Failed(CallFailure::Kind::kTimedOut,
                   "Service \"" + service_ + "\" did not reply within " + InWords(timeout) + ".");
   }

@@ -44,17 +44,19 @@ class CallState final : public PendingCall, public HelpLine::Waiter, public std:
 
   // By the table. Calls nobody back under a lock.
   void Finish(CallEnd end);
+  // Its time is up.
+  void FinishOverdue();
   // Ends it before it was in the table.
   void Refuse(CallFailure failure);
 
-  // Who handles it: set before it is sent.
-  void GoesTo(const std::shared_ptr<ServiceHost>& host);
-  void GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server);
+  // Who handles it: set before it is sent. False: it has ended, and must not be sent, since its caller may have been
+  // told that nobody got it.
+  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceHost>& host);
+  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server);
   void AwaitsServerOf(const std::shared_ptr<ServiceClient>& client);
   [[nodiscard]] bool IsOf(const ServiceClient& client) const;
   [[nodiscard]] SessionId server() const;
   [[nodiscard]] bool has_server() const;
-  [[nodiscard]] CallEnd Overdue() const;
 
   // By a thread that is outside of callbacks.
   [[nodiscard]] bool may_be_waited_for() const noexcept { return may_be_waited_for_; }
@@ -66,6 +68,8 @@ class CallState final : public PendingCall, public HelpLine::Waiter, public std:
   std::shared_ptr<CallMessage> message;  // The request; not changed any more once it is sent.
 
  private:
+  void Finish(std::unique_lock<std::mutex> lock, CallEnd end);
+  [[nodiscard]] CallEnd Overdue() const;  // Under the lock.
   void Help();
   [[nodiscard]] std::shared_ptr<ServiceHost> host() const;
   [[nodiscard]] std::shared_ptr<ServiceClient> client() const;

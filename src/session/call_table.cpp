@@ -111,7 +111,7 @@ void CallTable::Loop(const std::stop_token& stop) {
     while (!due_.empty() && due_.begin()->first <= now) overdue.push_back(Take(due_.begin()->second));
     if (!overdue.empty()) {
       lock.unlock();
-      for (const auto& call : overdue) call->Finish(call->Overdue());
+      for (const auto& call : overdue) call->FinishOverdue();
       overdue.clear();
       lock.lock();
       continue;

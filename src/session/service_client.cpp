@@ -98,7 +98,7 @@ void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
     const std::scoped_lock lock(mutex_);
     now = waiting_.empty() && !servers_.empty();
     if (now) {
-      call->GoesTo(shared_from_this(), servers_.front().id);
+      if (!call->GoesTo(shared_from_this(), servers_.front().id)) return;
       call->message->server = servers_.front().id.value;
     } else {
       while (!waiting_.empty() && waiting_.front()->done()) {
@@ -130,9 +130,7 @@ void ServiceClient::HandOver(ServiceHost& host) {
     if (!host.Fits(request_, reply_)) waiting.swap(waiting_);
   }
   for (const auto& call : waiting) {
-    if (call->done()) continue;
-    call->GoesTo(host.shared_from_this());
-    host.Arrive(call->message);
+    if (call->GoesTo(host.shared_from_this())) host.Arrive(call->message);
   }
 }
 
@@ -230,8 +228,7 @@ void ServiceClient::SendWaiting() {
       if (waiting_.empty() || servers_.empty()) return;
       next = waiting_.front();
       waiting_.pop_front();
-      if (next->done()) continue;
-      next->GoesTo(shared_from_this(), servers_.front().id);
+      if (!next->GoesTo(shared_from_this(), servers_.front().id)) continue;
       next->message->server = servers_.front().id.value;
     }
     if (Post(next->message)) continue;

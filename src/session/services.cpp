@@ -189,8 +189,7 @@ void Services::Dispatch(const std::shared_ptr<CallState>& call, const Request& r
     if (!host->Fits(request.request, request.reply)) {
       return differ(*host->setting().request, *host->setting().reply, "this session serves it");
     }
-    call->GoesTo(host);
-    host->Arrive(call->message);
+    if (call->GoesTo(host)) host->Arrive(call->message);
     return;
   }
   const auto client = ClientOf(call->service(), request);

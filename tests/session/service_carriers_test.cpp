@@ -61,10 +61,10 @@ TEST_P(ServiceOverEveryCarrier, TimesOutWhileTheHandlerIsBusy) {
       },
       Invoke::kConcurrent);
   ASSERT_TRUE((pair.caller().Call<Sum, Total>("slow", Sum{2, 3}, kLong).Wait()));
-  const auto result = pair.caller().Call<Sum, Total>("slow", Sum{1, 1}, std::chrono::milliseconds(50)).Wait();
+  const auto result = pair.caller().Call<Sum, Total>("slow", Sum{1, 1}, std::chrono::milliseconds(300)).Wait();
   EXPECT_FALSE(result);
   EXPECT_EQ(result.failure().kind, Kind::kTimedOut);
-  EXPECT_EQ(result.failure().reason, "Service \"slow\" did not reply within 50 ms.");
+  EXPECT_EQ(result.failure().reason, "Service \"slow\" did not reply within 300 ms.");
   door.Open();
 }
 

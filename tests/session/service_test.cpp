@@ -1,6 +1,11 @@
 // What a session alone says of services: no server, two servers, waiting inside callbacks, the free functions.
 #include <atomic>
+#include <chrono>
 #include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -19,13 +24,20 @@ using test::Robot;
 using test::Sum;
 using test::Total;
 
-// A call whose time is up while it waits for its reply. One that has not been sent until then ends otherwise.
-bool TimesOut(Session& caller, const char* service) {
-  for (auto time = 1ms; time < kLong; time *= 4) {
-    const auto result = caller.Call<Sum, Total>(service, Sum{3, 3}, time).Wait();
-    if (result.failure().kind != Kind::kNoServer) return result.failure().kind == Kind::kTimedOut;
+struct TimedOut {
+  std::chrono::milliseconds time{0};
+  unsigned calls = 0;  // Those of them that ended otherwise have not been sent.
+};
+
+// Makes calls until the time of one is up while it waits for its reply.
+std::optional<TimedOut> TimeOut(Session& caller, const char* service) {
+  TimedOut made{1ms, 1};
+  for (; made.time < kLong; made.time *= 4, ++made.calls) {
+    const auto result = caller.Call<Sum, Total>(service, Sum{3, 3}, made.time).Wait();
+    if (result.failure().kind == Kind::kTimedOut) return made;
+    if (result.failure().kind != Kind::kNoServer) break;
   }
-  return false;
+  return std::nullopt;
 }
 
 class Services : public test::DomainFixture {};
@@ -132,7 +144,7 @@ TEST_F(Services, CountRequestsThatNobodyWaitsForAndRepliesThatNobodyTakes) {
   auto first = pair.caller().Call<Sum, Total>("busy", Sum{1, 1}, test::kLong);
   ASSERT_TRUE(Await([&] { return begun == 1; }));
   { const auto cancelled = pair.caller().Call<Sum, Total>("busy", Sum{2, 2}, test::kLong); }
-  EXPECT_TRUE(TimesOut(pair.caller(), "busy"));
+  EXPECT_TRUE(TimeOut(pair.caller(), "busy"));
   pair.EndCaller();
   ASSERT_TRUE(Await([&] { return pair.server().Peers().empty(); }));
   door.Open();
@@ -143,6 +155,47 @@ TEST_F(Services, CountRequestsThatNobodyWaitsForAndRepliesThatNobodyTakes) {
   EXPECT_EQ(counts().at(1).name, "other");
   EXPECT_EQ(counts().at(1).unhandled_requests, 0U);
   EXPECT_EQ(begun, 1);
+}
+
+TEST_F(Services, ThatSayThatThereIsNoServerHaveNotBeenSent) {
+  test::Pair pair(test::PlacesOf("sharedmemory"));
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    const std::string name = "add" + std::to_string(round);
+    std::mutex mutex;
+    std::set<int> handled;
+    std::optional<Service> service;
+    std::jthread serve([&] {
+      service.emplace(pair.server().Serve<Sum, Total>(name, [&](const Sum& sum) {
+        const std::scoped_lock lock(mutex);
+        handled.insert(sum.a);
+        return Add(sum);
+      }));
+    });
+    std::set<int> unsent;
+    std::vector<CallFuture<Total>> calls;
+    int number = 0;
+    const auto settle = [&] {
+      for (const auto& call : calls) {
+        const auto& result = call.Wait();
+        if (!result && result.failure().kind == Kind::kNoServer) unsent.insert(number);
+        ++number;
+      }
+      calls.clear();
+    };
+    while (number < 400) {
+      for (int i = 0; i < 20; ++i) {
+        const std::chrono::microseconds time(random() % 1000);
+        calls.push_back(pair.caller().Call<Sum, Total>(name, Sum{number + i, 1}, time));
+      }
+      settle();
+    }
+    serve.join();
+    // After it nothing of this caller's is on its way.
+    ASSERT_TRUE(Await([&] { return bool(pair.caller().Call<Sum, Total>(name, Sum{-1, 1}, kLong).Wait()); }));
+    const std::scoped_lock lock(mutex);
+    for (const int one : unsent) EXPECT_FALSE(handled.contains(one)) << "call " << one << " of round " << round;
+  }
 }
 
 TEST_F(Services, CallBackOnWorkersWhoeverReadsTheReply) {
@@ -172,13 +225,21 @@ TEST_F(Services, CallBackOnWorkersWhoeverReadsTheReply) {
 TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
   const Robot robot("");
   test::Door door;
-  const Service service = robot->Serve<Sum, Total>("busy", [&](const Sum& sum) {
-    door.Pass();
-    return test::Add(sum);
-  });
+  std::atomic<bool> begun{false};
+  const Service service = robot->Serve<Sum, Total>("busy",
+                                                   [&](const Sum& sum) {
+                                                     begun = true;
+                                                     door.Pass();
+                                                     return test::Add(sum);
+                                                   },
+                                                   Invoke::kSerial, {.queue = Queue::KeepAll(1)});
   const auto first = robot->Call<Sum, Total>("busy", Sum{1, 1}, test::kLong);
-  EXPECT_TRUE(TimesOut(*robot.session, "busy"));
-  test::Linger(20ms);  // The server's time begins with the request's arrival.
+  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  const auto late = TimeOut(*robot.session, "busy");
+  ASSERT_TRUE(late);
+  // The server's time begins with the request's arrival: it has, once there is no room for another one.
+  EXPECT_EQ((robot->Call<Sum, Total>("busy", Sum{2, 2}, test::kLong).Wait().failure().kind), Kind::kFull);
+  test::Linger(2 * late->time);
   door.Open();
   EXPECT_TRUE(first.Wait());
   EXPECT_TRUE(Await([&] { return robot->Snapshot().services.at(0).unhandled_requests == 1; }));

@@ -515,8 +515,7 @@ TEST(Session, ASubscriptionMayEndItselfInACallbackForARemoteMessageAndStartAgain
         },
         Inline()));
     wired.Open();
-    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience)) << "round " << round;
-    ASSERT_TRUE(Await([&] {
+    ASSERT_TRUE(Await([&] {  // What the last round has left on its way may have ended it already.
       (void)publish(std::make_unique<Note>("x"));
       return calls > 0;
     })) << "round "

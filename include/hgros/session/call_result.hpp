@@ -13,7 +13,8 @@ namespace hgros {
 /// Why a call brought no reply. A value: Call never throws for any of these.
 struct CallFailure {
   enum class Kind : std::uint8_t {
-    kNoServer,       ///< Nobody serves that name: at once where discovery knows it, else when the time is up.
+    kNoServer,       ///< Nobody serves that name: at once where discovery knows it, else when the time is up. Nobody
+                     ///< has got the request, nor will.
     kTimedOut,       ///< There is a server, but no reply came in time.
     kHandlerFailed,  ///< The handler threw; `reason` is what it said.
     kServerGone,     ///< The server died, left, or ended the service while the call was under way.
