@@ -1,4 +1,4 @@
-"""How much of a graphics card's memory a process has, as its driver tells: the kernel's files of open cards (amdgpu, i915, xe,
+"""How much of a graphics card's own memory a process has (of the machine's, if the card has none), as its driver tells: the kernel's files of open cards (amdgpu, i915, xe,
 msm, panfrost, v3d, nouveau ...), or nvidia-smi. A process that draws in software has none, and no figure."""
 
 import pathlib
@@ -12,8 +12,8 @@ UNITS = {"": 1, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
 SMI_EVERY_S = 2  # It takes a good part of a second.
 
 
-def has_card(devices=pathlib.Path("/dev/dri")):
-    return any(devices.glob("renderD*")) or shutil.which("nvidia-smi") is not None
+def has_card(devices=pathlib.Path("/dev/dri"), smi=shutil.which("nvidia-smi")):
+    return any(devices.glob("renderD*")) or smi is not None
 
 
 def client_of(text):
@@ -23,10 +23,15 @@ def client_of(text):
         return None
     # A driver tells them of each region; the first kind that it has says best what is there.
     for kind in ("resident", "memory", "total"):
-        sizes = [re.fullmatch(r"(\d+)\s*(\w*)", value) for key, value in fields.items() if key.startswith(f"drm-{kind}-")]
-        sizes = [int(size[1]) * UNITS[size[2]] for size in sizes if size and size[2] in UNITS]
+        sizes = {}
+        for key, value in fields.items():
+            size = re.fullmatch(r"(\d+)\s*(\w*)", value)
+            if key.startswith(f"drm-{kind}-") and size and size[2] in UNITS:
+                sizes[key.rpartition("-")[2]] = int(size[1]) * UNITS[size[2]]
+        own = [size for region, size in sizes.items() if region.startswith(("vram", "local"))]
         if sizes:
-            return (fields["drm-driver"], fields.get("drm-pdev"), fields.get("drm-client-id")), sum(sizes)
+            client = fields["drm-driver"], fields.get("drm-pdev"), fields.get("drm-client-id")
+            return client, sum(own or sizes.values())
     return None
 
 
@@ -65,18 +70,22 @@ def told_by_nvidia(pid, report):
 class Peak:
     """The most that one process has had each time that somebody looked."""
 
-    def __init__(self, pid):
+    def __init__(self, pid, proc=pathlib.Path("/proc"), smi=shutil.which("nvidia-smi")):
         self.pid = pid
+        self.proc = proc
+        self.smi = smi
         self.bytes = None
-        self.smi = shutil.which("nvidia-smi")
         self.smi_at = 0
 
     def look(self):
         now = time.monotonic()
-        told = told_by_kernel(self.pid)
+        told = told_by_kernel(self.pid, self.proc)
         if told is None and self.smi and now >= self.smi_at:
-            said = subprocess.run([self.smi, "-q", "-x"], capture_output=True, text=True, check=False, timeout=30)
-            told = told_by_nvidia(self.pid, said.stdout)
+            try:
+                said = subprocess.run([self.smi, "-q", "-x"], capture_output=True, text=True, check=False, timeout=30).stdout
+            except (OSError, subprocess.TimeoutExpired):
+                said = ""
+            told = told_by_nvidia(self.pid, said)
             self.smi_at = time.monotonic() + SMI_EVERY_S
         if told is not None:
             self.bytes = max(self.bytes or 0, told)

@@ -140,11 +140,15 @@ def measure_still(subject, keep, metric, seconds):
     subject.end()
 
 
-NO_CARD = 77
+NO_CARD = 77  # As bench_viewer_frames says it.
+
+
+class NoCard(Exception):
+    pass
 
 
 def measure_frames(build, environment, what, prefix=""):
-    """Lets bench_viewer_frames measure and passes on its lines. The exit status, and the card's memory at its highest."""
+    """Lets bench_viewer_frames measure and passes on its lines. Returns the card's memory at its highest."""
     with subprocess.Popen([str(build / "bench/viewer/bench_viewer_frames"), *what], env=environment, stdout=subprocess.PIPE,
                           text=True) as frames:
         peak = graphics_memory.Peak(frames.pid)
@@ -154,32 +158,39 @@ def measure_frames(build, environment, what, prefix=""):
             while not ended.wait(0.1):
                 peak.look()
 
-        watch = threading.Thread(target=look)
+        watch = threading.Thread(target=look, daemon=True)
         watch.start()
-        for line in frames.stdout:
-            print(prefix + line, end="", flush=True)
-        ended.set()
-        watch.join()
-    return frames.returncode, peak.bytes
+        try:
+            for line in frames.stdout:
+                print(prefix + line, end="", flush=True)
+        finally:
+            ended.set()
+            watch.join()
+    if frames.returncode == NO_CARD:
+        raise NoCard
+    if frames.returncode != 0:
+        raise RuntimeError(f"bench_viewer_frames {' '.join(what)} ended with status {frames.returncode}.")
+    return peak.bytes
 
 
 def measure_all_frames(build, environment, sizes):
-    status, _ = measure_frames(build, environment, [*sizes, "decay", "messages"])
-    if status != 0:
-        raise RuntimeError(f"bench_viewer_frames ended with status {status}.")
     # As a driver of OpenGL 3.3 alone would do it. Mesa can be told so; others draw as before.
-    measure_frames(build, dict(environment, MESA_EXTENSION_OVERRIDE="-GL_ARB_buffer_storage"), ["messages"], "copied_")
+    copied = {"MESA_EXTENSION_OVERRIDE": "-GL_ARB_buffer_storage"}
+    measure_frames(build, environment, [*sizes, "decay", "messages"])
+    measure_frames(build, environment | copied, ["messages"], "copied_")
     if not graphics_memory.has_card():
         say("There is no graphics card, so nothing is said of its memory.")
         return
     card = {name: value for name, value in environment.items() if name not in ("LIBGL_ALWAYS_SOFTWARE", "GALLIUM_DRIVER")}
-    for size in sizes:
-        status, most = measure_frames(build, card, ["card", size], "card_")
-        if status == NO_CARD:
-            say("The graphics card is not drawn on without a window, so nothing is said of its memory.")
-            return
-        if most is not None:
-            emit(f"card_peak_mb_{size}M", most / 2**20, "MB")
+    try:
+        for size in sizes:
+            most = measure_frames(build, card, ["card", size], "card_")
+            if most is not None:
+                emit(f"card_peak_mb_{size}M", most / 2**20, "MB")
+        measure_frames(build, card, ["card", "decay", "messages"], "card_")
+        measure_frames(build, card | copied, ["card", "messages"], "card_copied_")
+    except NoCard:
+        say("The graphics card is not drawn on without a window, so nothing is said of its memory.")
 
 
 def main():

@@ -55,15 +55,18 @@ class GraphicsMemory(unittest.TestCase):
             (files / str(number)).write_text(text)
         return graphics_memory.told_by_kernel(5, self.proc)
 
-    def test_adds_the_regions_of_a_card(self):
-        self.assertEqual(self.open_files(HEAD, AMD), 1.5 * MB)
+    def test_takes_a_cards_own_memory(self):
+        self.assertEqual(self.open_files(HEAD, AMD), 1 * MB)
+
+    def test_adds_the_regions_of_a_card_without_memory_of_its_own(self):
+        self.assertEqual(self.open_files(AMD.replace("vram", "stolen")), 1.5 * MB)
 
     def test_takes_what_is_resident_before_what_was_asked_for(self):
         self.assertEqual(self.open_files(INTEL), 24 * MB)
 
     def test_counts_a_client_once_and_two_clients_both(self):
         other = AMD.replace("client-id:\t41", "client-id:\t42")
-        self.assertEqual(self.open_files(AMD, AMD, other, INTEL), 3 * MB + 24 * MB)
+        self.assertEqual(self.open_files(AMD, AMD, other, INTEL), 2 * MB + 24 * MB)
 
     def test_counts_each_file_of_a_driver_that_names_no_clients(self):
         nameless = "drm-driver: old\ndrm-memory-vram: 1 MiB\n"
@@ -81,20 +84,22 @@ class GraphicsMemory(unittest.TestCase):
         self.assertIsNone(graphics_memory.told_by_nvidia(77, "NVIDIA-SMI has failed\n"))
 
     def test_knows_whether_there_is_a_card(self):
-        self.assertFalse(graphics_memory.shutil.which("nvidia-smi") is None and graphics_memory.has_card(self.proc))
+        self.assertFalse(graphics_memory.has_card(self.proc, None))
+        self.assertTrue(graphics_memory.has_card(self.proc, "nvidia-smi"))
         (self.proc / "renderD128").touch()
-        self.assertTrue(graphics_memory.has_card(self.proc))
+        self.assertTrue(graphics_memory.has_card(self.proc, None))
 
     def test_keeps_the_peak_that_a_program_tells(self):
         program = self.proc / "nvidia-smi"
-        for size in ("50", "70", "60"):
+        peak = graphics_memory.Peak(77, self.proc, str(program))
+        for size in ("50", "70", "60", "nothing"):
             program.write_text("#!/bin/sh\ncat <<'END'\n" + NVIDIA.replace("120", size) + "END\n")
             program.chmod(0o755)
-            if size == "50":
-                peak = graphics_memory.Peak(77)
-                peak.smi = str(program)
             peak.smi_at = 0
             peak.look()
+        program.unlink()
+        peak.smi_at = 0
+        peak.look()
         self.assertEqual(peak.bytes, 70 * MB)
 
 

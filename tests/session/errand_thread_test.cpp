@@ -7,7 +7,8 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <thread>
+
+#include "support/await.hpp"
 
 namespace hgros {
 namespace {
@@ -20,13 +21,13 @@ TEST(ErrandThread, RunsErrandsInOrderAndThoseThatAreDueLater) {
   {
     ErrandThread errands;
     std::atomic<bool> later{false};
-    errands.PostIn(20ms, [&] {
+    errands.Post([&] { ran += "a"; });
+    errands.Post([&] { ran += "b"; });
+    errands.PostIn(1ms, [&] {
       ran += "c";
       later = true;
     });
-    errands.Post([&] { ran += "a"; });
-    errands.Post([&] { ran += "b"; });
-    while (!later) std::this_thread::yield();
+    ASSERT_TRUE(test::Await([&] { return later.load(); }));
   }
   EXPECT_EQ(ran, "abc");
 }

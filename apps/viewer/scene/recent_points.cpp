@@ -7,6 +7,7 @@ namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kSpareMessages = 2;
+constexpr std::size_t kMostMapped = 2'000'000;  // points: more are better off in a card's own memory
 
 }  // namespace
 
@@ -22,7 +23,8 @@ void RecentPoints::Add(const PlacedPoints& positions, std::span<const float> val
   message.has_colors = !colors.empty();
   message.box = BoxAround(positions, values);
   message.when_s = when_s;
-  const StreamBuffer::Way way = StreamBuffer::BestWay();
+  const bool few = points_ + message.count <= kMostMapped;
+  const StreamBuffer::Way way = few ? StreamBuffer::BestWay() : StreamBuffer::Way::kCopied;
   message.points.Write<PackedPoint>(
       way, message.count, [&](std::span<PackedPoint> packed) { Pack(positions, values, message.box, packed); });
   if (message.has_colors) {

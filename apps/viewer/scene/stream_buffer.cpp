@@ -10,15 +10,14 @@ bool StreamBuffer::Fits(std::size_t size_bytes) const noexcept {
   return buffer_ && size_bytes <= capacity_ && size_bytes * 4 >= capacity_;
 }
 
-bool StreamBuffer::IsDrawn() const {
-  if (!retired_) return true;
-  const GLenum answer = glClientWaitSync(retired_.get(), GL_SYNC_FLUSH_COMMANDS_BIT, 0);
+bool StreamBuffer::HasPassed(GLsync fence) {
+  const GLenum answer = glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0);
   return answer == GL_ALREADY_SIGNALED || answer == GL_CONDITION_SATISFIED;
 }
 
 // Such storage keeps its size, so another size is another buffer, as is what may be written while the former is drawn.
 void* StreamBuffer::MapFor(std::size_t size_bytes) {
-  const bool drawn = IsDrawn();
+  const bool drawn = retired_ && has_passed_(retired_.get());
   retired_.reset();
   if (mapped_ != nullptr && drawn && Fits(size_bytes)) return mapped_;
   constexpr GLbitfield kAccess = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;

@@ -20,9 +20,14 @@ class StreamBuffer {
   enum class Way : std::uint8_t { kMapped, kCopied };
   /// The best one that the current context can.
   [[nodiscard]] static Way BestWay();
+  /// Whether GL has done all that it was told before, without waiting for it.
+  [[nodiscard]] static bool HasPassed(GLsync fence);
+
+  explicit StreamBuffer(bool (*has_passed)(GLsync fence) = HasPassed) : has_passed_(has_passed) {}
 
   /// `fill` gets memory for `count` of T, to be written in full and not to be read; if that is none, nothing is done.
-  /// Never waits: what GL still draws of the former contents stays as it is.
+  /// Never waits, and never changes what GL may still draw: unless it was retired and that has been drawn, this is
+  /// other memory than the last time.
   template <class T, std::invocable<std::span<T>> Fill>
   requires std::is_trivially_copyable_v<T>
   void Write(Way way, std::size_t count, Fill&& fill) {
@@ -47,15 +52,15 @@ class StreamBuffer {
   using GlSync = std::unique_ptr<std::remove_pointer_t<GLsync>, DeleteSync>;
 
   [[nodiscard]] bool Fits(std::size_t size_bytes) const noexcept;
-  [[nodiscard]] bool IsDrawn() const;
   /// Null: GL would not map it.
   [[nodiscard]] void* MapFor(std::size_t size_bytes);
   void Copy(const void* values, std::size_t size_bytes);
 
+  bool (*has_passed_)(GLsync fence);
   GlBuffer buffer_;
   std::size_t capacity_ = 0;
   void* mapped_ = nullptr;  ///< For as long as the buffer lives.
-  GlSync retired_;
+  GlSync retired_;          ///< A fence behind the last draw; null: somebody may go on drawing.
 };
 
 }  // namespace hgros::viewer

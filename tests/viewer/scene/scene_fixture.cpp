@@ -38,7 +38,7 @@ double DifferentShare(const Pixels& a, const Pixels& b) {
   return 3.0 * static_cast<double>(different) / static_cast<double>(a.size());
 }
 
-void SceneTest::SetUp() {
+void DrawingTest::SetUp() {
   // One context for all tests, and for ever: making one takes longer than a test.
   static Offscreen* surface = nullptr;
   if (surface != nullptr) return;

@@ -21,11 +21,15 @@ using Pixels = std::vector<std::uint8_t>;
 /// Share of the pixels that are clearly another colour.
 [[nodiscard]] double DifferentShare(const Pixels& a, const Pixels& b);
 
-/// A scene in memory with a session of its own; what is published there has arrived when Update returns.
-class SceneTest : public ::testing::Test {
+/// What is drawn is drawn into memory.
+class DrawingTest : public ::testing::Test {
  protected:
   void SetUp() override;
+};
 
+/// A scene in memory with a session of its own; what is published there has arrived when Update returns.
+class SceneTest : public DrawingTest {
+ protected:
   /// The display shows `channel`, with settings as name, text, name, text ...
   Display& Add(const std::string& type, const std::string& channel = {}, const std::vector<std::string>& settings = {});
   void Update(double now_s = 0);
