@@ -21,12 +21,13 @@ class FramesDisplay : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& context) override {
     const bool due = context.transforms_changed || context.frame_changed || std::exchange(setting_changed_, false) ||
-                     context.now_s >= next_change_s_;
+                     context.now_s >= next_change_s();
     if (due) fixed_ = &context.frame;
     if (fixed_ != nullptr) updated_s_ = context.now_s;
     if (!due) return Change::kNothing;
     back_ns_ = 0;
     Take();
+    known_.Take(edges_, context.now_s);
     return Change::kMoving;
   }
 
@@ -38,16 +39,21 @@ class FramesDisplay : public Display {
     return Change::kMoving;
   }
 
+  // All of them are read when it is drawn.
+  [[nodiscard]] Change ApplySettings(const UpdateContext& /*context*/) override {
+    return fixed_ != nullptr && std::exchange(setting_changed_, false) ? Change::kMoving : Change::kNothing;
+  }
+
   [[nodiscard]] double oldest_s() const override { return updated_s_ - remembered_s_; }
   [[nodiscard]] double truthful_since_s() const override {
     return moves_ ? oldest_s() : -std::numeric_limits<double>::infinity();
   }
   // The name of the nearest frame.
   [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
-    const auto distance = [&](const Label& label) { return (label.at - at).norm(); };
-    const auto nearest = std::ranges::min_element(labels_, {}, distance);
+    const auto distance = [&](const ShownFrame& frame) { return (frame.at - at).norm(); };
+    const auto nearest = std::ranges::min_element(frames_, {}, distance);
     const double reach_m = radius_m + static_cast<double>(axes_metres_);
-    return nearest == labels_.end() || distance(*nearest) > reach_m ? std::string() : nearest->text;
+    return nearest == frames_.end() || distance(*nearest) > reach_m ? std::string() : nearest->name;
   }
 
   void DrawMoving(const DrawContext& context) override {
@@ -72,26 +78,40 @@ class FramesDisplay : public Display {
   [[nodiscard]] std::vector<std::string> Status() const override {
     std::vector<std::string> lines;
     if (!fault_.empty()) lines.push_back(fault_);
-    lines.push_back(edges_ == 0 ? "No transforms have arrived yet." : Counted(labels_.size(), "frame", "frames"));
-    for (std::size_t i = 0; i < std::min(told_.size(), kMostTold); ++i) lines.push_back(told_[i]);
-    if (told_.size() > kMostTold) lines.push_back("and " + std::to_string(told_.size() - kMostTold) + " more");
+    lines.push_back(edges_.empty() ? "No transforms have arrived yet." : Counted(frames_.size(), "frame", "frames"));
+    for (std::size_t i = 0; i < std::min(edges_.size(), kMostTold); ++i) lines.push_back(LineOf(edges_[i]));
+    if (edges_.size() > kMostTold) lines.push_back("and " + std::to_string(edges_.size() - kMostTold) + " more");
     return lines;
   }
-  [[nodiscard]] double next_change_s() const override { return next_change_s_; }
+  [[nodiscard]] double next_change_s() const override {
+    if (back_ns_ != 0 || known_.empty()) return std::numeric_limits<double>::infinity();
+    const double silent_s = known_.NextAged(static_cast<double>(silent_after_s_), updated_s_);
+    return ages_ ? std::floor(updated_s_) + 1 : silent_s;
+  }
   [[nodiscard]] bool HasFault() const override { return !fault_.empty(); }
-  [[nodiscard]] std::vector<Label> Labels() const override { return names_ ? labels_ : std::vector<Label>(); }
+  [[nodiscard]] std::vector<Label> Labels() const override {
+    std::vector<Label> labels;
+    if (!names_) return labels;
+    for (const ShownFrame& frame : frames_) labels.push_back(LabelOf(frame));
+    return labels;
+  }
   [[nodiscard]] std::size_t gpu_bytes() const override { return strip_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override {
     Eigen::AlignedBox3d bounds;
-    for (const Label& label : labels_) bounds.extend(label.at);
+    for (const ShownFrame& frame : frames_) bounds.extend(frame.at);
     return bounds;
   }
 
  private:
-  [[nodiscard]] Time ShownTime(const std::vector<EdgeSnapshot>& edges) const {
+  struct ShownFrame {
+    std::string name;
+    Eigen::Vector3d at;
+  };
+
+  [[nodiscard]] Time ShownTime() const {
     if (back_ns_ == 0) return {};
     Time newest;
-    for (const EdgeSnapshot& edge : edges) newest = std::max(newest, edge.newest);
+    for (const EdgeSnapshot& edge : edges_) newest = std::max(newest, edge.newest);
     return {std::max<std::int64_t>(newest.nanoseconds - back_ns_, 1)};
   }
 
@@ -108,50 +128,39 @@ class FramesDisplay : public Display {
                        : std::to_string(static_cast<std::int64_t>(age_s / 60)) + " min";
   }
 
-  [[nodiscard]] Label LabelOf(const std::string& frame, const Eigen::Vector3d& at) const {
-    Label label{at, frame};
-    const auto age_s = AgeOf(frame);
+  [[nodiscard]] Label LabelOf(const ShownFrame& frame) const {
+    Label label{frame.at, frame.name};
+    const auto age_s = AgeOf(frame.name);
     if (ages_ && age_s) label.text += ", " + AgeText(*age_s);
-    if (!IsSilent(frame)) return label;
+    if (!IsSilent(frame.name)) return label;
     if (!ages_) label.text += " (silent)";
     label.color = kSilent;
     return label;
   }
 
-  void TellOf(const std::vector<EdgeSnapshot>& edges) {
-    told_.clear();
-    for (const EdgeSnapshot& edge : edges) {
-      std::string line = edge.child + ": below " + edge.parent;
-      if (edge.is_static) {
-        line += ", static";
-      } else if (const auto age_s = AgeOf(edge.child)) {
-        line += IsSilent(edge.child) ? ", silent" : ", " + RateText(edge.RateHz());
-        if (ages_) line += ", " + AgeText(*age_s) + " ago";
-      }
-      told_.push_back(std::move(line));
-    }
+  /// What there is to say of a frame that hangs on another one.
+  [[nodiscard]] std::string LineOf(const EdgeSnapshot& edge) const {
+    std::string line = edge.child + ": below " + edge.parent;
+    if (edge.is_static) return line + ", static";
+    const auto age_s = AgeOf(edge.child);
+    if (!age_s) return line;
+    line += IsSilent(edge.child) ? ", silent" : ", " + RateText(edge.RateHz());
+    if (ages_) line += ", " + AgeText(*age_s) + " ago";
+    return line;
   }
 
   void Take() {
-    const std::vector<EdgeSnapshot> edges = fixed_->tree().Edges();
-    const Time shown = ShownTime(edges);
-    edges_ = edges.size();
+    edges_ = fixed_->tree().Edges();
+    const Time shown = ShownTime();
     std::int64_t remembered_ns = 0;
     moves_ = false;
-    for (const EdgeSnapshot& edge : edges) {
+    for (const EdgeSnapshot& edge : edges_) {
       moves_ |= !edge.is_static;
       if (!edge.is_static) remembered_ns = std::max(remembered_ns, (edge.newest - edge.oldest).count());
     }
     remembered_s_ = 1e-9 * static_cast<double>(remembered_ns);
-    const bool now = back_ns_ == 0;
-    if (now) known_.Take(edges, updated_s_);
-    const double silent_after_s = static_cast<double>(silent_after_s_);
-    next_change_s_ = !now || known_.empty() ? std::numeric_limits<double>::infinity()
-                     : ages_                ? std::floor(updated_s_) + 1
-                                            : known_.NextAged(silent_after_s, updated_s_);
     fault_.clear();
-    labels_.clear();
-    TellOf(edges);
+    frames_.clear();
     std::vector<RigidTransform> poses;
     std::map<std::string, std::size_t, std::less<>> index;
     const auto place = [&](const std::string& frame) {
@@ -164,9 +173,9 @@ class FramesDisplay : public Display {
       }
       index.emplace(frame, poses.size());
       poses.push_back(T_fixed_frame);
-      labels_.push_back(LabelOf(frame, T_fixed_frame.translation));
+      frames_.push_back({frame, T_fixed_frame.translation});
     };
-    for (const EdgeSnapshot& edge : edges) {
+    for (const EdgeSnapshot& edge : edges_) {
       place(edge.parent);
       place(edge.child);
     }
@@ -175,7 +184,7 @@ class FramesDisplay : public Display {
     strip_.Set(poses_.poses());
 
     std::vector<Segments::Segment> links;
-    for (const EdgeSnapshot& edge : edges) {
+    for (const EdgeSnapshot& edge : edges_) {
       const auto parent = index.find(edge.parent);
       const auto child = index.find(edge.child);
       if (parent == index.end() || child == index.end()) continue;
@@ -191,13 +200,11 @@ class FramesDisplay : public Display {
   static constexpr Rgba kSilent = MakeRgba(255, 178, 90);
 
   FrameAges known_;
-  std::vector<std::string> told_;  ///< Of each frame that hangs on another one, a line.
-  double next_change_s_ = std::numeric_limits<double>::infinity();
   PoseList poses_;
   PoseStrip strip_;
   Segments segments_;
-  std::vector<Label> labels_;
-  std::size_t edges_ = 0;
+  std::vector<EdgeSnapshot> edges_;
+  std::vector<ShownFrame> frames_;
   std::string fault_;
   const FixedFrame* fixed_ = nullptr;
   std::int64_t back_ns_ = 0;

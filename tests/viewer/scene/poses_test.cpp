@@ -173,6 +173,51 @@ TEST_F(Poses, OfFramesTellTheirAgeOnceASecondIfAsked) {
   EXPECT_THAT(frames.Status(), ::testing::Contains("base: below map, 0 Hz, 3 s ago"));
 }
 
+TEST_F(Poses, OfFramesAreNotSilentForWhatCameWhileTheViewLookedBack) {
+  Display& frames = Add("Frames");
+  for (int second = 1; second <= 2; ++second) tree_.Set("map", "base", Time{second * 1'000'000'000LL}, {});
+  Update(100);
+  scene_.LookBack(100, 0.5);
+  for (int second = 3; second <= 62; ++second) tree_.Set("map", "base", Time{second * 1'000'000'000LL}, {});
+  scene_.LookBack(100, 0);
+  transforms_changed_ = true;
+  Update(160);
+  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base"));
+  EXPECT_THAT(frames.Status(), ::testing::Contains("base: below map, 1.00 Hz"));
+  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 165) << "what came in a pause counts from its end";
+}
+
+TEST_F(Poses, OfFramesStandingStillTellTheirAgeAsItWasThen) {
+  Display& frames = Add("Frames");
+  tree_.Set("map", "base", Time{1}, RigidTransform());
+  Update(100);
+  Update(103);
+  (void)Draw();
+  tree_.Set("map", "other", Time{2}, RigidTransform());
+  SetStandingStill(frames, "ages", "on");
+  EXPECT_TRUE(scene_.pending());
+  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base, 3 s")) << "nothing new is taken in";
+  EXPECT_THAT(frames.Status(), ::testing::Contains(::testing::EndsWith(", 3 s ago")));
+  SetStandingStill(frames, "silent after", "2");
+  EXPECT_EQ(frames.Labels().back().color, MakeRgba(255, 178, 90));
+  SetStandingStill(frames, "ages", "off");
+  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base (silent)"));
+  SetStandingStill(frames, "silent after", "4");
+  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base"));
+}
+
+TEST_F(Poses, OfFramesArePickedByTheNameAlone) {
+  Display& frames = Add("Frames", "", {"ages", "on"});
+  tree_.Set("map", "base", Time{1}, RigidTransform({1, 0, 0, 0}, {3, 1, 0}));
+  Update(100);
+  EXPECT_EQ(frames.ValueAt({3, 1, 0}, 0), "base");
+  SetStandingStill(frames, "ages", "off");
+  Update(200);
+  EXPECT_THAT(TextsOf(frames), ::testing::Contains("base (silent)"));
+  EXPECT_EQ(frames.ValueAt({3, 1, 0}, 0), "base");
+  EXPECT_EQ(frames.ValueAt({30, 1, 0}, 0), "");
+}
+
 TEST_F(Poses, OfFiveHundredFramesAreAllShownAndMove) {
   Display& frames = Add("Frames", "", {"axes length", "0.2"});
   const auto set = [&](int time, double height) {
