@@ -83,10 +83,11 @@ class FramesDisplay : public Display {
     if (edges_.size() > kMostTold) lines.push_back("and " + std::to_string(edges_.size() - kMostTold) + " more");
     return lines;
   }
+  // When the next frame falls silent, and each second where ages stand beside names.
   [[nodiscard]] double next_change_s() const override {
     if (back_ns_ != 0 || known_.empty()) return std::numeric_limits<double>::infinity();
     const double silent_s = known_.NextAged(static_cast<double>(silent_after_s_), updated_s_);
-    return ages_ ? std::floor(updated_s_) + 1 : silent_s;
+    return ages_ && names_ ? std::min(silent_s, std::floor(updated_s_) + 1) : silent_s;
   }
   [[nodiscard]] bool HasFault() const override { return !fault_.empty(); }
   [[nodiscard]] std::vector<Label> Labels() const override {
@@ -144,7 +145,11 @@ class FramesDisplay : public Display {
     if (edge.is_static) return line + ", static";
     const auto age_s = AgeOf(edge.child);
     if (!age_s) return line;
-    line += IsSilent(edge.child) ? ", silent" : ", " + RateText(edge.RateHz());
+    if (IsSilent(edge.child)) {
+      line += ", silent";
+    } else if (edge.RateHz() > 0) {
+      line += ", " + RateText(edge.RateHz());
+    }
     if (ages_) line += ", " + AgeText(*age_s) + " ago";
     return line;
   }
