@@ -61,7 +61,13 @@ void DrawLabels(std::span<const Label> labels, const Camera& camera, const Viewp
       names.push_back({at.x, at.y, text, label.color});
     }
   }
-  for (const NamePile& pile : PileNames(names, usual)) Write(list, usual, {pile.x, pile.y}, pile.color, pile.text);
+  for (const NamePile& pile : PileNames(names, usual, Label().color)) {
+    float y = pile.y;
+    for (const NamePile::Entry& entry : pile.entries) {
+      Write(list, usual, {pile.x, y}, entry.color, entry.text);
+      y += usual * static_cast<float>(1 + std::ranges::count(entry.text, '\n'));
+    }
+  }
   if (!camera.anchor()) return;
   if (const auto pixel = camera.PixelOf(*camera.anchor(), viewport)) {
     const ImVec2 at(static_cast<float>(pixel->x()) / pixels_per_unit, static_cast<float>(pixel->y()) / pixels_per_unit);

@@ -13,7 +13,7 @@ constexpr std::size_t kMostLines = 6;  ///< Of a pile.
 
 }  // namespace
 
-std::vector<NamePile> PileNames(std::span<const PlacedName> names, float line_height) {
+std::vector<NamePile> PileNames(std::span<const PlacedName> names, float line_height, Rgba usual) {
   std::vector<std::vector<const PlacedName*>> piles;
   for (const PlacedName& name : names) {
     const auto over = [&](const std::vector<const PlacedName*>& pile) {
@@ -28,13 +28,18 @@ std::vector<NamePile> PileNames(std::span<const PlacedName> names, float line_he
     }
   }
   std::vector<NamePile> all;
-  for (const auto& pile : piles) {
-    NamePile& added = all.emplace_back(NamePile{pile.front()->x, pile.front()->y, "", pile.front()->color});
+  for (auto& pile : piles) {
+    NamePile& added = all.emplace_back(NamePile{pile.front()->x, pile.front()->y, {}});
     const std::size_t named = pile.size() <= kMostLines ? pile.size() : kMostLines - 1;
     const std::size_t most = kMaxShownBytes / named;
-    for (std::size_t i = 0; i < named; ++i)
-      added.text += (i > 0 ? "\n" : "") + std::string(CutText(pile[i]->text, most));
-    if (named < pile.size()) added.text += "\nand " + std::to_string(pile.size() - named) + " more";
+    if (named < pile.size()) {
+      std::ranges::stable_partition(pile, [&](const PlacedName* name) { return name->color != usual; });
+    }
+    for (std::size_t i = 0; i < named; ++i) {
+      added.entries.push_back({std::string(CutText(pile[i]->text, most)), pile[i]->color});
+    }
+    if (named == pile.size()) continue;
+    added.entries.push_back({"and " + std::to_string(pile.size() - named) + " more", pile[named]->color});
   }
   return all;
 }

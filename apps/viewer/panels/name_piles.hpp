@@ -17,16 +17,19 @@ struct PlacedName {
   Rgba color = 0;
 };
 
-/// Names that would be printed over each other, one in each line.
+/// Names that would be printed over each other, listed below each other.
 struct NamePile {
+  struct Entry {
+    std::string text;
+    Rgba color = 0;
+  };
   float x = 0;
   float y = 0;
-  std::string text;
-  Rgba color = 0;
+  std::vector<Entry> entries;
 };
 
 /// Those that lie within about a line of each other become one pile where the first of them lies. Of many some are
-/// named, and how many more there are.
-[[nodiscard]] std::vector<NamePile> PileNames(std::span<const PlacedName> names, float line_height);
+/// named, first those of another colour than `usual`, and how many more there are.
+[[nodiscard]] std::vector<NamePile> PileNames(std::span<const PlacedName> names, float line_height, Rgba usual);
 
 }  // namespace hgros::viewer

@@ -1,5 +1,6 @@
 #include "viewer/panels/label_layer.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,26 @@ TEST_F(LabelLayer, NamesThatCoincideAreListed) {
   };
   EXPECT_EQ(triangles(3), 3 * triangles(1));
   EXPECT_EQ(triangles(60), triangles(70)) << "and so many more";
+}
+
+TEST_F(LabelLayer, NamesThatCoincideKeepTheirColors) {
+  constexpr Rgba kOrange = MakeRgba(255, 178, 90);
+  const std::vector<Label> labels = {{Eigen::Vector3d::Zero(), "map\nodom", MakeRgba(235, 238, 242)},
+                                     {Eigen::Vector3d::Zero(), "base", kOrange}};
+  ImGui::NewFrame();
+  DrawLabels(labels, camera_, {1280, 800}, 1);
+  float usual_y = 0;
+  float orange_y = 1e6F;
+  std::size_t orange = 0;
+  for (const ImDrawVert& corner : ImGui::GetBackgroundDrawList()->VtxBuffer) {
+    if (corner.col == labels[0].color) usual_y = std::max(usual_y, corner.pos.y);
+    if (corner.col != kOrange) continue;
+    orange_y = std::min(orange_y, corner.pos.y);
+    ++orange;
+  }
+  ImGui::Render();
+  EXPECT_EQ(orange, 4 * 4U) << "as many corners as four letters have";
+  EXPECT_LE(usual_y, orange_y + 2) << "below both lines of the other";
 }
 
 TEST_F(LabelLayer, AWarningOfAnyLengthIsDrawnInPart) {
