@@ -10,6 +10,20 @@
 #include "viewer/scene/setting_needs.hpp"
 
 namespace hgros::viewer {
+namespace {
+
+constexpr std::size_t kMostLines = 7;  ///< Of a status; more are scrolled, so that the settings stay in sight.
+
+void DrawStatus(const std::vector<std::string>& lines, bool warns) {
+  const bool many = lines.size() > kMostLines;
+  const float height = static_cast<float>(kMostLines) * ImGui::GetTextLineHeightWithSpacing();
+  if (many) ImGui::BeginChild("##status", {0, height});
+  for (const std::string& line : lines) std::exchange(warns, false) ? DrawWarning(line) : DrawNote(line);
+  if (many) ImGui::EndChild();
+}
+
+}  // namespace
+
 DisplayPanel::Wish DisplayPanel::Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels,
                                       PanelDock& dock) {
   Wish wish;
@@ -76,11 +90,9 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, const std::string&
   }
   if (unfolded) {
     if (!misuse.empty()) DrawWarning(misuse);
-    bool warns = entry.display->HasFault();
-    for (const std::string& line : entry.display->Status()) {
-      if (!entry.mismatch.empty() && line == "Nothing has arrived yet.") continue;
-      std::exchange(warns, false) ? DrawWarning(line) : DrawNote(line);
-    }
+    std::vector<std::string> status = entry.display->Status();
+    if (!entry.mismatch.empty()) std::erase(status, "Nothing has arrived yet.");
+    DrawStatus(status, entry.display->HasFault());
     if (entry.unreadable > 0) {
       const std::string line =
           std::to_string(entry.unreadable) +

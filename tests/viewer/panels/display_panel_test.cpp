@@ -1,5 +1,7 @@
 #include "viewer/panels/display_panel.hpp"
 
+#include <imgui_internal.h>
+
 #include "viewer/panels/look.hpp"
 #include "viewer/panels/panel_fixture.hpp"
 
@@ -10,6 +12,9 @@ namespace {
 class Silent : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& /*context*/) override { return Change::kNothing; }
+  [[nodiscard]] std::vector<std::string> Status() const override { return status; }
+
+  std::vector<std::string> status;
 };
 
 const DisplayType kSilent = {"Silent", {"Silence"}, [](const DisplayInputs& /*inputs*/) -> std::unique_ptr<Display> {
@@ -22,13 +27,27 @@ class DisplayPanelTest : public PanelTest {
     scene_.Add(kSilent, {session_, "scan", [] {}});
   }
 
-  /// How much of the panel stands in the colour of what is wrong.
-  int Orange(const std::vector<ChannelRow>& channels) {
+  void DrawPanel(const std::vector<ChannelRow>& channels) {
     for (int i = 0; i < 2; ++i) {
       ImGui::NewFrame();
       (void)panel_.Draw(scene_, frame_, channels, dock_);
       ImGui::Render();
     }
+  }
+  /// How high everything in it is, with the display unfolded and so many lines to say.
+  float HeightWith(std::size_t lines) {
+    auto& display = static_cast<Silent&>(*scene_.entries().front().display);
+    display.status.assign(lines, "one of the frames");
+    DrawPanel({});
+    ImGuiWindow& window = *ImGui::FindWindowByName("Displays");
+    const auto* const entry = static_cast<const Display*>(&display);
+    window.StateStorage.SetInt(ImHashStr("##entry", 0, window.GetID(entry)), 1);
+    DrawPanel({});
+    return window.ContentSize.y;
+  }
+  /// How much of the panel stands in the colour of what is wrong.
+  int Orange(const std::vector<ChannelRow>& channels) {
+    DrawPanel(channels);
     const float* const rgba = WarningColor::kRgba;
     const ImU32 color = ImGui::ColorConvertFloat4ToU32({rgba[0], rgba[1], rgba[2], rgba[3]});
     int count = 0;
@@ -49,6 +68,12 @@ TEST_F(DisplayPanelTest, ShowsInOrangeWhoseUsersDoNotAgreeOnTheType) {
   EXPECT_EQ(Orange({}), 0);
   EXPECT_EQ(Orange({{"scan", "Silence", ""}, {"other", "Silence", "They differ."}}), 0) << "it is another channel's";
   EXPECT_GT(Orange({{"scan", "Silence", "They differ."}}), 0);
+}
+
+TEST_F(DisplayPanelTest, ScrollsManyLinesSoThatTheSettingsBelowStayInSight) {
+  EXPECT_GT(HeightWith(3), HeightWith(1)) << "it is unfolded";
+  EXPECT_LT(HeightWith(50), HeightWith(10) + 1);
+  EXPECT_LT(HeightWith(50), HeightWith(7) + ImGui::GetFontSize());
 }
 
 }  // namespace
