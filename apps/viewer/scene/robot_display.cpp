@@ -78,6 +78,7 @@ class RobotDisplay : public Display {
     if (!unplaced_.empty()) {
       lines.push_back("Not shown for want of a transform: " + Listed(unplaced_) + ". " + why_);
     }
+    if (!missing_.empty()) lines.push_back("Not shown for want of a mesh: " + Listed(missing_) + ". " + mesh_fault_);
     if (!standing_.at_fixed_frame.empty()) {
       lines.push_back("There are no transforms: " + standing_.at_fixed_frame + " stands at the fixed frame.");
     }
@@ -86,7 +87,6 @@ class RobotDisplay : public Display {
                       (standing_.joints_at_zero.size() == 1 ? ": it stands" : ": they stand") +
                       " at zero. Publish the joints: docs/tf.md.");
     }
-    if (!missing_.empty()) lines.push_back("Not shown for want of a mesh: " + Listed(missing_) + ". " + mesh_fault_);
     if (file_.empty()) lines.emplace_back("It needs a file: a URDF.");
     if (!shapes_.empty()) {
       lines.push_back(Counted(shapes_.size(), "shape", "shapes") + ", " + std::to_string(meshes_.size()) +

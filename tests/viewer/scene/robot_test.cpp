@@ -175,6 +175,15 @@ TEST_F(Robots, SayWhichMeshesAreMissing) {
   EXPECT_THAT(display.Status(), Contains(HasSubstr("5 shapes")));
 }
 
+TEST_F(Robots, SayFirstWhatIsWrongAndThenWhereTheyStand) {
+  fs::remove(mesh());
+  const Display& display = Add("Robot model", "", {"file", urdf()});
+  Update();
+  ASSERT_TRUE(display.HasFault());
+  EXPECT_THAT(display.Status().front(), HasSubstr("want of a mesh"));
+  EXPECT_THAT(display.Status(), Contains("There are no transforms: base stands at the fixed frame."));
+}
+
 TEST_F(Robots, SayWhatIsWrongWithTheirFile) {
   Display& display = Add("Robot model");
   Update();
