@@ -33,7 +33,7 @@ std::vector<NamePile> PileNames(std::span<const PlacedName> names, float line_he
     const std::size_t named = pile.size() <= kMostLines ? pile.size() : kMostLines - 1;
     const std::size_t most = kMaxShownBytes / named;
     if (named < pile.size()) {
-      std::ranges::stable_partition(pile, [&](const PlacedName* name) { return name->color != usual; });
+      std::stable_partition(pile.begin(), pile.end(), [&](const PlacedName* name) { return name->color != usual; });
     }
     for (std::size_t i = 0; i < named; ++i) {
       added.entries.push_back({std::string(CutText(pile[i]->text, most)), pile[i]->color});
