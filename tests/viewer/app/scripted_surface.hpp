@@ -24,6 +24,8 @@ class ScriptedSurface : public Offscreen {
   void Resize(const Viewport& size) { shown_ = size; }
   void Rescale(float scale) { scale_ = scale; }
   void Lose() { lost_ = true; }
+  /// Nobody sees it for so many turns of its owner.
+  void Hide(int turns) { hidden_turns_ = turns; }
   /// The step that runs comes again after the next picture.
   void Again() { --next_; }
   void Press(int key) { input_.push_back({InputEvent::Kind::kKey, {}, 0, 0, 0, key}); }
@@ -47,7 +49,11 @@ class ScriptedSurface : public Offscreen {
     steps_[next_++](*this);
   }
   [[nodiscard]] bool TakeDisturbed() override { return true; }
-  [[nodiscard]] std::vector<InputEvent> TakeInput() override { return std::exchange(input_, {}); }
+  [[nodiscard]] std::vector<InputEvent> TakeInput() override {
+    if (hidden_turns_ > 0) --hidden_turns_;
+    return std::exchange(input_, {});
+  }
+  [[nodiscard]] bool hidden() const override { return hidden_turns_ > 0; }
   [[nodiscard]] bool closing() const override { return next_ == steps_.size() && pictures_ > done_; }
   [[nodiscard]] bool lost() const override { return lost_; }
   [[nodiscard]] Viewport size() const override { return shown_; }
@@ -65,6 +71,7 @@ class ScriptedSurface : public Offscreen {
   Viewport shown_;
   float scale_ = 1;
   bool lost_ = false;
+  int hidden_turns_ = 0;
   std::vector<InputEvent> input_;
   std::vector<Step> steps_;
   std::size_t next_ = 0;

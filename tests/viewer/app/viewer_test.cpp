@@ -91,6 +91,27 @@ TEST_F(ViewerTest, DrawsIntoAnySize) {
   (void)Do(steps);
 }
 
+TEST_F(ViewerTest, DrawsNothingWhileNobodySeesIt) {
+  options_.report_s = 0.001;  // It has its turns all the same.
+  bool seen_at_the_next_picture = false;
+  (void)Do({[](ScriptedSurface& surface) { surface.Hide(20); },
+            [&](ScriptedSurface& surface) { seen_at_the_next_picture = !surface.hidden(); }});
+  EXPECT_TRUE(seen_at_the_next_picture);
+}
+
+TEST_F(ViewerTest, DrawsNoMoreOftenThanItMay) {
+  options_.fps_limit = 50;
+  constexpr int kPictures = 11;
+  std::vector<std::chrono::steady_clock::time_point> drawn;
+  const ScriptedSurface::Step note = [&](ScriptedSurface& surface) {
+    drawn.push_back(std::chrono::steady_clock::now());
+    if (drawn.size() < kPictures) surface.Again();
+  };
+  (void)Do({note});
+  ASSERT_EQ(drawn.size(), std::size_t{kPictures});
+  EXPECT_GT(std::chrono::duration<double>(drawn.back() - drawn.front()).count(), 0.9 * (kPictures - 1) / 50);
+}
+
 TEST_F(ViewerTest, TakesFontsForAnotherScreenWhileItRuns) {
   float before = 0;
   float on_the_other = 0;
