@@ -13,12 +13,13 @@ void Viewer::Pick(const Eigen::Vector2d& pixel, bool measures) {
   int x = static_cast<int>(pixel.x());
   int y = static_cast<int>(pixel.y());
   const int radius = static_cast<int>(kPickRadius * surface_.scale());
-  const float depth = scene_.picture().NearestDepth(x, y, radius);
+  const Viewport size = surface_.size();
+  const ViewMatrices view = camera_.Matrices(size);
+  const float depth = scene_.NearestDepth(view, surface_.scale(), x, y, radius);
   if (depth >= 1) {
     notice_ = measures ? "There is nothing to pick." : "There is nothing to set the anchor on.";
     return;
   }
-  const Viewport size = surface_.size();
   const auto seen = [&](int right) {
     return camera_.PointAt(x + right + 0.5, y + 0.5, static_cast<double>(depth), size);
   };
@@ -30,7 +31,7 @@ void Viewer::Pick(const Eigen::Vector2d& pixel, bool measures) {
   }
   PickedPoint point;
   point.at = at;
-  const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(size), surface_.scale(), x, y, depth, at);
+  const Scene::Entry* const entry = scene_.EntryAt(view, surface_.scale(), x, y, depth, at);
   if (entry != nullptr) {
     point.display = entry->name;
     point.value = entry->display->ValueAt(at, (seen(radius) - at).norm());

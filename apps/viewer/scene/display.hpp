@@ -47,6 +47,7 @@ struct DrawContext {
   PointPrograms& points;
   float scale;                     ///< Pixels of the screen to a pixel as settings mean it.
   std::size_t moving_thinned = 1;  ///< Of the points that move every so-manieth is drawn.
+  bool marks_depth = false;        ///< What can be seen through leaves its depth as well, so that it can be picked.
 };
 
 /// Words at a place of the scene.
@@ -82,7 +83,8 @@ class Display {
   virtual void DrawNew(const DrawContext& /*context*/) {}
   virtual void DrawSettled(const DrawContext& /*context*/, const Slice& /*slice*/) {}
   virtual void DrawMoving(const DrawContext& /*context*/) {}
-  /// In every frame, too, after everything opaque, whose depth it must leave as it is; if blends().
+  /// In every frame, too, after everything opaque, whose depth it must leave as it is unless it marks_depth; if
+  /// blends().
   virtual void DrawBlended(const DrawContext& /*context*/) {}
   /// Something of it can be seen through.
   [[nodiscard]] virtual bool blends() const { return false; }

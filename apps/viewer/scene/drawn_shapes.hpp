@@ -21,9 +21,9 @@ class DrawnShapes {
   }
   /// Those that hide what is behind them, or the others, which are to be drawn later.
   void Draw(const DrawContext& context, const RigidTransform& T_fixed_shapes, bool blended) {
-    solids_.Draw(context.view, T_fixed_shapes, blended);
-    triangles_.Draw(context.view, T_fixed_shapes, blended);
-    lines_.Draw(context.view, T_fixed_shapes, context.scale, blended);
+    solids_.Draw(context, T_fixed_shapes, blended);
+    triangles_.Draw(context, T_fixed_shapes, blended);
+    lines_.Draw(context, T_fixed_shapes, blended);
   }
   [[nodiscard]] std::size_t gpu_bytes() const noexcept {
     return solids_.gpu_bytes() + lines_.gpu_bytes() + triangles_.gpu_bytes();

@@ -95,7 +95,7 @@ class GridDisplay : public PlacedDisplay {
     return {Eigen::Vector3d::Zero(), far};
   }
   void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Slice& slice) override {
-    if (slice.index == 0) tiles_.Draw(context.view, T_fixed_corner, grid_.cell_size, alpha_, blended());
+    if (slice.index == 0) tiles_.Draw(context, T_fixed_corner, grid_.cell_size, alpha_, blended());
   }
   void Describe(std::vector<std::string>& lines) const override {
     lines.push_back(std::to_string(grid_.columns) + " x " + std::to_string(grid_.rows) + " cells in " + grid_.frame);

@@ -35,6 +35,8 @@ std::array<float, 3> Floats(const Eigen::Vector3d& at) {
 
 bool IsBlended(const LinePiece& piece) { return AlphaOf(piece.from_color) < 255 || AlphaOf(piece.to_color) < 255; }
 
+bool IsInvisible(const LinePiece& piece) { return AlphaOf(piece.from_color) + AlphaOf(piece.to_color) == 0; }
+
 }  // namespace
 
 LinePieces::LinePieces() : program_("lines", "", line_program::VertexSource(kVertex), kFragment) {}
@@ -46,7 +48,7 @@ void LinePieces::Set(std::span<const LinePiece> pieces) {
   instances.reserve(pieces.size());
   for (const bool blended : {false, true}) {
     for (const LinePiece& piece : pieces) {
-      if (IsBlended(piece) != blended) continue;
+      if (IsBlended(piece) != blended || IsInvisible(piece)) continue;
       instances.push_back({Floats(piece.from),
                            Floats(piece.to),
                            piece.from_color,
@@ -64,11 +66,11 @@ void LinePieces::Set(std::span<const LinePiece> pieces) {
                GL_DYNAMIC_DRAW);
 }
 
-void LinePieces::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_lines, float scale, bool blended) {
+void LinePieces::Draw(const DrawContext& context, const RigidTransform& T_fixed_lines, bool blended) {
   const std::size_t count = blended ? blended_ : opaque_;
   if (count == 0) return;
-  line_program::Begin(program_, view, T_fixed_lines, 1);
-  program_.Set("scale", scale);
+  line_program::Begin(program_, context.view, T_fixed_lines, 1);
+  program_.Set("scale", context.scale);
   glBindVertexArray(vertices_.name());
   glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
   const std::size_t first = blended ? opaque_ * sizeof(Instance) : 0;
@@ -84,7 +86,7 @@ void LinePieces::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_li
   attribute(2, 4, offsetof(Instance, from_color));
   attribute(3, 4, offsetof(Instance, to_color));
   attribute(4, 2, offsetof(Instance, width));
-  if (blended) shaded_program::BeginBlending();
+  if (blended) shaded_program::BeginBlending(context.marks_depth);
   glDrawArraysInstanced(GL_TRIANGLES, 0, 6, static_cast<GLsizei>(count));
   if (blended) shaded_program::EndBlending();
 }

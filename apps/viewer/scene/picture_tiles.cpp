@@ -23,7 +23,10 @@ in vec2 at;
 uniform sampler2D picture;
 uniform float alpha;
 out vec4 result;
-void main() { result = texture(picture, at) * alpha; }
+void main() {
+  result = texture(picture, at) * alpha;
+  if (result.a == 0.0) discard;  // What is nothing leaves no depth.
+}
 )";
 
 }  // namespace
@@ -68,9 +71,10 @@ void PictureTiles::Set(std::span<const Rgba> pixels, std::size_t columns, std::s
   glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
-void PictureTiles::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_corner,
+void PictureTiles::Draw(const DrawContext& context, const RigidTransform& T_fixed_corner,
                         const Eigen::Vector2d& pixel_metres, float alpha, bool blended) {
   if (tiles_.empty()) return;
+  const ViewMatrices& view = context.view;
   if (!corners_) corners_ = GlVertexArray::New();
   program_.Use();
   program_.Set("clip_from_eye", view.clip_from_eye);
@@ -84,7 +88,7 @@ void PictureTiles::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_
   if (blended) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    glDepthMask(GL_FALSE);
+    glDepthMask(context.marks_depth ? GL_TRUE : GL_FALSE);
   }
   for (const Tile& tile : tiles_) {
     const Eigen::Vector3d corner(static_cast<double>(tile.column) * pixel_metres.x(),

@@ -7,9 +7,9 @@
 
 #include "hgros/tf/rigid_transform.hpp"
 #include "viewer/data/scene_shapes.hpp"
+#include "viewer/scene/display.hpp"
 #include "viewer/scene/gl_object.hpp"
 #include "viewer/scene/shader_program.hpp"
-#include "viewer/view/camera.hpp"
 
 namespace hgros::viewer {
 
@@ -24,7 +24,7 @@ class PictureTiles {
   /// become one.
   void Set(std::span<const Rgba> pixels, std::size_t columns, std::size_t rows);
   /// `pixel_metres`: the size of a pixel along x and y. With `blended` it hides nothing that is drawn later.
-  void Draw(const ViewMatrices& view, const RigidTransform& T_fixed_corner, const Eigen::Vector2d& pixel_metres,
+  void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Eigen::Vector2d& pixel_metres,
             float alpha, bool blended);
   [[nodiscard]] std::size_t tiles() const noexcept { return tiles_.size(); }
   [[nodiscard]] std::size_t gpu_bytes() const noexcept { return columns_ * rows_ * 4 * 4 / 3; }

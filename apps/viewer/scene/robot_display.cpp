@@ -221,11 +221,11 @@ class RobotDisplay : public Display {
   }
 
   void Draw(const DrawContext& context, bool blended) {
-    solids_.Draw(context.view, RigidTransform({1, 0, 0, 0}, origin_), blended);
+    solids_.Draw(context, RigidTransform({1, 0, 0, 0}, origin_), blended);
     for (auto& [index, mesh] : meshes_) {
       const auto link = links_.find(shapes_[index].link);
       if (link == links_.end()) continue;
-      mesh.triangles.Draw(context.view, RigidTransform(link->second * shapes_[index].T_link_shape), blended);
+      mesh.triangles.Draw(context, RigidTransform(link->second * shapes_[index].T_link_shape), blended);
     }
   }
 

@@ -84,13 +84,25 @@ double Scene::truthful_since_s() const {
   return since;
 }
 
+float Scene::NearestDepth(const ViewMatrices& view, float scale, int& x, int& y, int radius) {
+  Picture probe;
+  probe.Resize(view.viewport);
+  picture_.CopyTo(probe);
+  probe.Bind();
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(x - radius, view.viewport.height - 1 - y - radius, 2 * radius + 1, 2 * radius + 1);
+  DrawBlended({.view = view, .points = points_, .scale = scale, .marks_depth = true});
+  glDisable(GL_SCISSOR_TEST);
+  return probe.NearestDepth(x, y, radius);
+}
+
 const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
                                    const Eigen::Vector3d& at) {
   constexpr float kSameDepth = 1e-6F;
   constexpr double kOutside = 0.1;  // of the box: what is wide in pixels goes beyond it
   Picture probe;
   probe.Resize(view.viewport);
-  const DrawContext context{view, points_, scale};
+  const DrawContext context{.view = view, .points = points_, .scale = scale, .marks_depth = true};
   const Entry* found = nullptr;
   glEnable(GL_SCISSOR_TEST);
   glScissor(x, view.viewport.height - 1 - y, 1, 1);
@@ -101,6 +113,7 @@ const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x,
     probe.Clear(kBackground);
     entry.display->DrawSettled(context, {});
     entry.display->DrawMoving(context);
+    if (entry.display->blends()) entry.display->DrawBlended(context);
     int same_x = x;
     int same_y = y;
     if (std::abs(probe.NearestDepth(same_x, same_y, 0) - depth) < kSameDepth) found = &entry;

@@ -63,6 +63,9 @@ class Scene {
   [[nodiscard]] bool unfinished() const noexcept { return next_slice_ < slices_; }
   [[nodiscard]] const Picture& picture() const noexcept { return picture_; }
 
+  /// The nearest depth of what is seen within some pixels around one, which becomes the one that is meant; counted from
+  /// the upper left corner. 1 where there is nothing.
+  [[nodiscard]] float NearestDepth(const ViewMatrices& view, float scale, int& x, int& y, int radius);
   /// What is seen at a pixel, counted from the upper left corner, if its depth is what is there; null if it is none of
   /// the displays. Draws each that may be it once more, alone. `at` is the pixel's point in the fixed frame.
   [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,

@@ -49,10 +49,10 @@ void Begin(ShaderProgram& program, const ViewMatrices& view, const RigidTransfor
   glEnable(GL_DEPTH_TEST);
 }
 
-void BeginBlending() {
+void BeginBlending(bool marks_depth) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  glDepthMask(GL_FALSE);
+  glDepthMask(marks_depth ? GL_TRUE : GL_FALSE);
 }
 
 void EndBlending() {

@@ -20,8 +20,8 @@ namespace shaded_program {
 /// Uses the program for surfaces in a frame that lies so in the fixed one.
 void Begin(ShaderProgram& program, const ViewMatrices& view, const RigidTransform& T_fixed_surface);
 
-/// What is drawn from here on is mixed with what is behind it, and hides nothing.
-void BeginBlending();
+/// What is drawn from here on is mixed with what is behind it, and hides nothing unless it `marks_depth`.
+void BeginBlending(bool marks_depth);
 void EndBlending();
 
 }  // namespace shaded_program

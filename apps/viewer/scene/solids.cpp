@@ -176,11 +176,11 @@ void Solids::Set(Kind& kind, Mesh (*make)(std::size_t steps), std::span<const So
                GL_DYNAMIC_DRAW);
 }
 
-void Solids::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_shapes, bool blended) {
+void Solids::Draw(const DrawContext& context, const RigidTransform& T_fixed_shapes, bool blended) {
   for (Kind& kind : kinds_) {
     const std::size_t count = blended ? kind.blended : kind.opaque;
     if (count == 0) continue;
-    shaded_program::Begin(program_, view, T_fixed_shapes);
+    shaded_program::Begin(program_, context.view, T_fixed_shapes);
     glBindVertexArray(kind.vertices.name());
     glBindBuffer(GL_ARRAY_BUFFER, kind.instances.name());
     const std::size_t first = blended ? kind.opaque * sizeof(Instance) : 0;
@@ -190,7 +190,7 @@ void Solids::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_shapes
     Attribute(6, 4, sizeof(Instance), first + offsetof(Instance, color), 1);
     Attribute(7, 2, sizeof(Instance), first + offsetof(Instance, scales), 1);
     if (blended) {  // Of what can be seen through, the inside is not.
-      shaded_program::BeginBlending();
+      shaded_program::BeginBlending(context.marks_depth);
       glEnable(GL_CULL_FACE);
     }
     glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(kind.index_count), GL_UNSIGNED_SHORT, nullptr,

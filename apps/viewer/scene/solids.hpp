@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "viewer/data/scene_shapes.hpp"
+#include "viewer/scene/display.hpp"
 #include "viewer/scene/gl_object.hpp"
 #include "viewer/scene/shader_program.hpp"
-#include "viewer/view/camera.hpp"
 
 namespace hgros::viewer {
 
@@ -21,7 +21,7 @@ class Solids {
   /// Positions are in the frame that they are drawn with.
   void Set(const SceneShapes& shapes);
   /// Those that hide what is behind them, or the others, which are to be drawn later.
-  void Draw(const ViewMatrices& view, const RigidTransform& T_fixed_shapes, bool blended);
+  void Draw(const DrawContext& context, const RigidTransform& T_fixed_shapes, bool blended);
   [[nodiscard]] std::size_t gpu_bytes() const noexcept;
 
  private:

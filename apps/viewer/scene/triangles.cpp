@@ -32,6 +32,7 @@ void Triangles::Set(std::span<const TriangleCorner> corners) {
       const auto triangle = corners.subspan(i, 3);
       const bool is_blended = std::ranges::any_of(triangle, [](const auto& at) { return AlphaOf(at.color) < 255; });
       if (is_blended != blended) continue;
+      if (std::ranges::none_of(triangle, [](const auto& at) { return AlphaOf(at.color) > 0; })) continue;
       for (const TriangleCorner& corner : triangle) {
         const Eigen::Vector3f at = corner.position.cast<float>();
         packed.push_back({{at.x(), at.y(), at.z()}, corner.color});
@@ -55,12 +56,12 @@ void Triangles::Set(std::span<const TriangleCorner> corners) {
                GL_DYNAMIC_DRAW);
 }
 
-void Triangles::Draw(const ViewMatrices& view, const RigidTransform& T_fixed_triangles, bool blended) {
+void Triangles::Draw(const DrawContext& context, const RigidTransform& T_fixed_triangles, bool blended) {
   const std::size_t count = blended ? blended_ : opaque_;
   if (count == 0) return;
-  shaded_program::Begin(program_, view, T_fixed_triangles);
+  shaded_program::Begin(program_, context.view, T_fixed_triangles);
   glBindVertexArray(vertices_.name());
-  if (blended) shaded_program::BeginBlending();
+  if (blended) shaded_program::BeginBlending(context.marks_depth);
   glDrawArrays(GL_TRIANGLES, static_cast<GLint>(blended ? opaque_ : 0), static_cast<GLsizei>(count));
   if (blended) shaded_program::EndBlending();
 }

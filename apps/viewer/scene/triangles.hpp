@@ -5,9 +5,9 @@
 #include <span>
 
 #include "viewer/data/scene_shapes.hpp"
+#include "viewer/scene/display.hpp"
 #include "viewer/scene/gl_object.hpp"
 #include "viewer/scene/shader_program.hpp"
-#include "viewer/view/camera.hpp"
 
 namespace hgros::viewer {
 
@@ -18,7 +18,7 @@ class Triangles {
   /// Three corners each; positions are in the frame that they are drawn with.
   void Set(std::span<const TriangleCorner> corners);
   /// Those that hide what is behind them, or the others, which are to be drawn later.
-  void Draw(const ViewMatrices& view, const RigidTransform& T_fixed_triangles, bool blended);
+  void Draw(const DrawContext& context, const RigidTransform& T_fixed_triangles, bool blended);
   [[nodiscard]] std::size_t gpu_bytes() const noexcept { return (opaque_ + blended_) * sizeof(Corner); }
 
  private:

@@ -112,7 +112,7 @@ void VoxelCubes::Set(const VoxelPicture& voxels) {
 
 void VoxelCubes::Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const VoxelStyle& style,
                       const Slice& slice, bool blended) {
-  if (count_ <= slice.index) return;
+  if (count_ <= slice.index || style.alpha <= 0) return;
   const ViewMatrices& view = context.view;
   shaded_program::Begin(program_, view, T_fixed_corner);
   const RigidTransform::Rotation back = T_fixed_corner.rotation.conjugate();
@@ -148,7 +148,7 @@ void VoxelCubes::Draw(const DrawContext& context, const RigidTransform& T_fixed_
   glVertexAttribIPointer(0, 3, GL_UNSIGNED_SHORT, stride, at(offsetof(Cube, cell)));
   glVertexAttribIPointer(1, 1, GL_UNSIGNED_SHORT, stride, at(offsetof(Cube, faces)));
   glVertexAttribPointer(2, 1, GL_FLOAT, GL_FALSE, stride, at(offsetof(Cube, value)));
-  if (blended) shaded_program::BeginBlending();
+  if (blended) shaded_program::BeginBlending(context.marks_depth);
   const std::size_t count = (count_ - slice.index + slice.count - 1) / slice.count;
   for (std::size_t first = 0; first < count; first += DrawnPoints::kAtOnce) {
     const std::size_t part = std::min(DrawnPoints::kAtOnce, count - first);

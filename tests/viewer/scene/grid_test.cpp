@@ -232,7 +232,7 @@ class Board : public Display {
   }
   [[nodiscard]] Change Update(const UpdateContext& /*context*/) override { return Change::kMoving; }
   void DrawMoving(const DrawContext& context) override {
-    tiles_.Draw(context.view, RigidTransform({1, 0, 0, 0}, {-5, -3.5, 0}), {0.1, 0.1}, 1, false);
+    tiles_.Draw(context, RigidTransform({1, 0, 0, 0}, {-5, -3.5, 0}), {0.1, 0.1}, 1, false);
   }
   [[nodiscard]] std::size_t points() const override { return tiles_.tiles(); }
 

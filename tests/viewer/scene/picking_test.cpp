@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <string>
 
+#include "foxglove/Grid.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
@@ -34,7 +36,7 @@ class Picking : public SceneTest {
     const auto pixel = camera_.PixelOf(at, kPictureSize);
     int x = static_cast<int>(pixel->x());
     int y = static_cast<int>(pixel->y());
-    const float depth = scene_.picture().NearestDepth(x, y, 3);
+    const float depth = scene_.NearestDepth(camera_.Matrices(kPictureSize), 1, x, y, 3);
     if (depth >= 1) return nullptr;
     found = camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize);
     const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(kPictureSize), 1, x, y, depth, found);
@@ -79,6 +81,81 @@ TEST_F(Picking, TellsWhatLiesInFront) {
   ASSERT_NE(entry, nullptr);
   EXPECT_EQ(entry->name, "high");
   EXPECT_NEAR(found.z(), 2, 0.05);
+}
+
+/// Two cells of 4 m side by side, 1 m above the ground, the left one without a cost.
+foxglove::Grid TwoCells() {
+  foxglove::Grid grid;
+  grid.set_frame_id("map");
+  grid.mutable_pose()->mutable_position()->set_x(-4);
+  grid.mutable_pose()->mutable_position()->set_y(-2);
+  grid.mutable_pose()->mutable_position()->set_z(1);
+  grid.mutable_cell_size()->set_x(4);
+  grid.mutable_cell_size()->set_y(4);
+  grid.set_column_count(2);
+  grid.set_cell_stride(1);
+  grid.set_row_stride(2);
+  auto* const field = grid.add_fields();
+  field->set_name("cost");
+  field->set_type(foxglove::PackedElementField::INT8);
+  grid.set_data(std::string({0, 50}));
+  return grid;
+}
+
+TEST_F(Picking, TellsWhatCanBeSeenThroughButNotWhatIsNothing) {
+  Add("Point cloud", "below", {"size", "9"});
+  foxglove::PointCloud below = PointAt(-2, 0, 0, 1);
+  below.set_frame_id("map");
+  Publish("below", below);
+  Display& costs = Add("Grid", "costs", {"palette", "costmap"});
+  Publish("costs", TwoCells());
+  Update();
+  Eigen::Vector3d found;
+  const Scene::Entry* entry = EntryAt({-2, 0, 1}, found);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->name, "below");
+  for (const char* alpha : {"1", "0.3"}) {
+    SetStandingStill(costs, "alpha", alpha);
+    entry = EntryAt({2, 0, 1}, found);
+    ASSERT_NE(entry, nullptr);
+    EXPECT_EQ(entry->name, "costs");
+    EXPECT_NEAR(found.z(), 1, 0.05);
+    EXPECT_EQ(entry->display->ValueAt(found, 0.1), "cost = 50");
+  }
+  SetStandingStill(costs, "alpha", "0");
+  EXPECT_EQ(EntryAt({2, 0, 1}, found), nullptr);
+}
+
+TEST_F(Picking, TellsTheNearestOfSeveralThatCanBeSeenThrough) {
+  Add("Scene", "things");
+  Display& costs = Add("Grid", "costs", {"palette", "costmap", "alpha", "0.5"});
+  foxglove::SceneUpdate update;
+  auto* const entity = update.add_entities();
+  entity->set_frame_id("map");
+  entity->set_id("glass");
+  auto* const cube = entity->add_cubes();
+  cube->mutable_pose()->mutable_position()->set_x(2);
+  cube->mutable_pose()->mutable_position()->set_z(2);
+  for (auto* const size : {cube->mutable_size()}) {
+    size->set_x(1);
+    size->set_y(1);
+    size->set_z(1);
+  }
+  cube->mutable_color()->set_a(0.2);
+  Publish("things", update);
+  Publish("costs", TwoCells());
+  Update();
+  const Pixels before = Draw();
+  Eigen::Vector3d found;
+  const Scene::Entry* entry = EntryAt({2, 0, 2.5}, found);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->name, "things");
+  EXPECT_NEAR(found.z(), 2.5, 0.05);
+  EXPECT_EQ(entry->display->ValueAt(found, 0.1), "entity \"glass\"");
+  entry = EntryAt({3.5, 1.5, 1}, found);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->display.get(), &costs);
+  EXPECT_EQ(DifferentShare(Draw(), before), 0) << "picking leaves nothing in the picture";
 }
 
 TEST_F(Picking, TellsTheEntityAndItsNotes) {
