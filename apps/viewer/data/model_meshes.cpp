@@ -6,6 +6,7 @@
 #include "hgros/base/bytes.hpp"
 #include "viewer/data/mesh_file.hpp"
 #include "viewer/data/mesh_place.hpp"
+#include "viewer/data/shape_distance.hpp"
 #include "viewer/data/stl_mesh.hpp"
 
 namespace hgros::viewer {
@@ -44,6 +45,12 @@ ModelMeshes::Mesh ModelMeshes::Read(const SceneModel& model) {
   return mesh;
 }
 
+void ModelMeshes::Add(const Mesh& mesh, const SceneModel& model, std::vector<TriangleCorner>& triangles) {
+  for (const TriangleCorner& corner : mesh.corners) {
+    triangles.push_back({model.pose.leftCols<3>() * corner.position + model.pose.col(3), ColorOf(model, corner)});
+  }
+}
+
 std::string ModelMeshes::AddTo(SceneShapes& shapes) {
   std::string first_fault;
   std::map<std::string, Mesh> used;
@@ -63,13 +70,19 @@ std::string ModelMeshes::AddTo(SceneShapes& shapes) {
       if (first_fault.empty()) first_fault = std::move(fault);
       continue;
     }
-    for (const TriangleCorner& corner : mesh.corners) {
-      shapes.triangles.push_back(
-          {model.pose.leftCols<3>() * corner.position + model.pose.col(3), ColorOf(model, corner)});
-    }
+    Add(mesh, model, shapes.triangles);
   }
   meshes_ = std::move(used);
   return first_fault;
+}
+
+double ModelMeshes::DistanceTo(const std::vector<SceneModel>& models, const Eigen::Vector3d& at) const {
+  SceneShapes shapes;
+  for (const SceneModel& model : models) {
+    const auto mesh = meshes_.find(KeyOf(model));
+    if (mesh != meshes_.end()) Add(mesh->second, model, shapes.triangles);
+  }
+  return viewer::DistanceTo(shapes, at);
 }
 
 }  // namespace hgros::viewer

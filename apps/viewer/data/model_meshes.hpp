@@ -15,6 +15,9 @@ class ModelMeshes {
   /// Adds the triangles of `shapes.models` to `shapes.triangles`. Returns what is wrong with the first one that cannot
   /// be drawn, in a sentence; the others are added.
   [[nodiscard]] std::string AddTo(SceneShapes& shapes);
+  /// How far `at` is from the nearest surface of those that AddTo read last, in the frame of their poses; infinity:
+  /// none of them was.
+  [[nodiscard]] double DistanceTo(const std::vector<SceneModel>& models, const Eigen::Vector3d& at) const;
 
  private:
   struct Mesh {
@@ -22,6 +25,7 @@ class ModelMeshes {
     std::string fault;
   };
   [[nodiscard]] static Mesh Read(const SceneModel& model);
+  static void Add(const Mesh& mesh, const SceneModel& model, std::vector<TriangleCorner>& triangles);
 
   std::map<std::string, Mesh> meshes_;  ///< By where they are from.
 };

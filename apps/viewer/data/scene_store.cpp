@@ -182,13 +182,15 @@ std::optional<Time> SceneStore::PlacedAt(const Entity& entity) {
   return entity.stamp;
 }
 
-const SceneStore::Entity* SceneStore::EntityAt(const FramePose& pose_of, const Eigen::Vector3d& at,
-                                               double radius_m) const {
+const SceneStore::Entity* SceneStore::EntityAt(const FramePose& pose_of, const ModelMeshes& models,
+                                               const Eigen::Vector3d& at, double radius_m) const {
   const Entity* nearest = nullptr;
   for (const auto& [id, entity] : entities_) {
     const auto T_fixed_frame = pose_of(entity.frame, PlacedAt(entity));
     if (!T_fixed_frame) continue;
-    const double distance = DistanceTo(*entity.shapes, T_fixed_frame->inverse() * at);
+    const Eigen::Vector3d in_frame = T_fixed_frame->inverse() * at;
+    const double distance =
+        std::min(DistanceTo(*entity.shapes, in_frame), models.DistanceTo(entity.shapes->models, in_frame));
     if (distance > radius_m) continue;
     radius_m = distance;
     nearest = &entity;

@@ -11,6 +11,7 @@
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/Shapes.pb.h"
 #include "hgros/clock/time.hpp"
+#include "viewer/data/model_meshes.hpp"
 #include "viewer/data/scene_shapes.hpp"
 
 namespace hgros::viewer {
@@ -59,9 +60,10 @@ class SceneStore {
   /// All entities in the fixed frame, relative to `origin`, which is near what is looked at: so that coordinates stay
   /// small enough for floats.
   [[nodiscard]] Drawing Draw(const FramePose& pose_of, const Eigen::Vector3d& origin) const;
-  /// The entity whose surface is the nearest to a place of the fixed frame, but not farther than `radius_m`; null:
-  /// none.
-  [[nodiscard]] const Entity* EntityAt(const FramePose& pose_of, const Eigen::Vector3d& at, double radius_m) const;
+  /// The entity whose surface, `models` included, is the nearest to a place of the fixed frame, but not farther than
+  /// `radius_m`; null: none.
+  [[nodiscard]] const Entity* EntityAt(const FramePose& pose_of, const ModelMeshes& models, const Eigen::Vector3d& at,
+                                       double radius_m) const;
 
  private:
   // False if there are too many.

@@ -7,7 +7,7 @@
 namespace hgros::viewer {
 
 /// How far `at`, in the frame of the shapes, is from the surface of the nearest one, in metres; infinity: there is
-/// none. Words and models of other files count for nothing. Of round shapes that are stretched it is an estimate, which
+/// none. Words and models count for nothing. Of round shapes that are stretched it is an estimate, which
 /// is exact on the surface.
 [[nodiscard]] double DistanceTo(const SceneShapes& shapes, const Eigen::Vector3d& at);
 

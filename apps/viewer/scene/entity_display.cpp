@@ -147,7 +147,7 @@ class EntityDisplay : public Display {
       if (const auto known = passing_.find(key); known != passing_.end()) return known->second;
       return std::nullopt;
     };
-    const SceneStore::Entity* const entity = store_.EntityAt(pose_of, at, radius_m);
+    const SceneStore::Entity* const entity = store_.EntityAt(pose_of, models_, at, radius_m);
     return entity == nullptr ? std::string() : entity->told;
   }
   [[nodiscard]] double next_change_s() const override { return std::min(end_s_, settling_.next_change_s()); }

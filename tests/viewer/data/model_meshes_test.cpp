@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -38,6 +39,19 @@ TEST(ModelMeshes, AreReadFromWhatAMessageCarries) {
   EXPECT_EQ(shapes.triangles[2].position, Eigen::Vector3d(0, 4, 1));
   EXPECT_EQ(AlphaOf(shapes.triangles[2].color), 255U);
   EXPECT_EQ(shapes.triangles[5].color, MakeRgba(1, 2, 3, 4));
+}
+
+TEST(ModelMeshes, TellHowFarTheyAre) {
+  SceneShapes shapes;
+  SceneModel& model = shapes.models.emplace_back(Model());
+  model.media_type = "model/stl";
+  model.data = kStl;
+  ModelMeshes meshes;
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {0, 0, 0}))) << "not read yet";
+  ASSERT_EQ(meshes.AddTo(shapes), "");
+  EXPECT_NEAR(meshes.DistanceTo(shapes.models, {0.5, 0.5, 4}), 3, 1e-9);
+  EXPECT_NEAR(meshes.DistanceTo(shapes.models, {5, 0, 1}), 3, 1e-9);
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo({}, {0, 0, 0})));
 }
 
 TEST(ModelMeshes, AreReadOnceFromTheFilesThatAreNamed) {

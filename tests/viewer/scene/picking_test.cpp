@@ -191,6 +191,31 @@ TEST_F(Picking, TellsTheEntityAndItsNotes) {
   EXPECT_EQ(entry->display->ValueAt({0, 0, 0}, 0.1), "");
 }
 
+TEST_F(Picking, TellsTheEntityOfAModel) {
+  Add("Scene", "things");
+  foxglove::SceneUpdate update;
+  for (const double x : {-3.0, 3.0}) {
+    auto* const entity = update.add_entities();
+    entity->set_frame_id("map");
+    entity->set_id(x < 0 ? "left" : "right");
+    auto* const model = entity->add_models();
+    model->mutable_pose()->mutable_position()->set_x(x);
+    for (auto* const scale : {model->mutable_scale()}) {
+      scale->set_x(2);
+      scale->set_y(2);
+      scale->set_z(2);
+    }
+    model->set_media_type("model/stl");
+    model->set_data("solid x\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid");
+  }
+  Publish("things", update);
+  Update();
+  Eigen::Vector3d found;
+  const Scene::Entry* const entry = EntryAt({3.5, 0.5, 0}, found);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->display->ValueAt(found, 0.1), "entity \"right\"");
+}
+
 TEST_F(Picking, TellsAShapesName) {
   Display& display = Add("Shapes", "shapes");
   hgros::Shapes update;
