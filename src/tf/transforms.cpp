@@ -125,6 +125,7 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
                                   "Of the transforms of session \"" + publisher + "\": " + result.text());
     }
   }
+  if (options_.on_received) options_.on_received();
 }
 
 SetResult Transforms::Core::Take(const foxglove::FrameTransform& transform, std::string_view publisher,

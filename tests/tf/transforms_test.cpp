@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <limits>
+#include <mutex>
 #include <thread>
 
 #include <foxglove/FrameTransforms.pb.h>
@@ -88,6 +89,38 @@ TEST_F(TransformsOfTwo, WhoComesLaterHasAllThatDoesNotMove) {
   EXPECT_LT(Difference(looking.FromTF("base", "laser")->T_target_source, Shift(3)), 1e-12);
   EXPECT_EQ(looking.FromTF("base", "camera")->stamp, Time{});
   EXPECT_EQ(looking.stats().received_transforms, 2U) << "each edge once";
+}
+
+TEST_F(TransformsOfTwo, WhoIsToldOfThemFindsThem) {
+  std::mutex mutex;
+  std::vector<double> found;
+  TransformTree* tree = nullptr;
+  const auto told = [&] {
+    const std::scoped_lock lock(mutex);
+    if (tree == nullptr) return;
+    const TransformResult moving = tree->Lookup("map", "base");
+    const TransformResult still = tree->Lookup("base", "laser");
+    found.push_back(moving ? moving->T_target_source.translation.x() : 0);
+    found.push_back(still ? still->T_target_source.translation.x() : 0);
+  };
+  Transforms setting(*a.session, {.batch = 0ns});
+  Transforms looking(*b.session, {.on_received = told});
+  {
+    const std::scoped_lock lock(mutex);
+    tree = &looking.tree();
+  }
+  const auto last = [&] {
+    const std::scoped_lock lock(mutex);
+    return found.size() < 2 ? std::pair(0.0, 0.0) : std::pair(found[found.size() - 2], found.back());
+  };
+  EXPECT_TRUE(setting.ToStaticTF("base", "laser", Shift(7)));
+  EXPECT_TRUE(Await([&] { return last().second == Shift(7).translation.x(); }));
+  ASSERT_TRUE(setting.ToTF(At(1), "map", "base", Shift(1)));
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  for (int i = 2; i < 50; ++i) {
+    ASSERT_TRUE(setting.ToTF(At(i), "map", "base", Shift(i)));
+    EXPECT_TRUE(Await([&] { return last().first == Shift(i).translation.x(); })) << i;
+  }
 }
 
 TEST_F(TransformsOfTwo, WhoAsksForNoneSubscribesToNone) {

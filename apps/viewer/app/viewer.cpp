@@ -45,7 +45,10 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
     : options_(options),
       surface_(surface),
       session_(SessionConfig(options), {.name = "hgros-viewer"}),
-      transforms_(session_),
+      transforms_(session_, {.on_received =
+                                 [this] {
+                                   if (!transforms_changed_.exchange(true)) WakeFromData();
+                                 }}),
       frame_(transforms_.tree()),
       navigation_(camera_),
       dock_(session_, [this] { surface_.Wake(); }),
@@ -55,14 +58,6 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
   layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config.string();
   if (!options.film.empty()) film_.emplace(options.film);
   if (options.report_s) next_report_s_ = begin_s_ + *options.report_s;
-  for (const std::string_view channel : {kTransformsChannel, kStaticTransformsChannel}) {
-    subscriptions_.push_back(session_.FromAny<foxglove::FrameTransforms>(channel, Invoke::kSerial,
-                                                                         [this](const foxglove::FrameTransforms&) {
-                                                                           if (!transforms_changed_.exchange(true))
-                                                                             WakeFromData();
-                                                                         },
-                                                                         {.queue = Queue::Latest()}));
-  }
   subscriptions_.push_back(session_.FromGraph<ChannelsChanged>(kChannelEventsChannel, Invoke::kSerial,
                                                                [this](const ChannelsChanged&) {
                                                                  channels_changed_ = true;
@@ -207,9 +202,7 @@ void Viewer::TakeArrived(double now_s) {
   newest_s_ = now_s;
   const bool transforms_changed = transforms_changed_.exchange(false);
   if (transforms_changed) frame_changed_ |= frame_.Refresh();
-  // Transforms may reach the tree after that was told: whoever is not found yet is looked for again.
-  const bool sought = !followed_ || followed_name_ != view_panel_.follow();
-  if (transforms_changed || frame_changed_ || sought) FollowFrame();
+  if (transforms_changed || frame_changed_ || followed_name_ != view_panel_.follow()) FollowFrame();
   scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
   frame_changed_ = false;
   if (paused_) KeepTransforms();

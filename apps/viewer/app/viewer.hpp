@@ -117,6 +117,10 @@ class Viewer {
 
   const Options options_;
   Surface& surface_;
+  std::atomic<bool> woken_ = true;
+  std::atomic<bool> stop_ = false;
+  std::atomic<bool> transforms_changed_ = false;
+  std::atomic<bool> channels_changed_ = true;
   Session session_;
   Transforms transforms_;
   FixedFrame frame_;
@@ -129,10 +133,6 @@ class Viewer {
   ViewPanel view_panel_;
   ImagePanel image_panel_;
 
-  std::atomic<bool> woken_ = true;
-  std::atomic<bool> stop_ = false;
-  std::atomic<bool> transforms_changed_ = false;
-  std::atomic<bool> channels_changed_ = true;
   std::vector<KnownChannel> known_;        ///< Without the library's own.
   std::vector<ChannelRow> channels_;       ///< What is published now.
   std::vector<WantedDisplay> awaited_;     ///< Their schema is still to be heard of.

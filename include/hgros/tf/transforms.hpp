@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -28,6 +29,10 @@ struct TransformsOptions {
   Duration batch = std::chrono::milliseconds(2);
   /// Of the node "tf", which takes in what others set.
   NodeOptions node = {.name = "tf", .queue = Queue::KeepLast(256)};
+  /// Called when transforms that others set have been taken into the tree: for who shows what changes. May use the
+  /// tree, whose Lookup finds them then; on the thread that brought them, and on two at once. One that throws counts as
+  /// an error of that node.
+  std::function<void()> on_received = nullptr;
 };
 
 struct TransformsStats {

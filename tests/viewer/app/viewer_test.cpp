@@ -53,7 +53,9 @@ class ViewerTest : public ::testing::Test {
   Layout Do(std::vector<ScriptedSurface::Step> steps, const std::optional<Layout>& layout = std::nullopt) {
     ScriptedSurface surface(std::move(steps));
     Viewer viewer(options_, layout, surface);
+    running_ = &viewer;
     EXPECT_EQ(viewer.Run(), 0);
+    running_ = nullptr;
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     return viewer.CurrentLayout();
   }
@@ -67,6 +69,7 @@ class ViewerTest : public ::testing::Test {
   }
 
   Options options_;
+  const Viewer* running_ = nullptr;  ///< By Do.
 };
 
 TEST_F(ViewerTest, OpensAndClosesPanelsByKeys) {
@@ -201,9 +204,10 @@ TEST_F(ViewerTest, ShowsTheSamePictureOfAFollowedFrameThatLiesElsewhereByThen) {
     const auto settled = until([&](std::vector<std::uint8_t> pixels) {
       const bool drawn = std::ranges::any_of(pixels, [](std::uint8_t value) { return value > 150; });
       shown = std::move(pixels);
-      return drawn;
+      return drawn && running_->CurrentLayout().camera->relative;
     });
-    const Layout kept = Do({settled, Key('A'), Key('E'), settled});
+    const ScriptedSurface::Step nothing = [](ScriptedSurface&) {};  // What is followed is in the next picture.
+    const Layout kept = Do({settled, nothing, Key('A'), Key('E'), nothing, settled});
     ASSERT_TRUE(kept.camera && kept.camera->relative);
     options_.displays.clear();
     options_.follow.clear();
