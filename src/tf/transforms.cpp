@@ -110,11 +110,13 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
   const SessionId by{info.id.publisher};
   const std::string publisher = NameOf(by);
   received_ += static_cast<std::uint64_t>(message.transforms_size());
+  bool taken = false;
   for (const foxglove::FrameTransform& transform : message.transforms()) {
     const std::string& parent = transform.parent_frame_id();
     const std::string& child = transform.child_frame_id();
     if (const SetResult result = Take(transform, publisher, is_static)) {
       NoteOwner(parent, child, by, is_static);
+      taken = true;
     } else if (++refused_; result.fault() == SetFault::kTooManyFrames) {
       if (!said_full_.exchange(true)) {
         session_.log().Write(LogLevel::kError, "Of the transforms of session \"" + publisher + "\": " + result.text() +
@@ -125,7 +127,7 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
                                   "Of the transforms of session \"" + publisher + "\": " + result.text());
     }
   }
-  if (options_.on_received) options_.on_received();
+  if (taken && options_.on_received) options_.on_received();
 }
 
 SetResult Transforms::Core::Take(const foxglove::FrameTransform& transform, std::string_view publisher,

@@ -29,7 +29,7 @@ TEST_P(TransportConformance, DeliversInOrder) {
   for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(out.PublishSoon(std::to_string(i)));
   ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1000; }));
   EXPECT_EQ(in.sink.texts(), Numbers(1, 1000));
-  EXPECT_EQ(out.channel->stats().sent, 1000u);
+  EXPECT_TRUE(Eventually([&] { return out.channel->stats().sent == 1000; }));  // Counted behind what is sent.
   EXPECT_FALSE(in.sink.overlapped);
 }
 
@@ -174,7 +174,7 @@ TEST_P(TransportConformance, KeepLastDropsTheOldestAndCounts) {
     ASSERT_TRUE(Eventually([&] { return in.sink.count() == i + 1; }));
   }
   EXPECT_EQ(in.sink.texts(), (std::vector<std::string>{"1", "8", "9", "10"}));
-  EXPECT_EQ(out.channel->stats().queued_bytes, 0u);
+  EXPECT_TRUE(Eventually([&] { return out.channel->stats().queued_bytes == 0; }));  // Counted behind what is sent.
 }
 
 TEST_P(TransportConformance, ASlowPeerDoesNotDelayAnother) {

@@ -119,7 +119,7 @@ TEST_F(TransformsOfTwo, WhoIsToldOfThemFindsThem) {
   ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
   for (int i = 2; i < 50; ++i) {
     ASSERT_TRUE(setting.ToTF(At(i), "map", "base", Shift(i)));
-    EXPECT_TRUE(Await([&] { return last().first == Shift(i).translation.x(); })) << i;
+    ASSERT_TRUE(Await([&] { return last().first == Shift(i).translation.x(); })) << i;
   }
 }
 

@@ -202,7 +202,9 @@ void Viewer::TakeArrived(double now_s) {
   newest_s_ = now_s;
   const bool transforms_changed = transforms_changed_.exchange(false);
   if (transforms_changed) frame_changed_ |= frame_.Refresh();
-  if (transforms_changed || frame_changed_ || followed_name_ != view_panel_.follow()) FollowFrame();
+  // A message may name the fixed frame: whoever is not found yet is looked for again.
+  const bool sought = !followed_ || followed_name_ != view_panel_.follow();
+  if (transforms_changed || frame_changed_ || sought) FollowFrame();
   scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
   frame_changed_ = false;
   if (paused_) KeepTransforms();

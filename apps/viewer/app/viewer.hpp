@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "foxglove/FrameTransforms.pb.h"
 #include "hgros/session/session.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "viewer/app/carried.hpp"

@@ -1,6 +1,8 @@
 #include "viewer/data/model_meshes.hpp"
 
+#include <algorithm>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "hgros/base/bytes.hpp"
@@ -18,6 +20,11 @@ constexpr Rgba kPlain = MakeRgba(190, 190, 190);
 std::string KeyOf(const SceneModel& model) {
   if (!model.url.empty()) return model.url;
   return "data " + std::to_string(model.data.size()) + " " + std::to_string(std::hash<std::string>()(model.data));
+}
+
+/// A place of the mesh where the model stands.
+Eigen::Vector3d Placed(const SceneModel& model, const Eigen::Vector3d& at) {
+  return model.pose.leftCols<3>() * at + model.pose.col(3);
 }
 
 Rgba ColorOf(const SceneModel& model, const TriangleCorner& corner) {
@@ -45,12 +52,6 @@ ModelMeshes::Mesh ModelMeshes::Read(const SceneModel& model) {
   return mesh;
 }
 
-void ModelMeshes::Add(const Mesh& mesh, const SceneModel& model, std::vector<TriangleCorner>& triangles) {
-  for (const TriangleCorner& corner : mesh.corners) {
-    triangles.push_back({model.pose.leftCols<3>() * corner.position + model.pose.col(3), ColorOf(model, corner)});
-  }
-}
-
 std::string ModelMeshes::AddTo(SceneShapes& shapes) {
   std::string first_fault;
   std::map<std::string, Mesh> used;
@@ -60,6 +61,10 @@ std::string ModelMeshes::AddTo(SceneShapes& shapes) {
     if (found == used.end()) {
       auto known = meshes_.extract(key);
       found = known.empty() ? used.emplace(key, Read(model)).first : used.insert(std::move(known)).position;
+      Mesh& read = found->second;
+      if (read.box.isEmpty()) {
+        for (const TriangleCorner& corner : read.corners) read.box.extend(corner.position);
+      }
     }
     const Mesh& mesh = found->second;
     std::string fault = mesh.fault;
@@ -70,19 +75,33 @@ std::string ModelMeshes::AddTo(SceneShapes& shapes) {
       if (first_fault.empty()) first_fault = std::move(fault);
       continue;
     }
-    Add(mesh, model, shapes.triangles);
+    for (const TriangleCorner& corner : mesh.corners) {
+      shapes.triangles.push_back({Placed(model, corner.position), ColorOf(model, corner)});
+    }
   }
   meshes_ = std::move(used);
   return first_fault;
 }
 
-double ModelMeshes::DistanceTo(const std::vector<SceneModel>& models, const Eigen::Vector3d& at) const {
-  SceneShapes shapes;
+double ModelMeshes::DistanceTo(const std::vector<SceneModel>& models, const Eigen::Vector3d& at,
+                               double within_m) const {
+  double nearest = std::numeric_limits<double>::infinity();
   for (const SceneModel& model : models) {
-    const auto mesh = meshes_.find(KeyOf(model));
-    if (mesh != meshes_.end()) Add(mesh->second, model, shapes.triangles);
+    if (model.override_color && AlphaOf(model.color) == 0) continue;
+    const auto found = meshes_.find(KeyOf(model));
+    if (found == meshes_.end() || found->second.box.isEmpty()) continue;
+    Eigen::AlignedBox3d box;
+    for (int i = 0; i < 8; ++i) {
+      box.extend(Placed(model, found->second.box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i))));
+    }
+    if (box.exteriorDistance(at) > within_m) continue;
+    const std::vector<TriangleCorner>& corners = found->second.corners;
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+      const auto corner = [&](std::size_t of) { return Placed(model, corners[i + of].position); };
+      nearest = std::min(nearest, DistanceToTriangle(at, corner(0), corner(1), corner(2)));
+    }
   }
-  return viewer::DistanceTo(shapes, at);
+  return nearest <= within_m ? nearest : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace hgros::viewer

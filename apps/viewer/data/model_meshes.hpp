@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <map>
 #include <string>
 #include <vector>
@@ -16,16 +17,17 @@ class ModelMeshes {
   /// be drawn, in a sentence; the others are added.
   [[nodiscard]] std::string AddTo(SceneShapes& shapes);
   /// How far `at` is from the nearest surface of those that AddTo read last, in the frame of their poses; infinity:
-  /// none of them was.
-  [[nodiscard]] double DistanceTo(const std::vector<SceneModel>& models, const Eigen::Vector3d& at) const;
+  /// none of them was, or has alpha, or is as near as `within_m`.
+  [[nodiscard]] double DistanceTo(const std::vector<SceneModel>& models, const Eigen::Vector3d& at,
+                                  double within_m) const;
 
  private:
   struct Mesh {
     std::vector<TriangleCorner> corners;  ///< In its own frame; a colour without alpha is none.
+    Eigen::AlignedBox3d box;              ///< Around them.
     std::string fault;
   };
   [[nodiscard]] static Mesh Read(const SceneModel& model);
-  static void Add(const Mesh& mesh, const SceneModel& model, std::vector<TriangleCorner>& triangles);
 
   std::map<std::string, Mesh> meshes_;  ///< By where they are from.
 };

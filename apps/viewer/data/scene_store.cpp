@@ -190,7 +190,7 @@ const SceneStore::Entity* SceneStore::EntityAt(const FramePose& pose_of, const M
     if (!T_fixed_frame) continue;
     const Eigen::Vector3d in_frame = T_fixed_frame->inverse() * at;
     const double distance =
-        std::min(DistanceTo(*entity.shapes, in_frame), models.DistanceTo(entity.shapes->models, in_frame));
+        std::min(DistanceTo(*entity.shapes, in_frame), models.DistanceTo(entity.shapes->models, in_frame, radius_m));
     if (distance > radius_m) continue;
     radius_m = distance;
     nearest = &entity;

@@ -20,23 +20,12 @@ double FromPiece(const Vector3d& at, const Vector3d& from, const Vector3d& to) {
   return (at - from - share * along).norm();
 }
 
-double FromTriangle(const Vector3d& at, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const double edges = std::min({FromPiece(at, a, b), FromPiece(at, b, c), FromPiece(at, c, a)});
-  const Vector3d normal = (b - a).cross(c - a);
-  const double area = normal.norm();
-  if (!(area > 0)) return edges;
-  const auto inside = [&](const Vector3d& from, const Vector3d& to) {
-    return (to - from).cross(at - from).dot(normal) >= 0;
-  };
-  if (!inside(a, b) || !inside(b, c) || !inside(c, a)) return edges;
-  return std::abs((at - a).dot(normal)) / area;
-}
-
 /// `nearest` gives the surface's points that may be the nearest ones to a point of the unit shape.
 template <class Nearest>
 double FromSolids(const std::vector<SolidShape>& solids, const Vector3d& at, const Nearest& nearest) {
   double distance = kNowhere;
   for (const SolidShape& solid : solids) {
+    if (AlphaOf(solid.color) == 0) continue;
     const Eigen::Matrix3d stretch = solid.pose.leftCols<3>();
     Eigen::Matrix3d back;
     bool invertible = false;
@@ -50,6 +39,18 @@ double FromSolids(const std::vector<SolidShape>& solids, const Vector3d& at, con
 }
 
 }  // namespace
+
+double DistanceToTriangle(const Vector3d& at, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const double edges = std::min({FromPiece(at, a, b), FromPiece(at, b, c), FromPiece(at, c, a)});
+  const Vector3d normal = (b - a).cross(c - a);
+  const double area = normal.norm();
+  if (!(area > 0)) return edges;
+  const auto inside = [&](const Vector3d& from, const Vector3d& to) {
+    return (to - from).cross(at - from).dot(normal) >= 0;
+  };
+  if (!inside(a, b) || !inside(b, c) || !inside(c, a)) return edges;
+  return std::abs((at - a).dot(normal)) / area;
+}
 
 double DistanceTo(const SceneShapes& shapes, const Vector3d& at) {
   double distance = FromSolids(shapes.cubes, at, [](const SolidShape&, const Vector3d& point, const auto& offer) {
@@ -81,12 +82,14 @@ double DistanceTo(const SceneShapes& shapes, const Vector3d& at) {
           offer(std::min(radius, limit(face)) * outwards + face * Vector3d::UnitZ());
       }));
   for (const LinePiece& line : shapes.lines) {
+    if (AlphaOf(line.from_color) + AlphaOf(line.to_color) == 0) continue;
     const double thick = line.pixels ? 0 : 0.5 * static_cast<double>(line.thickness);
     distance = std::min(distance, std::max(0.0, FromPiece(at, line.from, line.to) - thick));
   }
   for (std::size_t i = 0; i + 2 < shapes.triangles.size(); i += 3) {
-    distance = std::min(distance, FromTriangle(at, shapes.triangles[i].position, shapes.triangles[i + 1].position,
-                                               shapes.triangles[i + 2].position));
+    const TriangleCorner* const corner = &shapes.triangles[i];
+    if (AlphaOf(corner[0].color) + AlphaOf(corner[1].color) + AlphaOf(corner[2].color) == 0) continue;
+    distance = std::min(distance, DistanceToTriangle(at, corner[0].position, corner[1].position, corner[2].position));
   }
   return distance;
 }

@@ -23,7 +23,8 @@ class PictureTiles {
   /// Colours are multiplied by their alpha already, so that what has none does not shine through when several pixels
   /// become one.
   void Set(std::span<const Rgba> pixels, std::size_t columns, std::size_t rows);
-  /// `pixel_metres`: the size of a pixel along x and y. With `blended` it hides nothing that is drawn later.
+  /// `pixel_metres`: the size of a pixel along x and y. With `blended` it hides nothing that is drawn
+  /// later, unless the context marks_depth.
   void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Eigen::Vector2d& pixel_metres,
             float alpha, bool blended);
   [[nodiscard]] std::size_t tiles() const noexcept { return tiles_.size(); }

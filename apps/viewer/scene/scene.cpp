@@ -85,6 +85,10 @@ double Scene::truthful_since_s() const {
 }
 
 float Scene::NearestDepth(const ViewMatrices& view, float scale, int& x, int& y, int radius) {
+  if (Moved(view) || picture_.size() != view.viewport) Draw(view, scale);
+  if (std::ranges::none_of(entries_, [](const Entry& entry) { return entry.visible && entry.display->blends(); })) {
+    return picture_.NearestDepth(x, y, radius);
+  }
   Picture probe;
   probe.Resize(view.viewport);
   picture_.CopyTo(probe);
@@ -185,14 +189,13 @@ std::size_t Scene::Affordable(double ms) const {
 void Scene::Draw(const ViewMatrices& view, float scale) {
   const bool resized = settled_.Resize(view.viewport);
   picture_.Resize(view.viewport);
-  const bool moved = view.clip_from_eye != drawn_clip_ || view.eye != drawn_eye_;
   const Change change = std::exchange(pending_, Change::kNothing);
   std::size_t moving = 0;
   for (const Entry& entry : entries_) {
     if (entry.visible) moving += entry.display->moving_points();
   }
   const DrawContext context{view, points_, scale, moving / Affordable(kMovingMs) + 1};
-  if (resized || moved || change == Change::kRedraw) {
+  if (resized || Moved(view) || change == Change::kRedraw) {
     drawn_clip_ = view.clip_from_eye;
     drawn_eye_ = view.eye;
     std::size_t total = 0;

@@ -64,7 +64,7 @@ class Scene {
   [[nodiscard]] const Picture& picture() const noexcept { return picture_; }
 
   /// The nearest depth of what is seen within some pixels around one, which becomes the one that is meant; counted from
-  /// the upper left corner. 1 where there is nothing.
+  /// the upper left corner. 1 where there is nothing. Draws first if the last Draw was with another view.
   [[nodiscard]] float NearestDepth(const ViewMatrices& view, float scale, int& x, int& y, int radius);
   /// What is seen at a pixel, counted from the upper left corner, if its depth is what is there; null if it is none of
   /// the displays. Draws each that may be it once more, alone. `at` is the pixel's point in the fixed frame.
@@ -82,6 +82,9 @@ class Scene {
   [[nodiscard]] std::vector<Label> Labels() const;
 
  private:
+  [[nodiscard]] bool Moved(const ViewMatrices& view) const {
+    return view.clip_from_eye != drawn_clip_ || view.eye != drawn_eye_;
+  }
   void DrawSlice(const DrawContext& context);
   void DrawMoving(const DrawContext& context);
   void DrawBlended(const DrawContext& context);

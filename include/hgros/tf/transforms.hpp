@@ -29,9 +29,10 @@ struct TransformsOptions {
   Duration batch = std::chrono::milliseconds(2);
   /// Of the node "tf", which takes in what others set.
   NodeOptions node = {.name = "tf", .queue = Queue::KeepLast(256)};
-  /// Called when transforms that others set have been taken into the tree: for who shows what changes. May use the
-  /// tree, whose Lookup finds them then; on the thread that brought them, and on two at once. One that throws counts as
-  /// an error of that node.
+  /// Called when transforms that others set have been taken into the tree: for who shows what changes. From the first
+  /// FromTF or tree() on, by the threads that run the nodes "tf" and "tf_static", so by two at once. May use the tree,
+  /// whose Lookup finds them then; one that throws counts as an error of its node. The destructor waits for a call that
+  /// runs. What is set in the tree directly, or forgotten when the clock jumps, is not told.
   std::function<void()> on_received = nullptr;
 };
 

@@ -6,10 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <string>
 
+#include "foxglove/SceneUpdate.pb.h"
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "viewer/app/scripted_surface.hpp"
@@ -206,8 +209,7 @@ TEST_F(ViewerTest, ShowsTheSamePictureOfAFollowedFrameThatLiesElsewhereByThen) {
       shown = std::move(pixels);
       return drawn && running_->CurrentLayout().camera->relative;
     });
-    const ScriptedSurface::Step nothing = [](ScriptedSurface&) {};  // What is followed is in the next picture.
-    const Layout kept = Do({settled, nothing, Key('A'), Key('E'), nothing, settled});
+    const Layout kept = Do({settled, Key('A'), Key('E'), settled});
     ASSERT_TRUE(kept.camera && kept.camera->relative);
     options_.displays.clear();
     options_.follow.clear();
@@ -275,6 +277,69 @@ TEST_F(ViewerTest, GoesAtOnceToTheFrameThatAPersonChoosesToFollow) {
   EXPECT_EQ(after.follow, "right");
   EXPECT_TRUE(after.camera->relative) << "nothing else has moved since";
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(after.camera->eye[i], before.eye[i], 1e-6);
+}
+
+/// A cube of 4 m about the origin of a frame, of white glass.
+foxglove::SceneUpdate Glass(const std::string& frame) {
+  foxglove::SceneUpdate update;
+  auto* const entity = update.add_entities();
+  entity->set_frame_id(frame);
+  entity->set_id("glass");
+  auto* const cube = entity->add_cubes();
+  for (auto* const size : {cube->mutable_size()}) {
+    size->set_x(4);
+    size->set_y(4);
+    size->set_z(4);
+  }
+  for (auto* const color : {cube->mutable_color()}) {
+    color->set_r(1);
+    color->set_g(1);
+    color->set_b(1);
+    color->set_a(0.4);
+  }
+  return update;
+}
+
+TEST_F(ViewerTest, SetsTheAnchorOnWhatIsSeenAndNowhereElse) {
+  options_.panels = false;
+  options_.displays = {{"Ground", "", {{"visible", "off"}}}};
+  options_.channels = {{"glass", "foxglove.SceneUpdate", {}}};
+  const MetOnThisHost met;
+  Session robot;
+  constexpr Viewport kSmall{640, 300};
+  std::optional<std::array<double, 3>> first;
+  const auto nothing = [](ScriptedSurface&) {};
+  const auto shown = [&, deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
+    (void)robot.ToAny("glass", Glass("map"));
+    const bool seen = at.Pixels()[3 * (kSmall.width * kSmall.height / 2 + kSmall.width / 2)] > 60;
+    if (!seen && std::chrono::steady_clock::now() < deadline) at.Again();
+  };
+  const auto click = [&](ScriptedSurface& at) { at.Click(kSmall.width / 2.0, kSmall.height / 2.0, false); };
+  const auto look = [&](ScriptedSurface&) { first = running_->CurrentLayout().camera->anchor; };
+  const auto beside = [](ScriptedSurface& at) {
+    at.Resize({640, 480});  // It has not been drawn as large as this when the click comes.
+    at.Click(30, 20, false);
+  };
+  const Layout last =
+      Do({[&](ScriptedSurface& at) { at.Resize(kSmall); }, shown, click, nothing, look, beside, nothing});
+  ASSERT_TRUE(first);
+  for (const double along : *first) EXPECT_LT(std::abs(along), 2.01);
+  EXPECT_EQ(last.camera->anchor, first) << "there is nothing in that corner";
+}
+
+TEST_F(ViewerTest, FollowsAFrameThatMessagesAloneName) {
+  options_.panels = false;
+  options_.channels = {{"glass", "foxglove.SceneUpdate", {}}};
+  options_.follow = "base";
+  const MetOnThisHost met;
+  Session robot;
+  const auto followed = [&,
+                         deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
+    (void)robot.ToAny("glass", Glass("base"));
+    const bool done = running_->CurrentLayout().camera->relative;
+    if (!done && std::chrono::steady_clock::now() < deadline) at.Again();
+  };
+  EXPECT_TRUE(Do({followed}).camera->relative);
 }
 
 TEST_F(ViewerTest, ShowsNothingWhereALayoutSaysSo) {

@@ -47,11 +47,15 @@ TEST(ModelMeshes, TellHowFarTheyAre) {
   model.media_type = "model/stl";
   model.data = kStl;
   ModelMeshes meshes;
-  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {0, 0, 0}))) << "not read yet";
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {0, 0, 0}, 9))) << "not read yet";
   ASSERT_EQ(meshes.AddTo(shapes), "");
-  EXPECT_NEAR(meshes.DistanceTo(shapes.models, {0.5, 0.5, 4}), 3, 1e-9);
-  EXPECT_NEAR(meshes.DistanceTo(shapes.models, {5, 0, 1}), 3, 1e-9);
-  EXPECT_TRUE(std::isinf(meshes.DistanceTo({}, {0, 0, 0})));
+  EXPECT_NEAR(meshes.DistanceTo(shapes.models, {0.5, 0.5, 4}, 9), 3, 1e-9);
+  EXPECT_NEAR(meshes.DistanceTo(shapes.models, {5, 0, 1}, 9), 3, 1e-9);
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo({}, {0, 0, 0}, 9)));
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {5, 0, 1}, 2.9))) << "too far";
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {1.9, 3.9, 1}, 0.1))) << "in the box, beside the triangle";
+  shapes.models[0].override_color = true;
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {0.5, 0.5, 1}, 9))) << "nothing of it is seen";
 }
 
 TEST(ModelMeshes, AreReadOnceFromTheFilesThatAreNamed) {

@@ -7,6 +7,7 @@
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
+#include "foxglove/VoxelGrid.pb.h"
 #include "hgros/Shapes.pb.h"
 #include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
@@ -189,6 +190,74 @@ TEST_F(Picking, TellsTheEntityAndItsNotes) {
   EXPECT_TRUE(told.ends_with("and 8 more")) << told;
   EXPECT_LT(told.size(), 2000U);
   EXPECT_EQ(entry->display->ValueAt({0, 0, 0}, 0.1), "");
+}
+
+TEST_F(Picking, TellsWhateverCanBeSeenThrough) {
+  Add("Scene", "things");
+  Add("Voxels", "voxels", {"alpha", "0.5"});
+  foxglove::SceneUpdate update;
+  const auto entity = [&](const char* id) {
+    auto& added = *update.add_entities();
+    added.set_frame_id("map");
+    added.set_id(id);
+    return &added;
+  };
+  for (const double alpha : {0.3, 0.0}) {  // What is nothing lies over it.
+    const std::string name = alpha > 0 ? "seen " : "unseen ";
+    const double z = alpha > 0 ? 1 : 2;
+    const auto point = [&](auto* at, double x, double y) {
+      at->set_x(x);
+      at->set_y(y);
+      at->set_z(z);
+    };
+    auto* const triangle = entity((name + "triangle").c_str())->add_triangles();
+    triangle->mutable_color()->set_a(alpha);
+    point(triangle->add_points(), -5, -2);
+    point(triangle->add_points(), -1, -2);
+    point(triangle->add_points(), -3, 2);
+    auto* const line = entity((name + "line").c_str())->add_lines();
+    line->set_thickness(0.5);
+    line->mutable_color()->set_a(alpha);
+    point(line->add_points(), 2, -2);
+    point(line->add_points(), 2, 2);
+    auto* const ball = entity((name + "ball").c_str())->add_spheres();
+    ball->mutable_color()->set_a(alpha);
+    point(ball->mutable_pose()->mutable_position(), 0, 3);
+    for (auto* const size : {ball->mutable_size()}) {
+      size->set_x(1);
+      size->set_y(1);
+      size->set_z(1);
+    }
+  }
+  foxglove::VoxelGrid voxels;
+  voxels.set_frame_id("map");
+  voxels.mutable_pose()->mutable_position()->set_x(4);
+  voxels.set_column_count(1);
+  voxels.set_row_count(1);
+  for (auto* const size : {voxels.mutable_cell_size()}) {
+    size->set_x(1);
+    size->set_y(1);
+    size->set_z(1);
+  }
+  voxels.set_cell_stride(1);
+  voxels.set_row_stride(1);
+  voxels.set_slice_stride(1);
+  auto* const field = voxels.add_fields();
+  field->set_name("full");
+  field->set_type(foxglove::PackedElementField::UINT8);
+  voxels.set_data(std::string(1, 1));
+  Publish("things", update);
+  Publish("voxels", voxels);
+  Update();
+  Eigen::Vector3d found;
+  const auto told = [&](const Eigen::Vector3d& at) -> std::string {
+    const Scene::Entry* const entry = EntryAt(at, found);
+    return entry == nullptr ? "" : entry->display->ValueAt(found, 0.1);
+  };
+  EXPECT_EQ(told({-3, 0, 1}), "entity \"seen triangle\"");
+  EXPECT_EQ(told({2, 0, 1}), "entity \"seen line\"");
+  EXPECT_EQ(told({0, 3, 1.5}), "entity \"seen ball\"");
+  EXPECT_TRUE(told({4.5, 0.5, 1}).starts_with("full = 1")) << told({4.5, 0.5, 1});
 }
 
 TEST_F(Picking, TellsTheEntityOfAModel) {
