@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -41,12 +42,14 @@ class HandMadeSession {
   void OpenZmq(ZmqOptions options) {
     options.session = id_;
     options.process = name_;
+    options.heartbeat = kHeartbeat;
     zmq_ = MakeZmqTransport(std::move(options), ears_, log_);
   }
   void OpenShm(SessionId peer) {
     ShmOptions options;
     options.session = id_;
     options.process = name_;
+    options.heartbeat = kHeartbeat;
     options.place = place_;
     if (id_.value < peer.value) options.peers = {"hgros-" + peer.ToString()};
     shm_ = MakeShmTransport(options, ears_, log_);
@@ -55,6 +58,9 @@ class HandMadeSession {
   [[nodiscard]] SessionId id() const { return id_; }
 
  private:
+  /// Often enough for a peer with a short patience.
+  static constexpr std::chrono::milliseconds kHeartbeat{50};
+
   // An object of its own: the threads that call it end only in the destructor of the session.
   class Ears final : public TransportListener, public DiscoveryListener {
     void OnCame(const Announcement& /*peer*/) override {}
