@@ -33,22 +33,28 @@ Rgba ColorOf(const SceneModel& model, const TriangleCorner& corner) {
   return AlphaOf(model.color) > 0 ? model.color : kPlain;
 }
 
+/// Returns what is wrong, in a sentence, or nothing.
+std::string ReadCorners(const SceneModel& model, std::vector<TriangleCorner>& corners) {
+  std::string fault;
+  if (!model.url.empty()) {
+    const std::filesystem::path path = FindMesh(model.url, MeshFolders({}), fault);
+    return fault.empty() ? ReadMesh(path, corners) : fault;
+  }
+  if (model.media_type.find("stl") == std::string::npos) {
+    return "A model inside a message is STL, or it is not drawn; this one is \"" + model.media_type + "\".";
+  }
+  std::vector<Eigen::Vector3f> read;
+  fault = ReadStl(AsBytes(model.data), read);
+  for (const Eigen::Vector3f& corner : read) corners.push_back({corner.cast<double>(), 0});
+  return fault;
+}
+
 }  // namespace
 
 ModelMeshes::Mesh ModelMeshes::Read(const SceneModel& model) {
   Mesh mesh;
-  if (!model.url.empty()) {
-    const std::filesystem::path path = FindMesh(model.url, MeshFolders({}), mesh.fault);
-    if (mesh.fault.empty()) mesh.fault = ReadMesh(path, mesh.corners);
-    return mesh;
-  }
-  if (model.media_type.find("stl") == std::string::npos) {
-    mesh.fault = "A model inside a message is STL, or it is not drawn; this one is \"" + model.media_type + "\".";
-    return mesh;
-  }
-  std::vector<Eigen::Vector3f> corners;
-  mesh.fault = ReadStl(AsBytes(model.data), corners);
-  for (const Eigen::Vector3f& corner : corners) mesh.corners.push_back({corner.cast<double>(), 0});
+  mesh.fault = ReadCorners(model, mesh.corners);
+  for (const TriangleCorner& corner : mesh.corners) mesh.box.extend(corner.position);
   return mesh;
 }
 
@@ -61,10 +67,6 @@ std::string ModelMeshes::AddTo(SceneShapes& shapes) {
     if (found == used.end()) {
       auto known = meshes_.extract(key);
       found = known.empty() ? used.emplace(key, Read(model)).first : used.insert(std::move(known)).position;
-      Mesh& read = found->second;
-      if (read.box.isEmpty()) {
-        for (const TriangleCorner& corner : read.corners) read.box.extend(corner.position);
-      }
     }
     const Mesh& mesh = found->second;
     std::string fault = mesh.fault;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,15 @@ struct TriangleCorner {
   Eigen::Vector3d position;
   Rgba color = 0;
 };
+
+/// Nothing of it is seen: it is neither drawn nor picked.
+[[nodiscard]] constexpr bool IsInvisible(const SolidShape& solid) noexcept { return AlphaOf(solid.color) == 0; }
+[[nodiscard]] constexpr bool IsInvisible(const LinePiece& line) noexcept {
+  return AlphaOf(line.from_color) == 0 && AlphaOf(line.to_color) == 0;
+}
+[[nodiscard]] constexpr bool IsInvisible(std::span<const TriangleCorner, 3> triangle) noexcept {
+  return AlphaOf(triangle[0].color) == 0 && AlphaOf(triangle[1].color) == 0 && AlphaOf(triangle[2].color) == 0;
+}
 
 struct SceneText {
   Eigen::Matrix<double, 3, 4> pose;  ///< Text runs along x, its top is towards y.

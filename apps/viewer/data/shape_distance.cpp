@@ -25,7 +25,7 @@ template <class Nearest>
 double FromSolids(const std::vector<SolidShape>& solids, const Vector3d& at, const Nearest& nearest) {
   double distance = kNowhere;
   for (const SolidShape& solid : solids) {
-    if (AlphaOf(solid.color) == 0) continue;
+    if (IsInvisible(solid)) continue;
     const Eigen::Matrix3d stretch = solid.pose.leftCols<3>();
     Eigen::Matrix3d back;
     bool invertible = false;
@@ -82,13 +82,13 @@ double DistanceTo(const SceneShapes& shapes, const Vector3d& at) {
           offer(std::min(radius, limit(face)) * outwards + face * Vector3d::UnitZ());
       }));
   for (const LinePiece& line : shapes.lines) {
-    if (AlphaOf(line.from_color) + AlphaOf(line.to_color) == 0) continue;
+    if (IsInvisible(line)) continue;
     const double thick = line.pixels ? 0 : 0.5 * static_cast<double>(line.thickness);
     distance = std::min(distance, std::max(0.0, FromPiece(at, line.from, line.to) - thick));
   }
   for (std::size_t i = 0; i + 2 < shapes.triangles.size(); i += 3) {
-    const TriangleCorner* const corner = &shapes.triangles[i];
-    if (AlphaOf(corner[0].color) + AlphaOf(corner[1].color) + AlphaOf(corner[2].color) == 0) continue;
+    const std::span<const TriangleCorner, 3> corner(&shapes.triangles[i], 3);
+    if (IsInvisible(corner)) continue;
     distance = std::min(distance, DistanceToTriangle(at, corner[0].position, corner[1].position, corner[2].position));
   }
   return distance;

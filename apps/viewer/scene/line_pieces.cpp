@@ -35,8 +35,6 @@ std::array<float, 3> Floats(const Eigen::Vector3d& at) {
 
 bool IsBlended(const LinePiece& piece) { return AlphaOf(piece.from_color) < 255 || AlphaOf(piece.to_color) < 255; }
 
-bool IsInvisible(const LinePiece& piece) { return AlphaOf(piece.from_color) + AlphaOf(piece.to_color) == 0; }
-
 }  // namespace
 
 LinePieces::LinePieces() : program_("lines", "", line_program::VertexSource(kVertex), kFragment) {}

@@ -162,7 +162,7 @@ void Solids::Set(Kind& kind, Mesh (*make)(std::size_t steps), std::span<const So
   instances.reserve(shapes.size());
   for (const bool blended : {false, true}) {
     for (const SolidShape& shape : shapes) {
-      if ((AlphaOf(shape.color) < 255) != blended || AlphaOf(shape.color) == 0) continue;
+      if ((AlphaOf(shape.color) < 255) != blended || IsInvisible(shape)) continue;
       Instance& instance = instances.emplace_back();
       const Eigen::Matrix<float, 3, 4> pose = shape.pose.cast<float>();
       std::copy_n(pose.data(), 12, instance.pose.begin());

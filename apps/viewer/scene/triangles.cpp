@@ -29,10 +29,9 @@ void Triangles::Set(std::span<const TriangleCorner> corners) {
   packed.reserve(corners.size());
   for (const bool blended : {false, true}) {
     for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-      const auto triangle = corners.subspan(i, 3);
+      const auto triangle = corners.subspan(i).first<3>();
       const bool is_blended = std::ranges::any_of(triangle, [](const auto& at) { return AlphaOf(at.color) < 255; });
-      if (is_blended != blended) continue;
-      if (std::ranges::none_of(triangle, [](const auto& at) { return AlphaOf(at.color) > 0; })) continue;
+      if (is_blended != blended || IsInvisible(triangle)) continue;
       for (const TriangleCorner& corner : triangle) {
         const Eigen::Vector3f at = corner.position.cast<float>();
         packed.push_back({{at.x(), at.y(), at.z()}, corner.color});

@@ -17,6 +17,7 @@
 #include "hgros/tf/transforms.hpp"
 #include "viewer/app/scripted_surface.hpp"
 #include "viewer/app/showing.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace hgros::viewer::test {
 namespace {
@@ -286,11 +287,7 @@ foxglove::SceneUpdate Glass(const std::string& frame) {
   entity->set_frame_id(frame);
   entity->set_id("glass");
   auto* const cube = entity->add_cubes();
-  for (auto* const size : {cube->mutable_size()}) {
-    size->set_x(4);
-    size->set_y(4);
-    size->set_z(4);
-  }
+  SetXyz(*cube->mutable_size(), 4, 4, 4);
   for (auto* const color : {cube->mutable_color()}) {
     color->set_r(1);
     color->set_g(1);

@@ -7,6 +7,7 @@
 
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/Shapes.pb.h"
+#include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -26,14 +27,7 @@ void SetColor(foxglove::Color& color, double r, double g, double b, double a = 1
   color.set_a(a);
 }
 
-template <class Vector>
-void SetSize(Vector& size, double x, double y, double z) {
-  size.set_x(x);
-  size.set_y(y);
-  size.set_z(z);
-}
-
-void Place(foxglove::Pose& pose, double x, double y, double z) { SetSize(*pose.mutable_position(), x, y, z); }
+void Place(foxglove::Pose& pose, double x, double y, double z) { SetXyz(*pose.mutable_position(), x, y, z); }
 
 SceneEntity& AddEntity(SceneUpdate& update, const std::string& id) {
   SceneEntity& entity = *update.add_entities();
@@ -45,7 +39,7 @@ SceneEntity& AddEntity(SceneUpdate& update, const std::string& id) {
 void AddCube(SceneEntity& entity, double x, double y, double edge = 1, double alpha = 1) {
   auto& cube = *entity.add_cubes();
   Place(*cube.mutable_pose(), x, y, 0.5 * edge);
-  SetSize(*cube.mutable_size(), edge, edge, edge);
+  SetXyz(*cube.mutable_size(), edge, edge, edge);
   SetColor(*cube.mutable_color(), 0.9, 0.5, 0.1, alpha);
 }
 
@@ -56,17 +50,17 @@ SceneUpdate EverySolid() {
   AddCube(entity, -3, -2, 1.6);
   auto& sphere = *entity.add_spheres();
   Place(*sphere.mutable_pose(), 0, -2, 0.8);
-  SetSize(*sphere.mutable_size(), 1.6, 1.6, 1.2);
+  SetXyz(*sphere.mutable_size(), 1.6, 1.6, 1.2);
   SetColor(*sphere.mutable_color(), 0.2, 0.7, 0.3);
   auto& cylinder = *entity.add_cylinders();
   Place(*cylinder.mutable_pose(), 3, -2, 0.8);
-  SetSize(*cylinder.mutable_size(), 1.4, 1.4, 1.6);
+  SetXyz(*cylinder.mutable_size(), 1.4, 1.4, 1.6);
   cylinder.set_bottom_scale(1);
   cylinder.set_top_scale(1);
   SetColor(*cylinder.mutable_color(), 0.2, 0.5, 0.9);
   auto& cone = *entity.add_cylinders();
   Place(*cone.mutable_pose(), -3, 2, 0.8);
-  SetSize(*cone.mutable_size(), 1.6, 1.6, 1.6);
+  SetXyz(*cone.mutable_size(), 1.6, 1.6, 1.6);
   cone.set_bottom_scale(1);
   SetColor(*cone.mutable_color(), 0.8, 0.2, 0.6);
   auto& arrow = *entity.add_arrows();
@@ -88,7 +82,7 @@ SceneUpdate EverySolid() {
                                 {4.2, 1.2, 0.0},
                                 {3.1, 1.8, 1.8},
                                 {3.1, 3.0, 0.0}}) {
-    SetSize(*triangles.add_points(), x, y, z);
+    SetXyz(*triangles.add_points(), x, y, z);
     SetColor(*triangles.add_colors(), 0.2 + z / 3, 0.6, 0.7);
   }
   return update;
@@ -106,7 +100,7 @@ SceneUpdate EveryLine() {
     line.set_scale_invariant(type != foxglove::LinePrimitive::LINE_LOOP);
     Place(*line.mutable_pose(), 0, 3.0 - 3 * static_cast<int>(type), 0.2);
     for (int i = 0; i < 8; ++i) {
-      SetSize(*line.add_points(), i - 3.5, i % 2 == 0 ? -0.9 : 0.9, 0);
+      SetXyz(*line.add_points(), i - 3.5, i % 2 == 0 ? -0.9 : 0.9, 0);
       SetColor(*line.add_colors(), i / 7.0, 0.8, 1 - i / 7.0);
     }
   }
@@ -144,11 +138,11 @@ TEST_F(Entities, ThatCanBeSeenThroughAreDrawnAfterTheOthers) {
   AddCube(entity, 1.5, 1.5, 2);
   auto& sphere = *entity.add_spheres();
   Place(*sphere.mutable_pose(), -1.5, -1.5, 1);
-  SetSize(*sphere.mutable_size(), 1, 1, 1);
+  SetXyz(*sphere.mutable_size(), 1, 1, 1);
   SetColor(*sphere.mutable_color(), 0.2, 0.7, 0.3);
   auto& glass = *entity.add_cylinders();
   Place(*glass.mutable_pose(), 0, 0, 1);
-  SetSize(*glass.mutable_size(), 2, 2, 3);
+  SetXyz(*glass.mutable_size(), 2, 2, 3);
   glass.set_bottom_scale(1);
   glass.set_top_scale(0.6);
   SetColor(*glass.mutable_color(), 0.4, 0.6, 1, 0.35);
@@ -191,7 +185,7 @@ TEST_F(Entities, OfThePapersShapes) {
   };
   add(-3, 2).mutable_point()->set_width(12);
   auto& line = *add(-1, 2).mutable_line();
-  for (int i = 0; i < 6; ++i) SetSize(*line.add_points(), 0.3 * i, i % 2 == 0 ? 0 : 0.8, 0);
+  for (int i = 0; i < 6; ++i) SetXyz(*line.add_points(), 0.3 * i, i % 2 == 0 ? 0 : 0.8, 0);
   auto& polygon = *add(2, 2).mutable_polygon();
   for (int i = 0; i < 10; ++i) {
     auto& corner = *polygon.add_corners();
@@ -202,7 +196,7 @@ TEST_F(Entities, OfThePapersShapes) {
   auto& oval = *add(-3, -1).mutable_oval();
   oval.set_a(1);
   oval.set_b(0.5);
-  SetSize(*add(-0.5, -1).mutable_ellipsoid()->mutable_half_axes(), 0.9, 0.5, 0.5);
+  SetXyz(*add(-0.5, -1).mutable_ellipsoid()->mutable_half_axes(), 0.9, 0.5, 0.5);
   auto& cone = *add(2, -1).mutable_cone();
   cone.mutable_base()->set_a(0.8);
   cone.mutable_base()->set_b(0.8);
@@ -398,7 +392,7 @@ TEST_F(Entities, OfAModelInsideTheMessage) {
   const Pixels empty = Draw();
   SceneUpdate update;
   auto& model = *AddEntity(update, "model").add_models();
-  SetSize(*model.mutable_scale(), 3, 3, 3);
+  SetXyz(*model.mutable_scale(), 3, 3, 3);
   model.set_media_type("model/stl");
   model.set_data("solid x\nvertex -1 -1 0\nvertex 1 -1 0\nvertex 0 1 1\nendsolid");
   Publish("scene", update);

@@ -88,9 +88,7 @@ TEST_F(Picking, TellsWhatLiesInFront) {
 foxglove::Grid TwoCells() {
   foxglove::Grid grid;
   grid.set_frame_id("map");
-  grid.mutable_pose()->mutable_position()->set_x(-4);
-  grid.mutable_pose()->mutable_position()->set_y(-2);
-  grid.mutable_pose()->mutable_position()->set_z(1);
+  SetXyz(*grid.mutable_pose()->mutable_position(), -4, -2, 1);
   grid.mutable_cell_size()->set_x(4);
   grid.mutable_cell_size()->set_y(4);
   grid.set_column_count(2);
@@ -137,11 +135,7 @@ TEST_F(Picking, TellsTheNearestOfSeveralThatCanBeSeenThrough) {
   auto* const cube = entity->add_cubes();
   cube->mutable_pose()->mutable_position()->set_x(2);
   cube->mutable_pose()->mutable_position()->set_z(2);
-  for (auto* const size : {cube->mutable_size()}) {
-    size->set_x(1);
-    size->set_y(1);
-    size->set_z(1);
-  }
+  SetXyz(*cube->mutable_size(), 1, 1, 1);
   cube->mutable_color()->set_a(0.2);
   Publish("things", update);
   Publish("costs", TwoCells());
@@ -168,11 +162,7 @@ TEST_F(Picking, TellsTheEntityAndItsNotes) {
     entity->set_id(x < 0 ? "left" : "right");
     auto* const cube = entity->add_cubes();
     cube->mutable_pose()->mutable_position()->set_x(x);
-    for (auto* const size : {cube->mutable_size()}) {
-      size->set_x(1);
-      size->set_y(1);
-      size->set_z(1);
-    }
+    SetXyz(*cube->mutable_size(), 1, 1, 1);
     cube->mutable_color()->set_a(1);
     for (int i = 0; i < 20; ++i) {
       auto* const note = entity->add_metadata();
@@ -205,11 +195,7 @@ TEST_F(Picking, TellsWhateverCanBeSeenThrough) {
   for (const double alpha : {0.3, 0.0}) {  // What is nothing lies over it.
     const std::string name = alpha > 0 ? "seen " : "unseen ";
     const double z = alpha > 0 ? 1 : 2;
-    const auto point = [&](auto* at, double x, double y) {
-      at->set_x(x);
-      at->set_y(y);
-      at->set_z(z);
-    };
+    const auto point = [&](auto* at, double x, double y) { SetXyz(*at, x, y, z); };
     auto* const triangle = entity((name + "triangle").c_str())->add_triangles();
     triangle->mutable_color()->set_a(alpha);
     point(triangle->add_points(), -5, -2);
@@ -223,22 +209,14 @@ TEST_F(Picking, TellsWhateverCanBeSeenThrough) {
     auto* const ball = entity((name + "ball").c_str())->add_spheres();
     ball->mutable_color()->set_a(alpha);
     point(ball->mutable_pose()->mutable_position(), 0, 3);
-    for (auto* const size : {ball->mutable_size()}) {
-      size->set_x(1);
-      size->set_y(1);
-      size->set_z(1);
-    }
+    SetXyz(*ball->mutable_size(), 1, 1, 1);
   }
   foxglove::VoxelGrid voxels;
   voxels.set_frame_id("map");
   voxels.mutable_pose()->mutable_position()->set_x(4);
   voxels.set_column_count(1);
   voxels.set_row_count(1);
-  for (auto* const size : {voxels.mutable_cell_size()}) {
-    size->set_x(1);
-    size->set_y(1);
-    size->set_z(1);
-  }
+  SetXyz(*voxels.mutable_cell_size(), 1, 1, 1);
   voxels.set_cell_stride(1);
   voxels.set_row_stride(1);
   voxels.set_slice_stride(1);
@@ -269,11 +247,7 @@ TEST_F(Picking, TellsTheEntityOfAModel) {
     entity->set_id(x < 0 ? "left" : "right");
     auto* const model = entity->add_models();
     model->mutable_pose()->mutable_position()->set_x(x);
-    for (auto* const scale : {model->mutable_scale()}) {
-      scale->set_x(2);
-      scale->set_y(2);
-      scale->set_z(2);
-    }
+    SetXyz(*model->mutable_scale(), 2, 2, 2);
     model->set_media_type("model/stl");
     model->set_data("solid x\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid");
   }

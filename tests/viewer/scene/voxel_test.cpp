@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "foxglove/VoxelGrid.pb.h"
+#include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -26,11 +27,7 @@ VoxelGrid Ball(double radius = 8) {
   grid.mutable_pose()->mutable_position()->set_y(-0.5 * kCells * kEdge);
   grid.set_column_count(kCells);
   grid.set_row_count(kCells);
-  for (auto* const size : {grid.mutable_cell_size()}) {
-    size->set_x(kEdge);
-    size->set_y(kEdge);
-    size->set_z(kEdge);
-  }
+  SetXyz(*grid.mutable_cell_size(), kEdge, kEdge, kEdge);
   grid.set_cell_stride(4);
   grid.set_row_stride(4 * kCells);
   grid.set_slice_stride(4 * kCells * kCells);
