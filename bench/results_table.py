@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes what bench/results/*/result.csv say as Markdown tables into docs/benchmarks.md, between its two marks.
+"""Writes the numbers of bench/results/*/result.csv as Markdown tables into docs/benchmarks.md, between its two marks.
 
     results_table.py [--results FOLDER] [--into FILE.md]
 
-Run the benchmarks before, without --quick, on a quiet machine. A benchmark without a result is said to have none.
+First run the benchmarks without --quick on a quiet machine. For a benchmark without a result, a line says so.
 """
 
 import argparse
@@ -11,6 +11,7 @@ import csv
 import pathlib
 import re
 import sys
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "bench" / "peers"), str(ROOT / "bench" / "network")]
@@ -116,7 +117,7 @@ def section(results, name, write):
         yield f"No result yet; `./dev bench {name}` makes it."
         yield ""
         return
-    yield f"{machine}."
+    yield from textwrap.wrap(f"{machine}.", 120, break_on_hyphens=False)
     yield ""
     yield from write(values)
 
@@ -130,7 +131,7 @@ def main():
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise SystemExit(f"{given.into} has not both marks, {BEGIN} and {END}.")
+        raise SystemExit(f"{given.into} needs both marks: {BEGIN} and {END}.")
     lines = [*section(given.results, "peers", peers), *section(given.results, "network", network),
              *section(given.results, "viewer", viewer)]
     given.into.write_text(before + begin + "\n\n" + "\n".join(lines) + end + after, encoding="utf-8")

@@ -1,21 +1,38 @@
 # hgros_module(NAME name SOURCES ... [SMALL sources...|ALL] [DEPENDS targets...] [PRIVATE targets...])
 # One module of the tree: a static library hgros_<name>, known as hgros::<name>. Its public headers are
-# include/hgros/<name>/, its private ones lie beside its sources. SMALL names the sources that no message or look-up passes
-# through, and those of calls: a release has them compiled for size.
+# include/hgros/<name>/ and include/hgros/internal/<name>/, those that only other modules include src/include/hgros/<name>/;
+# its private ones lie beside its sources. SMALL names the sources that no message or look-up
+# passes through: a release compiles them for size, as a library of objects of their own.
 function(hgros_module)
   cmake_parse_arguments(ARG "" "NAME" "SOURCES;SMALL;DEPENDS;PRIVATE" ${ARGN})
-  add_library(hgros_${ARG_NAME} STATIC ${ARG_SOURCES})
-  add_library(hgros::${ARG_NAME} ALIAS hgros_${ARG_NAME})
-  target_include_directories(hgros_${ARG_NAME}
-    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
-    PRIVATE ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(hgros_${ARG_NAME} PUBLIC ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:hgros_warnings> ${ARG_PRIVATE})
+  set(target hgros_${ARG_NAME})
   if(ARG_SMALL STREQUAL "ALL")
-    target_compile_options(hgros_${ARG_NAME} PRIVATE $<$<CONFIG:Release>:-Os>)
-  elseif(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT CMAKE_UNITY_BUILD)
-    set_source_files_properties(${ARG_SMALL} PROPERTIES COMPILE_OPTIONS -Os)
+    set(ARG_SMALL ${ARG_SOURCES})
   endif()
-  set_property(GLOBAL APPEND PROPERTY HGROS_MODULES hgros_${ARG_NAME})
+  foreach(source IN LISTS ARG_SMALL)
+    if(NOT source IN_LIST ARG_SOURCES)
+      message(FATAL_ERROR "hgros_module(${ARG_NAME}): ${source} is in SMALL, but not in SOURCES.")
+    endif()
+  endforeach()
+  set(parts ${target})
+  if(CMAKE_BUILD_TYPE STREQUAL "Release" AND ARG_SMALL)
+    list(REMOVE_ITEM ARG_SOURCES ${ARG_SMALL})
+    add_library(${target}_small OBJECT ${ARG_SMALL})
+    target_compile_options(${target}_small PRIVATE -Os)
+    list(APPEND parts ${target}_small)
+    list(APPEND ARG_SOURCES $<TARGET_OBJECTS:${target}_small>)
+  endif()
+  add_library(${target} STATIC ${ARG_SOURCES})
+  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
+  add_library(hgros::${ARG_NAME} ALIAS ${target})
+  foreach(part IN LISTS parts)
+    target_include_directories(${part}
+      PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+      PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/include)
+    target_link_libraries(${part} PUBLIC ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:hgros_warnings> ${ARG_PRIVATE})
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY HGROS_MODULES ${target})
+  set_property(GLOBAL APPEND PROPERTY HGROS_MODULE_PARTS ${parts})
 endfunction()
 
 # hgros_pack_relocations(target): a shared library's relative relocations in a small part of the room, where the C

@@ -5,10 +5,10 @@ add_custom_target(hgros_generated)
 # Runs protoc on the files (paths below IMPORT_ROOT) and puts the sources to compile into OUT_VAR. The headers lie
 # below ${PROJECT_BINARY_DIR}/proto_include with the same paths.
 #
-# protobuf's own headers take most of the compile time of a generated file, so ten of them are compiled as one. Two
+# protobuf's own headers take most of the compile time of a generated file, so up to 21 of them are compiled as one. Two
 # names in them are static and always the same; each gets its number by a macro that lives for that file only.
 function(hgros_proto_sources out_var import_root)
-  set(batch_size 10)
+  set(batch_size 21)
   set(generated_root ${PROJECT_BINARY_DIR}/proto_include)
   file(MAKE_DIRECTORY ${generated_root})
   string(MD5 call "${CMAKE_CURRENT_SOURCE_DIR} ${ARGN}")
@@ -56,7 +56,7 @@ function(hgros_proto_sources out_var import_root)
       "${bodies_${batch}}")
     file(CONFIGURE OUTPUT ${batch_file} CONTENT "${text}" @ONLY)
     set_source_files_properties(${batch_file} PROPERTIES
-      COMPILE_OPTIONS "${options}" SKIP_UNITY_BUILD_INCLUSION ON INCLUDE_DIRECTORIES ${generated_root} OBJECT_DEPENDS "${inputs_${batch}}")
+      COMPILE_OPTIONS "${options}" INCLUDE_DIRECTORIES ${generated_root} OBJECT_DEPENDS "${inputs_${batch}}")
     math(EXPR batch "${batch} + 1")
   endforeach()
   set_source_files_properties(${generated} PROPERTIES HEADER_FILE_ONLY ON)

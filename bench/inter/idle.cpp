@@ -1,5 +1,5 @@
 // What a session costs that has nothing to do: 20 subscriptions, 2 peers that it finds by itself and that it has
-// endpoints of as well, so that both carriers are there.
+// endpoints of as well, so that both transports are there.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>

@@ -27,11 +27,11 @@ std::string Endpoint(const std::string& scheme, const std::string& who) {
   return "ipc://@hgros_bench_" + std::to_string(getpid()) + "_" + who;  // An abstract name leaves no file.
 }
 
-Side MakeSide(const std::string& scheme, const std::string& carrier, const std::string& executor, bool lossless) {
+Side MakeSide(const std::string& scheme, const std::string& transport, const std::string& executor, bool lossless) {
   const std::string who =
-      scheme == "shm" && carrier == "shm" ? carrier : carrier + executor + (lossless ? "_lossless" : "");
+      scheme == "shm" && transport == "shm" ? transport : transport + executor + (lossless ? "_lossless" : "");
   const std::string endpoint = Endpoint(scheme, who);
-  return Side({carrier, endpoint, executor, lossless}, endpoint);
+  return Side({transport, endpoint, executor, lossless}, endpoint);
 }
 
 // What it costs to copy so many bytes once, from one buffer of a dozen to another.

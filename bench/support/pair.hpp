@@ -42,7 +42,7 @@ void NoteArrival(PairControl& control, Bytes bytes);
 class PairSender {
  public:
   virtual ~PairSender() = default;
-  /// Sends without copying where the carrier can. The block is not changed before it has arrived.
+  /// Sends without copying where the transport can. The block is not changed before it has arrived.
   virtual void Send(const std::shared_ptr<Block>& block) = 0;
 };
 /// Its other end: calls NoteArrival until destroyed.
@@ -73,8 +73,8 @@ std::string SizeName(std::size_t size_bytes);
 inline constexpr std::array<std::size_t, 7> kSizes{1024,       4096,        16 * 1024,  64 * 1024,
                                                    256 * 1024, 1024 * 1024, 4096 * 1024};
 
-// The carriers. `endpoint` as ZeroMQ writes it; for raw TCP "host:port"; for raw shared memory a path; for ours through
-// shared memory "domain:" and the domain in which the two sessions find each other.
+// The transports. `endpoint` as ZeroMQ writes it; for raw TCP "host:port"; for raw shared memory a path; for ours
+// through shared memory "domain:" and the domain in which the two sessions find each other.
 std::unique_ptr<PairSender> MakeZmqSender(const std::string& endpoint);
 std::unique_ptr<PairReceiver> MakeZmqReceiver(const std::string& endpoint, PairControl& control);
 std::unique_ptr<PairSender> MakeTcpSender(const std::string& endpoint);

@@ -15,7 +15,7 @@
 namespace hgros::bench {
 namespace {
 
-void Check(bool good, const char* what) {
+void CheckSocket(bool good, const char* what) {
   if (good) return;
   std::perror(what);
   std::exit(2);
@@ -26,7 +26,7 @@ sockaddr_in AddressOf(const std::string& endpoint) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(colon + 1))));
-  Check(inet_pton(AF_INET, endpoint.substr(0, colon).c_str(), &address.sin_addr) == 1, "address of raw TCP");
+  CheckSocket(inet_pton(AF_INET, endpoint.substr(0, colon).c_str(), &address.sin_addr) == 1, "address of raw TCP");
   return address;
 }
 
@@ -53,10 +53,10 @@ class TcpSender final : public PairSender {
     const int yes = 1;
     setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     const sockaddr_in address = AddressOf(endpoint);
-    Check(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "raw TCP bind");
-    Check(listen(listener, 1) == 0, "raw TCP listen");
+    CheckSocket(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "raw TCP bind");
+    CheckSocket(listen(listener, 1) == 0, "raw TCP listen");
     connection_ = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
-    Check(connection_ >= 0, "raw TCP accept");
+    CheckSocket(connection_ >= 0, "raw TCP accept");
     NoDelay(connection_);
     close(listener);
   }
@@ -69,7 +69,7 @@ class TcpSender final : public PairSender {
     header.msg_iovlen = 2;
     while (parts[1].iov_len > 0) {
       const ssize_t sent = sendmsg(connection_, &header, MSG_NOSIGNAL);
-      Check(sent > 0, "raw TCP send");
+      CheckSocket(sent > 0, "raw TCP send");
       std::size_t left = static_cast<std::size_t>(sent);
       for (iovec& part : parts) {
         const std::size_t step = std::min(left, part.iov_len);
@@ -92,7 +92,7 @@ class TcpReceiver final : public PairReceiver {
       connection_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
       if (connect(connection_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) break;
       close(connection_);
-      Check(tries < 500, "raw TCP connect");
+      CheckSocket(tries < 500, "raw TCP connect");
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     NoDelay(connection_);

@@ -10,7 +10,7 @@
 namespace hgros::bench {
 namespace {
 
-void Check(bool good, const char* what) {
+void CheckZmq(bool good, const char* what) {
   if (good) return;
   std::fprintf(stderr, "raw ZeroMQ: %s: %s\n", what, zmq_strerror(zmq_errno()));
   std::exit(2);
@@ -21,7 +21,7 @@ class ZmqSender final : public PairSender {
   explicit ZmqSender(const std::string& endpoint) {
     const int unlimited = 0;
     zmq_setsockopt(socket_, ZMQ_SNDHWM, &unlimited, sizeof unlimited);
-    Check(zmq_bind(socket_, endpoint.c_str()) == 0, endpoint.c_str());
+    CheckZmq(zmq_bind(socket_, endpoint.c_str()) == 0, endpoint.c_str());
   }
   ~ZmqSender() override {
     zmq_close(socket_);
@@ -33,7 +33,7 @@ class ZmqSender final : public PairSender {
     zmq_msg_init_data(
         &message, const_cast<std::byte*>(block->bytes().data()), block->bytes().size(),
         [](void*, void* hint) { delete static_cast<std::shared_ptr<Block>*>(hint); }, keep);
-    Check(zmq_msg_send(&message, socket_, 0) >= 0, "send");
+    CheckZmq(zmq_msg_send(&message, socket_, 0) >= 0, "send");
   }
 
  private:
@@ -47,7 +47,7 @@ class ZmqReceiver final : public PairReceiver {
     const int unlimited = 0;
     zmq_setsockopt(socket_, ZMQ_RCVHWM, &unlimited, sizeof unlimited);
     zmq_setsockopt(socket_, ZMQ_SUBSCRIBE, "", 0);
-    Check(zmq_connect(socket_, endpoint.c_str()) == 0, endpoint.c_str());
+    CheckZmq(zmq_connect(socket_, endpoint.c_str()) == 0, endpoint.c_str());
     thread_ = std::jthread([this, &control] {
       for (;;) {
         zmq_msg_t message;

@@ -19,7 +19,7 @@ ReceiverProcess::ReceiverProcess(const ReceiverTask& task) {
   char self[4096] = {};
   if (readlink("/proc/self/exe", self, sizeof self - 1) < 0) std::exit(2);
   std::vector<std::string> words = {
-      self, "receive", task.carrier, task.endpoint, control, task.executor, task.lossless ? "lossless" : "keep-last"};
+      self, "receive", task.transport, task.endpoint, control, task.executor, task.lossless ? "lossless" : "keep-last"};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -39,15 +39,15 @@ ReceiverProcess::~ReceiverProcess() {
 int ReceiverMain(int argc, char** argv) {
   if (argc != 7 || std::strcmp(argv[1], "receive") != 0) return -1;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const std::string carrier = argv[2];
+  const std::string transport = argv[2];
   PairControl& control = *OpenControl(argv[4]);
   std::unique_ptr<PairReceiver> receiver;
-  if (carrier == "zmq") receiver = MakeZmqReceiver(argv[3], control);
-  if (carrier == "tcp") receiver = MakeTcpReceiver(argv[3], control);
-  if (carrier == "shm") receiver = MakeShmReceiver(argv[3], control);
-  if (carrier == "plain") receiver = MakeOurPlainReceiver(argv[3], control);
-  if (carrier == "bulk") receiver = MakeOurBulkReceiver(argv[3], control);
-  if (carrier == "ours") {
+  if (transport == "zmq") receiver = MakeZmqReceiver(argv[3], control);
+  if (transport == "tcp") receiver = MakeTcpReceiver(argv[3], control);
+  if (transport == "shm") receiver = MakeShmReceiver(argv[3], control);
+  if (transport == "plain") receiver = MakeOurPlainReceiver(argv[3], control);
+  if (transport == "bulk") receiver = MakeOurBulkReceiver(argv[3], control);
+  if (transport == "ours") {
     receiver = MakeOurReceiver(argv[3], control, argv[5], std::strcmp(argv[6], "lossless") == 0);
   }
   control.receiver_ready = 1;
@@ -56,11 +56,11 @@ int ReceiverMain(int argc, char** argv) {
 }
 
 std::unique_ptr<PairSender> MakeSender(const ReceiverTask& task, const std::string& endpoint) {
-  if (task.carrier == "zmq") return MakeZmqSender(endpoint);
-  if (task.carrier == "tcp") return MakeTcpSender(endpoint);
-  if (task.carrier == "shm") return MakeShmSender(endpoint);
-  if (task.carrier == "plain") return MakeOurPlainSender(endpoint);
-  if (task.carrier == "bulk") return MakeOurBulkSender(endpoint);
+  if (task.transport == "zmq") return MakeZmqSender(endpoint);
+  if (task.transport == "tcp") return MakeTcpSender(endpoint);
+  if (task.transport == "shm") return MakeShmSender(endpoint);
+  if (task.transport == "plain") return MakeOurPlainSender(endpoint);
+  if (task.transport == "bulk") return MakeOurBulkSender(endpoint);
   return MakeOurSender(endpoint, task.lossless);
 }
 

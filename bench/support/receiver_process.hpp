@@ -12,8 +12,8 @@ namespace hgros::bench {
 
 /// What the other process is to do.
 struct ReceiverTask {
-  std::string carrier;   ///< zmq, tcp or ours.
-  std::string endpoint;  ///< Where it connects to.
+  std::string transport;  ///< zmq, tcp or ours.
+  std::string endpoint;   ///< Where it connects to.
   std::string executor = "inline";
   bool lossless = false;
 };

@@ -15,7 +15,7 @@
 #include "hgros/hgros.hpp"
 #include "scan_cloud.hpp"
 #include "slam_run.hpp"
-#include "viewer/app/offscreen.hpp"
+#include "viewer/app/surface/offscreen.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace {

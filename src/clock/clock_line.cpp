@@ -1,4 +1,4 @@
-#include "hgros/clock/clock_line.hpp"
+#include "hgros/internal/clock/clock_line.hpp"
 
 #include <algorithm>
 #include <cmath>

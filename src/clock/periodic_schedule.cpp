@@ -9,7 +9,7 @@ namespace hgros {
 PeriodicSchedule::PeriodicSchedule(const ClockReading& seen, Time first, Duration period, Missed policy)
     : next_(first), period_(period), policy_(policy), jumped_(seen.jumped) {
   if (period > Duration::zero()) return;
-  throw Error("A period of " + std::to_string(period.count()) + " ns is none.", {}, "Give one above zero.");
+  throw Error("A period cannot be " + std::to_string(period.count()) + " ns.", {}, "Use one above zero.");
 }
 
 void PeriodicSchedule::Follow(const ClockReading& reading) noexcept {
@@ -17,7 +17,7 @@ void PeriodicSchedule::Follow(const ClockReading& reading) noexcept {
   jumped_ = reading.jumped;
 }
 
-std::optional<Tick> PeriodicSchedule::Take(const ClockReading& reading) {
+std::optional<Tick> PeriodicSchedule::AdvanceTo(const ClockReading& reading) {
   Follow(reading);
   if (next_ > reading.now || next_ == Time::Never()) return std::nullopt;
   Tick tick{next_, reading.now, 0};

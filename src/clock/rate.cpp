@@ -15,7 +15,7 @@ std::optional<Tick> Rate::Sleep(const std::stop_token& stop) {
   for (;;) {
     if (stop.stop_requested()) return std::nullopt;
     const ClockReading reading = clock_->Read();
-    if (std::optional<Tick> tick = schedule_.Take(reading)) return tick;
+    if (std::optional<Tick> tick = schedule_.AdvanceTo(reading)) return tick;
     clock_->Wait(sleeper, reading, schedule_.next());
   }
 }

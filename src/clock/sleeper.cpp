@@ -1,9 +1,9 @@
-#include "hgros/clock/sleeper.hpp"
+#include "hgros/internal/clock/sleeper.hpp"
 
 namespace hgros {
 
 void Sleeper::Wake() noexcept {
-  // Under the lock to the end: whoever is woken may destroy this object as soon as it has the lock.
+  // Holds the lock to the end: the woken thread may destroy this object as soon as it has the lock.
   const std::scoped_lock lock(mutex_);
   woken_ = true;
   woken_up_.notify_one();

@@ -10,7 +10,7 @@
 
 #include "clock/wall_jump_watch.hpp"
 #include "clock/wall_offset.hpp"
-#include "hgros/clock/waiting_room.hpp"
+#include "hgros/internal/clock/waiting_room.hpp"
 
 namespace hgros {
 namespace {
@@ -44,7 +44,7 @@ struct SystemClock::State {
   ClockReading Read() {
     const std::scoped_lock lock(mutex);
     const BothClocks both = ReadBoth();
-    return offset.Take(both.wall, both.steady);
+    return offset.Correct(both.wall, both.steady);
   }
 
   void Watch() {

@@ -37,14 +37,14 @@ TimerPlan::Id TimerPlan::AddOnce(Time due, bool moves_along, Callback callback) 
   return Add({Moment{due, moves_along}, std::move(callback)});
 }
 
-std::optional<TimerPlan::Due> TimerPlan::Take(const ClockReading& reading) {
+std::optional<TimerPlan::Due> TimerPlan::PopDue(const ClockReading& reading) {
   if (order_.empty() || order_.begin()->first > reading.now) return std::nullopt;
   const auto [planned, id] = *order_.begin();
   const auto found = entries_.find(id);
   Entry& entry = found->second;
   Due due{entry.callback, {planned, reading.now, 0}};
   auto* const schedule = std::get_if<PeriodicSchedule>(&entry.when);
-  const std::optional<Tick> tick = schedule != nullptr ? schedule->Take(reading) : std::nullopt;
+  const std::optional<Tick> tick = schedule != nullptr ? schedule->AdvanceTo(reading) : std::nullopt;
   order_.erase(order_.begin());
   if (tick) {
     due.tick = *tick;

@@ -8,9 +8,9 @@
 #include <utility>
 #include <variant>
 
-#include "hgros/base/listeners.hpp"
 #include "hgros/clock/clock.hpp"
 #include "hgros/clock/periodic_schedule.hpp"
+#include "hgros/internal/base/listeners.hpp"
 
 namespace hgros {
 
@@ -37,7 +37,7 @@ class TimerPlan {
   Id AddPeriodic(PeriodicSchedule schedule, Callback callback);
   Id AddOnce(Time due, bool moves_along, Callback callback);
   // The first of those that are due.
-  [[nodiscard]] std::optional<Due> Take(const ClockReading& reading);
+  [[nodiscard]] std::optional<Due> PopDue(const ClockReading& reading);
 
   // False if it has run for the last time.
   bool Remove(Id id);

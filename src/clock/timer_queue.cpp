@@ -82,7 +82,7 @@ class TimerQueue::Core {
     while (!stopped_) {
       const ClockReading reading = clock_->Read();
       plan_.Follow(reading);
-      std::optional<TimerPlan::Due> due = plan_.Take(reading);
+      std::optional<TimerPlan::Due> due = plan_.PopDue(reading);
       running_ = due.has_value();
       const Time next = plan_.next();
       lock.unlock();

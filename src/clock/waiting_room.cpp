@@ -1,4 +1,4 @@
-#include "hgros/clock/waiting_room.hpp"
+#include "hgros/internal/clock/waiting_room.hpp"
 
 #include <algorithm>
 

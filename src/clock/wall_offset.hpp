@@ -16,7 +16,7 @@ class WallOffset {
 
   WallOffset(Time wall, Time steady) : offset_(wall - steady) {}
 
-  ClockReading Take(Time wall, Time steady) {
+  ClockReading Correct(Time wall, Time steady) {
     const Duration change = (wall - steady) - offset_;
     if (change >= kLeastJump || change <= -kLeastJump) {
       offset_ += change;

@@ -1,4 +1,4 @@
-#include "hgros/codec/bulk_body.hpp"
+#include "hgros/internal/codec/bulk_body.hpp"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "codec/field_format.hpp"
-#include "hgros/codec/bulk_body.hpp"
+#include "hgros/internal/codec/bulk_body.hpp"
 
 namespace hgros::codec {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "codec/field_format.hpp"
-#include "hgros/codec/call_message.hpp"
+#include "hgros/internal/codec/call_message.hpp"
 
 namespace hgros::codec {
 namespace {
@@ -123,7 +123,8 @@ Payload EncodeCall(const AnyMessage& message) {
 
 std::size_t EncodedCallBytes(const void* message) {
   const auto& call = *static_cast<const CallMessage*>(message);
-  return CallHead(call).size() + (call.body ? call.type->encoded_bytes(call.body.get()) : 0);
+  const bool sized = call.body && call.type->encoded_bytes != nullptr;
+  return CallHead(call).size() + (sized ? call.type->encoded_bytes(call.body.get()) : 0);
 }
 
 bool EncodeCallInto(const void* message, std::span<std::byte> bytes) {
@@ -131,6 +132,7 @@ bool EncodeCallInto(const void* message, std::span<std::byte> bytes) {
   const CallHead head(call);
   const std::size_t size = head.size();
   if (size > bytes.size()) return false;
+  if (call.body && call.type->encode_into == nullptr) return false;
   head.WriteTo(reinterpret_cast<char*>(bytes.data()));
   return !call.body || call.type->encode_into(call.body.get(), bytes.subspan(size));
 }

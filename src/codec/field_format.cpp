@@ -8,10 +8,10 @@ namespace hgros::codec {
 void FieldReader::Skip(std::uint32_t tag) {
   switch (static_cast<FieldForm>(tag & 7U)) {
     case FieldForm::kVarint: ReadVarint(); break;
-    case FieldForm::kFixed64: Take(8); break;
+    case FieldForm::kFixed64: ReadBytes(8); break;
     case FieldForm::kLengthDelimited: ReadText(); break;
     case FieldForm::kStartGroup: SkipGroup(tag); break;
-    case FieldForm::kFixed32: Take(4); break;
+    case FieldForm::kFixed32: ReadBytes(4); break;
     default: ok_ = false;
   }
   if ((tag >> 3U) == 0) ok_ = false;
@@ -31,7 +31,7 @@ std::uint64_t FieldReader::ReadVarint(std::size_t max_bytes) noexcept {
   return 0;
 }
 
-Bytes FieldReader::Take(std::uint64_t size) noexcept {
+Bytes FieldReader::ReadBytes(std::uint64_t size) noexcept {
   ok_ = ok_ && size <= rest_.size();
   if (!ok_) return {};
   const Bytes taken = rest_.first(static_cast<std::size_t>(size));
@@ -39,13 +39,13 @@ Bytes FieldReader::Take(std::uint64_t size) noexcept {
   return taken;
 }
 
-// Groups nest and are nobody's habit any more: left to protobuf, which also limits their depth.
+// Groups nest and are rarely used: left to protobuf, which also limits their depth.
 void FieldReader::SkipGroup(std::uint32_t tag) {
   using google::protobuf::internal::WireFormatLite;
   google::protobuf::io::CodedInputStream in(reinterpret_cast<const std::uint8_t*>(rest_.data()),
                                             static_cast<int>(rest_.size()));
   ok_ = WireFormatLite::SkipField(&in, tag);
-  if (ok_) Take(static_cast<std::uint64_t>(in.CurrentPosition()));
+  if (ok_) ReadBytes(static_cast<std::uint64_t>(in.CurrentPosition()));
 }
 
 }  // namespace hgros::codec

@@ -90,11 +90,11 @@ class FieldReader {
 
   template <std::unsigned_integral T>
   T ReadFixed() noexcept {
-    const Bytes bytes = Take(sizeof(T));
+    const Bytes bytes = ReadBytes(sizeof(T));
     return ok_ ? GetLittleEndian<T>(bytes.data()) : T{0};
   }
 
-  std::string_view ReadText() noexcept { return AsText(Take(ReadVarint(kMaxShortVarint))); }
+  std::string_view ReadText() noexcept { return AsText(ReadBytes(ReadVarint(kMaxShortVarint))); }
 
   /// What is unknown, or of another form than ours, is skipped, as every protobuf reader does.
   void Skip(std::uint32_t tag);
@@ -104,7 +104,7 @@ class FieldReader {
   static constexpr std::size_t kMaxShortVarint = 5;  ///< Of tags and lengths.
 
   std::uint64_t ReadVarint(std::size_t max_bytes) noexcept;
-  Bytes Take(std::uint64_t size) noexcept;
+  Bytes ReadBytes(std::uint64_t size) noexcept;
   void SkipGroup(std::uint32_t tag);
 
   Bytes rest_;

@@ -96,7 +96,7 @@ class SizeCheck {
   std::string fault_;
 };
 
-// What nobody reads is taken out before the set is built: options, defaults, ranges and services are
+// Parts that are never read are taken out before the set is built: options, defaults, ranges and services are
 // where a hostile set could make building slow.
 void Reduce(EnumDescriptorProto& type, EnumValues values) {
   if (values == EnumValues::kLeftOut && type.value_size() > 1)

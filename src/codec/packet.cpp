@@ -1,4 +1,4 @@
-#include "hgros/codec/packet.hpp"
+#include "hgros/internal/codec/packet.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,8 @@
 #include "hgros/codec/raw_message.hpp"
 
+#include <cstring>
+
+#include "hgros/codec/run_time_type.hpp"
 #include "hgros/codec/schema_compatibility.hpp"
 
 namespace hgros {
@@ -8,13 +11,25 @@ namespace {
 // Its messages are RawMessages, made by the library alone: no type of a program's is taken for it.
 struct Any {};
 
+const Payload& DataOf(const void* message) { return static_cast<const RawMessage*>(message)->data; }
+
 TypeInfo MakeAnyType() {
   TypeInfo info;
   info.name = "raw bytes";
   info.cpp_type = typeid(Any);
   info.any = true;
-  info.memory_bytes = [](const void* message) {
-    return sizeof(RawMessage) + static_cast<const RawMessage*>(message)->data.bytes.size();
+  info.memory_bytes = [](const void* message) { return sizeof(RawMessage) + DataOf(message).bytes.size(); };
+  info.encode = [](const AnyMessage& message) { return DataOf(message.get()); };
+  info.encode_in_place = [](const void* message) { return DataOf(message); };
+  info.encoded_bytes = [](const void* message) { return DataOf(message).bytes.size(); };
+  info.encode_into = [](const void* message, std::span<std::byte> bytes) {
+    const Bytes data = DataOf(message).bytes;
+    if (!data.empty()) std::memcpy(bytes.data(), data.data(), data.size());
+    return true;
+  };
+  // Without its schema, which the reader knows.
+  info.decode = [](const Payload& payload) -> AnyMessage {
+    return std::make_shared<const RawMessage>(RawMessage{nullptr, payload});
   };
   return info;
 }
@@ -27,8 +42,7 @@ const TypeInfo& AnyType() noexcept {
 }
 
 MessageSchema SchemaOf(const TypeInfo& type) {
-  return {type.name, type.encoding, type.fingerprint,
-          type.descriptor_set == nullptr ? std::string() : type.descriptor_set()};
+  return {type.name, type.encoding, type.fingerprint, DescriptorSetOf(type)};
 }
 
 std::string MisfitOf(const MessageSchema& theirs, const TypeInfo& ours) {
@@ -37,10 +51,12 @@ std::string MisfitOf(const MessageSchema& theirs, const TypeInfo& ours) {
   }
   if (theirs.encoding != Encoding::kNone && theirs.encoding != ours.encoding) return "it is encoded in another way";
   if (theirs.fingerprint == 0 || ours.fingerprint == 0 || theirs.fingerprint == ours.fingerprint) return {};
-  if (ours.encoding != Encoding::kProtobuf || ours.descriptor == nullptr)
+  const google::protobuf::Descriptor* const descriptor = DescriptorOf(ours);
+  if (ours.encoding != Encoding::kProtobuf || descriptor == nullptr) {
     return "its " + ours.name + " has another layout";
+  }
   if (theirs.descriptor_set.empty()) return {};  // A plain publisher's, which is trusted.
-  const SchemaVerdict verdict = CheckSchemas(theirs.descriptor_set, ours.name, *ours.descriptor());
+  const SchemaVerdict verdict = CheckSchemas(theirs.descriptor_set, ours.name, *descriptor);
   return verdict.compatible ? std::string() : verdict.reason;
 }
 

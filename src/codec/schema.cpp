@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "hgros/codec/fingerprint.hpp"
+#include "hgros/internal/codec/fingerprint.hpp"
 
 namespace hgros {
 namespace {

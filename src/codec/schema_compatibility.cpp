@@ -68,7 +68,7 @@ std::string FieldFault(const FieldDescriptor& theirs, const FieldDescriptor& our
   return {};
 }
 
-SchemaVerdict Refuse(std::string reason) { return {false, std::move(reason), {}}; }
+SchemaVerdict Incompatible(std::string reason) { return {false, std::move(reason), {}}; }
 
 SchemaVerdict Compare(const Descriptor& their_root, const Descriptor& our_root) {
   using Pair = std::pair<const Descriptor*, const Descriptor*>;
@@ -83,17 +83,18 @@ SchemaVerdict Compare(const Descriptor& their_root, const Descriptor& our_root) 
       const FieldDescriptor* const their_field = theirs->FindFieldByNumber(our_field.number());
       if (their_field == nullptr) {
         if (!our_field.is_required()) continue;
-        return Refuse(Place(*ours, our_field.number()) + " is \"" + Describe(our_field) + "\" here and unknown there.");
+        return Incompatible(Place(*ours, our_field.number()) + " is \"" + Describe(our_field) +
+                            "\" here and unknown there.");
       }
       std::string fault = FieldFault(*their_field, our_field);
-      if (!fault.empty()) return Refuse(std::move(fault));
+      if (!fault.empty()) return Incompatible(std::move(fault));
       if (their_field->name() != our_field.name() && verdict.notes.size() < kMaxNotes) {
         verdict.notes.push_back(Place(*ours, our_field.number()) + " is named \"" + their_field->name() +
                                 "\" there and \"" + our_field.name() + "\" here.");
       }
       if (our_field.message_type() == nullptr) continue;
       const Pair next{their_field->message_type(), our_field.message_type()};
-      if (seen.size() >= kMaxComparedPairs) return Refuse("The schemas are too large to be compared.");
+      if (seen.size() >= kMaxComparedPairs) return Incompatible("The schemas are too large to be compared.");
       if (seen.insert(next).second) open.push_back(next);
     }
   }
@@ -105,10 +106,10 @@ SchemaVerdict Compare(const Descriptor& their_root, const Descriptor& our_root) 
 SchemaVerdict CheckSchemas(std::string_view their_descriptor_set, const std::string& their_type_name,
                            const Descriptor& ours) {
   if (their_type_name != ours.full_name()) {
-    return Refuse("The type is " + their_type_name + " there and " + ours.full_name() + " here.");
+    return Incompatible("The type is " + their_type_name + " there and " + ours.full_name() + " here.");
   }
   const ForeignSchema theirs = BuildForeignSchema(their_descriptor_set, their_type_name, EnumValues::kLeftOut);
-  if (theirs.type == nullptr) return Refuse("The peer's schema " + theirs.fault);
+  if (theirs.type == nullptr) return Incompatible("The peer's schema " + theirs.fault);
   return Compare(*theirs.type, ours);
 }
 

@@ -1,4 +1,4 @@
-#include "hgros/codec/type_name.hpp"
+#include "hgros/internal/codec/type_name.hpp"
 
 #include <cxxabi.h>
 

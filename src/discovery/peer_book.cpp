@@ -13,7 +13,7 @@ void PeerBook::Put(const Announcement& peer) {
   }
   if (entry->second == peer) return;
   const bool reborn = entry->second.incarnation != peer.incarnation;
-  if (reborn) news_.push_back({Event::kGone, std::move(entry->second), "It started anew."});
+  if (reborn) news_.push_back({Event::kGone, std::move(entry->second), "It restarted."});
   news_.push_back({reborn ? Event::kCame : Event::kChanged, peer, {}});
   entry->second = peer;
 }

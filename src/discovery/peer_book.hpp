@@ -12,18 +12,18 @@
 
 namespace hgros::discovery {
 
-/// Everyone who is known, and what the listener has to hear about them yet.
+/// All known sessions, and the events that the listener has not been told yet.
 ///
-/// Thread safety: all functions; Tell() by one thread.
+/// Thread safety: all functions; Tell() from one thread.
 class PeerBook {
  public:
-  /// Enters a session or what is new about it.
+  /// Adds a session or updates it.
   void Put(const Announcement& peer);
-  /// Strikes a session out, if it is in here.
+  /// Removes a session if it is known.
   void Remove(SessionId session, std::string_view reason);
   [[nodiscard]] std::vector<Announcement> List() const;
   [[nodiscard]] std::vector<SessionId> Sessions() const;
-  /// Tells the listener what happened since the last time, without holding the lock.
+  /// Tells the listener all new events without holding the lock.
   void Tell(DiscoveryListener& listener);
 
  private:
@@ -36,7 +36,7 @@ class PeerBook {
 
   mutable std::mutex mutex_;
   std::map<std::uint64_t, Announcement> peers_;  // By session id. Guarded by mutex_.
-  std::deque<News> news_;                        // Likewise.
+  std::deque<News> news_;                        // Guarded by mutex_.
 };
 
 }  // namespace hgros::discovery

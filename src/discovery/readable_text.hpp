@@ -8,7 +8,7 @@ namespace hgros::discovery {
 
 inline constexpr std::size_t kMaxTextBytes = 256;  // Of names for people, type names and endpoints.
 
-/// `text` without what a terminal would obey, cut to kMaxTextBytes.
+/// `text` without control characters, cut to kMaxTextBytes.
 [[nodiscard]] std::string Readable(std::string_view text);
 
 }  // namespace hgros::discovery

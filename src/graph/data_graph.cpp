@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "graph/callback_scope.hpp"
 #include "graph/graph_core.hpp"
+#include "graph/nodes/callback_scope.hpp"
 
 namespace hgros {
 
@@ -73,7 +73,7 @@ bool DataGraph::WaitIdle(std::chrono::steady_clock::time_point deadline) const {
 void DataGraph::PublisherIsGone(std::uint64_t publisher) { core_->PublisherIsGone(publisher); }
 void DataGraph::PublisherIsBack(std::uint64_t publisher) { core_->PublisherIsBack(publisher); }
 
-void DataGraph::SayUntakenNames() { core_->SayUntakenNames(); }
+void DataGraph::LogUnmatchedOverrides() { core_->LogUnmatchedOverrides(); }
 
 void DataGraph::Refuse() noexcept { core_->Refuse(); }
 

@@ -4,13 +4,14 @@
 #include <system_error>
 #include <utility>
 
-#include "graph/dedicated_node.hpp"
-#include "graph/epoch.hpp"
-#include "graph/inline_concurrent_node.hpp"
-#include "graph/inline_serial_node.hpp"
-#include "graph/tbb_node.hpp"
+#include "graph/channel/epoch.hpp"
+#include "graph/nodes/dedicated_node.hpp"
+#include "graph/nodes/inline_concurrent_node.hpp"
+#include "graph/nodes/inline_serial_node.hpp"
+#include "graph/nodes/tbb_node.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/codec/run_time_type.hpp"
 
 namespace hgros {
 namespace {
@@ -18,9 +19,11 @@ namespace {
 constexpr auto kPatience = std::chrono::seconds(2);
 
 void RequireFittingType(Channel& channel, const TypeInfo& type, const CallSite& where) {
-  if (channel.Takes(type, where)) return;
-  throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + channel.type().name + " (first used so at " +
-                         channel.declared_at() + ") and cannot be used with " + type.name + ".",
+  if (channel.TryUseWith(type, where)) return;
+  const bool same_name = channel.type().name == type.name;
+  const auto named = [&](const TypeInfo& one) { return same_name ? DescribeTypeFully(one) : one.name; };
+  throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + named(channel.type()) + " (first used so at " +
+                         channel.declared_at() + ") and cannot be used with " + named(type) + ".",
                      where.ToString(),
                      "Use one type for a channel everywhere, or give one of the two another channel name.");
 }
@@ -28,7 +31,7 @@ void RequireFittingType(Channel& channel, const TypeInfo& type, const CallSite& 
 }  // namespace
 
 GraphCore::GraphCore(GraphOptions options, std::shared_ptr<Log> log)
-    : options_(std::move(options)), log_(std::move(log)), untaken_names_(options_.overrides) {}
+    : options_(std::move(options)), log_(std::move(log)), unmatched_overrides_(options_.overrides) {}
 
 Channel& GraphCore::Open(std::string_view name, const TypeInfo& type, const CallSite& where) {
   Channel* channel = channels_.Find(name);
@@ -68,7 +71,7 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& typ
   }
   {
     const std::scoped_lock lock(mutex_);
-    untaken_names_.Take(setting.name);
+    unmatched_overrides_.MarkMatched(setting.name);
   }
   setting.type = &type;
   setting.in_form = [&channel, &type](const AnyMessage& message) { return channel.InForm(message, type); };
@@ -95,7 +98,7 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& typ
   channel.Add(node);
   try {
     node->Start();
-  } catch (...) {  // No thread to be had.
+  } catch (...) {  // No thread is available.
     channel.Remove(*node);
     node->Close(true);
     throw;
@@ -143,7 +146,7 @@ void GraphCore::Refuse() noexcept {
     auto watch = std::make_unique<HangWatch>(kPatience, [this] { NameBusyNodes(); });
     const std::scoped_lock lock(mutex_);
     hang_watch_ = std::move(watch);
-  } catch (const std::system_error&) {  // No thread to be had: then nothing is said.
+  } catch (const std::system_error&) {  // No thread is available: then nothing is logged.
   }
 }
 
@@ -161,11 +164,11 @@ void GraphCore::NameBusyNodes() const {
   }
 }
 
-void GraphCore::SayUntakenNames() {
+void GraphCore::LogUnmatchedOverrides() {
   std::string sentence;
   {
     const std::scoped_lock lock(mutex_);
-    sentence = untaken_names_.Say();
+    sentence = unmatched_overrides_.Report();
   }
   if (!sentence.empty()) log_->Write(LogLevel::kInfo, sentence);
 }

@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "graph/channel_table.hpp"
+#include "graph/channel/channel_table.hpp"
 #include "graph/hang_watch.hpp"
-#include "graph/tbb_executor.hpp"
-#include "graph/untaken_names.hpp"
+#include "graph/nodes/tbb_executor.hpp"
+#include "graph/unmatched_overrides.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/graph/data_graph.hpp"
 
 namespace hgros {
 
-// What a DataGraph owns. Handles that outlive the graph keep it, refusing, until they go.
+// The state of a DataGraph. Handles that outlive the graph keep it alive; it then refuses everything.
 //
 // Thread safety: all public functions from any thread.
 class GraphCore {
@@ -30,19 +30,20 @@ class GraphCore {
                                   NodeOptions options);
   void SetClosed(std::string_view name, bool closed);
   bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
-  // The first call also begins to watch: what still runs after 2 s is named in the log, until Shutdown() is done.
+  // The first call also starts the HangWatch: nodes that still run after 2 s are named in the log, until Shutdown()
+  // ends.
   void Refuse() noexcept;
   void Shutdown() noexcept;
 
   void PublisherIsGone(std::uint64_t publisher);
   void PublisherIsBack(std::uint64_t publisher);
-  // Says once in the log which node names of the configuration nobody has taken.
-  void SayUntakenNames();
-  // Takes a closed node over whose callbacks nobody has waited for.
+  // Logs once which node names of the configuration match no node.
+  void LogUnmatchedOverrides();
+  // Keeps a closed node whose running callbacks were not waited for.
   void Linger(std::shared_ptr<Node> node);
 
   [[nodiscard]] bool refusing() const noexcept { return refusing_.load(std::memory_order_relaxed) || fork_.IsChild(); }
-  // Nothing of the graph may be waited for or destroyed here.
+  // In a forked child nothing of the graph may be waited for or destroyed.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] const MessageId& publisher() const noexcept { return options_.publisher; }
   [[nodiscard]] const Channel* Find(std::string_view name) const noexcept { return channels_.Find(name); }
@@ -58,14 +59,14 @@ class GraphCore {
   const std::shared_ptr<Log> log_;
   std::atomic<bool> refusing_{false};
   const ForkGuard fork_;
-  // Before the channels: nodes give their flow-graph nodes back when they go.
+  // Declared before the channels, because nodes return their flow-graph nodes when they are destroyed.
   std::mutex workers_mutex_;
   std::optional<TbbExecutor> workers_;
   ChannelTable channels_;
   mutable std::mutex mutex_;
   std::set<std::string, std::less<>> closed_before_open_;
   std::vector<std::shared_ptr<Node>> lingering_;
-  UntakenNames untaken_names_;
+  UnmatchedOverrides unmatched_overrides_;
   std::unique_ptr<HangWatch> hang_watch_;  // Last: its thread reads the others.
 };
 

@@ -8,8 +8,8 @@
 
 namespace hgros {
 
-// Speaks up if something that should end soon has not ended after a while: calls `say` once, from a thread of its own,
-// unless it is destroyed before.
+// Calls `say` once, on a thread of its own, unless it is destroyed before `patience` has passed. Reports something that
+// should have ended by then.
 class HangWatch {
  public:
   HangWatch(std::chrono::nanoseconds patience, std::function<void()> say);

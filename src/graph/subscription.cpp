@@ -3,20 +3,20 @@
 #include <mutex>
 #include <utility>
 
-#include "graph/callback_scope.hpp"
 #include "graph/graph_core.hpp"
+#include "graph/nodes/callback_scope.hpp"
 #include "hgros/base/fork_guard.hpp"
 
 namespace hgros {
 
-// What a live subscription holds. Whoever ends it takes all of it out under the lock.
+// The parts of a live subscription. The thread that ends it takes all of them out under the lock.
 struct Subscription::State {
   std::mutex mutex;
   std::shared_ptr<GraphCore> core;
   Channel* channel = nullptr;
   std::shared_ptr<Node> node;
   std::shared_ptr<const void> companion;
-  // What was taken out, for those who want to wait for its last callbacks.
+  // The parts that were taken out, for threads that wait for the last callbacks.
   std::weak_ptr<GraphCore> ended_core;
   std::weak_ptr<Node> ended_node;
 

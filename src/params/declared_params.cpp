@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "hgros/base/names.hpp"
+#include "hgros/yaml/scalar_text.hpp"
 #include "params/param_tree.hpp"
-#include "params/scalar_text.hpp"
 
 namespace hgros {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hgros/base/names.hpp"
-#include "params/scalar_text.hpp"
+#include "hgros/yaml/scalar_text.hpp"
 
 namespace hgros::params_detail {
 namespace {

@@ -100,16 +100,15 @@ class ParamFileWatch::Core {
 
   void Say(const ParamResult& result) {
     if (!done_) {
-      if (!result.ok()) log_.Write(LogLevel::kWarning, "The parameters stay as they were: " + result.refusal);
+      if (!result.ok()) log_.Write(LogLevel::kWarning, "The parameters keep their old values: " + result.refusal);
       return;
     }
     try {
       done_(result);
     } catch (const std::exception& e) {
-      log_.Write(LogLevel::kError, std::string("A callback that is told of reloaded parameters threw: ") + e.what());
+      log_.Write(LogLevel::kError, std::string("The callback for reloaded parameters threw: ") + e.what());
     } catch (...) {
-      log_.Write(LogLevel::kError,
-                 "A callback that is told of reloaded parameters threw something that is no std::exception.");
+      log_.Write(LogLevel::kError, "The callback for reloaded parameters threw something that is no std::exception.");
     }
   }
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "hgros/base/error.hpp"
-#include "params/scalar_text.hpp"
+#include "hgros/yaml/quoted.hpp"
+#include "hgros/yaml/scalar_text.hpp"
 
 namespace hgros {
 
@@ -50,7 +51,7 @@ std::string ParamNode::Description() const {
     case Kind::kMap: return "a map";
     case Kind::kText: break;
   }
-  if (IsString()) return "the text " + scalar::InQuotes(text) + (scalar::IsPlainString(text) ? "" : " in quotes");
+  if (IsString()) return "the text " + yaml::Quoted(text) + (scalar::IsPlainString(text) ? "" : " in quotes");
   return scalar::Boolean(text) ? text : "the number " + text;
 }
 

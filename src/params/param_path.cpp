@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "hgros/params/param_error.hpp"
-#include "params/scalar_text.hpp"
+#include "hgros/yaml/quoted.hpp"
 
 namespace hgros {
 namespace {
@@ -17,7 +17,7 @@ bool IsPlain(char c) {
 }
 
 [[noreturn]] void Fail(std::string_view path, std::string_view what) {
-  throw ParamError(scalar::InQuotes(path) + " is no path of a parameter: " + std::string(what) + ".", {},
+  throw ParamError(yaml::Quoted(path) + " is no path of a parameter: " + std::string(what) + ".", {},
                    "Write it as in slam.matcher.gains[2], and other keys as in a.\"the key\".b.");
 }
 
@@ -41,7 +41,7 @@ class Reader {
       } else if (text_[at_] == '[') {
         steps.emplace_back(Index());
       } else {
-        Fail(text_, "it has " + scalar::InQuotes(text_.substr(at_, 1)) + " where a dot belongs");
+        Fail(text_, "it has " + yaml::Quoted(text_.substr(at_, 1)) + " where a dot belongs");
       }
     }
     return steps;

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <map>
 
-#include "hgros/session/yaml_document.hpp"
+#include "hgros/yaml/document.hpp"
 #include "params/param_server_core.hpp"
 #include "params/replaced_file.hpp"
 #include "params/yaml_edit.hpp"
@@ -31,7 +31,7 @@ std::string ReadText(const std::filesystem::path& file) {
 void ParamServer::Core::Save() {
   const std::scoped_lock files(files_mutex_);
   if (sources_.files.empty()) {
-    throw Error("The parameters come from no file, so that there is none to save them in.", {}, "Use SaveAs().");
+    throw Error("The parameters come from no file, so there is no file to save them in.", {}, "Use SaveAs().");
   }
   std::vector<YamlEdit> edits;
   CollectSet({}, root(), edits);

@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-#include "hgros/session/yaml_document.hpp"
+#include "hgros/yaml/document.hpp"
 
 namespace hgros {
 
@@ -33,7 +33,7 @@ ParamNodePtr ParamServer::Core::Declare(DeclaredParams::Entry entry) {
   if (const DeclaredParams::Entry* const known = declared_.Find(entry.path)) {
     entry.check(ParamView(root_).At(entry.path));
     if (known->info == entry.info && known->fallback->SameValue(*entry.fallback)) return root_;
-    throw ParamError("The parameter " + entry.path.ToString() + " is declared twice, and not alike.", {},
+    throw ParamError("The parameter " + entry.path.ToString() + " is declared twice with different settings.", {},
                      "Declare it in one place.");
   }
   ParamNodePtr root = root_;
@@ -87,7 +87,7 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps) {
     } catch (const ParamError& e) {
       return {e.what()};
     }
-    // Nothing differs but who said it: that is noted, and nobody is asked or told.
+    // Only the source of the value differs: it is stored, and no validator or listener is called.
     if (!event.paths.empty()) {
       if (std::string refusal = Ask(event); !refusal.empty()) return {std::move(refusal)};
     }

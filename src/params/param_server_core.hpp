@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "hgros/base/listeners.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/internal/base/listeners.hpp"
 #include "hgros/params/param_server.hpp"
 #include "params/declared_params.hpp"
 #include "params/param_tree.hpp"

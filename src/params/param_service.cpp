@@ -22,7 +22,7 @@ namespace {
 // Of questions that nobody has come to answer yet.
 constexpr std::size_t kQuestions = 256;
 // Those who ask may hear of the answers a little late, and ask once more.
-constexpr std::size_t kAnswers = 64;
+constexpr std::size_t kLatchedAnswers = 64;
 // How long a state waits for room before a newer one is looked for; and the last one of all.
 constexpr auto kPatience = std::chrono::milliseconds(100);
 
@@ -38,7 +38,7 @@ class ParamService::Core {
         log_(std::move(log)),
         channels_(name),
         say_(session.Advertise<ParamsState>(channels_.state, {.latched = 1})),
-        answer_(session.Advertise<ParamsAnswer>(channels_.answer, {.latched = kAnswers})) {
+        answer_(session.Advertise<ParamsAnswer>(channels_.answer, {.latched = kLatchedAnswers})) {
     others_ = session.FromAny<ParamsState>(
         channels_.state, Invoke::kSerial,
         [this](const ParamsState& state, const MessageInfo& info) { OnState(state, info); },
@@ -131,7 +131,7 @@ class ParamService::Core {
     }
     answer->set_version(Say());
     given_.push_back(answer);
-    if (given_.size() > kAnswers) given_.pop_front();
+    if (given_.size() > kLatchedAnswers) given_.pop_front();
     (void)answer_(given_.back());
   }
 

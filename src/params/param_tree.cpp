@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "hgros/params/param_error.hpp"
-#include "params/scalar_text.hpp"
+#include "hgros/yaml/scalar_text.hpp"
 
 namespace hgros::param_tree {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "hgros/params/param_node.hpp"
 #include "hgros/params/param_path.hpp"
-#include "hgros/session/yaml_document.hpp"
+#include "hgros/yaml/document.hpp"
 
 // What is done to trees of parameters; each gives a new tree.
 namespace hgros::param_tree {

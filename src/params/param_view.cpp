@@ -4,7 +4,7 @@
 #include <span>
 
 #include "hgros/base/names.hpp"
-#include "params/scalar_text.hpp"
+#include "hgros/yaml/quoted.hpp"
 
 namespace hgros {
 namespace {
@@ -75,7 +75,7 @@ void ParamView::RequireKeys(const std::vector<std::string>& known) const {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::string nearest = key.size() <= 64 ? NearestName(key, known) : std::string();
     throw ParamError(
-        "Unknown key " + scalar::InQuotes(key) + " in " + path_.ToString() + ".", value->origin.ToString(),
+        "Unknown key " + yaml::Quoted(key) + " in " + path_.ToString() + ".", value->origin.ToString(),
         (nearest.empty() ? "" : "Did you mean \"" + nearest + "\"? ") + "Known keys: " + Listed(known) + ".");
   }
 }

@@ -13,7 +13,7 @@
 namespace hgros {
 namespace {
 
-constexpr std::size_t kAnswers = 256;
+constexpr std::size_t kWaitingAnswers = 256;
 constexpr auto kFirstPause = std::chrono::milliseconds(100);  // Before a question is said again.
 
 void ListBelow(const ParamView& view, std::vector<std::string>& paths) {
@@ -47,7 +47,7 @@ class RemoteParams::Core {
         answers_(
             session.FromAny<ParamsAnswer>(channels_.answer, Invoke::kSerial,
                                           [mirror = mirror_](const ParamsAnswer& answer) { mirror->OnAnswer(answer); },
-                                          {{}, Queue::KeepLast(kAnswers), Executor::Inline()})) {}
+                                          {{}, Queue::KeepLast(kWaitingAnswers), Executor::Inline()})) {}
 
   RemoteMirror::Outcome Ask(const std::vector<ParamChange>& changes) {
     const auto deadline = DeadlineIn(timeout_);

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "hgros/params/param_error.hpp"
-#include "hgros/session/yaml_document.hpp"
+#include "hgros/yaml/document.hpp"
 #include "params/param_tree.hpp"
 #include "params/yaml_writing.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "params/scalar_text.hpp"
+#include "hgros/yaml/scalar_text.hpp"
 
 namespace hgros::yaml_writing {
 namespace {

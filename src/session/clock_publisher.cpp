@@ -17,7 +17,7 @@
 namespace hgros {
 namespace {
 
-constexpr auto kPeriod = std::chrono::milliseconds(100);
+constexpr auto kTellingPeriod = std::chrono::milliseconds(100);
 
 }  // namespace
 
@@ -58,7 +58,7 @@ class ClockPublisher::Core {
       if (paused) {
         woken_.wait(lock, stop, changed);
       } else {
-        woken_.wait_for(lock, stop, kPeriod, changed);
+        woken_.wait_for(lock, stop, kTellingPeriod, changed);
       }
     }
   }
@@ -75,7 +75,7 @@ class ClockPublisher::Core {
     time->set_paused(state.paused || ended);
     time->set_ended(ended);
     time->set_steady_ns(steady);
-    const auto deadline = std::chrono::steady_clock::now() + kPeriod;
+    const auto deadline = std::chrono::steady_clock::now() + kTellingPeriod;
     const bool said = publish_.Wait(std::move(time), deadline, stop) != PublishStatus::kTimedOut;
     if (!said) {
       const std::scoped_lock lock(mutex_);

@@ -3,86 +3,146 @@
 #include <utility>
 
 #include "hgros/clock/time.hpp"
+#include "hgros/codec/run_time_type.hpp"
 #include "session/session_core.hpp"
 
 namespace hgros {
 
 Session::Session() : Session(Config{}) {}
 Session::Session(Config config, SessionOptions options)
-    : core_(std::make_unique<Core>(std::move(config), std::move(options))) {}
+    : Session(std::make_unique<SessionCore>(std::move(config), std::move(options))) {}
+Session::Session(std::unique_ptr<SessionCore> core)
+    : SessionPublishing(*core),
+      SessionSubscribing(*core),
+      SessionServices(*core),
+      SessionNetwork(*core),
+      core_(std::move(core)) {}
 Session::~Session() {
-  if (core_->in_forked_child()) LeaveToParent(std::shared_ptr<const Core>(std::move(core_)));
+  if (core_->in_forked_child()) LeaveToParent(std::shared_ptr<const SessionCore>(std::move(core_)));
 }
 
-bool Session::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const {
-  return core_->WaitForSubscribers(channel, count, timeout);
-}
-bool Session::WaitForPublishers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const {
-  return core_->WaitForPublishers(channel, count, timeout);
-}
-
-std::shared_ptr<const MessageSchema> Session::AwaitSchema(std::string_view channel, std::chrono::nanoseconds timeout) {
-  return core_->AwaitSchema(channel, timeout);
-}
-
-void Session::SetClosed(std::string_view channel, bool closed) { core_->graph().SetClosed(channel, closed); }
-void Session::AllowPublishing(std::string_view channel, bool allowed) { core_->AllowPublishing(channel, allowed); }
-void Session::AllowSubscribing(std::string_view channel, bool allowed) { core_->AllowSubscribing(channel, allowed); }
-void Session::AddPublisherEndpoint(const EndpointConfig& endpoint) { core_->AddPublisherEndpoint(endpoint); }
-void Session::AddSubscriberEndpoint(const EndpointConfig& endpoint) { core_->AddSubscriberEndpoint(endpoint); }
-void Session::RemoveSubscriberEndpoint(std::string_view endpoint) { core_->RemoveSubscriberEndpoint(endpoint); }
-std::vector<std::string> Session::PublisherEndpoints() const { return core_->PublisherEndpoints(); }
-
-std::vector<PeerInfo> Session::Peers() const { return core_->Peers(); }
-std::vector<KnownChannel> Session::Channels() const { return core_->Channels(); }
 SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
 bool Session::WaitIdle(std::chrono::nanoseconds timeout) const { return core_->graph().WaitIdle(DeadlineIn(timeout)); }
-
 NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCallback callback,
                                NodeTimerOptions options) {
   return core_->timers().Create(name, period, std::move(callback), std::move(options));
 }
 const std::shared_ptr<Clock>& Session::clock() const noexcept { return core_->clock(); }
-
-std::optional<ClockOffset> Session::OffsetTo(SessionId peer) const { return core_->OffsetTo(peer); }
-
 SessionId Session::id() const noexcept { return core_->id(); }
 const std::string& Session::name() const noexcept { return core_->name(); }
 Log& Session::log() const noexcept { return core_->log(); }
 Config Session::config() const { return core_->config(); }
 
-Channel& Session::Open(std::string_view channel, const TypeInfo& type, const CallSite& where) {
-  return core_->Open(channel, type, where);
+PublishStatus SessionPublishing::ToAnyRaw(std::string_view channel, const MessageSchema& schema, const Payload& data,
+                                          const CallSite& where) {
+  const TypeInfo& type = RunTimeType(schema);
+  return PublishRaw(OpenAny(channel, type, where), type.run_time->schema, data, Reach::kAny);
 }
-Channel& Session::OpenAny(std::string_view channel, const TypeInfo& type, const CallSite& where) {
-  return core_->OpenAny(channel, type, where);
+RawPublisher SessionPublishing::AdvertiseRaw(std::string_view channel, const MessageSchema& schema,
+                                             PublishOptions options, const CallSite& where) {
+  const TypeInfo& type = RunTimeType(schema);
+  Channel& opened = OpenAny(channel, type, where);
+  Latch(opened, options.latched);
+  return RawPublisher(Share(opened), type.run_time->schema, Reach::kAny);
 }
-std::shared_ptr<Channel> Session::Share(Channel& channel) const { return core_->graph().Share(channel); }
-Block Session::LoanBlock(std::string_view channel, std::size_t size_bytes) {
-  return core_->LoanBlock(channel, size_bytes);
+bool SessionPublishing::WaitForSubscribers(std::string_view channel, std::size_t count,
+                                           std::chrono::nanoseconds timeout) const {
+  return publishing_core_.WaitForSubscribers(channel, count, timeout);
+}
+void SessionPublishing::SetClosed(std::string_view channel, bool closed) {
+  publishing_core_.graph().SetClosed(channel, closed);
+}
+Channel& SessionPublishing::OpenInGraph(std::string_view channel, const TypeInfo& type, const CallSite& where) {
+  return publishing_core_.graph().Open(channel, type, where);
+}
+Channel& SessionPublishing::OpenAny(std::string_view channel, const TypeInfo& type, const CallSite& where) {
+  return publishing_core_.OpenAny(channel, type, where);
+}
+std::shared_ptr<Channel> SessionPublishing::Share(Channel& channel) const {
+  return publishing_core_.graph().Share(channel);
+}
+Block SessionPublishing::LoanBlock(std::string_view channel, std::size_t size_bytes) {
+  return publishing_core_.LoanBlock(channel, size_bytes);
+}
+void SessionPublishing::Latch(Channel& channel, std::size_t count) { publishing_core_.Latch(channel, count); }
+
+std::shared_ptr<const MessageSchema> SessionSubscribing::AwaitSchema(std::string_view channel,
+                                                                     std::chrono::nanoseconds timeout) {
+  return subscribing_core_.AwaitSchema(channel, timeout);
+}
+bool SessionSubscribing::WaitForPublishers(std::string_view channel, std::size_t count,
+                                           std::chrono::nanoseconds timeout) const {
+  return subscribing_core_.WaitForPublishers(channel, count, timeout);
+}
+Channel& SessionSubscribing::OpenToSubscribe(std::string_view channel, const TypeInfo& type, const CallSite& where) {
+  return subscribing_core_.graph().Open(channel, type, where);
+}
+Subscription SessionSubscribing::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke,
+                                              AnyCallback callback, NodeOptions options) {
+  return subscribing_core_.SubscribeAny(channel, type, invoke, std::move(callback), std::move(options));
+}
+Subscription SessionSubscribing::SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke,
+                                                AnyCallback callback, NodeOptions options) {
+  return subscribing_core_.SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
 }
 
-Service Session::ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
-                          NodeOptions options, const CallSite& where) {
-  return Service(core_->services().Serve(
-      {std::string(name), &types.request, &types.reply, &types.body, invoke, std::move(handler)}, std::move(options),
-      where));
+Service SessionServices::ServeRaw(std::string_view name, const MessageSchema& request, const MessageSchema& reply,
+                                  RawHandler handler, Invoke invoke, NodeOptions options, const CallSite& where) {
+  const TypeInfo& reply_body = RunTimeType(reply);
+  auto answer = [handler = std::move(handler),
+                 schema = reply_body.run_time->schema](const AnyMessage& message) -> AnyMessage {
+    const Payload data = handler(*static_cast<const RawMessage*>(message.get()));
+    return std::make_shared<const RawMessage>(RawMessage{schema, OwnedPayload(data)});
+  };
+  return ServeAny(name, {RunTimeCallType(request), RunTimeCallType(reply), RunTimeType(request), reply_body},
+                  std::move(answer), invoke, std::move(options), where);
 }
-std::shared_ptr<PendingCall> Session::CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
-                                              std::chrono::nanoseconds timeout,
-                                              std::function<void(const CallEnd& end)> callback) {
-  return core_->services().Call(name, {types.request, types.reply, types.body, std::move(request), timeout},
-                                std::move(callback));
+CallFuture<RawMessage> SessionServices::CallRaw(std::string_view name, const MessageSchema& request_schema,
+                                                const Payload& request, const MessageSchema& reply,
+                                                std::chrono::nanoseconds timeout) {
+  return CallFuture<RawMessage>(CallBytes(name, request_schema, request, reply, timeout, {}));
+}
+std::shared_ptr<PendingCall> SessionServices::CallBytes(std::string_view name, const MessageSchema& request_schema,
+                                                        const Payload& request, const MessageSchema& reply,
+                                                        std::chrono::nanoseconds timeout, AnyAnswer callback) {
+  const TypeInfo& body = RunTimeType(request_schema);
+  const bool any = reply.type_name.empty();
+  auto message = std::make_shared<const RawMessage>(RawMessage{body.run_time->schema, OwnedPayload(request)});
+  return CallAny(name,
+                 {RunTimeCallType(request_schema), any ? AnyType() : RunTimeCallType(reply), body,
+                  any ? AnyType() : RunTimeType(reply)},
+                 std::move(message), timeout, std::move(callback));
+}
+Service SessionServices::ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
+                                  NodeOptions options, const CallSite& where) {
+  return Service(services_core_.services().Serve({std::string(name), &types.request, &types.reply, &types.request_body,
+                                                  &types.reply_body, invoke, std::move(handler)},
+                                                 std::move(options), where));
+}
+std::shared_ptr<PendingCall> SessionServices::CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
+                                                      std::chrono::nanoseconds timeout, AnyAnswer callback) {
+  return services_core_.services().Call(
+      name, {types.request, types.reply, types.request_body, std::move(request), timeout}, std::move(callback));
 }
 
-void Session::Latch(Channel& channel, std::size_t count) { core_->Latch(channel, count); }
-Subscription Session::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
-                                   NodeOptions options) {
-  return core_->SubscribeAny(channel, type, invoke, std::move(callback), std::move(options));
+void SessionNetwork::AllowPublishing(std::string_view channel, bool allowed) {
+  network_core_.AllowPublishing(channel, allowed);
 }
-Subscription Session::SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
-                                     NodeOptions options) {
-  return core_->SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
+void SessionNetwork::AllowSubscribing(std::string_view channel, bool allowed) {
+  network_core_.AllowSubscribing(channel, allowed);
 }
+void SessionNetwork::AddPublisherEndpoint(const EndpointConfig& endpoint) {
+  network_core_.AddPublisherEndpoint(endpoint);
+}
+void SessionNetwork::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
+  network_core_.AddSubscriberEndpoint(endpoint);
+}
+void SessionNetwork::RemoveSubscriberEndpoint(std::string_view endpoint) {
+  network_core_.RemoveSubscriberEndpoint(endpoint);
+}
+std::vector<std::string> SessionNetwork::PublisherEndpoints() const { return network_core_.PublisherEndpoints(); }
+std::optional<ClockOffset> SessionNetwork::OffsetTo(SessionId peer) const { return network_core_.OffsetTo(peer); }
+std::vector<PeerInfo> SessionNetwork::Peers() const { return network_core_.Peers(); }
+std::vector<KnownChannel> SessionNetwork::Channels() const { return network_core_.Channels(); }
 
 }  // namespace hgros

@@ -8,14 +8,14 @@
 
 namespace hgros {
 
-std::vector<Subscription> Session::Core::FollowClock() {
+std::vector<Subscription> SessionCore::FollowClock() {
   std::vector<Subscription> subscriptions;
   if (!followed_clock_) return subscriptions;
   const auto follower = std::make_shared<ClockFollower>(followed_clock_, log_);
   NodeOptions options{"hgros/clock", {}, Executor::Inline()};
   const TypeInfo& type = TypeOf<SimulatedTime>();
   subscriptions.push_back(
-      SubscribeAny(Open(kClockChannel, type, CallSite::Current()), type, Invoke::kSerial,
+      SubscribeAny(graph_->Open(kClockChannel, type, CallSite::Current()), type, Invoke::kSerial,
                    EraseCallback<SimulatedTime>([follower](const SimulatedTime& time, const MessageInfo& info) {
                      follower->OnTime(time, info);
                    }),
@@ -26,11 +26,11 @@ std::vector<Subscription> Session::Core::FollowClock() {
   return subscriptions;
 }
 
-std::optional<ClockOffset> Session::Core::OffsetTo(SessionId peer) const {
+std::optional<ClockOffset> SessionCore::OffsetTo(SessionId peer) const {
   if (peer == id_) return ClockOffset{};
   {
     const std::scoped_lock lock(mutex_);
-    if (carriers_ && carriers_->IsOnThisHost(peer)) return ClockOffset{};
+    if (bridge_ && bridge_->IsOnThisHost(peer)) return ClockOffset{};
   }
   return host_clocks_->OffsetTo(peer);
 }

@@ -13,7 +13,7 @@
 namespace hgros {
 namespace {
 
-// A node that nobody has made so long after the session is perhaps a slip of the pen in the configuration.
+// A configured node that does not exist by then may have a misspelled name.
 constexpr auto kTimeForNodes = std::chrono::seconds(5);
 
 constexpr std::string_view kOwnChannels = "hgros/";
@@ -57,27 +57,15 @@ std::shared_ptr<Clock> ClockOf(std::shared_ptr<Clock> given, std::shared_ptr<Clo
   return std::make_shared<SystemClock>([log](LogLevel level, std::string_view text) { log->Write(level, text); });
 }
 
+NodeOptions WithQueueOf(const Config& config, const Channel& channel, NodeOptions options) {
+  const auto entry = config.channels.find(DataGraph::NameOf(channel));
+  if (entry != config.channels.end() && entry->second.queue) options.queue = *entry->second.queue;
+  return options;
+}
+
 }  // namespace
 
-// Belongs to one Subscription: ends its part of what the session asks of remote publishers.
-class Session::Core::DemandTicket {
- public:
-  DemandTicket(std::shared_ptr<Alive> alive, std::string channel, std::list<Demand>::iterator demand)
-      : alive_(std::move(alive)), channel_(std::move(channel)), demand_(demand) {}
-  DemandTicket(const DemandTicket&) = delete;
-  DemandTicket& operator=(const DemandTicket&) = delete;
-  ~DemandTicket() {
-    const std::shared_lock lock(alive_->mutex);
-    if (alive_->core != nullptr) alive_->core->Withdraw(channel_, demand_);
-  }
-
- private:
-  std::shared_ptr<Alive> alive_;
-  std::string channel_;
-  std::list<Demand>::iterator demand_;
-};
-
-Session::Core::Core(Config config, SessionOptions options)
+SessionCore::SessionCore(Config config, SessionOptions options)
     : config_(std::move(config)),
       id_(SessionId::Random()),
       name_(options.name.empty() ? ProgramName() : std::move(options.name)),
@@ -86,8 +74,14 @@ Session::Core::Core(Config config, SessionOptions options)
       domain_(DomainOf(config_)),
       host_clocks_(std::make_shared<HostClocks>(std::move(options.wall))),
       followed_clock_(config_.simulated_time && !options.clock ? std::make_shared<FollowingClock>() : nullptr),
-      clock_(ClockOf(std::move(options.clock), followed_clock_, log_)) {
-  alive_->core = this;
+      clock_(ClockOf(std::move(options.clock), followed_clock_, log_)),
+      outbound_(publisher_, log_, host_clocks_),
+      inbound_(std::make_shared<InboundChannels>(
+          InboundChannels::Means{log_, host_clocks_, [this] { changes_.Notify(); },
+                                 [this](std::function<void()> errand) { errands_->Post(std::move(errand)); },
+                                 [this](const std::string& misused, const PeerInfo& from, const std::string& what) {
+                                   OnTypeMismatch(misused, from, what);
+                                 }})) {
   GraphOptions graph_options;
   graph_options.threads = config_.threads;
   graph_options.overrides = config_.nodes;
@@ -95,298 +89,169 @@ Session::Core::Core(Config config, SessionOptions options)
   graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
   timers_.emplace(clock_, *graph_, log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
-  events_ = graph_->Advertise<PeerEvent>(kPeerEventsChannel);
-  channel_events_ = graph_->Advertise<ChannelsChanged>(kChannelEventsChannel);
+  events_.emplace(*graph_, log_);
   services_ = std::make_shared<Services>(static_cast<ServicePlace&>(*this), id_, log_);
   if (!config_.nodes.empty()) {
     errands_.emplace();
-    errands_->PostIn(kTimeForNodes, [this] { graph_->SayUntakenNames(); });
+    errands_->PostIn(kTimeForNodes, [this] { graph_->LogUnmatchedOverrides(); });
   }
-  if (!config_.publishers.empty() || !config_.subscribers.empty()) Reach();
+  if (!config_.publishers.empty() || !config_.subscribers.empty()) EnsureTransports();
   clock_nodes_ = FollowClock();
 }
 
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
-Session::Core::~Core() {
-  graph_->SayUntakenNames();
+SessionCore::~SessionCore() {
+  graph_->LogUnmatchedOverrides();
   services_->Refuse();
   graph_->Refuse();
   clock_nodes_.clear();
   {
-    const std::unique_lock lock(alive_->mutex);
-    alive_->core = nullptr;
-  }
-  std::vector<std::shared_ptr<ChannelInlet>> inlets;
-  std::vector<std::shared_ptr<ChannelOutlet>> outlets;
-  {
     const std::scoped_lock lock(mutex_);
     closing_ = true;  // From here on no wiring changes.
-    for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
-    for (auto& [name, outlet] : outlets_) outlets.push_back(outlet);
-    outlets.insert(outlets.end(), service_outlets_.begin(), service_outlets_.end());
-    if (snapshots_) outlets.push_back(snapshots_->outlet());
   }
-  Notify();
-  for (const auto& inlet : inlets) inlet->Detach();
-  if (carriers_) carriers_->Close(kLingerMs);  // May still say that peers have gone, which is an errand.
-  for (const auto& outlet : outlets) outlet->Detach();
+  outbound_.Close();
+  changes_.Notify();
+  inbound_->Close();
+  if (bridge_)
+    bridge_->Close(static_cast<int>(kLinger.count()));  // May still say that peers have gone, which is an errand.
+  outbound_.Detach();
+  if (snapshots_) snapshots_->outlet()->Detach();
   timers_->Stop();
   graph_->Shutdown();
   services_->Close();
   if (errands_) errands_->End();  // Not reset: errands in flight post others.
+  inbound_->Drop();               // Subscriptions may keep it longer.
 }
 
-void Session::Core::RequireOpen() const {
+void SessionCore::RequireOpen() const {
   if (closing_) throw Error("The session is shutting down.");
 }
 
-Channel& Session::Core::Open(std::string_view name, const TypeInfo& type, const CallSite& where) {
-  return graph_->Open(name, type, where);
-}
-
-Channel& Session::Core::OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where) {
+Channel& SessionCore::OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where) {
   Channel& channel = graph_->Open(name, type, where);
   if (DataGraph::HasOutlet(channel)) return channel;
   if (name.starts_with(kOwnChannels)) {
     throw Error("Channel \"" + std::string(name) + "\" is the library's own: a program cannot publish there.",
                 {where.ToString()}, "Take a name that does not begin with \"" + std::string(kOwnChannels) + "\".");
   }
-  const std::scoped_lock lock(mutex_);
-  if (DataGraph::HasOutlet(channel) || closing_) return channel;
-  auto outlet = std::make_shared<ChannelOutlet>(
-      std::string(name), type, publisher_, log_,
-      OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { Notify(); },
-                   [this, channel_name = std::string(name)] { return SayIfItCannotLeave(channel_name); }},
-      host_clocks_);
-  if (const auto entry = config_.channels.find(name); entry != config_.channels.end() && entry->second.latched) {
-    graph_->Latch(channel, *entry->second.latched);
-    outlet->Latch(*entry->second.latched);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (closing_) return channel;
+    if (domain_) EnsureTransports();
   }
-  if (domain_) Reach();
-  if (carriers_) outlet->Join(*carriers_);
-  outlets_.emplace(name, outlet);
-  graph_->SetOutlet(channel, outlet);  // Last: from now on other threads publish through it.
+  const auto events = [&] {
+    return OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { changes_.Notify(); },
+                        [this, channel_name = std::string(name)] { return SayIfItCannotLeave(channel_name); }};
+  };
+  const auto wire = [&](const std::shared_ptr<ChannelOutlet>& outlet) {
+    if (const auto entry = config_.channels.find(name); entry != config_.channels.end() && entry->second.latched) {
+      graph_->Latch(channel, *entry->second.latched);
+      outlet->Latch(*entry->second.latched);
+    }
+    graph_->SetOutlet(channel, outlet);  // From now on other threads publish through it.
+  };
+  outbound_.Open(std::string(name), type, events, wire);
   return channel;
 }
 
-void Session::Core::Latch(Channel& channel, std::size_t count) {
+void SessionCore::Latch(Channel& channel, std::size_t count) {
   if (count == 0) return;
   graph_->Latch(channel, count);
-  const std::scoped_lock lock(mutex_);
-  if (const auto outlet = outlets_.find(DataGraph::NameOf(channel)); outlet != outlets_.end()) {
-    outlet->second->Latch(count);
-  }
+  if (const auto outlet = outbound_.Find(DataGraph::NameOf(channel))) outlet->Latch(count);
 }
 
-Block Session::Core::LoanBlock(std::string_view channel, std::size_t size_bytes) {
-  std::shared_ptr<ChannelOutlet> outlet;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (const auto entry = outlets_.find(channel); entry != outlets_.end()) outlet = entry->second;
-  }
+Block SessionCore::LoanBlock(std::string_view channel, std::size_t size_bytes) {
+  const auto outlet = outbound_.Find(channel);
   auto block = outlet ? outlet->Loan(size_bytes) : std::nullopt;
   return block ? std::move(*block) : Block::Allocate(size_bytes);
 }
 
-NodeOptions Session::Core::WithChannelConfig(const Channel& channel, NodeOptions options) const {
-  const auto entry = config_.channels.find(DataGraph::NameOf(channel));
-  if (entry != config_.channels.end() && entry->second.queue) options.queue = *entry->second.queue;
-  return options;
-}
-
-Subscription Session::Core::SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
-                                           NodeOptions options) {
+Subscription SessionCore::SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                         NodeOptions options) {
   Subscription subscription =
-      graph_->Subscribe(channel, type, invoke, std::move(callback), WithChannelConfig(channel, std::move(options)));
-  Notify();
+      graph_->Subscribe(channel, type, invoke, std::move(callback), WithQueueOf(config_, channel, std::move(options)));
+  changes_.Notify();
   return subscription;
 }
 
-Subscription Session::Core::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
-                                         NodeOptions options) {
+Subscription SessionCore::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
+                                       NodeOptions options) {
   Subscription subscription = SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
-  const Demand demand = DemandFor(subscription.stats().queue);
   const std::string& name = DataGraph::NameOf(channel);
   std::string confined;
   {
     const std::scoped_lock lock(mutex_);
-    if (domain_ && !closing_) Reach();
-    Inflow& inflow = inflows_[name];
-    const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
-    if (!inflow.inlet) {
-      inflow.inlet = std::make_shared<ChannelInlet>(
-          channel, log_, [this] { Notify(); },
-          [this](ChannelInlet::Errand errand) { errands_->Post(std::move(errand)); },
-          [this](const std::string& misused, const PeerInfo& from, const std::string& what) {
-            OnTypeMismatch(misused, from, what);
-          },
-          host_clocks_);
-    } else if (inflow.joined && !IsAnyType(type)) {
-      errands_->Post([inlet = inflow.inlet] { inlet->CompareOffers(); });
+    if (domain_ && !closing_) EnsureTransports();
+    if (said_confined_.insert(name).second) {
+      confined = DescribeConfined(name, config_.subscribers, Way::kIn, OutermostPlace(config_, domain_.has_value()));
     }
-    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
-    subscription.Attach(std::make_shared<DemandTicket>(alive_, name, place));
-    if (said_confined_.insert(name).second) confined = Confined(name, config_.subscribers, Way::kIn);
   }
-  Reconcile(name);
+  subscription.Attach(InboundChannels::Add(inbound_, channel, type, DemandFor(subscription.stats().queue)));
   if (!confined.empty()) log_->Write(LogLevel::kInfo, confined);
   return subscription;
 }
 
-void Session::Core::Withdraw(const std::string& channel, std::list<Demand>::iterator demand) {
-  const std::scoped_lock lock(mutex_);
-  Inflow& inflow = inflows_.at(channel);
-  inflow.wanted.erase(demand);
-  if (!inflow.wanted.empty()) {
-    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
-    return;
-  }
-  // Ending the inbound channel waits for its callbacks, which may themselves be ending subscriptions just now.
-  if (errands_ && inflow.joined) errands_->Post([this, channel] { Reconcile(channel); });
-}
-
-void Session::Core::Reconcile(const std::string& channel) {
-  std::unique_lock lock(mutex_);
-  const auto entry = inflows_.find(channel);
-  if (entry == inflows_.end() || entry->second.busy) return;
-  Inflow& inflow = entry->second;
-  inflow.busy = true;
-  while (carriers_ && !closing_ && inflow.joined == inflow.wanted.empty()) {
-    if (inflow.joined) {
-      lock.unlock();
-      inflow.inlet->Detach();
-      lock.lock();
-      inflow.joined = false;
-      carriers_->Unannounce(channel);
-    } else {
-      inflow.inlet->Join(*carriers_, Combine(inflow.wanted));
-      inflow.joined = true;
-    }
-  }
-  inflow.busy = false;
-}
-
-// What satisfies all of them: lossless if one is, as much credit as the one with the least room among those allows.
-Demand Session::Core::Combine(const std::list<Demand>& wanted) {
-  Demand combined = wanted.front();
-  for (const Demand& demand : wanted) {
-    if (demand.lossless && !combined.lossless) {
-      combined = demand;
-    } else if (demand.lossless == combined.lossless && demand.lossless) {
-      combined.credit_messages = std::min(combined.credit_messages, demand.credit_messages);
-      combined.credit_bytes = std::min(combined.credit_bytes, demand.credit_bytes);
-    } else if (demand.lossless == combined.lossless) {
-      combined.queue_depth = std::max(combined.queue_depth, demand.queue_depth);
-    }
-  }
-  return combined;
-}
-
-void Session::Core::Notify() noexcept {
-  {
-    const std::scoped_lock lock(changed_mutex_);
-    ++changes_;
-  }
-  changed_.notify_all();
-}
-
-// Who waits for them is about to publish.
-bool Session::Core::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) {
+// A caller that waits for subscribers is about to publish, so the channel is announced.
+bool SessionCore::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) {
   if (graph_->NodeCount(channel) > 0 && !closing_ && !channel.starts_with(kOwnChannels)) {
     const TypeInfo& type = DataGraph::TypeOfChannel(graph_->Open(channel, AnyType(), CallSite::Current()));
     if (type.encoding != Encoding::kNone) (void)OpenAny(channel, type, CallSite::Current());
   }
   return WaitUntil(timeout, [&] {
-    const std::scoped_lock lock(mutex_);
-    const auto outlet = outlets_.find(channel);
-    return graph_->NodeCount(channel) + (outlet == outlets_.end() ? 0 : outlet->second->subscriber_count()) >= count;
+    const auto outlet = outbound_.Find(channel);
+    return graph_->NodeCount(channel) + (outlet ? outlet->subscriber_count() : 0) >= count;
   });
 }
 
-bool Session::Core::WaitForPublishers(std::string_view channel, std::size_t count,
-                                      std::chrono::nanoseconds timeout) const {
-  return WaitUntil(timeout, [&] {
-    const std::scoped_lock lock(mutex_);
-    const auto entry = inflows_.find(channel);
-    return entry != inflows_.end() && entry->second.inlet->publisher_count() >= count;
-  });
+bool SessionCore::WaitForPublishers(std::string_view channel, std::size_t count,
+                                    std::chrono::nanoseconds timeout) const {
+  return WaitUntil(timeout, [&] { return inbound_->PublisherCount(channel) >= count; });
 }
 
-std::vector<PeerInfo> Session::Core::Peers() const {
+std::vector<PeerInfo> SessionCore::Peers() const {
   const std::scoped_lock lock(mutex_);
-  return carriers_ ? carriers_->Peers() : std::vector<PeerInfo>();
+  return bridge_ ? bridge_->Peers() : std::vector<PeerInfo>();
 }
 
-Config Session::Core::config() const {
+Config SessionCore::config() const {
   const std::scoped_lock lock(mutex_);
   return config_;
 }
 
-SessionSnapshot Session::Core::Snapshot() const {
+SessionSnapshot SessionCore::Snapshot() const {
   SessionSnapshot snapshot;
   snapshot.id = id_;
   snapshot.name = name_;
   snapshot.graph = graph_->Snapshot();
   snapshot.services = services_->Snapshot();
-  const std::scoped_lock lock(mutex_);
-  for (const auto& [name, outlet] : outlets_) {
-    ChannelTraffic traffic;
-    traffic.channel = name;
-    outlet->AddTo(traffic);
-    if (const auto entry = inflows_.find(name); entry != inflows_.end()) entry->second.inlet->AddTo(traffic);
-    snapshot.traffic.push_back(std::move(traffic));
-  }
-  for (const auto& [name, inflow] : inflows_) {
-    if (outlets_.contains(name)) continue;
-    ChannelTraffic traffic;
-    traffic.channel = name;
-    inflow.inlet->AddTo(traffic);
-    snapshot.traffic.push_back(std::move(traffic));
-  }
+  outbound_.AddTo(snapshot.traffic);
+  inbound_->AddTo(snapshot.traffic);
   std::ranges::sort(snapshot.traffic, {}, &ChannelTraffic::channel);
-  if (carriers_) {
-    snapshot.peers = carriers_->Peers();
-    snapshot.transport = carriers_->stats();
+  const std::scoped_lock lock(mutex_);
+  if (bridge_) {
+    snapshot.peers = bridge_->Peers();
+    snapshot.transport = bridge_->stats();
   }
   return snapshot;
 }
 
-// Not on the carrier's thread: a node on this channel may run inline.
-void Session::Core::PublishEvent(PeerEvent event) noexcept {
-  errands_->Post([this, shared = std::make_shared<const PeerEvent>(std::move(event))] {
-    if (events_(shared) == PublishStatus::kFull) {
-      log_->WriteLimited(LogLevel::kWarning, "peer events", "A peer event was not delivered: a lossless node is full.");
-    }
-  });
-  Notify();
-}
-
-void Session::Core::OnPeerCame(const PeerInfo& peer) noexcept {
-  // The name of a pair's socket means nothing to anybody.
-  const bool at = !peer.endpoint.empty() && peer.endpoint.find("://") != std::string::npos;
-  log_->Write(LogLevel::kInfo, NameOf(peer) + " is reached through " + peer.carrier +
-                                   (at ? " at " + peer.endpoint : std::string()) + ": " + peer.why + ".");
+void SessionCore::OnPeerCame(const PeerInfo& peer) noexcept {
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsBack(id); });
-  PublishEvent({PeerEvent::Kind::kCame, peer, {}, {}});
+  events_->ReportCame(*errands_, peer);
+  changes_.Notify();
 }
 
-void Session::Core::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
+void SessionCore::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
   services_->OnPeerGone(peer, reason);
   host_clocks_->Forget(peer.id);
   errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });  // In order with its return.
-  log_->Write(LogLevel::kInfo,
-              NameOf(peer) + (closing_ ? " is no longer reached: " : " is gone: ") + std::string(reason) + ".");
-  PublishEvent({PeerEvent::Kind::kGone, peer, {}, std::string(reason)});
+  events_->ReportGone(*errands_, peer, reason, closing_);
+  changes_.Notify();
 }
 
-// `what` names the channel and both types.
-void Session::Core::OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept {
-  std::string sentence = "Nothing passes between this session and " + peer.id.ToString() + " (" + peer.process +
-                         ") on a channel that they use with different types, " + std::string(what) +
-                         ". Build both programs with one type, or give one of them another channel name.";
-  log_->Write(LogLevel::kError, sentence);
-  services_->OnTypeMismatch(channel, peer, sentence);
-  PublishEvent({PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), std::move(sentence)});
+void SessionCore::OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept {
+  services_->OnTypeMismatch(channel, peer, events_->ReportTypeMismatch(*errands_, peer, channel, what));
+  changes_.Notify();
 }
 
 }  // namespace hgros

@@ -2,45 +2,45 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <list>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
-#include <shared_mutex>
 #include <string>
 #include <vector>
 
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/bridge/channel_inlet.hpp"
+#include "hgros/bridge/channel_outlet.hpp"
+#include "hgros/bridge/network_bridge.hpp"
+#include "hgros/clock/errand_thread.hpp"
 #include "hgros/clock/following_clock.hpp"
+#include "hgros/clock/host_clocks.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/services/services.hpp"
 #include "hgros/session/session.hpp"
-#include "session/carriers.hpp"
-#include "session/channel_inlet.hpp"
-#include "session/channel_outlet.hpp"
-#include "session/errand_thread.hpp"
-#include "session/host_clocks.hpp"
-#include "session/services.hpp"
+#include "session/change_signal.hpp"
+#include "session/endpoint_lists.hpp"
+#include "session/inbound_channels.hpp"
+#include "session/outbound_channels.hpp"
+#include "session/session_events.hpp"
 #include "session/session_timers.hpp"
 #include "session/snapshot_publisher.hpp"
 
 namespace hgros {
 
-// Joins the data graph to the carrier.
+// Joins the data graph to the network bridge, and both to services, timers and events.
 //
 // Thread safety: all public functions from any thread.
-// Invariants: mutex_ guards the wiring; neither the carrier's callbacks nor the publish path takes it, so the carrier
-// may be called under it, except for what waits for callbacks: ending an inbound channel. That is done outside the
-// lock, by Reconcile(), one thread per channel at a time, and from within callbacks by the errand thread.
-class Session::Core final : public TransportListener, private ServicePlace {
+// Invariants: mutex_ guards the bridge and the endpoints' lists. Neither the transports' callbacks nor the publish path
+// wait for it, so the bridge may be called under it. It is taken before the locks of inbound_ and outbound_, never
+// after.
+class SessionCore final : public TransportListener, private ServicePlace {
  public:
-  Core(Config config, SessionOptions options);
-  ~Core() override;
+  SessionCore(Config config, SessionOptions options);
+  ~SessionCore() override;
 
-  Channel& Open(std::string_view name, const TypeInfo& type, const CallSite& where);
   Channel& OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where);
   std::shared_ptr<const MessageSchema> AwaitSchema(std::string_view channel, std::chrono::nanoseconds timeout);
   void Latch(Channel& channel, std::size_t count);
@@ -87,29 +87,17 @@ class Session::Core final : public TransportListener, private ServicePlace {
   [[nodiscard]] Config config() const;
 
  private:
-  // What this session's subscriptions to one channel ask of remote publishers, and how far that is put into effect.
-  struct Inflow {
-    std::shared_ptr<ChannelInlet> inlet;
-    std::list<Demand> wanted;
-    bool joined = false;
-    bool busy = false;  // A thread is in Reconcile() for this channel.
-  };
-  // Lets subscriptions that outlive the session find out that it is gone.
-  struct Alive {
-    std::shared_mutex mutex;
-    Core* core = nullptr;
-  };
-  class DemandTicket;
-
   // session_services.cpp: what services need.
   Subscription Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
                       std::size_t queue_depth) override;
-  std::shared_ptr<ChannelOutlet> OpenOutlet(const std::string& channel, const TypeInfo& type,
+  std::shared_ptr<SessionOutlet> OpenOutlet(const std::string& channel, const TypeInfo& type,
                                             OutletEvents events) override;
-  void CloseOutlet(const std::string& channel, const std::shared_ptr<ChannelOutlet>& outlet) override;
+  void CloseOutlet(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet) override;
   [[nodiscard]] DataGraph& Graph() override { return *graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string& channel) override;
-  void Report(PeerEvent event) noexcept override { PublishEvent(std::move(event)); }
+  void ReportServedTwice(const PeerInfo& other, std::string channel, std::string sentence) noexcept override {
+    events_->PublishPeer(*errands_, {PeerEvent::Kind::kServedTwice, other, std::move(channel), std::move(sentence)});
+  }
   void Receive(const Visit& visit) noexcept override;
 
   // session_channels.cpp. Under mutex_.
@@ -117,29 +105,21 @@ class Session::Core final : public TransportListener, private ServicePlace {
 
   // Throws Error while the session shuts down.
   void RequireOpen() const;
-  static constexpr int kLingerMs = 500;
-  // Under mutex_: makes the carriers at the first call.
-  Carriers& Reach();
-  CarrierOptions OptionsForCarriers();
+  static constexpr std::chrono::milliseconds kLinger{500};
+  // Under mutex_: makes the bridge at the first call.
+  NetworkBridge& EnsureTransports();
   // Posts to the errand thread.
   std::function<void(std::chrono::nanoseconds, std::function<void()>)> Later();
-  enum class Way { kOut, kIn };
-  std::string Confined(std::string_view channel, const std::vector<EndpointConfig>& endpoints, Way way) const;
   bool SayIfItCannotLeave(const std::string& channel);
-  NodeOptions WithChannelConfig(const Channel& channel, NodeOptions options) const;
-  void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);
-  // Joins or ends the inbound channel as the wanted demands say.
-  void Reconcile(const std::string& channel);
-  static Demand Combine(const std::list<Demand>& wanted);
-  void Notify() noexcept;
-  void PublishEvent(PeerEvent event) noexcept;
   std::vector<Subscription> FollowClock();
 
   template <class Predicate>
-  bool WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const;
+  bool WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const {
+    return changes_.WaitUntil(timeout, std::move(predicate), [this] { return closing_.load(); });
+  }
 
   const ForkGuard fork_;
-  Config config_;
+  Config config_;  // Endpoints and their lists change, under mutex_.
   const SessionId id_;
   const std::string name_;
   const MessageId publisher_;
@@ -149,45 +129,20 @@ class Session::Core final : public TransportListener, private ServicePlace {
   const std::shared_ptr<FollowingClock> followed_clock_;  // clock_, if that follows a published one
   const std::shared_ptr<Clock> clock_;
 
-  const std::shared_ptr<Alive> alive_ = std::make_shared<Alive>();
-
-  mutable std::mutex changed_mutex_;
-  mutable std::condition_variable changed_;
-  std::uint64_t changes_ = 0;
-
+  ChangeSignal changes_;
   std::atomic<bool> closing_{false};
-  std::atomic<bool> telling_channels_{false};
-  std::uint64_t channel_changes_ = 0;  // The errand thread's.
   mutable std::mutex mutex_;
   std::unique_ptr<DataGraph> graph_;
   std::optional<SessionTimers> timers_;
-  Publisher<PeerEvent> events_;
-  Publisher<ChannelsChanged> channel_events_;
+  std::optional<SessionEvents> events_;
   std::optional<ErrandThread> errands_;
-  std::unique_ptr<Carriers> carriers_;
+  std::unique_ptr<NetworkBridge> bridge_;
   std::optional<SnapshotPublisher> snapshots_;  // Made with them.
-  std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
-  std::vector<std::shared_ptr<ChannelOutlet>> service_outlets_;
-  std::uint64_t last_incarnation_ = 0;  // Of these.
-  std::map<std::string, Inflow, std::less<>> inflows_;
-  std::set<std::string> said_confined_;  // Subscribed channels that were looked up in the white lists.
+  OutboundChannels outbound_;
+  const std::shared_ptr<InboundChannels> inbound_;  // Shared with subscriptions, which may outlive the session.
+  std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the white lists.
   std::shared_ptr<Services> services_;
   std::vector<Subscription> clock_nodes_;
 };
-
-// The predicate takes other locks, so it is asked outside this one.
-template <class Predicate>
-bool Session::Core::WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const {
-  const auto deadline = DeadlineIn(timeout);
-  for (;;) {
-    std::unique_lock lock(changed_mutex_);
-    const std::uint64_t seen = changes_;
-    lock.unlock();
-    if (predicate()) return true;
-    if (closing_) return false;
-    lock.lock();
-    if (!changed_.wait_until(lock, deadline, [&] { return changes_ != seen; })) return predicate();
-  }
-}
 
 }  // namespace hgros

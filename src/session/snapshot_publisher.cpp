@@ -10,7 +10,7 @@
 namespace hgros {
 namespace {
 
-constexpr auto kPeriod = std::chrono::seconds(1);
+constexpr auto kSnapshotPeriod = std::chrono::seconds(1);
 
 // The type as it is announced. Without fingerprint, which is made of the schema: to build that costs a process that is
 // not observed half a megabyte.
@@ -54,7 +54,7 @@ void SnapshotPublisher::Tell() {
     }
   }
   (void)telling_.exchange(false);  // In one order with TellSoon's: either of the two sees the other's subscriber.
-  TellSoon(kPeriod);
+  TellSoon(kSnapshotPeriod);
 }
 
 }  // namespace hgros

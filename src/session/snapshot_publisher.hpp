@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
+#include "hgros/bridge/channel_outlet.hpp"
 #include "hgros/session/snapshot.hpp"
-#include "session/channel_outlet.hpp"
 
 namespace hgros {
 

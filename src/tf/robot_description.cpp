@@ -21,7 +21,7 @@ RigidTransform OriginOf(const urdf::Pose& pose) {
   return {rotation, Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z)};
 }
 
-// Links whose joints make a ring hold each other: whoever has the model last unties them.
+// Links whose joints form a cycle keep each other alive: the last owner of the model breaks the cycle.
 std::shared_ptr<const urdf::ModelInterface> Parse(const std::string& urdf) {
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf);
   if (!model) return nullptr;
@@ -77,8 +77,8 @@ RobotDescription RobotDescription::FromFile(const std::filesystem::path& path, s
 RobotDescription RobotDescription::FromText(const std::string& urdf, std::string_view prefix) {
   const std::shared_ptr<const urdf::ModelInterface> parsed = Parse(urdf);
   if (!parsed || !parsed->getRoot()) {
-    throw Error("The robot's description is no URDF that can be used.", {},
-                "The parser's words stand on standard error; check_urdf says the same.");
+    throw Error("The robot's description is not valid URDF.", {},
+                "The parser's message is on standard error; check_urdf prints it, too.");
   }
   auto model = std::make_shared<Model>();
   model->root = std::string(prefix) + parsed->getRoot()->name;
@@ -154,7 +154,7 @@ std::optional<Time> RobotDescription::StampOf(std::int64_t seconds, std::int64_t
 }
 
 SetResult RobotDescription::NoTime() {
-  return {SetFault::kTooOld, "The joint states were refused: their time stamp is no time."};
+  return {SetFault::kTooOld, "The joint states were refused: their time stamp is invalid."};
 }
 
 SetResult RobotDescription::SetAll(TransformTree& tree, std::span<const StampedEdge> edges) {

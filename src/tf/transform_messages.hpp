@@ -16,7 +16,7 @@ inline constexpr std::int64_t kNanosPerSecond = 1'000'000'000;
 void Append(foxglove::FrameTransforms& message, std::string_view parent, std::string_view child, Time stamp,
             const RigidTransform& T_parent_child);
 
-/// A protobuf time. Nothing if it is none that nanoseconds can tell.
+/// A protobuf time. Empty if nanoseconds cannot represent it.
 [[nodiscard]] inline std::optional<Time> TimeOf(std::int64_t seconds, std::int64_t nanos) noexcept {
   std::int64_t time = 0;
   if (nanos < 0 || nanos >= kNanosPerSecond || __builtin_mul_overflow(seconds, kNanosPerSecond, &time) ||
@@ -26,7 +26,7 @@ void Append(foxglove::FrameTransforms& message, std::string_view parent, std::st
   return Time{time};
 }
 [[nodiscard]] std::optional<Time> StampOf(const foxglove::FrameTransform& message);
-/// As it stands there: the tree refuses what is no rotation. A rotation that is left out is none.
+/// The values as they are: the tree refuses invalid rotations. A missing rotation is the identity.
 [[nodiscard]] RigidTransform TransformOf(const foxglove::FrameTransform& message);
 
 }  // namespace hgros::tf

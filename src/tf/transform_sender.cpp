@@ -87,7 +87,7 @@ void TransformSender::Send(Lane& lane, std::unique_lock<std::mutex>& lock) {
   lane.sending = true;
   lane.changed = false;
   lane.quiet_until = clock_->Now() + batch_;
-  const std::shared_ptr<const Message> message = Take(lane);
+  const std::shared_ptr<const Message> message = MakeMessage(lane);
   const auto count = static_cast<std::uint64_t>(message->transforms_size());
   lock.unlock();
   const PublishStatus status = lane.publisher(message);
@@ -105,7 +105,7 @@ void TransformSender::Send(Lane& lane, std::unique_lock<std::mutex>& lock) {
   if (lane.changed && !lane.armed) Arm(lane, clock_->Now(), lock);
 }
 
-std::shared_ptr<const TransformSender::Message> TransformSender::Take(Lane& lane) const {
+std::shared_ptr<const TransformSender::Message> TransformSender::MakeMessage(Lane& lane) const {
   auto message = lane.keeps ? std::make_unique<Message>(lane.waiting)
                             : std::make_unique<Message>(std::exchange(lane.waiting, Message()));
   const std::scoped_lock lock(sent_->mutex);

@@ -18,7 +18,7 @@
 
 namespace hgros::tf {
 
-/// Sends a session's transforms, those of a burst together.
+/// Sends a session's transforms, and those of a burst in one message.
 ///
 /// Thread safety: all of it, but construction and destruction. Nothing is published under the lock: subscribers may
 /// set transforms themselves.
@@ -36,7 +36,7 @@ class TransformSender {
   void SendStatic(std::span<const StampedEdge* const> edges);
   void Flush();
 
-  /// Whether this is one of the messages that this object sent.
+  /// Whether this object has sent the message.
   [[nodiscard]] bool IsOwn(const foxglove::FrameTransforms& message) const;
 
   [[nodiscard]] std::uint64_t sent_messages() const noexcept { return sent_messages_; }
@@ -49,12 +49,12 @@ class TransformSender {
   struct Lane {
     Publisher<Message> publisher;
     std::once_flag opened;
-    Message waiting;        // Of the static lane: all edges.
-    bool changed = false;   // Something in `waiting` was not sent yet.
+    Message waiting;        // In the static lane: all edges.
+    bool changed = false;   // `waiting` has something that was not sent yet.
     bool sending = false;   // One thread at a time, so that messages keep their order.
     bool armed = false;     // The timer will send.
     bool keeps = false;     // What was sent stays in `waiting`.
-    Time quiet_until = {};  // What comes before that waits for it.
+    Time quiet_until = {};  // Transforms before this time wait for it.
     Timer timer;
   };
   // The messages that have not ended yet. They may outlive the sender.
@@ -64,12 +64,12 @@ class TransformSender {
   };
 
   void Open(Lane& lane, std::string_view channel, PublishOptions options);
-  // `lock` is held before, and perhaps not afterwards.
+  // Called with `lock` held; it may be released on return.
   void Arm(Lane& lane, Time now, std::unique_lock<std::mutex>& lock);
   void Touch(Lane& lane, std::unique_lock<std::mutex>& lock);
   void Send(Lane& lane, std::unique_lock<std::mutex>& lock);
   void OnTimer(Lane& lane);
-  [[nodiscard]] std::shared_ptr<const Message> Take(Lane& lane) const;
+  [[nodiscard]] std::shared_ptr<const Message> MakeMessage(Lane& lane) const;
 
   Session& session_;
   const Duration batch_;

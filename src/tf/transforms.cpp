@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "tf/edge_owners.hpp"
 #include "tf/transform_messages.hpp"
 #include "tf/transform_sender.hpp"
+#include "tf/tree/edge_owners.hpp"
 
 namespace hgros {
 namespace {
@@ -33,7 +33,7 @@ class Transforms::Core {
       // A wall clock that is put right by less takes nothing from the past: later transforms go among the others.
       if (jump.before - jump.after < kLeastJump) return;
       // What is on its way yet has stamps near the one end, what comes from now on has them near the other.
-      tree_.BeginAnew(Later(jump.after, (jump.before - jump.after) / 2));
+      tree_.RestartTime(Later(jump.after, (jump.before - jump.after) / 2));
     });
   }
 
@@ -46,7 +46,7 @@ class Transforms::Core {
 
  private:
   void Receive(const foxglove::FrameTransforms& message, const MessageInfo& info, bool is_static);
-  SetResult Take(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static);
+  SetResult Store(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static);
   // Its id while its name is not known.
   std::string NameOf(SessionId session);
   // Nothing if it is not there.
@@ -114,30 +114,30 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
   for (const foxglove::FrameTransform& transform : message.transforms()) {
     const std::string& parent = transform.parent_frame_id();
     const std::string& child = transform.child_frame_id();
-    if (const SetResult result = Take(transform, publisher, is_static)) {
+    if (const SetResult result = Store(transform, publisher, is_static)) {
       NoteOwner(parent, child, by, is_static);
       taken = true;
     } else if (++refused_; result.fault() == SetFault::kTooManyFrames) {
       if (!said_full_.exchange(true)) {
-        session_.log().Write(LogLevel::kError, "Of the transforms of session \"" + publisher + "\": " + result.text() +
-                                                   " Others that are refused for that are counted alone.");
+        session_.log().Write(LogLevel::kError, "A transform of session \"" + publisher + "\": " + result.text() +
+                                                   " Further ones refused for this reason are only counted.");
       }
     } else {
       session_.log().WriteLimited(LogLevel::kWarning, "transform " + parent + " " + child,
-                                  "Of the transforms of session \"" + publisher + "\": " + result.text());
+                                  "A transform of session \"" + publisher + "\": " + result.text());
     }
   }
   if (taken && options_.on_received) options_.on_received();
 }
 
-SetResult Transforms::Core::Take(const foxglove::FrameTransform& transform, std::string_view publisher,
-                                 bool is_static) {
+SetResult Transforms::Core::Store(const foxglove::FrameTransform& transform, std::string_view publisher,
+                                  bool is_static) {
   const std::string& parent = transform.parent_frame_id();
   const std::string& child = transform.child_frame_id();
   const RigidTransform T_parent_child = tf::TransformOf(transform);
   if (is_static) return tree_.SetStatic(parent, child, T_parent_child, publisher);
   if (const auto stamp = tf::StampOf(transform)) return tree_.Set(parent, child, *stamp, T_parent_child, publisher);
-  return {SetFault::kTooOld, "The edge " + Edge(parent, child) + " was refused: its time stamp is no time."};
+  return {SetFault::kTooOld, "The edge " + Edge(parent, child) + " was refused: its time stamp is invalid."};
 }
 
 std::string Transforms::Core::NameOf(SessionId session) {
@@ -164,7 +164,7 @@ void Transforms::Core::NoteOwner(std::string_view parent, std::string_view child
   session_.log().Write(LogLevel::kWarning, "Two sessions set the edge " + Edge(parent, child) + ": \"" +
                                                NameOf(*other) + "\" (" + other->ToString() + ") and \"" + NameOf(by) +
                                                "\" (" + by.ToString() +
-                                               "). What is looked up jumps between them; let one of them set it.");
+                                               "). Look-ups jump between the two; let only one session set it.");
 }
 
 TransformsStats Transforms::Core::stats() const {

@@ -5,7 +5,7 @@
 
 namespace hgros {
 
-/// Calls into the session, collected under a carrier's mutex and made when no mutex is held.
+/// Calls into the session, collected under a transport's mutex and made when no mutex is held.
 using Actions = std::vector<std::function<void()>>;
 
 }  // namespace hgros

@@ -10,8 +10,9 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/clock/time.hpp"
-#include "hgros/codec/packet.hpp"
+#include "hgros/codec/run_time_type.hpp"
 #include "hgros/codec/schema_compatibility.hpp"
+#include "hgros/internal/codec/packet.hpp"
 
 namespace hgros {
 namespace {
@@ -105,7 +106,9 @@ std::string DescribeMismatch(const wire::ChannelType& theirs, const TypeInfo& ou
 
 std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo& ours) {
   namespace pb = google::protobuf;
-  if (const auto* known = pb::DescriptorPool::generated_pool()->FindMessageTypeByName(ours.name)) {
+  const auto* known = ours.run_time != nullptr ? DescriptorOf(ours)
+                                               : pb::DescriptorPool::generated_pool()->FindMessageTypeByName(ours.name);
+  if (known != nullptr) {
     const auto verdict = CheckSchemas(their_descriptor_set, ours.name, *known);
     return verdict.compatible ? std::string() : verdict.reason;
   }
@@ -135,10 +138,10 @@ std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered
 
 std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type) {
   const bool takes_any = wanted.type_name().empty() && wanted.encoding() == 0;
-  if (takes_any) return type.descriptor_set != nullptr ? type.descriptor_set() : std::string();
+  if (takes_any) return DescriptorSetOf(type);
   switch (CompareTypes(wanted, type)) {
     case TypeFit::kEqual: return std::string();
-    case TypeFit::kEvolved: return type.descriptor_set != nullptr ? type.descriptor_set() : std::string();
+    case TypeFit::kEvolved: return DescriptorSetOf(type);
     case TypeFit::kDiffer: break;
   }
   return std::nullopt;

@@ -15,24 +15,24 @@
 
 namespace hgros {
 
-// What two sessions tell each other of themselves and of their types, and how it is compared: the same for all
-// carriers.
+// What two sessions tell each other about themselves and their types, and how that is compared: the same for all
+// transports.
 
 /// The longest type name that can be asked for.
 inline constexpr std::size_t kMaxTypeNameBytes = 1024;
 /// Sessions of this minor version and later are told of channels that come and go.
 inline constexpr std::uint32_t kOffersSinceMinor = 1;
-/// The longest text for people in a control message; a longer one is cut.
+/// The longest text for people in a control message. A longer one is cut.
 inline constexpr std::size_t kMaxTextBytes = 512;
 
-/// What a session says of itself in its handshakes.
+/// What a session tells about itself in its handshakes.
 struct SessionFacts {
   PeerInfo info;
   std::uint64_t incarnation = 0;
   std::uint32_t wire_minor = 0;
 };
 
-/// A peer's text, fit for a line of a log: not too long, without control characters.
+/// A peer's text, fit for one line of a log: not too long, without control characters.
 [[nodiscard]] std::string Readable(const std::string& text);
 
 void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to);
@@ -41,7 +41,7 @@ void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to);
 /// AnyType() is written as no type at all.
 void WriteType(std::string_view channel, const TypeInfo& type, wire::ChannelType& to);
 
-/// What a peer's text says of a channel that it uses; nothing if it names none.
+/// What a peer tells about a channel that it uses; nullopt if the channel's name is invalid.
 [[nodiscard]] std::optional<ChannelUse> ReadUse(const wire::ChannelType& from);
 
 /// Whether what one side publishes can be what the other side reads.
@@ -57,19 +57,19 @@ enum class TypeFit {
 /// Compares our protobuf type with the peer's of the same name. An empty text: compatible.
 [[nodiscard]] std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo& ours);
 
-/// What this process says of a session of its own.
+/// What this process tells about a session of its own.
 [[nodiscard]] SessionFacts OwnFacts(SessionId session, const std::string& process);
 
-/// What a publisher has said of its messages. A descriptor set of more than 1 MiB is left out.
+/// What a publisher has told about its messages. A descriptor set of more than 1 MiB is left out.
 [[nodiscard]] std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered,
                                                               const std::string& descriptor_set);
 
-/// The schema for a subscriber that has another version of the type, or takes any; empty if the types are equal, none
-/// if they differ.
+/// The schema for a subscriber that has another version of the type, or takes any; empty if the types are equal,
+/// nullopt if they differ.
 [[nodiscard]] std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type);
 
-/// The name under which an endpoint's list of channels lets the channel pass: its own, or, for the replies to a caller
-/// (hgros/reply/ID/NAME), that of the requests (hgros/call/NAME).
+/// The name that an endpoint's list of channels must have for the channel to pass: its own; for the replies to a caller
+/// (hgros/reply/ID/NAME), the name of the requests (hgros/call/NAME).
 [[nodiscard]] std::string ListedAs(const std::string& channel);
 
 /// Throws Error if the type's name is longer than kMaxTypeNameBytes.

@@ -7,10 +7,10 @@
 
 namespace hgros {
 
-/// Lets calls into an object of somebody else through until it is closed; closing waits for the calls inside.
+/// Lets calls into the user's object through until it is closed. Closing waits for the calls inside.
 ///
-/// Thread safety: all functions.
-/// Invariants: after Close() has returned no thread but the closing one is inside, and none enters any more. A thread
+/// Thread safety: thread-safe.
+/// Invariants: after Close() has returned, no thread except the closing one is inside, and none can enter. A thread
 /// that closes from within its own call does not wait for itself.
 class CallGate {
  public:

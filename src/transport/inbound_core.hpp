@@ -15,45 +15,46 @@
 
 namespace hgros {
 
-/// Whether two numbers of handshakes are one publishing socket's, which counts on from a random number.
+/// Whether two handshake numbers come from one publishing socket, which counts up from a random number.
 [[nodiscard]] bool AreOfOneSocket(std::uint64_t one, std::uint64_t other) noexcept;
 
 /// One subscribed channel, as all subscribe endpoints see it.
-/// Thread safety: Deliver() is the leading thread's; the rest anywhere.
+/// Thread safety: Deliver() belongs to the leading thread; the rest is thread-safe.
 class InboundCore {
  public:
   InboundCore(std::string_view channel, const TypeInfo& message_type, const Demand& demand, InboundSink& sink);
 
-  /// What is wrong with a message's head: the kind, and a text that goes on "channel so-and-so: ". `compared` is the
-  /// fingerprint that was compared with ours when the sender's link was made; 0: nothing was.
+  /// The fault of a message's head: the kind, and a text that completes "channel NAME: ". `compared` is the
+  /// fingerprint that was compared with ours when the sender's link was made; 0: none was.
   struct HeadFault {
     PacketFault fault = PacketFault::kNone;
     std::string what;
   };
   [[nodiscard]] HeadFault Check(const PacketHead& head, SessionId from, std::uint64_t compared) const;
-  /// Gives a message to the sink, unless it came before: that is counted in `repeats`. What is returned runs apart.
+  /// Gives a message to the sink. One that came before is counted in `repeats` instead. A task that is returned has to
+  /// run on another thread.
   [[nodiscard]] static LeaderPool::Task Deliver(const std::shared_ptr<InboundCore>& core, InboundMessage&& message,
                                                 std::atomic<std::uint64_t>& repeats);
   /// Tells the sink of a packet that was dropped.
   void TellFault(PacketFault fault, std::string_view what);
 
-  /// A publisher sends us this channel over one endpoint only, the first that claims it. `handshake` is that of the
-  /// publisher's latest Welcome there: two endpoints with about the same lead to one socket of the publisher's, which
-  /// says everything to both.
+  /// A publisher sends us this channel over one endpoint only, the first that claims it. `endpoint` identifies it.
+  /// `handshake` is the number in the publisher's latest Welcome there. Endpoints with close numbers lead to one socket
+  /// of the publisher, which sends everything to both.
   [[nodiscard]] bool Claim(SessionId publisher, const void* endpoint, std::uint64_t handshake);
   /// Whether another endpoint that leads to the same socket has the claim.
   [[nodiscard]] bool IsClaimedBeside(SessionId publisher, const void* endpoint, std::uint64_t handshake) const;
   [[nodiscard]] bool IsClaimed(SessionId publisher) const;
   /// True if `endpoint` had the claim.
   bool Release(SessionId publisher, const void* endpoint);
-  /// Tells the sink what a publisher sends, if it takes whatever comes.
+  /// Tells the sink what a publisher sends, if the sink takes any type.
   static void TellOffer(const std::shared_ptr<InboundCore>& core, const PeerInfo& from,
                         const std::shared_ptr<const MessageSchema>& schema, Actions& actions);
   static void CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions);
 
   [[nodiscard]] Demand demand() const;
   void SetDemand(const Demand& demand);
-  /// Nothing reaches the sink afterwards; waits for calls inside, except the caller's own.
+  /// Nothing reaches the sink afterwards. Waits for calls inside, except the caller's own.
   void Close() { gate_.Close(); }
 
   const std::string name;
@@ -75,7 +76,7 @@ class InboundCore {
     std::uint64_t handshake;
   };
   std::unordered_map<SessionId, Claimed> claims_;
-  // Runs wait for one another only when many are at work already: a sink has no claim on all threads there are.
+  // Several runs of one sink may go on at once, but not on all threads: beyond a limit they wait for each other.
   std::size_t running_ = 0;
   std::size_t owed_runs_ = 0;
 };

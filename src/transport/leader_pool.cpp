@@ -15,7 +15,7 @@
 namespace hgros {
 namespace {
 
-constexpr std::size_t kStanding = 2;  // Threads that wait for input; others are parked, and retire after a while.
+constexpr std::size_t kStanding = 2;  // Threads that wait for input. Others are parked, and end after a while.
 constexpr auto kRetireAfter = std::chrono::seconds(5);
 
 thread_local bool visits = false;
@@ -25,20 +25,20 @@ thread_local bool visits = false;
 struct LeaderPool::State {
   explicit State(Input& what) : input(what) {}
 
-  /// Under the mutex: takes the calling thread off the list, to be joined by another.
+  /// Under the mutex: moves the calling thread to `retired`, where another thread joins it.
   void Retire() {
     const auto self = threads.find(std::this_thread::get_id());
     retired.push_back(std::move(self->second));
     threads.erase(self);
   }
 
-  Input& input;  // Not touched once `stop` is set, except by threads that Stop() joins.
+  Input& input;  // Once `stop` is set, only threads that Stop() joins touch it.
   std::mutex mutex;
   std::condition_variable turn;    // The leader has finished.
-  std::condition_variable needed;  // A parked thread is to stand.
+  std::condition_variable needed;  // A parked thread is needed.
   std::map<std::thread::id, std::thread> threads;
   std::vector<std::thread> retired;  // Have left Run(), still to be joined.
-  std::size_t standing = 0;          // Inside Wait(), Lead() or on the way from one to the other.
+  std::size_t standing = 0;          // Threads inside Wait() or Lead(), or between them.
   std::size_t parked = 0;
   std::deque<Task> handed_over;  // Read by a visitor.
   bool led = false;              // A thread is inside Lead().
@@ -80,7 +80,7 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
     state->input.Wait();
     lock.lock();
     if (state->stop) {
-      state->input.Wake();  // One wake-up ends one wait: the next thread gets its own.
+      state->input.Wake();  // One wake-up ends one wait: this one is for the next thread.
       return;
     }
     state->turn.wait(lock, [&] { return !state->led || state->stop; });
@@ -105,7 +105,7 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
         try {
           Spawn(state);
         } catch (const std::system_error&) {
-          // No more threads: reading pauses until this task or another one ends.
+          // The system has no more threads: reading pauses until a task ends.
         }
       }
     }
@@ -123,7 +123,7 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
 bool LeaderPool::IsVisitor() noexcept { return visits; }
 
 void LeaderPool::Receive(const Visit& visit) noexcept {
-  const auto keeps = state_;  // Who waits in Stop() may end the pool before the last line here.
+  const auto keeps = state_;  // A thread that waits in Stop() may destroy the pool before the last line here.
   State& state = *keeps;
   bool may = false;
   {
@@ -139,7 +139,7 @@ void LeaderPool::Receive(const Visit& visit) noexcept {
       const bool late = std::chrono::steady_clock::now() >= visit.until;
       const bool read = state.input.MayRead() && LeadOnce(state);
       if (late) break;
-      if (!read) sched_yield();  // Who sends what is awaited, or a thread of the pool, may need this core.
+      if (!read) sched_yield();  // The sender of what is awaited, or a thread of the pool, may need this core.
     }
     visits = false;
     state.input.EndAsking();

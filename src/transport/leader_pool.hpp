@@ -8,33 +8,32 @@
 
 namespace hgros {
 
-/// Threads that take turns reading input. Two of them wait for it, so that one is left when the other has found
-/// something that may take long and runs it: nothing has to be passed on, and waiting never stops.
+/// Threads that take turns reading input. Two of them wait for it: when one has found a task that may take long and
+/// runs it, the other goes on waiting. So no message has to be handed to another thread.
 ///
-/// Thread safety: all functions. Start() and Stop() once each.
-/// Invariants: at most one thread is inside Input::Lead(). While started, at least one thread waits or reads or is on
-/// its way there, whatever tasks do. A task runs on the thread that read it, or, if that was a visitor,
-/// on one of the pool.
+/// Thread safety: thread-safe. Start() and Stop() are called once each.
+/// Invariants: at most one thread is inside Input::Lead(). While started, at least one thread waits or reads or is
+/// about to, whatever tasks do. A task runs on the thread that read it; if that was a visitor, on a thread of the pool.
 class LeaderPool {
  public:
   using Task = std::function<void()>;
 
-  /// Where input comes from. Implemented by a carrier.
+  /// Where input comes from. Implemented by a transport.
   class Input {
    public:
     virtual ~Input() = default;
     /// Waits until there may be something to read, or something is due, or Wake() was called. Several threads wait at
-    /// once; what comes wakes at least one of them, and what comes while none waits is kept for the next.
+    /// once. Input wakes at least one of them; input that arrives while none waits wakes the next one.
     virtual void Wait() noexcept = 0;
-    /// Reads without waiting, until there is a task to run or nothing left. Who returns early makes sure (Wake) that
-    /// another thread reads the rest. One call at a time; each sees what the ones before did.
+    /// Reads without waiting, until there is a task to run or nothing is left. If it returns early it makes sure (Wake)
+    /// that another thread reads the rest. One call at a time; each sees what the earlier ones did.
     virtual Task Lead() noexcept = 0;
     virtual void Wake() noexcept = 0;
-    /// From here on the calling thread asks again and again whether there is something to read, and what comes wakes no
-    /// other. False if another thread does so already, or the input cannot be asked.
+    /// From here on the calling thread polls with MayRead(), and input wakes no other thread. False if another thread
+    /// polls already, or the input cannot be polled.
     virtual bool BeginAsking() noexcept { return false; }
     [[nodiscard]] virtual bool MayRead() const noexcept { return false; }
-    /// What comes, or came after the last question, wakes a thread again.
+    /// Input wakes a thread again; also input that has arrived since the last MayRead().
     virtual void EndAsking() noexcept {}
   };
 
@@ -45,11 +44,11 @@ class LeaderPool {
   LeaderPool& operator=(const LeaderPool&) = delete;
 
   void Start();
-  /// Lets running tasks end, then joins all threads. Called from within a task it leaves that one's thread, which
-  /// then ends by itself after the task and touches neither pool nor input any more.
+  /// Lets running tasks end, then joins all threads. If it is called from within a task, that task's thread is
+  /// detached: it ends by itself after the task, without touching pool or input.
   void Stop() noexcept;
-  /// Reads on the calling thread, in rounds that end. Tasks do not run here, but on the pool's threads. Returns after
-  /// `first` if another thread does so.
+  /// Reads on the calling thread until the visit ends. Tasks run on the pool's threads, not here. If another thread
+  /// does this already, it only calls `first`.
   void Receive(const Visit& visit) noexcept;
   /// Whether the calling thread is in Receive().
   [[nodiscard]] static bool IsVisitor() noexcept;
@@ -59,7 +58,7 @@ class LeaderPool {
   struct State;  // Shared with the threads: a task may destroy the pool.
   static void Run(const std::shared_ptr<State>& state);
   static void Spawn(const std::shared_ptr<State>& state);
-  // False if another thread reads just now.
+  // False if another thread is reading.
   static bool LeadOnce(State& state) noexcept;
 
   const std::shared_ptr<State> state_;

@@ -7,8 +7,8 @@
 
 namespace hgros {
 
-/// What ends with an operation of a carrier, to be destroyed when the carrier holds no mutex; after the caller's lock,
-/// if that has said so (EndsLater). The destructors of messages are the user's code.
+/// What ends with an operation of a transport. It is destroyed when the transport holds no mutex; if the caller has an
+/// EndsLater, after the caller's lock. The destructors of messages are the user's code.
 struct Leavings {
   Leavings() = default;
   ~Leavings() {

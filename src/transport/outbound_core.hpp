@@ -7,22 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "hgros/codec/packet.hpp"
+#include "hgros/internal/codec/packet.hpp"
 #include "hgros/transport/transport.hpp"
 #include "transport/actions.hpp"
 #include "transport/call_gate.hpp"
 
 namespace hgros {
 
-/// One advertised channel, as all endpoints of a carrier see it.
-/// Thread safety: all of it.
+/// One advertised channel, as all endpoints of a transport see it.
+/// Thread safety: thread-safe.
 struct OutboundCore {
   OutboundCore(std::string_view channel, const TypeInfo& message_type, OutboundSource& owner)
       : name(channel), plain_topic(PlainTopic(channel)), type(message_type), source(owner) {}
 
-  /// A subscriber (a session, or none: the plain ones of one endpoint) has come or gone.
+  /// A subscriber has come or gone: a session, or, if `who` is none, the plain subscribers of one endpoint.
   static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, SessionId who, int change, Actions& actions);
-  /// Tells the source of room if it was refused some. Under a carrier's mutex.
+  /// Tells the source that there is room, if it was refused. Under the transport's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 
   [[nodiscard]] OutboundChannel::Stats stats() const;
@@ -36,7 +36,7 @@ struct OutboundCore {
   CallGate gate;
   std::atomic<std::size_t> subscribers{0};
   std::atomic<std::size_t> lossless{0};
-  std::atomic<bool> refused{false};  // Reserve() said kFull since the source was last told of room.
+  std::atomic<bool> refused{false};  // Reserve() has returned kFull since the source was last told of room.
   std::atomic<std::uint64_t> sent{0};
   std::atomic<std::uint64_t> dropped{0};
   std::atomic<std::uint64_t> missed{0};

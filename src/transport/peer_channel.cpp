@@ -23,7 +23,7 @@ Demand PeerChannel::Granted(const Demand& asked, std::uint64_t max_credit_bytes)
       .credit_bytes = std::clamp<std::uint64_t>(asked.credit_bytes, 1, std::max<std::uint64_t>(max_credit_bytes, 1))};
 }
 
-// When a link becomes lossless, what went before cannot be sent again: only messages from now on are promised.
+// When a link becomes lossless, earlier messages cannot be sent again: only messages from now on are promised.
 std::size_t PeerChannel::SetDemand(const Demand& granted, Dropped& dropped) {
   if (demand_.lossless && !granted.lossless) {
     std::ranges::move(unconfirmed_, std::back_inserter(dropped));
@@ -74,8 +74,8 @@ std::optional<PendingMessage> PeerChannel::Pop() {
 
 std::size_t PeerChannel::Trim(std::uint64_t spare_bytes, Dropped& dropped) {
   if (demand_.lossless) return 0;
-  // A subscriber counts from the moment its link is made, and what is published then is not to be lost for the moment
-  // that the link takes to begin.
+  // A subscriber counts from the moment its link is made. Messages published before the link begins must not be
+  // lost.
   const std::size_t depth = begun_ ? demand_.queue_depth : std::max(demand_.queue_depth, kDepthBeforeBegin);
   std::size_t count = 0;
   std::uint64_t freed = 0;
@@ -91,7 +91,7 @@ std::size_t PeerChannel::Trim(std::uint64_t spare_bytes, Dropped& dropped) {
   return count;
 }
 
-// The ring holds everything since the link was made, in order: what is latched only has to fill in what came before.
+// The ring holds everything since the link was made, in order. The latched messages only fill in what came before.
 void PeerChannel::Begin(std::vector<PendingMessage> latched) {
   if (!ring_.empty()) {
     const MessageId first = ring_.front().id;

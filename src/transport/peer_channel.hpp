@@ -13,7 +13,7 @@
 
 namespace hgros {
 
-/// A message as a carrier has packed it, once for all its peers.
+/// A message as a transport has packed it, once for all its peers.
 class Outgoing {
  public:
   virtual ~Outgoing() = default;
@@ -29,14 +29,14 @@ struct PendingMessage {
 /// The sending side of one channel towards one peer: a ring of what waits, the credit of what may go, and for
 /// lossless peers what went and was not confirmed. Knows no socket; its owner sends what Pop() gives.
 ///
-/// Messages are numbered from 1 in the order of Pop(); these numbers are the link's, not the publisher's. All counts
-/// are cumulative, so a lost confirmation is made good by the next one.
+/// Messages are numbered from 1 in the order of Pop(); these are numbers of the link, not of the publisher. All counts
+/// are cumulative, so the next confirmation replaces a lost one.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
 /// Invariants: confirmed <= sent; Pop() gives nothing while sent - confirmed has used up the credit, or while the
-/// link is paused or not begun. Lossless: nothing is ever dropped, and the unconfirmed are exactly the messages
-/// confirmed + 1 ... sent, but for those that went while the link was keep-last. Keep-last: at most queue_depth live
-/// messages wait; 64 if that is more, until the link begins.
+/// link is paused or has not begun. Lossless: nothing is ever dropped, and the unconfirmed messages are exactly
+/// confirmed + 1 ... sent, except those that were sent while the link was keep-last. Keep-last: at most queue_depth
+/// live messages wait; until the link begins, at least 64 may.
 class PeerChannel {
  public:
   /// Messages that are no longer needed, to be destroyed when no mutex is held: their destructors are the user's code.
@@ -44,12 +44,13 @@ class PeerChannel {
 
   explicit PeerChannel(const Demand& granted);
 
-  /// A window no publisher grants more than, whatever a peer asks for; zeros become the least that works.
+  /// What a publisher grants to a peer that asks for this: within limits, and with zeros raised to the least that
+  /// works.
   [[nodiscard]] static Demand Granted(const Demand& asked, std::uint64_t max_credit_bytes) noexcept;
 
   [[nodiscard]] bool lossless() const noexcept { return demand_.lossless; }
   [[nodiscard]] const Demand& demand() const noexcept { return demand_; }
-  /// From the next message on; granted. Returns how many waiting messages were dropped for a smaller depth.
+  /// Applies from the next message on. Returns how many waiting messages were dropped because of a smaller depth.
   std::size_t SetDemand(const Demand& granted, Dropped& dropped);
 
   /// Lossless: whether a message can be promised.
@@ -59,29 +60,29 @@ class PeerChannel {
     if (reserved_ > 0) --reserved_;
   }
 
-  /// Takes a committed message and its reservation, if it has one. False if the message is skipped because a latched
-  /// one includes it; then only the reservation is given back.
+  /// Adds a committed message, and uses up its reservation if it has one. False if the message is skipped because it
+  /// was sent as a latched one; then only the reservation is given back.
   bool Push(PendingMessage message);
-  /// The next message that may be sent now, counted as sent; its number on the link is sent(). None: credit is used
-  /// up, or nothing waits.
+  /// Returns the next message that may be sent now, and counts it as sent; its number on the link is sent(). None:
+  /// credit is used up, or nothing waits.
   [[nodiscard]] std::optional<PendingMessage> Pop();
   /// Keep-last: drops the oldest live messages beyond the depth, and beyond `spare_bytes` as long as another is left.
-  /// Returns how many. To be called when Pop() has given all it can.
+  /// Returns how many. Call it when Pop() gives no more.
   std::size_t Trim(std::uint64_t spare_bytes, Dropped& dropped);
 
-  /// Opens the link. The latched messages go first, but for those that wait as live ones already; later live ones that
-  /// they include are skipped.
+  /// Begins the link. The latched messages go first, except those that already wait as live ones. Live messages that
+  /// come later and were among the latched ones are skipped.
   void Begin(std::vector<PendingMessage> latched);
 
-  /// The peer has consumed so much, all in all; less than before changes nothing. False if it is more than was sent:
-  /// that is ignored as well.
+  /// The peer has consumed this much in total. Less than before changes nothing. False if it is more than was sent,
+  /// which changes nothing either.
   bool Confirm(std::uint64_t messages, std::uint64_t bytes, Dropped& dropped);
 
-  /// Nothing goes until Resume(); commits wait in the ring.
+  /// Sends nothing until Resume(); commits wait in the ring.
   void Pause() noexcept { paused_ = true; }
   [[nodiscard]] bool paused() const noexcept { return paused_; }
-  /// Goes on after a cut, the peer having received so much, all in all: a lossless link sends the rest again.
-  /// Returns how many messages are lost for good (keep-last), or nothing if the peer's counts cannot be.
+  /// Goes on after a cut. The peer has received this much in total; a lossless link sends the rest again.
+  /// Returns how many messages are lost for good (keep-last), or nullopt if the peer's counts are impossible.
   [[nodiscard]] std::optional<std::uint64_t> Resume(std::uint64_t received_messages, std::uint64_t received_bytes);
 
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_messages_; }
@@ -100,7 +101,7 @@ class PeerChannel {
   bool begun_ = false;
   bool paused_ = false;
   std::deque<PendingMessage> ring_;
-  std::size_t latched_waiting_ = 0;  // The first so many of ring_ are latched ones: not subject to the depth.
+  std::size_t latched_waiting_ = 0;  // This many at the front of ring_ are latched: the depth does not apply to them.
   std::uint64_t waiting_bytes_ = 0;
   std::deque<PendingMessage> unconfirmed_;
   std::uint64_t reserved_ = 0;

@@ -10,8 +10,8 @@
 
 namespace hgros {
 
-/// The sessions in reach. One that is connected both ways comes and goes once.
-/// Thread safety: Came and Gone on one thread at a time; List anywhere.
+/// The sessions that are connected. One that is connected both ways comes and goes once.
+/// Thread safety: Came() and Gone() on one thread at a time; List() is thread-safe.
 class PeerRegistry {
  public:
   explicit PeerRegistry(TransportListener& listener) : listener_(listener) {}

@@ -4,9 +4,9 @@
 
 namespace hgros {
 
-/// Waits for descriptors, by epoll in edge-triggered mode: each new signal is told once, to one of the waiting threads.
+/// Waits for descriptors with epoll in edge-triggered mode: each new signal wakes one of the waiting threads, once.
 ///
-/// Thread safety: all functions; several threads may wait.
+/// Thread safety: thread-safe; several threads may wait.
 class Poller {
  public:
   Poller();
@@ -14,10 +14,10 @@ class Poller {
   Poller(const Poller&) = delete;
   Poller& operator=(const Poller&) = delete;
 
-  /// From now on Wait() sets `flag` when `fd` has become readable; also if it is so already. `flag` outlives the
+  /// From now on Wait() sets `flag` when `fd` has become readable, or is readable already. `flag` outlives the
   /// poller. Closing the descriptor removes it. Throws Error.
   void Add(int fd, std::atomic<bool>& flag);
-  /// Returns after setting at least one flag, or after `timeout_ms`, or earlier for no reason.
+  /// Returns after setting at least one flag, or after `timeout_ms`, or spuriously.
   void Wait(int timeout_ms) noexcept;
 
  private:

@@ -9,11 +9,11 @@
 
 namespace hgros {
 
-/// Recognises messages that came before, by who handed them over, publisher, incarnation and sequence. What one sender
-/// hands over says nothing about another's messages: nobody can make us take them for repeats.
+/// Recognizes messages that came before, by sender, publisher, incarnation and sequence. Messages of one sender never
+/// make another sender's messages count as repeats.
 ///
-/// Threads that publish through one handle may overtake each other between numbering and sending, so a window of the
-/// last kWindow sequences is remembered bit by bit; what is older counts as a repeat.
+/// Threads that publish through one handle may overtake each other between numbering and sending. So the last kWindow
+/// sequences are remembered one by one; an older one counts as a repeat.
 /// Thread safety: none; the owner guards it.
 class RepeatFilter {
  public:

@@ -6,6 +6,7 @@
 Faults go to standard error, one a line. Comments and string literals are blanked before the code rules look.
 """
 
+import collections
 import pathlib
 import re
 import sys
@@ -37,6 +38,10 @@ NAME_RULE = re.compile(r"(^|_)(manager|helpers?|utils?|common|misc)(_|$)", re.IG
 HEADERS = {".hpp", ".h"}
 SUFFIXES = HEADERS | {".cpp"}
 
+MAX_FILE_LINES = 400  # in include, src and apps
+MAX_PUBLIC_HEADER_LINES = 150
+MAX_SOURCES_PER_FOLDER = 30  # .cpp and .hpp, sub-folders not counted
+
 
 def without_comments_and_strings(text):
     """The same text with comments and literals blanked; the lines keep their numbers."""
@@ -50,6 +55,11 @@ def check_file(root, path):
         yield text.count("\n", 0, match.start()) + 1, f"leaves a {match.group()}; do it or open an issue"
     if NAME_RULE.search(path.stem):
         yield 1, "has a file name that says nothing; name the thing"
+    lines = len(text.splitlines())
+    if path.parts[0] in PUBLIC and path.suffix in HEADERS and lines > MAX_PUBLIC_HEADER_LINES:
+        yield lines, f"is a public header of more than {MAX_PUBLIC_HEADER_LINES} lines; split it by subject"
+    elif path.parts[0] in PRODUCT and lines > MAX_FILE_LINES:
+        yield lines, f"has more than {MAX_FILE_LINES} lines; split it by subject"
     code = without_comments_and_strings(text)
     for folders, only_headers, pattern, fault in CODE_RULES:
         if path.parts[0] not in folders or (only_headers and path.suffix not in HEADERS):
@@ -65,12 +75,18 @@ def check_tree(root):
     root = pathlib.Path(root).resolve()
     faults = []
     files = 0
+    folders = collections.Counter()
     for top in ALL:
         for file in sorted((root / top).rglob("*")):
             if file.suffix in SUFFIXES and file.is_file():
                 files += 1
                 path = pathlib.PurePosixPath(file.relative_to(root).as_posix())
+                folders[path.parent] += 1
                 faults += [f"{path}:{line}: {fault}" for line, fault in sorted(check_file(root, path))]
+    for folder, count in sorted(folders.items()):
+        if count > MAX_SOURCES_PER_FOLDER:
+            faults.append(f"{folder}:1: has {count} source files, more than {MAX_SOURCES_PER_FOLDER}; "
+                          "split it into sub-folders of one subject each")
     return faults, files
 
 

@@ -4,8 +4,9 @@ import pathlib
 import tempfile
 import unittest
 
+import check_docs
 import check_house
-import check_rows
+import check_layers
 
 
 class Tree(unittest.TestCase):
@@ -20,9 +21,9 @@ class Tree(unittest.TestCase):
         file.write_text(text, encoding="utf-8")
 
 
-class RowsTest(Tree):
+class LayersTest(Tree):
     def faults(self):
-        return check_rows.check_tree(self.root)[0]
+        return check_layers.check_tree(self.root)[0]
 
     def assert_one_fault(self, path, line, words):
         faults = self.faults()
@@ -30,25 +31,25 @@ class RowsTest(Tree):
         self.assertTrue(faults[0].startswith(f"{path}:{line}: "), faults[0])
         self.assertIn(words, faults[0])
 
-    def test_arrows_to_the_rows_above_and_to_itself_are_good(self):
+    def test_includes_of_lower_layers_and_of_itself_are_good(self):
         self.write("include/hgros/base/error.hpp", "#include <string>\n")
-        self.write("include/hgros/codec/packet.hpp", '#include "hgros/base/error.hpp"\n')
+        self.write("include/hgros/internal/codec/packet.hpp", '#include "hgros/base/error.hpp"\n')
         self.write("src/codec/reader.hpp", "#pragma once\n")
-        self.write("src/codec/packet.cpp", '#include "hgros/codec/packet.hpp"\n#include "codec/reader.hpp"\n'
+        self.write("src/codec/packet.cpp", '#include "hgros/internal/codec/packet.hpp"\n#include "codec/reader.hpp"\n'
                                            '#include "reader.hpp"\n#include <zmq.h>\n#include <spdlog/spdlog.h>\n')
         self.write("src/transport/zmq/socket.cpp", '#include "transport/shm/segment.hpp"\n')
-        self.write("include/hgros/hgros.hpp", '#include "hgros/record/writer.hpp"\n')
+        self.write("include/hgros/hgros.hpp", '#include "hgros/params/param_server.hpp"\n')
         self.write("apps/hgros/main.cpp", '#include <hgros/hgros.hpp>\n#include <hgros/Imu.pb.h>\n')
         self.write("tests/codec/packet_test.cpp", '#include "codec/reader.hpp"\n')
         self.assertEqual(self.faults(), [])
 
-    def test_an_arrow_to_a_row_below_is_a_fault(self):
+    def test_an_include_of_a_higher_layer_is_a_fault(self):
         self.write("src/graph/channel.cpp", '\n#include "hgros/session/session.hpp"\n')
-        self.assert_one_fault("src/graph/channel.cpp", 2, "which is below it")
+        self.assert_one_fault("src/graph/channel.cpp", 2, "which is above it")
 
-    def test_an_arrow_to_a_sibling_is_a_fault(self):
+    def test_an_include_of_the_same_layer_is_a_fault(self):
         self.write("include/hgros/graph/graph.hpp", "#include <hgros/transport/transport.hpp>\n")
-        self.assert_one_fault("include/hgros/graph/graph.hpp", 1, "its sibling in row 2")
+        self.assert_one_fault("include/hgros/graph/graph.hpp", 1, "which is in the same layer (2)")
 
     def test_a_private_header_of_another_module_is_a_fault(self):
         self.write("src/session/session.cpp", '#include "graph/ring.hpp"\n')
@@ -63,6 +64,35 @@ class RowsTest(Tree):
         self.write("include/hgros/graph/graph.hpp", '#include "graph/ring.hpp"\n')
         self.assert_one_fault("include/hgros/graph/graph.hpp", 1, "which is private")
 
+    def test_headers_that_modules_share_are_for_modules_above_them_only(self):
+        self.write("src/include/hgros/graph/outlet.hpp", "#pragma once\n")
+        self.write("src/session/session.cpp", '#include "hgros/graph/outlet.hpp"\n')
+        self.assertEqual(self.faults(), [])
+        self.write("src/base/error.cpp", '#include "hgros/graph/outlet.hpp"\n')
+        self.assert_one_fault("src/base/error.cpp", 1, "which is above it")
+
+    def test_a_header_that_is_not_installed_in_a_public_one_is_a_fault(self):
+        self.write("src/include/hgros/base/fifo.hpp", "#pragma once\n")
+        self.write("include/hgros/graph/graph.hpp", '#include "hgros/base/fifo.hpp"\n')
+        self.assert_one_fault("include/hgros/graph/graph.hpp", 1, "which is not installed")
+
+    def test_a_header_that_is_not_installed_in_an_app_is_a_fault(self):
+        self.write("src/include/hgros/base/fifo.hpp", "#pragma once\n")
+        self.write("apps/viewer/main.cpp", '#include "hgros/base/fifo.hpp"\n')
+        self.assert_one_fault("apps/viewer/main.cpp", 1, "private to base")
+
+    def test_an_internal_header_belongs_to_its_module(self):
+        self.write("include/hgros/internal/graph/callback.hpp", "#pragma once\n")
+        self.write("include/hgros/graph/graph.hpp", '#include "hgros/internal/graph/callback.hpp"\n')
+        self.assertEqual(self.faults(), [])
+        self.write("src/codec/packet.cpp", '#include "hgros/internal/graph/callback.hpp"\n')
+        self.assert_one_fault("src/codec/packet.cpp", 1, "which is above it")
+
+    def test_an_internal_header_in_an_app_is_a_fault(self):
+        self.write("include/hgros/internal/base/call_site.hpp", "#pragma once\n")
+        self.write("apps/viewer/main.cpp", '#include "hgros/internal/base/call_site.hpp"\n')
+        self.assert_one_fault("apps/viewer/main.cpp", 1, "may change at any time")
+
     def test_a_hidden_library_in_a_public_header_is_a_fault(self):
         for name in ("zmq.h", "zmq.hpp", "spdlog/spdlog.h", "yaml-cpp/yaml.h", "sys/mman.h"):
             with self.subTest(name):
@@ -75,7 +105,7 @@ class RowsTest(Tree):
 
     def test_an_unknown_module_is_a_fault(self):
         self.write("src/extras/extra.cpp", "")
-        self.assert_one_fault("src/extras/extra.cpp", 1, "not a module of any row")
+        self.assert_one_fault("src/extras/extra.cpp", 1, "is in no layer")
 
     def test_an_include_in_a_comment_is_none(self):
         self.write("src/base/error.cpp", '/*\n#include "hgros/session/session.hpp"\n*/\n// #include "hgros/graph/a.hpp"\n')
@@ -121,9 +151,98 @@ class HouseTest(Tree):
                 self.assertIn(words, faults[0])
                 (self.root / path).unlink()
 
+    def test_files_up_to_the_limits_are_good(self):
+        self.write("src/base/a.cpp", "int a;\n" * 400)
+        self.write("include/hgros/a.hpp", "#pragma once\n" + "int a;\n" * 149)
+        self.write("tests/base/a_test.cpp", "int a;\n" * 500)
+        for number in range(29):
+            self.write(f"src/base/file_{number}.cpp", "")
+        self.write("src/base/deeper/b.cpp", "")
+        self.write("src/base/CMakeLists.txt", "")
+        self.assertEqual(self.faults(), [])
+
+    def test_a_file_beyond_the_limit_is_a_fault(self):
+        for path, lines, words in [
+            ("src/base/a.cpp", 401, "more than 400 lines"),
+            ("src/base/a.hpp", 401, "more than 400 lines"),
+            ("apps/viewer/app/a.cpp", 401, "more than 400 lines"),
+            ("include/hgros/a.hpp", 151, "more than 150 lines"),
+        ]:
+            with self.subTest(path=path):
+                self.write(path, "#pragma once\n" * lines)
+                faults = self.faults()
+                self.assertEqual(len(faults), 1, faults)
+                self.assertTrue(faults[0].startswith(f"{path}:{lines}: "), faults[0])
+                self.assertIn(words, faults[0])
+                (self.root / path).unlink()
+
+    def test_a_folder_with_too_many_sources_is_a_fault(self):
+        for number in range(31):
+            self.write(f"src/base/file_{number}.{'hpp' if number % 2 else 'cpp'}", "#pragma once\n")
+        faults = self.faults()
+        self.assertEqual(len(faults), 1, faults)
+        self.assertTrue(faults[0].startswith("src/base:1: has 31 source files"), faults[0])
+
     def test_a_fault_is_reported_at_its_line(self):
         self.write("src/base/a.cpp", "/* one\ntwo */\nusleep(3);\n")
         self.assertTrue(self.faults()[0].startswith("src/base/a.cpp:3: "), self.faults())
+
+
+class DocsTest(Tree):
+    def faults(self):
+        return check_docs.check_tree(self.root)[0]
+
+    def assert_one_fault(self, page, text, line, words):
+        self.write(page, text)
+        faults = self.faults()
+        self.assertEqual(len(faults), 1, faults)
+        self.assertTrue(faults[0].startswith(f"{page}:{line}: "), faults[0])
+        self.assertIn(words, faults[0])
+        (self.root / page).unlink()
+
+    def test_good_pages_are_good(self):
+        self.write("docs/tf.md", "# Transforms & `trees`, in short\n\nText.\n")
+        self.write("docs/images/map.png", "")
+        self.write("README.md", "[a](docs/tf.md) [b](docs/tf.md#transforms--trees-in-short) [c](#title) ![d](docs/images/map.png)\n"
+                                "[web](https://example.org/nothing) `carrier`, `[span](nowhere.md)`\n\n# Title\n\n"
+                                "    [](const Message& message) {}\n\n```cpp\n[](int) {}\n```\n\n# What is it\n\nWho reads this?\n"
+                                f"- [{'long ' * 30}](docs/tf.md)\n- https://example.org/{'long' * 40}\n")
+        self.assertEqual(self.faults(), [])
+
+    def test_a_long_line_is_a_fault_in_text_tables_and_code(self):
+        for text, line, words in ((f"{'word ' * 27}", 1, "break it"), (f"| {'cell ' * 27}|", 1, "shorten a cell"),
+                                  (f"\n    {'code ' * 27}", 2, "break it"), (f"```\n{'code ' * 27}\n```", 2, "break it")):
+            with self.subTest(text=text):
+                self.assert_one_fault("docs/page.md", text + "\n", line, words)
+
+    def test_a_dead_link_is_a_fault(self):
+        self.assert_one_fault("docs/page.md", "\nSee [this](other.md).\n", 2, 'links to "other.md"')
+        self.assert_one_fault("docs/page.md", "# A\n\nSee [this](page.md#b).\n", 3, "no such heading")
+        self.assert_one_fault("docs/page.md", "# A\n\nSee [this](#b).\n", 3, "no such heading")
+        self.assert_one_fault("docs/page.md", "![map](images/map.png)\n", 1, 'links to "images/map.png"')
+
+    def test_words_that_are_never_used_are_faults(self):
+        wrong = [
+            ("The carrier takes it.", "write transport"),
+            ("```yaml\nscan: {carriers: zmq}\n```", "write transport"),
+            ("It is read anew.", "write again"),
+            ("All but for one.", "write except for"),
+            ("Told to whoever asks.", "name the subject"),
+            ("So many are kept.", "as many as"),
+            ("The colour of it.", "write color"),
+            ("It is recognised.", "write -ize"),
+            ("Who reads it must wait.", 'begins a sentence with "Who"'),
+            ("Good. Of these, two are left.", 'begins a sentence with "Of"'),
+            ("- *What is* left out stays.", 'begins a sentence with "What is"'),
+        ]
+        for text, words in wrong:
+            with self.subTest(text=text):
+                self.assert_one_fault("README.md", text + "\n", 2 if text.startswith("```") else 1, words)
+
+    def test_pages_in_build_folders_are_not_ours(self):
+        self.write("build/dev/page.md", "The carrier takes it.\n")
+        self.write(".cache/page.md", "The carrier takes it.\n")
+        self.assertEqual(check_docs.check_tree(self.root), ([], 0))
 
 
 if __name__ == "__main__":

@@ -14,14 +14,14 @@ TEST(FilePosition, LeavesOutWhatIsUnknown) {
   EXPECT_EQ(FilePosition{}.ToString(), "");
 }
 
-TEST(Error, SaysWhereWhatAndHowToMendIt) {
+TEST(Error, NamesPlaceFaultAndFix) {
   const Error error("The port is taken.", "net.yaml:3", "Choose another one.");
   EXPECT_STREQ(error.what(), "net.yaml:3: The port is taken. Choose another one.");
   EXPECT_EQ(error.where(), "net.yaml:3");
   EXPECT_EQ(error.mend(), "Choose another one.");
 }
 
-TEST(Error, IsOnlyTheSentenceWhenNothingElseIsKnown) {
+TEST(Error, IsOnlyTheSentenceWithoutPlaceAndFix) {
   EXPECT_STREQ(Error("The port is taken.").what(), "The port is taken.");
 }
 

@@ -57,7 +57,7 @@ TEST(LogHistogram, EveryBucketEndsWhereTheNextBegins) {
   }
 }
 
-TEST(LogHistogram, PutsWhatIsOutsideIntoTheOutermostBuckets) {
+TEST(LogHistogram, CountsValuesOutsideTheRangeInTheOutermostBuckets) {
   EXPECT_EQ(LogHistogram::BucketOf(std::numeric_limits<std::int64_t>::min()), 0U);
   EXPECT_EQ(LogHistogram::BucketOf(-1), 0U);
   EXPECT_EQ(LogHistogram::BucketOf(kLargestExact), LogHistogram::kBucketCount - 1);
@@ -79,7 +79,7 @@ TEST(LogHistogram, CountsNegativeDurationsAsZero) {
   EXPECT_EQ(histogram.Quantile(1.0), 0);
 }
 
-TEST(LogHistogram, TakesAnyShareOfTheRecords) {
+TEST(LogHistogram, AcceptsAnyQuantile) {
   LogHistogram histogram;
   histogram.Record(100);
   for (const double q : {-1.0, 0.0, 0.5, 1.0, 7.0}) EXPECT_EQ(histogram.Quantile(q), 100) << q;

@@ -63,7 +63,7 @@ TEST(Log, AddsHowManyWereHeldBackToTheNextThatPasses) {
   EXPECT_THAT(recorder.lines, ElementsAre("A.", "A. (and 3 times more since the last such line)", "A."));
 }
 
-TEST(Log, ForgetsTheOldestKeyFirstWhenThereAreVeryMany) {
+TEST(Log, ForgetsTheOldestKeyWhenThereAreTooMany) {
   Recorder recorder;
   Log log(recorder.Sink());
   for (int i = 0; i < 1025; ++i) log.WriteLimited(LogLevel::kWarning, std::to_string(i), "New.", hours(1));

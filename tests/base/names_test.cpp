@@ -61,7 +61,7 @@ TEST(ChannelName, FaultIsThrownWithTheNameAndAnExample) {
   }
 }
 
-TEST(ChannelName, ErrorsShowNothingThatATerminalWouldObey) {
+TEST(ChannelName, ErrorsContainNoControlCharacters) {
   try {
     RequireChannelName("a\x1b[31m\xff" + std::string(63, 'b') + "\xc3\xa9");
     FAIL() << "nothing was thrown";
@@ -72,7 +72,7 @@ TEST(ChannelName, ErrorsShowNothingThatATerminalWouldObey) {
   }
 }
 
-TEST(NearestName, FindsTheKeyThatWasMeant) {
+TEST(NearestName, FindsTheMostSimilarName) {
   const std::vector<std::string> keys = {"publisher", "subscribers", "ip", "channels", "close_channels"};
   EXPECT_EQ(NearestName("publishers", keys), "publisher");
   EXPECT_EQ(NearestName("subscriber", keys), "subscribers");
@@ -81,7 +81,7 @@ TEST(NearestName, FindsTheKeyThatWasMeant) {
   EXPECT_EQ(NearestName("closed_channels", keys), "close_channels");
 }
 
-TEST(NearestName, IsEmptyWhenNothingIsNear) {
+TEST(NearestName, IsEmptyWhenNothingIsSimilar) {
   const std::vector<std::string> keys = {"publisher", "ip"};
   EXPECT_EQ(NearestName("xy", keys), "");
   EXPECT_EQ(NearestName("q", keys), "");

@@ -49,7 +49,7 @@ int InChild(const std::function<int()>& child) {
   return waitpid(pid, &status, 0) == pid && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST(OwnDescriptor, IsClosedAtItsEnd) {
+TEST(OwnDescriptor, IsClosedByItsDestructor) {
   Pipe pipe;
   EXPECT_FALSE(pipe.ended());
   pipe.write_end = {};
@@ -66,7 +66,7 @@ TEST(OwnDescriptor, MovesAndIsClosedOnce) {
   EXPECT_TRUE(pipe.ended());
 }
 
-TEST(OwnDescriptor, IsNoneWhereNothingWasOpened) {
+TEST(OwnDescriptor, IsEmptyWhenOpeningFailed) {
   const OwnDescriptor none([] { return open("/nowhere/at/all", O_RDONLY | O_CLOEXEC); });
   EXPECT_EQ(errno, ENOENT);
   EXPECT_FALSE(none);

@@ -45,7 +45,7 @@ class RemoteClock {
 
 constexpr Time kBegin = RemoteClock::kBegin;
 
-TEST(ClockOffsetEstimator, KnowsNothingBeforeTheFirstExchange) { EXPECT_FALSE(ClockOffsetEstimator().At(kBegin)); }
+TEST(ClockOffsetEstimator, IsEmptyBeforeTheFirstExchange) { EXPECT_FALSE(ClockOffsetEstimator().At(kBegin)); }
 
 TEST(ClockOffsetEstimator, OneExchangeBoundsTheOffsetByItsDelay) {
   ClockOffsetEstimator estimator;
@@ -59,7 +59,7 @@ TEST(ClockOffsetEstimator, OneExchangeBoundsTheOffsetByItsDelay) {
   EXPECT_GT(estimator.At(kBegin + 10s)->uncertainty, 5ms);
 }
 
-TEST(ClockOffsetEstimator, HoldsWhatItPromisesForSkewedAndDriftingClocks) {
+TEST(ClockOffsetEstimator, BoundsTheErrorForSkewedAndDriftingClocks) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     std::mt19937 random(seed);
     const Duration offset = std::chrono::milliseconds(static_cast<std::int64_t>(random() % 2'000'000) - 1'000'000);
@@ -89,7 +89,7 @@ TEST(ClockOffsetEstimator, HoldsWhatItPromisesForSkewedAndDriftingClocks) {
   }
 }
 
-TEST(ClockOffsetEstimator, TakesTheLeastDelayedExchange) {
+TEST(ClockOffsetEstimator, UsesTheExchangeWithTheLeastDelay) {
   RemoteClock remote(3, 1s, 0);
   ClockOffsetEstimator estimator;
   Time now = kBegin;
@@ -124,7 +124,7 @@ TEST(ClockOffsetEstimator, FollowsAClockThatIsSet) {
   EXPECT_LE(std::abs((estimate.offset - remote.OffsetAt(now)).count()), estimate.uncertainty.count());
 }
 
-TEST(ClockOffsetEstimator, ComesBackFromADriftThatChanges) {
+TEST(ClockOffsetEstimator, RecoversFromAChangedDrift) {
   RemoteClock remote(7, 0s, 100e-6);
   ClockOffsetEstimator estimator;
   Time now = kBegin;
@@ -138,7 +138,7 @@ TEST(ClockOffsetEstimator, ComesBackFromADriftThatChanges) {
   EXPECT_NEAR(estimate.drift, -100e-6, estimate.drift_uncertainty);
 }
 
-TEST(ClockOffsetEstimator, RefusesWhatCannotBe) {
+TEST(ClockOffsetEstimator, RefusesImpossibleExchanges) {
   ClockOffsetEstimator estimator;
   const Time t = kBegin;
   EXPECT_FALSE(estimator.Add({t, t, t, t - 1ms}));                           // answered before it was asked
@@ -148,7 +148,7 @@ TEST(ClockOffsetEstimator, RefusesWhatCannotBe) {
   EXPECT_FALSE(estimator.At(t));
 }
 
-TEST(ClockOffsetEstimator, TakesAnyNumbersWithoutHarm) {
+TEST(ClockOffsetEstimator, SurvivesAnyInput) {
   std::mt19937_64 random(9);
   ClockOffsetEstimator estimator;
   for (int i = 0; i < 2'000; ++i) {

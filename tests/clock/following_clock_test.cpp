@@ -35,7 +35,7 @@ class FollowingClockTest : public testing::Test {
   Listening listening_;
 };
 
-TEST_F(FollowingClockTest, StandsAtZeroUntilItIsToldOfAClockToWhichItThenJumps) {
+TEST_F(FollowingClockTest, StandsAtZeroUntilTheFirstStateThenJumps) {
   steady_->Step(1h);
   EXPECT_EQ(follower_.Now(), Time{});
   follower_.FollowAnother(driver_.State());
@@ -46,7 +46,7 @@ TEST_F(FollowingClockTest, StandsAtZeroUntilItIsToldOfAClockToWhichItThenJumps) 
   EXPECT_EQ(follower_.Read().elapsed(), Time{});
 }
 
-TEST_F(FollowingClockTest, RunsOnByItselfBetweenWhatItIsTold) {
+TEST_F(FollowingClockTest, RunsByItselfBetweenStates) {
   follower_.FollowAnother(driver_.State());
   steady_->Step(7s);
   ExpectTheSame();
@@ -57,7 +57,7 @@ TEST_F(FollowingClockTest, RunsOnByItselfBetweenWhatItIsTold) {
   EXPECT_EQ(jumps_.size(), 1U);
 }
 
-TEST_F(FollowingClockTest, JumpsAsTheOtherOneDoesAndTakesStepsForTimeThatPassed) {
+TEST_F(FollowingClockTest, JumpsWithTheOtherClockAndTreatsStepsAsPassedTime) {
   follower_.FollowAnother(driver_.State());
   driver_.Pause();
   Tell();
@@ -78,7 +78,7 @@ TEST_F(FollowingClockTest, JumpsAsTheOtherOneDoesAndTakesStepsForTimeThatPassed)
   EXPECT_EQ(jumps_.size(), 3U);
 }
 
-TEST_F(FollowingClockTest, StandsStillWhereItHasRunAhead) {
+TEST_F(FollowingClockTest, StandsStillWhenItHasRunAhead) {
   follower_.FollowAnother(driver_.State());
   driver_.Pause();
   steady_->Step(50ms);  // It hears of the pause that much late.
@@ -93,7 +93,7 @@ TEST_F(FollowingClockTest, StandsStillWhereItHasRunAhead) {
   EXPECT_EQ(jumps_.size(), 1U);
 }
 
-TEST_F(FollowingClockTest, ShowsExactlyWhereTheOtherOneJumpedToAlsoIfItHasRunAhead) {
+TEST_F(FollowingClockTest, JumpsToTheExactTimeAlsoWhenItHasRunAhead) {
   follower_.FollowAnother(driver_.State());
   driver_.Pause();
   steady_->Step(50ms);
@@ -104,7 +104,7 @@ TEST_F(FollowingClockTest, ShowsExactlyWhereTheOtherOneJumpedToAlsoIfItHasRunAhe
   EXPECT_EQ(follower_.Read().elapsed(), elapsed) << "elapsed time does not go back";
 }
 
-TEST_F(FollowingClockTest, WakesWhoSleepsWithoutBeingTold) {
+TEST_F(FollowingClockTest, WakesSleepersWithoutAState) {
   FollowingClock follower;
   SimulatedClock driver(Time{} + 100s);
   driver.SetRate(1000);
@@ -113,7 +113,7 @@ TEST_F(FollowingClockTest, WakesWhoSleepsWithoutBeingTold) {
   EXPECT_GE(follower.Now(), Time{} + 110s);
 }
 
-TEST_F(FollowingClockTest, WakesWhoSleepsWhenItIsToldOfAJumpOrAStep) {
+TEST_F(FollowingClockTest, WakesSleepersOnJumpsAndSteps) {
   follower_.FollowAnother(driver_.State());
   for (const bool jump : {true, false}) {
     std::atomic<bool> awake{false};

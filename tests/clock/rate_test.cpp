@@ -18,45 +18,45 @@ constexpr Time kZero{};
 
 ClockReading At(Duration now, Duration jumped = 0s) { return {kZero + now, jumped}; }
 
-TEST(PeriodicSchedule, TakesEachTurnOnceAndDoesNotDrift) {
+TEST(PeriodicSchedule, RunsEachTurnOnceWithoutDrift) {
   PeriodicSchedule schedule(At(0s), kZero + 10ms, 10ms, Missed::kSkip);
-  EXPECT_FALSE(schedule.Take(At(9ms)));
-  const std::optional<Tick> first = schedule.Take(At(13ms));
+  EXPECT_FALSE(schedule.AdvanceTo(At(9ms)));
+  const std::optional<Tick> first = schedule.AdvanceTo(At(13ms));
   ASSERT_TRUE(first);
   EXPECT_EQ(first->planned, kZero + 10ms);
   EXPECT_EQ(first->now, kZero + 13ms);
   EXPECT_EQ(first->missed, 0U);
-  EXPECT_FALSE(schedule.Take(At(13ms)));
+  EXPECT_FALSE(schedule.AdvanceTo(At(13ms)));
   EXPECT_EQ(schedule.next(), kZero + 20ms);
 }
 
-TEST(PeriodicSchedule, SkipsWhatIsLateAndCountsIt) {
+TEST(PeriodicSchedule, SkipsAndCountsMissedTurns) {
   PeriodicSchedule schedule(At(0s), kZero + 10ms, 10ms, Missed::kSkip);
-  const std::optional<Tick> tick = schedule.Take(At(57ms));
+  const std::optional<Tick> tick = schedule.AdvanceTo(At(57ms));
   ASSERT_TRUE(tick);
   EXPECT_EQ(tick->planned, kZero + 50ms);
   EXPECT_EQ(tick->missed, 4U);
   EXPECT_EQ(schedule.next(), kZero + 60ms);
 }
 
-TEST(PeriodicSchedule, CatchesUpOneAfterTheOther) {
+TEST(PeriodicSchedule, CatchesUpOnMissedTurnsOneByOne) {
   PeriodicSchedule schedule(At(0s), kZero + 10ms, 10ms, Missed::kCatchUp);
   for (int i = 1; i <= 5; ++i) {
-    const std::optional<Tick> tick = schedule.Take(At(57ms));
+    const std::optional<Tick> tick = schedule.AdvanceTo(At(57ms));
     ASSERT_TRUE(tick);
     EXPECT_EQ(tick->planned, kZero + i * 10ms);
     EXPECT_EQ(tick->missed, 0U);
   }
-  EXPECT_FALSE(schedule.Take(At(57ms)));
+  EXPECT_FALSE(schedule.AdvanceTo(At(57ms)));
 }
 
 TEST(PeriodicSchedule, MovesAlongWithJumps) {
   for (const Missed policy : {Missed::kSkip, Missed::kCatchUp}) {
     PeriodicSchedule schedule(At(0s), kZero + 10ms, 10ms, policy);
-    EXPECT_FALSE(schedule.Take(At(1h + 4ms, 1h)));
+    EXPECT_FALSE(schedule.AdvanceTo(At(1h + 4ms, 1h)));
     EXPECT_EQ(schedule.next(), kZero + 1h + 10ms);
-    EXPECT_FALSE(schedule.Take(At(-1h + 9ms, -1h)));
-    const std::optional<Tick> tick = schedule.Take(At(-1h + 10ms, -1h));
+    EXPECT_FALSE(schedule.AdvanceTo(At(-1h + 9ms, -1h)));
+    const std::optional<Tick> tick = schedule.AdvanceTo(At(-1h + 10ms, -1h));
     ASSERT_TRUE(tick);
     EXPECT_EQ(tick->planned, kZero - 1h + 10ms);
     EXPECT_EQ(tick->missed, 0U);
@@ -73,7 +73,7 @@ TEST(PeriodicSchedule, LosesNoTurnUnderRandomLatenessAndJumps) {
     for (int i = 0; i < 10'000; ++i) {
       elapsed += Duration(random() % 40'000'000U);
       if (random() % 10 == 0) jumped += std::chrono::milliseconds(static_cast<int>(random() % 20'000U) - 10'000);
-      while (const std::optional<Tick> tick = schedule.Take(At(elapsed + jumped, jumped))) {
+      while (const std::optional<Tick> tick = schedule.AdvanceTo(At(elapsed + jumped, jumped))) {
         turns += 1 + tick->missed;
         ASSERT_EQ(tick->planned - jumped, kZero + turns * 10ms) << "seed " << seed;
       }
@@ -82,12 +82,12 @@ TEST(PeriodicSchedule, LosesNoTurnUnderRandomLatenessAndJumps) {
   }
 }
 
-TEST(PeriodicSchedule, RefusesAPeriodThatIsNone) {
+TEST(PeriodicSchedule, RefusesAPeriodThatIsNotPositive) {
   EXPECT_THROW(PeriodicSchedule(At(0s), kZero, 0s, Missed::kSkip), Error);
   EXPECT_THROW(PeriodicSchedule(At(0s), kZero, -1s, Missed::kSkip), Error);
 }
 
-TEST(Rate, KeepsToItsRhythmHoweverLongTheLoopTakes) {
+TEST(Rate, KeepsItsRhythmWhenTheLoopIsSlow) {
   const auto clock = SimulatedClock::Paused(kZero + 5s);
   Rate rate(clock, 10ms);
   clock->Step(13ms);
@@ -118,7 +118,7 @@ TEST(Rate, FollowsItsClockThroughPausesAndJumps) {
   EXPECT_EQ(ticks[2].planned - ticks[1].planned, (1 + static_cast<int>(ticks[2].missed)) * 10ms);
 }
 
-TEST(Rate, EndsWhenItIsStopped) {
+TEST(Rate, EndsOnAStopRequest) {
   std::jthread looping([](const std::stop_token& stop) {
     Rate rate(SimulatedClock::Paused(), 10ms);
     EXPECT_FALSE(rate.Sleep(stop));

@@ -29,7 +29,7 @@ TEST(SimulatedClock, RunsAtItsRate) {
   EXPECT_EQ(clock.Now(), Time{1'000} + 13s);
 }
 
-TEST(SimulatedClock, StandsWhilePausedAndGoesOnWithoutALeap) {
+TEST(SimulatedClock, StandsWhilePausedAndContinuesWithoutAJump) {
   const auto source = SimulatedClock::Paused();
   SimulatedClock clock({}, source);
   source->Step(1s);
@@ -64,7 +64,7 @@ TEST(SimulatedClock, DoesNotFollowTheJumpsOfItsSource) {
   EXPECT_EQ(clock.Now(), Time{} + 1s);
 }
 
-TEST(SimulatedClock, RefusesARateThatIsNoneAndAStepBack) {
+TEST(SimulatedClock, RefusesInvalidRatesAndStepsBack) {
   SimulatedClock clock;
   EXPECT_THROW(clock.SetRate(0), Error);
   EXPECT_THROW(clock.SetRate(-1), Error);
@@ -74,7 +74,7 @@ TEST(SimulatedClock, RefusesARateThatIsNoneAndAStepBack) {
   EXPECT_EQ(clock.rate(), 1.0);
 }
 
-TEST(SimulatedClock, TellsItsJumpsToWhoeverListens) {
+TEST(SimulatedClock, TellsItsJumpsToListeners) {
   const auto clock = SimulatedClock::Paused(Time{} + 10s);
   std::vector<Duration> jumps;
   Listening listening = clock->OnJump([&](const ClockJump& jump) {
@@ -161,7 +161,7 @@ TEST(SleepUntil, LastsLongerWhenTheClockJumpsBack) {
   sleeping.join();
 }
 
-TEST(SleepUntil, EndsWhenAClockGoesOnAgain) {
+TEST(SleepUntil, EndsAfterAPausedClockResumes) {
   const auto clock = SimulatedClock::Paused();
   std::jthread sleeping([&] { EXPECT_TRUE(SleepUntil(*clock, Time{} + 1h)); });
   clock->SetRate(1e9);
@@ -169,7 +169,7 @@ TEST(SleepUntil, EndsWhenAClockGoesOnAgain) {
   sleeping.join();
 }
 
-TEST(SleepUntil, EndsWhenItIsStopped) {
+TEST(SleepUntil, EndsOnAStopRequest) {
   const auto clock = SimulatedClock::Paused();
   std::jthread sleeping([&](const std::stop_token& stop) { EXPECT_FALSE(SleepUntil(*clock, Time::Never(), stop)); });
   sleeping.request_stop();
@@ -196,7 +196,7 @@ TEST(SleepFor, DoesNotCountJumps) {
   }));
 }
 
-TEST(SleepUntil, WakesAllOfManyThreadsWhateverTheClockDoes) {
+TEST(SleepUntil, WakesManyThreadsThroughJumpsAndPauses) {
   const auto clock = SimulatedClock::Paused();
   constexpr int kThreads = 8;
   constexpr int kRounds = 200;

@@ -26,18 +26,18 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(WallOffset, TakesLeapsForJumpsAndNoiseForNone) {
+TEST(WallOffset, CountsLeapsAsJumpsAndIgnoresNoise) {
   WallOffset offset(Time{1'000'000'000}, Time{0});
-  EXPECT_EQ(offset.Take(Time{} + 2s + 900us, Time{} + 1s).jumped, 0s);
-  EXPECT_EQ(offset.Take(Time{} + 3s - 900us, Time{} + 2s).jumped, 0s);
-  const ClockReading ahead = offset.Take(Time{} + 3604s, Time{} + 3s);
+  EXPECT_EQ(offset.Correct(Time{} + 2s + 900us, Time{} + 1s).jumped, 0s);
+  EXPECT_EQ(offset.Correct(Time{} + 3s - 900us, Time{} + 2s).jumped, 0s);
+  const ClockReading ahead = offset.Correct(Time{} + 3604s, Time{} + 3s);
   EXPECT_EQ(ahead.jumped, 3600s);
   EXPECT_EQ(ahead.elapsed(), Time{} + 4s);
-  EXPECT_EQ(offset.Take(Time{} + 5s, Time{} + 4s).jumped, 0s);
-  EXPECT_EQ(offset.Take(Time{} + 1s, Time{} + 5s).jumped, -5s);
+  EXPECT_EQ(offset.Correct(Time{} + 5s, Time{} + 4s).jumped, 0s);
+  EXPECT_EQ(offset.Correct(Time{} + 1s, Time{} + 5s).jumped, -5s);
 }
 
-TEST(WallJumpWatch, CallsWhenTheTimerSaysThatTheClockWasSet) {
+TEST(WallJumpWatch, CallsBackWhenTheClockWasSet) {
   std::atomic<int> set{0};
   OwnDescriptor timer([] { return eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC); });
   const int fd = timer.get();
@@ -83,7 +83,7 @@ class Lines {
   std::vector<std::string> lines_;
 };
 
-TEST(SystemClock, GoesOnWhenItCannotBeWatchedUntilItCan) {
+TEST(SystemClock, WorksUnwatchedUntilItCanBeWatched) {
   Lines lines;
   const auto clock = std::make_shared<SystemClock>(lines.Sink());
   std::atomic<int> turns{0};
@@ -143,7 +143,7 @@ TYPED_TEST(SystemsClocks, TakeListeners) {
   const Listening listening = clock.OnJump([](const ClockJump&) {});
 }
 
-TEST(TimeSystem, GivesTheRealTimeAndTheTimeSinceAReference) {
+TEST(TimeSystem, ReturnsRealTimeAndTimeSinceAReference) {
   const auto source = SimulatedClock::Paused(Time{} + 50s);
   TimeSystem time(source);
   source->Step(2s);

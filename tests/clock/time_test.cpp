@@ -24,7 +24,7 @@ TEST(Time, IsOrdered) {
   EXPECT_EQ(Time{}, Time{0});
 }
 
-TEST(Time, EndsWhereItsNumbersEnd) {
+TEST(Time, SaturatesAtItsLimits) {
   EXPECT_EQ(Later(Time{5}, 2ns), Time{7});
   EXPECT_EQ(Later(Time{5}, Duration::max()), Time::Never());
   EXPECT_EQ(Later(Time{-5}, Duration::min()).nanoseconds, std::numeric_limits<std::int64_t>::min());

@@ -31,7 +31,7 @@ class NaivePlan {
   void Remove(TimerPlan::Id id) {
     std::erase_if(timers_, [id](const NaiveTimer& t) { return t.id == id; });
   }
-  std::optional<NaiveRun> Take(const ClockReading& reading) {
+  std::optional<NaiveRun> PopDue(const ClockReading& reading) {
     const auto shown = [&](const NaiveTimer& t) { return Time{} + t.due + (t.absolute ? 0s : reading.jumped); };
     const auto first = std::min_element(timers_.begin(), timers_.end(), [&](const NaiveTimer& a, const NaiveTimer& b) {
       return std::pair(shown(a), a.id) < std::pair(shown(b), b.id);
@@ -56,7 +56,7 @@ class NaivePlan {
   std::vector<NaiveTimer> timers_;
 };
 
-TEST(TimerPlan, DoesWhatANaiveOneDoesUnderRandomStepsAndJumps) {
+TEST(TimerPlan, AgreesWithANaiveModelUnderRandomStepsAndJumps) {
   for (const unsigned seed : {11U, 12U, 13U, 14U}) {
     std::mt19937 random(seed);
     TimerPlan plan;
@@ -97,8 +97,8 @@ TEST(TimerPlan, DoesWhatANaiveOneDoesUnderRandomStepsAndJumps) {
       }
       plan.Follow(clock);
       for (;;) {
-        const std::optional<TimerPlan::Due> due = plan.Take(clock);
-        const std::optional<NaiveRun> run = naive.Take(clock);
+        const std::optional<TimerPlan::Due> due = plan.PopDue(clock);
+        const std::optional<NaiveRun> run = naive.PopDue(clock);
         ASSERT_EQ(due.has_value(), run.has_value()) << "seed " << seed << ", timer " << id;
         if (!due) break;
         due->callback->Call(due->tick);

@@ -20,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Time kZero{};
+constexpr Time kAtZero{};
 
 // A queue on a clock that goes on only when a test says so.
 class SteppedQueue : public testing::Test {
@@ -49,45 +49,45 @@ TEST_F(TimerQueueTest, RunsPeriodicTimersAtTheirTurns) {
   const Timer timer = queue_.Every(100ms, Noting());
   for (int i = 0; i < 10; ++i) Step(50ms);
   ASSERT_EQ(ticks_.size(), 5U);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(ticks_[i].planned, kZero + (i + 1) * 100ms);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(ticks_[i].planned, kAtZero + (i + 1) * 100ms);
 }
 
-TEST_F(TimerQueueTest, BeginsWhenItIsToldTo) {
+TEST_F(TimerQueueTest, StartsAtTheRequestedDelay) {
   const Timer timer = queue_.Every(100ms, Noting(), {.first = 0ms});
   queue_.Settle();
   ASSERT_EQ(ticks_.size(), 1U);
-  EXPECT_EQ(ticks_[0].planned, kZero);
+  EXPECT_EQ(ticks_[0].planned, kAtZero);
 }
 
-TEST_F(TimerQueueTest, SkipsOrCatchesUpAsItIsTold) {
+TEST_F(TimerQueueTest, SkipsOrCatchesUpAsConfigured) {
   const Timer skipping = queue_.Every(10ms, Noting());
   Step(55ms);
   ASSERT_EQ(ticks_.size(), 1U);
-  EXPECT_EQ(ticks_[0].planned, kZero + 50ms);
+  EXPECT_EQ(ticks_[0].planned, kAtZero + 50ms);
   EXPECT_EQ(ticks_[0].missed, 4U);
   ticks_.clear();
   std::vector<Time> planned;
   const Timer catching_up =
       queue_.Every(10ms, [&](const Tick& tick) { planned.push_back(tick.planned); }, {.missed = Missed::kCatchUp});
   Step(35ms);
-  EXPECT_EQ(planned, (std::vector<Time>{kZero + 65ms, kZero + 75ms, kZero + 85ms}));
+  EXPECT_EQ(planned, (std::vector<Time>{kAtZero + 65ms, kAtZero + 75ms, kAtZero + 85ms}));
 }
 
 TEST_F(TimerQueueTest, RunsOneShotTimersOnce) {
   const Timer after = queue_.After(30ms, Noting());
-  const Timer at = queue_.At(kZero + 20ms, Noting());
-  const Timer long_ago = queue_.At(kZero - 1h, Noting());
+  const Timer at = queue_.At(kAtZero + 20ms, Noting());
+  const Timer long_ago = queue_.At(kAtZero - 1h, Noting());
   EXPECT_GE(queue_.size(), 2U);  // the one of long ago may have run
   Step(1s);
   Step(1s);
   ASSERT_EQ(ticks_.size(), 3U);
-  EXPECT_EQ(ticks_[0].planned, kZero - 1h);
-  EXPECT_EQ(ticks_[1].planned, kZero + 20ms);
-  EXPECT_EQ(ticks_[2].planned, kZero + 30ms);
+  EXPECT_EQ(ticks_[0].planned, kAtZero - 1h);
+  EXPECT_EQ(ticks_[1].planned, kAtZero + 20ms);
+  EXPECT_EQ(ticks_[2].planned, kAtZero + 30ms);
   EXPECT_EQ(queue_.size(), 0U);
 }
 
-TEST_F(TimerQueueTest, RunsWhatIsDueInTheOrderOfThePlan) {
+TEST_F(TimerQueueTest, RunsDueTimersInPlannedOrder) {
   std::vector<int> order;
   std::vector<Timer> timers;
   for (const int at : {30, 10, 20, 10}) {
@@ -98,10 +98,10 @@ TEST_F(TimerQueueTest, RunsWhatIsDueInTheOrderOfThePlan) {
   EXPECT_EQ(order, (std::vector{8, 10, 10, 8, 20, 8, 30}));
 }
 
-TEST_F(TimerQueueTest, APauseMakesNoBurst) {
+TEST_F(TimerQueueTest, PauseCausesNoBurst) {
   for (const Missed policy : {Missed::kSkip, Missed::kCatchUp}) {
     const auto source = SimulatedClock::Paused();
-    const auto clock = std::make_shared<SimulatedClock>(kZero, source);
+    const auto clock = std::make_shared<SimulatedClock>(kAtZero, source);
     TimerQueue queue(clock);
     std::atomic<int> calls{0};
     const Timer timer =
@@ -120,28 +120,28 @@ TEST_F(TimerQueueTest, APauseMakesNoBurst) {
   }
 }
 
-TEST_F(TimerQueueTest, JumpsMoveRhythmsAlongAndBringWhatWasPlannedForAMoment) {
+TEST_F(TimerQueueTest, JumpsShiftPeriodicTimersAndTriggerTimersSetForAMoment) {
   const Timer every = queue_.Every(10ms, Noting(), {.missed = Missed::kCatchUp});
   std::vector<Time> after_ran;
   const Timer after = queue_.After(15ms, [&](const Tick& tick) { after_ran.push_back(tick.now); });
   std::vector<Time> at_ran;
-  const Timer at = queue_.At(kZero + 1h, [&](const Tick& tick) { at_ran.push_back(tick.now); });
+  const Timer at = queue_.At(kAtZero + 1h, [&](const Tick& tick) { at_ran.push_back(tick.now); });
   Step(4ms);
-  JumpTo(kZero + 2h);
+  JumpTo(kAtZero + 2h);
   EXPECT_TRUE(ticks_.empty());
-  EXPECT_EQ(at_ran, std::vector{kZero + 2h});
+  EXPECT_EQ(at_ran, std::vector{kAtZero + 2h});
   Step(6ms);
   EXPECT_EQ(ticks_.size(), 1U);
-  JumpTo(kZero - 2h);
+  JumpTo(kAtZero - 2h);
   EXPECT_TRUE(after_ran.empty());
   Step(5ms);
-  EXPECT_EQ(after_ran, std::vector{kZero - 2h + 5ms});
+  EXPECT_EQ(after_ran, std::vector{kAtZero - 2h + 5ms});
   Step(5ms);
   ASSERT_EQ(ticks_.size(), 2U);
-  EXPECT_EQ(ticks_[1].planned, kZero - 2h + 10ms);
+  EXPECT_EQ(ticks_[1].planned, kAtZero - 2h + 10ms);
 }
 
-TEST_F(TimerQueueTest, ATimerThatIsGoneRunsNoMore) {
+TEST_F(TimerQueueTest, DestroyedTimerDoesNotRun) {
   Timer timer = queue_.Every(10ms, Noting());
   Step(10ms);
   timer.Reset();
@@ -150,7 +150,7 @@ TEST_F(TimerQueueTest, ATimerThatIsGoneRunsNoMore) {
   EXPECT_EQ(ticks_.size(), 1U);
 }
 
-TEST_F(TimerQueueTest, ACallbackMayEndItselfAndMakeOthers) {
+TEST_F(TimerQueueTest, CallbackMayEndItsTimerAndCreateOthers) {
   Timer self;
   Timer other;
   self = queue_.Every(10ms, [&](const Tick&) {
@@ -163,7 +163,7 @@ TEST_F(TimerQueueTest, ACallbackMayEndItselfAndMakeOthers) {
   EXPECT_EQ(ticks_.size(), 1U);
 }
 
-TEST_F(TimerQueueTest, ACallbackThatThrowsIsSaidAndGoesOn) {
+TEST_F(TimerQueueTest, ThrowingCallbackIsLoggedAndItsTimerContinues) {
   const Timer timer = queue_.Every(10ms, [&](const Tick& tick) {
     ticks_.push_back(tick);
     throw std::runtime_error("no wheel there");
@@ -174,12 +174,12 @@ TEST_F(TimerQueueTest, ACallbackThatThrowsIsSaidAndGoesOn) {
   EXPECT_NE(said_.find("no wheel there"), std::string::npos) << said_;
 }
 
-TEST_F(TimerQueueTest, RefusesAPeriodThatIsNone) {
+TEST_F(TimerQueueTest, RefusesAPeriodThatIsNotPositive) {
   EXPECT_THROW((void)queue_.Every(0s, Noting()), Error);
   EXPECT_EQ(queue_.size(), 0U);
 }
 
-TEST_F(TimerQueueTest, CarriesThousandsOfTimers) {
+TEST_F(TimerQueueTest, RunsThousandsOfTimers) {
   constexpr int kTimers = 5'000;
   std::vector<Timer> timers;
   std::uint64_t turns = 0;
@@ -233,7 +233,7 @@ TEST(TimerQueue, FollowsTheSystemsClocks) {
   }
 }
 
-TEST(TimerQueue, HoldsWhileManyThreadsMakeAndEndTimersAndTheClockIsMovedAbout) {
+TEST(TimerQueue, SurvivesManyThreadsThatCreateAndEndTimersWhileTheClockJumps) {
   for (const int threads : {1, 2, 4}) {
     const auto clock = std::make_shared<SimulatedClock>();
     TimerQueue queue(clock);
@@ -252,7 +252,7 @@ TEST(TimerQueue, HoldsWhileManyThreadsMakeAndEndTimersAndTheClockIsMovedAbout) {
     }
     for (int i = 0; i < 200; ++i) {
       clock->Step(100us);
-      if (i % 7 == 0) clock->JumpTo(kZero + i * 1ms);
+      if (i % 7 == 0) clock->JumpTo(kAtZero + i * 1ms);
       if (i % 11 == 0) clock->SetRate(1 + i);
     }
     workers.clear();

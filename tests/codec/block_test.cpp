@@ -33,14 +33,14 @@ TEST(Block, IsReadInPlace) {
   EXPECT_EQ(received->bytes().data(), sent->bytes().data());
 }
 
-TEST(Block, LivesAsLongAsThePayloadOfIt) {
+TEST(Block, LivesAsLongAsItsPayload) {
   auto block = Filled(64, std::byte{42});
   const Payload payload = TypeOf<Block>().encode(block);
   block.reset();
   EXPECT_TRUE(std::ranges::all_of(payload.bytes, [](std::byte b) { return b == std::byte{42}; }));
 }
 
-TEST(Block, CopiesBytesThatNobodyKeepsAlive) {
+TEST(Block, CopiesBytesWithoutAnOwner) {
   auto borrowed = std::make_unique<std::byte[]>(16);
   const Block block(Payload{Bytes(borrowed.get(), 16), nullptr});
   const std::byte* const lent = borrowed.get();
@@ -72,7 +72,7 @@ TEST(Block, LeavesNothingBehindWhenMoved) {
   EXPECT_EQ(from.size(), 0U);
 }
 
-TEST(Block, MayLieInMemoryOfSomebodyElse) {
+TEST(Block, MayUseForeignMemory) {
   const auto pool = std::make_shared<std::array<std::byte, 32>>();
   Block loaned = Block::Adopt(std::span(*pool).first(8), pool);
   loaned.writable()[0] = std::byte{9};

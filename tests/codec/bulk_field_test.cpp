@@ -78,7 +78,7 @@ TEST(BulkField, MayBeOptional) {
   EXPECT_EQ(FindBulkField(Schema(Field("a", 1), "proto2").type(), 0).name(), "a");
 }
 
-TEST(BulkField, IsAskedForWhenAProgramIsWired) {
+TEST(BulkField, IsCheckedWhenAChannelIsOpened) {
   EXPECT_THROW((void)TypeOf<Bulk<foxglove::Log>>(), Error);
   EXPECT_NO_THROW((void)TypeOf<Bulk<foxglove::PointCloud>>());
 }

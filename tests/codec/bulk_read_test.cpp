@@ -11,8 +11,8 @@
 #include <string>
 
 #include "foxglove/PointCloud.pb.h"
-#include "hgros/codec/bulk_body.hpp"
 #include "hgros/codec/bulk_field.hpp"
+#include "hgros/internal/codec/bulk_body.hpp"
 
 namespace hgros {
 namespace {
@@ -96,14 +96,14 @@ TEST(ReadBulk, ShowsTheBytesInPlace) {
   EXPECT_EQ(AsText(bulk).data(), wire.data() + wire.size() - 10);
 }
 
-TEST(ReadBulk, TakesTheLastOfSeveral) {
+TEST(ReadBulk, UsesTheLastOccurrenceOfTheField) {
   const std::string first = Hex("3203616161"), second = Hex("32026262"), empty = Hex("3200");
   ExpectAsProtobuf(first + second, foxglove::PointCloud());
   EXPECT_EQ(ReadApart(first + second, foxglove::PointCloud()).bulk, "bb");
   EXPECT_EQ(ReadApart(first + second + empty, foxglove::PointCloud()).bulk, "");
 }
 
-TEST(ReadBulk, KeepsWhatItDoesNotKnow) {
+TEST(ReadBulk, KeepsUnknownFields) {
   const std::string unknown = Hex("f83f2a") + Hex("fa3f0161") + Hex("fb3f0801fc3f") + Hex("fd3f01020304");
   foxglove::PointCloud head;
   Bytes bulk;
@@ -115,7 +115,7 @@ TEST(ReadBulk, KeepsWhatItDoesNotKnow) {
   ExpectAsProtobuf(wire, foxglove::PointCloud());
 }
 
-TEST(ReadBulk, RefusesWhatProtobufRefuses) {
+TEST(ReadBulk, RefusesTheSameBytesAsProtobuf) {
   const char* const wires[] = {
       "320361",                // Cut within the bytes.
       "32",                    // Without a length.
@@ -143,7 +143,7 @@ TEST(ReadBulk, RefusesWhatProtobufRefuses) {
   }
 }
 
-TEST(ReadBulk, TakesLongFormsAndOtherWireTypesAsProtobufDoes) {
+TEST(ReadBulk, ReadsOverlongVarintsAndOtherWireTypesLikeProtobuf) {
   for (const char* digits : {"b2000161", "b28080800001ff", "3281800061", "3001", "3501020304", "33013401", "330834",
                              "b2808080700161", "b280808080700161"}) {
     SCOPED_TRACE(digits);
@@ -162,7 +162,7 @@ TEST(ReadBulk, SkipsDeepGroupsWithoutStack) {
   ExpectAsProtobuf(shallow + Hex("32026161"), foxglove::PointCloud());
 }
 
-TEST(ReadBulk, TellsNoBytesFromNoFieldWhereTheSchemaDoes) {
+TEST(ReadBulk, DistinguishesEmptyFromMissingFieldIfTheSchemaDoes) {
   google::protobuf::FileDescriptorProto file;
   ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
       "name: 'm.proto' package: 'test' syntax: 'proto2' message_type { name: 'M' "

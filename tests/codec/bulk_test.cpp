@@ -42,7 +42,7 @@ std::shared_ptr<const BulkCloud> Decoded(const Payload& payload) {
   return std::static_pointer_cast<const BulkCloud>(TypeOf<BulkCloud>().decode(payload));
 }
 
-TEST(Bulk, IsAnOrdinaryMessageToEverybodyElse) {
+TEST(Bulk, HasNameAndSchemaOfTheOrdinaryMessage) {
   const TypeInfo& plain = TypeOf<PointCloud>();
   const TypeInfo& bulk = TypeOf<BulkCloud>();
   EXPECT_EQ(bulk.name, "foxglove.PointCloud");
@@ -93,7 +93,7 @@ TEST(Bulk, IsWrittenAndReadInPlace) {
   EXPECT_TRUE(received->head().data().empty());
 }
 
-TEST(Bulk, LivesAsLongAsItsReceiverWants) {
+TEST(Bulk, LivesAsLongAsItsReceiver) {
   std::shared_ptr<const BulkCloud> sent = Filled(1000);
   Payload payload = EncodeAny(sent);
   const std::weak_ptr<const void> memory = payload.owner;
@@ -106,14 +106,14 @@ TEST(Bulk, LivesAsLongAsItsReceiverWants) {
   EXPECT_TRUE(memory.expired());
 }
 
-TEST(Bulk, CopiesWhatNobodyKeepsAlive) {
+TEST(Bulk, CopiesBytesWithoutAnOwner) {
   std::string wire(AsText(EncodeAny(Filled(1000)).bytes));
   const auto received = Decoded({AsBytes(wire), nullptr});
   wire.assign(wire.size(), '\0');
   EXPECT_EQ(AsText(received->bytes()), std::string(1000, 'p'));
 }
 
-TEST(Bulk, MayBeWrittenByManyAtOnce) {
+TEST(Bulk, CanBeWrittenByManyThreadsAtOnce) {
   const std::shared_ptr<const BulkCloud> sent = Filled(1000);
   std::vector<Payload> payloads(8);
   {
@@ -134,7 +134,7 @@ TEST(Bulk, AlignsItsBytesForAnyNumber) {
   }
 }
 
-TEST(Bulk, TakesALargeHeadWithACopy) {
+TEST(Bulk, CopiesItsBytesWhenTheHeadIsTooLarge) {
   auto cloud = Filled(5000);
   cloud->head().set_frame_id(std::string(BulkCloud::kHeadroomBytes, 'f'));
   const TypeInfo& type = TypeOf<BulkCloud>();
@@ -160,7 +160,7 @@ TEST(Bulk, FillsItsHeadroomToTheLastByte) {
   EXPECT_EQ(type.encode_in_place(cloud.get()).owner, nullptr);
 }
 
-TEST(Bulk, IsWrittenIntoMemoryOfOthersWithACopy) {
+TEST(Bulk, IsCopiedIntoForeignMemory) {
   const TypeInfo& type = TypeOf<BulkCloud>();
   const auto cloud = Filled(5000);
   std::string wire(type.encoded_bytes(cloud.get()), '\0');
@@ -179,7 +179,7 @@ TEST(Bulk, MayHaveNoBytes) {
   EXPECT_EQ(received->size(), 0U);
 }
 
-TEST(Bulk, TakesBytesOfTheHeadWhereItHasNoOthers) {
+TEST(Bulk, UsesBytesOfTheHeadWhenItHasNoOthers) {
   PointCloud plain;
   plain.set_frame_id("lidar");
   plain.set_data("the points");
@@ -219,7 +219,7 @@ TEST(Bulk, IsMadeOfAnOrdinaryMessageWithoutACopy) {
   EXPECT_EQ(TypeOf<BulkCloud>().to_other(bulk).get(), plain.get());
 }
 
-TEST(Bulk, SharesBytesOfADriver) {
+TEST(Bulk, SharesBytesOfAnotherOwner) {
   const auto buffer = std::make_shared<const std::string>(5000, 'd');
   foxglove::RawImage head;
   head.set_width(50);
@@ -232,14 +232,14 @@ TEST(Bulk, SharesBytesOfADriver) {
   EXPECT_EQ(plain.width(), 50U);
 }
 
-TEST(Bulk, IsThereForEverySchemaWithLargeBytes) {
+TEST(Bulk, SupportsEverySchemaWithLargeBytes) {
   EXPECT_NO_THROW((void)TypeOf<Bulk<foxglove::RawImage>>());
   EXPECT_NO_THROW((void)TypeOf<Bulk<foxglove::CompressedImage>>());
   EXPECT_NO_THROW((void)TypeOf<Bulk<foxglove::Grid>>());
   EXPECT_NO_THROW((void)TypeOf<Bulk<foxglove::VoxelGrid>>());
 }
 
-TEST(Bulk, RefusesMoreBytesThanThereCanBe) {
+TEST(Bulk, RefusesImpossibleSizes) {
   EXPECT_THROW((void)BulkCloud::RoomFor(SIZE_MAX), std::bad_alloc);
   EXPECT_THROW(BulkCloud(SIZE_MAX - 1024), std::bad_alloc);
   EXPECT_THROW(BulkCloud(Block::Allocate(10)), std::length_error);

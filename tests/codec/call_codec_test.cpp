@@ -13,7 +13,7 @@
 
 #include "hgros/base/bytes.hpp"
 #include "hgros/call.pb.h"
-#include "hgros/codec/call_message.hpp"
+#include "hgros/internal/codec/call_message.hpp"
 
 namespace hgros {
 namespace {
@@ -59,7 +59,7 @@ TEST(CallCodec, WritesTheSameInTwoSteps) {
   EXPECT_EQ(room, AsText(whole.bytes));
 }
 
-TEST(CallCodec, IsAMessageOfTheChannelsTypeToWhoKnowsNoCalls) {
+TEST(CallCodec, IsReadAsTheChannelsTypeByPlainSubscribers) {
   const Payload payload = CallTypeOf<Vector3>().encode(SomeCall());
   Vector3 plain;
   ASSERT_TRUE(plain.ParseFromArray(payload.bytes.data(), static_cast<int>(payload.bytes.size())));
@@ -133,7 +133,7 @@ TEST(CallCodec, IsWhatTheGeneratedClassReadsAndWrites) {
   }
 }
 
-TEST(CallCodec, IsReadAsTheGeneratedClassReadsItWhateverIsInIt) {
+TEST(CallCodec, ReadsAnyBytesLikeTheGeneratedClass) {
   constexpr std::uint64_t kSeed = 11;
   SCOPED_TRACE(kSeed);
   std::mt19937_64 random(kSeed);
@@ -161,7 +161,7 @@ TEST(CallCodec, CarriesAFailureWithoutAMessage) {
   EXPECT_EQ(back->body, nullptr);
 }
 
-TEST(CallCodec, RefusesWhatIsCutShortAndTellsWhoseMessageDoesNotParse) {
+TEST(CallCodec, RefusesTruncatedBytesAndReportsWhichPartDoesNotParse) {
   const Payload whole = CallTypeOf<Vector3>().encode(SomeCall());
   const std::string text(AsText(whole.bytes));
   for (std::size_t size = 0; size < text.size(); ++size) {

@@ -51,7 +51,7 @@ TEST(DynamicSchema, KnowsTheNamesOfEnumValues) {
   EXPECT_EQ(schema->descriptor().FindFieldByName("level")->enum_type()->FindValueByNumber(4)->name(), "ERROR");
 }
 
-TEST(MisfitOf, APublisherThatSendsNoDescriptionIsTrusted) {
+TEST(MisfitOf, TrustsAPublisherWithoutADescription) {
   MessageSchema theirs = SchemaOf(TypeOf<foxglove::Log>());
   ++theirs.fingerprint;
   theirs.descriptor_set.clear();
@@ -91,7 +91,7 @@ TEST(DynamicSchema, RefusesBytesThatDoNotParse) {
   EXPECT_NE(schema->Read({}), nullptr);
 }
 
-TEST(DynamicSchema, SaysWhatIsWrongWithADescription) {
+TEST(DynamicSchema, ReportsWhatIsWrongWithADescription) {
   EXPECT_THAT(FaultOf({"t.M", Encoding::kPlain, 0, ""}), HasSubstr("t.M are not protobuf"));
   EXPECT_THAT(FaultOf({"t.M", Encoding::kProtobuf, 0, "\xff\xff"}), HasSubstr("is not a FileDescriptorSet"));
   EXPECT_THAT(FaultOf({"t.M", Encoding::kProtobuf, 0, ""}), HasSubstr("does not contain t.M"));
@@ -113,7 +113,7 @@ TEST(DynamicSchema, SaysWhatIsWrongWithADescription) {
   EXPECT_THAT(FaultOf(SchemaWith(deep, "M")), HasSubstr("levels of nested types"));
 }
 
-TEST(DynamicSchema, ATypeThatContainsItselfIsReadAsDeepAsProtobufAllows) {
+TEST(DynamicSchema, ReadsRecursiveTypesAsDeepAsProtobufAllows) {
   FileDescriptorSet set;
   auto& file = *set.add_file();
   file.set_name("a.proto");

@@ -58,7 +58,7 @@ TEST(ImageView, ShowsSamplesAsNumbers) {
   EXPECT_EQ((*samples)[1][1], 2);
 }
 
-TEST(ImageView, ShowsABulkWhereItLies) {
+TEST(ImageView, ViewsABulkInPlace) {
   Bulk<RawImage> message(12);
   message.head() = Image(3, 4, 3, "mono8", "");
   const auto image = ViewImage(message);
@@ -66,7 +66,7 @@ TEST(ImageView, ShowsABulkWhereItLies) {
   EXPECT_EQ(image->Row(3).data(), message.bytes().data() + 9);
 }
 
-TEST(ImageView, SaysWhatDoesNotFit) {
+TEST(ImageView, ReportsInvalidImages) {
   EXPECT_THAT(ViewOf(Image(1, 1, 1, "jpeg", "x")).fault(), HasSubstr("encoding \"jpeg\" is not known"));
   EXPECT_THAT(ViewOf(Image(2, 1, 5, "rgb8", "123456")).fault(),
               HasSubstr("2 pixels of 3 bytes is longer than its step, 5 bytes"));
@@ -76,7 +76,7 @@ TEST(ImageView, SaysWhatDoesNotFit) {
   EXPECT_THAT(ViewImage(grey)->SamplesAs<float>().fault(), HasSubstr("\"mono8\" are std::uint8_t, not float"));
 }
 
-TEST(ImageView, IsNotFooledByHugeNumbers) {
+TEST(ImageView, RefusesHugeNumbers) {
   const std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
   EXPECT_FALSE(ViewOf(Image(most, most, most, "mono8", "x")));
   EXPECT_FALSE(ViewOf(Image(most, 1, most, "rgba8", "x")));
@@ -87,7 +87,7 @@ TEST(ImageView, IsNotFooledByHugeNumbers) {
   EXPECT_FALSE(ImageView::Of(AsBytes("xx"), huge));
 }
 
-TEST(ImageView, NeverLooksOutside) {
+TEST(ImageView, NeverReadsOutsideItsBytes) {
   const unsigned seed = std::random_device()();
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);

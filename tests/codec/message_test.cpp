@@ -129,7 +129,7 @@ std::shared_ptr<const T> RoundTrip(T value) {
   return payload.owner ? std::static_pointer_cast<const T>(info.decode(payload)) : nullptr;
 }
 
-TEST(Message, IsCustomBeforeProtobufBeforeOwnMethodsBeforePlain) {
+TEST(Message, PrefersCustomThenProtobufThenOwnMethodsThenPlain) {
   EXPECT_EQ(TypeOf<Foreign>().encoding, Encoding::kCustom);
   EXPECT_EQ(TypeOf<PlainButCustom>().encoding, Encoding::kCustom);
   EXPECT_EQ(TypeOf<PlainButCustom>().name, "test.PlainButCustom");
@@ -161,7 +161,7 @@ TEST(Message, OfALocalTypeHasItsCppNameAndNoCodec) {
 
 TEST(Message, InformationIsMadeOnce) { EXPECT_EQ(&TypeOf<Plain>(), &TypeOf<Plain>()); }
 
-TEST(CustomCodec, WritesAndReadsATypeThatKnowsNothingOfIt) {
+TEST(CustomCodec, WritesAndReadsAnUnmodifiedType) {
   const auto back = RoundTrip(Foreign{{1, 2, 3}});
   ASSERT_NE(back, nullptr);
   EXPECT_EQ(back->numbers, (std::vector<int>{1, 2, 3}));
@@ -176,7 +176,7 @@ TEST(CustomCodec, MayRefuseToWriteAndToRead) {
   EXPECT_EQ(TypeOf<Foreign>().decode(Payload{}), nullptr);
 }
 
-TEST(CustomCodec, ThatThrowsHasFailed) {
+TEST(CustomCodec, ExceptionCountsAsFailure) {
   EXPECT_FALSE(TypeOf<Throwing>().encode(std::make_shared<const Throwing>()).owner);
   EXPECT_EQ(TypeOf<Throwing>().decode(Payload{AsBytes("x"), nullptr}), nullptr);
   EXPECT_EQ(TypeOf<PlainButCustom>().decode(Payload{AsBytes("no number"), nullptr}), nullptr);

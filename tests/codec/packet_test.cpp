@@ -1,4 +1,4 @@
-#include "hgros/codec/packet.hpp"
+#include "hgros/internal/codec/packet.hpp"
 
 #include <gtest/gtest.h>
 
@@ -125,7 +125,7 @@ TEST(HeadFrame, HasRoomForTheLargestValues) {
   ExpectEqual(back, head);
 }
 
-TEST(HeadFrame, LeavesNothingOfAnEarlierHead) {
+TEST(HeadFrame, ClearsAnEarlierHead) {
   wire::Head only;
   only.set_channel("scan");
   PacketHead head = FullHead();
@@ -136,7 +136,7 @@ TEST(HeadFrame, LeavesNothingOfAnEarlierHead) {
   ExpectEqual(head, expected);
 }
 
-TEST(HeadFrame, OfEveryShorterLengthIsTruncated) {
+TEST(HeadFrame, ReportsEveryShorterLengthAsTruncated) {
   const std::string frame = FrameOf(FullHead());
   PacketHead head;
   for (std::size_t size = 0; size < frame.size(); ++size) {
@@ -145,7 +145,7 @@ TEST(HeadFrame, OfEveryShorterLengthIsTruncated) {
   EXPECT_EQ(DecodeHeadFrame(AsBytes(frame + "x"), head), PacketFault::kLength);
 }
 
-TEST(HeadFrame, IsReadAsTheGeneratedClassReadsItWhateverIsInIt) {
+TEST(HeadFrame, ReadsAnyBytesLikeTheGeneratedClass) {
   constexpr std::uint64_t kSeed = 11;
   SCOPED_TRACE(kSeed);
   std::mt19937_64 random(kSeed);
@@ -209,7 +209,7 @@ TEST(Topic, EndsSoThatNoChannelIsAPrefixOfAnother) {
   EXPECT_EQ(PeerTopic("scan", SessionId{0xabc}), std::string("scan\1") + "0000000000000abc");
 }
 
-TEST(Topic, IsTakenApartAgain) {
+TEST(Topic, CanBeSplitAgain) {
   const std::string plain = PlainTopic("robot1/scan");
   ASSERT_TRUE(ParseTopic(AsBytes(plain)));
   EXPECT_EQ(ParseTopic(AsBytes(plain))->channel, "robot1/scan");
@@ -221,7 +221,7 @@ TEST(Topic, IsTakenApartAgain) {
   EXPECT_EQ(ParseTopic(AsBytes(peer))->session, SessionId{0x1234});
 }
 
-TEST(Topic, OfAnyOtherFormIsNone) {
+TEST(Topic, OtherFormsAreNotTopics) {
   using namespace std::string_view_literals;
   for (const std::string_view text : {""sv, "scan"sv, "\0"sv,
                                       "\1"
@@ -241,7 +241,7 @@ TEST(Topic, OfAnyOtherFormIsNone) {
   EXPECT_FALSE(ParseTopic(AsBytes(PlainTopic(std::string(kMaxChannelNameLength + 1, 'x')))));
 }
 
-TEST(Topic, StaysBelowWhatZeroMqMishandles) {
+TEST(Topic, IsShorterThanZeroMqMishandles) {
   EXPECT_LT(PeerTopic(std::string(kMaxChannelNameLength, 'x'), SessionId{1}).size(), 246U);
 }
 

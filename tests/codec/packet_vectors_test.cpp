@@ -14,7 +14,7 @@
 #include "foxglove/Quaternion.pb.h"
 #include "foxglove/Vector3.pb.h"
 #include "hgros/codec/message.hpp"
-#include "hgros/codec/packet.hpp"
+#include "hgros/internal/codec/packet.hpp"
 
 // Runs every file of vectors/; docs/wire-protocol.md ("Test vectors") describes their form.
 namespace hgros {
@@ -133,7 +133,7 @@ std::map<std::string, std::string> Read(const Vector& vector) {
   return result(PacketFault::kNone);
 }
 
-TEST(PacketVectors, AreAllReadAsTheySay) {
+TEST(PacketVectors, MatchTheirExpectedResults) {
   std::vector<std::filesystem::path> paths;
   for (const auto& entry : std::filesystem::directory_iterator(HGROS_TEST_VECTORS)) {
     if (entry.path().extension() == ".hex") paths.push_back(entry.path());

@@ -1,4 +1,4 @@
-#include "hgros/codec/plain_codec.hpp"
+#include "hgros/internal/codec/plain_codec.hpp"
 
 #include <gtest/gtest.h>
 
@@ -115,7 +115,7 @@ namespace {
 
 using namespace hgros_test;
 
-TEST(PlainStruct, IsDataWithoutPointers) {
+TEST(PlainStruct, AcceptsDataWithoutPointers) {
   static_assert(PlainStruct<Robot> && PlainStruct<Wheel> && PlainStruct<Empty> && PlainStruct<Mode>);
   static_assert(PlainStruct<Derived> && PlainStruct<BitFields> && PlainStruct<Packed> && PlainStruct<Tagged>);
   static_assert(PlainStruct<Timed> && PlainStruct<ThirtyFields> && PlainStruct<TwentyFourFields>);
@@ -123,7 +123,7 @@ TEST(PlainStruct, IsDataWithoutPointers) {
   static_assert(PlainStruct<Vouched>);
 }
 
-TEST(PlainStruct, IsRefusedWhereAPointerCanBeSeen) {
+TEST(PlainStruct, RefusesVisiblePointers) {
   static_assert(!PlainStruct<WithPointer> && !PlainStruct<WithPointerInside> && !PlainStruct<WithView>);
   static_assert(!PlainStruct<WithReference> && !PlainStruct<WithFunction> && !PlainStruct<WithMemberPointer>);
   static_assert(!PlainStruct<int*> && !PlainStruct<std::nullptr_t> && !PlainStruct<std::string_view>);
@@ -190,7 +190,7 @@ TEST(PlainCodec, ReadsALargeStructInPlaceAndASmallOneAsACopy) {
   EXPECT_NE(TypeOf<Wheel>().decode(small).get(), static_cast<const void*>(small.bytes.data()));
 }
 
-TEST(PlainCodec, CopiesWhatIsMisalignedOrWithoutOwner) {
+TEST(PlainCodec, CopiesMisalignedAndUnownedBytes) {
   const auto buffer = std::make_shared<std::array<std::byte, sizeof(Large) + 16>>();
   Large value{};
   value.values[999] = 3.5;

@@ -94,7 +94,7 @@ TEST(PointCloudView, ShowsTheValuesOfEachField) {
   EXPECT_EQ(std::ranges::lower_bound(*x, 40.5F) - x->begin(), 41);
 }
 
-TEST(PointCloudView, ShowsABulkWhereItLies) {
+TEST(PointCloudView, ViewsABulkInPlace) {
   Bulk<PointCloud> cloud(10 * sizeof(Point));
   Describe(cloud.head());
   const std::string bytes = Points(10);
@@ -118,7 +118,7 @@ TEST(PointCloudView, ReadsAtAnyAlignment) {
   EXPECT_EQ((*values)[1], -1);
 }
 
-TEST(PointCloudView, SaysWhichFieldAndWhy) {
+TEST(PointCloudView, ReportsTheInvalidFieldAndWhy) {
   EXPECT_THAT(FaultOf<float>(Cloud(2), "z"), HasSubstr("no field \"z\"; there are: x, y, time, ring."));
   EXPECT_THAT(FaultOf<double>(Cloud(2), "x"), HasSubstr("\"x\" holds FLOAT32, not FLOAT64"));
   EXPECT_THAT(FaultOf<std::int16_t>(Cloud(2), "ring"), HasSubstr("\"ring\" holds UINT16, not INT16"));
@@ -134,7 +134,7 @@ TEST(PointCloudView, SaysWhichFieldAndWhy) {
   EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("values of type 77, which there is not"));
 }
 
-TEST(PointCloudView, RefusesBytesThatAreNoPoints) {
+TEST(PointCloudView, RefusesPartialPoints) {
   PointCloud cloud = Cloud(2);
   cloud.set_point_stride(0);
   EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("stride of 0"));
@@ -144,7 +144,7 @@ TEST(PointCloudView, RefusesBytesThatAreNoPoints) {
   EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("no whole number"));
 }
 
-TEST(PointCloudView, OfNoPointsIsEmpty) {
+TEST(PointCloudView, OfZeroPointsIsEmpty) {
   const PointCloud cloud = Cloud(0);
   const auto points = ViewPoints(cloud);
   ASSERT_TRUE(points);
@@ -152,7 +152,7 @@ TEST(PointCloudView, OfNoPointsIsEmpty) {
   EXPECT_TRUE(points->Field<float>("x")->empty());
 }
 
-TEST(PointCloudView, AFaultIsNoView) {
+TEST(PointCloudView, FaultHasNoView) {
   const PointCloud nothing;
   const auto points = ViewPoints(nothing);
   ASSERT_FALSE(points);
@@ -160,7 +160,7 @@ TEST(PointCloudView, AFaultIsNoView) {
 }
 
 // Whatever a message says, every value of a view lies in its bytes (which the sanitizers see).
-TEST(PointCloudView, NeverLooksOutside) {
+TEST(PointCloudView, NeverReadsOutsideItsBytes) {
   const unsigned seed = std::random_device()();
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);

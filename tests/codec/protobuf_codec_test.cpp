@@ -1,4 +1,4 @@
-#include "hgros/codec/protobuf_codec.hpp"
+#include "hgros/internal/codec/protobuf_codec.hpp"
 
 #include <google/protobuf/descriptor.pb.h>
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(ProtobufCodec, WritesAnEmptyMessageAsNoBytes) {
   EXPECT_NE(TypeOf<Imu>().decode(payload), nullptr);
 }
 
-TEST(ProtobufCodec, RefusesBytesThatAreNoSuchMessage) {
+TEST(ProtobufCodec, RefusesBytesOfAnotherMessage) {
   const TypeInfo& info = TypeOf<foxglove::PointCloud>();
   const Payload payload = info.encode(Cloud());
   EXPECT_EQ(info.decode({payload.bytes.first(payload.bytes.size() - 1), payload.owner}), nullptr);

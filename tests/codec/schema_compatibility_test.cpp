@@ -60,7 +60,7 @@ TEST(SchemaCompatibility, HoldsForTheSameSchema) {
   EXPECT_EQ(verdict.reason, "");
 }
 
-TEST(SchemaCompatibility, LetsFieldsComeAndGo) {
+TEST(SchemaCompatibility, AllowsAddedAndRemovedFields) {
   EXPECT_TRUE(Check(Field("DOUBLE"), Field("DOUBLE") + Field("STRING", 2, "later")).compatible);
   EXPECT_TRUE(Check(Field("DOUBLE") + Field("STRING", 2, "later"), Field("DOUBLE")).compatible);
   EXPECT_TRUE(Check("", Field("DOUBLE")).compatible);
@@ -111,19 +111,19 @@ TEST(SchemaCompatibility, NotesAnotherName) {
   EXPECT_EQ(verdict.notes[0], "Field 1 of t.M is named \"width\" there and \"height\" here.");
 }
 
-TEST(SchemaCompatibility, LooksIntoMessages) {
+TEST(SchemaCompatibility, ComparesNestedMessages) {
   const SchemaVerdict verdict =
       Check(Field("MESSAGE", 1, "part", "OPTIONAL", ".t.Other"), Field("MESSAGE", 1, "part", "OPTIONAL", ".t.Part"));
   EXPECT_FALSE(verdict.compatible);
   EXPECT_THAT(verdict.reason, HasSubstr("Field 1 of t.Part is \"string p\" there and \"bool p\" here"));
 }
 
-TEST(SchemaCompatibility, EndsForTypesThatContainThemselves) {
+TEST(SchemaCompatibility, TerminatesForRecursiveTypes) {
   const std::string fields = Field("MESSAGE", 1, "child", "OPTIONAL", ".t.M");
   EXPECT_TRUE(Check(fields, fields).compatible);
 }
 
-TEST(SchemaCompatibility, RefusesAFieldThatMayBeMissingButIsRequired) {
+TEST(SchemaCompatibility, RefusesAMissingRequiredField) {
   const auto required = FileOf(Field("DOUBLE", 1, "f", "REQUIRED"), "proto2");
   const auto optional = FileOf(Field("DOUBLE"), "proto2");
   EXPECT_FALSE(Check(optional, required).compatible);
@@ -139,7 +139,7 @@ TEST(SchemaCompatibility, RefusesAnotherTypeName) {
   EXPECT_THAT(verdict.reason, HasSubstr("foxglove.SceneEntity there and foxglove.SceneUpdate here"));
 }
 
-TEST(SchemaCompatibility, RefusesWhatIsNoSchemaQuietly) {
+TEST(SchemaCompatibility, RefusesInvalidSchemasWithoutLogging) {
   const auto* const type = foxglove::SceneUpdate::descriptor();
   const std::string& name = type->full_name();
   ::testing::internal::CaptureStderr();
@@ -170,7 +170,7 @@ std::string RefusalOf(const FileDescriptorSet& set) {
 }
 
 // Each would cost a pool gigabytes or minutes if it were larger, within the set's megabyte.
-TEST(SchemaCompatibility, RefusesWhatWouldCostMoreThanItsSize) {
+TEST(SchemaCompatibility, RefusesSchemasThatAreTooExpensive) {
   FileDescriptorSet chain;
   for (int i = 0; i < 300; ++i) {
     auto& file = AddFile(chain);
@@ -207,7 +207,7 @@ TEST(SchemaCompatibility, RefusesWhatWouldCostMoreThanItsSize) {
   EXPECT_EQ(RefusalOf(values), counted);
 }
 
-TEST(SchemaCompatibility, SurvivesRandomDamageQuietly) {
+TEST(SchemaCompatibility, SurvivesRandomDamageWithoutLogging) {
   const auto* const type = foxglove::SceneUpdate::descriptor();
   const std::string good = DescriptorSet(*type);
   constexpr unsigned kSeed = 20260101;

@@ -11,7 +11,7 @@
 #include "foxglove/FrameTransform.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
 #include "foxglove/Vector3.pb.h"
-#include "hgros/codec/fingerprint.hpp"
+#include "hgros/internal/codec/fingerprint.hpp"
 
 namespace hgros {
 namespace {
@@ -68,7 +68,7 @@ TEST(SchemaFingerprint, StaysTheSameForever) {
   EXPECT_EQ(SchemaFingerprint(*foxglove::FrameTransform::descriptor()), 0x94b3ed65d36ffdfaU);
 }
 
-TEST(SchemaFingerprint, DoesNotSeeOrderAndFile) {
+TEST(SchemaFingerprint, IgnoresOrderAndFile) {
   EXPECT_EQ(FingerprintOf(File(kX + kY)), FingerprintOf(File(kY + kX, "moved/elsewhere.proto")));
 }
 

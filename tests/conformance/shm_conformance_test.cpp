@@ -1,4 +1,4 @@
-// The shared-memory carrier's places for the suite.
+// Where sessions meet over shared memory, for the suite.
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/shm_transport.hpp"
 
@@ -44,8 +44,9 @@ std::function<std::unique_ptr<World>()> Make(ShmWait wait, std::uint64_t limit_b
 }
 
 INSTANTIATE_TEST_SUITE_P(Shm, TransportConformance,
-                         testing::Values(Carrier{"Sleep", Make(ShmWait::kSleep)}, Carrier{"Spin", Make(ShmWait::kSpin)},
-                                         Carrier{"NoMemory", Make(ShmWait::kSleep, 0)}),
+                         testing::Values(TransportCase{"Sleep", Make(ShmWait::kSleep)},
+                                         TransportCase{"Spin", Make(ShmWait::kSpin)},
+                                         TransportCase{"NoMemory", Make(ShmWait::kSleep, 0)}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

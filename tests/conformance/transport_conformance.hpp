@@ -24,7 +24,7 @@ namespace hgros::conformance {
 /// Waits until `done()`, at most ten seconds (more under a sanitizer). Returns the last answer.
 bool Eventually(const std::function<bool()>& done);
 
-/// Stalls and cuts the way between two sessions. Only carriers that have such a way offer it.
+/// Stalls and cuts the connection between two sessions. Only transports that have such a connection offer it.
 class Cable {
  public:
   virtual ~Cable() = default;
@@ -33,7 +33,7 @@ class Cable {
   virtual void Cut() = 0;     ///< All connections are closed, new ones refused until Resume().
 };
 
-/// A carrier under test, and a place where its sessions meet.
+/// A transport under test, and a place where its sessions meet.
 class World {
  public:
   virtual ~World() = default;
@@ -47,11 +47,11 @@ class World {
   [[nodiscard]] virtual bool shows_in_place() const { return true; }
 };
 
-struct Carrier {
+struct TransportCase {
   std::string name;
   std::function<std::unique_ptr<World>()> make;
 
-  friend void PrintTo(const Carrier& carrier, std::ostream* out) { *out << carrier.name; }
+  friend void PrintTo(const TransportCase& one, std::ostream* out) { *out << one.name; }
 };
 
 /// Remembers what it is told.
@@ -159,7 +159,7 @@ const TypeInfo& TextType();
 /// A type of this name and schema: a protobuf message with the fields of `fields`, such as "int32 a = 1".
 TypeInfo ProtobufType(const std::string& name, const std::vector<std::pair<std::string, int>>& fields);
 
-class TransportConformance : public testing::TestWithParam<Carrier> {
+class TransportConformance : public testing::TestWithParam<TransportCase> {
  protected:
   void SetUp() override { world = GetParam().make(); }
   std::unique_ptr<World> world;

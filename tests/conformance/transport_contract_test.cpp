@@ -1,4 +1,4 @@
-// The numbered contracts of include/hgros/transport/transport.hpp, one behaviour per test, for every carrier.
+// The numbered contracts of include/hgros/transport, one behavior per test, for every transport.
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/ends_later.hpp"
 
@@ -397,7 +397,7 @@ TEST_P(TransportConformance, AMessageEndsWithoutALock) {
       EXPECT_TRUE(Eventually([&] { return wired >= turn; }));
       ++returned;
     };
-    // Large ones: they are shown in place, and end with the carrier's last use of them.
+    // Large ones are sent in place, and end when the transport no longer uses them.
     for (int i = 0; i < 3; ++i) {
       const std::shared_ptr<const std::string> text(new std::string(10'000, 'x'), end);
       if (out.channel->Reserve() == PublishStatus::kOk) out.channel->Commit(out.NextHead(), {AsBytes(*text), text});

@@ -1,4 +1,4 @@
-// What the contracts of transport.hpp say about deaths, cuts, threads and destruction, for every carrier.
+// What the contracts of include/hgros/transport say about deaths, cuts, threads and destruction, for every transport.
 #include <set>
 
 #include "conformance/transport_conformance.hpp"
@@ -62,7 +62,7 @@ TEST_P(TransportConformance, ALosslessSubscriberThatLeavesGivesItsCreditBack) {
 }
 
 TEST_P(TransportConformance, ALosslessSubscriberThatFallsSilentGivesItsCreditBack) {
-  if (world->cable() == nullptr) GTEST_SKIP() << "this carrier cannot be cut";
+  if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   Reception in(b, "scan", TextType(), kLossless);
@@ -78,7 +78,7 @@ TEST_P(TransportConformance, ALosslessSubscriberThatFallsSilentGivesItsCreditBac
 }
 
 TEST_P(TransportConformance, ALosslessSubscriberGetsWhatItMissedInACutExactlyOnce) {
-  if (world->cable() == nullptr) GTEST_SKIP() << "this carrier cannot be cut";
+  if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   Reception in(b, "scan", TextType(), kLossless);
@@ -114,7 +114,7 @@ TEST_P(TransportConformance, ALosslessSubscriberGetsWhatItMissedInACutExactlyOnc
 }
 
 TEST_P(TransportConformance, AKeepLastSubscriberComesBackAfterACutWithoutRepeats) {
-  if (world->cable() == nullptr) GTEST_SKIP() << "this carrier cannot be cut";
+  if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   Reception in(b, "scan", TextType(), kRoomy);

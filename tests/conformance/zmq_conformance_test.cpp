@@ -1,4 +1,4 @@
-// The ZeroMQ carrier's places for the suite.
+// Where sessions meet over ZeroMQ, for the suite.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -75,8 +75,8 @@ class TcpWorld : public ZmqWorld {
 };
 
 INSTANTIATE_TEST_SUITE_P(Zmq, TransportConformance,
-                         testing::Values(Carrier{"Ipc", [] { return std::make_unique<IpcWorld>(); }},
-                                         Carrier{"Tcp", [] { return std::make_unique<TcpWorld>(); }}),
+                         testing::Values(TransportCase{"Ipc", [] { return std::make_unique<IpcWorld>(); }},
+                                         TransportCase{"Tcp", [] { return std::make_unique<TcpWorld>(); }}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -145,10 +145,12 @@ inline bool IsEmptyOrGone(const std::filesystem::path& folder) {
 inline Announcement NewAnnouncement(const std::string& process = "test") {
   Announcement own = AnnouncementOfThisProcess(SessionId::Random(), 1);
   own.process = process;
-  own.shared_memory = "/run/place of memory";
+  own.places = {{"shared_memory", "/run/place of memory"}, {"loop", "over there"}};
   own.endpoints = {"ipc:///run/bus", "tcp://127.0.0.1:5555"};
-  own.channels = {{"scan", "foxglove.LaserScan", Encoding::kProtobuf, 17, true, false, false, false, true},
-                  {"robot1/pose", "Pose", Encoding::kPlain, 18, false, true, true, true, false}};
+  own.channels = {{ChannelUse{"scan", "foxglove.LaserScan", Encoding::kProtobuf, 17, true, false, false},
+                   std::vector<std::string>{"zmq"}},
+                  {ChannelUse{"robot1/pose", "Pose", Encoding::kPlain, 18, false, true, true},
+                   std::vector<std::string>{"loop", "shared_memory"}}};
   own.only = {"test", "a viewer"};
   return own;
 }

@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "discovery/announcement_file.hpp"
-#include "discovery/datagram.hpp"
+#include "discovery/beacon/datagram.hpp"
+#include "discovery/registry/announcement_file.hpp"
 #include "hgros/base/bytes.hpp"
 
 namespace {

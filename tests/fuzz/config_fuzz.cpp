@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "hgros/base/error.hpp"
-#include "hgros/session/config.hpp"
+#include "hgros/config/config.hpp"
 
 namespace {
 

@@ -7,8 +7,8 @@
 
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/codec/message.hpp"
-#include "hgros/codec/packet.hpp"
 #include "hgros/codec/schema_compatibility.hpp"
+#include "hgros/internal/codec/packet.hpp"
 
 namespace {
 

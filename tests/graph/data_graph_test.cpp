@@ -32,7 +32,7 @@ class EveryExecutor : public testing::TestWithParam<std::size_t> {
 };
 INSTANTIATE_TEST_SUITE_P(DataGraph, EveryExecutor, testing::Values(0U, 1U, 2U));
 
-TEST_P(EveryExecutor, AllNodesGetTheSameObjectAndNothingIsCopied) {
+TEST_P(EveryExecutor, AllNodesGetTheSameObjectWithoutCopies) {
   DataGraph graph;
   Counted::copies = 0;
   std::mutex mutex;
@@ -121,7 +121,7 @@ TEST_P(EveryExecutor, ConcurrentNodesGetEveryMessageOnce) {
   }
 }
 
-TEST_P(EveryExecutor, ACallbackThatThrowsIsCountedLoggedAndIsolated) {
+TEST_P(EveryExecutor, ThrowingCallbackIsCountedLoggedAndIsolated) {
   test::Heard heard;
   DataGraph graph({}, heard.MakeLog());
   Collected good;
@@ -137,7 +137,7 @@ TEST_P(EveryExecutor, ACallbackThatThrowsIsCountedLoggedAndIsolated) {
   EXPECT_EQ(bad.stats().run, 10U);
 }
 
-TEST_P(EveryExecutor, ASlowKeepLastNodeGetsTheNewestAndCountsTheRest) {
+TEST_P(EveryExecutor, SlowKeepLastNodeGetsTheNewestAndCountsDrops) {
   if (executor().kind() == Executor::Kind::kInline) GTEST_SKIP() << "an inline node makes its publisher wait instead";
   DataGraph graph;
   test::Door door;
@@ -159,7 +159,7 @@ TEST_P(EveryExecutor, ASlowKeepLastNodeGetsTheNewestAndCountsTheRest) {
   EXPECT_EQ(subscription.stats().received, 11U);
 }
 
-TEST(DataGraph, AnInlineSerialNodeThatPublishesToItselfFindsTheMessageWhenItReturns) {
+TEST(DataGraph, InlineSerialNodeGetsItsOwnMessageAfterItReturns) {
   DataGraph graph;
   Collected got;
   int depth = 0;
@@ -178,7 +178,7 @@ TEST(DataGraph, AnInlineSerialNodeThatPublishesToItselfFindsTheMessageWhenItRetu
   EXPECT_EQ(deepest, 1);
 }
 
-TEST(DataGraph, AnotherTypeOnAChannelIsAnErrorThatNamesBothAndThePlace) {
+TEST(DataGraph, SecondTypeOnAChannelThrowsNamingBothTypesAndTheLine) {
   DataGraph graph;
   (void)graph.Advertise<int>("scan");
   try {
@@ -192,14 +192,14 @@ TEST(DataGraph, AnotherTypeOnAChannelIsAnErrorThatNamesBothAndThePlace) {
   }
 }
 
-TEST(DataGraph, ABadChannelNameIsAnError) {
+TEST(DataGraph, BadChannelNameThrows) {
   DataGraph graph;
   EXPECT_THROW((void)graph.Advertise<int>(""), Error);
   EXPECT_THROW((void)graph.Advertise<int>("two words"), Error);
   EXPECT_THROW((void)graph.Advertise<int>(std::string(201, 'a')), Error);
 }
 
-TEST(DataGraph, AClosedChannelDeliversNothingLocally) {
+TEST(DataGraph, ClosedChannelDeliversNothingLocally) {
   DataGraph graph;
   graph.SetClosed("c", true);
   Collected got;
@@ -211,7 +211,7 @@ TEST(DataGraph, AClosedChannelDeliversNothingLocally) {
   EXPECT_EQ(got.values(), std::vector<int>{2});
 }
 
-TEST(DataGraph, WhatComesFromOutsideIsDeliveredAlsoOnAClosedChannel) {
+TEST(DataGraph, ClosedChannelDeliversRemoteMessages) {
   DataGraph graph;
   graph.SetClosed("c", true);
   Collected got;
@@ -238,7 +238,7 @@ TEST(DataGraph, NodesAreNamedAfterTheirChannelUnlessTheyHaveAName) {
   EXPECT_EQ(third.name(), "matcher");
 }
 
-TEST(DataGraph, ConfigurationOverridesWhatTheProgramSaysOfANode) {
+TEST(DataGraph, ConfigurationOverridesTheProgramsNodeOptions) {
   GraphOptions options;
   options.overrides["matcher"] = {Queue::Latest(), Executor::Inline()};
   DataGraph graph(options);
@@ -248,7 +248,7 @@ TEST(DataGraph, ConfigurationOverridesWhatTheProgramSaysOfANode) {
   EXPECT_EQ(subscription.stats().executor.kind(), Executor::Kind::kInline);
 }
 
-TEST(DataGraph, ASnapshotCountsWhatHappened) {
+TEST(DataGraph, SnapshotCountsMessagesAndCallbacks) {
   DataGraph graph;
   const auto subscription = graph.FromGraph<int>(
       "c", Invoke::kSerial, [](const int&) {}, Options(Executor::Inline(), {}, "node"));
@@ -264,7 +264,7 @@ TEST(DataGraph, ASnapshotCountsWhatHappened) {
   EXPECT_EQ(node.queue_wait.count(), 100U);
 }
 
-TEST(DataGraph, TakesCallbacksThatCannotBeCopied) {
+TEST(DataGraph, AcceptsMoveOnlyCallbacks) {
   DataGraph graph;
   Collected got;
   auto owned = std::make_unique<int>(41);
@@ -290,7 +290,7 @@ TEST(DataGraph, WaitIdleWaitsForAWholePipeline) {
   EXPECT_EQ(got.values(), Counting(10, 20));
 }
 
-TEST(DataGraph, ANullMessageIsRefusedAndCounted) {
+TEST(DataGraph, RefusesAndCountsNullMessages) {
   DataGraph graph;
   int seen = 0;
   const auto subscription = graph.FromGraph<int>(

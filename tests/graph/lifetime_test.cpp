@@ -18,7 +18,7 @@ class LifetimeOnEveryExecutor : public testing::TestWithParam<std::size_t> {
 };
 INSTANTIATE_TEST_SUITE_P(Lifetime, LifetimeOnEveryExecutor, testing::Values(0U, 1U, 2U));
 
-TEST_P(LifetimeOnEveryExecutor, DestroyingASubscriptionWaitsForItsCallbackAndNoneRunsAfterwards) {
+TEST_P(LifetimeOnEveryExecutor, DestroyingASubscriptionWaitsForItsCallbackAndRunsNoOther) {
   DataGraph graph;
   const auto publish = graph.Advertise<int>("c");
   std::atomic<bool> stop{false};
@@ -94,7 +94,7 @@ TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallba
   }
 }
 
-TEST_P(LifetimeOnEveryExecutor, AGraphDestroyedUnderLoadRefusesPublishesAndStops) {
+TEST_P(LifetimeOnEveryExecutor, GraphDestroyedUnderLoadRefusesPublishesAndStops) {
   for (int round = 0; round < 20; ++round) {
     auto graph = std::make_unique<DataGraph>();
     std::vector<Subscription> subscriptions;
@@ -120,7 +120,7 @@ TEST_P(LifetimeOnEveryExecutor, AGraphDestroyedUnderLoadRefusesPublishesAndStops
   }
 }
 
-TEST_P(LifetimeOnEveryExecutor, AnEndedSubscriptionStillWaitsForTheCallbackInWhichItEnded) {
+TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription) {
   DataGraph graph;
   test::Door door;
   std::atomic<bool> ended{false};
@@ -144,7 +144,7 @@ TEST_P(LifetimeOnEveryExecutor, AnEndedSubscriptionStillWaitsForTheCallbackInWhi
   subscription.reset();
 }
 
-TEST(Lifetime, AGraphThatHangsNamesTheNodeInTheLog) {
+TEST(Lifetime, LogsTheNodeForWhichShutdownWaits) {
   test::Heard heard;
   test::Door door;
   std::atomic<bool> begun{false};
@@ -163,7 +163,7 @@ TEST(Lifetime, AGraphThatHangsNamesTheNodeInTheLog) {
   door.Open();
 }
 
-TEST(Lifetime, SubscriptionsComeAndGoWhileMessagesFlowAtAnyThreadCount) {
+TEST(Lifetime, SubscriptionsComeAndGoDuringPublishingAtAnyThreadCount) {
   for (const int threads : {1, 2, 3, 7, 16}) {
     const std::uint64_t seed = std::random_device{}();
     SCOPED_TRACE("seed " + std::to_string(seed) + ", threads " + std::to_string(threads));

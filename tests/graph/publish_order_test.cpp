@@ -61,7 +61,7 @@ class PublishOrder : public testing::TestWithParam<Invoke> {
   std::vector<Subscription> nodes_;
 };
 
-TEST_P(PublishOrder, HoldsForWhatAnInlineCallbackPublishesOnItsOwnChannel) {
+TEST_P(PublishOrder, HoldsWhenAnInlineCallbackPublishesOnItsOwnChannel) {
   const auto publish = ToBorder("c");
   CollectOn("c", Executor::Inline());
   CountOn("c", publish, 5);
@@ -71,7 +71,7 @@ TEST_P(PublishOrder, HoldsForWhatAnInlineCallbackPublishesOnItsOwnChannel) {
   EXPECT_EQ(border_->left.values(), Counting(0, 6));
 }
 
-TEST_P(PublishOrder, HoldsForWhatComesBackOverAnotherChannel) {
+TEST_P(PublishOrder, HoldsWhenAMessageReturnsOverAnotherChannel) {
   const auto there = ToBorder("there");
   const auto back = graph_.Advertise<int>("back");
   CountOn("there", back, 5);
@@ -93,7 +93,7 @@ TEST_P(PublishOrder, HoldsForLosslessAndLatchedChannels) {
   EXPECT_EQ(collected_.back().values(), Counting(3, 6));
 }
 
-TEST_P(PublishOrder, HoldsForTheOnlyLosslessNodeBesideAnother) {
+TEST_P(PublishOrder, HoldsForTheOnlyLosslessNodeAmongOthers) {
   const auto publish = graph_.Advertise<int>("c");
   CountOn("c", publish, 5, Queue::KeepAll(10));
   CollectOn("c", Executor::Inline());

@@ -43,6 +43,7 @@ execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${bui
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${build} COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${build}/consumer COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${build}/robot COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${build}/shop COMMAND_ERROR_IS_FATAL ANY)
 
 # The programs start from where they were installed.
 execute_process(COMMAND ${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
@@ -50,7 +51,7 @@ execute_process(COMMAND ${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key OUTPUT_Q
 # The examples need the package alone, too.
 set(examples ${SCRATCH}/examples)
 execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES} -B ${examples} -D CMAKE_CXX_COMPILER=${COMPILER}
-    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Release -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Debug -D CMAKE_UNITY_BUILD=ON -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${examples} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${examples}/slam2d/slam2d --quiet --scans 50 --out ${SCRATCH}/slam2d_out

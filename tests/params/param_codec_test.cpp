@@ -50,7 +50,7 @@ TEST(ParamView, IsReadAsThePaperReadsIt) {
   EXPECT_FALSE(params["a"]["none"]["deeper"][3].exists());
 }
 
-TEST(ParamView, SaysPathTypeAndPlaceOfWhatIsWrong) {
+TEST(ParamView, ErrorsNamePathTypeAndPosition) {
   const ParamView params = Tree("slam:\n  matcher:\n    max_distance: far\n    count: \"5\"\n");
   EXPECT_EQ(test::ErrorOf([&] { (void)params.Get<double>("slam.matcher.max_distance"); }),
             "robot.yaml:3:19: slam.matcher.max_distance must be a number, but is the text \"far\".");

@@ -31,7 +31,7 @@ class ParamFileWatchTest : public test::ParamsTest {
   std::string refusal_;
 };
 
-TEST_F(ParamFileWatchTest, TakesWhatIsWrittenAndWhatIsPutInTheFilesPlace) {
+TEST_F(ParamFileWatchTest, ReloadsWrittenAndReplacedFiles) {
   const auto file = Write("robot.yaml", "a: 1\n");
   ParamServer params({{file}});
   const ParamFileWatch watch(params);
@@ -41,7 +41,7 @@ TEST_F(ParamFileWatchTest, TakesWhatIsWrittenAndWhatIsPutInTheFilesPlace) {
   EXPECT_TRUE(test::Await([&] { return params.Get<int>("a") == 3; }));
 }
 
-TEST_F(ParamFileWatchTest, ABrokenEditKeepsTheOldValuesAndSaysWhy) {
+TEST_F(ParamFileWatchTest, BrokenEditKeepsTheOldValuesAndIsReported) {
   const auto file = Write("robot.yaml", "a: 1\n");
   ParamServer params({{file}});
   const ParamFileWatch watch(params, Noting());
@@ -62,7 +62,7 @@ TEST_F(ParamFileWatchTest, FollowsALinkToItsFile) {
   EXPECT_TRUE(test::Await([&] { return params.Get<int>("a") == 2; }));
 }
 
-TEST_F(ParamFileWatchTest, SeesWhatWasWrittenBeforeItBegan) {
+TEST_F(ParamFileWatchTest, ReloadsChangesMadeBeforeItStarted) {
   const auto file = Write("robot.yaml", "a: 1\n");
   ParamServer params({{file}});
   Write("robot.yaml", "a: 2\n");
@@ -78,7 +78,7 @@ TEST_F(ParamFileWatchTest, SeesWhatWasWrittenBeforeItBegan) {
   EXPECT_EQ(calls, 1) << "nothing has changed since";
 }
 
-TEST_F(ParamFileWatchTest, GoesOnWhenItsCallbackThrows) {
+TEST_F(ParamFileWatchTest, ContinuesWhenItsCallbackThrows) {
   const auto file = Write("robot.yaml", "a: 1\n");
   ParamServer params({{file}});
   std::mutex mutex;
@@ -92,7 +92,7 @@ TEST_F(ParamFileWatchTest, GoesOnWhenItsCallbackThrows) {
   Write("robot.yaml", "a: 2\n");
   EXPECT_TRUE(test::Await([&] {
     const std::scoped_lock lock(mutex);
-    return said == "A callback that is told of reloaded parameters threw: as it is meant to";
+    return said == "The callback for reloaded parameters threw: as it is meant to";
   }));
   Write("robot.yaml", "a: 3\n");
   EXPECT_TRUE(test::Await([&] { return params.Get<int>("a") == 3; }));

@@ -18,7 +18,7 @@ TEST(ParamPath, ReadsKeysPlacesAndQuotes) {
   EXPECT_TRUE(ParamPath::Parse("").empty());
 }
 
-TEST(ParamPath, SaysWhatIsWrong) {
+TEST(ParamPath, ReportsWhatIsWrong) {
   for (const auto& [text, what] : {std::pair{"a..b", "a key is empty"},
                                    {"a.", "ends without a key"},
                                    {"[1]", "a key is empty"},
@@ -31,7 +31,7 @@ TEST(ParamPath, SaysWhatIsWrong) {
   }
 }
 
-TEST(ParamPath, IsNoDeeperThanWhatYamlCanSay) {
+TEST(ParamPath, IsLimitedToTheDepthOfYaml) {
   std::string path = "a";
   for (int step = 1; step < 63; ++step) path += step % 2 == 0 ? ".a" : "[0]";
   EXPECT_EQ(ParamPath::Parse(path).ToString(), path);
@@ -44,7 +44,7 @@ TEST(ParamPath, IsNoDeeperThanWhatYamlCanSay) {
   EXPECT_NE(test::ErrorOf([&] { (void)ParamPath::Parse(hostile); }), "");
 }
 
-TEST(ParamPath, OverlapsWhatStandsAboveAndBelow) {
+TEST(ParamPath, OverlapsPathsAboveAndBelow) {
   const ParamPath path = ParamPath::Parse("a.b");
   EXPECT_TRUE(path.Overlaps(ParamPath::Parse("a")));
   EXPECT_TRUE(path.Overlaps(ParamPath::Parse("a.b.c")));

@@ -15,7 +15,7 @@ using ParamServerTest = test::ParamsTest;
 
 bool Contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
-TEST_F(ParamServerTest, DeclaredParametersHaveTheirDefaultOrWhatAFileSays) {
+TEST_F(ParamServerTest, DeclaredParametersHaveTheirDefaultOrTheFilesValue) {
   const auto file = Write("robot.yaml", "matcher: {range: 8}\n");
   ParamServer params({{file}});
   EXPECT_EQ(params.Declare("matcher.range", 5.0, {.unit = "m", .least = 0, .most = 30}), 8.0);
@@ -25,7 +25,7 @@ TEST_F(ParamServerTest, DeclaredParametersHaveTheirDefaultOrWhatAFileSays) {
   EXPECT_EQ(params.Declarations()[0].info.unit, "m");
 }
 
-TEST_F(ParamServerTest, ADeclarationThatAFileContradictsSaysWhere) {
+TEST_F(ParamServerTest, DeclarationErrorNamesThePositionInTheFile) {
   const auto file = Write("robot.yaml", "matcher:\n  range: 80\n  name: 5\n");
   ParamServer params({{file}});
   const std::string range =
@@ -40,7 +40,7 @@ TEST_F(ParamServerTest, ADeclarationThatAFileContradictsSaysWhere) {
   EXPECT_THROW(params.Declare("y", 5, {.most = 4}), ParamError);
 }
 
-TEST_F(ParamServerTest, RefusesWhatIsOutOfRangeOfAnotherTypeOrReadOnly) {
+TEST_F(ParamServerTest, RefusesValuesOutOfRangeOfAnotherTypeOrReadOnly) {
   ParamServer params;
   params.Declare("range", 5.0, {.least = 0, .most = 30});
   params.Declare("gains", std::vector<double>{1, 2}, {.most = 3});
@@ -77,7 +77,7 @@ TEST_F(ParamServerTest, ChangesSeveralAtOnceOrNone) {
   EXPECT_EQ(params.Get<double>("most"), 6.0);
 }
 
-TEST_F(ParamServerTest, AValidatorThatThrowsRefuses) {
+TEST_F(ParamServerTest, ThrowingValidatorRefusesTheChange) {
   ParamServer params;
   Listening validator = params.AddValidator(
       "a", [](const ParamEvent&) -> std::optional<std::string> { throw std::runtime_error("no idea"); });
@@ -87,7 +87,7 @@ TEST_F(ParamServerTest, AValidatorThatThrowsRefuses) {
   EXPECT_TRUE(params.Set("a.b", 1).ok());
 }
 
-TEST_F(ParamServerTest, TellsListenersOfWhatTheyAskedForInOrder) {
+TEST_F(ParamServerTest, TellsListenersAboutTheirPathsInOrder) {
   ParamServer params;
   std::vector<std::string> heard;
   const auto note = [&](std::string name) {
@@ -121,7 +121,7 @@ TEST_F(ParamServerTest, AListenerSeesOneConsistentSetAndMayChangeParametersItsel
   EXPECT_EQ(heard, (std::vector<std::pair<int, int>>{{1, 1}, {2, 1}, {1, 2}, {2, 2}}));
 }
 
-TEST_F(ParamServerTest, AListenerThatThrowsIsSaidAndTheOthersHear) {
+TEST_F(ParamServerTest, ThrowingListenerIsLoggedAndTheOthersAreTold) {
   std::string said;
   ParamServer params({}, [&](LogLevel, std::string_view text) { said = text; });
   int heard = 0;
@@ -132,7 +132,7 @@ TEST_F(ParamServerTest, AListenerThatThrowsIsSaidAndTheOthersHear) {
   EXPECT_TRUE(Contains(said, "not today")) << said;
 }
 
-TEST_F(ParamServerTest, ASnapshotStaysAsItIs) {
+TEST_F(ParamServerTest, SnapshotNeverChanges) {
   ParamServer params;
   (void)params.Set("a", 1);
   const ParamView snapshot = params.Snapshot();
@@ -141,7 +141,7 @@ TEST_F(ParamServerTest, ASnapshotStaysAsItIs) {
   EXPECT_EQ(params["a"].as<int>(), 2);
 }
 
-TEST_F(ParamServerTest, WhatIsRemovedOfADeclaredParameterIsItsDefaultAgain) {
+TEST_F(ParamServerTest, RemovingADeclaredParameterRestoresItsDefault) {
   ParamServer params;
   params.Declare("a.x", 1);
   (void)params.Set("a.x", 5);
@@ -149,7 +149,7 @@ TEST_F(ParamServerTest, WhatIsRemovedOfADeclaredParameterIsItsDefaultAgain) {
   EXPECT_EQ(params.Get<int>("a.x"), 1);
 }
 
-TEST_F(ParamServerTest, ReloadTakesWhatChangedInTheFileAndKeepsTheRest) {
+TEST_F(ParamServerTest, ReloadUsesChangedValuesAndKeepsTheRest) {
   const auto file = Write("robot.yaml", "a: 1\nb: 2\nc: 3\n");
   ParamServer params({{file}, {{"c", "30", "--param c"}}});
   (void)params.Set("a", 10);
@@ -183,7 +183,7 @@ TEST_F(ParamServerTest, AListenerMayReloadAndSaveWhatItSets) {
   EXPECT_EQ(Read(file), "a: 2 # one\nb: 2\n");
 }
 
-TEST_F(ParamServerTest, ABrokenFileKeepsTheOldValuesAndSaysWhy) {
+TEST_F(ParamServerTest, BrokenFileKeepsTheOldValuesAndIsReported) {
   const auto file = Write("robot.yaml", "range: 5\nfixed: 1\n");
   ParamServer params({{file}});
   params.Declare("range", 1.0, {.most = 30});
@@ -201,7 +201,7 @@ TEST_F(ParamServerTest, ABrokenFileKeepsTheOldValuesAndSaysWhy) {
   EXPECT_EQ(params.Get<double>("range"), 6);
 }
 
-TEST_F(ParamServerTest, DoesWhatANaiveMapDoesUnderRandomChanges) {
+TEST_F(ParamServerTest, AgreesWithANaiveMapUnderRandomChanges) {
   for (const unsigned seed : {21U, 22U, 23U}) {
     std::mt19937 random(seed);
     ParamServer params;
@@ -226,7 +226,7 @@ TEST_F(ParamServerTest, DoesWhatANaiveMapDoesUnderRandomChanges) {
   }
 }
 
-TEST_F(ParamServerTest, ConcurrentChangesAreWholeAndHeardInOrder) {
+TEST_F(ParamServerTest, ConcurrentChangesAreAtomicAndToldInOrder) {
   for (const int threads : {1, 2, 4}) {
     ParamServer params;
     params.Declare("a", 0);

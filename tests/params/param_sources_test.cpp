@@ -23,7 +23,7 @@ TEST_F(ParamSourcesTest, LaterFilesAndOverridesWin) {
   EXPECT_TRUE(params.Get<bool>("new.flag"));
 }
 
-TEST_F(ParamSourcesTest, SaysWhereSomethingIsWrong) {
+TEST_F(ParamSourcesTest, ErrorsNameTheSource) {
   const auto broken = Write("broken.yaml", "a: 1\nb: [1, 2\n");
   const auto list = Write("list.yaml", "- 1\n");
   const std::string in_file = test::ErrorOf([&] { ParamServer params({{broken}}); });
@@ -41,7 +41,7 @@ TEST_F(ParamSourcesTest, SaysWhereSomethingIsWrong) {
   EXPECT_EQ(wrong.find("--param a.b: a.b must be an integer"), 0U) << wrong;
 }
 
-TEST(TakeParamArguments, TakesItsOwnAndLeavesTheRest) {
+TEST(TakeParamArguments, RemovesParamArgumentsAndKeepsTheRest) {
   std::vector<std::string> arguments{"robot", "--param", "a.b=1=2", "-v", "--param=c=", "--", "--param", "d=1"};
   const std::vector<ParamOverride> overrides = TakeParamArguments(arguments);
   ASSERT_EQ(overrides.size(), 2U);
@@ -53,7 +53,7 @@ TEST(TakeParamArguments, TakesItsOwnAndLeavesTheRest) {
   EXPECT_EQ(arguments, (std::vector<std::string>{"robot", "-v", "--", "--param", "d=1"}));
 }
 
-TEST(TakeParamArguments, RefusesWhatHasNoPathOrValue) {
+TEST(TakeParamArguments, RefusesArgumentsWithoutPathOrValue) {
   for (const std::vector<std::string>& given :
        {std::vector<std::string>{"--param"}, {"--param", "a"}, {"--param=a"}, {"--param", "=1"}}) {
     std::vector<std::string> arguments = given;
@@ -61,7 +61,7 @@ TEST(TakeParamArguments, RefusesWhatHasNoPathOrValue) {
   }
 }
 
-TEST(ParamOverridesOfEnvironment, TakesTwoUnderscoresForADot) {
+TEST(ParamOverridesOfEnvironment, ReadsTwoUnderscoresAsADot) {
   setenv("HGROS_PARAM_slam__max_distance", "3.5", 1);
   setenv("HGROS_PARAM_top", "[1, 2]", 1);
   const ParamServer params({{}, ParamOverridesOfEnvironment()});

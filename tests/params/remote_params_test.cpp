@@ -105,9 +105,9 @@ const Bus& TheBus() {
   return bus;
 }
 
-class RemoteParamsOnEveryCarrier : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
+class RemoteParamsOnEveryTransport : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
 
-TEST_P(RemoteParamsOnEveryCarrier, AreReadSetAndWatched) {
+TEST_P(RemoteParamsOnEveryTransport, AreReadSetAndWatched) {
   Robot robot(GetParam().robot);
   std::optional<Robot> other;
   if (GetParam().other) {
@@ -124,7 +124,7 @@ TEST_P(RemoteParamsOnEveryCarrier, AreReadSetAndWatched) {
 }
 
 constexpr auto kTcp = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}";
-INSTANTIATE_TEST_SUITE_P(Placed, RemoteParamsOnEveryCarrier,
+INSTANTIATE_TEST_SUITE_P(Placed, RemoteParamsOnEveryTransport,
                          testing::Values(Placement{"pointer", "", std::nullopt}, Placement{"sharedmemory", "", ""},
                                          Placement{"ipc", TheBus().Publishing("robot") + "discovery: {local: false}",
                                                    TheBus().Publishing("other") + "discovery: {local: false}"},
@@ -137,7 +137,7 @@ class RemoteParamsTest : public test::DomainFixture {
   Robot other_{"", "other"};
 };
 
-TEST_F(RemoteParamsTest, SayWhenNobodyOffersThem) {
+TEST_F(RemoteParamsTest, ReportsWhenNoSessionOffersThem) {
   const Offering offering(*robot_.session);
   RemoteParams known(*other_.session, "robot", kPatience);
   ASSERT_TRUE(known.Snapshot().ok());
@@ -150,7 +150,7 @@ TEST_F(RemoteParamsTest, SayWhenNobodyOffersThem) {
   EXPECT_THROW(RemoteParams(*other_.session, "no channel name", 20ms), Error);
 }
 
-TEST_F(RemoteParamsTest, SayWhatIsNotThereOrIsOfAnotherType) {
+TEST_F(RemoteParamsTest, ReportsMissingValuesAndWrongTypes) {
   const Offering offering(*robot_.session);
   RemoteParams params(*other_.session, "robot", kPatience);
   EXPECT_THAT(params.Get<double>("slam.matcher.reach").refusal, HasSubstr("slam.matcher.reach is not set"));
@@ -162,7 +162,7 @@ TEST_F(RemoteParamsTest, SayWhatIsNotThereOrIsOfAnotherType) {
   EXPECT_EQ(*params.Get<std::string>("a.\"the key\""), "5") << "a text stays one";
 }
 
-TEST_F(RemoteParamsTest, SayWhenTheAnswerDoesNotComeInTime) {
+TEST_F(RemoteParamsTest, ReportsTimeouts) {
   Offering offering(*robot_.session);
   test::Door door;
   const auto validator = offering.server.AddValidator("slow", [&](const ParamEvent&) -> std::optional<std::string> {
@@ -177,7 +177,7 @@ TEST_F(RemoteParamsTest, SayWhenTheAnswerDoesNotComeInTime) {
   EXPECT_EQ(*patient.Get<int>("slow"), 1) << "it was made all the same";
 }
 
-TEST_F(RemoteParamsTest, ShowWhatIsDeclaredAndSetThereLater) {
+TEST_F(RemoteParamsTest, ShowsLaterDeclarationsAndChanges) {
   Offering offering(*robot_.session);
   RemoteParams params(*other_.session, "robot", kPatience);
   ASSERT_TRUE(params.Snapshot().ok());
@@ -194,7 +194,7 @@ TEST_F(RemoteParamsTest, ShowWhatIsDeclaredAndSetThereLater) {
   }
 }
 
-TEST_F(RemoteParamsTest, TheLatestReachesWhoHadNoRoom) {
+TEST_F(RemoteParamsTest, SlowListenerGetsTheLatestValue) {
   Offering offering(*robot_.session);
   test::Door door;
   std::atomic<std::uint64_t> version{0};
@@ -216,7 +216,7 @@ TEST_F(RemoteParamsTest, TheLatestReachesWhoHadNoRoom) {
   EXPECT_TRUE(Await([&] { return version == 41; }));
 }
 
-TEST_F(RemoteParamsTest, ComeBackWithWhoOffersThem) {
+TEST_F(RemoteParamsTest, RecoversWhenTheOfferingSessionReturns) {
   RemoteParams params(*other_.session, "robot", kPatience);
   RemoteParams impatient(*other_.session, "robot", 20ms);
   std::atomic<int> seen{0};
@@ -230,7 +230,7 @@ TEST_F(RemoteParamsTest, ComeBackWithWhoOffersThem) {
   EXPECT_TRUE(Await([&] { return !impatient.Get<int>("x").ok(); }));
 }
 
-TEST_F(RemoteParamsTest, MayBeUsedWhereTheyAreWatched) {
+TEST_F(RemoteParamsTest, MayBeUsedInsideAListener) {
   Offering offering(*robot_.session);
   RemoteParams params(*other_.session, "robot", kPatience);
   const auto watching = params.Watch("count", [&](const ParamEvent& event) {
@@ -243,7 +243,7 @@ TEST_F(RemoteParamsTest, MayBeUsedWhereTheyAreWatched) {
   EXPECT_TRUE(Await([&] { return offering.server.Get<int>("count") == 5; }));
 }
 
-TEST_F(RemoteParamsTest, AreSetByManyAtOnce) {
+TEST_F(RemoteParamsTest, CanBeSetByManyThreadsAtOnce) {
   Offering offering(*robot_.session);
   std::vector<std::jthread> setters;
   for (int t = 0; t < 4; ++t) {
@@ -260,7 +260,7 @@ TEST_F(RemoteParamsTest, AreSetByManyAtOnce) {
   for (int t = 0; t < 4; ++t) EXPECT_EQ(offering.server.Get<int>("many.of" + std::to_string(t)), 25);
 }
 
-TEST_F(RemoteParamsTest, RefuseWhatCannotBeRead) {
+TEST_F(RemoteParamsTest, RefusesRequestsThatCannotBeRead) {
   Offering offering(*robot_.session);
   const auto ask = other_->Advertise<ParamsQuestion>("params/robot/ask");
   std::atomic<int> refused{0};
@@ -285,7 +285,7 @@ TEST_F(RemoteParamsTest, RefuseWhatCannotBeRead) {
   EXPECT_TRUE(Await([&] { return refused == 4; })) << refused;
 }
 
-TEST_F(RemoteParamsTest, MakeAChangeOnceHoweverOftenItIsAskedFor) {
+TEST_F(RemoteParamsTest, MakesARepeatedChangeOnlyOnce) {
   Offering offering(*robot_.session);
   const auto ask = other_->Advertise<ParamsQuestion>("params/robot/ask");
   std::atomic<int> answers{0};
@@ -308,7 +308,7 @@ TEST_F(RemoteParamsTest, MakeAChangeOnceHoweverOftenItIsAskedFor) {
   EXPECT_EQ(offering.server.Get<int>("x"), 2);
 }
 
-TEST_F(RemoteParamsTest, OfTwoSessionsUnderOneNameAreReported) {
+TEST_F(RemoteParamsTest, ReportsTwoSessionsWithTheSameName) {
   std::mutex mutex;
   std::vector<std::string> lines;
   const auto log = [&](LogLevel, std::string_view line) {

@@ -69,7 +69,7 @@ last: 6
 )");
 }
 
-TEST(EditYaml, ReplacesBlocksAndFillsWhatIsEmpty) {
+TEST(EditYaml, ReplacesBlocksAndFillsEmptyValues) {
   const EditedYaml edited = Edited(
       kFile, {{"slam.matcher.steps", "[3]"}, {"slam.empty", "{a: 1}"}, {"text", "short"}, {"slam.empty.b", "2"}});
   EXPECT_TRUE(edited.comments_kept);
@@ -80,7 +80,7 @@ TEST(EditYaml, ReplacesBlocksAndFillsWhatIsEmpty) {
   EXPECT_NE(edited.text.find("text: short\nlast: 5\n"), std::string::npos) << edited.text;
 }
 
-TEST(EditYaml, AddsWhatIsMissingWhereItBelongs) {
+TEST(EditYaml, AddsMissingKeysInPlace) {
   const EditedYaml edited = Edited(
       kFile,
       {{"slam.matcher.new", "true"}, {"slam.graph.window", "9"}, {"slam.poses.z", "3"}, {"other.deep.one", "[1, 2]"}});
@@ -100,13 +100,13 @@ TEST(EditYaml, WritesIntoAnEmptyFileAndOneWithoutALastLineBreak) {
   EXPECT_EQ(Edited("a: 1 # one", {{"a", "2"}}).text, "a: 2 # one");
 }
 
-TEST(EditYaml, WritesTheFileAnewWhereItCannotEditIt) {
+TEST(EditYaml, RewritesAFileThatItCannotEdit) {
   const EditedYaml edited = Edited("a: &x 5  # five\nb: *x\n", {{"a", "6"}});
   EXPECT_FALSE(edited.comments_kept);
   EXPECT_EQ(edited.text, "a: 6\nb: 5\n");
 }
 
-TEST(EditYaml, SaysWhatWasWantedUnderRandomEdits) {
+TEST(EditYaml, ResultParsesToTheWantedValueUnderRandomEdits) {
   const std::vector<std::string> paths{"robot",
                                        "slam.matcher.max_distance",
                                        "slam.matcher.gains",
@@ -155,7 +155,7 @@ TEST(EditYaml, SaysWhatWasWantedUnderRandomEdits) {
 
 using SaveTest = test::ParamsTest;
 
-TEST_F(SaveTest, WritesWhatWasSetIntoTheFilesThatSayIt) {
+TEST_F(SaveTest, WritesSetValuesIntoTheFilesThatDefineThem) {
   const auto base = Write("base.yaml", "# base\na: 1 # one\nb: {x: 1}\n");
   const auto robot = Write("robot.yaml", "# robot\nb: {x: 2} # two\nc: 3\n");
   ParamServer params({{base, robot}, {{"c", "30", "--param c"}}});
@@ -190,7 +190,7 @@ TEST_F(SaveTest, KeepsThePermissionsAndLeavesNothingBehind) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
 }
 
-TEST_F(SaveTest, WritesAllOfItIntoAnotherFile) {
+TEST_F(SaveTest, WritesAllParametersIntoAnotherFile) {
   const auto file = Write("robot.yaml", "a: {b: [1, {c: d}], e: {}}\n\"x y\": \"5\"\n");
   ParamServer params({{file}});
   params.SaveAs(folder_ / "all.yaml");
@@ -198,7 +198,7 @@ TEST_F(SaveTest, WritesAllOfItIntoAnotherFile) {
   EXPECT_TRUE(again.Snapshot().node()->SameValue(*params.Snapshot().node())) << Read(folder_ / "all.yaml");
 }
 
-TEST_F(SaveTest, SaysWhyItCannot) {
+TEST_F(SaveTest, ReportsWhyItCannotSave) {
   ParamServer params;
   EXPECT_THROW(params.Save(), Error);
   const std::string error = test::ErrorOf([&] { params.SaveAs(folder_ / "none" / "all.yaml"); });

@@ -12,7 +12,7 @@
 #include "resilience/shm_numbers.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/await.hpp"
-#include "transport/shm/memory_group.hpp"
+#include "transport/shm/memory/memory_group.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -81,7 +81,7 @@ class Hoard : public InboundSink {
   std::vector<InboundMessage> held_;
 };
 
-TEST(ShmMemoryGroupProcess, AFullGroupEndsNobodyAndMessagesTakeAnotherWay) {
+TEST(ShmMemoryGroupProcess, AFullGroupEndsNoProcessAndMessagesGoOverTheSocket) {
   const SmallGroup group;
   if (!group.why_not.empty()) GTEST_SKIP() << group.why_not;
   QuietListener listener;

@@ -99,7 +99,7 @@ class ShmProcesses : public testing::Test {
   std::jthread publishing;
 };
 
-TEST_F(ShmProcesses, KilledAtAnyMomentTheyTakeNothingFromOthers) {
+TEST_F(ShmProcesses, KilledProcessesTakeNothingFromOthers) {
   const std::uint64_t rounds = Setting("HGROS_SHM_KILLS", 100);
   const auto seed = static_cast<unsigned>(Setting("HGROS_SEED", std::random_device()()));
   SCOPED_TRACE("HGROS_SEED=" + std::to_string(seed));
@@ -130,7 +130,7 @@ TEST_F(ShmProcesses, KilledAtAnyMomentTheyTakeNothingFromOthers) {
   ExpectNothingLeft();
 }
 
-TEST_F(ShmProcesses, AStoppedOneDoesNotStopOthersAndComesBack) {
+TEST_F(ShmProcesses, AStoppedProcessDoesNotStopOthersAndComesBack) {
   {
     WorkerProcess survivor({place, "work"});
     WorkerProcess stopped({place, "work"});
@@ -151,7 +151,7 @@ TEST_F(ShmProcesses, AStoppedOneDoesNotStopOthersAndComesBack) {
   ExpectNothingLeft();
 }
 
-TEST_F(ShmProcesses, AChildThatIsLeftBehindHoldsNothingUp) {
+TEST_F(ShmProcesses, AForkedChildThatOutlivesItsParentBlocksNobody) {
   pid_t child = 0;
   {
     WorkerProcess parent({place, "fork"});

@@ -79,7 +79,7 @@ ChannelSnapshot ChannelOf(const Robot& robot) {
   return {};
 }
 
-/// Two sessions, each in a domain of its own, that reach each other over one carrier.
+/// Two sessions, each in a domain of its own, that reach each other over one transport.
 enum class Way { kSharedMemory, kIpc, kTcp };
 
 class BulkSession : public testing::TestWithParam<Way> {

@@ -12,7 +12,7 @@
 
 namespace hgros::test {
 
-/// A session put together by hand, whose carriers come and go when a test says so.
+/// A session put together by hand, whose transports come and go when a test says so.
 class HandMadeSession {
  public:
   HandMadeSession(const HandMadeSession&) = delete;
@@ -35,7 +35,7 @@ class HandMadeSession {
     options.domain = domain;
     registry_ = OpenRegistry(options, ears_, log_);
     Announcement own = AnnouncementOfThisProcess(id_, 1);
-    own.shared_memory = place_;
+    own.places["shared_memory"] = place_;
     registry_->Announce(own);
   }
   /// `options` says the endpoints.

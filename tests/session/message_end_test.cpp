@@ -12,7 +12,7 @@ using test::Bus;
 using test::kPatience;
 using test::Robot;
 
-/// The carriers keep the message itself: there is no shared memory that it could be copied into.
+/// The transports keep the message itself: there is no shared memory that it could be copied into.
 constexpr const char* kNoMemory = "shared_memory: {limit_bytes: 4096}\n";
 
 class MessageEnd : public test::DomainFixture {

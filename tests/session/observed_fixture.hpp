@@ -7,7 +7,8 @@
 
 namespace hgros::test {
 
-/// A publishing session, and one that observes it over the carrier that the parameter names: sharedmemory, ipc or tcp.
+/// A publishing session, and one that observes it over the transport that the parameter names: sharedmemory, ipc or
+/// tcp.
 class ObservedFixture : public DomainFixture, public testing::WithParamInterface<std::string> {
  protected:
   [[nodiscard]] std::string PublisherYaml() const {
@@ -18,7 +19,7 @@ class ObservedFixture : public DomainFixture, public testing::WithParamInterface
   [[nodiscard]] std::string ObserverYaml() const {
     return GetParam() == "sharedmemory" ? "" : "discovery: {local: false}\n";
   }
-  /// Where the carrier needs to be told.
+  /// Where the transport needs to be told.
   void Connect(Session& from, const Session& publisher) const {
     for (const std::string& endpoint : publisher.PublisherEndpoints()) {
       from.AddSubscriberEndpoint({endpoint, {}, true});
@@ -47,6 +48,6 @@ class ObservedFixture : public DomainFixture, public testing::WithParamInterface
   std::optional<Robot> observer;
 };
 
-inline std::string CarrierName(const testing::TestParamInfo<std::string>& info) { return info.param; }
+inline std::string TransportName(const testing::TestParamInfo<std::string>& info) { return info.param; }
 
 }  // namespace hgros::test

@@ -91,12 +91,12 @@ TEST_P(RawSubscription, HasTheSchemaWithAllImports) {
       << "it is no longer a subscriber";
 }
 
-TEST_P(RawSubscription, NobodyTellsTheSchemaOfAChannelThatNobodyPublishes) {
+TEST_P(RawSubscription, GetsNoSchemaWhileNobodyPublishes) {
   Begin();
   EXPECT_EQ(observer->session->AwaitSchema("nothing", std::chrono::milliseconds(50)), nullptr);
 }
 
-TEST_P(RawSubscription, TheSchemaIsThatOfWhoPublishesNow) {
+TEST_P(RawSubscription, ForgetsTheSchemaOfAPublisherThatHasGone) {
   Begin();
   KeptRaw kept;
   const auto subscription = observer->session->FromAnyRaw("v", kSerial, std::ref(kept), All());
@@ -107,7 +107,7 @@ TEST_P(RawSubscription, TheSchemaIsThatOfWhoPublishesNow) {
       << "nobody publishes any more";
 }
 
-TEST_P(RawSubscription, BesideATypedOneBothGetEverything) {
+TEST_P(RawSubscription, AndATypedSubscriptionBothGetEverything) {
   for (const bool raw_first : {true, false}) {
     Begin();
     KeptRaw kept;
@@ -174,7 +174,7 @@ TEST_P(RawSubscription, HearsPublishersOfDifferentTypes) {
   ASSERT_TRUE(Await([&] { return kept.size() == 4 && typed == 1; }));
 }
 
-TEST_P(RawSubscription, AChannelThatAppearsLaterIsHeard) {
+TEST_P(RawSubscription, HearsAChannelThatAppearsLater) {
   robot.emplace(PublisherYaml(), "robot");
   observer.emplace(ObserverYaml(), "observer");
   Connect(*observer->session, *robot->session);
@@ -188,7 +188,7 @@ TEST_P(RawSubscription, AChannelThatAppearsLaterIsHeard) {
   EXPECT_TRUE(Await([&] { return kept.size() == 1; }));
 }
 
-TEST_P(RawSubscription, LargeMessagesAreNotCopied) {
+TEST_P(RawSubscription, GetsLargeMessagesWithoutACopy) {
   if (GetParam() != "sharedmemory") GTEST_SKIP() << "of shared memory";
   Begin();
   KeptRaw kept;
@@ -207,9 +207,9 @@ TEST_P(RawSubscription, LargeMessagesAreNotCopied) {
   EXPECT_EQ(parsed.data()[0], 42);
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, RawSubscription, testing::Values("sharedmemory", "ipc", "tcp"), test::CarrierName);
+INSTANTIATE_TEST_SUITE_P(Over, RawSubscription, testing::Values("sharedmemory", "ipc", "tcp"), test::TransportName);
 
-TEST_P(RawSubscription, OfAChannelWhoseTypeHereStaysInsideTheProcessHearsWhateverComes) {
+TEST_P(RawSubscription, HearsRemoteMessagesOnAChannelWithALocalTypeHere) {
   struct Local {
     std::string text;  // No plain struct, so it has no wire form.
   };

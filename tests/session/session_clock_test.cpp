@@ -78,9 +78,9 @@ const Bus& TheBus() {
   return bus;
 }
 
-class SessionClockOnEveryCarrier : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
+class SessionClockOnEveryTransport : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
 
-TEST_P(SessionClockOnEveryCarrier, FollowsTheOneThatIsPublished) {
+TEST_P(SessionClockOnEveryTransport, FollowsTheOneThatIsPublished) {
   Robot simulation(kSimulated + GetParam().simulation, "simulation");
   std::optional<Robot> apart;
   if (const auto yaml = GetParam().controller(*simulation.session)) apart.emplace(kSimulated + *yaml, "controller");
@@ -92,7 +92,7 @@ TEST_P(SessionClockOnEveryCarrier, FollowsTheOneThatIsPublished) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Placed, SessionClockOnEveryCarrier,
+    Placed, SessionClockOnEveryTransport,
     testing::Values(Placement{"pointer", "", [](Session&) { return std::nullopt; }},
                     Placement{"sharedmemory", "", [](Session&) { return std::optional<std::string>(""); }},
                     Placement{"ipc", TheBus().Publishing("simulation"),

@@ -253,7 +253,7 @@ TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidAtTheEndWithTheNa
   EXPECT_FALSE(robot.Said("data_graph: nodes"));
   robot.session.reset();
   EXPECT_TRUE(
-      robot.Said("names that no node of this process has taken so far: \"localisation\" (did you mean "
+      robot.Said("names that no node of this process has so far: \"localisation\" (did you mean "
                  "\"localization\"?)."));
   EXPECT_EQ(robot.lines.size(), 1U);
 }
@@ -261,7 +261,7 @@ TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidAtTheEndWithTheNa
 TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidOnceSomeSecondsAfterTheStart) {
   Robot robot(kMisspelled);
   const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
-  EXPECT_TRUE(Await([&] { return robot.Said("has taken so far: \"localisation\"."); }));
+  EXPECT_TRUE(Await([&] { return robot.Said("has so far: \"localisation\"."); }));
   robot.session.reset();
   EXPECT_EQ(robot.lines.size(), 1U);
 }

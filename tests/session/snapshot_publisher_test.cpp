@@ -116,7 +116,7 @@ TEST_P(SnapshotPublishers, AreNotSpokenFor) {
   EXPECT_THROW((void)robot->session->ToAny("hgros/call/add", Vector3()), Error);
 }
 
-// Without carriers, by hand.
+// Without transports, by hand.
 class SnapshotPublisherAlone : public testing::Test {
  protected:
   void RunNext() {

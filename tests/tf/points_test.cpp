@@ -32,7 +32,7 @@ TEST(Points, AreTransformedInPlaceAndAsACopy) {
   }
 }
 
-TEST(RigidTransform, IsWhatItsIsometryIs) {
+TEST(RigidTransform, AgreesWithItsIsometry) {
   std::mt19937_64 random(4);
   const RigidTransform a = test::RandomTransform(random);
   const RigidTransform b = test::RandomTransform(random);
@@ -134,7 +134,7 @@ TEST(Clouds, AreTransformedInEveryLayout) {
   Check<double>({"doubles", 32, {{"x", 0}, {"y", 8}, {"z", 16}}, true});
 }
 
-TEST(Clouds, SayWhatIsWrongWithThem) {
+TEST(Clouds, ReportInvalidFields) {
   Cloud cloud(32);
   cloud.head().set_point_stride(16);
   EXPECT_THAT(TransformCloud(RigidTransform(), "map", cloud), HasSubstr("x"));

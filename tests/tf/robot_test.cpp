@@ -66,7 +66,7 @@ TEST(RobotDescription, MakesStaticEdgesOfFixedJointsAndMovesTheOthers) {
   EXPECT_LT(Difference(tree.Lookup("robot1/base", "robot1/finger", stamp)->T_target_source, Shift(0.2, 0.1)), 1e-12);
 }
 
-TEST(RobotDescription, RefusesJointStatesWhoseStampIsNoTime) {
+TEST(RobotDescription, RefusesJointStatesWithAnInvalidStamp) {
   const RobotDescription robot = RobotDescription::FromText(kSmallRobot);
   for (const auto& [seconds, nanos] : {std::pair(INT64_MAX, 0), std::pair(INT64_MIN, 0), std::pair(INT64_C(1), -1),
                                        std::pair(INT64_C(9'223'372'036), 999'999'999)}) {
@@ -78,13 +78,13 @@ TEST(RobotDescription, RefusesJointStatesWhoseStampIsNoTime) {
     TransformTree tree;
     const SetResult result = robot.SetJoints(tree, states);
     EXPECT_FALSE(result);
-    EXPECT_EQ(result.text(), "The joint states were refused: their time stamp is no time.");
+    EXPECT_EQ(result.text(), "The joint states were refused: their time stamp is invalid.");
     EXPECT_TRUE(tree.Edges().empty());
     EXPECT_THROW((void)robot.EdgesAt(states), Error);
   }
 }
 
-TEST(RobotDescription, RefusesWhatIsNone) {
+TEST(RobotDescription, RefusesInvalidUrdf) {
   EXPECT_THROW((void)RobotDescription::FromText("no robot"), Error);
   EXPECT_THROW((void)RobotDescription::FromText("<robot name='r'><link name='a'/><joint"), Error);
   EXPECT_THROW((void)RobotDescription::FromFile("/nowhere/robot.urdf"), Error);
@@ -95,7 +95,7 @@ TEST(RobotDescription, RefusesWhatIsNone) {
 }
 
 // LeakSanitizer reports the links if a ring of them stays.
-TEST(RobotDescription, LeaksNothingOfJointsThatMakeARing) {
+TEST(RobotDescription, FreesJointsThatFormACycle) {
   const std::string beside = R"(<robot name="r"><link name="base"/><link name="a"/><link name="b"/>
     <joint name="ab" type="fixed"><parent link="a"/><child link="b"/></joint>
     <joint name="ba" type="fixed"><parent link="b"/><child link="a"/></joint>)";

@@ -64,7 +64,7 @@ class TransformsOfTwo : public test::DomainFixture {
   Robot b{"", "b"};
 };
 
-TEST_F(TransformsOfTwo, WhatOneSetsTheOtherLooksUp) {
+TEST_F(TransformsOfTwo, OneSessionLooksUpTransformsOfTheOther) {
   Transforms setting(*a.session);
   Transforms looking(*b.session);
   (void)looking.tree();
@@ -79,7 +79,7 @@ TEST_F(TransformsOfTwo, WhatOneSetsTheOtherLooksUp) {
   EXPECT_EQ(looking.stats().refused_transforms, 0U);
 }
 
-TEST_F(TransformsOfTwo, WhoComesLaterHasAllThatDoesNotMove) {
+TEST_F(TransformsOfTwo, LateSessionGetsAllStaticEdges) {
   Transforms setting(*a.session, {.batch = 0ns});
   EXPECT_TRUE(setting.ToStaticTF("base", "laser", Shift(1)));
   EXPECT_TRUE(setting.ToStaticTF("base", "camera", Shift(2)));
@@ -91,7 +91,7 @@ TEST_F(TransformsOfTwo, WhoComesLaterHasAllThatDoesNotMove) {
   EXPECT_EQ(looking.stats().received_transforms, 2U) << "each edge once";
 }
 
-TEST_F(TransformsOfTwo, WhoIsToldOfThemFindsThem) {
+TEST_F(TransformsOfTwo, OnReceivedRunsAfterTreeIsUpdated) {
   std::mutex mutex;
   std::vector<double> found;
   TransformTree* tree = nullptr;
@@ -123,7 +123,7 @@ TEST_F(TransformsOfTwo, WhoIsToldOfThemFindsThem) {
   }
 }
 
-TEST_F(TransformsOfTwo, WhoAsksForNoneSubscribesToNone) {
+TEST_F(TransformsOfTwo, SubscribesOnlyAfterTheFirstLookup) {
   Transforms setting(*a.session);
   EXPECT_TRUE(setting.ToTF(At(1), "map", "base", Shift(1)));
   EXPECT_FALSE(Listens(a, kTransformsChannel));
@@ -133,7 +133,7 @@ TEST_F(TransformsOfTwo, WhoAsksForNoneSubscribesToNone) {
   EXPECT_TRUE(Listens(a, kStaticTransformsChannel));
 }
 
-TEST_F(TransformsOfTwo, ABurstGoesOutInFewMessages) {
+TEST_F(TransformsOfTwo, SendsABurstInFewMessages) {
   constexpr int kCount = 200;
   Transforms setting(*a.session, {.batch = 20ms});
   Transforms looking(*b.session);
@@ -147,7 +147,7 @@ TEST_F(TransformsOfTwo, ABurstGoesOutInFewMessages) {
   EXPECT_TRUE(Await([&] { return looking.tree().Edges().at(0).transforms >= std::size_t{kCount}; }));
 }
 
-TEST_F(TransformsOfTwo, SeveralAtOnceAreOneMessageWithoutThoseThatAreRefused) {
+TEST_F(TransformsOfTwo, SendsABatchInOneMessageWithoutRefusedTransforms) {
   Transforms setting(*a.session, {.batch = 0ns});
   const std::vector<StampedEdge> edges = {{"map", "base", At(1), Shift(1)},
                                           {"base", "map", At(1), Shift(1)},
@@ -161,7 +161,7 @@ TEST_F(TransformsOfTwo, SeveralAtOnceAreOneMessageWithoutThoseThatAreRefused) {
   EXPECT_TRUE(setting.FromTF("map", "arm"));
 }
 
-TEST_F(TransformsOfTwo, WhatWaitsForTheEndOfABatchIsSentAtTheEnd) {
+TEST_F(TransformsOfTwo, DestructorSendsWaitingTransforms) {
   Transforms looking(*b.session);
   (void)looking.tree();
   {
@@ -176,7 +176,7 @@ TEST_F(TransformsOfTwo, WhatWaitsForTheEndOfABatchIsSentAtTheEnd) {
   EXPECT_TRUE(Arrives(looking, "map", "base", At(3)));
 }
 
-TEST_F(TransformsOfTwo, AnEdgeOfTwoSessionsIsReportedOnce) {
+TEST_F(TransformsOfTwo, ReportsAnEdgeOfTwoSessionsOnce) {
   Transforms one(*a.session);
   Transforms two(*b.session);
   (void)one.tree();
@@ -199,7 +199,7 @@ TEST_F(TransformsOfTwo, AnEdgeOfTwoSessionsIsReportedOnce) {
   EXPECT_TRUE(a.Said("\"b\" (" + b->id().ToString() + ")"));
 }
 
-TEST_F(TransformsOfTwo, AnEdgeThatAnotherSessionTakesOverIsNotShared) {
+TEST_F(TransformsOfTwo, EdgeTakenOverByAnotherSessionIsNotShared) {
   Transforms looking(*b.session);
   (void)looking.tree();
   {
@@ -219,7 +219,7 @@ TEST_F(TransformsOfTwo, AnEdgeThatAnotherSessionTakesOverIsNotShared) {
   EXPECT_EQ(looking.tree().Edges().at(0).publisher, "a");
 }
 
-TEST_F(TransformsOfTwo, WhatIsNoTransformIsRefusedCountedAndNamed) {
+TEST_F(TransformsOfTwo, RefusesCountsAndLogsInvalidTransforms) {
   Transforms looking(*b.session);
   (void)looking.tree();
   const auto publish = a->Advertise<foxglove::FrameTransforms>(kTransformsChannel);
@@ -234,11 +234,11 @@ TEST_F(TransformsOfTwo, WhatIsNoTransformIsRefusedCountedAndNamed) {
   EXPECT_EQ(looking.stats().received_transforms, 7U);
   EXPECT_EQ(looking.stats().refused_transforms, 6U);
   EXPECT_EQ(looking.tree().Edges().size(), 1U);
-  EXPECT_TRUE(b.Said("Of the transforms of session \"a\": The edge from \"map\" to \"d\" was refused"));
-  EXPECT_EQ(b.Count("Of the transforms of session"), 6U);
+  EXPECT_TRUE(b.Said("A transform of session \"a\": The edge from \"map\" to \"d\" was refused"));
+  EXPECT_EQ(b.Count("A transform of session"), 6U);
 }
 
-TEST_F(TransformsOfTwo, AFloodOfFramesIsRefusedAndSaidOnce) {
+TEST_F(TransformsOfTwo, RefusesAFloodOfFramesAndLogsItOnce) {
   Transforms looking(*b.session, {.tree = {.max_frames = 10}});
   (void)looking.tree();
   const auto publish = a->Advertise<foxglove::FrameTransforms>(kTransformsChannel);
@@ -250,11 +250,11 @@ TEST_F(TransformsOfTwo, AFloodOfFramesIsRefusedAndSaidOnce) {
   ASSERT_TRUE(Arrives(looking, "map", "flood0", At(2)));
   EXPECT_EQ(looking.stats().refused_transforms, 91U);
   EXPECT_EQ(looking.tree().Edges().size(), 9U);
-  EXPECT_EQ(b.Count("Of the transforms of session"), 1U);
+  EXPECT_EQ(b.Count("A transform of session"), 1U);
   EXPECT_TRUE(b.Said("the tree has 10 frames"));
 }
 
-TEST_F(TransformsOfTwo, ACallbackMaySetTransformsWhereverItRuns) {
+TEST_F(TransformsOfTwo, CallbackMaySetTransformsOnAnyExecutor) {
   Transforms transforms(*a.session, {.batch = 0ns});
   int rounds = 0;
   const Subscription echo = a->FromAny<foxglove::FrameTransforms>(
@@ -269,7 +269,7 @@ TEST_F(TransformsOfTwo, ACallbackMaySetTransformsWhereverItRuns) {
   EXPECT_TRUE(Await([&] { return transforms.stats().sent_messages == 5; }));
 }
 
-TEST_F(TransformsOfTwo, WhatAProgramPublishesByHandIsTakenInItsOwnSessionToo) {
+TEST_F(TransformsOfTwo, TreeReceivesTransformsPublishedByHandInItsOwnSession) {
   Transforms transforms(*a.session);
   (void)transforms.tree();
   EXPECT_EQ(a->ToAny(kTransformsChannel, Message("map", "hand")), PublishStatus::kOk);
@@ -279,7 +279,7 @@ TEST_F(TransformsOfTwo, WhatAProgramPublishesByHandIsTakenInItsOwnSessionToo) {
   EXPECT_EQ(transforms.stats().received_transforms, 1U) << "its own are not taken twice";
 }
 
-TEST_F(TransformsOfTwo, EndWhileASubscriberHasNoRoomForTheirStaticEdges) {
+TEST_F(TransformsOfTwo, DestructorEndsWhileASubscriberHasNoRoom) {
   test::Door door;
   std::atomic<int> taken{0};
   const Subscription full =
@@ -297,7 +297,7 @@ TEST_F(TransformsOfTwo, EndWhileASubscriberHasNoRoomForTheirStaticEdges) {
   door.Open();
 }
 
-TEST_F(TransformsOfTwo, ARobotsJointsTravel) {
+TEST_F(TransformsOfTwo, SendsARobotsJoints) {
   const auto robot = RobotDescription::FromText(R"(<robot name="arm">
     <link name="base"/><link name="mast"/><link name="head"/>
     <joint name="stand" type="fixed"><parent link="base"/><child link="mast"/><origin xyz="0 0 1"/></joint>
@@ -315,7 +315,7 @@ TEST_F(TransformsOfTwo, ARobotsJointsTravel) {
   EXPECT_LT(Difference(looking.FromTF("base", "head")->T_target_source, Shift(0, 0, 1) * test::TurnZ(0.5)), 1e-9);
 }
 
-TEST_F(TransformsOfTwo, BeginAnewWhenTheClockOfTheirSessionJumpsBack) {
+TEST_F(TransformsOfTwo, RestartWhenTheSessionsClockJumpsBack) {
   const auto clock = SimulatedClock::Paused(At(100));
   Session player(Config::Parse(""), {.name = "player", .clock = clock});
   const Robot follower{"time: simulated", "follower"};
@@ -347,7 +347,7 @@ TEST_F(TransformsOfTwo, BeginAnewWhenTheClockOfTheirSessionJumpsBack) {
   }
 }
 
-TEST_F(TransformsOfTwo, EndWhileTheClockJumps) {
+TEST_F(TransformsOfTwo, DestructorEndsWhileTheClockJumps) {
   const auto clock = SimulatedClock::Paused(At(100));
   Session session(Config::Parse(""), {.name = "robot", .clock = clock});
   std::jthread jumper([&](const std::stop_token& stop) {
@@ -362,7 +362,7 @@ TEST_F(TransformsOfTwo, EndWhileTheClockJumps) {
   }
 }
 
-TEST(DefaultTransforms, AreThoseOfTheDefaultSession) {
+TEST(DefaultTransforms, BelongToTheDefaultSession) {
   for (int life = 0; life < 2; ++life) {
     Init();
     EXPECT_FALSE(FromTF("map", "base")) << "nothing is left of an earlier session";

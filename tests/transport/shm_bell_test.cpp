@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "support/await.hpp"
-#include "transport/shm/bell.hpp"
+#include "transport/shm/memory/bell.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using test::Await;
 
 struct Ringer {
-  explicit Ringer(const Bell& bell, std::uint32_t number) {
+  explicit Ringer(const SessionBell& bell, std::uint32_t number) {
     std::string fault;
     peer = PeerBell::Open(*bell.handle(), number, fault);
     EXPECT_NE(peer, nullptr) << fault;
@@ -29,7 +29,7 @@ struct Ringer {
 
 /// Every number is rung and must be seen before it is rung again: one lost ring hangs its ringer.
 void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool visited = false) {
-  Bell bell(patience);
+  SessionBell bell(patience);
   std::vector<std::atomic<int>> seen(static_cast<std::size_t>(ringers));
   std::atomic<bool> stop{false};
   std::vector<std::jthread> threads;
@@ -37,7 +37,7 @@ void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool v
     threads.emplace_back([&] {
       while (!stop) {
         bell.Wait();
-        (void)bell.Take([&](std::uint32_t number) { ++seen[number]; });
+        (void)bell.CollectRings([&](std::uint32_t number) { ++seen[number]; });
       }
       bell.Wake();
     });
@@ -91,13 +91,13 @@ TEST(ShmBell, NoRingIsLostWhileSomebodyLooksNowAndThen) {
 }
 
 TEST(ShmBell, APeerThatDiesBetweenMarkAndWakeUpLeavesNobodyAsleep) {
-  Bell bell({});
+  SessionBell bell({});
   std::atomic<int> seen{0};
   std::atomic<bool> stop{false};
   std::jthread waiter([&] {
     while (!stop) {
       bell.Wait();
-      (void)bell.Take([&](std::uint32_t) { ++seen; });
+      (void)bell.CollectRings([&](std::uint32_t) { ++seen; });
     }
   });
   const Ringer living(bell, 1);
@@ -115,14 +115,14 @@ TEST(ShmBell, APeerThatDiesBetweenMarkAndWakeUpLeavesNobodyAsleep) {
   bell.Wake();
 }
 
-TEST(ShmBell, WhatAPeerDidToThePageIsMended) {
-  Bell bell({});
+TEST(ShmBell, RepairsAPageThatAPeerHasSpoiled) {
+  SessionBell bell({});
   std::atomic<int> seen{0};
   std::atomic<bool> stop{false};
   std::jthread waiter([&] {
     while (!stop) {
       bell.Wait();
-      (void)bell.Take([&](std::uint32_t) { ++seen; });
+      (void)bell.CollectRings([&](std::uint32_t) { ++seen; });
     }
   });
   const Ringer liar(bell, 1);
@@ -139,9 +139,9 @@ TEST(ShmBell, WhatAPeerDidToThePageIsMended) {
   bell.Wake();
 }
 
-TEST(ShmBell, WhoStopsLookingHandsARingOn) {
+TEST(ShmBell, AThreadThatStopsLookingPassesARingOn) {
   for (const Patience patience : {Patience{}, Patience{.busy = false, .spin = std::chrono::microseconds(5)}}) {
-    Bell bell(patience);
+    SessionBell bell(patience);
     std::atomic<bool> waiting{false};
     for (int round = 0; round < 200; ++round) {
       auto other = std::async(std::launch::async, [&] {
@@ -155,13 +155,13 @@ TEST(ShmBell, WhoStopsLookingHandsARingOn) {
       if (!woken) bell.Wake();
       ASSERT_TRUE(woken);
       waiting = false;
-      ASSERT_TRUE(bell.Take([](std::uint32_t number) { EXPECT_EQ(number, 3u); }));
+      ASSERT_TRUE(bell.CollectRings([](std::uint32_t number) { EXPECT_EQ(number, 3u); }));
     }
   }
 }
 
 TEST(ShmBell, AWakeUpEndsOneWait) {
-  Bell bell({});
+  SessionBell bell({});
   std::atomic<int> ended{0};
   std::vector<std::jthread> waiters;
   for (int i = 0; i < 3; ++i) {
@@ -175,8 +175,8 @@ TEST(ShmBell, AWakeUpEndsOneWait) {
   EXPECT_TRUE(Await([&] { return ended == 3; }));
 }
 
-TEST(ShmBell, HasNoMoreNumbersThanBits) {
-  Bell bell({});
+TEST(ShmBell, RefusesNumbersBeyondItsBits) {
+  SessionBell bell({});
   std::string fault;
   EXPECT_NE(PeerBell::Open(*bell.handle(), kMaxPeers - 1, fault), nullptr);
   EXPECT_EQ(PeerBell::Open(*bell.handle(), kMaxPeers, fault), nullptr);

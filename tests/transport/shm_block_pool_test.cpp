@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "transport/shm/block_pool.hpp"
-#include "transport/shm/layout.hpp"
+#include "transport/shm/memory/block_pool.hpp"
+#include "transport/shm/memory/layout.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -47,7 +47,7 @@ void AgainstAModel(unsigned seed, std::uint64_t limit_bytes, std::size_t largest
     if (random() % 5 < 3) {
       const std::size_t size = random() % 8 == 0 ? random() % (largest + 1) : random() % 3000;
       std::string fault;
-      auto loan = pool->Take(size, &fault);
+      auto loan = pool->Allocate(size, &fault);
       if (!loan) {
         ASSERT_FALSE(fault.empty());
         // The limit is real: what is in use, or could not be put beside it, fills it.
@@ -74,7 +74,7 @@ void AgainstAModel(unsigned seed, std::uint64_t limit_bytes, std::size_t largest
       model.pop_back();
     }
     if (random() % 16 == 0) {
-      for (const std::uint32_t segment : pool->TakeGone()) {
+      for (const std::uint32_t segment : pool->CollectRemovedSegments()) {
         ASSERT_TRUE(gone.emplace(segment, true).second) << "given back twice";
         ASSERT_EQ(pool->HandleOf(segment), nullptr);
       }
@@ -99,48 +99,48 @@ TEST(ShmBlockPool, AgreesWithANaiveModel) {
 TEST(ShmBlockPool, GivesMemoryOfOtherSizesBackBeforeItRefuses) {
   const auto pool = Pool(4 * kMega);
   std::vector<BlockPool::Loan> small;
-  while (auto loan = pool->Take(1000)) small.push_back(std::move(*loan));
+  while (auto loan = pool->Allocate(1000)) small.push_back(std::move(*loan));
   EXPECT_GE(small.size(), 4000u);
   std::string fault;
-  EXPECT_FALSE(pool->Take(3 * kMega, &fault));
-  EXPECT_EQ(fault, "all 4 MB of it are in use");
+  EXPECT_FALSE(pool->Allocate(3 * kMega, &fault));
+  EXPECT_EQ(fault, "all 4 MB of shared memory are in use");
   small.clear();
-  EXPECT_TRUE(pool->Take(3 * kMega));
-  EXPECT_FALSE(pool->TakeGone().empty());
+  EXPECT_TRUE(pool->Allocate(3 * kMega));
+  EXPECT_FALSE(pool->CollectRemovedSegments().empty());
 }
 
 TEST(ShmBlockPool, ManyBlocksNeedFewSegments) {
   const auto pool = Pool(64 * kMega);
   std::vector<BlockPool::Loan> held;
-  for (int i = 0; i < 8000; ++i) held.push_back(pool->Take(4000).value());
+  for (int i = 0; i < 8000; ++i) held.push_back(pool->Allocate(4000).value());
   EXPECT_LT(pool->usage().segments, 20u);
 }
 
-TEST(ShmBlockPool, SizesThatCannotBeAreRefused) {
+TEST(ShmBlockPool, RefusesImpossibleSizes) {
   const auto pool = Pool(~std::uint64_t{0});
-  EXPECT_FALSE(pool->Take(~std::size_t{0}));
-  EXPECT_FALSE(pool->Take(~std::size_t{0} / 2));
-  EXPECT_TRUE(pool->Take(0));
-  EXPECT_FALSE(Pool(0)->Take(1));
+  EXPECT_FALSE(pool->Allocate(~std::size_t{0}));
+  EXPECT_FALSE(pool->Allocate(~std::size_t{0} / 2));
+  EXPECT_TRUE(pool->Allocate(0));
+  EXPECT_FALSE(Pool(0)->Allocate(1));
 }
 
-TEST(ShmBlockPool, GivesNothingOutOnceItIsClosed) {
+TEST(ShmBlockPool, AllocatesNothingAfterClose) {
   const auto pool = Pool(kMega);
-  auto loan = pool->Take(100);
+  auto loan = pool->Allocate(100);
   ASSERT_TRUE(loan);
   loan.reset();  // Somebody elsewhere may still read it.
   pool->Close();
   std::string fault;
-  EXPECT_FALSE(pool->Take(100, &fault));
+  EXPECT_FALSE(pool->Allocate(100, &fault));
   EXPECT_EQ(fault, "the session has ended");
 }
 
-TEST(ShmBlockPool, AForkedChildNeitherTakesNorGivesBack) {
+TEST(ShmBlockPool, AForkedChildNeitherAllocatesNorFrees) {
   const auto pool = Pool(kMega);
-  auto held = pool->Take(100);
+  auto held = pool->Allocate(100);
   const pid_t child = fork();
   if (child == 0) {
-    const bool taken = pool->Take(100).has_value();
+    const bool taken = pool->Allocate(100).has_value();
     held.reset();
     _exit(taken || pool->usage().blocks_in_use != 1 ? 1 : 0);
   }
@@ -158,7 +158,7 @@ TEST(ShmBlockPool, BlocksOutliveThePoolAndEndOnAnyThread) {
       std::vector<Taken> mine;
       for (int i = 0; i < 3000; ++i) {
         if (mine.size() > 20) mine.erase(mine.begin() + static_cast<std::ptrdiff_t>(random() % mine.size()));
-        auto loan = pool->Take(random() % 20'000);
+        auto loan = pool->Allocate(random() % 20'000);
         if (!loan) continue;
         mine.push_back({std::move(*loan), static_cast<unsigned char>(random())});
         Mark(mine.back());
@@ -169,33 +169,33 @@ TEST(ShmBlockPool, BlocksOutliveThePoolAndEndOnAnyThread) {
   pool.reset();
 }
 
-TEST(ShmBlockPool, TakesNothingThatTheSystemMayNotHave) {
+TEST(ShmBlockPool, AllocatesNothingBeyondTheSystemsRoom) {
   std::uint64_t room = 10 * kMega;
   const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
   std::vector<BlockPool::Loan> taken;
   std::string fault;
   for (;;) {
     const std::uint64_t before = pool->usage().segment_bytes;
-    auto loan = pool->Take(kMega, &fault);
+    auto loan = pool->Allocate(kMega, &fault);
     if (!loan) break;
     taken.push_back(std::move(*loan));
     room -= pool->usage().segment_bytes - before;
   }
   EXPECT_EQ(taken.size(), 6u) << "the next one is to have another way";
-  EXPECT_EQ(fault, "the memory limit of this process (its control group's) leaves too little");
+  EXPECT_EQ(fault, "the memory limit of its control group leaves too little");
   room = 5 * kMega;
-  EXPECT_TRUE(pool->Take(kMega));
+  EXPECT_TRUE(pool->Allocate(kMega));
 }
 
-TEST(ShmBlockPool, WhatItGivesBackIsFreeOnlyWhenTheSystemSaysSo) {
+TEST(ShmBlockPool, RemovedSegmentsCountAsFreeOnlyWhenTheSystemSaysSo) {
   std::uint64_t room = 100 * kMega;
   const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
-  ASSERT_TRUE(pool->Take(3 * kMega));  // And back at once.
+  ASSERT_TRUE(pool->Allocate(3 * kMega));  // And back at once.
   room = 0;
-  EXPECT_FALSE(pool->Take(2 * kMega)) << "receivers may have it still";
+  EXPECT_FALSE(pool->Allocate(2 * kMega)) << "receivers may have it still";
   EXPECT_EQ(pool->usage().segments, 0u);
   room = 100 * kMega;
-  EXPECT_TRUE(pool->Take(2 * kMega));
+  EXPECT_TRUE(pool->Allocate(2 * kMega));
 }
 
 }  // namespace

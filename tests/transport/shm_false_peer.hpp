@@ -11,10 +11,10 @@
 
 #include "support/await.hpp"
 #include "transport/agreement.hpp"
-#include "transport/shm/bell.hpp"
-#include "transport/shm/layout.hpp"
-#include "transport/shm/memory.hpp"
-#include "transport/shm/pair_socket.hpp"
+#include "transport/shm/memory/bell.hpp"
+#include "transport/shm/memory/layout.hpp"
+#include "transport/shm/memory/memory.hpp"
+#include "transport/shm/pair/pair_socket.hpp"
 
 namespace hgros::shm {
 

@@ -156,7 +156,7 @@ std::shared_ptr<const Handle> FileOf(std::size_t size, bool sealed) {
   return std::make_shared<const Handle>(fd);
 }
 
-TEST_F(HostilePeer, AProperOneIsHeard) {
+TEST_F(HostilePeer, AnHonestHandMadePeerIsHeard) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish());
   peer.Write(peer.NextMessage());
@@ -169,32 +169,32 @@ TEST_F(HostilePeer, AProperOneIsHeard) {
   EXPECT_TRUE(Said("cannot be right").empty());
 }
 
-TEST_F(HostilePeer, PagesThatAreNoneAreRefused) {
-  ExpectBadHello([](auto& hello, auto&) { hello.set_layout(kLayoutVersion + 1); }, "of another version");
-  ExpectBadHello([](auto& hello, auto&) { hello.set_bell_number(kMaxPeers); }, "more than a bell has");
+TEST_F(HostilePeer, RefusesInvalidPages) {
+  ExpectBadHello([](auto& hello, auto&) { hello.set_layout(kLayoutVersion + 1); }, "has another version");
+  ExpectBadHello([](auto& hello, auto&) { hello.set_bell_number(kMaxPeers); }, "is too large");
   ExpectBadHello([](auto&, auto& handles) { handles.pop_back(); }, "did not pass its memory on");
   ExpectBadHello([](auto&, auto& handles) { handles[0] = FalsePeer::Copy(FalsePeer::Page<BellPage>(kLaneMagic)); },
-                 "no bell of this layout");
+                 "not a bell of this layout");
   ExpectBadHello([](auto&, auto& handles) { std::swap(handles[1], handles[2]); }, "bytes instead of");
   ExpectBadHello([](auto&, auto& handles) { handles[1] = FalsePeer::Copy(FalsePeer::Page<LanePage>(7)); },
-                 "no lane of this layout");
+                 "not a lane of this layout");
   ExpectBadHello([](auto&, auto& handles) { handles[2] = FalsePeer::Copy(FalsePeer::Page<SlipPage>(7)); },
-                 "no slip of this layout");
+                 "not a slip of this layout");
   ExpectBadHello([](auto&, auto& handles) { handles[2] = FileOf(sizeof(SlipPage) / 2, true); },
                  "bytes instead of " + std::to_string(sizeof(SlipPage)));
   for (std::size_t which = 0; which < 3; ++which) {
     lines.clear();
-    ExpectBadHello([&](auto&, auto& handles) { handles[which] = FileOf(1 << 20, false); }, "no memory file");
+    ExpectBadHello([&](auto&, auto& handles) { handles[which] = FileOf(1 << 20, false); }, "not a memory file");
     lines.clear();
     ExpectBadHello(
         [&](auto&, auto& handles) {
           handles[which] = std::make_shared<const Handle>(open("/proc/self/exe", O_RDONLY | O_CLOEXEC));
         },
-        "no memory file");
+        "not a memory file");
   }
 }
 
-TEST_F(HostilePeer, MessagesThatCannotBeEndThePair) {
+TEST_F(HostilePeer, InvalidMessagesEndThePair) {
   const auto changed = [](const std::function<void(Descriptor&)>& change) {
     return [change](FalsePeer& peer) {
       Descriptor next = peer.NextMessage();
@@ -202,14 +202,14 @@ TEST_F(HostilePeer, MessagesThatCannotBeEndThePair) {
       peer.Write(next);
     };
   };
-  ExpectLie(changed([](Descriptor& one) { one.slot = kSlots; }), "a slot that there is not");
-  ExpectLie(changed([](Descriptor& one) { one.slot = ~0u; }), "a slot that there is not");
-  ExpectLie(changed([](Descriptor& one) { one.number = 2; }), "numbered one after the other");
-  ExpectLie(changed([](Descriptor& one) { one.number = 0; }), "numbered one after the other");
+  ExpectLie(changed([](Descriptor& one) { one.slot = kSlots; }), "a slot number that does not exist");
+  ExpectLie(changed([](Descriptor& one) { one.slot = ~0u; }), "a slot number that does not exist");
+  ExpectLie(changed([](Descriptor& one) { one.number = 2; }), "not numbered consecutively");
+  ExpectLie(changed([](Descriptor& one) { one.number = 0; }), "not numbered consecutively");
   ExpectLie(changed([](Descriptor& one) { one.size_bytes = 1; }), "outside of its memory");
   ExpectLie(changed([](Descriptor& one) { one.offset_bytes = ~0ULL; }), "outside of its memory");
-  ExpectLie(changed([](Descriptor& one) { one.segment = 77; }), "needs what was not passed on");
-  ExpectLie(changed([](Descriptor& one) { one.segment = kOnSocket; }), "needs what was not passed on");
+  ExpectLie(changed([](Descriptor& one) { one.segment = 77; }), "needs something that did not come");
+  ExpectLie(changed([](Descriptor& one) { one.segment = kOnSocket; }), "needs something that did not come");
   ExpectLie(
       [](FalsePeer& peer) {
         peer.lane().written = kSlots + 1;
@@ -235,9 +235,9 @@ TEST_F(HostilePeer, MessagesBeyondTheCreditEndThePair) {
   from_liars->sink.Release(10);
 }
 
-TEST_F(HostilePeer, SegmentsThatAreNoneEndThePair) {
+TEST_F(HostilePeer, InvalidSegmentsEndThePair) {
   ExpectLie([](FalsePeer& peer) { peer.AddSegment(1, nullptr); }, "without a descriptor");
-  ExpectLie([](FalsePeer& peer) { peer.AddSegment(1, FileOf(4096, false)); }, "no memory file");
+  ExpectLie([](FalsePeer& peer) { peer.AddSegment(1, FileOf(4096, false)); }, "not a memory file");
   ExpectLie([](FalsePeer& peer) { peer.AddSegment(1, FileOf(std::size_t{1} << 40, true)); }, "it has holes");
   const auto segment = [] {
     return FalsePeer::Copy(MakeSegment("hgros-false", 8192, Access::kOwnerOnly, Pages::kAtOnce));
@@ -265,7 +265,7 @@ TEST_F(HostilePeer, SegmentsThatAreNoneEndThePair) {
   }
 }
 
-TEST_F(HostilePeer, PayloadsThatNoMessageHasUseUpNoMemory) {
+TEST_F(HostilePeer, PayloadsWithoutMessagesUseNoMemory) {
   const auto say = [](FalsePeer& peer, std::uint64_t number, std::size_t size) {
     wire::PairMessage said;
     said.mutable_payload()->set_link(peer.wish.link());
@@ -273,20 +273,20 @@ TEST_F(HostilePeer, PayloadsThatNoMessageHasUseUpNoMemory) {
     said.mutable_payload()->set_data(std::string(size, 'x'));
     peer.Say(said);
   };
-  ExpectLie([&](FalsePeer& peer) { say(peer, 0, 1); }, "that no message is to have");
-  ExpectLie([&](FalsePeer& peer) { say(peer, 5, 1); }, "that no message is to have");
+  ExpectLie([&](FalsePeer& peer) { say(peer, 0, 1); }, "that no message needs");
+  ExpectLie([&](FalsePeer& peer) { say(peer, 5, 1); }, "that no message needs");
   ExpectLie(
       [&](FalsePeer& peer) {
         say(peer, 1, 1);
         say(peer, 1, 1);
       },
-      "that no message is to have");
+      "that no message needs");
   ExpectLie(
       [&](FalsePeer& peer) {
         say(peer, 1, 10'000);
         say(peer, 2, 1);
       },
-      "that no message is to have");
+      "that no message needs");
   ExpectLie(
       [&](FalsePeer& peer) {
         say(peer, 1, 100);
@@ -316,25 +316,25 @@ TEST_F(HostilePeer, ASubscriberThatLiesEndsThePair) {
         peer.slip().slots[0] = 5;
         peer.slip().returned = 1;
       },
-      "returns what it was not given");
+      "returns a slot that it does not hold");
   ExpectLie(
       [&](FalsePeer& peer) {
         ASSERT_TRUE(ask(peer));
         peer.slip().returned = ~0ULL;
       },
-      "returns what it was not given");
+      "returns a slot that it does not hold");
   ExpectLie(
       [&](FalsePeer& peer) {
         ASSERT_TRUE(ask(peer));
         peer.slip().cells[0].messages = 1;
       },
-      "consumed more than it was sent");
+      "consumed more than was sent");
   ExpectLie(
       [&](FalsePeer& peer) {
         ASSERT_TRUE(ask(peer));
         peer.slip().cells[0].bytes = ~0ULL;
       },
-      "consumed more than it was sent");
+      "consumed more than was sent");
   const auto spoilt = [](const std::function<void(wire::Wish&)>& spoil) {
     return [spoil](FalsePeer& peer) {
       wire::PairMessage said;
@@ -351,7 +351,7 @@ TEST_F(HostilePeer, ASubscriberThatLiesEndsThePair) {
             "asks for what cannot be");
 }
 
-TEST_F(HostilePeer, BlocksOfOneThatLiedStayUntilItHasGone) {
+TEST_F(HostilePeer, BlocksHeldByALiarStayUntilItsSocketEnds) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish());
   wire::PairMessage said;
@@ -370,7 +370,7 @@ TEST_F(HostilePeer, BlocksOfOneThatLiedStayUntilItHasGone) {
   EXPECT_TRUE(Await([&] { return victim_transport->usage().blocks_in_use == 0; }));
 }
 
-TEST_F(HostilePeer, FramesThatCannotBeEndThePair) {
+TEST_F(HostilePeer, InvalidFramesEndThePair) {
   ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string(8, '\xff')); }, "a frame of");
   ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string("\x00\x00\x00\x00\x09\x00\x00\x00", 8)); },
             "too many descriptors");
@@ -381,13 +381,13 @@ TEST_F(HostilePeer, FramesThatCannotBeEndThePair) {
   ExpectLie([](FalsePeer& peer) { peer.Greet(); }, "it greets twice");
 }
 
-TEST_F(HostilePeer, WhoHasNotGreetedSaysLittle) {
+TEST_F(HostilePeer, APeerThatHasNotGreetedMaySendOnlySmallFrames) {
   FalsePeer peer(place);
   peer.SayRaw(std::string("\x00\x00\x10\x00\x00\x00\x00\x00", 8));
   ExpectEnd(peer, "a frame of 1048576 bytes");
 }
 
-TEST_F(HostilePeer, WhoDoesNotGreetIsSentAway) {
+TEST_F(HostilePeer, APeerThatDoesNotGreetIsDisconnected) {
   FalsePeer peer(place);
   FalsePeer wordy(place);
   wire::PairMessage said;
@@ -397,7 +397,7 @@ TEST_F(HostilePeer, WhoDoesNotGreetIsSentAway) {
   EXPECT_TRUE(wordy.IsEnded());
 }
 
-TEST_F(HostilePeer, AHeartbeatThatStopsIsTheEnd) {
+TEST_F(HostilePeer, AStoppedHeartbeatEndsThePair) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish());
   ASSERT_TRUE(Await([&] { return victim->transport->Peers().size() == 2; }));
@@ -448,7 +448,7 @@ TEST_F(HostilePeer, TheSmallerIdChoosesAmongConnections) {
   ExpectEnd(second, "it is not its turn");
 }
 
-TEST_F(HostilePeer, MorePeersThanNumbersAreSentAway) {
+TEST_F(HostilePeer, RefusesMorePeersThanBellNumbers) {
   std::vector<Handle> connections;
   std::string fault;
   constexpr int kMany = 300;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "support/await.hpp"
-#include "transport/shm/lane_reader.hpp"
-#include "transport/shm/lane_writer.hpp"
+#include "transport/shm/memory/lane_reader.hpp"
+#include "transport/shm/memory/lane_writer.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -30,7 +30,7 @@ struct Lane {
     reader = LaneReader::Open(*writer->handle(), fault);
     slip->SetPublisher(reader->mapping(), PeerBell::Open(*bell.handle(), 5, fault));
   }
-  Bell bell{Patience{}};  // The publisher's.
+  SessionBell bell{Patience{}};  // The publisher's.
   Handle far_end;
   std::shared_ptr<Slip> slip;
   std::unique_ptr<LaneWriter> writer;
@@ -159,7 +159,7 @@ TEST(ShmLane, ReturnsFromSeveralThreadsLetTheWriterGoOn) {
         ASSERT_TRUE(lane.writer->Collect(ended));
         if (!lane.writer->HasSlot()) {
           lane.bell.Wait();
-          (void)lane.bell.Take([](std::uint32_t number_of_peer) { EXPECT_EQ(number_of_peer, 5u); });
+          (void)lane.bell.CollectRings([](std::uint32_t number_of_peer) { EXPECT_EQ(number_of_peer, 5u); });
         }
         lane.writer->SetHungry(0);
         ASSERT_TRUE(lane.writer->Collect(ended));
@@ -172,7 +172,7 @@ TEST(ShmLane, ReturnsFromSeveralThreadsLetTheWriterGoOn) {
   }
 }
 
-TEST(ShmLane, WhatWasNeverGivenCannotBeReturned) {
+TEST(ShmLane, RefusesReturnOfASlotThatIsNotHeld) {
   std::vector<std::shared_ptr<const void>> ended;
   {
     Lane lane;

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "transport/shm/memory_group.hpp"
+#include "transport/shm/memory/memory_group.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -39,7 +39,7 @@ class ShmMemoryGroup : public testing::Test {
   std::filesystem::path folder;
 };
 
-TEST_F(ShmMemoryGroup, WithoutALimitItSaysNothing) {
+TEST_F(ShmMemoryGroup, HasNoAnswerWithoutALimit) {
   EXPECT_EQ(Room(), std::nullopt);
   Write("cgroup", "0::/robot\n");
   Mounted("/", "cgroup2", "nsdelegate");
@@ -60,14 +60,14 @@ TEST_F(ShmMemoryGroup, TheFullestOfAllGroupsAboveCounts) {
   EXPECT_EQ(Room(), 0u);
 }
 
-TEST_F(ShmMemoryGroup, WhatOnlyCachesFilesIsFree) {
+TEST_F(ShmMemoryGroup, CachedFilesCountAsFree) {
   Write("cgroup", "0::/robot\n");
   Mounted("/", "cgroup2", "nsdelegate");
   Unified("top/robot", std::to_string(160 * kMega), 160 * kMega, 100 * kMega);
   EXPECT_EQ(Room(), 80 * kMega);
 }
 
-TEST_F(ShmMemoryGroup, TheFirstVersionIsUnderstood) {
+TEST_F(ShmMemoryGroup, ReadsVersionOneGroups) {
   Write("cgroup", "9:cpu:/other\n4:hugetlb,memory:/docker/robot\n0::/\n");
   Mounted("/docker", "cgroup", "memory,hugetlb");
   Write("top/robot/memory.limit_in_bytes", std::to_string(160 * kMega));
@@ -79,7 +79,7 @@ TEST_F(ShmMemoryGroup, TheFirstVersionIsUnderstood) {
   EXPECT_EQ(Room(), 70 * kMega);
 }
 
-TEST_F(ShmMemoryGroup, AContainerThatSeesOnlyItsOwnGroupIsUnderstood) {
+TEST_F(ShmMemoryGroup, ReadsAContainersOwnGroup) {
   Write("cgroup", "0::/docker/robot\n");
   Mounted("/docker/robot", "cgroup2", "nsdelegate");
   Unified("top", std::to_string(160 * kMega), 100 * kMega, 0);

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "transport/shm/memory.hpp"
+#include "transport/shm/memory/memory.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -33,18 +33,18 @@ void ExpectRefused(const Handle& handle, std::size_t size_bytes, const std::stri
   EXPECT_NE(fault.find(why), std::string::npos) << fault;
 }
 
-TEST(ShmMemory, WhatIsNoSealedMemoryFileIsRefused) {
-  ExpectRefused(Handle(), 1, "no memory file");
+TEST(ShmMemory, RefusesEverythingButSealedMemoryFiles) {
+  ExpectRefused(Handle(), 1, "not a memory file");
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
-  ExpectRefused(Handle(ends[0]), 1, "no memory file");
-  ExpectRefused(Handle(ends[1]), 1, "no memory file");
-  ExpectRefused(Handle(open("/proc/self/exe", O_RDONLY | O_CLOEXEC)), 1, "no memory file");
+  ExpectRefused(Handle(ends[0]), 1, "not a memory file");
+  ExpectRefused(Handle(ends[1]), 1, "not a memory file");
+  ExpectRefused(Handle(open("/proc/self/exe", O_RDONLY | O_CLOEXEC)), 1, "not a memory file");
   const Handle loose(memfd_create("loose", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   ASSERT_EQ(ftruncate(loose.fd(), 4096), 0);
-  ExpectRefused(loose, 1, "no memory file");
+  ExpectRefused(loose, 1, "not a memory file");
   ASSERT_EQ(fcntl(loose.fd(), F_ADD_SEALS, F_SEAL_SHRINK), 0);
-  ExpectRefused(loose, 1, "no memory file");
+  ExpectRefused(loose, 1, "not a memory file");
   ASSERT_EQ(fcntl(loose.fd(), F_ADD_SEALS, F_SEAL_GROW), 0);
   ExpectRefused(loose, 4097, "4096 bytes instead of 4097");
   const Handle empty(memfd_create("empty", MFD_CLOEXEC | MFD_ALLOW_SEALING));

@@ -100,7 +100,7 @@ class ShmPairLife : public testing::Test {
   std::unique_ptr<OutboundChannel> to_gate;
 };
 
-TEST_F(ShmPairLife, APayloadThatComesSlowlyIsNoSilence) {
+TEST_F(ShmPairLife, ASlowPayloadDoesNotCountAsSilence) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish(4, 1 << 20));
   constexpr std::size_t kPieces = 30;

@@ -11,7 +11,7 @@
 
 #include "hgros/base/ids.hpp"
 #include "support/await.hpp"
-#include "transport/shm/pair_socket.hpp"
+#include "transport/shm/pair/pair_socket.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -93,7 +93,7 @@ TEST(ShmPairSocket, FramesOfAllSizesComeInOrderWithTheirDescriptors) {
   }
 }
 
-TEST(ShmPairSocket, AFrameThatCannotBeIsAFaultAndTheEndIsStillSeen) {
+TEST(ShmPairSocket, AnInvalidFrameIsAFaultAndTheEndIsStillSeen) {
   const std::pair<std::string, std::string> lies[] = {
       {Header(kMaxFrame + 1, 0), "a frame of"},
       {Header(0xffffffff, 0), "a frame of"},
@@ -132,7 +132,7 @@ TEST(ShmPairSocket, ALargeFrameIsReadInPieces) {
   EXPECT_GT(ends.there->received_bytes(), 700'000u);
 }
 
-TEST(ShmPairSocket, ACutFrameIsTheEnd) {
+TEST(ShmPairSocket, ATruncatedFrameEndsTheSocket) {
   Ends ends;
   ends.Write(Header(100, 0) + "half");
   PairSocket::Frame frame;
@@ -142,7 +142,7 @@ TEST(ShmPairSocket, ACutFrameIsTheEnd) {
   EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kClosed);
 }
 
-TEST(ShmPairSocket, SendingToNobodyDropsEverything) {
+TEST(ShmPairSocket, SendingAfterThePeerHasGoneDropsEverything) {
   Ends ends;
   ends.there.reset();
   for (int i = 0; i < 100; ++i) ends.here->Send(Payload(1, 10'000));
@@ -176,7 +176,7 @@ TEST(ShmPairSocket, TheEndOfAProcessIsSeenThroughItsPlace) {
   EXPECT_EQ(waitpid(child, nullptr, 0), child);
 }
 
-TEST(ShmPairSocket, APlaceIsOneSessionsAndLeavesNothing) {
+TEST(ShmPairSocket, APlaceBelongsToOneSessionAndLeavesNoFile) {
   const std::string place = "hgros-test-" + SessionId::Random().ToString();
   std::string fault;
   {

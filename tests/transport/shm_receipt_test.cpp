@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "support/await.hpp"
-#include "transport/shm/lane_writer.hpp"
+#include "transport/shm/memory/lane_writer.hpp"
 #include "transport/shm/receipt.hpp"
 
 namespace hgros::shm {
@@ -30,9 +30,9 @@ struct Account {
     slip->SetPublisher(reader->mapping(), PeerBell::Open(*bell.handle(), 0, fault));
   }
   [[nodiscard]] bool Rung() {
-    return bell.Take([](std::uint32_t) {});
+    return bell.CollectRings([](std::uint32_t) {});
   }
-  Bell bell{Patience{}};
+  SessionBell bell{Patience{}};
   Handle far_end;
   std::shared_ptr<Slip> slip;
   std::unique_ptr<LaneWriter> writer;
@@ -43,8 +43,8 @@ TEST(ShmReceipt, ThePublisherReadsWhatWasConsumed) {
   Account account;
   const auto receipt = Receipt::Make(account.slip);
   receipt->SetWindow(4, 1000);
-  auto first = receipt->Take(100);
-  auto second = receipt->Take(50);
+  auto first = receipt->AdmitMessage(100);
+  auto second = receipt->AdmitMessage(50);
   EXPECT_EQ(account.writer->ConsumedOf(receipt->cell()).messages, 0u);
   second.reset();
   EXPECT_EQ(account.writer->ConsumedOf(receipt->cell()).messages, 1u);
@@ -59,7 +59,7 @@ TEST(ShmReceipt, RingsAfterAQuarterAndWhenNothingIsLeftButOnlyForTheHungry) {
   const auto receipt = Receipt::Make(account.slip);
   receipt->SetWindow(8, 1 << 20);
   std::vector<std::shared_ptr<const void>> held;
-  for (int i = 0; i < 5; ++i) held.push_back(receipt->Take(1));
+  for (int i = 0; i < 5; ++i) held.push_back(receipt->AdmitMessage(1));
   held.pop_back();
   held.pop_back();
   EXPECT_FALSE(account.Rung());
@@ -80,12 +80,12 @@ TEST(ShmReceipt, ItsWindowIsTheWidestThatWasGranted) {
   std::vector<std::shared_ptr<const void>> held;
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(receipt->HasRoom());
-    held.push_back(receipt->Take(10));
+    held.push_back(receipt->AdmitMessage(10));
   }
   EXPECT_FALSE(receipt->HasRoom());
   held.pop_back();
   EXPECT_TRUE(receipt->HasRoom());
-  held.push_back(receipt->Take(5000));  // One is let through whatever its size.
+  held.push_back(receipt->AdmitMessage(5000));  // One is let through whatever its size.
   held.erase(held.begin());
   EXPECT_FALSE(receipt->HasRoom());
 }
@@ -95,7 +95,7 @@ TEST(ShmReceipt, CellsRunOutAndComeBackWithZeros) {
   std::vector<std::shared_ptr<Receipt>> receipts;
   while (auto receipt = Receipt::Make(account.slip)) receipts.push_back(std::move(receipt));
   EXPECT_EQ(receipts.size(), kCells);
-  auto token = receipts.back()->Take(7);
+  auto token = receipts.back()->AdmitMessage(7);
   const std::uint32_t cell = receipts.back()->cell();
   receipts.pop_back();
   EXPECT_EQ(Receipt::Make(account.slip), nullptr);  // A message is still held.
@@ -146,7 +146,7 @@ TEST(ShmReceipt, APublisherThatSleepsForCreditIsAlwaysWoken) {
           continue;
         }
         ++sent;
-        auto token = receipt->Take(1);
+        auto token = receipt->AdmitMessage(1);
         const std::scoped_lock lock(mutex);
         held.push_back(std::move(token));
       }
@@ -161,7 +161,7 @@ TEST(ShmReceipt, APublisherThatSleepsForCreditIsAlwaysWoken) {
 TEST(ShmReceipt, AForkedChildConsumesNothing) {
   Account account;
   auto receipt = Receipt::Make(account.slip);
-  auto token = receipt->Take(9);
+  auto token = receipt->AdmitMessage(9);
   const std::uint32_t cell = receipt->cell();
   account.slip->Hold();
   const pid_t child = fork();

@@ -1,4 +1,4 @@
-// What the carrier through shared memory owes beyond the contract of all carriers.
+// What shared memory guarantees beyond the contract of all transports.
 #include "hgros/transport/shm_transport.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 
 #include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
-#include "transport/shm/memory.hpp"
+#include "transport/shm/memory/memory.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -164,7 +164,7 @@ TEST_F(ShmTransportTest, MessagesOutliveBothSessions) {
   }
 }
 
-TEST_F(ShmTransportTest, WhoWaitsMayReadItself) {
+TEST_F(ShmTransportTest, AWaitingThreadMayReceiveItself) {
   for (const Accepted answer : {Accepted::kRunHere, Accepted::kRunApart}) {
     keeper.answer = answer;
     keeper.visits = keeper.runs = 0;
@@ -227,7 +227,7 @@ TEST_F(ShmTransportTest, ALoanGoesOutWithoutACopy) {
   EXPECT_EQ(keeper.kept()[0].data.bytes.size(), 100'000u);
 }
 
-TEST_F(ShmTransportTest, AForkedChildIsLentNothing) {
+TEST_F(ShmTransportTest, AForkedChildGetsNoLoan) {
   const pid_t child = fork();
   if (child == 0) _exit(publisher->Loan(1000).has_value() ? 1 : 0);
   int status = -1;
@@ -235,7 +235,7 @@ TEST_F(ShmTransportTest, AForkedChildIsLentNothing) {
   EXPECT_EQ(status, 0);
 }
 
-TEST_F(ShmTransportTest, WithoutDescriptorsOthersWaitAtTheDoor) {
+TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
   const int knocking = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const Handle owner(knocking);
   rlimit before{};
@@ -314,7 +314,7 @@ TEST_P(ShmMessageLimit, ALargerMessageIsRefusedAndThePairLivesOn) {
             1);
 }
 
-TEST_P(ShmMessageLimit, ALatchedOneIsRefusedAsWell) {
+TEST_P(ShmMessageLimit, ALargerLatchedMessageIsRefusedAsWell) {
   for (const std::size_t size : {kLimit + 1, kLimit}) {
     PacketHead head;
     head.id = {0, 1, ++sequence};

@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "hgros/codec/packet.hpp"
 #include "hgros/control.pb.h"
+#include "hgros/internal/codec/packet.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {

@@ -15,18 +15,18 @@
 #include <thread>
 
 #include "hgros/base/error.hpp"
-#include "viewer/app/layout_file.hpp"
-#include "viewer/app/offscreen.hpp"
+#include "viewer/app/layout/layout_file.hpp"
 #include "viewer/app/options.hpp"
 #include "viewer/app/showing.hpp"
+#include "viewer/app/surface/offscreen.hpp"
+#include "viewer/app/surface/window.hpp"
 #include "viewer/app/viewer.hpp"
-#include "viewer/app/window.hpp"
 
 namespace {
 
 using namespace hgros::viewer;
 
-/// Interrupt and termination end the program as closing the window does. They are blocked in every thread but this one.
+/// SIGINT and SIGTERM end the program like closing the window. They are blocked in all other threads.
 class EndingSignals {
  public:
   EndingSignals() {
@@ -42,7 +42,7 @@ class EndingSignals {
       if (!stop.stop_requested()) viewer.Stop();
     });
   }
-  /// Before the viewer ends.
+  /// Call it before the viewer is destroyed.
   void Unwatch() {
     thread_.request_stop();
     pthread_kill(thread_.native_handle(), SIGINT);
@@ -54,7 +54,7 @@ class EndingSignals {
   std::jthread thread_;
 };
 
-/// ImGui's state, as long as the program runs.
+/// ImGui's state while the program runs.
 class Panels {
  public:
   Panels() {
@@ -78,7 +78,7 @@ std::unique_ptr<Surface> MakeSurface(const Options& options) {
 int Show(const Options& options, EndingSignals& signals) {
   const Panels panels;
   std::optional<Layout> layout;
-  std::error_code fault;  // Whoever cannot tell whether the file is there hears why when it is read.
+  std::error_code fault;  // If this check fails, reading the file reports why.
   if (!options.config.empty() && (std::filesystem::exists(options.config, fault) || fault)) {
     layout = LoadLayout(options.config);
   }
@@ -91,11 +91,11 @@ int Show(const Options& options, EndingSignals& signals) {
 
 int main(int argc, char** argv) {
 #ifdef __GLIBC__
-  // Messages come and go by the hundred kilobytes: their memory goes back to the system instead of lying about.
+  // Messages of hundreds of kilobytes come and go. Their memory is returned to the system at once.
   mallopt(M_MMAP_THRESHOLD, 256 * 1024);
   mallopt(M_ARENA_MAX, 2);
 #endif
-  // What does not parse is counted, and said beside its display; protobuf would write a line for each message.
+  // Messages that cannot be parsed are counted and shown at their display. Protobuf would print a line for each.
   google::protobuf::SetLogHandler(nullptr);
   const ReadOptions read = ReadCommandLine(argc, argv);
   if (!read.options) return read.exit_code;

@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "viewer/app/layout.hpp"
+#include "viewer/app/layout/layout.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -17,13 +17,13 @@ std::string ParseDisplay(const std::string& text, WantedDisplay& wanted) {
   const std::size_t colon = what.rfind(':');
   wanted.channel = what.substr(0, colon);
   if (colon != std::string::npos) wanted.schema = what.substr(colon + 1);
-  if (wanted.channel.empty()) return "\"" + text + "\" names no channel.";
+  if (wanted.channel.empty()) return "\"" + text + "\" has no channel name.";
   while (end != std::string::npos) {
     const std::size_t begin = end + 1;
     end = text.find(',', begin);
     const std::string pair = text.substr(begin, end == std::string::npos ? end : end - begin);
     const std::size_t equals = pair.find('=');
-    if (equals == std::string::npos) return "\"" + pair + "\" is no setting; one is written size=3.";
+    if (equals == std::string::npos) return "\"" + pair + "\" is not a setting. Write it as size=3.";
     wanted.settings.emplace_back(pair.substr(0, equals), pair.substr(equals + 1));
   }
   return {};
@@ -33,12 +33,12 @@ std::string ParseSize(const std::string& text, Viewport& size) {
   char rest = 0;
   if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 1 ||
       size.height < 1 || size.width > 16384 || size.height > 16384) {
-    return "\"" + text + "\" is no size; one is written 1280x800, with sides of 1 to 16384 pixels.";
+    return "\"" + text + "\" is not a size. Write it as 1280x800, with sides of 1 to 16384 pixels.";
   }
   return {};
 }
 
-/// The first of several faults ends it all.
+/// Stops at the first fault.
 std::string ParseTexts(const std::vector<std::string>& channels, const std::vector<std::string>& displays,
                        const std::vector<std::string>& panels, const std::string& window, const std::string& offscreen,
                        Options& options) {
@@ -61,9 +61,9 @@ std::string ParseTexts(const std::vector<std::string>& channels, const std::vect
     return "--screenshot needs --after SECONDS or --frames N.";
   }
   if (options.fps_limit && !(*options.fps_limit > 0 && *options.fps_limit <= kMostInLayout)) {
-    return "--fps-limit is a number above 0, and 1e12 at most.";
+    return "--fps-limit must be a number above 0 and at most 1e12.";
   }
-  if (options.report_s && !(*options.report_s > 0)) return "--report is a number above 0.";
+  if (options.report_s && !(*options.report_s > 0)) return "--report must be a number above 0.";
   return {};
 }
 
@@ -90,30 +90,30 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_option("--panel", panels,
                  "Channels, Log, Message, Plot or Graph[,setting=value...], open from the start; repeatable")
       ->take_all();
-  app.add_option("--config", config,
-                 "a layout file, which need not be there yet: the key L or the panel View writes it");
-  app.add_option("--network", network, "configuration of the session, as for every program; repeatable")
+  app.add_option("--config", config, "a layout file; if it is missing, the key L or the panel View can write it");
+  app.add_option("--network", network, "a configuration file of the session, as for every program; repeatable")
       ->take_all()
       ->check(CLI::ExistingFile);
-  app.add_option("--fixed-frame", options.fixed_frame, "the frame that everything is shown in; otherwise it is chosen");
-  app.add_option("--follow", options.follow, "a frame whose position the camera goes along with");
-  app.add_flag("--follow-pose", options.follow_pose, "its direction, too");
-  app.add_option("--size", window, "of the window, such as 1280x800");
-  app.add_option("--offscreen", offscreen, "WIDTHxHEIGHT: without a window, on a machine without a screen");
-  app.add_option("--screenshot", screenshot, "a PNG that is written at the end");
-  app.add_option("--record-video", film, "a film of all that is drawn, such as film.mp4; by the program ffmpeg");
-  app.add_option("--after", options.after_s, "ends after so many seconds");
-  app.add_option("--frames", options.frames, "ends after so many frames");
-  app.add_option("--fps-limit", options.fps_limit, "frames a second at most; 30 unless told");
-  app.add_flag("--from-above", options.from_above, "looks straight down at the start, x to the right and y up");
-  app.add_flag("--orthographic", options.orthographic, "without perspective");
-  app.add_flag("--show-all", options.show_all, "the screenshot shows everything there is");
-  app.add_flag("!--no-panels", options.panels, "the scene alone");
-  app.add_option("--report", options.report_s, "figures on standard error, every so many seconds");
+  app.add_option("--fixed-frame", options.fixed_frame,
+                 "the frame that everything is shown in; default: chosen automatically");
+  app.add_option("--follow", options.follow, "a frame whose position the camera follows");
+  app.add_flag("--follow-pose", options.follow_pose, "follows the frame's orientation, too");
+  app.add_option("--size", window, "size of the window, such as 1280x800");
+  app.add_option("--offscreen", offscreen, "WIDTHxHEIGHT: draws into memory, without a window or screen");
+  app.add_option("--screenshot", screenshot, "writes a PNG at the end");
+  app.add_option("--record-video", film, "writes a film of all pictures, such as film.mp4; needs the program ffmpeg");
+  app.add_option("--after", options.after_s, "ends after this many seconds");
+  app.add_option("--frames", options.frames, "ends after this many frames");
+  app.add_option("--fps-limit", options.fps_limit, "limit of frames per second; default 30");
+  app.add_flag("--from-above", options.from_above, "starts with a view straight down, x to the right and y up");
+  app.add_flag("--orthographic", options.orthographic, "draws without perspective");
+  app.add_flag("--show-all", options.show_all, "zooms so that the screenshot shows everything");
+  app.add_flag("!--no-panels", options.panels, "shows only the scene");
+  app.add_option("--report", options.report_s, "prints figures to standard error, with this period in seconds");
   app.footer(
-      "Exit status: 0; 1 if it could not go on, something could not be written, or (with --offscreen) something that\n"
-      "was asked for is not in the picture: a channel, a robot, or a frame that never came; 2 if the command line is\n"
-      "wrong. What that is stands on standard error.");
+      "Exit status: 0; 1 after an error, if a file could not be written, or (with --offscreen) if something that was\n"
+      "requested is not in the picture (a channel, a robot, or a frame); 2 if the command line is wrong. Standard\n"
+      "error tells the reason.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -12,7 +12,7 @@ namespace hgros::viewer {
 
 /// A display that the command line asks for.
 struct WantedDisplay {
-  std::string channel;  ///< Or the kind, for those that need no channel.
+  std::string channel;  ///< The channel, or the kind of a display without a channel.
   std::string schema;
   std::vector<std::pair<std::string, std::string>> settings;
 };
@@ -24,7 +24,7 @@ struct Options {
   std::vector<WantedDisplay> opened_panels;  ///< The channel is the panel's name.
   std::filesystem::path config;              ///< A layout file; empty: none.
   std::string fixed_frame;
-  std::string follow;  ///< A frame that the camera goes along with.
+  std::string follow;  ///< The frame that the camera follows.
   bool follow_pose = false;
   std::optional<Viewport> offscreen;
   Viewport window{1280, 800};
@@ -40,8 +40,8 @@ struct Options {
   std::optional<double> report_s;
 };
 
-/// What the command line says; an exit code instead where that is all there is to do. Speaks on standard output and
-/// error.
+/// The options of the command line, or an exit code if the program is to end (--help, errors). Prints to standard
+/// output and error.
 struct ReadOptions {
   std::optional<Options> options;
   int exit_code = 0;

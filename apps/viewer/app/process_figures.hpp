@@ -4,7 +4,7 @@
 
 namespace hgros::viewer {
 
-/// Memory of this process that is in RAM now; 0 where the system does not say.
+/// Memory of this process in RAM; 0 if the system does not report it.
 [[nodiscard]] std::size_t ResidentBytes();
 /// Processor time that this process has used.
 [[nodiscard]] double ProcessorSeconds();

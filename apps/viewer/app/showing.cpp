@@ -12,7 +12,7 @@ namespace {
 constexpr int kMostLosses = 3;
 constexpr auto kInARow = std::chrono::seconds(60);
 
-/// Tells that there is no viewer any more, however it ended.
+/// Reports the end of the viewer, also after an exception.
 class Watched {
  public:
   explicit Watched(const std::function<void(Viewer* viewer)>& watch) : watch_(watch) {}
@@ -24,7 +24,7 @@ class Watched {
   const std::function<void(Viewer* viewer)>& watch_;
 };
 
-/// What is still to be done of the options when a layout has the rest.
+/// The options that are still needed when a layout contains the others.
 Options RestOf(Options options, const Carried& carried) {
   options.channels = carried.awaited;
   options.displays.clear();
@@ -33,7 +33,7 @@ Options RestOf(Options options, const Carried& carried) {
   options.follow.clear();
   options.from_above = false;
   options.orthographic = false;
-  options.film.clear();  // It has ended; another one would take its place.
+  options.film.clear();  // The film has ended; a new one would overwrite it.
   return options;
 }
 
@@ -57,12 +57,13 @@ int ShowUntilClosed(Options options, std::optional<Layout> layout,
     if (!viewer.lost()) return code;
     if (std::chrono::steady_clock::now() - begin > kInARow) losses = 0;
     if (++losses >= kMostLosses) {
-      std::fputs("hgros-viewer: The graphics card was reset again and again; see what the kernel says of it.\n",
+      std::fputs("hgros-viewer: The graphics card was reset several times. The kernel's log (dmesg) may tell why.\n",
                  stderr);
       return 1;
     }
-    std::fputs("hgros-viewer: The graphics card was reset: everything is made anew, and fills with what comes.\n",
-               stderr);
+    std::fputs(
+        "hgros-viewer: The graphics card was reset. The picture is rebuilt and shows new messages as they arrive.\n",
+        stderr);
     layout = viewer.CurrentLayout();
     carried = viewer.Carry();
     if (!options.film.empty()) {

@@ -1,39 +1,24 @@
 #include "viewer/app/viewer.hpp"
 
-#include <imgui.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
-#include <iterator>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "viewer/app/displays/display_settings.hpp"
+#include "viewer/app/displays/unmet_requests.hpp"
+#include "viewer/app/layout/layout_file.hpp"
 #include "viewer/app/process_figures.hpp"
-#include "viewer/panels/help_overlay.hpp"
-#include "viewer/panels/label_layer.hpp"
-#include "viewer/panels/look.hpp"
-#include "viewer/panels/pick_layer.hpp"
-#include "viewer/panels/status_line.hpp"
-#include "viewer/panels/time_bar.hpp"
+#include "viewer/panels/overlay/key_table.hpp"
+#include "viewer/panels/widgets/look.hpp"
 
 namespace hgros::viewer {
 namespace {
 
-constexpr double kRateS = 1;  ///< Frames are counted over so long.
-
 double NowS() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-/// "hgros-viewer-20261122-070603.png"
-std::string NameOfTheMoment() {
-  char name[64];
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  localtime_r(&now, &parts);
-  std::strftime(name, sizeof name, "hgros-viewer-%Y%m%d-%H%M%S.png", &parts);
-  return name;
-}
 
 Config SessionConfig(const Options& options) {
   return options.network.empty() ? Config() : Config::Load(options.network);
@@ -51,12 +36,17 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
                                  }}),
       frame_(transforms_.tree()),
       navigation_(camera_),
+      displays_(session_, scene_, channels_, notices_, [this] { WakeFromData(); }),
+      unreadable_(session_, scene_, channels_),
+      playback_(scene_, frame_),
+      follower_(camera_),
+      picker_(scene_, camera_, frame_, playback_),
+      pictures_(surface, notices_),
       dock_(session_, [this] { surface_.Wake(); }),
       show_panels_(options.panels),
+      scale_(surface.scale()),
       begin_s_(NowS()) {
-  shows_what_it_finds_ = options.channels.empty();
-  layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config.string();
-  if (!options.film.empty()) film_.emplace(options.film);
+  if (!options.film.empty()) pictures_.StartFilm(options.film);
   if (options.report_s) next_report_s_ = begin_s_ + *options.report_s;
   subscriptions_.push_back(session_.FromGraph<ChannelsChanged>(kChannelEventsChannel, Invoke::kSerial,
                                                                [this](const ChannelsChanged&) {
@@ -64,24 +54,67 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
                                                                  WakeFromData();
                                                                },
                                                                {.queue = Queue::Latest()}));
-  SetLook(look_scale_ = surface.scale());
+  SetLook(scale_);
+  displays_.SetShowFound(options.channels.empty());
+  layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config.string();
   if (layout) Restore(*layout);
-  if (!layout || !layout->displays) {
-    Add(*DisplayTypeNamed("Ground"), "", {});
-    Add(*DisplayTypeNamed("Frames"), "", {});
-  }
-  AddWanted();
-  AddPanels();
-  if (!options.fixed_frame.empty()) frame_.Ask(options.fixed_frame);
-  if (options.fps_limit) fps_limit_ = *options.fps_limit;
-  if (options.from_above) camera_.LookFromAbove();
-  if (options.orthographic) camera_.SetOrthographic(true);
-  if (!options.follow.empty()) view_panel_.Follow(options.follow, options.follow_pose);
+  if (!layout || !layout->displays) displays_.AddDefaults();
+  ApplyOptions();
 }
 
 Viewer::~Viewer() {
   subscriptions_.clear();
   scene_.entries().clear();
+}
+
+void Viewer::Restore(const Layout& layout) {
+  frame_.Ask(layout.fixed_frame);
+  view_panel_.Follow(layout.follow, layout.follow_pose);
+  if (layout.fps_limit) pace_.SetLimit(*layout.fps_limit);
+  layout_file_.save_on_exit = layout.save_on_exit;
+  if (layout.camera) follower_.Restore(*layout.camera, layout.follow);
+  displays_.Restore(layout);
+  for (const LayoutPanel& panel : layout.panels) {
+    const std::string fault = dock_.Restore(panel.panel);
+    if (!fault.empty()) throw ConfigError(fault, panel.where);
+  }
+}
+
+void Viewer::ApplyOptions() {
+  displays_.AddRequested(options_);
+  for (const WantedDisplay& wanted : options_.opened_panels) {
+    const std::string fault = dock_.Restore({wanted.channel, std::nullopt, wanted.settings});
+    if (!fault.empty()) throw Error(fault);
+  }
+  if (!options_.fixed_frame.empty()) frame_.Ask(options_.fixed_frame);
+  if (options_.fps_limit) pace_.SetLimit(*options_.fps_limit);
+  if (options_.from_above) camera_.LookFromAbove();
+  if (options_.orthographic) camera_.SetOrthographic(true);
+  if (!options_.follow.empty()) view_panel_.Follow(options_.follow, options_.follow_pose);
+}
+
+Layout Viewer::CurrentLayout() const {
+  Layout layout;
+  if (!frame_.chosen()) layout.fixed_frame = frame_.name();
+  layout.follow = view_panel_.follow();
+  layout.follow_pose = view_panel_.with_rotation();
+  layout.fps_limit = pace_.limit();
+  layout.save_on_exit = layout_file_.save_on_exit;
+  layout.camera = follower_.KeptCamera(layout.follow, layout.follow_pose);
+  layout.show_found = displays_.show_found();
+  layout.displays = KeptDisplays(scene_);
+  for (const PanelLayout& panel : dock_.KeptLayout()) layout.panels.push_back({panel, {}});
+  return layout;
+}
+
+void Viewer::WriteLayout() {
+  Layout layout = CurrentLayout();
+  layout.show_found = displays_.keeps_show_found();
+  const std::string fault = SaveLayout(layout, layout_file_.path);
+  std::error_code ignored;
+  notices_.Show("wrote " + std::filesystem::absolute(layout_file_.path, ignored).string());
+  if (!fault.empty()) notices_.Fail(fault);
+  pace_.WantAfterInput();
 }
 
 void Viewer::WakeFromData() {
@@ -98,217 +131,153 @@ int Viewer::Run() {
     const double now_s = NowS();
     surface_.Wait(std::max(0.0, NextTurnS() - now_s));
     if (stop_ || surface_.closing()) break;
-    if (surface_.TakeDisturbed()) frames_wanted_ = kFramesAfterInput;
+    if (surface_.TakeDisturbed()) pace_.WantAfterInput();
     const double woken_s = NowS();
     if (woken_s < NextTurnS()) continue;
-    Turn(woken_s);
+    RunTurn(woken_s);
     if ((lost_ = surface_.lost())) break;
-    if (woken_s >= next_report_s_) Report(woken_s);
-    if (AtEnd(woken_s)) break;
+    if (woken_s >= next_report_s_) PrintReport(woken_s);
+    if (ReachedEnd(woken_s)) break;
   }
-  if (film_) FinishFilm();
-  if (layout_file_.save_on_exit && !lost_) SaveLayoutNow();
-  if (!lost_) SayWhatIsUnmet();
-  return exit_code_;
+  pictures_.FinishFilm();
+  if (lost_) return notices_.exit_code();
+  if (layout_file_.save_on_exit) WriteLayout();
+  const bool unmet = PrintUnmetRequests({options_, scene_, channels_, displays_, frame_, view_panel_.follow()});
+  if (unmet && options_.offscreen) notices_.SetFailed();
+  return notices_.exit_code();
 }
 
 double Viewer::NextTurnS() const {
-  const bool draws_on = frames_wanted_ > 0 || scene_.unfinished() || whole_picture_wanted_;
-  const bool something = woken_ || (draws_on && !surface_.hidden());
-  const double soonest_s = last_turn_s_ + 1 / fps_limit_;
-  double next_s = something ? soonest_s : std::max(soonest_s, paused_ ? kNever : scene_.next_change_s());
-  if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, dock_.next_change_s()));
-  if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, idle_s_));
-  if (options_.after_s) next_s = std::min(next_s, std::max(begin_s_ + *options_.after_s, soonest_s));
-  if (show_panels_ && !surface_.hidden()) next_s = std::min(next_s, std::max(soonest_s, next_count_s_));
+  const bool draws_on = pace_.wanted() || scene_.unfinished() || whole_picture_wanted_;
+  const bool due = woken_ || (draws_on && !surface_.hidden());
+  const double soonest_s = pace_.soonest_turn_s();
+  const auto at_the_soonest = [&](double time_s) { return std::max(soonest_s, time_s); };
+  double next_s = due ? soonest_s : at_the_soonest(playback_.paused() ? kNever : scene_.next_change_s());
+  if (show_panels_ && !surface_.hidden()) {
+    next_s = std::min(next_s, at_the_soonest(std::min({dock_.next_change_s(), pace_.idle_s(), unreadable_.next_s()})));
+  }
+  if (options_.after_s) next_s = std::min(next_s, at_the_soonest(begin_s_ + *options_.after_s));
   return std::min(next_s, next_report_s_);
 }
 
-void Viewer::Turn(double now_s) {
-  last_turn_s_ = now_s;
+void Viewer::RunTurn(double now_s) {
+  pace_.BeginTurn(now_s);
   woken_ = false;
   const Camera before = camera_;
-  TakeChannels();
-  TakeInput();
-  TakeArrived(now_s);
-  CountUnreadable(now_s);
-  if (show_panels_ && !surface_.hidden() && dock_.Update({now_s, known_})) {
-    frames_wanted_ = std::max(frames_wanted_, 1);
-  }
-  if (show_panels_ && now_s >= idle_s_) frames_wanted_ = std::max(frames_wanted_, 1);
+  UpdateChannels();
+  HandleInput();
+  UpdateScene(now_s);
+  if (unreadable_.Update(now_s)) pace_.WantOne();
+  if (show_panels_ && !surface_.hidden() && dock_.Update({now_s, channels_.known()})) pace_.WantOne();
+  if (show_panels_ && now_s >= pace_.idle_s()) pace_.WantOne();
   const bool moved = !camera_.SameViewAs(before);
-  const bool wanted = moved || frames_wanted_ > 0 || scene_.unfinished() || scene_.pending();
+  const bool wanted = moved || pace_.wanted() || scene_.unfinished() || scene_.pending();
   if (!wanted || surface_.hidden()) return;
-  if (frames_wanted_ > 0) --frames_wanted_;
+  pace_.CountDownWanted();
   DrawFrame(now_s);
 }
 
-void Viewer::TakeInput() {
+void Viewer::UpdateChannels() {
+  if (!channels_changed_.exchange(false)) return;
+  channels_.Refresh(session_);
+  displays_.AddPublished();
+  displays_.UpdateMismatches();
+  dock_.Refresh();
+  unreadable_.CountSoon(pace_.last_turn_s());
+  pace_.WantAfterInput();
+}
+
+void Viewer::HandleInput() {
   const Viewport size = surface_.size();
   for (const InputEvent& event : surface_.TakeInput()) {
     switch (event.kind) {
       case InputEvent::Kind::kPress: navigation_.OnPress(event.button, event.x, event.y); break;
       case InputEvent::Kind::kRelease:
         if (const auto pixel = navigation_.OnRelease(event.button, event.x, event.y)) {
-          Pick(*pixel, picking_ || event.shift);
+          notices_.Show(picker_.Click(surface_, *pixel, picker_.active() || event.shift));
         }
         break;
       case InputEvent::Kind::kPointer: navigation_.OnPointer(event.x, event.y, size); break;
       case InputEvent::Kind::kWheel: navigation_.OnWheel(event.steps, size); break;
-      case InputEvent::Kind::kKey: OnKey(event.key); break;
+      case InputEvent::Kind::kKey: HandleKey(event.key); break;
     }
   }
 }
 
-void Viewer::OnKey(int key) {
+void Viewer::HandleKey(int key) {
   const auto table = KeyTable();
   const auto row = std::ranges::find(table, key, &KeyRow::key);
   if (row == table.end()) return;
   switch (row->viewer) {
     case ViewerKey::kNone: navigation_.OnKey(row->camera); break;
-    case ViewerKey::kHelp: help_ = !help_; break;
-    case ViewerKey::kPause: SetPaused(!paused_); break;
-    case ViewerKey::kStep: Step(); break;
-    case ViewerKey::kPick: picking_ = !picking_; break;
-    case ViewerKey::kForget:
-      picking_ = false;
-      picks_.Clear();
-      break;
+    case ViewerKey::kHelp: show_help_ = !show_help_; break;
+    case ViewerKey::kPause: SetPaused(!playback_.paused()); break;
+    case ViewerKey::kStep: playback_.Step(); break;
+    case ViewerKey::kPick: picker_.ToggleActive(); break;
+    case ViewerKey::kForget: picker_.Clear(); break;
     case ViewerKey::kOnePanel:
       dock_.Toggle(PanelTypes()[static_cast<std::size_t>(key - '1')]);
-      frames_wanted_ = kFramesAfterInput;
+      pace_.WantAfterInput();
       break;
-    case ViewerKey::kSaveLayout: SaveLayoutNow(); break;
+    case ViewerKey::kSaveLayout: WriteLayout(); break;
     case ViewerKey::kPanels: show_panels_ = !show_panels_; break;
     case ViewerKey::kFocus: ShowEverything(); break;
     case ViewerKey::kScreenshot:
-      screenshot_ = NameOfTheMoment();
-      frames_wanted_ = kFramesAfterInput;
+      pictures_.RequestScreenshotNamedByTime();
+      pace_.WantAfterInput();
       break;
   }
+}
+
+void Viewer::UpdateScene(double now_s) {
+  if (!playback_.BeginTurn(now_s)) {
+    scene_.ApplySettings({frame_, now_s, false, false});
+    return;
+  }
+  const bool transforms_changed = transforms_changed_.exchange(false);
+  if (transforms_changed) frame_changed_ |= frame_.Refresh();
+  // A message may name the fixed frame, so a frame that is not found yet is searched for in each turn.
+  if (transforms_changed || frame_changed_ || follower_.searches(view_panel_.follow())) {
+    follower_.Update(frame_, view_panel_.follow(), view_panel_.with_rotation());
+  }
+  scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
+  frame_changed_ = false;
+  playback_.EndTurn();
+}
+
+void Viewer::SetPaused(bool paused) {
+  if (paused) return playback_.Pause();
+  const std::uint64_t lost = playback_.Resume();
+  if (lost == 0) return;
+  notices_.Show(std::to_string(lost) + (lost == 1 ? " message was" : " messages were") +
+                " dropped while the view was paused");
 }
 
 void Viewer::ShowEverything() {
   const Eigen::AlignedBox3d bounds = scene_.Bounds();
-  if (bounds.isEmpty()) return;
-  camera_.Focus(bounds, surface_.size());
+  if (!bounds.isEmpty()) camera_.Focus(bounds, surface_.size());
 }
 
-void Viewer::TakeArrived(double now_s) {
-  if (paused_ && !std::exchange(steps_, false)) {
-    scene_.ApplySettings({frame_, now_s, false, false});
-    return;
-  }
-  newest_s_ = now_s;
-  const bool transforms_changed = transforms_changed_.exchange(false);
-  if (transforms_changed) frame_changed_ |= frame_.Refresh();
-  // A message may name the fixed frame: whoever is not found yet is looked for again.
-  const bool sought = !followed_ || followed_name_ != view_panel_.follow();
-  if (transforms_changed || frame_changed_ || sought) FollowFrame();
-  scene_.Update({frame_, now_s, frame_changed_, transforms_changed});
-  frame_changed_ = false;
-  if (paused_) KeepTransforms();
-}
-
-void Viewer::FollowFrame() {
-  const bool other = std::exchange(followed_name_, view_panel_.follow()) != view_panel_.follow();
-  if (other) {
-    followed_.reset();
-    seen_from_followed_ = false;
-  }
-  RigidTransform now;
-  std::string why;
-  if (followed_name_.empty() || frame_.Find(followed_name_, now, why) != FixedFrame::Answer::kFound) return;
-  if (followed_) {
-    camera_.Follow(*followed_, now, view_panel_.with_rotation());
-  } else if (std::exchange(seen_from_followed_, false)) {
-    camera_.Follow(RigidTransform(), now, view_panel_.with_rotation());
-  } else {
-    camera_.Center(now.translation);  // It may be far away from what was looked at.
-  }
-  followed_ = now;
-}
-
-void Viewer::TakeScale() {
-  if (surface_.scale() == look_scale_) return;
-  look_scale_ = surface_.scale();
-  SetLook(look_scale_);
-  panels_renderer_.ForgetFont();
-  scene_.Redraw();
-}
-
-void Viewer::DrawFrame(double now_s) {
-  const Viewport size = surface_.size();
-  TakeScale();
-  std::erase_if(frame_times_s_, [&](double time_s) { return time_s <= now_s - kRateS; });
-  idle_s_ = frame_times_s_.empty() ? kNever : now_s + kRateS;
-  scene_.Draw(camera_.Matrices(size), surface_.scale());
-  scene_.picture().ShowOn(surface_.framebuffer());
-  DrawPanels();
-  if (!screenshot_.empty()) WriteScreenshot(std::exchange(screenshot_, {}));
-  if (film_ && film_->recording()) RecordFrame();
-  surface_.Present();
-  ++frames_;
-  frame_times_s_.push_back(now_s);
-}
-
-void Viewer::DrawPanels() {
-  surface_.BeginPanels();
-  panels_renderer_.Prepare();
-  ImGui::NewFrame();
-  const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
-  DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
-  DrawPicks(picks_, camera_, surface_.size(), pixels_per_unit);
-  std::optional<std::size_t> remove;
-  if (show_panels_) {
-    if (view_panel_.Draw(camera_, frame_, layout_file_)) SaveLayoutNow();
-    image_panel_.Draw(scene_);
-    const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_, dock_);
-    if (wish.add != nullptr) AddByHand(*wish.add, wish.channel);
-    remove = wish.remove;
-    if (wish.set_fixed_frame) {
-      frame_.Ask(wish.fixed_frame);
-      if (wish.fixed_frame.empty()) frame_.Refresh();
-      frame_changed_ = true;
-      frames_wanted_ = kFramesAfterInput;
-    }
-    dock_.Draw();
-    if (paused_) {
-      const TimeBarWish time =
-          DrawTimeBar({back_s_, KeptS(), scene_.truthful_since_s() > scene_.oldest_s(), scene_.dropped()});
-      if (time.moved) LookBack(time.back_s);
-      if (time.step) Step();
-      if (time.go_on) SetPaused(false);
-    }
-    DrawStatusLine({static_cast<double>(frame_times_s_.size()), scene_.points(), scene_.gpu_bytes(), ResidentBytes(),
-                    frame_.name(), notice_, paused_, picking_, scene_.unfinished()});
-  }
-  DrawHelp(help_);
-  ImGui::Render();
-  panels_renderer_.Draw();
-  if (remove) scene_.Remove(*remove);  // What it drew with was needed until now.
-}
-
-bool Viewer::AtEnd(double now_s) {
+bool Viewer::ReachedEnd(double now_s) {
   const bool end = (options_.after_s && now_s >= begin_s_ + *options_.after_s) ||
-                   (options_.frames && frames_ >= *options_.frames) || whole_picture_wanted_;
+                   (options_.frames && pace_.frames() >= *options_.frames) || whole_picture_wanted_;
   if (!end) return false;
   if (options_.screenshot.empty()) return true;
   if (!whole_picture_wanted_ && options_.show_all) {
     ShowEverything();
-    frames_wanted_ = kFramesAfterInput;
+    pace_.WantAfterInput();
   }
   whole_picture_wanted_ = true;
-  if (frames_wanted_ > 0 || scene_.unfinished() || scene_.pending()) return false;
-  screenshot_ = options_.screenshot;
+  if (pace_.wanted() || scene_.unfinished() || scene_.pending()) return false;
+  pictures_.RequestScreenshot(options_.screenshot);
   DrawFrame(now_s);
   return true;
 }
 
-void Viewer::Report(double now_s) {
+void Viewer::PrintReport(double now_s) {
   next_report_s_ = now_s + *options_.report_s;
   std::fprintf(stderr, "seconds=%.1f frames=%zu points=%zu gpu_mb=%.1f rss_mb=%.1f cpu_s=%.2f\n", now_s - begin_s_,
-               frames_, scene_.points(), static_cast<double>(scene_.gpu_bytes()) / 1e6,
+               pace_.frames(), scene_.points(), static_cast<double>(scene_.gpu_bytes()) / 1e6,
                static_cast<double>(ResidentBytes()) / 1e6, ProcessorSeconds());
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using Rgb = std::array<double, 3>;
 
-// Even steps from the lowest value to the highest; bright enough before a dark background at the low end, too.
+// Even steps from the lowest value to the highest. The low end is bright enough on a dark background.
 constexpr std::array<Rgb, 6> kRainbow = {{{0.29, 0.33, 0.86},
                                           {0.13, 0.68, 0.93},
                                           {0.22, 0.84, 0.52},

@@ -5,7 +5,7 @@ namespace hgros::viewer {
 std::string_view CutText(std::string_view text, std::size_t most) noexcept {
   if (text.size() <= most) return text;
   std::size_t end = most;
-  // What continues a character begins with the bits 10; there are at most three of these.
+  // Bytes that continue a character begin with the bits 10. There are at most three of them.
   for (int back = 0; back < 3 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U; ++back) --end;
   return text.substr(0, end);
 }

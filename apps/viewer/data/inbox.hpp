@@ -11,10 +11,8 @@
 
 namespace hgros::viewer {
 
-/// Where messages wait for the thread that draws: the newest `depth`, and of these no more than `most_bytes`; older
-/// ones
-/// are dropped and counted. The newest waits however large it is.
-/// Thread safety: all of it.
+/// Messages that wait for the drawing thread: the newest `depth`, with at most `most_bytes`. Older ones are dropped and
+/// counted. The newest message always stays, even if it is larger. Thread-safe.
 template <class T>
 class Inbox {
  public:
@@ -23,7 +21,7 @@ class Inbox {
 
   explicit Inbox(std::size_t depth, std::size_t most_bytes = kMostBytes) : depth_(depth), most_bytes_(most_bytes) {}
 
-  /// Whether it was empty before, so that somebody has to be told. `bytes` are those that the message takes.
+  /// Returns whether it was empty before, so that the drawing thread must be woken. `bytes` is the size of the message.
   bool Put(Message message, std::size_t bytes = 0) {
     const std::scoped_lock lock(mutex_);
     const bool first = messages_.empty();
@@ -34,7 +32,7 @@ class Inbox {
     return first;
   }
 
-  /// All that wait, oldest first; only the newest `most` if there are more, and the others are dropped.
+  /// Takes all messages, oldest first. If there are more than `most`, the older ones are dropped.
   [[nodiscard]] std::vector<Message> TakeAll(std::size_t most = std::numeric_limits<std::size_t>::max()) {
     const std::scoped_lock lock(mutex_);
     while (messages_.size() > most) DropOldest();

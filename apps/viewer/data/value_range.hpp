@@ -9,11 +9,11 @@
 
 namespace hgros::viewer {
 
-/// The range of values that colours are spread over. It grows with the values but for the outermost fiftieth at each
-/// end (unless that leaves one value alone), in steps, so that it is seldom another one.
+/// The range of values that colors are spread over. It covers all values except the lowest and highest 2 % (unless that
+/// leaves a single value). It grows in steps, so that it rarely changes.
 class ValueRange {
  public:
-  /// Whether the range is another one now. Values that are no numbers count for nothing.
+  /// Returns whether the range has changed. Values that are not numbers are ignored.
   bool Cover(std::span<const float> values) {
     sample_.clear();
     const std::size_t step = std::max<std::size_t>(1, values.size() / kSample);
@@ -28,7 +28,8 @@ class ValueRange {
     const auto high = sample_.end() - 1 - tail;
     std::ranges::nth_element(sample_, high);
     float highest = *high;
-    if (lowest == highest && !(known_ && hi_ > lo_)) {  // All but outliers are one value: then those count, too.
+    if (lowest == highest &&
+        !(known_ && hi_ > lo_)) {  // All values except the outliers are equal, so the outliers count, too.
       const auto [least, greatest] = std::ranges::minmax(sample_);
       lowest = least;
       highest = greatest;
@@ -36,7 +37,7 @@ class ValueRange {
     if (known_ && lowest >= lo_ && highest <= hi_) return false;
     const float new_lo = known_ ? std::min(lo_, lowest) : lowest;
     const float new_hi = known_ ? std::max(hi_, highest) : highest;
-    const float margin = known_ ? 0.25F * (new_hi - new_lo) : 0;  // What grows once grows again.
+    const float margin = known_ ? 0.25F * (new_hi - new_lo) : 0;  // A range that grew once will grow again.
     if (!known_ || new_lo < lo_) lo_ = new_lo - margin;
     if (!known_ || new_hi > hi_) hi_ = new_hi + margin;
     known_ = true;
@@ -56,13 +57,13 @@ class ValueRange {
   std::vector<float> sample_;
 };
 
-/// A value of a range in 8 bits.
+/// A value of the range as 8 bits.
 [[nodiscard]] inline std::uint8_t EncodeIn(const ValueRange& range, float value) noexcept {
   const float unit = (value - range.lo()) / (range.hi() - range.lo());
   return static_cast<std::uint8_t>(std::isfinite(unit) ? std::lround(std::clamp(unit, 0.0F, 1.0F) * 255) : 0);
 }
 
-/// What each code of one range becomes in another: for codes that lie somewhere already.
+/// The new code of each old code after the range has changed.
 [[nodiscard]] inline std::vector<std::uint8_t> Recoding(const ValueRange& before, const ValueRange& now) {
   std::vector<std::uint8_t> codes(256);
   for (std::size_t i = 0; i < codes.size(); ++i) {

@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <utility>
 
-#include "viewer/panels/text_lines.hpp"
 #include "viewer/panels/view_panel.hpp"
-#include "viewer/scene/setting_needs.hpp"
+#include "viewer/panels/widgets/text_lines.hpp"
+#include "viewer/scene/settings/setting_needs.hpp"
 
 namespace hgros::viewer {
 namespace {
 
-constexpr std::size_t kMostLines = 7;  ///< Of a status; more are scrolled, so that the settings stay in sight.
+/// Lines of a status before it scrolls, so that the settings stay visible.
+constexpr std::size_t kMostStatusLines = 7;
 
 void DrawStatus(const std::vector<std::string>& lines, bool warns) {
-  const bool many = lines.size() > kMostLines;
-  const float height = static_cast<float>(kMostLines) * ImGui::GetTextLineHeightWithSpacing();
+  const bool many = lines.size() > kMostStatusLines;
+  const float height = static_cast<float>(kMostStatusLines) * ImGui::GetTextLineHeightWithSpacing();
   if (many) ImGui::BeginChild("##status", {0, height});
   for (const std::string& line : lines) std::exchange(warns, false) ? DrawWarning(line) : DrawNote(line);
   if (many) ImGui::EndChild();
@@ -96,8 +97,8 @@ void DisplayPanel::DrawEntry(Scene& scene, std::size_t index, const std::string&
     if (entry.unreadable > 0) {
       const std::string line =
           std::to_string(entry.unreadable) +
-          (entry.unreadable == 1 ? " message is not what its publisher says: its bytes are no "
-                                 : " messages are not what their publisher says: their bytes are no ") +
+          (entry.unreadable == 1 ? " message does not match its publisher's type: its bytes are not a "
+                                 : " messages do not match their publisher's type: their bytes are not a ") +
           entry.type->schemas.front() + ".";
       entry.still_unreadable ? DrawWarning(line) : DrawNote(line);
     }

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/panels/panel_dock.hpp"
-#include "viewer/panels/placed_window.hpp"
+#include "viewer/panels/dock/panel_dock.hpp"
+#include "viewer/panels/dock/placed_window.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace hgros::viewer {
@@ -18,22 +18,23 @@ struct ChannelRow {
   std::string conflict;  ///< TypeConflict.
 };
 
-/// The list of displays with their settings and what there is to say of each, and what could be added. Remembers only
-/// what is unfolded and typed.
+/// The list of displays with their settings and status, and what could be added. Keeps only which rows are unfolded and
+/// what was typed.
 class DisplayPanel {
  public:
   struct Wish {
-    const DisplayType* add = nullptr;  ///< Something is to be added, ...
+    const DisplayType* add = nullptr;  ///< The display to be added, ...
     std::string channel;               ///< ... for this channel.
     std::string fixed_frame;
     bool set_fixed_frame = false;
-    std::optional<std::size_t> remove;  ///< An entry, once this picture is drawn: it is in there.
+    /// The entry to be removed once this picture is drawn, because it is in the picture.
+    std::optional<std::size_t> remove;
   };
 
-  /// What a person wants that the panel cannot do itself.
+  /// What a person wants and the panel cannot do itself.
   [[nodiscard]] Wish Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels,
                           PanelDock& dock);
-  /// What was wished to be added cannot be, for this reason; empty: it was.
+  /// Shows why the last display could not be added. Empty: it was added.
   void Refuse(std::string why) { refusal_ = std::move(why); }
 
  private:
@@ -48,7 +49,7 @@ class DisplayPanel {
   int type_ = 0;
 };
 
-/// A widget for a setting; whether it was changed.
+/// Draws a widget for a setting. Returns whether the value has changed.
 bool DrawSetting(const Setting& setting);
 
 }  // namespace hgros::viewer

@@ -21,7 +21,7 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
   bool save = false;
   const float unit = ImGui::GetFontSize();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  // It stays as far from the edge that it is nearer to, whatever becomes of the window.
+  // It keeps its distance to the nearer edge when the window is resized.
   const bool at_right = place_.x + 0.5F * place_.width > 0.5F * screen_width_;
   if (place_.width == 0) {
     ImGui::SetNextWindowPos({size.x - 0.6F * unit, 0.6F * unit}, ImGuiCond_Always, {1, 0});
@@ -46,7 +46,7 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
       }
       ImGui::EndCombo();
     }
-    if (!follow_.empty()) ImGui::Checkbox("with its direction", &with_rotation_);
+    if (!follow_.empty()) ImGui::Checkbox("with its orientation", &with_rotation_);
     const Eigen::Vector3d pivot = camera.Pivot();
     ImGui::TextDisabled("%s %.2f, %.2f, %.2f m", camera.anchor() ? "anchor" : "middle", pivot.x(), pivot.y(),
                         pivot.z());
@@ -55,7 +55,7 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Writes displays, panels and camera to %s.", file.path.c_str());
     ImGui::SameLine();
     ImGui::Checkbox("save at the end", &file.save_on_exit);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Writes the layout whenever the viewer is closed.");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Writes the layout each time the viewer is closed.");
   }
   place_ = {ImGui::GetWindowPos().x, ImGui::GetWindowPos().y, ImGui::GetWindowSize().x, ImGui::GetWindowSize().y};
   ImGui::End();

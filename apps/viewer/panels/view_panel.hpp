@@ -4,20 +4,20 @@
 #include <string_view>
 #include <vector>
 
-#include "viewer/data/fixed_frame.hpp"
-#include "viewer/panels/panel_place.hpp"
+#include "viewer/data/frames/fixed_frame.hpp"
+#include "viewer/panels/dock/panel_place.hpp"
 #include "viewer/view/camera.hpp"
 
 namespace hgros::viewer {
 
-/// How the scene is looked at, and which frame the camera goes along with.
+/// The panel View: camera settings, and the frame that the camera follows.
 class ViewPanel {
  public:
   struct LayoutFile {
     std::string path;
     bool save_on_exit = false;
   };
-  /// Whether the layout is to be written now.
+  /// Returns whether the layout is to be written now.
   [[nodiscard]] bool Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file);
 
   /// Empty: none.
@@ -35,7 +35,7 @@ class ViewPanel {
   float screen_width_ = 0;
 };
 
-/// The names of all frames, in order.
+/// The names of all frames, sorted.
 [[nodiscard]] std::vector<std::string> FrameNames(const TransformTree& tree);
 
 }  // namespace hgros::viewer

@@ -14,8 +14,8 @@ double Reach(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& eye) {
 bool IsBehind(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, const Eigen::Vector3d& eye) {
   if (a.isEmpty() || b.isEmpty()) return !a.isEmpty();
   for (int axis = 0; axis < 3; ++axis) {
-    // A plane between them: what is on the eye's side of it is in front. Between the two the eye sees one without
-    // the other.
+    // If a plane separates them, the box on the eye's side is in front. If the eye is between them, it does not see
+    // both at once.
     if (b.max()[axis] <= a.min()[axis]) return eye[axis] <= b.max()[axis];
     if (a.max()[axis] <= b.min()[axis]) return eye[axis] >= b.min()[axis];
   }
@@ -29,7 +29,7 @@ std::vector<std::size_t> BlendingOrder(std::span<const Eigen::AlignedBox3d> boxe
   for (std::size_t i = 0; i < waiting.size(); ++i) waiting[i] = i;
   std::vector<std::size_t> order;
   while (!waiting.empty()) {
-    // Boxes may be behind each other in a ring: then the first is taken.
+    // Boxes may form a ring, each behind the next. Then the first one is drawn.
     const auto is_last = [&](std::size_t one) {
       return std::ranges::none_of(waiting, [&](std::size_t other) { return IsBehind(boxes[other], boxes[one], eye); });
     };

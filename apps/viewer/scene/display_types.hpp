@@ -10,10 +10,11 @@
 
 namespace hgros::viewer {
 
-/// A kind of display. A new one is a file that defines a function below, and a line in the table of display_types.cpp.
+/// A kind of display. To add one, write a file that defines a function below, and add a line to the table in
+/// display_types.cpp.
 struct DisplayType {
-  std::string name;                  ///< As people see it.
-  std::vector<std::string> schemas;  ///< Of the channels that it shows; none: it needs no channel.
+  std::string name;                  ///< The name that people see.
+  std::vector<std::string> schemas;  ///< Schemas of the channels that it shows. Empty: it needs no channel.
   std::unique_ptr<Display> (*make)(const DisplayInputs& inputs);
 };
 
@@ -33,7 +34,7 @@ DisplayType FramesDisplayType();
 DisplayType GroundDisplayType();
 
 [[nodiscard]] std::span<const DisplayType> DisplayTypes();
-/// The first that shows channels of a schema; null if there is none.
+/// The first display type that shows channels of a schema; null if there is none.
 [[nodiscard]] const DisplayType* DisplayTypeFor(std::string_view schema);
 [[nodiscard]] const DisplayType* DisplayTypeNamed(std::string_view name);
 

@@ -13,8 +13,8 @@ namespace hgros::viewer {
 namespace {
 
 constexpr float kBackground[3] = {0.105F, 0.115F, 0.13F};
-constexpr double kSliceMs = 60;                  // for a slice, so that a moving camera stays smooth
-constexpr double kMovingMs = 60;                 // for what is drawn over the settled layer in every frame
+constexpr double kSliceMs = 60;                  // time for a slice, so that a moving camera stays smooth
+constexpr double kMovingMs = 60;                 // time for the moving layer in every frame
 constexpr std::size_t kSmallestSlice = 100'000;  // points
 constexpr std::size_t kWorthMeasuring = 50'000;  // points
 
@@ -103,7 +103,7 @@ float Scene::NearestDepth(const ViewMatrices& view, float scale, int& x, int& y,
 const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
                                    const Eigen::Vector3d& at) {
   constexpr float kSameDepth = 1e-6F;
-  constexpr double kOutside = 0.1;  // of the box: what is wide in pixels goes beyond it
+  constexpr double kOutside = 0.1;  // of the box: wide lines reach outside it
   Picture probe;
   probe.Resize(view.viewport);
   const DrawContext context{.view = view, .points = points_, .scale = scale, .marks_depth = true};
@@ -124,7 +124,7 @@ const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x,
     probe.Bind();
   }
   glDisable(GL_SCISSOR_TEST);
-  if (pending()) Redraw();  // What was new to a display may have gone into the probe.
+  if (pending()) Redraw();  // New data of a display may have been drawn into the probe.
   return found;
 }
 

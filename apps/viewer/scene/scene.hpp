@@ -9,17 +9,16 @@
 
 #include "viewer/scene/display.hpp"
 #include "viewer/scene/display_types.hpp"
-#include "viewer/scene/picture.hpp"
-#include "viewer/scene/point_programs.hpp"
+#include "viewer/scene/gl/picture.hpp"
+#include "viewer/scene/layers/point_programs.hpp"
 
 namespace hgros::viewer {
 
 /// All displays and the picture that they make.
 ///
-/// The settled layer is kept between frames: while the camera stands still, a frame costs what is new. When the camera
-/// moves, one slice of everything is drawn, as much as fits into a frame; when it rests, a slice more in each frame
-/// until the picture is whole. How much that is, is measured.
-/// Thread: the one whose GL context is current.
+/// The settled layer is kept between frames: while the camera does not move, only new data costs time. While the camera
+/// moves, one slice of everything is drawn, as much as fits into a frame. When the camera rests, each frame adds a
+/// slice until the picture is complete. The size of a slice is measured. Thread: the one whose GL context is current.
 class Scene {
  public:
   struct Entry {
@@ -29,50 +28,50 @@ class Scene {
     std::unique_ptr<Display> display;
     bool visible = true;
     std::uint64_t dropped_before = 0;         ///< CountDropped.
-    std::uint64_t unreadable = 0;             ///< Messages of the channel that are not what their publisher says.
-    bool still_unreadable = false;            ///< And more come.
-    std::vector<std::string> without_effect;  ///< Settings that were given and need others; WhyWithoutEffect.
-    std::string mismatch;                     ///< The channel carries what the display does not show: a sentence.
+    std::uint64_t unreadable = 0;             ///< Messages of the channel that do not match their publisher's type.
+    bool still_unreadable = false;            ///< More unreadable messages are arriving.
+    std::vector<std::string> without_effect;  ///< Settings that were given but have no effect (WhyWithoutEffect).
+    std::string mismatch;  ///< A sentence, if the channel carries a type that the display does not show.
   };
 
   Entry& Add(const DisplayType& type, const DisplayInputs& inputs);
   void Remove(std::size_t index);
-  /// Exchanges two neighbours.
+  /// Exchanges the entry with the one above it.
   void MoveUp(std::size_t index);
   void SetVisible(std::size_t index, bool visible);
   [[nodiscard]] std::vector<Entry>& entries() noexcept { return entries_; }
   [[nodiscard]] const std::vector<Entry>& entries() const noexcept { return entries_; }
 
-  /// Takes in what has arrived.
+  /// Takes what has arrived.
   void Update(const UpdateContext& context);
-  /// As Display::ApplySettings, of all.
+  /// Display::ApplySettings of all displays.
   void ApplySettings(const UpdateContext& context);
-  /// As Display::LookBack, of all.
+  /// Display::LookBack of all displays.
   void LookBack(double newest_s, double back_s);
-  /// Of those that are visible, the oldest there is.
+  /// Time of the oldest data of all visible displays.
   [[nodiscard]] double oldest_s() const;
-  /// Before that some of them would show what was not there.
+  /// Before this time, some of them cannot show the true state.
   [[nodiscard]] double truthful_since_s() const;
   /// Whether something has changed since the last Draw.
   [[nodiscard]] bool pending() const noexcept { return pending_ != Change::kNothing; }
-  /// The whole settled layer is out of date.
+  /// Makes the next Draw draw the whole settled layer again.
   void Redraw() noexcept { pending_ = Change::kRedraw; }
-  /// `scale`: pixels of the screen to a pixel as people set it.
+  /// `scale`: screen pixels per pixel of a setting.
   void Draw(const ViewMatrices& view, float scale);
-  /// The settled layer still lacks slices: another Draw with the same view adds one.
+  /// Whether the settled layer is incomplete: another Draw with the same view adds a slice.
   [[nodiscard]] bool unfinished() const noexcept { return next_slice_ < slices_; }
   [[nodiscard]] const Picture& picture() const noexcept { return picture_; }
 
-  /// The nearest depth of what is seen within some pixels around one, which becomes the one that is meant; counted from
-  /// the upper left corner. 1 where there is nothing. Draws first if the last Draw was with another view.
+  /// The nearest depth within a radius around the pixel (x, y), counted from the upper left corner. Sets x and y to the
+  /// pixel with that depth. 1 if there is nothing. Draws first if the view has changed since the last Draw.
   [[nodiscard]] float NearestDepth(const ViewMatrices& view, float scale, int& x, int& y, int radius);
-  /// What is seen at a pixel, counted from the upper left corner, if its depth is what is there; null if it is none of
-  /// the displays. Draws each that may be it once more, alone. `at` is the pixel's point in the fixed frame.
+  /// The display that is visible at a pixel, counted from the upper left corner, with that depth. Null if there is
+  /// none. Draws each candidate again, alone. `at` is the pixel's point in the fixed frame.
   [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
                                      const Eigen::Vector3d& at);
-  /// From here on dropped() counts.
+  /// Starts the counter of dropped().
   void CountDropped();
-  /// Messages that the displays that are there could not take since CountDropped.
+  /// Messages that the current displays have dropped since CountDropped.
   [[nodiscard]] std::uint64_t dropped() const;
 
   [[nodiscard]] std::size_t points() const;
@@ -89,7 +88,7 @@ class Scene {
   void DrawMoving(const DrawContext& context);
   void DrawBlended(const DrawContext& context);
   void Measure(std::size_t drawn, std::chrono::steady_clock::time_point begin);
-  /// So many points are drawn in that time, as far as is known.
+  /// Number of points that can be drawn in that time, as measured.
   [[nodiscard]] std::size_t Affordable(double ms) const;
 
   std::vector<Entry> entries_;
@@ -101,7 +100,7 @@ class Scene {
   Eigen::Vector3d drawn_eye_ = Eigen::Vector3d::Zero();
   std::size_t slices_ = 1;
   std::size_t next_slice_ = 0;
-  double points_per_ms_ = 5000;  ///< As measured; a guess until then.
+  double points_per_ms_ = 5000;  ///< Measured; a guess before the first measurement.
 };
 
 }  // namespace hgros::viewer

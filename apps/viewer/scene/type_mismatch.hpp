@@ -6,8 +6,8 @@
 
 namespace hgros::viewer {
 
-/// Why a display of that type shows nothing of a channel that carries `carried`, in a sentence; empty if it does, or if
-/// that is unknown (empty).
+/// Why a display of that type cannot show a channel with the type `carried`, as a sentence. Empty if it can, or if
+/// `carried` is empty (unknown).
 [[nodiscard]] std::string WhyNotShown(const DisplayType& type, const std::string& channel, const std::string& carried);
 
 }  // namespace hgros::viewer

@@ -10,8 +10,8 @@ namespace {
 constexpr double kHalfAngle = std::numbers::pi / 8;  // 45 degrees from the bottom to the top of the picture
 constexpr double kNearest = 1e-3;
 constexpr double kFurthest = 1e7;
-constexpr double kOutermost = 1e11;  // from the origin: what lies beyond it is not looked at
-constexpr double kDepthRatio = 1e5;  // of the far to the near plane: 24 bits of depth tell 1 cm apart at 100 m
+constexpr double kOutermost = 1e11;  // from the origin; the camera does not look at anything beyond it
+constexpr double kDepthRatio = 1e5;  // far to near plane: 24 bits of depth resolve 1 cm at 100 m
 constexpr double kSteepest = std::numbers::pi / 2 - 1e-3;
 
 /// Looks along `forward` with a level horizon.
@@ -42,7 +42,7 @@ void Camera::Orbit(double yaw, double pitch) {
   const Eigen::Vector3d pivot = Pivot();
   const Eigen::Vector3d forward = orientation_ * -Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d up = orientation_ * Eigen::Vector3d::UnitY();
-  if (up.z() >= 0) {  // Not upside down: the pole is where it ends.
+  if (up.z() >= 0) {  // Not upside down: the pole is the limit.
     const double elevation = std::asin(std::clamp(forward.z(), -1.0, 1.0));
     pitch = std::clamp(pitch, std::min(0.0, -kSteepest - elevation), std::max(0.0, kSteepest - elevation));
   }
@@ -98,7 +98,7 @@ void Camera::Move(const Eigen::Vector3d& right_up_forward) {
 void Camera::SetAnchor(const std::optional<Eigen::Vector3d>& anchor) {
   anchor_ = anchor;
   if (!anchor) return;
-  // What is turned about is what the depth planes and the steps of the keys are made for.
+  // The depth planes and the steps of the keys depend on the distance to the pivot.
   const double depth = (orientation_ * -Eigen::Vector3d::UnitZ()).dot(*anchor - eye_);
   if (!orthographic_ && depth > kNearest) distance_ = depth;
 }
@@ -162,7 +162,7 @@ Eigen::Matrix4d Camera::Projection(const Viewport& viewport) const {
     const double half_depth = std::max(100 * distance_, 1000.0);
     projection(0, 0) = 1 / (half_height * aspect);
     projection(1, 1) = 1 / half_height;
-    projection(2, 2) = -1 / half_depth;  // What lies behind the eye is seen, too.
+    projection(2, 2) = -1 / half_depth;  // What is behind the eye is visible, too.
     projection(3, 3) = 1;
     return projection;
   }

@@ -6,7 +6,7 @@
 namespace hgros::viewer {
 namespace {
 
-constexpr double kClickPixels = 4;  // What moves less is a click.
+constexpr double kClickPixels = 4;  // A shorter drag is a click.
 constexpr double kRadiansPerPixel = 0.006;
 constexpr double kZoomPerStep = 1.15;
 constexpr double kKeyRadians = std::numbers::pi / 60;
@@ -35,7 +35,7 @@ void Navigation::OnPointer(double x, double y, const Viewport& viewport) {
     at_ = now;
     return;
   }
-  if (!moved_ && (now - pressed_at_).norm() < kClickPixels) return;  // The whole way counts once it is a drag.
+  if (!moved_ && (now - pressed_at_).norm() < kClickPixels) return;  // A drag counts from its beginning.
   moved_ = true;
   at_ = now;
   if (*held_ == PointerButton::kLeft) {

@@ -8,7 +8,7 @@ namespace hgros::viewer {
 
 enum class PointerButton { kLeft, kRight, kMiddle };
 
-/// What a key does to the camera; which key that is stands in one table (panels/key_table.hpp).
+/// What a key does to the camera. The keys are in one table (panels/overlay/key_table.hpp).
 enum class CameraKey {
   kYawLeft,
   kYawRight,
@@ -28,17 +28,17 @@ enum class CameraKey {
   kClearAnchor,
 };
 
-/// Turns what mouse and keyboard do into changes of a camera: left drag orbits, right or middle drag pans, the wheel
-/// zooms, a left click picks. Borrows the camera.
+/// Moves a camera with mouse and keyboard: left drag orbits, right or middle drag pans, the wheel zooms, a left click
+/// picks. Borrows the camera.
 class Navigation {
  public:
   explicit Navigation(Camera& camera) : camera_(camera) {}
 
   void OnPress(PointerButton button, double x, double y);
-  /// Where it was a click that picks, the pixel.
+  /// Returns the pixel of a click that picks; none otherwise.
   [[nodiscard]] std::optional<Eigen::Vector2d> OnRelease(PointerButton button, double x, double y);
   void OnPointer(double x, double y, const Viewport& viewport);
-  /// `steps` of the wheel, positive towards the scene.
+  /// `steps` of the wheel; positive: towards the scene.
   void OnWheel(double steps, const Viewport& viewport);
   void OnKey(CameraKey key);
 
@@ -49,7 +49,7 @@ class Navigation {
   std::optional<PointerButton> held_;
   Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d pressed_at_ = Eigen::Vector2d::Zero();
-  bool moved_ = false;  ///< Too far for a click since the button went down.
+  bool moved_ = false;  ///< The pointer has moved too far for a click since the button went down.
 };
 
 }  // namespace hgros::viewer

@@ -9,15 +9,17 @@
 #include <hgros/tf/transforms.hpp>
 
 #include "../carmen_log.hpp"
+#include "../nodes/mapper_move.hpp"
+#include "../nodes/mapper_node.hpp"
+#include "../nodes/matcher_node.hpp"
+#include "../nodes/source_node.hpp"
+#include "../nodes/writer_node.hpp"
 #include "../relations_error.hpp"
 #include "../simulated_building.hpp"
 #include "await.hpp"
 #include "channels.hpp"
 #include "console.hpp"
 #include "ending.hpp"
-#include "mapper_move.hpp"
-#include "mapper_node.hpp"
-#include "matcher_node.hpp"
 #include "options.hpp"
 #include "parameters.hpp"
 #include "plan.hpp"
@@ -25,8 +27,6 @@
 #include "report.hpp"
 #include "roll_call.hpp"
 #include "signal_watch.hpp"
-#include "source_node.hpp"
-#include "writer_node.hpp"
 
 namespace slam2d {
 namespace {

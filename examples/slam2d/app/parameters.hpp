@@ -7,9 +7,9 @@
 
 #include <hgros/params/param_sources.hpp>
 
+#include "../nodes/node_params.hpp"
 #include "../tunables.hpp"
 #include "console.hpp"
-#include "node_params.hpp"
 #include "plan.hpp"
 
 namespace slam2d {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <hgros/session/config.hpp>
+#include <hgros/config/config.hpp>
 
 #include "options.hpp"
 

@@ -5,9 +5,9 @@
 
 #include <hgros/hgros.hpp>
 
+#include "../nodes/writer_node.hpp"
 #include "../relations_error.hpp"
 #include "messages.hpp"
-#include "writer_node.hpp"
 
 namespace slam2d {
 

@@ -19,8 +19,8 @@ using Bytes = std::span<const std::byte>;
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Immutable bytes together with whatever keeps them alive: a buffer, a received packet, a message.
-/// Copying shares; no byte moves. Thread-safe as far as the bytes are really never written again.
+/// Immutable bytes together with the object that keeps them alive: a buffer, a received packet, a message. A copy
+/// shares the bytes. Thread-safe as long as the bytes are never written again.
 struct Payload {
   Bytes bytes;
   std::shared_ptr<const void> owner;

@@ -14,13 +14,13 @@ struct HGROS_EXPORT FilePosition {
   int line = 0;
   int column = 0;
 
-  /// "file:line:column", leaving out what is unknown.
+  /// "file:line:column" without the unknown parts.
   [[nodiscard]] std::string ToString() const;
 };
 
-/// Thrown where a program is wired together: configuration, types, names, endpoints. The data path never throws.
+/// Thrown while a program is set up: configuration, types, names, endpoints. The data path never throws.
 ///
-/// what() is one text made of three parts: what is wrong, where, and how to mend it.
+/// what() has three parts: what is wrong, where, and how to fix it.
 class HGROS_EXPORT Error : public std::runtime_error {
  public:
   /// `where` and `mend` may be empty. Sentences, without a final line break.

@@ -8,11 +8,11 @@
 
 namespace hgros {
 
-/// Counts durations in logarithmic buckets: 8 per factor of two, so a quantile read back is never below the recorded
-/// value and at most 12.5 % (below 8 ns: 1 ns) above it. From 1 ns to about 4.9 hours; what is outside that counts in
-/// the outermost bucket.
+/// Counts durations in logarithmic buckets, 8 per factor of two: a quantile is never below the recorded value and at
+/// most 12.5 % above it (1 ns above it below 8 ns). Covers 1 ns to about 4.9 hours; values outside count in the first
+/// or last bucket.
 ///
-/// Thread safety: none; the owner guards it, or keeps one per thread and merges.
+/// Thread safety: none; the owner guards it, or keeps one per thread and merges them.
 /// Invariants: count() is the sum of all buckets; 0 <= Quantile(a) <= Quantile(b) for a <= b.
 class HGROS_EXPORT LogHistogram {
  public:
@@ -26,7 +26,7 @@ class HGROS_EXPORT LogHistogram {
     if (nanoseconds > max_) max_ = nanoseconds;
   }
   void Merge(const LogHistogram& other) noexcept;
-  /// Adds `count` records to one bucket. For owners that count elsewhere; AddTotals() must follow.
+  /// Adds `count` records to one bucket, for owners that count elsewhere. AddTotals() must follow.
   void AddToBucket(std::size_t bucket, std::uint32_t count) noexcept {
     buckets_[bucket] += count;
     count_ += count;
@@ -41,11 +41,11 @@ class HGROS_EXPORT LogHistogram {
   [[nodiscard]] double mean_ns() const noexcept {
     return count_ == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(count_);
   }
-  /// The value that the share `q` (0 to 1) of the records does not exceed, in ns: the upper edge of its bucket, but not
-  /// more than the largest record. 0 if nothing was recorded.
+  /// The value in ns that the share `q` (0 to 1) of the records does not exceed: the upper edge of its bucket, limited
+  /// to the largest record. 0 without records.
   [[nodiscard]] std::int64_t Quantile(double q) const noexcept;
 
-  /// The bucket of a value, and the smallest value that no longer belongs to a bucket.
+  /// The bucket of a value, and the smallest value above a bucket.
   [[nodiscard]] static std::size_t BucketOf(std::int64_t nanoseconds) noexcept;
   [[nodiscard]] static std::int64_t UpperEdge(std::size_t bucket) noexcept;
 

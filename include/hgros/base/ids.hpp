@@ -10,22 +10,22 @@
 
 namespace hgros {
 
-/// Names one session among all sessions anywhere; random, never reused. Zero means none.
+/// Identifies a session worldwide; random, never reused. Zero means no session.
 struct HGROS_EXPORT SessionId {
   std::uint64_t value = 0;
 
   [[nodiscard]] static SessionId Random();
   /// 16 lower-case hexadecimal digits.
   [[nodiscard]] std::string ToString() const;
-  /// Reads what ToString() writes; zero (none) for anything else.
+  /// Reads the output of ToString(); zero for any other text.
   [[nodiscard]] static SessionId FromString(std::string_view text) noexcept;
   auto operator<=>(const SessionId&) const = default;
 };
 
-/// Who sent a message, and which one it is: repeats are recognised by these three.
+/// The sender of a message and its number. Repeated messages are recognized by these three.
 struct MessageId {
   std::uint64_t publisher = 0;    ///< The publishing session's id.
-  std::uint64_t incarnation = 0;  ///< Distinguishes lives of the publisher; grows with each start.
+  std::uint64_t incarnation = 0;  ///< Distinguishes restarts of the publisher; grows with each start.
   std::uint64_t sequence = 0;     ///< Counts the publisher's messages on one channel from 1, without gaps.
   auto operator<=>(const MessageId&) const = default;
 };

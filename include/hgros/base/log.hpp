@@ -14,22 +14,22 @@ namespace hgros {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
-/// Receives what the library has to say: whole sentences without a line break. Called from any thread, one call at
-/// a time; must not call back into the library and must not throw.
+/// Receives the library's log messages: whole sentences without a line break. Called from any thread, one call at a
+/// time. It must not call back into the library and must not throw.
 using LogSink = std::function<void(LogLevel level, std::string_view text)>;
 
 /// Writes to standard error through spdlog; the default of every session.
 [[nodiscard]] HGROS_EXPORT LogSink DefaultLogSink();
 
-/// One session's voice. Thread-safe.
+/// The log of one session. Thread-safe.
 class HGROS_EXPORT Log {
  public:
   explicit Log(LogSink sink = DefaultLogSink());
 
   void Write(LogLevel level, std::string_view text);
 
-  /// As Write, but at most once per `key` and `interval`; how many were held back is added to the next one that
-  /// passes. For faults that may repeat with every packet. Of many keys only the latest 1024 are remembered.
+  /// As Write, but at most once per `key` and `interval`; the next message that passes says how many were held back.
+  /// For faults that may repeat with every packet. Only the latest 1024 keys are remembered.
   void WriteLimited(LogLevel level, std::string_view key, std::string_view text,
                     std::chrono::milliseconds interval = std::chrono::seconds(10));
 

@@ -8,19 +8,20 @@
 
 namespace hgros {
 
-/// The longest channel name, in bytes. ZeroMQ 4.3.4 mishandles topics of 246 to 255 bytes; ours append a session id.
+/// The maximum length of a channel name in bytes. ZeroMQ 4.3.4 mishandles topics of 246 to 255 bytes, and ours append a
+/// session id.
 inline constexpr std::size_t kMaxChannelNameLength = 200;
 
-/// Checks a channel name: 1 to kMaxChannelNameLength bytes, without control characters and blanks (bytes above 0x20,
-/// but not 0x7f), in valid UTF-8, because packets carry names in protobuf strings. Slashes are welcome. Returns an
-/// empty text if it is good, otherwise what is wrong with it.
+/// Checks a channel name: 1 to kMaxChannelNameLength bytes of valid UTF-8 (packets carry names in protobuf strings)
+/// without control characters and blanks (above 0x20, not 0x7f). Slashes are allowed. Returns an empty text, or what is
+/// wrong.
 [[nodiscard]] HGROS_EXPORT std::string ChannelNameFault(std::string_view name);
 
 /// Throws Error naming the fault if `name` is not a channel name.
 HGROS_EXPORT void RequireChannelName(std::string_view name);
 
-/// The candidate nearest to `name` by edit distance, the first among equals; an empty text if none is near enough to be
-/// what was meant, that is if more than a third of it differs.
+/// The candidate with the smallest edit distance to `name`, the first of equal ones. Empty if more than a third of it
+/// differs, because then it is unlikely to be meant.
 [[nodiscard]] HGROS_EXPORT std::string NearestName(std::string_view name, std::span<const std::string> candidates);
 
 }  // namespace hgros

@@ -4,17 +4,17 @@
 
 namespace hgros {
 
-/// What became of a publish call. The data path never throws and never blocks. Without lossless subscribers there is
-/// nothing to check but the end of the session, so the result may be ignored; refused messages are counted either way
+/// The result of a publish call. Publishing never throws and never blocks. Without lossless subscribers only the end of
+/// the session can refuse a message, so the result may be ignored; refused messages are counted in any case
 /// (ChannelSnapshot::refused).
 enum class PublishStatus {
-  kOk,             ///< Handed to every subscriber there is (possibly none); keep-last queues may drop it later.
-  kFull,           ///< A lossless subscriber has no room: nobody got the message, the caller still owns it.
-  kClosed,         ///< The session is shutting down: nobody got the message.
+  kOk,             ///< Delivered to all subscribers (possibly none); keep-last queues may drop it later.
+  kFull,           ///< A lossless subscriber has no room: not delivered, the caller still owns the message.
+  kClosed,         ///< The session is shutting down: not delivered.
   kWouldDeadlock,  ///< Waiting was refused: the caller runs inside a callback or on a library thread.
-  kTimedOut,       ///< Waited for room until the deadline: nobody got the message.
+  kTimedOut,       ///< No room until the deadline: not delivered.
   kEmpty,          ///< There was no message: a null or moved-from pointer was published.
-  kStopped,        ///< Waited for room until a stop was requested: nobody got the message.
+  kStopped,        ///< No room until a stop was requested: not delivered.
 };
 
 [[nodiscard]] constexpr std::string_view ToString(PublishStatus status) noexcept {

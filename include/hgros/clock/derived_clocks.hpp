@@ -8,13 +8,13 @@
 
 #include "hgros/base/export.hpp"
 #include "hgros/clock/clock.hpp"
-#include "hgros/clock/clock_line.hpp"
-#include "hgros/clock/clock_state.hpp"
-#include "hgros/clock/waiting_room.hpp"
+#include "hgros/internal/clock/clock_line.hpp"
+#include "hgros/internal/clock/clock_state.hpp"
+#include "hgros/internal/clock/waiting_room.hpp"
 
 namespace hgros {
 
-/// A clock that runs along another one, its source, of which it takes the time that elapses, but not the jumps.
+/// A clock that runs along another clock, its source. It follows the source's elapsed time but not its jumps.
 class HGROS_EXPORT DerivedClock : public Clock {
  public:
   [[nodiscard]] ClockReading Read() const override;
@@ -22,20 +22,21 @@ class HGROS_EXPORT DerivedClock : public Clock {
   [[nodiscard]] Listening OnJump(JumpCallback callback) override;
 
   [[nodiscard]] ClockState State() const;
-  /// Calls `callback` after each jump and each change of pace, on the thread that makes it. State() says what it is
-  /// now.
+  /// Calls `callback` after each jump and each change of rate, on the thread that makes it. State() returns the new
+  /// state.
   [[nodiscard]] Listening OnChange(std::function<void()> callback);
 
  protected:
-  /// Shows `start` now. Without a source it takes a SteadyClock.
+  /// Shows `start` now. Without a source it uses a SteadyClock.
   DerivedClock(Time start, std::shared_ptr<Clock> source, bool paused = false);
 
-  /// Changes how the clock runs from now on, then wakes whoever waits. `change` gets the line anchored at this moment.
+  /// Changes how the clock runs from now on, then wakes waiting threads. `change` gets the line anchored at this
+  /// moment.
   void ChangePace(const std::function<void(ClockLine&)>& change);
-  /// Makes the clock show `after`, tells the listeners, then wakes whoever waits.
+  /// Makes the clock show `after`, tells the listeners, then wakes waiting threads.
   void Jump(Time after);
-  /// Runs along `line` from now on. Of what this differs from what is shown now, `jump` is one, or all of it without a
-  /// `jump`; the rest is time that passed, and if it is less than none the clock stands still for so long.
+  /// Runs along `line` from now on. `jump` is the part of the difference to the current time that counts as a jump;
+  /// without it, all of it does. The rest is time that passes; if it is negative the clock stands still for that long.
   void Replace(ClockLine line, std::optional<Duration> jump);
   [[nodiscard]] ClockLine line() const;
 
@@ -51,29 +52,28 @@ class HGROS_EXPORT DerivedClock : public Clock {
   WaitingRoom waiting_;
 };
 
-/// Time since a reference: b + what has elapsed since SetBaseTime(b) was called, or since the clock was made, with b =
-/// 0.
+/// Time since a reference: b plus the time elapsed since SetBaseTime(b), or since the clock was created, with b = 0.
 class HGROS_EXPORT RelativeClock final : public DerivedClock {
  public:
   explicit RelativeClock(std::shared_ptr<Clock> source = nullptr) : DerivedClock({}, std::move(source)) {}
 
-  /// The reference is now, and the clock shows `base`: a jump.
+  /// Makes this moment the reference, at which the clock shows `base`: a jump.
   void SetBaseTime(Duration base) { Jump(Time{base.count()}); }
 };
 
-/// Time as a simulation or a recording wants it. Runs from `start` at rate 1 until told otherwise.
+/// The time of a simulation or a recording. Runs from `start` at rate 1 until it is told otherwise.
 ///
-/// Errors: throws Error for a rate that is not above zero and finite, and for a step back.
+/// Errors: throws Error for a rate that is not positive and finite, and for a step back.
 class HGROS_EXPORT SimulatedClock final : public DerivedClock {
  public:
   explicit SimulatedClock(Time start = {}, std::shared_ptr<Clock> source = nullptr)
       : DerivedClock(start, std::move(source)) {}
-  /// One that is paused at `start`: it goes on by Step() alone until it is resumed.
+  /// A clock that is paused at `start`: only Step() advances it until it is resumed.
   [[nodiscard]] static std::shared_ptr<SimulatedClock> Paused(Time start = {}) {
     return std::shared_ptr<SimulatedClock>(new SimulatedClock(start, true));
   }
 
-  /// Seconds of this clock for one of its source. Holds after a pause, too.
+  /// Seconds of this clock per second of its source. A pause does not change it.
   void SetRate(double rate);
   [[nodiscard]] double rate() const { return line().rate; }
 
@@ -81,10 +81,10 @@ class HGROS_EXPORT SimulatedClock final : public DerivedClock {
   void Resume();
   [[nodiscard]] bool paused() const { return line().paused; }
 
-  /// Lets `time` pass at once, paused or not: what is planned in it comes due, in its order. No jump.
+  /// Lets `time` pass at once, paused or not: everything planned within it becomes due, in order. Not a jump.
   void Step(Duration time);
-  /// Shows `to` from now on. What was planned by the time that passes moves along; what was planned for a moment comes
-  /// when the clock shows it.
+  /// Shows `to` from now on. Timers planned by elapsed time move along; timers planned for a moment run when the clock
+  /// shows it.
   void JumpTo(Time to) { Jump(to); }
 
  private:

@@ -8,37 +8,35 @@
 
 namespace hgros {
 
-/// What happens to moments that pass while their turn does not come, because a callback took too long or a clock was
-/// stepped far ahead.
+/// What happens to planned moments that were missed because a callback took too long or the clock was stepped ahead.
 enum class Missed {
-  kSkip,     ///< The latest one is taken, the others are counted: no burst.
-  kCatchUp,  ///< Each one is taken, late, one right after the other, in the order of their plan.
+  kSkip,     ///< Only the latest one is run, the others are counted: no burst.
+  kCatchUp,  ///< Each one is run late, one right after the other, in order.
 };
 
-/// One turn of something periodic, or the moment of a timer.
+/// One turn of a periodic timer, or the moment of a single one.
 struct Tick {
-  Time planned;              ///< What the plan says, without drift; never after `now`.
-  Time now;                  ///< What the clock shows.
-  std::uint64_t missed = 0;  ///< How many moments before `planned` were left out.
+  Time planned;              ///< The planned moment, without drift; never after `now`.
+  Time now;                  ///< The clock's time.
+  std::uint64_t missed = 0;  ///< Number of moments before `planned` that were skipped.
 };
 
-/// The moments first, first + period, first + 2 period ..., none of which drifts however late it is taken. When the
-/// clock jumps, all of them move along: a rhythm is of elapsed time, so that a jump neither skips, nor repeats, nor
-/// delays any.
+/// The moments first, first + period, first + 2 period ..., without drift, however late each one is run. When the clock
+/// jumps, all of them move along: a rhythm follows elapsed time, so a jump neither skips nor repeats nor delays a turn.
 ///
-/// Thread safety: none.
+/// Thread safety: none; the owner guards it.
 class HGROS_EXPORT PeriodicSchedule {
  public:
-  /// Takes `seen` for the present. Throws Error unless `period` is above zero.
+  /// Starts at `seen`. Throws Error unless `period` is positive.
   PeriodicSchedule(const ClockReading& seen, Time first, Duration period, Missed policy);
 
-  /// The next planned moment, by the clock of the latest reading.
+  /// The next planned moment, on the clock of the latest reading.
   [[nodiscard]] Time next() const noexcept { return next_; }
   [[nodiscard]] Duration period() const noexcept { return period_; }
 
-  /// Moves along with the jumps since the last reading, then takes the turn that is due, if one is.
-  [[nodiscard]] std::optional<Tick> Take(const ClockReading& reading);
-  /// Moves along only.
+  /// Follows the jumps since the last reading, then returns the turn that is due, if there is one, and plans the next.
+  [[nodiscard]] std::optional<Tick> AdvanceTo(const ClockReading& reading);
+  /// Follows the jumps only.
   void Follow(const ClockReading& reading) noexcept;
 
  private:

@@ -12,14 +12,14 @@ namespace hgros {
 
 /// Keeps a loop at a rhythm of a clock: `while (rate.Sleep()) { ... }`.
 ///
-/// The rhythm begins when the object is made and does not drift. Jumps of the clock change nothing, a pause holds it
-/// up. Thread safety: none; each loop has its own.
+/// The rhythm starts with the object and does not drift. Jumps of the clock do not change it; a pause delays it. Thread
+/// safety: none; each loop has its own.
 class HGROS_EXPORT Rate {
  public:
-  /// Throws Error unless `period` is above zero.
+  /// Throws Error unless `period` is positive.
   Rate(std::shared_ptr<Clock> clock, Duration period, Missed policy = Missed::kSkip);
 
-  /// Sleeps until the next turn, or not at all if it has passed already. Empty if `stop` is requested first.
+  /// Sleeps until the next turn; returns at once if that has passed. Empty if `stop` is requested first.
   [[nodiscard]] std::optional<Tick> Sleep(const std::stop_token& stop = {});
 
  private:

@@ -8,15 +8,15 @@
 
 namespace hgros {
 
-/// The system's wall clock, in nanoseconds since the Unix epoch. It jumps when somebody sets it and when the machine
-/// wakes from suspension; steps of less than a millisecond count as none.
+/// The system's wall clock in nanoseconds since the Unix epoch. It jumps when it is set and when the machine wakes from
+/// suspension; steps below a millisecond are ignored.
 ///
-/// The first wait and the first listener start a thread that watches for that; it sleeps in between.
-/// Errors: OnJump throws Error if the system has no file descriptor or thread left. Waits then look at the clock ten
-/// times per second, until it can be watched; that is said once in `log`.
+/// The first wait and the first listener start a thread that watches for jumps and sleeps in between.
+/// Errors: OnJump throws Error if the system has no file descriptor or thread left. Waits then read the clock ten times
+/// per second until it can be watched; that is logged once.
 class HGROS_EXPORT SystemClock final : public Clock {
  public:
-  /// Without a `log` it speaks on standard error.
+  /// Without a `log` it writes to standard error.
   explicit SystemClock(LogSink log = {});
   ~SystemClock() override;
 
@@ -30,7 +30,7 @@ class HGROS_EXPORT SystemClock final : public Clock {
   std::unique_ptr<State> state_;
 };
 
-/// CLOCK_MONOTONIC: never jumps, and begins anywhere (on Linux when the machine starts).
+/// CLOCK_MONOTONIC: never jumps. Its start is arbitrary (on Linux, the start of the machine).
 class HGROS_EXPORT SteadyClock final : public Clock {
  public:
   [[nodiscard]] ClockReading Read() const override { return {Now(), {}}; }

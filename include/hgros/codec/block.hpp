@@ -11,7 +11,7 @@
 
 namespace hgros {
 
-/// A message that is nothing but bytes. It is written and read without a copy: the payload shares the sent block, and
+/// A message that consists only of bytes. It is written and read without a copy: the payload shares the sent block, and
 /// the received block shares the payload.
 ///
 ///     auto block = std::make_unique<Block>(Block::Allocate(4 << 20));
@@ -19,7 +19,7 @@ namespace hgros {
 ///     session.ToAny("raw", std::move(block));
 ///
 /// Thread safety: as a value; a published block is const and may be read by any thread.
-/// Invariants: bytes that can be written belong to one Block only, which is why it moves and does not copy.
+/// Invariants: writable bytes belong to exactly one Block, so a Block can be moved but not copied.
 class HGROS_EXPORT Block {
  public:
   /// Empty.
@@ -27,18 +27,18 @@ class HGROS_EXPORT Block {
 
   static constexpr std::size_t kAlignment = 64;
 
-  /// A block to be filled through writable(), kAlignment-aligned; its bytes start as whatever was in the memory.
+  /// A block to fill through writable(), kAlignment-aligned and uninitialized.
   /// Errors: throws std::bad_alloc.
   [[nodiscard]] static Block Allocate(std::size_t size_bytes);
 
-  /// Takes over a buffer; the block can be written.
+  /// Owns the buffer; the block is writable.
   Block(std::unique_ptr<std::byte[]> buffer, std::size_t size_bytes) noexcept;
 
-  /// Shares bytes that are never written again. If `payload` has no owner, its bytes are copied.
+  /// Shares bytes that are never written again. Bytes of a `payload` without an owner are copied.
   explicit Block(Payload payload);
 
-  /// A block over memory of somebody else, such as a loan from a shared memory pool: `owner` keeps it alive, and
-  /// nobody but the block writes it from now on.
+  /// A block over foreign memory, such as a loan from a shared memory pool: `owner` keeps it alive, and from now on
+  /// only the block writes it.
   [[nodiscard]] static Block Adopt(std::span<std::byte> bytes, std::shared_ptr<const void> owner) noexcept;
 
   Block(Block&& other) noexcept;
@@ -50,10 +50,10 @@ class HGROS_EXPORT Block {
   [[nodiscard]] std::size_t size() const noexcept { return payload_.bytes.size(); }
   [[nodiscard]] Bytes bytes() const noexcept { return payload_.bytes; }
 
-  /// The bytes for filling before the block is published; empty if the block shares them with others.
+  /// The bytes to fill before the block is published; empty if they are shared.
   [[nodiscard]] std::span<std::byte> writable() noexcept { return writable_; }
 
-  /// The bytes and what keeps them alive. The owner of an empty block may be null.
+  /// The bytes and their owner. The owner of an empty block may be null.
   [[nodiscard]] const Payload& payload() const noexcept { return payload_; }
 
  private:

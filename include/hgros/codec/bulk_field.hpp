@@ -9,8 +9,8 @@ class FieldDescriptor;
 
 namespace hgros {
 
-/// Which `bytes` field of the protobuf class T is the large one, for Bulk<T>. By default it is the only one that T has
-/// at its top level. Specialise this, beside the schema's use and before the first use of Bulk<T>, where T has several:
+/// The large `bytes` field of the protobuf class T for Bulk<T>. By default the only one at the top level of T. If T has
+/// several, specialize this before the first use of Bulk<T>:
 ///
 ///     template <>
 ///     struct hgros::BulkField<my::Scan> {
@@ -23,9 +23,9 @@ struct BulkField {
 
 namespace codec {
 
-/// The field of `number`, or for 0 the only one that can be the large one: singular, of type bytes, at the top level,
-/// not required and in no oneof. Errors: throws Error if there is no such field, or if for 0 there are several; it
-/// names the type, the candidates and the mend.
+/// The field `number`, or for 0 the only field that can be the large one: singular, of type bytes, at the top level,
+/// not required and in no oneof. Errors: throws Error if there is no such field, or several for 0; it names the type,
+/// the candidates and the fix.
 [[nodiscard]] HGROS_EXPORT const google::protobuf::FieldDescriptor& FindBulkField(
     const google::protobuf::Descriptor& type, int number);
 

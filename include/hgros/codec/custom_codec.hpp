@@ -6,18 +6,17 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <typeinfo>
 #include <utility>
 
 #include "hgros/base/bytes.hpp"
 #include "hgros/codec/schema.hpp"
 #include "hgros/codec/type_info.hpp"
-#include "hgros/codec/type_name.hpp"
+#include "hgros/internal/codec/own_string.hpp"
 
 namespace hgros {
 
-/// Teaches the library to write a type without touching the type: specialize it beside the type's definition, before
-/// the first use of the type as a message. It goes before everything else that a type may offer.
+/// Lets the library write a type without changing the type: specialize it next to the type's definition, before the
+/// first use of the type as a message. It takes precedence over everything else that the type offers.
 ///
 ///     template <>
 ///     struct hgros::CustomCodec<Scan> {
@@ -31,10 +30,9 @@ namespace hgros {
 ///       static Payload Encode(const std::shared_ptr<const Scan>& scan);          // no owner: cannot be written
 ///       static std::shared_ptr<const Scan> Decode(const Payload& payload);       // null: not a scan
 ///
-/// Optional: `static std::uint64_t Fingerprint()` (of the layout; 0, the default, is never compared),
-/// `static std::size_t MemoryBytes(const Scan&)` (default: sizeof), and `using Schema = SomeProtobufMessage;` where
-/// the bytes are that protobuf message: then name, fingerprint and schema are the message's and need not be given,
-/// and the encoding is kProtobuf.
+/// Optional: `static std::uint64_t Fingerprint()` (of the layout; the default 0 is never compared), `static std::size_t
+/// MemoryBytes(const Scan&)` (default: sizeof), and `using Schema = SomeProtobufMessage;` if the bytes are that
+/// protobuf message: name, fingerprint and schema are then those of the message, and the encoding is kProtobuf.
 ///
 /// Threading: all functions may be called from any thread. An exception counts as failure.
 template <class T>
@@ -44,15 +42,6 @@ struct CustomCodec;
 template <class T>
 concept HasCustomCodec = requires {
   sizeof(CustomCodec<T>);
-};
-
-/// T writes and reads itself through the two methods of the paper (section "network_bridge"). Its name on the wire is
-/// T::kTypeName if there is one, else its C++ name.
-template <class T>
-concept SerializesItself = std::default_initializable<T> &&
-    requires(const T& written, T& read, std::string* out, const std::string& in) {
-  { written.SerializeToString(out) } -> std::convertible_to<bool>;
-  { read.ParseFromString(in) } -> std::convertible_to<bool>;
 };
 
 namespace codec {
@@ -74,12 +63,6 @@ template <class T>
 concept CustomCodecWithSchema = requires {
   CustomCodec<T>::Schema::descriptor();
 };
-
-/// Hands a string over as a payload that owns it.
-inline Payload OwnString(std::shared_ptr<const std::string> text) {
-  const Bytes bytes = AsBytes(*text);
-  return {bytes, std::move(text)};
-}
 
 template <class T>
 struct CustomTraits {
@@ -141,39 +124,6 @@ struct CustomTraits {
       if (!Codec::Parse(AsText(payload.bytes), *message)) return nullptr;
       return message;
     }
-  }
-};
-
-template <class T>
-struct SelfTraits {
-  static constexpr Encoding kEncoding = Encoding::kCustom;
-
-  static std::string Name() {
-    if constexpr (requires { std::string(T::kTypeName); }) {
-      return std::string(T::kTypeName);
-    } else {
-      return CppTypeName(typeid(T));
-    }
-  }
-
-  static std::uint64_t LayoutFingerprint() { return 0; }
-  static std::size_t MemoryBytes(const T&) { return sizeof(T); }
-
-  static Payload Encode(const std::shared_ptr<const T>& message) {
-    auto text = std::make_shared<std::string>();
-    if (!message->SerializeToString(text.get())) return {};
-    return OwnString(std::move(text));
-  }
-
-  static std::shared_ptr<const T> Decode(const Payload& payload) {
-    auto message = std::make_shared<T>();
-    // A method that takes a string_view spares the copy of all bytes.
-    if constexpr (requires { message->ParseFromString(AsText(payload.bytes)); }) {
-      if (!message->ParseFromString(AsText(payload.bytes))) return nullptr;
-    } else {
-      if (!message->ParseFromString(std::string(AsText(payload.bytes)))) return nullptr;
-    }
-    return message;
   }
 };
 

@@ -14,22 +14,21 @@ class Message;
 
 namespace hgros {
 
-/// A protobuf type that this program was built without, as its publisher describes it. What the description says of
-/// options and defaults is left out, so that a map is a list of entries; it is refused if it is larger than
-/// CheckSchemas takes.
+/// A protobuf type that is known only at run time, from its publisher's description. Options and defaults in the
+/// description are ignored, so a map is a list of entries. A description beyond the limits of CheckSchemas is refused.
 ///
 /// Thread safety: all functions.
 class HGROS_EXPORT DynamicSchema {
  public:
-  /// Null if `schema` describes no protobuf type; `fault` then says why in a sentence. Takes from 0.1 ms up: once for
-  /// each MessageSchema, not for each message.
+  /// Null if `schema` does not describe a protobuf type; `fault` then says why in one sentence. Takes 0.1 ms or more:
+  /// call it once per MessageSchema, not per message.
   [[nodiscard]] static std::shared_ptr<const DynamicSchema> Build(const MessageSchema& schema, std::string& fault);
   DynamicSchema(const DynamicSchema&) = delete;
   DynamicSchema& operator=(const DynamicSchema&) = delete;
   ~DynamicSchema();
 
   [[nodiscard]] const google::protobuf::Descriptor& descriptor() const noexcept;
-  /// The message that `bytes` are, with reflection; null if they do not parse. It must not outlive this.
+  /// The message in `bytes`, with reflection; null if they do not parse. It must not outlive this object.
   [[nodiscard]] std::unique_ptr<google::protobuf::Message> Read(Bytes bytes) const;
 
  private:

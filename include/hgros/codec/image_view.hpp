@@ -15,37 +15,37 @@
 
 namespace hgros {
 
-/// The rows of an uncompressed image where they lie, from the top. Borrows the bytes.
+/// The rows of an uncompressed image in place, from top to bottom. Borrows the bytes.
 /// Thread safety: as a value; reading is const.
 class HGROS_EXPORT ImageView {
  public:
-  /// What a message says of its image. Sizes in pixels; `step_bytes` from one row to the next.
+  /// The description of an image in a message. Sizes in pixels; `step_bytes` is the distance between rows.
   struct Shape {
     std::uint64_t width = 0;
     std::uint64_t height = 0;
     std::uint64_t step_bytes = 0;
     std::string encoding;  ///< "mono8", "rgb8", "16UC1", "32FC1" ...: the open foxglove names.
   };
-  /// Errors: an encoding that is not known, rows longer than the step, fewer bytes than step times height.
+  /// Errors: an unknown encoding, rows longer than the step, fewer bytes than step times height.
   [[nodiscard]] static ViewResult<ImageView> Of(Bytes data, Shape shape);
 
   [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(shape_.width); }
   [[nodiscard]] std::size_t height() const noexcept { return static_cast<std::size_t>(shape_.height); }
   [[nodiscard]] std::size_t step_bytes() const noexcept { return static_cast<std::size_t>(shape_.step_bytes); }
   [[nodiscard]] const std::string& encoding() const noexcept { return shape_.encoding; }
-  /// Samples of one pixel: 1 for grey and Bayer images, 2 for yuyv, 3 for rgb8, 4 for rgba8.
+  /// Samples per pixel: 1 for grey and Bayer images, 2 for yuyv, 3 for rgb8, 4 for rgba8.
   [[nodiscard]] std::size_t channels() const noexcept { return channels_; }
 
-  /// The pixels of row `y`, which is below height(), without the padding: width() times the bytes of a pixel.
+  /// The pixels of row `y` (below height()) without padding: width() times the bytes of a pixel.
   [[nodiscard]] Bytes Row(std::size_t y) const noexcept { return data_.subspan(y * step_bytes(), row_bytes_); }
 
-  /// The samples of the rows as numbers; T is exactly how the encoding stores them.
+  /// The samples of the rows as numbers of type T, which must be the encoding's type.
   template <class T>
   class Samples {
    public:
     Samples(Bytes data, std::size_t step_bytes, std::size_t row_samples) noexcept
         : data_(data), step_(step_bytes), row_samples_(row_samples) {}
-    /// Row `y`, which is below height(): width() times channels() samples, pixel by pixel.
+    /// Row `y` (below height()): width() times channels() samples, pixel by pixel.
     [[nodiscard]] StridedView<T> operator[](std::size_t y) const noexcept {
       return {data_.data() + y * step_, sizeof(T), row_samples_};
     }
@@ -55,7 +55,7 @@ class HGROS_EXPORT ImageView {
     std::size_t step_;
     std::size_t row_samples_;
   };
-  /// Errors: T is not how the encoding stores samples.
+  /// Errors: the encoding stores samples of another type.
   template <class T>
   [[nodiscard]] ViewResult<Samples<T>> SamplesAs() const {
     static_assert(NumericTypeOf<T>() != NumericType::kUnknown, "A sample is std::uint8_t, std::uint16_t or float.");
@@ -75,7 +75,7 @@ class HGROS_EXPORT ImageView {
   std::size_t row_bytes_ = 0;
 };
 
-/// foxglove::RawImage, and whatever has its fields.
+/// foxglove::RawImage, or any type with its fields.
 template <class T>
 concept RawImageMessage = ProtobufMessage<T> && requires(const T& image) {
   image.width();
@@ -85,7 +85,7 @@ concept RawImageMessage = ProtobufMessage<T> && requires(const T& image) {
   image.data();
 };
 
-/// The image of a message, which may be a Bulk, and which the view borrows.
+/// The image of a message, which may be a Bulk. The view borrows the message.
 ///
 ///     const auto image = hgros::ViewImage(message);         // each of the two: a view, or a fault()
 ///     const auto samples = image->SamplesAs<std::uint8_t>();
@@ -99,7 +99,7 @@ template <RawImageMessage T>
   const T& head = image.head();
   return ImageView::Of(image.bytes(), {head.width(), head.height(), head.step(), head.encoding()});
 }
-/// Of a message that is about to end there is nothing to be seen.
+/// Deleted: a view of a temporary message would dangle.
 template <class T>
 void ViewImage(const T&& image) = delete;
 

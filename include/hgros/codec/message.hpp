@@ -1,152 +1,26 @@
 #pragma once
 
-#include <concepts>
-#include <memory>
-#include <span>
-#include <string>
 #include <type_traits>
-#include <typeindex>
-#include <typeinfo>
 
-#include "hgros/base/bytes.hpp"
 #include "hgros/codec/block.hpp"
-#include "hgros/codec/bulk.hpp"
-#include "hgros/codec/custom_codec.hpp"
-#include "hgros/codec/plain_codec.hpp"
-#include "hgros/codec/protobuf_codec.hpp"
-#include "hgros/codec/schema.hpp"
 #include "hgros/codec/type_info.hpp"
-#include "hgros/codec/type_name.hpp"
+#include "hgros/internal/codec/make_type_info.hpp"
 
 namespace hgros {
-namespace codec {
-
-/// A type that stays inside one process.
-template <class T>
-struct LocalTraits {
-  static constexpr Encoding kEncoding = Encoding::kNone;
-  static std::string Name() { return CppTypeName(typeid(T)); }
-  static std::uint64_t LayoutFingerprint() { return 0; }
-  static std::size_t MemoryBytes(const T&) { return sizeof(T); }
-};
-
-/// The way in which T is written; the first that fits.
-template <class T>
-consteval auto ChooseTraits() {
-  if constexpr (HasCustomCodec<T>) {
-    return std::type_identity<CustomTraits<T>>{};
-  } else if constexpr (kIsBulk<T>) {
-    return std::type_identity<BulkTraits<T>>{};
-  } else if constexpr (ProtobufMessage<T>) {
-    return std::type_identity<ProtobufTraits<T>>{};
-  } else if constexpr (SerializesItself<T>) {
-    return std::type_identity<SelfTraits<T>>{};
-  } else if constexpr (PlainStruct<T>) {
-    return std::type_identity<PlainTraits<T>>{};
-  } else {
-    return std::type_identity<LocalTraits<T>>{};
-  }
-}
-
-template <class T>
-using Traits = typename decltype(ChooseTraits<T>())::type;
-
-template <class T>
-struct SchemaOf {};
-template <ProtobufMessage T>
-requires(!HasCustomCodec<T>) struct SchemaOf<T> {
-  static const google::protobuf::Descriptor* Get() { return T::descriptor(); }
-};
-template <class T>
-struct SchemaOf<Bulk<T>> {
-  static const google::protobuf::Descriptor* Get() { return T::descriptor(); }
-};
-template <CustomCodecWithSchema T>
-struct SchemaOf<T> {
-  static const google::protobuf::Descriptor* Get() { return CustomCodec<T>::Schema::descriptor(); }
-};
-
-template <class T>
-TypeInfo MakeTypeInfo() {
-  using TraitsOfT = Traits<T>;
-  TypeInfo info;
-  info.name = TraitsOfT::Name();
-  info.encoding = TraitsOfT::kEncoding;
-  info.fingerprint = TraitsOfT::LayoutFingerprint();
-  info.cpp_type = typeid(T);
-  info.users_codec = HasCustomCodec<T> || TraitsOfT::kEncoding == Encoding::kCustom;
-  info.memory_bytes = [](const void* message) { return TraitsOfT::MemoryBytes(*static_cast<const T*>(message)); };
-  if constexpr (TraitsOfT::kEncoding != Encoding::kNone) {
-    // A codec that throws has failed to write or read one message; the caller counts that.
-    info.encode = [](const AnyMessage& message) -> Payload {
-      try {
-        return TraitsOfT::Encode(std::static_pointer_cast<const T>(message));
-      } catch (...) {
-        return {};
-      }
-    };
-    if constexpr (requires(const T& message, std::span<std::byte> bytes) {
-                    TraitsOfT::EncodedBytes(message);
-                    TraitsOfT::EncodeInto(message, bytes);
-                  }) {
-      info.encoded_bytes = [](const void* message) { return TraitsOfT::EncodedBytes(*static_cast<const T*>(message)); };
-      info.encode_into = [](const void* message, std::span<std::byte> bytes) {
-        return TraitsOfT::EncodeInto(*static_cast<const T*>(message), bytes);
-      };
-    }
-    if constexpr (requires(const T& message) { TraitsOfT::EncodeInPlace(message); }) {
-      info.encode_in_place = [](const void* message) -> Payload {
-        return TraitsOfT::EncodeInPlace(*static_cast<const T*>(message));
-      };
-    }
-    info.decode = [](const Payload& payload) -> AnyMessage {
-      try {
-        return TraitsOfT::Decode(payload);
-      } catch (...) {
-        return nullptr;
-      }
-    };
-  }
-  if constexpr (kIsBulk<T>) {
-    info.other_cpp_type = typeid(typename T::Plain);
-    info.to_other = [](const AnyMessage& message) -> AnyMessage {
-      try {
-        return TraitsOfT::ToOther(message);
-      } catch (...) {
-        return nullptr;
-      }
-    };
-    info.from_other = [](const AnyMessage& message) -> AnyMessage {
-      try {
-        return TraitsOfT::FromOther(message);
-      } catch (...) {
-        return nullptr;
-      }
-    };
-  }
-  if constexpr (requires { SchemaOf<T>::Get(); }) {
-    info.descriptor = [] { return SchemaOf<T>::Get(); };
-    info.descriptor_set = [] { return DescriptorSet(*SchemaOf<T>::Get()); };
-  }
-  return info;
-}
-
-}  // namespace codec
-
-/// T can cross process borders. How is decided when the program is compiled, by the first that fits:
+/// T can be sent to other processes. How is decided at compile time, by the first that fits:
 ///  1. a CustomCodec<T>;
 ///  2. T is a generated protobuf class, or a Bulk of one;
 ///  3. T has SerializeToString and ParseFromString (SerializesItself);
 ///  4. T is plain data (PlainStruct).
-/// Everything else can still be passed by pointer inside a process.
+/// Any other type can still be passed by pointer inside a process.
 template <class T>
 concept Message = std::is_object_v<T> && std::is_same_v<T, std::remove_cv_t<T>> && !std::is_array_v<T> &&
                   codec::Traits<T>::kEncoding != Encoding::kNone;
 
 template <class T>
-inline constexpr bool kIsMessage = Message<T>;  ///< As a plain truth, whose failure compilers state in one line.
+inline constexpr bool kIsMessage = Message<T>;  ///< A plain boolean: compilers report its failure in one line.
 
-/// Where a Message is asked for: any other T is refused in one sentence.
+/// Refuses a T that is not a Message with one sentence.
 template <class T>
 constexpr void RequireMessage() noexcept {
   static_assert(
@@ -158,8 +32,8 @@ constexpr void RequireMessage() noexcept {
       "\"Send your own types\".");
 }
 
-/// What the library knows of T, a complete object type without const or volatile; for a type that is no Message the
-/// encoding is kNone and the name is its C++ name. Made at the first call.
+/// The library's description of T, a complete object type without const or volatile. If T is not a Message its encoding
+/// is kNone and its name is the C++ name. Created at the first call.
 template <class T>
 [[nodiscard]] const TypeInfo& TypeOf() {
   static_assert(std::is_object_v<T> && !std::is_array_v<T> && std::is_same_v<T, std::remove_cv_t<T>>,

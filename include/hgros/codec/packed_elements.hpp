@@ -14,7 +14,7 @@
 
 namespace hgros {
 
-/// How a value is stored; the numbers are those of foxglove.PackedElementField.NumericType.
+/// How a value is stored, with the numbers of foxglove.PackedElementField.NumericType.
 enum class NumericType : std::uint8_t {
   kUnknown = 0,
   kUint8 = 1,
@@ -27,7 +27,7 @@ enum class NumericType : std::uint8_t {
   kFloat64 = 8,
 };
 
-/// The one for a C++ type; kUnknown if there is none.
+/// The type for a C++ type; kUnknown if there is none.
 template <class T>
 [[nodiscard]] constexpr NumericType NumericTypeOf() noexcept {
   if (std::is_same_v<T, std::uint8_t>) return NumericType::kUint8;
@@ -41,29 +41,29 @@ template <class T>
   return NumericType::kUnknown;
 }
 
-/// Where one value lies inside each element, as a message says.
+/// Where a value is inside each element, as the message describes it.
 struct ElementField {
   std::string name;
   std::uint64_t offset_bytes = 0;  ///< From the start of the element.
-  int type = 0;                    ///< A NumericType, or any other number that somebody has sent.
+  int type = 0;                    ///< A NumericType, or any other number from the sender.
 };
 
-/// A packed array of equal elements (points, cells), each of which has named values. Borrows the bytes.
+/// A packed array of equal elements (points, cells) with named values. Borrows the bytes.
 /// Thread safety: as a value; reading is const.
 class HGROS_EXPORT PackedElements {
  public:
-  /// `data` is a whole number of elements of `stride_bytes` each. Fields are checked when they are asked for.
+  /// `data` is a whole number of elements of `stride_bytes` each. Fields are checked when they are requested.
   [[nodiscard]] static ViewResult<PackedElements> Of(Bytes data, std::uint64_t stride_bytes,
                                                      std::vector<ElementField> fields);
 
-  /// How many elements.
+  /// Number of elements.
   [[nodiscard]] std::size_t size() const noexcept { return data_.size() / stride_; }
   [[nodiscard]] std::size_t stride_bytes() const noexcept { return stride_; }
   [[nodiscard]] Bytes data() const noexcept { return data_; }
   [[nodiscard]] const std::vector<ElementField>& fields() const noexcept { return fields_; }
 
-  /// One value of every element, in their order; T is exactly how the message says it is stored. Every value lies
-  /// inside its element.
+  /// One value of every element, in order; T must be the type in which the message stores it. Every value is inside its
+  /// element.
   template <class T>
   [[nodiscard]] ViewResult<StridedView<T>> Field(std::string_view name) const {
     static_assert(NumericTypeOf<T>() != NumericType::kUnknown,

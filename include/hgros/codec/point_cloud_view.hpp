@@ -8,7 +8,7 @@
 
 namespace hgros {
 
-/// foxglove::PointCloud, and whatever has its fields.
+/// foxglove::PointCloud, or any type with its fields.
 template <class T>
 concept PointCloudMessage = ProtobufMessage<T> && requires(const T& cloud) {
   cloud.point_stride();
@@ -31,15 +31,15 @@ template <PointCloudMessage T>
 
 }  // namespace codec
 
-/// The points of a cloud where they lie; x, y and z are in metres in the cloud's own coordinates (`pose` says where
-/// those are in `frame_id`). The view borrows the message, which may be a Bulk.
+/// The points of a cloud in place; x, y and z are in meters in the cloud's own coordinates, whose `pose` is given in
+/// `frame_id`. The view borrows the message, which may be a Bulk.
 ///
 ///     const auto points = hgros::ViewPoints(cloud);
 ///     const auto x = points->Field<float>("x");        // each of the two: a view, or a fault()
 ///     for (const float metres : *x) ...
 ///
-/// Errors: a stride of 0 or bytes that are no whole number of points; for a field: that there is none of the name, that
-/// it is stored as another type, or that it lies outside its point.
+/// Errors: a stride of 0 or a partial point at the end. For a field: it does not exist, it is stored as another type,
+/// or it is outside its point.
 template <PointCloudMessage T>
 [[nodiscard]] ViewResult<PackedElements> ViewPoints(const T& cloud) {
   return codec::PointsIn(cloud, AsBytes(cloud.data()));
@@ -48,7 +48,7 @@ template <PointCloudMessage T>
 [[nodiscard]] ViewResult<PackedElements> ViewPoints(const Bulk<T>& cloud) {
   return codec::PointsIn(cloud.head(), cloud.bytes());
 }
-/// Of a message that is about to end there is nothing to be seen.
+/// Deleted: a view of a temporary message would dangle.
 template <class T>
 void ViewPoints(const T&& cloud) = delete;
 

@@ -26,7 +26,7 @@ struct MessageSchema {
 /// they would be sent.
 struct RawMessage {
   std::shared_ptr<const MessageSchema> schema;  ///< One object for all messages of one publisher; never null.
-  Payload data;                                 ///< Shared with the carrier, not copied.
+  Payload data;                                 ///< Shared with the transport, not copied.
 };
 
 /// Stands for whatever type a channel has: who wants messages as this gets each as a RawMessage. It fixes no channel's

@@ -10,9 +10,9 @@
 
 namespace hgros {
 
-/// Little-endian numbers that lie `stride_bytes` apart, such as the x of all points; at any alignment. They are read
-/// where they lie, so a view borrows the message. Whoever makes one has checked that all of them lie in memory; an
-/// index is the caller's responsibility.
+/// Little-endian numbers at a distance of `stride_bytes`, such as the x of all points, at any alignment. They are read
+/// in place, so a view borrows the message. The creator of a view has checked that all numbers are in memory; the user
+/// is responsible for indices.
 template <class T>
 requires(std::integral<T> || std::floating_point<T>) class StridedView {
   static_assert(std::endian::native == std::endian::little,
@@ -25,7 +25,7 @@ requires(std::integral<T> || std::floating_point<T>) class StridedView {
     using value_type = T;
     using difference_type = std::ptrdiff_t;
     using iterator_concept = std::random_access_iterator_tag;
-    using iterator_category = std::input_iterator_tag;  // It gives values, not references.
+    using iterator_category = std::input_iterator_tag;  // It returns values, not references.
     // NOLINTEND(readability-identifier-naming)
 
     Iterator() = default;

@@ -15,6 +15,8 @@ class Descriptor;
 
 namespace hgros {
 
+struct RunTimeSchema;
+
 /// A message whose C++ type is known to the channel that carries it, not to the code that passes it on. Made and
 /// read only by typed code that has compared type indices once, when publisher and subscription were wired.
 using AnyMessage = std::shared_ptr<const void>;
@@ -27,7 +29,7 @@ enum class Encoding : std::uint8_t {
   kPlain = 3,     ///< The bytes of a trivially copyable struct; only between equal layouts and byte orders.
 };
 
-/// What the graph and the carriers know of one C++ type. Lives as long as the program, but a shared library may have
+/// What the graph and the transports know of one C++ type. Lives as long as the program, but a shared library may have
 /// its own copy for the same type: compare cpp_type, never addresses.
 /// Thread-safe: every function may be called from any thread. None throws.
 struct TypeInfo {
@@ -38,6 +40,8 @@ struct TypeInfo {
 
   /// Stands for any type: see AnyType().
   bool any = false;
+  /// The schema of a type that the program names at run time: see RunTimeType(). Null for a C++ type.
+  const RunTimeSchema* run_time = nullptr;
   /// The functions below run code of the user's, which has no place on a thread that owns a socket.
   bool users_codec = false;
 
@@ -68,5 +72,10 @@ struct TypeInfo {
   /// The schema of a protobuf type, for CheckSchemas. Null where there is none.
   const google::protobuf::Descriptor* (*descriptor)() = nullptr;
 };
+
+/// Whether messages of both are the same C++ objects.
+[[nodiscard]] inline bool IsSameType(const TypeInfo& one, const TypeInfo& other) noexcept {
+  return one.cpp_type == other.cpp_type && one.run_time == other.run_time;
+}
 
 }  // namespace hgros

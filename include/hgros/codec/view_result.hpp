@@ -6,8 +6,8 @@
 
 namespace hgros {
 
-/// A view of a message's bytes, or one sentence that says why there is none: the message comes from somebody else, and
-/// what it says of its own bytes may be wrong.
+/// A view of a message's bytes, or one sentence that says why there is none: the message's own description of its bytes
+/// may be wrong.
 ///
 ///     const auto points = ViewPoints(cloud);
 ///     if (!points) return Complain(points.fault());
@@ -26,7 +26,7 @@ class ViewResult {
   [[nodiscard]] const View& operator*() const& { return view_.value(); }
   [[nodiscard]] View operator*() && { return std::move(view_).value(); }  ///< By value, for `for (... : *Make())`.
   [[nodiscard]] const View* operator->() const { return &view_.value(); }
-  /// Why not; empty if there is a view.
+  /// The reason; empty if there is a view.
   [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
 
  private:

@@ -20,8 +20,8 @@ class HGROS_EXPORT Executor {
   Executor() = default;
   [[nodiscard]] static Executor Tbb();
   [[nodiscard]] static Executor Inline();
-  /// `cpus`: CPU numbers the thread may run on, empty for all. `fifo_priority`: 1 to 99 asks for SCHED_FIFO, 0 for
-  /// the ordinary scheduler. What the system refuses is said once in the log; the thread then runs without it.
+  /// `cpus`: CPU numbers the thread may run on, empty for all. `fifo_priority`: 1 to 99 requests SCHED_FIFO, 0 the
+  /// ordinary scheduler. If the system refuses, that is logged once and the thread runs without it.
   [[nodiscard]] static Executor Dedicated(std::vector<int> cpus = {}, int fifo_priority = 0);
 
   [[nodiscard]] Kind kind() const noexcept { return kind_; }

@@ -9,14 +9,14 @@
 
 namespace hgros {
 
-/// What a program says of one node when it subscribes.
+/// Settings of a node that the program chooses when it subscribes.
 struct NodeOptions {
-  std::string name{};  ///< For logs, tables and configuration; empty: channel and a number, as in "scan#0".
+  std::string name{};  ///< For logs, tables and configuration; empty: channel and number, such as "scan#0".
   Queue queue{};
   Executor executor{};
 };
 
-/// What configuration says of a node by its name; it wins over what the program says.
+/// Settings of a node from the configuration, found by its name; they replace those of the program.
 struct NodeOverride {
   std::optional<Queue> queue;
   std::optional<Executor> executor;

@@ -7,13 +7,13 @@
 
 namespace hgros {
 
-/// What a subscription does with messages that arrive faster than its callback takes them. A value; immutable.
+/// What a subscription does with messages that arrive faster than its callback handles them. A value; immutable.
 class HGROS_EXPORT Queue {
  public:
   enum class Kind : std::uint8_t {
     kKeepLast,  ///< The newest `depth` wait; older ones are dropped and counted.
     kKeepAll,   ///< Lossless: nothing is dropped; publishing returns PublishStatus::kFull while there is no room.
-                ///< A remote subscriber that stays silent for the peer timeout is gone and no longer holds anybody up.
+                ///< A remote subscriber that is silent for the peer timeout is gone and no longer blocks publishers.
   };
   static constexpr std::size_t kDefaultDepth = 16;
   static constexpr std::size_t kUnlimitedBytes = SIZE_MAX;
@@ -24,8 +24,8 @@ class HGROS_EXPORT Queue {
   [[nodiscard]] static Queue KeepLast(std::size_t depth);
   /// Only the newest: KeepLast(1).
   [[nodiscard]] static Queue Latest();
-  /// Lossless with room for `messages` messages and about `bytes` bytes, whichever is reached first (one message is
-  /// taken whatever its size). Throws Error if either is 0.
+  /// Lossless with room for `messages` messages and about `bytes` bytes, whichever limit is reached first. A single
+  /// message is accepted at any size. Throws Error if either is 0.
   [[nodiscard]] static Queue KeepAll(std::size_t messages, std::size_t bytes = kUnlimitedBytes);
 
   [[nodiscard]] Kind kind() const noexcept { return kind_; }

@@ -11,15 +11,15 @@
 
 namespace hgros {
 
-/// What one node has seen since it was made. All counts only grow, except `queued` and `running`.
+/// Counters of one node since its creation. All only grow, except `queued` and `running`.
 struct NodeSnapshot {
   std::string name;
   std::string channel;
   Invoke invoke = Invoke::kSerial;
   Queue queue;
   Executor executor;
-  std::uint64_t received = 0;  ///< Messages that reached the node, also those dropped later.
-  std::uint64_t dropped = 0;   ///< Pushed out of a full keep-last queue.
+  std::uint64_t received = 0;  ///< Messages that reached the node, including those dropped later.
+  std::uint64_t dropped = 0;   ///< Removed from a full keep-last queue.
   std::uint64_t run = 0;       ///< Callbacks that returned or threw.
   std::uint64_t failed = 0;    ///< Callbacks that threw.
   std::uint64_t queued = 0;    ///< Waiting now.
@@ -31,18 +31,18 @@ struct ChannelSnapshot {
   std::string name;
   std::string type;
   std::uint64_t published = 0;  ///< By this process.
-  std::uint64_t refused = 0;    ///< Publishes that ended with any status but kOk.
+  std::uint64_t refused = 0;    ///< Publishes with a status other than kOk.
   std::uint64_t received = 0;   ///< From outside.
-  bool closed = false;          ///< Not delivered to this process' own nodes.
+  bool closed = false;          ///< Messages are not delivered to this process' own nodes.
   std::size_t latched = 0;
-  /// On a channel that is used with two C++ types, such as T and Bulk<T>: messages that were made into the other one,
-  /// each at most once, because a node here wants that. And those with which that could not be done.
+  /// For a channel with two C++ types, such as T and Bulk<T>: messages converted to the other type because a node here
+  /// needs it, each at most once, and failed conversions.
   std::uint64_t converted = 0;
   std::uint64_t not_converted = 0;
   std::vector<NodeSnapshot> nodes;
 };
 
-/// One consistent-enough picture of a data graph: each number is exact, taken one after the other.
+/// A picture of a data graph. Each number is exact, but they are read one after the other.
 struct GraphSnapshot {
   std::vector<ChannelSnapshot> channels;  ///< Sorted by name.
 };

@@ -12,31 +12,31 @@ class Channel;
 class GraphCore;
 class Node;
 
-/// Keeps a callback wired to its channel; move-only.
+/// Keeps a callback subscribed to its channel; move-only.
 ///
-/// Lifetime: destroying it stops new callbacks at once. Outside callbacks it waits for those in flight; inside any
-/// callback of the same graph it does not wait, and what the callback captured lives until it returns.
-/// It may outlive its graph; it is then inert. Thread-safe but for moves and the destructor.
+/// Lifetime: destroying it stops new callbacks at once. Outside callbacks it waits for the running ones. Inside a
+/// callback of the same graph it does not wait, and captured objects live until the callback returns. It may outlive
+/// its graph and then does nothing. Thread-safe except for moves and the destructor.
 class HGROS_EXPORT Subscription {
  public:
   Subscription() = default;
-  /// For DataGraph, which has made the node.
+  /// For DataGraph, which has created the node.
   Subscription(std::shared_ptr<GraphCore> core, Channel& channel, std::shared_ptr<Node> node);
   Subscription(Subscription&&) noexcept = default;
   Subscription& operator=(Subscription&& other) noexcept;
   ~Subscription();
 
-  /// Ends the subscription and waits for callbacks in flight wherever it is called. Returns false, without waiting,
-  /// if called from within this subscription's own callback.
+  /// Ends the subscription and waits for running callbacks, inside other callbacks too. Returns false without waiting
+  /// inside this subscription's own callback.
   bool Join();
   /// Ends the subscription as the destructor does.
   void Reset();
 
   [[nodiscard]] bool active() const;
-  /// The node's name, as configuration and tables know it; empty if inactive.
+  /// The node's name in configuration and tables; empty if inactive.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] NodeSnapshot stats() const;
-  /// Hands over something to be released when the subscription ends, before its node. For the session.
+  /// For the session: an object that is released when the subscription ends, before its node.
   void Attach(std::shared_ptr<const void> companion);
 
  private:

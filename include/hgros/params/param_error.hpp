@@ -4,7 +4,7 @@
 
 namespace hgros {
 
-/// A parameter is not there or is not what was wanted. where() is "file:line:column", or who said the value.
+/// A parameter is missing or has a wrong value. where() is "file:line:column", or the source that set the value.
 class HGROS_EXPORT ParamError : public Error {
  public:
   using Error::Error;

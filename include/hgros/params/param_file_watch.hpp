@@ -8,14 +8,14 @@
 
 namespace hgros {
 
-/// Reloads the parameters whenever one of their files changes on disk, as long as this object lives; and at its
-/// beginning, if one has changed since it was read.
+/// Reloads the parameters when one of their files changes on disk, as long as this object lives; also at the start if a
+/// file has changed since it was read.
 ///
-/// Threading: a thread of its own, which sleeps in between; listeners and `done` run on it, and at the beginning on the
-/// one that makes the watch.
-/// Lifetime: ends before its server. The destructor waits for a reload that is under way; it is not called by one.
-/// Errors: throws Error if the folders of the files cannot be watched. A file that cannot be used keeps the old values;
-/// why is said by `done`, or without it in the log. If `done` throws, that is said in the log, and the watch goes on.
+/// Threading: a thread of its own, which sleeps in between. Listeners and `done` run on it; at the start they run on
+/// the thread that creates the watch.
+/// Lifetime:  ends before its server. The destructor waits for a running reload and must not be called by one.
+/// Errors:    throws Error if the folders of the files cannot be watched. If a file cannot be used the old values stay;
+/// `done` gets the reason, or the log if there is no `done`. If `done` throws, that is logged and the watch continues.
 class HGROS_EXPORT ParamFileWatch {
  public:
   using Done = std::function<void(const ParamResult& result)>;

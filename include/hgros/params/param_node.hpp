@@ -14,24 +14,24 @@ namespace hgros {
 struct ParamNode;
 using ParamNodePtr = std::shared_ptr<const ParamNode>;
 
-/// Where a value was said.
+/// Where a value was set.
 struct HGROS_EXPORT ParamOrigin {
-  std::shared_ptr<const std::string> source;  ///< A file, "--param ...", a variable of the environment ...
-  int line = 0;                               ///< In a file, from 1.
+  std::shared_ptr<const std::string> source;  ///< A file, "--param ...", an environment variable ...
+  int line = 0;                               ///< In a file, starting at 1.
   int column = 0;
-  bool at_run_time = false;  ///< By Set(): what Save() writes.
+  bool at_run_time = false;  ///< Set by Set(): Save() writes these values.
 
-  /// "robot.yaml:3:15", or what the source is; empty if nobody said it.
+  /// "robot.yaml:3:15", or the name of the source; empty if the value was never set.
   [[nodiscard]] std::string ToString() const;
 };
 
-/// One value of a tree of parameters, which never changes: who changes a parameter makes a new tree that shares with
-/// the old one whatever stays. Text is kept as written; its type is decided by whoever reads it.
+/// One value in a tree of parameters. A tree never changes: changing a parameter makes a new tree that shares the
+/// unchanged values with the old one. Text is kept as written; the reader decides its type.
 struct HGROS_EXPORT ParamNode {
   enum class Kind : std::uint8_t { kNull, kText, kList, kMap };
 
   Kind kind = Kind::kNull;
-  bool quoted = false;  ///< Of kText: never a number or a truth value.
+  bool quoted = false;  ///< For kText: never a number or a boolean.
   std::string text;
   std::vector<ParamNodePtr> items;
   std::vector<std::pair<std::string, ParamNodePtr>> entries;  ///< In the order of the file.
@@ -41,13 +41,13 @@ struct HGROS_EXPORT ParamNode {
   [[nodiscard]] static ParamNode List(std::vector<ParamNode> items);
   [[nodiscard]] static ParamNode Map(std::vector<std::pair<std::string, ParamNode>> entries);
 
-  /// Null if this is no map or has no such key.
+  /// Null if this is not a map or has no such key.
   [[nodiscard]] ParamNodePtr Find(std::string_view key) const;
-  /// A text that can be nothing else: in quotes, or neither a number nor a truth value.
+  /// Text that cannot be anything else: quoted, or neither a number nor a boolean.
   [[nodiscard]] bool IsString() const;
   /// "the number 5", "a list" ...: completes "is ...".
   [[nodiscard]] std::string Description() const;
-  /// Equal but for where it was said and how it was spelled as YAML.
+  /// Equal, ignoring where the value was set and how it was spelled in YAML.
   [[nodiscard]] bool SameValue(const ParamNode& other) const;
 };
 

@@ -10,23 +10,23 @@
 
 namespace hgros {
 
-/// The way from the root of the parameters to one of them: keys of maps and, from 0, places in lists. As text
-/// `slam.matcher.gains[2]`, with a key in double quotes if it has characters other than letters, digits, "_", "-" and
-/// "/".
+/// The path from the root of the parameters to one of them: keys of maps, and positions in lists starting at 0. As
+/// text: `slam.matcher.gains[2]`. A key is put in double quotes if it has characters other than letters, digits, "_",
+/// "-" and "/".
 class HGROS_EXPORT ParamPath {
  public:
   using Step = std::variant<std::string, std::size_t>;
 
   ParamPath() = default;
   explicit ParamPath(std::vector<Step> steps) : steps_(std::move(steps)) {}
-  /// Throws ParamError naming the place of the fault. An empty text is the root.
+  /// Throws ParamError naming the position of the error. An empty text is the root.
   [[nodiscard]] static ParamPath Parse(std::string_view text);
 
   [[nodiscard]] const std::vector<Step>& steps() const noexcept { return steps_; }
   [[nodiscard]] bool empty() const noexcept { return steps_.empty(); }
   [[nodiscard]] std::string ToString() const;
   [[nodiscard]] ParamPath Below(Step step) const;
-  /// One of the two is the other one or stands above it.
+  /// The two are equal or one contains the other.
   [[nodiscard]] bool Overlaps(const ParamPath& other) const;
   bool operator==(const ParamPath&) const = default;
 

@@ -10,22 +10,22 @@
 #include <vector>
 
 #include "hgros/base/export.hpp"
-#include "hgros/base/listeners.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/internal/base/listeners.hpp"
 #include "hgros/params/param_codec.hpp"
 #include "hgros/params/param_sources.hpp"
 #include "hgros/params/param_view.hpp"
 
 namespace hgros {
 
-/// What is said of a parameter when it is declared.
+/// Describes a parameter when it is declared.
 struct ParamInfo {
   std::string description = {};
-  std::string unit = {};                  ///< Of durations the range is in seconds.
-  std::optional<double> least = {};       ///< Of a number, a duration, or each item of a list.
-  std::optional<double> most = {};        ///< Both are included.
-  std::vector<std::string> choices = {};  ///< Of a text, or each item of a list.
-  bool read_only = false;                 ///< Stays as it was when the program began.
+  std::string unit = {};                  ///< For durations, the range is in seconds.
+  std::optional<double> least = {};       ///< For a number, a duration, or each item of a list.
+  std::optional<double> most = {};        ///< Both bounds are included.
+  std::vector<std::string> choices = {};  ///< For a text, or each item of a list.
+  bool read_only = false;                 ///< Keeps the value from the start of the program.
   bool operator==(const ParamInfo&) const = default;
 };
 
@@ -34,7 +34,7 @@ struct ParamDeclaration {
   ParamInfo info;
 };
 
-/// One parameter to be set, or, without a value, to be removed; one that is declared goes back to its default.
+/// A parameter to set, or to remove if it has no value; a declared parameter then returns to its default.
 struct ParamChange {
   std::string path;
   std::optional<ParamNode> value;
@@ -45,35 +45,33 @@ struct ParamChange {
   }
 };
 
-/// What came of a wish to change parameters: done, or why nothing of it was.
+/// The result of changing parameters: done, or the reason why nothing was changed.
 struct ParamResult {
   std::string refusal = {};
   [[nodiscard]] bool ok() const noexcept { return refusal.empty(); }
 };
 
-/// Parameters have changed, or are about to.
+/// Parameters have changed or are about to.
 struct ParamEvent {
   ParamView before;
   ParamView after;
-  std::vector<ParamPath> paths;  ///< What differs: values that are no maps, and whole maps that come or go.
+  std::vector<ParamPath> paths;  ///< Changed values that are not maps, and added or removed maps.
 
   [[nodiscard]] bool Touches(const ParamPath& path) const;
 };
 
-/// Returns why `event.after` cannot be, or nothing.
+/// Returns why `event.after` is not acceptable, or an empty text.
 using ParamValidator = std::function<std::optional<std::string>(const ParamEvent& event)>;
 using ParamListener = std::function<void(const ParamEvent& event)>;
 
 /// The parameters of a program: read from files, overridden, declared, changed while it runs, and saved.
 ///
-/// Thread safety: all of it. What is read is one tree that never changes; a change puts another one in its place,
-/// whole. Ordering: listeners hear of changes one after the other, in the order in which these were made, each in the
-/// order in
-///   which the listeners came. They run on a thread that makes a change, without any lock, and may change parameters
-///   themselves: that is heard of after the present change.
-/// Errors: what is wrong with files, declarations and reading throws ConfigError or ParamError; a change that cannot be
-/// is a
-///   result with the reason.
+/// Thread safety: all functions. Readers see one tree that never changes; a change replaces it as a whole.
+/// Ordering:  listeners are told about changes one after the other, in the order in which these were made; for each
+/// change in the order in which the listeners were added. They run on a thread that makes a change, without a lock, and
+/// may change parameters themselves, which is told after the current change.
+/// Errors:    errors in files, declarations and reading throw ConfigError or ParamError. A refused change is a result
+/// with the reason.
 class HGROS_EXPORT ParamServer {
  public:
   /// Reads all sources. Throws ConfigError or ParamError naming file, line and column.
@@ -82,7 +80,7 @@ class HGROS_EXPORT ParamServer {
   ParamServer& operator=(const ParamServer&) = delete;
   ~ParamServer();
 
-  /// All parameters as they are at this moment; what one snapshot shows belongs together.
+  /// All parameters at this moment, as one consistent set.
   [[nodiscard]] ParamView Snapshot() const;
   [[nodiscard]] ParamView operator[](std::string_view key) const { return Snapshot()[key]; }
   template <class T>
@@ -94,8 +92,8 @@ class HGROS_EXPORT ParamServer {
     return Snapshot().Get<T>(path, std::move(fallback));
   }
 
-  /// Says that there is such a parameter, and gives its value: `fallback` if nobody has said one. From then on it is
-  /// always a T within the bounds of `info`. Throws ParamError if it is not now, or is declared otherwise already.
+  /// Declares a parameter and returns its value: `fallback` if it was never set. From then on it is always a T within
+  /// the bounds of `info`. Throws ParamError if its current value is not, or if it was declared differently before.
   template <class T>
   T Declare(std::string_view path, const T& fallback, ParamInfo info = {}) {
     const ParamView view = DeclareNode(path, ParamCodec<T>::Write(fallback), std::move(info),
@@ -104,7 +102,7 @@ class HGROS_EXPORT ParamServer {
   }
   [[nodiscard]] std::vector<ParamDeclaration> Declarations() const;
 
-  /// Changes all of them at once, or none. Values that are the same already are no change.
+  /// Changes all of them at once, or none. A value that stays the same is not a change.
   ParamResult Change(const std::vector<ParamChange>& changes);
   template <class T>
   ParamResult Set(std::string_view path, const T& value) {
@@ -113,20 +111,20 @@ class HGROS_EXPORT ParamServer {
   ParamResult Set(std::string_view path, const char* value) { return Set(path, std::string(value)); }
   ParamResult Remove(std::string_view path) { return Change({{std::string(path), std::nullopt}}); }
 
-  /// Asks before each change at, below or above `path`; an empty one asks always. May be asked again about one change,
-  /// when another one came first. It neither saves nor reloads.
+  /// Asks `validator` before each change at, below or above `path`; an empty path means every change. It can be asked
+  /// again about the same change when another change came first. It must not save or reload.
   [[nodiscard]] Listening AddValidator(std::string_view path, ParamValidator validator);
-  /// Tells of each such change.
+  /// Tells `listener` about each such change.
   [[nodiscard]] Listening OnChange(std::string_view path, ParamListener listener);
 
-  /// Writes what was set while running into the files that say these parameters, the rest into the last file. Each file
-  /// is replaced in one go; its comments and the order of its keys stay wherever that is possible. Overrides are not
+  /// Writes values that were set at run time into the files that define these parameters, the others into the last
+  /// file. Each file is replaced atomically; comments and the order of keys are kept where possible. Overrides are not
   /// saved. Throws Error if there is no file or one cannot be written.
   void Save();
-  /// Writes all parameters as they are into a file of its own.
+  /// Writes all current parameters into a separate file.
   void SaveAs(const std::filesystem::path& file) const;
-  /// Reads the files again. What has changed in them since they were read wins over what was set while running. If they
-  /// cannot be read or say what cannot be, everything stays as it is.
+  /// Reads the files again. Values that changed in a file since it was last read replace values set at run time. If a
+  /// file cannot be read or has unacceptable values, nothing changes.
   ParamResult Reload();
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const noexcept;
 

@@ -9,16 +9,16 @@
 
 namespace hgros {
 
-/// Offers parameters to all sessions that reach this one, to be read, watched and set by RemoteParams under this
-/// session's name; on the channels params/NAME/ask, /answer and /state.
+/// Lets all sessions that reach this one read, watch and set its parameters through RemoteParams, under this session's
+/// name. Uses the channels params/NAME/ask, /answer and /state.
 ///
-/// Threading: a thread of its own makes the changes that others ask for; validators and listeners run on it.
-/// Lifetime: ends before its session and its server. The destructor waits for a change that is under way.
-/// Errors: throws Error if the name cannot be part of a channel's name. Another session that offers parameters under
-/// the same name is named in the log.
+/// Threading: a thread of its own makes the requested changes; validators and listeners run on it.
+/// Lifetime:  ends before its session and its server. The destructor waits for a running change.
+/// Errors:    throws Error if the name cannot be part of a channel name. Another session that offers parameters under
+/// the same name is logged.
 class HGROS_EXPORT ParamService {
  public:
-  /// `name`: instead of the session's.
+  /// `name` replaces the session's name.
   ParamService(Session& session, ParamServer& server, std::string name = {}, LogSink log = DefaultLogSink());
   ParamService(const ParamService&) = delete;
   ParamService& operator=(const ParamService&) = delete;

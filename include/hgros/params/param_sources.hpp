@@ -9,25 +9,25 @@
 
 namespace hgros {
 
-/// A parameter that is said outside of the files.
+/// A parameter set outside the files.
 struct ParamOverride {
-  std::string path;   ///< As in "slam.matcher.max_distance".
+  std::string path;   ///< For example "slam.matcher.max_distance".
   std::string value;  ///< YAML: 3, text, [1, 2] or {x: 1}.
-  std::string said;   ///< Where, for errors: "--param slam.matcher.max_distance".
+  std::string said;   ///< The source, for errors: "--param slam.matcher.max_distance".
 };
 
-/// Where the parameters of a program come from: the files in their order, then the overrides in theirs. What comes
-/// later wins; maps are joined.
+/// Where the parameters of a program come from: the files in order, then the overrides in order. Later values replace
+/// earlier ones; maps are merged.
 struct ParamSources {
   std::vector<std::filesystem::path> files = {};
   std::vector<ParamOverride> overrides = {};
 };
 
-/// The variables HGROS_PARAM_a__b=value: two underscores stand for a dot, the letters are taken as they are.
+/// The environment variables HGROS_PARAM_a__b=value: two underscores mean a dot, letters keep their case.
 [[nodiscard]] HGROS_EXPORT std::vector<ParamOverride> ParamOverridesOfEnvironment();
 
-/// Takes every `--param a.b=value` and `--param=a.b=value` out of a program's arguments, up to a `--`. Throws
-/// ParamError for one without a path or without a value.
+/// Removes every `--param a.b=value` and `--param=a.b=value` from a program's arguments, up to `--`, and returns them.
+/// Throws ParamError if a path or a value is missing.
 [[nodiscard]] HGROS_EXPORT std::vector<ParamOverride> TakeParamArguments(std::vector<std::string>& arguments);
 
 }  // namespace hgros

@@ -13,23 +13,23 @@
 
 namespace hgros {
 
-/// How values of T are read and written; ParamCodec<T>::Read(view) throws ParamError, ::Write(value) gives a ParamNode.
-/// param_codec.hpp has what is known; specialize it for types of your own.
+/// Reads and writes values of T: ParamCodec<T>::Read(view) throws ParamError, ::Write(value) returns a ParamNode.
+/// param_codec.hpp has the known types; specialize this for types of your own.
 template <class T>
 struct ParamCodec;
 
-/// One place in a tree of parameters that never changes, whether something stands there or not; it keeps its tree.
+/// A position in a tree of parameters, whether it has a value or not. The tree never changes; the view keeps it alive.
 /// `params["slam"]["matcher"]["max_distance"].as<double>()`, or `params.Get<double>("slam.matcher.max_distance")`.
 ///
 /// Thread safety: const.
-/// Errors: throws ParamError naming path, wanted type, what stands there and where it was said.
+/// Errors: throws ParamError naming the path, the wanted type, the actual value and where it was set.
 class HGROS_EXPORT ParamView {
  public:
   /// The root of a tree.
   explicit ParamView(ParamNodePtr root) : ParamView(std::move(root), {}) {}
   ParamView(ParamNodePtr node, ParamPath path) : node_(std::move(node)), path_(std::move(path)) {}
 
-  /// What is not there has nothing below it; no error before it is read.
+  /// Below a missing value everything is missing; that is an error only when it is read.
   [[nodiscard]] ParamView operator[](std::string_view key) const;
   [[nodiscard]] ParamView operator[](std::size_t index) const;
   [[nodiscard]] ParamView At(const ParamPath& path) const;
@@ -46,7 +46,7 @@ class HGROS_EXPORT ParamView {
   [[nodiscard]] T as() const {
     return ParamCodec<T>::Read(*this);
   }
-  /// `fallback` if there is nothing; what is there has to be a T all the same.
+  /// `fallback` if the value is missing; an existing value must still be a T.
   template <class T>
   [[nodiscard]] T as(T fallback) const {
     return exists() ? ParamCodec<T>::Read(*this) : std::move(fallback);
@@ -62,10 +62,10 @@ class HGROS_EXPORT ParamView {
 
   /// For codecs. Throws ParamError: "<path> must be <wanted>, but is <what it is>." or "... is not set."
   [[noreturn]] void FailType(std::string_view wanted, std::string_view mend = {}) const;
-  /// Throws unless this is a list, or a map. Nothing at all, but for an empty value, is neither.
+  /// Throws unless this is a list, or a map. An empty value counts as both, a missing one as neither.
   void RequireList(std::string_view wanted) const;
   void RequireMap(std::string_view wanted) const;
-  /// Throws if the map has a key that is not among these, naming the nearest one.
+  /// Throws if the map has another key, and names the nearest of these.
   void RequireKeys(const std::vector<std::string>& known) const;
 
  private:

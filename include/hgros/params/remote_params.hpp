@@ -14,7 +14,7 @@
 
 namespace hgros {
 
-/// What another session has answered: a value, or in one sentence why there is none.
+/// An answer of another session: a value, or one sentence that says why there is none.
 template <class T>
 struct RemoteParam {
   std::optional<T> value = {};
@@ -22,18 +22,18 @@ struct RemoteParam {
 
   [[nodiscard]] bool ok() const noexcept { return value.has_value(); }
   [[nodiscard]] const T& operator*() const& { return *value; }
-  [[nodiscard]] T operator*() && { return *std::move(value); }  ///< So that a loop may go over `*params.List()`.
+  [[nodiscard]] T operator*() && { return *std::move(value); }  ///< Lets a loop iterate over `*params.List()`.
   [[nodiscard]] const T* operator->() const { return &*value; }
 };
 
-/// The parameters that another session, or this one, offers with a ParamService, by its name. What is read is as new as
-/// the question: it holds whatever was set before, by anybody.
+/// The parameters that another session, or this one, offers with a ParamService, found by its name. A read value is at
+/// least as new as the call: it includes every change made before.
 ///
-/// Threading: thread-safe. Each call waits for its answer, until the time-out at most: not in inline callbacks, and not
-/// in the offering server's validators and listeners.
-/// Lifetime: ends before its session.
-/// Errors: the constructor throws Error if the name cannot be part of a channel's name. All else is in the results:
-/// nobody offers such parameters, no answer in time, or why a change was refused.
+/// Threading: thread-safe. Each call waits for its answer, at most until the time-out; do not call it in inline
+/// callbacks or in the offering server's validators and listeners.
+/// Lifetime:  ends before its session.
+/// Errors:    the constructor throws Error if the name cannot be part of a channel name. Everything else is in the
+/// results: no session offers these parameters, no answer in time, or why a change was refused.
 class HGROS_EXPORT RemoteParams {
  public:
   RemoteParams(Session& session, std::string_view name, std::chrono::nanoseconds timeout = std::chrono::seconds(2));
@@ -41,9 +41,9 @@ class HGROS_EXPORT RemoteParams {
   RemoteParams& operator=(const RemoteParams&) = delete;
   ~RemoteParams();
 
-  /// All parameters, as one set that belongs together.
+  /// All parameters as one consistent set.
   [[nodiscard]] RemoteParam<ParamView> Snapshot();
-  /// The paths of all values at and below `path` that are no maps, in the order of the files.
+  /// The paths of all values at and below `path` that are not maps, in the order of the files.
   [[nodiscard]] RemoteParam<std::vector<std::string>> List(std::string_view path = {});
   template <class T>
   [[nodiscard]] RemoteParam<T> Get(std::string_view path) {
@@ -55,10 +55,10 @@ class HGROS_EXPORT RemoteParams {
       return {{}, e.what()};
     }
   }
-  /// What was declared at and below `path`.
+  /// The declarations at and below `path`.
   [[nodiscard]] RemoteParam<std::vector<ParamDeclaration>> Describe(std::string_view path = {});
 
-  /// Changes all of them at once, or none: then the result says why.
+  /// Changes all of them at once, or none: then the result has the reason.
   ParamResult Change(const std::vector<ParamChange>& changes);
   template <class T>
   ParamResult Set(std::string_view path, const T& value) {
@@ -67,9 +67,9 @@ class HGROS_EXPORT RemoteParams {
   ParamResult Set(std::string_view path, const char* value) { return Set(path, std::string(value)); }
   ParamResult Remove(std::string_view path) { return Change({{std::string(path), std::nullopt}}); }
 
-  /// Calls `listener` after each change at, below or above `path`; first of all with what is there when the parameters
-  /// are reached, as if all had come just then. Changes that follow each other faster than the listener returns may
-  /// come as one. A serial node of the session's graph; the other calls of this class may be made in it.
+  /// Calls `listener` after each change at, below or above `path`. The first call, once the parameters are reached, has
+  /// all current values, as if they had just been added. Changes that come faster than the listener returns may be
+  /// merged. Runs as a serial node of the session's graph and may make the other calls of this class.
   [[nodiscard("the listener is called only while the Subscription lives")]] Subscription Watch(std::string_view path,
                                                                                                ParamListener listener);
 

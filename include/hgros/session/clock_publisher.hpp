@@ -16,7 +16,7 @@ inline constexpr std::string_view kClockChannel = "clock";
 /// told of every change, late ones of how it stands, and all ten times per second while it runs. Changes that follow
 /// each other faster than they are sent, or than a lossless subscriber makes room, are sent as one.
 ///
-/// One clock is published at a time; a second one is reported in the log of whoever follows the first.
+/// One clock is published at a time; sessions that follow the first report a second one in their log.
 ///
 /// Threading: a thread of its own, which sleeps while the clock is paused. It runs nodes on the channel that are
 /// inline. Lifetime: when it ends, the clocks that follow stand still; its end waits for room for 0.1 s at most. It may

@@ -20,7 +20,7 @@ namespace hgros {
 /// Errors: throws Error if used before Init or after Shutdown, or if Init is called twice.
 
 HGROS_EXPORT void Init(Config config = {}, SessionOptions options = {});
-/// Reads the configuration from files; none is a session that stays inside the process.
+/// Reads the configuration from files; without files the default configuration applies.
 HGROS_EXPORT void Init(const std::vector<std::filesystem::path>& files, SessionOptions options = {});
 /// Ends all subscriptions and the session.
 HGROS_EXPORT void Shutdown();

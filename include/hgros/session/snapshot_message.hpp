@@ -9,11 +9,11 @@
 
 namespace hgros {
 
-/// On this channel every session that others reach tells what it counts, once a second while one of them subscribes:
-/// session.FromAny<Snapshot>(kSnapshotsChannel, ...). Who tells it is MessageInfo::id.publisher; what the message says
-/// of itself is not checked. One's own session is not among them: ask Session::Snapshot(). Nothing is counted, written
-/// or sent for it while nobody subscribes. Subscribe with keep-last: while a lossless subscriber has no room, nobody is
-/// told. An endpoint with a list of channels lets it pass if the list has it.
+/// On this channel each session that others reach tells its statistics, once a second while one of them subscribes:
+/// session.FromAny<Snapshot>(kSnapshotsChannel, ...). MessageInfo::id.publisher is the session that tells them; what
+/// the message says about its sender is not checked. A session does not get its own: ask Session::Snapshot(). While
+/// nobody subscribes, nothing is counted, written or sent for it. Subscribe with keep-last: while a lossless subscriber
+/// has no room, nobody is told. An endpoint with a list of channels lets it pass if the list has it.
 inline constexpr std::string_view kSnapshotsChannel = "hgros/snapshots";
 
 /// The same as a message, with the name and number of this process, counted now.

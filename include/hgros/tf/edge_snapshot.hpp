@@ -14,15 +14,15 @@ namespace hgros {
 struct EdgeSnapshot {
   std::string parent;
   std::string child;
-  std::string publisher;  ///< Who set it last; empty if nobody said.
+  std::string publisher;  ///< The last publisher; empty if unknown.
   bool is_static = false;
-  RigidTransform T_parent_child;  ///< The newest.
-  Time oldest;                    ///< Of what is remembered; Time{} for static edges.
+  RigidTransform T_parent_child;  ///< The newest transform.
+  Time oldest;                    ///< The oldest stamp in the buffer; Time{} for static edges.
   Time newest;
-  std::size_t transforms = 0;  ///< How many are remembered.
-  std::uint64_t sets = 0;      ///< How many were taken since the beginning.
+  std::size_t transforms = 0;  ///< Number of transforms in the buffer.
+  std::uint64_t sets = 0;      ///< Number of transforms set since the start.
 
-  /// Transforms per second, over what is remembered; 0 for static edges and where there are fewer than two.
+  /// Transforms per second over the buffer; 0 for static edges and for fewer than two transforms.
   [[nodiscard]] double RateHz() const noexcept {
     if (is_static || transforms < 2 || newest <= oldest) return 0;
     return static_cast<double>(transforms - 1) * 1e9 / static_cast<double>((newest - oldest).count());

@@ -21,7 +21,7 @@ struct JointPosition {
   double position = 0;  ///< rad, or m for a prismatic joint
 };
 
-/// foxglove::JointStates, and whatever has its fields.
+/// foxglove::JointStates, or any type with its fields.
 template <class T>
 concept JointStatesMessage = requires(const T& states) {
   states.timestamp().seconds();
@@ -29,25 +29,25 @@ concept JointStatesMessage = requires(const T& states) {
   states.joints().begin()->position();
 };
 
-/// A robot's links and joints from its URDF: fixed joints are static edges, the others edges that joint states move.
+/// A robot's links and joints from its URDF. Fixed joints are static edges; joint states move the other edges.
 /// Thread safety: as a value; reading is const.
 class HGROS_EXPORT RobotDescription {
  public:
-  /// `prefix` is put before every link's name, for robots that share a tree.
-  /// Errors: throws Error if it cannot be read or is no URDF.
+  /// `prefix` is put before every link name, for robots that share a tree.
+  /// Errors: throws Error if the text cannot be read or is not URDF.
   [[nodiscard]] static RobotDescription FromFile(const std::filesystem::path& path, std::string_view prefix = {});
   [[nodiscard]] static RobotDescription FromText(const std::string& urdf, std::string_view prefix = {});
 
-  /// The link that hangs below nothing, with the prefix.
+  /// The link without a parent, with the prefix.
   [[nodiscard]] const std::string& root() const noexcept;
   /// The joints that have a position of their own, by name.
   [[nodiscard]] const std::vector<std::string>& joints() const noexcept;
 
-  /// Every fixed joint as an edge that does not move, for Transforms::ToStaticTF.
+  /// All fixed joints as static edges, for Transforms::ToStaticTF.
   [[nodiscard]] std::vector<StampedEdge> FixedEdges() const;
-  /// Every joint of those names as an edge, for Transforms::ToTF, and joints that mimic them. Names that are no movable
-  /// joint of the robot are passed over.
-  /// Errors: of a message, throws Error if its stamp is no time; SetJoints says that as a result.
+  /// The named joints as edges, for Transforms::ToTF, together with joints that mimic them. Names that are not movable
+  /// joints of the robot are ignored.
+  /// Errors: for a message, throws Error if its stamp is not a time; SetJoints returns that as a result.
   [[nodiscard]] std::vector<StampedEdge> EdgesAt(Time stamp, std::span<const JointPosition> positions) const;
   template <JointStatesMessage T>
   [[nodiscard]] std::vector<StampedEdge> EdgesAt(const T& states) const {
@@ -58,9 +58,9 @@ class HGROS_EXPORT RobotDescription {
     return EdgesAt(*stamp, positions);
   }
 
-  /// Sets every fixed joint in a tree. The first edge that is refused ends it.
+  /// Sets every fixed joint in a tree. Stops at the first edge that is refused.
   SetResult SetFixed(TransformTree& tree) const;
-  /// Sets the joints as EdgesAt gives them. The first edge that is refused ends it.
+  /// Sets the joints as EdgesAt returns them. Stops at the first edge that is refused.
   SetResult SetJoints(TransformTree& tree, Time stamp, std::span<const JointPosition> positions) const;
   template <JointStatesMessage T>
   SetResult SetJoints(TransformTree& tree, const T& states) const {
@@ -68,7 +68,7 @@ class HGROS_EXPORT RobotDescription {
   }
 
  private:
-  // Nothing if that is no time in nanoseconds.
+  // Empty if the stamp is not a time in nanoseconds.
   static std::optional<Time> StampOf(std::int64_t seconds, std::int64_t nanos) noexcept;
   static SetResult NoTime();
   static SetResult SetAll(TransformTree& tree, std::span<const StampedEdge> edges);

@@ -15,9 +15,9 @@
 namespace hgros {
 namespace tf {
 
-/// Applies a transform to x, y and z, and its rotation to normal_x, normal_y and normal_z where they are, all float or
-/// all double. `out` has the size of the elements' data and either is that memory or has the same bytes. Returns what
-/// is wrong with the fields, or nothing; then `out` is as it was.
+/// Applies a transform to x, y and z, and its rotation to normal_x, normal_y and normal_z if present; all float or all
+/// double. `out` has the size of the elements' data and is either the same memory or a copy of it. Returns what is
+/// wrong with the fields, or an empty text; on an error `out` is unchanged.
 [[nodiscard]] HGROS_EXPORT std::string TransformElements(const RigidTransform& T, const PackedElements& elements,
                                                          std::span<std::byte> out);
 
@@ -27,16 +27,16 @@ template <class T>
   const auto& at = head.pose().position();
   const auto& turn = head.pose().orientation();
   Eigen::Quaterniond rotation(turn.w(), turn.x(), turn.y(), turn.z());
-  // An orientation that is not set is none.
+  // An unset orientation is the identity.
   if (rotation.squaredNorm() < 1e-12) rotation.setIdentity();
   return {RigidTransform::Rotation(rotation.normalized()), Eigen::Vector3d(at.x(), at.y(), at.z())};
 }
 
 }  // namespace tf
 
-/// Moves a cloud's points from its frame into another, in place; the cloud then is in `target_frame`, and its pose is
-/// the identity. The cloud is one that nobody else has yet. Other fields of the points stay as they are. Errors:
-/// returns what is wrong with the cloud, or nothing; then it is as it was.
+/// Moves the points of a cloud into another frame, in place. Afterwards the cloud is in `target_frame` and its pose is
+/// the identity; other fields of the points keep their values. The caller must be the only user of the cloud.
+/// Errors: returns what is wrong with the cloud, or an empty text; on an error the cloud is unchanged.
 template <PointCloudMessage T>
 [[nodiscard]] std::string TransformCloud(const RigidTransform& T_target_source, std::string_view target_frame,
                                          Bulk<T>& cloud) {
@@ -51,7 +51,7 @@ template <PointCloudMessage T>
   return {};
 }
 
-/// The same into another cloud, which is as large: new, or lent by a session.
+/// The same into another cloud of the same size: a new one, or one lent by a session.
 template <PointCloudMessage T>
 [[nodiscard]] std::string TransformCloud(const RigidTransform& T_target_source, std::string_view target_frame,
                                          const Bulk<T>& cloud, Bulk<T>& out) {

@@ -17,30 +17,30 @@ class TreeCore;
 
 struct StampedTransform {
   RigidTransform T_target_source;
-  Time stamp;  ///< When it held. Time{} where it always does: nothing but static edges lies between the frames.
+  Time stamp;  ///< The time at which it holds. Time{} if only static edges connect the frames.
 };
 
 /// Why there is no transform.
 enum class TransformFault : std::uint8_t {
   kNone,
-  kUnknownFrame,  ///< No edge has a frame of that name.
-  kNotConnected,  ///< Both frames are known, in two trees.
-  kTooOld,        ///< Before what some edge still remembers.
-  kTooNew,        ///< After the newest that some edge knows.
-  kTimeout,       ///< A wait has ended without it.
+  kUnknownFrame,  ///< No edge has a frame of this name.
+  kNotConnected,  ///< Both frames are known, but in separate trees.
+  kTooOld,        ///< Before the oldest transform of an edge.
+  kTooNew,        ///< After the newest transform of an edge.
+  kTimeout,       ///< A wait timed out.
   kStopped,       ///< A wait was stopped.
 };
 
-/// What there is to say of a transform that is not there. Fields that do not belong to the fault are empty.
+/// Details of a failed look-up. Fields that do not belong to the fault are empty.
 struct TransformFailure {
   TransformFault fault = TransformFault::kNone;
-  std::string text;          ///< A sentence with the frames, the edge and the times.
-  std::string nearest_name;  ///< kUnknownFrame: the known frame with the most similar name, if one is similar.
+  std::string text;          ///< One sentence with the frames, the edge and the times.
+  std::string nearest_name;  ///< kUnknownFrame: the most similar known name, if one is similar.
   std::string target_root;   ///< kNotConnected.
   std::string source_root;   ///< kNotConnected.
-  std::string edge_parent;   ///< kTooOld, kTooNew: the edge that decides.
+  std::string edge_parent;   ///< kTooOld, kTooNew: the edge that decided it.
   std::string edge_child;
-  Time oldest;  ///< kTooOld, kTooNew: what that edge has.
+  Time oldest;  ///< kTooOld, kTooNew: the range of that edge.
   Time newest;
 };
 
@@ -55,7 +55,7 @@ class HGROS_EXPORT TransformResult {
   [[nodiscard]] static TransformResult Failed(TransformFailure failure);
 
   [[nodiscard]] explicit operator bool() const noexcept { return failure_ == nullptr; }
-  /// Errors: throws Error with text() if there is none.
+  /// Errors: throws Error with text() if there is no transform.
   [[nodiscard]] const StampedTransform& operator*() const {
     if (failure_) Throw();
     return found_;
@@ -77,27 +77,27 @@ class HGROS_EXPORT TransformResult {
   std::shared_ptr<const TransformFailure> failure_;
 };
 
-/// Why a transform was not taken.
+/// Why a transform was refused.
 enum class SetFault : std::uint8_t {
   kNone,
-  kName,           ///< Empty, or not fit for a name.
+  kName,           ///< Empty, or not usable as a name.
   kRotation,       ///< Not of unit length (more than 0.1 % off), or not a number.
   kTranslation,    ///< Not a finite number.
-  kCycle,          ///< The parent hangs below the child.
-  kTwoParents,     ///< The child hangs below another parent already.
-  kStatic,         ///< The edge is static and was set with a stamp, or the other way round.
-  kTooOld,         ///< Its stamp lies before what the edge's buffer keeps.
-  kTooManyFrames,  ///< It would bring a frame more than TransformTreeOptions::max_frames.
+  kCycle,          ///< The parent is a descendant of the child.
+  kTwoParents,     ///< The child already has another parent.
+  kStatic,         ///< A static edge was set with a stamp, or a moving one without.
+  kTooOld,         ///< Its stamp is before the range of the edge's buffer.
+  kTooManyFrames,  ///< It would exceed TransformTreeOptions::max_frames.
 };
 
-/// Whether a transform was taken.
+/// Whether a transform was stored.
 class SetResult {
  public:
   SetResult() = default;
   SetResult(SetFault fault, std::string sentence) : fault_(fault), text_(std::move(sentence)) {}
   [[nodiscard]] explicit operator bool() const noexcept { return fault_ == SetFault::kNone; }
   [[nodiscard]] SetFault fault() const noexcept { return fault_; }
-  /// A sentence that names the edge; empty if it was taken.
+  /// One sentence that names the edge; empty if the transform was stored.
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
 
  private:

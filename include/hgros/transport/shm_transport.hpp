@@ -19,77 +19,63 @@ namespace hgros {
 
 /// How a session's threads wait for messages in shared memory.
 enum class ShmWait {
-  kSleep,  ///< Costs nothing while nothing comes; waking a thread costs some microseconds.
+  kSleep,  ///< Costs nothing while no message comes; waking a thread takes some microseconds.
   kSpin,   ///< Looks for ShmOptions::spin before it sleeps.
-  kBusy,   ///< Looks all the time: the lowest latency, and one CPU for it.
+  kBusy,   ///< Looks all the time: lowest latency, but uses one CPU.
 };
 
 struct ShmOptions {
   SessionId session;    ///< None: a random one.
-  std::string process;  ///< This program's name, for people.
-  /// Where other sessions of this host and user find us: a name in the abstract name space of unix sockets, of at most
-  /// 100 bytes. Empty: `hgros-` and the session's id.
+  std::string process;  ///< This program's name, for logs.
+  /// Where other sessions of this host and user find this one: a name of at most 100 bytes in the abstract name space
+  /// of unix sockets. Empty: `hgros-` and the session's id.
   std::string place;
-  std::vector<std::string> peers;  ///< Places of other sessions; see ShmTransport::AddPeer().
+  std::vector<std::string> peers;  ///< Places of other sessions; see Transport::AddPeer().
   ShmWait wait = ShmWait::kSleep;
   std::chrono::microseconds spin{50};
-  std::uint64_t limit_bytes = 256ULL << 20;  ///< Shared memory for payloads at most.
+  std::uint64_t limit_bytes = 256ULL << 20;  ///< The most shared memory that payloads may use.
   std::chrono::milliseconds heartbeat{1000};
-  std::chrono::milliseconds peer_timeout{5000};   ///< A peer that stands still for longer is gone.
-  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Waiting for one slow keep-last peer at most.
-  std::uint64_t max_credit_bytes = 256ULL << 20;  ///< In flight to one subscriber of a channel at most.
-  /// The largest message that is taken. Publishers are told, and keep larger ones from this session: both count them.
+  std::chrono::milliseconds peer_timeout{5000};   ///< A peer that is silent for longer is gone.
+  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< The most that waits for one slow keep-last peer.
+  std::uint64_t max_credit_bytes = 256ULL << 20;  ///< The most in flight to one subscriber of a channel.
+  /// The largest message that is received. Publishers know it and do not send larger ones; both sides count them.
   std::uint64_t max_message_bytes = 1ULL << 30;
-  std::chrono::milliseconds linger{500};  ///< Of the destructor's Close().
-  /// Whether that session's messages on the channel are to be received here, and not by another carrier; empty: always.
+  std::chrono::milliseconds linger{500};  ///< How long the destructor waits for messages to be sent.
+  /// Whether to receive that session's messages on the channel here, and not over another transport. Empty: always.
   /// Must be quick, and must not call the transport.
   std::function<bool(SessionId publisher, std::string_view channel)> takes;
 };
 
-/// What a session's payloads take.
+/// The memory that a session's payloads use.
 struct ShmUsage {
-  std::uint64_t segment_bytes = 0;  ///< Held from the system.
+  std::uint64_t segment_bytes = 0;  ///< Allocated from the system.
   std::size_t segments = 0;
-  std::size_t blocks_in_use = 0;  ///< Published and still read by somebody, or on loan.
-  std::uint64_t sent_apart = 0;   ///< Messages for which there was no shared memory.
+  std::size_t blocks_in_use = 0;  ///< Published and still in use, or on loan.
+  std::uint64_t sent_apart = 0;   ///< Messages sent over the socket: there was no shared memory for them.
 };
 
-/// Messages between sessions of one user on one host, through shared memory: no daemon, nothing to clean up.
-/// docs/shared-memory.md is the specification.
+/// The transport for sessions of one user on one host: shared memory. It needs no daemon, and leaves nothing to clean
+/// up. docs/shared-memory.md is the specification.
 ///
-/// A payload is written once, for any number of sessions, into memory that they map for reading; what does not fit
-/// there goes over the unix socket between two sessions, in its order, and is counted. Two sessions need one
-/// connection, made by either of them.
+/// A payload is written once, for any number of sessions, into memory that they map for reading. If there is no memory
+/// left, it goes over the unix socket between two sessions, in order with the others, and is counted. Two sessions need
+/// one connection; either of them may make it.
 ///
 /// Threading: thread-safe.
-/// Fork: in a forked child Reserve() returns kClosed, Commit() does nothing, wiring throws Error; destructors leave the
-/// memory to the end of the process.
+/// Fork: in a forked child Reserve() returns kClosed, Commit() does nothing, and wiring throws Error; destructors leave
+/// the memory to the end of the process.
 class HGROS_EXPORT ShmTransport : public Transport {
  public:
-  /// Connects to the session at `place`, again and again until RemovePeer(). One that is connected already, because it
-  /// came to us, is not connected twice.
-  virtual void AddPeer(const std::string& place) = 0;
-  /// Connects no more; what is connected stays until either side ends.
-  virtual void RemovePeer(const std::string& place) = 0;
-  /// Sessions that were left to another carrier are asked about again, and what they publish is asked for.
-  virtual void AskAgain() = 0;
-  /// Where others find this session.
-  [[nodiscard]] virtual const std::string& place() const noexcept = 0;
-
-  /// A block in the memory that receivers will read: what is published from it is not copied. Nothing if the limit is
-  /// reached.
+  /// A block in the memory that receivers will read: publishing it copies nothing. None if the limit is reached.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t size_bytes) = 0;
   [[nodiscard]] virtual ShmUsage usage() const = 0;
 
-  /// Reads on the calling thread, which InboundSink::Accept() and Run() after kRunHere are called on. Returns at once
-  /// if another thread does so.
-  virtual void Receive(const Visit& visit) noexcept = 0;
   /// Whether the calling thread is in Receive().
   [[nodiscard]] static bool IsVisitor() noexcept;
 };
 
-/// Errors: throws Error if there is no shared memory here or somebody else is at the place. `listener` and `log`
-/// outlive the transport.
+/// Errors: throws Error if there is no shared memory, or another session has the place. `listener` and `log` outlive
+/// the transport.
 [[nodiscard]] HGROS_EXPORT std::unique_ptr<ShmTransport> MakeShmTransport(ShmOptions options,
                                                                           TransportListener& listener, Log& log);
 

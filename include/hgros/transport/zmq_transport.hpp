@@ -15,7 +15,7 @@
 
 namespace hgros {
 
-/// Which channels may pass an endpoint; nothing means all.
+/// Which channels may pass an endpoint; nullopt means all.
 using ChannelList = std::optional<std::vector<std::string>>;
 
 /// Where this session publishes: it binds. `tcp://*:5553`, `tcp://127.0.0.1:*` (a free port), `ipc:///path`;
@@ -25,7 +25,7 @@ struct PublishEndpoint {
   ChannelList channels;
 };
 
-/// Where another session publishes: this one connects, again and again until it is there.
+/// Where another session publishes: this one connects, and retries until the other is there.
 struct SubscribeEndpoint {
   std::string endpoint;
   ChannelList channels;
@@ -44,7 +44,7 @@ struct CurveKeyPair {
 /// Encrypts and authenticates every connection of a transport.
 struct ZmqSecurity {
   CurveKeyPair own;
-  std::vector<std::string> allowed_clients;  ///< Public keys of those who may subscribe here; empty: nobody.
+  std::vector<std::string> allowed_clients;  ///< Public keys of the sessions that may subscribe here; empty: none.
 };
 
 struct ZmqOptions {
@@ -54,53 +54,47 @@ struct ZmqOptions {
   std::vector<SubscribeEndpoint> subscribe;
   std::chrono::milliseconds heartbeat{1000};
   std::chrono::milliseconds peer_timeout{5000};   ///< A peer silent for longer is gone.
-  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Waiting for one slow keep-last peer at most.
-  std::uint64_t plain_queue_bytes = 64ULL << 20;  ///< Under way to all plain subscribers of an endpoint at most.
-  std::uint64_t max_credit_bytes = 256ULL
-                                   << 20;  ///< In flight to one subscriber of a channel at most, if it asks for more.
-  std::uint64_t max_message_bytes = 1ULL << 30;       ///< Larger ones are refused and the connection is closed.
-  std::chrono::milliseconds plain_after{1000};        ///< Connected for so long without a welcome: a plain publisher.
-  std::chrono::milliseconds unreachable_after{3000};  ///< Without a connection for so long: the log says so.
+  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< The most that waits for one slow keep-last peer.
+  std::uint64_t plain_queue_bytes = 64ULL << 20;  ///< The most on its way to all plain subscribers of an endpoint.
+  std::uint64_t max_credit_bytes = 256ULL << 20;  ///< The most in flight to one subscriber of a channel.
+  std::uint64_t max_message_bytes = 1ULL << 30;   ///< A larger message is refused and the connection is closed.
+  /// A publisher that has sent no welcome when it was connected for this time is a plain one.
+  std::chrono::milliseconds plain_after{1000};
+  std::chrono::milliseconds unreachable_after{3000};  ///< After this time without a connection the log tells.
   std::chrono::milliseconds linger{500};              ///< Of the destructor's Close().
   std::optional<ZmqSecurity> security;
   std::function<Time()> wall;  ///< This host's wall clock; empty: the system's.
-  /// Whether that session's messages on the channel are to be received here, and not by another carrier; empty: always.
-  /// Must be quick, and must not call the transport.
+  /// Whether that session's messages on the channel are to be received here, and not over another transport; empty:
+  /// always. Must be quick, and must not call the transport.
   std::function<bool(SessionId publisher, std::string_view channel)> takes;
 };
 
 /// Messages over ZeroMQ: ipc on one host, tcp between hosts. docs/wire-protocol.md is the specification.
 ///
 /// Each publish endpoint is an XPUB socket, each subscribe endpoint an XSUB socket. A channel may be advertised once
-/// and subscribed to once at a time. One session that is reached through several endpoints sends a channel through
-/// one of them; if that one ends, through another.
+/// and subscribed to once at a time. A session that is reached through several endpoints sends a channel through one of
+/// them, and if that one ends, through another.
 ///
 /// Threading: thread-safe. Publishing threads write to the sockets themselves.
 /// Fork: in a forked child Reserve() returns kClosed, Commit() does nothing, wiring throws Error; destructors leave the
 /// memory to the end of the process.
 class HGROS_EXPORT ZmqTransport : public Transport {
  public:
-  /// Change what may pass while running. Errors: throws Error if there is no such endpoint.
+  /// Changes which channels may pass, while running. Errors: throws Error if there is no such endpoint.
   virtual void SetPublishChannels(const std::string& endpoint, ChannelList channels) = 0;
   virtual void SetSubscribeChannels(const std::string& endpoint, ChannelList channels) = 0;
 
-  /// Errors: throws Error if the endpoint cannot be bound (port in use, somebody else listens there, path too long)
-  /// or is there already.
+  /// Errors: throws Error if the endpoint cannot be bound (port in use, another program listens there, path too long)
+  /// or was added already.
   virtual void AddPublishEndpoint(const PublishEndpoint& endpoint) = 0;
   virtual void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint) = 0;
-  /// Say goodbye there. What a subscribe endpoint has read is still delivered. False if there is no such endpoint.
+  /// Says goodbye there. What a subscribe endpoint has read is still delivered. False if there is no such endpoint.
   virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
   virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
 
-  /// `takes` is asked about everything again: what is received here and is no longer to be is let go of, the rest is
-  /// asked for.
-  virtual void AskAgain() = 0;
-
   /// The publish endpoints as others can connect to them: wildcard ports resolved. In the order of adding.
   [[nodiscard]] virtual std::vector<std::string> BoundEndpoints() const = 0;
-  /// What was said here of channels: what connected publishers offer, and what connected subscribers ask for.
-  [[nodiscard]] virtual std::vector<SessionChannels> KnownChannels() const = 0;
-  /// Connections refused for want of the right key.
+  /// Connections refused because of a wrong or missing key.
   [[nodiscard]] virtual std::uint64_t refused_handshakes() const = 0;
 };
 

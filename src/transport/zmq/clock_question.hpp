@@ -13,14 +13,14 @@ namespace hgros::zmq {
 class ClockQuestion {
  public:
   void Ask(wire::Heartbeat& heartbeat, Time now);
-  /// What the answer to the latest question says; nothing if this is none, or was read before.
+  /// What the peer answers to the latest question; nullopt if this is no answer to it, or was read before.
   [[nodiscard]] std::optional<ClockExchange> Read(const wire::Heartbeat& heartbeat, Time got);
 
  private:
-  Time asked_;  // 0: nothing that is not answered yet.
+  Time asked_;  // 0: every question is answered.
 };
 
-/// The answer to a heartbeat that asks; nothing if it does not.
+/// The answer to a heartbeat that asks; nullopt if it does not.
 [[nodiscard]] std::optional<wire::Heartbeat> AnswerTo(const wire::Heartbeat& heartbeat, Time received);
 
 }  // namespace hgros::zmq

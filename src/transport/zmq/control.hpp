@@ -16,12 +16,12 @@ namespace hgros::zmq {
 inline constexpr char kControlByte = '\x02';
 /// Larger control messages are refused; a descriptor set is the largest part of one.
 inline constexpr std::size_t kMaxControlBytes = 4u << 20;
-/// Likewise upstream: the largest there is a Subscribe with a long type name. ZeroMQ closes the connection for more.
+/// The limit upstream, where the largest is a Subscribe with a long type name. ZeroMQ closes the connection for more.
 inline constexpr std::size_t kMaxUpstreamBytes = 64u << 10;
 [[nodiscard]] std::string ControlTopic(SessionId session);
 [[nodiscard]] std::optional<SessionId> ParseControlTopic(std::string_view topic) noexcept;
 
-/// A data packet's first frame. A peer's copy carries 8 bytes more than what the peer subscribed to: the message's
+/// A data packet's first frame. On a link it has 8 bytes more than the topic that the peer subscribed to: the message's
 /// number on the link, u64 little-endian.
 struct DataTopic {
   std::string_view channel;

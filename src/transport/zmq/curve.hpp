@@ -14,13 +14,13 @@ class Log;
 
 namespace hgros::zmq {
 
-/// Make a socket speak CURVE only. Throw Error for keys that are none.
+/// Make a socket speak CURVE only. Throw Error for invalid keys.
 void SecureServer(Socket& socket, const ZmqSecurity& security);
 void SecureClient(Socket& socket, const ZmqSecurity& security, const std::string& server_key);
 
-/// Answers ZeroMQ's question whether a client may connect (https://rfc.zeromq.org/spec/27/): only those whose public
-/// key is on the list. Made before the first socket is bound.
-/// Thread safety: Serve() is the leading thread's; refused() anywhere.
+/// Answers ZeroMQ's question whether a client may connect (https://rfc.zeromq.org/spec/27/): only clients whose public
+/// key is on the list may. It must be created before the first socket is bound.
+/// Thread safety: Serve() belongs to the leading thread; refused() is thread-safe.
 class AdmissionDesk {
  public:
   AdmissionDesk(Context& context, const ZmqSecurity& security, Log& log);

@@ -22,7 +22,7 @@ constexpr std::string_view kTcp = "tcp://";
 constexpr std::size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
 
 /// Whether a process accepts connections on the unix socket. '@' stands for the abstract name space.
-bool SomebodyListens(std::string_view path) {
+bool IsListening(std::string_view path) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return false;
   sockaddr_un address{};
@@ -32,14 +32,14 @@ bool SomebodyListens(std::string_view path) {
   const auto size =
       static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() + (path.front() == '@' ? 0 : 1));
   const int rc = connect(fd, reinterpret_cast<const sockaddr*>(&address), size);
-  // A full backlog belongs to somebody who listens, if slowly.
+  // A full backlog belongs to a process that listens, if slowly.
   const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS;
   close(fd);
   return listens;
 }
 
 /// Whether the socket is a connection that was accepted at the endpoint.
-bool AcceptedAt(int fd, std::string_view bound) {
+bool WasAcceptedAt(int fd, std::string_view bound) {
   sockaddr_storage name{};
   socklen_t size = sizeof name;
   sockaddr_storage other{};
@@ -59,7 +59,7 @@ bool AcceptedAt(int fd, std::string_view bound) {
   return port != 0 && bound.starts_with(kTcp) && bound.ends_with(":" + std::to_string(port));
 }
 
-std::string Mend(int error, bool ipc) {
+std::string BindRemedy(int error, bool ipc) {
   switch (error) {
     case EADDRINUSE:
       return "Another program uses the port: end it, or choose another port; \"tcp://127.0.0.1:*\" takes a free one.";
@@ -96,20 +96,20 @@ void BindOrThrow(Socket& socket, const std::string& endpoint) {
   const bool ipc = endpoint.starts_with(kIpc);
   if (ipc && endpoint != "ipc://*") {
     const std::string_view path = std::string_view(endpoint).substr(kIpc.size());
-    if (SomebodyListens(path)) {
+    if (IsListening(path)) {
       throw Error("Cannot publish at " + endpoint + ": another program listens there.", {},
                   "End the other program, or choose another path.");
     }
   }
   const int error = socket.Bind(endpoint);
   if (error != 0) {
-    throw Error("Cannot publish at " + endpoint + ": " + zmq_strerror(error) + ".", {}, Mend(error, ipc));
+    throw Error("Cannot publish at " + endpoint + ": " + zmq_strerror(error) + ".", {}, BindRemedy(error, ipc));
   }
 }
 
 void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept {
   constexpr int kPatienceMs = 1000;
-  // ZeroMQ closes the listening socket on its own thread, and tells of it on a monitor.
+  // ZeroMQ closes the listening socket on its own thread, and reports that on a monitor.
   void* monitor = zmq_socket(context.raw(), ZMQ_PAIR);
   if (monitor == nullptr) return;
   const std::string monitored = "inproc://closing-" + std::to_string(RandomId());
@@ -125,12 +125,11 @@ void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept
 void HangUp(Message& frame, std::string_view bound) noexcept {
   const int named = zmq_msg_get(frame.raw(), ZMQ_SRCFD);
   if (named < 0) return;
-  // ZeroMQ's thread may have closed the descriptor, and another file may have its number since: what is looked at and
-  // shut down is our own reference, whatever that is to. At worst it is another connection to the endpoint, which
-  // will be made again.
+  // ZeroMQ's thread may have closed the descriptor, and another file may have its number by now. So we check and shut
+  // down a reference of our own. At worst it is another connection to the endpoint, which will be made again.
   const int fd = fcntl(named, F_DUPFD_CLOEXEC, 0);
   if (fd < 0) return;
-  if (AcceptedAt(fd, bound)) shutdown(fd, SHUT_RDWR);
+  if (WasAcceptedAt(fd, bound)) shutdown(fd, SHUT_RDWR);
   close(fd);
 }
 

@@ -11,16 +11,16 @@ namespace hgros::zmq {
 /// for an ipc path longer than the 107 bytes a unix socket's name may have.
 [[nodiscard]] std::string FullEndpoint(std::string_view endpoint);
 
-/// Binds, and throws Error naming the endpoint and what to do if that fails. ZeroMQ itself would silently take an ipc
-/// path away from a process that listens there: that is refused here; a path left over from a dead one is taken.
+/// Binds. If that fails it throws Error, which names the endpoint and what to do. ZeroMQ itself would silently take an
+/// ipc path away from a process that listens there; here that is refused, and only a dead process's path is taken.
 void BindOrThrow(Socket& socket, const std::string& endpoint);
 
-/// Stops accepting connections, and returns when that is so: from then on another may bind the endpoint. What was sent
-/// to those connected still has the socket's linger time.
+/// Stops accepting connections, and returns when another socket may bind the endpoint. What was sent to connected peers
+/// still has the socket's linger time.
 void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept;
 
-/// Closes the connection that `frame` came over, if it still is one to the endpoint `bound`. Its other side sees it end
-/// and may connect again.
+/// Closes the connection that `frame` came over, if it is still a connection to the endpoint `bound`. The other side
+/// sees it end and may connect again.
 void HangUp(Message& frame, std::string_view bound) noexcept;
 
 }  // namespace hgros::zmq

@@ -64,7 +64,7 @@ void Socket::Set(int option, std::int64_t value) {
 }
 
 void Socket::Set(int option, std::string_view value) {
-  // The value may be a secret key: it is not repeated.
+  // The value may be a secret key: the error does not contain it.
   if (zmq_setsockopt(raw_, option, value.data(), value.size()) != 0) {
     ThrowZmq("ZeroMQ refuses the text of option " + std::to_string(option));
   }

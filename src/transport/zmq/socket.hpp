@@ -12,7 +12,7 @@
 
 namespace hgros::zmq {
 
-/// Owns a ZeroMQ context. Destroyed after its sockets; then waits for their linger.
+/// Owns a ZeroMQ context. It is destroyed after its sockets, and waits for their linger.
 class Context {
  public:
   Context();
@@ -21,7 +21,7 @@ class Context {
   Context& operator=(const Context&) = delete;
 
   [[nodiscard]] void* raw() const noexcept { return raw_; }
-  /// Forgets the context without touching it: for a forked child.
+  /// Forgets the context without touching it, for a forked child.
   void Abandon() noexcept { raw_ = nullptr; }
 
  private:
@@ -44,7 +44,8 @@ class Message {
 
   /// Throws std::bad_alloc.
   [[nodiscard]] static Message CopyOf(Bytes bytes);
-  /// Shows `bytes` to the network in place; `release` is called with `hint` on any thread when it has done with them.
+  /// Sends `bytes` in place, without a copy. `release` is called with `hint`, on any thread, when they are no longer
+  /// needed.
   [[nodiscard]] static Message View(Bytes bytes, void (*release)(void* data, void* hint), void* hint);
 
   [[nodiscard]] Bytes bytes() const noexcept {
@@ -79,8 +80,8 @@ class Socket {
   void Disconnect(const std::string& endpoint) noexcept;
   [[nodiscard]] std::string LastEndpoint() const;
   [[nodiscard]] int Fd() const;
-  /// True if a message can be received. Also works through the socket's pending commands, after which Fd() tells of
-  /// new ones only: who sees true must receive or make sure that somebody does.
+  /// True if a message can be received. Also handles the socket's pending commands, after which Fd() signals only new
+  /// ones: if this returns true, the caller must receive or make sure that another thread does.
   [[nodiscard]] bool HasInput() noexcept;
   /// Receives one frame without waiting; false if there is none.
   bool Receive(Message& frame) noexcept;

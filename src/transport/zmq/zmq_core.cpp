@@ -20,7 +20,7 @@ template <typename Endpoint>
 Endpoint& Require(std::vector<std::shared_ptr<Endpoint>>& list, const std::string& endpoint) {
   const auto found = Find(list, endpoint);
   if (found == list.end()) {
-    throw Error("There is no endpoint " + endpoint + " here.", {}, "Name one of those that were configured or added.");
+    throw Error("There is no endpoint " + endpoint + " here.", {}, "Use an endpoint that was configured or added.");
   }
   return **found;
 }
@@ -30,12 +30,12 @@ void RequireNew(const Cores& cores, const std::string& channel, std::string_view
   for (const auto& core : cores) {
     if (core->name == channel) {
       throw Error("Channel " + channel + " is " + std::string(what) + " here already.", {},
-                  "Share the first object, or destroy it before.");
+                  "Share the first object, or destroy it first.");
     }
   }
 }
 
-void Make(Actions& actions) {
+void CallAll(Actions& actions) {
   for (auto& action : actions) action();
   actions.clear();
 }
@@ -43,33 +43,33 @@ void Make(Actions& actions) {
 }  // namespace
 
 ZmqCore::ZmqCore(ZmqOptions options, TransportListener& listener, Log& log)
-    : carrier_(std::move(options), listener, log),
-      next_tick_(std::chrono::steady_clock::now() + carrier_.options.heartbeat),
+    : shared_(std::move(options), listener, log),
+      next_tick_(std::chrono::steady_clock::now() + shared_.options.heartbeat),
       deadline_(next_tick_) {
-  poller_.Add(carrier_.waker->fd(), woken_);
-  if (const auto& security = carrier_.options.security) {
-    desk_ = std::make_unique<AdmissionDesk>(carrier_.context, *security, log);
+  poller_.Add(shared_.waker->fd(), woken_);
+  if (const auto& security = shared_.options.security) {
+    desk_ = std::make_unique<AdmissionDesk>(shared_.context, *security, log);
     poller_.Add(desk_->fd(), desk_input_);
   }
-  for (const auto& endpoint : carrier_.options.publish) AddPublisher(endpoint);
-  for (const auto& endpoint : carrier_.options.subscribe) AddSubscriber(endpoint);
+  for (const auto& endpoint : shared_.options.publish) AddPublisher(endpoint);
+  for (const auto& endpoint : shared_.options.subscribe) AddSubscriber(endpoint);
 }
 
 ZmqCore::~ZmqCore() { Close(0); }
 
 void ZmqCore::Start() { pool_.Start(); }
 
-void ZmqCore::Wake() noexcept { carrier_.waker->Wake(); }
+void ZmqCore::Wake() noexcept { shared_.waker->Wake(); }
 
 void ZmqCore::Close(int linger_ms) noexcept {
-  if (carrier_.closing.exchange(true)) return;
+  if (shared_.closing.exchange(true)) return;
   WaitUntilSent(linger_ms);
   pool_.Stop();
-  Actions nobody_listens;  // Ends after the lock: messages may end with it.
+  Actions unheard;  // Ends after the lock, because messages may end with it.
   const std::unique_lock lock(mutex_);
   closed_ = true;
-  for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, false, nobody_listens);
-  for (const auto& endpoint : publishers_) endpoint->Close(linger_ms, nobody_listens);
+  for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, false, unheard);
+  for (const auto& endpoint : publishers_) endpoint->Close(linger_ms, unheard);
   if (desk_) desk_->Close();
 }
 
@@ -81,7 +81,7 @@ void ZmqCore::WaitUntilSent(int linger_ms) {
   };
   std::unique_lock lock(sent_mutex_);
   while (!all_sent()) {
-    // The leading thread counts its rounds: whatever empties a ring happens in one of them.
+    // The leading thread counts its rounds: a ring becomes empty in one of them.
     const auto seen = rounds_;
     if (!sent_.wait_until(lock, deadline, [&] { return rounds_ != seen; })) return;
   }
@@ -91,10 +91,9 @@ void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
   const std::unique_lock lock(mutex_);
   if (closed_) return;
   if (Find(publishers_, endpoint.endpoint) != publishers_.end()) {
-    throw Error("The endpoint " + endpoint.endpoint + " is published at already.", {},
-                "Name it once, with all channels.");
+    throw Error("This session publishes at " + endpoint.endpoint + " already.", {}, "Name it once, with all channels.");
   }
-  auto added = std::make_shared<PublisherEndpoint>(carrier_, endpoint);
+  auto added = std::make_shared<PublisherEndpoint>(shared_, endpoint);
   for (const auto& core : outbound_) added->Offer(core);
   poller_.Add(added->fd(), added->input());
   publishers_.push_back(std::move(added));
@@ -106,11 +105,11 @@ void ZmqCore::AddSubscriber(const SubscribeEndpoint& endpoint) {
   const std::unique_lock lock(mutex_);
   if (closed_) return;
   if (Find(subscribers_, endpoint.endpoint) != subscribers_.end()) {
-    throw Error("The endpoint " + endpoint.endpoint + " is subscribed at already.", {},
+    throw Error("This session subscribes at " + endpoint.endpoint + " already.", {},
                 "Name it once, with all channels.");
   }
-  auto added = std::make_shared<SubscriberEndpoint>(carrier_, endpoint, [this] { AskAgain(); });
-  for (const auto& core : inbound_) added->Want(core);
+  auto added = std::make_shared<SubscriberEndpoint>(shared_, endpoint, [this] { AskAgain(); });
+  for (const auto& core : inbound_) added->Subscribe(core);
   poller_.Add(added->fd(), added->input());
   poller_.Add(added->monitor_fd(), added->monitor_input());
   subscribers_.push_back(std::move(added));
@@ -124,8 +123,8 @@ bool ZmqCore::RemovePublisher(const std::string& endpoint) {
   if (found == publishers_.end()) return false;
   Actions actions;
   for (const auto& core : outbound_) (*found)->Withdraw(core, actions);
-  (*found)->Close(static_cast<int>(carrier_.options.linger.count()), actions);
-  carrier_.Post(std::move(actions));
+  (*found)->Close(static_cast<int>(shared_.options.linger.count()), actions);
+  shared_.PostActions(std::move(actions));
   old_publishers_.push_back(std::move(*found));
   publishers_.erase(found);
   ++version_;
@@ -141,8 +140,8 @@ bool ZmqCore::RemoveSubscriber(const std::string& endpoint) {
     const bool others = std::ranges::any_of(
         subscribers_, [&](const auto& other) { return SubscriberEndpoint::LeadAlike(**found, *other); });
     Actions actions;
-    (*found)->Close(static_cast<int>(carrier_.options.linger.count()), others, actions);
-    (*found)->MakeLast(std::move(actions));
+    (*found)->Close(static_cast<int>(shared_.options.linger.count()), others, actions);
+    (*found)->SetLastActions(std::move(actions));
     old_subscribers_.push_back(std::move(*found));
     subscribers_.erase(found);
     ++version_;
@@ -184,11 +183,11 @@ void ZmqCore::Offer(const std::shared_ptr<OutboundCore>& core) {
 }
 
 void ZmqCore::Withdraw(const std::shared_ptr<OutboundCore>& core) {
-  Actions nobody_listens;
+  Actions unheard;
   {
     const std::unique_lock lock(mutex_);
     outbound_.erase(core);
-    for (const auto& endpoint : publishers_) endpoint->Withdraw(core, nobody_listens);
+    for (const auto& endpoint : publishers_) endpoint->Withdraw(core, unheard);
   }
   core->gate.Close();
 }
@@ -197,21 +196,21 @@ void ZmqCore::Want(const std::shared_ptr<InboundCore>& core) {
   const std::unique_lock lock(mutex_);
   RequireNew(inbound_, core->name, "subscribed to");
   inbound_.insert(core);
-  for (const auto& endpoint : subscribers_) endpoint->Want(core);
+  for (const auto& endpoint : subscribers_) endpoint->Subscribe(core);
 }
 
 void ZmqCore::Unwant(const std::shared_ptr<InboundCore>& core) {
   {
     const std::unique_lock lock(mutex_);
     inbound_.erase(core);
-    for (const auto& endpoint : subscribers_) endpoint->Unwant(core);
+    for (const auto& endpoint : subscribers_) endpoint->Unsubscribe(core);
   }
   core->Close();
 }
 
 void ZmqCore::ChangeDemand(const std::shared_ptr<InboundCore>& core) {
   const std::shared_lock lock(mutex_);
-  for (const auto& endpoint : subscribers_) endpoint->ChangeDemand(core);
+  for (const auto& endpoint : subscribers_) endpoint->UpdateDemand(core);
 }
 
 void ZmqCore::AskAgain() {
@@ -220,7 +219,7 @@ void ZmqCore::AskAgain() {
 }
 
 PublishStatus ZmqCore::Reserve(OutboundCore& core) {
-  if (carrier_.closing.load(std::memory_order_relaxed)) return PublishStatus::kClosed;
+  if (shared_.closing.load(std::memory_order_relaxed)) return PublishStatus::kClosed;
   if (core.lossless.load() == 0) return PublishStatus::kOk;
   const std::shared_lock lock(mutex_);
   std::vector<std::unique_lock<std::mutex>> locks;
@@ -239,11 +238,11 @@ PublishStatus ZmqCore::Reserve(OutboundCore& core) {
 void ZmqCore::Cancel(const std::shared_ptr<OutboundCore>& core) {
   if (core->lossless.load() == 0) return;
   const std::shared_lock lock(mutex_);
-  for (const auto& endpoint : publishers_) endpoint->Cancel(core);
+  for (const auto& endpoint : publishers_) endpoint->CancelReservation(core);
 }
 
 void ZmqCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data) {
-  if (carrier_.closing.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) {
+  if (shared_.closing.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) {
     return;
   }
   const auto message = std::make_shared<const WireMessage>(head, data);
@@ -274,18 +273,18 @@ LeaderPool::Task ZmqCore::Lead() noexcept {
     if (const auto now = std::chrono::steady_clock::now(); now >= next_tick_) Tick(now);
     if (desk_ && desk_input_.exchange(false)) desk_->Serve();
 
-    Actions actions = carrier_.TakePosted();
+    Actions actions = shared_.CollectPosted();
     bool busy = !actions.empty();
-    Make(actions);
+    CallAll(actions);
     for (const auto& endpoint : watch_.publishers) {
       busy = endpoint->Serve(actions) || busy;
       busy = !actions.empty() || busy;
-      Make(actions);
+      CallAll(actions);
     }
     for (const auto* endpoints : {&watch_.removed, &watch_.subscribers}) {
       for (const auto& endpoint : *endpoints) {
         auto task = endpoint->Serve(busy);
-        endpoint->TellCredits(false);
+        endpoint->SendCredit(false);
         if (!task) continue;
         if (Pending()) Wake();
         return task;
@@ -294,13 +293,13 @@ LeaderPool::Task ZmqCore::Lead() noexcept {
     if (!watch_.removed.empty()) {
       std::erase_if(watch_.removed, [](const auto& endpoint) { return !endpoint->pending(); });
     }
-    if (carrier_.closing.load()) {
+    if (shared_.closing.load()) {
       {
         const std::scoped_lock lock(sent_mutex_);
         ++rounds_;
         sent_.notify_all();
       }
-      // The pool may want its threads back.
+      // The pool may be waiting for its threads to end.
       if (busy) Wake();
       busy = false;
     }
@@ -318,17 +317,17 @@ bool ZmqCore::Pending() const {
 }
 
 void ZmqCore::Tick(SteadyTime now) {
-  const auto period = carrier_.options.heartbeat;
+  const auto period = shared_.options.heartbeat;
   const bool overslept = now - next_tick_ > period;
   next_tick_ = now + period;
   Actions actions;
   for (const auto& endpoint : watch_.publishers) {
-    if (overslept) endpoint->Forgive(now);
+    if (overslept) endpoint->ForgiveSilence(now);
     endpoint->Tick(now, actions);
-    Make(actions);
+    CallAll(actions);
   }
   for (const auto& endpoint : watch_.subscribers) {
-    if (overslept) endpoint->Forgive(now);
+    if (overslept) endpoint->ForgiveSilence(now);
     endpoint->Tick(now);
   }
 }

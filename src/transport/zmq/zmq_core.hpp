@@ -15,17 +15,17 @@
 #include "transport/leader_pool.hpp"
 #include "transport/outbound_core.hpp"
 #include "transport/poller.hpp"
-#include "transport/zmq/carrier.hpp"
 #include "transport/zmq/curve.hpp"
-#include "transport/zmq/publisher_endpoint.hpp"
-#include "transport/zmq/subscriber_endpoint.hpp"
+#include "transport/zmq/publish/publisher_endpoint.hpp"
+#include "transport/zmq/shared_state.hpp"
+#include "transport/zmq/subscribe/subscriber_endpoint.hpp"
 
 namespace hgros::zmq {
 
-/// The endpoints of one transport and the threads that wait for them. Shared by the transport and its channels, so
+/// The endpoints of one transport and the threads that wait for them. The transport shares it with its channels, so
 /// that these may outlive it.
 ///
-/// Thread safety: all functions. Order of locks: `mutex_`, then an endpoint's, in the order of the list.
+/// Thread safety: thread-safe. Order of locks: `mutex_`, then an endpoint's, in the order of the list.
 class ZmqCore : public LeaderPool::Input {
  public:
   ZmqCore(ZmqOptions options, TransportListener& listener, Log& log);
@@ -50,12 +50,15 @@ class ZmqCore : public LeaderPool::Input {
   void Unwant(const std::shared_ptr<InboundCore>& core);
   void ChangeDemand(const std::shared_ptr<InboundCore>& core);
   void AskAgain();
+  [[nodiscard]] static bool Asks(const InboundCore& core, SessionId publisher) { return core.IsClaimed(publisher); }
 
   [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
   void Cancel(const std::shared_ptr<OutboundCore>& core);
   void Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data);
 
-  [[nodiscard]] Carrier& carrier() noexcept { return carrier_; }
+  [[nodiscard]] SharedState& shared() noexcept { return shared_; }
+  /// Whether this is a forked child, which must leave everything here alone.
+  [[nodiscard]] bool IsChild() const noexcept { return shared_.fork.IsChild(); }
 
   void Wait() noexcept override;
   LeaderPool::Task Lead() noexcept override;
@@ -67,7 +70,7 @@ class ZmqCore : public LeaderPool::Input {
     std::uint64_t version = 0;
     std::vector<std::shared_ptr<PublisherEndpoint>> publishers;
     std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers;
-    std::vector<std::shared_ptr<SubscriberEndpoint>> removed;  // That still hold something they received.
+    std::vector<std::shared_ptr<SubscriberEndpoint>> removed;  // They still hold something they received.
   };
   void UpdateWatch();
   void Tick(SteadyTime now);
@@ -75,28 +78,27 @@ class ZmqCore : public LeaderPool::Input {
   [[nodiscard]] bool Pending() const;
   void WaitUntilSent(int linger_ms);
 
-  Carrier carrier_;
+  SharedState shared_;
   Poller poller_;
-  std::atomic<bool> woken_{
-      false};  // Only so that the poller has a flag to set: after any wait everything is looked at.
+  std::atomic<bool> woken_{false};  // For the poller, which needs a flag to set. Nothing reads it.
   std::atomic<bool> desk_input_{true};
   std::unique_ptr<AdmissionDesk> desk_;
   mutable std::shared_mutex mutex_;
   std::vector<std::shared_ptr<PublisherEndpoint>> publishers_;
   std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers_;
-  // Closed, but calls into them may be under way; they go with the transport.
+  // Closed, but calls into them may be under way. They end with the transport.
   std::vector<std::shared_ptr<PublisherEndpoint>> old_publishers_;
   std::vector<std::shared_ptr<SubscriberEndpoint>> old_subscribers_;
   std::set<std::shared_ptr<OutboundCore>> outbound_;
   std::set<std::shared_ptr<InboundCore>> inbound_;
   std::atomic<std::uint64_t> version_{1};
   bool closed_ = false;
-  // The leading thread's.
+  // Belong to the leading thread.
   Watch watch_;
   SteadyTime next_tick_;
-  // When waiting ends at the latest; set by the leading thread, read by those that wait.
+  // When waiting ends at the latest. The leading thread sets it, the waiting ones read it.
   std::atomic<SteadyTime> deadline_;
-  // Close() waits here for rings to run empty.
+  // Close() waits here until all rings are empty.
   std::mutex sent_mutex_;
   std::condition_variable sent_;
   std::uint64_t rounds_ = 0;

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/app/offscreen.hpp"
-#include "viewer/scene/picture.hpp"
+#include "viewer/app/surface/offscreen.hpp"
+#include "viewer/scene/gl/picture.hpp"
 
 namespace hgros::viewer::test {
 
-/// A surface in memory on which somebody does one thing after each picture. With the last one it closes.
+/// A surface in memory that runs one step after each picture. It closes after the last one.
 class ScriptedSurface : public Offscreen {
  public:
   using Step = std::function<void(ScriptedSurface&)>;
@@ -20,13 +20,13 @@ class ScriptedSurface : public Offscreen {
   explicit ScriptedSurface(std::vector<Step> steps, const Viewport& room = {640, 480})
       : Offscreen(room), shown_(room), steps_(std::move(steps)) {}
 
-  // What the steps do.
+  // Actions for steps.
   void Resize(const Viewport& size) { shown_ = size; }
   void Rescale(float scale) { scale_ = scale; }
   void Lose() { lost_ = true; }
-  /// Nobody sees it for so many turns of its owner.
+  /// Hides it for this number of turns.
   void Hide(int turns) { hidden_turns_ = turns; }
-  /// The step that runs comes again after the next picture.
+  /// The current step runs again after the next picture.
   void Again() { --next_; }
   void Press(int key) { input_.push_back({InputEvent::Kind::kKey, {}, 0, 0, 0, key}); }
   void Click(double x, double y, bool shift) {
@@ -34,7 +34,7 @@ class ScriptedSurface : public Offscreen {
     input_.push_back({InputEvent::Kind::kRelease, PointerButton::kLeft, x, y, 0, 0, shift});
   }
 
-  /// What is shown, 3 bytes a pixel.
+  /// The shown pixels, 3 bytes each.
   [[nodiscard]] std::vector<std::uint8_t> Pixels() const {
     Picture copy;
     copy.Resize(shown_);

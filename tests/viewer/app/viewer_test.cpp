@@ -22,7 +22,7 @@
 namespace hgros::viewer::test {
 namespace {
 
-/// The sessions of this process find each other, as long as it lives.
+/// Sessions of this process find each other while it exists.
 class MetOnThisHost {
  public:
   MetOnThisHost() : before_(std::getenv("HGROS_DOMAIN")) {
@@ -53,7 +53,7 @@ class ViewerTest : public ::testing::Test {
       GTEST_SKIP() << error.what();
     }
   }
-  /// Does the steps, and gives what the viewer looked like in the end.
+  /// Runs the steps. Returns the viewer's layout at the end.
   Layout Do(std::vector<ScriptedSurface::Step> steps, const std::optional<Layout>& layout = std::nullopt) {
     ScriptedSurface surface(std::move(steps));
     Viewer viewer(options_, layout, surface);
@@ -73,20 +73,20 @@ class ViewerTest : public ::testing::Test {
   }
 
   Options options_;
-  const Viewer* running_ = nullptr;  ///< By Do.
+  const Viewer* running_ = nullptr;  ///< Set by Do.
 };
 
 TEST_F(ViewerTest, OpensAndClosesPanelsByKeys) {
   EXPECT_EQ(PanelsOf(Do({Key('1'), Key('5'), Key('4'), Key('5')})), (std::vector<std::string>{"Channels", "Plot"}));
 }
 
-TEST_F(ViewerTest, LooksAsTheLayoutSays) {
+TEST_F(ViewerTest, AppliesALayoutAndReturnsItUnchanged) {
   const Layout before = Do({Key('T'), Key('O'), Key('2'), Key('4')});
   ASSERT_TRUE(before.camera->orthographic);
   EXPECT_EQ(Do({Key('H'), Key('H')}, before), before);
 }
 
-TEST_F(ViewerTest, DrawsIntoAnySize) {
+TEST_F(ViewerTest, DrawsAtAnyWindowSize) {
   options_.opened_panels = {
       {"Channels", "", {}}, {"Log", "", {}}, {"Message", "", {}}, {"Plot", "", {}}, {"Graph", "", {}}};
   std::vector<ScriptedSurface::Step> steps;
@@ -98,15 +98,15 @@ TEST_F(ViewerTest, DrawsIntoAnySize) {
   (void)Do(steps);
 }
 
-TEST_F(ViewerTest, DrawsNothingWhileNobodySeesIt) {
-  options_.report_s = 0.001;  // It has its turns all the same.
+TEST_F(ViewerTest, DrawsNothingWhileHidden) {
+  options_.report_s = 0.001;  // It still runs its turns.
   bool seen_at_the_next_picture = false;
   (void)Do({[](ScriptedSurface& surface) { surface.Hide(20); },
             [&](ScriptedSurface& surface) { seen_at_the_next_picture = !surface.hidden(); }});
   EXPECT_TRUE(seen_at_the_next_picture);
 }
 
-TEST_F(ViewerTest, DrawsNoMoreOftenThanItMay) {
+TEST_F(ViewerTest, StaysBelowTheFrameRateLimit) {
   options_.fps_limit = 50;
   constexpr int kPictures = 11;
   std::vector<std::chrono::steady_clock::time_point> drawn;
@@ -119,7 +119,7 @@ TEST_F(ViewerTest, DrawsNoMoreOftenThanItMay) {
   EXPECT_GT(std::chrono::duration<double>(drawn.back() - drawn.front()).count(), 0.9 * (kPictures - 1) / 50);
 }
 
-TEST_F(ViewerTest, TakesFontsForAnotherScreenWhileItRuns) {
+TEST_F(ViewerTest, RescalesFontsWhenTheScreenChanges) {
   float before = 0;
   float on_the_other = 0;
   const auto note = [](float& size) { return [&size](ScriptedSurface&) { size = ImGui::GetFontSize(); }; };
@@ -128,11 +128,9 @@ TEST_F(ViewerTest, TakesFontsForAnotherScreenWhileItRuns) {
   EXPECT_EQ(on_the_other, 2 * before);
 }
 
-TEST_F(ViewerTest, StandsStillAndStepsAndGoesOn) {
-  (void)Do({Key(' '), Key('N'), Key('N'), Key(' '), Key('N'), Key(' ')});
-}
+TEST_F(ViewerTest, PausesStepsAndResumes) { (void)Do({Key(' '), Key('N'), Key('N'), Key(' '), Key('N'), Key(' ')}); }
 
-TEST_F(ViewerTest, MakesEverythingAnewWhenTheSurfaceIsLost) {
+TEST_F(ViewerTest, RestoresEverythingAfterALostSurface) {
   int made = 0;
   Layout last;
   Viewer* running = nullptr;
@@ -153,7 +151,7 @@ TEST_F(ViewerTest, MakesEverythingAnewWhenTheSurfaceIsLost) {
   EXPECT_EQ(std::ranges::count(*last.displays, "cloud", &LayoutDisplay::channel), 1) << "once, not twice";
 }
 
-TEST_F(ViewerTest, IsWatchedNoLongerWhenItEndsByAnError) {
+TEST_F(ViewerTest, EndsWatchingWhenTheViewerThrows) {
   std::vector<bool> watched;
   const auto surface = []() -> std::unique_ptr<Surface> {
     return std::make_unique<ScriptedSurface>(
@@ -164,7 +162,7 @@ TEST_F(ViewerTest, IsWatchedNoLongerWhenItEndsByAnError) {
   EXPECT_EQ(watched, (std::vector<bool>{true, false}));
 }
 
-TEST_F(ViewerTest, RemembersWhatAPersonHasRemovedWhenTheSurfaceIsLost) {
+TEST_F(ViewerTest, KeepsRemovedDisplaysRemovedAfterALostSurface) {
   int made = 0;
   Carried last;
   Viewer* running = nullptr;
@@ -186,7 +184,7 @@ TEST_F(ViewerTest, RemembersWhatAPersonHasRemovedWhenTheSurfaceIsLost) {
   EXPECT_FALSE(last.keeps_finding) << "the layout that is written says what it would have said";
 }
 
-TEST_F(ViewerTest, ShowsTheSamePictureOfAFollowedFrameThatLiesElsewhereByThen) {
+TEST_F(ViewerTest, RestoresTheViewRelativeToAFollowedFrameThatHasMoved) {
   options_.panels = false;
   const MetOnThisHost met;
   Session robot;
@@ -232,7 +230,7 @@ TEST_F(ViewerTest, ShowsTheSamePictureOfAFollowedFrameThatLiesElsewhereByThen) {
   }
 }
 
-TEST_F(ViewerTest, GoesAtOnceToTheFrameThatAPersonChoosesToFollow) {
+TEST_F(ViewerTest, MovesAtOnceToANewlyFollowedFrame) {
   const MetOnThisHost met;
   Session robot;
   Transforms transforms(robot);
@@ -251,9 +249,9 @@ TEST_F(ViewerTest, GoesAtOnceToTheFrameThatAPersonChoosesToFollow) {
     ImGui::SetWindowCollapsed("View", false);
   });
   const auto nothing = [](ScriptedSurface&) {};
-  /// On a row of a window that has rows of that height.
+  /// Clicks on a row of a window with rows of that height.
   const auto click = [&](const char* name, int row, float (*height)()) {
-    steps.emplace_back(nothing);  // The window takes its size.
+    steps.emplace_back(nothing);  // The window gets its size.
     steps.emplace_back([=](ScriptedSurface&) {
       const ImGuiWindow* const window = ImGui::FindWindowByName(name);
       ASSERT_NE(window, nullptr) << name;
@@ -280,7 +278,7 @@ TEST_F(ViewerTest, GoesAtOnceToTheFrameThatAPersonChoosesToFollow) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(after.camera->eye[i], before.eye[i], 1e-6);
 }
 
-/// A cube of 4 m about the origin of a frame, of white glass.
+/// A transparent white cube of 4 m around the origin of a frame.
 foxglove::SceneUpdate Glass(const std::string& frame) {
   foxglove::SceneUpdate update;
   auto* const entity = update.add_entities();
@@ -297,7 +295,7 @@ foxglove::SceneUpdate Glass(const std::string& frame) {
   return update;
 }
 
-TEST_F(ViewerTest, SetsTheAnchorOnWhatIsSeenAndNowhereElse) {
+TEST_F(ViewerTest, SetsTheAnchorOnlyOnVisibleThings) {
   options_.panels = false;
   options_.displays = {{"Ground", "", {{"visible", "off"}}}};
   options_.channels = {{"glass", "foxglove.SceneUpdate", {}}};
@@ -314,7 +312,7 @@ TEST_F(ViewerTest, SetsTheAnchorOnWhatIsSeenAndNowhereElse) {
   const auto click = [&](ScriptedSurface& at) { at.Click(kSmall.width / 2.0, kSmall.height / 2.0, false); };
   const auto look = [&](ScriptedSurface&) { first = running_->CurrentLayout().camera->anchor; };
   const auto beside = [](ScriptedSurface& at) {
-    at.Resize({640, 480});  // It has not been drawn as large as this when the click comes.
+    at.Resize({640, 480});  // It has not been drawn with this size when the click arrives.
     at.Click(30, 20, false);
   };
   const Layout last =
@@ -324,7 +322,7 @@ TEST_F(ViewerTest, SetsTheAnchorOnWhatIsSeenAndNowhereElse) {
   EXPECT_EQ(last.camera->anchor, first) << "there is nothing in that corner";
 }
 
-TEST_F(ViewerTest, FollowsAFrameThatMessagesAloneName) {
+TEST_F(ViewerTest, FollowsAFrameNamedOnlyByMessages) {
   options_.panels = false;
   options_.channels = {{"glass", "foxglove.SceneUpdate", {}}};
   options_.follow = "base";
@@ -339,13 +337,13 @@ TEST_F(ViewerTest, FollowsAFrameThatMessagesAloneName) {
   EXPECT_TRUE(Do({followed}).camera->relative);
 }
 
-TEST_F(ViewerTest, ShowsNothingWhereALayoutSaysSo) {
+TEST_F(ViewerTest, ShowsNothingIfTheLayoutHasNoDisplays) {
   Layout layout;
   layout.displays.emplace();
   EXPECT_EQ(Do({Key('H')}, layout).displays, layout.displays);
 }
 
-TEST_F(ViewerTest, TakesVisibleAsOnOrOff) {
+TEST_F(ViewerTest, AcceptsOnAndOffForVisible) {
   const std::pair<const char*, bool> cases[] = {{"on", true}, {"true", true}, {"off", false}, {"false", false}};
   for (const auto& [text, visible] : cases) {
     options_.displays = {{"Ground", "", {{"visible", text}}}};
@@ -356,7 +354,7 @@ TEST_F(ViewerTest, TakesVisibleAsOnOrOff) {
   EXPECT_THROW(Viewer(options_, std::nullopt, surface), Error);
 }
 
-TEST_F(ViewerTest, SaysWhatNeverCameWhenItsWindowCloses) {
+TEST_F(ViewerTest, ReportsMissingChannelsWhenTheWindowCloses) {
   options_.channels = {{"never", "", {}}};
   for (const bool into_memory : {false, true}) {
     if (into_memory) options_.offscreen = Viewport{64, 64};
@@ -364,11 +362,12 @@ TEST_F(ViewerTest, SaysWhatNeverCameWhenItsWindowCloses) {
     Viewer viewer(options_, std::nullopt, surface);
     ::testing::internal::CaptureStderr();
     EXPECT_EQ(viewer.Run(), into_memory ? 1 : 0);
-    EXPECT_NE(::testing::internal::GetCapturedStderr().find("The channel \"never\" never came."), std::string::npos);
+    EXPECT_NE(::testing::internal::GetCapturedStderr().find("The channel \"never\" was never published."),
+              std::string::npos);
   }
 }
 
-TEST_F(ViewerTest, GivesUpWhenTheSurfaceIsLostAgainAndAgain) {
+TEST_F(ViewerTest, GivesUpAfterRepeatedLossesOfTheSurface) {
   int made = 0;
   const auto surface = [&]() -> std::unique_ptr<Surface> {
     ++made;
@@ -379,7 +378,7 @@ TEST_F(ViewerTest, GivesUpWhenTheSurfaceIsLostAgainAndAgain) {
   EXPECT_EQ(made, 3);
 }
 
-TEST_F(ViewerTest, SwitchesWhatASettingNeeds) {
+TEST_F(ViewerTest, SwitchesOtherSettingsThatAGivenOneNeeds) {
   const auto text = [](const Layout& layout, const std::string& name) -> std::string {
     const auto display = std::ranges::find(*layout.displays, "cloud", &LayoutDisplay::channel);
     if (display == layout.displays->end()) return "there is no display";
@@ -395,7 +394,7 @@ TEST_F(ViewerTest, SwitchesWhatASettingNeeds) {
   EXPECT_EQ(text(Do({Key('H')}), "keep"), "time");
 }
 
-TEST_F(ViewerTest, SaysInAPersonsWordsThatAChannelHasAnotherType) {
+TEST_F(ViewerTest, ExplainsThatAChannelHasAnotherType) {
   const std::string sentence = "\"cloud\" carries foxglove.PointCloud; a Grid shows foxglove.Grid.";
   const auto fault = [&](const std::optional<Layout>& layout) -> std::string {
     ScriptedSurface surface({});
@@ -413,7 +412,7 @@ TEST_F(ViewerTest, SaysInAPersonsWordsThatAChannelHasAnotherType) {
   EXPECT_EQ(fault(std::nullopt), sentence);
 }
 
-TEST_F(ViewerTest, SaysWhatIsWrongWithALayout) {
+TEST_F(ViewerTest, ReportsErrorsInALayout) {
   const auto fault = [&](const Layout& layout) -> std::string {
     ScriptedSurface surface({});
     try {

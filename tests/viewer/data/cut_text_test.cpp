@@ -7,12 +7,12 @@
 namespace hgros::viewer {
 namespace {
 
-TEST(CutText, LeavesWhatIsShortEnough) {
+TEST(CutText, KeepsShortTexts) {
   EXPECT_EQ(CutText(""), "");
   EXPECT_EQ(CutText(std::string(kMaxShownBytes, 'x')).size(), kMaxShownBytes);
 }
 
-TEST(CutText, CutsNoCharacterInTwo) {
+TEST(CutText, CutsBetweenCharacters) {
   for (const std::string character : {"x", "\u00e4", "\u20ac", "\U0001F600"}) {
     for (std::size_t before = 0; before < 4; ++before) {
       std::string text(before, '.');
@@ -25,7 +25,7 @@ TEST(CutText, CutsNoCharacterInTwo) {
   }
 }
 
-TEST(CutText, CutsWhatIsNoUtf8Too) { EXPECT_GT(CutText(std::string(100'000, '\x80')).size(), kMaxShownBytes - 4); }
+TEST(CutText, CutsInvalidUtf8) { EXPECT_GT(CutText(std::string(100'000, '\x80')).size(), kMaxShownBytes - 4); }
 
 }  // namespace
 }  // namespace hgros::viewer

@@ -18,7 +18,7 @@ TEST(Inbox, KeepsTheNewestAndCountsWhatItDrops) {
   EXPECT_EQ(inbox.dropped(), 2U);
 }
 
-TEST(Inbox, HoldsNoMoreBytesThanItMay) {
+TEST(Inbox, KeepsBelowItsLimitOfBytes) {
   constexpr std::size_t kMost = Inbox<int>::kMostBytes;
   Inbox<int> inbox(1024);
   for (int i = 0; i < 8; ++i) inbox.Put(std::make_shared<const int>(i), kMost / 4);
@@ -35,7 +35,7 @@ TEST(Inbox, HoldsNoMoreBytesThanItMay) {
   EXPECT_EQ(inbox.dropped(), 7U);
 }
 
-TEST(Inbox, GivesTheNewestWhereOnlySoManyAreWanted) {
+TEST(Inbox, ReturnsTheNewestIfOnlySomeAreWanted) {
   Inbox<int> inbox(5);
   for (int i = 0; i < 4; ++i) inbox.Put(std::make_shared<const int>(i));
   const auto taken = inbox.TakeAll(1);
@@ -45,7 +45,7 @@ TEST(Inbox, GivesTheNewestWhereOnlySoManyAreWanted) {
   EXPECT_TRUE(inbox.TakeAll().empty());
 }
 
-TEST(Inbox, SaysThatSomebodyHasToBeToldOnlyOfTheFirstMessage) {
+TEST(Inbox, AsksForAWakeUpOnlyForTheFirstMessage) {
   Inbox<int> inbox(3);
   EXPECT_TRUE(inbox.Put(std::make_shared<const int>(0)));
   EXPECT_FALSE(inbox.Put(std::make_shared<const int>(1)));

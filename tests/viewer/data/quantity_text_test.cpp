@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(QuantityText, WritesThreeDigitsAndAUnit) {
+TEST(QuantityText, WritesThreeSignificantDigitsAndAUnit) {
   EXPECT_EQ(ByteRateText(0), "0 B/s");
   EXPECT_EQ(ByteRateText(340), "340 B/s");
   EXPECT_EQ(ByteRateText(1250), "1.25 kB/s");
@@ -27,7 +27,7 @@ TEST(QuantityText, ChoosesTheUnitOfADuration) {
   EXPECT_EQ(DurationText(-2ms), "-2.00 ms") << "the sender's clock may be ahead";
 }
 
-TEST(QuantityText, CountsOneAndSeveral) {
+TEST(QuantityText, UsesSingularAndPlural) {
   EXPECT_EQ(Counted(1, "message", "messages"), "1 message");
   EXPECT_EQ(Counted(0, "message", "messages"), "0 messages");
   EXPECT_EQ(Counted(12, "entity", "entities"), "12 entities");

@@ -9,7 +9,7 @@
 namespace hgros::viewer {
 namespace {
 
-TEST(ValueRange, BeginsWithTheFirstValuesAndGrowsSeldom) {
+TEST(ValueRange, StartsWithTheFirstValuesAndRarelyGrows) {
   ValueRange range;
   EXPECT_FALSE(range.known());
   EXPECT_TRUE(range.Cover(std::vector<float>{1, 2, 3}));
@@ -22,7 +22,7 @@ TEST(ValueRange, BeginsWithTheFirstValuesAndGrowsSeldom) {
   EXPECT_LT(changes, 40);
 }
 
-TEST(ValueRange, LeavesOutliersAndWhatIsNoNumberAlone) {
+TEST(ValueRange, IgnoresOutliersAndValuesThatAreNotNumbers) {
   ValueRange range;
   std::vector<float> values(1000, 5);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] += static_cast<float>(i) / 1000;
@@ -34,7 +34,7 @@ TEST(ValueRange, LeavesOutliersAndWhatIsNoNumberAlone) {
   EXPECT_FALSE(range.Cover({}));
 }
 
-TEST(ValueRange, CountsOutliersWhereAllOthersAreOneValue) {
+TEST(ValueRange, CountsOutliersIfAllOtherValuesAreEqual) {
   std::vector<float> values(1000, 5);
   values[3] = 9;
   ValueRange range;
@@ -48,7 +48,7 @@ TEST(ValueRange, CountsOutliersWhereAllOthersAreOneValue) {
   EXPECT_LT(one.lo(), one.hi());
 }
 
-TEST(ValueRange, CodesOfAnotherRangeMeanTheSameValues) {
+TEST(ValueRange, RecodedValuesStayTheSame) {
   ValueRange before;
   before.Cover(std::vector<float>{0, 10});
   ValueRange now = before;

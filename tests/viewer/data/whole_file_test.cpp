@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(WholeFile, IsReadWithAllBytes) {
+TEST(WholeFile, ReadsAllBytesOfARegularFile) {
   std::string name = (fs::temp_directory_path() / "whole-XXXXXX").string();
   const fs::path folder = mkdtemp(name.data());
   const std::string bytes("a\0b\r\n", 5);

@@ -21,8 +21,8 @@ void SetColor(foxglove::Color& color, const Eigen::Vector4d& rgba) {
   color.set_a(rgba[3]);
 }
 
-/// The nearest wall along a ray in the plane: houses left and right of a street 12 m wide that bends with the way, with
-/// a gap every 20 m.
+/// The nearest wall along a ray in the plane: houses on both sides of a street that is 12 m wide and follows the
+/// robot's path, with a gap every 20 m.
 double Range(const RigidTransform& pose, double angle) {
   const Eigen::Vector3d direction = pose.rotation * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
   for (double range = 0.5; range < 60; range += 0.25) {
@@ -43,7 +43,7 @@ foxglove::SceneEntity& AddEntity(foxglove::SceneUpdate& update, const std::strin
   return entity;
 }
 
-/// Pose, size and color of a cube or the like.
+/// Pose, size and color of a cube or similar shape.
 template <class Solid>
 void SetSolid(Solid& solid, const RigidTransform& pose, const Eigen::Vector3d& size, const Eigen::Vector4d& rgba) {
   SetPose(*solid.mutable_pose(), pose);

@@ -18,14 +18,14 @@ namespace made_world {
 
 /// Where the robot is after `step` steps of 0.5 m.
 [[nodiscard]] RigidTransform PoseAt(std::size_t step);
-/// What its sensor sees from there: x, y, z, intensity as floats.
+/// What its sensor measures there: x, y, z, intensity as floats.
 [[nodiscard]] std::unique_ptr<Bulk<foxglove::PointCloud>> CloudAt(std::size_t step, std::size_t points,
                                                                   std::int64_t stamp_ns);
 [[nodiscard]] foxglove::LaserScan ScanAt(std::size_t step, std::int64_t stamp_ns);
-/// The way until there, in "map".
+/// The path until then, in "map".
 [[nodiscard]] foxglove::PosesInFrame TrajectoryUntil(std::size_t step, std::int64_t stamp_ns);
-/// The robot's body, locked to "base", an arrow along its way and its name, each for a second; and a post every 50 m of
-/// the way so far.
+/// The robot's body, locked to "base", an arrow along its path and its name, each for a second, and a post every 50 m
+/// of the path so far.
 [[nodiscard]] foxglove::SceneUpdate ThingsAt(std::size_t step, std::int64_t stamp_ns);
 
 }  // namespace made_world

@@ -1,6 +1,6 @@
 // The robot of the paper's second use case: viewer_paper_robot NETWORK.yaml. Publishes what its network file offers to
-// a viewer on another machine, the clouds "lidar_visual_channel" and the way "re_optimized_poses", which a loop closure
-// rewrites from the 30th step on: until then it is bent. Ends when it is killed.
+// a viewer on another machine: the clouds "lidar_visual_channel" and the path "re_optimized_poses". The path is bent
+// until a loop closure corrects it at step 30. Runs until it is killed.
 #include <chrono>
 #include <cmath>
 #include <cstdio>

@@ -17,7 +17,7 @@ constexpr int kUnknownGray = 205;
 
 using Key = std::array<std::uint32_t, 3>;
 
-/// Depth first: two bytes a node, two bits a child: 1 free, 2 occupied, 3 with children of its own.
+/// Depth first: two bytes per node, two bits per child: 1 free, 2 occupied, 3 has children.
 class Octree {
  public:
   explicit Octree(std::istream& file) : file_(file) { Read(0, {0, 0, 0}); }
@@ -90,7 +90,7 @@ std::unique_ptr<Bulk<foxglove::Grid>> ReadMap(const std::filesystem::path& pgm, 
   head.mutable_cell_size()->set_x(cell_metres);
   head.mutable_cell_size()->set_y(cell_metres);
   AddByteField(head, "occupancy", foxglove::PackedElementField::INT8);
-  for (std::size_t row = 0; row < rows; ++row) {  // The picture's top row is the map's last.
+  for (std::size_t row = 0; row < rows; ++row) {  // The picture's top row is the map's last row.
     for (std::size_t column = 0; column < columns; ++column) {
       const auto value = static_cast<unsigned char>(gray[(rows - 1 - row) * columns + column]);
       const auto occupied = static_cast<std::int8_t>(

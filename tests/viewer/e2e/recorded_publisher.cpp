@@ -1,5 +1,5 @@
 // Publishes recorded data as the robot did: viewer_recorded_publisher kitti|intel|aces|willow|fr079|fetch|tum FOLDER
-// [HZ], where FOLDER has lidar3d/, lidar2d/, maps/, robots/ and images/ below it.
+// [HZ], FOLDER contains lidar3d/, lidar2d/, maps/, robots/ and images/.
 #include <zlib.h>
 
 #include <chrono>
@@ -129,7 +129,7 @@ int Carmen(Session& session, const std::filesystem::path& file, Duration period)
   return 0;
 }
 
-/// Sends the same message again and again, for as long as somebody may look.
+/// Sends the same message repeatedly until the program is ended.
 template <class T>
 int Repeat(Session& session, const std::string& channel, std::unique_ptr<T> message, Duration period) {
   auto publish = session.Advertise<T>(channel);
@@ -162,7 +162,7 @@ int Images(Session& session, const std::filesystem::path& folder, Duration perio
   return 0;
 }
 
-/// Its joints swing about their middle.
+/// Its joints swing around their middle.
 int Robot(Session& session, const std::filesystem::path& urdf, Duration period) {
   const RobotDescription robot = RobotDescription::FromFile(urdf);
   Transforms transforms(session);

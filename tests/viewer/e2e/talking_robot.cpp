@@ -1,5 +1,5 @@
 // A robot with something to say for each panel: viewer_talking_robot [STEPS [HZ]]. Several sessions publish and
-// subscribe; "broken_..." carry bytes that are not what their type says.
+// subscribe; "broken_..." carry bytes that do not match their type.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -25,7 +25,7 @@
 
 namespace {
 
-/// Bytes that claim to be a message.
+/// Bytes with the type of a message that they are not.
 template <class T>
 struct Broken {
   std::string bytes;

@@ -233,10 +233,10 @@ class InMemory(ViewerCase):
     def test_ends_by_saying_what_was_asked_for_and_never_came(self):
         robot = pathlib.Path(self.folder.name, "broken.urdf")
         robot.write_text("<robot>")
-        for arguments, words in ((["--channel", "clodu"], 'The channel "clodu" never came. Did you mean "cloud"?'),
-                                 (["--channel", "clodu:foxglove.PointCloud"], 'The channel "clodu" never came.'),
-                                 (["--channel", "cloud", "--follow", "bsae"], '"bsae", which the camera was to follow'),
-                                 (["--fixed-frame", "mapp"], 'The fixed frame "mapp" never came. Did you mean "map"?'),
+        for arguments, words in ((["--channel", "clodu"], 'The channel "clodu" was never published. Did you mean "cloud"?'),
+                                 (["--channel", "clodu:foxglove.PointCloud"], 'The channel "clodu" was never published.'),
+                                 (["--channel", "cloud", "--follow", "bsae"], '"bsae", which the camera should follow'),
+                                 (["--fixed-frame", "mapp"], 'The fixed frame "mapp" was never found. Did you mean "map"?'),
                                  (["--display", "Robot model,file=none.urdf"], "none.urdf is not a file"),
                                  (["--display", f"Robot model,file={robot}"], "Robot model: "),
                                  (["--channel", "cloud:foxglove.Grid"],
@@ -262,8 +262,8 @@ class InMemory(ViewerCase):
                                  (["--panel", "Radar"], "there are Channels"),
                                  (["--panel", "Plot,seconds=long"], "from 1 to 600"),
                                  (["--config", "x" * 300], "cannot be read: File name too long"),
-                                 (["--fps-limit", "inf"], "1e12 at most"),
-                                 (["--report", "0"], "--report is a number above 0"),
+                                 (["--fps-limit", "inf"], "at most 1e12"),
+                                 (["--report", "0"], "--report must be a number above 0"),
                                  (["--screenshot", "x.png"], "--after")):
             with self.subTest(arguments=arguments):
                 viewer = self.start(VIEWER, "--offscreen", "64x64", *arguments)

@@ -6,10 +6,10 @@ namespace {
 
 class DisplayPanelAdd : public PanelTest {
  protected:
-  /// All the words of the panel, line by line.
+  /// All texts of the panel, line by line.
   std::string Words() {
     ImGui::NewFrame();
-    ImGui::LogToClipboard(0);  // Opens nothing by itself.
+    ImGui::LogToClipboard(0);  // Does not open anything itself.
     (void)panel_.Draw(scene_, frame_, {{"cloud", "foxglove.PointCloud", {}}}, dock_);
     ImGui::LogFinish();
     ImGui::Render();
@@ -32,7 +32,7 @@ class DisplayPanelAdd : public PanelTest {
   DisplayPanel panel_;
 };
 
-TEST_F(DisplayPanelAdd, ItsListOfChannelsOpensOnTheWord) {
+TEST_F(DisplayPanelAdd, OpensTheListOfChannelsByAClickOnTheWord) {
   EXPECT_EQ(Words().find("foxglove.PointCloud"), std::string::npos);
   const float unit = ImGui::GetFontSize();
   const float on_the_word = 4.5F * unit;
@@ -43,7 +43,7 @@ TEST_F(DisplayPanelAdd, ItsListOfChannelsOpensOnTheWord) {
   EXPECT_TRUE(opened);
 }
 
-TEST_F(DisplayPanelAdd, SaysWholeWhyADisplayWasRefused) {
+TEST_F(DisplayPanelAdd, ShowsTheWholeReasonOfARefusal) {
   const std::string why = "\"cloud\" carries foxglove.PointCloud; a Grid shows foxglove.Grid.";
   panel_.Refuse(why);
   std::string words = Words();

@@ -2,8 +2,8 @@
 
 #include <imgui_internal.h>
 
-#include "viewer/panels/look.hpp"
 #include "viewer/panels/panel_fixture.hpp"
+#include "viewer/panels/widgets/look.hpp"
 
 namespace hgros::viewer::test {
 namespace {
@@ -34,7 +34,7 @@ class DisplayPanelTest : public PanelTest {
       ImGui::Render();
     }
   }
-  /// How high everything in it is, with the display unfolded and so many lines to say.
+  /// Height of its contents, with the display unfolded and a status of `lines` lines.
   float HeightWith(std::size_t lines) {
     auto& display = static_cast<Silent&>(*scene_.entries().front().display);
     display.status.assign(lines, "one of the frames");
@@ -45,7 +45,7 @@ class DisplayPanelTest : public PanelTest {
     DrawPanel({});
     return window.ContentSize.y;
   }
-  /// How much of the panel stands in the colour of what is wrong.
+  /// How much of the panel has the color of errors.
   int Orange(const std::vector<ChannelRow>& channels) {
     DrawPanel(channels);
     const float* const rgba = WarningColor::kRgba;
@@ -64,13 +64,13 @@ class DisplayPanelTest : public PanelTest {
   DisplayPanel panel_;
 };
 
-TEST_F(DisplayPanelTest, ShowsInOrangeWhoseUsersDoNotAgreeOnTheType) {
+TEST_F(DisplayPanelTest, ShowsTypeConflictsInOrange) {
   EXPECT_EQ(Orange({}), 0);
   EXPECT_EQ(Orange({{"scan", "Silence", ""}, {"other", "Silence", "They differ."}}), 0) << "it is another channel's";
   EXPECT_GT(Orange({{"scan", "Silence", "They differ."}}), 0);
 }
 
-TEST_F(DisplayPanelTest, ScrollsManyLinesSoThatTheSettingsBelowStayInSight) {
+TEST_F(DisplayPanelTest, ScrollsALongStatusSoThatSettingsStayVisible) {
   EXPECT_GT(HeightWith(3), HeightWith(1)) << "it is unfolded";
   EXPECT_LT(HeightWith(50), HeightWith(10) + 1);
   EXPECT_LT(HeightWith(50), HeightWith(7) + ImGui::GetFontSize());

@@ -1,16 +1,16 @@
 #include <imgui_internal.h>
 
+#include "viewer/panels/overlay/status_line.hpp"
+#include "viewer/panels/overlay/time_bar.hpp"
 #include "viewer/panels/panel_fixture.hpp"
-#include "viewer/panels/status_line.hpp"
-#include "viewer/panels/time_bar.hpp"
 #include "viewer/panels/view_panel.hpp"
 
 namespace hgros::viewer::test {
 namespace {
 
-using Lines = PanelTest;
+using PanelLines = PanelTest;
 
-TEST_F(Lines, TheStatusIsIdleWhileNothingIsDrawn) {
+TEST_F(PanelLines, StatusIsIdleWhileNothingIsDrawn) {
   StatusFigures figures;
   figures.frames_per_second = 12;
   EXPECT_NE(StatusText(figures).find("12 frames/s"), std::string::npos);
@@ -19,12 +19,12 @@ TEST_F(Lines, TheStatusIsIdleWhileNothingIsDrawn) {
   EXPECT_EQ(StatusText(figures).find("frames/s"), std::string::npos);
 }
 
-TEST_F(Lines, TheTimeBarSaysHowFarItSpansAndWhy) {
+TEST_F(PanelLines, TimeBarShowsItsSpanAndLimit) {
   EXPECT_EQ(SpanText({0, 9.84, false, 0}), "spans 9.8 s");
   EXPECT_EQ(SpanText({0, 9.84, true, 0}), "spans 9.8 s (frames)");
 }
 
-TEST_F(Lines, TheViewStaysAtItsEdgeWhenTheWindowTakesAnotherSize) {
+TEST_F(PanelLines, ViewPanelStaysAtItsEdgeWhenTheWindowIsResized) {
   ViewPanel view;
   Camera camera;
   const TransformTree tree;

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "hgros/session/session.hpp"
-#include "viewer/panels/panel_dock.hpp"
+#include "viewer/panels/dock/panel_dock.hpp"
 
 namespace hgros::viewer::test {
 
-/// A dock with a session of its own, and ImGui without anybody who draws.
+/// A dock with its own session, and ImGui without drawing.
 class PanelTest : public ::testing::Test {
  protected:
   PanelTest() {
@@ -32,7 +32,7 @@ class PanelTest : public ::testing::Test {
   Panel& Open(const std::string& name) { return dock_.Open(*PanelTypeNamed(name)); }
   void Close(const std::string& name) { dock_.Close(*PanelTypeNamed(name)); }
 
-  /// Takes in what has arrived, as if a second had passed.
+  /// Takes what has arrived, as if a second had passed.
   void Update() {
     EXPECT_TRUE(session_.WaitIdle(std::chrono::seconds(10)));
     channels_ = session_.Channels();
@@ -40,7 +40,7 @@ class PanelTest : public ::testing::Test {
     now_s_ += 1;
     (void)dock_.Update({now_s_, channels_});
   }
-  /// Lays everything out; how many triangles there are then.
+  /// Lays everything out. Returns the number of triangles.
   int Draw() {
     ImGui::NewFrame();
     dock_.Draw();

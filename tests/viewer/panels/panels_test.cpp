@@ -12,7 +12,7 @@ namespace {
 
 using PanelsTest = PanelTest;
 
-TEST_F(PanelsTest, AllSayWhatToDoWhileThereIsNothing) {
+TEST_F(PanelsTest, EmptyPanelsExplainWhatToDo) {
   const int none = Draw();
   for (const PanelType& type : PanelTypes()) {
     dock_.Open(type);
@@ -22,7 +22,7 @@ TEST_F(PanelsTest, AllSayWhatToDoWhileThereIsNothing) {
   }
 }
 
-TEST_F(PanelsTest, LogShowsLinesAsTheyCome) {
+TEST_F(PanelsTest, LogShowsLinesAsTheyArrive) {
   auto log = session_.Advertise<foxglove::Log>("log");
   Open("Log");
   Update();  // Now it subscribes.
@@ -40,7 +40,7 @@ TEST_F(PanelsTest, LogShowsLinesAsTheyCome) {
   EXPECT_GT(Draw(), before);
 }
 
-TEST_F(PanelsTest, MessageUnfoldsWhatWasAskedFor) {
+TEST_F(PanelsTest, MessageUnfoldsRequestedFields) {
   auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
   ASSERT_EQ(Open("Message").Set("channel", "odometry"), "");
   odometry(foxglove::PoseInFrame());
@@ -72,7 +72,7 @@ TEST_F(PanelsTest, PlotDrawsALineThroughItsNumbers) {
   EXPECT_GT(Draw(), empty);
 }
 
-TEST_F(PanelsTest, PlotSaysOfEachSeriesWhatIsWrongOnALineOfItsOwn) {
+TEST_F(PanelsTest, PlotShowsTheErrorOfEachSeriesOnItsOwnLine) {
   auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
   Panel& plot = Open("Plot");
   ASSERT_EQ(plot.Set("series", "odometry pose.speed"), "");
@@ -87,14 +87,14 @@ TEST_F(PanelsTest, PlotSaysOfEachSeriesWhatIsWrongOnALineOfItsOwn) {
   ImGui::Render();
   const std::string text = ImGui::GetClipboardText();
   const std::size_t first = text.find("odometry pose.speed: ");
-  const std::size_t second = text.find("nothing pose.position.x: Nobody publishes this channel.");
+  const std::size_t second = text.find("nothing pose.position.x: This channel has no publisher.");
   ASSERT_NE(first, std::string::npos) << text;
   ASSERT_NE(second, std::string::npos) << text;
   EXPECT_NE(text.substr(first, second - first).find('\n'), std::string::npos) << text;
   EXPECT_GT(first, text.find("nothing pose.position.x ")) << "below the names of all: " << text;
 }
 
-TEST_F(PanelsTest, AreLaidOutInATinyWindow) {
+TEST_F(PanelsTest, AllPanelsFitIntoATinyWindow) {
   auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
   for (const PanelType& type : PanelTypes()) dock_.Open(type);
   ASSERT_EQ(Open("Plot").Set("series", "odometry pose.position.x"), "");
@@ -126,7 +126,7 @@ TEST_F(PanelsTest, GraphIsReadableWithFiftyProcesses) {
   EXPECT_GT(Draw(), 500);
 }
 
-/// Sessions find each other in a domain that nobody else uses.
+/// Sessions find each other in a separate domain.
 struct Domain {
   Domain() { setenv("HGROS_DOMAIN", ("panels" + std::to_string(getpid())).c_str(), 1); }
   ~Domain() { setenv("HGROS_DOMAIN", "none", 1); }

@@ -28,16 +28,16 @@ foxglove::PointCloud PointAt(double x) {
   return cloud;
 }
 
-/// How many pixels are not background.
+/// Number of pixels that are not background.
 std::size_t Drawn(const Pixels& pixels) {
   std::size_t drawn = 0;
   for (std::size_t i = 0; i + 2 < pixels.size(); i += 3) drawn += pixels[i] > 60 || pixels[i + 1] > 60 ? 1 : 0;
   return drawn;
 }
 
-class LookingBack : public SceneTest {};
+class LookingBackTest : public SceneTest {};
 
-TEST_F(LookingBack, ShowsThePointsThatWereThereThen) {
+TEST_F(LookingBackTest, ShowsThePointsOfThatTime) {
   Add("Point cloud", "cloud", {"keep", "time", "seconds", "60", "color", "flat", "size", "4"});
   for (int second = 0; second < 5; ++second) {
     Publish("cloud", PointAt(second - 2));
@@ -55,7 +55,7 @@ TEST_F(LookingBack, ShowsThePointsThatWereThereThen) {
   EXPECT_NEAR(static_cast<double>(two) / static_cast<double>(all), 2.0 / 5, 0.01);
 }
 
-TEST_F(LookingBack, CountsWhatTheDisplaysThatAreThereHaveDropped) {
+TEST_F(LookingBackTest, CountsDroppedMessagesOfCurrentDisplays) {
   Add("Point cloud", "one");
   Add("Point cloud", "other");
   const auto flood = [&](const std::string& channel, int count) {
@@ -64,7 +64,7 @@ TEST_F(LookingBack, CountsWhatTheDisplaysThatAreThereHaveDropped) {
       ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10))) << "none is dropped on its way";
     }
   };
-  constexpr int kMore = 40;  // than wait
+  constexpr int kMore = 40;  // more than can wait
   flood("one", kMore);
   ASSERT_GT(scene_.dropped(), 0U);
   scene_.CountDropped();
@@ -77,7 +77,7 @@ TEST_F(LookingBack, CountsWhatTheDisplaysThatAreThereHaveDropped) {
   EXPECT_GT(scene_.dropped(), 0U);
 }
 
-TEST_F(LookingBack, ShowsThePosesThatHadCome) {
+TEST_F(LookingBackTest, ShowsThePosesOfThatTime) {
   Display& trail = Add("Pose", "pose", {"trail", "100", "style", "line"});
   for (int second = 0; second < 5; ++second) {
     foxglove::PoseInFrame pose;
@@ -99,7 +99,7 @@ TEST_F(LookingBack, ShowsThePosesThatHadCome) {
   EXPECT_EQ(Drawn(Draw()), all);
 }
 
-TEST_F(LookingBack, ForgetsTimesWithThePosesThatGo) {
+TEST_F(LookingBackTest, ForgetsTimesOfRemovedPoses) {
   Display& trail = Add("Pose", "pose", {"trail", "3"});
   for (int second = 0; second < 10; ++second) {
     foxglove::PoseInFrame pose;
@@ -110,7 +110,7 @@ TEST_F(LookingBack, ForgetsTimesWithThePosesThatGo) {
   }
 }
 
-TEST_F(LookingBack, GoesOnWithWhatComesNext) {
+TEST_F(LookingBackTest, ContinuesWithNewMessages) {
   Add("Trajectory", "way", {"style", "line"});
   foxglove::PosesInFrame way;
   way.set_frame_id("map");
@@ -127,7 +127,7 @@ TEST_F(LookingBack, GoesOnWithWhatComesNext) {
   EXPECT_LT(DifferentShare(grown, Draw()), 0.002) << "a message brings it back to the newest";
 }
 
-TEST_F(LookingBack, ShowsFramesWhereTheyWere) {
+TEST_F(LookingBackTest, ShowsPastPlacesOfFrames) {
   Display& frames = Add("Frames");
   for (int second = 1; second <= 5; ++second) {
     const Time stamp{second * 1'000'000'000LL};
@@ -148,7 +148,7 @@ TEST_F(LookingBack, ShowsFramesWhereTheyWere) {
   EXPECT_EQ(base(), 5);
 }
 
-TEST_F(LookingBack, IsTruthfulAsLongAsFramesThatAreSeenAreRemembered) {
+TEST_F(LookingBackTest, IsLimitedByTheHistoryOfVisibleFrames) {
   Add("Pose", "pose", {"trail", "100"});
   Add("Frames");
   for (int second = 0; second < 60; ++second) {
@@ -169,7 +169,7 @@ TEST_F(LookingBack, IsTruthfulAsLongAsFramesThatAreSeenAreRemembered) {
   EXPECT_EQ(scene_.oldest_s(), std::numeric_limits<double>::infinity()) << "nobody sees the poses";
 }
 
-TEST_F(LookingBack, IsTruthfulForEverWhereNoFrameMoves) {
+TEST_F(LookingBackTest, IsUnlimitedWhenNoFrameMoves) {
   Add("Frames");
   (void)tree_.SetStatic("map", "base", RigidTransform({1, 0, 0, 0}, {1, 0, 0}));
   Update(5);

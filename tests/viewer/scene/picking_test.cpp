@@ -25,13 +25,13 @@ foxglove::PointCloud PointAt(float x, float y, float z, float intensity) {
   return cloud;
 }
 
-class Picking : public SceneTest {
+class PickingTest : public SceneTest {
  protected:
   void SetUp() override {
     SceneTest::SetUp();
     camera_.LookFromAbove();
   }
-  /// What is seen where a point lies.
+  /// What is picked at a point.
   const Scene::Entry* EntryAt(const Eigen::Vector3d& at, Eigen::Vector3d& found) {
     (void)Draw();
     const auto pixel = camera_.PixelOf(at, kPictureSize);
@@ -46,7 +46,7 @@ class Picking : public SceneTest {
   }
 };
 
-TEST_F(Picking, TellsPositionDisplayFrameAndValue) {
+TEST_F(PickingTest, ReturnsPositionDisplayFrameAndValue) {
   for (const char* keep : {"latest", "all"}) {
     const std::string channel = std::string("cloud_") + keep;
     Add("Ground");
@@ -68,7 +68,7 @@ TEST_F(Picking, TellsPositionDisplayFrameAndValue) {
   }
 }
 
-TEST_F(Picking, TellsWhatLiesInFront) {
+TEST_F(PickingTest, ReturnsTheFrontDisplay) {
   Add("Point cloud", "low", {"size", "9"});
   Add("Point cloud", "high", {"size", "9"});
   for (const auto& [channel, height] : {std::pair("low", 0.0F), std::pair("high", 2.0F)}) {
@@ -84,7 +84,7 @@ TEST_F(Picking, TellsWhatLiesInFront) {
   EXPECT_NEAR(found.z(), 2, 0.05);
 }
 
-/// Two cells of 4 m side by side, 1 m above the ground, the left one without a cost.
+/// Two cells of 4 m, side by side, 1 m above the ground. The left one has no cost.
 foxglove::Grid TwoCells() {
   foxglove::Grid grid;
   grid.set_frame_id("map");
@@ -101,7 +101,7 @@ foxglove::Grid TwoCells() {
   return grid;
 }
 
-TEST_F(Picking, TellsWhatCanBeSeenThroughButNotWhatIsNothing) {
+TEST_F(PickingTest, ReturnsTransparentThingsButNotInvisibleOnes) {
   Add("Point cloud", "below", {"size", "9"});
   foxglove::PointCloud below = PointAt(-2, 0, 0, 1);
   below.set_frame_id("map");
@@ -125,7 +125,7 @@ TEST_F(Picking, TellsWhatCanBeSeenThroughButNotWhatIsNothing) {
   EXPECT_EQ(EntryAt({2, 0, 1}, found), nullptr);
 }
 
-TEST_F(Picking, TellsTheNearestOfSeveralThatCanBeSeenThrough) {
+TEST_F(PickingTest, ReturnsTheNearestOfSeveralTransparentDisplays) {
   Add("Scene", "things");
   Display& costs = Add("Grid", "costs", {"palette", "costmap", "alpha", "0.5"});
   foxglove::SceneUpdate update;
@@ -153,7 +153,7 @@ TEST_F(Picking, TellsTheNearestOfSeveralThatCanBeSeenThrough) {
   EXPECT_EQ(DifferentShare(Draw(), before), 0) << "picking leaves nothing in the picture";
 }
 
-TEST_F(Picking, TellsTheEntityAndItsNotes) {
+TEST_F(PickingTest, ReturnsTheEntityAndItsMetadata) {
   Add("Scene", "things");
   foxglove::SceneUpdate update;
   for (const double x : {-2.0, 2.0}) {
@@ -182,7 +182,7 @@ TEST_F(Picking, TellsTheEntityAndItsNotes) {
   EXPECT_EQ(entry->display->ValueAt({0, 0, 0}, 0.1), "");
 }
 
-TEST_F(Picking, TellsWhateverCanBeSeenThrough) {
+TEST_F(PickingTest, ReturnsTransparentThingsOfEveryKind) {
   Add("Scene", "things");
   Add("Voxels", "voxels", {"alpha", "0.5"});
   foxglove::SceneUpdate update;
@@ -192,7 +192,7 @@ TEST_F(Picking, TellsWhateverCanBeSeenThrough) {
     added.set_id(id);
     return &added;
   };
-  for (const double alpha : {0.3, 0.0}) {  // What is nothing lies over it.
+  for (const double alpha : {0.3, 0.0}) {  // An invisible thing is above it.
     const std::string name = alpha > 0 ? "seen " : "unseen ";
     const double z = alpha > 0 ? 1 : 2;
     const auto point = [&](auto* at, double x, double y) { SetXyz(*at, x, y, z); };
@@ -238,7 +238,7 @@ TEST_F(Picking, TellsWhateverCanBeSeenThrough) {
   EXPECT_TRUE(told({4.5, 0.5, 1}).starts_with("full = 1")) << told({4.5, 0.5, 1});
 }
 
-TEST_F(Picking, TellsTheEntityOfAModel) {
+TEST_F(PickingTest, ReturnsTheEntityOfAModel) {
   Add("Scene", "things");
   foxglove::SceneUpdate update;
   for (const double x : {-3.0, 3.0}) {
@@ -259,7 +259,7 @@ TEST_F(Picking, TellsTheEntityOfAModel) {
   EXPECT_EQ(entry->display->ValueAt(found, 0.1), "entity \"right\"");
 }
 
-TEST_F(Picking, TellsAShapesName) {
+TEST_F(PickingTest, ReturnsTheNameOfAShape) {
   Display& display = Add("Shapes", "shapes");
   hgros::Shapes update;
   update.set_frame_id("map");
@@ -273,7 +273,7 @@ TEST_F(Picking, TellsAShapesName) {
   EXPECT_EQ(display.ValueAt({1, 1, 0}, 0.1), "shape \"disc\"");
 }
 
-TEST_F(Picking, ChangesNothingOfThePicture) {
+TEST_F(PickingTest, DoesNotChangeThePicture) {
   Add("Ground");
   Add("Point cloud", "cloud", {"keep", "all", "size", "5"});
   Add("Trajectory", "way");

@@ -7,13 +7,13 @@
 #include <filesystem>
 
 #include "hgros/base/error.hpp"
-#include "viewer/app/png_file.hpp"
+#include "viewer/app/output/png_file.hpp"
 
 namespace hgros::viewer::test {
 namespace {
 
 constexpr int kClearly = 48;         // of 255, in one channel
-constexpr double kTolerance = 0.01;  // of the pixels: renderers round the edges of points and lines differently
+constexpr double kTolerance = 0.01;  // of the pixels: renderers differ at the edges of points and lines
 
 std::string Read(const std::filesystem::path& file, Pixels& pixels) {
   png_image image{};
@@ -39,7 +39,7 @@ double DifferentShare(const Pixels& a, const Pixels& b) {
 }
 
 void DrawingTest::SetUp() {
-  // One context for all tests, and for ever: making one takes longer than a test.
+  // One context for all tests, never destroyed: making one takes longer than a test.
   static Offscreen* surface = nullptr;
   if (surface != nullptr) return;
   try {

@@ -8,38 +8,38 @@
 #include <vector>
 
 #include "hgros/session/session.hpp"
-#include "viewer/app/offscreen.hpp"
+#include "viewer/app/surface/offscreen.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace hgros::viewer::test {
 
 inline constexpr Viewport kPictureSize{320, 240};
 
-/// A picture as compared: 3 bytes a pixel, rows from the top.
+/// A picture for comparison: 3 bytes per pixel, rows from the top.
 using Pixels = std::vector<std::uint8_t>;
 
-/// Share of the pixels that are clearly another colour.
+/// Share of the pixels that clearly have another color.
 [[nodiscard]] double DifferentShare(const Pixels& a, const Pixels& b);
 
-/// What is drawn is drawn into memory.
+/// All tests draw into memory.
 class DrawingTest : public ::testing::Test {
  protected:
   void SetUp() override;
 };
 
-/// A scene in memory with a session of its own; what is published there has arrived when Update returns.
+/// A scene in memory with its own session. Messages published before Update have arrived when it returns.
 class SceneTest : public DrawingTest {
  protected:
-  /// The display shows `channel`, with settings as name, text, name, text ...
+  /// Adds a display for `channel`, with settings as name, text, name, text ...
   Display& Add(const std::string& type, const std::string& channel = {}, const std::vector<std::string>& settings = {});
   void Update(double now_s = 0);
-  /// As a person does while the view stands still: nothing is taken in.
+  /// Changes a setting as a person does during a pause: no messages are taken in.
   void SetStandingStill(Display& display, const std::string& name, const std::string& text);
-  /// Draws until the picture is whole.
+  /// Draws until the picture is complete.
   [[nodiscard]] Pixels Draw();
-  /// The picture is as the one that was looked at and kept; HGROS_KEEP_PICTURES=1 keeps it.
+  /// Compares the picture with the golden one, which a person has checked. HGROS_KEEP_PICTURES=1 replaces that.
   void ExpectAsKept(const std::string& name);
-  /// Likewise of what was drawn before.
+  /// The same for a picture that was drawn before.
   void ExpectDrawnAsKept(const std::string& name);
 
   template <class T>

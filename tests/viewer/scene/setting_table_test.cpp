@@ -60,7 +60,7 @@ Table ReadTable() {
 
 class SettingTable : public SceneTest {};
 
-TEST_F(SettingTable, OfTheManualHasEverySettingOfEveryDisplayWithItsDefaultAndNoOther) {
+TEST_F(SettingTable, OfTheManualMatchesAllSettingsAndDefaults) {
   Table table = ReadTable();
   int made = 0;
   for (const DisplayType& type : DisplayTypes()) {

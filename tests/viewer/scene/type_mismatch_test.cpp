@@ -5,14 +5,14 @@
 namespace hgros::viewer {
 namespace {
 
-TEST(TypeMismatches, AreSaidInAPersonsWords) {
+TEST(TypeMismatchTest, IsExplainedInPlainWords) {
   EXPECT_EQ(WhyNotShown(*DisplayTypeNamed("Grid"), "cloud", "foxglove.PointCloud"),
             "\"cloud\" carries foxglove.PointCloud; a Grid shows foxglove.Grid.");
   EXPECT_EQ(WhyNotShown(*DisplayTypeNamed("Image"), "cloud", "foxglove.PointCloud"),
             "\"cloud\" carries foxglove.PointCloud; an Image shows foxglove.RawImage.");
 }
 
-TEST(TypeMismatches, AreNoneWhereTheTypeFitsOrIsUnknown) {
+TEST(TypeMismatchTest, IsEmptyIfTheTypeFitsOrIsUnknown) {
   EXPECT_EQ(WhyNotShown(*DisplayTypeNamed("Grid"), "map", "foxglove.Grid"), "");
   EXPECT_EQ(WhyNotShown(*DisplayTypeNamed("Grid"), "map", ""), "");
   EXPECT_EQ(WhyNotShown(*DisplayTypeNamed("Ground"), "", "foxglove.Grid"), "");

@@ -25,7 +25,7 @@ TEST(Camera, LooksAtTheOriginFromTheStart) {
   EXPECT_NEAR(pixel->y(), 300, 1e-6);
 }
 
-TEST(Camera, FindsThePointOfAPixelAgain) {
+TEST(Camera, ConvertsPixelsToPointsAndBack) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> metres(-5, 5);
   for (const bool orthographic : {false, true}) {
@@ -40,7 +40,7 @@ TEST(Camera, FindsThePointOfAPixelAgain) {
   }
 }
 
-TEST(Camera, OrbitingLeavesTheAnchorWhereItIsInThePicture) {
+TEST(Camera, OrbitingKeepsTheAnchorInPlace) {
   Camera camera;
   const Eigen::Vector3d anchor(2, -1, 0.5);
   const auto before = camera.PixelOf(anchor, kViewport);
@@ -49,12 +49,12 @@ TEST(Camera, OrbitingLeavesTheAnchorWhereItIsInThePicture) {
   camera.Turn(0.3, -0.1, 0.4);
   const auto after = camera.PixelOf(anchor, kViewport);
   ASSERT_TRUE(before && after);
-  // The direction to it turns with the camera, so its pixel stays.
+  // The direction to the anchor turns with the camera, so its pixel stays.
   EXPECT_NEAR(before->x(), after->x(), 1e-6);
   EXPECT_NEAR(before->y(), after->y(), 1e-6);
 }
 
-TEST(Camera, OrbitingKeepsTheHorizonLevelAndEndsAtThePoles) {
+TEST(Camera, OrbitingKeepsTheHorizonLevelAndStopsAtThePoles) {
   Camera camera;
   for (int i = 0; i < 50; ++i) {
     camera.Orbit(0.3, 0.2);
@@ -90,7 +90,7 @@ TEST(Camera, ZoomsTowardsThePointerOrTheAnchor) {
   }
 }
 
-TEST(Camera, PanningMovesWhatIsAtThePivotWithThePointer) {
+TEST(Camera, PanningMovesThePivotWithThePointer) {
   for (const bool orthographic : {false, true}) {
     Camera camera;
     camera.SetOrthographic(orthographic);
@@ -103,7 +103,7 @@ TEST(Camera, PanningMovesWhatIsAtThePivotWithThePointer) {
   }
 }
 
-TEST(Camera, FromAboveHasXToTheRightAndYUpAndTheMiddleStays) {
+TEST(Camera, FromAboveHasXRightAndYUpAndKeepsTheMiddle) {
   Camera camera;
   const Eigen::Vector3d pivot = camera.Pivot();
   camera.LookFromAbove();
@@ -117,7 +117,7 @@ TEST(Camera, FromAboveHasXToTheRightAndYUpAndTheMiddleStays) {
   EXPECT_NEAR(right->y(), 150, 1e-6);
   EXPECT_NEAR(up->x(), 200, 1e-6);
   EXPECT_LT(up->y(), 149);
-  camera.LookFromAbove();  // Twice is once.
+  camera.LookFromAbove();  // A second call has no effect.
   ExpectNear(camera.Pivot(), pivot, 1e-9);
 }
 
@@ -153,7 +153,7 @@ TEST(Camera, CentersAPointWithoutTurningOrZooming) {
   EXPECT_TRUE(camera.orientation().isApprox(turned));
 }
 
-TEST(Camera, DrawsCoordinatesOfMillionsOfMetresExactly) {
+TEST(Camera, DrawsCoordinatesOfMillionsOfMetersExactly) {
   Camera near_origin;
   Camera far_away;
   const Eigen::Vector3d there(500'000, 5'400'000, 300);
@@ -169,7 +169,7 @@ TEST(Camera, DrawsCoordinatesOfMillionsOfMetresExactly) {
   EXPECT_NEAR((1 - clip.y() / clip.w()) / 2 * 600, here->y(), 1e-2);
 }
 
-TEST(Camera, ShowsAllOfABoxAndLittleElse) {
+TEST(Camera, FitsABoxIntoThePicture) {
   const Eigen::AlignedBox3d box(Eigen::Vector3d(100, -3, 0), Eigen::Vector3d(160, 9, 5));
   for (const bool orthographic : {false, true}) {
     Camera camera;
@@ -186,7 +186,7 @@ TEST(Camera, ShowsAllOfABoxAndLittleElse) {
   }
 }
 
-TEST(Camera, LooksAtNothingThatIsNotFinite) {
+TEST(Camera, IgnoresTargetsThatAreNotFinite) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kLargest = std::numeric_limits<double>::max();
   const Eigen::Vector3d one = Eigen::Vector3d::Ones();
@@ -202,7 +202,7 @@ TEST(Camera, LooksAtNothingThatIsNotFinite) {
   EXPECT_LT(camera.eye().cwiseAbs().maxCoeff(), 1e12) << "a layout keeps no more";
 }
 
-TEST(Camera, ZoomingEndsSomewhere) {
+TEST(Camera, ZoomingHasLimits) {
   Camera camera;
   for (int i = 0; i < 1000; ++i) camera.Zoom(10, 400, 300, kViewport);
   EXPECT_GT(camera.distance(), 0);

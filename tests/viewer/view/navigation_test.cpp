@@ -5,20 +5,20 @@
 namespace hgros::viewer {
 namespace {
 
-constexpr Viewport kViewport{800, 600};
+constexpr Viewport kWindow{800, 600};
 
 TEST(Navigation, ALeftClickPicksAndALeftDragOrbits) {
   Camera camera;
   Navigation navigation(camera);
   navigation.OnPress(PointerButton::kLeft, 100, 100);
-  navigation.OnPointer(101, 101, kViewport);
+  navigation.OnPointer(101, 101, kWindow);
   const auto picked = navigation.OnRelease(PointerButton::kLeft, 101, 101);
   ASSERT_TRUE(picked);
   EXPECT_EQ(*picked, Eigen::Vector2d(101, 101));
   EXPECT_TRUE(camera.SameViewAs(Camera()));
 
   navigation.OnPress(PointerButton::kLeft, 100, 100);
-  navigation.OnPointer(150, 100, kViewport);
+  navigation.OnPointer(150, 100, kWindow);
   EXPECT_FALSE(navigation.OnRelease(PointerButton::kLeft, 150, 100));
   EXPECT_FALSE(camera.SameViewAs(Camera()));
   EXPECT_NEAR((camera.Pivot()).norm(), 0, 1e-9);
@@ -28,7 +28,7 @@ TEST(Navigation, ARightDragPans) {
   Camera camera;
   Navigation navigation(camera);
   navigation.OnPress(PointerButton::kRight, 100, 100);
-  navigation.OnPointer(150, 100, kViewport);
+  navigation.OnPointer(150, 100, kWindow);
   EXPECT_FALSE(navigation.OnRelease(PointerButton::kRight, 150, 100));
   EXPECT_GT(camera.Pivot().norm(), 0.1);
   EXPECT_TRUE(camera.orientation().coeffs() == Camera().orientation().coeffs());
@@ -37,18 +37,18 @@ TEST(Navigation, ARightDragPans) {
 TEST(Navigation, MovingWithoutAButtonChangesNothing) {
   Camera camera;
   Navigation navigation(camera);
-  navigation.OnPointer(10, 10, kViewport);
-  navigation.OnPointer(500, 500, kViewport);
+  navigation.OnPointer(10, 10, kWindow);
+  navigation.OnPointer(500, 500, kWindow);
   EXPECT_TRUE(camera.SameViewAs(Camera()));
 }
 
-TEST(Navigation, TheWheelGoesNearerAndBack) {
+TEST(Navigation, TheWheelZoomsInAndOut) {
   Camera camera;
   Navigation navigation(camera);
-  navigation.OnPointer(400, 300, kViewport);
-  navigation.OnWheel(2, kViewport);
+  navigation.OnPointer(400, 300, kWindow);
+  navigation.OnWheel(2, kWindow);
   EXPECT_LT(camera.distance(), 20);
-  navigation.OnWheel(-2, kViewport);
+  navigation.OnWheel(-2, kWindow);
   EXPECT_NEAR(camera.distance(), 20, 1e-9);
 }
 

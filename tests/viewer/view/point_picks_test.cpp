@@ -23,7 +23,7 @@ TEST(PointPicks, MeasuresFromTheFirstToTheSecond) {
   EXPECT_DOUBLE_EQ(measured->in_plane, 5);
 }
 
-TEST(PointPicks, BeginsAnewWithTheThird) {
+TEST(PointPicks, StartsAgainWithTheThirdPoint) {
   PointPicks picks;
   for (int i = 0; i < 3; ++i) picks.Add(At(i, 0, 0));
   ASSERT_EQ(picks.points().size(), 1U);
@@ -39,7 +39,7 @@ TEST(PointPicks, MeasuresExactlyFarFromTheOrigin) {
   EXPECT_DOUBLE_EQ(picks.measurement()->distance, 0.125);
 }
 
-TEST(PointPicks, WritesMetresWithThePlacesThatMakeSense) {
+TEST(PointPicks, WritesMetersWithSuitableDecimals) {
   EXPECT_EQ(MetresText(Eigen::Vector3d(1.23456, -2, 0)), "1.235, -2.000, 0.000 m");
   EXPECT_EQ(MetresText(Eigen::Vector3d(500000.127, 5400000.5, 300)), "500000.1, 5400000.5, 300.0 m");
   EXPECT_EQ(MetresText(12.5), "12.500 m");

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "viewer/app/options.hpp"
+
+namespace hgros::viewer {
+
+/// What a viewer knows that its layout does not contain. It is handed to the viewer that replaces it.
+struct Carried {
+  std::vector<WantedDisplay> awaited;  ///< Their schema is not known yet.
+  std::set<std::string> found;         ///< Channels that were found and shown, including those that were removed later.
+  bool keeps_finding = false;          ///< The value of `show_found` for the next written layout.
+};
+
+}  // namespace hgros::viewer

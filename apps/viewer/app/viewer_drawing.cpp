@@ -1,0 +1,77 @@
+#include <imgui.h>
+
+#include "viewer/app/process_figures.hpp"
+#include "viewer/app/viewer.hpp"
+#include "viewer/panels/overlay/help_overlay.hpp"
+#include "viewer/panels/overlay/label_layer.hpp"
+#include "viewer/panels/overlay/pick_layer.hpp"
+#include "viewer/panels/overlay/status_line.hpp"
+#include "viewer/panels/overlay/time_bar.hpp"
+#include "viewer/panels/widgets/look.hpp"
+
+namespace hgros::viewer {
+
+void Viewer::DrawFrame(double now_s) {
+  const Viewport size = surface_.size();
+  UpdateScale();
+  pace_.BeginFrame(now_s);
+  scene_.Draw(camera_.Matrices(size), surface_.scale());
+  scene_.picture().ShowOn(surface_.framebuffer());
+  DrawOverlaysAndPanels();
+  pictures_.Write();
+  surface_.Present();
+  pace_.EndFrame(now_s);
+}
+
+void Viewer::UpdateScale() {
+  if (surface_.scale() == scale_) return;
+  scale_ = surface_.scale();
+  SetLook(scale_);
+  panels_renderer_.ForgetFont();
+  scene_.Redraw();
+}
+
+void Viewer::DrawOverlaysAndPanels() {
+  surface_.BeginPanels();
+  panels_renderer_.Prepare();
+  ImGui::NewFrame();
+  const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
+  DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
+  DrawPicks(picker_.picks(), camera_, surface_.size(), pixels_per_unit);
+  const std::optional<std::size_t> remove = show_panels_ ? DrawPanels() : std::nullopt;
+  DrawHelp(show_help_);
+  ImGui::Render();
+  panels_renderer_.Draw();
+  if (remove) scene_.Remove(*remove);  // Its textures were needed until now.
+}
+
+std::optional<std::size_t> Viewer::DrawPanels() {
+  if (view_panel_.Draw(camera_, frame_, layout_file_)) WriteLayout();
+  image_panel_.Draw(scene_);
+  const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_.published(), dock_);
+  if (wish.add != nullptr) {
+    display_panel_.Refuse(displays_.AddByHand(*wish.add, wish.channel));
+    pace_.WantOne();
+  }
+  if (wish.set_fixed_frame) {
+    frame_.Ask(wish.fixed_frame);
+    if (wish.fixed_frame.empty()) frame_.Refresh();
+    frame_changed_ = true;
+    pace_.WantAfterInput();
+  }
+  dock_.Draw();
+  if (playback_.paused()) DrawPausedTimeBar();
+  DrawStatusLine({static_cast<double>(pace_.frames_per_second()), scene_.points(), scene_.gpu_bytes(), ResidentBytes(),
+                  frame_.name(), notices_.shown(), playback_.paused(), picker_.active(), scene_.unfinished()});
+  return wish.remove;
+}
+
+void Viewer::DrawPausedTimeBar() {
+  const bool limited = scene_.truthful_since_s() > scene_.oldest_s();
+  const TimeBarWish wish = DrawTimeBar({playback_.back_s(), playback_.longest_back_s(), limited, scene_.dropped()});
+  if (wish.moved) playback_.LookBack(wish.back_s);
+  if (wish.step) playback_.Step();
+  if (wish.go_on) SetPaused(false);
+}
+
+}  // namespace hgros::viewer

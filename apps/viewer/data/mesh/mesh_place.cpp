@@ -1,0 +1,77 @@
+#include "viewer/data/mesh/mesh_place.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <sstream>
+
+namespace hgros::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool LeadsOut(const fs::path& relative) {
+  return relative.is_absolute() || std::ranges::find(relative, fs::path("..")) != relative.end();
+}
+
+std::optional<std::string_view> After(std::string_view scheme, std::string_view name) {
+  if (!name.starts_with(scheme)) return std::nullopt;
+  return name.substr(scheme.size());
+}
+
+bool IsFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+}  // namespace
+
+std::vector<fs::path> MeshFolders(std::vector<fs::path> given) {
+  for (const char* variable : {"HGROS_MESH_PATH", "ROS_PACKAGE_PATH"}) {
+    const char* const value = std::getenv(variable);
+    std::istringstream folders(value == nullptr ? "" : value);
+    for (std::string folder; std::getline(folders, folder, ':');) {
+      if (!folder.empty()) given.emplace_back(folder);
+    }
+  }
+  return given;
+}
+
+fs::path FindMesh(std::string_view name, const std::vector<fs::path>& folders, std::string& fault) {
+  if (const auto path = After("file://", name)) {
+    if (IsFile(*path)) return *path;
+    fault = "There is no mesh " + std::string(*path) + ".";
+    return {};
+  }
+  std::vector<fs::path> tried;
+  if (const auto rest = After("package://", name)) {
+    const fs::path relative(*rest);
+    if (LeadsOut(relative) || relative.empty()) {
+      fault = "The mesh's name \"" + std::string(name) + "\" cannot be one.";
+      return {};
+    }
+    const fs::path package = *relative.begin();
+    for (const fs::path& folder : folders) {
+      tried.push_back(folder / relative);
+      const fs::path own_name = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
+      if (own_name == package) tried.push_back(folder / relative.lexically_relative(package));
+    }
+  } else if (const fs::path path(name); path.is_absolute()) {
+    tried.push_back(path);
+  } else if (!LeadsOut(path) && name.find("://") == std::string_view::npos) {
+    for (const fs::path& folder : folders) tried.push_back(folder / path);
+  }
+  for (const fs::path& path : tried) {
+    if (IsFile(path)) return path;
+  }
+  fault = "The mesh \"" + std::string(name) + "\" was not found";
+  if (folders.empty()) {
+    fault += ": no folder is named in which meshes lie.";
+  } else {
+    fault += " in " + folders.front().string() +
+             (folders.size() > 1 ? " and " + std::to_string(folders.size() - 1) + " more folders." : ".");
+  }
+  return {};
+}
+
+}  // namespace hgros::viewer

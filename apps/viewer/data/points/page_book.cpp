@@ -1,0 +1,83 @@
+#include "viewer/data/points/page_book.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/data/points/cell_code.hpp"
+
+namespace hgros::viewer {
+
+std::size_t PageBook::CellHash::operator()(const Cell& cell) const noexcept {
+  std::uint64_t mixed = static_cast<std::uint64_t>(cell.x) * 0x9E3779B97F4A7C15U;
+  mixed = (mixed ^ static_cast<std::uint64_t>(cell.y)) * 0xC2B2AE3D27D4EB4FU;
+  mixed = (mixed ^ static_cast<std::uint64_t>(cell.z)) * 0x165667B19E3779F9U;
+  return static_cast<std::size_t>(mixed ^ mixed >> 29U);
+}
+
+PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions) {
+  // Counting sort by cell: a message has far fewer cells than points.
+  struct Touched {
+    Cell cell;
+    Open* open;
+    std::size_t count = 0;
+    std::size_t next = 0;
+  };
+  ++adds_;
+  std::vector<Touched> touched;
+  std::vector<std::uint32_t> cell_of(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Eigen::Vector3d scaled = positions[i] / cell_metres_;
+    const Cell cell{static_cast<std::int64_t>(std::floor(scaled.x())),
+                    static_cast<std::int64_t>(std::floor(scaled.y())),
+                    static_cast<std::int64_t>(std::floor(scaled.z()))};
+    // Neighbors in a message are mostly neighbors in space.
+    const bool same = i > 0 && touched[cell_of[i - 1]].cell == cell;
+    Open& open = same ? *touched[cell_of[i - 1]].open : cells_[cell];
+    if (open.add != adds_) {
+      open.add = adds_;
+      open.latest = touched.size();
+      touched.push_back({cell, &open});
+    }
+    cell_of[i] = static_cast<std::uint32_t>(open.latest);
+    ++touched[open.latest].count;
+  }
+
+  Added added;
+  added.codes.resize(positions.size());
+  added.order.resize(positions.size());
+  std::size_t from = 0;
+  for (Touched& at : touched) {
+    at.next = from;
+    for (std::size_t left = at.count; left > 0;) {
+      if (at.open->used == kPagePoints) {
+        at.open->page = pages_++;
+        at.open->used = 0;
+        added.new_pages.push_back(Eigen::Vector3d(static_cast<double>(at.cell.x), static_cast<double>(at.cell.y),
+                                                  static_cast<double>(at.cell.z)) *
+                                  cell_metres_);
+      }
+      const std::size_t count = std::min(left, kPagePoints - at.open->used);
+      added.runs.push_back({at.open->page, at.open->used, from, count});
+      at.open->used += count;
+      from += count;
+      left -= count;
+    }
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    Touched& at = touched[cell_of[i]];
+    const Eigen::Vector3d corner(static_cast<double>(at.cell.x), static_cast<double>(at.cell.y),
+                                 static_cast<double>(at.cell.z));
+    added.codes[at.next] = cell_code::Encode(positions[i] / cell_metres_ - corner);
+    added.order[at.next] = static_cast<std::uint32_t>(i);
+    ++at.next;
+  }
+  points_ += positions.size();
+  return added;
+}
+
+double PageBook::CellFor(double extent_metres) {
+  const double wanted = std::clamp(extent_metres / 8, 0.0625, 64.0);
+  return std::exp2(std::round(std::log2(wanted)));
+}
+
+}  // namespace hgros::viewer

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace hgros::viewer {
+
+/// Assigns kept points to pages. Space is divided into cells, and each cell fills pages of equal size, so that a point
+/// costs 4 bytes (cell_code) plus its color, and is never moved. Pages are numbered in the order in which they begin.
+/// The owner of the GPU memory puts many pages into one buffer. The book remembers only where to continue writing, not
+/// the points.
+class PageBook {
+ public:
+  static constexpr std::size_t kPagePoints = 256;
+
+  /// Consecutive points of one page, sorted by Add: `count` points starting at `from` in `codes` and `order`.
+  struct Run {
+    std::size_t page = 0;
+    std::size_t slot = 0;  ///< Slot of the first point in the page.
+    std::size_t from = 0;
+    std::size_t count = 0;
+  };
+  struct Added {
+    std::vector<Run> runs;
+    std::vector<std::uint32_t> codes;  ///< Code of each point, in the order of the runs.
+    std::vector<std::uint32_t> order;  ///< Index of each point in the input.
+    /// Lower corners of the new pages. The first one's number is the old pages().
+    std::vector<Eigen::Vector3d> new_pages;
+  };
+
+  /// `cell_metres` is the edge of a cell. Positions are exact to about 1/4000 of it (z: 1/2000).
+  explicit PageBook(double cell_metres) : cell_metres_(cell_metres) {}
+
+  [[nodiscard]] Added Add(std::span<const Eigen::Vector3d> positions);
+
+  [[nodiscard]] std::size_t pages() const noexcept { return pages_; }
+  [[nodiscard]] std::size_t points() const noexcept { return points_; }
+  [[nodiscard]] std::size_t cells() const noexcept { return cells_.size(); }
+  [[nodiscard]] double cell_metres() const noexcept { return cell_metres_; }
+
+  /// The edge of cells for points spread over `extent_metres`: a power of two, so that steps are finer than 1/30000 of
+  /// the extent.
+  [[nodiscard]] static double CellFor(double extent_metres);
+
+ private:
+  struct Cell {
+    std::int64_t x;
+    std::int64_t y;
+    std::int64_t z;
+    bool operator==(const Cell&) const = default;
+  };
+  struct CellHash {
+    std::size_t operator()(const Cell& cell) const noexcept;
+  };
+  struct Open {
+    std::size_t page = 0;
+    std::size_t used = kPagePoints;  ///< Used points of the page. Initially there is no page.
+    std::size_t latest = 0;          ///< The run that collects the cell's points during this Add.
+    std::uint64_t add = 0;
+  };
+
+  double cell_metres_;
+  std::unordered_map<Cell, Open, CellHash> cells_;
+  std::size_t pages_ = 0;
+  std::size_t points_ = 0;
+  std::uint64_t adds_ = 0;
+};
+
+}  // namespace hgros::viewer

@@ -1,0 +1,14 @@
+#pragma once
+
+namespace hgros::viewer {
+
+/// Place and size of a window, in ImGui's coordinates.
+struct PanelPlace {
+  float x = 0;
+  float y = 0;
+  float width = 0;
+  float height = 0;
+  bool operator==(const PanelPlace&) const = default;
+};
+
+}  // namespace hgros::viewer

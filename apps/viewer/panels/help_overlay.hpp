@@ -1,8 +1,0 @@
-#pragma once
-
-namespace hgros::viewer {
-
-/// What mouse and keys do, in the middle of the window.
-void DrawHelp(bool& open);
-
-}  // namespace hgros::viewer

@@ -1,0 +1,26 @@
+#include "viewer/scene/displays/placement.hpp"
+
+#include <utility>
+
+namespace hgros::viewer {
+
+bool Placement::Follow(const std::string& frame, const UpdateContext& context) {
+  if (frame != frame_ || context.frame_changed) known_ = false;
+  frame_ = frame;
+  if (known_ && !context.transforms_changed) return false;
+  context.frame.Saw(frame);
+  RigidTransform now;
+  std::string why;
+  if (context.frame.Find(frame, now, why) != FixedFrame::Answer::kFound) {
+    fault_ = why;
+    return false;
+  }
+  fault_.clear();
+  const bool same =
+      known_ && now.translation == placed_.translation && now.rotation.coeffs() == placed_.rotation.coeffs();
+  placed_ = now;
+  known_ = true;
+  return !same;
+}
+
+}  // namespace hgros::viewer

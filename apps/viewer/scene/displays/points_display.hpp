@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "viewer/data/points/point_batch.hpp"
+#include "viewer/data/value_range.hpp"
+#include "viewer/scene/display.hpp"
+#include "viewer/scene/layers/kept_points.hpp"
+#include "viewer/scene/layers/recent_points.hpp"
+
+namespace hgros::viewer {
+
+/// What clouds and scans have in common: points that are shown until the next message, for some messages, for a time,
+/// or forever. Points that stay forever are in the settled layer, the others in the moving one.
+class PointsDisplay : public Display {
+ public:
+  [[nodiscard]] Change Update(const UpdateContext& context) final;
+  void DrawNew(const DrawContext& context) final;
+  void DrawSettled(const DrawContext& context, const Slice& slice) final;
+  void DrawMoving(const DrawContext& context) final;
+  void Clear() final;
+  [[nodiscard]] std::vector<Setting> Settings() final;
+  void OnSetting(const std::string& name) final;
+  [[nodiscard]] std::vector<std::string> Status() const final;
+  [[nodiscard]] bool HasFault() const final { return !fault_.empty(); }
+  [[nodiscard]] std::size_t settled_points() const final { return kept_ ? kept_->points() : 0; }
+  [[nodiscard]] std::size_t moving_points() const final { return recent_.points(); }
+  [[nodiscard]] std::size_t points() const final { return settled_points() + recent_.points(); }
+  [[nodiscard]] std::size_t gpu_bytes() const final { return (kept_ ? kept_->gpu_bytes() : 0) + recent_.gpu_bytes(); }
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
+  [[nodiscard]] double next_change_s() const final;
+  [[nodiscard]] Change LookBack(double newest_s, double back_s) final;
+  [[nodiscard]] double oldest_s() const final { return recent_.oldest_s(); }
+  [[nodiscard]] std::string data_frame() const final { return frame_; }
+  [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const final;
+
+ protected:
+  struct Read {
+    PointBatch batch;
+    std::string fault;  ///< If it is not empty, there is no batch.
+  };
+  /// What has arrived since the last call: at most the newest `most` messages.
+  [[nodiscard]] virtual std::vector<Read> ReadArrived(const std::string& field, std::size_t most) = 0;
+  [[nodiscard]] std::uint64_t received() const override = 0;
+
+ private:
+  enum Keep { kLatest, kCount, kTime, kForEver };
+  struct Waiting {
+    PointBatch batch;
+    double since_s;
+  };
+
+  [[nodiscard]] std::size_t MostMessages() const;
+  [[nodiscard]] PointStyle Style(float scale) const;
+  /// Places a batch in the fixed frame. Returns whether the range of the colors has changed.
+  bool Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s);
+  void Keep(const PlacedPoints& placed, const PointBatch& batch);
+  [[nodiscard]] Change PlaceWaiting(const UpdateContext& context);
+
+  std::deque<Waiting> waiting_;  ///< Batches that wait for their transforms.
+  std::unique_ptr<KeptPoints> kept_;
+  RecentPoints recent_;
+  std::array<ValueRange, 3> axis_ranges_;
+  ValueRange value_range_;
+  std::vector<Eigen::Vector3d> placed_;
+  std::vector<std::string> fields_;
+  std::string fault_;
+  std::string shown_field_;
+  std::string frame_;  ///< Of the last message.
+  double shown_until_s_ = std::numeric_limits<double>::infinity();
+  std::uint64_t unplaced_ = 0;
+  bool setting_changed_ = false;
+  bool empty_ = false;  ///< The last message had no points.
+
+  int keep_ = kLatest;
+  float keep_count_ = 10;
+  float keep_s_ = 5;
+  int color_by_ = static_cast<int>(ColorBy::kAxis);
+  std::string field_;
+  int axis_ = 2;
+  int map_ = 0;
+  bool auto_range_ = true;
+  float lo_ = 0;
+  float hi_ = 10;
+  std::array<float, 3> flat_ = {0.92F, 0.92F, 0.92F};
+  float size_ = 2;
+  int size_unit_ = 0;  ///< 0: pixels, 1: meters.
+};
+
+}  // namespace hgros::viewer

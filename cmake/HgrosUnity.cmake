@@ -1,0 +1,38 @@
+# Most of a source's compile time goes into the headers it includes, so up to HGROS_UNITY sources of a target are
+# compiled as one. Sources in HGROS_EDITED (`./dev` names those that differ from the last commit) are compiled alone:
+# a change to one of them compiles that one again, not its whole group. A target can opt out with UNITY_BUILD OFF.
+set(HGROS_UNITY 16 CACHE STRING "How many sources are compiled as one; 0 or 1: each is compiled alone")
+set(HGROS_EDITED "" CACHE STRING "Sources that are compiled alone, as absolute paths")
+
+# hgros_group_sources(directory): groups the sources of all targets in a directory and below it. Groups follow the order
+# in which a target lists its sources, so that a source that leaves its group does not move the others.
+function(hgros_group_sources directory)
+  get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(type ${target} TYPE)
+    get_target_property(unity ${target} UNITY_BUILD)
+    get_target_property(sources ${target} SOURCES)
+    if(NOT type MATCHES "EXECUTABLE|_LIBRARY" OR type STREQUAL "INTERFACE_LIBRARY" OR unity STREQUAL "OFF" OR NOT sources)
+      continue()
+    endif()
+    list(FILTER sources INCLUDE REGEX "\\.cpp$")
+    list(LENGTH sources count)
+    if(count LESS 2)
+      continue()
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    set(number 0)
+    foreach(source IN LISTS sources)
+      cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${directory} NORMALIZE OUTPUT_VARIABLE path)
+      math(EXPR group "${number} / ${HGROS_UNITY}")
+      math(EXPR number "${number} + 1")
+      if(NOT path IN_LIST HGROS_EDITED)
+        set_source_files_properties(${path} DIRECTORY ${directory} PROPERTIES UNITY_GROUP ${group})
+      endif()
+    endforeach()
+  endforeach()
+  get_property(subdirectories DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)
+  foreach(subdirectory IN LISTS subdirectories)
+    hgros_group_sources(${subdirectory})
+  endforeach()
+endfunction()

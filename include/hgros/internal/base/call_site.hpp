@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "hgros/base/export.hpp"
+
+namespace hgros {
+
+/// The source line of a call: as the default argument `CallSite::Current()`, the line of the caller. Replaces
+/// std::source_location, which clang lacks before version 16.
+struct HGROS_EXPORT CallSite {
+  const char* file = "";
+  int line = 0;
+
+  [[nodiscard]] static constexpr CallSite Current(const char* file = __builtin_FILE(),
+                                                  int line = __builtin_LINE()) noexcept {
+    return {file, line};
+  }
+  /// "file:line".
+  [[nodiscard]] std::string ToString() const { return std::string(file) + ":" + std::to_string(line); }
+};
+
+}  // namespace hgros

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "hgros/codec/type_info.hpp"
+
+namespace hgros {
+
+/// What a session does with one channel.
+struct ChannelUse {
+  std::string channel;
+  std::string type_name = {};  ///< Empty: it takes any, or does not say.
+  Encoding encoding = Encoding::kNone;
+  std::uint64_t fingerprint = 0;  ///< 0: unknown.
+  bool publishes = false;
+  bool subscribes = false;
+  bool lossless = false;  ///< As a subscriber: nothing may be dropped.
+
+  bool operator==(const ChannelUse&) const = default;
+};
+
+}  // namespace hgros

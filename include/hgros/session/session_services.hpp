@@ -1,0 +1,124 @@
+#pragma once
+
+#include <chrono>
+#include <concepts>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "hgros/base/export.hpp"
+#include "hgros/codec/message.hpp"
+#include "hgros/codec/raw_message.hpp"
+#include "hgros/graph/invoke.hpp"
+#include "hgros/graph/node_options.hpp"
+#include "hgros/internal/base/call_site.hpp"
+#include "hgros/services/call_future.hpp"
+#include "hgros/services/service.hpp"
+
+namespace hgros {
+
+class SessionCore;
+
+/// Gives the bytes of a reply, which are copied if they have no owner. What it throws reaches the caller as
+/// CallFailure::kHandlerFailed.
+using RawHandler = std::function<Payload(const RawMessage& request)>;
+
+/// The services that a Session offers and calls. Use it as a part of Session, which says how it is threaded.
+class HGROS_EXPORT SessionServices {
+ public:
+  /// Serves `name`: `handler` is called with each request and gives its reply, to callers in this session (both go by
+  /// pointer) and in others. What it throws reaches the caller as CallFailure::kHandlerFailed.
+  ///
+  /// Threading: as a subscription's callback. Under kSerial, too, a thread that waits for a reply inside a callback of
+  ///            this session may handle a request (see CallFuture::Wait).
+  /// Ordering:  under kSerial, one caller's requests in the order in which they came, except for those that such a
+  ///            thread takes first.
+  /// Limits:    the options' queue, if it is lossless, says how many requests may wait; else 16384. More are answered
+  ///            with CallFailure::kFull.
+  /// Errors:    throws Error if this session serves the name already.
+  template <class Request, class Reply, HandlerFor<Request, Reply> F>
+  [[nodiscard("requests are handled only while the Service lives")]] Service Serve(
+      std::string_view name, F&& handler, Invoke invoke = Invoke::kSerial, NodeOptions options = {},
+      const CallSite& where = CallSite::Current()) {
+    RequireMessage<Request>();
+    RequireMessage<Reply>();
+    return ServeAny(name, {CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Request>(), TypeOf<Reply>()},
+                    EraseHandler<Request, Reply>(std::forward<F>(handler)), invoke, std::move(options), where);
+  }
+  /// The same with types that are known at run time only. Callers may be typed or raw, in this session and in others.
+  /// Bytes are not parsed here: a reply that its caller cannot read ends that call with CallFailure::kNotWritable.
+  /// Errors: as Serve, and Error if a schema names no type; see RunTimeType().
+  [[nodiscard("requests are handled only while the Service lives")]] Service ServeRaw(
+      std::string_view name, const MessageSchema& request, const MessageSchema& reply, RawHandler handler,
+      Invoke invoke = Invoke::kSerial, NodeOptions options = {}, const CallSite& where = CallSite::Current());
+
+  /// Calls the service `name`: the one of this session, else the one of another session that was found first. `request`
+  /// is a Request, or a unique_ptr or shared_ptr to one. Never blocks, except for the first call of a name, which wires
+  /// it.
+  ///
+  /// Errors: are values (CallFailure); throws Error only if no service can have that name.
+  template <class Request, class Reply, class M>
+  [[nodiscard]] CallFuture<Reply> Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout) {
+    return CallFuture<Reply>(CallTyped<Request, Reply>(name, std::forward<M>(request), timeout, {}));
+  }
+  /// The same; `callback` is called once with the result, on a worker of the graph. Calls that are left when the
+  /// session ends are answered by the thread that ends it.
+  template <class Request, class Reply, class M, std::invocable<const CallResult<Reply>&> F>
+  CallTicket Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout, F&& callback) {
+    return CallTicket(
+        CallTyped<Request, Reply>(name, std::forward<M>(request), timeout, AnswerTo<Reply>(std::forward<F>(callback))));
+  }
+  /// Calls with the bytes of a request whose type is known at run time only. The server may be typed or raw, in this
+  /// session or in another. A `reply` that names no type takes any; the result says which came. Bytes of the request
+  /// without an owner are copied; the others must not be written any more.
+  /// Errors: as Call, and Error if `request_schema` names no type; see RunTimeType().
+  [[nodiscard]] CallFuture<RawMessage> CallRaw(std::string_view name, const MessageSchema& request_schema,
+                                               const Payload& request, const MessageSchema& reply,
+                                               std::chrono::nanoseconds timeout);
+  template <std::invocable<const CallResult<RawMessage>&> F>
+  CallTicket CallRaw(std::string_view name, const MessageSchema& request_schema, const Payload& request,
+                     const MessageSchema& reply, std::chrono::nanoseconds timeout, F&& callback) {
+    return CallTicket(
+        CallBytes(name, request_schema, request, reply, timeout, AnswerTo<RawMessage>(std::forward<F>(callback))));
+  }
+
+ protected:
+  explicit SessionServices(SessionCore& core) noexcept : services_core_(core) {}
+  ~SessionServices() = default;
+
+ private:
+  // Those of the channels, and those of the messages.
+  struct CallTypes {
+    const TypeInfo& request;
+    const TypeInfo& reply;
+    const TypeInfo& request_body;
+    const TypeInfo& reply_body;
+  };
+  template <class Reply, class F>
+  static AnyAnswer AnswerTo(F&& callback) {
+    return [shared = std::make_shared<std::decay_t<F>>(std::forward<F>(callback))](const CallEnd& end) {
+      (*shared)(CallResult<Reply>(end));
+    };
+  }
+  template <class Request, class Reply, class M>
+  std::shared_ptr<PendingCall> CallTyped(std::string_view name, M&& request, std::chrono::nanoseconds timeout,
+                                         AnyAnswer callback) {
+    RequireMessage<Request>();
+    RequireMessage<Reply>();
+    return CallAny(name, {CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Request>(), TypeOf<Reply>()},
+                   ShareRequest<Request>(std::forward<M>(request)), timeout, std::move(callback));
+  }
+  std::shared_ptr<PendingCall> CallBytes(std::string_view name, const MessageSchema& request_schema,
+                                         const Payload& request, const MessageSchema& reply,
+                                         std::chrono::nanoseconds timeout, AnyAnswer callback);
+  Service ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
+                   NodeOptions options, const CallSite& where);
+  std::shared_ptr<PendingCall> CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
+                                       std::chrono::nanoseconds timeout, AnyAnswer callback);
+
+  SessionCore& services_core_;
+};
+
+}  // namespace hgros

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "hgros/base/bytes.hpp"
+#include "hgros/base/ids.hpp"
+#include "hgros/base/publish_status.hpp"
+#include "hgros/codec/block.hpp"
+#include "hgros/internal/codec/packet.hpp"
+#include "hgros/transport/demand.hpp"
+
+namespace hgros {
+
+/// One message of this session on its way out.
+struct OutboundMessage {
+  PacketHead head;
+  Payload data;
+};
+
+/// What a transport asks of, and tells, the publishing side of one channel. Implemented by the session.
+class OutboundSource {
+ public:
+  virtual ~OutboundSource() = default;
+  /// The latched messages, oldest first, for a subscriber that has just come. It counts in subscriber_count() before
+  /// this is called, and what is committed from then on reaches it after them. Called on a thread of the transport: no
+  /// user code.
+  virtual std::vector<OutboundMessage> Latched(SessionId subscriber) noexcept = 0;
+  /// A lossless subscriber was lost that may still be alive, and has not confirmed `unfinished` (oldest first).
+  /// True: it gets them from Latched() when it comes back, over whatever transport. False: it misses them. Called
+  /// under a lock that Commit() takes as well, so that no message falls in between; it must not call the transport.
+  virtual bool OnCut(SessionId /*subscriber*/, const Demand& /*demand*/,
+                     std::vector<OutboundMessage>&& /*unfinished*/) noexcept {
+    return false;
+  }
+  /// A lossless subscriber that had no credit has some again, or has gone.
+  virtual void OnRoom() noexcept = 0;
+  /// The number of remote subscribers has changed.
+  virtual void OnSubscribers(std::size_t count) noexcept = 0;
+};
+
+/// The publishing end of one channel on one transport. Destroying it withdraws the channel.
+///
+/// Contract:
+///  1. Reserve() takes one message of credit from every lossless subscriber, or from none (kFull).
+///  2. A kOk from Reserve() is followed by exactly one Commit() or Cancel().
+///  3. Commit() hands the message to every subscriber. Lossless ones have credit for it. Keep-last ones without credit
+///     find it in a ring of the depth they asked for, from which the oldest message is dropped and counted. Plain ones
+///     get it if they keep up. It never blocks. Messages committed one after the other arrive in that order. Messages
+///     of one publisher are committed in the order of their sequence numbers: one that comes after a later one is
+///     treated as a repeat.
+///  4. A subscriber that dies gives its credit back (OnRoom). What it had not confirmed is counted as missed, unless
+///     the source keeps it (OnCut).
+///  5. A lossless subscriber that was only cut off for a while gets what it missed, in order, exactly once.
+///  6. Messages that are released in Reserve() and Commit() end while the transport holds no lock, and with the
+///     caller's EndsLater if it has one.
+/// Thread-safe.
+class OutboundChannel {
+ public:
+  struct Stats {
+    std::size_t subscribers = 0;
+    std::uint64_t sent = 0;  ///< Messages handed to the network, one per subscriber.
+    /// Dropped from the rings of slow keep-last or plain subscribers, or larger than a keep-last subscriber takes.
+    std::uint64_t dropped = 0;
+    /// Not confirmed by lossless subscribers that died, or larger than a lossless subscriber takes.
+    std::uint64_t missed = 0;
+    std::uint64_t queued_bytes = 0;  ///< Waiting in rings now.
+    /// Messages whose encoded bytes were copied once more: into memory that can be shared, because they were not in
+    /// it; or because a message of a type that can be sent in place (Bulk) could not.
+    std::uint64_t copied = 0;
+  };
+
+  virtual ~OutboundChannel() = default;
+  /// Remote subscribers, plain ones counted as one. Cheap: one relaxed load. 0: nothing needs to be encoded.
+  [[nodiscard]] virtual std::size_t subscriber_count() const noexcept = 0;
+  /// The sessions among them, in the order in which they came.
+  [[nodiscard]] virtual std::vector<SessionId> Subscribers() const { return {}; }
+  virtual PublishStatus Reserve() noexcept = 0;
+  virtual void Commit(const PacketHead& head, const Payload& data) noexcept = 0;
+  virtual void Cancel() noexcept = 0;
+  /// Memory of this transport: a message that is written into it is committed without a copy. Nothing if the transport
+  /// has no such memory, or none left.
+  [[nodiscard]] virtual std::optional<Block> Loan(std::size_t /*size_bytes*/) { return std::nullopt; }
+  [[nodiscard]] virtual Stats stats() const = 0;
+};
+
+}  // namespace hgros

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hgros/base/ids.hpp"
+#include "hgros/base/session_name.hpp"
+#include "hgros/internal/codec/channel_use.hpp"
+
+namespace hgros {
+
+/// A session as seen over one transport.
+struct PeerInfo {
+  /// For logs and errors: "ID (PROCESS, process NUMBER on HOST)".
+  [[nodiscard]] std::string name() const { return SessionName(id, process, pid, host); }
+
+  SessionId id;
+  std::string process;  ///< Its program's name.
+  std::string host;     ///< Its host's name; for people, never compared.
+  std::int64_t pid = 0;
+  std::string endpoint;   ///< Where we connected to; empty if it connected to us.
+  std::string transport;  ///< What carries its messages: "shared memory" or "ZeroMQ"; set by the session.
+  std::string why;        ///< Why that transport, in a few words: "same host"; set by the session.
+};
+
+/// A session and what is known of its channels.
+struct SessionChannels {
+  PeerInfo session;
+  std::vector<ChannelUse> channels;
+};
+
+}  // namespace hgros

@@ -1,0 +1,127 @@
+#include "bridge/announcer.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace hgros {
+namespace {
+
+bool ListNames(const std::vector<std::string>& only, const std::string& process) {
+  return only.empty() || std::ranges::find(only, process) != only.end();
+}
+
+}  // namespace
+
+Announcer::Announcer(SessionId session, const std::string& process, std::vector<std::string> only, Log& log)
+    : log_(log), process_(process), only_(std::move(only)), own_(AnnouncementOfThisProcess(session, 0)) {
+  own_.process = process_;
+  own_.only = only_;
+}
+
+void Announcer::SetPlace(const std::string& transport_key, const std::string& place) {
+  const std::scoped_lock lock(mutex_);
+  own_.places[transport_key] = place;
+}
+
+void Announcer::SetEndpoints(std::vector<std::string> endpoints) {
+  const std::scoped_lock lock(mutex_);
+  own_.endpoints = std::move(endpoints);
+}
+
+ChannelAnnouncement& Announcer::Channel(const std::string& channel, const TypeInfo& type,
+                                        const TransportKeys& transports) {
+  const auto known = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
+  ChannelAnnouncement& entry = known == own_.channels.end() ? own_.channels.emplace_back() : *known;
+  entry.channel = channel;
+  entry.transports = transports;
+  if (IsAnyType(type)) return entry;
+  entry.type_name = type.name;
+  entry.encoding = type.encoding;
+  entry.fingerprint = type.fingerprint;
+  return entry;
+}
+
+void Announcer::Publishes(const std::string& channel, const TypeInfo& type, const TransportKeys& transports) {
+  const std::scoped_lock lock(mutex_);
+  Channel(channel, type, transports).publishes = true;
+}
+
+void Announcer::Subscribes(const std::string& channel, const TypeInfo& type, const TransportKeys& transports,
+                           bool lossless) {
+  const std::scoped_lock lock(mutex_);
+  ChannelAnnouncement& entry = Channel(channel, type, transports);
+  entry.subscribes = true;
+  entry.lossless = lossless;
+}
+
+void Announcer::EndPublishing(const std::string& channel) {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
+  if (entry == own_.channels.end()) return;
+  entry->publishes = false;
+  if (!entry->subscribes) own_.channels.erase(entry);
+}
+
+void Announcer::EndSubscribing(const std::string& channel) {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
+  if (entry == own_.channels.end()) return;
+  entry->subscribes = false;
+  if (!entry->publishes) own_.channels.erase(entry);
+}
+
+void Announcer::UseRegistry(std::unique_ptr<Discovery> registry) {
+  const std::scoped_lock lock(mutex_);
+  registry->Announce(own_);
+  registry_ = std::move(registry);
+}
+
+void Announcer::UseBeacon(std::unique_ptr<Discovery> beacon) {
+  const std::scoped_lock lock(mutex_);
+  beacon_ = std::move(beacon);
+}
+
+void Announcer::Close() noexcept {
+  std::unique_ptr<Discovery> registry;
+  std::unique_ptr<Discovery> beacon;
+  const std::scoped_lock lock(mutex_);
+  registry = std::move(registry_);
+  beacon = std::move(beacon_);
+}
+
+void Announcer::Tell(Discovery& discovery, const std::string& listeners) {
+  try {
+    discovery.Announce(own_);
+  } catch (const std::exception& error) {
+    log_.WriteLimited(LogLevel::kWarning, "announce " + listeners,
+                      "Other sessions of " + listeners + " do not see what has changed here. " + error.what());
+  }
+}
+
+void Announcer::Announce() {
+  const std::scoped_lock lock(mutex_);
+  if (registry_) Tell(*registry_, "this host");
+  if (beacon_) Tell(*beacon_, "this network");
+}
+
+bool Announcer::IsExcludedHere(const Announcement& peer) const { return !ListNames(only_, peer.process); }
+
+bool Announcer::IsWanted(const Announcement& peer) const {
+  return !IsExcludedHere(peer) && ListNames(peer.only, process_);
+}
+
+std::vector<Announcement> Announcer::PeersOnHost() const {
+  const std::scoped_lock lock(mutex_);
+  if (!registry_) return {};
+  std::vector<Announcement> peers = registry_->List();
+  std::erase_if(peers, [this](const Announcement& peer) { return !IsWanted(peer); });
+  return peers;
+}
+
+Announcement Announcer::own() const {
+  const std::scoped_lock lock(mutex_);
+  return own_;
+}
+
+}  // namespace hgros

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bridge/announcer.hpp"
+#include "bridge/joined_channels.hpp"
+#include "bridge/lan_peers.hpp"
+#include "bridge/open_transports.hpp"
+#include "bridge/peer_transports.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/bridge/network_bridge.hpp"
+
+namespace hgros {
+
+/// All transports of one session, and how it finds others on its host and its network. Each other session is received
+/// over one transport, the cheapest that reaches it, so no message comes twice.
+///
+/// Thread safety: all functions, but wiring (all except stats and lists) by one thread at a time. Calls into the
+/// listener come from the transports' threads, in one order for each peer.
+class BridgeCore final : private DiscoveryListener {
+ public:
+  /// Opens the transports that the options ask for and lets others find this session. Throws Error. `listener` and
+  /// `log` outlive it.
+  BridgeCore(BridgeOptions options, TransportListener& listener, Log& log);
+  ~BridgeCore() override;
+
+  [[nodiscard]] std::shared_ptr<JoinedOutbound> Advertise(const std::string& channel, const TypeInfo& type,
+                                                          OutboundSource& source);
+  [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
+                                                         const Demand& demand, InboundSink& sink);
+  /// Tells others that the session no longer subscribes to the channel, or no longer publishes there.
+  void Unannounce(const std::string& channel);
+  void Withdraw(const std::string& channel);
+
+  /// The transport with endpoints; opened at the first call. Throws Error.
+  ZmqTransport& Zmq();
+  [[nodiscard]] ZmqTransport* zmq() const noexcept { return open_.zmq(); }
+  /// As the transport's, also of an endpoint that a beacon has told of already. Throws Error.
+  void AddPublishEndpoint(const PublishEndpoint& endpoint);
+  void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint);
+  bool RemoveSubscribeEndpoint(const std::string& endpoint);
+
+  [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
+  /// What other sessions say of their channels: those of this host in its registry, then those that are connected.
+  [[nodiscard]] std::vector<std::vector<SessionChannels>> KnownChannels() const;
+  /// The sessions that say in the host's registry that they subscribe, and whether others could.
+  [[nodiscard]] ChannelSearch Search(const std::string& channel) const;
+  [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
+  void Receive(const Visit& visit) const noexcept { open_.Receive(visit); }
+  [[nodiscard]] TransportStats stats() const { return open_.stats(); }
+  /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
+  void Close(int linger_ms) noexcept;
+
+ private:
+  /// How long a session of this host that lives is left to the transports of this host.
+  static constexpr auto kHostPatience = std::chrono::seconds(2);
+  /// A session that was found on this host more recently may be about to subscribe.
+  static constexpr auto kTimeToSubscribe = std::chrono::seconds(1);
+
+  // What one transport tells.
+  class Ear final : public TransportListener {
+   public:
+    Ear(BridgeCore& bridge, TransportIndex transport) : bridge_(bridge), transport_(transport) {}
+    void OnPeerCame(const PeerInfo& peer) noexcept override;
+    void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
+    void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+    void OnClockExchange(const PeerInfo& peer, const ClockExchange& exchange) noexcept override;
+    void OnChannels() noexcept override { bridge_.listener_.OnChannels(); }
+
+   private:
+    BridgeCore& bridge_;
+    const TransportIndex transport_;
+  };
+
+  void Open(TransportIndex transport);
+  void Announce();
+  [[nodiscard]] TransportKeys KeysFor(const std::string& channel) const;
+  template <class Joined>
+  void Join(std::vector<std::weak_ptr<Joined>>& list, const std::shared_ptr<Joined>& joined);
+  void WarnIfConfined(const std::string& channel, TransportSet rule);
+  void AskAgain() noexcept;
+
+  // bridge_finding.cpp: how others of the host and the network are found, and find us.
+  void OnCame(const Announcement& peer) override;
+  void OnChanged(const Announcement& peer) override;
+  void OnGone(const Announcement& last, std::string_view reason) override;
+  void OpenAll();
+  void OpenOnHost();
+  void LookOnHost();
+  void LookOnNetwork();
+  [[nodiscard]] TransportRules RulesOf(const Announcement& peer);
+  void AwaitHostTransports(SessionId id, const std::string& process, std::int64_t pid);
+  void WarnLaterOfRules();
+  void WarnOfRules();
+
+  // bridge_moving.cpp: how a peer's messages move to another transport.
+  void BeginMove(SessionId peer, PeerTransports::MoveNumber number);
+  void FinishMove(SessionId peer, PeerTransports::MoveNumber number);
+  // The transport no longer reaches the peer.
+  void EndMove(SessionId peer, TransportIndex gone);
+  void MoveChannel(JoinedInbound& joined, SessionId peer);
+  void ForgetForbiddenMoves(SessionId peer);
+  void AwaitSubscriber(SessionId subscriber, std::function<void()> give_up);
+  void GiveUpSubscriber(SessionId subscriber);
+  template <class Joined>
+  [[nodiscard]] std::vector<std::shared_ptr<Joined>> Listed(const std::vector<std::weak_ptr<Joined>>& list);
+
+  TransportListener& listener_;
+  Log& log_;
+  const BridgeOptions options_;
+  const TransportList transports_;
+  const TransportRules rules_;
+  const std::string boot_id_;
+  PeerTransports peers_;
+  std::deque<Ear> ears_;  // By transport.
+  OpenTransports open_;
+  std::unique_ptr<LanPeers> lan_;
+  std::atomic<std::chrono::steady_clock::time_point> last_came_{std::chrono::steady_clock::now()};
+  std::atomic<bool> ruled_;  // This session or another one has rules for channels.
+  std::mutex said_mutex_;
+  std::set<std::pair<std::string, std::uint64_t>> said_;  // Channels and sessions between which nothing can pass.
+  std::mutex lists_;                                      // Guards what follows.
+  std::vector<std::weak_ptr<JoinedOutbound>> outbound_;
+  std::vector<std::weak_ptr<JoinedInbound>> inbound_;
+  Announcer announcer_;  // Ends first: its threads use all of the above.
+};
+
+}  // namespace hgros

@@ -1,0 +1,81 @@
+// How a peer's messages move to another transport: while they flow, to a cheaper one that reaches the peer later; and
+// to what remains when a transport loses the peer.
+#include <utility>
+
+#include "bridge/bridge_core.hpp"
+
+namespace hgros {
+
+template <class Joined>
+std::vector<std::shared_ptr<Joined>> BridgeCore::Listed(const std::vector<std::weak_ptr<Joined>>& list) {
+  const std::scoped_lock lock(lists_);
+  std::vector<std::shared_ptr<Joined>> all;
+  for (const auto& entry : list) {
+    if (auto joined = entry.lock()) all.push_back(std::move(joined));
+  }
+  return all;
+}
+
+// A channel that does not come over the old transport, because an endpoint's list does not let it pass, has moved
+// already.
+void BridgeCore::MoveChannel(JoinedInbound& joined, SessionId peer) {
+  const auto way = peers_.MoveOf(peer, joined.channel());
+  if (way && !joined.Move(peer, *way)) peers_.Moved(peer, joined.channel());
+}
+
+void BridgeCore::BeginMove(SessionId peer, PeerTransports::MoveNumber number) {
+  {
+    const std::scoped_lock lock(lists_);
+    for (const auto& entry : inbound_) {
+      if (const auto joined = entry.lock()) MoveChannel(*joined, peer);
+    }
+    peers_.OpenMove(peer);
+  }
+  // A channel on which nothing is published does not show that it has moved.
+  options_.later(options_.zmq.peer_timeout, [this, peer, number] { FinishMove(peer, number); });
+}
+
+void BridgeCore::FinishMove(SessionId peer, PeerTransports::MoveNumber number) {
+  if (!peers_.FinishMove(peer, number)) return;
+  for (const auto& joined : Listed(inbound_)) joined->FinishMove(peer);
+  if (const auto next = peers_.NextMove(peer)) BeginMove(peer, *next);
+  AskAgain();  // What is still asked for over the old transport is dropped there.
+}
+
+// A session of this host that lives comes back over a transport of this host, or over another one when those have been
+// given up.
+void BridgeCore::AwaitSubscriber(SessionId subscriber, std::function<void()> give_up) {
+  const bool lives = peers_.IsFound(subscriber);
+  options_.later(lives ? kHostPatience + options_.zmq.peer_timeout : std::chrono::nanoseconds(0), std::move(give_up));
+}
+
+void BridgeCore::GiveUpSubscriber(SessionId subscriber) {
+  for (const auto& joined : Listed(outbound_)) joined->GiveUp(subscriber);
+}
+
+// A channel that may no longer use both transports of its move goes on as its messages come.
+void BridgeCore::ForgetForbiddenMoves(SessionId peer) {
+  for (const auto& joined : Listed(inbound_)) {
+    const TransportSet allowed = peers_.Allowed(peer, joined->channel());
+    joined->ForgetMove(peer, [allowed](MoveWay way) { return !allowed.Has(way.from) || !allowed.Has(way.to); });
+  }
+}
+
+void BridgeCore::EndMove(SessionId peer, TransportIndex gone) {
+  // What has waited over the new transport comes over the old one.
+  for (const auto& joined : Listed(inbound_)) joined->ForgetMove(peer, [gone](MoveWay way) { return way.to == gone; });
+  // Nothing comes over the old transport any more: what waits for it goes on, on a thread that may run user code.
+  options_.later({}, [this, peer, gone] {
+    const auto from_there = [gone](MoveWay way) { return way.from == gone; };
+    for (const auto& joined : Listed(inbound_)) {
+      joined->FinishMove(peer, from_there);
+      joined->ForgetMove(peer, from_there);
+    }
+    if (const auto next = peers_.NextMove(peer)) {
+      BeginMove(peer, *next);
+      AskAgain();
+    }
+  });
+}
+
+}  // namespace hgros

@@ -1,0 +1,317 @@
+#include "hgros/bridge/channel_inlet.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridge/joined_channels.hpp"
+#include "hgros/bridge/network_bridge.hpp"
+#include "hgros/clock/time.hpp"
+#include "hgros/codec/run_time_type.hpp"
+#include "hgros/graph/ready_node_slot.hpp"
+#include "hgros/transport/shm_transport.hpp"
+
+namespace hgros {
+namespace {
+
+// Decoding more than this is left to a thread that owns no socket.
+constexpr std::size_t kQuickBytes = 64 * 1024;
+// A peer could invent publishers; those heard longest ago are forgotten first.
+constexpr std::size_t kMaxPublishers = 4096;
+constexpr int kMessagesPerErrand = 16;
+
+}  // namespace
+
+ChannelInlet::ChannelInlet(Channel& channel, bool brings_replies, std::shared_ptr<Log> log,
+                           std::function<void()> on_publishers, std::function<void(Errand)> run_apart,
+                           TellMisfit tell_misfit, std::shared_ptr<const HostClocks> clocks)
+    : channel_(channel),
+      type_(&DataGraph::TypeOfChannel(channel)),
+      brings_replies_(brings_replies),
+      log_(std::move(log)),
+      on_publishers_(std::move(on_publishers)),
+      run_apart_(std::move(run_apart)),
+      tell_misfit_(std::move(tell_misfit)),
+      clocks_(std::move(clocks)) {}
+
+void ChannelInlet::Join(NetworkBridge& bridge, const Demand& demand) {
+  lossless_.store(demand.lossless, std::memory_order_relaxed);
+  const TypeInfo& own = DataGraph::TypeOfChannel(channel_);
+  // What stays inside this process has no name outside; who wants the channel from there wants whatever comes.
+  // Nor does it matter what bytes this session publishes itself.
+  const TypeInfo& type = own.encoding == Encoding::kNone || IsRunTimeType(own) ? AnyType() : own;
+  type_.store(&type, std::memory_order_release);
+  auto transports = bridge.Subscribe(DataGraph::NameOf(channel_), type, demand, *this);
+  const std::scoped_lock lock(transports_mutex_);
+  transports_ = std::move(transports);
+}
+
+void ChannelInlet::Detach() {
+  std::shared_ptr<JoinedInbound> transports;
+  {
+    const std::scoped_lock lock(transports_mutex_);
+    transports = std::move(transports_);
+  }
+  transports.reset();
+  // No thread of the transport is inside any more, and a Run() that was asked for may not have been made; an errand is.
+  Fifo<InboundMessage> left;  // Let go of after the lock, for the credits.
+  std::optional<Decoded> undelivered;
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    std::swap(left, waiting_);
+    undelivered.swap(handed_over_);
+    if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
+  }
+  publishers_.store(0, std::memory_order_release);
+  ForgetOffers();
+  // What is published while nobody here wants it is not lost.
+  const std::scoped_lock lock(counts_mutex_);
+  for (auto& [publisher, life] : lives_) life.away = true;
+}
+
+void ChannelInlet::SetDemand(const Demand& demand) {
+  lossless_.store(demand.lossless, std::memory_order_relaxed);
+  const std::scoped_lock lock(transports_mutex_);
+  if (transports_) transports_->SetDemand(demand);
+}
+
+bool ChannelInlet::IsQuick(const InboundMessage& message) const noexcept {
+  return message.data.bytes.size() <= kQuickBytes && !type_.load(std::memory_order_relaxed)->users_codec;
+}
+
+Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
+  const ThreadUse use = DataGraph::UseOfThread(channel_);
+  const bool quick = IsQuick(message);
+  Runner runner = use == ThreadUse::kRunNode ? Runner::kTransportHelps : Runner::kTransportApart;
+  if (quick && use == ThreadUse::kNone) runner = Runner::kTransport;
+  if (quick && brings_replies_ && ShmTransport::IsVisitor()) runner = Runner::kVisitor;
+  const std::scoped_lock lock(waiting_mutex_);
+  waiting_.Put(std::move(message));
+  if (runner_ != Runner::kNobody) return Accepted::kNothing;
+  runner_ = runner;
+  return runner == Runner::kTransport || runner == Runner::kVisitor ? Accepted::kRunHere : Accepted::kRunApart;
+}
+
+ChannelInlet::Taken ChannelInlet::Take(InboundMessage& message, UserCode user_code) {
+  const std::scoped_lock lock(waiting_mutex_);
+  if (waiting_.empty()) {
+    runner_ = Runner::kNobody;
+    return Taken::kNone;
+  }
+  if (user_code == UserCode::kRefused && !IsQuick(waiting_.front())) return Taken::kNotQuick;
+  message = waiting_.Take();
+  return Taken::kMessage;
+}
+
+void ChannelInlet::Run() noexcept {
+  Runner as = Runner::kNobody;
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    as = runner_;
+  }
+  const UserCode decoding =
+      as == Runner::kTransport || as == Runner::kVisitor ? UserCode::kRefused : UserCode::kAllowed;
+  const UserCode injecting = as == Runner::kTransport ? UserCode::kRefused : UserCode::kAllowed;
+  // Last of all, when the next message finds nobody running: a long callback holds up no other node of the channel.
+  ReadyNodeSlot slot(as == Runner::kTransportHelps);
+  std::optional<Decoded> undelivered;
+  while (!undelivered) {
+    InboundMessage message;
+    const Taken taken = Take(message, decoding);
+    // A visitor reads for others too: what a reply has made ready is user code, which is the workers'.
+    if (taken == Taken::kNone) return as == Runner::kVisitor ? slot.HandToWorkers() : slot.RunKept();
+    slot.HandToWorkers();
+    if (taken == Taken::kNotQuick) break;
+    std::optional<Decoded> decoded = Decode(std::move(message));
+    if (decoded && !Inject(*decoded, injecting)) undelivered = std::move(decoded);
+  }
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    runner_ = Runner::kErrand;
+    handed_over_ = std::move(undelivered);
+  }
+  run_apart_([this] { RunErrand(); });
+}
+
+// A few at a time, so that other errands have their turn.
+void ChannelInlet::RunErrand() noexcept {
+  std::optional<Decoded> first;
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    first = std::exchange(handed_over_, std::nullopt);
+  }
+  if (first) (void)Inject(*first, UserCode::kAllowed);
+  for (int i = 0; i < kMessagesPerErrand; ++i) {
+    InboundMessage message;
+    if (Take(message, UserCode::kAllowed) == Taken::kNone) return;
+    if (const auto decoded = Decode(std::move(message))) (void)Inject(*decoded, UserCode::kAllowed);
+  }
+  run_apart_([this] { RunErrand(); });
+}
+
+bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
+  const MessageId& id = message.head.id;
+  const std::scoped_lock lock(counts_mutex_);
+  if (const std::int64_t then = message.head.publish_time_ns; then > 0) {
+    transport_.Record(clocks_->Since(then, message.from).count());
+  }
+  const std::pair who{message.from.value, id.publisher};
+  if (lives_.size() >= kMaxPublishers && !lives_.contains(who)) {
+    lives_.erase(std::min_element(lives_.begin(), lives_.end(), [](const auto& a, const auto& b) {
+      return a.second.last_heard_ns < b.second.last_heard_ns;
+    }));
+  }
+  Life& life = lives_[who];
+  life.last_heard_ns = MonotonicNow();
+  life.traffic.publisher = SessionId{id.publisher};
+  if (id.publisher == 0) {  // It does not count; so neither gaps nor repeats can be told.
+    ++life.traffic.received;
+    return true;
+  }
+  const bool known = life.incarnation == id.incarnation;
+  if ((known && id.sequence <= life.last_sequence) || id.incarnation < life.incarnation) {
+    ++life.traffic.repeated;
+    return false;
+  }
+  if (known && !life.away && id.sequence > life.last_sequence + 1) {
+    lost = id.sequence - life.last_sequence - 1;
+    life.traffic.lost += lost;
+  }
+  life.away = false;
+  life.incarnation = id.incarnation;
+  life.last_sequence = id.sequence;
+  ++life.traffic.received;
+  return true;
+}
+
+std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message) noexcept {
+  const PacketHead& head = message.head;
+  const bool any = TakesAny();
+  const TypeInfo& asked = *type_.load(std::memory_order_relaxed);
+  if (!any && !head.type_name.empty() && head.type_name != asked.name) {
+    OnFault(PacketFault::kType,
+            "it carries " + head.type_name + ", but the channel is used with " + asked.name +
+                " here; build both programs with one type, or give one of them another channel name");
+    return std::nullopt;
+  }
+  std::uint64_t lost = 0;
+  if (!CountIn(message, lost)) return std::nullopt;
+  if (lost > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost);
+  Decoded decoded;
+  decoded.type = any ? &AnyType() : &DataGraph::InboundType(channel_);
+  if (IsAnyType(*decoded.type)) {
+    decoded.message = std::make_shared<const RawMessage>(RawMessage{SchemaOf(message), std::move(message.data)});
+  } else {
+    decoded.message = decoded.type->decode(message.data);
+  }
+  if (decoded.message == nullptr) {
+    OnFault(PacketFault::kData, "its data does not parse as " + asked.name);
+    return std::nullopt;
+  }
+  decoded.info.id = head.id;
+  decoded.info.publish_monotonic_ns = MonotonicNow();
+  decoded.info.publish_time_ns = head.publish_time_ns;
+  decoded.credit = std::move(message.credit);
+  decoded.latched = head.latched;
+  return decoded;
+}
+
+// Plain programs say it with each message, and sessions whose type is ours do not say it at all.
+std::shared_ptr<const MessageSchema> ChannelInlet::SchemaOf(const InboundMessage& message) {
+  if (message.schema) return message.schema;
+  const PacketHead& head = message.head;
+  MessageSchema said{head.type_name, head.encoding, head.fingerprint, {}};
+  const TypeInfo& asked = *type_.load(std::memory_order_relaxed);
+  if (!IsAnyType(asked)) {
+    if (said.fingerprint == 0) said.fingerprint = asked.fingerprint;
+    said.type_name = asked.name;
+    said.encoding = asked.encoding;
+  }
+  const bool known = said_schema_ && said_schema_->type_name == said.type_name &&
+                     said_schema_->encoding == said.encoding && said_schema_->fingerprint == said.fingerprint;
+  if (!known) {
+    if (!IsAnyType(asked) && said.fingerprint == asked.fingerprint) said = hgros::SchemaOf(asked);
+    said_schema_ = std::make_shared<const MessageSchema>(std::move(said));
+  }
+  return said_schema_;
+}
+
+void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept {
+  {
+    const std::scoped_lock lock(offers_mutex_);
+    if (offers_.size() >= kMaxPublishers && !offers_.contains(from.id.value)) offers_.erase(offers_.begin());
+    offers_[from.id.value] = {from, schema, false};
+    newest_offer_ = schema;
+  }
+  on_publishers_();  // Somebody may wait for the schema.
+  if (!IsAnyType(DataGraph::TypeOfChannel(channel_))) run_apart_([this] { CompareOffers(); });
+}
+
+// Not on a transport's thread: comparing schemas takes its time.
+void ChannelInlet::CompareOffers() {
+  const TypeInfo& type = DataGraph::TypeOfChannel(channel_);
+  if (IsAnyType(type)) return;
+  const std::string& name = DataGraph::NameOf(channel_);
+  std::vector<Offer> misfits;
+  {
+    const std::scoped_lock lock(offers_mutex_);
+    for (auto& [session, offer] : offers_) {
+      if (!std::exchange(offer.compared, true)) misfits.push_back(offer);
+    }
+  }
+  for (const Offer& offer : misfits) {
+    if (const std::string what = MisfitOf(*offer.schema, type); !what.empty()) {
+      tell_misfit_(name, offer.from, "channel " + name + ": " + what);
+    }
+  }
+}
+
+void ChannelInlet::ForgetOffers() {
+  const std::scoped_lock lock(offers_mutex_);
+  offers_.clear();
+  newest_offer_ = nullptr;
+}
+
+std::shared_ptr<const MessageSchema> ChannelInlet::Schema() const {
+  const std::scoped_lock lock(offers_mutex_);
+  return newest_offer_;
+}
+
+bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
+  return DataGraph::Inject(channel_, decoded.message, *decoded.type, decoded.info, decoded.credit, decoded.latched,
+                           user_code);
+}
+
+// Keep-last subscribers expect it and find it counted; a lossless one was away for too long.
+void ChannelInlet::SayLost(std::uint64_t count) {
+  const std::string& name = DataGraph::NameOf(channel_);
+  log_->WriteLimited(LogLevel::kWarning, "inlet lost " + name,
+                     std::to_string(count) + " messages of the lossless channel \"" + name +
+                         "\" did not arrive: their publisher could not reach this process for longer than the peer "
+                         "timeout.");
+}
+
+void ChannelInlet::OnFault(PacketFault fault, std::string_view what) noexcept {
+  {
+    const std::scoped_lock lock(counts_mutex_);
+    ++faults_[static_cast<std::size_t>(fault)];
+  }
+  const std::string& name = DataGraph::NameOf(channel_);
+  log_->WriteLimited(LogLevel::kWarning, "inlet " + name + " " + std::string(ToString(fault)),
+                     "A packet on channel \"" + name + "\" was dropped: " + std::string(what) + ".");
+}
+
+void ChannelInlet::OnPublishers(std::size_t count) noexcept {
+  if (count == 0) ForgetOffers();
+  publishers_.store(count, std::memory_order_release);
+  on_publishers_();
+}
+
+void ChannelInlet::AddTo(ChannelTraffic& traffic) const {
+  traffic.publishers = publisher_count();
+  const std::scoped_lock lock(counts_mutex_);
+  for (const auto& [publisher, life] : lives_) traffic.in.push_back(life.traffic);
+  traffic.faults = faults_;
+  traffic.transport.Merge(transport_);
+}
+
+}  // namespace hgros

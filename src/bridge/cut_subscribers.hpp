@@ -1,0 +1,53 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+/// Lossless subscribers of one channel that a transport has lost and that may come back, over that transport or
+/// another: what each has not confirmed, and what is published until it is back.
+///
+/// Thread safety: all functions. Invariants: each waits with about the credit that it had been given: messages
+/// promised before it was cut off, and those of publishers that checked HasRoom() at the same time, come on top.
+class CutSubscribers {
+ public:
+  using Messages = std::vector<OutboundMessage>;
+
+  /// `unfinished` is what it is to get first; oldest first. The number is this cut's, see Drop().
+  std::uint64_t Add(SessionId subscriber, const Demand& demand, Messages&& unfinished);
+  /// Cheap while nobody is cut off.
+  [[nodiscard]] std::size_t count() const noexcept { return count_.load(std::memory_order_acquire); }
+  /// Whether one more can be kept for each.
+  [[nodiscard]] bool HasRoom() const;
+  void Push(const PacketHead& head, const Payload& data);
+  /// It is back: what it is to get first, oldest first. Nothing of it waits here any more.
+  [[nodiscard]] Messages Take(SessionId subscriber);
+  /// It does not come back: what it misses, for the caller to count and destroy; nothing if it is not cut off, or if
+  /// `cut` is the number of an earlier cut.
+  [[nodiscard]] std::optional<Messages> Drop(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
+
+ private:
+  struct Cut {
+    std::uint64_t number = 0;
+    Demand demand;
+    std::map<std::uint64_t, OutboundMessage> messages;  // By sequence number.
+    std::uint64_t bytes = 0;
+  };
+  static void Keep(Cut& cut, OutboundMessage&& message);
+
+  mutable std::mutex mutex_;
+  std::unordered_map<SessionId, Cut> cuts_;
+  std::uint64_t last_number_ = 0;
+  std::atomic<std::size_t> count_{0};
+};
+
+}  // namespace hgros

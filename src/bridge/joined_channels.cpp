@@ -1,0 +1,282 @@
+#include "bridge/joined_channels.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace hgros {
+
+// What one transport sees of the publishing side.
+class JoinedOutbound::Part final : public OutboundSource {
+ public:
+  Part(JoinedOutbound& joined, std::size_t index) : joined_(joined), index_(index) {}
+
+  std::vector<OutboundMessage> Latched(SessionId subscriber) noexcept override { return joined_.First(subscriber); }
+  bool OnCut(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished) noexcept override {
+    joined_.Keep(subscriber, demand, std::move(unfinished));
+    return true;
+  }
+  void OnRoom() noexcept override { joined_.source_.OnRoom(); }
+  void OnSubscribers(std::size_t count) noexcept override {
+    {
+      const std::scoped_lock lock(joined_.telling_);
+      joined_.subscribers_[index_] = count;
+    }
+    joined_.TellSubscribers();
+  }
+
+  std::unique_ptr<OutboundChannel> channel;
+
+ private:
+  JoinedOutbound& joined_;
+  const std::size_t index_;
+};
+
+JoinedOutbound::JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source,
+                               std::size_t most_transports, Await await)
+    : channel_(std::move(channel)),
+      type_(type),
+      source_(source),
+      await_(std::move(await)),
+      parts_(most_transports),
+      subscribers_(most_transports) {}
+
+// Each part's channel waits for the calls into the source that are under way.
+JoinedOutbound::~JoinedOutbound() {
+  for (const auto& part : parts_) {
+    if (part) part->channel.reset();
+  }
+}
+
+void JoinedOutbound::Add(Transport& transport) {
+  const std::scoped_lock lock(adding_);
+  const std::size_t index = count_.load();
+  parts_.at(index) = std::make_unique<Part>(*this, index);
+  parts_[index]->channel = transport.Advertise(channel_, type_, *parts_[index]);
+  count_.store(index + 1, std::memory_order_release);
+}
+
+void JoinedOutbound::TellSubscribers() {
+  const std::scoped_lock lock(telling_);
+  source_.OnSubscribers(std::accumulate(subscribers_.begin(), subscribers_.end(), cut_.count()));
+}
+
+void JoinedOutbound::Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished) {
+  const std::uint64_t cut = cut_.Add(subscriber, demand, std::move(unfinished));
+  await_(subscriber, [weak = weak_from_this(), subscriber, cut] {
+    if (const auto joined = weak.lock()) joined->GiveUp(subscriber, cut);
+  });
+}
+
+std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
+  std::vector<OutboundMessage> messages = source_.Latched(subscriber);
+  if (cut_.count() == 0) return messages;
+  for (OutboundMessage& message : cut_.Take(subscriber)) messages.push_back(std::move(message));
+  const auto number = [](const OutboundMessage& message) { return message.head.id.sequence; };
+  std::ranges::sort(messages, {}, number);
+  const auto same = [&](const OutboundMessage& a, const OutboundMessage& b) { return number(a) == number(b); };
+  messages.erase(std::unique(messages.begin(), messages.end(), same), messages.end());
+  TellSubscribers();
+  if (refused_.exchange(false)) source_.OnRoom();
+  return messages;
+}
+
+void JoinedOutbound::GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut) {
+  const auto missed = cut_.Drop(subscriber, cut);
+  if (!missed) return;
+  missed_.fetch_add(missed->size(), std::memory_order_relaxed);
+  TellSubscribers();
+  if (refused_.exchange(false)) source_.OnRoom();
+}
+
+std::size_t JoinedOutbound::subscriber_count() const noexcept {
+  std::size_t sum = cut_.count();
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->subscriber_count();
+  return sum;
+}
+
+std::vector<SessionId> JoinedOutbound::Subscribers() const {
+  std::vector<SessionId> all;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const SessionId one : parts_[i]->channel->Subscribers()) {
+      if (std::ranges::find(all, one) == all.end()) all.push_back(one);
+    }
+  }
+  return all;
+}
+
+PublishStatus JoinedOutbound::Reserve() noexcept {
+  if (cut_.count() > 0 && !cut_.HasRoom()) {
+    refused_ = true;
+    if (!cut_.HasRoom()) return PublishStatus::kFull;
+  }
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    const PublishStatus status = parts_[i]->channel->Reserve();
+    if (status == PublishStatus::kOk) continue;
+    for (std::size_t before = 0; before < i; ++before) parts_[before]->channel->Cancel();
+    return status;
+  }
+  return PublishStatus::kOk;
+}
+
+void JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcept {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Commit(head, data);
+  if (cut_.count() > 0) cut_.Push(head, data);  // Last: a subscriber that is cut off meanwhile gets it here.
+}
+
+void JoinedOutbound::Cancel() noexcept {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Cancel();
+}
+
+std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    OutboundChannel& channel = *parts_[i]->channel;
+    if (channel.subscriber_count() == 0) continue;
+    if (auto block = channel.Loan(size_bytes)) return block;
+  }
+  return std::nullopt;
+}
+
+OutboundChannel::Stats JoinedOutbound::stats() const {
+  OutboundChannel::Stats sum;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto stats = parts_[i]->channel->stats();
+    sum.subscribers += stats.subscribers;
+    sum.sent += stats.sent;
+    sum.dropped += stats.dropped;
+    sum.missed += stats.missed;
+    sum.queued_bytes += stats.queued_bytes;
+    sum.copied += stats.copied;
+  }
+  sum.subscribers += cut_.count();
+  sum.missed += missed_.load(std::memory_order_relaxed);
+  return sum;
+}
+
+// What one transport sees of the sink.
+class JoinedInbound::Part final : public InboundSink {
+ public:
+  Part(JoinedInbound& joined, std::size_t index, TransportIndex over)
+      : transport(over), joined_(joined), index_(index) {}
+
+  Accepted Accept(InboundMessage&& message) noexcept override {
+    const std::scoped_lock lock(joined_.accepting_);
+    if (joined_.moves_.empty()) return joined_.sink_.Accept(std::move(message));
+    return joined_.Accept(std::move(message), transport);
+  }
+  void Run() noexcept override { joined_.sink_.Run(); }
+  void OnFault(PacketFault fault, std::string_view what) noexcept override { joined_.sink_.OnFault(fault, what); }
+  void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override {
+    joined_.sink_.OnOffer(from, schema);
+  }
+  void OnPublishers(std::size_t count) noexcept override {
+    const std::scoped_lock lock(joined_.telling_);
+    auto& counts = joined_.publishers_;
+    counts[index_] = count;
+    joined_.sink_.OnPublishers(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+  }
+
+  const TransportIndex transport;
+  std::unique_ptr<InboundChannel> channel;
+
+ private:
+  JoinedInbound& joined_;
+  const std::size_t index_;
+};
+
+JoinedInbound::JoinedInbound(std::string channel, const TypeInfo& type, const Demand& demand, InboundSink& sink,
+                             std::size_t most_transports, OnMoved on_moved)
+    : channel_(std::move(channel)),
+      type_(type),
+      sink_(sink),
+      on_moved_(std::move(on_moved)),
+      demand_(demand),
+      parts_(most_transports),
+      publishers_(most_transports) {}
+
+JoinedInbound::~JoinedInbound() {
+  for (const auto& part : parts_) {
+    if (part) part->channel.reset();
+  }
+}
+
+Accepted JoinedInbound::PassOn(std::vector<InboundMessage>&& messages) {
+  Accepted all = Accepted::kNothing;
+  for (InboundMessage& message : messages) {
+    // At most one of them finds nobody running.
+    if (const Accepted one = sink_.Accept(std::move(message)); one != Accepted::kNothing) all = one;
+  }
+  return all;
+}
+
+Accepted JoinedInbound::Accept(InboundMessage&& message, TransportIndex transport) {
+  const SessionId from = message.from;
+  const auto move = moves_.find(from);
+  if (move == moves_.end()) return sink_.Accept(std::move(message));
+  const bool before = move->second.done();
+  auto on = move->second.Arrive(std::move(message), transport);
+  if (!before && move->second.done()) on_moved_(from, move->second.way().from);
+  return PassOn(std::move(on));
+}
+
+bool JoinedInbound::Move(SessionId publisher, MoveWay way) {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  bool comes = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    comes = comes || (parts_[i]->transport == way.from && parts_[i]->channel->Asks(publisher));
+  }
+  const std::scoped_lock lock(accepting_);
+  moves_.erase(publisher);  // A finished one, which holds no message.
+  if (comes) moves_.try_emplace(publisher, way);
+  return comes;
+}
+
+void JoinedInbound::FinishMove(SessionId publisher, const Which& which) {
+  Accepted accepted = Accepted::kNothing;
+  {
+    const std::scoped_lock lock(accepting_);
+    const auto move = moves_.find(publisher);
+    if (move == moves_.end() || !which(move->second.way())) return;
+    accepted = PassOn(move->second.Finish());
+  }
+  if (accepted != Accepted::kNothing) sink_.Run();
+}
+
+void JoinedInbound::ForgetMove(SessionId publisher, const Which& which) {
+  std::unordered_map<SessionId, TransportMove>::node_type forgotten;  // Its messages end after the lock.
+  const std::scoped_lock lock(accepting_);
+  const auto move = moves_.find(publisher);
+  if (move != moves_.end() && which(move->second.way())) forgotten = moves_.extract(move);
+}
+
+void JoinedInbound::Add(Transport& transport, TransportIndex over) {
+  const std::scoped_lock lock(adding_);
+  const std::size_t index = count_.load();
+  parts_.at(index) = std::make_unique<Part>(*this, index, over);
+  parts_[index]->channel = transport.Subscribe(channel_, type_, demand_, *parts_[index]);
+  count_.store(index + 1, std::memory_order_release);
+}
+
+std::size_t JoinedInbound::publisher_count() const noexcept {
+  std::size_t sum = 0;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->publisher_count();
+  return sum;
+}
+
+void JoinedInbound::SetDemand(const Demand& demand) {
+  const std::scoped_lock lock(adding_);
+  demand_ = demand;
+  const std::size_t count = count_.load();
+  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->SetDemand(demand);
+}
+
+}  // namespace hgros

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "bridge/cut_subscribers.hpp"
+#include "bridge/transport_move.hpp"
+#include "hgros/bridge/transport_list.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+/// One advertised channel over all transports of a session: a message is promised by all of them or by none, and handed
+/// to all. The subscribers decide which of them receives it over which transport. For a lossless subscriber that a
+/// transport loses, what it has not confirmed is kept, and what is published until it is back.
+///
+/// Thread safety: all functions. Invariants: a transport that was added stays until the end.
+class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
+ public:
+  /// A transport has lost the subscriber: `give_up` is to be called later, when it could have come back. Called under
+  /// that transport's lock.
+  using Await = std::function<void(SessionId subscriber, std::function<void()> give_up)>;
+
+  /// `most_transports`: how many can be added.
+  JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source, std::size_t most_transports,
+                 Await await);
+  ~JoinedOutbound();
+  JoinedOutbound(const JoinedOutbound&) = delete;
+  JoinedOutbound& operator=(const JoinedOutbound&) = delete;
+
+  void Add(Transport& transport);
+  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
+
+  [[nodiscard]] std::size_t subscriber_count() const noexcept;
+  /// The sessions that subscribe now, each once; not those that were lost and may come back.
+  [[nodiscard]] std::vector<SessionId> Subscribers() const;
+  PublishStatus Reserve() noexcept;
+  void Commit(const PacketHead& head, const Payload& data) noexcept;
+  void Cancel() noexcept;
+  /// Memory of a transport that has subscribers.
+  [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
+  [[nodiscard]] OutboundChannel::Stats stats() const;
+  /// The subscriber is not waited for any longer; of several cuts only that one is meant, if a number is given.
+  void GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
+
+ private:
+  class Part;
+  void Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished);
+  // What a subscriber gets before all else.
+  [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
+  void TellSubscribers();
+
+  const std::string channel_;
+  const TypeInfo& type_;
+  OutboundSource& source_;
+  const Await await_;
+  CutSubscribers cut_;
+  std::atomic<bool> refused_{false};  // There was no room for those that are cut off.
+  std::atomic<std::uint64_t> missed_{0};
+  std::mutex adding_;
+  std::vector<std::unique_ptr<Part>> parts_;  // Never resized: it is read while a part is added.
+  std::atomic<std::size_t> count_{0};
+  // The sum is made and told under one lock, so that the last one told is true.
+  std::mutex telling_;
+  std::vector<std::size_t> subscribers_;  // By part.
+};
+
+/// One subscribed channel over all transports of a session, into one sink.
+///
+/// Thread safety: all functions. Invariants: one Accept() at a time, over whichever transport the message comes.
+class JoinedInbound {
+ public:
+  /// Called, on a transport's thread, when the publisher's messages come over the new transport only.
+  using OnMoved = std::function<void(SessionId publisher, TransportIndex from)>;
+  /// Picks moves.
+  using Which = std::function<bool(MoveWay)>;
+
+  /// `most_transports`: how many can be added.
+  JoinedInbound(std::string channel, const TypeInfo& type, const Demand& demand, InboundSink& sink,
+                std::size_t most_transports, OnMoved on_moved);
+  ~JoinedInbound();
+  JoinedInbound(const JoinedInbound&) = delete;
+  JoinedInbound& operator=(const JoinedInbound&) = delete;
+
+  void Add(Transport& transport, TransportIndex index);
+  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
+
+  /// That session's messages will come over both transports, and then over the new one alone. False if they do not come
+  /// over the old one, so that there is nothing to wait for. A move of it before must be finished.
+  [[nodiscard]] bool Move(SessionId publisher, MoveWay way);
+  /// The old transport brings nothing more. Call it on a thread that may run user code.
+  void FinishMove(
+      SessionId publisher, const Which& which = [](MoveWay) { return true; });
+  /// All that comes is delivered as it comes again.
+  void ForgetMove(SessionId publisher, const Which& which);
+
+  [[nodiscard]] std::size_t publisher_count() const noexcept;
+  void SetDemand(const Demand& demand);
+
+ private:
+  class Part;
+  // Under accepting_.
+  [[nodiscard]] Accepted Accept(InboundMessage&& message, TransportIndex transport);
+  [[nodiscard]] Accepted PassOn(std::vector<InboundMessage>&& messages);
+
+  const std::string channel_;
+  const TypeInfo& type_;
+  InboundSink& sink_;
+  const OnMoved on_moved_;
+  std::mutex adding_;  // Guards demand_, too.
+  Demand demand_;
+  std::vector<std::unique_ptr<Part>> parts_;  // Never resized: it is read while a part is added.
+  std::atomic<std::size_t> count_{0};
+  std::mutex accepting_;
+  std::unordered_map<SessionId, TransportMove> moves_;  // Under accepting_.
+  std::mutex telling_;
+  std::vector<std::size_t> publishers_;  // By part.
+};
+
+}  // namespace hgros

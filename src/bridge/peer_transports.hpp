@@ -1,0 +1,129 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "bridge/transport_move.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/bridge/transport_list.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+/// Decides over which transport each peer is received: the cheapest one that reaches it. A peer is left to transports
+/// of this host that it announces, until it turns out that they cannot reach it. If a cheaper transport reaches it
+/// later, its channels move there. Channels that may use the same transports are decided on together; a rule of either
+/// side restricts which a channel may use.
+///
+/// Thread safety: all functions. Invariants: what is told to the listener of one peer is told in the order in which it
+/// happened, one call at a time. All channels of a peer that move, move at the same time.
+class PeerTransports {
+ public:
+  /// `transports` outlives it. `looks`: sessions of this host are looked for. `host`: this host's name.
+  PeerTransports(const TransportList& transports, TransportListener& listener, Log& log, TransportRules rules,
+                 bool looks, std::string host)
+      : transports_(transports),
+        listener_(listener),
+        log_(log),
+        rules_(std::move(rules)),
+        looks_(looks),
+        host_(std::move(host)) {}
+
+  /// Whether that session's messages on the channel are to be received over this transport. The first transport that
+  /// asks gets the channel, and all that may use the same transports, unless a cheaper one reaches the session or is
+  /// expected to.
+  [[nodiscard]] bool Take(SessionId peer, std::string_view channel, TransportIndex transport);
+
+  /// The session was found on this host, and is expected to be reached over these transports.
+  void Found(SessionId peer, TransportSet expected, TransportRules rules);
+  /// It has ended, or is no longer found.
+  void Lost(SessionId peer);
+  /// What it allows has changed; true if that makes a difference.
+  [[nodiscard]] bool SetRules(SessionId peer, TransportRules rules);
+
+  /// Transports that were expected to reach a session and have not.
+  struct GivenUp {
+    TransportSet missing;
+    bool matters = false;  ///< Nothing of this host reaches it, and nothing is received from it yet.
+    std::optional<TransportIndex> reached_by;  ///< The transport that is used instead.
+  };
+  /// The session is no longer left to transports that do not reach it.
+  [[nodiscard]] GivenUp GiveUp(SessionId peer);
+
+  /// Identifies one move of a peer's channels.
+  using MoveNumber = std::uint64_t;
+  /// The transport reaches the peer. If it is cheaper than the one that the peer is received over, a move begins; call
+  /// OpenMove() when everything is ready for it.
+  [[nodiscard]] std::optional<MoveNumber> Came(PeerInfo peer, TransportIndex transport);
+  /// From now on channels are received over both transports.
+  void OpenMove(SessionId peer);
+  /// How the channel moves; nothing if it does not.
+  [[nodiscard]] std::optional<MoveWay> MoveOf(SessionId peer, std::string_view channel) const;
+  /// The sessions whose channels move.
+  [[nodiscard]] std::vector<SessionId> Moving() const;
+  /// The channel has moved: it is received over the new transport only.
+  void Moved(SessionId peer, std::string_view channel);
+  /// All channels have moved. False if that move has ended already.
+  [[nodiscard]] bool FinishMove(SessionId peer, MoveNumber number);
+  /// Begins a move if a cheaper transport reaches the peer and no channel of it moves any more.
+  [[nodiscard]] std::optional<MoveNumber> NextMove(SessionId peer);
+  /// The transport no longer reaches the peer. True if its messages may now be received over another one.
+  [[nodiscard]] bool Gone(const PeerInfo& peer, TransportIndex transport, std::string_view reason);
+
+  [[nodiscard]] std::vector<PeerInfo> List() const;
+  /// The transports that the channel may use between this session and that one.
+  [[nodiscard]] TransportSet Allowed(SessionId peer, std::string_view channel) const;
+  /// The transports that reach it.
+  [[nodiscard]] TransportSet ReachedBy(SessionId peer) const;
+  /// On this host, and not lost.
+  [[nodiscard]] bool IsFound(SessionId peer) const;
+
+ private:
+  // The decision for all channels that may use the same transports.
+  struct Choice {
+    std::optional<TransportIndex> taken;
+    std::optional<TransportIndex> from;  // They move from there to `taken`.
+    std::set<std::string, std::less<>> moved;
+  };
+  struct Peer {
+    std::map<TransportIndex, PeerInfo> reached;
+    TransportSet expected;
+    bool found = false;  // On this host.
+    std::map<TransportSet, Choice> choices;
+    std::optional<MoveNumber> move;  // Until NextMove() after its end.
+    bool move_is_open = false;
+    TransportRules rules;  // Its own.
+  };
+  // Under mutex_.
+  [[nodiscard]] static TransportSet ReachedBy(const Peer& peer);
+  [[nodiscard]] static bool IsMoving(const Peer& peer);
+  [[nodiscard]] const Peer* Find(SessionId id) const;
+  [[nodiscard]] Peer* Find(SessionId id) { return const_cast<Peer*>(std::as_const(*this).Find(id)); }
+  [[nodiscard]] TransportSet Allowed(const Peer& peer, std::string_view channel) const;
+  // What carries the peer's messages; it is reached.
+  [[nodiscard]] TransportIndex Current(const Peer& peer) const;
+  [[nodiscard]] std::string Why(const Peer& peer, const PeerInfo& info, TransportIndex transport) const;
+  [[nodiscard]] std::optional<MoveNumber> StartMove(Peer& peer);
+  void Forget(SessionId id);
+
+  const TransportList& transports_;
+  TransportListener& listener_;
+  Log& log_;
+  const TransportRules rules_;  // Ours.
+  const bool looks_;
+  const std::string host_;
+  std::mutex telling_;  // Taken before mutex_.
+  mutable std::mutex mutex_;
+  std::unordered_map<SessionId, Peer> peers_;
+  MoveNumber last_move_ = 0;
+};
+
+}  // namespace hgros

@@ -1,0 +1,106 @@
+#include "hgros/config/config.hpp"
+
+#include "config/config_draft.hpp"
+
+namespace hgros {
+namespace {
+
+void ReadFile(const yaml::Document& document, std::span<const std::string> program_sections, ConfigDraft& draft) {
+  std::vector<std::string_view> known{"network", "discovery", "shared_memory", "time", "data_graph", "channels"};
+  known.insert(known.end(), program_sections.begin(), program_sections.end());
+  const yaml::Section file(yaml::Value(document),
+                           "a map with network, discovery, shared_memory, time, data_graph and channels", known);
+  if (const auto network = file.Find("network")) ReadNetwork(*network, draft);
+  if (const auto discovery = file.Find("discovery")) ReadDiscovery(*discovery, draft);
+  if (const auto memory = file.Find("shared_memory")) ReadSharedMemory(*memory, draft);
+  if (const auto time = file.Find("time")) {
+    yaml::Settle(draft.simulated_time, time->Choice({"system", "simulated"}) == 1, *time);
+  }
+  if (const auto data_graph = file.Find("data_graph")) ReadDataGraph(*data_graph, draft);
+  if (const auto channels = file.Find("channels")) ReadChannels(*channels, draft);
+}
+
+std::vector<EndpointConfig> WhiteLists(const std::map<std::string, ConfigDraft::Endpoint>& endpoints) {
+  std::vector<EndpointConfig> out;
+  for (const auto& [text, endpoint] : endpoints) {
+    EndpointConfig& config = out.emplace_back();
+    config.endpoint = text;
+    config.all_channels = endpoint.all_channels;
+    if (!endpoint.all_channels) config.channels.assign(endpoint.channels.begin(), endpoint.channels.end());
+  }
+  return out;
+}
+
+template <typename T>
+std::optional<T> ValueOf(const std::optional<yaml::Setting<T>>& setting) {
+  return setting ? std::optional<T>(setting->value) : std::nullopt;
+}
+
+template <typename T>
+void Apply(const std::optional<yaml::Setting<T>>& setting, T& target) {
+  if (setting) target = setting->value;
+}
+
+}  // namespace
+
+Config ConfigDraft::Finish() const {
+  CheckSecurity(*this);
+  CheckHost(*this);
+  Config config;
+  config.publishers = WhiteLists(publishers);
+  config.subscribers = WhiteLists(subscribers);
+  Apply(public_key, config.security.public_key);
+  Apply(secret_key, config.security.secret_key);
+  for (const auto& [key, position] : allowed_clients) config.security.allowed_clients.push_back(key);
+  for (const auto& [endpoint, key] : servers) config.security.servers.emplace(endpoint, key.value);
+  Apply(peer_queue_bytes, config.peer_queue_bytes);
+  Apply(heartbeat_ms, config.heartbeat_ms);
+  Apply(peer_timeout_ms, config.peer_timeout_ms);
+  if (config.peer_timeout_ms <= config.heartbeat_ms) {
+    throw ConfigError("network.peer_timeout_ms is " + std::to_string(config.peer_timeout_ms) +
+                          ", not more than network.heartbeat_ms, which is " + std::to_string(config.heartbeat_ms) +
+                          ": every peer would be taken for gone.",
+                      peer_timeout_ms ? peer_timeout_ms->position : heartbeat_ms->position,
+                      "Set the time-out to several heartbeats.");
+  }
+  if (discovery_local) {
+    config.discovery.local = discovery_local->value.on;
+    config.discovery.only = discovery_local->value.names;
+  }
+  if (discovery_lan) {
+    config.discovery.lan = discovery_lan->value.on;
+    config.discovery.lan_interfaces = discovery_lan->value.names;
+  }
+  Apply(domain, config.discovery.domain);
+  Apply(shared_memory_limit_bytes, config.shared_memory.limit_bytes);
+  Apply(shared_memory_wait, config.shared_memory.wait);
+  Apply(shared_memory_spin_us, config.shared_memory.spin_us);
+  Apply(simulated_time, config.simulated_time);
+  config.closed_channels.assign(closed_channels.begin(), closed_channels.end());
+  Apply(threads, config.threads);
+  for (const auto& [name, node] : nodes) config.nodes[name] = {ValueOf(node.queue), ValueOf(node.executor)};
+  for (const auto& [name, channel] : channels) {
+    config.channels[name] = {ValueOf(channel.queue), ValueOf(channel.latched), ValueOf(channel.transports)};
+  }
+  return config;
+}
+
+Config Config::Load(std::span<const std::filesystem::path> files, std::span<const std::string> program_sections) {
+  ConfigDraft draft;
+  for (const std::filesystem::path& file : files) ReadFile(yaml::Document::Load(file), program_sections, draft);
+  return draft.Finish();
+}
+
+Config Config::Load(const std::filesystem::path& file) { return Load(std::span(&file, 1)); }
+
+Config Config::Load(std::initializer_list<std::filesystem::path> files) {
+  return Load(std::span(files.begin(), files.size()));
+}
+
+Config Config::Parse(std::string_view yaml, std::string_view name) {
+  ConfigDraft draft;
+  ReadFile(yaml::Document::Parse(yaml, std::string(name)), {}, draft);
+  return draft.Finish();
+}
+
+}  // namespace hgros

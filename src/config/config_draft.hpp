@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hgros/config/config.hpp"
+#include "hgros/yaml/reader.hpp"
+
+namespace hgros {
+
+/// What the files read so far say, with the place of everything that a later file may contradict.
+struct ConfigDraft {
+  template <typename T>
+  using Maybe = std::optional<yaml::Setting<T>>;
+
+  struct Endpoint {
+    FilePosition position;  ///< Where it first stands.
+    std::optional<int> tcp_port;
+    std::set<std::string> channels;
+    bool all_channels = false;
+  };
+  struct Node {
+    Maybe<Queue> queue;
+    Maybe<Executor> executor;
+  };
+  struct Channel {
+    Maybe<Queue> queue;
+    Maybe<std::size_t> latched;
+    Maybe<std::vector<std::string>> transports;
+  };
+  /// A switch that may be a list of names instead: on, for these.
+  struct NamedSwitch {
+    bool on = false;
+    std::vector<std::string> names;
+    bool operator==(const NamedSwitch&) const = default;
+  };
+
+  std::map<std::string, Endpoint> publishers;  ///< By endpoint, as the subscribers.
+  std::map<std::string, Endpoint> subscribers;
+  Maybe<std::uint64_t> peer_queue_bytes;
+  Maybe<int> heartbeat_ms;
+  Maybe<int> peer_timeout_ms;
+
+  Maybe<NamedSwitch> discovery_local;
+  Maybe<NamedSwitch> discovery_lan;
+  Maybe<std::string> domain;
+  Maybe<std::uint64_t> shared_memory_limit_bytes;
+  Maybe<ShmWait> shared_memory_wait;
+  Maybe<int> shared_memory_spin_us;
+
+  Maybe<std::string> public_key;
+  Maybe<std::string> secret_key;
+  std::map<std::string, FilePosition> allowed_clients;  ///< By key.
+  std::map<std::string, yaml::Setting<std::string>> servers;
+
+  Maybe<bool> simulated_time;
+  std::set<std::string> closed_channels;
+  Maybe<int> threads;
+  std::map<std::string, Node> nodes;
+  std::map<std::string, Channel> channels;
+
+  /// Checks what only the whole can show. Throws ConfigError.
+  [[nodiscard]] Config Finish() const;
+};
+
+/// Each reads one section into the draft. Throws ConfigError.
+void ReadNetwork(const yaml::Value& section, ConfigDraft& draft);
+void ReadSecurity(const yaml::Value& section, ConfigDraft& draft);
+void ReadDiscovery(const yaml::Value& section, ConfigDraft& draft);
+void ReadSharedMemory(const yaml::Value& section, ConfigDraft& draft);
+void ReadDataGraph(const yaml::Value& section, ConfigDraft& draft);
+void ReadChannels(const yaml::Value& section, ConfigDraft& draft);
+
+/// Throws ConfigError if a setting has no meaning beside others.
+void CheckHost(const ConfigDraft& draft);
+/// Throws ConfigError if encryption is on or meant, but could not protect every connection.
+void CheckSecurity(const ConfigDraft& draft);
+
+/// A list of channel names, each once. Throws ConfigError.
+[[nodiscard]] std::set<std::string> ReadChannelNames(const yaml::Value& list);
+/// Throws ConfigError if `name`, which stands at `position`, is not a channel name.
+void CheckChannelName(const std::string& name, const FilePosition& position);
+
+}  // namespace hgros

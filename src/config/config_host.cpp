@@ -1,0 +1,106 @@
+// The sections for sessions of one host: discovery and shared_memory.
+#include <array>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/config_draft.hpp"
+#include "hgros/discovery/domain.hpp"
+#include "hgros/yaml/quoted.hpp"
+
+namespace hgros {
+namespace {
+
+using yaml::Section;
+using yaml::Settle;
+using yaml::Value;
+
+constexpr std::uint64_t kMostSharedBytes = std::uint64_t{1} << 40U;
+constexpr std::int64_t kLongestSpinUs = 1'000'000;
+constexpr std::size_t kLongestProcessName = 200;
+constexpr std::size_t kLongestInterfaceName = 15;  // IFNAMSIZ with its end.
+constexpr std::array kWaits{ShmWait::kSleep, ShmWait::kSpin, ShmWait::kBusy};
+
+// Names, each once, in an order that does not depend on how they are written.
+std::vector<std::string> ReadNames(const Value& list, std::string_view what, std::size_t longest) {
+  std::map<std::string, FilePosition> names;
+  for (const Value& item : list.List("a list of names")) {
+    const std::string& name = item.Text(what);
+    if (name.empty() || name.size() > longest) {
+      item.Fail("cannot be " + std::string(what), "Use 1 to " + std::to_string(longest) + " bytes.");
+    }
+    const auto [first, fresh] = names.emplace(name, item.position());
+    if (!fresh) {
+      item.Fail("is " + yaml::Quoted(name) + ", which the list has at " + first->second.ToString() + " already",
+                "Keep one of them.");
+    }
+  }
+  std::vector<std::string> sorted;
+  for (const auto& [name, position] : names) sorted.push_back(name);
+  return sorted;
+}
+
+ConfigDraft::NamedSwitch ReadLocal(const Value& local) {
+  if (local.kind() == yaml::Node::Kind::kText) return {local.Boolean(), {}};
+  if (local.kind() != yaml::Node::Kind::kList) local.FailType("true, false or a list of processes' names");
+  auto names = ReadNames(local, "the name of a process", kLongestProcessName);
+  if (names.empty()) local.Fail("lists nobody", "Write false, to be found by nobody of this host.");
+  return {true, std::move(names)};
+}
+
+ConfigDraft::NamedSwitch ReadLan(const Value& lan) {
+  if (lan.kind() == yaml::Node::Kind::kText) return {lan.Boolean(), {}};
+  const Section section(lan, "true, false or a map with interfaces", {"interfaces"});
+  auto names = ReadNames(section.Require("interfaces"), "the name of a network interface", kLongestInterfaceName);
+  if (names.empty()) lan.Fail("lists no interface", "Write true for all interfaces, or false.");
+  return {true, std::move(names)};
+}
+
+}  // namespace
+
+void ReadDiscovery(const Value& value, ConfigDraft& draft) {
+  const Section section(value, "a map", {"local", "lan", "domain"});
+  if (const auto local = section.Find("local")) Settle(draft.discovery_local, ReadLocal(*local), *local);
+  if (const auto lan = section.Find("lan")) Settle(draft.discovery_lan, ReadLan(*lan), *lan);
+  if (const auto domain = section.Find("domain")) {
+    const std::string& name = domain->Text("the name of a domain");
+    if (!IsDomain(name)) {
+      domain->Fail("is " + yaml::Quoted(name) + ", which cannot name a domain",
+                   "Use 1 to 64 letters, digits, '_', '-' and '.', or none to be found by nobody.");
+    }
+    Settle(draft.domain, name, *domain);
+  }
+}
+
+void ReadSharedMemory(const Value& value, ConfigDraft& draft) {
+  const Section section(value, "a map", {"limit_bytes", "wait", "spin_us"});
+  if (const auto limit = section.Find("limit_bytes")) {
+    Settle(draft.shared_memory_limit_bytes, limit->SizeBytes(0, kMostSharedBytes), *limit);
+  }
+  if (const auto wait = section.Find("wait")) {
+    Settle(draft.shared_memory_wait, kWaits.at(wait->Choice({"sleep", "spin", "busy"})), *wait);
+  }
+  if (const auto spin = section.Find("spin_us")) {
+    Settle(draft.shared_memory_spin_us, static_cast<int>(spin->Integer(0, kLongestSpinUs)), *spin);
+  }
+}
+
+void CheckHost(const ConfigDraft& draft) {
+  const auto& wait = draft.shared_memory_wait;
+  if (draft.shared_memory_spin_us && (!wait || wait->value != ShmWait::kSpin)) {
+    throw ConfigError("shared_memory.spin_us has a meaning beside wait: spin only, and " +
+                          (wait ? "shared_memory.wait at " + wait->position.ToString() + " is another."
+                                : std::string("shared_memory.wait is not given.")),
+                      draft.shared_memory_spin_us->position, "Write wait: spin, or remove it.");
+  }
+  if (draft.discovery_lan && draft.discovery_lan->value.on && draft.secret_key) {
+    throw ConfigError("discovery.lan cannot find sessions whose connections are encrypted, as network.security at " +
+                          draft.secret_key->position.ToString() + " asks: a beacon tells nobody's key.",
+                      draft.discovery_lan->position,
+                      "Name the endpoints under network.subscribers and their keys under network.security.servers, or "
+                      "remove one of the two.");
+  }
+}
+
+}  // namespace hgros

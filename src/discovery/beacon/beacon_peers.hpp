@@ -1,0 +1,51 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include "discovery/beacon/datagram.hpp"
+#include "discovery/peer_book.hpp"
+
+namespace hgros::discovery {
+
+/// The peers known from datagrams: their addresses and when they fell silent. Limits what a forged datagram can do: a
+/// session keeps the address at which it was first heard until that expires or says goodbye, and there are at most
+/// kMaxPeers.
+///
+/// Not thread-safe, except the book.
+class BeaconPeers {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t kMaxPeers = 1024;
+
+  BeaconPeers(PeerBook& book, std::chrono::milliseconds patience) : book_(book), patience_(patience) {}
+
+  enum class Verdict {
+    kNew,
+    kKnown,
+    kIgnored,  ///< From another address or an earlier incarnation, or a goodbye of an unknown peer.
+    kTooMany,
+  };
+  Verdict Hear(const Heard& heard, const std::string& sender, Clock::time_point now);
+  /// Removes peers that were silent for too long.
+  void Expire(Clock::time_point now);
+  /// When the next peer will have been silent for too long.
+  [[nodiscard]] std::optional<Clock::time_point> next_expiry() const;
+
+ private:
+  struct Peer {
+    std::string sender;
+    std::uint64_t incarnation;
+    Clock::time_point last_heard;
+  };
+
+  PeerBook& book_;
+  const std::chrono::milliseconds patience_;
+  std::unordered_map<SessionId, Peer> peers_;
+};
+
+}  // namespace hgros::discovery

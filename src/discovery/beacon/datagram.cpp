@@ -1,0 +1,103 @@
+#include "discovery/beacon/datagram.hpp"
+
+#include <cstdint>
+#include <utility>
+
+#include "discovery/readable_text.hpp"
+#include "discovery/registry/announcement_file.hpp"
+#include "hgros/announcement.pb.h"
+#include "hgros/base/error.hpp"
+
+namespace hgros::discovery {
+namespace {
+
+constexpr std::string_view kTcp = "tcp://";
+constexpr std::string_view kDigits = "0123456789";
+constexpr std::string_view kHostCharacters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.-_";
+constexpr std::size_t kMaxPortDigits = 5;
+
+struct Endpoint {
+  std::string_view host;
+  std::string_view port;
+};
+
+// The parts of "tcp://HOST:PORT" with a name, an address or "*" as host; nothing for any other text.
+std::optional<Endpoint> SplitTcp(std::string_view text) {
+  if (text.size() > kMaxTextBytes || !text.starts_with(kTcp)) return std::nullopt;
+  text.remove_prefix(kTcp.size());
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) return std::nullopt;
+  const Endpoint parts{text.substr(0, colon), text.substr(colon + 1)};
+  if (parts.port.empty() || parts.port.size() > kMaxPortDigits ||
+      parts.port.find_first_not_of(kDigits) != std::string_view::npos) {
+    return std::nullopt;
+  }
+  const int port = std::stoi(std::string(parts.port));
+  if (port == 0 || port > 0xffff) return std::nullopt;
+  if (parts.host != "*" &&
+      (parts.host.empty() || parts.host.find_first_not_of(kHostCharacters) != std::string_view::npos)) {
+    return std::nullopt;
+  }
+  return parts;
+}
+
+bool IsReachableFromElsewhere(const Endpoint& endpoint) {
+  return !endpoint.host.starts_with("127.") && endpoint.host != "localhost";
+}
+
+}  // namespace
+
+std::string EncodeDatagram(const Announcement& own, std::string_view domain, bool ends) {
+  wire::BeaconDatagram datagram;
+  datagram.set_magic(kDatagramMagic);
+  datagram.set_version(kDatagramVersion);
+  datagram.set_domain(std::string(domain));
+  datagram.set_session(own.session.value);
+  datagram.set_incarnation(own.incarnation);
+  datagram.set_process(Readable(own.process));
+  datagram.set_host(Readable(own.host));
+  datagram.set_pid(own.pid);
+  datagram.set_ends(ends);
+  for (std::string endpoint : own.endpoints) {
+    // ZeroMQ's other word for all addresses.
+    if (endpoint.starts_with("tcp://0.0.0.0:")) endpoint.replace(kTcp.size(), 7, "*");
+    const auto parts = SplitTcp(endpoint);
+    if (parts && IsReachableFromElsewhere(*parts)) datagram.add_endpoints(endpoint);
+  }
+  std::string bytes = datagram.SerializeAsString();
+  if (own.session.value == 0 || datagram.endpoints_size() > static_cast<int>(kMaxEndpoints) ||
+      bytes.size() > kMaxDatagramBytes) {
+    throw Error("This session cannot be announced on the network: it has no id, or its datagram of " +
+                    std::to_string(bytes.size()) + " bytes and " + std::to_string(datagram.endpoints_size()) +
+                    " tcp endpoints is larger than the " + std::to_string(kMaxDatagramBytes) + " bytes and " +
+                    std::to_string(kMaxEndpoints) + " endpoints that others read.",
+                {}, "Announce fewer endpoints.");
+  }
+  return bytes;
+}
+
+std::optional<Heard> ParseDatagram(Bytes bytes, std::string_view domain, const std::string& sender) {
+  if (bytes.empty() || bytes.size() > kMaxDatagramBytes) return std::nullopt;
+  wire::BeaconDatagram datagram;
+  if (!datagram.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return std::nullopt;
+  if (datagram.magic() != kDatagramMagic || datagram.version() != kDatagramVersion || datagram.domain() != domain ||
+      datagram.session() == 0 || datagram.endpoints_size() > static_cast<int>(kMaxEndpoints)) {
+    return std::nullopt;
+  }
+  Heard heard;
+  heard.ends = datagram.ends();
+  heard.peer.session = {datagram.session()};
+  heard.peer.incarnation = datagram.incarnation();
+  heard.peer.process = Readable(datagram.process());
+  heard.peer.host = Readable(datagram.host());
+  heard.peer.pid = datagram.pid();
+  for (const std::string& endpoint : datagram.endpoints()) {
+    const auto parts = SplitTcp(endpoint);
+    if (!parts) continue;  // Of a newer version, or nonsense.
+    const std::string host = parts->host == "*" ? sender : std::string(parts->host);
+    heard.peer.endpoints.push_back(std::string(kTcp) + host + ":" + std::string(parts->port));
+  }
+  return heard;
+}
+
+}  // namespace hgros::discovery

@@ -1,0 +1,99 @@
+#include "discovery/registry/own_announcement.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "discovery/registry/announcement_file.hpp"
+#include "hgros/base/error.hpp"
+
+namespace hgros::discovery {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A program that advertises twenty channels in a row writes twice.
+constexpr auto kBetweenWrites = std::chrono::milliseconds(5);
+constexpr auto kBetweenFailures = std::chrono::seconds(1);
+constexpr int kTries = 100;
+
+}  // namespace
+
+void OwnAnnouncement::Announce(const Announcement& own) {
+  std::string content = EncodeFile(own);
+  const std::scoped_lock lock(mutex_);
+  if (file_) {
+    if (own.session != session_) {
+      throw Error("A registry that announces session " + session_.ToString() + " cannot announce " +
+                      own.session.ToString() + " too.",
+                  folder_.path().string(), "Open a registry for each session.");
+    }
+    if (content == content_) return;
+    content_ = std::move(content);
+    next_write_ = std::max(Clock::now(), last_write_ + kBetweenWrites);
+    return;
+  }
+  session_ = own.session;
+  content_ = std::move(content);
+  file_.emplace(folder_.path(), session_);
+  try {
+    Write();
+  } catch (...) {
+    file_.reset();
+    throw;
+  }
+}
+
+void OwnAnnouncement::Write() {
+  for (int tries = 0; tries < kTries; ++tries) {
+    folder_.Make();  // The last session that left may have removed it.
+    if (!file_->Put(content_)) continue;
+    last_write_ = Clock::now();
+    next_write_.reset();
+    return;
+  }
+  throw Error("The folder in which sessions find each other is removed again and again.", folder_.path().string(),
+              "Stop the program that removes it.");
+}
+
+void OwnAnnouncement::TryWrite() {
+  try {
+    Write();
+  } catch (const Error& error) {
+    log_.WriteLimited(LogLevel::kError, "registry write", error.what());
+    next_write_ = Clock::now() + kBetweenFailures;
+  }
+}
+
+bool OwnAnnouncement::Owns(SessionId session) const {
+  const std::scoped_lock lock(mutex_);
+  return file_ && session == session_;
+}
+
+std::optional<Clock::time_point> OwnAnnouncement::next_write() const {
+  const std::scoped_lock lock(mutex_);
+  return next_write_;
+}
+
+void OwnAnnouncement::WriteIfDue() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (file_ && next_write_ && *next_write_ <= Clock::now()) TryWrite();
+}
+
+void OwnAnnouncement::RestoreIfLost() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (!file_ || next_write_ || file_->IsInPlace()) return;
+  log_.WriteLimited(LogLevel::kWarning, "registry lost " + session_.ToString(),
+                    "The file that announces this session was removed by another program (" + file_->path().string() +
+                        "); it is written again. Do not clean this folder up: "
+                        "sessions remove the files of dead ones themselves.");
+  // The other program may not be done yet.
+  next_write_ = std::max(Clock::now(), last_write_ + kBetweenWrites);
+  if (*next_write_ <= Clock::now()) TryWrite();
+}
+
+void OwnAnnouncement::Withdraw() noexcept {
+  const std::scoped_lock lock(mutex_);
+  file_.reset();
+}
+
+}  // namespace hgros::discovery

@@ -1,0 +1,214 @@
+#include "discovery/registry/registry_core.hpp"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <unordered_set>
+#include <utility>
+
+#include "discovery/registry/announcement_file.hpp"
+#include "discovery/registry/session_file.hpp"
+#include "discovery/registry/stale_folders.hpp"
+#include "hgros/base/error.hpp"
+
+namespace hgros::discovery {
+namespace {
+
+// The kernel tells that a file was closed a moment before it releases the lock.
+constexpr auto kFirstPause = std::chrono::milliseconds(1);
+constexpr int kPauseGrowth = 10;
+constexpr auto kLongestPause = std::chrono::seconds(1);
+// A living session restores a removed file sooner.
+constexpr auto kGrace = std::chrono::milliseconds(500);
+constexpr auto kBetweenMendings = std::chrono::seconds(1);
+constexpr int kOpenTries = 100;
+
+constexpr std::string_view kEnded = "Its process ended without a goodbye.";
+
+}  // namespace
+
+RegistryCore::RegistryCore(const RegistryOptions& options, DiscoveryListener& listener, Log& log)
+    : listener_(listener), log_(log), folder_(options), own_(folder_, log) {
+  Open();
+  Scan();
+  book_.Tell(listener_);
+  thread_ = std::thread([this] { Loop(); });
+}
+
+RegistryCore::~RegistryCore() {
+  stopping_ = true;
+  wake_.Signal();
+  thread_.join();
+  own_.Withdraw();
+  folder_.RemoveIfEmpty();
+}
+
+void RegistryCore::Announce(const Announcement& own) {
+  own_.Announce(own);
+  wake_.Signal();
+}
+
+void RegistryCore::Loop() {
+  pthread_setname_np(pthread_self(), "hgros-registry");
+  RemoveStaleFolders(folder_.path());
+  for (;;) {
+    book_.Tell(listener_);
+    wake_.Wait(watch_.fd(), Deadline());
+    if (stopping_) return;
+    const FolderWatch::News news = watch_.Read();
+    for (const FolderWatch::FileEvent& one : news.events) Examine(one.name, one.event);
+    // The first announcement makes the folder if the last session that left has removed it.
+    const bool mending_due = next_mending_ && *next_mending_ <= Clock::now();
+    if (news.folder_lost || mending_due || (!next_mending_ && !watch_.Watches(folder_.path()))) {
+      Mend();
+    } else if (news.missed) {
+      Scan();
+    }
+    LookAgain();
+    own_.WriteIfDue();
+  }
+}
+
+std::optional<RegistryCore::Clock::time_point> RegistryCore::Deadline() const {
+  std::optional<Clock::time_point> first = own_.next_write();
+  const auto consider = [&](Clock::time_point time) { first = first ? std::min(*first, time) : time; };
+  if (next_mending_) consider(*next_mending_);
+  for (const auto& [name, doubt] : doubts_) consider(doubt.next_look);
+  return first;
+}
+
+void RegistryCore::Open() {
+  for (int tries = 1;; ++tries) {
+    folder_.Make();
+    try {
+      watch_.Watch(folder_.path());
+      return;
+    } catch (const Error&) {
+      // The last session that leaves may remove the folder between the two steps.
+      if (tries == kOpenTries || std::filesystem::exists(folder_.path())) throw;
+    }
+  }
+}
+
+void RegistryCore::Mend() {
+  try {
+    Open();
+    next_mending_.reset();
+  } catch (const Error& error) {
+    log_.WriteLimited(LogLevel::kError, "registry folder", error.what());
+    next_mending_ = Clock::now() + kBetweenMendings;
+  }
+  own_.RestoreIfLost();
+  Scan();
+}
+
+void RegistryCore::Scan() {
+  std::error_code fault;
+  std::unordered_set<SessionId> here;
+  std::vector<std::string> names;
+  for (std::filesystem::directory_iterator entry(folder_.path(), fault), end; !fault && entry != end;
+       entry.increment(fault)) {
+    names.push_back(entry->path().filename().string());
+  }
+  for (const std::string& name : names) {
+    here.insert(SessionOfFile(name));
+    Examine(name, std::nullopt);
+  }
+  for (const SessionId session : book_.Sessions()) {
+    if (!here.contains(session)) ExamineAbsent(FileName(session), session, Event::kRemoved);
+  }
+}
+
+void RegistryCore::Examine(const std::string& name, std::optional<Event> event) {
+  const SessionId session = SessionOfFile(name);
+  if (session.value == 0) {
+    const bool may_be_left_over = IsUnfinished(name) && (!event || event == Event::kClosed);
+    if (may_be_left_over && LookAtFile(folder_.path() / name).state == FileLook::State::kStale) {
+      RemoveStaleFile(folder_.path() / name);
+    }
+    return;
+  }
+  if (own_.Owns(session)) {
+    own_.RestoreIfLost();
+    return;
+  }
+  const FileLook look = LookAtFile(folder_.path() / name);
+  if (look.state != FileLook::State::kStrange) strange_.erase(name);
+  switch (look.state) {
+    case FileLook::State::kAbsent: ExamineAbsent(name, session, event); return;
+    case FileLook::State::kStale:
+      RemoveStaleFile(folder_.path() / name);
+      doubts_.erase(name);
+      book_.Remove(session, kEnded);
+      return;
+    case FileLook::State::kStrange:
+      SayOnce(name, look.fault);
+      book_.Remove(session, "Its file cannot be trusted any more.");
+      return;
+    case FileLook::State::kAlive:
+      if (event == Event::kClosed) {
+        doubts_.try_emplace(name, Doubt{Clock::now() + kFirstPause, kFirstPause, false});
+      } else if (event == Event::kPut) {
+        doubts_.erase(name);
+      }
+      ExamineAlive(name, session, look.content);
+      return;
+  }
+}
+
+void RegistryCore::ExamineAbsent(const std::string& name, SessionId session, std::optional<Event> event) {
+  if (event == Event::kPut) return;  // What happened to it since is told by the next event.
+  if (event == Event::kRemoved && !doubts_.contains(name)) {
+    doubts_.emplace(name, Doubt{Clock::now() + kGrace, kGrace, true});
+    return;
+  }
+  const auto doubt = doubts_.find(name);
+  const bool removed = doubt != doubts_.end() && doubt->second.removed;
+  if (removed && event == Event::kRemoved) return;
+  if (doubt != doubts_.end()) doubts_.erase(doubt);
+  if (event == Event::kMoved) {
+    book_.Remove(session, "It said goodbye.");
+  } else {
+    book_.Remove(session, removed ? "Its file was removed, and it did not announce itself again." : kEnded);
+  }
+}
+
+void RegistryCore::ExamineAlive(const std::string& name, SessionId session, const std::string& content) {
+  const ParsedFile parsed = ParseFile(AsBytes(content));
+  if (!parsed.announcement) {
+    SayOnce(name, parsed.fault);
+  } else if (parsed.announcement->session != session) {
+    SayOnce(name, "it announces session " + parsed.announcement->session.ToString());
+  } else {
+    strange_.erase(name);
+    book_.Put(*parsed.announcement);
+  }
+}
+
+void RegistryCore::LookAgain() {
+  const Clock::time_point now = Clock::now();
+  std::vector<std::string> due;
+  for (const auto& [name, doubt] : doubts_) {
+    if (doubt.next_look <= now) due.push_back(name);
+  }
+  for (const std::string& name : due) {
+    Examine(name, std::nullopt);
+    const auto doubt = doubts_.find(name);
+    if (doubt == doubts_.end()) continue;
+    doubt->second.pause *= kPauseGrowth;
+    doubt->second.next_look = now + doubt->second.pause;
+    if (doubt->second.pause > kLongestPause) doubts_.erase(doubt);
+  }
+}
+
+void RegistryCore::SayOnce(const std::string& name, const std::string& fault) {
+  if (std::string& said = strange_[name]; std::exchange(said, fault) == fault) return;
+  log_.Write(LogLevel::kWarning, "A session's announcement is ignored (" + (folder_.path() / name).string() +
+                                     "): " + fault +
+                                     ". Remove it if no program uses it; sessions of other versions need a "
+                                     "domain of their own.");
+}
+
+}  // namespace hgros::discovery

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "discovery/peer_book.hpp"
+#include "discovery/registry/folder_watch.hpp"
+#include "discovery/registry/own_announcement.hpp"
+#include "discovery/registry/registry_folder.hpp"
+#include "discovery/wake_event.hpp"
+#include "hgros/base/fork_guard.hpp"
+#include "hgros/base/log.hpp"
+
+namespace hgros::discovery {
+
+/// The registry's thread and state. It waits for events of the folder and for a signal; it has a deadline only while
+/// the state of a session is uncertain or a write is due.
+///
+/// Thread safety: Announce(), List() and in_forked_child().
+class RegistryCore {
+ public:
+  RegistryCore(const RegistryOptions& options, DiscoveryListener& listener, Log& log);
+  RegistryCore(const RegistryCore&) = delete;
+  RegistryCore& operator=(const RegistryCore&) = delete;
+  ~RegistryCore();
+
+  void Announce(const Announcement& own);
+  [[nodiscard]] std::vector<Announcement> List() const { return book_.List(); }
+  [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Event = FolderWatch::Event;
+  /// A session that may have died: checked again, less and less often, and finally not any more.
+  struct Doubt {
+    Clock::time_point next_look;
+    std::chrono::milliseconds pause;
+    bool removed;  // Its file was removed while it lived; otherwise the file was closed.
+  };
+
+  void Loop();
+  [[nodiscard]] std::optional<Clock::time_point> Deadline() const;
+  void Open();
+  void Mend();
+  void Scan();
+  void Examine(const std::string& name, std::optional<Event> event);
+  void ExamineAbsent(const std::string& name, SessionId session, std::optional<Event> event);
+  void ExamineAlive(const std::string& name, SessionId session, const std::string& content);
+  void LookAgain();
+  void SayOnce(const std::string& name, const std::string& fault);
+
+  DiscoveryListener& listener_;
+  Log& log_;
+  const ForkGuard fork_;
+  const RegistryFolder folder_;
+  OwnAnnouncement own_;
+  PeerBook book_;
+  FolderWatch watch_;                           // Of the thread, as what follows.
+  std::map<std::string, Doubt> doubts_;         // By name.
+  std::map<std::string, std::string> strange_;  // Names and the faults that were logged for them.
+  std::optional<Clock::time_point> next_mending_;
+  WakeEvent wake_;
+  std::atomic<bool> stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hgros::discovery

@@ -1,0 +1,102 @@
+#include "discovery/registry/session_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "discovery/registry/announcement_file.hpp"
+#include "hgros/base/own_descriptor.hpp"
+
+namespace hgros::discovery {
+namespace {
+
+constexpr std::size_t kIdDigits = 16;
+constexpr int kLookFlags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+
+struct flock WholeFile() {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  return lock;
+}
+
+FileLook Strange(std::string fault) { return {FileLook::State::kStrange, {}, std::move(fault)}; }
+
+std::string Fault(const struct stat& status) {
+  if (!S_ISREG(status.st_mode)) return "it is no regular file";
+  if (status.st_uid != geteuid()) return "it belongs to user " + std::to_string(status.st_uid);
+  if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0) return "others may write to it";
+  return {};
+}
+
+// Reads to the end, or one byte more than may be.
+bool ReadAll(int fd, std::string& content) {
+  constexpr std::size_t kPiece = 16 * 1024;
+  while (content.size() <= kMaxFileBytes) {
+    const std::size_t before = content.size();
+    content.resize(before + kPiece);
+    const ssize_t size = read(fd, content.data() + before, kPiece);
+    content.resize(before + static_cast<std::size_t>(size > 0 ? size : 0));
+    if (size == 0) return true;
+    if (size < 0 && errno != EINTR) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+SessionId SessionOfFile(std::string_view name) noexcept { return SessionId::FromString(name); }
+
+bool IsUnfinished(std::string_view name) noexcept {
+  return name.size() == 2 + 2 * kIdDigits && name[0] == '.' && name[1 + kIdDigits] == '.' &&
+         SessionId::FromString(name.substr(1, kIdDigits)).value != 0;
+}
+
+std::string FileName(SessionId session) { return session.ToString(); }
+
+std::string UnfinishedFileName(SessionId session) {
+  return "." + session.ToString() + "." + SessionId{RandomId()}.ToString();
+}
+
+bool TakeLock(int fd) noexcept {
+  struct flock lock = WholeFile();
+  return fcntl(fd, F_OFD_SETLK, &lock) == 0;
+}
+
+FileLook LookAtFile(const std::filesystem::path& path) {
+  const OwnDescriptor file([&] { return open(path.c_str(), O_RDONLY | kLookFlags); });
+  if (!file) {
+    if (errno == ENOENT) return {};
+    if (errno == ELOOP) return Strange("it is a symbolic link");
+    return Strange(std::string("it cannot be opened: ") + std::strerror(errno));
+  }
+  struct stat status {};
+  if (fstat(file.get(), &status) != 0) return Strange("it cannot be examined");
+  if (std::string fault = Fault(status); !fault.empty()) return Strange(std::move(fault));
+  struct flock lock = WholeFile();
+  if (fcntl(file.get(), F_OFD_GETLK, &lock) != 0) {
+    return Strange(std::string("its lock cannot be examined: ") + std::strerror(errno));
+  }
+  if (lock.l_type == F_UNLCK) return {FileLook::State::kStale, {}, {}};
+  if (status.st_size > static_cast<off_t>(kMaxFileBytes)) {
+    return Strange("it has more than " + std::to_string(kMaxFileBytes) + " bytes");
+  }
+  FileLook look{FileLook::State::kAlive, {}, {}};
+  if (!ReadAll(file.get(), look.content)) return Strange(std::string("it cannot be read: ") + std::strerror(errno));
+  return look;
+}
+
+void RemoveStaleFile(const std::filesystem::path& path) {
+  const OwnDescriptor file([&] { return open(path.c_str(), O_RDWR | kLookFlags); });
+  struct stat locked {};
+  struct stat named {};
+  if (!file || fstat(file.get(), &locked) != 0 || !Fault(locked).empty() || !TakeLock(file.get())) return;
+  // The name may have gone to another file before the lock was ours; from now on no other process removes it.
+  if (lstat(path.c_str(), &named) != 0 || named.st_ino != locked.st_ino || named.st_dev != locked.st_dev) return;
+  unlink(path.c_str());
+}
+
+}  // namespace hgros::discovery

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "hgros/base/ids.hpp"
+
+/// The files in a registry's folder. All versions of the library keep these rules:
+///  1. A session's file is named by its id. It is written under another name, starting with a dot, locked (an exclusive
+///     OFD lock) and then renamed: every process that sees the file sees all of it, and locked.
+///  2. The owner holds the lock as long as the file is valid; the kernel releases it when the owner dies.
+///  3. A name is removed or replaced only by a process that holds the lock of its file. So a file that another process
+///     can lock is stale, and that process may remove it.
+///  4. A file under its first name can be found unlocked, and removed, before its owner has locked it. After locking,
+///     the owner checks that it is still there.
+///  5. Closing a file that was open for writing wakes all watchers of the folder (IN_CLOSE_WRITE), also when the kernel
+///     closes it for a dead process. So a mere look opens for reading only.
+namespace hgros::discovery {
+
+/// The session in a file name; zero if it is not the name of a session's file.
+[[nodiscard]] SessionId SessionOfFile(std::string_view name) noexcept;
+/// Whether a name is that of a file that is not complete yet.
+[[nodiscard]] bool IsUnfinished(std::string_view name) noexcept;
+[[nodiscard]] std::string FileName(SessionId session);
+[[nodiscard]] std::string UnfinishedFileName(SessionId session);
+
+/// Locks an open file; sets errno on failure.
+[[nodiscard]] bool TakeLock(int fd) noexcept;
+
+struct FileLook {
+  enum class State {
+    kAbsent,
+    kAlive,    ///< The owner lives; `content` is its announcement.
+    kStale,    ///< The owner is dead.
+    kStrange,  ///< Not trusted: `fault` says why.
+  };
+  State state = State::kAbsent;
+  std::string content;
+  std::string fault;
+  bool operator==(const FileLook&) const = default;
+};
+
+[[nodiscard]] FileLook LookAtFile(const std::filesystem::path& path);
+
+/// Removes the file if it is still stale.
+void RemoveStaleFile(const std::filesystem::path& path);
+
+}  // namespace hgros::discovery

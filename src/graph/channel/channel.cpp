@@ -1,0 +1,372 @@
+#include "graph/channel/channel.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "graph/channel/epoch.hpp"
+#include "graph/graph_core.hpp"
+#include "graph/nodes/callback_scope.hpp"
+#include "hgros/clock/time.hpp"
+#include "hgros/codec/run_time_type.hpp"
+
+namespace hgros {
+
+Channel::Channel(std::string name, const TypeInfo& type, std::string declared_at, GraphCore& core)
+    : name_(std::move(name)),
+      type_(&type),
+      declared_at_(std::move(declared_at)),
+      core_(core),
+      current_fanout_(std::make_shared<const Fanout>()) {
+  fanout_.store(current_fanout_.get(), std::memory_order_seq_cst);
+}
+
+Channel::~Channel() {
+  if (current_outlet_) epoch::Retire(std::move(current_outlet_));
+  epoch::Retire(std::move(current_fanout_));
+}
+
+PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept {
+  const PublishStatus status = Try(offer, reach);
+  if (status != PublishStatus::kOk) refused_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+// Marks this thread as delivering local messages of a channel and running their callbacks itself. Messages that those
+// callbacks publish on the same channel wait here, so that all nodes and sessions get the messages in the order of
+// publishing.
+class Channel::Handover {
+ public:
+  explicit Handover(const Channel& channel) noexcept : channel_(channel), outer_(std::exchange(innermost, this)) {}
+  Handover(const Handover&) = delete;
+  Handover& operator=(const Handover&) = delete;
+  ~Handover() { innermost = outer_; }
+
+  // The Handover of `channel` on this thread, or null.
+  static Handover* Of(const Channel& channel) noexcept {
+    Handover* one = innermost;
+    while (one != nullptr && &one->channel_ != &channel) one = one->outer_;
+    return one;
+  }
+
+  std::vector<Publication> waiting;
+
+ private:
+  static inline thread_local Handover* innermost = nullptr;
+
+  const Channel& channel_;
+  Handover* const outer_;
+};
+
+PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
+  return several_forms_.load(std::memory_order_acquire) ? TryOneOfSeveral(offer, reach) : TryAs(offer, type(), reach);
+}
+
+PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Reach reach) noexcept {
+  if (offer.message == nullptr) return PublishStatus::kEmpty;
+  if (core_.refusing()) return PublishStatus::kClosed;
+  const epoch::Guard guard;
+  const Fanout& fanout = *fanout_.load(std::memory_order_seq_cst);
+  const bool local = !closed_.load(std::memory_order_relaxed);
+  Outlet* outlet = reach == Reach::kAny ? outlet_.load(std::memory_order_seq_cst) : nullptr;
+  if (outlet != nullptr && !outlet->wanted()) outlet = nullptr;
+
+  const std::size_t bytes = fanout.count_bytes ? type.memory_bytes(offer.message) : 0;
+  const bool reserved = local && fanout.lossless;
+  Handover* const outer = Handover::Of(*this);
+  if (reserved && outer == nullptr && outlet == nullptr && fanout.sole_lossless != nullptr &&
+      (fanout.nodes.size() == 1 || !fanout.has_inline) && latched_.load(std::memory_order_relaxed) == 0) {
+    return PublishToSole(fanout, offer, bytes);
+  }
+  if (reserved && !ReserveAll(fanout, bytes)) return PublishStatus::kFull;
+  if (outlet != nullptr) {
+    if (const PublishStatus status = outlet->Reserve(); status != PublishStatus::kOk) {
+      if (reserved) CancelAll(fanout, fanout.nodes.size(), bytes);
+      return status;
+    }
+  }
+
+  Publication publication{offer.take(offer.context), &type, {}, &fanout, &fanout, outlet, bytes, reserved, local};
+  MessageInfo& info = publication.info;
+  info.id = core_.publisher();
+  info.publish_monotonic_ns = MonotonicNow();
+  if (const std::size_t depth = latched_.load(std::memory_order_relaxed); depth > 0 && local) {
+    publication.after = Store(publication.message, info, depth, UserCode::kAllowed);
+  } else {
+    info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+  }
+  if (outer != nullptr) {
+    outer->waiting.push_back(std::move(publication));
+  } else if (local && (fanout.has_inline || publication.after->has_inline)) {
+    Handover handover(*this);
+    HandOver(publication, info.publish_monotonic_ns);
+    while (!handover.waiting.empty()) {
+      for (Publication& next : std::exchange(handover.waiting, {})) HandOver(next, MonotonicNow());
+    }
+  } else {
+    HandOver(publication, info.publish_monotonic_ns);
+  }
+  return PublishStatus::kOk;
+}
+
+void Channel::HandOver(Publication& publication, std::int64_t now) noexcept {
+  const auto& [message, type, info, fanout, after, outlet, bytes, reserved, local] = publication;
+  if (local) {
+    const bool last = outlet == nullptr && after == fanout;
+    Deliver(*fanout, publication.message, info, nullptr, {bytes, reserved, last, nullptr, now});
+    if (after != fanout) DeliverToNewcomers(*fanout, *after, publication.message, info, bytes);
+  }
+  if (outlet != nullptr) outlet->Commit(message, *type);
+}
+
+// With only one lossless node no reservation has to be undone, so room and message are taken in one step.
+PublishStatus Channel::PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept {
+  AnyMessage message;
+  MessageInfo info;
+  info.id = core_.publisher();
+  info.publish_monotonic_ns = MonotonicNow();
+  std::int64_t now = info.publish_monotonic_ns;
+  const bool alone = fanout.nodes.size() == 1;
+  if (!fanout.sole_lossless->TryDeliverSole({offer, sequence_, bytes, alone}, message, info, now)) {
+    return PublishStatus::kFull;
+  }
+  if (!alone) Deliver(fanout, message, info, nullptr, {bytes, false, true, fanout.sole_lossless, now});
+  return PublishStatus::kOk;
+}
+
+bool Channel::ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept {
+  for (std::size_t i = 0; i < fanout.nodes.size(); ++i) {
+    if (!fanout.nodes[i]->lossless() || fanout.nodes[i]->Reserve(bytes)) continue;
+    CancelAll(fanout, i, bytes);
+    return false;
+  }
+  return true;
+}
+
+void Channel::CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept {
+  bool missed = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (fanout.nodes[i]->lossless()) missed = fanout.nodes[i]->CancelReservation(bytes) || missed;
+  }
+  if (missed) NotifyRoom();
+}
+
+void Channel::Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
+                      const std::shared_ptr<const void>& credit, const Handing& handing) noexcept {
+  std::int64_t now = handing.now;
+  for (const std::shared_ptr<Node>& node : fanout.nodes) {
+    if (node.get() == handing.except) continue;
+    const bool last = handing.last && &node == &fanout.nodes.back();
+    node->Deliver({message, info, credit, handing.bytes, last}, handing.reserved && node->lossless(), now);
+  }
+}
+
+void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message,
+                                 const MessageInfo& info, std::size_t bytes) noexcept {
+  std::int64_t now = MonotonicNow();
+  const std::shared_ptr<const void> no_credit;
+  for (const std::shared_ptr<Node>& node : after.nodes) {
+    if (std::find(before.nodes.begin(), before.nodes.end(), node) != before.nodes.end()) continue;
+    node->Deliver({message, info, no_credit, bytes, false}, false, now);
+  }
+}
+
+const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, UserCode user_code) {
+  LatchedMessages::Messages dropped;  // Destroyed after the lock: a message's destructor is user code.
+  const std::scoped_lock lock(latch_mutex_);
+  const Fanout* fanout = fanout_.load(std::memory_order_seq_cst);
+  if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
+  if (!info.remote) {  // Numbered and timed in one order.
+    info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+    info.publish_monotonic_ns = MonotonicNow();
+  }
+  dropped = latched_messages_.Store(message, info, depth);
+  return fanout;
+}
+
+void Channel::PublisherIsGone(std::uint64_t publisher) {
+  LatchedMessages::Messages dropped;
+  const std::scoped_lock lock(latch_mutex_);
+  dropped = latched_messages_.MarkGone(publisher);
+}
+
+void Channel::PublisherIsBack(std::uint64_t publisher) {
+  LatchedMessages::Return back;
+  {
+    const std::scoped_lock lock(latch_mutex_);
+    back = latched_messages_.MarkBack(publisher);
+  }
+  std::int64_t now = MonotonicNow();
+  for (const std::shared_ptr<Node>& node : back.nodes) {
+    for (QueuedMessage& one : back.messages) {
+      const std::size_t bytes = TypeOfMessage(one.message).memory_bytes(one.message.get());
+      node->Deliver({one.message, one.info, one.credit, bytes, false}, false, now);
+    }
+  }
+}
+
+bool Channel::Inject(AnyMessage message, const TypeInfo& type, const MessageInfo& from,
+                     std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept {
+  if (core_.refusing()) return true;
+  message = Wrapped(std::move(message), type);
+  const epoch::Guard guard;
+  MessageInfo info = from;
+  info.remote = true;
+  const Fanout* fanout =
+      latched > 0 ? Store(message, info, latched, user_code) : fanout_.load(std::memory_order_seq_cst);
+  if (fanout == nullptr || (user_code == UserCode::kRefused && fanout->has_inline)) return false;
+  received_.fetch_add(1, std::memory_order_relaxed);
+  const std::size_t bytes = fanout->count_bytes ? type.memory_bytes(message.get()) : 0;
+  Deliver(*fanout, message, info, credit, {bytes, false, true, nullptr, MonotonicNow()});
+  return true;
+}
+
+PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
+                                   std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
+  PublishStatus status = Try(offer, reach);
+  if (status == PublishStatus::kFull) {
+    status = CallbackScope::InAny() ? PublishStatus::kWouldDeadlock : WaitForRoom(offer, reach, deadline, stop);
+  }
+  if (status != PublishStatus::kOk) refused_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+PublishStatus Channel::WaitForRoom(const MessageOffer& offer, Reach reach,
+                                   std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
+  PublishStatus status = PublishStatus::kFull;
+  room_waiters_.fetch_add(1, std::memory_order_seq_cst);
+  for (;;) {
+    std::uint64_t seen = 0;
+    {
+      const std::scoped_lock lock(room_mutex_);
+      seen = room_generation_;
+    }
+    status = Try(offer, reach);
+    if (status != PublishStatus::kFull) break;
+    std::unique_lock lock(room_mutex_);
+    const bool changed = room_.wait_until(lock, stop, deadline, [&] { return room_generation_ != seen; });
+    if (changed && !stop.stop_requested() && std::chrono::steady_clock::now() < deadline) continue;
+    status = stop.stop_requested() ? PublishStatus::kStopped : PublishStatus::kTimedOut;
+    break;
+  }
+  room_waiters_.fetch_sub(1, std::memory_order_seq_cst);
+  return status;
+}
+
+void Channel::NotifyRoom() noexcept {
+  if (room_waiters_.load(std::memory_order_seq_cst) == 0) return;
+  {
+    const std::scoped_lock lock(room_mutex_);
+    ++room_generation_;
+  }
+  room_.notify_all();
+}
+
+void Channel::Replace(std::shared_ptr<const Fanout> fanout) {
+  fanout_.store(fanout.get(), std::memory_order_seq_cst);
+  std::swap(current_fanout_, fanout);
+  epoch::Retire(std::move(fanout));
+}
+
+namespace {
+
+std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> nodes) {
+  auto fanout = std::make_shared<Fanout>();
+  for (const std::shared_ptr<Node>& node : nodes) {
+    const NodeSetting& setting = node->setting();
+    if (setting.queue.lossless()) fanout->sole_lossless = fanout->lossless ? nullptr : node.get();
+    fanout->lossless = fanout->lossless || setting.queue.lossless();
+    fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
+    fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
+    // A node that reads the bytes in place gets them uncopied; copies are made only for the other nodes.
+    const bool raw =
+        fanout->inbound != nullptr && IsAnyType(*fanout->inbound);  // Messages of other types are made from it.
+    const bool better = setting.type->encode_in_place != nullptr || IsAnyType(*setting.type);
+    if (fanout->inbound == nullptr || (better && !raw)) fanout->inbound = setting.type;
+  }
+  fanout->nodes = std::move(nodes);
+  return fanout;
+}
+
+}  // namespace
+
+void Channel::Add(const std::shared_ptr<Node>& node) {
+  const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
+  std::vector<QueuedMessage> kept = latched_messages_.ForNewNode(node);
+  if (IsAnyType(*node->setting().type) && !raw_.load(std::memory_order_relaxed)) {
+    for (const std::shared_ptr<Node>& other : current_fanout_->nodes) other->ExpectTwoForms();
+    raw_.store(true, std::memory_order_release);
+  }
+  if (other_type_.load(std::memory_order_relaxed) != nullptr || raw_.load(std::memory_order_relaxed)) {
+    node->ExpectTwoForms();
+  }
+  if (!kept.empty()) node->Preload(std::move(kept));
+  std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
+  nodes.push_back(node);
+  Replace(MakeFanout(std::move(nodes)));
+}
+
+void Channel::Remove(const Node& node) {
+  const std::scoped_lock lock(wiring_mutex_);
+  std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
+  std::erase_if(nodes, [&node](const std::shared_ptr<Node>& other) { return other.get() == &node; });
+  if (nodes.size() != current_fanout_->nodes.size()) Replace(MakeFanout(std::move(nodes)));
+}
+
+void Channel::SetOutlet(std::shared_ptr<Outlet> outlet) {
+  const std::scoped_lock lock(wiring_mutex_);
+  outlet_.store(outlet.get(), std::memory_order_seq_cst);
+  std::swap(current_outlet_, outlet);
+  if (outlet) epoch::Retire(std::move(outlet));
+}
+
+void Channel::Latch(std::size_t count) {
+  const std::scoped_lock lock(latch_mutex_);
+  if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
+}
+
+std::vector<std::shared_ptr<Node>> Channel::Nodes() const {
+  const std::scoped_lock lock(wiring_mutex_);
+  return current_fanout_->nodes;
+}
+
+ThreadUse Channel::UseOfThread() const noexcept {
+  const epoch::Guard guard;
+  const Fanout* const fanout = fanout_.load(std::memory_order_seq_cst);
+  if (fanout->has_inline) return ThreadUse::kInline;
+  const bool helps = std::ranges::any_of(fanout->nodes, [](const auto& node) { return node->WouldWakeWorker(); });
+  return helps ? ThreadUse::kRunNode : ThreadUse::kNone;
+}
+
+const TypeInfo& Channel::InboundType() const noexcept {
+  if (other_type_.load(std::memory_order_acquire) == nullptr && !raw_.load(std::memory_order_acquire)) return type();
+  const epoch::Guard guard;
+  const TypeInfo* const inbound = fanout_.load(std::memory_order_seq_cst)->inbound;
+  if (inbound != nullptr) return *inbound;
+  return IsRunTimeType(type()) ? AnyType() : type();
+}
+
+ChannelSnapshot Channel::Snapshot() const {
+  ChannelSnapshot snapshot;
+  snapshot.name = name_;
+  snapshot.type = IsAnyType(type()) ? std::string() : type().name;
+  snapshot.published = sequence_.load(std::memory_order_relaxed);
+  snapshot.refused = refused_.load(std::memory_order_relaxed);
+  snapshot.received = received_.load(std::memory_order_relaxed);
+  snapshot.closed = closed_.load(std::memory_order_relaxed);
+  snapshot.latched = latched_.load(std::memory_order_relaxed);
+  snapshot.converted = converted_.load(std::memory_order_relaxed);
+  snapshot.not_converted = not_converted_.load(std::memory_order_relaxed);
+  for (const std::shared_ptr<Node>& node : Nodes()) snapshot.nodes.push_back(node->Snapshot());
+  return snapshot;
+}
+
+PublishStatus Publish(Channel& channel, const MessageOffer& offer, Reach reach) noexcept {
+  return channel.Publish(offer, reach);
+}
+
+PublishStatus PublishWait(Channel& channel, const MessageOffer& offer, Reach reach,
+                          std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
+  return channel.PublishWait(offer, reach, deadline, stop);
+}
+
+}  // namespace hgros

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "graph/channel/latched_messages.hpp"
+#include "graph/channel/raw_forms.hpp"
+#include "graph/nodes/node.hpp"
+#include "graph/nodes/node_stats.hpp"
+#include "hgros/graph/data_graph.hpp"
+#include "hgros/graph/publisher.hpp"
+#include "hgros/internal/graph/outlet.hpp"
+
+namespace hgros {
+
+class GraphCore;
+
+// The nodes of a channel at one moment. It never changes; a new one replaces it.
+struct Fanout {
+  std::vector<std::shared_ptr<Node>> nodes;
+  bool lossless = false;              // At least one node is lossless.
+  Node* sole_lossless = nullptr;      // The lossless node, if there is exactly one.
+  bool count_bytes = false;           // At least one node has a byte limit.
+  bool has_inline = false;            // At least one node runs its callback in the delivering thread.
+  const TypeInfo* inbound = nullptr;  // The type as which remote messages are decoded; null: no node.
+};
+
+// A typed hyperedge.
+//
+// Thread safety: all public functions may be called from any thread.
+// Invariants: fanout_ and outlet_ are read under an epoch guard and replaced under wiring_mutex_. A new node gets each
+// latched message exactly once: a publisher stores the message and reads the list of nodes under latch_mutex_, and a
+// node gets the stored messages and is added under the same lock. A message that is not wrapped (two_forms) is of
+// type_; a raw one is always wrapped.
+class Channel {
+ public:
+  Channel(std::string name, const TypeInfo& type, std::string declared_at, GraphCore& core);
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+  ~Channel();
+
+  PublishStatus Publish(const MessageOffer& offer, Reach reach) noexcept;
+  PublishStatus PublishWait(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
+                            const std::stop_token& stop);
+  // `type` is one of the channel's types.
+  [[nodiscard]] bool Inject(AnyMessage message, const TypeInfo& type, const MessageInfo& info,
+                            std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept;
+  [[nodiscard]] const TypeInfo& InboundType() const noexcept;
+
+  // Returns whether the channel can be used with `type`: its first type, the second C++ type of the same wire form, or
+  // AnyType(). The first request for a second type adds it; a channel that only had AnyType() gets `type`. A type that
+  // is known at run time only fits if it is interchangeable with the channel's; a C++ type takes its place. `where` is
+  // the place of the request, for errors.
+  [[nodiscard]] bool TryUseWith(const TypeInfo& type, const CallSite& where);
+  // A message of this channel as `type`, which is one of its types. Converted at most once for all nodes; null if it
+  // fails.
+  [[nodiscard]] AnyMessage InForm(const AnyMessage& message, const TypeInfo& type);
+
+  void Add(const std::shared_ptr<Node>& node);
+  void Remove(const Node& node);
+  void SetOutlet(std::shared_ptr<Outlet> outlet);
+  void Latch(std::size_t count);
+  // While a remote publisher is gone, new nodes get none of its latched messages; they get them when it is back.
+  void PublisherIsGone(std::uint64_t publisher);
+  void PublisherIsBack(std::uint64_t publisher);
+  void SetClosed(bool closed) noexcept { closed_.store(closed, std::memory_order_relaxed); }
+  void NotifyRoom() noexcept;
+
+  [[nodiscard]] std::vector<std::shared_ptr<Node>> Nodes() const;
+  [[nodiscard]] std::size_t NextNodeNumber() noexcept { return next_node_number_++; }
+  [[nodiscard]] bool HasOutlet() const noexcept { return outlet_.load(std::memory_order_acquire) != nullptr; }
+  [[nodiscard]] ThreadUse UseOfThread() const noexcept;
+  [[nodiscard]] ChannelSnapshot Snapshot() const;
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  // AnyType() until the channel gets a type.
+  [[nodiscard]] const TypeInfo& type() const noexcept { return *type_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::string declared_at() const;
+  [[nodiscard]] GraphCore& core() const noexcept { return core_; }
+
+ private:
+  PublishStatus Try(const MessageOffer& offer, Reach reach) noexcept;
+  PublishStatus TryAs(const MessageOffer& offer, const TypeInfo& type, Reach reach) noexcept;
+  PublishStatus TryOneOfSeveral(const MessageOffer& offer, Reach reach) noexcept;
+  void AddSecondType(const TypeInfo& other);
+  void AddRawForm();
+  void AdoptType(const TypeInfo& type, const CallSite& where);
+  // Adds a place for the other form if the channel has two types or the message is raw.
+  [[nodiscard]] AnyMessage Wrapped(AnyMessage message, const TypeInfo& type) const;
+  [[nodiscard]] const TypeInfo& TypeOfMessage(const AnyMessage& message) const noexcept;
+  PublishStatus WaitForRoom(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
+                            const std::stop_token& stop);
+  // A local message with its number, on its way to all nodes. The pointers are valid as long as the epoch guard.
+  struct Publication {
+    AnyMessage message;
+    const TypeInfo* type;
+    MessageInfo info;
+    const Fanout* fanout;
+    const Fanout* after;  // The nodes when the message was latched.
+    Outlet* outlet;       // Null: the message stays in the process.
+    std::size_t bytes;
+    bool reserved;
+    bool local;
+  };
+  class Handover;
+  void HandOver(Publication& publication, std::int64_t now) noexcept;
+  // Delivers the message to all nodes except `except`. `last`: the message is not needed afterwards.
+  struct Handing {
+    std::size_t bytes = 0;
+    bool reserved = false;
+    bool last = false;
+    const Node* except = nullptr;
+    std::int64_t now = 0;
+  };
+  void Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
+               const std::shared_ptr<const void>& credit, const Handing& handing) noexcept;
+  PublishStatus PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept;
+  // Latches the message and returns the current nodes. Returns null without latching if one of them is inline and user
+  // code is refused.
+  const Fanout* Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, UserCode user_code);
+  void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message, const MessageInfo& info,
+                          std::size_t bytes) noexcept;
+  // Reserves room in all lossless nodes, or in none of them.
+  [[nodiscard]] bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
+  void CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
+  void Replace(std::shared_ptr<const Fanout> fanout);
+
+  const std::string name_;
+  std::atomic<const TypeInfo*> type_;  // Replaced, under wiring_mutex_, if it was AnyType() or a run-time type.
+  std::string declared_at_;            // Guarded by wiring_mutex_.
+  GraphCore& core_;
+
+  std::atomic<const Fanout*> fanout_;
+  std::atomic<Outlet*> outlet_{nullptr};
+  std::atomic<const TypeInfo*> other_type_{nullptr};  // Set once, under wiring_mutex_.
+  std::atomic<bool> raw_{false};                      // Messages are, or were, subscribed to or published raw.
+  std::atomic<bool> several_forms_{false};            // Messages are published as other_type_, or raw.
+  std::atomic<bool> closed_{false};
+  std::atomic<std::size_t> latched_{0};
+  alignas(64) std::atomic<std::uint64_t> sequence_{0};  // Number of the last local message.
+
+  alignas(64) mutable std::mutex wiring_mutex_;
+  std::shared_ptr<const Fanout> current_fanout_;
+  std::shared_ptr<Outlet> current_outlet_;
+  std::atomic<std::size_t> next_node_number_{0};
+
+  std::mutex latch_mutex_;
+  LatchedMessages latched_messages_;
+  RawForms raw_forms_;
+
+  std::mutex room_mutex_;
+  std::condition_variable_any room_;
+  std::uint64_t room_generation_ = 0;
+  alignas(64) std::atomic<int> room_waiters_{0};  // Read for every message that a lossless node runs.
+
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> received_{0};
+  std::atomic<std::uint64_t> converted_{0};
+  std::atomic<std::uint64_t> not_converted_{0};
+};
+
+}  // namespace hgros

@@ -1,0 +1,93 @@
+#include "graph/channel/epoch.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace hgros::epoch {
+namespace {
+
+struct Retired {
+  std::shared_ptr<const void> object;
+  std::uint64_t epoch;
+};
+
+// One for the process, as a heap is: it holds no state that a program could observe. Never destroyed, since threads
+// may end after static destructors have run.
+struct Domain {
+  std::atomic<std::uint64_t> current{1};
+  std::atomic<Reader*> readers{nullptr};
+  std::mutex mutex;
+  std::vector<Retired> retired;
+};
+
+Domain& TheDomain() noexcept {
+  static Domain& domain = *new Domain;
+  return domain;
+}
+
+// Readers are never freed, only handed to the next thread.
+Reader* TakeReader() noexcept {
+  Domain& domain = TheDomain();
+  for (Reader* reader = domain.readers.load(std::memory_order_acquire); reader != nullptr; reader = reader->next) {
+    bool free = false;
+    if (reader->taken.compare_exchange_strong(free, true, std::memory_order_acquire)) return reader;
+  }
+  auto* reader = new Reader;
+  reader->taken.store(true, std::memory_order_relaxed);
+  reader->next = domain.readers.load(std::memory_order_relaxed);
+  while (!domain.readers.compare_exchange_weak(reader->next, reader, std::memory_order_release)) {
+  }
+  return reader;
+}
+
+struct Registration {
+  Reader* reader = TakeReader();
+  ~Registration() { reader->taken.store(false, std::memory_order_release); }
+};
+
+std::uint64_t OldestActive() noexcept {
+  std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
+  for (Reader* reader = TheDomain().readers.load(std::memory_order_seq_cst); reader != nullptr; reader = reader->next) {
+    const std::uint64_t active = reader->active.load(std::memory_order_seq_cst);
+    if (active != 0) oldest = std::min(oldest, active);
+  }
+  return oldest;
+}
+
+}  // namespace
+
+Reader& ThisThread() noexcept {
+  thread_local Registration registration;
+  return *registration.reader;
+}
+
+std::uint64_t Current() noexcept {
+  static std::atomic<std::uint64_t>& current = TheDomain().current;
+  return current.load(std::memory_order_seq_cst);
+}
+
+void Retire(std::shared_ptr<const void> object) {
+  Domain& domain = TheDomain();
+  const std::uint64_t epoch = domain.current.fetch_add(1, std::memory_order_seq_cst);
+  {
+    const std::scoped_lock lock(domain.mutex);
+    domain.retired.push_back({std::move(object), epoch});
+  }
+  Collect();
+}
+
+void Collect() {
+  Domain& domain = TheDomain();
+  std::vector<Retired> free;  // Declared before the lock and so let go of after it: a destructor may retire more.
+  const std::scoped_lock lock(domain.mutex);
+  const std::uint64_t oldest = OldestActive();
+  const auto kept = std::partition(domain.retired.begin(), domain.retired.end(),
+                                   [oldest](const Retired& item) { return item.epoch >= oldest; });
+  free.assign(std::make_move_iterator(kept), std::make_move_iterator(domain.retired.end()));
+  domain.retired.erase(kept, domain.retired.end());
+}
+
+}  // namespace hgros::epoch

@@ -1,0 +1,88 @@
+#include "graph/nodes/node.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "graph/nodes/callback_scope.hpp"
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+Node::Node(NodeSetting setting, AnyCallback callback) : setting_(std::move(setting)), callback_(std::move(callback)) {}
+
+// Runs on the node's own executor, because converting a message may take as long as copying it.
+void Node::CallInForm(const AnyMessage& message, const MessageInfo& info) {
+  if (const AnyMessage mine = setting_.in_form(message)) {
+    callback_(mine, info);
+  } else {
+    setting_.log->WriteLimited(LogLevel::kError, "form " + setting_.name,
+                               "Node \"" + setting_.name + "\" on channel \"" + setting_.channel +
+                                   "\" missed a message that could not be converted to its C++ type (" +
+                                   setting_.type->name + "); ChannelSnapshot::not_converted counts such messages.");
+  }
+}
+
+void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& stats, Writers writers,
+               std::int64_t& now) noexcept {
+  const std::int64_t start = now;
+  {
+    const CallbackScope scope(setting_.graph, this);
+    const auto failed = [&](const char* what) {
+      Add(stats.failed, std::uint64_t{1}, writers);
+      setting_.log->WriteLimited(LogLevel::kError, "callback " + setting_.name,
+                                 "The callback of node \"" + setting_.name + "\" on channel \"" + setting_.channel +
+                                     "\" threw: " + what + ". The message is skipped; the node continues.");
+    };
+    try {
+      if (two_forms_.load(std::memory_order_relaxed)) [[unlikely]] {
+        CallInForm(message, info);
+      } else {
+        callback_(message, info);
+      }
+    } catch (const std::exception& error) {
+      failed(error.what());
+    } catch (...) {
+      failed("something that is not a std::exception");
+    }
+  }
+  now = MonotonicNow();
+  Add(stats.run, std::uint64_t{1}, writers);
+  stats.queue_wait.Record(start - info.publish_monotonic_ns, writers);
+  stats.run_time.Record(now - start, writers);
+}
+
+bool Node::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t& now) noexcept {
+  if (!Reserve(sole.bytes)) return false;
+  message = sole.offer.take(sole.offer.context);
+  info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+  const std::shared_ptr<const void> no_credit;
+  Deliver({message, info, no_credit, sole.bytes, sole.last}, true, now);
+  return true;
+}
+
+void Node::NotifyRoom() const noexcept {
+  if (setting_.on_room) setting_.on_room();
+}
+
+void Node::AddStats(NodeSnapshot& snapshot) const {
+  snapshot.run += stats_.run.load(std::memory_order_relaxed);
+  snapshot.failed += stats_.failed.load(std::memory_order_relaxed);
+  stats_.queue_wait.AddTo(snapshot.queue_wait);
+  stats_.run_time.AddTo(snapshot.run_time);
+}
+
+NodeSnapshot Node::Snapshot() const {
+  NodeSnapshot snapshot;
+  snapshot.name = setting_.name;
+  snapshot.channel = setting_.channel;
+  snapshot.invoke = setting_.invoke;
+  snapshot.queue = setting_.queue;
+  snapshot.executor = setting_.executor;
+  snapshot.received = received_.load(std::memory_order_relaxed);
+  snapshot.dropped = dropped_.load(std::memory_order_relaxed);
+  snapshot.queued = QueuedNow();
+  AddStats(snapshot);
+  return snapshot;
+}
+
+}  // namespace hgros

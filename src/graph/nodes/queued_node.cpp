@@ -1,0 +1,189 @@
+#include "graph/nodes/queued_node.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "graph/nodes/spin_then_lock.hpp"
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+QueuedNode::QueuedNode(NodeSetting setting, AnyCallback callback)
+    : Node(std::move(setting), std::move(callback)), ring_(Node::setting().queue) {}
+
+void QueuedNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t&) noexcept {
+  std::optional<QueuedMessage> dropped;  // Destroyed after the lock.
+  bool wake = false;
+  {
+    std::unique_lock lock(mutex_, std::defer_lock);
+    SpinThenLock(lock);
+    if (reserved) ring_.Cancel(delivery.bytes);
+    if (closed_) return;
+    // Single writers under the lock; the atomics are for readers outside it.
+    Add(received_, std::uint64_t{1}, Writers::kOne);
+    dropped = ring_.Push(delivery);
+    if (dropped) Add(dropped_, std::uint64_t{1}, Writers::kOne);
+    wake = NeedsWake();
+  }
+  if (wake) Wake();
+}
+
+// One lock for what Reserve() and Deliver() would do with two.
+bool QueuedNode::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t&) noexcept {
+  const std::shared_ptr<const void> no_credit;
+  bool wake = false;
+  {
+    std::unique_lock lock(mutex_, std::defer_lock);
+    SpinThenLock(lock);
+    if (!closed_ && !ReserveHere(sole.bytes)) return false;
+    message = sole.offer.take(sole.offer.context);
+    info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+    if (closed_) return true;
+    ring_.Cancel(sole.bytes);
+    Add(received_, std::uint64_t{1}, Writers::kOne);
+    ring_.Push({message, info, no_credit, sole.bytes, sole.last});
+    wake = NeedsWake();
+  }
+  if (wake) Wake();
+  return true;
+}
+
+// For a node that batches, the exact number of unstarted messages is in a cache line of the running thread, so it is
+// read only if it matters.
+bool QueuedNode::ReserveHere(std::size_t bytes) noexcept {
+  const bool roughly = Batches() && ring_.HasRoom(batched_);
+  const std::size_t popped = roughly ? batched_ : unstarted_.load(std::memory_order_seq_cst);
+  if (ring_.Reserve(bytes, popped)) return true;
+  refused_ = true;
+  return false;
+}
+
+bool QueuedNode::Reserve(std::size_t bytes) noexcept {
+  std::unique_lock lock(mutex_, std::defer_lock);
+  SpinThenLock(lock);
+  return ReserveHere(bytes);
+}
+
+bool QueuedNode::CancelReservation(std::size_t bytes) noexcept {
+  const std::scoped_lock lock(mutex_);
+  ring_.Cancel(bytes);
+  return std::exchange(refused_, false);
+}
+
+void QueuedNode::Preload(std::vector<QueuedMessage> messages) {
+  const std::scoped_lock lock(mutex_);
+  preloaded_ = std::move(messages);
+  Add(received_, std::uint64_t{preloaded_.size()}, Writers::kOne);
+}
+
+void QueuedNode::Start() {
+  // One wake for each: a concurrent node runs one message per wake.
+  for (;;) {
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!HasMessages() || closed_ || !NeedsWake()) return;
+    }
+    Wake();
+  }
+}
+
+QueuedMessage QueuedNode::PopNext() {
+  if (next_preloaded_ < preloaded_.size()) return std::move(preloaded_[next_preloaded_++]);
+  return ring_.Pop();
+}
+
+// A keep-last ring must be able to drop its oldest until the callback begins, concurrent callbacks share the ring, and
+// bytes are not counted outside of it: those take one message at a time.
+bool QueuedNode::Batches() const noexcept {
+  return lossless() && setting().invoke == Invoke::kSerial && setting().queue.limit_bytes() == Queue::kUnlimitedBytes;
+}
+
+void QueuedNode::RunTaken(QueuedMessage& message, Writers writers, std::int64_t& now) noexcept {
+  message.credit.reset();
+  unstarted_.fetch_sub(1, std::memory_order_seq_cst);  // Before NotifyRoom() checks for waiting publishers.
+  if (!closed_) {
+    if (lossless()) NotifyRoom();
+    Run(message.message, message.info, stats_, writers, now);
+  }
+  message.message.reset();
+}
+
+void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept {
+  const bool batches = Batches();
+  for (std::size_t taken = 0; taken < most && !closed_;) {
+    if (!HasMessages()) {
+      if (taken < kFlood || !MoreCame(lock)) return;
+      now = MonotonicNow();
+    }
+    if (batches && next_preloaded_ == preloaded_.size()) {
+      std::unique_ptr<MessageRing::Block> block = ring_.PopBlock();
+      taken += block->messages().size();
+      RunUnlocked(block->messages(), lock, now);
+      ring_.GiveBack(std::move(block));
+    } else {
+      QueuedMessage one = PopNext();
+      ++taken;
+      RunUnlocked({&one, 1}, lock, now);
+    }
+    if (closed_ || watchers_ > 0) changed_.notify_all();
+    if (closed_ && running_ == 0) DestroyCallbackOnce(lock, changed_);
+  }
+}
+
+// Messages arrive in quick succession: waiting a moment for the next ones costs less than a wake-up for each, and lets
+// the publisher have the lock.
+bool QueuedNode::MoreCame(std::unique_lock<std::mutex>& lock) noexcept {
+  lock.unlock();
+  for (int i = 0; i < kPauses; ++i) PauseBriefly();
+  SpinThenLock(lock);
+  return HasMessages();
+}
+
+void QueuedNode::RunUnlocked(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock,
+                             std::int64_t& now) noexcept {
+  // Concurrent callbacks of one node share its counters.
+  const Writers writers = setting().invoke == Invoke::kSerial ? Writers::kOne : Writers::kMany;
+  unstarted_.fetch_add(batch.size(), std::memory_order_relaxed);
+  batched_ = batch.size();
+  ++running_;
+  lock.unlock();
+  for (QueuedMessage& message : batch) RunTaken(message, writers, now);
+  SpinThenLock(lock);
+  batched_ = 0;
+  --running_;
+}
+
+void QueuedNode::Close(bool wait) {
+  std::vector<QueuedMessage> discarded;  // Destroyed after the lock.
+  std::unique_lock lock(mutex_);
+  closed_ = true;
+  while (!ring_.empty()) discarded.push_back(ring_.Pop());
+  discarded.insert(discarded.end(), std::make_move_iterator(preloaded_.begin()),
+                   std::make_move_iterator(preloaded_.end()));
+  preloaded_.clear();
+  next_preloaded_ = 0;
+  changed_.notify_all();
+  lock.unlock();
+  NotifyRoom();  // Publishers must not wait for a closed node.
+  lock.lock();
+  if (wait) changed_.wait(lock, [this] { return running_ == 0 && !destroying_callback(); });
+  if (running_ == 0) DestroyCallbackOnce(lock, changed_);
+}
+
+bool QueuedNode::WaitIdle(std::chrono::steady_clock::time_point deadline) {
+  std::unique_lock lock(mutex_);
+  ++watchers_;
+  const bool idle = changed_.wait_until(
+      lock, deadline, [this] { return running_ == 0 && !destroying_callback() && (closed_ || !HasMessages()); });
+  --watchers_;
+  return idle;
+}
+
+std::size_t QueuedNode::QueuedNow() const {
+  const std::scoped_lock lock(mutex_);
+  return QueuedHere() + unstarted_.load(std::memory_order_relaxed);
+}
+
+}  // namespace hgros

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <tbb/flow_graph.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace hgros {
+
+// Something that a worker, or a thread with a ReadyNodeSlot, runs when its token is ready.
+class Activation {
+ public:
+  virtual ~Activation() = default;
+  virtual void Activate() noexcept = 0;
+  // Goes to the end of the workers' queue, because the thread that would have run it has to serve others first.
+  virtual void HandToWorkers() noexcept = 0;
+};
+
+// The work-stealing workers of one data graph: a TBB flow graph in an arena of its own, so that a thread that waits for
+// it never runs foreign work. Each of our nodes owns one flow-graph node, which gets ready tokens but never messages,
+// because TBB's own queues are unlimited.
+//
+// Thread safety: all functions except construction and destruction. Destruction waits for all tokens; it must not run
+// on a worker.
+// Invariants: flow-graph nodes are never destroyed before the graph but reused, since the end of a body may still touch
+// its node when our own counters say that it is done.
+class TbbExecutor {
+ public:
+  // Everything before Put() happens before the body that it starts: TBB guarantees that, and the flag shows it to
+  // ThreadSanitizer.
+  struct Ticket {
+    std::shared_ptr<Activation> activation;
+    std::atomic<bool> handed_over{false};
+    bool owned = false;  // Made by Put(), deleted by the body.
+  };
+  using Token = Ticket*;
+  using FlowNode = tbb::flow::function_node<Token, tbb::flow::continue_msg>;
+
+  explicit TbbExecutor(int threads);
+  ~TbbExecutor();
+
+  FlowNode& AcquireFlowNode();
+  void ReleaseFlowNode(FlowNode& node);
+  static void Put(FlowNode& node, std::shared_ptr<Activation> activation);
+  // The same with a ticket of the caller, who keeps it until the activation has started.
+  static void Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket);
+
+  // Queues behind everything that other threads have put. A worker's own Put() would always run before that.
+  void Enqueue(std::shared_ptr<Activation> activation);
+
+  // Keeps the activation on the calling thread if that runs it soon, so that it need not be put: in its ReadyNodeSlot,
+  // or, on the only worker, behind the running body. Nothing could run it sooner, and it saves TBB's overhead between
+  // tasks.
+  [[nodiscard]] bool KeepForThisThread(const std::shared_ptr<Activation>& activation) const;
+  [[nodiscard]] bool slot_taken() const noexcept { return slot_taken_->load(std::memory_order_relaxed); }
+
+ private:
+  class Chain;
+  struct Enqueued;
+  void Run(Activation& activation) const;
+  void RunEnqueued(Ticket& ticket) const;
+
+  const bool one_worker_;
+  tbb::global_control workers_;
+  tbb::task_arena arena_;
+  std::unique_ptr<tbb::flow::graph> graph_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<FlowNode>> nodes_;
+  std::vector<FlowNode*> free_;
+  // One thread at a time keeps a node in its ReadyNodeSlot, so that at most one callback runs beyond the number of
+  // workers. The slot shares ownership.
+  const std::shared_ptr<std::atomic<bool>> slot_taken_ = std::make_shared<std::atomic<bool>>(false);
+};
+
+}  // namespace hgros

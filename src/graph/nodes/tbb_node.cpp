@@ -1,0 +1,64 @@
+#include "graph/nodes/tbb_node.hpp"
+
+#include <utility>
+
+#include "graph/nodes/spin_then_lock.hpp"
+#include "hgros/clock/time.hpp"
+
+namespace hgros {
+
+TbbNode::TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executor)
+    : QueuedNode(std::move(setting), std::move(callback)),
+      executor_(executor),
+      flow_node_(executor.AcquireFlowNode()) {}
+
+// A token that is still out does no harm if another node gets the flow-graph node: a token knows what it starts.
+void TbbNode::Close(bool wait) {
+  QueuedNode::Close(wait);
+  if (!flow_node_given_.exchange(true)) executor_.ReleaseFlowNode(flow_node_);
+}
+
+bool TbbNode::NeedsWake() {
+  const std::size_t wanted = setting().invoke == Invoke::kSerial ? 1 : QueuedHere();
+  const std::size_t tokens = tokens_.load(std::memory_order_relaxed);
+  if (tokens >= wanted) return false;
+  tokens_.store(tokens + 1, std::memory_order_relaxed);
+  return true;
+}
+
+void TbbNode::Wake() noexcept {
+  auto self = std::static_pointer_cast<TbbNode>(shared_from_this());
+  if (executor_.KeepForThisThread(self)) return;
+  if (setting().invoke == Invoke::kSerial) {
+    TbbExecutor::Put(flow_node_, std::move(self), ticket_);
+  } else {
+    TbbExecutor::Put(flow_node_, std::move(self));
+  }
+}
+
+void TbbNode::HandToWorkers() noexcept { executor_.Enqueue(std::static_pointer_cast<TbbNode>(shared_from_this())); }
+
+// A running node gets the next message without waking a worker.
+bool TbbNode::WouldWakeWorker() const noexcept {
+  return tokens_.load(std::memory_order_relaxed) == 0 && !executor_.slot_taken();
+}
+
+void TbbNode::Activate() noexcept {
+  std::int64_t now = MonotonicNow();
+  std::unique_lock lock(mutex_, std::defer_lock);
+  SpinThenLock(lock);
+  if (setting().invoke == Invoke::kConcurrent) {
+    tokens_.store(tokens_.load(std::memory_order_relaxed) - 1, std::memory_order_relaxed);
+    RunSome(lock, 1, now);
+    return;
+  }
+  RunSome(lock, kTurn, now);
+  if (HasMessages() && !closed_) {
+    lock.unlock();
+    HandToWorkers();  // The token goes to the end of the workers' queue.
+  } else {
+    tokens_.store(0, std::memory_order_relaxed);
+  }
+}
+
+}  // namespace hgros

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "graph/nodes/queued_node.hpp"
+#include "graph/nodes/tbb_executor.hpp"
+
+namespace hgros {
+
+// Runs its callback on the work-stealing workers. Serial: at most one token is out, which drains the ring. Concurrent:
+// one token per waiting message.
+class TbbNode final : public QueuedNode, public Activation {
+ public:
+  TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executor);
+
+  void Activate() noexcept override;
+  void HandToWorkers() noexcept override;
+  [[nodiscard]] bool WouldWakeWorker() const noexcept override;
+  void Close(bool wait) override;
+
+ protected:
+  bool NeedsWake() override;
+  void Wake() noexcept override;
+
+ private:
+  // Number of messages in a row before other nodes get their turn.
+  static constexpr std::size_t kTurn = 64;
+
+  TbbExecutor& executor_;
+  TbbExecutor::FlowNode& flow_node_;
+  TbbExecutor::Ticket ticket_;  // Of a serial node, which has one token out at most.
+  std::atomic<bool> flow_node_given_{false};
+  // Tokens that are out (serial), or out and not started (concurrent). Written under mutex_.
+  std::atomic<std::size_t> tokens_{0};
+};
+
+}  // namespace hgros

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hgros/base/log.hpp"
+#include "hgros/bridge/channel_traffic.hpp"
+#include "hgros/clock/host_clocks.hpp"
+#include "hgros/graph/session_outlet.hpp"
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+class JoinedOutbound;
+class NetworkBridge;
+
+// One channel's way out of the session: numbers and encodes each message once, and hands it to the transport.
+//
+// Thread safety: all functions from any thread.
+// Invariants: order_mutex_ guards the transport and makes the order of sequence numbers the order in which it gets the
+// messages; what the transport lets go of meanwhile ends after it. The transport may ask for the latched messages while
+// it holds locks that its Commit() takes as well, so Latched() takes latch_mutex_ alone and the transport is never
+// called under that. It asks on a thread of its own, where no code of the user's may run: from Join() on, what such a
+// codec writes is written when it is latched.
+class ChannelOutlet final : public SessionOutlet, public OutboundSource {
+ public:
+  ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
+                OutletEvents events, std::shared_ptr<const HostClocks> clocks);
+
+  void Join(NetworkBridge& bridge);
+  // Withdraws from the transport; later publishes stay inside the process.
+  void Detach();
+  void Latch(std::size_t count);
+  // Memory in which a message is published without a copy, if a transport with subscribers has some.
+  [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
+
+  [[nodiscard]] bool wanted() const noexcept override;
+  PublishStatus Reserve() noexcept override;
+  void Commit(const AnyMessage& message, const TypeInfo& type) noexcept override;
+  void Cancel() noexcept override;
+
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
+  void OnRoom() noexcept override;
+  void OnSubscribers(std::size_t count) noexcept override;
+
+  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
+  [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
+  [[nodiscard]] std::size_t subscriber_count() const noexcept override {
+    return subscribers_.load(std::memory_order_acquire);
+  }
+  [[nodiscard]] std::vector<SessionId> Subscribers() const override;
+  void AddTo(ChannelTraffic& traffic) const;
+
+ private:
+  struct Kept {
+    AnyMessage message;
+    const TypeInfo* type;
+    PacketHead head;
+    std::optional<Payload> data;  // Written already; without owner: it cannot be.
+  };
+
+  // The transport may ask for it on its thread, where the user's codec must not run.
+  [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept;
+  // Into the memory of `transports`, if it is there and has some.
+  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) noexcept;
+  [[nodiscard]] static Payload EncodeInto(const AnyMessage& message, const TypeInfo& type,
+                                          JoinedOutbound& transports) noexcept;
+  void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
+
+  const std::string channel_;
+  const TypeInfo& type_;  // The first user's; a message may be raw, or of another C++ type with the same wire form.
+  const MessageId publisher_;
+  const std::shared_ptr<Log> log_;
+  const OutletEvents events_;
+  const std::shared_ptr<const HostClocks> clocks_;
+
+  std::atomic<std::size_t> subscribers_{0};
+  std::atomic<bool> heard_{false};  // There has been a subscriber: what a cut keeps from it is numbered, so it counts.
+  mutable std::atomic<bool> published_{false};
+  std::atomic<std::size_t> latched_{0};
+  std::atomic<bool> joined_{false};  // A transport may ask for what is latched. Set under order_mutex_.
+  std::atomic<std::uint64_t> not_encodable_{0};
+  std::atomic<std::uint64_t> copied_{0};
+  std::atomic<std::uint64_t> loans_{0};
+  std::atomic<std::uint64_t> heap_loans_{0};
+
+  mutable std::mutex order_mutex_;
+  std::shared_ptr<JoinedOutbound> transports_;
+  std::uint64_t sequence_ = 0;
+
+  std::mutex latch_mutex_;
+  std::deque<Kept> kept_;
+};
+
+}  // namespace hgros

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hgros/base/export.hpp"
+#include "hgros/base/ids.hpp"
+#include "hgros/base/transport_keys.hpp"
+#include "hgros/internal/codec/channel_use.hpp"
+
+namespace hgros {
+
+/// What a session does with one channel, and which transports may carry it.
+struct ChannelAnnouncement : ChannelUse {
+  TransportKeys transports = {};  ///< The transports that it may use.
+
+  bool operator==(const ChannelAnnouncement&) const = default;
+};
+
+/// A session: its identity, where it can be reached, and what it publishes and subscribes to.
+struct Announcement {
+  SessionId session;
+  std::uint64_t incarnation = 0;  ///< Distinguishes restarts with the same session id; grows.
+  std::string process;            ///< For people.
+  std::string host;               ///< For people, never compared.
+  std::int64_t pid = 0;
+  std::uint64_t pid_start_time = 0;  ///< In clock ticks since the host started; 0: unknown.
+  std::string boot_id;               ///< Equal for all processes of a host until it restarts; empty: unknown.
+  /// Where transports of its host find it, by their keys.
+  std::map<std::string, std::string, std::less<>> places;
+  std::vector<std::string> endpoints;  ///< ZeroMQ's: "ipc:///path", "tcp://host:port".
+  std::vector<ChannelAnnouncement> channels;
+  /// Processes of this host that the session wants to reach, by their names; empty: all.
+  std::vector<std::string> only;
+
+  bool operator==(const Announcement&) const = default;
+};
+
+/// An announcement of `session` with everything filled in that the operating system knows about this process.
+[[nodiscard]] HGROS_EXPORT Announcement AnnouncementOfThisProcess(SessionId session, std::uint64_t incarnation);
+
+}  // namespace hgros

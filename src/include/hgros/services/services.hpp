@@ -1,0 +1,121 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/base/log.hpp"
+#include "hgros/clock/errand_thread.hpp"
+#include "hgros/graph/invoke.hpp"
+#include "hgros/graph/node_options.hpp"
+#include "hgros/graph/subscription.hpp"
+#include "hgros/internal/base/call_site.hpp"
+#include "hgros/services/call_future.hpp"
+#include "hgros/services/service.hpp"
+#include "hgros/services/service_place.hpp"
+#include "hgros/services/service_snapshot.hpp"
+
+namespace hgros {
+
+class CallState;
+class CallTable;
+class WaitingCallers;
+class ServiceClient;
+
+/// A service that is to be offered.
+struct ServiceSetting {
+  std::string name;
+  const TypeInfo* request = nullptr;
+  const TypeInfo* reply = nullptr;
+  const TypeInfo* request_body = nullptr;  ///< What the handler takes.
+  const TypeInfo* reply_body = nullptr;    ///< What it gives.
+  Invoke invoke = Invoke::kSerial;
+  AnyHandler handler;
+};
+
+// The services that one session offers and calls.
+//
+// Thread safety: all functions. Invariants: calls into the place are made under place_mutex_, shared, so that Close()
+// waits for them; no user code runs there. The services' own thread, for what transports report, runs no user code
+// either, so that no callback that waits for a reply holds up what would end it.
+class Services : public std::enable_shared_from_this<Services> {
+ public:
+  Services(ServicePlace& place, SessionId id, std::shared_ptr<Log> log);
+  ~Services();
+  Services(const Services&) = delete;
+  Services& operator=(const Services&) = delete;
+
+  // Throws Error.
+  std::shared_ptr<ServiceHost> Serve(ServiceSetting setting, NodeOptions options, const CallSite& where);
+  struct Request {
+    const TypeInfo& request;
+    const TypeInfo& reply;
+    const TypeInfo& body_type;
+    AnyMessage body;
+    std::chrono::nanoseconds timeout;
+  };
+  std::shared_ptr<PendingCall> Call(std::string_view name, Request request, AnyAnswer callback);
+
+  // What the session hears. On transports' threads.
+  void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept;
+  void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view sentence) noexcept;
+  void OnAnnouncements() noexcept;
+  // Ends all calls, and refuses requests. Afterwards Close().
+  void Refuse();
+  // The place is about to end.
+  void Close();
+
+  // For hosts and clients.
+  void With(const std::function<void(ServicePlace&)>& use);
+  void Post(std::function<void()> errand);
+  void PostAt(std::chrono::steady_clock::time_point when, std::function<void()> errand);
+  // Returns when no client is being wired that was when this was called.
+  void AwaitWiring() const;
+  void EndCall(const CallMessage& reply, const std::string& service);
+  void Forget(const ServiceHost& host);
+  [[nodiscard]] std::vector<ServiceSnapshot> Snapshot() const;
+  [[nodiscard]] std::shared_ptr<ServiceHost> HostOf(std::string_view name) const;
+  [[nodiscard]] SessionId id() const noexcept { return id_; }
+  [[nodiscard]] const std::shared_ptr<Log>& log() const noexcept { return log_; }
+  [[nodiscard]] const std::shared_ptr<CallTable>& calls() const noexcept { return calls_; }
+  [[nodiscard]] const std::shared_ptr<WaitingCallers>& waiting_callers() const noexcept { return waiting_callers_; }
+
+ private:
+  // Throws Error.
+  [[nodiscard]] std::shared_ptr<ServiceClient> ClientOf(std::string_view name, const Request& request);
+  void Dispatch(const std::shared_ptr<CallState>& call, const Request& request);
+  void OpenAnswers();
+  [[nodiscard]] std::vector<std::shared_ptr<ServiceClient>> Clients() const;
+  [[nodiscard]] std::vector<std::shared_ptr<ServiceHost>> Hosts() const;
+  void LookForSecondServers();
+
+  const SessionId id_;
+  const std::shared_ptr<Log> log_;
+  const std::shared_ptr<CallTable> calls_;
+  const std::shared_ptr<WaitingCallers> waiting_callers_;
+
+  std::shared_mutex place_mutex_;
+  ServicePlace* place_;
+
+  mutable std::shared_mutex mutex_;  // Guards what follows.
+  bool refusing_ = false;
+  std::map<std::string, std::shared_ptr<ServiceHost>, std::less<>> hosts_;
+  std::map<std::string, std::shared_ptr<ServiceClient>, std::less<>> clients_;
+  std::map<std::string, std::uint64_t> said_twice_;  // Served names, and the session that serves them, too.
+
+  std::mutex thread_mutex_;
+  bool thread_ended_ = false;
+  std::optional<ErrandThread> thread_;
+
+  mutable std::mutex wiring_mutex_;  // One service or client at a time is made.
+  Subscription answers_;
+};
+
+}  // namespace hgros

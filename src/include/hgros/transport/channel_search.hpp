@@ -1,0 +1,18 @@
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "hgros/transport/transport.hpp"
+
+namespace hgros {
+
+/// What discovery tells about the subscribers of a channel in other sessions.
+struct ChannelSearch {
+  std::vector<PeerInfo> announced;  ///< Sessions of this host that announce that they subscribe to it.
+  bool complete = false;            ///< No other session can subscribe to it.
+  /// If the search is not complete yet: when it will be; max() if never.
+  std::chrono::steady_clock::time_point complete_at = std::chrono::steady_clock::time_point::max();
+};
+
+}  // namespace hgros

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace hgros::yaml {
+
+/// `text` in quotes for an error: shortened, control characters replaced.
+[[nodiscard]] std::string Quoted(std::string_view text);
+
+}  // namespace hgros::yaml

@@ -1,0 +1,181 @@
+#include "services/call_state.hpp"
+
+#include <utility>
+
+#include "hgros/graph/data_graph.hpp"
+#include "services/call_table.hpp"
+#include "services/service_client.hpp"
+#include "services/service_host.hpp"
+
+namespace hgros {
+namespace {
+
+// A thread that waits inside a handler that it runs while it waits, and so on: each turn takes stack.
+constexpr int kMaxNestedRequests = 16;
+thread_local int nested_requests = 0;
+
+}  // namespace
+
+CallEnd Failed(CallFailure::Kind kind, std::string reason) { return {nullptr, {kind, std::move(reason)}}; }
+
+std::string InWords(std::chrono::nanoseconds time) {
+  if (time < std::chrono::milliseconds(1)) return std::to_string(time.count() / 1000) + " us";
+  return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) + " ms";
+}
+
+CallState::CallState(std::string service, std::shared_ptr<CallTable> table,
+                     std::shared_ptr<WaitingCallers> waiting_callers, AnyAnswer callback)
+    : may_be_waited_for_(!callback && !DataGraph::InCallback()),
+      service_(std::move(service)),
+      table_(std::move(table)),
+      waiting_callers_(std::move(waiting_callers)),
+      callback_(std::move(callback)) {}
+
+void CallState::Finish(CallEnd end) { Finish(std::unique_lock(mutex_), std::move(end)); }
+
+// Nobody finds a server between the reason and the end.
+void CallState::FinishOverdue() {
+  std::unique_lock lock(mutex_);
+  CallEnd end = Overdue();
+  Finish(std::move(lock), std::move(end));
+}
+
+void CallState::Finish(std::unique_lock<std::mutex> lock, CallEnd end) {
+  if (done()) return;
+  end_ = std::move(end);
+  AnyAnswer callback = std::move(callback_);
+  done_.store(true, std::memory_order_release);
+  lock.unlock();
+  changed_.notify_all();
+  if (!callback) return;
+  auto answered = std::make_shared<const AnsweredCall>(AnsweredCall{std::move(callback), end_});
+  // Refused only while the session shuts down, on the thread that does so or whose call was refused.
+  if (!table_->Answer(answered)) answered->callback(answered->end);
+}
+
+void CallState::Refuse(CallFailure failure) { Finish({nullptr, std::move(failure)}); }
+
+void CallState::Nudge() noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    nudged_ = true;
+  }
+  changed_.notify_all();
+}
+
+const CallEnd& CallState::Wait() {
+  if (!done()) {
+    if (DataGraph::InCallback()) {
+      RunRequestsWhileWaiting();
+    } else if (const auto reached = client()) {
+      reached->AwaitQuickly(*this);
+    }
+  }
+  if (!done()) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return done(); });
+  }
+  return end_;
+}
+
+void CallState::RunRequestsWhileWaiting() {
+  const auto own = host();
+  waiting_callers_->Enter(*this);
+  for (;;) {
+    {
+      const std::scoped_lock lock(mutex_);
+      nudged_ = false;
+    }
+    if (done()) break;
+    if (own && own->RunOneRequest(number)) continue;
+    if (done()) break;
+    if (own && own->HoldsUpThisThread()) {
+      table_->End(number, Failed(CallFailure::Kind::kWouldDeadlock,
+                                 "A handler of service \"" + service_ +
+                                     "\" waits for a call to its own service, which handles one request at a time. "
+                                     "Use Invoke::kConcurrent, or a callback instead of Wait."));
+      own->Withdraw(message->caller, number);
+      break;
+    }
+    if (nested_requests < kMaxNestedRequests) {
+      ++nested_requests;
+      const bool ran = waiting_callers_->RunOne();
+      --nested_requests;
+      if (ran) continue;
+    }
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return done() || nudged_; });
+  }
+  waiting_callers_->Leave(*this);
+}
+
+void CallState::Cancel() noexcept {
+  if (done()) return;
+  const bool ended = table_->End(
+      number, Failed(CallFailure::Kind::kCancelled, "The call of service \"" + service_ + "\" was cancelled."));
+  if (!ended) return;
+  std::shared_ptr<ServiceHost> host;
+  std::shared_ptr<ServiceClient> client;
+  {
+    const std::scoped_lock lock(mutex_);
+    host = host_.lock();
+    client = client_.lock();
+  }
+  if (host) host->Withdraw(message->caller, number);
+  if (client) client->Withdraw(*this);
+}
+
+bool CallState::GoesTo(const std::shared_ptr<ServiceHost>& host) {
+  const std::scoped_lock lock(mutex_);
+  if (done()) return false;
+  host_ = host;
+  server_ = SessionId{message->caller};
+  return true;
+}
+
+bool CallState::GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server) {
+  const std::scoped_lock lock(mutex_);
+  if (done()) return false;
+  client_ = client;
+  server_ = server;
+  return true;
+}
+
+void CallState::AwaitsServerOf(const std::shared_ptr<ServiceClient>& client) {
+  const std::scoped_lock lock(mutex_);
+  client_ = client;
+  server_ = {};
+}
+
+bool CallState::IsOf(const ServiceClient& client) const {
+  const std::scoped_lock lock(mutex_);
+  return client_.lock().get() == &client;
+}
+
+std::shared_ptr<ServiceHost> CallState::host() const {
+  const std::scoped_lock lock(mutex_);
+  return host_.lock();
+}
+
+std::shared_ptr<ServiceClient> CallState::client() const {
+  const std::scoped_lock lock(mutex_);
+  return client_.lock();
+}
+
+SessionId CallState::server() const {
+  const std::scoped_lock lock(mutex_);
+  return server_;
+}
+
+bool CallState::has_server() const { return server() != SessionId{}; }
+
+CallEnd CallState::Overdue() const {
+  if (server_ != SessionId{}) {
+    return Failed(CallFailure::Kind::kTimedOut,
+                  "Service \"" + service_ + "\" did not reply within " + InWords(timeout) + ".");
+  }
+  return Failed(CallFailure::Kind::kNoServer,
+                "No server of \"" + service_ + "\" was found within " + InWords(timeout) + ".");
+}
+
+}  // namespace hgros

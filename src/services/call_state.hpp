@@ -1,0 +1,99 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "hgros/base/ids.hpp"
+#include "hgros/internal/codec/call_message.hpp"
+#include "hgros/services/call_future.hpp"
+#include "services/waiting_callers.hpp"
+
+namespace hgros {
+
+class CallTable;
+class ServiceClient;
+
+// A callback that is to be called.
+struct AnsweredCall {
+  AnyAnswer callback;
+  CallEnd end;
+};
+
+// One call of this session.
+//
+// Thread safety: all functions. Invariants: ends once; what it ended with is never changed afterwards. It keeps its
+// table alive, since its future may outlive the session.
+class CallState final : public PendingCall,
+                        public WaitingCallers::Caller,
+                        public std::enable_shared_from_this<CallState> {
+ public:
+  CallState(std::string service, std::shared_ptr<CallTable> table, std::shared_ptr<WaitingCallers> waiting_callers,
+            AnyAnswer callback);
+
+  const CallEnd& Wait() override;
+  [[nodiscard]] bool done() const noexcept override { return done_.load(std::memory_order_acquire); }
+  void Cancel() noexcept override;
+  void Nudge() noexcept override;
+
+  // By the table. Calls nobody back under a lock.
+  void Finish(CallEnd end);
+  // Its time is up.
+  void FinishOverdue();
+  // Ends it before it was in the table.
+  void Refuse(CallFailure failure);
+
+  // Sets what handles it, before it is sent. False: it has ended, and must not be sent, since its caller may have been
+  // told that nobody got it.
+  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceHost>& host);
+  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server);
+  void AwaitsServerOf(const std::shared_ptr<ServiceClient>& client);
+  [[nodiscard]] bool IsOf(const ServiceClient& client) const;
+  [[nodiscard]] SessionId server() const;
+  [[nodiscard]] bool has_server() const;
+
+  // By a thread that is outside of callbacks.
+  [[nodiscard]] bool may_be_waited_for() const noexcept { return may_be_waited_for_; }
+  [[nodiscard]] std::chrono::nanoseconds Age() const { return std::chrono::steady_clock::now() - begun_; }
+  [[nodiscard]] const std::string& service() const noexcept { return service_; }
+  std::uint64_t number = 0;                                  // By the table, before others know it.
+  std::optional<std::chrono::steady_clock::time_point> due;  // Likewise.
+  std::chrono::nanoseconds timeout{0};
+  std::shared_ptr<CallMessage> message;  // The request; not changed any more once it is sent.
+
+ private:
+  void Finish(std::unique_lock<std::mutex> lock, CallEnd end);
+  [[nodiscard]] CallEnd Overdue() const;  // Under the lock.
+  void RunRequestsWhileWaiting();
+  [[nodiscard]] std::shared_ptr<ServiceHost> host() const;
+  [[nodiscard]] std::shared_ptr<ServiceClient> client() const;
+
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  const bool may_be_waited_for_;
+  const std::string service_;
+  const std::shared_ptr<CallTable> table_;
+  const std::shared_ptr<WaitingCallers> waiting_callers_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  AnyAnswer callback_;
+  std::atomic<bool> done_{false};
+  bool nudged_ = false;
+  CallEnd end_;
+  std::weak_ptr<ServiceHost> host_;
+  std::weak_ptr<ServiceClient> client_;
+  SessionId server_;
+};
+
+// A failure as the end of a call.
+[[nodiscard]] CallEnd Failed(CallFailure::Kind kind, std::string reason);
+// "500 ms".
+[[nodiscard]] std::string InWords(std::chrono::nanoseconds time);
+
+}  // namespace hgros

@@ -1,0 +1,58 @@
+#include "services/reply_line.hpp"
+
+#include <utility>
+
+#include "hgros/internal/codec/call_message.hpp"
+
+namespace hgros {
+
+bool ReplyLine::TrySend(const std::shared_ptr<const CallMessage>& reply) {
+  if (outlet_->subscriber_count() == 0 || outlet_->Reserve() != PublishStatus::kOk) return false;
+  outlet_->Commit(reply, type_);
+  return true;
+}
+
+bool ReplyLine::Send(std::shared_ptr<const CallMessage> reply) {
+  if (TrySend(reply)) return true;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (closed_) return false;
+    if (waiting_.size() < kMaxWaiting) {
+      waiting_.push_back(std::move(reply));
+      reply.reset();
+    }
+  }
+  if (reply) {
+    log_->WriteLimited(LogLevel::kWarning, "reply " + service_,
+                       "A reply of service \"" + service_ + "\" was dropped: its caller takes none, and " +
+                           std::to_string(kMaxWaiting) + " wait for it.");
+    return false;
+  }
+  // The subscription, or room, may have come between the try and the waiting.
+  flush_soon_();
+  return true;
+}
+
+std::size_t ReplyLine::Close() {
+  std::deque<std::shared_ptr<const CallMessage>> dropped;  // Ends after the lock: that may be the user's code.
+  const std::scoped_lock lock(mutex_);
+  closed_ = true;
+  dropped.swap(waiting_);
+  return dropped.size();
+}
+
+void ReplyLine::Flush() {
+  std::unique_lock lock(mutex_);
+  while (!waiting_.empty()) {
+    const std::shared_ptr<const CallMessage> next = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    const bool sent = TrySend(next);
+    lock.lock();
+    if (sent) continue;
+    waiting_.push_front(next);
+    return;
+  }
+}
+
+}  // namespace hgros

@@ -1,0 +1,330 @@
+#include "services/service_client.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "hgros/codec/run_time_type.hpp"
+#include "hgros/graph/ready_node_slot.hpp"
+#include "hgros/services/services.hpp"
+#include "services/call_table.hpp"
+#include "services/service_host.hpp"
+
+namespace hgros {
+namespace {
+
+using Kind = CallFailure::Kind;
+
+constexpr std::size_t kRepliesInFlight = 1024;
+
+// A caller sleeps while it waits for a server that usually takes longer to reply.
+constexpr std::int64_t kSoonNs = 150'000;
+constexpr std::int64_t kMostCountedNs = 3 * kSoonNs;  // A slow reply now and then does not make a quick service slow.
+
+constexpr std::size_t kSmallBytes = 64 * 1024;
+constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
+
+}  // namespace
+
+ServiceClient::ServiceClient(std::string name, const TypeInfo& request, const TypeInfo& reply,
+                             const std::shared_ptr<Services>& services)
+    : name_(std::move(name)), request_(request), reply_(reply), services_(services) {}
+
+void ServiceClient::Start() {
+  const auto services = services_.lock();
+  const auto update = [weak = weak_from_this(), desk = services_] {
+    if (const auto alive = desk.lock()) {
+      alive->Post([weak, desk] {
+        if (const auto wired = desk.lock()) wired->AwaitWiring();  // This is told while Start still runs, too.
+        if (const auto client = weak.lock()) client->Update();
+      });
+    }
+  };
+  services->With([&](ServicePlace& place) {
+    replies_ = place.Listen(
+        ReplyChannel(name_, services->id()), reply_,
+        [weak = weak_from_this()](const AnyMessage& message, const MessageInfo& info) {
+          const auto client = weak.lock();
+          if (!client) return;
+          const AnyMessage read = client->AsCall(message);
+          if (read) client->OnReply(*static_cast<const CallMessage*>(read.get()), info);
+        },
+        kRepliesInFlight);
+    outlet_ = place.OpenOutlet(RequestChannel(name_), request_, {update, update, [] { return true; }});
+  });
+}
+
+// Replies whose type is known at run time only come without their schema.
+AnyMessage ServiceClient::AsCall(const AnyMessage& message) const {
+  if (!IsAnyType(reply_) && reply_.run_time == nullptr) return message;
+  AnyMessage read = message;
+  std::shared_ptr<const MessageSchema> schema;
+  if (IsAnyType(reply_)) {
+    const auto& raw = *static_cast<const RawMessage*>(message.get());
+    read = codec::DecodeCall(raw.data, AnyType());
+    schema = raw.schema;
+  } else {
+    schema = reply_.run_time->schema;
+  }
+  if (!read) return nullptr;
+  auto call = std::make_shared<CallMessage>(*static_cast<const CallMessage*>(read.get()));
+  if (call->body) {
+    const auto& body = *static_cast<const RawMessage*>(call->body.get());
+    call->body = std::make_shared<const RawMessage>(RawMessage{std::move(schema), body.data});
+  }
+  return call;
+}
+
+void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
+  const auto services = services_.lock();
+  if (!services || !info.remote || reply.caller != services->id().value) return;
+  // The body is of this client's type, so it must be one of its calls; and only its server replies.
+  const auto call = services->calls()->Find(reply.call);
+  if (!call || !call->IsOf(*this) || call->server().value != info.id.publisher) return;
+  const std::int64_t took = std::min<std::int64_t>(call->Age().count(), kMostCountedNs);
+  usual_ns_.store((3 * usual_ns_.load(std::memory_order_relaxed) + took) / 4, std::memory_order_relaxed);
+  const ReadyNodeSlot::Opened opened;
+  services->EndCall(reply, name_);
+}
+
+bool ServiceClient::PostAndLook(const CallState& call, Services& services) {
+  std::optional<bool> sent;
+  const auto post = [&] { sent = Post(call.message); };
+  // Meanwhile nobody else reads: not for what takes long to write.
+  const auto is_small = [&] {
+    const TypeInfo& body = *call.message->type;
+    return !body.users_codec && body.encoded_bytes != nullptr && request_.encoded_bytes != nullptr &&
+           request_.encoded_bytes(call.message.get()) <= kSmallBytes;
+  };
+  if (call.may_be_waited_for() && usual_ns_.load(std::memory_order_relaxed) <= kSoonNs && is_small()) {
+    services.With([&](ServicePlace& place) {
+      place.Receive(
+          {.done = [&call] { return call.done(); }, .until = std::chrono::steady_clock::now(), .first = post});
+    });
+  }
+  if (!sent) post();
+  return *sent;
+}
+
+bool ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
+  if (outlet_->subscriber_count() == 0 || outlet_->Reserve() != PublishStatus::kOk) return false;
+  outlet_->Commit(message, request_);
+  return true;
+}
+
+void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
+  const auto services = services_.lock();
+  if (!services || !outlet_) return;
+  std::vector<std::shared_ptr<CallState>> ended;  // Let go of after the lock.
+  bool now = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    now = waiting_.empty() && !servers_.empty();
+    if (now) {
+      if (!call->GoesTo(shared_from_this(), servers_.front().id)) return;
+      call->message->server = servers_.front().id.value;
+    } else {
+      while (!waiting_.empty() && waiting_.front()->done()) {
+        ended.push_back(std::move(waiting_.front()));
+        waiting_.pop_front();
+      }
+      call->AwaitsServerOf(shared_from_this());
+      waiting_.push_back(call);
+    }
+  }
+  if (now && PostAndLook(*call, *services)) return;
+  if (now) {  // It has no room just now.
+    const std::scoped_lock lock(mutex_);
+    call->AwaitsServerOf(shared_from_this());
+    waiting_.push_back(call);
+  } else if (const auto host = services->HostOf(name_)) {  // Since it was looked for.
+    return HandOver(*host);
+  }
+  services->Post([weak = weak_from_this()] {
+    if (const auto client = weak.lock()) client->Update();
+  });
+}
+
+void ServiceClient::HandOver(ServiceHost& host) {
+  std::deque<std::shared_ptr<CallState>> waiting;
+  {
+    const std::scoped_lock lock(mutex_);
+    waiting.swap(waiting_);
+    if (!host.Fits(request_, reply_)) waiting.swap(waiting_);
+  }
+  for (const auto& call : waiting) {
+    if (call->GoesTo(host.shared_from_this())) host.Arrive(call->message);
+  }
+}
+
+void ServiceClient::AwaitQuickly(const CallState& call) {
+  const std::int64_t usual = usual_ns_.load(std::memory_order_relaxed);
+  const auto services = services_.lock();
+  if (usual > kSoonNs || !services || !call.has_server()) return;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(std::max(2 * usual, kSoonNs / 2));
+  services->With(
+      [&](ServicePlace& place) { place.Receive({.done = [&call] { return call.done(); }, .until = until}); });
+}
+
+void ServiceClient::Withdraw(const CallState& call) {
+  if (!call.has_server()) return;
+  auto message = std::make_shared<CallMessage>();
+  message->caller = call.message->caller;
+  message->server = call.server().value;
+  message->call = call.number;
+  message->cancelled = true;
+  (void)Post(message);  // If there is no room the reply comes, and nobody looks at it.
+}
+
+void ServiceClient::Update() {
+  const auto services = services_.lock();
+  if (!services || !outlet_) return;
+  UpdateServers(*services);
+  SendWaiting();
+  EndWithoutServer(*services);
+}
+
+void ServiceClient::UpdateServers(Services& services) {
+  // The outlet sends nothing until it has been told of them, a moment after they count; then this is called again.
+  const bool told = outlet_->subscriber_count() > 0;
+  const std::vector<SessionId> there = told ? outlet_->Subscribers() : std::vector<SessionId>();
+  std::vector<PeerInfo> peers;
+  services.With([&](ServicePlace& place) { peers = place.Peers(); });
+  std::vector<Server> gone;
+  std::vector<Server> two;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto serves = [&](SessionId id) {
+      return std::ranges::find(there, id) != there.end() && !misfits_.contains(id.value);
+    };
+    for (const Server& server : servers_) {
+      if (!serves(server.id)) gone.push_back(server);
+    }
+    std::erase_if(servers_, [&](const Server& server) { return !serves(server.id); });
+    for (const SessionId id : there) {
+      if (!serves(id) || std::ranges::find(servers_, id, &Server::id) != servers_.end()) continue;
+      Server& server = servers_.emplace_back();
+      server.id = server.info.id = id;
+      if (const auto peer = std::ranges::find(peers, id, &PeerInfo::id); peer != peers.end()) server.info = *peer;
+    }
+    if (servers_.size() < 2) said_two_ = false;
+    if (servers_.size() > 1 && !std::exchange(said_two_, true)) two = servers_;
+  }
+  for (const Server& server : gone) EndCallsSoon(services, server);
+  if (!two.empty()) ReportTwo(services, two);
+}
+
+void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
+  std::vector<std::uint64_t> lost;
+  services.calls()->EndAll([&](const CallState& call) -> std::optional<CallEnd> {
+    if (call.IsOf(*this) && call.server() == server.id) lost.push_back(call.number);
+    return std::nullopt;
+  });
+  if (lost.empty()) return;
+  CallEnd end = Failed(Kind::kServerGone,
+                       "Session " + server.info.name() + " ended service \"" + name_ + "\", or is no longer reached.");
+  services.PostAt(std::chrono::steady_clock::now() + kTimeForTheReason,
+                  [desk = services_, lost = std::move(lost), end = std::move(end)] {
+                    const auto still = desk.lock();
+                    for (const std::uint64_t number : lost) {
+                      if (still) still->calls()->End(number, end);
+                    }
+                  });
+}
+
+void ServiceClient::ReportTwo(Services& services, const std::vector<Server>& servers) {
+  std::string all = "Session " + servers.front().info.name();
+  for (std::size_t i = 1; i < servers.size(); ++i) all += " and session " + servers[i].info.name();
+  std::string sentence = "Service \"" + name_ + "\" is served by more than one: " + all +
+                         ". Calls go to the first of them as long as it serves. Give the others another name.";
+  services.log()->Write(LogLevel::kWarning, sentence);
+  services.With([&](ServicePlace& place) {
+    place.ReportServedTwice(servers.back().info, RequestChannel(name_), std::move(sentence));
+  });
+}
+
+void ServiceClient::SendWaiting() {
+  for (;;) {
+    std::shared_ptr<CallState> next;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (waiting_.empty() || servers_.empty()) return;
+      next = waiting_.front();
+      waiting_.pop_front();
+      if (!next->GoesTo(shared_from_this(), servers_.front().id)) continue;
+      next->message->server = servers_.front().id.value;
+    }
+    if (Post(next->message)) continue;
+    const std::scoped_lock lock(mutex_);
+    next->AwaitsServerOf(shared_from_this());
+    waiting_.push_front(std::move(next));
+    return;
+  }
+}
+
+void ServiceClient::EndWithoutServer(Services& services) {
+  std::string misfit;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(waiting_, [](const auto& call) { return call->done(); });
+    if (waiting_.empty() || !servers_.empty()) return;
+    if (!misfits_.empty()) misfit = misfits_.begin()->second;
+  }
+  if (!misfit.empty()) return EndWaiting(Failed(Kind::kTypeMismatch, misfit));
+  ChannelSearch search;
+  services.With([&](ServicePlace& place) { search = place.Search(RequestChannel(name_)); });
+  if (!search.announced.empty()) return;  // It is about to be reached.
+  if (search.complete) {
+    return EndWaiting(
+        Failed(Kind::kNoServer, "Nobody serves \"" + name_ + "\": discovery knows no session that does."));
+  }
+  if (search.complete_at == std::chrono::steady_clock::time_point::max()) return;
+  services.PostAt(search.complete_at, [weak = weak_from_this()] {
+    if (const auto client = weak.lock()) client->Update();
+  });
+}
+
+void ServiceClient::EndWaiting(const CallEnd& end) {
+  std::deque<std::shared_ptr<CallState>> waiting;
+  {
+    const std::scoped_lock lock(mutex_);
+    waiting.swap(waiting_);
+  }
+  const auto services = services_.lock();
+  for (const auto& call : waiting) services->calls()->End(call->number, end);
+}
+
+void ServiceClient::EndCallsTo(Services& services, SessionId server, const CallEnd& end) {
+  services.calls()->EndAll([&](const CallState& call) {
+    return call.IsOf(*this) && call.server() == server ? std::optional(end) : std::nullopt;
+  });
+}
+
+void ServiceClient::OnPeerGone(const PeerInfo& peer, const std::string& reason) {
+  const auto services = services_.lock();
+  if (!services) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(servers_, [&](const Server& server) { return server.id == peer.id; });
+    misfits_.erase(peer.id.value);
+  }
+  EndCallsTo(*services, peer.id,
+             Failed(Kind::kServerGone,
+                    "Session " + peer.name() + ", which served \"" + name_ + "\", is gone: " + reason + "."));
+  Update();
+}
+
+void ServiceClient::OnMisfit(std::string_view channel, SessionId peer, const std::string& sentence) {
+  const auto services = services_.lock();
+  if (!services) return;
+  if (channel != RequestChannel(name_) && channel != ReplyChannel(name_, services->id())) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    misfits_[peer.value] = sentence;
+    std::erase_if(servers_, [&](const Server& server) { return server.id == peer; });
+  }
+  EndCallsTo(*services, peer, Failed(Kind::kTypeMismatch, sentence));
+  Update();
+}
+
+}  // namespace hgros

@@ -1,0 +1,315 @@
+#include "services/service_host.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "hgros/clock/time.hpp"
+#include "hgros/graph/ready_node_slot.hpp"
+#include "services/waiting_callers.hpp"
+
+namespace hgros {
+
+class ServiceHost::Running {
+ public:
+  explicit Running(const ServiceHost& host) : host_(host), outer_(std::exchange(innermost, this)) {}
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+  ~Running() { innermost = outer_; }
+
+  [[nodiscard]] static bool Here(const ServiceHost& host) {
+    const Running* one = innermost;
+    while (one != nullptr && &one->host_ != &host) one = one->outer_;
+    return one != nullptr;
+  }
+
+ private:
+  static inline thread_local const Running* innermost = nullptr;
+  const ServiceHost& host_;
+  const Running* const outer_;
+};
+
+ServiceHost::ServiceHost(ServiceSetting setting, const std::shared_ptr<Services>& services)
+    : setting_(std::move(setting)), services_(services), session_(services->id()), log_(services->log()) {}
+
+void ServiceHost::Start(NodeOptions options, const CallSite& where) {
+  const auto services = services_.lock();
+  if (options.name.empty()) options.name = setting_.name;
+  if (!options.queue.lossless()) options.queue = Queue::KeepAll(kDefaultQueue);
+  const auto self = shared_from_this();
+  services->With([&](ServicePlace& place) {
+    const std::string channel = TurnChannel(setting_.name);
+    turns_ = place.Graph().Advertise<ServiceTurn>(channel, 0, where);
+    node_ = place.Graph().FromGraph<ServiceTurn>(
+        channel, setting_.invoke, [self](const ServiceTurn&) { self->Turn(std::nullopt, false); }, options, where);
+    const NodeSnapshot node = node_.stats();
+    if (!node.queue.lossless()) {
+      node_.Reset();
+      throw Error("The node \"" + node.name + "\" runs service \"" + setting_.name +
+                      "\", but its configuration lets its queue drop requests.",
+                  {}, "Give it `queue: {keep_all: N}`, or none.");
+    }
+    limit_ = node.queue.depth();
+    executor_ = node.executor.kind();
+    requests_ = place.Listen(
+        RequestChannel(setting_.name), *setting_.request,
+        [self](const AnyMessage& message, const MessageInfo& info) {
+          self->OnRequest(std::static_pointer_cast<const CallMessage>(message), info);
+        },
+        std::min<std::size_t>(limit_, 1024));
+  });
+  started_.store(true, std::memory_order_release);
+}
+
+void ServiceHost::OnRequest(const std::shared_ptr<const CallMessage>& request, const MessageInfo& info) {
+  // Nobody can call in another's name; and what names another server is for that one.
+  if (!info.remote || request->caller != info.id.publisher) return;
+  if (request->server != 0 && request->server != session_.value) return;
+  if (request->cancelled) {
+    Withdraw(request->caller, request->call);
+    return;
+  }
+  // At the latest now, so that the caller's subscription to its replies comes while the request is handled.
+  if (!OpenLine(SessionId{request->caller})) return;
+  if (executor_ == Executor::Kind::kTbb) {
+    const ReadyNodeSlot::Opened opened;
+    Arrive(request);
+  } else {
+    Arrive(request);  // An inline handler is user code, which may wait for what it makes ready.
+  }
+}
+
+void ServiceHost::Arrive(std::shared_ptr<const CallMessage> request) {
+  using Outcome = CallMessage::Outcome;
+  if (request->outcome != Outcome::kOk) return Answer(*request, request->outcome, request->text);
+  if (!request->reply_type.empty() && request->reply_type != setting_.reply->name) {
+    return Answer(*request, Outcome::kTypeMismatch,
+                  "Service \"" + setting_.name + "\" replies with " + setting_.reply->name + ", not with " +
+                      request->reply_type + ".");
+  }
+  Waiting waiting{request, std::nullopt};
+  if (request->patience_ns > 0) waiting.due = DeadlineIn(std::chrono::nanoseconds(request->patience_ns));
+  bool ended = false;
+  bool full = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    ended = ended_;
+    full = waiting_.size() >= limit_;
+    if (!ended && !full) waiting_.push_back(std::move(waiting));
+  }
+  if (ended) return Answer(*request, Outcome::kEnded, "Service \"" + setting_.name + "\" has ended.");
+  if (full) {
+    return Answer(*request, Outcome::kFull,
+                  "Service \"" + setting_.name + "\" has " + std::to_string(limit_) + " requests waiting already.");
+  }
+  // If there is no room, more turns are waiting than requests.
+  turns_(turn_);
+  if (const auto services = services_.lock()) services->waiting_callers()->Nudge();
+}
+
+void ServiceHost::Withdraw(std::uint64_t caller, std::uint64_t call) {
+  std::shared_ptr<const CallMessage> dropped;  // Ends after the lock: a message's destructor is the user's code.
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::ranges::find_if(
+      waiting_, [&](const Waiting& one) { return one.request->caller == caller && one.request->call == call; });
+  if (found == waiting_.end()) return;
+  dropped = std::move(found->request);
+  waiting_.erase(found);
+  ++unhandled_;
+}
+
+bool ServiceHost::RunOneRequest(std::optional<std::uint64_t> own_call) {
+  return executor_ != Executor::Kind::kDedicated && Turn(own_call, true);
+}
+
+bool ServiceHost::HoldsUpThisThread() const {
+  const bool one_at_a_time = setting_.invoke == Invoke::kSerial || executor_ == Executor::Kind::kDedicated;
+  return one_at_a_time && Running::Here(*this);
+}
+
+bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
+  Waiting next;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (setting_.invoke == Invoke::kSerial && serial_busy_) {
+      if (!helps) ++owed_;
+      return false;
+    }
+    auto found = waiting_.begin();
+    if (own_call) {
+      found = std::ranges::find_if(waiting_, [&](const Waiting& one) {
+        return one.request->caller == session_.value && one.request->call == *own_call;
+      });
+    }
+    if (found == waiting_.end()) return false;
+    next = std::move(*found);
+    waiting_.erase(found);
+    serial_busy_ = setting_.invoke == Invoke::kSerial;
+    ++running_;
+  }
+  Handle(next);
+  next = {};
+  bool again = false;
+  bool more = false;
+  bool idle = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    serial_busy_ = false;
+    more = !waiting_.empty();
+    again = owed_ > 0 && more;
+    owed_ = more ? owed_ - (again ? 1 : 0) : 0;
+    idle = --running_ == 0 && ended_;
+  }
+  if (idle) idle_.notify_all();
+  if (again) turns_(turn_);
+  if (more) {  // A waiting thread may have found the handler busy.
+    if (const auto services = services_.lock()) services->waiting_callers()->Nudge();
+  }
+  return true;
+}
+
+void ServiceHost::Handle(const Waiting& waiting) {
+  using Outcome = CallMessage::Outcome;
+  const CallMessage& request = *waiting.request;
+  if (waiting.due && *waiting.due <= std::chrono::steady_clock::now()) {  // Its caller has said so already.
+    ++unhandled_;
+    return;
+  }
+  AnyMessage reply;
+  Outcome outcome = Outcome::kHandlerFailed;
+  std::string text = "The handler gave no reply.";
+  try {
+    const Running here(*this);
+    const AnyMessage body = ConvertMessage(request.body, *request.type, *setting_.request_body);
+    if (!body) {
+      return Answer(request, Outcome::kNotWritable, "Its data does not parse as " + setting_.request_body->name + ".");
+    }
+    reply = setting_.handler(body);
+    if (reply) outcome = Outcome::kOk;
+  } catch (const std::exception& error) {
+    text = error.what();
+  } catch (...) {
+    text = "The handler threw something that is no std::exception.";
+  }
+  if (reply) text.clear();
+  Answer(request, outcome, std::move(text), std::move(reply));
+}
+
+void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply) {
+  auto answer = std::make_shared<CallMessage>();
+  answer->caller = request.caller;
+  answer->server = session_.value;
+  answer->call = request.call;
+  answer->outcome = outcome;
+  answer->text = std::move(text);
+  answer->body = std::move(reply);
+  answer->type = setting_.reply_body;
+  if (request.caller == session_.value) {
+    if (const auto services = services_.lock()) services->EndCall(*answer, setting_.name);
+    return;
+  }
+  const auto line = LineTo(SessionId{request.caller});
+  if (!line || !line->Send(std::move(answer))) ++dropped_replies_;
+}
+
+std::shared_ptr<ReplyLine> ServiceHost::LineTo(SessionId caller) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = lines_.find(caller.value);
+  return found == lines_.end() ? nullptr : found->second;
+}
+
+std::shared_ptr<ReplyLine> ServiceHost::OpenLine(SessionId caller) {
+  if (auto line = LineTo(caller)) return line;
+  const auto services = services_.lock();
+  if (!services || ended()) return nullptr;
+  std::shared_ptr<ReplyLine> line;
+  const auto flush = [weak = std::weak_ptr(services), self = weak_from_this(), caller] {
+    const auto desk = weak.lock();
+    if (!desk) return;
+    desk->Post([self, caller] {
+      const auto host = self.lock();
+      if (const auto one = host ? host->LineTo(caller) : nullptr) one->Flush();
+    });
+  };
+  services->With([&](ServicePlace& place) {
+    const std::string channel = ReplyChannel(setting_.name, caller);
+    const auto outlet = place.OpenOutlet(channel, *setting_.reply, {flush, flush, [] { return true; }});
+    auto made = std::make_shared<ReplyLine>(outlet, *setting_.reply, log_, setting_.name, flush);
+    {
+      const std::scoped_lock lock(mutex_);
+      // A caller that has left meanwhile gets no line; one that leaves from now on is found in lines_.
+      const bool here = std::ranges::any_of(place.Peers(), [&](const PeerInfo& peer) { return peer.id == caller; });
+      if (!ended_ && here) line = lines_.emplace(caller.value, made).first->second;
+    }
+    if (line != made) place.CloseOutlet(channel, outlet);
+  });
+  return line;
+}
+
+void ServiceHost::OnPeerGone(SessionId peer) {
+  std::shared_ptr<ReplyLine> line;
+  std::deque<Waiting> dropped;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = lines_.find(peer.value); found != lines_.end()) {
+      line = std::move(found->second);
+      lines_.erase(found);
+    }
+    for (auto one = waiting_.begin(); one != waiting_.end();) {
+      if (one->request->caller != peer.value) {
+        ++one;
+        continue;
+      }
+      dropped.push_back(std::move(*one));
+      one = waiting_.erase(one);
+      ++unhandled_;
+    }
+  }
+  if (line) dropped_replies_ += line->Close();
+  const auto services = services_.lock();
+  if (!line || !services) return;
+  services->With([&](ServicePlace& place) { place.CloseOutlet(ReplyChannel(setting_.name, peer), line->outlet()); });
+}
+
+bool ServiceHost::ended() const {
+  const std::scoped_lock lock(mutex_);
+  return ended_;
+}
+
+void ServiceHost::Refuse() {
+  std::deque<Waiting> left;
+  {
+    const std::scoped_lock lock(mutex_);
+    ended_ = true;
+    left.swap(waiting_);
+  }
+  for (const Waiting& one : left) {
+    Answer(*one.request, CallMessage::Outcome::kEnded, "Service \"" + setting_.name + "\" has ended.");
+  }
+}
+
+void ServiceHost::End() {
+  Refuse();
+  const auto services = services_.lock();
+  if (services) services->Forget(*this);
+  const bool wait = !DataGraph::InCallback();
+  if (wait) {  // Also for a thread that only helped.
+    std::unique_lock lock(mutex_);
+    idle_.wait(lock, [this] { return running_ == 0; });
+  }
+  node_.Reset();
+  requests_.Reset();
+  std::map<std::uint64_t, std::shared_ptr<ReplyLine>> lines;
+  {
+    const std::scoped_lock lock(mutex_);
+    lines.swap(lines_);
+  }
+  if (!services) return;
+  services->With([&](ServicePlace& place) {
+    for (const auto& [caller, line] : lines) {
+      place.CloseOutlet(ReplyChannel(setting_.name, SessionId{caller}), line->outlet());
+    }
+  });
+}
+
+}  // namespace hgros

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "hgros/codec/run_time_type.hpp"
+#include "hgros/graph/data_graph.hpp"
+#include "hgros/services/services.hpp"
+#include "services/reply_line.hpp"
+
+namespace hgros {
+
+// What a turn of the node that runs the handler is told: nothing; it takes the next request.
+struct ServiceTurn {};
+
+// A service that this session offers. Requests wait in a queue of its own, and each gives its node a turn, which runs
+// one of them; a thread that waits inside a callback may run one instead, and leaves a turn without work.
+//
+// Thread safety: all functions.
+// Invariants: under kSerial one request is handled at a time, by whichever thread; a turn that comes meanwhile is owed
+// and given again at its end. Every request that was let in is answered: by its handler, or when the service ends.
+class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
+ public:
+  // Number of requests that may wait, if the options name no lossless queue.
+  static constexpr std::size_t kDefaultQueue = 16384;
+
+  ServiceHost(ServiceSetting setting, const std::shared_ptr<Services>& services);
+
+  // Wires it. Throws Error. Before it has returned, calls of this session go elsewhere.
+  void Start(NodeOptions options, const CallSite& where);
+  // As Service says.
+  void End();
+  // The session ends: refuses requests, and answers those that wait.
+  void Refuse();
+  [[nodiscard]] bool ended() const;
+  [[nodiscard]] bool started() const noexcept { return started_.load(std::memory_order_acquire); }
+
+  // A request of this session.
+  void Arrive(std::shared_ptr<const CallMessage> request);
+  // Its caller waits no more.
+  void Withdraw(std::uint64_t caller, std::uint64_t call);
+  // On a thread that waits inside a callback: runs that request, or any, if none but such a thread might. False if
+  // there is none.
+  bool RunOneRequest(std::optional<std::uint64_t> own_call = std::nullopt);
+  // This thread runs a handler of it, and no other can meanwhile.
+  [[nodiscard]] bool HoldsUpThisThread() const;
+
+  void OnPeerGone(SessionId peer);
+  [[nodiscard]] NodeSnapshot stats() const { return node_.stats(); }
+  [[nodiscard]] ServiceSnapshot Counts() const { return {setting_.name, unhandled_, dropped_replies_}; }
+  [[nodiscard]] const ServiceSetting& setting() const noexcept { return setting_; }
+  [[nodiscard]] bool Fits(const TypeInfo& request, const TypeInfo& reply) const noexcept {
+    return AreInterchangeable(*setting_.request, request) && AreInterchangeable(*setting_.reply, reply);
+  }
+
+ private:
+  struct Waiting {
+    std::shared_ptr<const CallMessage> request;
+    std::optional<std::chrono::steady_clock::time_point> due;
+  };
+  class Running;  // Marks a thread.
+
+  void OnRequest(const std::shared_ptr<const CallMessage>& request, const MessageInfo& info);
+  // Runs one request; false if none was there, or another is being handled.
+  bool Turn(std::optional<std::uint64_t> own_call, bool helps);
+  void Handle(const Waiting& waiting);
+  void Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply = nullptr);
+  // Null: it has sent no request, or has gone.
+  [[nodiscard]] std::shared_ptr<ReplyLine> LineTo(SessionId caller) const;
+  // Makes it if it is new. By the thread that receives a request, one at a time.
+  [[nodiscard]] std::shared_ptr<ReplyLine> OpenLine(SessionId caller);
+
+  const ServiceSetting setting_;
+  const std::weak_ptr<Services> services_;
+  const SessionId session_;
+  const std::shared_ptr<Log> log_;
+  std::size_t limit_ = kDefaultQueue;
+  Executor::Kind executor_ = Executor::Kind::kTbb;
+  const std::shared_ptr<const ServiceTurn> turn_ = std::make_shared<const ServiceTurn>();
+  Publisher<ServiceTurn> turns_;
+  std::atomic<bool> started_{false};
+  std::atomic<std::uint64_t> unhandled_{0};
+  std::atomic<std::uint64_t> dropped_replies_{0};
+
+  mutable std::mutex mutex_;
+  std::condition_variable idle_;
+  std::deque<Waiting> waiting_;
+  bool ended_ = false;
+  bool serial_busy_ = false;
+  std::size_t owed_ = 0;  // Turns that came while it was busy.
+  std::size_t running_ = 0;
+  std::map<std::uint64_t, std::shared_ptr<ReplyLine>> lines_;  // By caller.
+  // Written by Start() and End() alone.
+  Subscription node_;
+  Subscription requests_;
+};
+
+}  // namespace hgros

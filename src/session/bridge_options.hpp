@@ -1,0 +1,26 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hgros/bridge/network_bridge.hpp"
+#include "hgros/clock/host_clocks.hpp"
+#include "hgros/config/config.hpp"
+
+namespace hgros {
+
+// What a session is to others.
+struct BridgeIdentity {
+  SessionId id;
+  const std::string& name;
+  const std::optional<std::string>& domain;  // None: it neither finds others by itself nor is found by them.
+  std::chrono::milliseconds linger;
+};
+
+// The transports and ways of discovery that the configuration asks for.
+[[nodiscard]] BridgeOptions BridgeOptionsOf(const Config& config, const BridgeIdentity& self,
+                                            const std::shared_ptr<HostClocks>& clocks);
+
+}  // namespace hgros

@@ -1,0 +1,160 @@
+#include "session/inbound_channels.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/services/service_place.hpp"
+#include "session/channel_uses.hpp"
+
+namespace hgros {
+
+// Belongs to one Subscription: ends its part of what the session asks of remote publishers.
+class InboundChannels::DemandTicket {
+ public:
+  DemandTicket(std::shared_ptr<InboundChannels> channels, std::string channel, std::list<Demand>::iterator demand)
+      : channels_(std::move(channels)), channel_(std::move(channel)), demand_(demand) {}
+  DemandTicket(const DemandTicket&) = delete;
+  DemandTicket& operator=(const DemandTicket&) = delete;
+  ~DemandTicket() { channels_->Withdraw(channel_, demand_); }
+
+ private:
+  const std::shared_ptr<InboundChannels> channels_;
+  const std::string channel_;
+  const std::list<Demand>::iterator demand_;
+};
+
+InboundChannels::InboundChannels(Means means) : means_(std::move(means)) {}
+InboundChannels::~InboundChannels() = default;
+
+std::shared_ptr<const void> InboundChannels::Add(const std::shared_ptr<InboundChannels>& self, Channel& channel,
+                                                 const TypeInfo& type, const Demand& demand) {
+  const std::string& name = DataGraph::NameOf(channel);
+  std::shared_ptr<const void> ticket;
+  {
+    const std::scoped_lock lock(self->mutex_);
+    if (self->closed_) return nullptr;
+    Inflow& inflow = self->inflows_[name];
+    const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
+    ticket = std::make_shared<DemandTicket>(self, name, place);
+    const Means& means = self->means_;
+    if (!inflow.inlet) {
+      inflow.inlet = std::make_shared<ChannelInlet>(channel, IsReplyChannel(name), means.log, means.on_change,
+                                                    means.post, means.tell_misfit, means.clocks);
+    } else if (inflow.joined && !IsAnyType(type)) {
+      means.post([inlet = inflow.inlet] { inlet->CompareOffers(); });
+    }
+    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
+  }
+  self->Reconcile(name);
+  return ticket;
+}
+
+void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::iterator demand) {
+  const std::scoped_lock lock(mutex_);
+  if (closed_) return;
+  Inflow& inflow = inflows_.at(channel);
+  inflow.wanted.erase(demand);
+  if (!inflow.wanted.empty()) {
+    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
+    return;
+  }
+  // Ending the inbound channel waits for its callbacks, which may themselves be ending subscriptions just now.
+  if (inflow.joined) means_.post([this, channel] { Reconcile(channel); });
+}
+
+void InboundChannels::Reconcile(const std::string& channel) {
+  std::unique_lock lock(mutex_);
+  const auto entry = inflows_.find(channel);
+  if (entry == inflows_.end() || entry->second.busy) return;
+  Inflow& inflow = entry->second;
+  inflow.busy = true;
+  while (bridge_ != nullptr && !closed_ && inflow.joined == inflow.wanted.empty()) {
+    if (inflow.joined) {
+      lock.unlock();
+      inflow.inlet->Detach();
+      lock.lock();
+      inflow.joined = false;
+      bridge_->Unannounce(channel);
+    } else {
+      inflow.inlet->Join(*bridge_, Combine(inflow.wanted));
+      inflow.joined = true;
+    }
+  }
+  inflow.busy = false;
+}
+
+void InboundChannels::Join(NetworkBridge& bridge) {
+  const std::scoped_lock lock(mutex_);
+  bridge_ = &bridge;
+  for (auto& [name, inflow] : inflows_) {
+    if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
+    inflow.inlet->Join(bridge, Combine(inflow.wanted));
+    inflow.joined = true;
+  }
+}
+
+void InboundChannels::Close() {
+  std::vector<std::shared_ptr<ChannelInlet>> inlets;
+  {
+    const std::scoped_lock lock(mutex_);
+    closed_ = true;
+    for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
+  }
+  for (const auto& inlet : inlets) inlet->Detach();
+}
+
+void InboundChannels::Drop() {
+  std::map<std::string, Inflow, std::less<>> dropped;
+  const std::scoped_lock lock(mutex_);
+  dropped.swap(inflows_);
+}
+
+// What satisfies all of them: lossless if one is, as much credit as the one with the least room among those allows.
+Demand InboundChannels::Combine(const std::list<Demand>& wanted) {
+  Demand combined = wanted.front();
+  for (const Demand& demand : wanted) {
+    if (demand.lossless && !combined.lossless) {
+      combined = demand;
+    } else if (demand.lossless == combined.lossless && demand.lossless) {
+      combined.credit_messages = std::min(combined.credit_messages, demand.credit_messages);
+      combined.credit_bytes = std::min(combined.credit_bytes, demand.credit_bytes);
+    } else if (demand.lossless == combined.lossless) {
+      combined.queue_depth = std::max(combined.queue_depth, demand.queue_depth);
+    }
+  }
+  return combined;
+}
+
+std::size_t InboundChannels::PublisherCount(std::string_view channel) const {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = inflows_.find(channel);
+  return entry == inflows_.end() ? 0 : entry->second.inlet->publisher_count();
+}
+
+std::shared_ptr<const MessageSchema> InboundChannels::SchemaOf(std::string_view channel) const {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = inflows_.find(channel);
+  return entry == inflows_.end() ? nullptr : entry->second.inlet->Schema();
+}
+
+void InboundChannels::AddTo(std::vector<ChannelUse>& uses) const {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [name, inflow] : inflows_) {
+    if (inflow.wanted.empty()) continue;
+    ChannelUse& use = uses.emplace_back(UseOf(name, inflow.inlet->channel_type()));
+    use.subscribes = true;
+    use.lossless = Combine(inflow.wanted).lossless;
+  }
+}
+
+void InboundChannels::AddTo(std::vector<ChannelTraffic>& traffic) const {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [name, inflow] : inflows_) {
+    const auto listed = std::ranges::find(traffic, name, &ChannelTraffic::channel);
+    ChannelTraffic& one = listed != traffic.end() ? *listed : traffic.emplace_back();
+    one.channel = name;
+    inflow.inlet->AddTo(one);
+  }
+}
+
+}  // namespace hgros

@@ -1,0 +1,100 @@
+#include "session/outbound_channels.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/clock/time.hpp"
+#include "session/channel_uses.hpp"
+
+namespace hgros {
+
+OutboundChannels::OutboundChannels(MessageId publisher, std::shared_ptr<Log> log, std::shared_ptr<HostClocks> clocks)
+    : publisher_(publisher), log_(std::move(log)), clocks_(std::move(clocks)) {}
+
+std::shared_ptr<ChannelOutlet> OutboundChannels::Open(
+    const std::string& channel, const TypeInfo& type, const std::function<OutletEvents()>& events,
+    const std::function<void(const std::shared_ptr<ChannelOutlet>&)>& wire) {
+  const std::scoped_lock lock(mutex_);
+  if (const auto known = outlets_.find(channel); known != outlets_.end()) return known->second;
+  if (closed_) return nullptr;
+  auto outlet = std::make_shared<ChannelOutlet>(channel, type, publisher_, log_, events(), clocks_);
+  if (bridge_ != nullptr) outlet->Join(*bridge_);
+  outlets_.emplace(channel, outlet);
+  wire(outlet);
+  return outlet;
+}
+
+std::shared_ptr<ChannelOutlet> OutboundChannels::OpenForService(const std::string& channel, const TypeInfo& type,
+                                                                OutletEvents events) {
+  const std::scoped_lock lock(mutex_);
+  // A way that was closed and is opened again counts from 1, so it is a later life of the publisher.
+  MessageId publisher = publisher_;
+  publisher.incarnation = last_incarnation_ =
+      std::max(last_incarnation_ + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
+  auto outlet = std::make_shared<ChannelOutlet>(channel, type, publisher, log_, std::move(events), clocks_);
+  if (bridge_ != nullptr) outlet->Join(*bridge_);
+  service_outlets_.push_back(outlet);
+  return outlet;
+}
+
+void OutboundChannels::CloseForService(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet) {
+  std::shared_ptr<ChannelOutlet> closed;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::ranges::find(service_outlets_, outlet);
+    if (found == service_outlets_.end()) return;
+    closed = *found;
+  }
+  closed->Detach();  // Waits for what it is told meanwhile.
+  const std::scoped_lock lock(mutex_);
+  std::erase(service_outlets_, closed);
+  if (bridge_ != nullptr && !closed_) bridge_->Withdraw(channel);
+}
+
+void OutboundChannels::Join(NetworkBridge& bridge) {
+  const std::scoped_lock lock(mutex_);
+  bridge_ = &bridge;
+  for (const auto& [name, outlet] : outlets_) outlet->Join(bridge);
+  for (const auto& outlet : service_outlets_) outlet->Join(bridge);
+}
+
+void OutboundChannels::Close() {
+  const std::scoped_lock lock(mutex_);
+  closed_ = true;
+}
+
+void OutboundChannels::Detach() {
+  std::vector<std::shared_ptr<ChannelOutlet>> outlets;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [name, outlet] : outlets_) outlets.push_back(outlet);
+    outlets.insert(outlets.end(), service_outlets_.begin(), service_outlets_.end());
+  }
+  for (const auto& outlet : outlets) outlet->Detach();
+}
+
+std::shared_ptr<ChannelOutlet> OutboundChannels::Find(std::string_view channel) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = outlets_.find(channel);
+  return found == outlets_.end() ? nullptr : found->second;
+}
+
+void OutboundChannels::AddTo(std::vector<ChannelUse>& uses) const {
+  const auto add = [&uses](const ChannelOutlet& outlet) {
+    uses.emplace_back(UseOf(outlet.channel(), outlet.type())).publishes = true;
+  };
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [name, outlet] : outlets_) add(*outlet);
+  for (const auto& outlet : service_outlets_) add(*outlet);
+}
+
+void OutboundChannels::AddTo(std::vector<ChannelTraffic>& traffic) const {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [name, outlet] : outlets_) {
+    ChannelTraffic& one = traffic.emplace_back();
+    one.channel = name;
+    outlet->AddTo(one);
+  }
+}
+
+}  // namespace hgros

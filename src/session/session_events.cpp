@@ -1,0 +1,61 @@
+#include "session/session_events.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace hgros {
+namespace {
+
+// Bursts of changes, as when a program starts, are told as one.
+constexpr auto kTimeToGather = std::chrono::milliseconds(20);
+
+}  // namespace
+
+SessionEvents::SessionEvents(DataGraph& graph, std::shared_ptr<Log> log)
+    : graph_(graph),
+      log_(std::move(log)),
+      peers_(graph.Advertise<PeerEvent>(kPeerEventsChannel)),
+      channels_(graph.Advertise<ChannelsChanged>(kChannelEventsChannel)) {}
+
+void SessionEvents::PublishPeer(ErrandThread& thread, PeerEvent event) noexcept {
+  thread.Post([this, shared = std::make_shared<const PeerEvent>(std::move(event))] {
+    if (peers_(shared) == PublishStatus::kFull) {
+      log_->WriteLimited(LogLevel::kWarning, "peer events", "A peer event was not delivered: a lossless node is full.");
+    }
+  });
+}
+
+void SessionEvents::ReportCame(ErrandThread& thread, const PeerInfo& peer) noexcept {
+  // The name of a pair's socket means nothing to anybody.
+  const bool at = !peer.endpoint.empty() && peer.endpoint.find("://") != std::string::npos;
+  log_->Write(LogLevel::kInfo, "Session " + peer.name() + " is reached through " + peer.transport +
+                                   (at ? " at " + peer.endpoint : std::string()) + ": " + peer.why + ".");
+  PublishPeer(thread, {PeerEvent::Kind::kCame, peer, {}, {}});
+}
+
+void SessionEvents::ReportGone(ErrandThread& thread, const PeerInfo& peer, std::string_view reason,
+                               bool closing) noexcept {
+  log_->Write(LogLevel::kInfo, "Session " + peer.name() + (closing ? " is no longer reached: " : " is gone: ") +
+                                   std::string(reason) + ".");
+  PublishPeer(thread, {PeerEvent::Kind::kGone, peer, {}, std::string(reason)});
+}
+
+std::string SessionEvents::ReportTypeMismatch(ErrandThread& thread, const PeerInfo& peer, std::string_view channel,
+                                              std::string_view what) noexcept {
+  std::string sentence = "Nothing passes between this session and " + peer.name() +
+                         " on a channel that they use with different types, " + std::string(what) +
+                         ". Build both programs with one type, or give one of them another channel name.";
+  log_->Write(LogLevel::kError, sentence);
+  PublishPeer(thread, {PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), sentence});
+  return sentence;
+}
+
+void SessionEvents::PublishChannels(ErrandThread& thread) noexcept {
+  if (graph_.NodeCount(kChannelEventsChannel) == 0 || telling_channels_.exchange(true)) return;
+  thread.PostIn(kTimeToGather, [this] {
+    telling_channels_ = false;
+    (void)channels_(std::make_unique<ChannelsChanged>(ChannelsChanged{++channel_changes_}));
+  });
+}
+
+}  // namespace hgros

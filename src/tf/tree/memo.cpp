@@ -1,0 +1,35 @@
+#include "tf/tree/memo.hpp"
+
+#include <memory>
+
+namespace hgros::tf {
+namespace {
+
+constexpr std::size_t kPlacesBits = 6;  // 64 pairs, 24 KiB for each thread that looks up.
+
+using Places = std::array<Memo, std::size_t{1} << kPlacesBits>;
+
+// The pointer costs no call to reach; the owner only frees.
+constinit thread_local Places* own_places = nullptr;
+
+struct Owner {
+  std::unique_ptr<Places> places = std::make_unique<Places>();
+  Owner() { own_places = places.get(); }
+  Owner(const Owner&) = delete;
+  Owner& operator=(const Owner&) = delete;
+  ~Owner() { own_places = nullptr; }
+};
+
+}  // namespace
+
+Memo& Memo::PlaceFor(std::uint64_t tree, FrameId target, FrameId source) {
+  if (own_places == nullptr) {
+    thread_local Owner owner;
+    // A thread that is ending and looks up once more has no place of its own any longer.
+    if (own_places == nullptr) owner.places = std::make_unique<Places>(), own_places = owner.places.get();
+  }
+  const std::uint64_t pair = (std::uint64_t{target.value} << 32 | source.value) + tree;
+  return (*own_places)[pair * 0x9E3779B97F4A7C15U >> (64 - kPlacesBits)];
+}
+
+}  // namespace hgros::tf

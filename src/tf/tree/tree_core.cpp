@@ -1,0 +1,230 @@
+#include "tf/tree/tree_core.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
+#include "tf/tree/edge_reading.hpp"
+#include "tf/tree/edge_writing.hpp"
+
+namespace hgros::tf {
+namespace {
+
+std::uint64_t NextTreeNumber() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+constexpr double kUnitTolerance = 1e-3;
+
+// With a rotation of exactly unit length; false if it is too far from that, or not a number.
+bool MakeUnit(Pose& pose) {
+  const double square = pose.w * pose.w + pose.x * pose.x + pose.y * pose.y + pose.z * pose.z;
+  const double off = square - 1;
+  if (!(std::abs(off) <= 2 * kUnitTolerance)) return false;
+  // Near 1 the first terms of the series of 1 / sqrt are exact to the last bit.
+  const double scale = std::abs(off) < 1e-8 ? 1 - 0.5 * off : 1 / std::sqrt(square);
+  pose.w *= scale;
+  pose.x *= scale;
+  pose.y *= scale;
+  pose.z *= scale;
+  return true;
+}
+
+SetFault PoseFault(Pose& pose) {
+  if (!MakeUnit(pose)) return SetFault::kRotation;
+  // Infinities and NaNs are not 0 when multiplied by 0.
+  return (pose.px + pose.py + pose.pz) * 0 == 0 && std::isfinite(pose.px) && std::isfinite(pose.py) &&
+                 std::isfinite(pose.pz)
+             ? SetFault::kNone
+             : SetFault::kTranslation;
+}
+
+}  // namespace
+
+TreeCore::TreeCore(const TransformTreeOptions& options)
+    : limits_{std::max<std::int64_t>(options.buffer.count(), 0),
+              std::max<std::uint64_t>(options.max_transforms_per_edge, 2)},
+      number_(NextTreeNumber()),
+      frames_(options.max_frames),
+      publishers_{""},
+      waits_(std::make_shared<Waits>(*this)) {}
+
+TreeCore::~TreeCore() { waits_->Close(); }
+
+PublisherId TreeCore::Publisher(std::string_view name) {
+  if (name.empty()) return {};
+  const std::scoped_lock lock(publishers_mutex_);
+  const auto place = std::find(publishers_.begin(), publishers_.end(), name);
+  const auto number = static_cast<std::uint32_t>(place - publishers_.begin());
+  if (place == publishers_.end()) publishers_.emplace_back(name);
+  return {number};
+}
+
+SetResult TreeCore::Set(FrameId parent, FrameId child, const EdgeValue& value) {
+  Frame* above = frames_.At(parent);
+  Frame* below = frames_.At(child);
+  if (above != nullptr && below != nullptr) return SetFrames(*above, *below, value);
+  return {SetFault::kName, std::string("The edge from ") +
+                               (above == nullptr ? "an unknown id" : "\"" + above->name + "\"") + " to " +
+                               (below == nullptr ? "an unknown id" : "\"" + below->name + "\"") +
+                               " was refused: such an id is not of this tree; Frame gives ids."};
+}
+
+SetResult TreeCore::Set(std::string_view parent, std::string_view child, const EdgeValue& value,
+                        std::string_view publisher) {
+  Frame* above = frames_.Find(parent);
+  Frame* below = frames_.Find(child);
+  for (const auto& [frame, name] : {std::pair(above, parent), std::pair(below, child)}) {
+    if (frame != nullptr) continue;
+    if (const std::string fault = ChannelNameFault(name); !fault.empty()) {
+      return {SetFault::kName, "The edge from \"" + std::string(parent.substr(0, 200)) + "\" to \"" +
+                                   std::string(child.substr(0, 200)) + "\" was refused: of the " +
+                                   (name.data() == parent.data() && frame == above ? "parent's" : "child's") +
+                                   " name, " + fault + "."};
+    }
+  }
+  if (above == nullptr || below == nullptr) {  // What is refused leaves no frames behind.
+    Pose pose = PoseOf(value.T_parent_child);
+    SetFault fault = PoseFault(pose);
+    if (fault == SetFault::kNone && parent == child) fault = SetFault::kCycle;
+    const bool hangs = below != nullptr && below->parent.load(std::memory_order_acquire) != nullptr;
+    if (fault == SetFault::kNone && hangs) fault = SetFault::kTwoParents;
+    const std::size_t missing = (above == nullptr ? 1 : 0) + (below == nullptr ? 1 : 0);
+    if (fault == SetFault::kNone && frames_.size() + missing > frames_.most()) fault = SetFault::kTooManyFrames;
+    if (fault == SetFault::kNone && (above = frames_.Intern(parent)) != nullptr) below = frames_.Intern(child);
+    if (fault == SetFault::kNone && (above == nullptr || below == nullptr)) fault = SetFault::kTooManyFrames;
+    if (fault != SetFault::kNone) {
+      Frame upper;
+      upper.name = parent;
+      Frame lower;
+      lower.name = child;
+      return Refuse(fault, upper, hangs ? *below : (parent == child ? upper : lower), value);
+    }
+  }
+  EdgeValue named = value;
+  if (!publisher.empty()) named.publisher = Publisher(publisher);
+  return SetFrames(*above, *below, named);
+}
+
+SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& value) {
+  Pose pose = PoseOf(value.T_parent_child);
+  SetFault fault = PoseFault(pose);
+  const Frame* now = child.parent.load(std::memory_order_acquire);
+  if (fault == SetFault::kNone && now == nullptr) {
+    fault = Connect(parent, child, value, pose);
+    if (fault == SetFault::kNone) return {};
+    now = child.parent.load(std::memory_order_acquire);
+    if (now == &parent) fault = SetFault::kNone;  // Another thread was first; this one is one more.
+  }
+  if (fault != SetFault::kNone) return Refuse(fault, parent, child, value);
+  if (now != &parent) return Refuse(SetFault::kTwoParents, parent, child, value);
+  if (child.is_static != value.is_static) return Refuse(SetFault::kStatic, parent, child, value);
+
+  bool awaited = false;
+  bool anew = false;
+  {
+    const std::scoped_lock lock(child.write);
+    const std::uint64_t time = time_.load(std::memory_order_acquire);
+    const bool begins = IsRestarting(child);
+    anew = begins && value.stamp <= restart_limit_.load(std::memory_order_relaxed);
+    // A later stamp is taken for one of the time before, unless it is too old for that.
+    const bool written = !anew && Write(child, {value.stamp, pose});
+    if (begins && !written) {
+      anew = true;
+      child.time = time;
+      restarted_edges_.fetch_add(1, std::memory_order_relaxed);
+      Rewrite(child, {value.stamp, pose});
+    }
+    if (anew || written) {
+      awaited = child.newest >= child.awaited_from;
+      if (value.publisher.value != 0) child.publisher.store(value.publisher.value, std::memory_order_relaxed);
+    } else {
+      fault = SetFault::kTooOld;
+    }
+  }
+  if (anew) {
+    waits_->EdgeHasRestarted();
+  } else if (awaited) {
+    waits_->EdgeHasGrown(child);
+  }
+  return fault == SetFault::kNone ? SetResult() : Refuse(fault, parent, child, value);
+}
+
+SetFault TreeCore::Connect(Frame& parent, Frame& child, const EdgeValue& value, const Pose& pose) {
+  bool awaited = false;
+  {
+    const std::scoped_lock lock(topology_);
+    for (const Frame* frame = &parent; frame != nullptr; frame = frame->parent.load(std::memory_order_relaxed)) {
+      if (frame == &child) return SetFault::kCycle;
+    }
+    if (child.parent.load(std::memory_order_relaxed) != nullptr) return SetFault::kTwoParents;
+    {
+      const std::scoped_lock write(child.write);
+      child.time = time_.load(std::memory_order_relaxed);
+      BeginEdge(child, value.is_static, limits_, {value.is_static ? 0 : value.stamp, pose});
+      child.publisher.store(value.publisher.value, std::memory_order_relaxed);
+    }
+    child.parent.store(&parent, std::memory_order_release);
+    child.known.store(true, std::memory_order_release);
+    parent.known.store(true, std::memory_order_release);
+    ++edge_count_;
+    awaited = std::exchange(edges_are_awaited_, false);
+  }
+  if (awaited) waits_->TreeHasGrown();
+  return SetFault::kNone;
+}
+
+std::vector<EdgeSnapshot> TreeCore::Edges() const {
+  std::vector<EdgeSnapshot> edges;
+  std::vector<std::string> publishers;
+  {
+    const std::scoped_lock lock(publishers_mutex_);
+    publishers = publishers_;
+  }
+  std::vector<std::vector<const Frame*>> children(frames_.size());
+  std::vector<const Frame*> to_visit;
+  for (std::uint32_t i = 0; i < children.size(); ++i) {
+    const Frame* frame = frames_.At(FrameId{i});
+    const Frame* parent = frame->parent.load(std::memory_order_acquire);
+    if (parent == nullptr) {
+      to_visit.push_back(frame);
+    } else if (parent->id.value < children.size()) {
+      children[parent->id.value].push_back(frame);
+    }
+  }
+  const auto by_falling_name = [](const Frame* a, const Frame* b) { return a->name > b->name; };
+  std::sort(to_visit.begin(), to_visit.end(), by_falling_name);
+  while (!to_visit.empty()) {
+    const Frame* parent = to_visit.back();
+    to_visit.pop_back();
+    if (const Frame* above = parent->parent.load(std::memory_order_acquire)) {
+      EdgeSnapshot edge;
+      edge.parent = above->name;
+      edge.child = parent->name;
+      const std::uint32_t publisher = parent->publisher.load(std::memory_order_relaxed);
+      if (publisher < publishers.size()) edge.publisher = publishers[publisher];
+      edge.is_static = parent->is_static;
+      edge.sets = parent->sets.load(std::memory_order_relaxed);
+      Pose newest;
+      std::uint64_t version = 0;
+      (void)ReadNewest(*parent, newest, version);
+      edge.T_parent_child = TransformOf(newest);
+      const EdgeRange range = ReadRange(*parent);
+      edge.transforms = edge.is_static ? 1 : range.count;
+      if (!edge.is_static) {
+        edge.oldest = Time{range.oldest};
+        edge.newest = Time{range.newest};
+      }
+      edges.push_back(std::move(edge));
+    }
+    auto& next = children[parent->id.value];
+    std::sort(next.begin(), next.end(), by_falling_name);
+    to_visit.insert(to_visit.end(), next.begin(), next.end());
+  }
+  return edges;
+}
+
+}  // namespace hgros::tf

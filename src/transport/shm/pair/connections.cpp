@@ -1,0 +1,232 @@
+#include "transport/shm/pair/connections.hpp"
+
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::shm {
+
+Connections::Connections(ShmSession& session, const Parts& parts)
+    : session_(session),
+      pairs_(parts.pairs),
+      sockets_(parts.sockets),
+      publisher_(parts.publisher),
+      offered_(parts.offered),
+      wanted_(parts.wanted),
+      bell_(parts.bell),
+      destinations_(parts.destinations),
+      registry_(parts.registry),
+      handshake_(session, parts.pairs, parts.publisher, parts.bell),
+      next_beat_(std::chrono::steady_clock::now() + session.options.heartbeat) {
+  std::string fault;
+  listening_ = ListenAt(session_.options.place, fault);
+  if (!listening_.valid()) {
+    throw Error("Other sessions of this host cannot reach this one through shared memory: " + fault + ".", {},
+                "Choose another place, or leave it empty to have one chosen.");
+  }
+  if (!sockets_.Watch(listening_, EPOLLIN, SocketThread::Source::kListening)) {
+    throw Error(std::string("Cannot wait for a descriptor: ") + std::strerror(errno) + ".");
+  }
+}
+
+SteadyTime Connections::DoWhatIsDue(SteadyTime now) {
+  publisher_.NotifyClose();
+  Connect(now);
+  if (now >= next_beat_) Beat(now);
+  return destinations_.NextTry(next_beat_);
+}
+
+void Connections::OnReady(SocketThread::Source source, std::uint32_t number) {
+  if (source == SocketThread::Source::kListening) {
+    Accept();
+  } else if (const auto pair = pairs_.At(number)) {
+    source == SocketThread::Source::kPairProcess ? OnProcessEnd(pair) : Read(pair);
+  }
+}
+
+void Connections::Connect(SteadyTime now) {
+  const auto is_connected = [this](SessionId session) {
+    return std::ranges::any_of(pairs_.List(),
+                               [&](const auto& pair) { return pair->alive && pair->facts.info.id == session; });
+  };
+  for (const std::string& place : destinations_.Due(now, is_connected)) {
+    std::string fault;
+    Handle connection = ConnectTo(place, fault);
+    if (connection.valid()) destinations_.SetPair(place, AddPair(std::move(connection), true, place));
+  }
+}
+
+void Connections::Accept() {
+  for (;;) {
+    bool out_of_descriptors = false;
+    Handle connection = AcceptFrom(listening_, out_of_descriptors);
+    if (connection.valid()) {
+      (void)AddPair(std::move(connection), false, {});
+      continue;
+    }
+    if (!out_of_descriptors) return;
+    // The socket stays readable: waiting for it would use up a CPU.
+    listens_ = !sockets_.Unwatch(listening_);
+    session_.log.WriteLimited(LogLevel::kWarning, "shm accept",
+                              "Another session cannot connect: the limit of open files is reached. Raise it "
+                              "(ulimit -n).");
+    return;
+  }
+}
+
+void Connections::Refuse(const std::string& why) {
+  session_.log.WriteLimited(LogLevel::kWarning, "shm refuse", "No memory is shared with another session: " + why + ".");
+}
+
+// Null if the connection is refused.
+std::shared_ptr<Pair> Connections::AddPair(Handle connection, bool by_us, const std::string& place) {
+  const auto refuse = [this](const std::string& why) -> std::shared_ptr<Pair> {
+    Refuse(why);
+    return nullptr;
+  };
+  auto handle = std::make_shared<const Handle>(std::move(connection));
+  std::string fault;
+  std::unique_ptr<LaneWriter> lane = LaneWriter::Make(fault);
+  if (!lane) return refuse(fault);
+  std::shared_ptr<Slip> slip = Slip::Make(handle, session_.fork, fault);
+  if (!slip) return refuse(fault);
+  const auto pair = std::make_shared<Pair>(std::move(handle), by_us, Handshake::kMaxHelloBytes, std::move(slip));
+  if (const uid_t user = pair->socket.PeerUser(); user != geteuid()) {
+    return refuse("it belongs to another user (" + std::to_string(user) + ")");
+  }
+  pair->process = pair->socket.PeerProcess();
+  if (pair->process != getpid()) pair->process_end = WatchProcess(pair->process);
+  pair->last_heard = pair->last_read = std::chrono::steady_clock::now();
+  pair->place = place;
+  pair->out.lane = std::move(lane);
+  if (!pairs_.Add(pair)) return refuse("there are " + std::to_string(kMaxPeers) + " already");
+  handshake_.SayHello(*pair);
+  using Source = SocketThread::Source;
+  if (!sockets_.Watch(*pair->socket.handle(), EPOLLIN | EPOLLOUT | EPOLLET, Source::kPair, pair->number) ||
+      (pair->process_end.valid() &&
+       !sockets_.Watch(pair->process_end, EPOLLIN | EPOLLONESHOT, Source::kPairProcess, pair->number))) {
+    const int error = errno;
+    ForgetPair(pair);
+    return refuse(std::string("its socket cannot be waited for: ") + std::strerror(error));
+  }
+  return pair;
+}
+
+// Its links out end now. Its links in end after what it has written.
+void Connections::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye, LinkEnd links) {
+  if (pair->ending.load()) {
+    if (pair->eof && pair->finished) ForgetPair(pair);
+    return;
+  }
+  if (!pair->alive) pair->eof = true;  // It was never given anything.
+  Actions actions;
+  pair->alive = false;
+  wanted_.StopAsking(*pair);
+  offered_.EndPair(*pair, links, actions);
+  if (say_bye) {
+    wire::PairMessage bye;
+    bye.mutable_bye()->set_reason(reason);
+    pair->socket.Send(bye);
+  }
+  pair->end_reason = reason;
+  pair->ending = true;
+  for (const auto& action : actions) action();
+  bell_.Ring(pair->number);  // The reading thread reads what is left, and then has the pair finished.
+}
+
+void Connections::OnLie(const std::shared_ptr<Pair>& liar, const std::string& what) {
+  if (liar->ending.load()) return;
+  session_.CountFault(PacketFault::kHead);
+  session_.log.WriteLimited(LogLevel::kWarning, "shm lie " + liar->facts.info.id.ToString(),
+                            "The shared memory of " + NameOf(*liar) + " cannot be right: " + what +
+                                ". The connection ends and is made again.");
+  liar->in.StopReading();
+  EndPair(liar, "its shared memory cannot be right", true);
+}
+
+// Also if the socket is still open in a child of the process.
+void Connections::OnProcessEnd(const std::shared_ptr<Pair>& pair) {
+  if (!HasEnded(pair->process_end)) return;  // The event was of an earlier pair with this number.
+  Read(pair);
+  if (pair->eof) return;
+  pair->eof = true;
+  EndPair(pair, "its process has ended", false);
+}
+
+void Connections::OnAllRead(const std::shared_ptr<Pair>& pair) {
+  Actions actions;
+  const auto links = pair->in.Clear();
+  for (const auto& link : links) {
+    if (link->granted) InboundCore::CountPublisher(link->core, -1, actions);
+  }
+  for (const auto& action : actions) action();
+  if (std::exchange(pair->announced, false)) registry_.Gone(pair->facts.info, pair->end_reason);
+  for (const auto& other : pairs_.List()) {
+    if (other->facts.info.id == pair->facts.info.id) bell_.Ring(other->number);  // It may have waited for this one.
+  }
+  pair->finished = true;
+  if (pair->eof) ForgetPair(pair);
+}
+
+void Connections::ForgetPair(const std::shared_ptr<Pair>& pair) {
+  if (!pairs_.Remove(pair)) return;
+  const auto ends = publisher_.ReleaseLane(*pair);  // Without a lock: what it holds may be the user's.
+  destinations_.ForgetPair(pair);
+  (void)sockets_.Unwatch(*pair->socket.handle());
+  if (pair->process_end.valid()) (void)sockets_.Unwatch(pair->process_end);
+}
+
+void Connections::Beat(SteadyTime now) {
+  const bool overslept = now - next_beat_ > session_.options.heartbeat;
+  const auto patience = session_.options.peer_timeout;
+  const std::string timeout = std::to_string(patience.count()) + " ms";
+  next_beat_ = now + session_.options.heartbeat;
+  if (!listens_) listens_ = sockets_.Watch(listening_, EPOLLIN, SocketThread::Source::kListening);
+  const auto removed = publisher_.pool().CollectRemovedSegments();
+  std::vector<std::pair<std::shared_ptr<Pair>, std::string>> silent;
+  for (const auto& pair : pairs_.List()) {
+    const std::uint32_t heartbeat = publisher_.Beat(*pair, removed);
+    const bool beats = std::exchange(pair->seen_heartbeat, heartbeat) != heartbeat || overslept;
+    pair->in.Beat();
+    pair->socket.Flush();  // What failed may go now.
+    if (!pair->in.blocked() || overslept) pair->last_read = now;
+    if (pair->ending) continue;
+    if (beats) {
+      pair->last_heard = now;
+    } else if (now - pair->last_heard > patience) {
+      silent.emplace_back(pair, (pair->alive ? "it was silent for " : "it did not greet for ") + timeout);
+    }
+    if (now - pair->last_read > patience) {
+      sockets_.Distrust(*pair, "a message needs something that did not come for " + timeout);
+    }
+    bell_.Ring(pair->number);  // In case a peer has taken a ring back.
+  }
+  bell_.Mend();
+  // A silent peer has held publishers up for long enough: they do not wait for it any longer.
+  for (const auto& [pair, reason] : silent) EndPair(pair, reason, true, LinkEnd::kForGood);
+}
+
+void Connections::Close(Actions& nobody_listens) {
+  wire::PairMessage bye;
+  bye.mutable_bye()->set_reason("the session ends");
+  const auto pairs = pairs_.RemoveAll();
+  for (const auto& pair : pairs) {
+    wanted_.StopAsking(*pair);
+    const bool alive = pair->alive.exchange(false);
+    offered_.EndPair(*pair, LinkEnd::kForGood, nobody_listens);
+    if (alive) pair->socket.Send(bye);
+  }
+  for (const auto& pair : pairs) {
+    if (std::exchange(pair->announced, false)) registry_.Gone(pair->facts.info, "this session ends");
+  }
+  listening_ = {};
+}
+
+}  // namespace hgros::shm

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "hgros/pair.pb.h"
+#include "transport/shm/memory/memory.hpp"
+
+namespace hgros::shm {
+
+/// The unix socket between two sessions: frames with descriptors. No call waits.
+///
+/// A frame is a length (u32, in the host's byte order), a number of descriptors (u32), and a wire::PairMessage.
+/// Descriptors travel with the first byte of their frame.
+///
+/// Thread safety: Send(), Flush() and all_sent() are thread-safe, and their mutex is a leaf. The rest: one thread.
+/// Invariants: frames leave in the order of Send(), each one whole.
+class PairSocket {
+ public:
+  using Handles = std::vector<std::shared_ptr<const Handle>>;
+
+  PairSocket(std::shared_ptr<const Handle> socket, std::size_t max_frame_bytes) noexcept
+      : socket_(std::move(socket)), max_frame_bytes_(max_frame_bytes) {}
+
+  [[nodiscard]] const std::shared_ptr<const Handle>& handle() const noexcept { return socket_; }
+  /// The user on the other side, or -1.
+  [[nodiscard]] uid_t PeerUser() const noexcept;
+  /// The process that made the other side; 0 if it is not visible from here.
+  [[nodiscard]] pid_t PeerProcess() const noexcept;
+  /// Limits the frames from the next one on.
+  void SetMaxFrame(std::size_t max_frame_bytes) noexcept { max_frame_bytes_ = max_frame_bytes; }
+
+  /// Sends, or keeps what the socket does not accept now for Flush(). Drops everything if the other side has gone.
+  void Send(const wire::PairMessage& message, const Handles& handles = {});
+  void Flush() noexcept;
+  [[nodiscard]] bool all_sent() const noexcept {
+    const std::scoped_lock lock(send_mutex_);
+    return outgoing_.empty();
+  }
+
+  struct Frame {
+    wire::PairMessage message;
+    std::vector<Handle> handles;
+  };
+  enum class Read { kNothing, kMore, kFrame, kClosed, kFault };
+  /// The next frame. kNothing: nothing to read now. kMore: no whole frame yet, but more to read: others have their
+  /// turn. After kFault, input is dropped until kClosed (kFault again: there is more to drop): the end of the socket
+  /// still tells that the peer reads nothing of ours any more.
+  [[nodiscard]] Read Receive(Frame& frame);
+  /// All bytes received, including those of unfinished frames.
+  [[nodiscard]] std::uint64_t received_bytes() const noexcept { return received_bytes_; }
+  [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
+
+ private:
+  struct Piece {
+    std::string bytes;
+    std::size_t sent = 0;
+    Handles handles;
+  };
+  void SendQueued() noexcept;
+  [[nodiscard]] Read ReadMore();
+  [[nodiscard]] Read Fail(std::string what);
+  [[nodiscard]] Read ThrowAway();
+
+  const std::shared_ptr<const Handle> socket_;
+  mutable std::mutex send_mutex_;
+  std::deque<Piece> outgoing_;
+  bool broken_ = false;
+
+  std::size_t max_frame_bytes_;
+  std::string incoming_;
+  std::size_t parsed_ = 0;
+  std::deque<Handle> handles_;
+  std::uint64_t received_bytes_ = 0;
+  bool closed_ = false;
+  std::string fault_;
+};
+
+/// A descriptor that becomes readable when the process ends. Not valid if there is no such process, or before
+/// Linux 5.3.
+[[nodiscard]] Handle WatchProcess(pid_t pid) noexcept;
+/// Whether the process has ended. `process` comes from WatchProcess().
+[[nodiscard]] bool HasEnded(const Handle& process) noexcept;
+
+/// A listening socket at `place`, a name in the abstract name space: it leaves no file behind. Not valid, and `fault`
+/// is set, if it cannot be made.
+[[nodiscard]] Handle ListenAt(const std::string& place, std::string& fault);
+/// The next connection to a listening socket; not valid if there is none. `out_of_descriptors`: there may be one, but
+/// this process can open no more files.
+[[nodiscard]] Handle AcceptFrom(const Handle& listening, bool& out_of_descriptors) noexcept;
+/// A connection to the session at `place`; not valid, and `fault` is set, if none listens there.
+[[nodiscard]] Handle ConnectTo(const std::string& place, std::string& fault);
+
+}  // namespace hgros::shm

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "hgros/pair.pb.h"
+#include "transport/inbound_core.hpp"
+#include "transport/shm/memory/lane_reader.hpp"
+#include "transport/shm/receipt.hpp"
+
+namespace hgros::shm {
+
+/// What one peer publishes to us on one channel.
+/// Thread safety: the pair's inbox guards it, except where another owner is named.
+struct InLink {
+  std::shared_ptr<InboundCore> core;
+  std::uint64_t link = 0;
+  std::shared_ptr<Receipt> receipt;
+  bool granted = false;              ///< And counted as a publisher.
+  std::uint64_t asked_messages = 1;  ///< The widest window we have asked for; no more than that is granted.
+  std::uint64_t asked_bytes = 1;
+  std::uint64_t apart_bytes = 0;  ///< Bytes of payloads that came before their messages.
+  std::uint64_t too_large = 0;    ///< Messages that the publisher has held back. Socket thread only.
+  std::string type_name;
+  Encoding encoding = Encoding::kNone;
+  std::uint64_t fingerprint = 0;
+  std::shared_ptr<const MessageSchema> schema;  ///< The publisher's type, if it differs from the core's.
+  bool checked = false;                         ///< The reading thread has checked the type. Reading thread only.
+  std::optional<std::uint64_t> ends_after;      ///< The publisher withdraws the channel after this many messages.
+};
+
+/// What one peer sends us: the lane with its messages, and what these need: links, segments, and payloads that came
+/// over the socket.
+///
+/// Thread safety: all functions; Next() on one thread at a time.
+/// Invariants: everything that the peer writes is copied once and then checked. A message is only taken out of the lane
+/// together with all it needs. Each slot that was taken out is returned once. The payloads kept for a link never exceed
+/// the credit we have asked for.
+class PairInbox {
+ public:
+  explicit PairInbox(std::shared_ptr<Slip> slip) noexcept : slip_(std::move(slip)) {}
+
+  /// The page that the peer is to map.
+  [[nodiscard]] std::shared_ptr<const Handle> slip_handle() const;
+  /// Once, before anything is read. `from` is the peer's session.
+  void Open(std::unique_ptr<LaneReader> lane, std::shared_ptr<const PeerBell> bell, SessionId from);
+  /// Nothing more is read, although there may be more.
+  void StopReading();
+  /// Forgets everything. Returns the links, so that the caller can count their publishers.
+  [[nodiscard]] std::vector<std::shared_ptr<InLink>> Clear();
+  /// Messages of `earlier`, from the same session, are read before any of this one.
+  void ReadAfter(std::shared_ptr<const PairInbox> earlier);
+
+  /// Tells the peer that we live.
+  void Beat() noexcept;
+
+  /// Null if the slip has no cell left.
+  [[nodiscard]] std::shared_ptr<InLink> AddLink(const std::shared_ptr<InboundCore>& core);
+  /// Null if the channel is not asked for.
+  [[nodiscard]] std::shared_ptr<InLink> LinkOf(const std::string& channel) const;
+  [[nodiscard]] std::shared_ptr<InLink> LinkAt(std::uint64_t number) const;
+  /// Returns what was removed, or null.
+  std::shared_ptr<InLink> RemoveLink(const std::string& channel);
+  /// Call before the peer is asked: it may send this much.
+  void RaiseLimits(InLink& link, const Demand& demand);
+  /// The peer serves the link. True the first time. `schema`: may be null.
+  bool Grant(InLink& link, const wire::Granted& granted, std::shared_ptr<const MessageSchema> schema);
+  /// The link ends after `messages`. True if they have all been read.
+  [[nodiscard]] bool EndAfter(std::uint64_t link, std::uint64_t messages);
+
+  /// False if the peer cannot add this segment.
+  [[nodiscard]] bool AddSegment(std::uint32_t segment, std::shared_ptr<Mapping> mapping);
+  void RemoveSegment(std::uint32_t segment);
+  /// The payload of a message to come. False if no message may have it.
+  [[nodiscard]] bool AddPayload(wire::PayloadApart& payload);
+  /// Whether the next message waits for something that comes over the socket.
+  [[nodiscard]] bool blocked() const;
+  /// Clears that, and returns whether it was set: something has come.
+  [[nodiscard]] bool Unblock();
+
+  enum class Step {
+    kMessage,
+    kSkipped,  ///< A message of a link that no longer exists.
+    kNothing,  ///< Nothing to read now.
+    kNotYet,   ///< An earlier inbox comes first.
+    kLie,      ///< The peer has written what cannot be.
+  };
+  struct Arrival {
+    std::shared_ptr<InLink> link;
+    InboundMessage message;
+    bool ends = false;          ///< It is the link's last message.
+    const char* lie = nullptr;  ///< What is wrong.
+  };
+  /// Takes the next message out of the lane.
+  [[nodiscard]] Step Next(Arrival& arrival, std::uint64_t max_message_bytes);
+  [[nodiscard]] bool HasMore() const {
+    const std::scoped_lock lock(mutex_);
+    Descriptor next;
+    return lane_ && lane_->Peek(next) != LaneReader::Read::kNothing;
+  }
+  /// All was read. True the first time.
+  bool MarkAllRead() noexcept { return !all_read_.exchange(true); }
+  [[nodiscard]] bool all_read() const noexcept { return all_read_.load(); }
+
+ private:
+  [[nodiscard]] static Payload PayloadOf(const std::shared_ptr<Slip>& slip, const Descriptor& descriptor,
+                                         std::shared_ptr<Mapping> segment);
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<Slip> slip_;
+  std::unique_ptr<LaneReader> lane_;
+  SessionId from_;
+  std::unordered_map<std::uint64_t, std::shared_ptr<InLink>> links_;  // By number.
+  std::unordered_map<std::string, std::uint64_t> channels_;           // Link numbers by channel.
+  std::unordered_map<std::uint32_t, std::shared_ptr<Mapping>> segments_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> apart_;  // Payloads by link and message number.
+  std::uint64_t last_link_ = 0;
+  std::vector<std::shared_ptr<const PairInbox>> earlier_;
+  bool blocked_ = false;
+  std::atomic<bool> all_read_{false};
+};
+
+}  // namespace hgros::shm

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "hgros/control.pb.h"
+#include "transport/outbound_core.hpp"
+#include "transport/zmq/publish/out_link.hpp"
+#include "transport/zmq/publish/subscriber_peer.hpp"
+#include "transport/zmq/publish/wire_message.hpp"
+#include "transport/zmq/shared_state.hpp"
+
+namespace hgros::zmq {
+
+/// The advertised channels as one publish endpoint sees them: which are offered there, the links that carry each, and
+/// the plain subscribers. Messages are sent here.
+///
+/// Thread safety: none; the endpoint's mutex guards it.
+/// Invariants: a link is listed in its channel for as long as its wish owns it. A channel that is not allowed has no
+/// links and no plain subscribers.
+class PublishedChannels {
+ public:
+  struct Channel {
+    std::shared_ptr<OutboundCore> core;
+    bool allowed = true;
+    bool plain = false;  ///< Somebody subscribes to the plain topic.
+    std::vector<OutLink*> links;
+  };
+
+  PublishedChannels(SharedState& shared, Socket& socket, const ChannelList& allowed);
+
+  Channel& Add(const std::shared_ptr<OutboundCore>& core);
+  void Remove(const OutboundCore& core) { channels_.erase(core.name); }
+  /// Null if there is none.
+  [[nodiscard]] Channel* Find(const std::string& name);
+  /// Null if the channel of that name is another one.
+  [[nodiscard]] Channel* Find(const std::shared_ptr<OutboundCore>& core);
+  /// Changes which channels may pass, and returns those for which that makes a difference.
+  [[nodiscard]] std::vector<Channel*> SetAllowed(const ChannelList& allowed);
+  /// Adds the types of all channels that are offered.
+  void AddOffers(google::protobuf::RepeatedPtrField<wire::ChannelType>& offers) const;
+
+  [[nodiscard]] bool HasRoom(const OutboundCore& core) const;
+  void Reserve(const OutboundCore& core);
+  void CancelReservation(const std::shared_ptr<OutboundCore>& core, Actions& actions);
+  void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message,
+              PeerChannel::Dropped& ended, Actions& actions);
+  /// Sends what the link's credit allows.
+  void SendWaiting(OutLink& link, PeerChannel::Dropped& ended) {
+    link.SendWaiting(socket_, shared_.options.peer_queue_bytes, ended);
+  }
+  /// Ends the wish's link, if it has one. `died`: what a lossless subscriber has not confirmed counts as missed.
+  void RemoveLink(Wish& wish, bool died, Actions& actions);
+
+  /// A plain subscriber has come to the channel, or the last one has gone.
+  void SetPlainTopic(std::string_view channel, bool subscribed, std::string_view endpoint, Actions& actions);
+  /// Counts the plain subscribers of the channel if that has changed.
+  void UpdatePlain(Channel& channel, Actions& actions);
+
+ private:
+  [[nodiscard]] bool IsAllowed(const std::string& channel) const;
+
+  SharedState& shared_;
+  Socket& socket_;
+  std::optional<std::set<std::string, std::less<>>> allowed_;
+  std::unordered_map<std::string, Channel> channels_;
+  std::set<std::string, std::less<>> plain_topics_;  // Names of channels that plain subscribers ask for.
+  const OutstandingBytes plain_bytes_ = std::make_shared<std::atomic<std::uint64_t>>(0);
+};
+
+}  // namespace hgros::zmq

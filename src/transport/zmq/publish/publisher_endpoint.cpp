@@ -1,0 +1,231 @@
+#include "transport/zmq/publish/publisher_endpoint.hpp"
+
+#include <utility>
+
+#include "transport/agreement.hpp"
+#include "transport/zmq/control.hpp"
+#include "transport/zmq/curve.hpp"
+#include "transport/zmq/endpoint.hpp"
+#include "transport/zmq/socket_use.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+constexpr int kFramesPerTurn = 64;  // Then other endpoints have their turn.
+
+}  // namespace
+
+PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint& endpoint)
+    : shared_(shared),
+      endpoint_(FullEndpoint(endpoint.endpoint)),
+      socket_(shared.context, ZMQ_XPUB),
+      channels_(shared, socket_, endpoint.channels),
+      peers_(shared, socket_, channels_, bound_),
+      subscriptions_(shared, channels_, peers_, [this](const auto& core, SessionId session, std::uint64_t link) {
+        FetchLatched(core, session, link);
+      }) {
+  // Credit limits what is under way; ZeroMQ's own limits would drop the newest messages silently.
+  socket_.Set(ZMQ_SNDHWM, 0);
+  socket_.Set(ZMQ_RCVHWM, 0);
+  // Reports every subscription, also one that another connection has already: after a reconnect the old connection
+  // may end after the new one has begun. An unsubscription is reported when the last connection has unsubscribed.
+  socket_.Set(ZMQ_XPUB_VERBOSE, 1);
+  socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxUpstreamBytes));
+  socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
+  socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * shared.options.peer_timeout.count()));
+  if (shared.options.security) SecureServer(socket_, *shared.options.security);
+  BindOrThrow(socket_, endpoint_);
+  bound_ = socket_.LastEndpoint();
+  fd_ = socket_.Fd();
+}
+
+PublisherEndpoint::~PublisherEndpoint() = default;
+
+void PublisherEndpoint::Offer(const std::shared_ptr<OutboundCore>& core) {
+  Actions actions;
+  {
+    const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+    auto& channel = channels_.Add(core);
+    if (channel.allowed) subscriptions_.OpenChannel(channel, actions);
+  }
+  shared_.PostActions(std::move(actions));
+}
+
+void PublisherEndpoint::Withdraw(const std::shared_ptr<OutboundCore>& core, Actions& actions) {
+  const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+  auto* channel = channels_.Find(core);
+  if (channel == nullptr) return;
+  subscriptions_.CloseChannel(*channel, actions);
+  channels_.Remove(*core);
+}
+
+void PublisherEndpoint::SetChannels(const ChannelList& list) {
+  Actions actions;
+  {
+    const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+    for (auto* channel : channels_.SetAllowed(list)) {
+      if (channel->allowed) {
+        subscriptions_.OpenChannel(*channel, actions);
+      } else {
+        subscriptions_.CloseChannel(*channel, actions);
+      }
+    }
+  }
+  shared_.PostActions(std::move(actions));
+}
+
+void PublisherEndpoint::CancelReservation(const std::shared_ptr<OutboundCore>& core) {
+  Actions actions;
+  {
+    const std::scoped_lock lock(mutex_);
+    channels_.CancelReservation(core, actions);
+  }
+  shared_.PostActions(std::move(actions));
+}
+
+void PublisherEndpoint::Commit(const std::shared_ptr<OutboundCore>& core,
+                               const std::shared_ptr<const WireMessage>& message, PeerChannel::Dropped& ended) {
+  Actions actions;
+  const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+  channels_.Commit(core, message, ended, actions);
+  if (!actions.empty()) shared_.PostActions(std::move(actions));
+}
+
+void PublisherEndpoint::FetchLatched(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link) {
+  std::vector<PendingMessage> latched;
+  const bool open = core->gate.Through([&] {
+    for (const auto& message : core->source.Latched(session)) {
+      auto wire = std::make_shared<const WireMessage>(message.head, message.data);
+      const std::uint64_t bytes = wire->bytes();
+      latched.push_back({std::move(wire), message.head.id, bytes});
+    }
+  });
+  if (!open) return;
+  const PeerChannel::Dropped held = latched;  // Those that are not needed end after the lock.
+  PeerChannel::Dropped ended;
+  const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+  subscriptions_.BeginLink(*core, session, link, std::move(latched), ended);
+}
+
+bool PublisherEndpoint::Serve(Actions& actions) {
+  if (!input_.load() || !input_.exchange(false)) return false;
+  const std::scoped_lock lock(mutex_);
+  Message frame;
+  for (int i = 0; i < kFramesPerTurn; ++i) {
+    if (!socket_.Receive(frame)) return false;
+    if (!frame.more()) {
+      OnFrame(frame, actions);
+      continue;
+    }
+    // No session sends several frames in this direction.
+    while (frame.more() && socket_.Receive(frame)) {
+    }
+    shared_.CountFault(PacketFault::kLength, bound_, "a control message of several frames");
+  }
+  input_ = true;
+  return true;
+}
+
+void PublisherEndpoint::OnFrame(Message& frame, Actions& actions) {
+  const std::string_view text = AsText(frame.bytes());
+  if (text.empty()) {
+    shared_.CountFault(PacketFault::kTruncated, bound_, "an empty control message");
+  } else if (text[0] == '\0' || text[0] == '\1') {
+    OnTopic(text[0] == '\1', text.substr(1), frame, actions);
+  } else if (text[0] == kControlByte) {
+    OnUpstream(frame.bytes().subspan(1), actions);
+  } else {
+    shared_.CountFault(PacketFault::kHead, bound_, "not a control message");
+  }
+}
+
+void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions) {
+  if (const auto session = ParseControlTopic(text)) {
+    if (subscribed) {
+      peers_.Greet(*session, true);
+    } else {
+      peers_.OnDisconnected(*session, actions);
+    }
+    return;
+  }
+  const auto topic = ParseTopic(AsBytes(text));
+  if (!topic) {
+    if (subscribed) RefuseFilter(text, frame);
+    return;
+  }
+  // A session sends a Subscribe for each peer topic that it wants.
+  if (topic->session.value != 0) return;
+  channels_.SetPlainTopic(topic->channel, subscribed, bound_, actions);
+}
+
+// ZeroMQ matches a filter as a prefix, so this connection would be sent what is meant for sessions, and nothing would
+// limit how much of that waits for it. ZeroMQ 4.3 has no sound way to give a connection another filter than it asks
+// for.
+void PublisherEndpoint::RefuseFilter(std::string_view filter, Message& frame) {
+  HangUp(frame, bound_);
+  shared_.log.WriteLimited(LogLevel::kWarning, "zmq filter " + bound_,
+                           "A plain subscriber at " + bound_ + " asks for all topics that begin with \"" +
+                               Readable(std::string(filter.substr(0, kMaxTextBytes))) +
+                               "\", which is not a whole topic: its connection is closed. Let it subscribe to the "
+                               "name of a channel followed by a zero byte.",
+                           std::chrono::hours(1));
+}
+
+void PublisherEndpoint::OnUpstream(Bytes bytes, Actions& actions) {
+  const auto control = ParseControl(bytes);
+  if (!control) {
+    shared_.CountFault(PacketFault::kHead, bound_, "a control message that does not parse");
+    return;
+  }
+  const SessionId session{control->session()};
+  if (control->has_hello()) {
+    peers_.OnHello(session, control->hello(), actions);
+    return;
+  }
+  SubscriberPeer* peer = peers_.Find(session);
+  if (peer == nullptr) {
+    // We have dropped this session, and it does not know.
+    if (!control->has_bye()) peers_.Greet(session, false);
+    return;
+  }
+  peer->last_heard = std::chrono::steady_clock::now();
+  switch (control->what_case()) {
+    case wire::Control::kSubscribe: subscriptions_.OnSubscribe(*peer, control->subscribe(), actions); break;
+    case wire::Control::kUnsubscribe: subscriptions_.OnUnsubscribe(*peer, control->unsubscribe(), actions); break;
+    case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;
+    case wire::Control::kHeartbeat: peers_.OnHeartbeat(*peer, control->heartbeat(), actions); break;
+    case wire::Control::kBye: peers_.Drop(session, "it said goodbye", actions); break;
+    default: shared_.CountFault(PacketFault::kHead, peer->name(), "a publisher's control message");
+  }
+}
+
+void PublisherEndpoint::Tick(SteadyTime now, Actions& actions) {
+  const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+  peers_.Tick(now, actions);
+}
+
+void PublisherEndpoint::ForgiveSilence(SteadyTime now) {
+  const std::scoped_lock lock(mutex_);
+  peers_.ForgiveSilence(now);
+}
+
+bool PublisherEndpoint::AllSent() const {
+  const std::scoped_lock lock(mutex_);
+  return peers_.AllSent();
+}
+
+void PublisherEndpoint::AddWishes(std::vector<SessionChannels>& known) const {
+  const std::scoped_lock lock(mutex_);
+  peers_.AddWishes(known);
+}
+
+void PublisherEndpoint::Close(int linger_ms, Actions& actions) {
+  const std::scoped_lock lock(mutex_);
+  peers_.DropAll("the endpoint was closed", actions);
+  if (socket_.closed()) return;
+  socket_.Set(ZMQ_LINGER, linger_ms);
+  Unbind(shared_.context, socket_, bound_);
+  socket_.Close(linger_ms);
+}
+
+}  // namespace hgros::zmq

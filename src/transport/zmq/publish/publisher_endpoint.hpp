@@ -1,0 +1,83 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "transport/outbound_core.hpp"
+#include "transport/peer_channel.hpp"
+#include "transport/zmq/publish/published_channels.hpp"
+#include "transport/zmq/publish/subscriber_peers.hpp"
+#include "transport/zmq/publish/subscriptions.hpp"
+#include "transport/zmq/publish/wire_message.hpp"
+#include "transport/zmq/shared_state.hpp"
+#include "transport/zmq/socket.hpp"
+
+namespace hgros::zmq {
+
+/// One bound XPUB socket: reads what subscribers say and passes it to the channels, peers and subscriptions.
+///
+/// Thread safety: thread-safe. `mutex_` guards the socket and everything that uses it. Publishing threads send under
+/// it. Serve() and Tick() belong to the leading thread. Calls into the session are returned as actions and made
+/// without the mutex.
+/// Invariant: a connection whose filter is none of the three topics is closed, because nobody's credit limits what
+/// would wait for it (docs/decisions/0008).
+class PublisherEndpoint {
+ public:
+  /// Binds. Throws Error.
+  PublisherEndpoint(SharedState& shared, const PublishEndpoint& endpoint);
+  ~PublisherEndpoint();
+
+  [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
+  /// Where it is bound, with the port that the system chose.
+  [[nodiscard]] const std::string& bound() const noexcept { return bound_; }
+  [[nodiscard]] int fd() const noexcept { return fd_; }
+
+  void Offer(const std::shared_ptr<OutboundCore>& core);
+  void Withdraw(const std::shared_ptr<OutboundCore>& core, Actions& actions);
+  void SetChannels(const ChannelList& list);
+
+  /// Reserve() needs all endpoints at once: it locks them all, then asks all for room, then reserves at all.
+  [[nodiscard]] std::mutex& mutex() noexcept { return mutex_; }
+  [[nodiscard]] bool HasRoomLocked(const OutboundCore& core) const { return channels_.HasRoom(core); }
+  void ReserveLocked(const OutboundCore& core) { channels_.Reserve(core); }
+  void CancelReservation(const std::shared_ptr<OutboundCore>& core);
+  void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message,
+              PeerChannel::Dropped& ended);
+
+  /// To be set when the descriptor has become readable.
+  [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
+  /// Reads what has arrived, if input() is set. True if there may be more.
+  bool Serve(Actions& actions);
+  void Tick(SteadyTime now, Actions& actions);
+  /// The waiting thread was asleep itself: no peer's silence counts.
+  void ForgiveSilence(SteadyTime now);
+  [[nodiscard]] bool AllSent() const;
+  /// Adds who subscribes here, and to what.
+  void AddWishes(std::vector<SessionChannels>& known) const;
+  /// Says goodbye.
+  void Close(int linger_ms, Actions& actions);
+
+ private:
+  void OnFrame(Message& frame, Actions& actions);
+  void OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions);
+  void RefuseFilter(std::string_view filter, Message& frame);
+  void OnUpstream(Bytes bytes, Actions& actions);
+  void FetchLatched(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link);
+
+  SharedState& shared_;
+  const std::string endpoint_;
+  std::string bound_;
+  mutable std::mutex mutex_;
+  Socket socket_;
+  int fd_ = -1;
+  std::atomic<bool> input_{true};  // There may be input to read.
+  PublishedChannels channels_;
+  SubscriberPeers peers_;
+  Subscriptions subscriptions_;
+};
+
+}  // namespace hgros::zmq

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "hgros/control.pb.h"
+#include "transport/zmq/clock_question.hpp"
+#include "transport/zmq/publish/out_link.hpp"
+
+namespace hgros::zmq {
+
+/// What a session asks for on one channel, and the link that answers it, if there is one.
+struct Wish {
+  wire::Subscribe asked;
+  std::unique_ptr<OutLink> link;
+};
+
+/// A session that subscribes at a publish endpoint.
+/// Thread safety: none; the endpoint's mutex guards it.
+struct SubscriberPeer {
+  /// For the log.
+  [[nodiscard]] std::string name() const { return facts.info.process + " (session " + facts.info.id.ToString() + ")"; }
+
+  SessionFacts facts;
+  std::string topic;  ///< Its control topic.
+  std::uint64_t handshake = 0;
+  SteadyTime last_heard{};
+  bool cut = false;  ///< Its connection has ended, and it gets some time to come back.
+  ClockQuestion clock;
+  std::uint64_t waiting_bytes = 0;                      ///< Of all its links.
+  std::unordered_map<std::string, Wish> wishes;         ///< By channel.
+  std::unordered_set<std::string> reported_mismatches;  ///< Channels.
+};
+
+}  // namespace hgros::zmq

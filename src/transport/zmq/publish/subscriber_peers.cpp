@@ -1,0 +1,237 @@
+#include "transport/zmq/publish/subscriber_peers.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "transport/agreement.hpp"
+#include "transport/zmq/control.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+// Strangers cannot make us remember more.
+constexpr std::size_t kMaxPeers = 1024;
+constexpr std::size_t kMaxGreetings = 4096;
+constexpr std::size_t kMaxReportedMismatches = 4096;
+constexpr auto kGreetAgainAfter = std::chrono::milliseconds(200);
+
+}  // namespace
+
+SubscriberPeers::SubscriberPeers(SharedState& shared, Socket& socket, PublishedChannels& channels,
+                                 const std::string& endpoint)
+    : shared_(shared), socket_(socket), channels_(channels), endpoint_(endpoint), last_handshake_(RandomId()) {}
+
+void SubscriberPeers::Send(const std::string& topic, const wire::Control& control) {
+  socket_.Send(topic, true);
+  socket_.Send(control.SerializeAsString(), false);
+}
+
+SubscriberPeer* SubscriberPeers::Find(SessionId session) {
+  const auto found = peers_.find(session);
+  return found == peers_.end() ? nullptr : found->second.get();
+}
+
+std::vector<SubscriberPeer*> SubscriberPeers::FindWaiting(const std::string& channel) {
+  std::vector<SubscriberPeer*> waiting;
+  for (auto& [id, peer] : peers_) {
+    const auto wish = peer->wishes.find(channel);
+    if (wish != peer->wishes.end() && !wish->second.link) waiting.push_back(peer.get());
+  }
+  return waiting;
+}
+
+void SubscriberPeers::Greet(SessionId session, bool at_once) {
+  const auto now = std::chrono::steady_clock::now();
+  if (greetings_.size() >= kMaxGreetings) {
+    std::erase_if(greetings_, [this](const auto& entry) { return !peers_.contains(entry.first); });
+  }
+  Greeting& greeting = greetings_[session];
+  if (!at_once && now - greeting.when < kGreetAgainAfter) return;
+  greeting = {++last_handshake_, now, false, {}};
+  if (SubscriberPeer* peer = Find(session)) {
+    peer->handshake = greeting.handshake;
+    PauseLinks(*peer);
+  }
+  auto message = ControlFrom(shared_.self.info.id);
+  auto& welcome = *message.mutable_welcome();
+  WriteFacts(shared_.self, *welcome.mutable_facts());
+  welcome.set_handshake(greeting.handshake);
+  channels_.AddOffers(*welcome.mutable_offers());
+  Send(ControlTopic(session), message);
+}
+
+void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, Actions& actions) {
+  if (hello.handshake() == 0) {
+    Greet(session, false);
+    return;
+  }
+  const auto greeting = greetings_.find(session);
+  // Ignores an answer to an older Welcome: the answer to the newer one is on its way.
+  if (greeting == greetings_.end() || greeting->second.handshake != hello.handshake()) return;
+  if (session == shared_.self.info.id) return;
+  if (hello.facts().wire_major() != kWireMajor) {
+    shared_.CountFault(PacketFault::kVersion, endpoint_,
+                       "a subscriber speaks version " + std::to_string(hello.facts().wire_major()));
+    return;
+  }
+  SessionFacts facts = ReadFacts(session, hello.facts());
+  SubscriberPeer* peer = Find(session);
+  if (peer != nullptr && peer->facts.incarnation != facts.incarnation) {
+    Drop(session, "it was restarted", actions);
+    peer = nullptr;
+  }
+  if (peer == nullptr) {
+    if (peers_.size() >= kMaxPeers) {
+      shared_.log.WriteLimited(LogLevel::kWarning, "zmq peers " + endpoint_,
+                               "More than " + std::to_string(kMaxPeers) + " sessions subscribe at " + endpoint_ +
+                                   "; further ones are ignored.");
+      return;
+    }
+    peer = peers_.emplace(session, std::make_unique<SubscriberPeer>()).first->second.get();
+    actions.emplace_back([this, info = facts.info] { shared_.peers.Came(info); });
+    shared_.AddChannelsChanged(actions);
+  }
+  peer->facts = std::move(facts);
+  peer->topic = ControlTopic(session);
+  peer->handshake = hello.handshake();
+  peer->last_heard = std::chrono::steady_clock::now();
+  peer->cut = false;
+  RepeatOffers(*peer, greeting->second);
+}
+
+// To a peer that has just said Hello: the Welcome that it answers may be out of date.
+void SubscriberPeers::RepeatOffers(const SubscriberPeer& peer, Greeting& greeting) {
+  if (!std::exchange(greeting.stale, false) || peer.facts.wire_minor < kOffersSinceMinor) return;
+  auto message = ControlFrom(shared_.self.info.id);
+  auto& offers = *message.mutable_offers();
+  for (const std::string& channel : std::exchange(greeting.gone, {})) offers.add_gone(channel);
+  channels_.AddOffers(*offers.mutable_came());
+  Send(peer, message);
+}
+
+void SubscriberPeers::AnnounceOffer(const OutboundCore& core, bool came) {
+  auto message = ControlFrom(shared_.self.info.id);
+  auto& offers = *message.mutable_offers();
+  if (came) {
+    WriteType(core.name, core.type, *offers.add_came());
+  } else {
+    offers.add_gone(core.name);
+  }
+  for (const auto& [id, peer] : peers_) {
+    if (!peer->cut && peer->facts.wire_minor >= kOffersSinceMinor) Send(*peer, message);
+  }
+  for (auto& [id, greeting] : greetings_) {
+    const SubscriberPeer* peer = Find(id);
+    if (peer != nullptr && !peer->cut) continue;
+    greeting.stale = true;
+    if (!came) greeting.gone.insert(core.name);
+  }
+}
+
+void SubscriberPeers::OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& heartbeat, Actions& actions) {
+  const Time now = shared_.Wall();
+  if (auto answer = AnswerTo(heartbeat, now); answer && !peer.cut) {
+    auto message = ControlFrom(shared_.self.info.id);
+    *message.mutable_heartbeat() = std::move(*answer);
+    Send(peer, message);
+  }
+  if (const auto exchange = peer.clock.Read(heartbeat, now)) {
+    actions.emplace_back(
+        [this, info = peer.facts.info, told = *exchange] { shared_.listener.OnClockExchange(info, told); });
+  }
+}
+
+void SubscriberPeers::OnDisconnected(SessionId session, Actions& actions) {
+  greetings_.erase(session);
+  SubscriberPeer* peer = Find(session);
+  if (peer == nullptr) return;
+  // A subscriber that must not lose anything gets some time to come back.
+  const bool waits = std::ranges::any_of(
+      peer->wishes, [](const auto& entry) { return entry.second.link && entry.second.link->flow.lossless(); });
+  if (waits) {
+    peer->cut = true;
+    PauseLinks(*peer);
+  } else {
+    Drop(session, "the connection was closed", actions);
+  }
+}
+
+void SubscriberPeers::PauseLinks(SubscriberPeer& peer) {
+  const auto now = std::chrono::steady_clock::now();
+  for (auto& [channel, wish] : peer.wishes) {
+    if (wish.link) wish.link->Pause(now);
+  }
+}
+
+void SubscriberPeers::Drop(SessionId session, std::string_view reason, Actions& actions) {
+  const auto found = peers_.find(session);
+  if (found == peers_.end()) return;
+  for (auto& [channel, wish] : found->second->wishes) channels_.RemoveLink(wish, true, actions);
+  actions.emplace_back(
+      [this, info = found->second->facts.info, text = std::string(reason)] { shared_.peers.Gone(info, text); });
+  peers_.erase(found);
+  shared_.AddChannelsChanged(actions);
+}
+
+void SubscriberPeers::ReportMismatch(SubscriberPeer& peer, const std::string& channel, const std::string& what,
+                                     Actions& actions) {
+  auto& reported = peer.reported_mismatches;
+  if (reported.size() >= kMaxReportedMismatches || !reported.insert(channel).second) return;
+  actions.emplace_back(
+      [this, info = peer.facts.info, channel, what] { shared_.listener.OnTypeMismatch(channel, info, what); });
+}
+
+void SubscriberPeers::Tick(SteadyTime now, Actions& actions) {
+  const auto timeout = shared_.options.peer_timeout;
+  auto heartbeat = ControlFrom(shared_.self.info.id);
+  std::vector<SessionId> silent;
+  for (auto& [session, peer] : peers_) {
+    if (now - peer->last_heard > timeout) {
+      silent.push_back(session);
+      continue;
+    }
+    if (!peer->cut) {
+      peer->clock.Ask(*heartbeat.mutable_heartbeat(), shared_.Wall());
+      Send(*peer, heartbeat);
+    }
+    for (auto& [channel, wish] : peer->wishes) {
+      // It came back without asking for this channel again.
+      if (wish.link && wish.link->IsPausedSince(now - timeout)) channels_.RemoveLink(wish, true, actions);
+    }
+  }
+  for (const auto session : silent) {
+    Drop(session, "it was silent for " + std::to_string(timeout.count()) + " ms", actions);
+  }
+}
+
+void SubscriberPeers::ForgiveSilence(SteadyTime now) {
+  for (auto& [session, peer] : peers_) peer->last_heard = now;
+}
+
+bool SubscriberPeers::AllSent() const {
+  return std::ranges::all_of(peers_, [](const auto& entry) { return entry.second->waiting_bytes == 0; });
+}
+
+void SubscriberPeers::AddWishes(std::vector<SessionChannels>& known) const {
+  for (const auto& [id, peer] : peers_) {
+    SessionChannels& session = known.emplace_back(SessionChannels{peer->facts.info, {}});
+    for (const auto& [channel, wish] : peer->wishes) {
+      auto use = ReadUse(wish.asked.wanted());
+      if (!use) continue;
+      use->subscribes = true;
+      use->lossless = wish.asked.lossless();
+      session.channels.push_back(std::move(*use));
+    }
+  }
+}
+
+void SubscriberPeers::DropAll(std::string_view reason, Actions& actions) {
+  auto bye = ControlFrom(shared_.self.info.id);
+  bye.mutable_bye();
+  while (!peers_.empty()) {
+    Send(*peers_.begin()->second, bye);
+    Drop(peers_.begin()->first, reason, actions);
+  }
+}
+
+}  // namespace hgros::zmq

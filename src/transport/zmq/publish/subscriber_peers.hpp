@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "hgros/control.pb.h"
+#include "transport/zmq/publish/published_channels.hpp"
+#include "transport/zmq/publish/subscriber_peer.hpp"
+#include "transport/zmq/shared_state.hpp"
+
+namespace hgros::zmq {
+
+/// The sessions that subscribe at one publish endpoint: their handshakes, heartbeats and ends.
+///
+/// Thread safety: none; the endpoint's mutex guards it.
+/// Invariants: a peer is a session whose Hello answered our last Welcome. Between a Welcome and the Subscribe that
+/// answers it a link is paused: what the subscriber had received when it saw the Welcome is all it will ever receive
+/// of what was sent before.
+class SubscriberPeers {
+ public:
+  /// `endpoint` is where it is bound, for the log.
+  SubscriberPeers(SharedState& shared, Socket& socket, PublishedChannels& channels, const std::string& endpoint);
+
+  /// Null if that session is no peer.
+  [[nodiscard]] SubscriberPeer* Find(SessionId session);
+  /// The peers that wait for a link to this channel.
+  [[nodiscard]] std::vector<SubscriberPeer*> FindWaiting(const std::string& channel);
+  void Send(const SubscriberPeer& peer, const wire::Control& control) { Send(peer.topic, control); }
+
+  /// Sends a Welcome, which begins a new handshake; not again within a short time unless `at_once`.
+  void Greet(SessionId session, bool at_once);
+  void OnHello(SessionId session, const wire::Hello& hello, Actions& actions);
+  void OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& heartbeat, Actions& actions);
+  /// The session has unsubscribed from its control topic, or its connection has ended.
+  void OnDisconnected(SessionId session, Actions& actions);
+  void Drop(SessionId session, std::string_view reason, Actions& actions);
+
+  /// Tells all peers that a channel is offered now, or is no longer.
+  void AnnounceOffer(const OutboundCore& core, bool came);
+  /// Tells the session here, once per peer and channel.
+  void ReportMismatch(SubscriberPeer& peer, const std::string& channel, const std::string& what, Actions& actions);
+
+  void Tick(SteadyTime now, Actions& actions);
+  /// Counts all peers as heard now.
+  void ForgiveSilence(SteadyTime now);
+  [[nodiscard]] bool AllSent() const;
+  /// Adds who subscribes here, and to what.
+  void AddWishes(std::vector<SessionChannels>& known) const;
+  /// Says goodbye to all.
+  void DropAll(std::string_view reason, Actions& actions);
+
+ private:
+  struct Greeting {
+    std::uint64_t handshake = 0;
+    SteadyTime when{};
+    // The offers have changed since the Welcome, and no peer could be told.
+    bool stale = false;
+    std::set<std::string> gone;
+  };
+  void Send(const std::string& topic, const wire::Control& control);
+  void RepeatOffers(const SubscriberPeer& peer, Greeting& greeting);
+  static void PauseLinks(SubscriberPeer& peer);
+
+  SharedState& shared_;
+  Socket& socket_;
+  PublishedChannels& channels_;
+  const std::string& endpoint_;
+  std::unordered_map<SessionId, std::unique_ptr<SubscriberPeer>> peers_;
+  std::unordered_map<SessionId, Greeting> greetings_;
+  std::uint64_t last_handshake_;
+};
+
+}  // namespace hgros::zmq

@@ -1,0 +1,47 @@
+#include "transport/zmq/shared_state.hpp"
+
+#include <string>
+#include <utility>
+
+namespace hgros::zmq {
+namespace {
+
+ZmqOptions WithSession(ZmqOptions options) {
+  if (options.session.value == 0) options.session = SessionId::Random();
+  return options;
+}
+
+}  // namespace
+
+SharedState::SharedState(ZmqOptions given, TransportListener& told, Log& voice)
+    : options(WithSession(std::move(given))),
+      self(OwnFacts(options.session, options.process)),
+      listener(told),
+      log(voice),
+      peers(told) {}
+
+void SharedState::CountFault(PacketFault fault, std::string_view where, std::string_view what) {
+  faults[static_cast<std::size_t>(fault)].fetch_add(1, std::memory_order_relaxed);
+  std::string key = "zmq fault ";
+  key.append(where).append(" ").append(ToString(fault));
+  std::string text = "Dropped a packet from ";
+  text.append(where).append(" (").append(ToString(fault)).append("): ").append(what);
+  log.WriteLimited(LogLevel::kWarning, key, text);
+}
+
+void SharedState::PostActions(Actions&& actions) {
+  if (actions.empty()) return;
+  {
+    const std::scoped_lock lock(posted_mutex_);
+    for (auto& action : actions) posted_.push_back(std::move(action));
+  }
+  actions.clear();
+  waker->Wake();
+}
+
+Actions SharedState::CollectPosted() {
+  const std::scoped_lock lock(posted_mutex_);
+  return std::exchange(posted_, {});
+}
+
+}  // namespace hgros::zmq

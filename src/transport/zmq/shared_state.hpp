@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+#include "hgros/base/fork_guard.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/transport/transport.hpp"
+#include "hgros/transport/zmq_transport.hpp"
+#include "transport/actions.hpp"
+#include "transport/agreement.hpp"
+#include "transport/peer_registry.hpp"
+#include "transport/waker.hpp"
+#include "transport/zmq/socket.hpp"
+
+namespace hgros::zmq {
+
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+/// What all endpoints of one transport share.
+/// Thread safety: thread-safe. `options` and `self` never change.
+struct SharedState {
+  SharedState(ZmqOptions given, TransportListener& told, Log& voice);
+
+  /// Counts a packet that was dropped, and logs it at a limited rate. `where` is an endpoint or a peer.
+  void CountFault(PacketFault fault, std::string_view where, std::string_view what);
+  /// The time of this host's wall clock.
+  [[nodiscard]] Time Wall() const { return options.wall ? options.wall() : WallNow(); }
+  /// Has the leading thread make these calls.
+  void PostActions(Actions&& actions);
+  [[nodiscard]] Actions CollectPosted();
+  /// Adds the call that tells the session: what peers do with channels has changed.
+  void AddChannelsChanged(Actions& actions) {
+    actions.emplace_back([this] { listener.OnChannels(); });
+  }
+
+  const ZmqOptions options;
+  const SessionFacts self;
+  TransportListener& listener;
+  Log& log;
+  ForkGuard fork;
+  const std::shared_ptr<Waker> waker = std::make_shared<Waker>();
+  PeerRegistry peers;
+  std::array<std::atomic<std::uint64_t>, kPacketFaultCount> faults{};
+  std::atomic<std::uint64_t> repeats{0};
+  std::atomic<bool> closing{false};
+  Context context;
+
+ private:
+  std::mutex posted_mutex_;
+  Actions posted_;
+};
+
+}  // namespace hgros::zmq

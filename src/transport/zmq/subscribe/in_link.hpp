@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "hgros/control.pb.h"
+#include "transport/inbound_core.hpp"
+#include "transport/zmq/subscribe/link_credit.hpp"
+
+namespace hgros::zmq {
+
+/// One subscribed channel at one subscribe endpoint: what was asked for, and the link that answers it.
+///
+/// Thread safety: none; the endpoint's mutex guards it.
+/// Invariants: a link has an id only between Subscribed and its end. Then every packet on it has the number received +
+/// 1; others are repeats, or the first ones after a cut, which will be sent again.
+struct InLink {
+  /// Accepts packets of this link from here on.
+  void Begin(const wire::Subscribed& answer, const std::shared_ptr<Waker>& waker);
+  /// Sets the window that was granted, but no more than was asked for.
+  void SetWindow(const wire::Subscribed& answer);
+  /// The link has ended. Messages in flight keep its account.
+  void End();
+  /// Whether the publisher's earlier links have left so much in flight that no more is admitted.
+  [[nodiscard]] bool IsCrowded();
+  /// Fits the window for plain publishers to the demand.
+  void SetPlainWindow();
+
+  std::shared_ptr<InboundCore> core;
+  bool allowed = true;
+  bool subscribed = false;  ///< The peer topic, with ZeroMQ.
+  bool plain = false;       ///< The plain topic, with ZeroMQ.
+  bool asked = false;       ///< Subscribe was sent since the last Welcome.
+  bool active = false;      ///< Counted as a publisher.
+  std::uint64_t id = 0;
+  std::uint64_t fingerprint = 0;                ///< Of the publisher's type, compared with ours.
+  std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is another one.
+  // The widest window that was asked for: a publisher gets no more, whatever it says that it grants.
+  std::uint64_t asked_messages = 1;
+  std::uint64_t asked_bytes = 1;
+  std::shared_ptr<LinkCredit> credit;
+  std::vector<std::weak_ptr<LinkCredit>> earlier;  ///< Of ended links; they live while messages are in flight.
+  std::shared_ptr<LinkCredit> plain_credit;        ///< Of plain publishers, which are told nothing of it.
+};
+
+}  // namespace hgros::zmq

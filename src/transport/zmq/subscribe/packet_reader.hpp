@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "transport/zmq/shared_state.hpp"
+#include "transport/zmq/socket.hpp"
+#include "transport/zmq/subscribe/inbox.hpp"
+#include "transport/zmq/subscribe/publisher_connection.hpp"
+#include "transport/zmq/subscribe/remote_publisher.hpp"
+#include "transport/zmq/subscribe/subscribed_channels.hpp"
+
+namespace hgros::zmq {
+
+/// Matches data packets with their links and counts them against credit. Good packets, and calls that tell of bad
+/// ones, go to the inbox.
+/// Thread safety: none; the leading thread calls it under the endpoint's mutex.
+class PacketReader {
+ public:
+  PacketReader(SharedState& shared, const PublisherConnection& connection, const RemotePublisher& publisher,
+               SubscribedChannels& channels, Inbox& inbox)
+      : shared_(shared), connection_(connection), publisher_(publisher), channels_(channels), inbox_(inbox) {}
+
+  /// False if the publisher sent more than it had credit for: nothing more is to be read from it.
+  [[nodiscard]] bool Read(const Message& topic, std::vector<Message>& frames);
+
+ private:
+  /// Has the channel told that a packet was dropped. `credit` is held until then.
+  void ReportDrop(const InLink& link, PacketFault fault, std::string_view what, std::shared_ptr<const void> credit);
+
+  SharedState& shared_;
+  const PublisherConnection& connection_;
+  const RemotePublisher& publisher_;
+  SubscribedChannels& channels_;
+  Inbox& inbox_;
+};
+
+}  // namespace hgros::zmq

@@ -1,0 +1,156 @@
+#include "transport/zmq/subscribe/publisher_connection.hpp"
+
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "transport/zmq/control.hpp"
+#include "transport/zmq/curve.hpp"
+#include "transport/zmq/endpoint.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+constexpr int kReconnectMs = 100;
+constexpr int kReconnectMaxMs = 1000;
+constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
+
+}  // namespace
+
+PublisherConnection::PublisherConnection(SharedState& shared, const SubscribeEndpoint& endpoint)
+    : shared_(shared),
+      endpoint_(FullEndpoint(endpoint.endpoint)),
+      socket_(shared.context, ZMQ_XSUB),
+      monitor_(shared.context, ZMQ_PAIR) {
+  socket_.Set(ZMQ_SNDHWM, 0);
+  socket_.Set(ZMQ_RCVHWM, 0);
+  socket_.Set(ZMQ_RECONNECT_IVL, kReconnectMs);
+  socket_.Set(ZMQ_RECONNECT_IVL_MAX, kReconnectMaxMs);
+  socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(shared.options.max_message_bytes));
+  socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
+  socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * shared.options.peer_timeout.count()));
+  if (shared.options.security) SecureClient(socket_, *shared.options.security, endpoint.server_key);
+
+  const std::string monitored = "inproc://monitor-" + std::to_string(RandomId());
+  if (zmq_socket_monitor(socket_.raw(), monitored.c_str(),
+                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) != 0) {
+    throw Error(std::string("Cannot watch the connection to ") + endpoint_ + ": " + zmq_strerror(zmq_errno()) + ".");
+  }
+  if (const int error = monitor_.Connect(monitored); error != 0) {
+    throw Error(std::string("Cannot watch the connection to ") + endpoint_ + ": " + zmq_strerror(error) + ".");
+  }
+  SubscribeTopic(ControlTopic(shared.self.info.id), true);
+  if (const int error = socket_.Connect(endpoint_); error != 0) {
+    throw Error("Cannot subscribe at " + endpoint_ + ": " + zmq_strerror(error) + ".", {},
+                "Write it as tcp://address:port or ipc:///path.");
+  }
+  fd_ = socket_.Fd();
+  monitor_fd_ = monitor_.Fd();
+}
+
+void PublisherConnection::SubscribeTopic(std::string topic, bool subscribe) {
+  topic.insert(topic.begin(), subscribe ? '\1' : '\0');
+  socket_.Send(topic, false);
+}
+
+void PublisherConnection::Send(const wire::Control& control) { socket_.Send(UpstreamFrame(control), false); }
+
+bool PublisherConnection::ReadMonitor() {
+  bool ended = false;
+  Message event;
+  Message address;
+  while (monitor_.Receive(event)) {
+    if (event.more()) monitor_.Receive(address);
+    std::uint16_t what = 0;
+    if (event.bytes().size() < sizeof what) continue;
+    std::memcpy(&what, event.bytes().data(), sizeof what);
+    if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+      connected_ = true;
+      welcomed_ = false;
+      connected_since_ = std::chrono::steady_clock::now();
+      unreached_since_.reset();
+      handshake_failure_ = 0;
+    } else if (what == ZMQ_EVENT_DISCONNECTED) {
+      given_up_since_ = std::chrono::steady_clock::now();
+      if (connected_) unreached_since_ = given_up_since_;
+      connected_ = false;
+      plain_ = false;
+      ended = true;
+    } else if (what == ZMQ_EVENT_CONNECT_RETRIED) {
+      given_up_since_.reset();
+    } else if (handshake_failure_ != ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+      handshake_failure_ = what;
+    }
+  }
+  return ended;
+}
+
+void PublisherConnection::SetWelcomed() noexcept {
+  welcomed_ = true;
+  plain_ = false;
+}
+
+void PublisherConnection::SetConnected() noexcept {
+  connected_ = true;
+  unreached_since_.reset();
+}
+
+bool PublisherConnection::TurnPlain(SteadyTime now) {
+  if (!connected_ || welcomed_ || plain_ || now - connected_since_ < shared_.options.plain_after) return false;
+  plain_ = true;
+  return true;
+}
+
+void PublisherConnection::Tick(SteadyTime now) {
+  if (unreached_since_ && now - *unreached_since_ >= shared_.options.unreachable_after) {
+    unreached_since_.reset();
+    LogUnreachable();
+  }
+  if (given_up_since_ && now - *given_up_since_ >= kGivenUpAfter) {
+    given_up_since_.reset();
+    socket_.Disconnect(endpoint_);
+    if (const int error = socket_.Connect(endpoint_); error != 0) {
+      shared_.log.Write(LogLevel::kError, "Cannot subscribe at " + endpoint_ + " again: " + zmq_strerror(error) + ".");
+    }
+  }
+}
+
+void PublisherConnection::LogUnreachable() {
+  std::string_view why = "is the other program running, is the port right, and does it bind that address?";
+  if (handshake_failure_ == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+    why = "it refuses our key; add our public key to its `allowed_clients`.";
+  } else if (handshake_failure_ != 0 && shared_.options.security) {
+    // A wrong key and no key look the same from here: it depends on which side sees first that they do not fit.
+    why =
+        "what answers there has another key than the one we were given, or does not encrypt; set the publisher's "
+        "public key in `servers` (the endpoint's `server_key`), and give the publisher a `secret_key`.";
+  } else if (handshake_failure_ != 0) {
+    why = "what answers there asks for keys, or is not ZeroMQ; set a `secret_key` here, or check the port.";
+  }
+  shared_.log.Write(LogLevel::kWarning, "No connection to " + endpoint_ + " for " +
+                                            std::to_string(shared_.options.unreachable_after.count()) +
+                                            " ms: " + std::string(why));
+}
+
+std::optional<SteadyTime> PublisherConnection::Deadline() const {
+  if (unreached_since_) return *unreached_since_ + shared_.options.unreachable_after;
+  if (!connected_ || welcomed_ || plain_) return std::nullopt;
+  return connected_since_ + shared_.options.plain_after;
+}
+
+void PublisherConnection::Abort() {
+  socket_.Disconnect(endpoint_);
+  connected_ = false;
+  given_up_since_ = unreached_since_ = std::chrono::steady_clock::now();
+}
+
+void PublisherConnection::Close(int linger_ms) {
+  zmq_socket_monitor(socket_.raw(), nullptr, 0);
+  socket_.Close(linger_ms);
+  monitor_.Close(0);
+}
+
+}  // namespace hgros::zmq

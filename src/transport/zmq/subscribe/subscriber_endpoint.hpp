@@ -1,0 +1,95 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "transport/inbound_core.hpp"
+#include "transport/leader_pool.hpp"
+#include "transport/zmq/shared_state.hpp"
+#include "transport/zmq/subscribe/inbox.hpp"
+#include "transport/zmq/subscribe/packet_reader.hpp"
+#include "transport/zmq/subscribe/publisher_connection.hpp"
+#include "transport/zmq/subscribe/remote_publisher.hpp"
+#include "transport/zmq/subscribe/subscribed_channels.hpp"
+
+namespace hgros::zmq {
+
+/// Receives from one publish endpoint of another session: reads what the publisher says, and passes it to the
+/// connection, the channels and the inbox.
+///
+/// Thread safety: thread-safe. `mutex_` guards the socket and everything that uses it. Serve() and Tick() belong to
+/// the leading thread; so does `inbox_`, from which it delivers without the mutex.
+class SubscriberEndpoint {
+ public:
+  /// Connects. `claims_freed` is called without a lock when channels may be asked for at another endpoint.
+  /// Throws Error.
+  SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint, std::function<void()> claims_freed);
+  ~SubscriberEndpoint();
+
+  /// Adds what is published there.
+  void AddOffers(std::vector<SessionChannels>& known) const;
+  [[nodiscard]] const std::string& endpoint() const noexcept { return connection_.endpoint(); }
+  [[nodiscard]] int fd() const noexcept { return connection_.fd(); }
+  [[nodiscard]] int monitor_fd() const noexcept { return connection_.monitor_fd(); }
+
+  void Subscribe(const std::shared_ptr<InboundCore>& core);
+  void Unsubscribe(const std::shared_ptr<InboundCore>& core);
+  void UpdateDemand(const std::shared_ptr<InboundCore>& core);
+  void SetChannels(const ChannelList& list);
+  /// Asks for channels whose claims are free now.
+  void AskAgain();
+
+  /// To be set when the descriptors have become readable.
+  [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
+  [[nodiscard]] std::atomic<bool>& monitor_input() noexcept { return monitor_input_; }
+  /// Whether something is left to be read or delivered.
+  [[nodiscard]] bool pending() const noexcept { return !inbox_.empty() || input_.load() || monitor_input_.load(); }
+  /// Reads and delivers what has arrived; returns early with a task that has to run on another thread. Sets `busy` if
+  /// there may be more.
+  [[nodiscard]] LeaderPool::Task Serve(bool& busy);
+  /// Tells the publisher of consumed messages if it waits for that, or always if `all`.
+  void SendCredit(bool all);
+  void Tick(SteadyTime now);
+  /// The waiting thread was asleep itself: the publisher's silence does not count.
+  void ForgiveSilence(SteadyTime now);
+  /// When Tick() must be called next besides the heartbeats.
+  [[nodiscard]] std::optional<SteadyTime> Deadline() const;
+  /// Says goodbye. If `others` still listen to the same socket of the publisher, ends only the channels that came
+  /// here.
+  void Close(int linger_ms, bool others, Actions& actions);
+  /// Whether both lead to one socket of one publisher.
+  [[nodiscard]] static bool LeadAlike(const SubscriberEndpoint& one, const SubscriberEndpoint& other);
+  /// After Close(): Serve() makes these calls when it has delivered what was received.
+  void SetLastActions(Actions&& actions);
+
+ private:
+  /// Under the mutex. True if there may be more to read.
+  bool ReadBatch();
+  void ReadMonitor(Actions& actions);
+  void OnControl(const std::vector<Message>& frames, Actions& actions);
+  void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
+  void OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions);
+  /// It does not keep to its credit, or is not what it claims to be: nothing more is read from this connection.
+  void AbortConnection(Actions& actions);
+  void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
+  void SayHello(std::uint64_t handshake);
+
+  SharedState& shared_;
+  mutable std::mutex mutex_;
+  PublisherConnection connection_;
+  std::atomic<bool> input_{true};  // There may be input to read.
+  std::atomic<bool> monitor_input_{true};
+  RemotePublisher publisher_;
+  SubscribedChannels channels_;
+  Actions last_;  // For when the inbox of a closed endpoint is empty.
+  Inbox inbox_;
+  PacketReader packets_{shared_, connection_, publisher_, channels_, inbox_};
+};
+
+}  // namespace hgros::zmq

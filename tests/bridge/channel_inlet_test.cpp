@@ -1,0 +1,132 @@
+#include "hgros/bridge/channel_inlet.hpp"
+
+#include <gtest/gtest.h>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/codec/message.hpp"
+
+namespace hgros::test {
+
+/// Goes over the wire as a foxglove.Log, by code of its own.
+struct Line {
+  std::string text;
+};
+
+}  // namespace hgros::test
+
+template <>
+struct hgros::CustomCodec<hgros::test::Line> {
+  using Schema = foxglove::Log;
+  static bool Serialize(const test::Line& line, std::string& bytes) {
+    bytes = line.text;
+    return true;
+  }
+  static bool Parse(std::string_view bytes, test::Line& line) {
+    line.text = bytes;
+    return true;
+  }
+};
+
+namespace hgros {
+namespace {
+
+/// An inlet between this thread, which plays the transport's, and a graph.
+template <class T>
+struct Inflow {
+  [[nodiscard]] Accepted Accept(const std::string& text, std::uint32_t latched = 0) {
+    foxglove::Log log;
+    log.set_message(text);
+    const auto bytes = std::make_shared<const std::string>(log.SerializeAsString());
+    InboundMessage message;
+    message.head.channel = "lines";
+    message.head.id = {7, 1, ++sequence};
+    message.head.latched = latched;
+    message.data = {AsBytes(*bytes), bytes};
+    return inlet.Accept(std::move(message));
+  }
+  [[nodiscard]] Subscription Listen(Executor executor = Executor::Inline()) {
+    return graph.FromGraph<T>("lines", Invoke::kSerial, [this](const T& log) { got.push_back(log.message()); },
+                              {{}, {}, std::move(executor)});
+  }
+  void RunErrands() {
+    for (const auto& errand : std::exchange(errands, {})) errand();
+  }
+
+  std::vector<std::string> got;
+  std::vector<ChannelInlet::Errand> errands;
+  std::uint64_t sequence = 0;
+  DataGraph graph;
+  ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()),
+                     false,
+                     std::make_shared<Log>(),
+                     [] {},
+                     [this](ChannelInlet::Errand errand) { errands.push_back(std::move(errand)); },
+                     [](const std::string&, const PeerInfo&, const std::string&) {},
+                     std::make_shared<HostClocks>()};
+};
+
+using Texts = std::vector<std::string>;
+
+TEST(ChannelInlet, DoesNotRunAnInlineNodeThatHasComeSinceAcceptOnTheTransportsThread) {
+  for (const std::uint32_t latched : {0U, 5U}) {
+    Inflow<foxglove::Log> inflow;
+    ASSERT_EQ(inflow.Accept("1", latched), Accepted::kRunHere);
+    const auto subscription = inflow.Listen();
+    EXPECT_EQ(inflow.Accept("2", latched), Accepted::kNothing);
+    inflow.inlet.Run();
+    EXPECT_EQ(inflow.got, Texts{}) << "this is the transport's thread";
+    EXPECT_EQ(inflow.Accept("3", latched), Accepted::kNothing) << "its turn comes after those that were handed over";
+    inflow.RunErrands();
+    EXPECT_EQ(inflow.got, (Texts{"1", "2", "3"}));
+    EXPECT_EQ(inflow.Accept("4", latched), Accepted::kRunApart);
+    inflow.inlet.Run();
+    EXPECT_EQ(inflow.got.size(), 4U);
+    EXPECT_TRUE(inflow.errands.empty());
+  }
+}
+
+TEST(ChannelInlet, DoesNotDecodeALargeMessageOnTheTransportsThreadThatCameBehindASmallOne) {
+  Inflow<foxglove::Log> inflow;
+  ASSERT_EQ(inflow.Accept("1"), Accepted::kRunHere);
+  const std::string large(1 << 20, 'x');
+  EXPECT_EQ(inflow.Accept(large), Accepted::kNothing);
+  inflow.inlet.Run();
+  const auto subscription = inflow.Listen();
+  EXPECT_EQ(inflow.errands.size(), 1U);
+  inflow.RunErrands();
+  EXPECT_EQ(inflow.got, Texts{large});
+}
+
+TEST(ChannelInlet, LeavesOtherErrandsTheirTurn) {
+  Inflow<foxglove::Log> inflow;
+  ASSERT_EQ(inflow.Accept("1"), Accepted::kRunHere);
+  const auto subscription = inflow.Listen();
+  for (int i = 2; i <= 100; ++i) EXPECT_EQ(inflow.Accept(std::to_string(i)), Accepted::kNothing);
+  inflow.inlet.Run();
+  int rounds = 0;
+  for (; !inflow.errands.empty(); ++rounds) inflow.RunErrands();
+  EXPECT_GT(rounds, 1);
+  ASSERT_EQ(inflow.got.size(), 100U);
+  EXPECT_EQ(inflow.got.back(), "100");
+}
+
+TEST(ChannelInlet, ForgetsWhatWasHandedOverWhenItIsDetachedAndThenStartsAnew) {
+  Inflow<foxglove::Log> inflow;
+  ASSERT_EQ(inflow.Accept("1"), Accepted::kRunHere);
+  const auto subscription = inflow.Listen();
+  inflow.inlet.Run();
+  inflow.inlet.Detach();
+  EXPECT_EQ(inflow.Accept("2"), Accepted::kNothing);
+  inflow.RunErrands();
+  EXPECT_EQ(inflow.got, Texts{"2"});
+  EXPECT_EQ(inflow.Accept("3"), Accepted::kRunApart);
+}
+
+TEST(ChannelInlet, RunsTheUsersCodecApartThoughItsBytesAreProtobuf) {
+  Inflow<test::Line> inflow;
+  EXPECT_EQ(inflow.Accept("1"), Accepted::kRunApart);
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,184 @@
+#include "bridge/cut_subscribers.hpp"
+
+#include <set>
+
+#include "session/domain_fixture.hpp"
+#include "session/hand_made_session.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::Note;
+using test::Robot;
+
+const SessionId kOne{1};
+const SessionId kTwo{2};
+
+OutboundMessage Numbered(std::uint64_t sequence) {
+  static const auto text = std::make_shared<const std::string>("0123456789");
+  OutboundMessage message;
+  message.head.id.sequence = sequence;
+  message.data = {AsBytes(*text), text};
+  return message;
+}
+
+std::vector<std::uint64_t> NumbersOf(const CutSubscribers::Messages& messages) {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& message : messages) numbers.push_back(message.head.id.sequence);
+  return numbers;
+}
+
+void Push(CutSubscribers& cut, std::uint64_t sequence) {
+  const OutboundMessage message = Numbered(sequence);
+  cut.Push(message.head, message.data);
+}
+
+TEST(CutSubscribers, GetWhatTheyHadNotConfirmedAndWhatCameSinceOnce) {
+  CutSubscribers cut;
+  (void)cut.Add(kOne, {}, {Numbered(3), Numbered(4)});
+  (void)cut.Add(kTwo, {}, {});
+  Push(cut, 4);  // Committed to its transport, and to those that are cut off.
+  Push(cut, 5);
+  EXPECT_EQ(cut.count(), 2U);
+  EXPECT_EQ(NumbersOf(cut.Take(kOne)), (std::vector<std::uint64_t>{3, 4, 5}));
+  EXPECT_EQ(NumbersOf(cut.Take(kTwo)), (std::vector<std::uint64_t>{4, 5}));
+  EXPECT_TRUE(cut.Take(kOne).empty());
+  EXPECT_EQ(cut.count(), 0U);
+}
+
+TEST(CutSubscribers, HaveRoomForTheirCredit) {
+  CutSubscribers cut;
+  (void)cut.Add(kOne, {.lossless = true, .credit_messages = 3}, {Numbered(1)});
+  (void)cut.Add(kTwo, {.lossless = true, .credit_messages = 100, .credit_bytes = 35}, {});
+  EXPECT_TRUE(cut.HasRoom());
+  Push(cut, 2);
+  EXPECT_TRUE(cut.HasRoom());
+  Push(cut, 3);
+  EXPECT_FALSE(cut.HasRoom()) << "three messages for the one";
+  (void)cut.Take(kOne);
+  EXPECT_TRUE(cut.HasRoom());
+  Push(cut, 4);
+  Push(cut, 5);
+  EXPECT_FALSE(cut.HasRoom()) << "forty bytes for the other";
+}
+
+TEST(CutSubscribers, AnEarlierCutsEndDoesNotDropALaterOne) {
+  CutSubscribers cut;
+  const std::uint64_t first = cut.Add(kOne, {}, {Numbered(1)});
+  (void)cut.Take(kOne);
+  const std::uint64_t second = cut.Add(kOne, {}, {Numbered(2)});
+  EXPECT_FALSE(cut.Drop(kOne, first));
+  EXPECT_EQ(NumbersOf(cut.Drop(kOne, second).value()), (std::vector<std::uint64_t>{2}));
+  EXPECT_FALSE(cut.Drop(kOne));
+}
+
+/// Its shared memory ends while it lives on. It holds what it gets.
+class FragileListener final : public test::HandMadeSession, private InboundSink {
+ public:
+  FragileListener(const std::string& domain, SessionId publisher, std::string endpoint)
+      : HandMadeSession("fragile"), endpoint_(std::move(endpoint)) {
+    Enlist(domain);
+    OpenShm(publisher);
+    over_shm_ = shm_->Subscribe("notes", type_, demand_, *this);
+  }
+
+  void EndShm() {
+    shm_->Close(0);  // First: the transport ends as a whole, and nothing is said of the channel.
+    over_shm_.reset();
+  }
+  void ComeBack() {
+    ZmqOptions options;
+    options.subscribe = {{endpoint_, std::nullopt, {}}};
+    OpenZmq(std::move(options));
+    over_zmq_ = zmq_->Subscribe("notes", type_, demand_, *this);
+  }
+
+  [[nodiscard]] std::set<std::uint64_t> numbers() const {
+    const std::scoped_lock lock(mutex_);
+    std::set<std::uint64_t> numbers;
+    for (const auto& message : messages_) numbers.insert(message.head.id.sequence);
+    return numbers;
+  }
+  void LetGo() {
+    const std::scoped_lock lock(mutex_);
+    for (InboundMessage& message : messages_) message.credit.reset();
+  }
+
+ private:
+  Accepted Accept(InboundMessage&& message) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    messages_.push_back(std::move(message));
+    return Accepted::kNothing;
+  }
+  void Run() noexcept override {}
+  void OnFault(PacketFault /*fault*/, std::string_view /*what*/) noexcept override {}
+  void OnPublishers(std::size_t /*count*/) noexcept override {}
+
+  const std::string endpoint_;
+  const TypeInfo& type_ = TypeOf<Note>();
+  const Demand demand_{.lossless = true, .queue_depth = 16, .credit_messages = 16, .credit_bytes = 1 << 20};
+  mutable std::mutex mutex_;
+  std::vector<InboundMessage> messages_;
+  std::unique_ptr<InboundChannel> over_shm_;
+  std::unique_ptr<InboundChannel> over_zmq_;
+};
+
+class LostTransport : public test::DomainFixture {
+ protected:
+  LostTransport() {
+    EXPECT_TRUE(Await([&] { return subscribers() == 1; }));
+  }
+  void Publish(std::uint64_t count) {
+    for (std::uint64_t i = 0; i < count; ++i) {
+      ASSERT_EQ(publisher(Note(std::to_string(i))), PublishStatus::kOk);
+    }
+  }
+  [[nodiscard]] OutboundChannel::Stats sent() const {
+    for (const ChannelTraffic& traffic : talker->Snapshot().traffic) {
+      if (traffic.channel == "notes") return traffic.out;
+    }
+    return {};
+  }
+  [[nodiscard]] std::size_t subscribers() const { return sent().subscribers; }
+  static std::set<std::uint64_t> UpTo(std::uint64_t last) {
+    std::set<std::uint64_t> all;
+    for (std::uint64_t i = 1; i <= last; ++i) all.insert(i);
+    return all;
+  }
+
+  const Bus bus;
+  Robot talker{bus.Publishing("talker")};
+  Publisher<Note> publisher = talker->Advertise<Note>("notes");
+  FragileListener listener{std::getenv("HGROS_DOMAIN"), talker->id(), bus.Endpoint("talker")};
+};
+
+TEST_F(LostTransport, KeepsWhatALosslessSubscriberHasNotConfirmedUntilItIsBackOverAnother) {
+  Publish(8);
+  ASSERT_TRUE(Await([&] { return listener.numbers().size() == 8; }));
+  listener.EndShm();
+  Publish(8);
+  EXPECT_TRUE(Await([&] { return publisher(Note("17")) == PublishStatus::kFull; }))
+      << "held back by the one that is cut off";
+  listener.ComeBack();
+  EXPECT_TRUE(Await([&] { return listener.numbers() == UpTo(16); }));
+  listener.LetGo();
+  EXPECT_TRUE(Await([&] { return publisher(Note("17")) == PublishStatus::kOk; }));
+  EXPECT_TRUE(Await([&] { return listener.numbers() == UpTo(17); }));
+  EXPECT_EQ(subscribers(), 1U);
+  EXPECT_EQ(sent().missed, 0U);
+}
+
+TEST_F(LostTransport, OfOneThatHasLeftIsCountedAsMissedAndHoldsNobodyBack) {
+  Publish(8);
+  ASSERT_TRUE(Await([&] { return listener.numbers().size() == 8; }));
+  listener.EndShm();
+  listener.Leave();
+  EXPECT_TRUE(Await([&] { return subscribers() == 0; }));
+  EXPECT_TRUE(Await([&] { return sent().missed == 8; }));
+  Publish(100);
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,98 @@
+// One program, and where its parts run as configuration: by pointer, through shared memory, over ipc and over tcp.
+#include <functional>
+#include <optional>
+
+#include "session/domain_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::kPatience;
+using test::Note;
+using test::Robot;
+
+// The program: a wheel that counts, and an odometer that adds.
+constexpr int kTurns = 200;
+
+void Turn(Session& session) {
+  const auto publish = session.Advertise<Note>("wheel");
+  ASSERT_TRUE(session.WaitForSubscribers("wheel", 1, kPatience));
+  for (int turn = 1; turn <= kTurns; ++turn) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    ASSERT_EQ(publish.Wait(std::make_unique<Note>(std::to_string(turn)), deadline), PublishStatus::kOk);
+  }
+}
+
+class Odometer {
+ public:
+  explicit Odometer(Session& session)
+      : subscription_(session.FromAny<Note>("wheel", Invoke::kSerial,
+                                            [this](const Note& turn) {
+                                              in_order_ = in_order_ && std::stoi(turn.text) == turns_ + 1;
+                                              ++turns_;
+                                            },
+                                            {.queue = Queue::KeepAll(16)})) {}
+  [[nodiscard]] bool HasAll() const {
+    return Await([this] { return turns_ == kTurns; }) && in_order_;
+  }
+
+ private:
+  std::atomic<int> turns_{0};
+  std::atomic<bool> in_order_{true};
+  Subscription subscription_;
+};
+
+// Where it runs.
+struct Placement {
+  std::string name;
+  std::string wheel;
+  /// The odometer's configuration, when the wheel's session is there; nothing: it runs in that session.
+  std::function<std::optional<std::string>(Session& wheel)> odometer;
+  std::string transport;
+};
+
+std::string SubscribingAt(const Session& session) {
+  return "network: {subscribers: [{ip: \"" + session.PublisherEndpoints().at(0) + "\"}]}\ndiscovery: {local: false}";
+}
+
+const Bus& TheBus() {
+  static const Bus bus;
+  return bus;
+}
+
+class EveryTransport : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
+
+TEST_P(EveryTransport, RunsTheSameProgram) {
+  const Placement& placement = GetParam();
+  Robot first(placement.wheel);
+  std::optional<Robot> second;
+  if (const auto yaml = placement.odometer(*first.session)) second.emplace(*yaml);
+  Note::written = 0;
+  {
+    const Odometer odometer(second ? *second->session : *first.session);
+    Turn(*first.session);
+    EXPECT_TRUE(odometer.HasAll());
+    const auto peers = first->Peers();
+    EXPECT_EQ(peers.empty() ? "pointer" : peers.at(0).transport, placement.transport);
+    EXPECT_EQ(Note::written, second ? kTurns : 0) << "written once for each message that leaves the process";
+    if (placement.name == "ipc" || placement.name == "tcp") {
+      EXPECT_EQ(second->session->Peers().at(0).endpoint.substr(0, 3), placement.name);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Placed, EveryTransport,
+    testing::Values(Placement{"pointer", "", [](Session&) { return std::nullopt; }, "pointer"},
+                    Placement{"sharedmemory", "", [](Session&) { return std::optional<std::string>(""); },
+                              "shared memory"},
+                    Placement{"ipc", TheBus().Publishing("wheel"),
+                              [](Session& wheel) { return std::optional(SubscribingAt(wheel)); }, "ZeroMQ"},
+                    Placement{"tcp", "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}",
+                              [](Session& wheel) { return std::optional(SubscribingAt(wheel)); }, "ZeroMQ"}),
+    [](const auto& placed) { return placed.param.name; });
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,320 @@
+// Sessions of one host that are told nothing of each other.
+#include <unistd.h>
+
+#include <optional>
+#include <thread>
+
+#include <foxglove/Log.pb.h>
+
+#include "session/domain_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::Inline;
+using test::kPatience;
+using test::kSerial;
+using test::Linger;
+using test::Note;
+using test::Notes;
+using test::Robot;
+
+class LocalDiscovery : public test::DomainFixture {};
+
+TEST_F(LocalDiscovery, TwoProgramsWithOneChannelFindEachOther) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  Robot talker("");
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  ASSERT_TRUE(listener->WaitForPublishers("notes", 1, kPatience));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
+  ASSERT_EQ(talker->Peers().size(), 1U);
+  EXPECT_EQ(talker->Peers()[0].id, listener->id());
+  EXPECT_EQ(talker->Peers()[0].transport, "shared memory");
+  EXPECT_EQ(talker->Peers()[0].why, "same host");
+  EXPECT_TRUE(talker->PublisherEndpoints().empty()) << "no socket was opened to the network";
+}
+
+TEST_F(LocalDiscovery, MessagesGoBothWaysOnOneChannelWithoutEcho) {
+  Robot one(""), two("");
+  Notes at_one, at_two;
+  const auto first = one->FromAny<Note>("notes", kSerial, std::ref(at_one));
+  const auto second = two->FromAny<Note>("notes", kSerial, std::ref(at_two));
+  (void)one->Advertise<Note>("notes");
+  (void)two->Advertise<Note>("notes");
+  ASSERT_TRUE(one->WaitForSubscribers("notes", 2, kPatience));
+  ASSERT_TRUE(two->WaitForSubscribers("notes", 2, kPatience));
+  one->ToAny("notes", Note("from one"));
+  ASSERT_TRUE(Await([&] { return at_one.size() == 1 && at_two.size() == 1; }));
+  two->ToAny("notes", Note("from two"));
+  ASSERT_TRUE(Await([&] { return at_one.size() == 2 && at_two.size() == 2; }));
+  EXPECT_EQ(at_one.texts(), (std::vector<std::string>{"from one", "from two"}));
+  EXPECT_EQ(at_two.texts(), at_one.texts());
+}
+
+TEST_F(LocalDiscovery, DomainsKeepRobotsApart) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  Enter("other-" + SessionId::Random().ToString());
+  Robot stranger("");
+  (void)stranger->Advertise<Note>("notes");
+  EXPECT_FALSE(stranger->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
+}
+
+TEST_F(LocalDiscovery, TheDomainMayStandInTheConfiguration) {
+  setenv("HGROS_DOMAIN", "", 1);
+  const std::string yaml = "discovery: {domain: test-" + SessionId::Random().ToString() + "}";
+  Robot talker(yaml), listener(yaml);
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  (void)talker->Advertise<Note>("notes");
+  EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+}
+
+TEST_F(LocalDiscovery, ADomainThatCannotBeIsRefused) {
+  Enter("../etc");
+  try {
+    Robot robot("");
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("HGROS_DOMAIN"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(LocalDiscovery, CanBeSwitchedOff) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  Robot hermit("discovery: {local: false}");
+  (void)hermit->Advertise<Note>("notes");
+  EXPECT_FALSE(hermit->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
+}
+
+TEST_F(LocalDiscovery, CanBeNarrowedToSomeProcesses) {
+  Robot talker("discovery: {local: [friend]}", "talker");
+  Robot stranger("", "stranger");
+  Robot close("", "friend");
+  Notes at_stranger, at_friend;
+  const auto first = stranger->FromAny<Note>("notes", kSerial, std::ref(at_stranger));
+  const auto second = close->FromAny<Note>("notes", kSerial, std::ref(at_friend));
+  const auto publish = talker->Advertise<Note>("notes");
+  const auto back = stranger->Advertise<Note>("back");
+  Notes from_stranger;
+  const auto third = talker->FromAny<Note>("back", kSerial, std::ref(from_stranger));
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_TRUE(Await([&] { return talker.Count("is not connected to") == 1; }));
+  EXPECT_TRUE(Await([&] { return stranger.Said("there does not list \"stranger\""); }));
+  EXPECT_TRUE(talker.Said("here does not list \"stranger\""));
+  EXPECT_FALSE(talker->WaitForSubscribers("notes", 2, std::chrono::milliseconds(200)));
+  EXPECT_FALSE(talker->WaitForPublishers("back", 1, std::chrono::milliseconds(1)));
+  publish(std::make_unique<Note>("hello"));
+  EXPECT_TRUE(Await([&] { return at_friend.size() == 1; }));
+  EXPECT_EQ(at_stranger.size(), 0U);
+}
+
+TEST_F(LocalDiscovery, SaysWhoCameOverWhatAndWhyItWent) {
+  Robot listener("", "listener");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  for (const bool stays : {false, true}) {
+    Robot talker("", "talker");
+    (void)talker->Advertise<Note>("notes");
+    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+    const std::string who = " (talker, process " + std::to_string(getpid()) + " on ";
+    const std::string me = " (listener, process " + std::to_string(getpid()) + " on ";
+    EXPECT_TRUE(Await([&] {
+      return listener.Said("Session " + talker->id().ToString() + who) &&
+             listener.Said(") is reached through shared memory: same host.");
+    }));
+    if (stays) listener.session.reset();
+    talker.session.reset();
+    if (stays) {
+      EXPECT_TRUE(listener.Said(") is no longer reached: this session ends."));
+    } else {
+      EXPECT_TRUE(Await([&] { return listener.Said(") is gone: it said goodbye."); }));
+      EXPECT_TRUE(talker.Said("Session " + listener->id().ToString() + me));
+    }
+  }
+}
+
+// Under ThreadSanitizer it shows who looks at what another makes.
+TEST_F(LocalDiscovery, EndpointsMayComeWhileSessionsComeAndGo) {
+  const Bus bus;
+  for (int round = 0; round < 5; ++round) {
+    Robot steady("");
+    Notes notes;
+    const auto subscription = steady->FromAny<Note>("notes", kSerial, std::ref(notes));
+    std::jthread neighbours([] {
+      for (int i = 0; i < 4; ++i) {
+        Robot talker("");
+        (void)talker->Advertise<Note>("notes");
+        EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+      }
+    });
+    std::jthread reader([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) (void)steady->Snapshot();
+    });
+    steady->AddPublisherEndpoint({bus.Endpoint("bus" + std::to_string(round)), {}, true});
+    neighbours.join();
+  }
+}
+
+TEST_F(LocalDiscovery, AnOutsideObserverLeavesPointerPassingAsItWas) {
+  Robot robot("");
+  const Note* seen = nullptr;
+  const auto subscription = robot->FromAny<Note>(
+      "notes", kSerial, [&](const std::shared_ptr<const Note>& note) { seen = note.get(); }, Inline());
+  const auto publish = robot->Advertise<Note>("notes");
+  for (const bool observed : {false, true, false}) {
+    std::optional<Robot> observer;
+    Notes notes;
+    Subscription outside;
+    if (observed) {
+      observer.emplace("");
+      outside = (*observer)->FromAny<Note>("notes", kSerial, std::ref(notes));
+      ASSERT_TRUE(robot->WaitForSubscribers("notes", 2, kPatience));
+    } else {
+      ASSERT_TRUE(Await([&] { return robot->Snapshot().traffic.at(0).out.subscribers == 0; }));
+    }
+    Note::written = 0;
+    auto note = std::make_unique<Note>("x");
+    const Note* const sent = note.get();
+    EXPECT_EQ(publish(std::move(note)), PublishStatus::kOk);
+    EXPECT_EQ(seen, sent);
+    EXPECT_EQ(Note::written, observed ? 1 : 0);
+    if (observed) {
+      EXPECT_TRUE(Await([&] { return notes.size() == 1; }));
+    }
+  }
+}
+
+TEST_F(LocalDiscovery, APeerThatIsFoundTwiceIsOnePeerAndSharedMemoryCarries) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  Notes notes;
+  NodeOptions options;
+  options.queue = Queue::KeepAll(200);
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes), options);
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == 100; }));
+  Linger(std::chrono::milliseconds(300));  // Time for ZeroMQ to connect, and for repeats to come.
+  EXPECT_EQ(notes.size(), 100U);
+  ASSERT_EQ(listener->Peers().size(), 1U);
+  EXPECT_EQ(listener->Peers()[0].transport, "shared memory");
+  EXPECT_EQ(talker->Snapshot().traffic.at(0).out.subscribers, 1U);
+}
+
+TEST_F(LocalDiscovery, LosslessMessagesAllArriveInOrder) {
+  Robot talker(""), listener("");
+  NodeOptions options;
+  options.queue = Queue::KeepAll(64);
+  std::uint64_t next = 0;
+  std::atomic<std::uint64_t> received{0};
+  std::atomic<bool> ordered{true};
+  const auto subscription = listener->FromAny<Note>(
+      "notes", kSerial,
+      [&](const Note& note) {
+        if (note.text != std::to_string(next)) ordered = false;
+        ++next;
+        ++received;
+      },
+      options);
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  constexpr std::uint64_t kCount = 5000;
+  for (std::uint64_t i = 0; i < kCount; ++i) {
+    ASSERT_EQ(publish.Wait(std::make_unique<Note>(std::to_string(i)), std::chrono::steady_clock::now() + kPatience),
+              PublishStatus::kOk);
+  }
+  ASSERT_TRUE(Await([&] { return received == kCount; }));
+  EXPECT_TRUE(ordered);
+}
+
+TEST_F(LocalDiscovery, LatchedMessagesReachWhoComesLater) {
+  Robot talker("");
+  const auto publish = talker->Advertise<Note>("map", {.latched = 2});
+  for (const char* text : {"1", "2", "3"}) publish(std::make_unique<Note>(text));
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("map", kSerial, std::ref(notes));
+  ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
+  EXPECT_EQ(notes.texts(), (std::vector<std::string>{"2", "3"}));
+}
+
+TEST_F(LocalDiscovery, WhoComesBackIsFoundAgain) {
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  for (std::size_t life = 1; life <= 5; ++life) {
+    Robot talker("");
+    const auto publish = talker->Advertise<Note>("notes");
+    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience)) << life;
+    publish(std::make_unique<Note>("x"));
+    ASSERT_TRUE(Await([&] { return notes.size() == life; })) << life;
+  }
+}
+
+TEST_F(LocalDiscovery, DifferentTypesAreSaidOnBothSides) {
+  Robot talker(""), listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  (void)talker->Advertise<foxglove::Log>("notes");
+  EXPECT_TRUE(Await([&] { return talker.Said("different types") && listener.Said("different types"); }));
+}
+
+TEST_F(LocalDiscovery, ALoanedBlockIsReadWhereItWasWritten) {
+  Robot talker(""), listener("");
+  std::mutex mutex;
+  std::shared_ptr<const Block> received;
+  const auto subscription = listener->FromAny<Block>("blocks", kSerial, [&](const std::shared_ptr<const Block>& block) {
+    const std::scoped_lock lock(mutex);
+    received = block;
+  });
+  const auto publish = talker->Advertise<Block>("blocks");
+  ASSERT_TRUE(talker->WaitForSubscribers("blocks", 1, kPatience));
+  auto loan = talker->Loan<Block>("blocks", 1 << 20);
+  ASSERT_EQ(loan->size(), 1U << 20);
+  std::byte* const written = loan->writable().data();
+  written[0] = std::byte{1};
+  ASSERT_EQ(publish(std::move(loan)), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return received != nullptr;
+  }));
+  EXPECT_EQ(received->bytes()[0], std::byte{1});
+  // The publisher's mapping of the same memory: nobody else does this.
+  written[0] = std::byte{2};
+  EXPECT_EQ(received->bytes()[0], std::byte{2});
+  received.reset();
+}
+
+TEST_F(LocalDiscovery, ALoanForNobodyIsOrdinaryMemory) {
+  Robot talker("");
+  const auto publish = talker->Advertise<Block>("blocks");
+  auto loan = talker->Loan<Block>("blocks", 100);
+  ASSERT_EQ(loan->size(), 100U);
+  EXPECT_EQ(publish(std::move(loan)), PublishStatus::kOk);
+}
+
+TEST_F(LocalDiscovery, WithoutSharedMemoryLeftMessagesStillArrive) {
+  Robot talker("shared_memory: {limit_bytes: 0}"), listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  for (int i = 0; i < 10; ++i) publish(std::make_unique<Note>(std::to_string(i)));
+  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
+  EXPECT_TRUE(talker.Said("There is no shared memory for a message"));
+}
+
+}  // namespace
+}  // namespace hgros

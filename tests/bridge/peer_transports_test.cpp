@@ -1,0 +1,255 @@
+#include "bridge/peer_transports.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hgros {
+namespace {
+
+constexpr TransportIndex kShm = 0;
+constexpr TransportIndex kZmq = 1;
+const TransportSet kOnlyShm{kShm};
+const TransportSet kOnlyZmq{kZmq};
+
+TransportEntry Entry(const std::string& key, const std::string& name, int cost, TransportReach reach) {
+  return {key, name, cost, reach, {}, true};
+}
+
+TransportList TwoTransports() {
+  return TransportList({Entry("zmq", "ZeroMQ", 2, TransportReach::kNetwork),
+                        Entry("shared_memory", "shared memory", 1, TransportReach::kHost)});
+}
+
+class PeerTransportsOfOne : public testing::Test, public TransportListener {
+ protected:
+  void OnPeerCame(const PeerInfo& /*info*/) noexcept override { ++came; }
+  void OnPeerGone(const PeerInfo& /*info*/, std::string_view /*reason*/) noexcept override { ++gone; }
+  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*info*/,
+                      std::string_view /*what*/) noexcept override {}
+
+  static PeerInfo On(const std::string& host) {
+    PeerInfo info;
+    info.id = SessionId{7};
+    info.host = host;
+    return info;
+  }
+  PeerTransports Ruled(TransportRules rules, bool looks = true) {
+    return {list, *this, log, std::move(rules), looks, "here"};
+  }
+  static std::string Why(const PeerTransports& transports) {
+    const auto list = transports.List();
+    return list.size() == 1 ? list[0].transport + ": " + list[0].why : std::to_string(list.size());
+  }
+
+  const TransportList list = TwoTransports();
+  Log log{[](LogLevel, std::string_view) {}};
+  const SessionId peer{7};
+  const PeerInfo info = On("here");
+  int came = 0;
+  int gone = 0;
+};
+
+TEST_F(PeerTransportsOfOne, OneTransportHasAllChannelsOfNoRule) {
+  PeerTransports transports = Ruled({});
+  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Take(peer, "b", kShm));
+  EXPECT_TRUE(transports.Take(peer, "b", kZmq));
+}
+
+TEST_F(PeerTransportsOfOne, AnExpectedOneIsLeftToSharedMemoryExceptForWhatMayNotPassThere) {
+  PeerTransports transports = Ruled({{"ours", kOnlyZmq}});
+  transports.Found(peer, kOnlyShm, {{"theirs", kOnlyZmq}});
+  EXPECT_FALSE(transports.Take(peer, "a", kZmq));
+  EXPECT_TRUE(transports.Take(peer, "ours", kZmq));
+  EXPECT_TRUE(transports.Take(peer, "theirs", kZmq));
+  EXPECT_FALSE(transports.Take(peer, "theirs", kShm));
+  EXPECT_TRUE(transports.Take(peer, "a", kShm));
+}
+
+TEST_F(PeerTransportsOfOne, WhatIsForSharedMemoryStaysThereWhateverCarriesTheRest) {
+  PeerTransports transports = Ruled({{"ours", kOnlyShm}});
+  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Take(peer, "ours", kZmq));
+  EXPECT_TRUE(transports.Take(peer, "ours", kShm));
+}
+
+TEST_F(PeerTransportsOfOne, WhatHasNothingInCommonUsesNoTransport) {
+  PeerTransports transports = Ruled({{"a", kOnlyShm}});
+  transports.Found(peer, kOnlyShm, {{"a", kOnlyZmq}});
+  EXPECT_FALSE(transports.Take(peer, "a", kShm));
+  EXPECT_FALSE(transports.Take(peer, "a", kZmq));
+  EXPECT_TRUE(transports.Allowed(peer, "a").empty());
+}
+
+TEST_F(PeerTransportsOfOne, RulesChangeWithWhatIsAnnounced) {
+  PeerTransports transports = Ruled({});
+  EXPECT_FALSE(transports.SetRules(peer, {{"a", kOnlyZmq}})) << "nobody is known";
+  transports.Found(peer, kOnlyShm, {});
+  EXPECT_TRUE(transports.SetRules(peer, {{"a", kOnlyZmq}}));
+  EXPECT_FALSE(transports.SetRules(peer, {{"a", kOnlyZmq}}));
+  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+  transports.Lost(peer);
+  EXPECT_EQ(transports.Allowed(peer, "a"), list.all());
+}
+
+TEST_F(PeerTransportsOfOne, TheReasonForATransportIsSaid) {
+  PeerTransports transports = Ruled({});
+  (void)transports.Came(info, kZmq);
+  EXPECT_EQ(Why(transports), "ZeroMQ: not found on this host");
+  transports.Found(peer, kOnlyShm, {});
+  EXPECT_EQ(Why(transports), "ZeroMQ: shared memory does not reach it yet");
+  const PeerTransports::GivenUp given_up = transports.GiveUp(peer);
+  EXPECT_EQ(given_up.missing, kOnlyShm);
+  EXPECT_TRUE(given_up.matters);
+  EXPECT_EQ(given_up.reached_by, kZmq);
+  EXPECT_EQ(Why(transports), "ZeroMQ: no transport of this host reaches it");
+  (void)transports.Came(info, kShm);
+  EXPECT_EQ(Why(transports), "shared memory: same host");
+  EXPECT_EQ(came, 1) << "one peer, whatever reaches it";
+
+  PeerTransports elsewhere = Ruled({});
+  (void)elsewhere.Came(On("there"), kZmq);
+  EXPECT_EQ(Why(elsewhere), "ZeroMQ: another host");
+  PeerTransports alone = Ruled({}, false);
+  (void)alone.Came(info, kZmq);
+  EXPECT_EQ(Why(alone), "ZeroMQ: sessions of this host are not looked for");
+}
+
+TEST_F(PeerTransportsOfOne, LateSharedMemoryGetsOneChannelAfterTheOther) {
+  PeerTransports transports = Ruled({{"ruled", kOnlyZmq}});
+  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Came(info, kZmq));
+  const auto move = transports.Came(info, kShm);
+  ASSERT_TRUE(move);
+  EXPECT_FALSE(transports.Take(peer, "a", kShm)) << "before everything is ready";
+  transports.OpenMove(peer);
+  EXPECT_TRUE(transports.Take(peer, "a", kShm)) << "both, for a while";
+  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Take(peer, "ruled", kShm));
+  transports.Moved(peer, "a");
+  EXPECT_FALSE(transports.Take(peer, "a", kZmq));
+  EXPECT_TRUE(transports.Take(peer, "b", kZmq));
+  EXPECT_TRUE(transports.FinishMove(peer, *move));
+  EXPECT_FALSE(transports.FinishMove(peer, *move)) << "once";
+  EXPECT_FALSE(transports.Take(peer, "b", kZmq));
+  EXPECT_TRUE(transports.Take(peer, "b", kShm));
+  EXPECT_EQ(Why(transports), "shared memory: same host");
+}
+
+TEST_F(PeerTransportsOfOne, WhatRemainsInTheMiddleOfAMoveHasAllChannels) {
+  for (const TransportIndex lost : {kShm, kZmq}) {
+    PeerTransports transports = Ruled({});
+    EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+    EXPECT_FALSE(transports.Came(info, kZmq));
+    const auto move = transports.Came(info, kShm);
+    ASSERT_TRUE(move);
+    transports.OpenMove(peer);
+    transports.Moved(peer, "a");
+    EXPECT_TRUE(transports.Gone(info, lost, "the connection was closed"));
+    EXPECT_EQ(transports.Take(peer, "a", kZmq), lost == kShm);
+    EXPECT_EQ(transports.Take(peer, "a", kShm), lost == kZmq);
+    EXPECT_FALSE(transports.FinishMove(peer, *move));
+    EXPECT_FALSE(transports.NextMove(peer));
+  }
+}
+
+constexpr TransportIndex kLoop = 0;
+constexpr TransportIndex kMemory = 1;
+constexpr TransportIndex kNetwork = 2;
+
+class ThreeTransportsToOne : public PeerTransportsOfOne {
+ protected:
+  // Received over the network first; `rule` holds for the channel "ruled".
+  void Start(TransportSet rule) {
+    transports.emplace(three, *this, log, TransportRules{{"ruled", rule}}, true, "here");
+    EXPECT_TRUE(transports->Take(peer, "a", kNetwork));
+    EXPECT_EQ(transports->Take(peer, "ruled", kNetwork), rule.Has(kNetwork));
+    EXPECT_FALSE(transports->Came(info, kNetwork));
+  }
+  [[nodiscard]] std::string TakenBy(const std::string& channel) {
+    std::string names;
+    for (TransportIndex i = 0; i < three.size(); ++i) {
+      const bool asks = transports->ReachedBy(peer).Has(i);
+      if (asks && transports->Take(peer, channel, i)) names += three[i].key + " ";
+    }
+    return names;
+  }
+
+  const TransportList three = TransportList({Entry("zmq", "ZeroMQ", 3, TransportReach::kNetwork),
+                                             Entry("loop", "a loop", 1, TransportReach::kHost),
+                                             Entry("shared_memory", "shared memory", 2, TransportReach::kHost)});
+  std::optional<PeerTransports> transports;
+};
+
+TEST_F(ThreeTransportsToOne, TheCheapestThatReachesItIsUsedWhicheverAsksFirst) {
+  transports.emplace(three, *this, log, TransportRules(), true, "here");
+  transports->Found(peer, {kLoop, kMemory}, {});
+  EXPECT_FALSE(transports->Came(info, kNetwork));
+  EXPECT_FALSE(transports->Came(info, kMemory));
+  EXPECT_EQ(TakenBy("a"), "") << "it is left to the loop";
+  const PeerTransports::GivenUp given_up = transports->GiveUp(peer);
+  EXPECT_EQ(given_up.missing, TransportSet{kLoop});
+  EXPECT_FALSE(given_up.matters) << "another transport of this host reaches it";
+  EXPECT_FALSE(transports->Take(peer, "a", kNetwork));
+  EXPECT_EQ(TakenBy("a"), "shared_memory ");
+  EXPECT_EQ(Why(*transports), "shared memory: same host");
+}
+
+TEST_F(ThreeTransportsToOne, OneMoveFollowsTheOther) {
+  Start({kMemory, kNetwork});
+  const auto first = transports->Came(info, kMemory);
+  ASSERT_TRUE(first);
+  transports->OpenMove(peer);
+  EXPECT_EQ(TakenBy("a"), "shared_memory zmq ");
+  EXPECT_EQ(TakenBy("ruled"), "shared_memory zmq ");
+  EXPECT_FALSE(transports->Came(info, kLoop)) << "later";
+  EXPECT_EQ(TakenBy("a"), "shared_memory zmq ");
+  EXPECT_FALSE(transports->NextMove(peer));
+  EXPECT_TRUE(transports->FinishMove(peer, *first));
+  const auto second = transports->NextMove(peer);
+  ASSERT_TRUE(second);
+  transports->OpenMove(peer);
+  EXPECT_FALSE(transports->FinishMove(peer, *first)) << "its time is over";
+  EXPECT_EQ(TakenBy("a"), "loop shared_memory ");
+  EXPECT_EQ(TakenBy("ruled"), "shared_memory ") << "the loop is not allowed";
+  EXPECT_FALSE(transports->MoveOf(peer, "ruled"));
+  EXPECT_TRUE(transports->FinishMove(peer, *second));
+  EXPECT_FALSE(transports->NextMove(peer));
+  EXPECT_EQ(TakenBy("a"), "loop ");
+}
+
+TEST_F(ThreeTransportsToOne, WhenOneIsLostTheCheapestOfTheOthersTakesOver) {
+  Start({kLoop, kNetwork});
+  for (const TransportIndex cheaper : {kMemory, kLoop}) {
+    const auto move = transports->Came(info, cheaper);
+    ASSERT_TRUE(move);
+    transports->OpenMove(peer);
+    EXPECT_TRUE(transports->FinishMove(peer, *move));
+    EXPECT_FALSE(transports->NextMove(peer));
+  }
+  EXPECT_EQ(TakenBy("a"), "loop ");
+  EXPECT_EQ(TakenBy("ruled"), "loop ");
+  EXPECT_TRUE(transports->Gone(info, kLoop, "it was closed"));
+  EXPECT_FALSE(transports->Take(peer, "a", kNetwork)) << "shared memory reaches it";
+  EXPECT_EQ(TakenBy("a"), "shared_memory ");
+  EXPECT_EQ(TakenBy("ruled"), "zmq ");
+  EXPECT_TRUE(transports->Gone(info, kMemory, "it was closed"));
+  EXPECT_EQ(TakenBy("a"), "zmq ");
+  EXPECT_EQ(gone, 0);
+  EXPECT_FALSE(transports->Gone(info, kNetwork, "it was closed"));
+  EXPECT_EQ(gone, 1);
+}
+
+TEST_F(ThreeTransportsToOne, AMoveWhoseNewTransportIsLostGoesToAnotherOne) {
+  Start({kNetwork});
+  ASSERT_TRUE(transports->Came(info, kLoop));
+  transports->OpenMove(peer);
+  EXPECT_FALSE(transports->Came(info, kMemory));
+  EXPECT_TRUE(transports->Gone(info, kLoop, "it was closed"));
+  EXPECT_EQ(TakenBy("a"), "zmq ");
+  EXPECT_TRUE(transports->NextMove(peer));
+  transports->OpenMove(peer);
+  EXPECT_EQ(TakenBy("a"), "shared_memory zmq ");
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,208 @@
+// Two bridges that can use three transports, two of which exist only here.
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "bridge/joined_channels.hpp"
+#include "hgros/bridge/network_bridge.hpp"
+#include "hgros/clock/errand_thread.hpp"
+#include "session/domain_fixture.hpp"
+#include "support/gated_transport.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::Gate;
+using test::Note;
+
+struct Gates {
+  Gate loop;
+  Gate pipe;
+};
+
+/// A session made of nothing except its bridge.
+class Bridged : private TransportListener {
+ public:
+  Bridged(ZmqOptions zmq, Gates& gates, std::map<std::string, TransportKeys, std::less<>> rules) {
+    BridgeOptions options;
+    options.zmq = std::move(zmq);
+    options.zmq.session = id_;
+    options.zmq.process = "bridged";
+    options.zmq.heartbeat = std::chrono::milliseconds(100);
+    options.zmq.peer_timeout = std::chrono::milliseconds(1000);
+    options.more_transports = {test::GatedEntry("pipe", "a pipe", 20, options.zmq.session, gates.pipe),
+                               test::GatedEntry("loop", "a loop", 10, options.zmq.session, gates.loop)};
+    options.registry.emplace().domain = std::getenv("HGROS_DOMAIN");
+    options.rules = std::move(rules);
+    options.on_announcements = [] {};
+    options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
+      errands_.PostIn(delay, std::move(errand));
+    };
+    bridge_.reset(new NetworkBridge(std::move(options), *this, log_));
+  }
+  ~Bridged() override {
+    bridge_->Close(0);
+    errands_.End();
+    bridge_.reset();
+  }
+  [[nodiscard]] SessionId id() const { return id_; }
+  NetworkBridge* operator->() { return bridge_.get(); }
+  [[nodiscard]] std::string UsedTransport() const {
+    const auto peers = bridge_->Peers();
+    return peers.size() == 1 ? peers[0].transport : std::to_string(peers.size()) + " peers";
+  }
+
+ private:
+  void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
+  void OnPeerGone(const PeerInfo& /*peer*/, std::string_view /*reason*/) noexcept override {}
+  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*peer*/,
+                      std::string_view /*what*/) noexcept override {}
+
+  const SessionId id_ = SessionId::Random();
+  Log log_{[](LogLevel, std::string_view) {}};
+  ErrandThread errands_;
+  std::unique_ptr<NetworkBridge> bridge_;
+};
+
+/// Publishes numbers without pause.
+class Counting final : private OutboundSource {
+ public:
+  Counting(Bridged& session, const std::string& channel) : out_(session->Advertise(channel, TypeOf<Note>(), *this)) {
+    head_.channel = channel;
+    head_.type_name = TypeOf<Note>().name;
+    head_.encoding = TypeOf<Note>().encoding;
+    head_.fingerprint = TypeOf<Note>().fingerprint;
+    head_.id = {session.id().value, 1, 0};
+    data_ = TypeOf<Note>().encode(std::make_shared<const Note>("x"));
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        if (out_->subscriber_count() > 0 && out_->Reserve() == PublishStatus::kOk) {
+          head_.id.sequence = ++published;
+          out_->Commit(head_, data_);
+        }
+        test::Linger(std::chrono::microseconds(500));
+      }
+    });
+  }
+  void Stop() {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  [[nodiscard]] std::size_t subscribers() const { return out_->subscriber_count(); }
+  std::atomic<std::uint64_t> published{0};
+
+ private:
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
+  void OnRoom() noexcept override {}
+  void OnSubscribers(std::size_t /*count*/) noexcept override {}
+
+  PacketHead head_;
+  Payload data_;
+  std::shared_ptr<JoinedOutbound> out_;
+  std::jthread thread_;
+};
+
+/// Checks the numbers that come.
+class Checking final : private InboundSink {
+ public:
+  Checking(Bridged& session, const std::string& channel)
+      : in_(session->Subscribe(channel, TypeOf<Note>(), {.lossless = true, .credit_messages = 32}, *this)) {}
+  std::atomic<std::uint64_t> last{0};
+  std::atomic<std::uint64_t> lost{0};
+  std::atomic<std::uint64_t> repeated{0};
+
+ private:
+  Accepted Accept(InboundMessage&& message) noexcept override {
+    const std::uint64_t sequence = message.head.id.sequence;
+    if (sequence <= last) {
+      ++repeated;  // Dropped, as a session does.
+    } else {
+      lost += sequence - last - 1;
+      last = sequence;
+    }
+    return Accepted::kNothing;
+  }
+  void Run() noexcept override {}
+  void OnFault(PacketFault /*fault*/, std::string_view what) noexcept override { ADD_FAILURE() << what; }
+  void OnPublishers(std::size_t /*count*/) noexcept override {}
+
+  std::shared_ptr<JoinedInbound> in_;
+};
+
+class ThreeTransports : public test::DomainFixture {
+ protected:
+  void Start(const std::map<std::string, TransportKeys, std::less<>>& rules = {}) {
+    ZmqOptions publishing, subscribing;
+    publishing.publish = {{bus.Endpoint("a"), std::nullopt}};
+    subscribing.subscribe = {{bus.Endpoint("a"), std::nullopt, {}}};
+    talker.emplace(publishing, gates, rules);
+    listener.emplace(subscribing, gates, std::map<std::string, TransportKeys, std::less<>>());
+    numbers.emplace(*talker, "numbers");
+    check.emplace(*listener, "numbers");
+  }
+  // Messages still flow, over one transport.
+  void ExpectFlow() {
+    const std::uint64_t before = check->last;
+    EXPECT_TRUE(Await([&] { return check->last > before + 50 && numbers->subscribers() == 1; }));
+    EXPECT_EQ(check->lost, 0U);
+  }
+  void ExpectAll() {
+    numbers->Stop();
+    EXPECT_TRUE(Await([&] { return check->last == numbers->published; }))
+        << check->last << " of " << numbers->published;
+    EXPECT_EQ(check->lost, 0U);
+  }
+
+  const Bus bus;
+  Gates gates;
+  std::optional<Bridged> talker;
+  std::optional<Bridged> listener;
+  std::optional<Counting> numbers;
+  std::optional<Checking> check;
+};
+
+TEST_F(ThreeTransports, TheCheapestIsUsed) {
+  gates.loop.Open();
+  gates.pipe.Open();
+  Start();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; }));
+  ExpectFlow();
+  ExpectAll();
+  EXPECT_EQ(check->repeated, 0U);
+}
+
+TEST_F(ThreeTransports, MessagesMoveToACheaperOneAndOnToTheCheapestWithoutLoss) {
+  Start();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ" && check->last > 100; }));
+  gates.pipe.Open();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a pipe"; }));
+  ExpectFlow();
+  gates.loop.Open();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; }));
+  ExpectFlow();
+  ExpectAll();
+}
+
+TEST_F(ThreeTransports, ASecondCheaperOneThatComesDuringAMoveIsNextWithoutLoss) {
+  Start();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ" && check->last > 100; }));
+  gates.pipe.Open();
+  gates.loop.Open();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; }));
+  ExpectFlow();
+  ExpectAll();
+}
+
+TEST_F(ThreeTransports, ARuleLeavesAChannelToTheOthers) {
+  gates.loop.Open();
+  gates.pipe.Open();
+  Start({{"numbers", std::vector<std::string>{"pipe", "zmq"}}});
+  ExpectFlow();
+  EXPECT_EQ(listener->UsedTransport(), "a loop") << "for channels without a rule";
+  ExpectAll();
+}
+
+}  // namespace
+}  // namespace hgros

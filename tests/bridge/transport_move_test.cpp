@@ -1,0 +1,217 @@
+#include "bridge/transport_move.hpp"
+
+#include <algorithm>
+#include <random>
+#include <thread>
+
+#include "hgros/clock/time.hpp"
+#include "session/domain_fixture.hpp"
+#include "session/hand_made_session.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::kPatience;
+using test::Linger;
+using test::Note;
+using test::Notes;
+using test::Robot;
+
+constexpr TransportIndex kShm = 0;
+constexpr TransportIndex kZmq = 1;
+
+InboundMessage Numbered(std::uint64_t sequence) {
+  InboundMessage message;
+  message.head.id.sequence = sequence;
+  return message;
+}
+
+// What a subscriber makes of it: repeats are dropped, and what is overtaken is lost.
+struct Subscriber {
+  void Take(const std::vector<InboundMessage>& messages) {
+    for (const InboundMessage& message : messages) {
+      if (message.head.id.sequence <= last) continue;
+      lost += message.head.id.sequence - last - 1;
+      last = message.head.id.sequence;
+    }
+  }
+  std::uint64_t last = 0;
+  std::uint64_t lost = 0;
+};
+
+TEST(MoveOfTransport, LosesAndReordersNothingHoweverTheTwoTransportsInterleave) {
+  const unsigned seed = std::random_device()();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::minstd_rand random(seed);
+  const auto pick = [&](std::uint64_t from, std::uint64_t to) {
+    return std::uniform_int_distribution<std::uint64_t>(from, to)(random);
+  };
+  for (int round = 0; round < 2000; ++round) {
+    const std::uint64_t first = pick(1, 20);  // The first that the new transport brings.
+    const std::uint64_t last = first + pick(0, 20);
+    const std::uint64_t old_ends = pick(first, last);  // It is dropped some time after the move.
+    TransportMove move({.from = kZmq, .to = kShm});
+    Subscriber subscriber;
+    std::uint64_t next_old = 1, next_new = first;
+    while (next_old <= old_ends || next_new <= last) {
+      const bool old = next_new > last || (next_old <= old_ends && pick(0, 1) == 0);
+      subscriber.Take(old ? move.Arrive(Numbered(next_old++), kZmq) : move.Arrive(Numbered(next_new++), kShm));
+    }
+    if (!move.done()) subscriber.Take(move.Finish());
+    ASSERT_EQ(subscriber.lost, 0U) << first << " " << last << " " << old_ends;
+    ASSERT_EQ(subscriber.last, last);
+  }
+}
+
+TEST(MoveOfTransport, WaitsForTheOldTransportAndThenDropsItsRepeats) {
+  TransportMove move({.from = kZmq, .to = kShm});
+  EXPECT_EQ(move.Arrive(Numbered(1), kZmq).size(), 1U);
+  EXPECT_TRUE(move.Arrive(Numbered(3), kShm).empty()) << "2 is still on its way";
+  EXPECT_FALSE(move.done());
+  EXPECT_EQ(move.Arrive(Numbered(2), kZmq).size(), 2U);
+  EXPECT_TRUE(move.done());
+  EXPECT_TRUE(move.Arrive(Numbered(3), kZmq).empty());
+  EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
+}
+
+TEST(MoveOfTransport, GoesOnWhenTheOldTransportHasEnded) {
+  TransportMove move({.from = kZmq, .to = kShm});
+  EXPECT_TRUE(move.Arrive(Numbered(3), kShm).empty());
+  EXPECT_EQ(move.Finish().size(), 1U);
+  EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
+}
+
+/// Its shared memory is not there before it is asked for.
+class LateTalker final : public test::HandMadeSession, private OutboundSource {
+ public:
+  LateTalker(const std::string& domain, const std::string& endpoint) : HandMadeSession("late") {
+    ZmqOptions options;
+    options.publish = {{endpoint, std::nullopt}};
+    OpenZmq(std::move(options));
+    over_zmq_ = zmq_->Advertise("notes", type_, *this);
+    Enlist(domain);
+  }
+
+  void ShareMemoryWith(SessionId peer) {
+    OpenShm(peer);
+    over_shm_ = shm_->Advertise("notes", type_, *this);
+  }
+  void EndShm() {
+    over_shm_.reset();
+    shm_->Close(0);
+  }
+
+  void Say() {
+    ASSERT_TRUE(Await([&] { return over_zmq_->Reserve() == PublishStatus::kOk; }));
+    ASSERT_TRUE(!over_shm_ || Await([&] { return over_shm_->Reserve() == PublishStatus::kOk; }));
+    PacketHead head;
+    head.channel = "notes";
+    head.type_name = type_.name;
+    head.encoding = type_.encoding;
+    head.fingerprint = type_.fingerprint;
+    head.id = {id().value, 1, ++said_};
+    head.publish_time_ns = WallNow().nanoseconds;
+    const Payload data = type_.encode(std::make_shared<const Note>(std::to_string(said_)));
+    over_zmq_->Commit(head, data);
+    if (over_shm_) over_shm_->Commit(head, data);
+  }
+  [[nodiscard]] std::uint64_t said() const { return said_; }
+  [[nodiscard]] std::size_t subscribers() const {
+    return over_zmq_->subscriber_count() + (over_shm_ ? over_shm_->subscriber_count() : 0);
+  }
+
+ private:
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
+  void OnRoom() noexcept override {}
+  void OnSubscribers(std::size_t /*count*/) noexcept override {}
+
+  const TypeInfo& type_ = TypeOf<Note>();
+  std::uint64_t said_ = 0;
+  std::unique_ptr<OutboundChannel> over_zmq_;
+  std::unique_ptr<OutboundChannel> over_shm_;
+};
+
+class MovingPeer : public test::DomainFixture {
+ protected:
+  void Start(Queue queue) {
+    NodeOptions options;
+    options.queue = queue;
+    listener.emplace("network: {subscribers: [" + bus.Subscriber("late") +
+                     "], heartbeat_ms: 100, peer_timeout_ms: 1000}\n");
+    subscription = (*listener)->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes), options);
+    talker.emplace(std::getenv("HGROS_DOMAIN"), bus.Endpoint("late"));
+    ASSERT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "after two seconds over ZeroMQ";
+    for (int i = 0; i < 20; ++i) talker->Say();
+    ASSERT_TRUE(Await([&] { return notes.size() == 20; }));
+    ASSERT_EQ(UsedTransport(), "ZeroMQ");
+  }
+  [[nodiscard]] std::string UsedTransport() const {
+    const auto peers = (*listener)->Peers();
+    return peers.size() == 1 ? peers[0].transport : std::to_string(peers.size()) + " peers";
+  }
+  // Until the condition holds.
+  void SayUntil(const std::function<bool()>& condition) {
+    EXPECT_TRUE(Await([&] {
+      talker->Say();
+      return testing::Test::HasFailure() || condition();
+    }));
+  }
+  void ExpectAll() {
+    EXPECT_TRUE(Await([&] { return notes.size() == talker->said(); })) << notes.size() << " of " << talker->said();
+    Linger(std::chrono::milliseconds(100));
+    const auto texts = notes.texts();
+    ASSERT_EQ(texts.size(), talker->said());
+    for (std::size_t i = 0; i < texts.size(); ++i) ASSERT_EQ(texts[i], std::to_string(i + 1));
+  }
+
+  const Bus bus;
+  Notes notes;
+  std::optional<Robot> listener;
+  Subscription subscription;
+  std::optional<LateTalker> talker;
+};
+
+TEST_F(MovingPeer, ThatSharesMemoryLateIsMovedThereWhileMessagesFlowAndLosesNone) {
+  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
+  talker->ShareMemoryWith((*listener)->id());
+  SayUntil([&] { return UsedTransport() == "shared memory"; });
+  for (int i = 0; i < 100; ++i) talker->Say();
+  ExpectAll();
+  EXPECT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "ZeroMQ was dropped";
+  EXPECT_TRUE(listener->Said("is reached through shared memory now; its messages move there."));
+}
+
+TEST_F(MovingPeer, ThatSaysNothingIsMovedAllTheSame) {
+  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
+  talker->ShareMemoryWith((*listener)->id());
+  EXPECT_TRUE(Await([&] { return UsedTransport() == "shared memory" && talker->subscribers() == 1; }));
+  for (int i = 0; i < 100; ++i) talker->Say();
+  ExpectAll();
+}
+
+TEST_F(MovingPeer, WhoseOldTransportEndsLosesNoneThatWasWaiting) {
+  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
+  talker->ShareMemoryWith((*listener)->id());
+  SayUntil([&] { return talker->subscribers() == 2 || UsedTransport() == "shared memory"; });
+  EXPECT_TRUE(Await([&] { return notes.size() == talker->said(); }));
+  (*listener)->RemoveSubscriberEndpoint(bus.Endpoint("late"));
+  EXPECT_TRUE(Await([&] { return UsedTransport() == "shared memory" && talker->subscribers() == 1; }));
+  for (int i = 0; i < 100; ++i) talker->Say();
+  ExpectAll();
+}
+
+TEST_F(MovingPeer, WhoseNewTransportEndsIsReceivedFromOverTheOldOne) {
+  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
+  talker->ShareMemoryWith((*listener)->id());
+  SayUntil([&] { return UsedTransport() == "shared memory"; });
+  ExpectAll();
+  talker->EndShm();
+  EXPECT_TRUE(Await([&] { return UsedTransport() == "ZeroMQ" && talker->subscribers() == 1; }));
+  for (int i = 0; i < 50; ++i) talker->Say();
+  ExpectAll();
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,122 @@
+// Channels whose configuration names the transports that they may use.
+#include "session/domain_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::kPatience;
+using test::kSerial;
+using test::Linger;
+using test::Note;
+using test::Notes;
+using test::Robot;
+
+constexpr const char* kNoMemory = "There is no shared memory for a message";
+
+std::string Rule(const std::string& transports) { return "channels: {scan: {transports: " + transports + "}}\n"; }
+
+class RulesOfTransports : public test::DomainFixture {
+ protected:
+  // Publishes so many, and waits until they are there; none may come twice.
+  static void Pass(Robot& talker, const std::string& channel, Notes& notes, std::size_t count) {
+    const std::size_t before = notes.size();
+    for (std::size_t i = 0; i < count; ++i) talker->ToAny(channel, Note(std::to_string(i)));
+    EXPECT_TRUE(Await([&] { return notes.size() >= before + count; })) << channel << ": " << notes.size();
+    Linger(std::chrono::milliseconds(200));  // Time for repeats to come.
+    EXPECT_EQ(notes.size(), before + count) << channel;
+  }
+};
+
+TEST_F(RulesOfTransports, AChannelThatMayNotPassSharedMemoryTakesZeroMqOnceWhoeverSaysSo) {
+  struct Case {
+    std::string here, there;
+  };
+  for (const auto& [here, there] : {Case{"zmq", ""}, Case{"", "[zmq]"}, Case{"zmq", "zmq"}}) {
+    SCOPED_TRACE("\"" + here + "\", \"" + there + "\"");
+    const Bus bus;
+    // It is said when shared memory is asked for: so it is seen which way a message takes.
+    Robot talker(bus.Publishing("a") + (here.empty() ? "" : Rule(here)) + "shared_memory: {limit_bytes: 0}\n");
+    Robot listener(bus.Subscribing("a") + (there.empty() ? "" : Rule(there)));
+    Notes scans, poses;
+    NodeOptions all;
+    all.queue = Queue::KeepAll(200);
+    const auto first = listener->FromAny<Note>("scan", kSerial, std::ref(scans), all);
+    const auto second = listener->FromAny<Note>("pose", kSerial, std::ref(poses), all);
+    const auto publish_scans = talker->Advertise<Note>("scan");
+    const auto publish_poses = talker->Advertise<Note>("pose");
+    ASSERT_TRUE(talker->WaitForSubscribers("scan", 1, kPatience));
+    ASSERT_TRUE(talker->WaitForSubscribers("pose", 1, kPatience));
+    Pass(talker, "scan", scans, 50);
+    EXPECT_FALSE(talker.Said(kNoMemory)) << "the channel went through shared memory";
+    Pass(talker, "pose", poses, 50);
+    EXPECT_TRUE(talker.Said(kNoMemory)) << "the other channel did not";
+    EXPECT_EQ(talker->WaitForSubscribers("scan", 2, std::chrono::milliseconds(1)), false);
+    ASSERT_EQ(listener->Peers().size(), 1U);
+    EXPECT_EQ(listener->Peers()[0].transport, "shared memory");
+  }
+}
+
+TEST_F(RulesOfTransports, AChannelForSharedMemoryGoesToNobodyElse) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a") + Rule("shared_memory"));
+  Robot near("");
+  Robot far(bus.Subscribing("a") + "discovery: {local: false}");
+  Notes near_scans, far_scans, far_poses;
+  const auto first = near->FromAny<Note>("scan", kSerial, std::ref(near_scans));
+  const auto second = far->FromAny<Note>("scan", kSerial, std::ref(far_scans));
+  const auto third = far->FromAny<Note>("pose", kSerial, std::ref(far_poses));
+  const auto publish_scans = talker->Advertise<Note>("scan");
+  const auto publish_poses = talker->Advertise<Note>("pose");
+  ASSERT_TRUE(talker->WaitForSubscribers("scan", 1, kPatience));
+  ASSERT_TRUE(talker->WaitForSubscribers("pose", 1, kPatience));
+  Pass(talker, "scan", near_scans, 10);
+  Pass(talker, "pose", far_poses, 10);
+  EXPECT_EQ(far_scans.size(), 0U);
+}
+
+TEST_F(RulesOfTransports, WhatTwoSessionsHaveNotInCommonIsSaidOnce) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a") + Rule("zmq"));
+  Robot listener(bus.Subscribing("a") + Rule("shared_memory"));
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("scan", kSerial, std::ref(notes));
+  (void)talker->Advertise<Note>("scan");
+  const auto said = [](Robot& robot) { return robot.Count("Nothing passes on channel \"scan\""); };
+  EXPECT_TRUE(Await([&] { return said(talker) == 1 && said(listener) == 1; }));
+  EXPECT_TRUE(talker.Said("what `transports` allow it here and there has nothing in common"));
+  EXPECT_FALSE(talker->WaitForSubscribers("scan", 1, std::chrono::milliseconds(1)));
+}
+
+TEST_F(RulesOfTransports, ThatNoEndpointLeadsToTheOtherIsSaid) {
+  Robot talker(Rule("zmq"));
+  Robot listener("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("scan", kSerial, std::ref(notes));
+  (void)talker->Advertise<Note>("scan");
+  EXPECT_TRUE(Await([&] { return listener.Said("allow ZeroMQ only, which does not reach that session"); }));
+}
+
+TEST_F(RulesOfTransports, AChannelForSharedMemoryWithoutAnyIsSaid) {
+  Robot hermit("discovery: {local: false}\n" + Rule("shared_memory"));
+  const Bus bus;
+  hermit->AddPublisherEndpoint({bus.Endpoint("a"), {}, true});
+  (void)hermit->Advertise<Note>("scan");
+  EXPECT_TRUE(hermit.Said("Channel \"scan\" stays in this process"));
+}
+
+TEST_F(RulesOfTransports, AWhiteListConcernsItsEndpointOnly) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a", "pose"));
+  Robot near("");
+  Notes notes;
+  const auto subscription = near->FromAny<Note>("scan", kSerial, std::ref(notes));
+  const auto publish = talker->Advertise<Note>("scan");
+  ASSERT_TRUE(talker->WaitForSubscribers("scan", 1, kPatience));
+  Pass(talker, "scan", notes, 5);
+  EXPECT_TRUE(talker.Said("Channel \"scan\" is published, but does not leave this host"));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,277 @@
+#include <sys/stat.h>
+
+#include "config/config_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::ExpectConfigError;
+using test::ExpectFault;
+using test::ScratchFolder;
+
+constexpr const char* kKey = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
+
+void ExpectPublisherFault(const std::string& ip, const std::vector<std::string>& parts) {
+  ExpectFault("network:\n  publisher:\n    ip: '" + ip + "'\n", "3:9", parts);
+}
+
+void ExpectSubscriberFault(const std::string& ip, const std::vector<std::string>& parts) {
+  ExpectFault("network:\n  subscribers:\n    - ip: '" + ip + "'\n", "3:11", parts);
+}
+
+TEST(ConfigKeys, AnUnknownOneIsMetWithTheNearestAndTheList) {
+  ExpectFault("netwrok:\n", "1:1",
+              {"Unknown key \"netwrok\" at the top level.", "Did you mean \"network\"?",
+               "Known keys: channels, data_graph, discovery, network, shared_memory, time."});
+  ExpectFault("network:\n  publishers:\n", "2:3", {"Unknown key \"publishers\" in network.", "\"publisher\"?"});
+  ExpectFault(
+      "network:\n  publisher: {ip: x, chanels: []}\n", "2:22",
+      {"Unknown key \"chanels\" in network.publisher.", "Did you mean \"channels\"?", "Known keys: channels, ip."});
+  ExpectFault("network: {subscribers: [{ip: x}, {ipp: x}]}", "1:35", {"in network.subscribers[1]."});
+  ExpectFault("data_graph: {thread: 1}", "1:14", {"\"threads\"?", "Known keys: close_channels, nodes, threads."});
+  ExpectFault("data_graph: {nodes: {slam: {queu: latest}}}", "1:29", {"in data_graph.nodes.slam.", "\"queue\"?"});
+  ExpectFault("channels: {scan: {latch: 1}}", "1:19", {"in channels.scan.", "\"latched\"?"});
+  ExpectFault("network: {security: {secret: a}}", "1:22", {"Known keys: allowed_clients, public_key, secret_key,"});
+}
+
+TEST(ConfigKeys, SectionsOfLaterVersionsAreUnknown) {
+  ExpectFault("params: {}", "1:1", {"Unknown key \"params\""});
+  ExpectFault("domain: 3", "1:1", {"Unknown key \"domain\""});
+}
+
+TEST(ConfigHost, FaultsOfDomainAndSharedMemoryAreExplained) {
+  ExpectFault("discovery: {domain: a/b}", "1:21", {"discovery.domain is \"a/b\", which cannot name a domain"});
+  ExpectFault("discovery: {local: maybe}", "1:20", {"discovery.local"});
+  ExpectFault("discovery: {lokal: true}", "1:13", {"Did you mean \"local\"?"});
+  ExpectFault("discovery: {local: []}", "1:20", {"discovery.local lists nobody", "Write false"});
+  ExpectFault("discovery: {local: [a, a]}", "1:24", {"local[1] is \"a\"", "robot.yaml:1:21"});
+  ExpectFault("discovery: {local: {}}", "1:20", {"must be true, false or a list of processes' names, but is a map."});
+  ExpectFault("discovery: {lan: maybe}", "1:18", {"discovery.lan must be true or false"});
+  ExpectFault("discovery: {lan: {interface: [eth0]}}", "1:19", {"Did you mean \"interfaces\"?"});
+  ExpectFault("discovery: {lan: {interfaces: []}}", "1:18", {"lists no interface"});
+  ExpectFault("discovery: {lan: {interfaces: [a-name-of-16-byt]}}", "1:32", {"cannot be the name of a network"});
+  ExpectFault(std::string("discovery: {lan: true}\nnetwork: {security: {public_key: '") + kKey + "', secret_key: '" +
+                  kKey + "'}}",
+              "1:18", {"encrypted, as network.security at robot.yaml:2:", "a beacon tells nobody's key"});
+  ExpectFault("shared_memory: {wait: nap}", "1:23", {"shared_memory.wait", "sleep"});
+  ExpectFault("shared_memory: {limit_bytes: -1}", "1:30", {"shared_memory.limit_bytes"});
+  ExpectFault("shared_memory: {spin_us: 20}", "1:26",
+              {"has a meaning beside wait: spin only, and shared_memory.wait is not given.", "Write wait: spin"});
+  ExpectFault("shared_memory: {wait: busy, spin_us: 20}", "1:38", {"shared_memory.wait at robot.yaml:1:23 is another"});
+}
+
+TEST(ConfigKeys, OneBelowTheDashesIsExplained) {
+  ExpectFault("network:\n  subscribers:\n  - ip: x\n  channels: [a]\n", "4:3",
+              {"Unknown key \"channels\" in network.", "indent it as far as the text after the dash"});
+}
+
+TEST(ConfigKeys, ARepeatedOneNamesBothPlaces) {
+  ExpectFault("network:\n  publisher: {ip: x}\nnetwork: {}\n", "3:1", {"\"network\" stands twice", "robot.yaml:1:1"});
+  ExpectFault("data_graph: {threads: 1, threads: 1}", "1:26", {"\"threads\" stands twice", "robot.yaml:1:14"});
+  ExpectFault("channels: {a: {}, 'a': {}}", "1:19", {"\"a\" stands twice"});
+}
+
+TEST(ConfigKeys, AMissingOneIsNamed) {
+  ExpectFault("network:\n  publisher:\n    channels: []\n", "3:5", {"network.publisher has no \"ip\"."});
+  ExpectFault("data_graph: {nodes: {a: {executor: {cpus: [1]}}}}", "1:36", {"executor has no \"kind\"."});
+  ExpectFault("channels: {a: {queue: {keep_all: {bytes: 1}}}}", "1:34", {"keep_all has no \"messages\"."});
+}
+
+TEST(ConfigTypes, AreSaidAsWantedAndFound) {
+  ExpectFault("network:\n  publisher:\n    ip: x\n    channels: scan\n", "4:15",
+              {"network.publisher.channels must be a list of names, but is the text \"scan\"."});
+  ExpectFault("network: {publisher: {ip: x, channels: }}", "1:40", {"must be a list of names, but is empty."});
+  ExpectFault("network: {publisher: {ip: [x]}}", "1:27", {"must be an endpoint as a text, but is a list."});
+  ExpectFault("network: 5", "1:10", {"network must be a map, but is the number 5."});
+  ExpectFault("network: {subscribers: {ip: x}}", "1:24", {"must be a list of endpoints", "but is a map."});
+  ExpectFault("network: {subscribers: [x]}", "1:25", {"network.subscribers[0] must be a map with ip and channels"});
+  ExpectFault("data_graph: {threads: many}", "1:23", {"must be an integer from 0 to 1024, but is the text \"many\"."});
+  ExpectFault("data_graph: {threads: true}", "1:23", {"but is true."});
+  ExpectFault("data_graph: {threads: '2'}", "1:23", {"but is the text \"2\" in quotes.", "without quotes"});
+  ExpectFault("data_graph: {threads: 010}", "1:23", {"leading zeros"});
+  ExpectFault("data_graph: {threads: 1.5}", "1:23", {"but is the number 1.5."});
+  ExpectFault("data_graph: {close_channels: [[a]]}", "1:31",
+              {"close_channels[0] must be a channel name, but is a list."});
+  ExpectFault("channels: {a: {lossless: yes}}", "1:26", {"must be true or false, but is the text \"yes\"."});
+  ExpectFault(
+      "- network", "1:1",
+      {"The file must be a map with network, discovery, shared_memory, time, data_graph and channels, but is a list."});
+  ExpectFault("network:x", "1:1", {"The file must be a map", "Put a blank after the colon"});
+}
+
+TEST(ConfigTypes, IntegersAndSizesHaveBounds) {
+  ExpectFault("data_graph: {threads: 1025}", "1:23", {"from 0 to 1024, but is the number 1025."});
+  ExpectFault("data_graph: {threads: -1}", "1:23", {"but is the number -1."});
+  ExpectFault("data_graph: {threads: 99999999999999999999999}", "1:23", {"from 0 to 1024"});
+  ExpectFault("data_graph: {threads: -9223372036854775808}", "1:23", {"from 0 to 1024"});
+  ExpectFault("network: {heartbeat_ms: 0}", "1:25", {"from 1 to 3600000"});
+  ExpectFault("network: {peer_queue_bytes: 0}", "1:29", {"a size from 1 to"});
+  ExpectFault("network: {peer_queue_bytes: 64MB}", "1:29", {"but is the text \"64MB\".", "KiB, MiB or GiB"});
+  ExpectFault("network: {peer_queue_bytes: 1.5GiB}", "1:29", {"KiB, MiB or GiB"});
+  ExpectFault("network: {peer_queue_bytes: 18446744073709551615GiB}", "1:29", {"a size from 1 to"});
+  ExpectFault("channels: {a: {queue: {keep_last: 0}}}", "1:35", {"from 1 to 1000000"});
+  ExpectFault("network: {heartbeat_ms: 5000}", "1:25", {"peer_timeout_ms is 5000", "heartbeat_ms, which is 5000"});
+  ExpectFault("network: {heartbeat_ms: 50, peer_timeout_ms: 20}", "1:46", {"every peer would be taken for gone"});
+}
+
+TEST(ConfigEndpointFaults, SayWhatIsWrongAndHowToMendIt) {
+  ExpectPublisherFault("", {"network.publisher.ip is empty.", "\"tcp://*:5553\", or \"x\" to switch it off."});
+  ExpectPublisherFault("tcp://*", {"which has no port"});
+  ExpectPublisherFault("off", {"which has no port", "\"x\" to switch it off"});
+  ExpectPublisherFault("tcp://*:", {"which has no port"});
+  ExpectPublisherFault("tcp://:5553", {"which has no host"});
+  ExpectPublisherFault("tcp://*:65536", {"whose port \"65536\" is none", "from 1 to 65535"});
+  ExpectPublisherFault("tcp://*:5553/", {"whose port \"5553/\" is none"});
+  ExpectPublisherFault("tcp://*:-1", {"whose port \"-1\" is none"});
+  ExpectPublisherFault("tcpp://*:5553", {"no scheme \"tcpp\"", "Did you mean \"tcp\"? Known schemes: ipc, tcp."});
+  ExpectPublisherFault("websocket://*:5553", {"no scheme \"websocket\". Known schemes: ipc, tcp."});
+  ExpectPublisherFault("tcp://1.2.3.400:5553", {"\"1.2.3.400\" is no IPv4 address"});
+  ExpectPublisherFault("tcp://::1:5553", {"more than one colon", "\"tcp://[::1]:5553\""});
+  ExpectPublisherFault("tcp://[::1:5553", {"bracket is not closed"});
+  ExpectPublisherFault("tcp://[::1]5553", {"which has no port"});
+  ExpectPublisherFault("tcp://[::1]x:5553", {"no port follows the bracket"});
+  ExpectPublisherFault("tcp://[::g]:5553", {"\"::g\" is no IPv6 address"});
+  ExpectPublisherFault("tcp:/*:5553", {"more than one colon"});
+  ExpectPublisherFault("tcp//*:5553", {"\"tcp//*\" is no host name"});
+  ExpectPublisherFault("tcp://* :5553", {"a blank or control character"});
+  ExpectPublisherFault("ipc://bus", {"names no file by its whole path", "\"ipc:///run/robot/bus\""});
+  ExpectPublisherFault("ipc:///run/", {"names no file by its whole path"});
+  ExpectPublisherFault("ipc://@", {"names no file by its whole path"});
+  ExpectPublisherFault("ipc:///" + std::string(107, 'a'), {"whose path has 108 bytes", "107 bytes at most"});
+}
+
+TEST(ConfigEndpointFaults, ASubscriberNeedsOneHostAndOnePort) {
+  ExpectSubscriberFault("tcp://*:5553", {"cannot connect to every address", "Name the publisher's host"});
+  ExpectSubscriberFault("0.0.0.0:5553", {"cannot connect to every address"});
+  ExpectSubscriberFault("tcp://[::]:5553", {"cannot connect to every address"});
+  ExpectSubscriberFault("tcp://robot2:0", {"whose port can be any"});
+  ExpectSubscriberFault("tcp://robot2:*", {"whose port can be any"});
+}
+
+TEST(ConfigEndpointFaults, TwoPublishersCannotShareAPort) {
+  ExpectFault("network:\n  publisher:\n    - ip: '*:5553'\n    - ip: '127.0.0.1:5553'\n", "4:11",
+              {"network.publisher[1].ip is \"tcp://127.0.0.1:5553\"",
+               "port 5553 belongs to \"tcp://*:5553\" at robot.yaml:3:11"});
+}
+
+TEST(ConfigEndpointFaults, ASubscriberTwiceInOneListNamesBothPlaces) {
+  ExpectFault("network:\n  subscribers:\n    - ip: 'h:5553'\n    - ip: 'tcp://H:05553'\n", "4:11",
+              {"\"tcp://h:5553\" stands twice", "robot.yaml:3:11"});
+}
+
+TEST(ConfigChannelNames, AreCheckedWhereTheyStand) {
+  ExpectFault("data_graph: {close_channels: [a, 'b c']}", "1:34", {"\"b c\" cannot be used", "byte 2 is a blank"});
+  ExpectFault("data_graph: {close_channels: ['']}", "1:31", {"it is empty"});
+  ExpectFault("channels: {'a b': {}}", "1:12", {"\"a b\" cannot be used"});
+  ExpectFault("data_graph: {close_channels: [a, b, a]}", "1:37", {"close_channels[2] is \"a\"", "robot.yaml:1:31"});
+  ExpectFault("network: {publisher: {ip: x, channels: [a, a]}}", "1:44", {"channels[1] is \"a\""});
+  ExpectFault("data_graph: {nodes: {'': {}}}", "1:22", {"name of the node is empty"});
+}
+
+TEST(ConfigQueues, RefuseOtherForms) {
+  ExpectFault("channels: {a: {queue: latst}}", "1:23",
+              {"must be a queue, but is the text \"latst\".", "Did you mean \"latest\"?"});
+  ExpectFault("channels: {a: {queue: 16}}", "1:23", {"but is the number 16.", "{keep_last: 16}"});
+  ExpectFault("channels: {a: {queue: {}}}", "1:23", {"must say either keep_last or keep_all"});
+  ExpectFault("channels: {a: {queue: {keep_last: 1, keep_all: 1}}}", "1:23", {"must say either keep_last or keep_all"});
+  ExpectFault("channels: {a: {queue: {keeplast: 1}}}", "1:24", {"Did you mean \"keep_last\"?"});
+  ExpectFault("channels: {a: {queue: latest, lossless: true}}", "1:41", {"contradicts the queue at robot.yaml:1:23"});
+  ExpectFault("channels: {a: {queue: {keep_all: 5}, lossless: false}}", "1:48", {"contradicts the queue"});
+}
+
+TEST(ConfigTransports, RefuseOtherForms) {
+  ExpectFault("channels: {a: {transports: shared_memry}}", "1:28",
+              {"must be one of shared_memory, zmq", "Did you mean \"shared_memory\"?"});
+  ExpectFault("channels: {a: {transports: [zmq, tcp]}}", "1:34", {"must be one of shared_memory, zmq"});
+  ExpectFault("channels: {a: {transports: [zmq, zmq]}}", "1:34", {"which the list has already"});
+  ExpectFault("channels: {a: {transports: []}}", "1:28", {"lists no transport", "ToGraph"});
+  ExpectFault("channels: {a: {transport: zmq}}", "1:16", {"Did you mean \"transports\"?"});
+  ExpectFault("channels: {a: {carriers: zmq}}", "1:16", {"`carriers` is called `transports` now"});
+}
+
+TEST(ConfigExecutors, RefuseOtherForms) {
+  const auto expect = [](const std::string& form, const std::string& at, const std::vector<std::string>& parts) {
+    ExpectFault("data_graph: {nodes: {a: {executor: " + form + "}}}", at, parts);
+  };
+  expect("inlined", "1:36",
+         {"must be one of tbb, inline, dedicated, but is the text \"inlined\".", "Did you mean \"inline\"?"});
+  expect("[tbb]", "1:36", {"must be tbb, inline, dedicated or a map with kind, but is a list."});
+  expect("{kind: inline, cpus: [1]}", "1:57", {"has a meaning for a dedicated executor only"});
+  expect("{kind: tbb, priority: 1}", "1:58", {"has a meaning for a dedicated executor only"});
+  expect("{kind: dedicated, cpus: [1024]}", "1:61", {"from 0 to 1023"});
+  expect("{kind: dedicated, cpus: [1, 1]}", "1:64", {"robot.yaml:1:61"});
+  expect("{kind: dedicated, priority: 100}", "1:64", {"from 0 to 99"});
+}
+
+TEST(ConfigSecurity, KeysAreCheckedAndNeverShown) {
+  const std::string shorter(39, 'k');
+  ExpectFault("network: {security: {public_key: " + shorter + "}}", "1:34", {"has 39 characters, but a key has 40"});
+  const std::string strange = std::string(20, 's') + "~" + std::string(19, 's');
+  try {
+    (void)Config::Parse("network: {security: {secret_key: '" + strange + "'}}");
+    FAIL();
+  } catch (const ConfigError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("character 21 is not one of Z85"), std::string::npos) << what;
+    EXPECT_EQ(what.find("ssss"), std::string::npos) << what;
+  }
+  try {
+    (void)Config::Parse(std::string("network: {security: {secret_key_file: '") + kKey + "'}}");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()).find("rq:rM"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ConfigSecurity, HalfOfItIsRefused) {
+  const std::string key = std::string("'") + kKey + "'";
+  ExpectFault("network: {security: {public_key: " + key + "}}", "1:34", {"no secret key", "secret_key_file"});
+  ExpectFault("network: {security: {allowed_clients: [" + key + "]}}", "1:40", {"no secret key"});
+  ExpectFault("network: {security: {servers: {'h:1': " + key + "}}}", "1:39", {"no secret key"});
+  ExpectFault("network: {security: {secret_key: " + key + "}}", "1:34", {"no public key"});
+  ExpectFault("network:\n  subscribers: [{ip: 'robot2:1'}]\n  security:\n    secret_key: " + key +
+                  "\n    public_key: " + key + "\n    servers: {'robot3:1': " + key + "}\n",
+              "2:22", {"no key for \"tcp://robot2:1\"", "nearest endpoint there is \"tcp://robot3:1\""});
+  ExpectFault("network:\n  security:\n    secret_key: " + key + "\n    secret_key_file: k\n", "4:22",
+              {"stands beside secret_key at robot.yaml:3:17"});
+  ExpectFault("network: {security: {servers: {'h:1': " + key + ", 'tcp://H:1': " + key + "}}}", "1:96",
+              {"has a key at robot.yaml:1:32 already"});
+}
+
+TEST(ConfigSecurity, TheKeyFileStandsBesideTheConfigurationAndIsPrivate) {
+  const ScratchFolder folder;
+  const auto key_file = folder.Write("secret", std::string(kKey) + "\n");
+  const auto file = folder.Write(
+      "robot.yaml", std::string("network: {security: {secret_key_file: secret, public_key: '") + kKey + "'}}");
+  const auto load = [&] { return Config::Load(file); };
+  const std::string where = file.string() + ":1:39";
+
+  ASSERT_EQ(chmod(key_file.c_str(), 0640), 0);
+  ExpectConfigError(load, where, {"others than its owner may read", "chmod 600 " + key_file.string()});
+  ASSERT_EQ(chmod(key_file.c_str(), 0600), 0);
+  EXPECT_EQ(load().security.secret_key, kKey);
+
+  folder.Write("secret", "short\n");
+  ExpectConfigError(load, where, {"names a file that has 5 characters"});
+  folder.Write("secret", std::string(kKey) + kKey);
+  ExpectConfigError(load, where, {"more than one key"});
+  std::filesystem::remove(key_file);
+  ExpectConfigError(load, where, {"cannot be read: No such file or directory"});
+  ASSERT_EQ(mkfifo(key_file.c_str(), 0600), 0);
+  ExpectConfigError(load, where, {"which is no ordinary file"});
+}
+
+TEST(ConfigFiles, WhatCannotBeReadIsNamed) {
+  const ScratchFolder folder;
+  const auto missing = folder.path() / "missing.yaml";
+  ExpectConfigError([&] { return Config::Load(missing); }, missing.string(),
+                    {"cannot be read: No such file or directory"});
+  ExpectConfigError([&] { return Config::Load(folder.path()); }, folder.path().string(), {"a folder"});
+  ExpectConfigError([&] { return Config::Load(std::filesystem::path()); }, "",
+                    {"name of a configuration file is empty"});
+  const auto huge = folder.Write("huge.yaml", std::string(1024 * 1024 + 1, '#'));
+  ExpectConfigError([&] { return Config::Load(huge); }, huge.string(), {"more than 1 MiB"});
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,139 @@
+// Beacons of two hosts: network namespaces with a virtual cable between them.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "discovery/listening.hpp"
+#include "hgros/discovery/beacon.hpp"
+#include "support/cable.hpp"
+
+namespace hgros::discovery {
+namespace {
+
+using test::Await;
+using test::Cable;
+using test::Ip;
+using test::On;
+
+struct Participant {
+  Participant(const std::string& host, const BeaconOptions& options, const std::string& endpoint) {
+    own.endpoints = {endpoint};
+    On(host, [&] { beacon = OpenBeacon(options, listening, log.log); });
+    beacon->Announce(own);
+  }
+  /// Waits until it sees exactly one session, at this endpoint.
+  [[nodiscard]] bool Finds(const Participant& other, const std::string& endpoint) const {
+    return Await([&] {
+      const auto all = beacon->List();
+      return all.size() == 1 && all[0].session == other.own.session && all[0].endpoints == std::vector{endpoint};
+    });
+  }
+
+  KeptLog log;
+  Listening listening;
+  Announcement own = NewAnnouncement();
+  std::unique_ptr<Discovery> beacon;
+};
+
+class BeaconNetwork : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (geteuid() != 0) GTEST_SKIP() << "network namespaces need root";
+    cable = std::make_unique<Cable>();
+    if (!cable->ready) GTEST_SKIP() << "no network namespaces with veth here";
+  }
+
+  std::unique_ptr<Cable> cable;
+  const BeaconOptions options{.domain = "robot"};
+};
+
+TEST_F(BeaconNetwork, LetsHostsFindEachOtherAtTheAddressesOfTheirDatagrams) {
+  ASSERT_TRUE(cable->Set("up"));
+  const Participant one(cable->left, options, "tcp://*:5555");
+  const Participant two(cable->right, options, "tcp://*:6666");
+  EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
+  EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
+}
+
+TEST_F(BeaconNetwork, UsesBroadcastOnInterfacesWithoutMulticast) {
+  ASSERT_TRUE(cable->Set("multicast off up"));
+  const Participant one(cable->left, options, "tcp://*:5555");
+  const Participant two(cable->right, options, "tcp://*:6666");
+  EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
+  EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
+}
+
+TEST_F(BeaconNetwork, UsesInterfacesThatAppearLater) {
+  BeaconOptions impatient = options;
+  impatient.period = std::chrono::milliseconds(50);
+  impatient.patience = std::chrono::milliseconds(500);
+  const Participant one(cable->left, impatient, "tcp://*:5555");
+  const Participant two(cable->right, impatient, "tcp://*:6666");
+  EXPECT_TRUE(one.beacon->List().empty());
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(cable->Set("up"));
+    EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
+    EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
+    ASSERT_TRUE(cable->Set("down"));
+    EXPECT_TRUE(one.listening.AwaitCount(0));
+    EXPECT_TRUE(two.listening.AwaitCount(0));
+  }
+}
+
+TEST_F(BeaconNetwork, UsesOnlyTheChosenInterfaces) {
+  ASSERT_TRUE(cable->Set("up"));
+  ASSERT_TRUE(Ip("-n " + cable->right + " link set lo up"));
+  BeaconOptions loopback = options;
+  loopback.interfaces = {"lo"};
+  const Participant one(cable->left, options, "tcp://*:5555");
+  const Participant deaf(cable->right, loopback, "tcp://*:6666");
+  const Participant two(cable->right, options, "tcp://*:7777");
+  EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:7777"));
+  EXPECT_TRUE(deaf.beacon->List().empty());
+}
+
+TEST_F(BeaconNetwork, SendsNothingBeyondARouter) {
+  ASSERT_TRUE(cable->Set("up"));
+  int listener = -1;
+  On(cable->right, [&] {
+    listener = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const int on = 1;
+    setsockopt(listener, IPPROTO_IP, IP_RECVTTL, &on, sizeof on);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(kBeaconPort);
+    EXPECT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ip_mreqn group{};
+    group.imr_multiaddr.s_addr = htonl(0xefff4847);
+    group.imr_address.s_addr = htonl(0x0ac60002);
+    EXPECT_EQ(setsockopt(listener, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group), 0);
+  });
+  BeaconOptions often = options;
+  often.period = std::chrono::milliseconds(50);
+  const Participant one(cable->left, often, "tcp://*:5555");
+  int time_to_live = -1;
+  EXPECT_TRUE(Await([&] {
+    char bytes[2000];
+    alignas(cmsghdr) char control[64];
+    iovec piece{bytes, sizeof bytes};
+    msghdr message{};
+    message.msg_iov = &piece;
+    message.msg_iovlen = 1;
+    message.msg_control = control;
+    message.msg_controllen = sizeof control;
+    if (recvmsg(listener, &message, 0) <= 0) return false;
+    const cmsghdr* header = CMSG_FIRSTHDR(&message);
+    if (header != nullptr) time_to_live = *reinterpret_cast<const int*>(CMSG_DATA(header));
+    return true;
+  }));
+  EXPECT_EQ(time_to_live, 1);
+  close(listener);
+}
+
+}  // namespace
+}  // namespace hgros::discovery

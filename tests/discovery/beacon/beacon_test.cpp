@@ -1,0 +1,204 @@
+#include "hgros/discovery/beacon.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "discovery/beacon/beacon_socket.hpp"
+#include "discovery/beacon/datagram.hpp"
+#include "discovery/listening.hpp"
+#include "hgros/base/error.hpp"
+
+namespace hgros::discovery {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using test::Await;
+
+/// What others hear of `own` when it comes from `sender`.
+Announcement AsHeard(const Announcement& own, const std::string& sender) {
+  return ParseDatagram(AsBytes(EncodeDatagram(own, "robot", false)), "robot", sender)->peer;
+}
+
+struct Participant {
+  explicit Participant(const BeaconOptions& options) : beacon(OpenBeacon(options, listening, log.log)) {
+    own.endpoints = {"tcp://*:5555"};
+  }
+  ~Participant() {
+    beacon.reset();
+    EXPECT_EQ(listening.broken(), "");
+  }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+  void Announce() const { beacon->Announce(own); }
+  [[nodiscard]] Announcement heard() const { return AsHeard(own, "127.0.0.1"); }
+
+  KeptLog log;
+  Listening listening;
+  Announcement own = NewAnnouncement();
+  std::unique_ptr<Discovery> beacon;
+};
+
+/// Beacons on the loopback, where no other test's datagrams are.
+class Beacon : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Participant one(options);
+    const Participant two(options);
+    one.Announce();
+    two.Announce();
+    if (!one.log.text().empty()) GTEST_SKIP() << "no multicast on the loopback here: " << one.log.text();
+  }
+
+  BeaconOptions options{.domain = "robot",
+                        .interfaces = {"lo"},
+                        .port = static_cast<std::uint16_t>(10000 + getpid() % 20000),
+                        .period = milliseconds(50),
+                        .patience = hours(1)};
+};
+
+TEST_F(Beacon, LetsSessionsFindEachOtherAndSayGoodbye) {
+  const Participant one(options);
+  std::optional<Participant> two(options);
+  one.Announce();
+  two->Announce();
+  const Announcement other = two->heard();
+  EXPECT_EQ(other.endpoints, std::vector<std::string>{"tcp://127.0.0.1:5555"});
+  EXPECT_TRUE(one.listening.AwaitPeer(other));
+  EXPECT_TRUE(two->listening.AwaitPeer(one.heard()));
+  EXPECT_EQ(one.beacon->List(), std::vector{other});
+  two.reset();
+  EXPECT_TRUE(one.listening.AwaitCount(0));
+  EXPECT_EQ(one.listening.gone(other.session), "It said goodbye.");
+  EXPECT_EQ(one.log.text(), "");
+}
+
+TEST_F(Beacon, SendsNewsAtOnceAndAnswersNewPeers) {
+  options.period = hours(1);
+  options.patience = hours(10);
+  Participant early(options);
+  early.Announce();
+  const Participant late(options);
+  late.Announce();
+  EXPECT_TRUE(early.listening.AwaitPeer(late.heard()));
+  EXPECT_TRUE(late.listening.AwaitPeer(early.heard())) << "long before its period is over";
+  early.own.endpoints = {"tcp://*:1", "tcp://*:2"};
+  early.Announce();
+  EXPECT_TRUE(late.listening.AwaitPeer(early.heard()));
+  early.own.channels.clear();
+  early.Announce();  // No news for others.
+}
+
+TEST_F(Beacon, ReportsSilentPeersAsGone) {
+  options.patience = milliseconds(300);
+  const Participant one(options);
+  const BeaconSocket stranger({"lo"}, options.port);
+  const Announcement brief = NewAnnouncement("brief");
+  ASSERT_EQ(stranger.Send(EncodeDatagram(brief, "robot", false)), "");
+  ASSERT_TRUE(Await([&] { return one.listening.came(brief.session) == 1; }));
+  EXPECT_TRUE(one.listening.AwaitCount(0));
+  EXPECT_EQ(one.listening.gone(brief.session), "It was not heard for 300 ms.");
+}
+
+TEST_F(Beacon, IgnoresOtherDomainsAndNonsense) {
+  const Participant one(options);
+  const BeaconSocket stranger({"lo"}, options.port);
+  std::mt19937 random(7);
+  const std::string good = EncodeDatagram(NewAnnouncement(), "robot", false);
+  (void)stranger.Send(EncodeDatagram(NewAnnouncement(), "other", false));
+  for (int i = 0; i < 300; ++i) {
+    std::string bad(random() % 3000, '\0');
+    for (char& c : bad) c = static_cast<char>(random());
+    (void)stranger.Send(bad);
+    (void)stranger.Send(good.substr(0, random() % 8));
+  }
+  const Participant two(options);
+  two.Announce();
+  EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));
+  EXPECT_TRUE(one.listening.AwaitCount(1));
+}
+
+TEST_F(Beacon, SurvivesAFloodAndLogsIt) {
+  const Participant one(options);
+  const BeaconSocket stranger({"lo"}, options.port);
+  const std::string nonsense(100, 'x');
+  // As long as it takes: some of them the kernel throws away.
+  ASSERT_TRUE(Await([&] {
+    for (int i = 0; i < 1000; ++i) (void)stranger.Send(nonsense);
+    return one.log.Count({"datagrams a second"}) == 1;
+  }));
+  const Participant two(options);
+  two.Announce();
+  EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));
+}
+
+TEST_F(Beacon, RefusesInvalidOptions) {
+  Participant one(options);
+  const Announcement good = one.own;
+  one.own.session = {};
+  EXPECT_THROW(one.Announce(), Error);
+  one.own = good;
+  one.own.endpoints.assign(10, "tcp://" + std::string(200, 'a') + ":1");
+  EXPECT_THROW(one.Announce(), Error);
+  one.own = good;
+  EXPECT_NO_THROW(one.Announce());
+  one.own.session = SessionId::Random();
+  EXPECT_THROW(one.Announce(), Error) << "one beacon, one session";
+
+  Listening listening;
+  KeptLog log;
+  const auto refused = [&](const BeaconOptions& wrong) {
+    EXPECT_THROW((void)OpenBeacon(wrong, listening, log.log), Error);
+  };
+  BeaconOptions wrong = options;
+  wrong.domain = "no domain";
+  refused(wrong);
+  wrong = options;
+  wrong.interfaces = {"lo", "nosuch0"};
+  refused(wrong);
+  wrong = options;
+  wrong.patience = wrong.period;
+  refused(wrong);
+}
+
+TEST_F(Beacon, ForkedChildDoesNotDisturbIt) {
+  const Participant one(options);
+  Participant two(options);
+  one.Announce();
+  two.Announce();
+  ASSERT_TRUE(one.listening.AwaitPeer(two.heard()));
+  (void)std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    int status = two.beacon->List().empty() ? 0 : 1;
+    try {
+      two.Announce();
+      status |= 2;
+    } catch (const Error&) {
+    }
+    two.beacon.reset();
+    _exit(status);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  two.own.endpoints = {"tcp://*:7"};
+  two.Announce();
+  EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));
+  EXPECT_EQ(one.listening.came(two.own.session), 1) << "the child said no goodbye";
+}
+
+}  // namespace
+}  // namespace hgros::discovery

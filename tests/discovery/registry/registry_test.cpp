@@ -1,0 +1,333 @@
+#include "hgros/discovery/registry.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "discovery/listening.hpp"
+#include "hgros/base/error.hpp"
+
+namespace hgros::discovery {
+namespace {
+
+using test::Await;
+namespace fs = std::filesystem;
+
+/// A registry with its listener.
+struct Participant {
+  explicit Participant(const RegistryOptions& options, const std::string& process = "test")
+      : own(NewAnnouncement(process)), registry(OpenRegistry(options, listening, log.log)) {}
+  ~Participant() {
+    registry.reset();
+    EXPECT_EQ(listening.broken(), "");
+  }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+  void Announce() const { registry->Announce(own); }
+
+  KeptLog log;
+  Listening listening;
+  Announcement own;
+  std::unique_ptr<Discovery> registry;
+};
+
+class Registry : public testing::Test {
+ protected:
+  ScratchFolder scratch;
+  RegistryOptions options{scratch.path() / "hgros", "robot"};
+  fs::path folder = options.folder / options.domain;
+};
+
+TEST_F(Registry, ReportsEveryOtherSessionButNotItself) {
+  Participant one(options, "one");
+  Participant two(options, "two");
+  one.Announce();
+  two.Announce();
+  EXPECT_TRUE(one.listening.AwaitPeer(two.own));
+  EXPECT_TRUE(two.listening.AwaitPeer(one.own));
+  Participant late(options, "late");
+  EXPECT_TRUE(late.listening.AwaitPeer(one.own));
+  EXPECT_TRUE(late.listening.AwaitPeer(two.own));
+  late.Announce();
+  EXPECT_TRUE(one.listening.AwaitPeer(late.own));
+  EXPECT_TRUE(two.listening.AwaitPeer(late.own));
+  for (const Participant* participant : {&one, &two, &late}) {
+    EXPECT_EQ(participant->listening.came(participant->own.session), 0);
+    EXPECT_EQ(participant->registry->List(), participant->listening.here());
+    EXPECT_EQ(participant->log.text(), "");
+  }
+}
+
+TEST_F(Registry, ListsEarlierSessionsAtOnce) {
+  const Participant early(options);
+  early.Announce();
+  const Participant late(options);
+  EXPECT_EQ(late.registry->List(), std::vector{early.own});
+}
+
+TEST_F(Registry, ReportsEarlierSessionsBeforeItIsOpen) {
+  const Participant early(options);
+  early.Announce();
+  const Participant late(options);
+  EXPECT_TRUE(late.listening.Sees(early.own)) << "told before opening has returned";
+}
+
+TEST_F(Registry, RemovesFoldersOfDeadSessions) {
+  const auto leave = [&](const std::string& domain, const std::string& file) {
+    fs::create_directories(options.folder / domain);
+    fs::permissions(options.folder / domain, fs::perms::owner_all);
+    std::ofstream(options.folder / domain / file) << "x";
+  };
+  fs::create_directory(options.folder);
+  fs::permissions(options.folder, fs::perms::owner_all);
+  leave("dead", "0123456789abcdef");
+  leave("dead", ".0123456789abcdee.0123456789abcdef");
+  leave("strange", "0123456789abcdef");
+  leave("strange", "README");
+  RegistryOptions elsewhere = options;
+  elsewhere.domain = "alive";
+  const Participant living(elsewhere);
+  living.Announce();
+  leave("alive", "0123456789abcdef");
+  const Participant newcomer(options);
+  EXPECT_TRUE(Await([&] { return !fs::exists(options.folder / "dead"); }));
+  EXPECT_TRUE(fs::exists(options.folder / "strange" / "README"));
+  EXPECT_TRUE(fs::exists(options.folder / "strange" / "0123456789abcdef")) << "who put that there is not known";
+  EXPECT_TRUE(fs::exists(options.folder / "alive" / living.own.session.ToString()));
+}
+
+TEST_F(Registry, ReportsChanges) {
+  const Participant observer(options);
+  Participant changing(options);
+  changing.Announce();
+  ASSERT_TRUE(observer.listening.AwaitPeer(changing.own));
+  for (int i = 0; i < 20; ++i) {
+    changing.own.channels.push_back(
+        {ChannelUse{"channel" + std::to_string(i), "Type", Encoding::kCustom, 0, true, true, false}});
+    changing.Announce();
+  }
+  EXPECT_TRUE(observer.listening.AwaitPeer(changing.own));
+  changing.own.channels.clear();
+  changing.own.endpoints = {"tcp://*:1"};
+  changing.Announce();
+  EXPECT_TRUE(observer.listening.AwaitPeer(changing.own));
+  EXPECT_EQ(observer.listening.came(changing.own.session), 1);
+}
+
+TEST_F(Registry, ReportsARestartedSession) {
+  const Participant observer(options);
+  Participant reborn(options);
+  reborn.Announce();
+  ASSERT_TRUE(observer.listening.AwaitPeer(reborn.own));
+  reborn.own.incarnation = 2;
+  reborn.Announce();
+  EXPECT_TRUE(observer.listening.AwaitPeer(reborn.own));
+  EXPECT_EQ(observer.listening.came(reborn.own.session), 2);
+}
+
+TEST_F(Registry, ReportsGoodbyesAndTheLastSessionRemovesTheFolder) {
+  std::optional<Participant> observer(options);
+  std::optional<Participant> leaving(options);
+  leaving->Announce();
+  const Announcement left = leaving->own;
+  ASSERT_TRUE(observer->listening.AwaitPeer(left));
+  leaving.reset();
+  ASSERT_TRUE(observer->listening.AwaitCount(0));
+  EXPECT_EQ(observer->listening.gone(left.session), "It said goodbye.");
+  EXPECT_TRUE(Await([&] { return fs::exists(folder); })) << "somebody watches it still";
+  observer.reset();
+  EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST_F(Registry, FindsSessionsAfterTheEmptyFolderWasRemoved) {
+  Participant observer(options);
+  { const Participant brief(options); }
+  Participant next(options);
+  next.Announce();
+  EXPECT_TRUE(observer.listening.AwaitPeer(next.own));
+  observer.Announce();
+  EXPECT_TRUE(next.listening.AwaitPeer(observer.own));
+  EXPECT_EQ(observer.log.text() + next.log.text(), "");
+}
+
+TEST_F(Registry, KeepsDomainsApart) {
+  const Participant here(options);
+  here.Announce();
+  options.domain = "other";
+  const Participant there(options);
+  there.Announce();
+  const Participant too(options);
+  too.Announce();
+  EXPECT_TRUE(there.listening.AwaitPeer(too.own));
+  EXPECT_EQ(there.registry->List(), std::vector{too.own});
+  EXPECT_TRUE(here.registry->List().empty());
+}
+
+TEST_F(Registry, LetsItsListenerAnnounceAndList) {
+  Participant caller(options);
+  std::atomic<std::size_t> listed = 0;
+  caller.listening.on_came = [&] {
+    caller.Announce();
+    listed = caller.registry->List().size();
+  };
+  const Participant other(options);
+  other.Announce();
+  EXPECT_TRUE(other.listening.AwaitPeer(caller.own));
+  EXPECT_EQ(listed, 1U);
+}
+
+TEST_F(Registry, RefusesASessionIdThatIsAlreadyAnnounced) {
+  const Participant first(options);
+  first.Announce();
+  Participant second(options);
+  second.own.session = first.own.session;
+  EXPECT_THROW(second.Announce(), Error);
+  second.own.session = SessionId::Random();
+  EXPECT_NO_THROW(second.Announce());
+}
+
+TEST_F(Registry, RefusesAnnouncementsThatCannotBeRead) {
+  Participant one(options);
+  const Announcement good = one.own;
+  one.own.session = {};
+  EXPECT_THROW(one.Announce(), Error);
+  one.own = good;
+  one.own.channels.resize(5000, {std::string(200, 'c'), "Type", Encoding::kPlain, 1, true, true, true});
+  EXPECT_THROW(one.Announce(), Error);
+  one.own = good;
+  one.Announce();
+  one.own.session = SessionId::Random();
+  EXPECT_THROW(one.Announce(), Error) << "one registry, one session";
+  one.own = good;
+  one.own.channels = {{ChannelUse{"not a name", "Type", Encoding::kPlain, 1, true, true, true}}};
+  EXPECT_THROW(one.Announce(), Error);
+}
+
+TEST_F(Registry, RestoresARemovedFile) {
+  const Participant observer(options);
+  const Participant careless(options);
+  careless.Announce();
+  ASSERT_TRUE(observer.listening.AwaitPeer(careless.own));
+  const fs::path file = folder / careless.own.session.ToString();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(fs::remove(file));
+    EXPECT_TRUE(Await([&] { return fs::exists(file); }));
+  }
+  EXPECT_EQ(careless.log.Count({"written again", file.string()}), 1U) << careless.log.text();
+  EXPECT_EQ(observer.listening.gone(careless.own.session), "") << "it was there all the time";
+}
+
+TEST_F(Registry, RestoresARemovedFolder) {
+  std::vector<std::unique_ptr<Participant>> all;
+  for (int i = 0; i < 4; ++i) all.push_back(std::make_unique<Participant>(options));
+  for (const auto& one : all) one->Announce();
+  for (const auto& one : all) ASSERT_TRUE(one->listening.AwaitCount(3));
+  for (int i = 0; i < 3; ++i) {
+    std::error_code busy;  // They may be back before it is done.
+    fs::remove_all(options.folder, busy);
+    for (const auto& one : all) {
+      EXPECT_TRUE(Await([&] { return fs::exists(folder / one->own.session.ToString()); }));
+    }
+  }
+  const Participant late(options);
+  late.Announce();
+  EXPECT_EQ(late.registry->List().size(), 4U);
+  for (const auto& one : all) {
+    EXPECT_TRUE(one->listening.AwaitCount(4));
+    EXPECT_EQ(one->log.Count({"written again"}), 1U) << one->log.text();
+  }
+}
+
+TEST_F(Registry, DropsASessionWhoseFileIsNotRestored) {
+  const Participant observer(options);
+  std::optional<Participant> lost(options);
+  lost->Announce();
+  const Announcement own = lost->own;
+  ASSERT_TRUE(observer.listening.AwaitPeer(own));
+  fs::rename(folder, scratch.path() / "moved");
+  lost.reset();
+  EXPECT_TRUE(observer.listening.AwaitCount(0));
+  EXPECT_NE(observer.listening.gone(own.session), "");
+}
+
+TEST_F(Registry, RescansTheFolderAfterTheEventQueueOverflowed) {
+  std::ifstream limit_file("/proc/sys/fs/inotify/max_queued_events");
+  int limit = 0;
+  limit_file >> limit;
+  if (limit <= 0 || limit > 200'000) GTEST_SKIP() << "the kernel keeps " << limit << " events";
+  test::Door door;
+  Participant slow(options);
+  std::atomic<bool> blocked = false;
+  slow.listening.on_came = [&] {
+    blocked = true;
+    door.Pass();
+  };
+  std::optional<Participant> leaving(options);
+  leaving->Announce();
+  ASSERT_TRUE(Await([&] { return blocked.load(); }));
+  std::ofstream(folder / "a") << "not a session";
+  for (int i = 0; i <= limit / 4; ++i) {
+    fs::rename(folder / "a", folder / "b");
+    fs::rename(folder / "b", folder / "a");
+  }
+  leaving.reset();
+  const Participant coming(options);
+  coming.Announce();
+  door.Open();
+  EXPECT_TRUE(Await([&] { return slow.registry->List() == std::vector{coming.own}; }));
+  EXPECT_TRUE(slow.listening.AwaitCount(1));
+  fs::remove(folder / "a");
+}
+
+TEST_F(Registry, AgreesWithAModelUnderRandomChanges) {
+  const auto seed = std::random_device{}();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const Participant observer(options);
+  std::vector<std::unique_ptr<Participant>> all(8);
+  for (int step = 0; step < 300; ++step) {
+    auto& one = all[random() % all.size()];
+    switch (random() % 4) {
+      case 0: one.reset(); break;
+      case 1: one = std::make_unique<Participant>(options); break;
+      default:
+        if (one == nullptr) one = std::make_unique<Participant>(options);
+        one->own.channels.resize(random() % 3, {"c", "T", Encoding::kPlain, random(), true, false, false});
+        one->Announce();
+    }
+  }
+  for (const auto& one : all) {
+    if (one == nullptr) continue;
+    one->Announce();
+    EXPECT_TRUE(observer.listening.AwaitPeer(one->own));
+  }
+  for (const auto& one : all) {
+    if (one == nullptr) continue;
+    EXPECT_TRUE(Await([&] { return one->registry->List().size() == observer.registry->List().size() - 1; }));
+  }
+  all.clear();
+  EXPECT_TRUE(observer.listening.AwaitCount(0));
+  EXPECT_TRUE(IsEmptyOrGone(folder));
+  EXPECT_EQ(observer.log.text(), "");
+}
+
+TEST_F(Registry, LetsFiftySessionsOfOneProcessSeeEachOther) {
+  std::vector<std::unique_ptr<Participant>> all;
+  for (int i = 0; i < 50; ++i) {
+    all.push_back(std::make_unique<Participant>(options));
+    all.back()->Announce();
+  }
+  for (const auto& one : all) EXPECT_TRUE(one->listening.AwaitCount(49));
+}
+
+}  // namespace
+}  // namespace hgros::discovery

@@ -1,0 +1,125 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "graph/graph_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Collected;
+using test::Counting;
+using test::Options;
+
+class LatchOnEveryExecutor : public testing::TestWithParam<std::size_t> {
+ protected:
+  [[nodiscard]] Executor executor() const { return test::AllExecutors()[GetParam()]; }
+};
+INSTANTIATE_TEST_SUITE_P(Latch, LatchOnEveryExecutor, testing::Values(0U, 1U, 2U));
+
+TEST_P(LatchOnEveryExecutor, LateNodeGetsLatchedMessagesOnceAndBeforeLiveOnes) {
+  DataGraph graph;
+  const auto publish = graph.Advertise<int>("map", 3);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<int>(i)), PublishStatus::kOk);
+  Collected got;
+  // Deeper than the queue: what is latched does not depend on it.
+  const auto subscription = graph.FromGraph<int>(
+      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor(), Queue::KeepLast(2)));
+  ASSERT_TRUE(Await([&] { return got.size() == 3; }));
+  EXPECT_EQ(publish(std::make_unique<int>(10)), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return got.size() == 4; }));
+  EXPECT_EQ(got.values(), Counting(7, 11));
+}
+
+TEST_P(LatchOnEveryExecutor, NodesAddedDuringPublishingMissNothingAndGetNothingTwice) {
+  DataGraph graph;
+  constexpr int kMessages = 3000;
+  const auto publish = graph.Advertise<int>("map", kMessages);
+  std::jthread publisher([&] {
+    for (int i = 0; i < kMessages; ++i) EXPECT_EQ(publish(std::make_unique<int>(i)), PublishStatus::kOk);
+  });
+  std::vector<std::unique_ptr<Collected>> all;
+  std::vector<Subscription> subscriptions;
+  for (int i = 0; i < 8; ++i) {
+    all.push_back(std::make_unique<Collected>());
+    subscriptions.push_back(graph.FromGraph<int>(
+        "map", Invoke::kSerial, [got = all.back().get()](const int& value) { got->Add(value); },
+        Options(executor(), Queue::KeepAll(kMessages))));
+  }
+  publisher.join();
+  for (const auto& got : all) {
+    ASSERT_TRUE(Await([&] { return got->size() >= static_cast<std::size_t>(kMessages); }));
+    EXPECT_EQ(got->values(), Counting(0, kMessages));
+  }
+}
+
+TEST_P(LatchOnEveryExecutor, NewNodesGetLatchedMessagesOfALostPublisherOnceWhenItReturns) {
+  DataGraph graph;
+  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
+  const auto inject = [&](int value, std::uint64_t sequence) {
+    MessageInfo info;
+    info.id = {7, 1, sequence};
+    DataGraph::Inject(channel, std::make_shared<const int>(value), TypeOf<int>(), info, nullptr, 2);
+  };
+  for (int i = 0; i < 3; ++i) inject(i, static_cast<std::uint64_t>(i) + 1);
+  graph.PublisherIsGone(7);
+  Collected got;
+  const auto subscription = graph.FromGraph<int>(
+      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor()));
+  ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_EQ(got.size(), 0U) << "perhaps it is dead";
+  graph.PublisherIsBack(7);
+  ASSERT_TRUE(Await([&] { return got.size() == 2; }));
+  graph.PublisherIsGone(7);
+  graph.PublisherIsBack(7);
+  inject(3, 4);
+  ASSERT_TRUE(Await([&] { return got.size() == 3; }));
+  EXPECT_EQ(got.values(), Counting(1, 4));
+}
+
+TEST(Latch, RemembersOnlyAFewLostPublishers) {
+  DataGraph graph;
+  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
+  std::vector<std::weak_ptr<const int>> kept;
+  for (std::uint64_t publisher = 1; publisher <= 10; ++publisher) {
+    const auto message = std::make_shared<const int>(1);
+    kept.push_back(message);
+    MessageInfo info;
+    info.id = {publisher, 1, 1};
+    DataGraph::Inject(channel, message, TypeOf<int>(), info, nullptr, 1);
+    graph.PublisherIsGone(publisher);
+  }
+  EXPECT_EQ(std::count_if(kept.begin(), kept.end(), [](const auto& one) { return !one.expired(); }), 4);
+  EXPECT_FALSE(kept.back().expired());
+}
+
+TEST(Latch, ConcurrentNodeGetsLatchedMessages) {
+  DataGraph graph;
+  const auto publish = graph.Advertise<int>("map", 2);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(publish(std::make_unique<int>(i)), PublishStatus::kOk);
+  for (const Executor& executor : test::AllExecutors()) {
+    std::atomic<int> count{0};
+    const auto subscription = graph.FromGraph<int>(
+        "map", Invoke::kConcurrent, [&](const int&) { ++count; }, Options(executor));
+    EXPECT_TRUE(Await([&] { return count == 2; }));
+  }
+}
+
+TEST(Latch, RestartedRemotePublisherReplacesItsLatchedMessages) {
+  DataGraph graph;
+  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
+  MessageInfo info;
+  info.id = {77, 1, 1};
+  DataGraph::Inject(channel, std::make_shared<const int>(1), TypeOf<int>(), info, nullptr, 5);
+  info.id = {77, 2, 1};
+  DataGraph::Inject(channel, std::make_shared<const int>(2), TypeOf<int>(), info, nullptr, 5);
+  Collected got;
+  const auto subscription = graph.FromGraph<int>(
+      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline()));
+  EXPECT_EQ(got.values(), std::vector<int>{2});
+}
+
+}  // namespace
+}  // namespace hgros

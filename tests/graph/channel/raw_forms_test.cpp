@@ -1,0 +1,223 @@
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include <foxglove/Point3.pb.h>
+#include <foxglove/RawImage.pb.h>
+#include <foxglove/Vector3.pb.h>
+
+#include "graph/graph_fixture.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/codec/message.hpp"
+#include "hgros/codec/raw_message.hpp"
+
+namespace hgros {
+namespace {
+
+using foxglove::Point3;
+using foxglove::Vector3;
+using test::AllExecutors;
+using test::kPatience;
+using test::Options;
+
+constexpr Invoke kSerial = Invoke::kSerial;
+
+/// Keeps what it gets.
+template <class T>
+struct Kept {
+  void operator()(const std::shared_ptr<const T>& message) { messages.push_back(message); }
+  std::vector<std::shared_ptr<const T>> messages;
+};
+using KeptRaw = Kept<RawMessage>;
+
+Subscription Raw(DataGraph& graph, std::string_view channel, KeptRaw& kept, NodeOptions options = {}) {
+  return graph.Subscribe(graph.Open(channel, AnyType(), CallSite::Current()), AnyType(), kSerial,
+                         EraseCallback<RawMessage>(std::ref(kept)), std::move(options));
+}
+
+Vector3 Vector(double x) {
+  Vector3 vector;
+  vector.set_x(x);
+  return vector;
+}
+
+std::unique_ptr<Vector3> Sent(double x) { return std::make_unique<Vector3>(Vector(x)); }
+
+double XOf(const RawMessage& message) {
+  Vector3 vector;
+  EXPECT_TRUE(vector.ParseFromString(std::string(AsText(message.data.bytes))));
+  return vector.x();
+}
+
+/// As a transport brings it.
+AnyMessage Arrived(std::shared_ptr<const MessageSchema> schema, const std::string& bytes) {
+  auto owner = std::make_shared<const std::string>(bytes);
+  const Bytes view = AsBytes(*owner);
+  return std::make_shared<const RawMessage>(RawMessage{std::move(schema), {view, std::move(owner)}});
+}
+
+bool Inject(DataGraph& graph, std::string_view channel, AnyMessage message, std::size_t latched = 0) {
+  MessageInfo info;
+  info.id = {7, 1, 1};
+  return DataGraph::Inject(graph.Open(channel, AnyType(), CallSite::Current()), message, AnyType(), info, nullptr,
+                           latched);
+}
+
+bool WaitIdle(const DataGraph& graph) { return graph.WaitIdle(std::chrono::steady_clock::now() + kPatience); }
+
+TEST(RawForms, RawSubscriberGetsTheBytesThatWouldBeSent) {
+  for (const Executor& executor : AllExecutors()) {
+    DataGraph graph;
+    KeptRaw raw;
+    Kept<Vector3> typed;
+    const auto one = Raw(graph, "v", raw, Options(executor));
+    const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed), Options(executor));
+    graph.ToGraph("v", Sent(1));
+    graph.ToGraph("v", Sent(2));
+    ASSERT_TRUE(WaitIdle(graph));
+    ASSERT_EQ(raw.messages.size(), 2U);
+    ASSERT_EQ(typed.messages.size(), 2U);
+    EXPECT_EQ(XOf(*raw.messages[1]), 2);
+    EXPECT_EQ(*raw.messages[0]->schema, SchemaOf(TypeOf<Vector3>()));
+    EXPECT_EQ(raw.messages[0]->schema, raw.messages[1]->schema) << "one object for all";
+  }
+}
+
+TEST(RawForms, RawNodeDoesNotFixTheTypeOfTheChannel) {
+  DataGraph graph;
+  KeptRaw raw;
+  const auto subscription = Raw(graph, "v", raw);
+  EXPECT_EQ(graph.Snapshot().channels.at(0).type, "");
+  graph.ToGraph("v", Sent(1));
+  EXPECT_EQ(graph.Snapshot().channels.at(0).type, "foxglove.Vector3");
+  EXPECT_THROW((void)graph.Advertise<Point3>("v"), TypeMismatch);
+  ASSERT_TRUE(WaitIdle(graph));
+  EXPECT_EQ(raw.messages.size(), 1U);
+}
+
+TEST(RawForms, TypedNodesGetRemoteBytesDecoded) {
+  DataGraph graph;
+  KeptRaw raw;
+  Kept<Vector3> typed;
+  const auto one = Raw(graph, "v", raw);
+  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
+  const AnyMessage first = Arrived(schema, Vector(1).SerializeAsString());
+  ASSERT_TRUE(Inject(graph, "v", first));
+  const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed));
+  EXPECT_TRUE(IsAnyType(DataGraph::InboundType(graph.Open("v", AnyType(), CallSite::Current()))));
+  ASSERT_TRUE(Inject(graph, "v", Arrived(schema, Vector(2).SerializeAsString())));
+  ASSERT_TRUE(WaitIdle(graph));
+  ASSERT_EQ(raw.messages.size(), 2U);
+  EXPECT_EQ(raw.messages[0].get(), first.get()) << "as they came";
+  ASSERT_EQ(typed.messages.size(), 1U);
+  EXPECT_EQ(typed.messages[0]->x(), 2);
+}
+
+TEST(RawForms, TypedNodesGetNoMessagesOfAnotherType) {
+  test::Heard heard;
+  DataGraph graph({}, heard.MakeLog());
+  KeptRaw raw;
+  Kept<Vector3> typed;
+  const auto one = Raw(graph, "v", raw);
+  const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed), {.name = "typed"});
+  ASSERT_TRUE(Inject(graph, "v", Arrived(std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Point3>())), "")));
+  ASSERT_TRUE(Inject(graph, "v", Arrived(std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>())), "\xff")));
+  ASSERT_TRUE(WaitIdle(graph));
+  EXPECT_EQ(raw.messages.size(), 2U);
+  EXPECT_TRUE(typed.messages.empty());
+  EXPECT_EQ(graph.Snapshot().channels.at(0).not_converted, 2U);
+  EXPECT_TRUE(heard.Contains("Node \"typed\" on channel \"v\" missed a message"));
+}
+
+TEST(RawForms, LateRawNodeGetsLatchedRemoteBytes) {
+  DataGraph graph;
+  KeptRaw raw, late;
+  Kept<Vector3> typed;
+  const auto one = Raw(graph, "v", raw);
+  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
+  ASSERT_TRUE(Inject(graph, "v", Arrived(schema, Vector(3).SerializeAsString()), 1));
+  const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed));
+  const auto three = Raw(graph, "v", late);
+  ASSERT_TRUE(WaitIdle(graph));
+  ASSERT_EQ(typed.messages.size(), 1U);
+  EXPECT_EQ(typed.messages[0]->x(), 3);
+  EXPECT_EQ(late.messages, raw.messages);
+}
+
+TEST(RawForms, LateRawNodeGetsLatchedLocalMessages) {
+  DataGraph graph;
+  const auto publish = graph.Advertise<Vector3>("v", 1);
+  publish(Sent(4));
+  KeptRaw raw;
+  const auto one = Raw(graph, "v", raw);
+  ASSERT_TRUE(WaitIdle(graph));
+  ASSERT_EQ(raw.messages.size(), 1U);
+  EXPECT_EQ(XOf(*raw.messages[0]), 4);
+}
+
+TEST(RawForms, PlainBulkAndRawSubscribersShareOneChannel) {
+  using Image = foxglove::RawImage;
+  DataGraph graph;
+  KeptRaw raw;
+  Kept<Image> plain;
+  Kept<Bulk<Image>> bulk;
+  const auto one = Raw(graph, "image", raw);
+  const auto two = graph.FromGraph<Image>("image", kSerial, std::ref(plain));
+  const auto three = graph.FromGraph<Bulk<Image>>("image", kSerial, std::ref(bulk));
+  Image image;
+  image.set_data("abc");
+  graph.ToGraph("image", std::make_unique<Image>(image));
+  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Image>()));
+  ASSERT_TRUE(Inject(graph, "image", Arrived(schema, image.SerializeAsString())));
+  ASSERT_TRUE(WaitIdle(graph));
+  ASSERT_EQ(raw.messages.size(), 2U);
+  ASSERT_EQ(plain.messages.size(), 2U);
+  ASSERT_EQ(bulk.messages.size(), 2U);
+  for (const auto& one_plain : plain.messages) EXPECT_EQ(one_plain->data(), "abc");
+  for (const auto& one_bulk : bulk.messages) EXPECT_EQ(AsText(one_bulk->bytes()), "abc");
+}
+
+TEST(RawForms, LocalTypesHaveNoBytes) {
+  struct Local {
+    std::vector<int> values;
+  };
+  DataGraph graph;
+  KeptRaw raw;
+  const auto one = Raw(graph, "local", raw);
+  graph.ToGraph("local", std::make_unique<Local>());
+  ASSERT_TRUE(WaitIdle(graph));
+  EXPECT_TRUE(raw.messages.empty());
+  EXPECT_EQ(graph.Snapshot().channels.at(0).not_converted, 1U);
+}
+
+// Typed and raw nodes come while messages are published and arrive.
+TEST(RawForms, NodesCanBeAddedDuringPublishing) {
+  for (int round = 0; round < 20; ++round) {
+    DataGraph graph;
+    KeptRaw first;
+    const auto raw = Raw(graph, "v", first, Options(Executor::Tbb(), Queue::KeepAll(2000)));
+    const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
+    std::jthread arrives([&] {
+      for (int i = 0; i < 200; ++i) ASSERT_TRUE(Inject(graph, "v", Arrived(schema, Vector(1).SerializeAsString())));
+    });
+    std::jthread publishes([&] {
+      for (int i = 0; i < 200; ++i) ASSERT_EQ(graph.ToGraph("v", Sent(1)), PublishStatus::kOk);
+    });
+    std::vector<Kept<Vector3>> typed(5);
+    std::vector<Subscription> subscriptions;
+    for (auto& one : typed) {
+      subscriptions.push_back(
+          graph.FromGraph<Vector3>("v", kSerial, std::ref(one), Options(Executor::Tbb(), Queue::KeepAll(2000))));
+    }
+    arrives.join();
+    publishes.join();
+    ASSERT_TRUE(WaitIdle(graph));
+    EXPECT_EQ(first.messages.size(), 400U);
+    for (const auto& one : typed) {
+      for (const auto& message : one.messages) ASSERT_EQ(message->x(), 1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,156 @@
+#include "hgros/graph/executor.hpp"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <set>
+#include <thread>
+
+#include "graph/graph_fixture.hpp"
+#include "hgros/base/error.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Options;
+
+TEST(Executor, RefusesPrioritiesAndCpusThatDoNotExist) {
+  EXPECT_THROW((void)Executor::Dedicated({}, 100), Error);
+  EXPECT_THROW((void)Executor::Dedicated({}, -1), Error);
+  EXPECT_THROW((void)Executor::Dedicated({-1}), Error);
+  EXPECT_THROW((void)Queue::KeepLast(0), Error);
+  EXPECT_THROW((void)Queue::KeepAll(0), Error);
+}
+
+TEST(Executor, InlineRunsInThePublishersThread) {
+  DataGraph graph;
+  std::thread::id ran;
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&](const int&) { ran = std::this_thread::get_id(); }, Options(Executor::Inline()));
+  (void)graph.ToGraph("c", std::make_unique<int>(1));
+  EXPECT_EQ(ran, std::this_thread::get_id());
+}
+
+TEST(Executor, DedicatedRunsOnItsOwnThreadOnTheRequestedCpus) {
+  DataGraph graph;
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  std::atomic<int> count{0};
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kConcurrent,
+      [&](const int&) {
+        const std::scoped_lock lock(mutex);
+        threads.insert(std::this_thread::get_id());
+        sched_getaffinity(0, sizeof allowed, &allowed);
+        ++count;
+      },
+      Options(Executor::Dedicated({0}), Queue::KeepAll(100)));
+  for (int i = 0; i < 50; ++i) (void)graph.ToGraph("c", std::make_unique<int>(i));
+  ASSERT_TRUE(Await([&] { return count == 50; }));
+  EXPECT_EQ(threads.size(), 1U);
+  EXPECT_EQ(threads.count(std::this_thread::get_id()), 0U);
+  EXPECT_EQ(CPU_COUNT(&allowed), 1);
+  EXPECT_TRUE(CPU_ISSET(0, &allowed));
+}
+
+TEST(Executor, LogsRefusedSchedulingAndRunsWithoutIt) {
+  test::Heard heard;
+  DataGraph graph({}, heard.MakeLog());
+  std::atomic<int> count{0};
+  const auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial, [&](const int&) { ++count; }, Options(Executor::Dedicated({1023}), {}, "far_away"));
+  (void)graph.ToGraph("c", std::make_unique<int>(1));
+  EXPECT_TRUE(Await([&] { return count == 1; }));
+  EXPECT_TRUE(heard.Contains("far_away"));
+}
+
+TEST(Executor, TbbRunsConcurrentCallbacksAtTheSameTime) {
+  GraphOptions options;
+  options.threads = 2;
+  DataGraph graph(options);
+  std::atomic<int> inside{0};
+  std::atomic<int> most{0};
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kConcurrent, [&](const int&) {
+    most = std::max(most.load(), ++inside);
+    (void)Await([&] { return most >= 2; }, std::chrono::seconds(5));
+    --inside;
+  });
+  for (int i = 0; i < 2; ++i) (void)graph.ToGraph("c", std::make_unique<int>(i));
+  EXPECT_TRUE(Await([&] { return most >= 2; }));
+}
+
+TEST(Executor, BusySerialNodeDoesNotBlockOthers) {
+  GraphOptions options;
+  options.threads = 2;
+  DataGraph graph(options);
+  test::Door door;
+  std::atomic<int> others{0};
+  const auto busy = graph.FromGraph<int>("slow", Invoke::kSerial, [&](const int&) { door.Pass(); });
+  const auto quick = graph.FromGraph<int>("quick", Invoke::kSerial, [&](const int&) { ++others; });
+  (void)graph.ToGraph("slow", std::make_unique<int>(1));
+  for (int i = 0; i < 10; ++i) {
+    (void)graph.ToGraph("quick", std::make_unique<int>(i));
+    EXPECT_TRUE(Await([&] { return others == i + 1; }));
+  }
+  door.Open();
+}
+
+TEST(Executor, OneWorkerRunsNodesThatACallbackMadeReady) {
+  DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+  std::mutex mutex;
+  std::vector<std::string> ran;
+  std::set<std::thread::id> threads;
+  const auto note = [&](const std::string& what) {
+    const std::scoped_lock lock(mutex);
+    ran.push_back(what);
+    threads.insert(std::this_thread::get_id());
+  };
+  const auto last = graph.FromGraph<int>(
+      "last", Invoke::kSerial, [&](const int&) { note("last"); }, Options(Executor::Tbb()));
+  const auto middle = graph.FromGraph<int>(
+      "middle", Invoke::kConcurrent,
+      [&](const int&) {
+        (void)graph.ToGraph("last", std::make_unique<int>(1));
+        note("middle");
+      },
+      Options(Executor::Tbb()));
+  const auto first = graph.FromGraph<int>(
+      "first", Invoke::kSerial,
+      [&](const int&) {
+        (void)graph.ToGraph("middle", std::make_unique<int>(1));
+        (void)graph.ToGraph("last", std::make_unique<int>(1));
+        note("first");
+      },
+      Options(Executor::Tbb()));
+  (void)graph.ToGraph("first", std::make_unique<int>(1));
+  ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_EQ(ran, (std::vector<std::string>{"first", "middle", "last", "last"}));
+  EXPECT_EQ(threads.size(), 1U);
+}
+
+TEST(Executor, TwoBusyNodesDoNotStarveAThirdOnOneWorker) {
+  DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+  std::atomic<bool> ends{false};
+  std::atomic<int> third{0};
+  const auto ball = [&](const char* to) {
+    return [&graph, &ends, to](const int&) {
+      if (!ends) (void)graph.ToGraph(to, std::make_unique<int>(1));
+    };
+  };
+  const auto ping = graph.FromGraph<int>("ping", Invoke::kSerial, ball("pong"), Options(Executor::Tbb()));
+  const auto pong = graph.FromGraph<int>("pong", Invoke::kSerial, ball("ping"), Options(Executor::Tbb()));
+  const auto other = graph.FromGraph<int>(
+      "third", Invoke::kSerial, [&](const int&) { ++third; }, Options(Executor::Tbb()));
+  (void)graph.ToGraph("ping", std::make_unique<int>(1));
+  for (int i = 1; i <= 10; ++i) {
+    (void)graph.ToGraph("third", std::make_unique<int>(1));
+    EXPECT_TRUE(Await([&] { return third == i; }));
+  }
+  ends = true;
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,180 @@
+#include "hgros/graph/ready_node_slot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <thread>
+
+#include "graph/graph_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Door;
+using test::Options;
+
+class ReadyNodeSlotTest : public testing::Test {
+ protected:
+  /// A node that says which thread ran it, and how often.
+  struct Node {
+    std::atomic<int> count{0};
+    std::atomic<std::thread::id> thread;
+    Subscription subscription;
+  };
+  void Subscribe(Node& node, const std::string& channel, Executor executor = Executor::Tbb()) {
+    node.subscription = graph.FromGraph<int>(
+        channel, Invoke::kSerial,
+        [&node](const int&) {
+          node.thread = std::this_thread::get_id();
+          ++node.count;
+        },
+        Options(std::move(executor)));
+  }
+  void Publish(const std::string& channel) { (void)graph.ToGraph(channel, std::make_unique<int>(1)); }
+  [[nodiscard]] static bool RanHere(const Node& node) { return node.thread == std::this_thread::get_id(); }
+
+  DataGraph graph;
+};
+
+TEST_F(ReadyNodeSlotTest, RunsTheFirstReadyNodeOnlyInRunKept) {
+  Node one, two;
+  Subscribe(one, "one");
+  Subscribe(two, "two");
+  ReadyNodeSlot slot(true);
+  Publish("one");
+  Publish("two");
+  EXPECT_TRUE(Await([&] { return two.count == 1; }));
+  EXPECT_EQ(one.count, 0);
+  slot.RunKept();
+  EXPECT_EQ(one.count, 1);
+  EXPECT_TRUE(RanHere(one));
+  EXPECT_FALSE(RanHere(two)) << "a worker did";
+  Publish("one");
+  EXPECT_TRUE(Await([&] { return one.count == 2; }));
+  EXPECT_FALSE(RanHere(one)) << "the help is over";
+}
+
+TEST_F(ReadyNodeSlotTest, WorkerRunsHandedOverAndAbandonedNodes) {
+  Node node;
+  Subscribe(node, "c");
+  {
+    ReadyNodeSlot slot(true);
+    Publish("c");
+    slot.HandToWorkers();
+    EXPECT_TRUE(Await([&] { return node.count == 1; }));
+    Publish("c");
+    EXPECT_EQ(node.count, 1) << "it stays again";
+  }
+  EXPECT_TRUE(Await([&] { return node.count == 2; }));
+  EXPECT_FALSE(RanHere(node));
+  ReadyNodeSlot unwanted(false);
+  Publish("c");
+  EXPECT_TRUE(Await([&] { return node.count == 3; }));
+}
+
+TEST_F(ReadyNodeSlotTest, OnlyOneThreadKeepsANodeAtATime) {
+  Node one, two;
+  Subscribe(one, "one");
+  Subscribe(two, "two");
+  ReadyNodeSlot slot(true);
+  Publish("one");
+  std::jthread([&] {
+    ReadyNodeSlot second(true);
+    Publish("two");
+    EXPECT_TRUE(Await([&] { return two.count == 1; })) << "by a worker";
+    EXPECT_FALSE(RanHere(two));
+  }).join();
+  slot.RunKept();
+  EXPECT_TRUE(RanHere(one));
+}
+
+TEST_F(ReadyNodeSlotTest, WorkersRunNodesThatTheKeptNodeMakesReady) {
+  Node next;
+  Subscribe(next, "next");
+  const auto subscription = graph.FromGraph<int>("first", Invoke::kSerial, [&](const int&) {
+    Publish("next");
+    EXPECT_TRUE(Await([&] { return next.count == 1; }));
+  });
+  ReadyNodeSlot slot(true);
+  Publish("first");
+  slot.RunKept();
+  EXPECT_EQ(next.count, 1);
+  EXPECT_FALSE(RanHere(next));
+}
+
+TEST_F(ReadyNodeSlotTest, OpenedKeepsANodeInAClosedSlot) {
+  Node one, two;
+  Subscribe(one, "one");
+  Subscribe(two, "two");
+  ReadyNodeSlot slot(false);
+  {
+    const ReadyNodeSlot::Opened opened;
+    Publish("one");
+  }
+  Publish("two");
+  EXPECT_TRUE(Await([&] { return two.count == 1; })) << "the invitation is over";
+  EXPECT_EQ(one.count, 0);
+  slot.RunKept();
+  EXPECT_EQ(one.count, 1);
+  EXPECT_TRUE(RanHere(one));
+  EXPECT_FALSE(RanHere(two));
+}
+
+TEST_F(ReadyNodeSlotTest, OpenedDoesNotCloseASlotThatWasOpen) {
+  Node node;
+  Subscribe(node, "c");
+  ReadyNodeSlot slot(true);
+  { const ReadyNodeSlot::Opened opened; }
+  Publish("c");
+  EXPECT_EQ(node.count, 0) << "it stays";
+  slot.RunKept();
+  EXPECT_TRUE(RanHere(node));
+}
+
+TEST_F(ReadyNodeSlotTest, OpenedDoesNothingWithoutASlot) {
+  Node node;
+  Subscribe(node, "c");
+  const ReadyNodeSlot::Opened lonely;
+  Publish("c");
+  EXPECT_TRUE(Await([&] { return node.count == 1; }));
+  EXPECT_FALSE(RanHere(node));
+  ReadyNodeSlot slot(false);
+  slot.RunKept();
+  const ReadyNodeSlot::Opened late;
+  Publish("c");
+  EXPECT_TRUE(Await([&] { return node.count == 2; })) << "it has run what it took, and takes no more";
+}
+
+TEST_F(ReadyNodeSlotTest, DoesNotRunANodeThatHasEnded) {
+  std::optional<Node> node(std::in_place);
+  Subscribe(*node, "c");
+  ReadyNodeSlot slot(true);
+  Publish("c");
+  node->subscription = {};
+  slot.RunKept();
+  EXPECT_EQ(node->count, 0);
+}
+
+TEST_F(ReadyNodeSlotTest, ChannelAsksForRunNodeWhileAWorkerWouldHaveToBeWoken) {
+  Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone);
+  Door door;
+  std::atomic<bool> inside{false};
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kSerial, [&](const int&) {
+    inside = true;
+    door.Pass();
+  });
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kRunNode);
+  Publish("c");
+  ASSERT_TRUE(Await([&] { return inside.load(); }));
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone) << "it runs already";
+  door.Open();
+  EXPECT_TRUE(Await([&] { return DataGraph::UseOfThread(channel) == ThreadUse::kRunNode; }));
+  Node immediate;
+  Subscribe(immediate, "c", Executor::Inline());
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kInline);
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,168 @@
+// Services and callers whose types are known at run time only.
+#include <atomic>
+#include <stdexcept>
+
+#include <foxglove/Vector3.pb.h>
+
+#include "hgros/codec/run_time_type.hpp"
+#include "services/services_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using foxglove::Vector3;
+using test::Await;
+using test::Kind;
+using test::kLong;
+using test::Note;
+using test::Pair;
+using test::PlacesOf;
+
+MessageSchema SchemaOfVector() { return SchemaOf(TypeOf<Vector3>()); }
+MessageSchema SchemaOfNote() { return SchemaOf(TypeOf<Note>()); }
+
+Vector3 At(double x) {
+  Vector3 vector;
+  vector.set_x(x);
+  return vector;
+}
+
+Payload Owned(std::string text) { return OwnedPayload({AsBytes(text), nullptr}); }
+
+Vector3 Twice(const Vector3& vector) { return At(2 * vector.x()); }
+
+Payload TwiceRaw(const RawMessage& request) {
+  Vector3 vector;
+  if (!vector.ParseFromString(std::string(AsText(request.data.bytes)))) throw std::runtime_error("no vector");
+  return Owned(Twice(vector).SerializeAsString());
+}
+
+double XOfReply(const CallResult<RawMessage>& result) {
+  Vector3 vector;
+  EXPECT_TRUE(result) << result.failure().reason;
+  if (result) {
+    EXPECT_TRUE(vector.ParseFromString(std::string(AsText(result->data.bytes))));
+  }
+  return vector.x();
+}
+
+class RawServices : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+
+TEST_P(RawServices, TypedClientCallsRawServer) {
+  Pair pair(PlacesOf(GetParam()));
+  std::atomic<bool> schema_fits{false};
+  const Service service =
+      pair.server().ServeRaw("twice", SchemaOfVector(), SchemaOfVector(), [&](const RawMessage& request) {
+        schema_fits = request.schema && *request.schema == SchemaOfVector();
+        return TwiceRaw(request);
+      });
+  for (int i = 0; i < 3; ++i) {
+    const auto result = pair.caller().Call<Vector3, Vector3>("twice", At(i), kLong).Wait();
+    ASSERT_TRUE(result) << result.failure().reason;
+    EXPECT_EQ(result->x(), 2 * i);
+  }
+  EXPECT_TRUE(schema_fits);
+}
+
+TEST_P(RawServices, RawClientCallsTypedServer) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
+  const Payload request = Owned(At(4).SerializeAsString());
+  const auto result = pair.caller().CallRaw("twice", SchemaOfVector(), request, SchemaOfVector(), kLong).Wait();
+  ASSERT_EQ(XOfReply(result), 8);
+  EXPECT_EQ(*result->schema, SchemaOfVector());
+}
+
+TEST_P(RawServices, RawClientTakesAnyReply) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
+  const Payload request = Owned(At(4).SerializeAsString());
+  const auto result = pair.caller().CallRaw("twice", SchemaOfVector(), request, {}, kLong).Wait();
+  ASSERT_EQ(XOfReply(result), 8);
+  EXPECT_EQ(result->schema->type_name, "foxglove.Vector3");
+  EXPECT_FALSE(result->schema->descriptor_set.empty());
+}
+
+TEST_P(RawServices, RawClientCallsRawServerWithACallback) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().ServeRaw("twice", SchemaOfVector(), SchemaOfVector(), TwiceRaw);
+  std::atomic<double> x{0};
+  const auto ticket =
+      pair.caller().CallRaw("twice", SchemaOfVector(), Owned(At(5).SerializeAsString()), SchemaOfVector(), kLong,
+                            [&](const CallResult<RawMessage>& result) { x = XOfReply(result); });
+  EXPECT_TRUE(Await([&] { return x == 10; }));
+}
+
+TEST_P(RawServices, RawAndTypedCallsOfOneSessionUseOneService) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
+  const Payload request = Owned(At(3).SerializeAsString());
+  const auto call_typed = [&](double x) {
+    const auto result = pair.caller().Call<Vector3, Vector3>("twice", At(x), kLong).Wait();
+    return result ? result->x() : -1;
+  };
+  EXPECT_EQ(call_typed(1), 2);
+  EXPECT_EQ(XOfReply(pair.caller().CallRaw("twice", SchemaOfVector(), request, {}, kLong).Wait()), 6);
+  EXPECT_EQ(XOfReply(pair.caller().CallRaw("twice", SchemaOfVector(), request, SchemaOfVector(), kLong).Wait()), 6);
+  EXPECT_EQ(call_typed(2), 4);
+}
+
+TEST_P(RawServices, TypedCallsGoThroughAClientThatWasRawFirst) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Note, Note>("echo", [](const Note& note) { return note; });
+  const auto raw = pair.caller().CallRaw("echo", SchemaOfNote(), Owned("one"), {}, kLong).Wait();
+  ASSERT_TRUE(raw) << raw.failure().reason;
+  EXPECT_EQ(AsText(raw->data.bytes), "one");
+  const auto typed = pair.caller().Call<Note, Note>("echo", Note("two"), kLong).Wait();
+  ASSERT_TRUE(typed) << typed.failure().reason;
+  EXPECT_EQ(typed->text, "two");
+}
+
+TEST_P(RawServices, TellWhatTheHandlerThrew) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().ServeRaw(
+      "fail", SchemaOfNote(), SchemaOfNote(), [](const RawMessage&) -> Payload { throw std::runtime_error("no way"); });
+  const auto result = pair.caller().CallRaw("fail", SchemaOfNote(), Owned("x"), {}, kLong).Wait();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.failure().kind, Kind::kHandlerFailed);
+  EXPECT_EQ(result.failure().reason, "no way");
+}
+
+TEST_P(RawServices, TellThatTypesDiffer) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
+  const auto request = pair.caller().CallRaw("twice", SchemaOfNote(), Owned("x"), {}, kLong).Wait();
+  ASSERT_FALSE(request);
+  EXPECT_EQ(request.failure().kind, Kind::kTypeMismatch);
+}
+
+TEST_P(RawServices, TellThatARequestDoesNotParse) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
+  const auto result = pair.caller().CallRaw("twice", SchemaOfVector(), Owned("\xff\xff"), {}, kLong).Wait();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.failure().kind, Kind::kNotWritable) << result.failure().reason;
+}
+
+TEST_P(RawServices, TellThatAReplyDoesNotParse) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().ServeRaw("broken", SchemaOfVector(), SchemaOfVector(),
+                                                 [](const RawMessage&) { return Owned("\xff\xff"); });
+  const auto result = pair.caller().Call<Vector3, Vector3>("broken", At(1), kLong).Wait();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.failure().kind, Kind::kNotWritable) << result.failure().reason;
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, RawServices, testing::Values("pointer", "sharedmemory", "ipc", "tcp"),
+                         [](const auto& one) { return one.param; });
+
+TEST(RawServicesAlone, ACallWithoutServerFailsAsATypedOne) {
+  test::Robot robot("discovery: {local: false}\n");
+  const auto result = robot->CallRaw("nobody", SchemaOfVector(), {}, {}, kLong).Wait();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.failure().kind, Kind::kNoServer);
+  EXPECT_THROW((void)robot->CallRaw("nobody", {}, {}, {}, kLong), Error);
+}
+
+}  // namespace
+}  // namespace hgros

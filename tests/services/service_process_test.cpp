@@ -1,0 +1,110 @@
+// A server in another process, which is killed in the middle of a call.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "services/services_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Kind;
+using test::kLong;
+using test::Robot;
+using test::Sum;
+using test::Total;
+
+class ServerProcess {
+ public:
+  explicit ServerProcess(const std::string& yaml) {
+    int ends[2];
+    if (pipe(ends) != 0) std::abort();
+    pid_ = fork();
+    if (pid_ == 0) {
+      dup2(ends[1], STDOUT_FILENO);
+      close(ends[0]);
+      close(ends[1]);
+      execl(HGROS_SERVICE_WORKER, HGROS_SERVICE_WORKER, yaml.c_str(), nullptr);
+      _exit(127);
+    }
+    close(ends[1]);
+    output_ = fdopen(ends[0], "r");
+  }
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+  ~ServerProcess() {
+    Kill();
+    std::fclose(output_);
+  }
+
+  // The next line that it says; empty if it has ended.
+  [[nodiscard]] std::string Line() {
+    std::string line;
+    for (int c = std::fgetc(output_); c != EOF && c != '\n'; c = std::fgetc(output_))
+      line.push_back(static_cast<char>(c));
+    return line;
+  }
+  void Kill() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::FILE* output_ = nullptr;
+};
+
+class AServerProcess : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+
+TEST_P(AServerProcess, ThatIsKilledFailsItsCallsLongBeforeTheirTimeIsUp) {
+  const test::Places places = test::PlacesOf(GetParam());
+  Robot robot(places.first, "caller");
+  std::string theirs = places.second;
+  if (GetParam() == "tcp") {
+    theirs = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, subscribers: [{ip: '" +
+             robot->PublisherEndpoints().at(0) + "'}]}\ndiscovery: {local: false}\n";
+  }
+  ServerProcess server(theirs);
+  std::string line = server.Line();
+  if (line.starts_with("at ")) {
+    if (GetParam() == "tcp") robot->AddSubscriberEndpoint({line.substr(3), {}, true});
+    line = server.Line();
+  }
+  ASSERT_EQ(line, "ready");
+  const auto sum = robot->Call<Sum, Total>("add", Sum{20, 3}, kLong).Wait();
+  ASSERT_TRUE(sum) << sum.failure().reason;
+  EXPECT_EQ(sum->value, 23);
+
+  const auto call_stuck = [&] { return robot->Call<Sum, Total>("stuck", Sum{}, kLong * 10); };
+  std::vector<CallFuture<Total>> calls;
+  calls.push_back(call_stuck());
+  ASSERT_EQ(server.Line(), "begun");  // From here on calls go out as they are made; what has not would find no server.
+  while (calls.size() < 100) calls.push_back(call_stuck());
+  server.Kill();
+  for (const auto& call : calls) {
+    const auto result = call.Wait();
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.failure().kind, Kind::kServerGone) << result.failure().reason;
+    EXPECT_NE(result.failure().reason.find("(server, process "), std::string::npos) << result.failure().reason;
+  }
+  if (GetParam() ==
+      "sharedmemory") {  // Once its last transport is gone, the registry knows that nobody else serves it.
+    EXPECT_TRUE(test::Await([&] {
+      const auto kind = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait().failure().kind;
+      EXPECT_TRUE(kind == Kind::kServerGone || kind == Kind::kNoServer);
+      return kind == Kind::kNoServer;
+    }));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Placed, AServerProcess, testing::Values("sharedmemory", "ipc", "tcp"),
+                         [](const auto& placed) { return placed.param; });
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,325 @@
+// What a session alone says of services: no server, two servers, waiting inside callbacks, the free functions.
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "services/services_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Add;
+using test::Await;
+using test::Kind;
+using test::kLong;
+using test::Note;
+using test::Robot;
+using test::Sum;
+using test::Total;
+
+struct TimedOut {
+  std::chrono::milliseconds time{0};
+  unsigned calls = 0;  // Those of them that ended otherwise have not been sent.
+};
+
+// Makes calls until the time of one is up while it waits for its reply.
+std::optional<TimedOut> TimeOut(Session& caller, const char* service) {
+  TimedOut made{1ms, 1};
+  for (; made.time < kLong; made.time *= 4, ++made.calls) {
+    const auto result = caller.Call<Sum, Total>(service, Sum{3, 3}, made.time).Wait();
+    if (result.failure().kind == Kind::kTimedOut) return made;
+    if (result.failure().kind != Kind::kNoServer) break;
+  }
+  return std::nullopt;
+}
+
+class Services : public test::DomainFixture {};
+
+TEST_F(Services, PassPointersInsideASession) {
+  Session session;
+  const Note* seen = nullptr;
+  std::shared_ptr<const Note> given;
+  const Service service = session.Serve<Note, Note>("echo", [&](const Note& note) {
+    seen = &note;
+    given = std::make_shared<const Note>(note.text);
+    return given;
+  });
+  const auto request = std::make_shared<const Note>("hello");
+  Note::written = 0;
+  const auto result = session.Call<Note, Note>("echo", request, kLong).Wait();
+  ASSERT_TRUE(result);
+  EXPECT_EQ(seen, request.get());
+  EXPECT_EQ(result.reply(), given);
+  EXPECT_EQ(Note::written, 0);
+}
+
+TEST_F(Services, SayAtOnceThatASessionWithoutOthersHasNoServer) {
+  Robot robot("discovery: {local: false}");
+  const auto result = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
+  EXPECT_EQ(result.failure().kind, Kind::kNoServer);
+  EXPECT_EQ(result.failure().reason, "Nobody serves \"add\": discovery knows no session that does.");
+}
+
+TEST_F(Services, SayThatThereIsNoServerOnceDiscoveryHasHadItsTime) {
+  Robot other("");
+  Robot robot("");
+  const auto first = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
+  EXPECT_EQ(first.failure().kind, Kind::kNoServer);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto second = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
+  EXPECT_EQ(second.failure().kind, Kind::kNoServer);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, test::kPatience);
+}
+
+TEST_F(Services, WaitUntilTheTimeIsUpWhereAServerMayBehindAnEndpoint) {
+  Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}");
+  const auto result = robot->Call<Sum, Total>("add", Sum{}, std::chrono::milliseconds(30)).Wait();
+  EXPECT_EQ(result.failure().kind, Kind::kNoServer);
+  EXPECT_EQ(result.failure().reason, "No server of \"add\" was found within 30 ms.");
+}
+
+TEST_F(Services, AreServedOnceInASession) {
+  Session session;
+  const Service first = session.Serve<Sum, Total>("add", Add);
+  EXPECT_THROW((void)(session.Serve<Sum, Total>("add", Add)), Error);
+  EXPECT_TRUE((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()));
+}
+
+TEST_F(Services, AreServedAgainAfterTheyEnded) {
+  Session session;
+  Service first = session.Serve<Sum, Total>("add", Add);
+  first.Reset();
+  EXPECT_FALSE(first.active());
+  const Service second = session.Serve<Sum, Total>("add", [](const Sum&) { return Total{7}; });
+  EXPECT_EQ((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()->value), 7);
+}
+
+TEST_F(Services, HaveNamesThatChannelsCanBeNamedAfter) {
+  Session session;
+  EXPECT_THROW((void)(session.Serve<Sum, Total>("a b", Add)), Error);
+  EXPECT_THROW((void)(session.Serve<Sum, Total>(std::string(180, 'x'), Add)), Error);
+  EXPECT_THROW((void)(session.Call<Sum, Total>("a b", Sum{}, kLong)), Error);
+}
+
+TEST_F(Services, RefuseAQueueThatDropsRequests) {
+  Session session(Config::Parse("data_graph: {nodes: {add: {queue: {keep_last: 4}}}}"));
+  EXPECT_THROW((void)(session.Serve<Sum, Total>("add", Add)), Error);
+}
+
+TEST_F(Services, FailCallsThatAreLeftWhenTheSessionEnds) {
+  auto session = std::make_unique<Session>();
+  test::Door door;
+  std::atomic<bool> begun{false};
+  const Service service = session->Serve<Sum, Total>("slow", [&](const Sum& sum) {
+    begun = true;
+    door.Pass();
+    return Add(sum);
+  });
+  const auto call = session->Call<Sum, Total>("slow", Sum{}, kLong);
+  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  std::jthread end([&] { session.reset(); });
+  EXPECT_EQ(call.Wait().failure().kind, Kind::kClosed);
+  door.Open();
+  end.join();
+  EXPECT_TRUE(call.done());
+}
+
+TEST_F(Services, CountRequestsThatNobodyWaitsForAndRepliesThatNobodyTakes) {
+  test::Pair pair(test::PlacesOf("sharedmemory"));
+  test::Door door;
+  std::atomic<int> begun{0};
+  const Service other = pair.server().Serve<Sum, Total>("other", &test::Add);
+  const Service service = pair.server().Serve<Sum, Total>("busy", [&](const Sum& sum) {
+    ++begun;
+    door.Pass();
+    return test::Add(sum);
+  });
+  auto first = pair.caller().Call<Sum, Total>("busy", Sum{1, 1}, test::kLong);
+  ASSERT_TRUE(Await([&] { return begun == 1; }));
+  { const auto cancelled = pair.caller().Call<Sum, Total>("busy", Sum{2, 2}, test::kLong); }
+  EXPECT_TRUE(TimeOut(pair.caller(), "busy"));
+  pair.EndCaller();
+  ASSERT_TRUE(Await([&] { return pair.server().Peers().empty(); }));
+  door.Open();
+  const auto counts = [&] { return pair.server().Snapshot().services; };
+  EXPECT_TRUE(Await([&] { return counts().at(0).dropped_replies == 1; })) << "of the first";
+  EXPECT_EQ(counts().at(0).name, "busy");
+  EXPECT_LE(counts().at(0).unhandled_requests, 2U) << "what was withdrawn in time has not even come";
+  EXPECT_EQ(counts().at(1).name, "other");
+  EXPECT_EQ(counts().at(1).unhandled_requests, 0U);
+  EXPECT_EQ(begun, 1);
+}
+
+TEST_F(Services, ThatSayThatThereIsNoServerHaveNotBeenSent) {
+  test::Pair pair(test::PlacesOf("sharedmemory"));
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    const std::string name = "add" + std::to_string(round);
+    std::mutex mutex;
+    std::set<int> handled;
+    std::optional<Service> service;
+    std::jthread serve([&] {
+      service.emplace(pair.server().Serve<Sum, Total>(name, [&](const Sum& sum) {
+        const std::scoped_lock lock(mutex);
+        handled.insert(sum.a);
+        return Add(sum);
+      }));
+    });
+    std::set<int> unsent;
+    std::vector<CallFuture<Total>> calls;
+    int number = 0;
+    const auto settle = [&] {
+      for (const auto& call : calls) {
+        const auto& result = call.Wait();
+        if (!result && result.failure().kind == Kind::kNoServer) unsent.insert(number);
+        ++number;
+      }
+      calls.clear();
+    };
+    while (number < 400) {
+      for (int i = 0; i < 20; ++i) {
+        const std::chrono::microseconds time(random() % 1000);
+        calls.push_back(pair.caller().Call<Sum, Total>(name, Sum{number + i, 1}, time));
+      }
+      settle();
+    }
+    serve.join();
+    // After it nothing of this caller's is on its way.
+    ASSERT_TRUE(Await([&] { return bool(pair.caller().Call<Sum, Total>(name, Sum{-1, 1}, kLong).Wait()); }));
+    const std::scoped_lock lock(mutex);
+    for (const int one : unsent) EXPECT_FALSE(handled.contains(one)) << "call " << one << " of round " << round;
+  }
+}
+
+TEST_F(Services, CallBackOnWorkersWhoeverReadsTheReply) {
+  test::Pair pair(test::PlacesOf("sharedmemory"));
+  const Service service =
+      pair.server().Serve<Sum, Total>("add", Add, Invoke::kConcurrent, {.executor = Executor::Inline()});
+  ASSERT_TRUE(Await([&] { return bool(pair.caller().Call<Sum, Total>("add", Sum{1, 1}, kLong).Wait()); }));
+  const auto waiting = std::this_thread::get_id();
+  std::atomic<int> called{0};
+  std::atomic<int> called_here{0};
+  std::atomic<int> nested{0};
+  constexpr int kRounds = 300;
+  for (int round = 0; round < kRounds; ++round) {
+    pair.caller().Call<Sum, Total>("add", Sum{1, 1}, kLong, [&](const CallResult<Total>&) {
+      if (std::this_thread::get_id() == waiting) ++called_here;
+      if (pair.caller().Call<Sum, Total>("add", Sum{2, 2}, kLong).Wait()) ++nested;
+      ++called;
+    });
+    const auto reply = pair.caller().Call<Sum, Total>("add", Sum{3, 3}, kLong).Wait();
+    ASSERT_TRUE(reply) << reply.failure().reason;
+  }
+  EXPECT_TRUE(Await([&] { return called == kRounds; }));
+  EXPECT_EQ(called_here, 0);
+  EXPECT_EQ(nested, kRounds);
+}
+
+TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
+  const Robot robot("");
+  test::Door door;
+  std::atomic<bool> begun{false};
+  const Service service = robot->Serve<Sum, Total>("busy",
+                                                   [&](const Sum& sum) {
+                                                     begun = true;
+                                                     door.Pass();
+                                                     return test::Add(sum);
+                                                   },
+                                                   Invoke::kSerial, {.queue = Queue::KeepAll(1)});
+  const auto first = robot->Call<Sum, Total>("busy", Sum{1, 1}, test::kLong);
+  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  const auto late = TimeOut(*robot.session, "busy");
+  ASSERT_TRUE(late);
+  // The server's time begins with the request's arrival: it has, once there is no room for another one.
+  EXPECT_EQ((robot->Call<Sum, Total>("busy", Sum{2, 2}, test::kLong).Wait().failure().kind), Kind::kFull);
+  test::Linger(2 * late->time);
+  door.Open();
+  EXPECT_TRUE(first.Wait());
+  EXPECT_TRUE(Await([&] { return robot->Snapshot().services.at(0).unhandled_requests == 1; }));
+}
+
+TEST_F(Services, TakeCallsThatAreMadeWhileTheyBegin) {
+  for (int round = 0; round < 20; ++round) {
+    const test::Places places = test::PlacesOf("ipc");  // There a call waits for a server as long as it may.
+    const Robot robot(places.first);
+    std::atomic<int> replies{0};
+    std::vector<std::jthread> callers;
+    for (int i = 0; i < 3; ++i) {
+      callers.emplace_back([&] {
+        const auto result = robot->Call<Sum, Total>("add", Sum{2, 3}, kLong).Wait();
+        EXPECT_TRUE(result) << result.failure().reason;
+        if (result && result->value == 5) ++replies;
+      });
+    }
+    const Service service = robot->Serve<Sum, Total>("add", Add);
+    callers.clear();
+    EXPECT_EQ(replies, 3);
+  }
+}
+
+TEST_F(Services, OfTwoServersAreReportedAndOneIsCalled) {
+  Robot caller("", "caller");
+  std::atomic<int> events{0};
+  const auto listening = caller->FromGraph<PeerEvent>(kPeerEventsChannel, Invoke::kSerial, [&](const PeerEvent& event) {
+    if (event.kind == PeerEvent::Kind::kServedTwice && event.channel == "hgros/call/who") ++events;
+  });
+  Robot first("", "first");
+  Robot second("", "second");
+  std::atomic<int> calls{0};
+  const auto handler = [&](const char* name) {
+    return [&calls, name](const Note&) {
+      ++calls;
+      return Note(name);
+    };
+  };
+  std::optional<Service> one = first->Serve<Note, Note>("who", handler("first"));
+  ASSERT_EQ((caller->Call<Note, Note>("who", Note(), kLong).Wait()->text), "first");
+  const Service two = second->Serve<Note, Note>("who", handler("second"));
+  EXPECT_TRUE(Await([&] { return caller.Said("Service \"who\" is served by more than one") && events == 1; }));
+  EXPECT_TRUE(
+      Await([&] { return first.Said("is served here and by session") && second.Said("is served here and by"); }));
+  calls = 0;
+  for (int i = 0; i < 20; ++i) EXPECT_EQ((caller->Call<Note, Note>("who", Note(), kLong).Wait()->text), "first");
+  EXPECT_EQ(calls, 20);
+  one.reset();
+  EXPECT_TRUE(Await([&] {
+    const auto result = caller->Call<Note, Note>("who", Note(), kLong).Wait();
+    return result && result->text == "second";
+  }));
+}
+
+TEST_F(Services, PassAListOfChannelsThatNamesTheirRequests) {
+  const test::Bus bus;
+  const std::string list = "hgros/call/add";
+  const auto yaml = [&](const std::string& own, const std::string& other) {
+    return "network: {" + bus.Publisher(own, list) + ", subscribers: [" + bus.Subscriber(other, list) +
+           "]}\ndiscovery: {local: false}\n";
+  };
+  Robot server(yaml("a", "b"));
+  Robot caller(yaml("b", "a"));
+  const Service add = server->Serve<Sum, Total>("add", Add);
+  const Service other = server->Serve<Sum, Total>("other", Add);
+  EXPECT_EQ((caller->Call<Sum, Total>("add", Sum{1, 2}, kLong).Wait()->value), 3);
+  const auto kept = caller->Call<Sum, Total>("other", Sum{}, std::chrono::milliseconds(50)).Wait();
+  EXPECT_EQ(kept.failure().kind, Kind::kNoServer);
+}
+
+TEST_F(Services, AreFreeFunctionsToo) {
+  Init(Config::Parse("discovery: {local: false}"));
+  Serve<Sum, Total>("add", Add);
+  EXPECT_EQ((Call<Sum, Total>("add", Sum{1, 2}, kLong).Wait()->value), 3);
+  std::atomic<int> sum{0};
+  Call<Sum, Total>("add", Sum{2, 2}, kLong, [&](const CallResult<Total>& result) { sum = result->value; });
+  EXPECT_TRUE(Await([&] { return sum == 4; }));
+  Shutdown();
+}
+
+}  // namespace
+}  // namespace hgros

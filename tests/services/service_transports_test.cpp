@@ -1,0 +1,258 @@
+// One program of a server and its callers, by pointer, through shared memory, over ipc and over tcp.
+#include <array>
+#include <atomic>
+#include <random>
+#include <vector>
+
+#include "services/services_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Add;
+using test::Await;
+using test::Kind;
+using test::kLong;
+using test::kPatience;
+using test::Note;
+using test::Pair;
+using test::PlacesOf;
+using test::Sum;
+using test::Total;
+
+class ServiceOverEveryTransport : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+
+TEST_P(ServiceOverEveryTransport, RepliesToAFuture) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Sum, Total>("add", Add);
+  const auto result = pair.caller().Call<Sum, Total>("add", Sum{2, 3}, kLong).Wait();
+  ASSERT_TRUE(result) << result.failure().reason;
+  EXPECT_EQ(result->value, 5);
+}
+
+TEST_P(ServiceOverEveryTransport, RepliesToACallback) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Sum, Total>("add", Add);
+  std::atomic<int> sum{0};
+  const auto ticket = pair.caller().Call<Sum, Total>("add", std::make_unique<Sum>(Sum{2, 3}), kLong,
+                                                     [&](const CallResult<Total>& result) { sum = result->value; });
+  EXPECT_TRUE(Await([&] { return sum == 5; }));
+  EXPECT_TRUE(ticket.done());
+}
+
+TEST_P(ServiceOverEveryTransport, TellsWhatTheHandlerThrew) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Note, Note>(
+      "parse", [](const Note& note) -> Note { throw std::runtime_error("\"" + note.text + "\" is no number"); });
+  const auto result = pair.caller().Call<Note, Note>("parse", Note("seven"), kLong).Wait();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.failure().kind, Kind::kHandlerFailed);
+  EXPECT_EQ(result.failure().reason, "\"seven\" is no number");
+}
+
+TEST_P(ServiceOverEveryTransport, TimesOutWhileTheHandlerIsBusy) {
+  Pair pair(PlacesOf(GetParam()));
+  test::Door door;
+  const Service service = pair.server().Serve<Sum, Total>(
+      "slow",
+      [&](const Sum& sum) {
+        if (sum.a == 1) door.Pass();
+        return Add(sum);
+      },
+      Invoke::kConcurrent);
+  ASSERT_TRUE((pair.caller().Call<Sum, Total>("slow", Sum{2, 3}, kLong).Wait()));
+  const auto result = pair.caller().Call<Sum, Total>("slow", Sum{1, 1}, std::chrono::milliseconds(300)).Wait();
+  EXPECT_FALSE(result);
+  EXPECT_EQ(result.failure().kind, Kind::kTimedOut);
+  EXPECT_EQ(result.failure().reason, "Service \"slow\" did not reply within 300 ms.");
+  door.Open();
+}
+
+TEST_P(ServiceOverEveryTransport, MatchesThousandsOfRepliesInAnyOrder) {
+  constexpr int kCalls = 5000;
+  Pair pair(PlacesOf(GetParam()));
+  std::vector<Service> services;
+  // Two services on threads of their own, so that replies come in no order.
+  const auto handler = [](const Sum& sum) { return Add(sum); };
+  services.push_back(pair.server().Serve<Sum, Total>("left", handler, Invoke::kConcurrent));
+  services.push_back(
+      pair.server().Serve<Sum, Total>("right", handler, Invoke::kConcurrent, {.executor = Executor::Dedicated()}));
+  std::vector<CallFuture<Total>> futures;
+  futures.reserve(kCalls);
+  for (int i = 0; i < kCalls; ++i) {
+    futures.push_back(pair.caller().Call<Sum, Total>(i % 2 == 0 ? "left" : "right", Sum{i, 1}, kLong));
+  }
+  std::vector<int> order(kCalls);
+  for (int i = 0; i < kCalls; ++i) order[static_cast<std::size_t>(i)] = i;
+  std::mt19937 random(7);
+  std::shuffle(order.begin(), order.end(), random);
+  for (const int i : order) {
+    const auto result = futures[static_cast<std::size_t>(i)].Wait();
+    ASSERT_TRUE(result) << i << ": " << result.failure().reason;
+    ASSERT_EQ(result->value, i + 1);
+  }
+}
+
+TEST_P(ServiceOverEveryTransport, CancelsACallAndTheRequestThatWaits) {
+  Pair pair(PlacesOf(GetParam()));
+  test::Door door;
+  std::atomic<int> handled{0};
+  const Service service = pair.server().Serve<Sum, Total>("slow", [&](const Sum& sum) {
+    ++handled;
+    if (sum.a == 1) door.Pass();
+    return Add(sum);
+  });
+  const auto first = pair.caller().Call<Sum, Total>("slow", Sum{1, 1}, kLong);
+  ASSERT_TRUE(Await([&] { return handled == 1; }));
+  const auto second = pair.caller().Call<Sum, Total>("slow", Sum{2, 1}, kLong);
+  second.Cancel();
+  EXPECT_EQ(second.Wait().failure().kind, Kind::kCancelled);
+  { const auto dropped = pair.caller().Call<Sum, Total>("slow", Sum{3, 1}, kLong); }
+  // Behind the two on the same way.
+  const auto last = pair.caller().Call<Sum, Total>("slow", Sum{4, 1}, kLong);
+  (void)test::Await([&] { return service.stats().received >= 4; }, std::chrono::milliseconds(200));
+  door.Open();
+  EXPECT_EQ(first.Wait()->value, 2);
+  EXPECT_EQ(last.Wait()->value, 5);
+  EXPECT_EQ(handled, 2);
+}
+
+TEST_P(ServiceOverEveryTransport, FailsCallsWhenTheServiceEnds) {
+  Pair pair(PlacesOf(GetParam()));
+  test::Door door;
+  std::atomic<int> handled{0};
+  Service service = pair.server().Serve<Sum, Total>("slow", [&](const Sum& sum) {
+    ++handled;
+    door.Pass();
+    return Add(sum);
+  });
+  const auto begun = pair.caller().Call<Sum, Total>("slow", Sum{1, 1}, kLong);
+  ASSERT_TRUE(Await([&] { return handled == 1; }));
+  std::vector<CallFuture<Total>> waiting;
+  for (int i = 0; i < 8; ++i) waiting.push_back(pair.caller().Call<Sum, Total>("slow", Sum{i, 1}, kLong));
+  std::jthread ender([&] { service.Reset(); });
+  for (const auto& call : waiting) EXPECT_EQ(call.Wait().failure().kind, Kind::kServerGone);
+  door.Open();
+  EXPECT_TRUE(begun.Wait() || begun.Wait().failure().kind == Kind::kServerGone);
+}
+
+TEST_P(ServiceOverEveryTransport, GoesOnWhenTheServiceIsServedAgain) {
+  Pair pair(PlacesOf(GetParam()));
+  for (int life = 0; life < 3; ++life) {
+    const Service service =
+        pair.server().Serve<Sum, Total>("add", [&](const Sum& sum) { return Total{sum.a + sum.b + life}; });
+    int replies = 0;
+    EXPECT_TRUE(Await([&] {
+      // One that the caller sends before it hears of the end fails.
+      const auto result = pair.caller().Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(1)).Wait();
+      EXPECT_TRUE(!result || result->value == 5 + life);
+      return result && ++replies == 3;
+    }));
+  }
+}
+
+TEST_P(ServiceOverEveryTransport, SaysFullWhenTheServerHasTooManyRequests) {
+  Pair pair(PlacesOf(GetParam()));
+  test::Door door;
+  std::atomic<int> handled{0};
+  const Service service = pair.server().Serve<Sum, Total>("slow",
+                                                          [&](const Sum& sum) {
+                                                            ++handled;
+                                                            door.Pass();
+                                                            return Add(sum);
+                                                          },
+                                                          Invoke::kSerial, {.queue = Queue::KeepAll(2)});
+  const auto first = pair.caller().Call<Sum, Total>("slow", Sum{0, 0}, kLong);
+  ASSERT_TRUE(Await([&] { return handled == 1; }));
+  std::vector<CallFuture<Total>> calls;
+  for (int i = 0; i < 3; ++i) calls.push_back(pair.caller().Call<Sum, Total>("slow", Sum{i, i}, kLong));
+  const auto full = calls.back().Wait();
+  EXPECT_EQ(full.failure().kind, Kind::kFull);
+  EXPECT_EQ(full.failure().reason, "Service \"slow\" has 2 requests waiting already.");
+  door.Open();
+  EXPECT_TRUE(calls[0].Wait());
+  EXPECT_TRUE(calls[1].Wait());
+}
+
+TEST_P(ServiceOverEveryTransport, TellsATypeMismatch) {
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Sum, Total>("add", Add);
+  const auto request = pair.caller().Call<Note, Total>("add", Note("2+3"), kLong).Wait();
+  EXPECT_EQ(request.failure().kind, Kind::kTypeMismatch) << request.failure().reason;
+  EXPECT_NE(request.failure().reason.find("Note"), std::string::npos) << request.failure().reason;
+  EXPECT_NE(request.failure().reason.find("Sum"), std::string::npos) << request.failure().reason;
+}
+
+TEST_P(ServiceOverEveryTransport, TellsAMismatchOfTheReplysType) {
+  Pair pair(PlacesOf(GetParam()));
+  std::atomic<int> handled{0};
+  const Service service = pair.server().Serve<Sum, Total>("add", [&](const Sum& sum) {
+    ++handled;
+    return Add(sum);
+  });
+  const auto reply = pair.caller().Call<Sum, Note>("add", Sum{2, 3}, kLong).Wait();
+  EXPECT_EQ(reply.failure().kind, Kind::kTypeMismatch) << reply.failure().reason;
+  EXPECT_NE(reply.failure().reason.find("Note"), std::string::npos) << reply.failure().reason;
+  EXPECT_NE(reply.failure().reason.find("Total"), std::string::npos) << reply.failure().reason;
+  EXPECT_EQ(handled, 0);
+}
+
+TEST_P(ServiceOverEveryTransport, SaysWhatCouldNotBeWrittenOrRead) {
+  if (GetParam() == "pointer") GTEST_SKIP() << "nothing is written there";
+  Pair pair(PlacesOf(GetParam()));
+  const Service service = pair.server().Serve<Note, Note>("echo", [](const Note& note) { return note; });
+  for (const std::string text : {"unwritable", "unreadable"}) {
+    const auto result = pair.caller().Call<Note, Note>("echo", Note(text), kLong).Wait();
+    EXPECT_EQ(result.failure().kind, Kind::kNotWritable) << text << ": " << result.failure().reason;
+  }
+  EXPECT_EQ((pair.caller().Call<Note, Note>("echo", Note("fine"), kLong).Wait()->text), "fine");
+}
+
+TEST_P(ServiceOverEveryTransport, WaitsForAServerThatIsStarting) {
+  Pair pair(PlacesOf(GetParam()));
+  if (GetParam() == "pointer") GTEST_SKIP() << "a session alone knows who serves";
+  const auto early = pair.caller().Call<Sum, Total>("add", Sum{2, 3}, kLong);
+  const Service service = pair.server().Serve<Sum, Total>("add", Add);
+  const auto result = early.Wait();
+  ASSERT_TRUE(result) << result.failure().reason;
+  EXPECT_EQ(result->value, 5);
+}
+
+TEST_P(ServiceOverEveryTransport, EndsCallsUnderLoadWhenEitherSessionEnds) {
+  for (const bool server_first : {true, false}) {
+    if (GetParam() == "pointer") GTEST_SKIP() << "one session";
+    std::array<std::atomic<int>, 10> failures{};  // By kind.
+    std::atomic<int> replies{0};
+    std::atomic<int> ended{0};
+    std::atomic<int> made{0};
+    Pair pair(PlacesOf(GetParam()));
+    Service service = pair.server().Serve<Sum, Total>("add", Add, Invoke::kConcurrent);
+    Session& caller = pair.caller();
+    std::jthread load([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        ++made;
+        caller.Call<Sum, Total>("add", Sum{1, 2}, std::chrono::seconds(1), [&](const CallResult<Total>& result) {
+          if (result) ++replies;
+          if (!result) failures[static_cast<std::size_t>(result.failure().kind)]++;
+          ++ended;
+        });
+        if (made % 64 == 0) (void)Await([&] { return made - ended < 256 || stop.stop_requested(); });
+      }
+    });
+    EXPECT_TRUE(Await([&] { return replies > 200; }))
+        << replies << " replies to " << made << " calls, " << ended << " ended; " << failures[0] << " found no server, "
+        << failures[1] << " timed out";
+    if (server_first) pair.EndServer();
+    load.request_stop();
+    load.join();
+    if (!server_first) pair.EndCaller();
+    EXPECT_TRUE(Await([&] { return made == ended; }))
+        << (server_first ? "server" : "caller") << " first: " << made << " calls, " << ended << " ended";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Placed, ServiceOverEveryTransport, testing::Values("pointer", "sharedmemory", "ipc", "tcp"),
+                         [](const auto& placed) { return placed.param; });
+
+}  // namespace
+}  // namespace hgros

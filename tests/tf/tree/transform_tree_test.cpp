@@ -1,0 +1,407 @@
+#include "hgros/tf/transform_tree.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "hgros/base/error.hpp"
+#include "tf/tf_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Difference;
+using test::Shift;
+using test::TurnZ;
+using ::testing::HasSubstr;
+
+Time At(double seconds) { return Time{static_cast<std::int64_t>(std::llround(seconds * 1e9))}; }
+
+// The paper's tree: a1 above a2 and a3, a2 above a4 and a5, a3 above a6 and a7, and a5 above a8.
+void SetPaperTree(TransformTree& tree, Time stamp) {
+  const std::pair<const char*, const char*> edges[] = {{"/a1", "/a2"}, {"/a1", "/a3"}, {"/a2", "/a4"}, {"/a2", "/a5"},
+                                                       {"/a3", "/a6"}, {"/a3", "/a7"}, {"/a5", "/a8"}};
+  double x = 1;
+  for (const auto& [parent, child] : edges) {
+    ASSERT_TRUE(tree.Set(parent, child, stamp, TurnZ(0.1 * x) * Shift(x, -x, 2 * x)));
+    x += 1;
+  }
+}
+
+TEST(TransformTree, LooksUpThroughTheNearestCommonAncestor) {
+  TransformTree tree;
+  SetPaperTree(tree, At(1));
+  const auto edge = [](double x) { return TurnZ(0.1 * x) * Shift(x, -x, 2 * x); };
+  const RigidTransform a1_a6 = edge(2) * edge(5);
+  const RigidTransform a1_a8 = edge(1) * edge(4) * edge(7);
+  const auto found = tree.Lookup("/a6", "/a8", At(1));
+  ASSERT_TRUE(found) << found.text();
+  EXPECT_LT(Difference(found->T_target_source, a1_a6.Inverse() * a1_a8), 1e-12);
+  EXPECT_EQ(found->stamp, At(1));
+  EXPECT_LT(Difference(tree.Lookup("/a8", "/a6")->T_target_source, a1_a8.Inverse() * a1_a6), 1e-12);
+  EXPECT_LT(Difference(tree.Lookup("/a2", "/a8")->T_target_source, edge(4) * edge(7)), 1e-12);
+  EXPECT_LT(Difference(tree.Lookup("/a8", "/a2")->T_target_source, (edge(4) * edge(7)).Inverse()), 1e-12);
+}
+
+TEST(TransformTree, TransformOfAFrameToItselfIsIdentity) {
+  TransformTree tree;
+  SetPaperTree(tree, At(1));
+  EXPECT_LT(Difference(tree.Lookup("/a1", "/a1")->T_target_source, RigidTransform()), 1e-15);
+  EXPECT_EQ(tree.Lookup("/a8", "/a8", At(77))->stamp, At(77));
+}
+
+TEST(TransformTree, InterpolatesBetweenStamps) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(2), Shift(3) * TurnZ(1)));
+  const auto found = tree.Lookup("map", "base", At(1.25));
+  ASSERT_TRUE(found) << found.text();
+  EXPECT_LT(Difference(found->T_target_source, Shift(1.5) * TurnZ(0.25)), 1e-12);
+  EXPECT_EQ(found->stamp, At(1.25));
+}
+
+TEST(TransformTree, InterpolatesRotationsOfAnySizeLikeSlerp) {
+  for (const double angle : {0.0, 1e-9, 1e-4, 0.005, 0.01, 0.09, 0.2, 0.8, 0.9, 2.0, 3.0, 3.14159}) {
+    for (const double sign : {1.0, -1.0}) {
+      TransformTree tree;
+      RigidTransform end = TurnZ(0.3) * TurnZ(angle);
+      end.rotation.coeffs() *= sign;  // The same rotation by the other quaternion.
+      ASSERT_TRUE(tree.Set("map", "base", At(0), TurnZ(0.3)));
+      ASSERT_TRUE(tree.Set("map", "base", At(1), end));
+      for (const double t : {0.001, 0.25, 0.5, 0.875, 0.999}) {
+        const auto found = tree.Lookup("map", "base", At(t));
+        ASSERT_TRUE(found);
+        EXPECT_LT(Difference(found->T_target_source, TurnZ(0.3 + t * angle)), 1e-12) << angle << " at " << t;
+        EXPECT_NEAR(found->T_target_source.rotation.norm(), 1, 1e-14);
+      }
+    }
+  }
+}
+
+TEST(TransformTree, LatestIsTheNewestTimeThatAllEdgesHave) {
+  TransformTree tree;
+  for (int i = 0; i <= 10; ++i) ASSERT_TRUE(tree.Set("map", "odom", At(i), Shift(i)));
+  for (int i = 0; i <= 16; ++i) ASSERT_TRUE(tree.Set("odom", "base", At(i * 0.5), Shift(0, i * 0.5)));
+  ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(0, 0, 1)));
+  const auto found = tree.Lookup("map", "laser");
+  ASSERT_TRUE(found) << found.text();
+  EXPECT_EQ(found->stamp, At(8));
+  EXPECT_LT(Difference(found->T_target_source, Shift(8, 8, 1)), 1e-12);
+  ASSERT_TRUE(tree.Set("odom", "base", At(8.5), Shift(0, 8.5)));
+  EXPECT_EQ(tree.Lookup("map", "laser")->stamp, At(8.5)) << "What has changed is seen.";
+}
+
+TEST(TransformTree, StaticEdgesHoldAtAllTimes) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(1)));
+  ASSERT_TRUE(tree.SetStatic("base", "camera", Shift(0, 2)));
+  EXPECT_LT(Difference(tree.Lookup("laser", "camera", At(1e6))->T_target_source, Shift(-1, 2)), 1e-15);
+  EXPECT_EQ(tree.Lookup("laser", "camera")->stamp, Time{});
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(i)));
+  EXPECT_LT(Difference(tree.Lookup("base", "laser")->T_target_source, Shift(19)), 1e-15) << "The newest holds.";
+}
+
+TEST(TransformTree, TravelsThroughAFixedFrame) {
+  TransformTree tree;
+  for (int i = 0; i <= 5; ++i) ASSERT_TRUE(tree.Set("map", "base", At(i), Shift(i)));
+  ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(0, 1)));
+  // What the laser saw 1 m ahead at 1 s is 3 m behind it at 5 s.
+  const auto found = tree.Lookup("laser", At(5), "laser", At(1), "map");
+  ASSERT_TRUE(found) << found.text();
+  EXPECT_LT(((found->T_target_source * Eigen::Vector3d(1, 0, 0)) - Eigen::Vector3d(-3, 0, 0)).norm(), 1e-12);
+  EXPECT_EQ(found->stamp, At(5));
+  EXPECT_EQ(tree.Lookup("laser", At(5), "laser", At(6), "map").fault(), TransformFault::kTooNew);
+  EXPECT_EQ(tree.Lookup("laser", At(5), "laser", At(1), "mp").failure().nearest_name, "map");
+}
+
+TEST(TransformTree, NamesTheNearestKnownFrame) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base_link", At(1), Shift(1)));
+  const auto found = tree.Lookup("map", "base_lnk");
+  EXPECT_EQ(found.fault(), TransformFault::kUnknownFrame);
+  EXPECT_EQ(found.failure().nearest_name, "base_link");
+  EXPECT_EQ(found.text(), "No edge has a frame \"base_lnk\"; the nearest name is \"base_link\".");
+  EXPECT_THROW((void)*found, Error);
+  (void)tree.Frame("base_lnks");  // Nobody knows it for that.
+  EXPECT_EQ(tree.Lookup("map", "base_lnks").failure().nearest_name, "base_link");
+  EXPECT_EQ(tree.Lookup("map", "base_lnks").fault(), TransformFault::kUnknownFrame);
+  EXPECT_EQ(tree.Lookup(FrameId{77}, FrameId{78}).fault(), TransformFault::kUnknownFrame);
+}
+
+TEST(TransformTree, NamesBothRootsOfUnconnectedFrames) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  ASSERT_TRUE(tree.Set("world", "drone", At(1), Shift(1)));
+  const auto found = tree.Lookup("base", "drone");
+  EXPECT_EQ(found.fault(), TransformFault::kNotConnected);
+  EXPECT_EQ(found.failure().target_root, "map");
+  EXPECT_EQ(found.failure().source_root, "world");
+  EXPECT_THAT(found.text(), HasSubstr("\"map\""));
+  EXPECT_THAT(found.text(), HasSubstr("\"world\""));
+  ASSERT_TRUE(tree.SetStatic("map", "world", Shift(5)));
+  EXPECT_TRUE(tree.Lookup("base", "drone"));
+}
+
+TEST(TransformTree, ReportsTheRangeOfAnEdgeWhenATimeIsTooOldOrTooNew) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(1.5), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(2.25), Shift(1)));
+  const auto old = tree.Lookup("map", "base", At(1));
+  EXPECT_EQ(old.fault(), TransformFault::kTooOld);
+  EXPECT_EQ(old.failure().oldest, At(1.5));
+  EXPECT_EQ(old.failure().newest, At(2.25));
+  EXPECT_EQ(
+      old.text(),
+      "There is no transform from \"base\" to \"map\" at 1.000000000 s, which is too old: the edge from \"map\" to "
+      "\"base\" has 1.500000000 s to 2.250000000 s.");
+  const auto young = tree.Lookup("map", "base", At(3));
+  EXPECT_EQ(young.fault(), TransformFault::kTooNew);
+  EXPECT_THAT(young.text(), HasSubstr("too new"));
+  EXPECT_TRUE(tree.CanTransform("map", "base", At(2)));
+  EXPECT_FALSE(tree.CanTransform("map", "base", At(3)));
+  EXPECT_FALSE(tree.CanTransform("map", "bse"));
+}
+
+TEST(TransformTree, ForgetsTransformsOlderThanItsBuffer) {
+  TransformTree tree({.buffer = 2s});
+  for (int i = 0; i <= 1000; ++i) ASSERT_TRUE(tree.Set("map", "base", At(i * 0.01), Shift(i)));
+  EXPECT_TRUE(tree.Lookup("map", "base", At(8)));
+  EXPECT_EQ(tree.Lookup("map", "base", At(7.999)).fault(), TransformFault::kTooOld);
+  EXPECT_EQ(tree.Lookup("map", "base", At(7.999)).failure().oldest, At(8));
+  const auto late = tree.Set("map", "base", At(7.995), Shift(0));
+  EXPECT_EQ(late.fault(), SetFault::kTooOld);
+  EXPECT_THAT(late.text(), HasSubstr("\"base\""));
+}
+
+TEST(TransformTree, DoesNotInterpolateOverAGapLongerThanItsBuffer) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(0), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(100), Shift(2)));
+  EXPECT_EQ(tree.Lookup("map", "base", At(95)).fault(), TransformFault::kTooOld);
+  EXPECT_TRUE(tree.Lookup("map", "base", At(100)));
+}
+
+TEST(TransformTree, KeepsAtMostTheMaximumOfTransforms) {
+  TransformTree tree({.buffer = 1000s, .max_transforms_per_edge = 50});
+  for (int i = 0; i <= 500; ++i) ASSERT_TRUE(tree.Set("map", "base", At(i), Shift(i)));
+  EXPECT_TRUE(tree.Lookup("map", "base", At(451)));
+  EXPECT_EQ(tree.Lookup("map", "base", At(450)).fault(), TransformFault::kTooOld);
+  EXPECT_EQ(tree.Set("map", "base", At(450.5), Shift(1)).fault(), SetFault::kTooOld);
+  ASSERT_TRUE(tree.Set("map", "base", At(470.5), Shift(-1)));
+  EXPECT_EQ(tree.Lookup("map", "base", At(451)).fault(), TransformFault::kTooOld) << "One more, and the oldest goes.";
+  EXPECT_LT(Difference(tree.Lookup("map", "base", At(470.5))->T_target_source, Shift(-1)), 1e-15);
+}
+
+TEST(TransformTree, AcceptsStampsInAnyOrderAndReplacesEqualOnes) {
+  TransformTree tree;
+  for (const int i : {0, 4, 2, 8, 6, 7, 1, 3, 5}) ASSERT_TRUE(tree.Set("map", "base", At(i), Shift(i * i)));
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_LT(
+        Difference(tree.Lookup("map", "base", At(i + 0.5))->T_target_source, Shift((i * i + (i + 1) * (i + 1)) / 2.0)),
+        1e-12);
+  }
+  ASSERT_TRUE(tree.Set("map", "base", At(8), Shift(-8)));
+  ASSERT_TRUE(tree.Set("map", "base", At(3), Shift(-3)));
+  EXPECT_LT(Difference(tree.Lookup("map", "base")->T_target_source, Shift(-8)), 1e-15);
+  EXPECT_LT(Difference(tree.Lookup("map", "base", At(3))->T_target_source, Shift(-3)), 1e-15);
+  EXPECT_EQ(tree.Edges().front().transforms, 9U);
+}
+
+TEST(TransformTree, RefusesASecondParent) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  const auto set = tree.Set("odom", "base", At(2), Shift(1));
+  EXPECT_EQ(set.fault(), SetFault::kTwoParents);
+  EXPECT_EQ(
+      set.text(),
+      "The transform from \"odom\" to \"base\" was refused: \"base\" hangs below \"map\" already, and a frame keeps "
+      "its parent.");
+}
+
+TEST(TransformTree, RefusesCycles) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("a", "b", At(1), Shift(1)));
+  ASSERT_TRUE(tree.Set("b", "c", At(1), Shift(1)));
+  const auto set = tree.Set("c", "a", At(1), Shift(1));
+  EXPECT_EQ(set.fault(), SetFault::kCycle);
+  EXPECT_EQ(
+      set.text(),
+      "The transform from \"c\" to \"a\" was refused: it would close a cycle: \"c\" hangs below \"b\", which hangs "
+      "below \"a\".");
+  EXPECT_EQ(tree.Set("d", "d", At(1), Shift(1)).fault(), SetFault::kCycle);
+}
+
+TEST(TransformTree, RefusesTransformsThatAreNotRigid) {
+  TransformTree tree;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  RigidTransform T = Shift(1);
+  T.rotation.w() = 1.01;
+  auto set = tree.Set("map", "base", At(1), T);
+  EXPECT_EQ(set.fault(), SetFault::kRotation);
+  EXPECT_EQ(set.text(),
+            "The transform from \"map\" to \"base\" was refused: its rotation is a quaternion of length 1.01, not 1. "
+            "Normalize it.");
+  T.rotation.w() = nan;
+  EXPECT_EQ(tree.Set("map", "base", At(1), T).fault(), SetFault::kRotation);
+  T.rotation.coeffs().setZero();
+  EXPECT_EQ(tree.Set("map", "base", At(1), T).fault(), SetFault::kRotation);
+  for (const double bad : {nan, infinity, -infinity}) {
+    set = tree.Set("map", "base", At(1), Shift(0, bad));
+    EXPECT_EQ(set.fault(), SetFault::kTranslation);
+    EXPECT_THAT(set.text(), HasSubstr("\"map\" to \"base\""));
+  }
+  EXPECT_TRUE(tree.Edges().empty());
+}
+
+TEST(TransformTree, NormalizesQuaternionsOfAlmostUnitLength) {
+  TransformTree tree;
+  RigidTransform T = TurnZ(1);
+  T.rotation.coeffs() *= 1.0001;
+  ASSERT_TRUE(tree.Set("map", "base", At(1), T));
+  EXPECT_NEAR(tree.Lookup("map", "base")->T_target_source.rotation.norm(), 1, 1e-15);
+}
+
+TEST(TransformTree, RefusesInvalidNames) {
+  TransformTree tree;
+  EXPECT_EQ(tree.Set("", "base", At(1), Shift(1)).fault(), SetFault::kName);
+  EXPECT_THAT(tree.Set("", "base", At(1), Shift(1)).text(),
+              HasSubstr("\"base\" was refused: of the parent's name, it is empty"));
+  EXPECT_THAT(tree.Set("map", "", At(1), Shift(1)).text(), HasSubstr("of the child's name, it is empty"));
+  EXPECT_EQ(tree.Set("map", "two words", At(1), Shift(1)).fault(), SetFault::kName);
+  EXPECT_EQ(tree.Set(FrameId{5}, FrameId{6}, At(1), Shift(1)).fault(), SetFault::kName);
+  EXPECT_THROW((void)tree.Frame(""), Error);
+  EXPECT_EQ(tree.Lookup("", "base").fault(), TransformFault::kUnknownFrame);
+}
+
+TEST(TransformTree, EdgeStaysStaticOrMoving) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(1)));
+  EXPECT_EQ(tree.SetStatic("map", "base", Shift(1)).fault(), SetFault::kStatic);
+  EXPECT_EQ(tree.Set("base", "laser", At(1), Shift(1)).fault(), SetFault::kStatic);
+  EXPECT_THAT(tree.Set("base", "laser", At(1), Shift(1)).text(), HasSubstr("Use SetStatic"));
+}
+
+TEST(TransformTree, IdsMeanTheSameAsNames) {
+  TransformTree tree;
+  const FrameId map = tree.Frame("map");
+  const FrameId base = tree.Frame("base");
+  ASSERT_TRUE(tree.Set(map, base, At(1), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(2), Shift(2)));
+  EXPECT_EQ(tree.Find("base"), base);
+  EXPECT_EQ(tree.Find("nobody"), std::nullopt);
+  EXPECT_EQ(tree.Name(map), "map");
+  EXPECT_EQ(tree.Name(FrameId{}), "");
+  EXPECT_LT(Difference(tree.Lookup(map, base, At(1.5))->T_target_source, Shift(1.5)), 1e-12);
+}
+
+TEST(TransformTree, HandlesVeryDeepAndVeryWideTrees) {
+  TransformTree tree;
+  constexpr int kDepth = 300;
+  for (int i = 0; i < kDepth; ++i) {
+    ASSERT_TRUE(tree.Set("f" + std::to_string(i), "f" + std::to_string(i + 1), At(1), Shift(1)));
+    ASSERT_TRUE(tree.Set(i == 0 ? "f0" : "g" + std::to_string(i), "g" + std::to_string(i + 1), At(1), Shift(0, 1)));
+  }
+  const auto found = tree.Lookup("g300", "f300", At(1));
+  ASSERT_TRUE(found) << found.text();
+  EXPECT_LT(Difference(found->T_target_source, Shift(300, -300)), 1e-9);
+  for (const int depth : {15, 16, 17, 31, 32, 33, 34, 40}) {
+    const std::string name = std::to_string(depth);
+    EXPECT_LT(Difference(tree.Lookup("f" + name, "f" + std::to_string(depth + 32))->T_target_source, Shift(32)), 1e-9);
+    EXPECT_LT(Difference(tree.Lookup("g" + name, "f1")->T_target_source, Shift(1, -depth)), 1e-9);
+  }
+}
+
+TEST(TransformTree, AcceptsEveryStampValue) {
+  TransformTree tree;
+  const Time first{std::numeric_limits<std::int64_t>::min()};
+  ASSERT_TRUE(tree.Set("map", "base", first, Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", first + 1s, Shift(2)));
+  EXPECT_TRUE(tree.Lookup("map", "base", first + 500ms));
+  ASSERT_TRUE(tree.Set("map", "base", Time{std::numeric_limits<std::int64_t>::max()}, Shift(3)));
+  EXPECT_EQ(tree.Lookup("map", "base", first + 1s).fault(), TransformFault::kTooOld);
+  EXPECT_LT(Difference(tree.Lookup("map", "base")->T_target_source, Shift(3)), 1e-15);
+}
+
+TEST(TransformTree, TreeIgnoresMemosOfAnEarlierTreeAtTheSameAddress) {
+  for (int i = 0; i < 100; ++i) {
+    TransformTree tree;
+    ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(i)));
+    EXPECT_LT(Difference(tree.Lookup("map", "base")->T_target_source, Shift(i)), 1e-15);
+    EXPECT_LT(Difference(tree.Lookup("map", "base")->T_target_source, Shift(i)), 1e-15);
+  }
+}
+
+TEST(TransformTree, RestartReplacesOldTransformsAfterTimeJumpedBack) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(100), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(101), Shift(2)));
+  EXPECT_EQ(tree.Set("map", "base", At(1), Shift(3)).fault(), SetFault::kTooOld);
+  tree.RestartTime();
+  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(101)) << "until something is set";
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(3)));
+  EXPECT_EQ(tree.Lookup("map", "laser")->stamp, At(1));
+  EXPECT_EQ(tree.Lookup("map", "base", At(100)).fault(), TransformFault::kTooNew);
+  ASSERT_TRUE(tree.Set("map", "base", At(2), Shift(4)));
+  EXPECT_LT(Difference(tree.Lookup("map", "base", At(1.5))->T_target_source, Shift(3.5)), 1e-12);
+  EXPECT_EQ(tree.Edges().at(0).transforms, 2U);
+  for (int i = 0; i < 300; ++i) {  // Through all memory of both buffers, again and again.
+    tree.RestartTime();
+    for (int stamp = 1; stamp <= i; ++stamp) ASSERT_TRUE(tree.Set("map", "base", At(stamp * 0.01), Shift(stamp + i)));
+    if (i < 2) continue;
+    ASSERT_LT(Difference(tree.Lookup("map", "base", At(0.015))->T_target_source, Shift(1.5 + i)), 1e-9);
+  }
+}
+
+TEST(TransformTree, TransformsFromBeforeTheJumpDoNotRestartAnEdge) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(100), Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "arm", At(100), Shift(1)));
+  tree.RestartTime(At(50));
+  ASSERT_TRUE(tree.Set("map", "base", At(100.1), Shift(2)));
+  EXPECT_EQ(tree.Lookup("map", "base", At(100.05))->stamp, At(100.05)) << "with what was before";
+  ASSERT_TRUE(tree.Set("map", "base", At(0), Shift(3)));
+  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(0));
+  ASSERT_TRUE(tree.Set("map", "arm", At(60), Shift(4))) << "the edge has slept for long";
+  EXPECT_EQ(tree.Lookup("map", "arm")->stamp, At(60));
+}
+
+TEST(TransformTree, RefusedTransformsLeaveNoFrames) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  RigidTransform bad;
+  bad.rotation.w() = 2;
+  EXPECT_EQ(tree.Set("a", "b", At(1), bad).fault(), SetFault::kRotation);
+  bad = Shift(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(tree.SetStatic("map", "b", bad).fault(), SetFault::kTranslation);
+  const SetResult two = tree.Set("a", "base", At(1), Shift(1));
+  EXPECT_EQ(two.fault(), SetFault::kTwoParents);
+  EXPECT_THAT(two.text(), HasSubstr("from \"a\" to \"base\" was refused: \"base\" hangs below \"map\" already"));
+  const SetResult itself = tree.Set("a", "a", At(1), Shift(1));
+  EXPECT_EQ(itself.fault(), SetFault::kCycle);
+  EXPECT_THAT(itself.text(), HasSubstr("a frame cannot hang below itself"));
+  EXPECT_EQ(tree.Set("a", "", At(1), Shift(1)).fault(), SetFault::kName);
+  EXPECT_FALSE(tree.Find("a"));
+  EXPECT_FALSE(tree.Find("b"));
+}
+
+TEST(TransformTree, HasAtMostTheMaximumOfFrames) {
+  TransformTree tree({.max_frames = 3});
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
+  ASSERT_TRUE(tree.Set("base", "arm", At(1), Shift(1)));
+  const SetResult result = tree.Set("arm", "hand", At(1), Shift(1));
+  EXPECT_EQ(result.fault(), SetFault::kTooManyFrames);
+  EXPECT_THAT(result.text(), HasSubstr("from \"arm\" to \"hand\" was refused: the tree has 3 frames"));
+  EXPECT_THROW((void)tree.Frame("hand"), Error);
+  EXPECT_TRUE(tree.Set("base", "arm", At(2), Shift(1))) << "those that are there go on";
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,149 @@
+#include "viewer/app/output/video_recorder.hpp"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+/// A folder, first in PATH, with a script that replaces ffmpeg.
+class VideoRecorderTest : public ::testing::Test {
+ protected:
+  VideoRecorderTest() {
+    std::filesystem::create_directory(folder_);
+    setenv("PATH", (folder_.string() + ":" + path_).c_str(), 1);
+  }
+  ~VideoRecorderTest() override {
+    setenv("PATH", path_.c_str(), 1);
+    std::filesystem::remove_all(folder_);
+  }
+  void Stand(const std::string& script) {
+    const auto file = folder_ / "ffmpeg";
+    std::ofstream(file) << "#!/bin/sh\n" << script;
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  [[nodiscard]] std::string Film() const {
+    std::ifstream stream(folder_ / "film.mp4", std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  const std::string path_ = getenv("PATH");
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("video_recorder_test_" + std::to_string(getpid()));
+  // The film is the last argument of the command, after "file:".
+  const std::string copies_ = "for word; do last=$word; done; exec cat > \"${last#file:}\"\n";
+};
+
+std::vector<std::uint8_t> GrayPicture(const Viewport& size, std::uint8_t value) {
+  return std::vector<std::uint8_t>(static_cast<std::size_t>(3 * size.width * size.height), value);
+}
+
+/// The first error with an ffmpeg that soon accepts no more pictures.
+std::string FirstFault(VideoRecorder& recorder, const Viewport& size) {
+  std::string fault;
+  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(size, GrayPicture(size, 1));
+  return fault;
+}
+
+TEST_F(VideoRecorderTest, PassesEveryPictureToFfmpeg) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  constexpr Viewport kSize{640, 480};
+  for (std::uint8_t i = 0; i < 5; ++i) EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, i)), "");
+  EXPECT_EQ(recorder.pictures(), 5U);
+  EXPECT_EQ(recorder.Finish(), "");
+  const std::string film = Film();
+  ASSERT_EQ(film.size(), 5U * 640 * 480 * 3);
+  EXPECT_EQ(film.front(), 0);
+  EXPECT_EQ(film.back(), 4);
+}
+
+TEST_F(VideoRecorderTest, CutsOrPadsPicturesToTheSizeOfTheFirst) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  for (const Viewport size : {Viewport{4, 2}, Viewport{2, 3}, Viewport{6, 1}}) {
+    EXPECT_EQ(recorder.Add(size, GrayPicture(size, 9)), "");
+  }
+  EXPECT_EQ(recorder.Finish(), "");
+  const std::string film = Film();
+  ASSERT_EQ(film.size(), 3U * 4 * 2 * 3);
+  EXPECT_EQ(std::count(film.begin() + 24, film.begin() + 48, 9), 2 * 2 * 3) << "narrower: two columns of two rows";
+  EXPECT_EQ(std::count(film.begin() + 48, film.end(), 9), 4 * 3) << "lower: one row";
+}
+
+TEST_F(VideoRecorderTest, RepeatsTheLastPicture) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  EXPECT_EQ(recorder.Repeat(), "") << "there is none yet";
+  EXPECT_EQ(recorder.Add({2, 2}, GrayPicture({2, 2}, 7)), "");
+  EXPECT_EQ(recorder.Add({1, 2}, GrayPicture({1, 2}, 8)), "");
+  EXPECT_EQ(recorder.Repeat(), "");
+  EXPECT_EQ(recorder.Finish(), "");
+  const std::string film = Film();
+  ASSERT_EQ(film.size(), 3U * 2 * 2 * 3);
+  EXPECT_EQ(film.substr(12, 12), film.substr(24)) << "as it was fitted into the film";
+  EXPECT_EQ(std::count(film.begin() + 24, film.end(), 8), 2 * 3);
+}
+
+TEST_F(VideoRecorderTest, KillsFfmpegWhenItDoesNotEnd) {
+  Stand("cat > /dev/null; exec sleep 1000\n");
+  VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
+  EXPECT_EQ(recorder.Add({2, 2}, GrayPicture({2, 2}, 1)), "");
+  const std::string fault = recorder.Finish();
+  EXPECT_NE(fault.find("did not end within 0.6 s and was killed"), std::string::npos) << fault;
+  EXPECT_FALSE(recorder.recording());
+}
+
+TEST_F(VideoRecorderTest, KillsFfmpegWhenItAcceptsNoData) {
+  Stand("exec sleep 1000\n");
+  VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
+  constexpr Viewport kSize{1024, 1024};
+  const std::string fault = FirstFault(recorder, kSize);
+  EXPECT_NE(fault.find("took no picture for 0.2 s"), std::string::npos) << fault;
+}
+
+TEST_F(VideoRecorderTest, ReportsFfmpegsMessageWhenItFails) {
+  Stand("echo 'Unknown encoder' >&2\nexit 1\n");
+  VideoRecorder recorder(folder_ / "film.mp4");
+  constexpr Viewport kSize{640, 480};
+  const std::string fault = FirstFault(recorder, kSize);
+  EXPECT_NE(fault.find("failed and said: Unknown encoder"), std::string::npos) << fault;
+  EXPECT_FALSE(recorder.recording());
+  EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, 1)), "") << "it is said once";
+  EXPECT_EQ(recorder.Finish(), "");
+}
+
+TEST_F(VideoRecorderTest, ReportsAnErrorWhenFfmpegIsKilled) {
+  Stand("kill -9 $$\n");
+  VideoRecorder recorder(folder_ / "film.mp4");
+  constexpr Viewport kSize{640, 480};
+  const std::string fault = FirstFault(recorder, kSize);
+  EXPECT_NE(fault.find("was killed"), std::string::npos) << fault;
+}
+
+TEST_F(VideoRecorderTest, ReportsMissingFfmpeg) {
+  setenv("PATH", folder_.c_str(), 1);
+  try {
+    const VideoRecorder recorder(folder_ / "film.mp4");
+    FAIL() << "there is none";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("package ffmpeg"), std::string::npos);
+  }
+}
+
+TEST_F(VideoRecorderTest, ReportsAFilmWithoutPictures) {
+  Stand(copies_);
+  VideoRecorder recorder(folder_ / "film.mp4");
+  EXPECT_NE(recorder.Finish().find("No picture"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hgros::viewer

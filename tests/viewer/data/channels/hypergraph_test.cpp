@@ -1,0 +1,136 @@
+#include "viewer/data/channels/hypergraph.hpp"
+
+#include <gtest/gtest.h>
+
+#include "viewer/data/cut_text.hpp"
+
+namespace hgros::viewer {
+namespace {
+
+ChannelUser User(std::uint64_t session, const std::string& process, const std::string& type = "T") {
+  ChannelUser user;
+  user.session = {session};
+  user.process = process;
+  user.type_name = type;
+  return user;
+}
+
+KnownChannel Channel(const std::string& name, std::vector<ChannelUser> publishers,
+                     std::vector<ChannelUser> subscribers) {
+  KnownChannel channel;
+  channel.name = name;
+  channel.type_name = "T";
+  channel.publishers = std::move(publishers);
+  channel.subscribers = std::move(subscribers);
+  return channel;
+}
+
+Snapshot::Channel& AddChannel(Snapshot& snapshot, const std::string& name) {
+  Snapshot::Channel& channel = *snapshot.add_channels();
+  channel.set_name(name);
+  return channel;
+}
+
+TEST(Hypergraph, ConnectsProcessesByTheirChannels) {
+  const auto graph = MakeHypergraph({Channel("scan", {User(2, "lidar")}, {User(1, "viewer"), User(3, "slam")}),
+                                     Channel("map", {User(3, "slam")}, {})},
+                                    {1}, {}, {});
+  ASSERT_EQ(graph.processes.size(), 3U);
+  EXPECT_EQ(graph.processes[0].name, "lidar");
+  EXPECT_EQ(graph.processes[2].name, "viewer");
+  EXPECT_TRUE(graph.processes[2].own);
+  ASSERT_EQ(graph.channels.size(), 2U);
+  ASSERT_EQ(graph.lines.size(), 4U);
+  EXPECT_TRUE(graph.lines[0].publishes);
+  EXPECT_EQ(graph.lines[0].process, 0U);
+  EXPECT_EQ(graph.lines[1].process, 2U);
+  EXPECT_EQ(graph.lines[3].channel, 1U);
+  EXPECT_FALSE(graph.lines[0].counts) << "nobody has told";
+}
+
+TEST(Hypergraph, ShowsTheCountsOfProcesses) {
+  SessionCounts counts;
+  for (int second = 0; second < 2; ++second) {
+    const auto passed = static_cast<std::uint64_t>(second);
+    Snapshot lidar;
+    lidar.set_steady_ns(1'000'000'000LL * second);
+    Snapshot::Channel& published = AddChannel(lidar, "scan");
+    published.set_published(100 + 10 * passed);
+    published.set_refused(3);
+    published.set_send_dropped(4);
+    counts.Take(2, lidar);
+    Snapshot slam;
+    slam.set_steady_ns(1'000'000'000LL * second);
+    Snapshot::Channel& received = AddChannel(slam, "scan");
+    received.set_received(50 + 9 * passed);
+    received.set_lost(5);
+    received.set_faults(7);
+    for (const char* name : {"slow", "scan#1"}) {
+      Snapshot::Node& node = *received.add_nodes();
+      node.set_name(name);
+      node.set_received(50 + 9 * passed);
+      node.set_dropped(6);
+      node.set_failed(1);
+      node.set_run_p99_ns(name[1] == 'l' ? 2000 : 1000);
+    }
+    counts.Take(3, slam);
+  }
+  const std::vector<KnownChannel> channels{Channel("scan", {User(2, "lidar")}, {User(3, "slam")})};
+
+  const auto graph = MakeHypergraph(channels, {1}, counts, {});
+  ASSERT_EQ(graph.lines.size(), 2U);
+  ASSERT_TRUE(graph.lines[0].counts && graph.lines[1].counts && graph.channels[0].per_second);
+  EXPECT_DOUBLE_EQ(*graph.channels[0].per_second, 10);
+  EXPECT_EQ(graph.lines[0].counts->messages, 110U);
+  EXPECT_EQ(graph.lines[0].counts->refused, 3U);
+  EXPECT_EQ(graph.lines[0].counts->dropped, 4U);
+  EXPECT_DOUBLE_EQ(graph.lines[1].counts->per_second.value(), 9);
+  EXPECT_EQ(graph.lines[1].counts->lost, 5U);
+  EXPECT_EQ(graph.lines[1].counts->unreadable, 7U);
+  EXPECT_EQ(graph.lines[1].counts->dropped, 12U);
+  EXPECT_EQ(graph.lines[1].counts->failed, 2U);
+  EXPECT_EQ(graph.lines[1].counts->run_p99_ns, 2000);
+
+  const auto by_node = MakeHypergraph(channels, {1}, counts, {.inner = false, .nodes = true});
+  ASSERT_EQ(by_node.processes.size(), 3U);
+  EXPECT_EQ(by_node.processes[1].node, "#1") << "which has no name of its own";
+  EXPECT_EQ(by_node.processes[2].node, "slow");
+  ASSERT_EQ(by_node.lines.size(), 3U);
+  EXPECT_EQ(by_node.lines[2].process, 2U);
+  EXPECT_EQ(by_node.lines[2].counts->dropped, 6U);
+}
+
+TEST(Hypergraph, EstimatesTheRateOfSilentPublishersFromSubscribers) {
+  SessionCounts counts;
+  for (int second = 0; second < 2; ++second) {
+    Snapshot own;
+    own.set_steady_ns(1'000'000'000LL * second);
+    AddChannel(own, "scan").set_received(static_cast<std::uint64_t>(7 * second));
+    counts.Take(1, own);
+  }
+  const auto graph = MakeHypergraph({Channel("scan", {User(2, "driver")}, {User(1, "viewer")})}, {1}, counts, {});
+  EXPECT_DOUBLE_EQ(graph.channels[0].per_second.value(), 7);
+}
+
+TEST(Hypergraph, CutsLongProcessNames) {
+  const auto graph = MakeHypergraph({Channel("scan", {User(2, std::string(60'000, 'x'))}, {})}, {}, {}, {});
+  ASSERT_EQ(graph.processes.size(), 1U);
+  EXPECT_EQ(graph.processes[0].name.size(), kMaxShownBytes);
+}
+
+TEST(Hypergraph, OmitsTheLibrarysOwnChannels) {
+  const std::vector<KnownChannel> channels{Channel("hgros/call/add", {}, {User(2, "server")})};
+  EXPECT_TRUE(MakeHypergraph(channels, {}, {}, {}).processes.empty());
+  EXPECT_EQ(MakeHypergraph(channels, {}, {}, {.inner = true}).lines.size(), 1U);
+}
+
+TEST(Hypergraph, MarksChannelsWithDifferentTypes) {
+  const auto graph = MakeHypergraph(
+      {Channel("a", {User(1, "x")}, {User(2, "y", "Other")}), Channel("b", {User(1, "x")}, {User(2, "y", "")})}, {}, {},
+      {.inner = true});
+  EXPECT_TRUE(graph.channels[0].types_differ);
+  EXPECT_FALSE(graph.channels[1].types_differ) << "who takes any type fits";
+}
+
+}  // namespace
+}  // namespace hgros::viewer

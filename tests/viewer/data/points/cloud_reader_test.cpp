@@ -1,0 +1,131 @@
+#include "viewer/data/points/cloud_reader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace hgros::viewer {
+namespace {
+
+using foxglove::PackedElementField;
+using ::testing::HasSubstr;
+
+/// A cloud whose points have the fields in the order in which they were added.
+class CloudOf {
+ public:
+  CloudOf& Field(const std::string& name, PackedElementField::NumericType type, std::uint32_t size_bytes) {
+    auto* const field = cloud_.add_fields();
+    field->set_name(name);
+    field->set_offset(cloud_.point_stride());
+    field->set_type(type);
+    cloud_.set_point_stride(cloud_.point_stride() + size_bytes);
+    return *this;
+  }
+  template <class T>
+  CloudOf& Value(T value) {
+    cloud_.mutable_data()->append(reinterpret_cast<const char*>(&value), sizeof value);
+    return *this;
+  }
+  CloudOf& Floats() {
+    for (const char* name : {"x", "y", "z"}) Field(name, PackedElementField::FLOAT32, 4);
+    return *this;
+  }
+  [[nodiscard]] foxglove::PointCloud& cloud() { return cloud_; }
+  [[nodiscard]] Bulk<foxglove::PointCloud> Message() const { return Bulk<foxglove::PointCloud>(cloud_); }
+
+ private:
+  foxglove::PointCloud cloud_;
+};
+
+TEST(CloudReader, ReadsPositionsAndIntensity) {
+  CloudOf cloud;
+  cloud.Floats().Field("intensity", PackedElementField::UINT16, 2);
+  cloud.Value(1.0F).Value(2.0F).Value(3.0F).Value(std::uint16_t{500});
+  cloud.cloud().set_frame_id("lidar");
+  PointBatch batch;
+  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
+  EXPECT_EQ(batch.frame, "lidar");
+  ASSERT_EQ(batch.positions.size(), 1U);
+  EXPECT_EQ(batch.positions[0], Eigen::Vector3f(1, 2, 3));
+  EXPECT_THAT(batch.scalars, ::testing::ElementsAre(500.0F));
+  EXPECT_EQ(batch.scalar_name, "intensity");
+  EXPECT_THAT(batch.fields, ::testing::ElementsAre("intensity"));
+}
+
+TEST(CloudReader, OmitsPointsThatAreNotNumbers) {
+  CloudOf cloud;
+  cloud.Floats().Value(1.0F).Value(2.0F).Value(std::numeric_limits<float>::quiet_NaN());
+  cloud.Value(4.0F).Value(5.0F).Value(6.0F);
+  PointBatch batch;
+  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
+  EXPECT_EQ(batch.positions.size(), 1U);
+  EXPECT_EQ(batch.left_out, 1U);
+}
+
+TEST(CloudReader, KeepsDistancesBetweenLargeDoubles) {
+  CloudOf cloud;
+  for (const char* name : {"x", "y", "z"}) cloud.Field(name, PackedElementField::FLOAT64, 8);
+  cloud.Value(500000.125).Value(5'400'000.25).Value(10.0);
+  cloud.Value(500000.126).Value(5'400'000.25).Value(10.0);
+  PointBatch batch;
+  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
+  EXPECT_NEAR(batch.positions[1].x() - batch.positions[0].x(), 0.001, 1e-6);
+  const Eigen::Vector3d first = batch.T_frame_points * batch.positions[0].cast<double>();
+  EXPECT_NEAR(first.y(), 5'400'000.25, 1e-6);
+}
+
+TEST(CloudReader, ReadsPackedAndSeparateColors) {
+  CloudOf packed;
+  packed.Floats().Field("rgb", PackedElementField::FLOAT32, 4);
+  packed.Value(0.0F).Value(0.0F).Value(0.0F).Value(std::uint32_t{0x00112233});
+  PointBatch batch;
+  ASSERT_EQ(ReadCloud(packed.Message(), "", batch), "");
+  EXPECT_THAT(batch.colors, ::testing::ElementsAre(0xFF332211U));
+
+  CloudOf separate;
+  separate.Floats();
+  for (const char* name : {"red", "green", "blue"}) separate.Field(name, PackedElementField::UINT8, 1);
+  separate.Value(0.0F).Value(0.0F).Value(0.0F);
+  separate.Value(std::uint8_t{0x11}).Value(std::uint8_t{0x22}).Value(std::uint8_t{0x33});
+  ASSERT_EQ(ReadCloud(separate.Message(), "", batch), "");
+  EXPECT_THAT(batch.colors, ::testing::ElementsAre(0xFF332211U));
+}
+
+TEST(CloudReader, PutsACloudWithoutZIntoThePlane) {
+  CloudOf cloud;
+  cloud.Field("x", PackedElementField::FLOAT32, 4).Field("y", PackedElementField::FLOAT32, 4);
+  cloud.Value(1.0F).Value(2.0F);
+  PointBatch batch;
+  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
+  EXPECT_EQ(batch.positions[0], Eigen::Vector3f(1, 2, 0));
+}
+
+TEST(CloudReader, ReportsErrorsAndKeepsTheBatch) {
+  PointBatch batch;
+  batch.frame = "before";
+  CloudOf cut;
+  cut.Floats().Value(1.0F);
+  EXPECT_NE(ReadCloud(cut.Message(), "", batch), "");
+
+  CloudOf without_x;
+  without_x.Field("y", PackedElementField::FLOAT32, 4).Value(1.0F);
+  EXPECT_THAT(ReadCloud(without_x.Message(), "", batch), HasSubstr("\"x\""));
+
+  CloudOf good;
+  good.Floats().Value(1.0F).Value(2.0F).Value(3.0F);
+  EXPECT_THAT(ReadCloud(good.Message(), "ring", batch), HasSubstr("\"ring\""));
+  EXPECT_EQ(batch.frame, "before");
+}
+
+TEST(CloudReader, ReadsAnEmptyCloud) {
+  PointBatch batch;
+  ASSERT_EQ(ReadCloud(Bulk<foxglove::PointCloud>(), "", batch), "");
+  EXPECT_TRUE(batch.positions.empty());
+}
+
+}  // namespace
+}  // namespace hgros::viewer

@@ -1,0 +1,230 @@
+#include "viewer/data/shapes/scene_store.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+namespace hgros::viewer {
+namespace {
+
+using foxglove::SceneEntityDeletion;
+using foxglove::SceneUpdate;
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+foxglove::SceneEntity& Add(SceneUpdate& update, const std::string& id, std::int64_t seconds, double x = 0) {
+  auto& entity = *update.add_entities();
+  entity.set_id(id);
+  entity.set_frame_id("map");
+  entity.mutable_timestamp()->set_seconds(seconds);
+  entity.add_cubes()->mutable_pose()->mutable_position()->set_x(x);
+  return entity;
+}
+
+void Delete(SceneUpdate& update, SceneEntityDeletion::Type type, const std::string& id, std::int64_t seconds) {
+  auto& deletion = *update.add_deletions();
+  deletion.set_type(type);
+  deletion.set_id(id);
+  deletion.mutable_timestamp()->set_seconds(seconds);
+}
+
+std::vector<std::string> Ids(const SceneStore& store) {
+  std::vector<std::string> ids;
+  for (const auto& [id, entity] : store.entities()) ids.push_back(id);
+  return ids;
+}
+
+SceneStore::FramePose Everywhere() {
+  return [](const std::string&, std::optional<Time>) { return Eigen::Isometry3d::Identity(); };
+}
+
+TEST(SceneStore, ReplacesAWholeEntityById) {
+  SceneStore store;
+  SceneUpdate first, second;
+  Add(first, "a", 1).add_spheres();
+  Add(second, "a", 2, 7);
+  EXPECT_EQ(store.Apply(first), "");
+  EXPECT_EQ(store.Apply(second), "");
+  const auto drawing = store.Draw(Everywhere(), Eigen::Vector3d::Zero());
+  EXPECT_TRUE(drawing.shapes.spheres.empty());
+  ASSERT_EQ(drawing.shapes.cubes.size(), 1U);
+  EXPECT_EQ(drawing.shapes.cubes[0].pose(0, 3), 7);
+}
+
+TEST(SceneStore, DeletesOnlyOlderEntities) {
+  SceneStore store;
+  SceneUpdate update;
+  for (const char* id : {"a", "b", "c"}) Add(update, id, 10);
+  Add(update, "late", 20);
+  EXPECT_EQ(store.Apply(update), "");
+  SceneUpdate one;
+  Delete(one, SceneEntityDeletion::MATCHING_ID, "a", 11);
+  Delete(one, SceneEntityDeletion::MATCHING_ID, "b", 10);
+  Delete(one, SceneEntityDeletion::MATCHING_ID, "nobody", 11);
+  EXPECT_EQ(store.Apply(one), "");
+  EXPECT_EQ(Ids(store), (std::vector<std::string>{"b", "c", "late"})) << "b is not older than the deletion";
+  SceneUpdate all;
+  Delete(all, SceneEntityDeletion::ALL, "", 15);
+  Add(all, "new", 15);
+  EXPECT_EQ(store.Apply(all), "");
+  EXPECT_EQ(Ids(store), (std::vector<std::string>{"late", "new"})) << "deletions come before entities";
+  SceneUpdate whenever;
+  Delete(whenever, SceneEntityDeletion::ALL, "", 0);
+  EXPECT_EQ(store.Apply(whenever), "");
+  EXPECT_TRUE(store.entities().empty());
+}
+
+TEST(SceneStore, RemovesEntitiesAfterTheirLifetime) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "short", 10).mutable_lifetime()->set_seconds(1);
+  Add(update, "long", 10).mutable_lifetime()->set_seconds(5);
+  Add(update, "ever", 10);
+  EXPECT_EQ(store.Apply(update), "");
+  ASSERT_TRUE(store.NextEnd());
+  EXPECT_EQ(store.NextEnd()->nanoseconds, 11 * kSecond);
+  EXPECT_FALSE(store.Expire({11 * kSecond - 1}));
+  EXPECT_TRUE(store.Expire({11 * kSecond}));
+  EXPECT_EQ(Ids(store), (std::vector<std::string>{"ever", "long"}));
+  EXPECT_TRUE(store.Expire({100 * kSecond}));
+  EXPECT_FALSE(store.NextEnd());
+}
+
+TEST(SceneStore, StartsTheLifetimeOfAnUnstampedEntityAtItsArrival) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "unstamped", 0).mutable_lifetime()->set_seconds(1);
+  Add(update, "nearly for ever", 10).mutable_lifetime()->set_seconds(std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(store.Apply(update, Time{50 * kSecond}), "");
+  ASSERT_TRUE(store.NextEnd());
+  EXPECT_EQ(store.NextEnd()->nanoseconds, 51 * kSecond);
+  EXPECT_TRUE(store.Expire({51 * kSecond}));
+  EXPECT_EQ(Ids(store), (std::vector<std::string>{"nearly for ever"}));
+}
+
+TEST(SceneStore, MovesOnlyLockedEntitiesWithTheirFrame) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "locked", 10).set_frame_locked(true);
+  Add(update, "still", 10);
+  EXPECT_EQ(store.Apply(update), "");
+  // The frame is at x = 10 at that time, and at x = 99 now.
+  const auto drawing = store.Draw(
+      [](const std::string&, std::optional<Time> at) -> std::optional<Eigen::Isometry3d> {
+        return Eigen::Isometry3d(
+            Eigen::Translation3d(at ? static_cast<double>(at->nanoseconds) / kSecond : 99.0, 0, 0));
+      },
+      Eigen::Vector3d::Zero());
+  ASSERT_EQ(drawing.shapes.cubes.size(), 2U);
+  EXPECT_EQ(drawing.shapes.cubes[0].pose(0, 3), 99);
+  EXPECT_EQ(drawing.shapes.cubes[1].pose(0, 3), 10);
+}
+
+TEST(SceneStore, ReportsAnUnknownFrame) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "a", 1).set_frame_id("moon");
+  Add(update, "b", 1);
+  EXPECT_EQ(store.Apply(update), "");
+  const auto drawing = store.Draw(
+      [](const std::string& frame, std::optional<Time>) -> std::optional<Eigen::Isometry3d> {
+        if (frame == "moon") return std::nullopt;
+        return Eigen::Isometry3d::Identity();
+      },
+      Eigen::Vector3d::Zero());
+  EXPECT_EQ(drawing.shapes.cubes.size(), 1U);
+  EXPECT_EQ(drawing.unplaced, 1U);
+  EXPECT_EQ(drawing.unplaced_frame, "moon");
+}
+
+TEST(SceneStore, KeepsHugeCoordinatesExactRelativeToTheOrigin) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "a", 1, 1e7 + 0.001);
+  EXPECT_EQ(store.Apply(update), "");
+  const auto drawing = store.Draw(Everywhere(), {1e7, 0, 0});
+  EXPECT_NEAR(static_cast<float>(drawing.shapes.cubes.at(0).pose(0, 3)), 0.001F, 1e-6);
+}
+
+TEST(SceneStore, ReportsAnEntityThatIsShownIncompletely) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "bad", 1).add_models();
+  EXPECT_THAT(store.Apply(update), HasSubstr("Entity \"bad\": Model 0 names no file"));
+  EXPECT_EQ(store.entities().size(), 1U);
+}
+
+TEST(SceneStore, ReportsShapesTooFarAwayAndShowsTheRest) {
+  SceneStore store;
+  SceneUpdate update;
+  Add(update, "near", 1);
+  Add(update, "far", 1, 9e307);
+  EXPECT_THAT(store.Apply(update), HasSubstr("Entity \"far\": 1 of its shapes"));
+  EXPECT_EQ(store.Draw(Everywhere(), Eigen::Vector3d::Zero()).shapes.cubes.size(), 1U);
+  hgros::Shapes shapes;
+  auto& far = *shapes.add_shapes();
+  far.set_name("far");
+  far.mutable_pose()->mutable_position()->set_x(-9e307);
+  far.mutable_point();
+  EXPECT_THAT(store.Apply(shapes), HasSubstr("Shape \"far\": 1 of its shapes"));
+}
+
+TEST(SceneStore, LimitsTheTotalNumberOfShapes) {
+  constexpr int kMost = static_cast<int>(SceneStore::kMaxShapes);
+  const auto lines = [](const std::string& id, int count) {
+    SceneUpdate update;
+    auto& entity = *update.add_entities();
+    entity.set_id(id);
+    auto& line = *entity.add_lines();
+    line.add_points();
+    for (int i = 0; i <= count; ++i) line.add_indices(0);
+    return update;
+  };
+  SceneStore store;
+  EXPECT_EQ(store.Apply(lines("a", kMost - 10)), "");
+  EXPECT_THAT(store.Apply(lines("b", 11)), HasSubstr("Entity \"b\": With it there are more than 1000000 shapes"));
+  EXPECT_EQ(store.Apply(lines("b", 10)), "") << "what was left out takes no room";
+  EXPECT_EQ(store.Apply(lines("a", kMost - 10)), "") << "what is replaced takes no room";
+  SceneUpdate gone;
+  Delete(gone, SceneEntityDeletion::MATCHING_ID, "a", 0);
+  EXPECT_EQ(store.Apply(gone), "");
+  EXPECT_EQ(store.Apply(lines("c", kMost - 10)), "") << "what is deleted takes no room";
+  hgros::Shapes all;
+  all.set_remove_all(true);
+  EXPECT_EQ(store.Apply(all), "");
+  EXPECT_EQ(store.Apply(lines("a", kMost)), "");
+}
+
+// Compared with a naive model: a list of all updates, read from the end.
+TEST(SceneStore, MatchesANaiveModel) {
+  const unsigned seed = std::random_device()();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  SceneStore store;
+  std::map<std::string, std::int64_t> model;
+  for (int i = 0; i < 2000; ++i) {
+    SceneUpdate update;
+    const std::string id(1, static_cast<char>('a' + random() % 6));
+    const auto seconds = static_cast<std::int64_t>(1 + random() % 20);
+    switch (random() % 4) {
+      case 0:
+        Delete(update, SceneEntityDeletion::MATCHING_ID, id, seconds);
+        if (model.contains(id) && model[id] < seconds) model.erase(id);
+        break;
+      case 1:
+        Delete(update, SceneEntityDeletion::ALL, "", seconds);
+        std::erase_if(model, [&](const auto& entry) { return entry.second < seconds; });
+        break;
+      default: Add(update, id, seconds); model[id] = seconds;
+    }
+    ASSERT_EQ(store.Apply(update), "");
+    ASSERT_EQ(store.entities().size(), model.size());
+    for (const auto& [name, at] : model) ASSERT_EQ(store.entities().at(name).stamp.nanoseconds, at * kSecond);
+  }
+}
+
+}  // namespace
+}  // namespace hgros::viewer

@@ -1,0 +1,198 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <imgui.h>
+#include <png.h>
+
+#include <cstring>
+
+#include "foxglove/CompressedImage.pb.h"
+#include "foxglove/RawImage.pb.h"
+#include "viewer/data/image/image_value.hpp"
+#include "viewer/panels/image_panel.hpp"
+#include "viewer/panels/widgets/imgui_renderer.hpp"
+#include "viewer/scene/scene_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr std::uint32_t kWidth = 80;
+constexpr std::uint32_t kHeight = 60;
+
+foxglove::RawImage Raw(const std::string& encoding, std::uint32_t pixel_bytes) {
+  foxglove::RawImage image;
+  image.set_frame_id("camera");
+  image.set_width(kWidth);
+  image.set_height(kHeight);
+  image.set_encoding(encoding);
+  image.set_step(kWidth * pixel_bytes);
+  return image;
+}
+
+/// Red grows to the right, green downwards, with a blue frame.
+foxglove::RawImage Colors() {
+  foxglove::RawImage image = Raw("rgb8", 3);
+  for (std::uint32_t y = 0; y < kHeight; ++y) {
+    for (std::uint32_t x = 0; x < kWidth; ++x) {
+      const bool frame = x < 2 || y < 2 || x + 2 >= kWidth || y + 2 >= kHeight;
+      for (const std::uint32_t part : {frame ? 0 : 3 * x, frame ? 0 : 4 * y, frame ? 255 : 40U}) {
+        image.mutable_data()->push_back(static_cast<char>(part));
+      }
+    }
+  }
+  return image;
+}
+
+/// Millimeters of a slope, with a hole in the middle where nothing was measured.
+foxglove::RawImage Depth() {
+  foxglove::RawImage image = Raw("16UC1", 2);
+  for (std::uint32_t y = 0; y < kHeight; ++y) {
+    for (std::uint32_t x = 0; x < kWidth; ++x) {
+      const bool hole = x > 30 && x < 50 && y > 20 && y < 40;
+      const auto depth = static_cast<std::uint16_t>(hole ? 0 : 500 + 40 * x + 10 * y);
+      image.mutable_data()->append(reinterpret_cast<const char*>(&depth), sizeof depth);
+    }
+  }
+  return image;
+}
+
+/// Has an ImGui context with its own font and no saved settings.
+class ImageDisplayTest : public SceneTest {
+ protected:
+  void SetUp() override {
+    SceneTest::SetUp();
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::GetIO().DisplaySize = {static_cast<float>(kPictureSize.width), static_cast<float>(kPictureSize.height)};
+  }
+  void TearDown() override { ImGui::DestroyContext(); }
+
+  /// Draws the panel with the pointer there.
+  Pixels DrawPanels(ImVec2 pointer = {-1, -1}, float wheel = 0) {
+    ImguiRenderer renderer;
+    for (int frame = 0; frame < 3; ++frame) {  // ImGui needs several frames to lay out a window.
+      (void)Draw();
+      ImGui::GetIO().MousePos = pointer;
+      ImGui::GetIO().MouseWheel = frame == 2 ? wheel : 0;
+      renderer.Prepare();
+      ImGui::NewFrame();
+      panel_.Draw(scene_);
+      ImGui::Render();
+      renderer.Draw();
+    }
+    return scene_.picture().Pixels();
+  }
+
+  ImagePanel panel_;
+};
+
+TEST_F(ImageDisplayTest, DrawsColors) {
+  Add("Image", "camera");
+  Publish("camera", Colors());
+  Update();
+  (void)DrawPanels();
+  ExpectDrawnAsKept("image_colors");
+}
+
+TEST_F(ImageDisplayTest, DrawsDepths) {
+  Display& display = Add("Image", "depth");
+  Publish("depth", Depth());
+  Update();
+  (void)DrawPanels({250, 150});
+  ExpectDrawnAsKept("image_depth");
+  EXPECT_THAT(display.Status(), Contains(HasSubstr("from 500 to 4250")));
+}
+
+TEST_F(ImageDisplayTest, ZoomsTowardsThePointer) {
+  Add("Image", "camera");
+  Publish("camera", Colors());
+  Update();
+  const Pixels whole = DrawPanels({250, 150});
+  EXPECT_GT(DifferentShare(whole, DrawPanels({250, 150}, 5)), 0.05);
+}
+
+TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {
+  Display& display = Add("Image", "depth", {"map", "gray"});
+  Publish("depth", Depth());
+  Update();
+  const auto gray = display.Image();
+  ASSERT_TRUE(gray);
+  const std::uint8_t* const pixel = gray->picture->rgba.data();
+  EXPECT_EQ(pixel[0], pixel[1]);
+  for (const Setting& setting : display.Settings()) {
+    if (setting.name == "auto range") (void)SetFromText(setting, "off");
+    if (setting.name == "highest") (void)SetFromText(setting, "500");
+  }
+  display.OnSetting("highest");
+  Update();
+  EXPECT_THAT(display.Status(), Contains(HasSubstr("from 0 to 500")));
+  EXPECT_EQ(display.Image()->picture->rgba[0], 255);
+}
+
+TEST_F(ImageDisplayTest, ReturnsTheValueOfAPixel) {
+  Display& depths = Add("Image", "depth");
+  Display& colors = Add("Image", "camera");
+  Publish("depth", Depth());
+  Publish("camera", Colors());
+  Update();
+  EXPECT_EQ(ValueAt(*depths.Image()->picture, 1, 2), "560");
+  EXPECT_EQ(ValueAt(*depths.Image()->picture, 40, 30), "nothing measured");
+  EXPECT_EQ(ValueAt(*colors.Image()->picture, 10, 20), "red 30, green 80, blue 40");
+}
+
+TEST_F(ImageDisplayTest, DrawsCompressedImages) {
+  Display& display = Add("Compressed image", "camera");
+  const foxglove::RawImage raw = Colors();
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = kWidth;
+  png.height = kHeight;
+  png.format = PNG_FORMAT_RGB;
+  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string file(bytes, '\0');
+  ASSERT_NE(png_image_write_to_memory(&png, file.data(), &bytes, 0, raw.data().data(), 0, nullptr), 0);
+  file.resize(bytes);
+  foxglove::CompressedImage image;
+  image.set_format("png");
+  image.set_data(file);
+  Publish("camera", image);
+  Update();
+  ASSERT_TRUE(display.Image());
+  EXPECT_EQ(ValueAt(*display.Image()->picture, 10, 20), "red 30, green 80, blue 40");
+}
+
+TEST_F(ImageDisplayTest, ReportsInvalidImages) {
+  Display& display = Add("Image", "camera");
+  EXPECT_THAT(display.Status().front(), HasSubstr("Nothing has arrived"));
+  foxglove::RawImage image = Colors();
+  image.set_encoding("smell");
+  Publish("camera", image);
+  Update();
+  EXPECT_TRUE(display.HasFault());
+  EXPECT_THAT(display.Status().front(), HasSubstr("smell"));
+  EXPECT_FALSE(display.Image());
+  Publish("camera", Colors());
+  Update();
+  EXPECT_FALSE(display.HasFault());
+  EXPECT_TRUE(display.Image());
+}
+
+TEST_F(ImageDisplayTest, AppliesSettingsWhilePaused) {
+  Display& display = Add("Image", "image");
+  Publish("image", Depth());
+  Update();
+  const std::vector<std::uint8_t> before = display.Image()->picture->rgba;
+  Publish("image", Colors());
+  SetStandingStill(display, "map", "gray");
+  const std::vector<std::uint8_t> standing = display.Image()->picture->rgba;
+  EXPECT_NE(standing, before);
+  Display& fresh = Add("Image", "fresh", {"map", "gray"});
+  Publish("fresh", Depth());
+  Update();
+  EXPECT_EQ(standing, fresh.Image()->picture->rgba);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test

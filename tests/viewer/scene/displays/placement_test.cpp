@@ -1,0 +1,62 @@
+#include "viewer/scene/displays/placement.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hgros::viewer {
+namespace {
+
+class PlacementTest : public ::testing::Test {
+ protected:
+  bool Follow(const std::string& name, bool transforms_changed = true, bool frame_changed = false) {
+    return placement_.Follow(name, {frame_, 0, frame_changed, transforms_changed});
+  }
+  void Set(double x) { tree_.Set("map", "base", Time{++stamps_}, RigidTransform({1, 0, 0, 0}, {x, 0, 0})); }
+
+  TransformTree tree_;
+  FixedFrame frame_{tree_};
+  Placement placement_;
+  std::int64_t stamps_ = 0;
+};
+
+TEST_F(PlacementTest, ChangesOnlyWhenTheFrameMoves) {
+  frame_.Ask("map");
+  Set(1);
+  EXPECT_TRUE(Follow("base"));
+  EXPECT_FALSE(Follow("base"));
+  Set(1);
+  EXPECT_FALSE(Follow("base"));
+  Set(2);
+  EXPECT_FALSE(Follow("base", false));
+  EXPECT_TRUE(Follow("base"));
+  EXPECT_EQ(placement_.T_fixed_frame().translation.x(), 2);
+  EXPECT_TRUE(Follow("map"));
+}
+
+TEST_F(PlacementTest, ReportsAMissingTransformUntilItArrives) {
+  frame_.Ask("map");
+  tree_.SetStatic("map", "other", RigidTransform());
+  EXPECT_FALSE(Follow("base"));
+  EXPECT_FALSE(placement_.known());
+  EXPECT_THAT(placement_.fault(), ::testing::HasSubstr("base"));
+  Set(1);
+  EXPECT_TRUE(Follow("base"));
+  EXPECT_EQ(placement_.fault(), "");
+}
+
+TEST_F(PlacementTest, IsFoundAgainInANewFixedFrame) {
+  frame_.Ask("map");
+  Set(1);
+  EXPECT_TRUE(Follow("base"));
+  frame_.Ask("base");
+  EXPECT_TRUE(Follow("base", false, true));
+  EXPECT_EQ(placement_.T_fixed_frame().translation.x(), 0);
+}
+
+TEST_F(PlacementTest, MakesTheFirstFrameTheFixedOneWithoutTransforms) {
+  EXPECT_TRUE(Follow("camera"));
+  EXPECT_EQ(frame_.name(), "camera");
+}
+
+}  // namespace
+}  // namespace hgros::viewer

@@ -1,0 +1,244 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+
+#include "foxglove/LaserScan.pb.h"
+#include "foxglove/PointCloud.pb.h"
+#include "viewer/scene/scene_fixture.hpp"
+
+namespace hgros::viewer::test {
+namespace {
+
+using foxglove::PackedElementField;
+using foxglove::PointCloud;
+
+void AddField(PointCloud& cloud, const std::string& name, PackedElementField::NumericType type, std::uint32_t bytes) {
+  auto* const field = cloud.add_fields();
+  field->set_name(name);
+  field->set_offset(cloud.point_stride());
+  field->set_type(type);
+  cloud.set_point_stride(cloud.point_stride() + bytes);
+}
+
+/// A spiral staircase around `center`: its intensity grows with the turns, its color with the height. Doubles, so that
+/// it may be anywhere.
+PointCloud Spiral(const Eigen::Vector3d& center = Eigen::Vector3d::Zero(), int first = 0, int count = 4000) {
+  PointCloud cloud;
+  cloud.set_frame_id("map");
+  for (const char* name : {"x", "y", "z"}) AddField(cloud, name, PackedElementField::FLOAT64, 8);
+  AddField(cloud, "intensity", PackedElementField::FLOAT32, 4);
+  AddField(cloud, "rgb", PackedElementField::UINT32, 4);
+  for (int i = first; i < first + count; ++i) {
+    const double turn = 6 * std::numbers::pi * i / 4000;
+    const double radius = 2 + 3 * (i % 40) / 40.0;
+    const double at[3] = {center.x() + radius * std::cos(turn), center.y() + radius * std::sin(turn),
+                          center.z() + 6.0 * i / 4000 - 2};
+    const auto intensity = static_cast<float>(i % 40);
+    const std::uint32_t rgb = static_cast<std::uint32_t>(255 * i / 4000) << 16U | 0x40U;
+    cloud.mutable_data()->append(reinterpret_cast<const char*>(at), sizeof at);
+    cloud.mutable_data()->append(reinterpret_cast<const char*>(&intensity), sizeof intensity);
+    cloud.mutable_data()->append(reinterpret_cast<const char*>(&rgb), sizeof rgb);
+  }
+  return cloud;
+}
+
+class PointsDisplayTest : public SceneTest {
+ protected:
+  /// Shows a cloud in a frame without a transform to the fixed one.
+  Display& AddWithoutTransform() {
+    Display& display = Add("Point cloud", "cloud");
+    tree_.SetStatic("map", "other", RigidTransform());
+    PointCloud cloud = Spiral();
+    cloud.set_frame_id("lidar");
+    Publish("cloud", cloud);
+    Update(0);
+    return display;
+  }
+};
+
+TEST_F(PointsDisplayTest, ColorsByHeight) {
+  Add("Ground");
+  Add("Point cloud", "cloud", {"color", "axis", "size", "3"});
+  Publish("cloud", Spiral());
+  Update();
+  ExpectAsKept("points_by_height");
+}
+
+TEST_F(PointsDisplayTest, ColorsByValue) {
+  Add("Point cloud", "cloud", {"color", "value", "map", "fire", "size", "3"});
+  Publish("cloud", Spiral());
+  Update();
+  ExpectAsKept("points_by_value");
+}
+
+TEST_F(PointsDisplayTest, ShowsTheirOwnColors) {
+  Add("Point cloud", "cloud", {"color", "rgb", "size", "3"});
+  Publish("cloud", Spiral());
+  Update();
+  ExpectAsKept("points_in_their_own_colors");
+}
+
+TEST_F(PointsDisplayTest, ShowsOneColorAndASizeInMeters) {
+  Add("Point cloud", "cloud", {"color", "flat", "flat", "#40c0ff", "size", "0.25", "unit", "m"});
+  Publish("cloud", Spiral());
+  Update();
+  ExpectAsKept("points_in_metres");
+}
+
+TEST_F(PointsDisplayTest, PointsKeptForeverLookLikeTheLatest) {
+  for (const char* color : {"axis", "value", "rgb"}) {
+    SCOPED_TRACE(color);
+    Add("Point cloud", "cloud", {"color", color, "size", "3"});
+    Publish("cloud", Spiral());
+    Update();
+    const Pixels latest = Draw();
+    scene_.Remove(0);
+    Add("Point cloud", "cloud", {"keep", "all", "color", color, "size", "3"});
+    Publish("cloud", Spiral());
+    Update();
+    EXPECT_LT(DifferentShare(latest, Draw()), 0.01);
+    scene_.Remove(0);
+  }
+}
+
+TEST_F(PointsDisplayTest, AppendedPointsLookLikeAFullRedraw) {
+  Display& display = Add("Point cloud", "cloud", {"keep", "all", "color", "flat", "size", "3"});
+  for (int part = 0; part < 8; ++part) {
+    Publish("cloud", Spiral(Eigen::Vector3d::Zero(), part * 500, 500));
+    Update();
+    (void)Draw();
+  }
+  EXPECT_EQ(display.points(), 4000U);
+  const Pixels grown = Draw();
+  scene_.Redraw();
+  EXPECT_EQ(DifferentShare(grown, Draw()), 0);
+}
+
+TEST_F(PointsDisplayTest, AllSlicesTogetherAreTheWholePicture) {
+  Add("Point cloud", "cloud", {"keep", "all", "color", "axis"});
+  constexpr int kMessages = 120;  // 480 000 points: more than one slice
+  for (int i = 0; i < kMessages; ++i) {
+    Publish("cloud", Spiral(Eigen::Vector3d(0.01 * i, 0.02 * i, 0)));
+    Update();
+    scene_.Draw(camera_.Matrices(kPictureSize), 1);
+  }
+  const Pixels grown = Draw();
+  camera_.Orbit(0.1, 0);
+  (void)Draw();
+  camera_.Orbit(-0.1, 0);
+  EXPECT_LT(DifferentShare(grown, Draw()), 0.01);
+}
+
+TEST_F(PointsDisplayTest, LooksTheSameMillionsOfMetersAway) {
+  for (const char* keep : {"latest", "all"}) {
+    SCOPED_TRACE(keep);
+    Add("Point cloud", "cloud", {"keep", keep, "color", "flat", "size", "3"});
+    Publish("cloud", Spiral());
+    Update();
+    camera_.Reset();
+    const Pixels here = Draw();
+    scene_.Remove(0);
+    Add("Point cloud", "cloud", {"keep", keep, "color", "flat", "size", "3"});
+    const Eigen::Vector3d there(500'000, 5'400'000, 256);
+    Publish("cloud", Spiral(there));
+    Update();
+    camera_.Follow(RigidTransform(), RigidTransform({1, 0, 0, 0}, there), false);
+    EXPECT_LT(DifferentShare(here, Draw()), 0.02);
+    scene_.Remove(0);
+  }
+}
+
+TEST_F(PointsDisplayTest, KeepsTheLastMessagesOrSeconds) {
+  Display& count = Add("Point cloud", "cloud", {"keep", "count", "count", "2"});
+  Display& time = Add("Point cloud", "cloud", {"keep", "time", "seconds", "1"});
+  for (int i = 0; i < 3; ++i) {
+    Publish("cloud", Spiral(Eigen::Vector3d::Zero(), 0, 100));
+    Update(0.5 * i);
+  }
+  EXPECT_EQ(count.points(), 200U);
+  EXPECT_EQ(time.points(), 300U);
+  EXPECT_EQ(time.next_change_s(), 1.0);
+  Update(1.25);
+  EXPECT_EQ(time.points(), 200U);
+  EXPECT_EQ(count.points(), 200U);
+}
+
+TEST_F(PointsDisplayTest, ReportsHowManyHadNoTransformAndNothingElse) {
+  Display& display = AddWithoutTransform();
+  Update(3);
+  EXPECT_THAT(display.Status(), ::testing::Contains("1 message had no transform."));
+}
+
+TEST_F(PointsDisplayTest, WaitsForTransformsAndReportsWhichIsMissing) {
+  Display& display = AddWithoutTransform();
+  EXPECT_EQ(display.points(), 0U);
+  EXPECT_TRUE(display.HasFault());
+  EXPECT_THAT(display.Status().front(), ::testing::HasSubstr("lidar"));
+  tree_.SetStatic("map", "lidar", RigidTransform());
+  transforms_changed_ = true;
+  Update(1);
+  EXPECT_EQ(display.points(), 4000U);
+  EXPECT_FALSE(display.HasFault());
+}
+
+TEST_F(PointsDisplayTest, StopsWaitingForATransformAfterAWhile) {
+  Display& display = AddWithoutTransform();
+  EXPECT_EQ(display.next_change_s(), 2.0);
+  Update(2);
+  EXPECT_EQ(display.next_change_s(), std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(display.HasFault());
+}
+
+TEST_F(PointsDisplayTest, ReportsAMalformedCloud) {
+  Display& display = Add("Point cloud", "cloud");
+  PointCloud cloud = Spiral();
+  cloud.mutable_data()->pop_back();
+  Publish("cloud", cloud);
+  Update();
+  EXPECT_TRUE(display.HasFault());
+  EXPECT_EQ(display.points(), 0U);
+  Publish("cloud", Spiral());
+  Update();
+  EXPECT_FALSE(display.HasFault());
+  Publish("cloud", PointCloud());
+  Update();
+  EXPECT_EQ(display.points(), 0U);
+  EXPECT_THAT(display.Status().front(), ::testing::HasSubstr("no points"));
+}
+
+TEST_F(PointsDisplayTest, DrawsAScan) {
+  Add("Ground");
+  Add("Laser scan", "scan", {"color", "value", "size", "4"});
+  foxglove::LaserScan scan;
+  scan.set_frame_id("laser");
+  scan.set_start_angle(-0.75 * std::numbers::pi);
+  scan.set_end_angle(0.75 * std::numbers::pi);
+  for (int i = 0; i < 541; ++i) {
+    const double angle = (1.5 * i / 540 - 0.75) * std::numbers::pi;
+    scan.add_ranges(std::min(4 / std::abs(std::cos(angle)), 3 / std::abs(std::sin(angle))));
+  }
+  Publish("scan", scan);
+  Update();
+  camera_.LookFromAbove();
+  ExpectAsKept("scan_of_a_room");
+}
+
+TEST_F(PointsDisplayTest, ClearRemovesAllPoints) {
+  Display& display = Add("Point cloud", "cloud", {"keep", "all"});
+  Update();
+  const Pixels empty = Draw();
+  Publish("cloud", Spiral());
+  Update();
+  EXPECT_GT(DifferentShare(empty, Draw()), 0.005);
+  display.Clear();
+  scene_.Redraw();
+  EXPECT_EQ(display.points(), 0U);
+  EXPECT_EQ(DifferentShare(empty, Draw()), 0);
+}
+
+}  // namespace
+}  // namespace hgros::viewer::test

@@ -1,0 +1,160 @@
+#include <random>
+
+#include "config/config_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::ExpectFault;
+using test::FixtureFile;
+
+TEST(YamlSyntax, FaultsAreSentencesWithTheirPosition) {
+  ExpectFault("network:\n\tpublisher: {}\n", "2:1", {"indented with a tab", "Indent with blanks."});
+  ExpectFault("network: {publisher: {ip: *:5556}}", "1:27",
+              {"makes this an alias", "stands in quotes, as in \"*:5556\""});
+  ExpectFault("network:\n  publisher: {ip: x\n", "2:14", {"The map that begins here is not closed"});
+  ExpectFault("data_graph: {close_channels: [a, b}", "1:35", {"closes nothing"});
+  ExpectFault("data_graph:\n  close_channels: [a,\nchannels:\n", "2:19", {"The list that begins here is not closed"});
+  ExpectFault("{network: {}", "1:1", {"Check that every bracket is closed."});
+  ExpectFault("network: a: b", "1:11", {"A colon makes this a map where none can begin."});
+  ExpectFault("network:\n    publisher: {}\n  subscribers: []\n", "3:3", {"does not continue the map", "same column"});
+  ExpectFault("network: 'x' y", "1:14", {"does not continue the map"});
+  ExpectFault("network: @x", "1:10", {"No value can begin with this character."});
+  ExpectFault("network: \"\\q\"", "1:13", {"no such escape"});
+  ExpectFault("network: - a", "1:10", {"A list item (a dash) cannot begin here."});
+  ExpectFault("network: \"abc\n", "1:10", {"never closed"});
+  ExpectFault("network: !!str 'it''s\n", "1:10", {"never closed"});
+  ExpectFault("%YAML 3.0\n---\n", "1:1", {"YAML version that is not known"});
+  ExpectFault("network: !robot x", "1:10", {"The tag \"!robot\" means nothing here."});
+}
+
+TEST(YamlSyntax, AFileIsOneDocument) {
+  ExpectFault("network:\n---\ndata_graph:\n", "2:1", {"A second document begins here"});
+  ExpectFault("- a\nnetwork:\n", "2:1", {"should have ended above this"});
+}
+
+TEST(YamlSyntax, KeysAreTexts) {
+  ExpectFault("[a]: 1", "1:1", {"a key must be a text."});
+  ExpectFault("? {a: b}\n: 1", "1:3", {"a key must be a text."});
+  ExpectFault(": 1", "1:1", {"no key before the colon"});
+}
+
+TEST(YamlSyntax, OnlyCleanUtf8IsText) {
+  ExpectFault("a: \xff", "1:4", {"0xff is not UTF-8"});
+  ExpectFault("雷: \xed\xa0\x80", "1:4", {"0xed is not UTF-8"});
+  ExpectFault(std::string_view("a: 1\nb: \0x", 10), "2:4", {"control character 0x00"});
+  ExpectFault("a: \x04", "1:4", {"control character 0x04"});
+  ExpectFault(
+      "\xff\xfe"
+      "a",
+      "1:1", {"0xff is not UTF-8", "Save the file as UTF-8."});
+}
+
+TEST(YamlSyntax, ColumnsCountCharacters) { ExpectFault("channels: {雷达: {日: 1}}", "1:17", {"Unknown key \"日\""}); }
+
+TEST(YamlBounds, DeepNestingIsRefused) {
+  for (const char* step : {"[", "{a: ", "- ", "? ", "[{a: ", "- - ? "}) {
+    std::string yaml;
+    while (yaml.size() < 50'000) yaml += step;
+    EXPECT_THROW((void)Config::Parse(yaml), ConfigError) << step;
+  }
+  ExpectFault(std::string(65, '[') + std::string(65, ']'), "1:65", {"more than 64 deep"});
+}
+
+TEST(YamlBounds, AnAliasBombIsRefused) {
+  std::string yaml = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 30; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    yaml += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+    for (int j = 1; j < 10; ++j) yaml += ", " + before;
+    yaml += "]\n";
+  }
+  ExpectFault(yaml, "6:15", {"too many values"});
+}
+
+TEST(YamlBounds, AnAliasOfItselfIsRefused) {
+  ExpectFault("network: &a {publisher: *a}", "1:25", {"stands within the value that it repeats"});
+}
+
+TEST(YamlBounds, LongLinesAndListsAreReadQuickly) {
+  const auto repeat = [](std::string_view part, std::size_t bytes) {
+    std::string text;
+    while (text.size() < bytes) text += part;
+    return text;
+  };
+  const std::size_t almost = 64 * 1024;
+  for (const std::string& yaml : {repeat("a", almost),
+                                  repeat("\"", almost),
+                                  repeat("'", almost),
+                                  repeat("a ", almost),
+                                  repeat("a\n", almost),
+                                  repeat("#", almost),
+                                  repeat("a: ", almost),
+                                  repeat("&a ", almost),
+                                  repeat("*a ", almost),
+                                  repeat("!a ", almost),
+                                  repeat("- a\n", almost),
+                                  repeat("|\n", almost),
+                                  repeat("%a\n", almost),
+                                  repeat("---\n", almost),
+                                  "[" + repeat("a,", almost),
+                                  "[" + repeat("a ", almost),
+                                  "{" + repeat("a: ,", almost),
+                                  "[" + repeat("? ", almost),
+                                  "a: |\n" + repeat(" \n", almost),
+                                  "a: >\n" + repeat(" a\n", almost),
+                                  "a: \"" + repeat("\\x41", almost),
+                                  "a: \"" + repeat("\n", almost),
+                                  "a: b" + repeat("\n", almost),
+                                  "a: b" + repeat(" ", almost) + ": ",
+                                  "{" + repeat("\"a\" ", almost),
+                                  "[" + repeat("\"a\":", almost),
+                                  "[" + repeat("*a,", almost),
+                                  repeat(":", almost),
+                                  repeat("? a\n", almost),
+                                  repeat("\t", almost),
+                                  "[" + repeat("a\n", almost),
+                                  "!<" + repeat("a", almost),
+                                  "data_graph: {close_channels: [" + repeat("'',", almost)}) {
+    try {
+      (void)Config::Parse(yaml);  // what it finds is all the same
+    } catch (const ConfigError&) {
+    }
+  }
+}
+
+TEST(YamlMutations, OnlyEverThrowConfigErrors) {
+  std::vector<std::string> seeds;
+  for (const char* name : {"everything.yaml", "paper_network_setting.yaml", "paper_close_channels.yaml"}) {
+    std::ifstream file(FixtureFile(name), std::ios::binary);
+    seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    ASSERT_FALSE(seeds.back().empty());
+  }
+  const auto seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+  constexpr std::string_view kAlphabet = "[]{}:,-?&*!|>'\"%@`#\\ \t\n\rx0~=\x01\xff";
+  for (int round = 0; round < 1500; ++round) {
+    std::string yaml = seeds[below(seeds.size())];
+    for (std::size_t edits = 1 + below(4); edits > 0; --edits) {
+      const std::size_t at = below(yaml.size());
+      switch (below(4)) {
+        case 0: yaml[at] = kAlphabet[below(kAlphabet.size())]; break;
+        case 1: yaml.insert(at, 1, kAlphabet[below(kAlphabet.size())]); break;
+        case 2: yaml.erase(at, 1 + below(8)); break;
+        default: yaml.insert(at, yaml.substr(below(yaml.size()), 1 + below(40))); break;
+      }
+      if (yaml.empty()) yaml = "a";
+    }
+    try {
+      (void)Config::Parse(yaml);
+    } catch (const ConfigError&) {
+    } catch (const std::exception& error) {
+      FAIL() << error.what() << "\n" << yaml;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hgros
