@@ -8,7 +8,7 @@
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
-#include "hgros/transport/shm_transport.hpp"
+#include "hgros/transport/transport.hpp"
 
 namespace hgros {
 namespace {
@@ -83,7 +83,7 @@ Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
   const bool quick = IsQuick(message);
   Runner runner = use == ThreadUse::kRunNode ? Runner::kTransportHelps : Runner::kTransportApart;
   if (quick && use == ThreadUse::kNone) runner = Runner::kTransport;
-  if (quick && brings_replies_ && ShmTransport::IsVisitor()) runner = Runner::kVisitor;
+  if (quick && brings_replies_ && Transport::IsVisitor()) runner = Runner::kVisitor;
   const std::scoped_lock lock(waiting_mutex_);
   waiting_.Put(std::move(message));
   if (runner_ != Runner::kNobody) return Accepted::kNothing;

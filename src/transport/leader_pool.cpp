@@ -120,7 +120,7 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
   }
 }
 
-bool LeaderPool::IsVisitor() noexcept { return visits; }
+bool Transport::IsVisitor() noexcept { return visits; }
 
 void LeaderPool::Receive(const Visit& visit) noexcept {
   const auto keeps = state_;  // A thread that waits in Stop() may destroy the pool before the last line here.

@@ -50,8 +50,6 @@ class LeaderPool {
   /// Reads on the calling thread until the visit ends. Tasks run on the pool's threads, not here. If another thread
   /// does this already, it only calls `first`.
   void Receive(const Visit& visit) noexcept;
-  /// Whether the calling thread is in Receive().
-  [[nodiscard]] static bool IsVisitor() noexcept;
   [[nodiscard]] std::size_t thread_count() const;
 
  private:

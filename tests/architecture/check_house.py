@@ -3,7 +3,7 @@
 
     check_house.py [ROOT]
 
-Faults go to standard error, one a line. Comments and string literals are blanked before the code rules look.
+Faults go to standard error, one per line. Comments and string literals are blanked before the code rules look.
 """
 
 import collections
@@ -41,6 +41,11 @@ SUFFIXES = HEADERS | {".cpp"}
 MAX_FILE_LINES = 400  # in include, src and apps
 MAX_PUBLIC_HEADER_LINES = 150
 MAX_SOURCES_PER_FOLDER = 30  # .cpp and .hpp, sub-folders not counted
+MAX_CLASS_LINES = 500  # the class and its functions, in all files of include, src and apps
+
+# Both begin in the first column and end with a brace there.
+CLASS = re.compile(r"(?:class|struct)\b[^;{(]*?\b(\w+)(?: final)?(?: :[^;]*)?\{")
+FUNCTION = re.compile(r"(?:\w[^;=]*?\b)?([A-Z]\w*)(?:<[^>]*>)?::(?:~?\w+::)*(?:~?\w+|operator\S+)\(")
 
 
 def without_comments_and_strings(text):
@@ -70,12 +75,30 @@ def check_file(root, path):
         yield 1, "has no #pragma once"
 
 
+def class_sizes(path, code):
+    """Yields (module, class, lines) for each class, and for each function outside its class."""
+    folders = [part for part in path.parts[:-1] if part not in ("include", "src", "hgros", "internal")]
+    module = "/".join(folders[:2] if path.parts[0] == "apps" else folders[:1])
+    name, first = None, 0
+    lines = code.split("\n")
+    for number, line in enumerate(lines):
+        if name is None:
+            match = CLASS.match(line) or FUNCTION.match(line)
+            if match:
+                name, first = match.group(1), number
+        # A function of one line ends where it begins.
+        if name is not None and (line.startswith("}") or (number == first and line.rstrip().endswith("}"))):
+            yield module, name, number - first + 1
+            name = None
+
+
 def check_tree(root):
     """All faults of a tree as "path:line: fault", and how many files were read."""
     root = pathlib.Path(root).resolve()
     faults = []
     files = 0
     folders = collections.Counter()
+    classes = collections.Counter()
     for top in ALL:
         for file in sorted((root / top).rglob("*")):
             if file.suffix in SUFFIXES and file.is_file():
@@ -83,10 +106,18 @@ def check_tree(root):
                 path = pathlib.PurePosixPath(file.relative_to(root).as_posix())
                 folders[path.parent] += 1
                 faults += [f"{path}:{line}: {fault}" for line, fault in sorted(check_file(root, path))]
+                if top in PRODUCT:
+                    code = without_comments_and_strings(file.read_text(encoding="utf-8", errors="replace"))
+                    for module, name, lines in class_sizes(path, code):
+                        classes[module, name] += lines
     for folder, count in sorted(folders.items()):
         if count > MAX_SOURCES_PER_FOLDER:
             faults.append(f"{folder}:1: has {count} source files, more than {MAX_SOURCES_PER_FOLDER}; "
                           "split it into sub-folders of one subject each")
+    for (module, name), lines in sorted(classes.items()):
+        if lines > MAX_CLASS_LINES:
+            faults.append(f"{module}: class {name} has {lines} lines in all its files, more than {MAX_CLASS_LINES}; "
+                          "split it by what its parts guard")
     return faults, files
 
 

@@ -183,6 +183,17 @@ class HouseTest(Tree):
         self.assertEqual(len(faults), 1, faults)
         self.assertTrue(faults[0].startswith("src/base:1: has 31 source files"), faults[0])
 
+    def test_a_class_that_is_too_large_in_all_its_files_is_a_fault(self):
+        member = "int Ring::Count(int n) const {\n" + "  ++n;\n" * 120 + "}\n\n"
+        body = "#pragma once\nclass Ring final : public Base {\n" + "  int a;\n" * 130 + "};\n"
+        self.write("include/hgros/graph/ring.hpp", body)
+        self.write("src/graph/ring.cpp", member * 2)
+        self.assertEqual(self.faults(), [])
+        self.write("src/graph/ring_more.cpp", member + "Ring::~Ring() {\n  End();\n}\n")
+        self.write("src/clock/ring.cpp", member * 2)  # another class of that name
+        self.assertEqual(len(self.faults()), 1, self.faults())
+        self.assertIn("graph: class Ring has 501 lines", self.faults()[0])
+
     def test_a_fault_is_reported_at_its_line(self):
         self.write("src/base/a.cpp", "/* one\ntwo */\nusleep(3);\n")
         self.assertTrue(self.faults()[0].startswith("src/base/a.cpp:3: "), self.faults())

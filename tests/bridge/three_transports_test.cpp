@@ -195,6 +195,23 @@ TEST_F(ThreeTransports, ASecondCheaperOneThatComesDuringAMoveIsNextWithoutLoss) 
   ExpectAll();
 }
 
+TEST_F(ThreeTransports, MessagesFallBackToTheNextCheapestWhenOneBreaksWithoutLoss) {
+  gates.loop.Open();
+  gates.pipe.Open();
+  Start();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop" && check->last > 100; }));
+  gates.loop.Close();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a pipe"; }));
+  ExpectFlow();
+  gates.pipe.Close();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ"; }));
+  ExpectFlow();
+  gates.loop.Open();
+  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; })) << "it is the cheapest again";
+  ExpectFlow();
+  ExpectAll();
+}
+
 TEST_F(ThreeTransports, ARuleLeavesAChannelToTheOthers) {
   gates.loop.Open();
   gates.pipe.Open();

@@ -1,8 +1,15 @@
 #pragma once
 
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,38 +18,64 @@
 
 namespace hgros::test {
 
-/// Lets the transports behind it reach each other from the moment on that the test says so.
+/// The transports behind it reach each other only while it is open. At first it is closed.
 class Gate {
  public:
+  explicit Gate(bool open = false) : open_(open) {}
+
   void Open() {
-    std::vector<std::pair<Transport*, std::string>> waiting;
-    {
-      const std::scoped_lock lock(mutex_);
-      open_ = true;
-      waiting.swap(waiting_);
-    }
-    for (const auto& [transport, place] : waiting) transport->AddPeer(place);
+    open_ = true;
+    for (const auto& [transport, place] : connections()) transport->AddPeer(place);
   }
-  /// Connects now, or when the gate opens.
+  /// Cuts all connections of this process, as the death of a peer does.
+  void Close() {
+    open_ = false;
+    for (const auto& [transport, place] : connections()) {
+      transport->RemovePeer(place);
+      Cut(place);
+    }
+  }
+  /// Connects while the gate is open.
   void Connect(Transport& transport, const std::string& place) {
     {
       const std::scoped_lock lock(mutex_);
-      if (!open_) {
-        waiting_.emplace_back(&transport, place);
-        return;
-      }
+      connections_.emplace_back(&transport, place);
     }
-    transport.AddPeer(place);
+    if (open_) transport.AddPeer(place);
+  }
+  void Disconnect(Transport& transport, const std::string& place) {
+    {
+      const std::scoped_lock lock(mutex_);
+      std::erase(connections_, Connection(&transport, place));
+    }
+    transport.RemovePeer(place);
   }
   void Leave(Transport& transport) {
     const std::scoped_lock lock(mutex_);
-    std::erase_if(waiting_, [&](const auto& one) { return one.first == &transport; });
+    std::erase_if(connections_, [&](const auto& one) { return one.first == &transport; });
   }
 
  private:
+  using Connection = std::pair<Transport*, std::string>;
+  [[nodiscard]] std::vector<Connection> connections() {
+    const std::scoped_lock lock(mutex_);
+    return connections_;
+  }
+  static void Cut(const std::string& place) {
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+      const int descriptor = std::stoi(entry.path().filename().string());
+      sockaddr_un address{};
+      socklen_t size = sizeof address;
+      if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) continue;
+      if (address.sun_family != AF_UNIX || size <= offsetof(sockaddr_un, sun_path)) continue;
+      const std::string_view name(address.sun_path, size - offsetof(sockaddr_un, sun_path));
+      if (name.find(place) != std::string_view::npos) shutdown(descriptor, SHUT_RDWR);
+    }
+  }
+
   std::mutex mutex_;
-  bool open_ = false;
-  std::vector<std::pair<Transport*, std::string>> waiting_;
+  std::atomic<bool> open_;
+  std::vector<Connection> connections_;
 };
 
 /// A transport that exists only in tests: it shows the bridge nothing except the interface of Transport. Its sessions
@@ -67,24 +100,29 @@ class GatedTransport final : public Transport {
   void AskAgain() override { inner_->AskAgain(); }
   const std::string& place() const noexcept override { return inner_->place(); }
   void AddPeer(const std::string& place) override { gate_.Connect(*inner_, place); }
-  void RemovePeer(const std::string& place) override { inner_->RemovePeer(place); }
+  void RemovePeer(const std::string& place) override { gate_.Disconnect(*inner_, place); }
 
  private:
   Gate& gate_;
   const std::unique_ptr<Transport> inner_;
 };
 
+inline ShmOptions GatedOptions(SessionId session, std::string place) {
+  ShmOptions options;
+  options.session = session;
+  options.process = "gated";
+  options.place = std::move(place);
+  options.limit_bytes = 1 << 20;
+  options.heartbeat = std::chrono::milliseconds(100);
+  return options;
+}
+
 /// The entry of such a transport. The gate outlives the session.
 inline TransportEntry GatedEntry(const std::string& key, const std::string& name, int cost, SessionId session,
                                  Gate& gate) {
   TransportEntry entry{key, name, cost, TransportReach::kHost, {}, true};
   entry.make = [key, session, &gate](TransportEntry::Takes takes, TransportListener& listener, Log& log) {
-    ShmOptions options;
-    options.session = session;
-    options.process = "gated";
-    options.place = "hgros-" + key + "-" + session.ToString();
-    options.limit_bytes = 1 << 20;
-    options.heartbeat = std::chrono::milliseconds(100);
+    ShmOptions options = GatedOptions(session, "hgros-" + key + "-" + session.ToString());
     options.takes = std::move(takes);
     return std::make_unique<GatedTransport>(std::move(options), listener, log, gate);
   };

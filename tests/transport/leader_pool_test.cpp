@@ -152,19 +152,19 @@ TEST(LeaderPool, AVisitorReadsAndThePoolRuns) {
   const auto visitor = std::this_thread::get_id();
   for (int i = 0; i < 100; ++i) {
     queue.PutSilently([&] {
-      if (std::this_thread::get_id() == visitor || LeaderPool::IsVisitor()) ran_here = true;
+      if (std::this_thread::get_id() == visitor || Transport::IsVisitor()) ran_here = true;
       ++ran;
     });
   }
   bool knows = false;
   const auto all_ran = [&] {
-    knows = LeaderPool::IsVisitor();
+    knows = Transport::IsVisitor();
     return ran == 100;
   };
   pool.Receive({.done = all_ran, .until = Never()});
   EXPECT_EQ(ran, 100);
   EXPECT_TRUE(knows);
-  EXPECT_FALSE(LeaderPool::IsVisitor());
+  EXPECT_FALSE(Transport::IsVisitor());
   EXPECT_FALSE(ran_here);
   EXPECT_FALSE(queue.two_leaders);
   EXPECT_EQ(queue.ended, 1);

@@ -32,13 +32,13 @@ using test::Await;
 class Keeper : public InboundSink {
  public:
   Accepted Accept(InboundMessage&& message) noexcept override {
-    if (ShmTransport::IsVisitor()) ++visits;
+    if (Transport::IsVisitor()) ++visits;
     const std::scoped_lock lock(mutex_);
     kept_.push_back(std::move(message));
     return answer;
   }
   void Run() noexcept override {
-    if (ShmTransport::IsVisitor() && answer == Accepted::kRunApart) ++wrong_runs;
+    if (Transport::IsVisitor() && answer == Accepted::kRunApart) ++wrong_runs;
     if (answer != Accepted::kNothing) LetGo();  // For the credit.
     ++runs;
   }

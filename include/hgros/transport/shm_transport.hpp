@@ -69,9 +69,6 @@ class HGROS_EXPORT ShmTransport : public Transport {
   /// A block in the memory that receivers will read: publishing it copies nothing. None if the limit is reached.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t size_bytes) = 0;
   [[nodiscard]] virtual ShmUsage usage() const = 0;
-
-  /// Whether the calling thread is in Receive().
-  [[nodiscard]] static bool IsVisitor() noexcept;
 };
 
 /// Errors: throws Error if there is no shared memory, or another session has the place. `listener` and `log` outlive

@@ -81,6 +81,8 @@ class Transport {
   /// Receives on the calling thread, which then calls InboundSink::Accept(), and Run() after kRunHere. Returns at once
   /// if another thread receives, or if the transport cannot do it.
   virtual void Receive(const Visit& visit) noexcept { visit.first(); }
+  /// Whether the calling thread is in Receive() of a transport.
+  [[nodiscard]] static bool IsVisitor() noexcept;
 
   /// Says goodbye, sends what was committed as far as `linger_ms` allows, stops receiving. Later calls do nothing.
   virtual void Close(int linger_ms) noexcept = 0;

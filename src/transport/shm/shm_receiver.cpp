@@ -44,7 +44,7 @@ LeaderPool::Task ShmReceiver::Lead() noexcept {
       return task;
     }
     to_read_.clear();
-    if (LeaderPool::IsVisitor()) return {};  // It has something else to look after; what is left has rung.
+    if (Transport::IsVisitor()) return {};  // It has something else to look after; what is left has rung.
   }
 }
 

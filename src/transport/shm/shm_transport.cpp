@@ -76,8 +76,6 @@ class SharedMemoryTransport final : public ShmTransport {
 }  // namespace
 }  // namespace shm
 
-bool ShmTransport::IsVisitor() noexcept { return LeaderPool::IsVisitor(); }
-
 std::unique_ptr<ShmTransport> MakeShmTransport(ShmOptions options, TransportListener& listener, Log& log) {
   return std::make_unique<shm::SharedMemoryTransport>(std::move(options), listener, log);
 }
