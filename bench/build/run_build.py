@@ -95,6 +95,8 @@ def main():
     parser.add_argument("--only", action="append", choices=[*PARTS, "ci"])
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
+    if arguments.quick and arguments.only:
+        parser.error("--quick always builds two modules and nothing else; leave out --quick or --only.")
     parts = QUICK if arguments.quick else {name: part for name, part in PARTS.items()
                                            if not arguments.only or name in arguments.only}
     commits = {"": working_tree()}

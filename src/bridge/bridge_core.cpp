@@ -196,12 +196,12 @@ std::shared_ptr<JoinedInbound> BridgeCore::Subscribe(const std::string& channel,
   return joined;
 }
 
-void BridgeCore::Unannounce(const std::string& channel) {
+void BridgeCore::EndSubscribing(const std::string& channel) {
   announcer_.EndSubscribing(channel);
   Announce();
 }
 
-void BridgeCore::Withdraw(const std::string& channel) {
+void BridgeCore::EndPublishing(const std::string& channel) {
   announcer_.EndPublishing(channel);
   Announce();
 }

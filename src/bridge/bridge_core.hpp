@@ -40,8 +40,8 @@ class BridgeCore final : private DiscoveryListener {
   [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
                                                          const Demand& demand, InboundSink& sink);
   /// Tells others that the session no longer subscribes to the channel, or no longer publishes there.
-  void Unannounce(const std::string& channel);
-  void Withdraw(const std::string& channel);
+  void EndSubscribing(const std::string& channel);
+  void EndPublishing(const std::string& channel);
 
   /// The transport with endpoints; opened at the first call. Throws Error.
   ZmqTransport& Zmq();

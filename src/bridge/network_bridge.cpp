@@ -22,9 +22,9 @@ std::shared_ptr<JoinedInbound> NetworkBridge::Subscribe(const std::string& chann
   return core_->Subscribe(channel, type, demand, sink);
 }
 
-void NetworkBridge::Unannounce(const std::string& channel) { core_->Unannounce(channel); }
+void NetworkBridge::EndSubscribing(const std::string& channel) { core_->EndSubscribing(channel); }
 
-void NetworkBridge::Withdraw(const std::string& channel) { core_->Withdraw(channel); }
+void NetworkBridge::EndPublishing(const std::string& channel) { core_->EndPublishing(channel); }
 
 void NetworkBridge::AddPublishEndpoint(const PublishEndpoint& endpoint) { core_->AddPublishEndpoint(endpoint); }
 

@@ -74,7 +74,7 @@ void InboundChannels::Reconcile(const std::string& channel) {
       inflow.inlet->Detach();
       lock.lock();
       inflow.joined = false;
-      bridge_->Unannounce(channel);
+      bridge_->EndSubscribing(channel);
     } else {
       inflow.inlet->Join(*bridge_, Combine(inflow.wanted));
       inflow.joined = true;

@@ -48,7 +48,7 @@ void OutboundChannels::CloseForService(const std::string& channel, const std::sh
   closed->Detach();  // Waits for what it is told meanwhile.
   const std::scoped_lock lock(mutex_);
   std::erase(service_outlets_, closed);
-  if (bridge_ != nullptr && !closed_) bridge_->Withdraw(channel);
+  if (bridge_ != nullptr && !closed_) bridge_->EndPublishing(channel);
 }
 
 void OutboundChannels::Join(NetworkBridge& bridge) {

@@ -31,7 +31,8 @@ LAYERS = [
 LAYER_OF = {module: layer for layer, modules in enumerate(LAYERS) for module in modules}
 
 # Headers that no public header may include: users would have to install and compile them for nothing.
-HIDDEN_LIBRARIES = re.compile(r"^(zmq\.h|zmq\.hpp|zmq_addon\.hpp|spdlog/|fmt/|yaml-cpp/|sys/|linux/|unistd\.h)")
+HIDDEN_LIBRARIES = re.compile(r"^(zmq\.h|zmq\.hpp|zmq_addon\.hpp|spdlog/|fmt/|yaml-cpp/|sys/|linux/|"
+                              r"(unistd|fcntl|poll|pthread|sched|signal|semaphore)\.h$)")
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)

@@ -94,7 +94,7 @@ class LayersTest(Tree):
         self.assert_one_fault("apps/viewer/main.cpp", 1, "may change at any time")
 
     def test_a_hidden_library_in_a_public_header_is_a_fault(self):
-        for name in ("zmq.h", "zmq.hpp", "spdlog/spdlog.h", "yaml-cpp/yaml.h", "sys/mman.h"):
+        for name in ("zmq.h", "zmq.hpp", "spdlog/spdlog.h", "yaml-cpp/yaml.h", "sys/mman.h", "fcntl.h"):
             with self.subTest(name):
                 self.write("include/hgros/base/log.hpp", f"#include <{name}>\n")
                 self.assert_one_fault("include/hgros/base/log.hpp", 1, "implementation detail")

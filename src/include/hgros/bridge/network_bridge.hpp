@@ -57,9 +57,9 @@ class NetworkBridge {
   [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
                                                          const Demand& demand, InboundSink& sink);
   /// Tells others that the session no longer subscribes to the channel.
-  void Unannounce(const std::string& channel);
+  void EndSubscribing(const std::string& channel);
   /// Tells others that the session no longer publishes there.
-  void Withdraw(const std::string& channel);
+  void EndPublishing(const std::string& channel);
 
   /// As the transport's, also of an endpoint to which a beacon has led already. Throws Error.
   void AddPublishEndpoint(const PublishEndpoint& endpoint);
