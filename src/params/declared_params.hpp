@@ -8,7 +8,7 @@
 
 namespace hgros {
 
-// What has been declared, and what that forbids.
+// The declared parameters, and the checks that follow from their declarations.
 //
 // Thread safety: none.
 class DeclaredParams {
@@ -25,9 +25,9 @@ class DeclaredParams {
   void Add(Entry entry) { entries_.push_back(std::move(entry)); }
   [[nodiscard]] const std::vector<Entry>& entries() const noexcept { return entries_; }
 
-  // What is removed of a declared parameter is its fallback again.
+  // Sets every declared parameter that `root` lacks to its default.
   [[nodiscard]] ParamNodePtr WithFallbacks(ParamNodePtr root) const;
-  // Throws ParamError for a value that cannot be.
+  // Throws ParamError if the value has the wrong type or is out of bounds.
   static void RequireGood(const Entry& entry, const ParamView& value);
   // Throws ParamError if `event` is not allowed.
   void RequireAllowed(const ParamEvent& event) const;

@@ -9,13 +9,13 @@
 namespace hgros::params_detail {
 namespace {
 
-// The text of a scalar that stands without quotes.
+// The text of an unquoted scalar, or null.
 const std::string* Plain(const ParamView& view) {
   const ParamNodePtr& node = view.node();
   return node != nullptr && node->kind == ParamNode::Kind::kText && !node->quoted ? &node->text : nullptr;
 }
 
-// `fits`: what the text would be without its quotes.
+// Suggests to remove the quotes if `fits` accepts the text without them.
 template <class Fits>
 std::string_view WithoutQuotes(const ParamView& view, const Fits& fits) {
   const ParamNodePtr& node = view.node();

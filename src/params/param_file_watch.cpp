@@ -22,7 +22,7 @@
 
 namespace hgros {
 
-// Watches folders and not files: editors put a new file in the place of the old one.
+// Watches folders instead of files, because editors replace the old file with a new one.
 class ParamFileWatch::Core {
  public:
   Core(ParamServer& server, Done done, LogSink log)
@@ -38,8 +38,8 @@ class ParamFileWatch::Core {
       const std::filesystem::path target = std::filesystem::canonical(file, fault);
       if (!fault) WatchName(target);
     }
-    // What was written since the files were read and before they were watched. Not on the thread, for which somebody
-    // may be writing again by then: what is half written is read when it is closed.
+    // Reads changes that were written after the server read the files and before the watch began. Done here and not on
+    // the thread: by then somebody may be writing again. A file that is half written is read when it is closed.
     const ParamNodePtr read = server_.Snapshot().node();
     if (const ParamResult result = server_.Reload(); !result.ok() || server_.Snapshot().node() != read) Say(result);
     thread_ = std::thread([this] { Loop(); });
@@ -55,7 +55,7 @@ class ParamFileWatch::Core {
  private:
   [[noreturn]] static void Fail(const std::string& folder) {
     throw Error(
-        std::string("Files of parameters cannot be watched: ") + std::strerror(errno) + ".", folder,
+        std::string("Parameter files cannot be watched: ") + std::strerror(errno) + ".", folder,
         "Raise fs.inotify.max_user_instances or max_user_watches (sysctl), or the limit of open files (ulimit -n).");
   }
 
@@ -78,7 +78,7 @@ class ParamFileWatch::Core {
     }
   }
 
-  // Everything that has come by now; true if it is about one of the files.
+  // Reads all pending events. True if one of them is about one of the files.
   bool ReadNews() {
     bool ours = false;
     alignas(inotify_event) std::array<char, 16 * 1024> buffer{};
@@ -108,7 +108,8 @@ class ParamFileWatch::Core {
     } catch (const std::exception& e) {
       log_.Write(LogLevel::kError, std::string("The callback for reloaded parameters threw: ") + e.what());
     } catch (...) {
-      log_.Write(LogLevel::kError, "The callback for reloaded parameters threw something that is no std::exception.");
+      log_.Write(LogLevel::kError,
+                 "The callback for reloaded parameters threw something that is not a std::exception.");
     }
   }
 

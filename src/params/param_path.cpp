@@ -9,7 +9,7 @@
 namespace hgros {
 namespace {
 
-// Trees that are deeper could not be read back from YAML.
+// A deeper tree could not be read back from YAML.
 constexpr std::size_t kMaxSteps = 63;
 
 bool IsPlain(char c) {
@@ -17,8 +17,8 @@ bool IsPlain(char c) {
 }
 
 [[noreturn]] void Fail(std::string_view path, std::string_view what) {
-  throw ParamError(yaml::Quoted(path) + " is no path of a parameter: " + std::string(what) + ".", {},
-                   "Write it as in slam.matcher.gains[2], and other keys as in a.\"the key\".b.");
+  throw ParamError(yaml::Quoted(path) + " is not a parameter path: " + std::string(what) + ".", {},
+                   "Write it as in slam.matcher.gains[2]. Quote keys with other characters, as in a.\"the key\".b.");
 }
 
 class Reader {
@@ -41,7 +41,7 @@ class Reader {
       } else if (text_[at_] == '[') {
         steps.emplace_back(Index());
       } else {
-        Fail(text_, "it has " + yaml::Quoted(text_.substr(at_, 1)) + " where a dot belongs");
+        Fail(text_, "it has " + yaml::Quoted(text_.substr(at_, 1)) + " where a dot is expected");
       }
     }
     return steps;
@@ -77,7 +77,7 @@ class Reader {
         return index;
       }
     }
-    Fail(text_, "a number and a bracket belong behind \"[\"");
+    Fail(text_, "a number and a closing bracket must follow \"[\"");
   }
 
   std::string_view text_;

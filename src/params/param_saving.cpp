@@ -1,4 +1,4 @@
-// How a ParamServer writes files.
+// The part of ParamServer::Core that writes files.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -12,7 +12,8 @@
 namespace hgros {
 namespace {
 
-// What was set while running, by maps' keys: a list or a value that changed in part is one as a whole.
+// Collects the values that were set while running. Maps are split into their keys; a list is one value, even if only a
+// part of it changed.
 void CollectSet(const ParamPath& path, const ParamNodePtr& node, std::vector<YamlEdit>& edits) {
   if (node->kind == ParamNode::Kind::kMap && !node->entries.empty()) {
     for (const auto& [key, value] : node->entries) CollectSet(path.Below(key), value, edits);
@@ -55,9 +56,9 @@ void ParamServer::Core::Save() {
     const std::filesystem::path& file = sources_.files[index];
     const EditedYaml edited = EditYaml(ReadText(file), file.string(), of_file);
     if (!edited.comments_kept) {
-      log_.Write(LogLevel::kWarning, "The comments of " + file.string() +
-                                         " are lost: the way it is laid out left no other "
-                                         "way to save what was set.");
+      log_.Write(LogLevel::kWarning, "The comments in " + file.string() +
+                                         " are lost: with its layout there was no other way to save the changed "
+                                         "values.");
     }
     ReplaceFile(file, edited.text);
   }

@@ -87,13 +87,13 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps) {
     } catch (const ParamError& e) {
       return {e.what()};
     }
-    // Only the source of the value differs: it is stored, and no validator or listener is called.
+    // If only the source of a value differs, it is stored without calling validators or listeners.
     if (!event.paths.empty()) {
       if (std::string refusal = Ask(event); !refusal.empty()) return {std::move(refusal)};
     }
 
     lock.lock();
-    if (version_ != version) continue;  // Another change came first: look again.
+    if (version_ != version) continue;  // Another change came first: try again.
     root_ = after;
     ++version_;
     if (!event.paths.empty()) events_.push_back(std::move(event));
@@ -124,7 +124,7 @@ Listening ParamServer::Core::AddValidator(ParamPath path, ParamValidator validat
     } catch (const std::exception& e) {
       question.refusal = e.what();
     } catch (...) {
-      question.refusal = "A validator threw something that is no std::exception.";
+      question.refusal = "A validator threw something that is not a std::exception.";
     }
   });
 }
@@ -135,10 +135,10 @@ Listening ParamServer::Core::OnChange(ParamPath path, ParamListener listener) {
     try {
       listener(event);
     } catch (const std::exception& e) {
-      log_.WriteLimited(LogLevel::kError, "listener", std::string("A listener of parameters threw: ") + e.what());
+      log_.WriteLimited(LogLevel::kError, "listener", std::string("A parameter listener threw: ") + e.what());
     } catch (...) {
       log_.WriteLimited(LogLevel::kError, "listener",
-                        "A listener of parameters threw something that is no std::exception.");
+                        "A parameter listener threw something that is not a std::exception.");
     }
   });
 }

@@ -16,10 +16,10 @@
 
 namespace hgros {
 
-// Thread safety: all of it.
-// Invariants: root_ and declared_ go together: every declared parameter is there and good. A change is worked out and
-//   asked about without a lock, on a tree of its own, and takes effect only if nothing else has in the meantime
-//   (version_). events_ holds what listeners have not heard of yet; one thread at a time tells them.
+// Thread safety: all functions.
+// Invariants: root_ and declared_ fit together: every declared parameter exists and is valid. A change is computed and
+//   validated without a lock, on its own tree. It takes effect only if nothing else changed meanwhile (version_).
+//   events_ holds events that listeners have not received yet; one thread at a time delivers them.
 class ParamServer::Core {
  public:
   Core(ParamSources sources, LogSink log);
@@ -32,7 +32,7 @@ class ParamServer::Core {
     ParamPath path;
     ParamNodePtr value;  // null: removed
   };
-  // Commit() and TellListeners().
+  // Commit(), then TellListeners().
   ParamResult Change(const std::vector<Step>& steps);
   Listening AddValidator(ParamPath path, ParamValidator validator);
   Listening OnChange(ParamPath path, ParamListener listener);
@@ -48,11 +48,11 @@ class ParamServer::Core {
     std::string& refusal;
   };
 
-  // Makes the change; listeners are still to be told.
+  // Makes the change. Call TellListeners() afterwards.
   ParamResult Commit(const std::vector<Step>& steps);
-  // The files and overrides as they are now.
+  // Reads the files and applies the overrides.
   [[nodiscard]] ParamNodePtr ReadSources() const;
-  // Why validators are against it; empty if none is.
+  // The reason of the first validator that refuses; empty if none does.
   [[nodiscard]] std::string Ask(const ParamEvent& event) const;
   void TellListeners();
 
@@ -62,7 +62,7 @@ class ParamServer::Core {
   Listeners<ParamEvent> listeners_;
 
   std::mutex files_mutex_;  // held while files are read again or written, never while listeners run; before mutex_
-  ParamNodePtr loaded_;     // guarded by files_mutex_: what the sources said last
+  ParamNodePtr loaded_;     // guarded by files_mutex_: the result of the last ReadSources()
 
   mutable std::mutex mutex_;
   ParamNodePtr root_;  // guarded by mutex_, as all below

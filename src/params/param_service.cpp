@@ -19,17 +19,17 @@
 namespace hgros {
 namespace {
 
-// Of questions that nobody has come to answer yet.
+// Number of questions that may wait for an answer.
 constexpr std::size_t kQuestions = 256;
-// Those who ask may hear of the answers a little late, and ask once more.
+// Number of answers that are kept: an asker may subscribe to the answers late, or repeat its question.
 constexpr std::size_t kLatchedAnswers = 64;
-// How long a state waits for room before a newer one is looked for; and the last one of all.
+// How long a state waits for room before a newer one replaces it. The final state waits this long, too.
 constexpr auto kPatience = std::chrono::milliseconds(100);
 
 }  // namespace
 
-// Invariants: states are published in the order of their versions, under mutex_. While a lossless subscriber has no
-// room for one, the newest is owed, and published by a thread of its own alone.
+// Invariants: states are published in the order of their versions. That happens under mutex_, or, while a lossless
+// subscriber has no room (owed_), on the thread pays_ only, which publishes the newest state.
 class ParamService::Core {
  public:
   Core(Session& session, ParamServer& server, const std::string& name, LogSink log)
@@ -67,7 +67,7 @@ class ParamService::Core {
   }
 
  private:
-  // Says the state, if it is another one than before; its version.
+  // Publishes the state if it has changed. Returns its version.
   std::uint64_t Say() {
     const std::scoped_lock lock(mutex_);
     if (!Look() || owed_) return version_;
@@ -79,11 +79,11 @@ class ParamService::Core {
     return version_;
   }
 
-  // Whether there is a newer state. Under mutex_, as the next one.
+  // True if there is a newer state, which it then stores. Call it under mutex_, like State().
   bool Look() {
     ParamNodePtr root = server_.Snapshot().node();
     std::vector<ParamDeclaration> declared = server_.Declarations();
-    // Declarations are never taken back.
+    // Declarations are never removed, so their number shows a change.
     if (version_ != 0 && root == said_ && declared.size() == declared_.size()) return false;
     said_ = std::move(root);
     declared_ = std::move(declared);
@@ -139,7 +139,7 @@ class ParamService::Core {
     if (state.life() == life_ || state.ended()) return;
     log_.WriteLimited(LogLevel::kError, "another",
                       "Session " + SessionId{info.id.publisher}.ToString() + " offers parameters under the name \"" +
-                          name_ + "\" as this one does, so both are asked. Give one of them another name.");
+                          name_ + "\", as this session does, so both are asked. Give one of them another name.");
   }
 
   ParamServer& server_;
@@ -156,11 +156,11 @@ class ParamService::Core {
   ParamNodePtr said_;
   std::vector<ParamDeclaration> declared_;
   bool owed_ = false;
-  std::deque<std::shared_ptr<const ParamsAnswer>> given_;  // The latest; of the node that answers alone.
+  std::deque<std::shared_ptr<const ParamsAnswer>> given_;  // The latest answers; used only by the node that answers.
   Listening changes_;
   Subscription others_;
   Subscription questions_;
-  std::jthread pays_;  // From the first time on that there is no room.
+  std::jthread pays_;  // Started when a subscriber has no room for the first time.
 };
 
 ParamService::ParamService(Session& session, ParamServer& server, std::string name, LogSink log)

@@ -48,7 +48,7 @@ std::vector<ParamOverride> TakeParamArguments(std::vector<std::string>& argument
     }
     const std::size_t equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw ParamError("--param wants a path and a value, but has " + yaml::Quoted(assignment) + ".", {},
+      throw ParamError("--param needs a path and a value, but has " + yaml::Quoted(assignment) + ".", {},
                        "Write it as in --param slam.matcher.max_distance=3.");
     }
     const std::string path = assignment.substr(0, equals);

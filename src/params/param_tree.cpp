@@ -16,7 +16,7 @@ class FromYaml {
  public:
   explicit FromYaml(ParamOrigin origin, bool with_places) : origin_(std::move(origin)), with_places_(with_places) {}
 
-  // Aliases share their node here, too, so that a file of aliases stays as small as it is.
+  // Aliases share one node here, too: a file with many aliases must not grow when it is copied.
   ParamNodePtr Make(const yaml::Node& from) {
     const auto made = made_.find(&from);
     if (made != made_.end()) return made->second;
@@ -64,14 +64,14 @@ ParamNodePtr WithAt(const ParamNodePtr& node, const ParamPath& path, std::size_t
   const ParamPath::Step& step = path.steps()[depth];
   const auto fail = [&](std::string_view what) {
     const ParamPath here(std::vector(path.steps().begin(), path.steps().begin() + static_cast<std::ptrdiff_t>(depth)));
-    throw ParamError(path.ToString() + " cannot be: " + (here.empty() ? "the root" : here.ToString()) + " " +
+    throw ParamError(path.ToString() + " cannot be set: " + (here.empty() ? "the root" : here.ToString()) + " " +
                          std::string(what) + ".",
                      node == nullptr ? std::string() : node->origin.ToString());
   };
   auto changed = std::make_shared<ParamNode>();
   if (node != nullptr) *changed = *node;
   if (const auto* const index = std::get_if<std::size_t>(&step)) {
-    if (node == nullptr || node->kind != Kind::kList) fail("is no list");
+    if (node == nullptr || node->kind != Kind::kList) fail("is not a list");
     if (*index >= node->items.size()) fail("has only " + std::to_string(node->items.size()) + " items");
     const ParamNodePtr item = WithAt(node->items[*index], path, depth + 1, value);
     if (item != nullptr) {
@@ -79,7 +79,7 @@ ParamNodePtr WithAt(const ParamNodePtr& node, const ParamPath& path, std::size_t
     } else {
       changed->items.erase(changed->items.begin() + static_cast<std::ptrdiff_t>(*index));
     }
-    // A list is saved as a whole.
+    // A list is saved as a whole, so the list gets the origin of the new item.
     if (value != nullptr) changed->origin = value->origin;
     return changed;
   }
@@ -89,7 +89,7 @@ ParamNodePtr WithAt(const ParamNodePtr& node, const ParamPath& path, std::size_t
     changed->kind = Kind::kMap;
     changed->origin = value->origin;
   } else if (node->kind != Kind::kMap) {
-    fail("is " + node->Description() + ", no map");
+    fail("is " + node->Description() + ", not a map");
   }
   const auto entry = std::find_if(changed->entries.begin(), changed->entries.end(),
                                   [&](const auto& candidate) { return candidate.first == key; });
@@ -119,7 +119,7 @@ ParamNodePtr FromDocument(const yaml::Document& document) {
   const ParamOrigin origin{std::make_shared<const std::string>(document.name())};
   ParamNodePtr root = FromYaml(origin, true).Make(top);
   if (root->kind == Kind::kMap) return root;
-  throw ConfigError("A file of parameters must be a map, but this one is " + root->Description() + ".",
+  throw ConfigError("A parameter file must be a map, but this one is " + root->Description() + ".",
                     document.PositionOf(top), "Begin each parameter with its name and a colon.");
 }
 

@@ -9,7 +9,7 @@
 #include "hgros/params/param_path.hpp"
 #include "hgros/yaml/document.hpp"
 
-// What is done to trees of parameters; each gives a new tree.
+// Operations on parameter trees. Trees are immutable: each operation returns a new tree.
 namespace hgros::param_tree {
 
 // An empty map.
@@ -17,29 +17,29 @@ namespace hgros::param_tree {
 
 // The tree of a YAML file. Throws ConfigError if its top is neither a map nor empty.
 [[nodiscard]] ParamNodePtr FromDocument(const yaml::Document& document);
-// A part of one, without its places.
+// The tree of a part of a YAML file, without positions.
 [[nodiscard]] ParamNodePtr FromNode(const yaml::Node& node);
-// A value alone, such as one of the command line. Every place is said to be `origin`.
+// The tree of a single value, such as one from the command line. `origin` is the origin of every node.
 [[nodiscard]] ParamNodePtr FromValue(std::string_view yaml, const ParamOrigin& origin);
-// The same value, said by `origin` as a whole.
+// The same value with `origin` as the origin of every node.
 [[nodiscard]] ParamNodePtr WithOrigin(const ParamNode& node, const ParamOrigin& origin);
 
-// Maps are joined, everything else is replaced by `upper`; an empty value leaves a map as it is.
+// Merges maps. Everything else is replaced by `upper`, but an empty value leaves a map unchanged.
 [[nodiscard]] ParamNodePtr Merged(const ParamNodePtr& lower, const ParamNodePtr& upper);
 
-// `value` stands at `path` afterwards, null: nothing does. Maps on the way are made where nothing is, or an empty
-// value. Throws ParamError if the way leads through something else, or beyond the end of a list.
+// Sets `path` to `value`, or removes it if `value` is null. Creates missing maps on the path; an empty value counts as
+// missing. Throws ParamError if the path leads through something else, or beyond the end of a list.
 [[nodiscard]] ParamNodePtr With(const ParamNodePtr& root, const ParamPath& path, const ParamNodePtr& value);
 
 [[nodiscard]] ParamNodePtr Find(const ParamNodePtr& root, const ParamPath& path);
 
-// One place at which two trees differ: a value that is no map in either, or that only one of them has.
+// One difference between two trees: a value that is not a map in both, or that exists in only one of them.
 struct Difference {
   ParamPath path;
-  ParamNodePtr before;  // null: nothing
+  ParamNodePtr before;  // null if it does not exist; `after`, too
   ParamNodePtr after;
 };
-// In the order of `after`, then what only `before` has.
+// In the order of `after`, followed by values that only `before` has.
 [[nodiscard]] std::vector<Difference> Differences(const ParamNodePtr& before, const ParamNodePtr& after);
 
 }  // namespace hgros::param_tree

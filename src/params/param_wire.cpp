@@ -68,7 +68,7 @@ std::vector<ParamChange> ReadChanges(const ParamsQuestion& question) {
     ParamChange& to = changes.emplace_back();
     to.path = from.path();
     if (from.remove()) continue;
-    const ParamOrigin origin{std::make_shared<const std::string>("what was asked for " + from.path())};
+    const ParamOrigin origin{std::make_shared<const std::string>("the request for " + from.path())};
     to.value = *param_tree::FromValue(from.yaml(), origin);
   }
   return changes;

@@ -12,7 +12,7 @@
 namespace hgros::param_wire {
 
 struct Channels {
-  // Throws Error if these are no channel names.
+  // Throws Error if `name` gives invalid channel names.
   explicit Channels(std::string_view name);
   std::string ask;
   std::string answer;
@@ -20,7 +20,7 @@ struct Channels {
 };
 
 void WriteValues(const ParamView& root, ParamsState& state);
-// Throws ConfigError or ParamError; `name` stands for the file in it.
+// Throws ConfigError or ParamError, with `name` in place of a file name.
 [[nodiscard]] ParamNodePtr ReadValues(const ParamsState& state, const std::string& name);
 
 void WriteDeclarations(const std::vector<ParamDeclaration>& declarations, ParamsState& state);

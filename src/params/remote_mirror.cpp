@@ -14,7 +14,7 @@ void RemoteMirror::OnState(const ParamsState& state) {
   State read;
   std::string fault;
   if (state.ended()) {
-    fault = "The session \"" + name_ + "\" offers its parameters no more.";
+    fault = "The session \"" + name_ + "\" no longer offers its parameters.";
   } else {
     try {
       read.root = param_wire::ReadValues(state, "parameters of " + name_);
@@ -26,7 +26,7 @@ void RemoteMirror::OnState(const ParamsState& state) {
   {
     const std::scoped_lock lock(mutex_);
     if (state.life() == life_ && state.version() <= version_) return;
-    if (state.ended() && life_ != 0 && state.life() != life_) return;  // Of one whose place another has taken.
+    if (state.ended() && life_ != 0 && state.life() != life_) return;  // Another server has already replaced it.
     life_ = state.life();
     version_ = state.version();
     state_ = std::move(read);
@@ -65,13 +65,13 @@ RemoteMirror::Outcome RemoteMirror::Wait(const ParamsQuestion& question, Deadlin
   std::unique_lock lock(mutex_);
   const auto waiting = answers_.find(question.number());
   if (!changed_.wait_until(lock, deadline, [&] { return waiting->second.has_value(); })) {
-    return {{}, "The session \"" + name_ + "\" has not answered in time; whether it still will is not known."};
+    return {{}, "The session \"" + name_ + "\" did not answer in time, but it may still do so."};
   }
   const ParamsAnswer& answer = *waiting->second;
   if (!answer.refusal().empty()) return {{}, answer.refusal()};
   const auto told = [&] { return life_ == answer.life() && version_ >= answer.version(); };
   if (!changed_.wait_until(lock, deadline, told)) {
-    return {{}, "The session \"" + name_ + "\" has answered, but its parameters have not come in time."};
+    return {{}, "The session \"" + name_ + "\" answered, but its parameters did not arrive in time."};
   }
   if (!fault_.empty()) return {{}, fault_};
   return {state_, {}};

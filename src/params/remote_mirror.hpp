@@ -16,9 +16,9 @@
 
 namespace hgros {
 
-// What has been heard of the parameters of another session: the latest state, and the answers that are waited for.
+// The parameters of another session as received: the latest state, and the answers to open questions.
 //
-// Thread safety: all of it.
+// Thread safety: all functions.
 class RemoteMirror {
  public:
   struct State {
@@ -31,17 +31,17 @@ class RemoteMirror {
   };
   using Deadline = std::chrono::steady_clock::time_point;
 
-  // `name`: of the session, for sentences.
+  // `name`: the session's name, for error texts.
   explicit RemoteMirror(std::string name);
 
   void OnState(const ParamsState& state);
   void OnAnswer(const ParamsAnswer& answer);
 
-  // The question that comes next; it is waited for from here on.
+  // A new question. From here on its answer is kept, until Forget().
   [[nodiscard]] ParamsQuestion NextQuestion();
-  // Waits for its answer; false if there is none until then.
+  // Waits for the answer. False if there is none at `until`.
   [[nodiscard]] bool AwaitAnswer(const ParamsQuestion& question, Deadline until);
-  // Waits for its answer, and for the state that goes with it.
+  // Waits for the answer and for the state that belongs to it.
   [[nodiscard]] Outcome Wait(const ParamsQuestion& question, Deadline deadline);
   void Forget(const ParamsQuestion& question);
 
@@ -56,7 +56,7 @@ class RemoteMirror {
   std::uint64_t life_ = 0;
   std::uint64_t version_ = 0;
   State state_;
-  std::string fault_;  // Why the state cannot be read.
+  std::string fault_;  // Why there is no state: it cannot be read, or the session no longer offers it.
 };
 
 }  // namespace hgros

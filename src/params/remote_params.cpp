@@ -14,7 +14,7 @@ namespace hgros {
 namespace {
 
 constexpr std::size_t kWaitingAnswers = 256;
-constexpr auto kFirstPause = std::chrono::milliseconds(100);  // Before a question is said again.
+constexpr auto kFirstPause = std::chrono::milliseconds(100);  // Before the first repetition of a question.
 
 void ListBelow(const ParamView& view, std::vector<std::string>& paths) {
   if (!view.exists()) return;
@@ -25,7 +25,7 @@ void ListBelow(const ParamView& view, std::vector<std::string>& paths) {
   for (const std::string& key : view.keys()) ListBelow(view[key], paths);
 }
 
-// Whether `path` is `top` or stands below it.
+// True if `path` is `top` or is below it.
 bool IsBelow(const ParamPath& path, const ParamPath& top) {
   return path.steps().size() >= top.steps().size() && path.Overlaps(top);
 }
@@ -58,7 +58,7 @@ class RemoteParams::Core {
     if (Say(question, deadline)) {
       outcome = mirror_->Wait(question, deadline);
     } else {
-      outcome.refusal = "The session \"" + name_ + "\" could not be asked: this one shuts down.";
+      outcome.refusal = "The session \"" + name_ + "\" could not be asked because this session is shutting down.";
     }
     mirror_->Forget(question);
     return outcome;
@@ -82,8 +82,8 @@ class RemoteParams::Core {
   }
 
  private:
-  // Again and again until there is an answer, since who offers may just begin or end; a question is answered once,
-  // however often it is heard. False if it cannot be said.
+  // Repeats the question until there is an answer, because the offering session may be starting or ending. A repeated
+  // question is carried out only once. False if it cannot be published.
   bool Say(const ParamsQuestion& question, std::chrono::steady_clock::time_point deadline) {
     for (std::chrono::nanoseconds pause = kFirstPause;; pause *= 2) {
       const PublishStatus status = ask_(question);

@@ -49,7 +49,7 @@ void ReplaceFile(const std::filesystem::path& file, std::string_view text) {
     unlink(unfinished.c_str());
     Fail(file, error);
   }
-  // The name, too, is to be there after a crash.
+  // Makes the new name survive a crash, too.
   const OwnDescriptor folder([&] { return open(target.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
   if (folder) (void)fsync(folder.get());
 }

@@ -5,8 +5,8 @@
 
 namespace hgros {
 
-// Puts `text` in the place of `file` in one go: readers, also after a crash, find the old text or the new
-// one. Keeps the permissions; of a link, what it points to is replaced. Throws Error naming the file.
+// Replaces the content of `file` with `text` atomically: readers find the old text or the new one, even after a crash.
+// Keeps the permissions. If `file` is a link, its target is replaced. Throws Error that names the file.
 void ReplaceFile(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace hgros

@@ -20,14 +20,14 @@ struct Range {
   std::size_t end = 0;
 };
 
-// A value of a block map, with its key.
+// A value and its key.
 struct Place {
   const yaml::Node* key = nullptr;  // null: the root
   const yaml::Node* value = nullptr;
   std::size_t depth = 0;  // of the path to it
 };
 
-// One text and what it says.
+// A YAML text and its parsed document.
 class Editor {
  public:
   Editor(const std::string& text, const std::string& name) : text_(text), document_(yaml::Document::Parse(text, name)) {
@@ -38,11 +38,11 @@ class Editor {
     }
   }
 
-  // Empty where only writing the whole file anew can help.
+  // The edited text; empty if the whole file must be rewritten.
   std::optional<std::string> Put(const YamlEdit& edit) {
     const Place place = Deepest(edit.path);
     if (place.depth == edit.path.steps().size()) return Replace(place, *edit.value);
-    // What is not there yet is added below the deepest map that is.
+    // Missing keys are added below the deepest map that exists.
     std::vector<ParamPath::Step> missing(edit.path.steps().begin() + static_cast<std::ptrdiff_t>(place.depth + 1),
                                          edit.path.steps().end());
     ParamNodePtr value = edit.value;
@@ -86,7 +86,7 @@ class Editor {
     return at < text_.size() && text_[at] == '{';
   }
 
-  // Behind the value's anchor and tag.
+  // The first character after the value's anchor and tag.
   [[nodiscard]] std::size_t BeginOf(const yaml::Node& node) const {
     std::size_t at = Offset(node);
     while (at < text_.size() && (text_[at] == '&' || text_[at] == '!')) {
@@ -96,7 +96,7 @@ class Editor {
     return at;
   }
 
-  // Of a value that is written with quotes or brackets.
+  // The end of a value in quotes or brackets.
   [[nodiscard]] std::size_t EndOfEnclosed(std::size_t begin) const {
     int depth = 0;
     for (std::size_t i = begin; i < text_.size(); ++i) {
@@ -130,7 +130,7 @@ class Editor {
     return text_.size();
   }
 
-  // Of a scalar without quotes on one line; within brackets also before what ends it there.
+  // The end of a scalar without quotes on one line. Inside brackets, a comma or a closing bracket ends it, too.
   [[nodiscard]] std::size_t EndOfPlain(std::size_t begin, bool in_brackets) const {
     std::size_t end = std::min(text_.find('\n', begin), text_.size());
     for (std::size_t i = begin; i < end; ++i) {
@@ -141,8 +141,8 @@ class Editor {
     return end;
   }
 
-  // The lines below a key that are indented deeper, or are items at its own indentation: up to the last that says
-  // something.
+  // The end of the block below a key: of its last line that is neither empty nor a comment. The block's lines are
+  // indented deeper than the key, or are list items at its indentation.
   [[nodiscard]] std::size_t EndOfBlock(std::size_t line, std::size_t indent, bool items) const {
     std::size_t last = line;
     for (std::size_t next = line + 1; next < lines_.size(); ++next) {
@@ -196,7 +196,7 @@ class Editor {
     std::string before = text_.substr(0, at);
     return EndedWithLine(before) + yaml_writing::Entry(key, value, static_cast<int>(indent)) + text_.substr(at);
   }
-  // One that is empty or stands on one line.
+  // For a map that is empty or is written in brackets.
   std::optional<std::string> AddToSmallMap(const Place& place, const std::string& key, const ParamNode& value) const {
     ParamNode whole = *param_tree::FromNode(*place.value);
     whole.kind = ParamNode::Kind::kMap;

@@ -10,9 +10,10 @@ namespace hgros {
 
 // Puts values into the text of a YAML file.
 //
-// Each edit replaces the characters of one value, or adds a line to the map where it belongs, so that comments, order
-// and spelling of everything else stay. The result is read again; where it does not say what was wanted (values that
-// others repeat by an alias, unusual layouts), the file is written anew from its values, and its comments are lost.
+// Each edit replaces the characters of one value, or adds a line to the map where it belongs, so that the comments, the
+// order and the spelling of everything else stay. The result is read again. If it does not have the wanted values (when
+// an alias repeats the value, or the layout is unusual), the file is written from its values, and its comments are
+// lost.
 struct YamlEdit {
   ParamPath path;  // keys alone
   ParamNodePtr value;
@@ -21,11 +22,11 @@ struct EditedYaml {
   std::string text;
   bool comments_kept = true;
 };
-// Throws ConfigError if the result cannot be read, because a value is not UTF-8, or if `text` is no file of parameters;
-// `name` stands for the file.
+// Throws ConfigError if a value is not UTF-8, so that the result cannot be read, or if `text` is not a parameter file.
+// Errors name the file by `name`.
 [[nodiscard]] EditedYaml EditYaml(const std::string& text, const std::string& name, const std::vector<YamlEdit>& edits);
 
-// All of `root` as a file; throws ConfigError or ParamError if that cannot be read again.
+// The text of a file with all values of `root`. Throws ConfigError or ParamError if it could not be read again.
 [[nodiscard]] std::string WrittenYaml(const ParamNodePtr& root, const std::string& name);
 
 }  // namespace hgros

@@ -10,7 +10,7 @@
 namespace hgros {
 namespace {
 
-// A thread that waits inside a handler that it runs while it waits, and so on: each turn takes stack.
+// While a thread waits, it may run a handler that waits in turn. Each level uses stack.
 constexpr int kMaxNestedRequests = 16;
 thread_local int nested_requests = 0;
 
@@ -33,7 +33,7 @@ CallState::CallState(std::string service, std::shared_ptr<CallTable> table,
 
 void CallState::Finish(CallEnd end) { Finish(std::unique_lock(mutex_), std::move(end)); }
 
-// Nobody finds a server between the reason and the end.
+// One lock for both steps, so that no server is found after the reason is chosen and before the call ends.
 void CallState::FinishOverdue() {
   std::unique_lock lock(mutex_);
   CallEnd end = Overdue();
@@ -49,7 +49,8 @@ void CallState::Finish(std::unique_lock<std::mutex> lock, CallEnd end) {
   changed_.notify_all();
   if (!callback) return;
   auto answered = std::make_shared<const AnsweredCall>(AnsweredCall{std::move(callback), end_});
-  // Refused only while the session shuts down, on the thread that does so or whose call was refused.
+  // Fails only while the session shuts down. Then the callback runs here: on the thread that closes the session, or on
+  // the caller's thread if its call was refused.
   if (!table_->Answer(answered)) answered->callback(answered->end);
 }
 

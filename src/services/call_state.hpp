@@ -20,7 +20,7 @@ namespace hgros {
 class CallTable;
 class ServiceClient;
 
-// A callback that is to be called.
+// A callback to call, and its argument.
 struct AnsweredCall {
   AnyAnswer callback;
   CallEnd end;
@@ -28,8 +28,8 @@ struct AnsweredCall {
 
 // One call of this session.
 //
-// Thread safety: all functions. Invariants: ends once; what it ended with is never changed afterwards. It keeps its
-// table alive, since its future may outlive the session.
+// Thread safety: all functions. Invariants: it ends once, and the result never changes afterwards. It keeps its table
+// alive because its future may outlive the session.
 class CallState final : public PendingCall,
                         public WaitingCallers::Caller,
                         public std::enable_shared_from_this<CallState> {
@@ -42,15 +42,15 @@ class CallState final : public PendingCall,
   void Cancel() noexcept override;
   void Nudge() noexcept override;
 
-  // By the table. Calls nobody back under a lock.
+  // Called by the table. Runs no callback under a lock.
   void Finish(CallEnd end);
-  // Its time is up.
+  // Its timeout has expired.
   void FinishOverdue();
-  // Ends it before it was in the table.
+  // Ends it before it is in the table.
   void Refuse(CallFailure failure);
 
-  // Sets what handles it, before it is sent. False: it has ended, and must not be sent, since its caller may have been
-  // told that nobody got it.
+  // Sets the receiver before the call is sent. False if the call has ended: then it must not be sent, because the
+  // caller may have been told that no server got it.
   [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceHost>& host);
   [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server);
   void AwaitsServerOf(const std::shared_ptr<ServiceClient>& client);
@@ -58,14 +58,14 @@ class CallState final : public PendingCall,
   [[nodiscard]] SessionId server() const;
   [[nodiscard]] bool has_server() const;
 
-  // By a thread that is outside of callbacks.
+  // True if the calling thread was not inside a callback, so that it may block.
   [[nodiscard]] bool may_be_waited_for() const noexcept { return may_be_waited_for_; }
   [[nodiscard]] std::chrono::nanoseconds Age() const { return std::chrono::steady_clock::now() - begun_; }
   [[nodiscard]] const std::string& service() const noexcept { return service_; }
-  std::uint64_t number = 0;                                  // By the table, before others know it.
-  std::optional<std::chrono::steady_clock::time_point> due;  // Likewise.
+  std::uint64_t number = 0;  // Set by the table, before other threads see the call; `due`, too.
+  std::optional<std::chrono::steady_clock::time_point> due;
   std::chrono::nanoseconds timeout{0};
-  std::shared_ptr<CallMessage> message;  // The request; not changed any more once it is sent.
+  std::shared_ptr<CallMessage> message;  // The request; immutable once it is sent.
 
  private:
   void Finish(std::unique_lock<std::mutex> lock, CallEnd end);

@@ -68,7 +68,7 @@ void CallTable::Close() {
   {
     const std::scoped_lock lock(mutex_);
     closed_ = true;
-    answers_ = {};  // What is left is called here: the graph ends without running all that waits there.
+    answers_ = {};  // Remaining callbacks run on this thread: the graph may end before it has run its queue.
   }
   EndAll([](const CallState& call) {
     return Failed(CallFailure::Kind::kClosed,

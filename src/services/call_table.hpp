@@ -19,14 +19,14 @@
 
 namespace hgros {
 
-// The calls of one session that are under way, by number, and one thread that ends those whose time is up; it starts
-// with the first call that has a time-out, and wakes for due calls alone.
+// The pending calls of one session, by number, and one thread that ends those whose timeout has expired. The thread
+// starts with the first call that has a timeout, and wakes only for due calls.
 //
-// Thread safety: all functions. Invariants: a call is in the table until it ends; who takes it out ends it, once, and
-// not under the table's lock. The thread runs no user code: callbacks go to a node of the graph.
+// Thread safety: all functions. Invariants: a call is in the table until it ends. The thread that removes it ends it,
+// once, outside the table's lock. The table's own thread runs no user code: callbacks go to a node of the graph.
 class CallTable {
  public:
-  // Number of calls under way at once, including those whose callbacks have not been called yet.
+  // Maximum number of pending calls, including ended ones whose callbacks have not run yet.
   static constexpr std::size_t kMaxCalls = 65536;
 
   CallTable() = default;
@@ -34,17 +34,17 @@ class CallTable {
   CallTable& operator=(const CallTable&) = delete;
   ~CallTable();
 
-  // Numbers the call and puts it in. False if there are too many, or the table is closed.
+  // Numbers the call and adds it. False if there are too many calls, or the table is closed.
   [[nodiscard]] bool Begin(const std::shared_ptr<CallState>& call, std::chrono::nanoseconds timeout);
-  // False if it had ended.
+  // False if the call had already ended.
   bool End(std::uint64_t number, CallEnd end);
   [[nodiscard]] std::shared_ptr<CallState> Find(std::uint64_t number) const;
   void EndAll(const std::function<std::optional<CallEnd>(const CallState&)>& end_of);
-  // Ends all, and refuses more.
+  // Ends all calls and refuses new ones.
   void Close();
   [[nodiscard]] bool closed() const;
 
-  // Where callbacks run: a node that calls Answered() for each.
+  // Callbacks run on the node behind `answers`, which calls Answered() for each.
   void SetAnswers(Publisher<AnsweredCall> answers);
   // False while the session shuts down.
   [[nodiscard]] bool Answer(const std::shared_ptr<const AnsweredCall>& answered);

@@ -24,17 +24,18 @@ bool ReplyLine::Send(std::shared_ptr<const CallMessage> reply) {
   }
   if (reply) {
     log_->WriteLimited(LogLevel::kWarning, "reply " + service_,
-                       "A reply of service \"" + service_ + "\" was dropped: its caller takes none, and " +
-                           std::to_string(kMaxWaiting) + " wait for it.");
+                       "A reply of service \"" + service_ +
+                           "\" was dropped: the caller does not take its replies, and " + std::to_string(kMaxWaiting) +
+                           " are waiting already.");
     return false;
   }
-  // The subscription, or room, may have come between the try and the waiting.
+  // A subscription or room may have come after the attempt and before the reply was queued.
   flush_soon_();
   return true;
 }
 
 std::size_t ReplyLine::Close() {
-  std::deque<std::shared_ptr<const CallMessage>> dropped;  // Ends after the lock: that may be the user's code.
+  std::deque<std::shared_ptr<const CallMessage>> dropped;  // Destroyed after the lock: destructors may be user code.
   const std::scoped_lock lock(mutex_);
   closed_ = true;
   dropped.swap(waiting_);

@@ -14,8 +14,8 @@ namespace hgros {
 
 struct CallMessage;
 
-// The way of replies from one service to one caller of another session. What the caller cannot take yet, because its
-// subscription is still on its way or its credit is used up, waits here, in no promised order.
+// Sends the replies of one service to one caller in another session. Replies that the caller cannot take yet (its
+// subscription has not arrived, or its credit is used up) wait here. Their order is not guaranteed.
 //
 // Thread safety: all functions. Flush() by one thread at a time.
 class ReplyLine {
@@ -30,10 +30,10 @@ class ReplyLine {
 
   static constexpr std::size_t kMaxWaiting = 65536;
 
-  // False if it was dropped: too many wait, or the line is closed.
+  // False if the reply was dropped: too many are waiting, or the line is closed.
   bool Send(std::shared_ptr<const CallMessage> reply);
   void Flush();
-  // Its caller is gone. How many replies waited for it.
+  // Call it when the caller is gone. Returns the number of replies that were waiting.
   std::size_t Close();
   [[nodiscard]] const std::shared_ptr<SessionOutlet>& outlet() const noexcept { return outlet_; }
 

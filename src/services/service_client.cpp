@@ -17,9 +17,9 @@ using Kind = CallFailure::Kind;
 
 constexpr std::size_t kRepliesInFlight = 1024;
 
-// A caller sleeps while it waits for a server that usually takes longer to reply.
+// If replies usually take longer than this, the caller sleeps while it waits.
 constexpr std::int64_t kSoonNs = 150'000;
-constexpr std::int64_t kMostCountedNs = 3 * kSoonNs;  // A slow reply now and then does not make a quick service slow.
+constexpr std::int64_t kMostCountedNs = 3 * kSoonNs;  // Limits the effect of one slow reply on the average.
 
 constexpr std::size_t kSmallBytes = 64 * 1024;
 constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
@@ -35,7 +35,7 @@ void ServiceClient::Start() {
   const auto update = [weak = weak_from_this(), desk = services_] {
     if (const auto alive = desk.lock()) {
       alive->Post([weak, desk] {
-        if (const auto wired = desk.lock()) wired->AwaitWiring();  // This is told while Start still runs, too.
+        if (const auto wired = desk.lock()) wired->AwaitWiring();  // The update may come while Start still runs.
         if (const auto client = weak.lock()) client->Update();
       });
     }
@@ -54,7 +54,7 @@ void ServiceClient::Start() {
   });
 }
 
-// Replies whose type is known at run time only come without their schema.
+// A reply whose type is known only at run time arrives without its schema, which is added here.
 AnyMessage ServiceClient::AsCall(const AnyMessage& message) const {
   if (!IsAnyType(reply_) && reply_.run_time == nullptr) return message;
   AnyMessage read = message;
@@ -78,7 +78,7 @@ AnyMessage ServiceClient::AsCall(const AnyMessage& message) const {
 void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
   const auto services = services_.lock();
   if (!services || !info.remote || reply.caller != services->id().value) return;
-  // The body is of this client's type, so it must be one of its calls; and only its server replies.
+  // The body has this client's type, so the call must belong to this client. Only the call's server may reply.
   const auto call = services->calls()->Find(reply.call);
   if (!call || !call->IsOf(*this) || call->server().value != info.id.publisher) return;
   const std::int64_t took = std::min<std::int64_t>(call->Age().count(), kMostCountedNs);
@@ -90,7 +90,7 @@ void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
 bool ServiceClient::PostAndLook(const CallState& call, Services& services) {
   std::optional<bool> sent;
   const auto post = [&] { sent = Post(call.message); };
-  // Meanwhile nobody else reads: not for what takes long to write.
+  // No other thread receives meanwhile, so a message that takes long to write is excluded.
   const auto is_small = [&] {
     const TypeInfo& body = *call.message->type;
     return !body.users_codec && body.encoded_bytes != nullptr && request_.encoded_bytes != nullptr &&
@@ -115,7 +115,7 @@ bool ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
 void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
   const auto services = services_.lock();
   if (!services || !outlet_) return;
-  std::vector<std::shared_ptr<CallState>> ended;  // Let go of after the lock.
+  std::vector<std::shared_ptr<CallState>> ended;  // Released after the lock.
   bool now = false;
   {
     const std::scoped_lock lock(mutex_);
@@ -133,11 +133,11 @@ void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
     }
   }
   if (now && PostAndLook(*call, *services)) return;
-  if (now) {  // It has no room just now.
+  if (now) {  // The server has no room at the moment.
     const std::scoped_lock lock(mutex_);
     call->AwaitsServerOf(shared_from_this());
     waiting_.push_back(call);
-  } else if (const auto host = services->HostOf(name_)) {  // Since it was looked for.
+  } else if (const auto host = services->HostOf(name_)) {  // It was registered after Dispatch() looked for it.
     return HandOver(*host);
   }
   services->Post([weak = weak_from_this()] {
@@ -173,7 +173,7 @@ void ServiceClient::Withdraw(const CallState& call) {
   message->server = call.server().value;
   message->call = call.number;
   message->cancelled = true;
-  (void)Post(message);  // If there is no room the reply comes, and nobody looks at it.
+  (void)Post(message);  // If there is no room, the reply arrives and is ignored.
 }
 
 void ServiceClient::Update() {
@@ -185,7 +185,8 @@ void ServiceClient::Update() {
 }
 
 void ServiceClient::UpdateServers(Services& services) {
-  // The outlet sends nothing until it has been told of them, a moment after they count; then this is called again.
+  // subscriber_count() follows Subscribers() after a short delay, and the outlet sends nothing before. Update() is
+  // called again then.
   const bool told = outlet_->subscriber_count() > 0;
   const std::vector<SessionId> there = told ? outlet_->Subscribers() : std::vector<SessionId>();
   std::vector<PeerInfo> peers;
@@ -221,8 +222,8 @@ void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
     return std::nullopt;
   });
   if (lost.empty()) return;
-  CallEnd end = Failed(Kind::kServerGone,
-                       "Session " + server.info.name() + " ended service \"" + name_ + "\", or is no longer reached.");
+  CallEnd end = Failed(Kind::kServerGone, "Session " + server.info.name() + " ended service \"" + name_ +
+                                              "\", or can no longer be reached.");
   services.PostAt(std::chrono::steady_clock::now() + kTimeForTheReason,
                   [desk = services_, lost = std::move(lost), end = std::move(end)] {
                     const auto still = desk.lock();
@@ -235,8 +236,8 @@ void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
 void ServiceClient::ReportTwo(Services& services, const std::vector<Server>& servers) {
   std::string all = "Session " + servers.front().info.name();
   for (std::size_t i = 1; i < servers.size(); ++i) all += " and session " + servers[i].info.name();
-  std::string sentence = "Service \"" + name_ + "\" is served by more than one: " + all +
-                         ". Calls go to the first of them as long as it serves. Give the others another name.";
+  std::string sentence = "Service \"" + name_ + "\" is served by more than one session: " + all +
+                         ". Calls go to the first one while it serves. Give the others another name.";
   services.log()->Write(LogLevel::kWarning, sentence);
   services.With([&](ServicePlace& place) {
     place.ReportServedTwice(servers.back().info, RequestChannel(name_), std::move(sentence));
@@ -273,7 +274,7 @@ void ServiceClient::EndWithoutServer(Services& services) {
   if (!misfit.empty()) return EndWaiting(Failed(Kind::kTypeMismatch, misfit));
   ChannelSearch search;
   services.With([&](ServicePlace& place) { search = place.Search(RequestChannel(name_)); });
-  if (!search.announced.empty()) return;  // It is about to be reached.
+  if (!search.announced.empty()) return;  // A server is announced and will be connected soon.
   if (search.complete) {
     return EndWaiting(
         Failed(Kind::kNoServer, "Nobody serves \"" + name_ + "\": discovery knows no session that does."));

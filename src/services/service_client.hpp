@@ -19,13 +19,13 @@ namespace hgros {
 
 class Services;
 
-// The calls of this session to one service of other sessions. Its servers are the sessions that subscribe to the
-// channel of its requests; calls go to the one that was there first. While there is none, and discovery does not rule
-// one out, calls wait here.
+// The calls of this session to one service in other sessions. The servers are the sessions that subscribe to the
+// request channel. Calls go to the server that was found first. While there is none, and discovery does not rule one
+// out, calls wait here.
 //
-// Thread safety: all functions; Update(), OnPeerGone() and OnMisfit() by the services' thread alone.
-// Invariants: a call's server is set under mutex_ from servers_. The calls of a server that is taken out of servers_
-// are ended after that, so that no call waits for a server that has left.
+// Thread safety: all functions; Update(), OnPeerGone() and OnMisfit() on the services' thread only.
+// Invariants: a call's server is set under mutex_ from servers_. When a server is removed from servers_, its calls are
+// ended afterwards, so no call waits for a server that has left.
 class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
  public:
   ServiceClient(std::string name, const TypeInfo& request, const TypeInfo& reply,
@@ -34,14 +34,15 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   // Wires it. Throws Error.
   void Start();
   void Send(const std::shared_ptr<CallState>& call);
-  // A thread waits for the call: if replies come soon as a rule it looks for this one itself, for a moment. Falling
-  // asleep and being woken would take longer than all the rest.
+  // Call it on a thread that waits for the call. If replies are usually quick, it receives for a short time itself:
+  // sleeping and waking would take longer than the rest of the call.
   void AwaitQuickly(const CallState& call);
-  // The call has been cancelled: its server need not begin it.
+  // Tells the server that the call was cancelled and need not be started.
   void Withdraw(const CallState& call);
-  // This session serves the name now: calls that wait go there. On a thread that may run user code.
+  // Passes waiting calls to `host`, which now serves the name in this session. Call it on a thread that may run user
+  // code.
   void HandOver(ServiceHost& host);
-  // Finds the servers of now, and sends or ends the calls that wait.
+  // Looks up the current servers, then sends or ends the waiting calls.
   void Update();
   void OnPeerGone(const PeerInfo& peer, const std::string& reason);
   void OnMisfit(std::string_view channel, SessionId peer, const std::string& sentence);
@@ -51,10 +52,10 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   [[nodiscard]] const TypeInfo& reply() const noexcept { return reply_; }
 
  private:
-  // Null: it is no reply.
+  // Null if it is not a reply.
   [[nodiscard]] AnyMessage AsCall(const AnyMessage& message) const;
   void OnReply(const CallMessage& reply, const MessageInfo& info);
-  // Posts it, and takes the reply if that is there as soon.
+  // Posts the call, and receives the reply at once if it is there already.
   [[nodiscard]] bool PostAndLook(const CallState& call, Services& services);
   [[nodiscard]] bool Post(const std::shared_ptr<const CallMessage>& message);
   void UpdateServers(Services& services);
@@ -66,7 +67,7 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
     SessionId id;
     PeerInfo info;
   };
-  // Unless a better reason is told before: that its type does not fit, or that the session is gone.
+  // Ends them after a delay, so that a more precise reason can come first: a type mismatch, or the end of the session.
   void EndCallsSoon(Services& services, const Server& server);
   void ReportTwo(Services& services, const std::vector<Server>& servers);
 
@@ -74,15 +75,15 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   const TypeInfo& request_;
   const TypeInfo& reply_;
   const std::weak_ptr<Services> services_;
-  std::shared_ptr<SessionOutlet> outlet_;  // Written by Start() alone.
-  Subscription replies_;                   // Written by Start() alone.
+  std::shared_ptr<SessionOutlet> outlet_;  // Written only by Start().
+  Subscription replies_;                   // Written only by Start().
 
-  std::atomic<std::int64_t> usual_ns_{0};  // From a call to its reply, lately.
+  std::atomic<std::int64_t> usual_ns_{0};  // Moving average of the time from a call to its reply.
 
   std::mutex mutex_;
   std::vector<Server> servers_;
   std::deque<std::shared_ptr<CallState>> waiting_;
-  std::map<std::uint64_t, std::string> misfits_;  // Sessions whose types do not fit, with what was said.
+  std::map<std::uint64_t, std::string> misfits_;  // Error texts of sessions whose types do not fit, by session id.
   bool said_two_ = false;
 };
 

@@ -46,8 +46,8 @@ void ServiceHost::Start(NodeOptions options, const CallSite& where) {
     if (!node.queue.lossless()) {
       node_.Reset();
       throw Error("The node \"" + node.name + "\" runs service \"" + setting_.name +
-                      "\", but its configuration lets its queue drop requests.",
-                  {}, "Give it `queue: {keep_all: N}`, or none.");
+                      "\", but the queue in its configuration drops requests.",
+                  {}, "Set `queue: {keep_all: N}`, or remove the queue setting.");
     }
     limit_ = node.queue.depth();
     executor_ = node.executor.kind();
@@ -62,20 +62,20 @@ void ServiceHost::Start(NodeOptions options, const CallSite& where) {
 }
 
 void ServiceHost::OnRequest(const std::shared_ptr<const CallMessage>& request, const MessageInfo& info) {
-  // Nobody can call in another's name; and what names another server is for that one.
+  // A session cannot call in the name of another one. A request that names another server is for that server.
   if (!info.remote || request->caller != info.id.publisher) return;
   if (request->server != 0 && request->server != session_.value) return;
   if (request->cancelled) {
     Withdraw(request->caller, request->call);
     return;
   }
-  // At the latest now, so that the caller's subscription to its replies comes while the request is handled.
+  // Opened before the request is handled, so that the caller's subscription to the replies arrives meanwhile.
   if (!OpenLine(SessionId{request->caller})) return;
   if (executor_ == Executor::Kind::kTbb) {
     const ReadyNodeSlot::Opened opened;
     Arrive(request);
   } else {
-    Arrive(request);  // An inline handler is user code, which may wait for what it makes ready.
+    Arrive(request);  // An inline handler is user code and may wait for a node that it makes ready.
   }
 }
 
@@ -102,13 +102,13 @@ void ServiceHost::Arrive(std::shared_ptr<const CallMessage> request) {
     return Answer(*request, Outcome::kFull,
                   "Service \"" + setting_.name + "\" has " + std::to_string(limit_) + " requests waiting already.");
   }
-  // If there is no room, more turns are waiting than requests.
+  // If the queue of turns is full, it holds more turns than there are requests.
   turns_(turn_);
   if (const auto services = services_.lock()) services->waiting_callers()->Nudge();
 }
 
 void ServiceHost::Withdraw(std::uint64_t caller, std::uint64_t call) {
-  std::shared_ptr<const CallMessage> dropped;  // Ends after the lock: a message's destructor is the user's code.
+  std::shared_ptr<const CallMessage> dropped;  // Destroyed after the lock: a message's destructor is user code.
   const std::scoped_lock lock(mutex_);
   const auto found = std::ranges::find_if(
       waiting_, [&](const Waiting& one) { return one.request->caller == caller && one.request->call == call; });
@@ -162,7 +162,7 @@ bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
   }
   if (idle) idle_.notify_all();
   if (again) turns_(turn_);
-  if (more) {  // A waiting thread may have found the handler busy.
+  if (more) {  // A waiting thread may have given up because the handler was busy.
     if (const auto services = services_.lock()) services->waiting_callers()->Nudge();
   }
   return true;
@@ -171,7 +171,7 @@ bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
 void ServiceHost::Handle(const Waiting& waiting) {
   using Outcome = CallMessage::Outcome;
   const CallMessage& request = *waiting.request;
-  if (waiting.due && *waiting.due <= std::chrono::steady_clock::now()) {  // Its caller has said so already.
+  if (waiting.due && *waiting.due <= std::chrono::steady_clock::now()) {  // The caller has reported the timeout.
     ++unhandled_;
     return;
   }
@@ -182,14 +182,15 @@ void ServiceHost::Handle(const Waiting& waiting) {
     const Running here(*this);
     const AnyMessage body = ConvertMessage(request.body, *request.type, *setting_.request_body);
     if (!body) {
-      return Answer(request, Outcome::kNotWritable, "Its data does not parse as " + setting_.request_body->name + ".");
+      return Answer(request, Outcome::kNotWritable,
+                    "The request does not parse as " + setting_.request_body->name + ".");
     }
     reply = setting_.handler(body);
     if (reply) outcome = Outcome::kOk;
   } catch (const std::exception& error) {
     text = error.what();
   } catch (...) {
-    text = "The handler threw something that is no std::exception.";
+    text = "The handler threw something that is not a std::exception.";
   }
   if (reply) text.clear();
   Answer(request, outcome, std::move(text), std::move(reply));
@@ -237,7 +238,7 @@ std::shared_ptr<ReplyLine> ServiceHost::OpenLine(SessionId caller) {
     auto made = std::make_shared<ReplyLine>(outlet, *setting_.reply, log_, setting_.name, flush);
     {
       const std::scoped_lock lock(mutex_);
-      // A caller that has left meanwhile gets no line; one that leaves from now on is found in lines_.
+      // A caller that has left meanwhile gets no line. A caller that leaves later is found in lines_ by OnPeerGone().
       const bool here = std::ranges::any_of(place.Peers(), [&](const PeerInfo& peer) { return peer.id == caller; });
       if (!ended_ && here) line = lines_.emplace(caller.value, made).first->second;
     }
@@ -293,7 +294,7 @@ void ServiceHost::End() {
   const auto services = services_.lock();
   if (services) services->Forget(*this);
   const bool wait = !DataGraph::InCallback();
-  if (wait) {  // Also for a thread that only helped.
+  if (wait) {  // Also waits for threads that ran a request while they were waiting.
     std::unique_lock lock(mutex_);
     idle_.wait(lock, [this] { return running_ == 0; });
   }

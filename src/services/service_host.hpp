@@ -19,39 +19,40 @@
 
 namespace hgros {
 
-// What a turn of the node that runs the handler is told: nothing; it takes the next request.
+// The empty message that gives the handler's node one turn. Each turn takes the next request.
 struct ServiceTurn {};
 
-// A service that this session offers. Requests wait in a queue of its own, and each gives its node a turn, which runs
-// one of them; a thread that waits inside a callback may run one instead, and leaves a turn without work.
+// A service that this session offers. Requests wait in a queue of the service. Each request gives the node one turn,
+// and each turn runs one request. A thread that waits inside a callback may run a request instead; then one turn finds
+// no work.
 //
 // Thread safety: all functions.
-// Invariants: under kSerial one request is handled at a time, by whichever thread; a turn that comes meanwhile is owed
-// and given again at its end. Every request that was let in is answered: by its handler, or when the service ends.
+// Invariants: under kSerial one request is handled at a time, on any thread. A turn that comes meanwhile is counted in
+// owed_ and repeated afterwards. Every accepted request is answered: by its handler, or when the service ends.
 class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
  public:
-  // Number of requests that may wait, if the options name no lossless queue.
+  // Number of requests that may wait if the options set no lossless queue.
   static constexpr std::size_t kDefaultQueue = 16384;
 
   ServiceHost(ServiceSetting setting, const std::shared_ptr<Services>& services);
 
-  // Wires it. Throws Error. Before it has returned, calls of this session go elsewhere.
+  // Wires the service. Throws Error. Until it returns, calls of this session go to other servers.
   void Start(NodeOptions options, const CallSite& where);
-  // As Service says.
+  // Ends the service as ~Service() promises.
   void End();
-  // The session ends: refuses requests, and answers those that wait.
+  // For the end of the session: refuses new requests, and answers those that wait.
   void Refuse();
   [[nodiscard]] bool ended() const;
   [[nodiscard]] bool started() const noexcept { return started_.load(std::memory_order_acquire); }
 
   // A request of this session.
   void Arrive(std::shared_ptr<const CallMessage> request);
-  // Its caller waits no more.
+  // The caller no longer waits for this call.
   void Withdraw(std::uint64_t caller, std::uint64_t call);
-  // On a thread that waits inside a callback: runs that request, or any, if none but such a thread might. False if
-  // there is none.
+  // For a thread that waits inside a callback: runs the request of `own_call`, or any request if it is empty. False if
+  // there is none, or the executor is dedicated.
   bool RunOneRequest(std::optional<std::uint64_t> own_call = std::nullopt);
-  // This thread runs a handler of it, and no other can meanwhile.
+  // True if this thread runs a handler of this service and no other thread can run one meanwhile.
   [[nodiscard]] bool HoldsUpThisThread() const;
 
   void OnPeerGone(SessionId peer);
@@ -67,16 +68,16 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
     std::shared_ptr<const CallMessage> request;
     std::optional<std::chrono::steady_clock::time_point> due;
   };
-  class Running;  // Marks a thread.
+  class Running;  // Marks a thread that runs a handler.
 
   void OnRequest(const std::shared_ptr<const CallMessage>& request, const MessageInfo& info);
-  // Runs one request; false if none was there, or another is being handled.
+  // Runs one request. False if there is none, or another one is being handled.
   bool Turn(std::optional<std::uint64_t> own_call, bool helps);
   void Handle(const Waiting& waiting);
   void Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply = nullptr);
-  // Null: it has sent no request, or has gone.
+  // Null if the caller has sent no request, or is gone.
   [[nodiscard]] std::shared_ptr<ReplyLine> LineTo(SessionId caller) const;
-  // Makes it if it is new. By the thread that receives a request, one at a time.
+  // Opens the line if there is none. Called by the thread that receives requests, one at a time.
   [[nodiscard]] std::shared_ptr<ReplyLine> OpenLine(SessionId caller);
 
   const ServiceSetting setting_;
@@ -96,10 +97,10 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   std::deque<Waiting> waiting_;
   bool ended_ = false;
   bool serial_busy_ = false;
-  std::size_t owed_ = 0;  // Turns that came while it was busy.
+  std::size_t owed_ = 0;  // Turns that came while a request was being handled.
   std::size_t running_ = 0;
   std::map<std::uint64_t, std::shared_ptr<ReplyLine>> lines_;  // By caller.
-  // Written by Start() and End() alone.
+  // Written only by Start() and End().
   Subscription node_;
   Subscription requests_;
 };

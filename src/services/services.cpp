@@ -98,7 +98,7 @@ std::shared_ptr<ServiceHost> Services::HostOf(std::string_view name) const {
 void Services::AwaitWiring() const { const std::scoped_lock wiring(wiring_mutex_); }
 
 std::vector<std::shared_ptr<ServiceClient>> Services::Clients() const {
-  AwaitWiring();  // One that is being wired is told of peers before it is listed.
+  AwaitWiring();  // A client that is being wired gets peer events before it is in the list.
   std::vector<std::shared_ptr<ServiceClient>> all;
   const std::shared_lock lock(mutex_);
   for (const auto& [name, client] : clients_) all.push_back(client);
@@ -126,7 +126,7 @@ std::shared_ptr<ServiceHost> Services::Serve(ServiceSetting setting, NodeOptions
     const std::scoped_lock lock(mutex_);
     if (refusing_) throw Error("The session is shutting down.");
     if (!hosts_.emplace(name, host).second) {
-      throw Error("This session serves \"" + name + "\" already.", {where.ToString()},
+      throw Error("This session already serves \"" + name + "\".", {where.ToString()},
                   "End the other Service first, or give one of them another name.");
     }
   }
@@ -189,7 +189,7 @@ std::shared_ptr<PendingCall> Services::Call(std::string_view name, Request reque
   } else if (!calls_->Begin(call, request.timeout)) {
     call->Refuse(calls_->closed() ? CallFailure{Kind::kClosed, "The session is shutting down."}
                                   : CallFailure{Kind::kFull, std::to_string(CallTable::kMaxCalls) +
-                                                                 " calls of this session are under way already."});
+                                                                 " calls of this session are pending already."});
   } else {
     try {
       Dispatch(call, request);
@@ -293,7 +293,7 @@ void Services::LookForSecondServers() {
       if (std::exchange(said, other.id.value) == other.id.value) continue;
     }
     std::string sentence = "Service \"" + name + "\" is served here and by session " + other.name() +
-                           ". Each caller calls the one that it has found first. Give one of them another name.";
+                           ". Each caller uses the one that it found first. Give one of them another name.";
     log_->Write(LogLevel::kWarning, sentence);
     With([&](ServicePlace& place) { place.ReportServedTwice(other, RequestChannel(name), std::move(sentence)); });
   }

@@ -10,13 +10,13 @@ namespace hgros {
 
 class ServiceHost;
 
-// Callbacks of one session that wait for a reply, and the services whose requests they may run meanwhile, since they
-// occupy the threads that would run them.
+// The callbacks of one session that wait for a reply, and the services whose requests they may run meanwhile. They run
+// requests because they occupy the threads that would otherwise run them.
 //
 // Thread safety: all functions.
 class WaitingCallers {
  public:
-  // A waiting thread. Nudge() is called when there may be something to run, under the line's mutex.
+  // A waiting thread. Nudge() is called under mutex_ when there may be a request to run.
   class Caller {
    public:
     virtual ~Caller() = default;
@@ -28,9 +28,9 @@ class WaitingCallers {
 
   void Enter(Caller& caller);
   void Leave(Caller& caller);
-  // A request has come, or may be run now. Cheap if nobody waits.
+  // Wakes all waiting threads: a request came, or can run now. Cheap if no thread waits.
   void Nudge() noexcept;
-  // Runs one request of some service on this thread; false if there was none.
+  // Runs one request of any service on this thread. False if there was none.
   bool RunOne();
 
  private:

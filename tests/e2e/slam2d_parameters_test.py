@@ -86,7 +86,7 @@ class Slam2dParameters(Slam2dTest):
                                      "Did you mean slam.matcher.max_range_m?"),
                 (["--params", self.folder / "none.yaml"], f"{self.folder}/none.yaml: The configuration file cannot be"),
                 (["--param", "slm.map.hit_gain=3"], "--param slm.map.hit_gain: There is no parameter slm.map.hit_gain."),
-                (["--param", "hit_gain"], "--param wants a path and a value"),
+                (["--param", "hit_gain"], "--param needs a path and a value"),
                 (["--config", matcher, "--param", "slam.map.hit_gain=3"],
                  "--param slam.map.hit_gain: slam.map.hit_gain is for the process that runs the mapper; "),
                 (["--set-param", "hit_gain"], "--set-param must be PATH=VALUE"),

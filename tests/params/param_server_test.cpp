@@ -56,7 +56,7 @@ TEST_F(ParamServerTest, RefusesValuesOutOfRangeOfAnotherTypeOrReadOnly) {
   EXPECT_TRUE(Contains(params.Set("name", "icq").refusal, "Did you mean \"icp\"?"));
   EXPECT_TRUE(Contains(params.Set("robot", "r2").refusal, "robot is read-only"));
   EXPECT_TRUE(params.Set("robot", "r1").ok());
-  EXPECT_TRUE(Contains(params.Set("range.deeper", 1).refusal, "range is the number 30, no map"));
+  EXPECT_TRUE(Contains(params.Set("range.deeper", 1).refusal, "range is the number 30, not a map"));
   EXPECT_FALSE(params.Set("a..b", 1).ok());
   EXPECT_EQ(params.Get<double>("range"), 30);
   EXPECT_EQ(params.Get<std::string>("name"), "icp");

@@ -29,7 +29,7 @@ TEST_F(ParamSourcesTest, ErrorsNameTheSource) {
   const std::string in_file = test::ErrorOf([&] { ParamServer params({{broken}}); });
   EXPECT_NE(in_file.find("broken.yaml:2:4: "), std::string::npos) << in_file;
   const std::string no_map = test::ErrorOf([&] { ParamServer params({{list}}); });
-  EXPECT_NE(no_map.find("list.yaml:1:1: A file of parameters must be a map"), std::string::npos) << no_map;
+  EXPECT_NE(no_map.find("list.yaml:1:1: A parameter file must be a map"), std::string::npos) << no_map;
   const std::string missing = test::ErrorOf([&] { ParamServer params({{folder_ / "none.yaml"}}); });
   EXPECT_NE(missing.find("none.yaml"), std::string::npos) << missing;
   const std::string in_override = test::ErrorOf([&] { ParamServer params({{}, {{"a", "[1", "--param a"}}}); });

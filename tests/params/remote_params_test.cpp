@@ -172,7 +172,7 @@ TEST_F(RemoteParamsTest, ReportsTimeouts) {
   RemoteParams patient(*other_.session, "robot", kPatience);
   ASSERT_TRUE(patient.Snapshot().ok());
   RemoteParams params(*other_.session, "robot", 50ms);
-  EXPECT_THAT(params.Set("slow", 1).refusal, HasSubstr("The session \"robot\" has not answered in time"));
+  EXPECT_THAT(params.Set("slow", 1).refusal, HasSubstr("The session \"robot\" did not answer in time"));
   door.Open();
   EXPECT_EQ(*patient.Get<int>("slow"), 1) << "it was made all the same";
 }
@@ -321,7 +321,7 @@ TEST_F(RemoteParamsTest, ReportsTwoSessionsWithTheSameName) {
   EXPECT_TRUE(Await([&] {
     const std::scoped_lock lock(mutex);
     return std::ranges::any_of(lines, [](const std::string& line) {
-      return line.find("offers parameters under the name \"robot\" as this one does") != std::string::npos;
+      return line.find("offers parameters under the name \"robot\", as this session does") != std::string::npos;
     });
   }));
 }

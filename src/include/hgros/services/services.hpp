@@ -29,22 +29,22 @@ class CallTable;
 class WaitingCallers;
 class ServiceClient;
 
-/// A service that is to be offered.
+/// A service to offer.
 struct ServiceSetting {
   std::string name;
   const TypeInfo* request = nullptr;
   const TypeInfo* reply = nullptr;
-  const TypeInfo* request_body = nullptr;  ///< What the handler takes.
-  const TypeInfo* reply_body = nullptr;    ///< What it gives.
+  const TypeInfo* request_body = nullptr;  ///< The handler's argument type.
+  const TypeInfo* reply_body = nullptr;    ///< The handler's result type.
   Invoke invoke = Invoke::kSerial;
   AnyHandler handler;
 };
 
 // The services that one session offers and calls.
 //
-// Thread safety: all functions. Invariants: calls into the place are made under place_mutex_, shared, so that Close()
-// waits for them; no user code runs there. The services' own thread, for what transports report, runs no user code
-// either, so that no callback that waits for a reply holds up what would end it.
+// Thread safety: all functions. Invariants: calls into the place are made under place_mutex_ (shared), so that Close()
+// waits for them; no user code runs under it. The services' own thread handles what transports report. It runs no user
+// code either: a callback that waits for a reply could block the event that ends its wait.
 class Services : public std::enable_shared_from_this<Services> {
  public:
   Services(ServicePlace& place, SessionId id, std::shared_ptr<Log> log);
@@ -63,20 +63,20 @@ class Services : public std::enable_shared_from_this<Services> {
   };
   std::shared_ptr<PendingCall> Call(std::string_view name, Request request, AnyAnswer callback);
 
-  // What the session hears. On transports' threads.
+  // Events of the session. Called on threads of the transports.
   void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept;
   void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view sentence) noexcept;
   void OnAnnouncements() noexcept;
-  // Ends all calls, and refuses requests. Afterwards Close().
+  // Ends all calls and refuses requests. Call Close() afterwards.
   void Refuse();
-  // The place is about to end.
+  // Call it before the place is destroyed.
   void Close();
 
   // For hosts and clients.
   void With(const std::function<void(ServicePlace&)>& use);
   void Post(std::function<void()> errand);
   void PostAt(std::chrono::steady_clock::time_point when, std::function<void()> errand);
-  // Returns when no client is being wired that was when this was called.
+  // Waits until every client that is being wired at the time of the call is ready.
   void AwaitWiring() const;
   void EndCall(const CallMessage& reply, const std::string& service);
   void Forget(const ServiceHost& host);
@@ -104,17 +104,17 @@ class Services : public std::enable_shared_from_this<Services> {
   std::shared_mutex place_mutex_;
   ServicePlace* place_;
 
-  mutable std::shared_mutex mutex_;  // Guards what follows.
+  mutable std::shared_mutex mutex_;  // Guards the next four members.
   bool refusing_ = false;
   std::map<std::string, std::shared_ptr<ServiceHost>, std::less<>> hosts_;
   std::map<std::string, std::shared_ptr<ServiceClient>, std::less<>> clients_;
-  std::map<std::string, std::uint64_t> said_twice_;  // Served names, and the session that serves them, too.
+  std::map<std::string, std::uint64_t> said_twice_;  // By service: the second server, once it has been reported.
 
   std::mutex thread_mutex_;
   bool thread_ended_ = false;
   std::optional<ErrandThread> thread_;
 
-  mutable std::mutex wiring_mutex_;  // One service or client at a time is made.
+  mutable std::mutex wiring_mutex_;  // Held while a client or the node of answers is wired.
   Subscription answers_;
 };
 
