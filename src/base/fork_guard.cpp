@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kPageBytes = 4096;
 
-// What a child keeps; a list without a lock, since the parent may have forked while another thread held it.
+// The objects that a child keeps. The list has no lock: the fork may have happened while another thread held it.
 struct Left {
   std::shared_ptr<const void> object;
   Left* next;

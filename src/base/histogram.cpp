@@ -37,7 +37,7 @@ std::int64_t LogHistogram::Quantile(double q) const noexcept {
   const double wanted = std::clamp(q, 0.0, 1.0) * static_cast<double>(count_);
   const auto rank = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(wanted)));
   std::uint64_t seen = 0;
-  for (std::size_t i = 0; i + 1 < kBucketCount; ++i) {  // the last bucket has no upper edge but the maximum
+  for (std::size_t i = 0; i + 1 < kBucketCount; ++i) {  // the last bucket ends at the maximum
     seen += buckets_[i];
     if (seen >= rank) return std::min(UpperEdge(i), max_);
   }

@@ -10,7 +10,7 @@
 namespace hgros {
 namespace {
 
-// A peer could invent keys; past this many the one written longest ago is forgotten rather than memory spent.
+// A peer could invent keys. Above this number the key that was written longest ago is forgotten, to bound the memory.
 constexpr std::size_t kMaxKeys = 1024;
 
 spdlog::level::level_enum ToSpdlog(LogLevel level) {
@@ -34,7 +34,7 @@ LogSink DefaultLogSink() {
 
 Log::Log(LogSink sink) : sink_(std::move(sink)) {}
 
-// Called from code that must not throw; a sink that throws loses its own line.
+// Called from code that must not throw. If the sink throws, the line is lost.
 void Log::Say(LogLevel level, std::string_view text) noexcept {
   try {
     sink_(level, text);

@@ -44,7 +44,7 @@ std::size_t Utf8Length(std::string_view text) {
   return continues(1) && continues(2) && continues(3) && !refused ? 4 : 0;
 }
 
-// The name as an error message may show it: cut short, and without bytes that a terminal would obey or not understand.
+// The name for an error message: shortened, without control characters and invalid UTF-8.
 std::string Shown(std::string_view name) {
   std::string text;
   while (!name.empty() && text.size() < 64) {
@@ -69,7 +69,7 @@ std::string ChannelNameFault(std::string_view name) {
   }
   for (std::size_t i = 0; i < name.size();) {
     const auto c = static_cast<unsigned char>(name[i]);
-    if (c <= 0x20 || c == 0x7f) return "byte " + std::to_string(i + 1) + " is a blank or control character";
+    if (c <= 0x20 || c == 0x7f) return "byte " + std::to_string(i + 1) + " is a space or control character";
     const std::size_t length = Utf8Length(name.substr(i));
     if (length == 0) return "byte " + std::to_string(i + 1) + " does not begin a UTF-8 character";
     i += length;

@@ -9,7 +9,7 @@
 
 namespace hgros {
 
-/// All open OwnDescriptors of the process, and what happens to them at a fork.
+/// All open OwnDescriptors of the process. Closes them in a forked child.
 struct OwnDescriptors {
   // Never destroyed: a thread may still fork while the program ends.
   static OwnDescriptors& Get() {
@@ -74,7 +74,7 @@ void OwnDescriptor::TakeFrom(OwnDescriptor& other) noexcept {
 }
 
 void OwnDescriptor::Close() noexcept {
-  if (fd_ < 0) return;  // Also in a child: the fork was before.
+  if (fd_ < 0) return;  // Also in a forked child, where CloseAllInChild() has closed it.
   OwnDescriptors& all = OwnDescriptors::Get();
   const std::scoped_lock lock(all.mutex);
   if (fd_ < 0) return;

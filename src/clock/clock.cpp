@@ -3,7 +3,7 @@
 namespace hgros {
 namespace {
 
-// `due` says from a reading when the sleep ends.
+// `due` computes the end of the sleep from a reading.
 template <class Due>
 bool Sleep(Clock& clock, const std::stop_token& stop, const Due& due) {
   Sleeper sleeper;

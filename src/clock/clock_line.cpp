@@ -7,7 +7,7 @@
 namespace hgros {
 namespace {
 
-// The nearest Duration: a cast of what is too large would be undefined.
+// The nearest Duration: casting a value that is too large would be undefined.
 Duration Bounded(long double nanoseconds) noexcept {
   constexpr auto kMost = static_cast<long double>(std::numeric_limits<std::int64_t>::max());
   if (nanoseconds >= kMost) return Duration::max();

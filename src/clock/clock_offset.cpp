@@ -15,7 +15,7 @@ Real Nanoseconds(Duration d) { return static_cast<Real>(d.count()); }
 Real Difference(Duration a, Duration b) { return Nanoseconds(a) - Nanoseconds(b); }
 Real Difference(Time a, Time b) { return static_cast<Real>(a.nanoseconds) - static_cast<Real>(b.nanoseconds); }
 
-// Empty beyond the range of time: what arrives over a network may be anything.
+// Empty if the difference overflows: times from the network may be anything.
 std::optional<Duration> Between(Time from, Time to) {
   std::int64_t difference = 0;
   if (__builtin_sub_overflow(to.nanoseconds, from.nanoseconds, &difference)) return std::nullopt;
@@ -91,11 +91,11 @@ ClockOffsetEstimator::Drift ClockOffsetEstimator::BoundDrift() const {
       drift.most = std::min(drift.most, static_cast<double>((change + slack) / time + wander));
     }
   }
-  return drift.least <= drift.most ? drift : widest;  // empty: the drift wanders more than was assumed
+  return drift.least <= drift.most ? drift : widest;  // empty range: the drift changes more than was assumed
 }
 
 ClockOffset ClockOffsetEstimator::Estimate(Time local) const {
-  // Beyond the window the drift may wander on.
+  // Outside the window the drift may change further.
   const Real beyond =
       std::max({Real{0}, Difference(local, samples_.back().local), Difference(samples_.front().local, local)});
   const double middle = (drift_.least + drift_.most) / 2;
@@ -118,7 +118,7 @@ ClockOffset ClockOffsetEstimator::Estimate(Time local) const {
       tightest_middle = offset;
     }
   }
-  if (least > most) {  // The assumptions do not hold: the least delayed exchange speaks alone.
+  if (least > most) {  // The assumptions do not hold: only the exchange with the least delay counts.
     least = tightest_middle - tightest;
     most = tightest_middle + tightest;
   }

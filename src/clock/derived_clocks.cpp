@@ -90,7 +90,7 @@ void DerivedClock::Replace(ClockLine line, std::optional<Duration> jump) {
     if (jump == Duration::zero()) line.least = told.before;
     told.after = line.At(source_now);
     const Duration difference = told.after - told.before;
-    // What a clock that has run ahead has to go back is part of the jump, since elapsed time does not go back.
+    // If this clock has run ahead, the jump includes the way back, because elapsed time never goes back.
     if (jump != Duration::zero()) leap = std::min(jump.value_or(difference), difference);
     line_ = line;
     jumped_ += leap;

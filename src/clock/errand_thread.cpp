@@ -13,7 +13,7 @@ void ErrandThread::End() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
   thread_.join();
-  // What they hold is let go outside the lock.
+  // Swapped out, so that errands are destroyed outside the lock.
   decltype(errands_) too_late;
   decltype(later_) not_due;
   const std::scoped_lock lock(mutex_);

@@ -3,7 +3,8 @@
 namespace hgros {
 namespace {
 
-// From 1970 to 2116; what is farther is no wall clock, and sums of differences of others are times.
+// True for times from 1970 to 2116. Other times are not a wall clock. Within this range sums of differences do not
+// overflow.
 bool IsGood(Time time) { return time.nanoseconds >= 0 && time.nanoseconds < std::int64_t{1} << 62U; }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace hgros {
 namespace {
 
-// While nothing tells when the clock is set.
+// Period of checks while the wall clock cannot be watched.
 constexpr Duration kLookAgain = std::chrono::milliseconds(100);
 
 struct BothClocks {
@@ -23,7 +23,7 @@ struct BothClocks {
   Time steady;
 };
 
-// Both clocks at about the same moment: a thread that loses its slice in between tries again.
+// Reads both clocks at about the same moment. Tries again if the thread was interrupted in between.
 BothClocks ReadBoth() {
   constexpr std::int64_t kLongest = 100'000;
   BothClocks both;
@@ -52,7 +52,7 @@ struct SystemClock::State {
     StartWatch();
   }
 
-  // False if it cannot be watched for now.
+  // False if the clock cannot be watched at the moment.
   bool TryWatch() {
     const std::scoped_lock lock(watch_mutex);
     const Time now{MonotonicNow()};
@@ -64,17 +64,16 @@ struct SystemClock::State {
     } catch (const std::exception& e) {
       watch_again = Later(now, kLookAgain);
       if (std::exchange(unwatched, true)) return false;
-      SayOf(LogLevel::kWarning,
-            std::string(e.what()) + " Until then, whoever waits on it looks at it ten times per second.");
+      SayOf(LogLevel::kWarning, std::string(e.what()) + " Until then, waiting threads check it ten times per second.");
       return false;
     }
   }
 
-  // Under watch_mutex. Throws if descriptors or threads are used up.
+  // Call it under watch_mutex. Throws if descriptors or threads are used up.
   void StartWatch() {
     if (watch != nullptr) return;
     OwnDescriptor timer = MakeWallTimer();
-    told = Read().jumped;  // What came before nobody has asked for.
+    told = Read().jumped;  // Earlier jumps are not reported: no listener was there.
     watch = std::make_unique<WallJumpWatch>(std::move(timer), [this] { TellJump(); });
   }
 
@@ -91,7 +90,7 @@ struct SystemClock::State {
   const LogSink log;
   std::mutex mutex;
   WallOffset offset;  // guarded by mutex
-  Duration told{0};   // the watch's thread alone, once there is one
+  Duration told{0};   // used only by the watch's thread once it runs
   Listeners<ClockJump> listeners;
   WaitingRoom waiting;
   std::mutex watch_mutex;

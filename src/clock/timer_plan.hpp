@@ -14,32 +14,32 @@
 
 namespace hgros {
 
-// When which timer is due: what a TimerQueue knows, without its thread. To add, take and remove one costs the logarithm
-// of how many there are; a jump of the clock costs all of those that move along with it.
+// The due times of timers: the state of a TimerQueue without its thread. Adding, taking and removing a timer costs
+// O(log n). A jump of the clock costs O(n) in the number of timers that move along with it.
 //
 // Thread safety: none.
 class TimerPlan {
  public:
-  using Id = std::uint64_t;  // In the order in which they were added.
+  using Id = std::uint64_t;  // Grows in the order of adding.
   using Callback = std::shared_ptr<GuardedCallback<const Tick&>>;
   struct Due {
     Callback callback;
     Tick tick;
   };
 
-  // Of the latest reading; an empty plan has Time::Never().
+  // The due time of the next timer as of the latest reading; Time::Never() if there is none.
   [[nodiscard]] Time next() const noexcept { return order_.empty() ? Time::Never() : order_.begin()->first; }
   [[nodiscard]] std::size_t size() const noexcept { return order_.size(); }
 
-  // Moves along with the jumps since the last reading what is planned by elapsed time.
+  // Shifts timers that run on elapsed time by the jumps since the last reading.
   void Follow(const ClockReading& reading);
-  // Follow() comes before these three.
+  // Call Follow() before each of the next three.
   Id AddPeriodic(PeriodicSchedule schedule, Callback callback);
   Id AddOnce(Time due, bool moves_along, Callback callback);
-  // The first of those that are due.
+  // The first timer that is due, if any.
   [[nodiscard]] std::optional<Due> PopDue(const ClockReading& reading);
 
-  // False if it has run for the last time.
+  // False if the timer is not in the plan: its last turn was taken.
   bool Remove(Id id);
 
  private:

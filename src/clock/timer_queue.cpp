@@ -12,7 +12,7 @@
 
 namespace hgros {
 
-// The clock is read, and may be locked, under mutex_; no clock calls back with a lock of its own.
+// The clock is read under mutex_, and reading may lock the clock. So no clock may call back under its own lock.
 class TimerQueue::Core {
  public:
   Core(std::shared_ptr<Clock> clock, LogSink log)
@@ -28,7 +28,7 @@ class TimerQueue::Core {
     changed_.notify_all();
   }
 
-  // `add` gets the plan and a reading that it follows.
+  // `add` gets the plan and the reading that the plan has already followed.
   template <class Add>
   Timer AddTimer(const std::shared_ptr<Core>& self, TimerCallback callback, const Add& add, bool waits = true) {
     auto guarded = std::make_shared<GuardedCallback<const Tick&>>(std::move(callback));

@@ -18,7 +18,7 @@
 namespace hgros {
 namespace {
 
-// In the year 2262: the timer is there for being cancelled when the clock is set.
+// Sets the timer to the year 2262. It never expires; the kernel cancels it when the wall clock is set.
 void Arm(int timer) {
   itimerspec when{};
   when.it_value.tv_sec = std::numeric_limits<std::int64_t>::max() / 1'000'000'000;

@@ -7,12 +7,12 @@
 
 namespace hgros {
 
-// A timer of the system that becomes readable whenever the wall clock is set. Throws Error if there is none left.
+// A system timer that becomes readable whenever the wall clock is set. Throws Error if it cannot be created.
 [[nodiscard]] OwnDescriptor MakeWallTimer();
 
 // A thread that calls `on_set` whenever `timer` becomes readable.
 //
-// Thread safety: made and destroyed by one thread, not by `on_set`.
+// Thread safety: created and destroyed by one thread, never inside `on_set`.
 class WallJumpWatch {
  public:
   WallJumpWatch(OwnDescriptor timer, std::function<void()> on_set);

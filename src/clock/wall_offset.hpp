@@ -5,8 +5,8 @@
 
 namespace hgros {
 
-// Tells the jumps of the wall clock from readings of it beside a steady clock. Both are slewed alike, so that the
-// distance between them changes by nothing but jumps.
+// Detects jumps of the wall clock by comparing it with a steady clock. Both are slewed in the same way, so only a jump
+// changes their difference.
 //
 // Thread safety: none.
 class WallOffset {

@@ -26,12 +26,12 @@ std::uint32_t TagOf(const FieldDescriptor& field) {
   return (static_cast<std::uint32_t>(field.number()) << 3U) | kWireTypeOfBytes;
 }
 
-// Tag and length.
+// The size of the tag and the length before the bytes.
 std::size_t PrefixBytes(const FieldDescriptor& field, std::size_t size_bytes) {
   return CodedOutputStream::VarintSize32(TagOf(field)) + CodedOutputStream::VarintSize64(size_bytes);
 }
 
-// The head and, where there are bytes, their tag and length.
+// Writes the head and, if there are bytes, their tag and length.
 std::byte* WriteBefore(const Message& head, const FieldDescriptor& field, std::size_t size_bytes, std::byte* to) {
   std::uint8_t* at = head.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(to));
   if (size_bytes > 0) {
@@ -44,13 +44,13 @@ std::byte* WriteBefore(const Message& head, const FieldDescriptor& field, std::s
 }  // namespace
 
 BulkBody::BulkBody(Block room) : memory_(std::move(room)) {
-  if (memory_.writable().size() < kHeadroomBytes) throw std::length_error("A bulk message wants more room.");
+  if (memory_.writable().size() < kHeadroomBytes) throw std::length_error("A bulk message needs more room.");
   writable_ = memory_.writable().subspan(kHeadroomBytes);
   bytes_ = writable_;
 }
 
 void BulkBody::Share(Payload bytes) {
-  if (bytes.bytes.empty()) return;  // Then nothing needs to be kept.
+  if (bytes.bytes.empty()) return;  // Nothing to keep.
   shared_ = Block(std::move(bytes)).payload();
   bytes_ = shared_.bytes;
 }
@@ -60,7 +60,7 @@ std::size_t BulkBody::RoomFor(std::size_t size_bytes) {
   return size_bytes + kHeadroomBytes;
 }
 
-// Several sessions may write one message at the same time.
+// call_once, because several sessions may encode one message at the same time.
 Payload BulkBody::Encoded(const Message& head, const FieldDescriptor& field) const {
   if (memory_.size() == 0) return {};
   std::call_once(once_, [&] { head_bytes_ = WriteHead(head, field); });
@@ -89,7 +89,7 @@ bool WriteBulk(const Message& head, const FieldDescriptor& field, Bytes bulk, st
 }
 
 Bytes BytesOf(const Message& message, const FieldDescriptor& field) {
-  // Generated classes keep bytes in a string, to which this is a reference.
+  // Generated classes keep bytes in a string; this is a reference to it.
   std::string unused;
   return AsBytes(message.GetReflection()->GetStringReference(message, &field, &unused));
 }

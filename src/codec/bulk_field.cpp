@@ -12,8 +12,8 @@ namespace {
 
 using google::protobuf::FieldDescriptor;
 
-// A member of a oneof can be cleared by a later one, which is not seen where fields are read apart; and a required
-// field would be missing in the part without it.
+// A later member of a oneof clears an earlier one, which cannot be seen if the fields are parsed separately. A required
+// field would be missing from one of the two parts.
 bool CanBeBulk(const FieldDescriptor& field) {
   return field.type() == FieldDescriptor::TYPE_BYTES && !field.is_repeated() && !field.is_required() &&
          field.real_containing_oneof() == nullptr;
@@ -42,7 +42,7 @@ const FieldDescriptor& FindBulkField(const google::protobuf::Descriptor& type, i
   std::string names;
   for (const FieldDescriptor* field : found) names += (names.empty() ? "" : ", ") + field->name();
   throw Error(bulk + " needs to know which field is the large one: " + names + " are all of type bytes.", {},
-              "Specialise hgros::BulkField for the class, with the number of one of them.");
+              "Specialize hgros::BulkField for the class, with the number of one of them.");
 }
 
 }  // namespace hgros::codec

@@ -1,4 +1,4 @@
-// How the wire form of a bulk message is taken apart. The bytes come from the network: anything may be in them.
+// Splits the wire form of a bulk message. The bytes come from the network and may be anything.
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/message.h>
@@ -16,7 +16,8 @@ using google::protobuf::Message;
 
 constexpr std::size_t kMaxWireBytes = std::numeric_limits<int>::max();  // protobuf's own limit.
 
-// What precedes the first large field, usually all there is, is parsed the fast way, which empties the message first.
+// The bytes before the first large field, usually all of the head, are parsed with the faster function, which clears
+// the message first.
 bool Parse(Bytes piece, Message& message, bool first) {
   if (piece.empty()) return true;
   const int size = static_cast<int>(piece.size());
@@ -31,7 +32,7 @@ bool ReadBulk(Bytes wire, const google::protobuf::FieldDescriptor& field, Messag
   if (wire.size() > kMaxWireBytes) return false;
   const std::uint32_t bulk_tag = FieldTag(static_cast<std::uint32_t>(field.number()), FieldForm::kLengthDelimited);
   FieldReader in(wire);
-  Bytes unread = wire;  // From its begin to where the reader is belongs to the head.
+  Bytes unread = wire;  // From its start to the reader's position it belongs to the head.
   while (in.more()) {
     const std::size_t head_bytes = unread.size() - in.rest().size();
     const std::uint32_t tag = in.ReadTag();

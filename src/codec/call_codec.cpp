@@ -30,7 +30,7 @@ enum CallField : std::uint32_t {
   kText = 8,
 };
 
-// What goes before the body.
+// The bytes before the body.
 struct CallHead {
   explicit CallHead(const CallMessage& of) : CallHead(of, of.outcome, of.text) {}
   CallHead(const CallMessage& of, CallMessage::Outcome its_outcome, std::string_view its_text)
@@ -63,7 +63,7 @@ struct CallHead {
   const std::size_t fields_size;
 };
 
-// Where the head lies and the body begins; false if there is none.
+// Finds the head and the body. False if there is no head.
 bool Split(Bytes data, Bytes& head, Bytes& body) {
   if (data.size() <= kTag.size() || std::memcmp(data.data(), kTag.data(), kTag.size()) != 0) return false;
   FieldReader in(data.subspan(kTag.size()));
@@ -86,7 +86,7 @@ CallMessage::Outcome OutcomeOf(std::uint32_t number) {
   return known ? static_cast<CallMessage::Outcome>(number) : CallMessage::Outcome::kHandlerFailed;
 }
 
-// False if it is no head. The last of a field given twice counts, as in protobuf.
+// False if it is not a head. If a field appears twice, the last one counts, as in protobuf.
 bool ReadHead(Bytes head, CallMessage& call) {
   using enum FieldForm;
   FieldReader in(head);
@@ -146,9 +146,9 @@ AnyMessage DecodeCall(const Payload& payload, const TypeInfo& type) {
   call->type = &type;
   if (call->cancelled || call->outcome != CallMessage::Outcome::kOk) return call;
   call->body = type.decode(Payload{body, payload.owner});
-  if (!call->body) {  // The other side is told so instead of waiting.
+  if (!call->body) {  // The other side gets this failure and need not wait.
     call->outcome = CallMessage::Outcome::kNotWritable;
-    call->text = "Its data does not parse as " + type.name + ".";
+    call->text = "The data does not parse as " + type.name + ".";
   }
   return call;
 }

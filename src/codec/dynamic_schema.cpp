@@ -38,7 +38,7 @@ const google::protobuf::Descriptor& DynamicSchema::descriptor() const noexcept {
 
 std::unique_ptr<google::protobuf::Message> DynamicSchema::Read(Bytes bytes) const {
   if (bytes.size() > std::numeric_limits<int>::max()) return nullptr;
-  const google::protobuf::LogSilencer silence;  // Of strings that are not UTF-8.
+  const google::protobuf::LogSilencer silence;  // Protobuf would log every string that is not UTF-8.
   std::unique_ptr<google::protobuf::Message> message(parts_->prototype->New());
   if (!message->ParsePartialFromArray(bytes.data(), static_cast<int>(bytes.size()))) return nullptr;
   return message;

@@ -39,7 +39,7 @@ Bytes FieldReader::ReadBytes(std::uint64_t size) noexcept {
   return taken;
 }
 
-// Groups nest and are rarely used: left to protobuf, which also limits their depth.
+// Groups nest and are rare, so protobuf skips them. It also limits their depth.
 void FieldReader::SkipGroup(std::uint32_t tag) {
   using google::protobuf::internal::WireFormatLite;
   google::protobuf::io::CodedInputStream in(reinterpret_cast<const std::uint8_t*>(rest_.data()),

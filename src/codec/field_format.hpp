@@ -9,11 +9,11 @@
 
 #include "hgros/base/bytes.hpp"
 
-// Protobuf's fields by hand, for the heads that go before every message: a generated class costs several times as much
-// and complains to standard error when a peer sends text that is not UTF-8. Tests compare the two on every input.
+// Reads and writes protobuf fields without generated classes, for the heads of all messages. A generated class costs
+// several times as much and writes to standard error if a peer sends text that is not UTF-8. Tests compare the two.
 namespace hgros::codec {
 
-/// How a field's value is written; protobuf's wire types.
+/// The wire type of a field, as protobuf numbers them.
 enum class FieldForm : std::uint32_t { kVarint = 0, kFixed64 = 1, kLengthDelimited = 2, kStartGroup = 3, kFixed32 = 5 };
 
 constexpr std::uint32_t FieldTag(std::uint32_t field, FieldForm form) {
@@ -42,7 +42,7 @@ inline char* PutVarint(char* at, std::uint64_t value) {
   return at;
 }
 
-// The next three write nothing for an empty text or a zero, as protobuf does. Fields are below 16.
+// The next three functions write nothing for an empty text or a zero, as protobuf does. Field numbers must be below 16.
 
 inline char* PutText(char* at, std::uint32_t field, std::string_view text) {
   if (text.empty()) return at;
@@ -64,7 +64,7 @@ inline char* PutNumber(char* at, std::uint32_t field, std::uint64_t value) {
   return PutVarint(at, value);
 }
 
-// How many bytes the functions above write.
+// The number of bytes that the functions above write.
 
 constexpr std::size_t SizeOfVarint(std::uint64_t value) {
   return (static_cast<std::size_t>(std::bit_width(value | 1U)) + 6) / 7;
@@ -75,14 +75,14 @@ constexpr std::size_t SizeOfText(std::string_view text) {
 constexpr std::size_t SizeOfFixed64(std::uint64_t value) { return value == 0 ? 0 : 9; }
 constexpr std::size_t SizeOfNumber(std::uint64_t value) { return value == 0 ? 0 : 1 + SizeOfVarint(value); }
 
-/// Reads protobuf wire format. Once something does not read, ok() stays false and every value is 0.
+/// Reads protobuf wire format. After an error ok() stays false and every value is 0.
 class FieldReader {
  public:
   explicit FieldReader(Bytes bytes) noexcept : rest_(bytes) {}
 
   [[nodiscard]] bool ok() const noexcept { return ok_; }
   [[nodiscard]] bool more() const noexcept { return ok_ && !rest_.empty(); }
-  /// What is not read yet.
+  /// The unread bytes.
   [[nodiscard]] Bytes rest() const noexcept { return rest_; }
 
   std::uint32_t ReadTag() noexcept { return static_cast<std::uint32_t>(ReadVarint(kMaxShortVarint)); }
@@ -96,12 +96,12 @@ class FieldReader {
 
   std::string_view ReadText() noexcept { return AsText(ReadBytes(ReadVarint(kMaxShortVarint))); }
 
-  /// What is unknown, or of another form than ours, is skipped, as every protobuf reader does.
+  /// Skips a field that is unknown or has an unexpected wire type, as every protobuf reader does.
   void Skip(std::uint32_t tag);
 
  private:
   static constexpr std::size_t kMaxVarint = 10;
-  static constexpr std::size_t kMaxShortVarint = 5;  ///< Of tags and lengths.
+  static constexpr std::size_t kMaxShortVarint = 5;  ///< The maximum size of tags and lengths.
 
   std::uint64_t ReadVarint(std::size_t max_bytes) noexcept;
   Bytes ReadBytes(std::uint64_t size) noexcept;

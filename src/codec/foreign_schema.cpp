@@ -15,14 +15,14 @@ using google::protobuf::EnumDescriptorProto;
 using google::protobuf::FileDescriptorProto;
 using google::protobuf::FileDescriptorSet;
 
-// Real sets have some ten kilobytes; what is hostile should not cost us more than some tens of milliseconds.
+// Real sets have some tens of kilobytes. A hostile set must not cost more than some tens of milliseconds.
 constexpr std::size_t kMaxSetBytes = 1 << 20;
 constexpr int kMaxFiles = 256;
 constexpr std::size_t kMaxNameBytes = 512;
 constexpr std::size_t kMaxDeclarations = 10'000;
 constexpr int kMaxNesting = 32;
 
-/// Collects instead of logging.
+/// Keeps the first error instead of logging errors.
 class FirstError : public DescriptorPool::ErrorCollector {
  public:
   void AddError(const std::string& file, const std::string& element, const google::protobuf::Message*, ErrorLocation,
@@ -37,11 +37,11 @@ class FirstError : public DescriptorPool::ErrorCollector {
   std::string text_;
 };
 
-/// Finds what would make a pool spend far more than the set's own size: it stores every declaration's full name, and
-/// follows public imports from every file to all before it.
+/// Finds parts that would make a pool far larger than the set: a pool stores the full name of every declaration, and
+/// follows the public imports of every file.
 class SizeCheck {
  public:
-  /// What is too large, or an empty text.
+  /// Describes the part that is too large; an empty text if none is.
   [[nodiscard]] std::string Fault(const FileDescriptorSet& set) {
     if (set.file_size() > kMaxFiles) TooMany("files", kMaxFiles);
     for (const auto& file : set.file()) {
@@ -76,7 +76,7 @@ class SizeCheck {
     Count(1 + type.value_size());
     for (const auto& value : type.value()) Name(scope, value.name());
   }
-  /// The length of the full name of `name` in a scope whose own has `scope` bytes.
+  /// The length of the full name of `name` in a scope whose full name has `scope` bytes.
   std::size_t Name(std::size_t scope, const std::string& name) {
     const std::size_t full = scope + (scope > 0 ? 1 : 0) + name.size();
     if (full > kMaxNameBytes && fault_.empty()) {
@@ -96,8 +96,8 @@ class SizeCheck {
   std::string fault_;
 };
 
-// Parts that are never read are taken out before the set is built: options, defaults, ranges and services are
-// where a hostile set could make building slow.
+// Removes unused parts before the set is built: options, defaults, ranges and services. A hostile set could use them to
+// make building slow.
 void Reduce(EnumDescriptorProto& type, EnumValues values) {
   if (values == EnumValues::kLeftOut && type.value_size() > 1)
     type.mutable_value()->DeleteSubrange(1, type.value_size() - 1);
@@ -144,7 +144,7 @@ ForeignSchema BuildForeignSchema(std::string_view descriptor_set, const std::str
     return Refuse("has " + std::to_string(descriptor_set.size()) + " bytes, more than " + std::to_string(kMaxSetBytes) +
                   ".");
   }
-  // protobuf writes a line to standard error for every name that is not UTF-8, as often as a peer likes.
+  // Without this, protobuf would write a line to standard error for every name that is not UTF-8.
   const google::protobuf::LogSilencer silence;
   FileDescriptorSet set;
   if (!set.ParsePartialFromArray(descriptor_set.data(), static_cast<int>(descriptor_set.size())) ||

@@ -20,8 +20,8 @@ struct ForeignSchema {
 
 enum class EnumValues { kKept, kLeftOut };
 
-// Anything may be in `descriptor_set`: what is too large to be built quickly is refused, options and defaults are left
-// out, nothing is logged. See CheckSchemas for the limits.
+// `descriptor_set` may contain anything. A set that is too large to be built quickly is refused. Options and defaults
+// are omitted, and nothing is logged. CheckSchemas has the limits.
 [[nodiscard]] ForeignSchema BuildForeignSchema(std::string_view descriptor_set, const std::string& type_name,
                                                EnumValues enum_values);
 

@@ -14,7 +14,7 @@ struct PixelForm {
   std::size_t channels;
 };
 
-// What the open schema foxglove.RawImage names.
+// The encodings that the open schema foxglove.RawImage names.
 constexpr std::array kPixelForms{
     PixelForm{"mono8", NumericType::kUint8, 1, 1},       PixelForm{"8UC1", NumericType::kUint8, 1, 1},
     PixelForm{"8UC3", NumericType::kUint8, 1, 3},        PixelForm{"rgb8", NumericType::kUint8, 1, 3},
@@ -41,8 +41,8 @@ std::string SampleName(NumericType type) {
 ViewResult<ImageView> ImageView::Of(Bytes data, Shape shape) {
   const auto fault = [](std::string sentence) { return ViewResult<ImageView>::Fault(std::move(sentence)); };
   const auto form = std::ranges::find(kPixelForms, shape.encoding, &PixelForm::encoding);
-  if (form == kPixelForms.end()) return fault("The encoding \"" + shape.encoding + "\" is not known here.");
-  // Division instead of a product that may not fit.
+  if (form == kPixelForms.end()) return fault("The encoding \"" + shape.encoding + "\" is not known.");
+  // Divides, because a product could overflow.
   const std::size_t pixel_bytes = form->sample_bytes * form->channels;
   if (shape.width > shape.step_bytes / pixel_bytes) {
     return fault("A row of " + std::to_string(shape.width) + " pixels of " + std::to_string(pixel_bytes) +

@@ -11,7 +11,7 @@ std::string TypeName(int type) {
   static constexpr std::array<const char*, 9> kNames{
       "values of an unknown type", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64"};
   if (type >= 0 && static_cast<std::size_t>(type) < kNames.size()) return kNames[static_cast<std::size_t>(type)];
-  return "values of type " + std::to_string(type) + ", which there is not";
+  return "values of type " + std::to_string(type) + ", which does not exist";
 }
 
 std::string Quoted(std::string_view name) { return "\"" + std::string(name) + "\""; }
@@ -23,7 +23,7 @@ ViewResult<PackedElements> PackedElements::Of(Bytes data, std::uint64_t stride_b
   const std::string size = std::to_string(data.size()) + " bytes";
   if (stride_bytes == 0) return ViewResult<PackedElements>::Fault("The " + size + " have a stride of 0.");
   if (data.size() % stride_bytes != 0) {
-    return ViewResult<PackedElements>::Fault("The " + size + " are no whole number of elements of " +
+    return ViewResult<PackedElements>::Fault("The " + size + " are not a whole number of elements of " +
                                              std::to_string(stride_bytes) + " bytes.");
   }
   return PackedElements(data, static_cast<std::size_t>(stride_bytes), std::move(fields));
@@ -35,7 +35,8 @@ std::string PackedElements::Find(std::string_view name, NumericType type, std::s
   if (field == fields_.end()) {
     std::string known;
     for (const ElementField& one : fields_) known += (known.empty() ? "" : ", ") + one.name;
-    return "There is no field " + Quoted(name) + (known.empty() ? ", nor any other." : "; there are: " + known + ".");
+    return "There is no field " + Quoted(name) +
+           (known.empty() ? ": there are no fields." : "; there are: " + known + ".");
   }
   if (field->type != static_cast<int>(type)) {
     return "Field " + Quoted(name) + " holds " + TypeName(field->type) + ", not " + TypeName(static_cast<int>(type)) +

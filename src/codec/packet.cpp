@@ -31,7 +31,7 @@ enum Field : std::uint32_t {
 
 constexpr std::uint32_t Tag(Field field, codec::FieldForm form) { return codec::FieldTag(field, form); }
 
-/// What a head says besides a PacketHead.
+/// The fields of a head that are not in PacketHead.
 struct Preamble {
   std::uint32_t version = 0;
   std::uint32_t encoding = 0;
@@ -64,7 +64,7 @@ PacketFault DecodeHead(Bytes head_str, PacketHead& head) {
   codec::FieldReader in(head_str);
   Preamble preamble;
   while (in.more()) ReadField(in, head, preamble);
-  // The version goes first: what another major version means by the rest is not ours to judge.
+  // The version is checked first: in another major version the other fields may have another meaning.
   if (preamble.version != 0 && (preamble.version >> 16U) != kWireMajor) return PacketFault::kVersion;
   if (!in.ok() || !ChannelNameFault(head.channel).empty()) return PacketFault::kHead;
   if (preamble.encoding > static_cast<std::uint32_t>(Encoding::kPlain)) return PacketFault::kType;
@@ -83,7 +83,7 @@ void Clear(PacketHead& head) {
   head.latched = 0;
 }
 
-/// The number that 16 lower-case hexadecimal digits stand for; a second spelling would be a second topic.
+/// The id that 16 lower-case hexadecimal digits stand for. Other spellings are invalid: they would be other topics.
 SessionId ReadSession(std::string_view digits) noexcept {
   const auto lower = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
   return std::ranges::all_of(digits, lower) ? SessionId::FromString(digits) : SessionId{};
@@ -159,7 +159,7 @@ std::string PeerTopic(std::string_view channel, SessionId session) {
 std::optional<Topic> ParseTopic(Bytes frame) noexcept {
   const std::string_view text = AsText(frame);
   const auto named = [text](std::size_t length) -> std::optional<Topic> {
-    // Names have no control characters, so that a mark in another place is a fault of the name.
+    // Marks are control characters, which names cannot have. So a mark in another place makes the name invalid.
     if (!ChannelNameFault(text.substr(0, length)).empty()) return std::nullopt;
     return Topic{text.substr(0, length), {}};
   };

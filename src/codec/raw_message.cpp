@@ -8,7 +8,7 @@
 namespace hgros {
 namespace {
 
-// Its messages are RawMessages, made by the library alone: no type of a program's is taken for it.
+// The C++ type of AnyType(), whose messages are RawMessages made by the library. No type of a program is equal to it.
 struct Any {};
 
 const Payload& DataOf(const void* message) { return static_cast<const RawMessage*>(message)->data; }
@@ -27,7 +27,7 @@ TypeInfo MakeAnyType() {
     if (!data.empty()) std::memcpy(bytes.data(), data.data(), data.size());
     return true;
   };
-  // Without its schema, which the reader knows.
+  // Without the schema: the reader of the message adds it.
   info.decode = [](const Payload& payload) -> AnyMessage {
     return std::make_shared<const RawMessage>(RawMessage{nullptr, payload});
   };
@@ -55,7 +55,7 @@ std::string MisfitOf(const MessageSchema& theirs, const TypeInfo& ours) {
   if (ours.encoding != Encoding::kProtobuf || descriptor == nullptr) {
     return "its " + ours.name + " has another layout";
   }
-  if (theirs.descriptor_set.empty()) return {};  // A plain publisher's, which is trusted.
+  if (theirs.descriptor_set.empty()) return {};  // A publisher that sends no descriptor set is trusted.
   const SchemaVerdict verdict = CheckSchemas(theirs.descriptor_set, ours.name, *descriptor);
   return verdict.compatible ? std::string() : verdict.reason;
 }

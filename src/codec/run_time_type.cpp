@@ -21,7 +21,7 @@ namespace {
 struct RunTimeCall : CallMessage {};
 
 struct RunTimeTypes {
-  MessageSchema named;  // As the program named it, perhaps without fingerprint.
+  MessageSchema named;  // As given by the program, perhaps without a fingerprint.
   RunTimeSchema schema;
   TypeInfo message;
   TypeInfo call;
@@ -32,7 +32,7 @@ std::size_t CallMemoryBytes(const void* message) {
   return sizeof(CallMessage) + (call.body ? call.type->memory_bytes(call.body.get()) : 0);
 }
 
-// The functions of AnyType() read and write RawMessages.
+// Starts from AnyType(), whose functions read and write RawMessages.
 TypeInfo MessageTypeOf(const RunTimeSchema& run_time) {
   TypeInfo type = AnyType();
   type.any = false;
@@ -79,7 +79,7 @@ std::unique_ptr<RunTimeTypes> MakeRunTimeTypes(const MessageSchema& named) {
   return made;
 }
 
-// Channels keep pointers to types, and outlive sessions, so types are never dropped.
+// Types are never destroyed, because channels keep pointers to them and may outlive sessions.
 const RunTimeTypes& TypesOf(const MessageSchema& schema) {
   static std::mutex mutex;
   static auto& by_name = *new std::map<std::string, std::vector<std::unique_ptr<RunTimeTypes>>, std::less<>>();
@@ -91,7 +91,7 @@ const RunTimeTypes& TypesOf(const MessageSchema& schema) {
   }
   auto made = MakeRunTimeTypes(schema);
   auto& of_name = by_name[schema.type_name];
-  for (const auto& one : of_name) {  // Named with another fingerprint, or with none.
+  for (const auto& one : of_name) {  // The same type, but named with another fingerprint or with none.
     if (*one->schema.schema == *made->schema.schema) return *one;
   }
   return *of_name.emplace_back(std::move(made));
@@ -106,7 +106,7 @@ std::string InHex(std::uint64_t number) {
 
 bool IsRaw(const TypeInfo& type) noexcept { return IsAnyType(type) || IsRunTimeType(type); }
 
-// One object for all messages of a type.
+// One object that all messages of a type share.
 std::shared_ptr<const MessageSchema> SharedSchemaOf(const TypeInfo& type) {
   if (type.run_time != nullptr) return type.run_time->schema;
   if (IsAnyType(type)) return std::make_shared<const MessageSchema>();

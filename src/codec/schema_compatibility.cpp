@@ -58,7 +58,7 @@ std::string Place(const Descriptor& message, int number) {
   return "Field " + std::to_string(number) + " of " + message.full_name();
 }
 
-/// Why a field that both sides know cannot be read, or an empty text.
+/// The reason why a field that both sides know cannot be read, or an empty text.
 std::string FieldFault(const FieldDescriptor& theirs, const FieldDescriptor& ours) {
   const std::string pair = " is \"" + Describe(theirs) + "\" there and \"" + Describe(ours) + "\" here";
   const std::string place = Place(*ours.containing_type(), ours.number());

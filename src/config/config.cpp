@@ -59,9 +59,9 @@ Config ConfigDraft::Finish() const {
   if (config.peer_timeout_ms <= config.heartbeat_ms) {
     throw ConfigError("network.peer_timeout_ms is " + std::to_string(config.peer_timeout_ms) +
                           ", not more than network.heartbeat_ms, which is " + std::to_string(config.heartbeat_ms) +
-                          ": every peer would be taken for gone.",
+                          ": every peer would be declared gone.",
                       peer_timeout_ms ? peer_timeout_ms->position : heartbeat_ms->position,
-                      "Set the time-out to several heartbeats.");
+                      "Set the timeout to several heartbeats.");
   }
   if (discovery_local) {
     config.discovery.local = discovery_local->value.on;

@@ -13,13 +13,13 @@
 
 namespace hgros {
 
-/// What the files read so far say, with the place of everything that a later file may contradict.
+/// The settings read so far. A setting that a later file may contradict has its position.
 struct ConfigDraft {
   template <typename T>
   using Maybe = std::optional<yaml::Setting<T>>;
 
   struct Endpoint {
-    FilePosition position;  ///< Where it first stands.
+    FilePosition position;  ///< Where it appears first.
     std::optional<int> tcp_port;
     std::set<std::string> channels;
     bool all_channels = false;
@@ -33,14 +33,14 @@ struct ConfigDraft {
     Maybe<std::size_t> latched;
     Maybe<std::vector<std::string>> transports;
   };
-  /// A switch that may be a list of names instead: on, for these.
+  /// A switch that may be a list of names instead: then it is on for these names.
   struct NamedSwitch {
     bool on = false;
     std::vector<std::string> names;
     bool operator==(const NamedSwitch&) const = default;
   };
 
-  std::map<std::string, Endpoint> publishers;  ///< By endpoint, as the subscribers.
+  std::map<std::string, Endpoint> publishers;  ///< By endpoint, like the subscribers.
   std::map<std::string, Endpoint> subscribers;
   Maybe<std::uint64_t> peer_queue_bytes;
   Maybe<int> heartbeat_ms;
@@ -64,11 +64,11 @@ struct ConfigDraft {
   std::map<std::string, Node> nodes;
   std::map<std::string, Channel> channels;
 
-  /// Checks what only the whole can show. Throws ConfigError.
+  /// Checks the settings against each other. Throws ConfigError.
   [[nodiscard]] Config Finish() const;
 };
 
-/// Each reads one section into the draft. Throws ConfigError.
+/// Each function reads one section into the draft. Throws ConfigError.
 void ReadNetwork(const yaml::Value& section, ConfigDraft& draft);
 void ReadSecurity(const yaml::Value& section, ConfigDraft& draft);
 void ReadDiscovery(const yaml::Value& section, ConfigDraft& draft);
@@ -76,14 +76,14 @@ void ReadSharedMemory(const yaml::Value& section, ConfigDraft& draft);
 void ReadDataGraph(const yaml::Value& section, ConfigDraft& draft);
 void ReadChannels(const yaml::Value& section, ConfigDraft& draft);
 
-/// Throws ConfigError if a setting has no meaning beside others.
+/// Throws ConfigError if a setting has no effect together with others.
 void CheckHost(const ConfigDraft& draft);
-/// Throws ConfigError if encryption is on or meant, but could not protect every connection.
+/// Throws ConfigError if encryption is on or partly configured, but could not protect every connection.
 void CheckSecurity(const ConfigDraft& draft);
 
-/// A list of channel names, each once. Throws ConfigError.
+/// Reads a list of distinct channel names. Throws ConfigError.
 [[nodiscard]] std::set<std::string> ReadChannelNames(const yaml::Value& list);
-/// Throws ConfigError if `name`, which stands at `position`, is not a channel name.
+/// Throws ConfigError if `name`, which is at `position`, is not a channel name.
 void CheckChannelName(const std::string& name, const FilePosition& position);
 
 }  // namespace hgros

@@ -29,7 +29,7 @@ bool OnlyOf(std::string_view text, std::string_view characters) {
   return text.find_first_not_of(characters) == std::string_view::npos;
 }
 
-// The canonical spelling of an address, or nothing if it is none.
+// The canonical spelling of an address; empty if it is not an address.
 std::string Canonical(int family, const std::string& address) {
   std::array<unsigned char, sizeof(in6_addr)> bytes{};
   std::array<char, INET6_ADDRSTRLEN> text{};
@@ -37,7 +37,7 @@ std::string Canonical(int family, const std::string& address) {
   return inet_ntop(family, bytes.data(), text.data(), text.size());
 }
 
-// Reads one endpoint. Each step fails at the value, naming the text and the way out.
+// Reads one endpoint. Errors are reported at the value, with the text and an example.
 class EndpointReader {
  public:
   EndpointReader(std::string_view text, const yaml::Value& value, EndpointSide side)
@@ -47,7 +47,7 @@ class EndpointReader {
     if (text_.empty()) Fail("is empty", Example());
     for (const char c : text_) {
       if (static_cast<unsigned char>(c) <= 0x20 || c == 0x7f) {
-        Fail("is " + Quoted(text_) + ", which has a blank or control character", "Remove it.");
+        Fail("is " + Quoted(text_) + ", which has a space or control character", "Remove it.");
       }
     }
     const std::size_t separator = text_.find("://");
@@ -83,7 +83,7 @@ class EndpointReader {
     const std::string_view port = rest.substr(colon + 1);
     if (port.find(':') != std::string_view::npos) {
       Fail("is " + Quoted(text_) + ", which has more than one colon before the port",
-           "An IPv6 address stands in brackets, as in \"tcp://[::1]:5553\".");
+           "Write an IPv6 address in brackets, as in \"tcp://[::1]:5553\".");
     }
     const std::string address = bracket == std::string_view::npos ? ReadHost(host) : ReadIpv6(host);
     const std::optional<int> number = ReadPort(port);
@@ -96,11 +96,12 @@ class EndpointReader {
     const bool digits = OnlyOf(port, "0123456789");
     const std::string number(port.substr(std::min(port.find_first_not_of('0'), port.size())));
     if (!digits || number.size() > 5 || (!number.empty() && std::stoi(number) > 65535)) {
-      Fail("is " + Quoted(text_) + ", whose port " + Quoted(port) + " is none", "A port is a number from 1 to 65535.");
+      Fail("is " + Quoted(text_) + ", whose port " + Quoted(port) + " is not valid",
+           "A port is a number from 1 to 65535.");
     }
     if (!number.empty()) return std::stoi(number);
     if (!publisher()) {
-      Fail("is " + Quoted(text_) + ", whose port can be any", "A subscriber needs the port that the publisher has.");
+      Fail("is " + Quoted(text_) + ", whose port is a wildcard", "A subscriber needs the publisher's port.");
     }
     return std::nullopt;
   }
@@ -114,7 +115,7 @@ class EndpointReader {
     const std::string address = Canonical(AF_INET6, std::string(inner.substr(0, inner.size() - zone.size())));
     if (address.empty() || zone == "%" ||
         !OnlyOf(zone.substr(std::min<std::size_t>(1, zone.size())), kNameCharacters)) {
-      Fail("is " + Quoted(text_) + ", but " + Quoted(inner) + " is no IPv6 address",
+      Fail("is " + Quoted(text_) + ", but " + Quoted(inner) + " is not an IPv6 address",
            "Write it as in \"tcp://[::1]:5553\".");
     }
     if (address == "::" && !publisher()) FailWildcard();
@@ -130,11 +131,11 @@ class EndpointReader {
     if (OnlyOf(host, "0123456789.")) {
       const std::string address = Canonical(AF_INET, std::string(host));
       if (!address.empty()) return address;
-      Fail("is " + Quoted(text_) + ", but " + Quoted(host) + " is no IPv4 address",
-           "Four numbers from 0 to 255, as in 192.168.1.7.");
+      Fail("is " + Quoted(text_) + ", but " + Quoted(host) + " is not an IPv4 address",
+           "Write four numbers from 0 to 255, as in 192.168.1.7.");
     }
     if (!OnlyOf(host, kNameCharacters) || host.front() == '-' || host.front() == '.' || host.size() > kMaxHostName) {
-      Fail("is " + Quoted(text_) + ", but " + Quoted(host) + " is no host name", Example());
+      Fail("is " + Quoted(text_) + ", but " + Quoted(host) + " is not a host name", Example());
     }
     // ZeroMQ binds to addresses and interfaces only; an interface's name is case-sensitive.
     if (publisher()) return Lower(host) == "localhost" ? "127.0.0.1" : std::string(host);
@@ -154,7 +155,7 @@ class EndpointReader {
     if (path.starts_with('@') && path.size() > 1) return {"ipc://" + std::string(path), std::nullopt};
     const std::string normal = std::filesystem::path(path).lexically_normal().string();
     if (!normal.starts_with('/') || normal.ends_with('/')) {
-      Fail("is " + Quoted(text_) + ", which names no file by its whole path",
+      Fail("is " + Quoted(text_) + ", which is not an absolute path of a file",
            "Write it as in \"ipc:///run/robot/bus\", or \"ipc://@robot\" for an abstract name.");
     }
     return {"ipc://" + normal, std::nullopt};

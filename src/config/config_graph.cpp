@@ -47,7 +47,7 @@ Queue ReadQueue(const Value& value) {
   const Section section(value, "a queue", {"keep_last", "keep_all"});
   const auto keep_last = section.Find("keep_last");
   const auto keep_all = section.Find("keep_all");
-  if (keep_last.has_value() == keep_all.has_value()) value.Fail("must say either keep_last or keep_all", kForms);
+  if (keep_last.has_value() == keep_all.has_value()) value.Fail("must have either keep_last or keep_all", kForms);
   return keep_last ? Queue::KeepLast(ReadMessageCount(*keep_last, 1)) : ReadKeepAll(*keep_all);
 }
 
@@ -56,8 +56,7 @@ std::vector<int> ReadCpus(const Value& list) {
   for (const Value& item : list.List("a list of CPU numbers")) {
     const int cpu = static_cast<int>(item.Integer(0, kLastCpu));
     const auto [first, fresh] = cpus.emplace(cpu, item.position());
-    if (!fresh)
-      item.Fail("is a CPU that the list has at " + first->second.ToString() + " already", "Keep one of them.");
+    if (!fresh) item.Fail("is a CPU that the list already has at " + first->second.ToString(), "Keep one of them.");
   }
   std::vector<int> out;
   for (const auto& [cpu, position] : cpus) out.push_back(cpu);
@@ -78,8 +77,8 @@ Executor ReadExecutor(const Value& value) {
     return Executor::Dedicated(cpus ? ReadCpus(*cpus) : std::vector<int>(),
                                priority ? static_cast<int>(priority->Integer(0, kHighestPriority)) : 0);
   }
-  if (cpus) cpus->Fail("has a meaning for a dedicated executor only", "Write kind: dedicated, or remove it.");
-  if (priority) priority->Fail("has a meaning for a dedicated executor only", "Write kind: dedicated, or remove it.");
+  if (cpus) cpus->Fail("applies only to a dedicated executor", "Write kind: dedicated, or remove it.");
+  if (priority) priority->Fail("applies only to a dedicated executor", "Write kind: dedicated, or remove it.");
   return kOf(kind);
 }
 
@@ -88,7 +87,7 @@ std::vector<std::string> ReadTransports(const Value& value) {
   const auto add = [&transports](const Value& one) {
     const std::string_view key = std::data(kTransportKeys)[one.Choice(kTransportKeys)];
     if (std::ranges::find(transports, key) != transports.end()) {
-      one.Fail("is " + yaml::Quoted(key) + ", which the list has already", "Keep one of them.");
+      one.Fail("is " + yaml::Quoted(key) + ", which the list already has", "Keep one of them.");
     }
     transports.emplace_back(key);
   };
@@ -99,7 +98,7 @@ std::vector<std::string> ReadTransports(const Value& value) {
   for (const Value& one : value.List({})) add(one);
   if (transports.empty()) {
     value.Fail("lists no transport",
-               "Name shared_memory, zmq or both; what is to stay in its process is published by ToGraph.");
+               "Name shared_memory, zmq or both. To keep messages in their process, publish them with ToGraph.");
   }
   std::ranges::sort(transports);
   return transports;

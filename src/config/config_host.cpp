@@ -1,4 +1,4 @@
-// The sections for sessions of one host: discovery and shared_memory.
+// Reads the sections discovery and shared_memory.
 #include <array>
 #include <map>
 #include <string>
@@ -19,10 +19,10 @@ using yaml::Value;
 constexpr std::uint64_t kMostSharedBytes = std::uint64_t{1} << 40U;
 constexpr std::int64_t kLongestSpinUs = 1'000'000;
 constexpr std::size_t kLongestProcessName = 200;
-constexpr std::size_t kLongestInterfaceName = 15;  // IFNAMSIZ with its end.
+constexpr std::size_t kLongestInterfaceName = 15;  // IFNAMSIZ - 1: without the final zero.
 constexpr std::array kWaits{ShmWait::kSleep, ShmWait::kSpin, ShmWait::kBusy};
 
-// Names, each once, in an order that does not depend on how they are written.
+// Distinct names, sorted, so that the result does not depend on their order in the file.
 std::vector<std::string> ReadNames(const Value& list, std::string_view what, std::size_t longest) {
   std::map<std::string, FilePosition> names;
   for (const Value& item : list.List("a list of names")) {
@@ -32,7 +32,7 @@ std::vector<std::string> ReadNames(const Value& list, std::string_view what, std
     }
     const auto [first, fresh] = names.emplace(name, item.position());
     if (!fresh) {
-      item.Fail("is " + yaml::Quoted(name) + ", which the list has at " + first->second.ToString() + " already",
+      item.Fail("is " + yaml::Quoted(name) + ", which the list already has at " + first->second.ToString(),
                 "Keep one of them.");
     }
   }
@@ -43,16 +43,16 @@ std::vector<std::string> ReadNames(const Value& list, std::string_view what, std
 
 ConfigDraft::NamedSwitch ReadLocal(const Value& local) {
   if (local.kind() == yaml::Node::Kind::kText) return {local.Boolean(), {}};
-  if (local.kind() != yaml::Node::Kind::kList) local.FailType("true, false or a list of processes' names");
-  auto names = ReadNames(local, "the name of a process", kLongestProcessName);
-  if (names.empty()) local.Fail("lists nobody", "Write false, to be found by nobody of this host.");
+  if (local.kind() != yaml::Node::Kind::kList) local.FailType("true, false or a list of process names");
+  auto names = ReadNames(local, "a process name", kLongestProcessName);
+  if (names.empty()) local.Fail("lists no process", "Write false to switch off discovery on this host.");
   return {true, std::move(names)};
 }
 
 ConfigDraft::NamedSwitch ReadLan(const Value& lan) {
   if (lan.kind() == yaml::Node::Kind::kText) return {lan.Boolean(), {}};
   const Section section(lan, "true, false or a map with interfaces", {"interfaces"});
-  auto names = ReadNames(section.Require("interfaces"), "the name of a network interface", kLongestInterfaceName);
+  auto names = ReadNames(section.Require("interfaces"), "a network interface name", kLongestInterfaceName);
   if (names.empty()) lan.Fail("lists no interface", "Write true for all interfaces, or false.");
   return {true, std::move(names)};
 }
@@ -67,7 +67,7 @@ void ReadDiscovery(const Value& value, ConfigDraft& draft) {
     const std::string& name = domain->Text("the name of a domain");
     if (!IsDomain(name)) {
       domain->Fail("is " + yaml::Quoted(name) + ", which cannot name a domain",
-                   "Use 1 to 64 letters, digits, '_', '-' and '.', or none to be found by nobody.");
+                   "Use 1 to 64 letters, digits, '_', '-' and '.', or none for no discovery.");
     }
     Settle(draft.domain, name, *domain);
   }
@@ -89,14 +89,14 @@ void ReadSharedMemory(const Value& value, ConfigDraft& draft) {
 void CheckHost(const ConfigDraft& draft) {
   const auto& wait = draft.shared_memory_wait;
   if (draft.shared_memory_spin_us && (!wait || wait->value != ShmWait::kSpin)) {
-    throw ConfigError("shared_memory.spin_us has a meaning beside wait: spin only, and " +
-                          (wait ? "shared_memory.wait at " + wait->position.ToString() + " is another."
-                                : std::string("shared_memory.wait is not given.")),
+    throw ConfigError("shared_memory.spin_us applies only with wait: spin, but " +
+                          (wait ? "shared_memory.wait at " + wait->position.ToString() + " has another value."
+                                : std::string("shared_memory.wait is not set.")),
                       draft.shared_memory_spin_us->position, "Write wait: spin, or remove it.");
   }
   if (draft.discovery_lan && draft.discovery_lan->value.on && draft.secret_key) {
     throw ConfigError("discovery.lan cannot find sessions whose connections are encrypted, as network.security at " +
-                          draft.secret_key->position.ToString() + " asks: a beacon tells nobody's key.",
+                          draft.secret_key->position.ToString() + " requires: a beacon does not carry keys.",
                       draft.discovery_lan->position,
                       "Name the endpoints under network.subscribers and their keys under network.security.servers, or "
                       "remove one of the two.");

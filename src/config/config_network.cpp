@@ -16,17 +16,17 @@ using yaml::Value;
 constexpr std::int64_t kLongestMs = 3'600'000;
 constexpr std::uint64_t kMostQueueBytes = std::uint64_t{1} << 40U;
 
-// Two publisher endpoints cannot share a port, for one of the two could not be bound.
+// Two publisher endpoints cannot share a port, because only one of them could be bound.
 void RequireOwnPort(const std::string& text, int port, const Value& ip, const ConfigDraft& draft) {
   for (const auto& [other_text, other] : draft.publishers) {
     if (other.tcp_port != port) continue;
     ip.Fail("is \"" + text + "\", but port " + std::to_string(port) + " belongs to \"" + other_text + "\" at " +
                 other.position.ToString(),
-            "Give each publisher endpoint a port of its own, or write both alike.");
+            "Give each publisher endpoint its own port, or write both in the same way.");
   }
 }
 
-// Reads one {ip, channels}; returns the endpoint and its place, or nothing if it is off.
+// Reads one {ip, channels}. Returns the endpoint and its position; empty if the endpoint is off.
 std::optional<std::pair<std::string, FilePosition>> ReadWhiteList(const Value& value, EndpointSide side,
                                                                   ConfigDraft& draft) {
   const Section section(value, "a map with ip and channels", {"ip", "channels"});
@@ -66,7 +66,7 @@ void ReadSubscribers(const Value& value, ConfigDraft& draft) {
     if (!read) continue;
     const auto [first, fresh] = in_this_list.insert(*read);
     if (fresh) continue;
-    throw ConfigError("The subscriber endpoint \"" + read->first + "\" stands twice in one list; first at " +
+    throw ConfigError("The subscriber endpoint \"" + read->first + "\" appears twice in one list; first at " +
                           first->second.ToString() + ".",
                       read->second, "Keep one of them, with the channels of both.");
   }
@@ -88,7 +88,7 @@ std::set<std::string> ReadChannelNames(const Value& list) {
     CheckChannelName(name, item.position());
     const auto [first, fresh] = names.emplace(name, item.position());
     if (fresh) continue;
-    item.Fail("is " + yaml::Quoted(name) + ", which the list has at " + first->second.ToString() + " already",
+    item.Fail("is " + yaml::Quoted(name) + ", which the list already has at " + first->second.ToString(),
               "Keep one of them.");
   }
   std::set<std::string> out;

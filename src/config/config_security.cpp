@@ -35,7 +35,7 @@ void RequireKey(std::string_view key, const Value& value, const std::string& sub
   }
   const std::size_t bad = key.find_first_not_of(kZ85);
   if (bad == std::string_view::npos) return;
-  value.Fail(subject + "is no key: character " + std::to_string(bad + 1) + " is not one of Z85", kMend);
+  value.Fail(subject + "is not a key: character " + std::to_string(bad + 1) + " is not in the Z85 alphabet", kMend);
 }
 
 std::string ReadKey(const Value& value) {
@@ -46,7 +46,7 @@ std::string ReadKey(const Value& value) {
 
 class OpenFile {
  public:
-  // Without waiting for the other end, should it be a pipe.
+  // O_NONBLOCK: if the file is a pipe, open() must not wait for its other end.
   explicit OpenFile(const char* path) : descriptor_(open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {}
   ~OpenFile() {
     if (descriptor_ >= 0) close(descriptor_);
@@ -71,14 +71,14 @@ std::string ReadKeyFile(const Value& value) {
   }
   if (file.descriptor() < 0 || fstat(file.descriptor(), &status) != 0) {
     value.Fail("names " + yaml::Quoted(path.string()) + ", which cannot be read: " + std::strerror(errno),
-               "Check the path; one that is not absolute begins at the folder of this file.");
+               "Check the path. A relative path begins at the folder of this file.");
   }
-  if (!S_ISREG(status.st_mode)) value.Fail("names " + yaml::Quoted(path.string()) + ", which is no ordinary file");
+  if (!S_ISREG(status.st_mode)) value.Fail("names " + yaml::Quoted(path.string()) + ", which is not a regular file");
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
-    value.Fail("names " + yaml::Quoted(path.string()) + ", which others than its owner may read or write",
+    value.Fail("names " + yaml::Quoted(path.string()) + ", which others than the owner may read or write",
                "Run: chmod 600 " + path.string());
   }
-  std::string key(kKeyLength + 3, '\0');  // a line break, and one more to notice that the file is longer
+  std::string key(kKeyLength + 3, '\0');  // room for a line break, and for one byte more to detect a longer file
   const ssize_t length = read(file.descriptor(), key.data(), key.size());
   if (length < 0)
     value.Fail("names " + yaml::Quoted(path.string()) + ", which cannot be read: " + std::strerror(errno));
@@ -86,7 +86,7 @@ std::string ReadKeyFile(const Value& value) {
   if (key.ends_with('\n')) key.pop_back();
   if (key.ends_with('\r')) key.pop_back();
   if (key.size() > kKeyLength)
-    value.Fail("names a file with more than one key in it", "It holds the key and nothing else.");
+    value.Fail("names a file with more than one key in it", "The file must contain only the key.");
   RequireKey(key, value, "names a file that ");
   return key;
 }
@@ -96,8 +96,7 @@ void ReadAllowedClients(const Value& list, ConfigDraft& draft) {
   std::map<std::string, FilePosition> in_this_list;
   for (const Value& item : list.List("a list of public keys")) {
     const auto [first, fresh] = in_this_list.emplace(ReadKey(item), item.position());
-    if (!fresh)
-      item.Fail("is a key that the list has at " + first->second.ToString() + " already", "Keep one of them.");
+    if (!fresh) item.Fail("is a key that the list already has at " + first->second.ToString(), "Keep one of them.");
   }
   draft.allowed_clients.merge(in_this_list);
 }
@@ -109,7 +108,7 @@ void ReadServers(const Value& map, ConfigDraft& draft) {
     const std::string key = ReadKey(field.value);
     if (!endpoint) continue;
     const auto [first, fresh] = in_this_map.emplace(endpoint->text, field.key_position);
-    if (!fresh) field.value.Fail("has a key at " + first->second.ToString() + " already", "Keep one of them.");
+    if (!fresh) field.value.Fail("already has a key at " + first->second.ToString(), "Keep one of them.");
     const auto [known, added] =
         draft.servers.try_emplace(endpoint->text, yaml::Setting<std::string>{key, field.value.position()});
     if (!added && known->second.value != key) {
@@ -136,7 +135,7 @@ void ReadSecurity(const Value& value, ConfigDraft& draft) {
 
 void CheckSecurity(const ConfigDraft& draft) {
   if (!draft.secret_key) {
-    constexpr std::string_view kWhat = "There is no secret key, so that nothing would be encrypted.";
+    constexpr std::string_view kWhat = "There is no secret key, so nothing would be encrypted.";
     constexpr std::string_view kMend = "Add network.security.secret_key_file, or remove this.";
     if (draft.public_key) throw ConfigError(kWhat, draft.public_key->position, kMend);
     if (!draft.allowed_clients.empty()) throw ConfigError(kWhat, draft.allowed_clients.begin()->second, kMend);

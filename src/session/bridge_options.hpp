@@ -11,11 +11,11 @@
 
 namespace hgros {
 
-// What a session is to others.
+// How other sessions know a session.
 struct BridgeIdentity {
   SessionId id;
   const std::string& name;
-  const std::optional<std::string>& domain;  // None: it neither finds others by itself nor is found by them.
+  const std::optional<std::string>& domain;  // Empty: no discovery.
   std::chrono::milliseconds linger;
 };
 

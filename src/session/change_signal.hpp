@@ -22,8 +22,8 @@ class ChangeSignal {
     changed_.notify_all();
   }
 
-  // Asks after each change, outside the lock, since both predicates take other locks. False if `timeout` came first, or
-  // `stop` is true while `holds` is not.
+  // Evaluates the predicates after each change, outside the lock, because both take other locks. False if the timeout
+  // expired first, or if `stop` became true and `holds` is still false.
   template <class Holds, class Stop>
   bool WaitUntil(std::chrono::nanoseconds timeout, Holds holds, Stop stop) const {
     const auto deadline = DeadlineIn(timeout);

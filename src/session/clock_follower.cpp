@@ -9,10 +9,10 @@
 namespace hgros {
 namespace {
 
-constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;  // Differences of two such times are times.
+constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;  // The difference of two such times does not overflow.
 constexpr double kFastest = 1e6;
 constexpr std::int64_t kLongestTransitNs = 10'000'000'000;
-// A clock that runs is heard ten times per second.
+// A running clock is published ten times per second; after this silence another one is followed.
 constexpr std::int64_t kSilenceNs = 2'000'000'000;
 
 bool IsGood(const SimulatedTime& time) {
@@ -31,7 +31,7 @@ std::string ClockFollower::Heard::Name() const {
   return name + " (session " + SessionId{session}.ToString() + ")";
 }
 
-// On one host the time that the message has taken is known; from another one it is taken for none.
+// On the same host the transit time of the message is known. From other hosts it is taken as zero.
 ClockFollower::Heard ClockFollower::Hear(const SimulatedTime& time, std::uint64_t session) const {
   Heard heard{session, time.clock_id(), time.publisher(), {}, MonotonicNow(), time.ended()};
   heard.state.reading = {Time{time.time_ns()}, Duration(time.jumped_ns())};
@@ -46,7 +46,7 @@ ClockFollower::Heard ClockFollower::Hear(const SimulatedTime& time, std::uint64_
 void ClockFollower::OnTime(const SimulatedTime& time, const MessageInfo& info) {
   if (!IsGood(time)) {
     log_->WriteLimited(LogLevel::kWarning, "clock",
-                       "A message on the channel \"clock\" was left out: what it says cannot be a clock.");
+                       "A message on the channel \"clock\" was ignored: its content cannot be a clock.");
     return;
   }
   const std::scoped_lock lock(mutex_);

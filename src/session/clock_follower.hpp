@@ -15,10 +15,10 @@
 
 namespace hgros {
 
-// Decides which of the clocks that are published a session follows: the first one, until that ends or its session is
-// gone; then the one that was in its way.
+// Decides which published clock a session follows: the first one, until it ends or its session is gone. Then the rival
+// that was published meanwhile is followed.
 //
-// Thread safety: all of it. Listeners of the clock run under the lock.
+// Thread safety: all functions. Listeners of the clock run under the lock.
 class ClockFollower {
  public:
   ClockFollower(std::shared_ptr<FollowingClock> clock, std::shared_ptr<Log> log);
@@ -27,7 +27,7 @@ class ClockFollower {
   void OnPeer(const PeerEvent& event);
 
  private:
-  // What was heard last of a clock.
+  // The latest message of a clock.
   struct Heard {
     std::uint64_t session = 0;
     std::uint64_t clock = 0;
@@ -53,8 +53,10 @@ class ClockFollower {
   std::mutex mutex_;
   std::optional<Heard> followed_;  // guarded by mutex_, as all below
   std::optional<Heard> rival_;
-  std::uint64_t gone_ = 0;  // The session that was followed last and is gone. What still comes from it is too late ...
-  std::optional<Heard> early_;  // ... unless it is told to be back: then this, which came last, holds.
+  // The session that was followed last and is gone. Its messages are late ones and are ignored, unless the session is
+  // reported as back: then the latest of them, early_, counts.
+  std::uint64_t gone_ = 0;
+  std::optional<Heard> early_;
 };
 
 }  // namespace hgros

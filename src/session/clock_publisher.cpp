@@ -63,8 +63,8 @@ class ClockPublisher::Core {
     }
   }
 
-  // Whether the clock is paused. Where a lossless subscriber has no room it waits a while: what the clock shows by then
-  // is said in the next turn.
+  // Publishes the clock's state and returns true if the clock is paused. Waits for a limited time if a lossless
+  // subscriber has no room; the next turn then publishes the newer state.
   bool Say(bool ended, const std::stop_token& stop) {
     const std::int64_t steady = MonotonicNow();
     const ClockState state = clock_->State();
@@ -86,7 +86,7 @@ class ClockPublisher::Core {
 
   const std::shared_ptr<SimulatedClock> clock_;
   const Publisher<SimulatedTime> publish_;
-  SimulatedTime always_;  // What all messages have in common.
+  SimulatedTime always_;  // The fields that are equal in all messages.
 
   std::mutex mutex_;
   std::condition_variable_any woken_;

@@ -11,13 +11,13 @@ namespace {
 struct Default {
   std::mutex mutex;
   std::unique_ptr<Session> session;
-  std::atomic<Session*> current{nullptr};  // What session points to, to be read without the lock.
+  std::atomic<Session*> current{nullptr};  // Equal to session.get(); read without the lock.
   std::vector<Subscription> subscriptions;
   std::vector<std::shared_ptr<const void>> users;
 };
 
 Default& TheDefault() {
-  // Never destroyed: a program that forgets Shutdown must not have its session end after its threads' own state.
+  // Never destroyed: if a program forgets Shutdown, its session must not end after the state of its threads.
   static Default& one = *new Default;
   return one;
 }
@@ -48,7 +48,7 @@ void Shutdown() {
     one.current.store(nullptr, std::memory_order_release);
     session = std::move(one.session);
   }
-  // Callbacks that still publish find no session; what they throw is counted as theirs.
+  // Callbacks that still publish find no session. The error is counted as an exception of the callback.
   subscriptions.clear();
   users.clear();
 }

@@ -16,7 +16,7 @@ bool SetAllowed(EndpointConfig& endpoint, std::string_view channel, bool allowed
   if (endpoint.all_channels && allowed) return false;
   if (endpoint.all_channels) {
     throw Error("The endpoint " + endpoint.endpoint + " lets every channel pass, so \"" + std::string(channel) +
-                    "\" cannot be taken from its list.",
+                    "\" cannot be excluded.",
                 {}, "Give the endpoint a list of channels in its configuration.");
   }
   auto& list = endpoint.channels;

@@ -9,21 +9,21 @@
 
 namespace hgros {
 
-// The channels that may pass an endpoint, as transports take them.
+// The channels that may pass an endpoint, in the form that transports use.
 [[nodiscard]] ChannelList ListOf(const EndpointConfig& endpoint);
 
-// Adds the channel to the list or takes it out. False if the endpoint lets the channel pass already. Throws Error for
-// taking a channel from an endpoint that lets all pass: a list without it cannot be written down.
+// Adds the channel to the list or removes it. False if the endpoint lets all channels pass and `allowed` is true.
+// Throws Error if the channel is to be removed from such an endpoint: there is no list to remove it from.
 bool SetAllowed(EndpointConfig& endpoint, std::string_view channel, bool allowed);
 
-// What a channel that no endpoint lets pass does not leave: "host" or "process". `has_domain`: the session can be
-// found.
+// The boundary that a channel does not cross if no endpoint lets it pass: "host" or "process". `has_domain`: the
+// session can be discovered.
 [[nodiscard]] std::string_view OutermostPlace(const Config& config, bool has_domain) noexcept;
 
 enum class Way { kOut, kIn };
 
-// A wrong name in a white list would otherwise only cause silence. A sentence, or nothing if the channel may pass one
-// of the endpoints, or there is none. `place`: what the channel does not leave or enter, such as "host".
+// A sentence for a channel that no endpoint lets pass. Empty if an endpoint lets it pass, or if there are no endpoints.
+// Without it a wrong name in a white list would only cause silence. `place`: the boundary, such as "host".
 [[nodiscard]] std::string DescribeConfined(std::string_view channel, const std::vector<EndpointConfig>& endpoints,
                                            Way way, std::string_view place);
 

@@ -8,7 +8,7 @@
 
 namespace hgros {
 
-// Belongs to one Subscription: ends its part of what the session asks of remote publishers.
+// Belongs to one Subscription. Its destructor withdraws the subscription's demand from remote publishers.
 class InboundChannels::DemandTicket {
  public:
   DemandTicket(std::shared_ptr<InboundChannels> channels, std::string channel, std::list<Demand>::iterator demand)
@@ -58,7 +58,7 @@ void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::it
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
     return;
   }
-  // Ending the inbound channel waits for its callbacks, which may themselves be ending subscriptions just now.
+  // Posted, because ending the inbound channel waits for its callbacks, and a callback may be ending this subscription.
   if (inflow.joined) means_.post([this, channel] { Reconcile(channel); });
 }
 
@@ -109,7 +109,7 @@ void InboundChannels::Drop() {
   dropped.swap(inflows_);
 }
 
-// What satisfies all of them: lossless if one is, as much credit as the one with the least room among those allows.
+// The demand that satisfies all: lossless if one of them is, with the smallest credit of the lossless ones.
 Demand InboundChannels::Combine(const std::list<Demand>& wanted) {
   Demand combined = wanted.front();
   for (const Demand& demand : wanted) {

@@ -18,8 +18,8 @@
 
 namespace hgros {
 
-// What a session asks of remote publishers, by channel: the demands of its subscriptions and the inlet that serves
-// them.
+// The channels that a session receives from remote publishers: for each one the demands of its subscriptions and the
+// inlet that serves them.
 //
 // Thread safety: all functions.
 // Invariants: mutex_ guards the channels. Transports' callbacks do not take it, so the bridge may be called under it,
@@ -30,9 +30,9 @@ class InboundChannels {
   struct Means {
     std::shared_ptr<Log> log;
     std::shared_ptr<HostClocks> clocks;
-    std::function<void()> on_change;  // A publisher or a schema has come or gone.
-    std::function<void(std::function<void()>)>
-        post;  // Runs it on the errand thread, which is there once Join() is called.
+    std::function<void()> on_change;  // Called when a publisher or a schema came or went.
+    // Runs its argument on the errand thread, which exists from Join() on.
+    std::function<void(std::function<void()>)> post;
     ChannelInlet::TellMisfit tell_misfit;
   };
   explicit InboundChannels(Means means);
@@ -40,26 +40,26 @@ class InboundChannels {
   InboundChannels& operator=(const InboundChannels&) = delete;
   ~InboundChannels();
 
-  // A subscription's part of what is asked, until the result is destroyed, which may be after the session's end.
+  // Adds a subscription's demand until the result is destroyed, which may happen after the end of the session.
   [[nodiscard]] static std::shared_ptr<const void> Add(const std::shared_ptr<InboundChannels>& self, Channel& channel,
                                                        const TypeInfo& type, const Demand& demand);
-  // The bridge is there: channels with subscriptions are received, now and from now on.
+  // From now on, channels with subscriptions are received through `bridge`.
   void Join(NetworkBridge& bridge);
-  // Receives nothing more; no wiring changes afterwards.
+  // Stops receiving. No wiring changes afterwards.
   void Close();
-  // No inlet is in use any more.
+  // Destroys all inlets. Call it when none is in use any more.
   void Drop();
 
   [[nodiscard]] std::size_t PublisherCount(std::string_view channel) const;
-  // What the latest of the publishers sends, or null.
+  // The schema of the publisher that came last, or null.
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(std::string_view channel) const;
-  // Those with subscriptions.
+  // Adds the channels with subscriptions.
   void AddTo(std::vector<ChannelUse>& uses) const;
-  // Adds what was received to the channels that are listed, and lists the others.
+  // Adds the counters of received messages: to the channel's entry, or in a new entry.
   void AddTo(std::vector<ChannelTraffic>& traffic) const;
 
  private:
-  // How far the demands are put into effect.
+  // One channel: its demands, and whether the bridge receives it.
   struct Inflow {
     std::shared_ptr<ChannelInlet> inlet;
     std::list<Demand> wanted;
@@ -69,7 +69,7 @@ class InboundChannels {
   class DemandTicket;
 
   void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);
-  // Joins or ends the inbound channel as the wanted demands say.
+  // Joins or ends the inbound channel, so that it fits the demands.
   void Reconcile(const std::string& channel);
   [[nodiscard]] static Demand Combine(const std::list<Demand>& wanted);
 

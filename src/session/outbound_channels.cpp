@@ -27,7 +27,7 @@ std::shared_ptr<ChannelOutlet> OutboundChannels::Open(
 std::shared_ptr<ChannelOutlet> OutboundChannels::OpenForService(const std::string& channel, const TypeInfo& type,
                                                                 OutletEvents events) {
   const std::scoped_lock lock(mutex_);
-  // A way that was closed and is opened again counts from 1, so it is a later life of the publisher.
+  // An outlet that is opened again numbers its messages from 1, so it needs a later incarnation of the publisher.
   MessageId publisher = publisher_;
   publisher.incarnation = last_incarnation_ =
       std::max(last_incarnation_ + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
@@ -45,7 +45,7 @@ void OutboundChannels::CloseForService(const std::string& channel, const std::sh
     if (found == service_outlets_.end()) return;
     closed = *found;
   }
-  closed->Detach();  // Waits for what it is told meanwhile.
+  closed->Detach();  // Waits for events in flight.
   const std::scoped_lock lock(mutex_);
   std::erase(service_outlets_, closed);
   if (bridge_ != nullptr && !closed_) bridge_->EndPublishing(channel);

@@ -18,30 +18,30 @@
 
 namespace hgros {
 
-// The channels that a session publishes to others: one outlet for each, and those of its services.
+// The channels that a session publishes to others: one outlet per channel, and the outlets of its services.
 //
 // Thread safety: all functions.
 // Invariants: mutex_ guards the outlets. Transports' callbacks and publishes do not take it, so the bridge may be
-// called under it, except for what waits for callbacks: detaching an outlet.
+// called under it. An outlet is detached outside it, because that waits for callbacks.
 class OutboundChannels {
  public:
   OutboundChannels(MessageId publisher, std::shared_ptr<Log> log, std::shared_ptr<HostClocks> clocks);
 
-  // The outlet of the channel; a new one is passed to `wire` before others see it. Null after Close().
+  // The outlet of the channel. A new outlet is passed to `wire` before other threads see it. Null after Close().
   std::shared_ptr<ChannelOutlet> Open(const std::string& channel, const TypeInfo& type,
                                       const std::function<OutletEvents()>& events,
                                       const std::function<void(const std::shared_ptr<ChannelOutlet>&)>& wire);
   std::shared_ptr<ChannelOutlet> OpenForService(const std::string& channel, const TypeInfo& type, OutletEvents events);
   void CloseForService(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet);
 
-  // The bridge is there: channels leave through it, now and from now on.
+  // From now on, channels are published through `bridge`.
   void Join(NetworkBridge& bridge);
-  // Makes no more outlets.
+  // Creates no more outlets.
   void Close();
   // Later publishes stay inside the process.
   void Detach();
 
-  // Null: the channel is not published.
+  // Null if the channel is not published.
   [[nodiscard]] std::shared_ptr<ChannelOutlet> Find(std::string_view channel) const;
   void AddTo(std::vector<ChannelUse>& uses) const;
   void AddTo(std::vector<ChannelTraffic>& traffic) const;
@@ -56,7 +56,7 @@ class OutboundChannels {
   bool closed_ = false;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
   std::vector<std::shared_ptr<ChannelOutlet>> service_outlets_;
-  std::uint64_t last_incarnation_ = 0;  // Of these.
+  std::uint64_t last_incarnation_ = 0;  // The largest incarnation in service_outlets_ so far.
 };
 
 }  // namespace hgros

@@ -1,4 +1,4 @@
-// What a session knows of channels, its own and others'.
+// The part of SessionCore that lists channels, its own and those of other sessions.
 #include <utility>
 
 #include "hgros/bridge/channel_directory.hpp"
@@ -33,7 +33,7 @@ std::vector<KnownChannel> SessionCore::Channels() {
 
 void SessionCore::OnChannels() noexcept { events_->PublishChannels(*errands_); }
 
-// A channel that has its type already tells of that without asking anybody.
+// If the channel has its type already, no publisher is asked.
 std::shared_ptr<const MessageSchema> SessionCore::AwaitSchema(std::string_view channel,
                                                               std::chrono::nanoseconds timeout) {
   Channel& opened = graph_->Open(channel, AnyType(), CallSite::Current());

@@ -1,4 +1,4 @@
-// How the clock of a session follows the one that is published.
+// The part of SessionCore that follows a published clock and the clocks of other hosts.
 #include <memory>
 #include <vector>
 

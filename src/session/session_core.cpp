@@ -13,7 +13,7 @@
 namespace hgros {
 namespace {
 
-// A configured node that does not exist by then may have a misspelled name.
+// If a configured node does not exist after this time, its name may be misspelled.
 constexpr auto kTimeForNodes = std::chrono::seconds(5);
 
 constexpr std::string_view kOwnChannels = "hgros/";
@@ -25,15 +25,15 @@ std::string ProgramName() {
   return name.empty() ? "hgros" : name;
 }
 
-// Nothing: the session neither finds others by itself nor is found by them.
+// Empty if the session neither discovers others nor is discovered.
 std::optional<std::string> DomainOf(const Config& config) {
   const char* const environment = std::getenv("HGROS_DOMAIN");
   const bool set = environment != nullptr && *environment != '\0';
   const std::string domain = set ? environment : config.discovery.domain;
   if ((!config.discovery.local && !config.discovery.lan) || domain == kNoDomain) return std::nullopt;
   if (!IsDomain(domain)) {
-    throw Error("\"" + domain + "\" cannot name a domain" + (set ? ", as HGROS_DOMAIN says." : "."), {},
-                "Use 1 to 64 letters, digits, '_', '-' and '.', or \"none\" to be found by nobody.");
+    throw Error("\"" + domain + "\" cannot name a domain" + (set ? "; HGROS_DOMAIN sets it." : "."), {},
+                "Use 1 to 64 letters, digits, '_', '-' and '.', or \"none\" for no discovery.");
   }
   return domain;
 }
@@ -112,8 +112,7 @@ SessionCore::~SessionCore() {
   outbound_.Close();
   changes_.Notify();
   inbound_->Close();
-  if (bridge_)
-    bridge_->Close(static_cast<int>(kLinger.count()));  // May still say that peers have gone, which is an errand.
+  if (bridge_) bridge_->Close(static_cast<int>(kLinger.count()));  // May still post errands: events of peers that go.
   outbound_.Detach();
   if (snapshots_) snapshots_->outlet()->Detach();
   timers_->Stop();
@@ -131,8 +130,8 @@ Channel& SessionCore::OpenAny(std::string_view name, const TypeInfo& type, const
   Channel& channel = graph_->Open(name, type, where);
   if (DataGraph::HasOutlet(channel)) return channel;
   if (name.starts_with(kOwnChannels)) {
-    throw Error("Channel \"" + std::string(name) + "\" is the library's own: a program cannot publish there.",
-                {where.ToString()}, "Take a name that does not begin with \"" + std::string(kOwnChannels) + "\".");
+    throw Error("Channel \"" + std::string(name) + "\" belongs to the library: a program cannot publish on it.",
+                {where.ToString()}, "Use a name that does not begin with \"" + std::string(kOwnChannels) + "\".");
   }
   {
     const std::scoped_lock lock(mutex_);
@@ -244,7 +243,9 @@ void SessionCore::OnPeerCame(const PeerInfo& peer) noexcept {
 void SessionCore::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
   services_->OnPeerGone(peer, reason);
   host_clocks_->Forget(peer.id);
-  errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });  // In order with its return.
+  errands_->Post([this, id = peer.id.value] {
+    graph_->PublisherIsGone(id);
+  });  // Posted, to keep the order with PublisherIsBack().
   events_->ReportGone(*errands_, peer, reason, closing_);
   changes_.Notify();
 }

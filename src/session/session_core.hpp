@@ -61,7 +61,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::vector<std::string> PublisherEndpoints() const;
 
   std::vector<PeerInfo> Peers() const override;
-  // Lets others be found, if that has not begun.
+  // Starts discovery if it has not started yet.
   std::vector<KnownChannel> Channels();
   SessionSnapshot Snapshot() const;
   std::optional<ClockOffset> OffsetTo(SessionId peer) const;
@@ -79,7 +79,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
   [[nodiscard]] SessionTimers& timers() noexcept { return *timers_; }
   [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept { return clock_; }
-  // Nothing of the session may be waited for or destroyed here.
+  // If true, nothing of the session may be waited for or destroyed.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -87,7 +87,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   [[nodiscard]] Config config() const;
 
  private:
-  // session_services.cpp: what services need.
+  // In session_services.cpp: the ServicePlace of the services.
   Subscription Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
                       std::size_t queue_depth) override;
   std::shared_ptr<SessionOutlet> OpenOutlet(const std::string& channel, const TypeInfo& type,
@@ -100,15 +100,15 @@ class SessionCore final : public TransportListener, private ServicePlace {
   }
   void Receive(const Visit& visit) noexcept override;
 
-  // session_channels.cpp. Under mutex_.
+  // In session_channels.cpp. Call it under mutex_.
   [[nodiscard]] SessionChannels OwnChannels() const;
 
   // Throws Error while the session shuts down.
   void RequireOpen() const;
   static constexpr std::chrono::milliseconds kLinger{500};
-  // Under mutex_: makes the bridge at the first call.
+  // Creates the bridge at the first call. Call it under mutex_.
   NetworkBridge& EnsureTransports();
-  // Posts to the errand thread.
+  // A function that runs its argument on the errand thread after a delay.
   std::function<void(std::chrono::nanoseconds, std::function<void()>)> Later();
   bool SayIfItCannotLeave(const std::string& channel);
   std::vector<Subscription> FollowClock();
@@ -119,14 +119,14 @@ class SessionCore final : public TransportListener, private ServicePlace {
   }
 
   const ForkGuard fork_;
-  Config config_;  // Endpoints and their lists change, under mutex_.
+  Config config_;  // Only the endpoints and their lists change, under mutex_.
   const SessionId id_;
   const std::string name_;
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const std::optional<std::string> domain_;
   const std::shared_ptr<HostClocks> host_clocks_;
-  const std::shared_ptr<FollowingClock> followed_clock_;  // clock_, if that follows a published one
+  const std::shared_ptr<FollowingClock> followed_clock_;  // clock_ if that follows a published clock; otherwise null
   const std::shared_ptr<Clock> clock_;
 
   ChangeSignal changes_;
@@ -137,7 +137,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::optional<SessionEvents> events_;
   std::optional<ErrandThread> errands_;
   std::unique_ptr<NetworkBridge> bridge_;
-  std::optional<SnapshotPublisher> snapshots_;  // Made with them.
+  std::optional<SnapshotPublisher> snapshots_;  // Created with the bridge.
   OutboundChannels outbound_;
   const std::shared_ptr<InboundChannels> inbound_;  // Shared with subscriptions, which may outlive the session.
   std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the white lists.

@@ -6,7 +6,7 @@
 namespace hgros {
 namespace {
 
-// Bursts of changes, as when a program starts, are told as one.
+// A burst of changes, as when a program starts, becomes one event.
 constexpr auto kTimeToGather = std::chrono::milliseconds(20);
 
 }  // namespace
@@ -26,7 +26,7 @@ void SessionEvents::PublishPeer(ErrandThread& thread, PeerEvent event) noexcept 
 }
 
 void SessionEvents::ReportCame(ErrandThread& thread, const PeerInfo& peer) noexcept {
-  // The name of a pair's socket means nothing to anybody.
+  // The socket name of a shared memory pair tells people nothing, so it is not logged.
   const bool at = !peer.endpoint.empty() && peer.endpoint.find("://") != std::string::npos;
   log_->Write(LogLevel::kInfo, "Session " + peer.name() + " is reached through " + peer.transport +
                                    (at ? " at " + peer.endpoint : std::string()) + ": " + peer.why + ".");

@@ -14,21 +14,21 @@
 
 namespace hgros {
 
-// Tells the session's own nodes about peers and channels, on a thread that owns no socket: a node may run inline.
+// Reports peers and channels to nodes of the session, on a thread that owns no socket, because a node may run inline.
 //
-// Thread safety: all functions. The thread that is passed ends before this does.
+// Thread safety: all functions. The ErrandThread that is passed must end before this object.
 class SessionEvents {
  public:
   SessionEvents(DataGraph& graph, std::shared_ptr<Log> log);
 
   void PublishPeer(ErrandThread& thread, PeerEvent event) noexcept;
-  // These are also written to the log. `closing`: the session itself leaves.
+  // The Report functions also write to the log. `closing`: this session is shutting down.
   void ReportCame(ErrandThread& thread, const PeerInfo& peer) noexcept;
   void ReportGone(ErrandThread& thread, const PeerInfo& peer, std::string_view reason, bool closing) noexcept;
-  // `what` names the channel and both types. The sentence that was written.
+  // `what` names the channel and both types. Returns the logged sentence.
   std::string ReportTypeMismatch(ErrandThread& thread, const PeerInfo& peer, std::string_view channel,
                                  std::string_view what) noexcept;
-  // Channels have changed. May be called often: costs next to nothing while nobody listens.
+  // Call it when channels have changed. Cheap while no node subscribes to the event.
   void PublishChannels(ErrandThread& thread) noexcept;
 
  private:
@@ -37,7 +37,7 @@ class SessionEvents {
   const Publisher<PeerEvent> peers_;
   const Publisher<ChannelsChanged> channels_;
   std::atomic<bool> telling_channels_{false};
-  std::uint64_t channel_changes_ = 0;  // The errand thread's.
+  std::uint64_t channel_changes_ = 0;  // Used only on the errand thread.
 };
 
 }  // namespace hgros

@@ -1,4 +1,4 @@
-// How a session reaches others: its transports, its endpoints and their white lists.
+// The part of SessionCore that reaches other sessions: transports, endpoints and their white lists.
 #include <algorithm>
 #include <utility>
 
@@ -29,7 +29,7 @@ std::function<void(std::chrono::nanoseconds, std::function<void()>)> SessionCore
   };
 }
 
-// Part of a publish, so it must not wait; false if it could not look.
+// Runs inside a publish, so it must not wait. False if the lock was not free.
 bool SessionCore::SayIfItCannotLeave(const std::string& channel) {
   std::string confined;
   {

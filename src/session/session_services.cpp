@@ -1,4 +1,4 @@
-// What the services of a session need of it.
+// The part of SessionCore that implements ServicePlace.
 #include <utility>
 
 #include "session/session_core.hpp"
@@ -30,7 +30,7 @@ void SessionCore::CloseOutlet(const std::string& channel, const std::shared_ptr<
 }
 
 void SessionCore::Receive(const Visit& visit) noexcept {
-  NetworkBridge* bridge = nullptr;  // It stays as long as services may call.
+  NetworkBridge* bridge = nullptr;  // It exists as long as services may call.
   {
     const std::scoped_lock lock(mutex_);
     bridge = bridge_.get();

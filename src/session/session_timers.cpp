@@ -10,11 +10,11 @@ namespace {
 
 constexpr std::size_t kCatchUpDepth = 1024;
 
-// What a timer's channel carries.
+// The message on a timer's channel.
 struct TimerTurn {
   Tick tick;
-  std::uint64_t number = 0;  // Counts the turns that were planned, from 1: gaps were left out on the way.
-  std::uint64_t timer = 0;   // One of the same name may have ended just before.
+  std::uint64_t number = 0;  // Counts the planned turns from 1; a gap means dropped turns.
+  std::uint64_t timer = 0;   // Tells a timer from an earlier one of the same name.
 };
 
 std::uint64_t NextTimer() {
@@ -39,7 +39,7 @@ std::shared_ptr<const void> SessionTimers::Take(std::string_view name) {
     const std::scoped_lock lock(taken_->mutex);
     const auto [there, fresh] = taken_->names.emplace(name);
     if (!fresh) {
-      throw Error("The session has a timer \"" + std::string(name) + "\" already.", {},
+      throw Error("The session already has a timer \"" + std::string(name) + "\".", {},
                   "End that one first, or give this one another name.");
     }
     place = there;
@@ -76,7 +76,7 @@ NodeTimer SessionTimers::Create(std::string_view name, Duration period, TimerCal
         callback(tick);
       },
       NodeOptionsOf(name, options));
-  // What still fires when the timer ends finds no node, so there is nothing to wait for.
+  // waits_at_end = false: a turn that still fires when the timer ends finds no node, so there is nothing to wait for.
   Timer firing = Fire(period,
                       [publish, timer, number = std::uint64_t{0}](const Tick& tick) mutable {
                         number += tick.missed + 1;
@@ -87,7 +87,7 @@ NodeTimer SessionTimers::Create(std::string_view name, Duration period, TimerCal
 }
 
 void SessionTimers::Stop() {
-  std::unique_ptr<TimerQueue> queue;  // Ended outside the lock: a callback that it waits for may make timers.
+  std::unique_ptr<TimerQueue> queue;  // Destroyed outside the lock: it waits for callbacks, which may create timers.
   {
     const std::scoped_lock lock(mutex_);
     stopped_ = true;

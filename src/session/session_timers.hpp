@@ -14,15 +14,16 @@
 
 namespace hgros {
 
-// The timers of one session: a thread that only fires, made with the first timer, and a channel and a node for each.
+// The timers of one session: one thread that fires them, started with the first timer, and a channel and a node for
+// each timer.
 //
-// Thread safety: all of it.
+// Thread safety: all functions.
 class SessionTimers {
  public:
   SessionTimers(std::shared_ptr<Clock> clock, DataGraph& graph, std::shared_ptr<Log> log);
 
   NodeTimer Create(std::string_view name, Duration period, TimerCallback callback, NodeTimerOptions options);
-  // From here on nothing fires. Waits for an inline callback that runs.
+  // Stops all timers. Waits for a running inline callback.
   void Stop();
 
  private:
@@ -31,7 +32,7 @@ class SessionTimers {
     std::mutex mutex;
     Names names;
   };
-  // Throws Error if a timer of that name is there.
+  // Reserves the name until the result is destroyed. Throws Error if a timer has that name.
   [[nodiscard]] std::shared_ptr<const void> Take(std::string_view name);
   [[nodiscard]] Timer Fire(Duration period, TimerCallback fire, const TimerOptions& options);
 

@@ -12,8 +12,8 @@ namespace {
 
 constexpr auto kSnapshotPeriod = std::chrono::seconds(1);
 
-// The type as it is announced. Without fingerprint, which is made of the schema: to build that costs a process that is
-// not observed half a megabyte.
+// The announced type. It has no fingerprint: that is computed from the schema, and building the schema would cost half
+// a megabyte in a process that nobody observes.
 const TypeInfo& AnnouncedType() {
   static const TypeInfo announced = [] {
     TypeInfo info;
@@ -48,12 +48,12 @@ void SnapshotPublisher::Tell() {
       outlet_->Commit(std::make_shared<Snapshot>(ToMessage(means_.count())), TypeOf<Snapshot>());
     } else {
       log_->WriteLimited(LogLevel::kWarning, "snapshots",
-                         "What this session counts was not told to anybody: a subscriber of \"" +
-                             std::string(kSnapshotsChannel) +
-                             "\" whose queue is lossless has no room. Let it subscribe with keep_last.");
+                         "The counters of this session were not published: a lossless subscriber of \"" +
+                             std::string(kSnapshotsChannel) + "\" has no room. Let it subscribe with keep_last.");
     }
   }
-  (void)telling_.exchange(false);  // In one order with TellSoon's: either of the two sees the other's subscriber.
+  (void)telling_.exchange(
+      false);  // An exchange, as in TellSoon(), so that the two are ordered: one of them sees a new subscriber.
   TellSoon(kSnapshotPeriod);
 }
 

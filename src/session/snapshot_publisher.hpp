@@ -10,15 +10,15 @@
 
 namespace hgros {
 
-// Tells other sessions once a second what this one counts, while one of them subscribes to that. Until then it is an
-// entry in what the session announces, and nothing else. While a lossless subscriber has no room nobody is told.
+// Publishes the counters of this session once per second while another session subscribes to them. Otherwise it costs
+// only an entry in the session's announcement. Nothing is published while a lossless subscriber has no room.
 //
 // Thread safety: all functions from any thread.
 class SnapshotPublisher {
  public:
   struct Means {
     std::function<SessionSnapshot()> count;
-    // Runs an errand after a while, not at once, and never after this has ended.
+    // Runs an errand after the delay, never inside the call, and never after this object has ended.
     std::function<void(std::chrono::nanoseconds, std::function<void()>)> later;
   };
 

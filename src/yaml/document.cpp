@@ -18,8 +18,8 @@
 
 namespace hgros::yaml {
 
-// Builds the tree from yaml-cpp's events and not from its own nodes: those keep no repeated keys, and a bound can only
-// be drawn here, before more of a hostile file has been read.
+// Builds the tree from yaml-cpp's events and not from its nodes. The nodes lose repeated keys. And only here can limits
+// be checked before more of a hostile file is read.
 class DocumentBuilder : public YAML::EventHandler {
  public:
   DocumentBuilder(std::string_view text, std::string name) : document_(std::move(name)), places_(text) {}
@@ -45,7 +45,8 @@ class DocumentBuilder : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (document_.root_ == nullptr) return;
     if (places_.Line(mark.line).starts_with("---")) {
-      Fail("A second document begins here; a configuration file is one.", mark, "Put it in a file of its own.");
+      Fail("A second document begins here, but a configuration file is one document.", mark,
+           "Put it in a file of its own.");
     }
     Fail("The text should have ended above this.", mark,
          "Check the indentation: a file is one map, and all its sections begin in the same column.");
@@ -72,7 +73,7 @@ class DocumentBuilder : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto target = anchors_.find(anchor);
     if (target == anchors_.end()) {
-      Fail("The alias stands within the value that it repeats.", mark, "Write out what is meant.");
+      Fail("The alias is inside the value that it repeats.", mark, "Write out what is meant.");
     }
     if (AtKey() && target->second->kind != Node::Kind::kText) FailKey(mark);
     Attach(*target->second, mark);
@@ -101,15 +102,15 @@ class DocumentBuilder : public YAML::EventHandler {
     YAML::anchor_t anchor = 0;
     YAML::Mark mark;
     bool flow = false;          // written with brackets
-    const Node* key = nullptr;  // of a map: waits for its value
+    const Node* key = nullptr;  // in a map: the key whose value comes next
   };
 
   [[noreturn]] void Fail(std::string_view what, const YAML::Mark& mark, std::string_view mend) {
     throw ConfigError(what, places_.At(document_.name(), mark.line, mark.column), mend);
   }
-  // Also what yaml-cpp makes of a bracket at the top level that is never closed.
+  // yaml-cpp also reports a bracket at the top level that is never closed as such a key.
   [[noreturn]] void FailKey(const YAML::Mark& mark) {
-    Fail("A list or map stands here as a key, but a key must be a text.", mark, "Check that every bracket is closed.");
+    Fail("A list or map is used as a key here, but a key must be a text.", mark, "Check that every bracket is closed.");
   }
 
   [[noreturn]] void FailSyntax(const YAML::Exception& error) {
@@ -123,16 +124,16 @@ class DocumentBuilder : public YAML::EventHandler {
     }
     if (message == YAML::ErrorMsg::END_OF_MAP && closed_list_ && closed_list_->line < error.mark.line &&
         closed_list_->column == error.mark.column) {
-      Fail("This line stands below the dashes of a list, but begins with none.", error.mark,
-           "If it belongs to the item above, indent it as far as the text after the dash; a further item begins with "
-           "\"- \".");
+      Fail("This line begins in the column of a list's dashes, but has no dash.", error.mark,
+           "If it belongs to the item above, indent it as far as the text after the dash. A new item begins with a "
+           "dash.");
     }
     const SyntaxFault fault = ExplainSyntaxError(message, places_.Line(error.mark.line));
     const int column = fault.byte_column.value_or(error.mark.column);
     throw ConfigError(fault.what, places_.At(document_.name(), error.mark.line, column), fault.mend);
   }
 
-  // yaml-cpp takes the end of the file for the end of a quote.
+  // yaml-cpp accepts the end of the file as the end of a quoted text.
   void RequireClosedQuote() {
     if (!last_quoted_) return;
     std::string_view rest = places_.text().substr(places_.Offset(last_quoted_->line, last_quoted_->column));
@@ -163,8 +164,7 @@ class DocumentBuilder : public YAML::EventHandler {
         if (name == known) return;
       }
     }
-    Fail("The tag " + Quoted(tag) + " means nothing here.", mark,
-         "Remove it, or put text that begins with \"!\" in quotes.");
+    Fail("The tag " + Quoted(tag) + " is not known.", mark, "Remove it, or put text that begins with \"!\" in quotes.");
   }
 
   void RequireDistinctKeys(const Node& map) {
@@ -172,7 +172,7 @@ class DocumentBuilder : public YAML::EventHandler {
     for (const Node::Entry& entry : map.entries) {
       const auto [first, fresh] = seen.emplace(entry.key->text, entry.key);
       if (fresh) continue;
-      throw ConfigError("The key " + Quoted(entry.key->text) + " stands twice in one map; first at " +
+      throw ConfigError("The key " + Quoted(entry.key->text) + " appears twice in one map; first at " +
                             document_.PositionOf(*first->second).ToString() + ".",
                         document_.PositionOf(*entry.key), "Keep one of them.");
     }
@@ -196,7 +196,7 @@ class DocumentBuilder : public YAML::EventHandler {
     RequireKnownTag(tag, mark);
     if (AtKey()) FailKey(mark);
     if (frames_.size() >= kMaxDepth) {
-      Fail("Lists and maps stand within each other more than " + std::to_string(kMaxDepth) + " deep.", mark,
+      Fail("Lists and maps are nested more than " + std::to_string(kMaxDepth) + " deep.", mark,
            "No section needs more than 8.");
     }
     last_quoted_.reset();

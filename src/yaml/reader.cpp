@@ -22,7 +22,7 @@ std::string Listed(const std::vector<std::string>& names) {
   return text;
 }
 
-// "Did you mean ...?" and what there is.
+// "Did you mean ...?" and the list of known names.
 std::string Suggestion(std::string_view name, std::vector<std::string> known, std::string_view what) {
   std::sort(known.begin(), known.end());
   const std::string nearest = name.size() <= 64 ? NearestName(name, known) : std::string();
@@ -158,7 +158,7 @@ Section::Section(const Value& map, std::string_view shape, std::span<const std::
   if (node.kind == Node::Kind::kNull) return;
   if (node.kind != Node::Kind::kMap) {
     const bool glued = node.kind == Node::Kind::kText && !node.quoted && node.text.find(':') != std::string::npos;
-    map.FailType(shape, glued ? "Put a blank after the colon of each key." : "");
+    map.FailType(shape, glued ? "Put a space after the colon of each key." : "");
   }
   const Node* before = nullptr;
   for (const Node::Entry& entry : node.entries) {

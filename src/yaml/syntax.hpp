@@ -10,10 +10,10 @@ namespace hgros::yaml {
 struct SyntaxFault {
   std::string what;
   std::string mend;
-  std::optional<int> byte_column;  ///< In the line, from 0, where it is not the place that yaml-cpp names.
+  std::optional<int> byte_column;  ///< In the line, from 0. Empty if yaml-cpp's column is right.
 };
 
-/// Puts yaml-cpp's `message` into sentences. `line` is the text of the line it speaks of.
+/// Explains yaml-cpp's `message` in sentences. `line` is the text of the line with the error.
 [[nodiscard]] SyntaxFault ExplainSyntaxError(std::string_view message, std::string_view line);
 
 }  // namespace hgros::yaml

@@ -8,13 +8,13 @@
 
 namespace hgros::yaml {
 
-/// Finds lines and columns (both from 1, columns in characters) in UTF-8 text. Places asked for in about the order of
-/// the text cost little, however long a line is.
+/// Finds lines and columns (both from 1, columns in characters) in UTF-8 text. Requests in about the order of the text
+/// are cheap, even in long lines.
 class TextPlaces {
  public:
   explicit TextPlaces(std::string_view text);
 
-  /// `line` and `byte_column` count from 0, as yaml-cpp does. Beyond the text they are the end of it.
+  /// `line` and `byte_column` count from 0, as yaml-cpp does. A position beyond the text gives its end.
   [[nodiscard]] FilePosition At(const std::string& file, int line, int byte_column);
   /// The line without its break; empty beyond the text. Counts from 0.
   [[nodiscard]] std::string_view Line(int line) const noexcept;
@@ -24,7 +24,7 @@ class TextPlaces {
  private:
   std::string_view text_;
   std::vector<std::size_t> line_starts_;
-  int line_ = 0;  // the last place that was asked for
+  int line_ = 0;  // the position of the last request
   std::size_t offset_ = 0;
   int characters_ = 0;  // of line_ before offset_
 };

@@ -27,12 +27,12 @@ TEST(ChannelName, MayNotBeEmptyOrTooLong) {
   EXPECT_EQ(ChannelNameFault(std::string(kMaxChannelNameLength + 1, 'x')), "it has 201 bytes, more than 200");
 }
 
-TEST(ChannelName, MayNotHaveBlanksOrControlCharacters) {
+TEST(ChannelName, MayNotHaveSpacesOrControlCharacters) {
   for (int c = 0; c <= 0x20; ++c) {
     const std::string name{'a', static_cast<char>(c), 'b'};
-    EXPECT_EQ(ChannelNameFault(name), "byte 2 is a blank or control character") << c;
+    EXPECT_EQ(ChannelNameFault(name), "byte 2 is a space or control character") << c;
   }
-  EXPECT_EQ(ChannelNameFault("ab\x7f"), "byte 3 is a blank or control character");
+  EXPECT_EQ(ChannelNameFault("ab\x7f"), "byte 3 is a space or control character");
 }
 
 TEST(ChannelName, MustBeUtf8) {
@@ -45,7 +45,7 @@ TEST(ChannelName, MustBeUtf8) {
       "a\xf0\x8f\xbf\xbf",  // overlong in four
       "a\xf4\x90\x80\x80",  // past U+10FFFF
       "a\xff",              // never a UTF-8 byte
-      "a\xe2\x82 ",         // a blank inside a character
+      "a\xe2\x82 ",         // a space inside a character
   };
   for (const std::string& name : bad) EXPECT_EQ(ChannelNameFault(name), "byte 2 does not begin a UTF-8 character");
 }
@@ -56,7 +56,7 @@ TEST(ChannelName, FaultIsThrownWithTheNameAndAnExample) {
     FAIL() << "nothing was thrown";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("\"two words\""));
-    EXPECT_THAT(error.what(), HasSubstr("byte 4 is a blank"));
+    EXPECT_THAT(error.what(), HasSubstr("byte 4 is a space"));
     EXPECT_THAT(error.mend(), HasSubstr("robot1/scan"));
   }
 }

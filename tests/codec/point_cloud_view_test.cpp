@@ -131,7 +131,7 @@ TEST(PointCloudView, ReportsTheInvalidFieldAndWhy) {
   cloud.mutable_fields(0)->set_offset(std::numeric_limits<std::uint32_t>::max());
   EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("begins at byte 4294967295"));
   cloud.mutable_fields(0)->set_type(static_cast<PackedElementField::NumericType>(77));
-  EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("values of type 77, which there is not"));
+  EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("values of type 77, which does not exist"));
 }
 
 TEST(PointCloudView, RefusesPartialPoints) {
@@ -139,9 +139,9 @@ TEST(PointCloudView, RefusesPartialPoints) {
   cloud.set_point_stride(0);
   EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("stride of 0"));
   cloud.set_point_stride(25);
-  EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("48 bytes are no whole number of elements of 25 bytes"));
+  EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("48 bytes are not a whole number of elements of 25 bytes"));
   cloud.set_point_stride(std::numeric_limits<std::uint32_t>::max());
-  EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("no whole number"));
+  EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("not a whole number"));
 }
 
 TEST(PointCloudView, OfZeroPointsIsEmpty) {

@@ -64,7 +64,7 @@ TEST(ConfigOfThePaper, FilesOfOneRobotMergeIntoOnePublisher) {
 TEST(ConfigOfThePaper, TheListingAsPrintedIsExplained) {
   const auto file = FixtureFile("paper_network_setting_as_printed.yaml");
   ExpectConfigError([&] { return Config::Load(file); }, file.string() + ":8:9",
-                    {"below the dashes of a list", "indent it as far as the text after the dash"});
+                    {"in the column of a list's dashes", "indent it as far as the text after the dash"});
 }
 
 TEST(Config, AnEmptyFileIsAnEmptyConfiguration) {

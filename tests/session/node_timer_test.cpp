@@ -144,7 +144,7 @@ TEST(NodeTimer, HasANameOfItsOwn) {
     (void)session->CreateTimer("control", 10ms, nothing);
     FAIL() << "two timers of one name";
   } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("has a timer \"control\" already"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("already has a timer \"control\""), std::string::npos) << e.what();
   }
   timer.Reset();
   EXPECT_FALSE(timer.active());
