@@ -7,7 +7,7 @@
 namespace hgros {
 namespace {
 
-TEST(FilePosition, LeavesOutWhatIsUnknown) {
+TEST(FilePosition, OmitsUnknownParts) {
   EXPECT_EQ((FilePosition{"net.yaml", 3, 7}).ToString(), "net.yaml:3:7");
   EXPECT_EQ((FilePosition{"net.yaml", 3, 0}).ToString(), "net.yaml:3");
   EXPECT_EQ((FilePosition{"net.yaml", 0, 7}).ToString(), "net.yaml");
@@ -21,11 +21,11 @@ TEST(Error, NamesPlaceFaultAndFix) {
   EXPECT_EQ(error.mend(), "Choose another one.");
 }
 
-TEST(Error, IsOnlyTheSentenceWithoutPlaceAndFix) {
+TEST(Error, TextIsOnlyTheSentenceWithoutPlaceAndFix) {
   EXPECT_STREQ(Error("The port is taken.").what(), "The port is taken.");
 }
 
-TEST(Error, KeepsItsPartsWhenCopiedAsThrowingDoes) {
+TEST(Error, KeepsItsPartsWhenCopied) {
   Error copy("");
   {
     const Error original("What.", "where", "Mend.");

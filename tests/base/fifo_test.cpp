@@ -9,7 +9,7 @@
 namespace hgros {
 namespace {
 
-TEST(Fifo, GivesBackWhatWasPutInOrderAsADequeDoes) {
+TEST(Fifo, AgreesWithADequeUnderRandomOperations) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     std::mt19937 random(seed);
     Fifo<std::shared_ptr<int>> fifo;

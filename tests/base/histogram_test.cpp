@@ -112,7 +112,7 @@ TEST(LogHistogram, AgreesWithASortedVector) {
   }
 }
 
-TEST(LogHistogram, MergedIsWhatOneHistogramWouldHaveCounted) {
+TEST(LogHistogram, MergeEqualsOneHistogramOfAllValues) {
   const auto seed = std::random_device{}();
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);

@@ -24,7 +24,7 @@ TEST(SessionId, ReadsBackWhatItWrites) {
   }
 }
 
-TEST(SessionId, ReadsNothingElse) {
+TEST(SessionId, RefusesOtherTexts) {
   for (const char* text : {"", "1", "fedcba987654321", "fedcba98765432100", "FEDCBA9876543210", "0xdcba9876543210",
                            "fedcba987654321g", " edcba9876543210", "-edcba9876543210"}) {
     EXPECT_EQ(SessionId::FromString(text), SessionId{}) << text;

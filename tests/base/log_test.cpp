@@ -54,7 +54,7 @@ TEST(Log, WritesOncePerKeyAndInterval) {
   EXPECT_THAT(recorder.lines, ElementsAre("A.", "B."));
 }
 
-TEST(Log, AddsHowManyWereHeldBackToTheNextThatPasses) {
+TEST(Log, AddsTheNumberOfSuppressedLinesToTheNextLine) {
   Recorder recorder;
   Log log(recorder.Sink());
   for (int i = 0; i < 4; ++i) log.WriteLimited(LogLevel::kWarning, "a", "A.", hours(1));

@@ -68,7 +68,7 @@ struct Inflow {
 
 using Texts = std::vector<std::string>;
 
-TEST(ChannelInlet, DoesNotRunAnInlineNodeThatHasComeSinceAcceptOnTheTransportsThread) {
+TEST(ChannelInlet, DoesNotRunAnInlineNodeThatCameAfterAcceptOnTheTransportsThread) {
   for (const std::uint32_t latched : {0U, 5U}) {
     Inflow<foxglove::Log> inflow;
     ASSERT_EQ(inflow.Accept("1", latched), Accepted::kRunHere);
@@ -86,7 +86,7 @@ TEST(ChannelInlet, DoesNotRunAnInlineNodeThatHasComeSinceAcceptOnTheTransportsTh
   }
 }
 
-TEST(ChannelInlet, DoesNotDecodeALargeMessageOnTheTransportsThreadThatCameBehindASmallOne) {
+TEST(ChannelInlet, DoesNotDecodeALargeMessageBehindASmallOneOnTheTransportsThread) {
   Inflow<foxglove::Log> inflow;
   ASSERT_EQ(inflow.Accept("1"), Accepted::kRunHere);
   const std::string large(1 << 20, 'x');
@@ -98,7 +98,7 @@ TEST(ChannelInlet, DoesNotDecodeALargeMessageOnTheTransportsThreadThatCameBehind
   EXPECT_EQ(inflow.got, Texts{large});
 }
 
-TEST(ChannelInlet, LeavesOtherErrandsTheirTurn) {
+TEST(ChannelInlet, LetsOtherErrandsRunInBetween) {
   Inflow<foxglove::Log> inflow;
   ASSERT_EQ(inflow.Accept("1"), Accepted::kRunHere);
   const auto subscription = inflow.Listen();
@@ -111,7 +111,7 @@ TEST(ChannelInlet, LeavesOtherErrandsTheirTurn) {
   EXPECT_EQ(inflow.got.back(), "100");
 }
 
-TEST(ChannelInlet, ForgetsWhatWasHandedOverWhenItIsDetachedAndThenStartsAnew) {
+TEST(ChannelInlet, ForgetsHandedOverMessagesWhenDetachedAndStartsAgain) {
   Inflow<foxglove::Log> inflow;
   ASSERT_EQ(inflow.Accept("1"), Accepted::kRunHere);
   const auto subscription = inflow.Listen();
@@ -123,7 +123,7 @@ TEST(ChannelInlet, ForgetsWhatWasHandedOverWhenItIsDetachedAndThenStartsAnew) {
   EXPECT_EQ(inflow.Accept("3"), Accepted::kRunApart);
 }
 
-TEST(ChannelInlet, RunsTheUsersCodecApartThoughItsBytesAreProtobuf) {
+TEST(ChannelInlet, RunsAUserCodecOffTheTransportsThreadEvenForProtobufBytes) {
   Inflow<test::Line> inflow;
   EXPECT_EQ(inflow.Accept("1"), Accepted::kRunApart);
 }

@@ -20,7 +20,7 @@ ChannelTraffic TrafficOf(const Robot& robot, const std::string& channel) {
   return {};
 }
 
-TEST(ChannelTraffic, CountsWhatASlowKeepLastSessionMisses) {
+TEST(ChannelTraffic, CountsMessagesThatASlowKeepLastSubscriberMisses) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -48,7 +48,7 @@ TEST(ChannelTraffic, CountsWhatASlowKeepLastSessionMisses) {
   EXPECT_EQ(TrafficOf(talker, "notes").out.dropped, TrafficOf(listener, "notes").in[0].lost);
 }
 
-TEST(ChannelTraffic, CountsWhatCannotBeWrittenAndWhatCannotBeRead) {
+TEST(ChannelTraffic, CountsMessagesThatCannotBeEncodedOrDecoded) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -68,7 +68,7 @@ TEST(ChannelTraffic, CountsWhatCannotBeWrittenAndWhatCannotBeRead) {
   EXPECT_TRUE(listener.Said("notes"));
 }
 
-TEST(ChannelTraffic, MeasuresTheWayBetweenProcesses) {
+TEST(ChannelTraffic, MeasuresTheTransportTimeOfEachMessage) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));

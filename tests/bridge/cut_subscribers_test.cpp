@@ -35,7 +35,7 @@ void Push(CutSubscribers& cut, std::uint64_t sequence) {
   cut.Push(message.head, message.data);
 }
 
-TEST(CutSubscribers, GetWhatTheyHadNotConfirmedAndWhatCameSinceOnce) {
+TEST(CutSubscribers, GetUnconfirmedAndNewMessagesOnce) {
   CutSubscribers cut;
   (void)cut.Add(kOne, {}, {Numbered(3), Numbered(4)});
   (void)cut.Add(kTwo, {}, {});
@@ -64,7 +64,7 @@ TEST(CutSubscribers, HaveRoomForTheirCredit) {
   EXPECT_FALSE(cut.HasRoom()) << "forty bytes for the other";
 }
 
-TEST(CutSubscribers, AnEarlierCutsEndDoesNotDropALaterOne) {
+TEST(CutSubscribers, EndOfAnEarlierCutDoesNotDropALaterOne) {
   CutSubscribers cut;
   const std::uint64_t first = cut.Add(kOne, {}, {Numbered(1)});
   (void)cut.Take(kOne);
@@ -154,7 +154,7 @@ class LostTransport : public test::DomainFixture {
   FragileListener listener{std::getenv("HGROS_DOMAIN"), talker->id(), bus.Endpoint("talker")};
 };
 
-TEST_F(LostTransport, KeepsWhatALosslessSubscriberHasNotConfirmedUntilItIsBackOverAnother) {
+TEST_F(LostTransport, KeepsUnconfirmedMessagesUntilTheSubscriberIsBackOverAnotherTransport) {
   Publish(8);
   ASSERT_TRUE(Await([&] { return listener.numbers().size() == 8; }));
   listener.EndShm();
@@ -170,7 +170,7 @@ TEST_F(LostTransport, KeepsWhatALosslessSubscriberHasNotConfirmedUntilItIsBackOv
   EXPECT_EQ(sent().missed, 0U);
 }
 
-TEST_F(LostTransport, OfOneThatHasLeftIsCountedAsMissedAndHoldsNobodyBack) {
+TEST_F(LostTransport, CountsUnconfirmedMessagesAsMissedWhenTheSubscriberLeaves) {
   Publish(8);
   ASSERT_TRUE(Await([&] { return listener.numbers().size() == 8; }));
   listener.EndShm();

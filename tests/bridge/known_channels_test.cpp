@@ -13,7 +13,7 @@ using test::kSerial;
 
 class KnownChannels : public test::ObservedFixture {};
 
-TEST_P(KnownChannels, TellWhoPublishesWhatBeforeAndAfterTheSessionsMeet) {
+TEST_P(KnownChannels, ListPublishersFromBeforeAndAfterTheSessionsConnect) {
   robot.emplace(PublisherYaml(), "robot");
   const auto before = robot->session->Advertise<Vector3>("before");
   observer.emplace(ObserverYaml(), "observer");
@@ -34,7 +34,7 @@ TEST_P(KnownChannels, TellWhoPublishesWhatBeforeAndAfterTheSessionsMeet) {
   EXPECT_EQ(Known("after")->type_name, "foxglove.Log");
 }
 
-TEST_P(KnownChannels, ASubscriberIsNoPublisher) {
+TEST_P(KnownChannels, DoNotListASubscriberAsAPublisher) {
   Begin();
   const auto subscription = robot->session->FromAny<Vector3>("wanted", kSerial, [](const Vector3&) {});
   const auto publish = robot->session->Advertise<Vector3>("other");
@@ -47,7 +47,7 @@ TEST_P(KnownChannels, ASubscriberIsNoPublisher) {
   EXPECT_FALSE(IsPublished("wanted"));
 }
 
-TEST_P(KnownChannels, APublisherKnowsWhoSubscribes) {
+TEST_P(KnownChannels, ShowAPublisherItsSubscribers) {
   Begin();
   const auto publish = robot->session->Advertise<Vector3>("v");
   std::optional<Subscription> subscription =
@@ -65,7 +65,7 @@ TEST_P(KnownChannels, APublisherKnowsWhoSubscribes) {
   EXPECT_TRUE(Await([&] { return subscribers().empty(); }));
 }
 
-TEST_P(KnownChannels, GoWithTheirSession) {
+TEST_P(KnownChannels, DisappearWithTheirSession) {
   Begin();
   std::optional<Publisher<Vector3>> publish = robot->session->Advertise<Vector3>("v");
   ASSERT_TRUE(Await([&] { return IsPublished("v"); }));
@@ -74,7 +74,7 @@ TEST_P(KnownChannels, GoWithTheirSession) {
   EXPECT_TRUE(Await([&] { return !IsPublished("v"); }));
 }
 
-TEST_P(KnownChannels, ThatChangeAreToldOf) {
+TEST_P(KnownChannels, ReportChanges) {
   Begin();
   std::atomic<int> told{0};
   const auto subscription = observer->session->FromGraph<ChannelsChanged>(kChannelEventsChannel, kSerial,
@@ -87,7 +87,7 @@ TEST_P(KnownChannels, ThatChangeAreToldOf) {
   }
 }
 
-TEST_P(KnownChannels, IncludeTheSessionsOwn) {
+TEST_P(KnownChannels, IncludeTheSessionsOwnChannels) {
   Begin();
   const auto publish = observer->session->Advertise<Vector3>("mine");
   const auto subscription = observer->session->FromAnyRaw("any", kSerial, [](const RawMessage&) {});
@@ -99,12 +99,12 @@ TEST_P(KnownChannels, IncludeTheSessionsOwn) {
 
 INSTANTIATE_TEST_SUITE_P(Over, KnownChannels, testing::Values("sharedmemory", "ipc", "tcp"), test::TransportName);
 
-TEST(KnownChannelsAlone, WhoMistakesTheTypeOfTheirEventsIsToldAtOnce) {
+TEST(KnownChannelsAlone, RefuseASubscriptionToTheirEventsWithAWrongType) {
   test::Robot robot("discovery: {local: false}\n");
   EXPECT_THROW((void)robot->FromGraph<PeerEvent>(kChannelEventsChannel, kSerial, [](const PeerEvent&) {}), Error);
 }
 
-TEST(KnownChannelsAlone, AreTheOwnOnes) {
+TEST(KnownChannelsAlone, AreTheSessionsOwnChannels) {
   test::Robot robot("discovery: {local: false}\n");
   EXPECT_TRUE(robot->Channels().empty());
   (void)robot->Advertise<Vector3>("v");

@@ -70,13 +70,13 @@ TEST_F(LanDiscovery, SessionsOfTwoHostsFindEachOther) {
   EXPECT_EQ(peers[0].transport, "ZeroMQ");
 }
 
-TEST_F(LanDiscovery, IsOffUnlessAskedFor) {
+TEST_F(LanDiscovery, IsOffByDefault) {
   Listener listener(cable->right, kLan);
   Talker talker(cable->left, "discovery: {local: false}\nnetwork: {publisher: {ip: 'tcp://*:5553'}}");
   EXPECT_FALSE((*talker.robot)->WaitForSubscribers("notes", 1, std::chrono::milliseconds(500)));
 }
 
-TEST_F(LanDiscovery, TheListOfThePublishersEndpointHolds) {
+TEST_F(LanDiscovery, ChannelListOfThePublishersEndpointApplies) {
   Listener listener(cable->right, kLan);
   Talker talker(cable->left, std::string(kLan) + "network: {publisher: {ip: 'tcp://*:5553', channels: [poses]}}");
   (void)(*talker.robot)->Advertise<Note>("poses");
@@ -87,7 +87,7 @@ TEST_F(LanDiscovery, TheListOfThePublishersEndpointHolds) {
 }
 
 // By the folder of the host, by an endpoint in the configuration, under another name of it, and by the beacon.
-TEST_F(LanDiscovery, APeerThatIsFoundInEveryWayIsOnePeerAndNothingComesTwice) {
+TEST_F(LanDiscovery, PeerThatIsFoundInEveryWayIsOnePeerAndMessagesArriveOnce) {
   ASSERT_TRUE(test::Ip("-n " + cable->left + " addr add 10.198.0.3/24 dev " + cable->left_interface));
   Listener listener(cable->right,
                     "discovery: {lan: true}\nnetwork: {subscribers: [{ip: 'tcp://10.198.0.1:5553'}, "
@@ -104,7 +104,7 @@ TEST_F(LanDiscovery, APeerThatIsFoundInEveryWayIsOnePeerAndNothingComesTwice) {
   EXPECT_EQ((*talker.robot)->Snapshot().traffic.at(0).out.subscribers, 1U);
 }
 
-TEST_F(LanDiscovery, WhoIsNoLongerHeardIsDisconnectedFromAndFoundAgain) {
+TEST_F(LanDiscovery, PeerThatFallsSilentIsDisconnectedAndFoundAgain) {
   Listener listener(cable->right, kLan);
   Talker talker(cable->left, kLan);
   ASSERT_TRUE((*talker.robot)->WaitForSubscribers("notes", 1, kPatience));
@@ -119,7 +119,7 @@ TEST_F(LanDiscovery, WhoIsNoLongerHeardIsDisconnectedFromAndFoundAgain) {
   EXPECT_TRUE(Await([&] { return listener.notes.size() == 5; }));
 }
 
-TEST_F(LanDiscovery, AnEndpointMayBeNamedAndTakenBackWhileTheBeaconHearsIt) {
+TEST_F(LanDiscovery, EndpointCanBeAddedAndRemovedWhileTheBeaconHearsIt) {
   Listener listener(cable->right, kLan);
   Talker talker(cable->left, std::string(kLan) + "network: {publisher: {ip: 'tcp://*:5553'}}");
   ASSERT_TRUE((*talker.robot)->WaitForSubscribers("notes", 1, kPatience));

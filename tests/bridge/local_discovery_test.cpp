@@ -57,7 +57,7 @@ TEST_F(LocalDiscovery, MessagesGoBothWaysOnOneChannelWithoutEcho) {
   EXPECT_EQ(at_two.texts(), at_one.texts());
 }
 
-TEST_F(LocalDiscovery, DomainsKeepRobotsApart) {
+TEST_F(LocalDiscovery, SessionsOfDifferentDomainsDoNotFindEachOther) {
   Robot listener("");
   Notes notes;
   const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
@@ -67,7 +67,7 @@ TEST_F(LocalDiscovery, DomainsKeepRobotsApart) {
   EXPECT_FALSE(stranger->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
 }
 
-TEST_F(LocalDiscovery, TheDomainMayStandInTheConfiguration) {
+TEST_F(LocalDiscovery, DomainCanBeSetInTheConfiguration) {
   setenv("HGROS_DOMAIN", "", 1);
   const std::string yaml = "discovery: {domain: test-" + SessionId::Random().ToString() + "}";
   Robot talker(yaml), listener(yaml);
@@ -77,7 +77,7 @@ TEST_F(LocalDiscovery, TheDomainMayStandInTheConfiguration) {
   EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
 }
 
-TEST_F(LocalDiscovery, ADomainThatCannotBeIsRefused) {
+TEST_F(LocalDiscovery, InvalidDomainIsRefused) {
   Enter("../etc");
   try {
     Robot robot("");
@@ -96,7 +96,7 @@ TEST_F(LocalDiscovery, CanBeSwitchedOff) {
   EXPECT_FALSE(hermit->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
 }
 
-TEST_F(LocalDiscovery, CanBeNarrowedToSomeProcesses) {
+TEST_F(LocalDiscovery, CanBeLimitedToNamedProcesses) {
   Robot talker("discovery: {local: [friend]}", "talker");
   Robot stranger("", "stranger");
   Robot close("", "friend");
@@ -118,7 +118,7 @@ TEST_F(LocalDiscovery, CanBeNarrowedToSomeProcesses) {
   EXPECT_EQ(at_stranger.size(), 0U);
 }
 
-TEST_F(LocalDiscovery, SaysWhoCameOverWhatAndWhyItWent) {
+TEST_F(LocalDiscovery, LogsPeersWithTransportAndTheReasonOfTheirEnd) {
   Robot listener("", "listener");
   Notes notes;
   const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
@@ -144,7 +144,7 @@ TEST_F(LocalDiscovery, SaysWhoCameOverWhatAndWhyItWent) {
 }
 
 // Under ThreadSanitizer it shows who looks at what another makes.
-TEST_F(LocalDiscovery, EndpointsMayComeWhileSessionsComeAndGo) {
+TEST_F(LocalDiscovery, EndpointsCanBeAddedWhileSessionsComeAndGo) {
   const Bus bus;
   for (int round = 0; round < 5; ++round) {
     Robot steady("");
@@ -165,7 +165,7 @@ TEST_F(LocalDiscovery, EndpointsMayComeWhileSessionsComeAndGo) {
   }
 }
 
-TEST_F(LocalDiscovery, AnOutsideObserverLeavesPointerPassingAsItWas) {
+TEST_F(LocalDiscovery, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
   Robot robot("");
   const Note* seen = nullptr;
   const auto subscription = robot->FromAny<Note>(
@@ -194,7 +194,7 @@ TEST_F(LocalDiscovery, AnOutsideObserverLeavesPointerPassingAsItWas) {
   }
 }
 
-TEST_F(LocalDiscovery, APeerThatIsFoundTwiceIsOnePeerAndSharedMemoryCarries) {
+TEST_F(LocalDiscovery, PeerThatIsFoundTwiceIsOnePeerOverSharedMemory) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -239,7 +239,7 @@ TEST_F(LocalDiscovery, LosslessMessagesAllArriveInOrder) {
   EXPECT_TRUE(ordered);
 }
 
-TEST_F(LocalDiscovery, LatchedMessagesReachWhoComesLater) {
+TEST_F(LocalDiscovery, LatchedMessagesReachALateSubscriber) {
   Robot talker("");
   const auto publish = talker->Advertise<Note>("map", {.latched = 2});
   for (const char* text : {"1", "2", "3"}) publish(std::make_unique<Note>(text));
@@ -250,7 +250,7 @@ TEST_F(LocalDiscovery, LatchedMessagesReachWhoComesLater) {
   EXPECT_EQ(notes.texts(), (std::vector<std::string>{"2", "3"}));
 }
 
-TEST_F(LocalDiscovery, WhoComesBackIsFoundAgain) {
+TEST_F(LocalDiscovery, SessionThatReturnsIsFoundAgain) {
   Robot listener("");
   Notes notes;
   const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
@@ -263,7 +263,7 @@ TEST_F(LocalDiscovery, WhoComesBackIsFoundAgain) {
   }
 }
 
-TEST_F(LocalDiscovery, DifferentTypesAreSaidOnBothSides) {
+TEST_F(LocalDiscovery, TypeMismatchIsLoggedOnBothSides) {
   Robot talker(""), listener("");
   Notes notes;
   const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
@@ -271,7 +271,7 @@ TEST_F(LocalDiscovery, DifferentTypesAreSaidOnBothSides) {
   EXPECT_TRUE(Await([&] { return talker.Said("different types") && listener.Said("different types"); }));
 }
 
-TEST_F(LocalDiscovery, ALoanedBlockIsReadWhereItWasWritten) {
+TEST_F(LocalDiscovery, LoanedBlockIsReadInPlace) {
   Robot talker(""), listener("");
   std::mutex mutex;
   std::shared_ptr<const Block> received;
@@ -297,7 +297,7 @@ TEST_F(LocalDiscovery, ALoanedBlockIsReadWhereItWasWritten) {
   received.reset();
 }
 
-TEST_F(LocalDiscovery, ALoanForNobodyIsOrdinaryMemory) {
+TEST_F(LocalDiscovery, LoanWithoutASubscriberIsHeapMemory) {
   Robot talker("");
   const auto publish = talker->Advertise<Block>("blocks");
   auto loan = talker->Loan<Block>("blocks", 100);
@@ -305,7 +305,7 @@ TEST_F(LocalDiscovery, ALoanForNobodyIsOrdinaryMemory) {
   EXPECT_EQ(publish(std::move(loan)), PublishStatus::kOk);
 }
 
-TEST_F(LocalDiscovery, WithoutSharedMemoryLeftMessagesStillArrive) {
+TEST_F(LocalDiscovery, MessagesArriveWhenSharedMemoryIsUsedUp) {
   Robot talker("shared_memory: {limit_bytes: 0}"), listener("");
   Notes notes;
   const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));

@@ -48,14 +48,14 @@ class PeerTransportsOfOne : public testing::Test, public TransportListener {
   int gone = 0;
 };
 
-TEST_F(PeerTransportsOfOne, OneTransportHasAllChannelsOfNoRule) {
+TEST_F(PeerTransportsOfOne, ChannelsWithoutARuleUseOneTransport) {
   PeerTransports transports = Ruled({});
   EXPECT_TRUE(transports.Take(peer, "a", kZmq));
   EXPECT_FALSE(transports.Take(peer, "b", kShm));
   EXPECT_TRUE(transports.Take(peer, "b", kZmq));
 }
 
-TEST_F(PeerTransportsOfOne, AnExpectedOneIsLeftToSharedMemoryExceptForWhatMayNotPassThere) {
+TEST_F(PeerTransportsOfOne, SharedMemoryIsAwaitedExceptForChannelsThatMayNotUseIt) {
   PeerTransports transports = Ruled({{"ours", kOnlyZmq}});
   transports.Found(peer, kOnlyShm, {{"theirs", kOnlyZmq}});
   EXPECT_FALSE(transports.Take(peer, "a", kZmq));
@@ -65,14 +65,14 @@ TEST_F(PeerTransportsOfOne, AnExpectedOneIsLeftToSharedMemoryExceptForWhatMayNot
   EXPECT_TRUE(transports.Take(peer, "a", kShm));
 }
 
-TEST_F(PeerTransportsOfOne, WhatIsForSharedMemoryStaysThereWhateverCarriesTheRest) {
+TEST_F(PeerTransportsOfOne, SharedMemoryChannelStaysThereWhileOthersUseZeroMq) {
   PeerTransports transports = Ruled({{"ours", kOnlyShm}});
   EXPECT_TRUE(transports.Take(peer, "a", kZmq));
   EXPECT_FALSE(transports.Take(peer, "ours", kZmq));
   EXPECT_TRUE(transports.Take(peer, "ours", kShm));
 }
 
-TEST_F(PeerTransportsOfOne, WhatHasNothingInCommonUsesNoTransport) {
+TEST_F(PeerTransportsOfOne, ChannelWithoutACommonTransportUsesNone) {
   PeerTransports transports = Ruled({{"a", kOnlyShm}});
   transports.Found(peer, kOnlyShm, {{"a", kOnlyZmq}});
   EXPECT_FALSE(transports.Take(peer, "a", kShm));
@@ -80,7 +80,7 @@ TEST_F(PeerTransportsOfOne, WhatHasNothingInCommonUsesNoTransport) {
   EXPECT_TRUE(transports.Allowed(peer, "a").empty());
 }
 
-TEST_F(PeerTransportsOfOne, RulesChangeWithWhatIsAnnounced) {
+TEST_F(PeerTransportsOfOne, RulesFollowThePeersAnnouncements) {
   PeerTransports transports = Ruled({});
   EXPECT_FALSE(transports.SetRules(peer, {{"a", kOnlyZmq}})) << "nobody is known";
   transports.Found(peer, kOnlyShm, {});
@@ -91,7 +91,7 @@ TEST_F(PeerTransportsOfOne, RulesChangeWithWhatIsAnnounced) {
   EXPECT_EQ(transports.Allowed(peer, "a"), list.all());
 }
 
-TEST_F(PeerTransportsOfOne, TheReasonForATransportIsSaid) {
+TEST_F(PeerTransportsOfOne, ReasonForTheTransportIsReported) {
   PeerTransports transports = Ruled({});
   (void)transports.Came(info, kZmq);
   EXPECT_EQ(Why(transports), "ZeroMQ: not found on this host");
@@ -114,7 +114,7 @@ TEST_F(PeerTransportsOfOne, TheReasonForATransportIsSaid) {
   EXPECT_EQ(Why(alone), "ZeroMQ: sessions of this host are not looked for");
 }
 
-TEST_F(PeerTransportsOfOne, LateSharedMemoryGetsOneChannelAfterTheOther) {
+TEST_F(PeerTransportsOfOne, LateSharedMemoryTakesOverOneChannelAfterTheOther) {
   PeerTransports transports = Ruled({{"ruled", kOnlyZmq}});
   EXPECT_TRUE(transports.Take(peer, "a", kZmq));
   EXPECT_FALSE(transports.Came(info, kZmq));
@@ -135,7 +135,7 @@ TEST_F(PeerTransportsOfOne, LateSharedMemoryGetsOneChannelAfterTheOther) {
   EXPECT_EQ(Why(transports), "shared memory: same host");
 }
 
-TEST_F(PeerTransportsOfOne, WhatRemainsInTheMiddleOfAMoveHasAllChannels) {
+TEST_F(PeerTransportsOfOne, RemainingTransportGetsAllChannelsWhenTheOtherIsLostDuringAMove) {
   for (const TransportIndex lost : {kShm, kZmq}) {
     PeerTransports transports = Ruled({});
     EXPECT_TRUE(transports.Take(peer, "a", kZmq));
@@ -180,7 +180,7 @@ class ThreeTransportsToOne : public PeerTransportsOfOne {
   std::optional<PeerTransports> transports;
 };
 
-TEST_F(ThreeTransportsToOne, TheCheapestThatReachesItIsUsedWhicheverAsksFirst) {
+TEST_F(ThreeTransportsToOne, CheapestTransportIsUsedWhicheverAsksFirst) {
   transports.emplace(three, *this, log, TransportRules(), true, "here");
   transports->Found(peer, {kLoop, kMemory}, {});
   EXPECT_FALSE(transports->Came(info, kNetwork));
@@ -194,7 +194,7 @@ TEST_F(ThreeTransportsToOne, TheCheapestThatReachesItIsUsedWhicheverAsksFirst) {
   EXPECT_EQ(Why(*transports), "shared memory: same host");
 }
 
-TEST_F(ThreeTransportsToOne, OneMoveFollowsTheOther) {
+TEST_F(ThreeTransportsToOne, SecondMoveFollowsTheFirst) {
   Start({kMemory, kNetwork});
   const auto first = transports->Came(info, kMemory);
   ASSERT_TRUE(first);
@@ -217,7 +217,7 @@ TEST_F(ThreeTransportsToOne, OneMoveFollowsTheOther) {
   EXPECT_EQ(TakenBy("a"), "loop ");
 }
 
-TEST_F(ThreeTransportsToOne, WhenOneIsLostTheCheapestOfTheOthersTakesOver) {
+TEST_F(ThreeTransportsToOne, CheapestRemainingTransportTakesOverWhenOneIsLost) {
   Start({kLoop, kNetwork});
   for (const TransportIndex cheaper : {kMemory, kLoop}) {
     const auto move = transports->Came(info, cheaper);
@@ -239,7 +239,7 @@ TEST_F(ThreeTransportsToOne, WhenOneIsLostTheCheapestOfTheOthersTakesOver) {
   EXPECT_EQ(gone, 1);
 }
 
-TEST_F(ThreeTransportsToOne, AMoveWhoseNewTransportIsLostGoesToAnotherOne) {
+TEST_F(ThreeTransportsToOne, AnotherMoveBeginsWhenTheNewTransportIsLost) {
   Start({kNetwork});
   ASSERT_TRUE(transports->Came(info, kLoop));
   transports->OpenMove(peer);

@@ -163,7 +163,7 @@ class ThreeTransports : public test::DomainFixture {
   std::optional<Checking> check;
 };
 
-TEST_F(ThreeTransports, TheCheapestIsUsed) {
+TEST_F(ThreeTransports, CheapestTransportIsUsed) {
   gates.loop.Open();
   gates.pipe.Open();
   Start();
@@ -173,7 +173,7 @@ TEST_F(ThreeTransports, TheCheapestIsUsed) {
   EXPECT_EQ(check->repeated, 0U);
 }
 
-TEST_F(ThreeTransports, MessagesMoveToACheaperOneAndOnToTheCheapestWithoutLoss) {
+TEST_F(ThreeTransports, MessagesMoveToACheaperTransportAndThenToTheCheapestWithoutLoss) {
   Start();
   EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ" && check->last > 100; }));
   gates.pipe.Open();
@@ -185,7 +185,7 @@ TEST_F(ThreeTransports, MessagesMoveToACheaperOneAndOnToTheCheapestWithoutLoss) 
   ExpectAll();
 }
 
-TEST_F(ThreeTransports, ASecondCheaperOneThatComesDuringAMoveIsNextWithoutLoss) {
+TEST_F(ThreeTransports, TransportThatComesDuringAMoveIsUsedNextWithoutLoss) {
   Start();
   EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ" && check->last > 100; }));
   gates.pipe.Open();
@@ -212,7 +212,7 @@ TEST_F(ThreeTransports, MessagesFallBackToTheNextCheapestWhenOneBreaksWithoutLos
   ExpectAll();
 }
 
-TEST_F(ThreeTransports, ARuleLeavesAChannelToTheOthers) {
+TEST_F(ThreeTransports, RuleKeepsAChannelOnTheOtherTransports) {
   gates.loop.Open();
   gates.pipe.Open();
   Start({{"numbers", std::vector<std::string>{"pipe", "zmq"}}});

@@ -30,7 +30,7 @@ TEST(ListOfTransports, TurnsKeysIntoSets) {
 
 TEST(ListOfTransports, RefusesTwoWithOneKey) { EXPECT_THROW(TransportList({Named("a", 1), Named("a", 2)}), Error); }
 
-TEST(SetOfTransports, KnowsItsCheapest) {
+TEST(SetOfTransports, ReturnsItsCheapest) {
   const TransportSet set{1, 4};
   EXPECT_EQ(set.cheapest(), 1U);
   EXPECT_EQ(set.CheaperThan(4), TransportSet{1});

@@ -76,7 +76,7 @@ TEST(MoveOfTransport, WaitsForTheOldTransportAndThenDropsItsRepeats) {
   EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
 }
 
-TEST(MoveOfTransport, GoesOnWhenTheOldTransportHasEnded) {
+TEST(MoveOfTransport, ContinuesWhenTheOldTransportHasEnded) {
   TransportMove move({.from = kZmq, .to = kShm});
   EXPECT_TRUE(move.Arrive(Numbered(3), kShm).empty());
   EXPECT_EQ(move.Finish().size(), 1U);
@@ -173,7 +173,7 @@ class MovingPeer : public test::DomainFixture {
   std::optional<LateTalker> talker;
 };
 
-TEST_F(MovingPeer, ThatSharesMemoryLateIsMovedThereWhileMessagesFlowAndLosesNone) {
+TEST_F(MovingPeer, MovesToLateSharedMemoryWhileMessagesFlowWithoutLoss) {
   ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
   talker->ShareMemoryWith((*listener)->id());
   SayUntil([&] { return UsedTransport() == "shared memory"; });
@@ -183,7 +183,7 @@ TEST_F(MovingPeer, ThatSharesMemoryLateIsMovedThereWhileMessagesFlowAndLosesNone
   EXPECT_TRUE(listener->Said("is reached through shared memory now; its messages move there."));
 }
 
-TEST_F(MovingPeer, ThatSaysNothingIsMovedAllTheSame) {
+TEST_F(MovingPeer, MovesToLateSharedMemoryWithoutMessages) {
   ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
   talker->ShareMemoryWith((*listener)->id());
   EXPECT_TRUE(Await([&] { return UsedTransport() == "shared memory" && talker->subscribers() == 1; }));
@@ -191,7 +191,7 @@ TEST_F(MovingPeer, ThatSaysNothingIsMovedAllTheSame) {
   ExpectAll();
 }
 
-TEST_F(MovingPeer, WhoseOldTransportEndsLosesNoneThatWasWaiting) {
+TEST_F(MovingPeer, LosesNoWaitingMessageWhenTheOldTransportEnds) {
   ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
   talker->ShareMemoryWith((*listener)->id());
   SayUntil([&] { return talker->subscribers() == 2 || UsedTransport() == "shared memory"; });
@@ -202,7 +202,7 @@ TEST_F(MovingPeer, WhoseOldTransportEndsLosesNoneThatWasWaiting) {
   ExpectAll();
 }
 
-TEST_F(MovingPeer, WhoseNewTransportEndsIsReceivedFromOverTheOldOne) {
+TEST_F(MovingPeer, ReturnsToTheOldTransportWhenTheNewOneEnds) {
   ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
   talker->ShareMemoryWith((*listener)->id());
   SayUntil([&] { return UsedTransport() == "shared memory"; });

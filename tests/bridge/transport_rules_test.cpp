@@ -29,7 +29,7 @@ class RulesOfTransports : public test::DomainFixture {
   }
 };
 
-TEST_F(RulesOfTransports, AChannelThatMayNotPassSharedMemoryTakesZeroMqOnceWhoeverSaysSo) {
+TEST_F(RulesOfTransports, ChannelUsesZeroMqWhicheverSideExcludesSharedMemory) {
   struct Case {
     std::string here, there;
   };
@@ -58,7 +58,7 @@ TEST_F(RulesOfTransports, AChannelThatMayNotPassSharedMemoryTakesZeroMqOnceWhoev
   }
 }
 
-TEST_F(RulesOfTransports, AChannelForSharedMemoryGoesToNobodyElse) {
+TEST_F(RulesOfTransports, ChannelForSharedMemoryUsesNoOtherTransport) {
   const Bus bus;
   Robot talker(bus.Publishing("a") + Rule("shared_memory"));
   Robot near("");
@@ -76,7 +76,7 @@ TEST_F(RulesOfTransports, AChannelForSharedMemoryGoesToNobodyElse) {
   EXPECT_EQ(far_scans.size(), 0U);
 }
 
-TEST_F(RulesOfTransports, WhatTwoSessionsHaveNotInCommonIsSaidOnce) {
+TEST_F(RulesOfTransports, ChannelWithoutACommonTransportIsLoggedOnce) {
   const Bus bus;
   Robot talker(bus.Publishing("a") + Rule("zmq"));
   Robot listener(bus.Subscribing("a") + Rule("shared_memory"));
@@ -89,7 +89,7 @@ TEST_F(RulesOfTransports, WhatTwoSessionsHaveNotInCommonIsSaidOnce) {
   EXPECT_FALSE(talker->WaitForSubscribers("scan", 1, std::chrono::milliseconds(1)));
 }
 
-TEST_F(RulesOfTransports, ThatNoEndpointLeadsToTheOtherIsSaid) {
+TEST_F(RulesOfTransports, ChannelForZeroMqWithoutAnEndpointIsLogged) {
   Robot talker(Rule("zmq"));
   Robot listener("");
   Notes notes;
@@ -98,7 +98,7 @@ TEST_F(RulesOfTransports, ThatNoEndpointLeadsToTheOtherIsSaid) {
   EXPECT_TRUE(Await([&] { return listener.Said("allow ZeroMQ only, which does not reach that session"); }));
 }
 
-TEST_F(RulesOfTransports, AChannelForSharedMemoryWithoutAnyIsSaid) {
+TEST_F(RulesOfTransports, ChannelForSharedMemoryIsLoggedInASessionWithoutIt) {
   Robot hermit("discovery: {local: false}\n" + Rule("shared_memory"));
   const Bus bus;
   hermit->AddPublisherEndpoint({bus.Endpoint("a"), {}, true});
@@ -106,7 +106,7 @@ TEST_F(RulesOfTransports, AChannelForSharedMemoryWithoutAnyIsSaid) {
   EXPECT_TRUE(hermit.Said("Channel \"scan\" stays in this process"));
 }
 
-TEST_F(RulesOfTransports, AWhiteListConcernsItsEndpointOnly) {
+TEST_F(RulesOfTransports, WhiteListAppliesOnlyToItsEndpoint) {
   const Bus bus;
   Robot talker(bus.Publishing("a", "pose"));
   Robot near("");

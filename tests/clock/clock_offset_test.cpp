@@ -47,7 +47,7 @@ constexpr Time kBegin = RemoteClock::kBegin;
 
 TEST(ClockOffsetEstimator, IsEmptyBeforeTheFirstExchange) { EXPECT_FALSE(ClockOffsetEstimator().At(kBegin)); }
 
-TEST(ClockOffsetEstimator, OneExchangeBoundsTheOffsetByItsDelay) {
+TEST(ClockOffsetEstimator, BoundsTheOffsetByTheDelayOfOneExchange) {
   ClockOffsetEstimator estimator;
   const Time remote = kBegin + 5s;
   EXPECT_TRUE(estimator.Add({kBegin, remote + 1ms, remote + 1ms, kBegin + 2ms}));

@@ -138,7 +138,7 @@ TYPED_TEST(SystemsClocks, EndASleepThatIsStopped) {
   }
 }
 
-TYPED_TEST(SystemsClocks, TakeListeners) {
+TYPED_TEST(SystemsClocks, AcceptListeners) {
   TypeParam clock;
   const Listening listening = clock.OnJump([](const ClockJump&) {});
 }

@@ -38,7 +38,7 @@ std::shared_ptr<const CallMessage> Decoded(const Payload& payload) {
   return std::static_pointer_cast<const CallMessage>(CallTypeOf<Vector3>().decode(payload));
 }
 
-TEST(CallCodec, GivesBackWhatItWrote) {
+TEST(CallCodec, ReadsBackWhatItWrites) {
   const auto call = SomeCall();
   const auto back = Decoded(CallTypeOf<Vector3>().encode(call));
   ASSERT_NE(back, nullptr);
@@ -51,7 +51,7 @@ TEST(CallCodec, GivesBackWhatItWrote) {
   EXPECT_EQ(static_cast<const Vector3*>(back->body.get())->x(), 1.5);
 }
 
-TEST(CallCodec, WritesTheSameInTwoSteps) {
+TEST(CallCodec, WritesTheSameBytesInTwoSteps) {
   const auto call = SomeCall();
   const Payload whole = CallTypeOf<Vector3>().encode(call);
   std::string room(CallTypeOf<Vector3>().encoded_bytes(call.get()), '\0');
@@ -111,7 +111,7 @@ void ExpectRead(const std::string& head, std::uint64_t round) {
   EXPECT_EQ(back->text, generated.text());
 }
 
-TEST(CallCodec, IsWhatTheGeneratedClassReadsAndWrites) {
+TEST(CallCodec, ReadsAndWritesLikeTheGeneratedClass) {
   constexpr std::uint64_t kSeed = 7;
   SCOPED_TRACE(kSeed);
   std::mt19937_64 random(kSeed);

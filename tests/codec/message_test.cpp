@@ -139,7 +139,7 @@ TEST(Message, PrefersCustomThenProtobufThenOwnMethodsThenPlain) {
   EXPECT_EQ(TypeOf<Local>().encoding, Encoding::kNone);
 }
 
-TEST(Message, IsWhatCanCrossProcessBorders) {
+TEST(Message, ConceptAcceptsTypesThatCanLeaveTheProcess) {
   static_assert(Message<Foreign> && Message<foxglove::Vector3> && Message<PaperStyle> && Message<Plain>);
   static_assert(Message<int> && Message<double> && Message<Block>);
   static_assert(!Message<Local> && !Message<std::string> && !Message<std::vector<int>> && !Message<int*>);
@@ -159,7 +159,7 @@ TEST(Message, OfALocalTypeHasItsCppNameAndNoCodec) {
   EXPECT_EQ(info.memory_bytes(&local), sizeof(Local));
 }
 
-TEST(Message, InformationIsMadeOnce) { EXPECT_EQ(&TypeOf<Plain>(), &TypeOf<Plain>()); }
+TEST(Message, TypeInfoIsCreatedOnce) { EXPECT_EQ(&TypeOf<Plain>(), &TypeOf<Plain>()); }
 
 TEST(CustomCodec, WritesAndReadsAnUnmodifiedType) {
   const auto back = RoundTrip(Foreign{{1, 2, 3}});

@@ -87,13 +87,13 @@ TEST(HeadFrame, StartsWithLengthAndSeparator) {
   EXPECT_EQ(frame.substr(1, 5), std::string("\0\0\0$$", 5));
 }
 
-TEST(HeadFrame, GivesBackWhatWasWritten) {
+TEST(HeadFrame, ReadsBackWhatWasWritten) {
   PacketHead back;
   EXPECT_EQ(DecodeHeadFrame(AsBytes(FrameOf(FullHead())), back), PacketFault::kNone);
   ExpectEqual(back, FullHead());
 }
 
-TEST(HeadFrame, IsWhatTheGeneratedClassReadsAndWrites) {
+TEST(HeadFrame, IsReadAndWrittenLikeTheGeneratedClass) {
   constexpr std::uint64_t kSeed = 7;
   SCOPED_TRACE(kSeed);
   std::mt19937_64 random(kSeed);
@@ -125,7 +125,7 @@ TEST(HeadFrame, HasRoomForTheLargestValues) {
   ExpectEqual(back, head);
 }
 
-TEST(HeadFrame, ClearsAnEarlierHead) {
+TEST(HeadFrame, ReadingClearsAnEarlierHead) {
   wire::Head only;
   only.set_channel("scan");
   PacketHead head = FullHead();
@@ -194,7 +194,7 @@ TEST(HeadFrame, SurvivesRandomBytes) {
   }
 }
 
-TEST(PacketFault, HasAWordForEachKind) {
+TEST(PacketFault, HasATextForEachKind) {
   EXPECT_EQ(ToString(PacketFault::kNone), "none");
   EXPECT_EQ(ToString(PacketFault::kData), "data");
   for (std::size_t i = 0; i < kPacketFaultCount; ++i) {
@@ -221,7 +221,7 @@ TEST(Topic, CanBeSplitAgain) {
   EXPECT_EQ(ParseTopic(AsBytes(peer))->session, SessionId{0x1234});
 }
 
-TEST(Topic, OtherFormsAreNotTopics) {
+TEST(Topic, RefusesOtherForms) {
   using namespace std::string_view_literals;
   for (const std::string_view text : {""sv, "scan"sv, "\0"sv,
                                       "\1"

@@ -146,7 +146,7 @@ TEST(PlainStruct, HasALayoutTextOfSizesAndKinds) {
   EXPECT_EQ((codec::LayoutText<std::array<float, 3>>()), "[3*f4]");
 }
 
-TEST(PlainStruct, FingerprintIsOfNameOrderSizeAndLayout) {
+TEST(PlainStruct, FingerprintIsTheHashOfNameByteOrderSizeAndLayout) {
   if constexpr (std::endian::native != std::endian::little) GTEST_SKIP();
   EXPECT_EQ(TypeOf<Wheel>().fingerprint, Fingerprint("plain 1\nhgros_test::Wheel\nlittle\n12 4\n{12/4:f4,[4*s2]}\n"));
   EXPECT_EQ(TypeOf<Wheel>().fingerprint, 0xd5ac0d077ff5618bU);
@@ -166,7 +166,7 @@ TEST(PlainCodec, SendsTheBytesInPlace) {
   EXPECT_EQ(payload.owner, robot);
 }
 
-TEST(PlainCodec, GivesBackWhatWasSent) {
+TEST(PlainCodec, ReadsBackWhatWasSent) {
   Robot robot{};
   robot.on = true;
   robot.mode = Mode::kRun;

@@ -24,7 +24,7 @@ std::shared_ptr<const foxglove::PointCloud> Cloud() {
   return cloud;
 }
 
-TEST(ProtobufCodec, GivesBackWhatWasSent) {
+TEST(ProtobufCodec, ReadsBackWhatWasSent) {
   const auto cloud = Cloud();
   const TypeInfo& info = TypeOf<foxglove::PointCloud>();
   const Payload payload = info.encode(cloud);

@@ -64,7 +64,7 @@ TEST(RunTimeType, MessagesAreConvertedBothWays) {
   EXPECT_EQ(ConvertMessage(raw, raw_type, AnyType()), raw) << "no copy";
 }
 
-TEST(RunTimeType, BytesThatAreNoMessageAreNotConverted) {
+TEST(RunTimeType, BytesThatDoNotParseAreNotConverted) {
   const TypeInfo& type = RunTimeType(SchemaOfVector());
   const std::string bytes = "\xff\xff";
   const AnyMessage raw = type.decode(OwnedPayload({AsBytes(bytes), nullptr}));
@@ -72,7 +72,7 @@ TEST(RunTimeType, BytesThatAreNoMessageAreNotConverted) {
   EXPECT_EQ(ConvertMessage(raw, type, TypeOf<Vector3>()), nullptr);
 }
 
-TEST(RunTimeType, ADescriptionTellsTypesOfOneNameApart) {
+TEST(RunTimeType, DescriptionDistinguishesTypesOfOneName) {
   EXPECT_EQ(DescribeTypeFully(RunTimeType({"robot.Pair", Encoding::kPlain, 0xabc, {}})),
             "robot.Pair (a plain struct, fingerprint 0000000000000abc)");
   EXPECT_EQ(DescribeTypeFully(RunTimeType({"json", Encoding::kCustom, 0, {}})),

@@ -104,7 +104,7 @@ TEST(SchemaCompatibility, RefusesListsForSingleValues) {
   EXPECT_FALSE(Check(Field("DOUBLE"), Field("DOUBLE", 1, "f", "REPEATED")).compatible);
 }
 
-TEST(SchemaCompatibility, NotesAnotherName) {
+TEST(SchemaCompatibility, NotesAFieldWithAnotherName) {
   const SchemaVerdict verdict = Check(Field("DOUBLE", 1, "width"), Field("DOUBLE", 1, "height"));
   EXPECT_TRUE(verdict.compatible);
   ASSERT_EQ(verdict.notes.size(), 1U);

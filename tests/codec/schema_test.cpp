@@ -43,7 +43,7 @@ TEST(Fingerprint, IsFnv1a) {
   EXPECT_EQ(Fingerprint("foobar"), 0x85944171f73967e8U);
 }
 
-TEST(SchemaFingerprint, IsOfTheCanonicalText) {
+TEST(SchemaFingerprint, IsTheHashOfTheCanonicalText) {
   EXPECT_EQ(CanonicalSchema(*foxglove::Vector3::descriptor()),
             "protobuf 1 foxglove.Vector3\n"
             "message foxglove.Vector3\n"
@@ -72,7 +72,7 @@ TEST(SchemaFingerprint, IgnoresOrderAndFile) {
   EXPECT_EQ(FingerprintOf(File(kX + kY)), FingerprintOf(File(kY + kX, "moved/elsewhere.proto")));
 }
 
-TEST(SchemaFingerprint, SeesEveryChangeOfMeaning) {
+TEST(SchemaFingerprint, ChangesWithEveryChangeOfMeaning) {
   const std::string cases[] = {
       kX,
       kX + kY,

@@ -19,7 +19,7 @@ void ExpectSubscriberFault(const std::string& ip, const std::vector<std::string>
   ExpectFault("network:\n  subscribers:\n    - ip: '" + ip + "'\n", "3:11", parts);
 }
 
-TEST(ConfigKeys, AnUnknownOneIsMetWithTheNearestAndTheList) {
+TEST(ConfigKeys, UnknownKeyErrorNamesTheNearestAndAllKnownKeys) {
   ExpectFault("netwrok:\n", "1:1",
               {"Unknown key \"netwrok\" at the top level.", "Did you mean \"network\"?",
                "Known keys: channels, data_graph, discovery, network, shared_memory, time."});
@@ -34,12 +34,12 @@ TEST(ConfigKeys, AnUnknownOneIsMetWithTheNearestAndTheList) {
   ExpectFault("network: {security: {secret: a}}", "1:22", {"Known keys: allowed_clients, public_key, secret_key,"});
 }
 
-TEST(ConfigKeys, SectionsOfLaterVersionsAreUnknown) {
+TEST(ConfigKeys, UnknownSectionsAreRefused) {
   ExpectFault("params: {}", "1:1", {"Unknown key \"params\""});
   ExpectFault("domain: 3", "1:1", {"Unknown key \"domain\""});
 }
 
-TEST(ConfigHost, FaultsOfDomainAndSharedMemoryAreExplained) {
+TEST(ConfigHost, ErrorsInDiscoveryAndSharedMemoryNameTheProblem) {
   ExpectFault("discovery: {domain: a/b}", "1:21", {"discovery.domain is \"a/b\", which cannot name a domain"});
   ExpectFault("discovery: {local: maybe}", "1:20", {"discovery.local"});
   ExpectFault("discovery: {lokal: true}", "1:13", {"Did you mean \"local\"?"});
@@ -61,24 +61,24 @@ TEST(ConfigHost, FaultsOfDomainAndSharedMemoryAreExplained) {
               {"shared_memory.wait at robot.yaml:1:23 has another value"});
 }
 
-TEST(ConfigKeys, OneBelowTheDashesIsExplained) {
+TEST(ConfigKeys, KeyBelowListDashesGetsAnIndentationHint) {
   ExpectFault("network:\n  subscribers:\n  - ip: x\n  channels: [a]\n", "4:3",
               {"Unknown key \"channels\" in network.", "indent it as far as the text after the dash"});
 }
 
-TEST(ConfigKeys, ARepeatedOneNamesBothPlaces) {
+TEST(ConfigKeys, RepeatedKeyErrorNamesBothPositions) {
   ExpectFault("network:\n  publisher: {ip: x}\nnetwork: {}\n", "3:1", {"\"network\" appears twice", "robot.yaml:1:1"});
   ExpectFault("data_graph: {threads: 1, threads: 1}", "1:26", {"\"threads\" appears twice", "robot.yaml:1:14"});
   ExpectFault("channels: {a: {}, 'a': {}}", "1:19", {"\"a\" appears twice"});
 }
 
-TEST(ConfigKeys, AMissingOneIsNamed) {
+TEST(ConfigKeys, MissingKeyErrorNamesTheKey) {
   ExpectFault("network:\n  publisher:\n    channels: []\n", "3:5", {"network.publisher has no \"ip\"."});
   ExpectFault("data_graph: {nodes: {a: {executor: {cpus: [1]}}}}", "1:36", {"executor has no \"kind\"."});
   ExpectFault("channels: {a: {queue: {keep_all: {bytes: 1}}}}", "1:34", {"keep_all has no \"messages\"."});
 }
 
-TEST(ConfigTypes, AreSaidAsWantedAndFound) {
+TEST(ConfigTypes, ErrorNamesTheWantedAndTheActualType) {
   ExpectFault("network:\n  publisher:\n    ip: x\n    channels: scan\n", "4:15",
               {"network.publisher.channels must be a list of names, but is the text \"scan\"."});
   ExpectFault("network: {publisher: {ip: x, channels: }}", "1:40", {"must be a list of names, but is empty."});
@@ -115,7 +115,7 @@ TEST(ConfigTypes, IntegersAndSizesHaveBounds) {
   ExpectFault("network: {heartbeat_ms: 50, peer_timeout_ms: 20}", "1:46", {"every peer would be declared gone"});
 }
 
-TEST(ConfigEndpointFaults, SayWhatIsWrongAndHowToMendIt) {
+TEST(ConfigEndpointFaults, ErrorNamesTheProblemAndTheFix) {
   ExpectPublisherFault("", {"network.publisher.ip is empty.", "\"tcp://*:5553\", or \"x\" to switch it off."});
   ExpectPublisherFault("tcp://*", {"which has no port"});
   ExpectPublisherFault("off", {"which has no port", "\"x\" to switch it off"});
@@ -141,7 +141,7 @@ TEST(ConfigEndpointFaults, SayWhatIsWrongAndHowToMendIt) {
   ExpectPublisherFault("ipc:///" + std::string(107, 'a'), {"whose path has 108 bytes", "107 bytes at most"});
 }
 
-TEST(ConfigEndpointFaults, ASubscriberNeedsOneHostAndOnePort) {
+TEST(ConfigEndpointFaults, SubscriberNeedsOneHostAndOnePort) {
   ExpectSubscriberFault("tcp://*:5553", {"cannot connect to every address", "Name the publisher's host"});
   ExpectSubscriberFault("0.0.0.0:5553", {"cannot connect to every address"});
   ExpectSubscriberFault("tcp://[::]:5553", {"cannot connect to every address"});
@@ -155,12 +155,12 @@ TEST(ConfigEndpointFaults, TwoPublishersCannotShareAPort) {
                "port 5553 belongs to \"tcp://*:5553\" at robot.yaml:3:11"});
 }
 
-TEST(ConfigEndpointFaults, ASubscriberTwiceInOneListNamesBothPlaces) {
+TEST(ConfigEndpointFaults, RepeatedSubscriberErrorNamesBothPositions) {
   ExpectFault("network:\n  subscribers:\n    - ip: 'h:5553'\n    - ip: 'tcp://H:05553'\n", "4:11",
               {"\"tcp://h:5553\" appears twice", "robot.yaml:3:11"});
 }
 
-TEST(ConfigChannelNames, AreCheckedWhereTheyStand) {
+TEST(ConfigChannelNames, ErrorHasThePositionOfTheName) {
   ExpectFault("data_graph: {close_channels: [a, 'b c']}", "1:34", {"\"b c\" cannot be used", "byte 2 is a space"});
   ExpectFault("data_graph: {close_channels: ['']}", "1:31", {"it is empty"});
   ExpectFault("channels: {'a b': {}}", "1:12", {"\"a b\" cannot be used"});
@@ -169,7 +169,7 @@ TEST(ConfigChannelNames, AreCheckedWhereTheyStand) {
   ExpectFault("data_graph: {nodes: {'': {}}}", "1:22", {"name of the node is empty"});
 }
 
-TEST(ConfigQueues, RefuseOtherForms) {
+TEST(ConfigQueues, RefuseInvalidForms) {
   ExpectFault("channels: {a: {queue: latst}}", "1:23",
               {"must be a queue, but is the text \"latst\".", "Did you mean \"latest\"?"});
   ExpectFault("channels: {a: {queue: 16}}", "1:23", {"but is the number 16.", "{keep_last: 16}"});
@@ -181,7 +181,7 @@ TEST(ConfigQueues, RefuseOtherForms) {
   ExpectFault("channels: {a: {queue: {keep_all: 5}, lossless: false}}", "1:48", {"contradicts the queue"});
 }
 
-TEST(ConfigTransports, RefuseOtherForms) {
+TEST(ConfigTransports, RefuseInvalidForms) {
   ExpectFault("channels: {a: {transports: shared_memry}}", "1:28",
               {"must be one of shared_memory, zmq", "Did you mean \"shared_memory\"?"});
   ExpectFault("channels: {a: {transports: [zmq, tcp]}}", "1:34", {"must be one of shared_memory, zmq"});
@@ -191,7 +191,7 @@ TEST(ConfigTransports, RefuseOtherForms) {
   ExpectFault("channels: {a: {carriers: zmq}}", "1:16", {"`carriers` is called `transports` now"});
 }
 
-TEST(ConfigExecutors, RefuseOtherForms) {
+TEST(ConfigExecutors, RefuseInvalidForms) {
   const auto expect = [](const std::string& form, const std::string& at, const std::vector<std::string>& parts) {
     ExpectFault("data_graph: {nodes: {a: {executor: " + form + "}}}", at, parts);
   };
@@ -205,7 +205,7 @@ TEST(ConfigExecutors, RefuseOtherForms) {
   expect("{kind: dedicated, priority: 100}", "1:64", {"from 0 to 99"});
 }
 
-TEST(ConfigSecurity, KeysAreCheckedAndNeverShown) {
+TEST(ConfigSecurity, InvalidKeysAreRefusedAndNeverShown) {
   const std::string shorter(39, 'k');
   ExpectFault("network: {security: {public_key: " + shorter + "}}", "1:34", {"has 39 characters, but a key has 40"});
   const std::string strange = std::string(20, 's') + "~" + std::string(19, 's');
@@ -225,7 +225,7 @@ TEST(ConfigSecurity, KeysAreCheckedAndNeverShown) {
   }
 }
 
-TEST(ConfigSecurity, HalfOfItIsRefused) {
+TEST(ConfigSecurity, IncompleteSettingsAreRefused) {
   const std::string key = std::string("'") + kKey + "'";
   ExpectFault("network: {security: {public_key: " + key + "}}", "1:34", {"no secret key", "secret_key_file"});
   ExpectFault("network: {security: {allowed_clients: [" + key + "]}}", "1:40", {"no secret key"});
@@ -240,7 +240,7 @@ TEST(ConfigSecurity, HalfOfItIsRefused) {
               {"already has a key at robot.yaml:1:32"});
 }
 
-TEST(ConfigSecurity, TheKeyFileStandsBesideTheConfigurationAndIsPrivate) {
+TEST(ConfigSecurity, KeyFilePathIsRelativeToTheConfigurationAndMustBePrivate) {
   const ScratchFolder folder;
   const auto key_file = folder.Write("secret", std::string(kKey) + "\n");
   const auto file = folder.Write(
@@ -263,7 +263,7 @@ TEST(ConfigSecurity, TheKeyFileStandsBesideTheConfigurationAndIsPrivate) {
   ExpectConfigError(load, where, {"which is not a regular file"});
 }
 
-TEST(ConfigFiles, WhatCannotBeReadIsNamed) {
+TEST(ConfigFiles, ErrorNamesTheFileThatCannotBeRead) {
   const ScratchFolder folder;
   const auto missing = folder.path() / "missing.yaml";
   ExpectConfigError([&] { return Config::Load(missing); }, missing.string(),

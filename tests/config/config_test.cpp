@@ -45,7 +45,7 @@ TEST(ConfigOfThePaper, CloseChannelsLoadUnchanged) {
   EXPECT_EQ(Config::Load(FixtureFile("paper_close_channels.yaml")).closed_channels, Names{"A"});
 }
 
-TEST(ConfigOfThePaper, TheSameFormsInBracesLoadToo) {
+TEST(ConfigOfThePaper, SameSettingsInBracesLoad) {
   const Config config = Config::Parse(R"(network: {publisher: {ip: "tcp://*:5553", channels: [pre_channel]}, )"
                                       R"(subscribers: [{ip: "x", channels: [next_channel]}]})");
   EXPECT_EQ(config.publishers, (std::vector<EndpointConfig>{{"tcp://*:5553", {"pre_channel"}, false}}));
@@ -61,7 +61,7 @@ TEST(ConfigOfThePaper, FilesOfOneRobotMergeIntoOnePublisher) {
   EXPECT_EQ(config.closed_channels, Names{"A"});
 }
 
-TEST(ConfigOfThePaper, TheListingAsPrintedIsExplained) {
+TEST(ConfigOfThePaper, ListingAsPrintedIsRefusedWithAnExplanation) {
   const auto file = FixtureFile("paper_network_setting_as_printed.yaml");
   ExpectConfigError([&] { return Config::Load(file); }, file.string() + ":8:9",
                     {"in the column of a list's dashes", "indent it as far as the text after the dash"});
@@ -104,7 +104,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.channels.at("map"), (ChannelConfig{Queue::KeepAll(1000, 256U << 20U), 1}));
 }
 
-TEST(Config, TheOverviewInTheDocumentationLoads) {
+TEST(Config, OverviewInTheDocumentationLoads) {
   std::ifstream file(FixtureFile("../../../docs/configuration.md"));
   const std::string page{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   const std::size_t begin = page.find("```yaml\n") + 8;
@@ -132,7 +132,7 @@ TEST(ConfigEndpoint, EqualEndpointsGetOneSpelling) {
   EXPECT_EQ(SubscriberOf("tcp://[FE80::1%eth0]:5553"), "tcp://[fe80::1%eth0]:5553");
 }
 
-TEST(ConfigEndpoint, APublisherMayLeaveThePortToTheSystem) {
+TEST(ConfigEndpoint, PublisherMayLeaveThePortToTheSystem) {
   EXPECT_EQ(PublisherOf("tcp://*:0"), "tcp://*:*");
   EXPECT_EQ(PublisherOf("tcp://127.0.0.1:*"), "tcp://127.0.0.1:*");
   EXPECT_NO_THROW((void)Config::Parse("network: {publisher: [{ip: 'tcp://*:0'}, {ip: 'tcp://127.0.0.1:0'}]}"));
@@ -144,12 +144,12 @@ TEST(ConfigEndpoint, XSwitchesAnyEndpointOff) {
   EXPECT_NO_THROW((void)Config::Parse("network: {subscribers: [{ip: x}, {ip: x}]}"));
 }
 
-TEST(ConfigEndpoint, AWhiteListMayBeAbsentOrEmpty) {
+TEST(ConfigEndpoint, WhiteListMayBeAbsentOrEmpty) {
   const Config config = Config::Parse("network: {publisher: [{ip: '*:1'}, {ip: '*:2', channels: []}]}");
   EXPECT_EQ(config.publishers, (std::vector<EndpointConfig>{{"tcp://*:1", {}, true}, {"tcp://*:2", {}, false}}));
 }
 
-TEST(ConfigEndpoint, TheSamePublisherTwiceIsOneWithAllChannels) {
+TEST(ConfigEndpoint, RepeatedPublisherIsMergedWithAllChannels) {
   const Config config =
       Config::Parse("network: {publisher: [{ip: '*:1', channels: [b, a]}, {ip: 'tcp://0.0.0.0:1', channels: [c, a]}]}");
   EXPECT_EQ(config.publishers, (std::vector<EndpointConfig>{{"tcp://*:1", {"a", "b", "c"}, false}}));
@@ -157,7 +157,7 @@ TEST(ConfigEndpoint, TheSamePublisherTwiceIsOneWithAllChannels) {
   EXPECT_EQ(open.publishers, (std::vector<EndpointConfig>{{"tcp://*:1", {}, true}}));
 }
 
-TEST(ConfigQueue, HasTheseForms) {
+TEST(ConfigQueue, ReadsEveryForm) {
   const auto queue = [](const std::string& form) {
     return Config::Parse("channels: {scan: {queue: " + form + "}}").channels.at("scan").queue;
   };
@@ -176,7 +176,7 @@ TEST(ConfigQueue, LosslessAgreesWithAKeepAllQueue) {
   EXPECT_EQ(config.channels.at("b").queue, std::nullopt);
 }
 
-TEST(ConfigTransports, HaveTheseForms) {
+TEST(ConfigTransports, ReadEveryForm) {
   const auto transports = [](const std::string& form) {
     return Config::Parse("channels: {scan: {transports: " + form + "}}").channels.at("scan").transports;
   };
@@ -186,7 +186,7 @@ TEST(ConfigTransports, HaveTheseForms) {
   EXPECT_EQ(transports("[zmq, shared_memory]"), (Keys{"shared_memory", "zmq"}));
 }
 
-TEST(ConfigDiscovery, HasTheseForms) {
+TEST(ConfigDiscovery, ReadsEveryForm) {
   const auto discovery = [](const std::string& form) { return Config::Parse("discovery: {" + form + "}").discovery; };
   EXPECT_EQ(discovery(""), DiscoveryConfig());
   EXPECT_FALSE(discovery("local: false").local);
@@ -195,7 +195,7 @@ TEST(ConfigDiscovery, HasTheseForms) {
   EXPECT_EQ(discovery("lan: {interfaces: [eth1, eth0]}").lan_interfaces, (Names{"eth0", "eth1"}));
 }
 
-TEST(ConfigExecutor, HasTheseForms) {
+TEST(ConfigExecutor, ReadsEveryForm) {
   const auto executor = [](const std::string& form) {
     return Config::Parse("data_graph: {nodes: {slam: {executor: " + form + "}}}").nodes.at("slam").executor;
   };
@@ -206,7 +206,7 @@ TEST(ConfigExecutor, HasTheseForms) {
   EXPECT_EQ(executor("{kind: dedicated, cpus: [0, 1], priority: 20}"), Executor::Dedicated({0, 1}, 20));
 }
 
-TEST(ConfigMerge, LaterFilesAddWhatEarlierOnesLeaveOpen) {
+TEST(ConfigMerge, LaterFilesAddMissingSettings) {
   const ScratchFolder folder;
   const Config config = Config::Load(
       {folder.Write("a.yaml",
@@ -252,7 +252,7 @@ TEST(ConfigMerge, TheOrderOfTheFilesDoesNotMatter) {
   EXPECT_EQ(Config::Load({a, b}).publishers, Config::Load({b, a}).publishers);
 }
 
-TEST(ConfigYaml, AliasesRepeatWhatTheirAnchorNames) {
+TEST(ConfigYaml, AliasRepeatsTheValueOfItsAnchor) {
   const Config config = Config::Parse(
       "network:\n  publisher: {ip: '*:1', channels: &list [a, b]}\n  subscribers: [{ip: 'h:1', channels: *list}]\n");
   EXPECT_EQ(config.subscribers, (std::vector<EndpointConfig>{{"tcp://h:1", {"a", "b"}, false}}));
@@ -263,7 +263,7 @@ TEST(ConfigYaml, NamesAreTakenAsWritten) {
   EXPECT_EQ(config.closed_channels, (Names{"1", "robot1/scan", "true", "yes", "雷达"}));
 }
 
-TEST(ConfigYaml, AByteOrderMarkAndWindowsLineBreaksAreFine) {
+TEST(ConfigYaml, ByteOrderMarkAndWindowsLineBreaksAreAccepted) {
   const Config config = Config::Parse("\xEF\xBB\xBF# robot\r\ndata_graph:\r\n  close_channels:\r\n    - a\r\n");
   EXPECT_EQ(config.closed_channels, Names{"a"});
 }

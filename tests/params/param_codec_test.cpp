@@ -128,7 +128,7 @@ void ExpectRoundTrip(const T& value) {
   EXPECT_EQ(view.as<T>(), value);
 }
 
-TEST(ParamCodec, WritesWhatItReads) {
+TEST(ParamCodec, ReadsBackWhatItWrites) {
   ExpectRoundTrip(true);
   ExpectRoundTrip(std::int64_t{-5});
   ExpectRoundTrip(std::string("12"));

@@ -7,7 +7,7 @@
 namespace hgros {
 namespace {
 
-TEST(ParamPath, ReadsKeysPlacesAndQuotes) {
+TEST(ParamPath, ReadsKeysIndicesAndQuotedKeys) {
   const ParamPath path = ParamPath::Parse("slam.gains[2][0].\"a \\\"key\\\".\".x");
   ASSERT_EQ(path.steps().size(), 6U);
   EXPECT_EQ(std::get<std::string>(path.steps()[0]), "slam");
@@ -18,7 +18,7 @@ TEST(ParamPath, ReadsKeysPlacesAndQuotes) {
   EXPECT_TRUE(ParamPath::Parse("").empty());
 }
 
-TEST(ParamPath, ReportsWhatIsWrong) {
+TEST(ParamPath, ReportsWhyAPathIsInvalid) {
   for (const auto& [text, what] : {std::pair{"a..b", "a key is empty"},
                                    {"a.", "ends without a key"},
                                    {"[1]", "a key is empty"},

@@ -73,7 +73,7 @@ TEST_P(RawServices, RawClientCallsTypedServer) {
   EXPECT_EQ(*result->schema, SchemaOfVector());
 }
 
-TEST_P(RawServices, RawClientTakesAnyReply) {
+TEST_P(RawServices, RawClientAcceptsAnyReplyType) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
   const Payload request = Owned(At(4).SerializeAsString());
@@ -118,7 +118,7 @@ TEST_P(RawServices, TypedCallsGoThroughAClientThatWasRawFirst) {
   EXPECT_EQ(typed->text, "two");
 }
 
-TEST_P(RawServices, TellWhatTheHandlerThrew) {
+TEST_P(RawServices, ReportWhatTheHandlerThrew) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().ServeRaw(
       "fail", SchemaOfNote(), SchemaOfNote(), [](const RawMessage&) -> Payload { throw std::runtime_error("no way"); });
@@ -128,7 +128,7 @@ TEST_P(RawServices, TellWhatTheHandlerThrew) {
   EXPECT_EQ(result.failure().reason, "no way");
 }
 
-TEST_P(RawServices, TellThatTypesDiffer) {
+TEST_P(RawServices, ReportATypeMismatch) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
   const auto request = pair.caller().CallRaw("twice", SchemaOfNote(), Owned("x"), {}, kLong).Wait();
@@ -136,7 +136,7 @@ TEST_P(RawServices, TellThatTypesDiffer) {
   EXPECT_EQ(request.failure().kind, Kind::kTypeMismatch);
 }
 
-TEST_P(RawServices, TellThatARequestDoesNotParse) {
+TEST_P(RawServices, ReportARequestThatDoesNotParse) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Vector3, Vector3>("twice", Twice);
   const auto result = pair.caller().CallRaw("twice", SchemaOfVector(), Owned("\xff\xff"), {}, kLong).Wait();
@@ -144,7 +144,7 @@ TEST_P(RawServices, TellThatARequestDoesNotParse) {
   EXPECT_EQ(result.failure().kind, Kind::kNotWritable) << result.failure().reason;
 }
 
-TEST_P(RawServices, TellThatAReplyDoesNotParse) {
+TEST_P(RawServices, ReportAReplyThatDoesNotParse) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().ServeRaw("broken", SchemaOfVector(), SchemaOfVector(),
                                                  [](const RawMessage&) { return Owned("\xff\xff"); });
@@ -156,7 +156,7 @@ TEST_P(RawServices, TellThatAReplyDoesNotParse) {
 INSTANTIATE_TEST_SUITE_P(Over, RawServices, testing::Values("pointer", "sharedmemory", "ipc", "tcp"),
                          [](const auto& one) { return one.param; });
 
-TEST(RawServicesAlone, ACallWithoutServerFailsAsATypedOne) {
+TEST(RawServicesAlone, CallWithoutAServerFailsLikeATypedCall) {
   test::Robot robot("discovery: {local: false}\n");
   const auto result = robot->CallRaw("nobody", SchemaOfVector(), {}, {}, kLong).Wait();
   ASSERT_FALSE(result);

@@ -10,7 +10,7 @@
 namespace hgros {
 namespace {
 
-TEST(ReplyLine, SaysWhenTooManyWaitForACallerThatTakesNone) {
+TEST(ReplyLine, LogsDroppedRepliesWhenTooManyWaitForTheCaller) {
   int said = 0;
   const auto log = std::make_shared<Log>([&](LogLevel, std::string_view) { ++said; });
   const TypeInfo& type = CallTypeOf<test::Total>();

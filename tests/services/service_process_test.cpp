@@ -60,9 +60,9 @@ class ServerProcess {
   std::FILE* output_ = nullptr;
 };
 
-class AServerProcess : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+class KilledServerProcess : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
 
-TEST_P(AServerProcess, ThatIsKilledFailsItsCallsLongBeforeTheirTimeIsUp) {
+TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
   const test::Places places = test::PlacesOf(GetParam());
   Robot robot(places.first, "caller");
   std::string theirs = places.second;
@@ -103,7 +103,7 @@ TEST_P(AServerProcess, ThatIsKilledFailsItsCallsLongBeforeTheirTimeIsUp) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Placed, AServerProcess, testing::Values("sharedmemory", "ipc", "tcp"),
+INSTANTIATE_TEST_SUITE_P(Placed, KilledServerProcess, testing::Values("sharedmemory", "ipc", "tcp"),
                          [](const auto& placed) { return placed.param; });
 
 }  // namespace

@@ -115,7 +115,7 @@ std::unique_ptr<BulkCloud> CloudOf(const Sum& sum) {
 // Between two sessions: in one, both sides use the same C++ types.
 class ServiceBetweenSessions : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
 
-TEST_P(ServiceBetweenSessions, AnOldClientIsServedByANewServer) {
+TEST_P(ServiceBetweenSessions, OldClientCanCallANewServer) {
   Pair pair(PlacesOf(GetParam()));
   std::atomic<int> number{-1};
   const Service service = pair.server().Serve<NewLine, NewLine>("twice", [&](const NewLine& line) {
@@ -131,7 +131,7 @@ TEST_P(ServiceBetweenSessions, AnOldClientIsServedByANewServer) {
   }
 }
 
-TEST_P(ServiceBetweenSessions, ANewClientIsServedByAnOldServer) {
+TEST_P(ServiceBetweenSessions, NewClientCanCallAnOldServer) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<OldLine, OldLine>("twice", Twice<OldLine>);
   const auto result = pair.caller().Call<NewLine, NewLine>("twice", NewLine{"ab", 7}, kLong).Wait();
@@ -140,7 +140,7 @@ TEST_P(ServiceBetweenSessions, ANewClientIsServedByAnOldServer) {
   EXPECT_EQ(result->number, 0) << "the server did not send it";
 }
 
-TEST_P(ServiceBetweenSessions, AReplyWhoseFieldDoesNotFitIsRefusedByItsName) {
+TEST_P(ServiceBetweenSessions, RefusesAReplyWithAnIncompatibleFieldAndNamesIt) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<OldLine, OtherLine>("twice", [](const OldLine&) { return OtherLine(); });
   const auto result = pair.caller().Call<OldLine, OldLine>("twice", OldLine{"ab"}, kLong).Wait();
@@ -148,7 +148,7 @@ TEST_P(ServiceBetweenSessions, AReplyWhoseFieldDoesNotFitIsRefusedByItsName) {
   EXPECT_NE(result.failure().reason.find("text"), std::string::npos) << result.failure().reason;
 }
 
-TEST_P(ServiceBetweenSessions, ARequestWhoseFieldDoesNotFitIsRefusedByItsName) {
+TEST_P(ServiceBetweenSessions, RefusesARequestWithAnIncompatibleFieldAndNamesIt) {
   Pair pair(PlacesOf(GetParam()));
   std::atomic<int> handled{0};
   const Service service = pair.server().Serve<OtherLine, OldLine>("twice", [&](const OtherLine&) {
@@ -161,7 +161,7 @@ TEST_P(ServiceBetweenSessions, ARequestWhoseFieldDoesNotFitIsRefusedByItsName) {
   EXPECT_EQ(handled, 0);
 }
 
-TEST_P(ServiceBetweenSessions, ABulkReplyArrivesAsItIs) {
+TEST_P(ServiceBetweenSessions, BulkReplyArrivesAsABulkMessage) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Sum, BulkCloud>("cloud", CloudOf);
   for (const char value : {'a', 'b'}) {
@@ -172,7 +172,7 @@ TEST_P(ServiceBetweenSessions, ABulkReplyArrivesAsItIs) {
   }
 }
 
-TEST_P(ServiceBetweenSessions, ABulkReplyIsAPlainMessageToWhoAsksForThat) {
+TEST_P(ServiceBetweenSessions, BulkReplyArrivesAsAPlainMessageForAPlainCaller) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Sum, BulkCloud>("cloud", CloudOf);
   const auto plain = pair.caller().Call<Sum, PointCloud>("cloud", Sum{'c', 0}, kLong).Wait();
@@ -181,7 +181,7 @@ TEST_P(ServiceBetweenSessions, ABulkReplyIsAPlainMessageToWhoAsksForThat) {
   EXPECT_TRUE(plain->data() == std::string(kSize, 'c'));
 }
 
-TEST(ServiceInOneSession, GivesABulkReplyByPointer) {
+TEST(ServiceInOneSession, PassesABulkReplyByPointer) {
   Session session;
   std::shared_ptr<const BulkCloud> given;
   const Service service = session.Serve<Sum, BulkCloud>("cloud", [&](const Sum& sum) {

@@ -60,14 +60,14 @@ TEST_F(Services, PassPointersInsideASession) {
   EXPECT_EQ(Note::written, 0);
 }
 
-TEST_F(Services, SayAtOnceThatASessionWithoutOthersHasNoServer) {
+TEST_F(Services, FailAtOnceWithoutAServerInAnIsolatedSession) {
   Robot robot("discovery: {local: false}");
   const auto result = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
   EXPECT_EQ(result.failure().kind, Kind::kNoServer);
   EXPECT_EQ(result.failure().reason, "Nobody serves \"add\": discovery knows no session that does.");
 }
 
-TEST_F(Services, SayThatThereIsNoServerOnceDiscoveryHasHadItsTime) {
+TEST_F(Services, FailWithoutAServerOnceDiscoveryIsComplete) {
   Robot other("");
   Robot robot("");
   const auto first = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
@@ -78,21 +78,21 @@ TEST_F(Services, SayThatThereIsNoServerOnceDiscoveryHasHadItsTime) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, test::kPatience);
 }
 
-TEST_F(Services, WaitUntilTheTimeIsUpWhereAServerMayBehindAnEndpoint) {
+TEST_F(Services, WaitForTheTimeoutIfAnEndpointMayLeadToAServer) {
   Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}");
   const auto result = robot->Call<Sum, Total>("add", Sum{}, std::chrono::milliseconds(30)).Wait();
   EXPECT_EQ(result.failure().kind, Kind::kNoServer);
   EXPECT_EQ(result.failure().reason, "No server of \"add\" was found within 30 ms.");
 }
 
-TEST_F(Services, AreServedOnceInASession) {
+TEST_F(Services, RefuseASecondServerInOneSession) {
   Session session;
   const Service first = session.Serve<Sum, Total>("add", Add);
   EXPECT_THROW((void)(session.Serve<Sum, Total>("add", Add)), Error);
   EXPECT_TRUE((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()));
 }
 
-TEST_F(Services, AreServedAgainAfterTheyEnded) {
+TEST_F(Services, CanBeServedAgainAfterTheyEnded) {
   Session session;
   Service first = session.Serve<Sum, Total>("add", Add);
   first.Reset();
@@ -101,7 +101,7 @@ TEST_F(Services, AreServedAgainAfterTheyEnded) {
   EXPECT_EQ((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()->value), 7);
 }
 
-TEST_F(Services, HaveNamesThatChannelsCanBeNamedAfter) {
+TEST_F(Services, RefuseNamesThatCannotNameChannels) {
   Session session;
   EXPECT_THROW((void)(session.Serve<Sum, Total>("a b", Add)), Error);
   EXPECT_THROW((void)(session.Serve<Sum, Total>(std::string(180, 'x'), Add)), Error);
@@ -113,7 +113,7 @@ TEST_F(Services, RefuseAQueueThatDropsRequests) {
   EXPECT_THROW((void)(session.Serve<Sum, Total>("add", Add)), Error);
 }
 
-TEST_F(Services, FailCallsThatAreLeftWhenTheSessionEnds) {
+TEST_F(Services, FailPendingCallsWhenTheSessionEnds) {
   auto session = std::make_unique<Session>();
   test::Door door;
   std::atomic<bool> begun{false};
@@ -131,7 +131,7 @@ TEST_F(Services, FailCallsThatAreLeftWhenTheSessionEnds) {
   EXPECT_TRUE(call.done());
 }
 
-TEST_F(Services, CountRequestsThatNobodyWaitsForAndRepliesThatNobodyTakes) {
+TEST_F(Services, CountUnhandledRequestsAndDroppedReplies) {
   test::Pair pair(test::PlacesOf("sharedmemory"));
   test::Door door;
   std::atomic<int> begun{0};
@@ -157,7 +157,7 @@ TEST_F(Services, CountRequestsThatNobodyWaitsForAndRepliesThatNobodyTakes) {
   EXPECT_EQ(begun, 1);
 }
 
-TEST_F(Services, ThatSayThatThereIsNoServerHaveNotBeenSent) {
+TEST_F(Services, NeverSendCallsThatFailWithNoServer) {
   test::Pair pair(test::PlacesOf("sharedmemory"));
   std::mt19937 random(7);
   for (int round = 0; round < 20; ++round) {
@@ -198,7 +198,7 @@ TEST_F(Services, ThatSayThatThereIsNoServerHaveNotBeenSent) {
   }
 }
 
-TEST_F(Services, CallBackOnWorkersWhoeverReadsTheReply) {
+TEST_F(Services, RunCallbacksOnWorkersWhicheverThreadReadsTheReply) {
   test::Pair pair(test::PlacesOf("sharedmemory"));
   const Service service =
       pair.server().Serve<Sum, Total>("add", Add, Invoke::kConcurrent, {.executor = Executor::Inline()});
@@ -222,7 +222,7 @@ TEST_F(Services, CallBackOnWorkersWhoeverReadsTheReply) {
   EXPECT_EQ(nested, kRounds);
 }
 
-TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
+TEST_F(Services, CountRequestsThatTimedOutBeforeTheirTurn) {
   const Robot robot("");
   test::Door door;
   std::atomic<bool> begun{false};
@@ -245,7 +245,7 @@ TEST_F(Services, CountRequestsWhoseTimeWasUpBeforeTheirTurn) {
   EXPECT_TRUE(Await([&] { return robot->Snapshot().services.at(0).unhandled_requests == 1; }));
 }
 
-TEST_F(Services, TakeCallsThatAreMadeWhileTheyBegin) {
+TEST_F(Services, AcceptCallsThatAreMadeWhileTheyStart) {
   for (int round = 0; round < 20; ++round) {
     const test::Places places = test::PlacesOf("ipc");  // There a call waits for a server as long as it may.
     const Robot robot(places.first);
@@ -264,7 +264,7 @@ TEST_F(Services, TakeCallsThatAreMadeWhileTheyBegin) {
   }
 }
 
-TEST_F(Services, OfTwoServersAreReportedAndOneIsCalled) {
+TEST_F(Services, ReportTwoServersAndCallTheFirst) {
   Robot caller("", "caller");
   std::atomic<int> events{0};
   const auto listening = caller->FromGraph<PeerEvent>(kPeerEventsChannel, Invoke::kSerial, [&](const PeerEvent& event) {
@@ -295,7 +295,7 @@ TEST_F(Services, OfTwoServersAreReportedAndOneIsCalled) {
   }));
 }
 
-TEST_F(Services, PassAListOfChannelsThatNamesTheirRequests) {
+TEST_F(Services, PassAnEndpointThatListsTheirRequestChannel) {
   const test::Bus bus;
   const std::string list = "hgros/call/add";
   const auto yaml = [&](const std::string& own, const std::string& other) {
@@ -311,7 +311,7 @@ TEST_F(Services, PassAListOfChannelsThatNamesTheirRequests) {
   EXPECT_EQ(kept.failure().kind, Kind::kNoServer);
 }
 
-TEST_F(Services, AreFreeFunctionsToo) {
+TEST_F(Services, AreServedAndCalledThroughFreeFunctions) {
   Init(Config::Parse("discovery: {local: false}"));
   Serve<Sum, Total>("add", Add);
   EXPECT_EQ((Call<Sum, Total>("add", Sum{1, 2}, kLong).Wait()->value), 3);

@@ -40,7 +40,7 @@ TEST_P(ServiceOverEveryTransport, RepliesToACallback) {
   EXPECT_TRUE(ticket.done());
 }
 
-TEST_P(ServiceOverEveryTransport, TellsWhatTheHandlerThrew) {
+TEST_P(ServiceOverEveryTransport, ReportsWhatTheHandlerThrew) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Note, Note>(
       "parse", [](const Note& note) -> Note { throw std::runtime_error("\"" + note.text + "\" is no number"); });
@@ -93,7 +93,7 @@ TEST_P(ServiceOverEveryTransport, MatchesThousandsOfRepliesInAnyOrder) {
   }
 }
 
-TEST_P(ServiceOverEveryTransport, CancelsACallAndTheRequestThatWaits) {
+TEST_P(ServiceOverEveryTransport, CancelsACallAndItsWaitingRequest) {
   Pair pair(PlacesOf(GetParam()));
   test::Door door;
   std::atomic<int> handled{0};
@@ -136,7 +136,7 @@ TEST_P(ServiceOverEveryTransport, FailsCallsWhenTheServiceEnds) {
   EXPECT_TRUE(begun.Wait() || begun.Wait().failure().kind == Kind::kServerGone);
 }
 
-TEST_P(ServiceOverEveryTransport, GoesOnWhenTheServiceIsServedAgain) {
+TEST_P(ServiceOverEveryTransport, ContinuesWhenTheServiceIsServedAgain) {
   Pair pair(PlacesOf(GetParam()));
   for (int life = 0; life < 3; ++life) {
     const Service service =
@@ -151,7 +151,7 @@ TEST_P(ServiceOverEveryTransport, GoesOnWhenTheServiceIsServedAgain) {
   }
 }
 
-TEST_P(ServiceOverEveryTransport, SaysFullWhenTheServerHasTooManyRequests) {
+TEST_P(ServiceOverEveryTransport, FailsWithFullWhenTooManyRequestsWait) {
   Pair pair(PlacesOf(GetParam()));
   test::Door door;
   std::atomic<int> handled{0};
@@ -174,7 +174,7 @@ TEST_P(ServiceOverEveryTransport, SaysFullWhenTheServerHasTooManyRequests) {
   EXPECT_TRUE(calls[1].Wait());
 }
 
-TEST_P(ServiceOverEveryTransport, TellsATypeMismatch) {
+TEST_P(ServiceOverEveryTransport, ReportsARequestTypeMismatch) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Sum, Total>("add", Add);
   const auto request = pair.caller().Call<Note, Total>("add", Note("2+3"), kLong).Wait();
@@ -183,7 +183,7 @@ TEST_P(ServiceOverEveryTransport, TellsATypeMismatch) {
   EXPECT_NE(request.failure().reason.find("Sum"), std::string::npos) << request.failure().reason;
 }
 
-TEST_P(ServiceOverEveryTransport, TellsAMismatchOfTheReplysType) {
+TEST_P(ServiceOverEveryTransport, ReportsAReplyTypeMismatch) {
   Pair pair(PlacesOf(GetParam()));
   std::atomic<int> handled{0};
   const Service service = pair.server().Serve<Sum, Total>("add", [&](const Sum& sum) {
@@ -197,7 +197,7 @@ TEST_P(ServiceOverEveryTransport, TellsAMismatchOfTheReplysType) {
   EXPECT_EQ(handled, 0);
 }
 
-TEST_P(ServiceOverEveryTransport, SaysWhatCouldNotBeWrittenOrRead) {
+TEST_P(ServiceOverEveryTransport, ReportsMessagesThatCannotBeEncodedOrDecoded) {
   if (GetParam() == "pointer") GTEST_SKIP() << "nothing is written there";
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Note, Note>("echo", [](const Note& note) { return note; });
@@ -218,7 +218,7 @@ TEST_P(ServiceOverEveryTransport, WaitsForAServerThatIsStarting) {
   EXPECT_EQ(result->value, 5);
 }
 
-TEST_P(ServiceOverEveryTransport, EndsCallsUnderLoadWhenEitherSessionEnds) {
+TEST_P(ServiceOverEveryTransport, EndsAllCallsUnderLoadWhenEitherSessionEnds) {
   for (const bool server_first : {true, false}) {
     if (GetParam() == "pointer") GTEST_SKIP() << "one session";
     std::array<std::atomic<int>, 10> failures{};  // By kind.

@@ -33,7 +33,7 @@ class WaitingInACallback : public test::DomainFixture, public testing::WithParam
   }
 };
 
-TEST_P(WaitingInACallback, GetsTheReplyOfAServiceOfItsOwnSession) {
+TEST_P(WaitingInACallback, ReceivesTheReplyOfAServiceOfItsOwnSession) {
   Robot robot(kAlone);
   const Service service = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
   for (const Executor& executor : {Executor::Tbb(), Executor::Inline(), Executor::Dedicated()}) {
@@ -49,7 +49,7 @@ TEST_P(WaitingInACallback, GetsTheReplyOfAServiceOfItsOwnSession) {
   }
 }
 
-TEST_P(WaitingInACallback, GetsTheReplyInTheCallbackOfACall) {
+TEST_P(WaitingInACallback, ReceivesTheReplyInTheCallbackOfACall) {
   Robot robot(kAlone);
   const Service service = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
   std::atomic<int> sum{0};
@@ -60,7 +60,7 @@ TEST_P(WaitingInACallback, GetsTheReplyInTheCallbackOfACall) {
   EXPECT_TRUE(Await([&] { return sum == 3; })) << sum;
 }
 
-TEST_P(WaitingInACallback, GetsTheReplyOfAnotherServiceInsideAHandler) {
+TEST_P(WaitingInACallback, ReceivesTheReplyOfAnotherServiceInsideAHandler) {
   Robot robot(kAlone);
   const Service add = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
   const Service twice = robot->Serve<Sum, Total>(
@@ -75,7 +75,7 @@ TEST_P(WaitingInACallback, GetsTheReplyOfAnotherServiceInsideAHandler) {
   EXPECT_EQ(outer->value, 10);
 }
 
-TEST_P(WaitingInACallback, OfItselfWorksOrIsRefusedAtOnce) {
+TEST_P(WaitingInACallback, ForItsOwnServiceWorksOrFailsAtOnce) {
   Robot robot(kAlone);
   std::atomic<int> refused{0};
   const Service sum_up = robot->Serve<Sum, Total>(
@@ -97,7 +97,7 @@ TEST_P(WaitingInACallback, OfItselfWorksOrIsRefusedAtOnce) {
   EXPECT_EQ(refused, HandlesOneAtATime() ? 1 : 0);
 }
 
-TEST_P(WaitingInACallback, OfManyHandlersAtOnceEnds) {
+TEST_P(WaitingInACallback, EndsInManyHandlersAtOnce) {
   Robot robot(kAlone);
   const Service add = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
   const Service outer = robot->Serve<Sum, Total>(
@@ -112,7 +112,7 @@ TEST_P(WaitingInACallback, OfManyHandlersAtOnceEnds) {
   for (int i = 0; i < 2000; ++i) ASSERT_EQ(calls[static_cast<std::size_t>(i)].Wait()->value, i + 1);
 }
 
-TEST_P(WaitingInACallback, OfOneSessionForAnotherAndBackEnds) {
+TEST_P(WaitingInACallback, EndsWhenTheOtherSessionCallsBack) {
   Robot left("data_graph: {threads: 1}\n", "left");
   Robot right("data_graph: {threads: 1}\n", "right");
   const Service add = left->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());

@@ -126,7 +126,7 @@ void ExpectArrives(Robot& talker, const Kept<Got>& kept, std::unique_ptr<Sent> c
   EXPECT_EQ(Head(*kept.at(before)).point_stride(), 16U);
 }
 
-TEST_P(BulkSession, GoesFromLoanToView) {
+TEST_P(BulkSession, PublishesALoanThatIsViewedWithoutACopy) {
   Kept<BulkCloud> kept;
   const auto subscription = listener()->FromAny<BulkCloud>("cloud", kSerial, std::ref(kept));
   (void)talker()->Advertise<BulkCloud>("cloud");
@@ -138,7 +138,7 @@ TEST_P(BulkSession, GoesFromLoanToView) {
   for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_TRUE(kept.at(i)->head().data().empty());
 }
 
-TEST_P(BulkSession, APlainSubscriberNoticesNothing) {
+TEST_P(BulkSession, PlainSubscriberReceivesBulkMessages) {
   Kept<PointCloud> kept;
   const auto subscription = listener()->FromAny<PointCloud>("cloud", kSerial, std::ref(kept));
   (void)talker()->Advertise<BulkCloud>("cloud");
@@ -149,7 +149,7 @@ TEST_P(BulkSession, APlainSubscriberNoticesNothing) {
   EXPECT_EQ(ChannelOf(listener()).converted, 0U) << "it is decoded as what the subscriber wants";
 }
 
-TEST_P(BulkSession, APlainPublisherNoticesNothing) {
+TEST_P(BulkSession, BulkSubscriberReceivesPlainMessages) {
   Kept<BulkCloud> kept;
   const auto subscription = listener()->FromAny<BulkCloud>("cloud", kSerial, std::ref(kept));
   (void)talker()->Advertise<PointCloud>("cloud");
@@ -158,7 +158,7 @@ TEST_P(BulkSession, APlainPublisherNoticesNothing) {
   EXPECT_EQ(ChannelOf(listener()).converted, 0U);
 }
 
-TEST_P(BulkSession, BothTypesMayPublishAndSubscribeOnOneChannel) {
+TEST_P(BulkSession, BulkAndPlainTypesMayShareOneChannel) {
   Kept<BulkCloud> bulk;
   Kept<PointCloud> plain;
   const auto one = listener()->FromAny<PointCloud>("cloud", kSerial, std::ref(plain));
@@ -178,7 +178,7 @@ TEST_P(BulkSession, BothTypesMayPublishAndSubscribeOnOneChannel) {
   EXPECT_EQ(TrafficOf(talker()).out.copied, 0U);
 }
 
-TEST_P(BulkSession, ALargeSmallPartCostsOneCopyThatIsCounted) {
+TEST_P(BulkSession, MessageWithALargeHeadIsCopiedOnceAndCounted) {
   Kept<BulkCloud> kept;
   const auto subscription = listener()->FromAny<BulkCloud>("cloud", kSerial, std::ref(kept));
   (void)talker()->Advertise<BulkCloud>("cloud");
@@ -192,7 +192,7 @@ TEST_P(BulkSession, ALargeSmallPartCostsOneCopyThatIsCounted) {
   EXPECT_EQ(TrafficOf(talker()).out.copied, 1U);
 }
 
-TEST_P(BulkSession, WhatContradictsItselfIsNotSentAndCounted) {
+TEST_P(BulkSession, MessageThatContradictsItselfIsNotSentButCounted) {
   Kept<BulkCloud> kept;
   const auto subscription = listener()->FromAny<BulkCloud>("cloud", kSerial, std::ref(kept));
   (void)talker()->Advertise<BulkCloud>("cloud");
@@ -205,7 +205,7 @@ TEST_P(BulkSession, WhatContradictsItselfIsNotSentAndCounted) {
   EXPECT_TRUE(talker().Said("could not be written as foxglove.PointCloud"));
 }
 
-TEST_P(BulkSession, LatchedOnesReachWhoComesLater) {
+TEST_P(BulkSession, LatchedMessagesReachALateSubscriber) {
   const auto publish = talker()->Advertise<BulkCloud>("cloud", {.latched = 2});
   for (const char value : {'a', 'b', 'c'}) ASSERT_EQ(publish(Lent(talker(), value)), PublishStatus::kOk);
   Kept<BulkCloud> kept;
@@ -215,7 +215,7 @@ TEST_P(BulkSession, LatchedOnesReachWhoComesLater) {
   EXPECT_TRUE(Text(*kept.at(1)) == std::string(kSize, 'c'));
 }
 
-TEST_P(BulkSession, NothingIsLostAndAllStaysReadableWhileItIsKept) {
+TEST_P(BulkSession, KeptMessagesStayReadableAndNoneIsLost) {
   Kept<BulkCloud> kept;
   NodeOptions options;
   options.queue = Queue::KeepAll(8);
@@ -247,7 +247,7 @@ class BulkSharedMemory : public testing::Test {
   ~BulkSharedMemory() override { setenv("HGROS_DOMAIN", "none", 1); }
 };
 
-TEST_F(BulkSharedMemory, TheReceiverReadsTheMemoryThatWasWritten) {
+TEST_F(BulkSharedMemory, ReceiversReadTheMemoryThatThePublisherWrote) {
   Robot talker(""), first(""), second("");
   Kept<BulkCloud> at_first, at_second;
   const auto one = first->FromAny<BulkCloud>("cloud", kSerial, std::ref(at_first));
@@ -267,7 +267,7 @@ TEST_F(BulkSharedMemory, TheReceiverReadsTheMemoryThatWasWritten) {
   }
 }
 
-TEST_F(BulkSharedMemory, MoreThanThereIsComesFromTheHeapAndArrives) {
+TEST_F(BulkSharedMemory, LoansComeFromTheHeapWhenSharedMemoryIsUsedUp) {
   Robot talker("shared_memory: {limit_bytes: 2000000}"), listener("");
   Kept<BulkCloud> kept;
   NodeOptions options;
@@ -290,7 +290,7 @@ TEST_F(BulkSharedMemory, MoreThanThereIsComesFromTheHeapAndArrives) {
   EXPECT_EQ(traffic.out.copied, traffic.heap_loans);
 }
 
-TEST_F(BulkSharedMemory, OneMessageMayGoOutOfTwoSessionsAtOnce) {
+TEST_F(BulkSharedMemory, TwoSessionsMayPublishOneMessageAtOnce) {
   Robot talker(""), other(""), listener("");
   Kept<BulkCloud> kept;
   const auto subscription = listener->FromAny<BulkCloud>("cloud", kSerial, std::ref(kept));
@@ -311,7 +311,7 @@ TEST_F(BulkSharedMemory, OneMessageMayGoOutOfTwoSessionsAtOnce) {
   EXPECT_EQ(TrafficOf(other).out.copied, 10U) << "it lies in the other session's memory";
 }
 
-TEST(BulkInProcess, TheSameObjectGoesByPointer) {
+TEST(BulkInProcess, SubscriberGetsThePublishedObject) {
   Robot robot("");
   Kept<BulkCloud> kept;
   const auto subscription = robot->FromAny<BulkCloud>("cloud", kSerial, std::ref(kept));
@@ -322,7 +322,7 @@ TEST(BulkInProcess, TheSameObjectGoesByPointer) {
   EXPECT_EQ(kept.at(0).get(), sent);
 }
 
-TEST(BulkInProcess, BothTypesUnderstandEachOther) {
+TEST(BulkInProcess, BulkAndPlainMessagesAreConvertedForEachOther) {
   Robot robot("");
   Kept<BulkCloud> bulk;
   Kept<PointCloud> plain;

@@ -7,7 +7,7 @@
 namespace hgros {
 namespace {
 
-class FollowingAClock : public testing::Test {
+class ClockFollowerTest : public testing::Test {
  protected:
   // A paused one, which says its state once.
   void Say(std::uint64_t session, std::int64_t shown, bool ended = false) {
@@ -32,7 +32,7 @@ class FollowingAClock : public testing::Test {
   ClockFollower follower{clock, std::make_shared<Log>([](LogLevel, std::string_view) {})};
 };
 
-TEST_F(FollowingAClock, WhatAReturningSessionSaysBeforeItsReturnIsKnownCountsThen) {
+TEST_F(ClockFollowerTest, LatestMessageOfAReturningSessionCountsOnceItsReturnIsReported) {
   Say(7, 10);
   EXPECT_EQ(clock->Now(), Time{10});
   Tell(PeerEvent::Kind::kGone, 7);
@@ -45,7 +45,7 @@ TEST_F(FollowingAClock, WhatAReturningSessionSaysBeforeItsReturnIsKnownCountsThe
   EXPECT_EQ(clock->Now(), Time{40});
 }
 
-TEST_F(FollowingAClock, WhatWasSaidByOneThatIsGoneAgainDoesNotCount) {
+TEST_F(ClockFollowerTest, IgnoresMessagesOfASessionThatIsGoneAgain) {
   Say(7, 10);
   Tell(PeerEvent::Kind::kGone, 7);
   Say(7, 20);
@@ -56,7 +56,7 @@ TEST_F(FollowingAClock, WhatWasSaidByOneThatIsGoneAgainDoesNotCount) {
   EXPECT_EQ(clock->Now(), Time{50}) << "nobody else is followed";
 }
 
-TEST_F(FollowingAClock, OneThatReturnsWhileAnotherIsFollowedIsItsRival) {
+TEST_F(ClockFollowerTest, SessionThatReturnsWhileAnotherIsFollowedBecomesTheRival) {
   Say(7, 10);
   Tell(PeerEvent::Kind::kGone, 7);
   Say(8, 50);

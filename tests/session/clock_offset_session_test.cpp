@@ -54,7 +54,7 @@ std::optional<bool> Holds(const Session& session, const Session& peer, const Wal
 
 class ClockOffsetOfSessions : public testing::TestWithParam<std::pair<Wall, Wall>> {};
 
-TEST_P(ClockOffsetOfSessions, IsKnownOnBothSidesWithinWhatTheySay) {
+TEST_P(ClockOffsetOfSessions, IsKnownOnBothSidesWithinItsUncertainty) {
   const auto& [one, other] = GetParam();
   const auto publisher = Publishing(one);
   const auto subscriber = Subscribing(other, *publisher);
@@ -104,7 +104,7 @@ TEST(ClockOffsetOfSessions, CorrectsLatenciesInStatistics) {
   }
 }
 
-TEST(ClockOffsetOfSessions, IsUnknownOfStrangersAndOfThoseWhoHaveGone) {
+TEST(ClockOffsetOfSessions, IsUnknownForStrangersAndForPeersThatAreGone) {
   const auto publisher = Publishing({});
   auto subscriber = Subscribing(Wall{5s}, *publisher);
   EXPECT_EQ(publisher->OffsetTo(SessionId::Random()), std::nullopt);
@@ -116,7 +116,7 @@ TEST(ClockOffsetOfSessions, IsUnknownOfStrangersAndOfThoseWhoHaveGone) {
 
 class ClockOffsetOnOneHost : public test::DomainFixture {};
 
-TEST_F(ClockOffsetOnOneHost, IsNoneAtOnce) {
+TEST_F(ClockOffsetOnOneHost, IsZeroAtOnce) {
   Session one;
   Session other;
   const auto subscription = one.FromAny<Note>("notes", Invoke::kSerial, [](const Note&) {});

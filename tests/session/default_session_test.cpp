@@ -13,7 +13,7 @@ using test::Await;
 using test::Note;
 using test::Notes;
 
-TEST(DefaultSession, PublishesAndSubscribesByTheFreeFunctions) {
+TEST(DefaultSession, PublishesAndSubscribesThroughFreeFunctions) {
   Init();
   Notes any;
   Notes graph;
@@ -26,7 +26,7 @@ TEST(DefaultSession, PublishesAndSubscribesByTheFreeFunctions) {
   Shutdown();
 }
 
-TEST(DefaultSession, MisuseIsAnErrorThatSaysWhatToDo) {
+TEST(DefaultSession, MisuseThrowsAnErrorThatNamesTheFix) {
   EXPECT_THROW((void)DefaultSession(), Error);
   Init();
   EXPECT_THROW(Init(), Error);

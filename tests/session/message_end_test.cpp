@@ -54,13 +54,13 @@ class MessageEnd : public test::DomainFixture {
   }
 };
 
-TEST_F(MessageEnd, MayPublishOnItsOwnChannelOverAPairsSocket) {
+TEST_F(MessageEnd, DestructorMayPublishOnItsOwnChannelOverAPairSocket) {
   Robot talker(kNoMemory);
   Robot listener(kNoMemory);
   Run(talker, listener);
 }
 
-TEST_F(MessageEnd, MayPublishOnItsOwnChannelOverZeroMq) {
+TEST_F(MessageEnd, DestructorMayPublishOnItsOwnChannelOverZeroMq) {
   const Bus bus;
   Robot talker(bus.Publishing("talker") + "discovery: {local: false}");
   Robot listener(bus.Subscribing("talker") + "discovery: {local: false}");

@@ -69,7 +69,7 @@ TEST(NodeTimer, FollowsTheClockOfTheSession) {
   EXPECT_EQ(ticks.all().back().missed, 0U);
 }
 
-TEST(NodeTimer, LeavesOutWhatIsLateOrMakesUpForIt) {
+TEST(NodeTimer, SkipsOrCatchesUpOnMissedTurns) {
   const auto clock = SimulatedClock::Paused();
   const auto session = SessionOn(clock);
   Ticks skipping;
@@ -87,7 +87,7 @@ TEST(NodeTimer, LeavesOutWhatIsLateOrMakesUpForIt) {
   }
 }
 
-TEST(NodeTimer, TellsHowManyTurnsPassedWhileItsCallbackRan) {
+TEST(NodeTimer, ReportsTheTurnsThatPassedWhileItsCallbackRan) {
   const auto clock = SimulatedClock::Paused();
   const auto session = SessionOn(clock);
   Ticks ticks;
@@ -133,7 +133,7 @@ TEST(NodeTimer, IsConfiguredAndCountedLikeAnyNode) {
   EXPECT_EQ(node.failed, 1U);
 }
 
-TEST(NodeTimer, HasANameOfItsOwn) {
+TEST(NodeTimer, RefusesAnEmptyNameAZeroPeriodAndANameInUse) {
   const auto clock = SimulatedClock::Paused();
   const auto session = SessionOn(clock);
   const auto nothing = [](const Tick&) {};
@@ -162,7 +162,7 @@ class NodeTimerOnEveryExecutor : public testing::TestWithParam<std::size_t> {
 };
 INSTANTIATE_TEST_SUITE_P(Timers, NodeTimerOnEveryExecutor, testing::Values(0U, 1U, 2U));
 
-TEST_P(NodeTimerOnEveryExecutor, MayBeEndedAndMadeAnewByItsOwnCallback) {
+TEST_P(NodeTimerOnEveryExecutor, MayBeEndedAndCreatedAgainByItsOwnCallback) {
   const auto clock = SimulatedClock::Paused();
   std::optional<NodeTimer> timer;  // before the session, whose end waits for callbacks in flight
   Ticks ticks;
@@ -189,7 +189,7 @@ TEST_P(NodeTimerOnEveryExecutor, MayBeEndedAndMadeAnewByItsOwnCallback) {
   EXPECT_EQ(ticks.all().at(0).planned, Time{0} + 20ms);
 }
 
-TEST_P(NodeTimerOnEveryExecutor, EndWaitsForItsCallbackAndNoneRunsAfterwards) {
+TEST_P(NodeTimerOnEveryExecutor, ResetWaitsForItsCallbackAndNoneRunsAfterwards) {
   const auto session = SessionOn(nullptr);
   for (int round = 0; round < 50; ++round) {
     auto alive = std::make_unique<std::atomic<bool>>(true);
@@ -202,7 +202,7 @@ TEST_P(NodeTimerOnEveryExecutor, EndWaitsForItsCallbackAndNoneRunsAfterwards) {
   }
 }
 
-TEST_P(NodeTimerOnEveryExecutor, TwoMayEndEachOtherInTheirCallbacks) {
+TEST_P(NodeTimerOnEveryExecutor, TwoTimersMayEndEachOtherInTheirCallbacks) {
   for (int round = 0; round < 20; ++round) {
     NodeTimer first;
     NodeTimer second;
@@ -225,7 +225,7 @@ TEST_P(NodeTimerOnEveryExecutor, TwoMayEndEachOtherInTheirCallbacks) {
   }
 }
 
-TEST_P(NodeTimerOnEveryExecutor, ASessionIsDestroyedUnderTheirLoad) {
+TEST_P(NodeTimerOnEveryExecutor, SessionCanBeDestroyedWhileItsTimersFire) {
   for (int round = 0; round < 20; ++round) {
     auto session = SessionOn(nullptr);
     Session& there = *session;  // until all callbacks have returned

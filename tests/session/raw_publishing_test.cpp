@@ -90,7 +90,7 @@ TEST_P(RawPublishing, ReachesTypedAndRawSubscribersOfAnotherSession) {
   EXPECT_FALSE(observer->Said("different types"));
 }
 
-TEST_P(RawPublishing, ToAnyRawLooksTheSchemaUpEachTime) {
+TEST_P(RawPublishing, ToAnyRawLooksUpTheSchemaEachTime) {
   Begin();
   Kept<Vector> typed;
   const auto subscription = observer->session->FromAny<Vector>("v", kSerial, std::ref(typed), Everything());
@@ -104,7 +104,7 @@ TEST_P(RawPublishing, ToAnyRawLooksTheSchemaUpEachTime) {
   EXPECT_LE(typed.size(), 6U);
 }
 
-TEST_P(RawPublishing, TellsItsSchemaToOtherSessions) {
+TEST_P(RawPublishing, AnnouncesItsSchemaToOtherSessions) {
   Begin();
   const RawPublisher publish = robot->session->AdvertiseRaw("v", VectorSchema());
   const auto schema = observer->session->AwaitSchema("v", kPatience);
@@ -157,7 +157,7 @@ TEST_P(RawPublishing, LosslessSubscribersGetEverythingInOrder) {
   for (std::size_t i = 0; i < 200; ++i) ASSERT_EQ(kept.messages()[i]->x(), static_cast<double>(i));
 }
 
-TEST_P(RawPublishing, AnotherTypeElsewhereIsReportedOnBothSides) {
+TEST_P(RawPublishing, TypeMismatchWithAnotherSessionIsReportedOnBothSides) {
   Begin();
   const auto subscription = observer->session->FromAny<Note>("v", kSerial, [](const Note&) {});
   const RawPublisher publish = robot->session->AdvertiseRaw("v", VectorSchema());
@@ -251,7 +251,7 @@ TEST_F(RawPublishingAlone, TypedSubscribersShareOneDecodedMessage) {
   }
 }
 
-TEST_F(RawPublishingAlone, BulkAndPlainSubscribersGetTheirForms) {
+TEST_F(RawPublishingAlone, BulkAndPlainSubscribersEachGetTheirForm) {
   Kept<PointCloud> plain;
   Kept<Bulk<PointCloud>> bulk;
   const auto one = robot->FromAny<PointCloud>("c", kSerial, std::ref(plain), Everything());
@@ -268,7 +268,7 @@ TEST_F(RawPublishingAlone, BulkAndPlainSubscribersGetTheirForms) {
   EXPECT_EQ(bulk.messages()[1]->head().frame_id(), "lidar");
 }
 
-TEST_F(RawPublishingAlone, BytesThatDoNotDecodeAreCountedAndTheNextOnesCome) {
+TEST_F(RawPublishingAlone, CountsBytesThatDoNotDecodeAndDeliversTheNextMessages) {
   Kept<Vector> kept;
   const auto subscription = robot->FromAny<Vector>("v", kSerial, std::ref(kept), Everything());
   const RawPublisher publish = robot->AdvertiseRaw("v", VectorSchema());
@@ -283,7 +283,7 @@ TEST_F(RawPublishingAlone, BytesThatDoNotDecodeAreCountedAndTheNextOnesCome) {
   EXPECT_TRUE(robot.Said("missed a message"));
 }
 
-TEST_F(RawPublishingAlone, FullSubscribersLeaveThePayloadToTheCaller) {
+TEST_F(RawPublishingAlone, ReturnsThePayloadToTheCallerWhenASubscriberIsFull) {
   std::mutex door;
   door.lock();
   Kept<RawMessage> kept;
@@ -305,7 +305,7 @@ TEST_F(RawPublishingAlone, FullSubscribersLeaveThePayloadToTheCaller) {
   EXPECT_EQ(publish(bytes), PublishStatus::kOk);
 }
 
-TEST_F(RawPublishingAlone, AnotherTypeIsATypeMismatchThatNamesBoth) {
+TEST_F(RawPublishingAlone, AdvertisingAnotherTypeThrowsATypeMismatchThatNamesBoth) {
   const auto typed = robot->Advertise<Vector>("v");
   try {
     (void)robot->AdvertiseRaw("v", TextSchema());
@@ -322,7 +322,7 @@ TEST_F(RawPublishingAlone, AnotherTypeIsATypeMismatchThatNamesBoth) {
   EXPECT_THROW(robot->ToAnyRaw("t", VectorSchema(), VectorBytes(1)), TypeMismatch);
 }
 
-TEST_F(RawPublishingAlone, AnotherLayoutOfOneNameIsATypeMismatchThatTellsTheFingerprints) {
+TEST_F(RawPublishingAlone, AnotherLayoutOfOneTypeNameThrowsATypeMismatchWithFingerprints) {
   MessageSchema first{"robot.Pair", Encoding::kPlain, 1, {}};
   MessageSchema second{"robot.Pair", Encoding::kPlain, 0xabc, {}};
   const RawPublisher publish = robot->AdvertiseRaw("p", first);
@@ -334,7 +334,7 @@ TEST_F(RawPublishingAlone, AnotherLayoutOfOneNameIsATypeMismatchThatTellsTheFing
   }
 }
 
-TEST_F(RawPublishingAlone, SchemasThatNameNoTypeAreRefused) {
+TEST_F(RawPublishingAlone, RefusesSchemasWithoutATypeName) {
   EXPECT_THROW((void)robot->AdvertiseRaw("v", {}), Error);
   MessageSchema broken = VectorSchema();
   broken.descriptor_set = "no descriptors";
@@ -345,7 +345,7 @@ TEST_F(RawPublishingAlone, SchemasThatNameNoTypeAreRefused) {
   EXPECT_THROW(robot->ToAnyRaw("hgros/peers", VectorSchema(), VectorBytes(1)), Error);
 }
 
-TEST_F(RawPublishingAlone, AHandleThatOutlivesItsSessionIsClosed) {
+TEST_F(RawPublishingAlone, HandleThatOutlivesItsSessionIsClosed) {
   const RawPublisher publish = robot->AdvertiseRaw("v", VectorSchema());
   robot.session.reset();
   EXPECT_EQ(publish(VectorBytes(1)), PublishStatus::kClosed);

@@ -56,7 +56,7 @@ double XOf(const RawMessage& message) {
 
 class RawSubscription : public test::ObservedFixture {};
 
-TEST_P(RawSubscription, GetsBytesSenderAndSchema) {
+TEST_P(RawSubscription, ReceivesBytesSenderAndSchema) {
   Begin();
   KeptRaw kept;
   const auto subscription = observer->session->FromAnyRaw("v", kSerial, std::ref(kept), All());
@@ -77,7 +77,7 @@ TEST_P(RawSubscription, GetsBytesSenderAndSchema) {
   EXPECT_FALSE(observer->Said("different types"));
 }
 
-TEST_P(RawSubscription, HasTheSchemaWithAllImports) {
+TEST_P(RawSubscription, SchemaContainsAllImports) {
   Begin();
   const auto publish = robot->session->Advertise<PointCloud>("cloud");
   const auto schema = observer->session->AwaitSchema("cloud", kPatience);
@@ -91,12 +91,12 @@ TEST_P(RawSubscription, HasTheSchemaWithAllImports) {
       << "it is no longer a subscriber";
 }
 
-TEST_P(RawSubscription, GetsNoSchemaWhileNobodyPublishes) {
+TEST_P(RawSubscription, HasNoSchemaWithoutAPublisher) {
   Begin();
   EXPECT_EQ(observer->session->AwaitSchema("nothing", std::chrono::milliseconds(50)), nullptr);
 }
 
-TEST_P(RawSubscription, ForgetsTheSchemaOfAPublisherThatHasGone) {
+TEST_P(RawSubscription, ForgetsTheSchemaOfAPublisherThatIsGone) {
   Begin();
   KeptRaw kept;
   const auto subscription = observer->session->FromAnyRaw("v", kSerial, std::ref(kept), All());
@@ -107,7 +107,7 @@ TEST_P(RawSubscription, ForgetsTheSchemaOfAPublisherThatHasGone) {
       << "nobody publishes any more";
 }
 
-TEST_P(RawSubscription, AndATypedSubscriptionBothGetEverything) {
+TEST_P(RawSubscription, AndATypedSubscriptionOfOneChannelBothReceiveEveryMessage) {
   for (const bool raw_first : {true, false}) {
     Begin();
     KeptRaw kept;
@@ -143,7 +143,7 @@ TEST_P(RawSubscription, AndATypedSubscriptionBothGetEverything) {
   }
 }
 
-TEST_P(RawSubscription, HearsPublishersOfDifferentTypes) {
+TEST_P(RawSubscription, ReceivesFromPublishersOfDifferentTypes) {
   Begin();
   test::Robot second(GetParam() == "sharedmemory"
                          ? ""
@@ -174,7 +174,7 @@ TEST_P(RawSubscription, HearsPublishersOfDifferentTypes) {
   ASSERT_TRUE(Await([&] { return kept.size() == 4 && typed == 1; }));
 }
 
-TEST_P(RawSubscription, HearsAChannelThatAppearsLater) {
+TEST_P(RawSubscription, ReceivesFromAChannelThatIsAdvertisedLater) {
   robot.emplace(PublisherYaml(), "robot");
   observer.emplace(ObserverYaml(), "observer");
   Connect(*observer->session, *robot->session);
@@ -188,7 +188,7 @@ TEST_P(RawSubscription, HearsAChannelThatAppearsLater) {
   EXPECT_TRUE(Await([&] { return kept.size() == 1; }));
 }
 
-TEST_P(RawSubscription, GetsLargeMessagesWithoutACopy) {
+TEST_P(RawSubscription, ReceivesLargeMessagesWithoutACopy) {
   if (GetParam() != "sharedmemory") GTEST_SKIP() << "of shared memory";
   Begin();
   KeptRaw kept;
@@ -209,7 +209,7 @@ TEST_P(RawSubscription, GetsLargeMessagesWithoutACopy) {
 
 INSTANTIATE_TEST_SUITE_P(Over, RawSubscription, testing::Values("sharedmemory", "ipc", "tcp"), test::TransportName);
 
-TEST_P(RawSubscription, HearsRemoteMessagesOnAChannelWithALocalTypeHere) {
+TEST_P(RawSubscription, ReceivesRemoteMessagesOnAChannelThatHasALocalType) {
   struct Local {
     std::string text;  // No plain struct, so it has no wire form.
   };
@@ -224,7 +224,7 @@ TEST_P(RawSubscription, HearsRemoteMessagesOnAChannelWithALocalTypeHere) {
   EXPECT_EQ(XOf(*kept.messages()[0]), 7);
 }
 
-TEST(RawSubscriptionAlone, GetsWhatItsOwnSessionPublishes) {
+TEST(RawSubscriptionAlone, ReceivesMessagesOfItsOwnSession) {
   test::Robot robot("discovery: {local: false}\n");
   KeptRaw kept;
   const auto subscription = robot->FromAnyRaw("v", kSerial, std::ref(kept), All());

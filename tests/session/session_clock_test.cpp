@@ -80,7 +80,7 @@ const Bus& TheBus() {
 
 class SessionClockOnEveryTransport : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
 
-TEST_P(SessionClockOnEveryTransport, FollowsTheOneThatIsPublished) {
+TEST_P(SessionClockOnEveryTransport, FollowsThePublishedClock) {
   Robot simulation(kSimulated + GetParam().simulation, "simulation");
   std::optional<Robot> apart;
   if (const auto yaml = GetParam().controller(*simulation.session)) apart.emplace(kSimulated + *yaml, "controller");
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class SessionClock : public test::DomainFixture {};
 
-TEST_F(SessionClock, IsTheSystemsUnlessSaidOtherwise) {
+TEST_F(SessionClock, IsTheSystemClockByDefault) {
   const Robot robot("");
   const Time before = WallNow();
   const Time shown = robot->clock()->Now();
@@ -112,7 +112,7 @@ TEST_F(SessionClock, IsTheSystemsUnlessSaidOtherwise) {
   EXPECT_FALSE(robot->config().simulated_time);
 }
 
-TEST_F(SessionClock, RunsOnByItselfBetweenMessages) {
+TEST_F(SessionClock, KeepsRunningBetweenMessages) {
   const Robot simulation("");
   const Robot robot(kSimulated);
   const auto clock = std::make_shared<SimulatedClock>(kStart);
@@ -129,7 +129,7 @@ TEST_F(SessionClock, RunsOnByItselfBetweenMessages) {
   EXPECT_LT(robot->Snapshot().traffic.at(0).in.at(0).received, 100U);
 }
 
-TEST_F(SessionClock, IsToldToLateSessions) {
+TEST_F(SessionClock, ReachesLateSessions) {
   const Robot simulation("");
   const auto clock = SimulatedClock::Paused(kStart);
   const ClockPublisher publisher(*simulation.session, clock);
@@ -140,7 +140,7 @@ TEST_F(SessionClock, IsToldToLateSessions) {
   }
 }
 
-TEST_F(SessionClock, WakesWhoSleepsPausesAndEnds) {
+TEST_F(SessionClock, WakesSleepersAndPausesWhenThePublishedClockEnds) {
   const Robot simulation("");
   const Robot robot(kSimulated);
   const auto clock = std::make_shared<SimulatedClock>(kStart);
@@ -161,7 +161,7 @@ TEST_F(SessionClock, WakesWhoSleepsPausesAndEnds) {
   EXPECT_TRUE(Shows(*robot.session, kStart + 1s)) << "another simulation begins";
 }
 
-TEST_F(SessionClock, StandsStillWhenItsPublisherIsGoneAndGoesOnWithTheNext) {
+TEST_F(SessionClock, PausesWhenItsPublisherIsGoneAndFollowsTheNextOne) {
   Robot robot(kSimulated);
   std::optional<Robot> simulation(std::in_place, "", "first");
   const auto clock = std::make_shared<SimulatedClock>(kStart);
@@ -179,7 +179,7 @@ TEST_F(SessionClock, StandsStillWhenItsPublisherIsGoneAndGoesOnWithTheNext) {
   EXPECT_FALSE(robot.Said("Two clocks"));
 }
 
-TEST_F(SessionClock, OfTwoTheFirstIsFollowedAndBothAreReported) {
+TEST_F(SessionClock, FollowsTheFirstOfTwoPublishedClocksAndReportsBoth) {
   Robot robot(kSimulated);
   Robot first("", "first");
   Robot second("", "second");
@@ -194,7 +194,7 @@ TEST_F(SessionClock, OfTwoTheFirstIsFollowedAndBothAreReported) {
   EXPECT_TRUE(Shows(*robot.session, kStart + 1h)) << "now it is the only one";
 }
 
-TEST_F(SessionClock, ItsLatestStateReachesWhoHadNoRoom) {
+TEST_F(SessionClock, LatestStateReachesASubscriberThatHadNoRoom) {
   const Robot simulation("");
   test::Door door;
   std::atomic<std::int64_t> shown{0};
@@ -221,7 +221,7 @@ TEST_F(SessionClock, ItsLatestStateReachesWhoHadNoRoom) {
   EXPECT_TRUE(Await([&] { return shown == last.nanoseconds; }));
 }
 
-TEST_F(SessionClock, LeavesOutWhatCannotBeAClock) {
+TEST_F(SessionClock, IgnoresMessagesThatCannotBeAClock) {
   Robot robot(kSimulated);
   const auto publish = robot->Advertise<SimulatedTime>(kClockChannel);
   SimulatedTime time;
@@ -245,7 +245,7 @@ TEST_F(SessionClock, LeavesOutWhatCannotBeAClock) {
   EXPECT_EQ(robot->clock()->Now(), Time{77});
 }
 
-TEST_F(SessionClock, IsReadFromYaml) {
+TEST_F(SessionClock, IsConfiguredInYaml) {
   EXPECT_TRUE(Config::Parse("time: simulated").simulated_time);
   EXPECT_FALSE(Config::Parse("time: system").simulated_time);
   EXPECT_THROW((void)Config::Parse("time: simulate"), ConfigError);

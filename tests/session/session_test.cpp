@@ -28,7 +28,7 @@ std::vector<std::string> Numbered(int from, int to) {
   return texts;
 }
 
-TEST(Session, WithoutListenersOutsideNothingIsWrittenAndMessagesGoByPointer) {
+TEST(Session, DeliversByPointerAndEncodesNothingWithoutRemoteSubscribers) {
   const Bus bus;
   Robot robot(bus.Publishing("a"));
   Note::written = 0;
@@ -42,7 +42,7 @@ TEST(Session, WithoutListenersOutsideNothingIsWrittenAndMessagesGoByPointer) {
   EXPECT_EQ(Note::written, 0);
 }
 
-TEST(Session, AMessageCrossesToAnotherSession) {
+TEST(Session, SendsMessagesToAnotherSessionInOrder) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -58,7 +58,7 @@ TEST(Session, AMessageCrossesToAnotherSession) {
 }
 
 // Two names, one socket: what it says, it says over both connections.
-TEST(Session, APublisherThatIsReachedByTwoNamesIsReceivedFromOnceWhicheverEnds) {
+TEST(Session, ReceivesEachMessageOnceThroughTwoNamesOfOneEndpoint) {
   for (const std::size_t removed : {0U, 1U}) {
     SCOPED_TRACE(removed);
     Robot talker("network: {publisher: {ip: 'tcp://*:*'}}");
@@ -88,7 +88,7 @@ TEST(Session, APublisherThatIsReachedByTwoNamesIsReceivedFromOnceWhicheverEnds) 
   }
 }
 
-TEST(Session, AProtobufMessageCrossesOverTcp) {
+TEST(Session, SendsAProtobufMessageOverTcp) {
   Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
   ASSERT_EQ(talker->PublisherEndpoints().size(), 1U);
   Robot listener("network: {subscribers: [{ip: \"" + talker->PublisherEndpoints()[0] + "\"}]}");
@@ -109,7 +109,7 @@ TEST(Session, AProtobufMessageCrossesOverTcp) {
   }));
 }
 
-TEST(Session, AnOutsideObserverLeavesLocalPointerPassingAsItWas) {
+TEST(Session, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
   const Bus bus;
   Robot robot(bus.Publishing("a"));
   std::vector<const Note*> seen;
@@ -139,7 +139,7 @@ TEST(Session, AnOutsideObserverLeavesLocalPointerPassingAsItWas) {
   EXPECT_EQ(Note::read, 2) << "read once in each session, however many subscriptions it has";
 }
 
-TEST(Session, BridgedRobotsDoNotEcho) {
+TEST(Session, MessagesDoNotEchoBetweenTwoSessions) {
   const Bus bus;
   Robot first(bus.Both("a", "b"));
   Robot second(bus.Both("b", "a"));
@@ -159,7 +159,7 @@ TEST(Session, BridgedRobotsDoNotEcho) {
   EXPECT_EQ(at_first.size(), 3U);
 }
 
-TEST(Session, ALongCallbackHoldsUpNoOtherNodeOfItsChannelThoughTheReceivingThreadHelps) {
+TEST(Session, LongCallbackDoesNotDelayOtherNodesOfARemoteChannel) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a") + "data_graph: {threads: 2}\n");
@@ -182,7 +182,7 @@ TEST(Session, ALongCallbackHoldsUpNoOtherNodeOfItsChannelThoughTheReceivingThrea
   EXPECT_TRUE(Await([&] { return slow == 5; }));
 }
 
-TEST(Session, AClosedChannelStillLeavesAndStillReceives) {
+TEST(Session, ClosedChannelStillSendsToAndReceivesFromOtherSessions) {
   const Bus bus;
   Robot first(bus.Both("a", "b") + "data_graph: {close_channels: [notes]}\n");
   Robot second(bus.Both("b", "a"));
@@ -202,7 +202,7 @@ TEST(Session, AClosedChannelStillLeavesAndStillReceives) {
   EXPECT_TRUE(Await([&] { return at_first.size() == 2; }));
 }
 
-TEST(Session, OnlyListedChannelsLeaveAndTheListCanChangeWhileRunning) {
+TEST(Session, SendsOnlyListedChannelsAndTheListCanChangeAtRunTime) {
   const Bus bus;
   Robot talker(bus.Publishing("a", "open"));
   Robot listener(bus.Subscribing("a"));
@@ -228,7 +228,7 @@ TEST(Session, OnlyListedChannelsLeaveAndTheListCanChangeWhileRunning) {
   EXPECT_EQ(hidden.size(), 1U);
 }
 
-TEST(Session, AChannelThatNoListLetsPassIsSaidOnceWithTheNameThatWasMeant) {
+TEST(Session, LogsAChannelThatNoEndpointListsOnceWithTheNearestName) {
   const Bus bus;
   Robot talker(bus.Publishing("a", "wheel"));
   Robot listener(bus.Subscribing("a", "wheel"));
@@ -244,7 +244,7 @@ TEST(Session, AChannelThatNoListLetsPassIsSaidOnceWithTheNameThatWasMeant) {
 
 constexpr const char* kMisspelled = "data_graph: {nodes: {planner: {queue: latest}, localisation: {queue: latest}}}\n";
 
-TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidAtTheEndWithTheNameThatWasMeant) {
+TEST(Session, LogsUnusedConfiguredNodeNamesAtItsEndWithTheNearestName) {
   Robot robot(kMisspelled);
   {
     const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
@@ -258,7 +258,7 @@ TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidAtTheEndWithTheNa
   EXPECT_EQ(robot.lines.size(), 1U);
 }
 
-TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidOnceSomeSecondsAfterTheStart) {
+TEST(Session, LogsUnusedConfiguredNodeNamesOnceSomeSecondsAfterItsStart) {
   Robot robot(kMisspelled);
   const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
   EXPECT_TRUE(Await([&] { return robot.Said("has so far: \"localisation\"."); }));
@@ -266,7 +266,7 @@ TEST(Session, NodeNamesOfTheConfigurationThatNobodyTakesAreSaidOnceSomeSecondsAf
   EXPECT_EQ(robot.lines.size(), 1U);
 }
 
-TEST(Session, NodeNamesOfTheConfigurationAreNoMatterWhereNoSessionBegan) {
+TEST(Session, DoesNotLogUnusedNodeNamesWhenItsConstructorThrows) {
   std::vector<std::string> lines;
   const std::string yaml = std::string(kMisspelled) + "network: {publisher: {ip: \"ipc:///nowhere/at/all\"}}\n";
   const auto log = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
@@ -274,7 +274,7 @@ TEST(Session, NodeNamesOfTheConfigurationAreNoMatterWhereNoSessionBegan) {
   EXPECT_EQ(lines, std::vector<std::string>{});
 }
 
-TEST(Session, NodeNamesOfTheConfigurationThatAreTakenNeedNoWord) {
+TEST(Session, DoesNotLogConfiguredNodeNamesThatAreUsed) {
   Robot robot(kMisspelled);
   {
     const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
@@ -284,7 +284,7 @@ TEST(Session, NodeNamesOfTheConfigurationThatAreTakenNeedNoWord) {
   EXPECT_TRUE(robot.lines.empty());
 }
 
-TEST(Session, ALatchedChannelReachesALateSessionAndThenItsLateNodesOnce) {
+TEST(Session, LatchedMessagesReachALateSessionAndItsLateNodesOnce) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   const auto publish = talker->Advertise<Note>("map", {.latched = 2});
@@ -316,7 +316,7 @@ struct Traced {
   inline static std::vector<std::thread::id> writers;
 };
 
-TEST(Session, ALatchedMessageWithCodeOfItsOwnIsWrittenOnTheThreadThatPublishesIt) {
+TEST(Session, LatchedMessageWithItsOwnCodecIsEncodedOnThePublishingThread) {
   const Bus bus;
   const EndpointConfig endpoint{bus.Endpoint("late"), {}, true};
   for (const bool joins_late : {false, true}) {
@@ -337,7 +337,7 @@ TEST(Session, ALatchedMessageWithCodeOfItsOwnIsWrittenOnTheThreadThatPublishesIt
   }
 }
 
-TEST(Session, WhatAnInlineCallbackPublishesOnItsOwnChannelComesAfterItsMessageElsewhere) {
+TEST(Session, MessageOfAnInlineCallbackOnItsOwnChannelArrivesAfterTheCurrentOne) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -358,7 +358,7 @@ TEST(Session, WhatAnInlineCallbackPublishesOnItsOwnChannelComesAfterItsMessageEl
   EXPECT_EQ(notes.texts(), (std::vector<std::string>{"1", "1 answer", "2", "2 answer"}));
 }
 
-TEST(Session, WhatIsLatchedReachesALateNodeThoughTheCableWasCutBeforeItCame) {
+TEST(Session, LatchedMessageReachesALateNodeAfterALostConnection) {
   Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
   const std::string endpoint = talker->PublisherEndpoints()[0];
   conformance::TcpForwarder cable(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
@@ -380,7 +380,7 @@ TEST(Session, WhatIsLatchedReachesALateNodeThoughTheCableWasCutBeforeItCame) {
   EXPECT_EQ(second.texts(), Numbered(1, 3));
 }
 
-TEST(Session, ALosslessChannelLosesNothingToASlowSession) {
+TEST(Session, LosslessChannelLosesNothingWithASlowRemoteSubscriber) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -412,7 +412,7 @@ TEST(Session, ALosslessChannelLosesNothingToASlowSession) {
   EXPECT_GT(full, 0);
 }
 
-TEST(Session, EitherSideMayStartAnewAgainAndAgain) {
+TEST(Session, EitherSessionMayRestartRepeatedly) {
   const Bus bus;
   std::optional<Robot> talker;
   std::optional<Robot> listener;
@@ -443,7 +443,7 @@ TEST(Session, EitherSideMayStartAnewAgainAndAgain) {
   EXPECT_EQ(notes.texts(), Numbered(0, 10));
 }
 
-TEST(Session, TypesThatDoNotFitAreSaidOnBothSides) {
+TEST(Session, LogsATypeMismatchOnBothSidesAndPublishesAnEvent) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -462,7 +462,7 @@ TEST(Session, TypesThatDoNotFitAreSaidOnBothSides) {
   EXPECT_TRUE(Await([&] { return events == 1; }));
 }
 
-TEST(Session, PeersThatComeAndGoAreEvents) {
+TEST(Session, PublishesEventsWhenPeersComeAndGo) {
   const Bus bus;
   Robot talker(bus.Publishing("a"), "talker");
   std::atomic<int> came{0};
@@ -481,7 +481,7 @@ TEST(Session, PeersThatComeAndGoAreEvents) {
   EXPECT_TRUE(Await([&] { return gone == 1; }));
 }
 
-TEST(Session, AnEndpointCanBeAddedWhileRunning) {
+TEST(Session, EndpointsCanBeAddedAtRunTime) {
   const Bus bus;
   Robot talker("");
   Robot listener("");
@@ -497,7 +497,7 @@ TEST(Session, AnEndpointCanBeAddedWhileRunning) {
   EXPECT_EQ(notes.texts()[0], "heard");
 }
 
-TEST(Session, ASubscriptionMayEndItselfInACallbackForARemoteMessageAndStartAgain) {
+TEST(Session, SubscriptionMayEndItselfInACallbackForARemoteMessage) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -524,7 +524,7 @@ TEST(Session, ASubscriptionMayEndItselfInACallbackForARemoteMessageAndStartAgain
   }
 }
 
-TEST(Session, ThatCannotEndNamesTheInlineCallbackOfARemoteMessageThatHangs) {
+TEST(Session, LogsTheInlineCallbackThatBlocksItsDestructor) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
@@ -546,7 +546,7 @@ TEST(Session, ThatCannotEndNamesTheInlineCallbackOfARemoteMessageThatHangs) {
   door.Open();
 }
 
-TEST(Session, MayBeDestroyedUnderLoad) {
+TEST(Session, CanBeDestroyedWhileMessagesFlow) {
   const Bus bus;
   for (int round = 0; round < 5; ++round) {
     auto talker = std::make_unique<Robot>(bus.Publishing("a"));
@@ -569,7 +569,7 @@ TEST(Session, MayBeDestroyedUnderLoad) {
   }
 }
 
-TEST(Session, PublishingAlternatelyOnTwoChannelsCostsNoPause) {
+TEST(Session, PublishingAlternatelyOnTwoLosslessChannelsDoesNotStall) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));

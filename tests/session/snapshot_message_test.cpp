@@ -6,7 +6,7 @@
 namespace hgros {
 namespace {
 
-TEST(SnapshotMessage, HasEveryCountOfASession) {
+TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   SessionSnapshot counted;
   counted.id = {7};
   counted.name = "robot";

@@ -54,7 +54,7 @@ class SnapshotPublishers : public test::ObservedFixture {
   std::map<std::uint64_t, Heard> heard_;
 };
 
-TEST_P(SnapshotPublishers, TellWhatTheySendAndWhatTheirNodesDid) {
+TEST_P(SnapshotPublishers, PublishCountersOfChannelsAndNodes) {
   Begin();
   Session& session = *robot->session;
   const auto node = session.FromAny<Vector3>("v", kSerial, [](const Vector3&) {}, {.name = "eater"});
@@ -74,7 +74,7 @@ TEST_P(SnapshotPublishers, TellWhatTheySendAndWhatTheirNodesDid) {
   EXPECT_EQ(ChannelOf(session, "v").nodes(0).name(), "eater");
 }
 
-TEST_P(SnapshotPublishers, TellItAgainWhileSomebodySubscribesAndToWhoComesLater) {
+TEST_P(SnapshotPublishers, PublishRepeatedlyAndToLateSubscribers) {
   Begin();
   const auto publish = robot->session->Advertise<Vector3>("v");
   {
@@ -87,7 +87,7 @@ TEST_P(SnapshotPublishers, TellItAgainWhileSomebodySubscribesAndToWhoComesLater)
   EXPECT_TRUE(Await([&] { return ChannelOf(*robot->session, "v").published() == 1; }));
 }
 
-TEST_P(SnapshotPublishers, AreListedAmongTheLibrarysOwnChannels) {
+TEST_P(SnapshotPublishers, AreListedAmongTheKnownChannels) {
   Begin();
   const auto publish = robot->session->Advertise<Vector3>("v");
   ASSERT_TRUE(Await([&] { return IsPublished(std::string(kSnapshotsChannel)) && IsPublished("v"); }));
@@ -96,7 +96,7 @@ TEST_P(SnapshotPublishers, AreListedAmongTheLibrarysOwnChannels) {
   EXPECT_EQ(known.encoding, Encoding::kProtobuf);
 }
 
-TEST_P(SnapshotPublishers, BringTheirSchemaToWhoReadsThemWithoutTheClass) {
+TEST_P(SnapshotPublishers, SendTheirSchemaToSubscribersWithoutTheClass) {
   Begin();
   const auto publish = robot->session->Advertise<Vector3>("v");
   const auto schema = observer->session->AwaitSchema(kSnapshotsChannel, std::chrono::seconds(30));
@@ -105,7 +105,7 @@ TEST_P(SnapshotPublishers, BringTheirSchemaToWhoReadsThemWithoutTheClass) {
   EXPECT_NE(DynamicSchema::Build(*schema, fault), nullptr) << fault;
 }
 
-TEST_P(SnapshotPublishers, AreNotSpokenFor) {
+TEST_P(SnapshotPublishers, KeepProgramsFromPublishingOnTheirChannel) {
   Begin();
   try {
     (void)robot->session->Advertise<Snapshot>(kSnapshotsChannel);
@@ -140,7 +140,7 @@ class SnapshotPublisherAlone : public testing::Test {
                                 }}};
 };
 
-TEST_F(SnapshotPublisherAlone, CountsOnceASecondAndOnlyWhileSomebodySubscribes) {
+TEST_F(SnapshotPublisherAlone, CountsOncePerSecondAndOnlyWhileSubscribed) {
   EXPECT_TRUE(errands_.empty());
   ChannelOutlet& outlet = *publisher_.outlet();
   outlet.OnSubscribers(1);

@@ -8,7 +8,7 @@ namespace {
 using test::ExpectFault;
 using test::FixtureFile;
 
-TEST(YamlSyntax, FaultsAreSentencesWithTheirPosition) {
+TEST(YamlSyntax, ErrorsAreSentencesWithAPosition) {
   ExpectFault("network:\n\tpublisher: {}\n", "2:1", {"indented with a tab", "Indent with spaces."});
   ExpectFault("network: {publisher: {ip: *:5556}}", "1:27", {"makes this an alias", "in quotes, as in \"*:5556\""});
   ExpectFault("network:\n  publisher: {ip: x\n", "2:14", {"The map that begins here is not closed"});
@@ -27,18 +27,18 @@ TEST(YamlSyntax, FaultsAreSentencesWithTheirPosition) {
   ExpectFault("network: !robot x", "1:10", {"The tag \"!robot\" is not known."});
 }
 
-TEST(YamlSyntax, AFileIsOneDocument) {
+TEST(YamlSyntax, RefusesASecondDocument) {
   ExpectFault("network:\n---\ndata_graph:\n", "2:1", {"A second document begins here"});
   ExpectFault("- a\nnetwork:\n", "2:1", {"should have ended above this"});
 }
 
-TEST(YamlSyntax, KeysAreTexts) {
+TEST(YamlSyntax, RefusesKeysThatAreNotTexts) {
   ExpectFault("[a]: 1", "1:1", {"a key must be a text."});
   ExpectFault("? {a: b}\n: 1", "1:3", {"a key must be a text."});
   ExpectFault(": 1", "1:1", {"no key before the colon"});
 }
 
-TEST(YamlSyntax, OnlyCleanUtf8IsText) {
+TEST(YamlSyntax, RefusesInvalidUtf8AndControlCharacters) {
   ExpectFault("a: \xff", "1:4", {"0xff is not UTF-8"});
   ExpectFault("雷: \xed\xa0\x80", "1:4", {"0xed is not UTF-8"});
   ExpectFault(std::string_view("a: 1\nb: \0x", 10), "2:4", {"control character 0x00"});
@@ -60,7 +60,7 @@ TEST(YamlBounds, DeepNestingIsRefused) {
   ExpectFault(std::string(65, '[') + std::string(65, ']'), "1:65", {"more than 64 deep"});
 }
 
-TEST(YamlBounds, AnAliasBombIsRefused) {
+TEST(YamlBounds, AliasBombIsRefused) {
   std::string yaml = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 30; ++i) {
     const std::string before = "*a" + std::to_string(i - 1);
@@ -71,7 +71,7 @@ TEST(YamlBounds, AnAliasBombIsRefused) {
   ExpectFault(yaml, "6:15", {"too many values"});
 }
 
-TEST(YamlBounds, AnAliasOfItselfIsRefused) {
+TEST(YamlBounds, AliasInsideItsOwnValueIsRefused) {
   ExpectFault("network: &a {publisher: *a}", "1:25", {"is inside the value that it repeats"});
 }
 
@@ -122,7 +122,7 @@ TEST(YamlBounds, LongLinesAndListsAreReadQuickly) {
   }
 }
 
-TEST(YamlMutations, OnlyEverThrowConfigErrors) {
+TEST(YamlMutations, ThrowOnlyConfigErrors) {
   std::vector<std::string> seeds;
   for (const char* name : {"everything.yaml", "paper_network_setting.yaml", "paper_close_channels.yaml"}) {
     std::ifstream file(FixtureFile(name), std::ios::binary);
