@@ -15,7 +15,7 @@ TEST(Fifo, AgreesWithADequeUnderRandomOperations) {
     Fifo<std::shared_ptr<int>> fifo;
     std::deque<int> model;
     for (int i = 0; i < 20'000; ++i) {
-      // Long phases of growth and of emptying.
+      // The queue grows and shrinks in long phases.
       const bool put = random() % 100 < ((i / 1000) % 2 == 0 ? 60U : 40U);
       if (put) {
         fifo.Put(std::make_shared<int>(i));

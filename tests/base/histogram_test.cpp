@@ -12,9 +12,9 @@
 namespace hgros {
 namespace {
 
-constexpr std::int64_t kLargestExact = std::int64_t{1} << 44;  // ns; from here on the outermost bucket counts
+constexpr std::int64_t kLargestExact = std::int64_t{1} << 44;  // ns; larger values go to the last bucket
 
-/// The definition the histogram approximates: keep everything, sort, take the element of that rank.
+/// The exact definition that the histogram approximates: sorts all values and takes the element of that rank.
 class SortedVector {
  public:
   void Record(std::int64_t value) { values_.push_back(std::max<std::int64_t>(value, 0)); }
@@ -38,7 +38,7 @@ class SortedVector {
 
 std::int64_t RandomDuration(std::mt19937_64& random) {
   const auto bits = std::uniform_int_distribution<int>(0, 43)(random);
-  return static_cast<std::int64_t>(random() >> (63 - bits)) - 1;  // -1 stands for a clock read out of order
+  return static_cast<std::int64_t>(random() >> (63 - bits)) - 1;  // -1: two clock readings in the wrong order
 }
 
 TEST(LogHistogram, IsEmptyAtFirst) {

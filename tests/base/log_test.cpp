@@ -77,7 +77,7 @@ TEST(Log, ForgetsTheOldestKeyWhenThereAreTooMany) {
 TEST(Log, CallsTheSinkOneAtATimeAndLosesNoCount) {
   constexpr int kEach = 500;
   for (const int thread_count : {1, 2, 4}) {
-    int inside = 0;  // not atomic on purpose: the sink's exclusiveness protects it
+    int inside = 0;  // not atomic on purpose: only one thread is in the sink at a time
     int calls = 0;
     Log log([&](LogLevel, std::string_view) {
       EXPECT_EQ(++inside, 1);

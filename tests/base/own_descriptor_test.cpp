@@ -20,7 +20,7 @@
 namespace hgros {
 namespace {
 
-/// Both ends of a pipe. The reading end sees the end of the file once nobody anywhere holds the writing end.
+/// Both ends of a pipe. The read end reports end of file once no process holds the write end.
 struct Pipe {
   Pipe() {
     int ends[2];
@@ -59,7 +59,7 @@ TEST(OwnDescriptor, IsClosedByItsDestructor) {
 TEST(OwnDescriptor, MovesAndIsClosedOnce) {
   Pipe pipe;
   OwnDescriptor other = std::move(pipe.write_end);
-  EXPECT_FALSE(pipe.write_end);  // NOLINT(bugprone-use-after-move): that it is empty is promised.
+  EXPECT_FALSE(pipe.write_end);  // NOLINT(bugprone-use-after-move): the class promises that it is empty.
   EXPECT_TRUE(other);
   EXPECT_FALSE(pipe.ended());
   other = {};
@@ -78,7 +78,7 @@ TEST(OwnDescriptor, IsClosedInAForkedChildAndStaysOpenInItsParent) {
   const int number = pipe.write_end.get();
   EXPECT_EQ(InChild([&] {
               const bool closed = !pipe.write_end && !second.write_end && fcntl(number, F_GETFD) < 0;
-              // What the child opens now may have the old number: it must survive the end of the object.
+              // A descriptor that the child opens now may have the old number. The object's end must not close it.
               const int reused = open("/dev/null", O_RDONLY | O_CLOEXEC);
               pipe.write_end = {};
               return closed && fcntl(reused, F_GETFD) >= 0 ? 0 : 1;
@@ -89,7 +89,7 @@ TEST(OwnDescriptor, IsClosedInAForkedChildAndStaysOpenInItsParent) {
   EXPECT_TRUE(pipe.ended());
 }
 
-/// How many descriptors of this process show a memory file called own_descriptor_test.
+/// The number of descriptors of this process that refer to a memory file named own_descriptor_test.
 int OpenMemoryFiles() {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {

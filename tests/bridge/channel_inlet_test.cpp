@@ -8,7 +8,7 @@
 
 namespace hgros::test {
 
-/// Goes over the wire as a foxglove.Log, by code of its own.
+/// A message with its own codec and the wire form of foxglove.Log.
 struct Line {
   std::string text;
 };
@@ -31,7 +31,7 @@ struct hgros::CustomCodec<hgros::test::Line> {
 namespace hgros {
 namespace {
 
-/// An inlet between this thread, which plays the transport's, and a graph.
+/// An inlet between a graph and this thread, which stands for the transport's thread.
 template <class T>
 struct Inflow {
   [[nodiscard]] Accepted Accept(const std::string& text, std::uint32_t latched = 0) {
@@ -76,7 +76,7 @@ TEST(ChannelInlet, DoesNotRunAnInlineNodeThatCameAfterAcceptOnTheTransportsThrea
     EXPECT_EQ(inflow.Accept("2", latched), Accepted::kNothing);
     inflow.inlet.Run();
     EXPECT_EQ(inflow.got, Texts{}) << "this is the transport's thread";
-    EXPECT_EQ(inflow.Accept("3", latched), Accepted::kNothing) << "its turn comes after those that were handed over";
+    EXPECT_EQ(inflow.Accept("3", latched), Accepted::kNothing) << "it comes after the messages that were handed over";
     inflow.RunErrands();
     EXPECT_EQ(inflow.got, (Texts{"1", "2", "3"}));
     EXPECT_EQ(inflow.Accept("4", latched), Accepted::kRunApart);

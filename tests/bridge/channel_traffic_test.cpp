@@ -1,4 +1,4 @@
-// What is lost or refused on the way is counted where the user looks.
+// Lost and refused messages are counted in the traffic of the channel.
 #include <gtest/gtest.h>
 
 #include "session/session_fixture.hpp"
@@ -33,7 +33,7 @@ TEST(ChannelTraffic, CountsMessagesThatASlowKeepLastSubscriberMisses) {
                                                     {{}, Queue::KeepLast(2), Executor::Inline()});
   const auto publish = talker->Advertise<Note>("notes");
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-  // A gap can only be seen after a first message.
+  // A gap can only be detected after a first message.
   ASSERT_EQ(publish(std::make_unique<Note>("first")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return got == 1; }));
   constexpr std::uint64_t kCount = 500;

@@ -39,7 +39,7 @@ TEST(CutSubscribers, GetUnconfirmedAndNewMessagesOnce) {
   CutSubscribers cut;
   (void)cut.Add(kOne, {}, {Numbered(3), Numbered(4)});
   (void)cut.Add(kTwo, {}, {});
-  Push(cut, 4);  // Committed to its transport, and to those that are cut off.
+  Push(cut, 4);  // Already committed for kOne, so it must not come twice.
   Push(cut, 5);
   EXPECT_EQ(cut.count(), 2U);
   EXPECT_EQ(NumbersOf(cut.Take(kOne)), (std::vector<std::uint64_t>{3, 4, 5}));
@@ -56,12 +56,12 @@ TEST(CutSubscribers, HaveRoomForTheirCredit) {
   Push(cut, 2);
   EXPECT_TRUE(cut.HasRoom());
   Push(cut, 3);
-  EXPECT_FALSE(cut.HasRoom()) << "three messages for the one";
+  EXPECT_FALSE(cut.HasRoom()) << "the first one has three messages";
   (void)cut.Take(kOne);
   EXPECT_TRUE(cut.HasRoom());
   Push(cut, 4);
   Push(cut, 5);
-  EXPECT_FALSE(cut.HasRoom()) << "forty bytes for the other";
+  EXPECT_FALSE(cut.HasRoom()) << "the second one has forty bytes";
 }
 
 TEST(CutSubscribers, EndOfAnEarlierCutDoesNotDropALaterOne) {
@@ -74,7 +74,7 @@ TEST(CutSubscribers, EndOfAnEarlierCutDoesNotDropALaterOne) {
   EXPECT_FALSE(cut.Drop(kOne));
 }
 
-/// Its shared memory ends while it lives on. It holds what it gets.
+/// A subscriber whose shared memory can end while the session lives on. It keeps the messages that it receives.
 class FragileListener final : public test::HandMadeSession, private InboundSink {
  public:
   FragileListener(const std::string& domain, SessionId publisher, std::string endpoint)
@@ -85,7 +85,7 @@ class FragileListener final : public test::HandMadeSession, private InboundSink 
   }
 
   void EndShm() {
-    shm_->Close(0);  // First: the transport ends as a whole, and nothing is said of the channel.
+    shm_->Close(0);  // Closed first, so that the transport ends without a message about the channel.
     over_shm_.reset();
   }
   void ComeBack() {
@@ -160,7 +160,7 @@ TEST_F(LostTransport, KeepsUnconfirmedMessagesUntilTheSubscriberIsBackOverAnothe
   listener.EndShm();
   Publish(8);
   EXPECT_TRUE(Await([&] { return publisher(Note("17")) == PublishStatus::kFull; }))
-      << "held back by the one that is cut off";
+      << "held back by the subscriber that is cut off";
   listener.ComeBack();
   EXPECT_TRUE(Await([&] { return listener.numbers() == UpTo(16); }));
   listener.LetGo();

@@ -1,4 +1,4 @@
-// One program, and where its parts run as configuration: by pointer, through shared memory, over ipc and over tcp.
+// One program that runs by pointer, through shared memory, over ipc and over tcp, depending only on its configuration.
 #include <functional>
 #include <optional>
 
@@ -44,11 +44,11 @@ class Odometer {
   Subscription subscription_;
 };
 
-// Where it runs.
+// The configurations of its parts.
 struct Placement {
   std::string name;
   std::string wheel;
-  /// The odometer's configuration, when the wheel's session is there; nothing: it runs in that session.
+  /// The odometer's configuration, made once the wheel's session exists. Empty: it runs in that session.
   std::function<std::optional<std::string>(Session& wheel)> odometer;
   std::string transport;
 };
@@ -76,7 +76,7 @@ TEST_P(EveryTransport, RunsTheSameProgram) {
     EXPECT_TRUE(odometer.HasAll());
     const auto peers = first->Peers();
     EXPECT_EQ(peers.empty() ? "pointer" : peers.at(0).transport, placement.transport);
-    EXPECT_EQ(Note::written, second ? kTurns : 0) << "written once for each message that leaves the process";
+    EXPECT_EQ(Note::written, second ? kTurns : 0) << "encoded once for each message that leaves the process";
     if (placement.name == "ipc" || placement.name == "tcp") {
       EXPECT_EQ(second->session->Peers().at(0).endpoint.substr(0, 3), placement.name);
     }

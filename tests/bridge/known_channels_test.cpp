@@ -1,4 +1,4 @@
-// What a session knows of channels that it neither publishes nor subscribes to.
+// A session lists channels that it neither publishes nor subscribes to.
 #include <foxglove/Log.pb.h>
 #include <foxglove/Vector3.pb.h>
 
@@ -39,7 +39,7 @@ TEST_P(KnownChannels, DoNotListASubscriberAsAPublisher) {
   const auto subscription = robot->session->FromAny<Vector3>("wanted", kSerial, [](const Vector3&) {});
   const auto publish = robot->session->Advertise<Vector3>("other");
   ASSERT_TRUE(Await([&] { return IsPublished("other"); }));
-  if (GetParam() == "sharedmemory") {  // Over an endpoint, only its own publisher hears of it.
+  if (GetParam() == "sharedmemory") {  // Over an endpoint, only the publisher of the channel learns of it.
     ASSERT_TRUE(Await([&] { return Known("wanted").has_value(); }));
     EXPECT_EQ(Known("wanted")->subscribers.at(0).process, "robot");
     EXPECT_EQ(Known("wanted")->type_name, "foxglove.Vector3");
@@ -79,7 +79,7 @@ TEST_P(KnownChannels, ReportChanges) {
   std::atomic<int> told{0};
   const auto subscription = observer->session->FromGraph<ChannelsChanged>(kChannelEventsChannel, kSerial,
                                                                           [&](const ChannelsChanged&) { ++told; });
-  ASSERT_FALSE(IsPublished("a"));  // From now on it is told.
+  ASSERT_FALSE(IsPublished("a"));  // From now on changes are reported.
   for (const char* name : {"a", "b", "c"}) {
     const int before = told;
     (void)robot->session->Advertise<Vector3>(name);

@@ -1,4 +1,4 @@
-// Sessions of two hosts that are told nothing of each other: network namespaces with a virtual cable between them.
+// Sessions of two hosts find each other without endpoints. The hosts are network namespaces with a virtual cable.
 #include <optional>
 
 #include "session/domain_fixture.hpp"
@@ -86,7 +86,7 @@ TEST_F(LanDiscovery, ChannelListOfThePublishersEndpointApplies) {
   EXPECT_FALSE((*talker.robot)->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
 }
 
-// By the folder of the host, by an endpoint in the configuration, under another name of it, and by the beacon.
+// It is found by the registry of the host, by two names of its endpoint in the configuration, and by the beacon.
 TEST_F(LanDiscovery, PeerThatIsFoundInEveryWayIsOnePeerAndMessagesArriveOnce) {
   ASSERT_TRUE(test::Ip("-n " + cable->left + " addr add 10.198.0.3/24 dev " + cable->left_interface));
   Listener listener(cable->right,
@@ -110,7 +110,7 @@ TEST_F(LanDiscovery, PeerThatFallsSilentIsDisconnectedAndFoundAgain) {
   ASSERT_TRUE((*talker.robot)->WaitForSubscribers("notes", 1, kPatience));
   ASSERT_TRUE(cable->Set("down"));
   EXPECT_TRUE(Await([&] { return listener.robot->Said(") is gone: "); }));
-  Linger(std::chrono::seconds(4));  // An endpoint that is still tried would be complained about.
+  Linger(std::chrono::seconds(4));  // If the endpoint were still tried, a failure would be logged.
   EXPECT_FALSE(listener.robot->Said("No connection to"));
   ASSERT_TRUE(cable->Set("up"));
   ASSERT_TRUE(Await([&] { return (*talker.robot)->Peers().size() == 1; }));
@@ -125,7 +125,7 @@ TEST_F(LanDiscovery, EndpointCanBeAddedAndRemovedWhileTheBeaconHearsIt) {
   ASSERT_TRUE((*talker.robot)->WaitForSubscribers("notes", 1, kPatience));
   (*listener.robot)->AddSubscriberEndpoint({"tcp://10.198.0.1:5553", {"poses"}, false});
   EXPECT_TRUE(Await([&] { return (*talker.robot)->Snapshot().traffic.at(0).out.subscribers == 0; }))
-      << "the list that the configuration gives holds";
+      << "the list of the added endpoint applies";
   (*listener.robot)->RemoveSubscriberEndpoint("tcp://10.198.0.1:5553");
   ASSERT_TRUE((*talker.robot)->WaitForSubscribers("notes", 1, kPatience));
   talker.Say(5);

@@ -1,4 +1,4 @@
-// Sessions of one host that are told nothing of each other.
+// Sessions of one host find each other without configuration.
 #include <unistd.h>
 
 #include <optional>
@@ -143,7 +143,7 @@ TEST_F(LocalDiscovery, LogsPeersWithTransportAndTheReasonOfTheirEnd) {
   }
 }
 
-// Under ThreadSanitizer it shows who looks at what another makes.
+// ThreadSanitizer checks this test for data races.
 TEST_F(LocalDiscovery, EndpointsCanBeAddedWhileSessionsComeAndGo) {
   const Bus bus;
   for (int round = 0; round < 5; ++round) {
@@ -206,7 +206,7 @@ TEST_F(LocalDiscovery, PeerThatIsFoundTwiceIsOnePeerOverSharedMemory) {
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   for (int i = 0; i < 100; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return notes.size() == 100; }));
-  Linger(std::chrono::milliseconds(300));  // Time for ZeroMQ to connect, and for repeats to come.
+  Linger(std::chrono::milliseconds(300));  // Time for ZeroMQ to connect and for repeats to arrive.
   EXPECT_EQ(notes.size(), 100U);
   ASSERT_EQ(listener->Peers().size(), 1U);
   EXPECT_EQ(listener->Peers()[0].transport, "shared memory");
@@ -291,7 +291,7 @@ TEST_F(LocalDiscovery, LoanedBlockIsReadInPlace) {
     return received != nullptr;
   }));
   EXPECT_EQ(received->bytes()[0], std::byte{1});
-  // The publisher's mapping of the same memory: nobody else does this.
+  // Writes through the publisher's mapping of the same memory. Only a test may do this.
   written[0] = std::byte{2};
   EXPECT_EQ(received->bytes()[0], std::byte{2});
   received.reset();

@@ -82,7 +82,7 @@ TEST_F(PeerTransportsOfOne, ChannelWithoutACommonTransportUsesNone) {
 
 TEST_F(PeerTransportsOfOne, RulesFollowThePeersAnnouncements) {
   PeerTransports transports = Ruled({});
-  EXPECT_FALSE(transports.SetRules(peer, {{"a", kOnlyZmq}})) << "nobody is known";
+  EXPECT_FALSE(transports.SetRules(peer, {{"a", kOnlyZmq}})) << "the peer is unknown";
   transports.Found(peer, kOnlyShm, {});
   EXPECT_TRUE(transports.SetRules(peer, {{"a", kOnlyZmq}}));
   EXPECT_FALSE(transports.SetRules(peer, {{"a", kOnlyZmq}}));
@@ -104,7 +104,7 @@ TEST_F(PeerTransportsOfOne, ReasonForTheTransportIsReported) {
   EXPECT_EQ(Why(transports), "ZeroMQ: no transport of this host reaches it");
   (void)transports.Came(info, kShm);
   EXPECT_EQ(Why(transports), "shared memory: same host");
-  EXPECT_EQ(came, 1) << "one peer, whatever reaches it";
+  EXPECT_EQ(came, 1) << "one peer over any transport";
 
   PeerTransports elsewhere = Ruled({});
   (void)elsewhere.Came(On("there"), kZmq);
@@ -120,16 +120,16 @@ TEST_F(PeerTransportsOfOne, LateSharedMemoryTakesOverOneChannelAfterTheOther) {
   EXPECT_FALSE(transports.Came(info, kZmq));
   const auto move = transports.Came(info, kShm);
   ASSERT_TRUE(move);
-  EXPECT_FALSE(transports.Take(peer, "a", kShm)) << "before everything is ready";
+  EXPECT_FALSE(transports.Take(peer, "a", kShm)) << "the move is not open yet";
   transports.OpenMove(peer);
-  EXPECT_TRUE(transports.Take(peer, "a", kShm)) << "both, for a while";
+  EXPECT_TRUE(transports.Take(peer, "a", kShm)) << "both during the move";
   EXPECT_TRUE(transports.Take(peer, "a", kZmq));
   EXPECT_FALSE(transports.Take(peer, "ruled", kShm));
   transports.Moved(peer, "a");
   EXPECT_FALSE(transports.Take(peer, "a", kZmq));
   EXPECT_TRUE(transports.Take(peer, "b", kZmq));
   EXPECT_TRUE(transports.FinishMove(peer, *move));
-  EXPECT_FALSE(transports.FinishMove(peer, *move)) << "once";
+  EXPECT_FALSE(transports.FinishMove(peer, *move)) << "a move is finished only once";
   EXPECT_FALSE(transports.Take(peer, "b", kZmq));
   EXPECT_TRUE(transports.Take(peer, "b", kShm));
   EXPECT_EQ(Why(transports), "shared memory: same host");
@@ -158,7 +158,7 @@ constexpr TransportIndex kNetwork = 2;
 
 class ThreeTransportsToOne : public PeerTransportsOfOne {
  protected:
-  // Received over the network first; `rule` holds for the channel "ruled".
+  // Receives over the network first. `rule` applies to the channel "ruled".
   void Start(TransportSet rule) {
     transports.emplace(three, *this, log, TransportRules{{"ruled", rule}}, true, "here");
     EXPECT_TRUE(transports->Take(peer, "a", kNetwork));
@@ -201,14 +201,14 @@ TEST_F(ThreeTransportsToOne, SecondMoveFollowsTheFirst) {
   transports->OpenMove(peer);
   EXPECT_EQ(TakenBy("a"), "shared_memory zmq ");
   EXPECT_EQ(TakenBy("ruled"), "shared_memory zmq ");
-  EXPECT_FALSE(transports->Came(info, kLoop)) << "later";
+  EXPECT_FALSE(transports->Came(info, kLoop)) << "only after the current move";
   EXPECT_EQ(TakenBy("a"), "shared_memory zmq ");
   EXPECT_FALSE(transports->NextMove(peer));
   EXPECT_TRUE(transports->FinishMove(peer, *first));
   const auto second = transports->NextMove(peer);
   ASSERT_TRUE(second);
   transports->OpenMove(peer);
-  EXPECT_FALSE(transports->FinishMove(peer, *first)) << "its time is over";
+  EXPECT_FALSE(transports->FinishMove(peer, *first)) << "the first move is over";
   EXPECT_EQ(TakenBy("a"), "loop shared_memory ");
   EXPECT_EQ(TakenBy("ruled"), "shared_memory ") << "the loop is not allowed";
   EXPECT_FALSE(transports->MoveOf(peer, "ruled"));

@@ -22,7 +22,7 @@ struct Gates {
   Gate pipe;
 };
 
-/// A session made of nothing except its bridge.
+/// A session that has only a bridge.
 class Bridged : private TransportListener {
  public:
   Bridged(ZmqOptions zmq, Gates& gates, std::map<std::string, TransportKeys, std::less<>> rules) {
@@ -104,7 +104,7 @@ class Counting final : private OutboundSource {
   std::jthread thread_;
 };
 
-/// Checks the numbers that come.
+/// Checks the numbers that arrive.
 class Checking final : private InboundSink {
  public:
   Checking(Bridged& session, const std::string& channel)

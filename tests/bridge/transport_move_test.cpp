@@ -28,7 +28,7 @@ InboundMessage Numbered(std::uint64_t sequence) {
   return message;
 }
 
-// What a subscriber makes of it: repeats are dropped, and what is overtaken is lost.
+// A subscriber: drops repeats, and counts overtaken messages as lost.
 struct Subscriber {
   void Take(const std::vector<InboundMessage>& messages) {
     for (const InboundMessage& message : messages) {
@@ -49,9 +49,9 @@ TEST(MoveOfTransport, LosesAndReordersNothingHoweverTheTwoTransportsInterleave) 
     return std::uniform_int_distribution<std::uint64_t>(from, to)(random);
   };
   for (int round = 0; round < 2000; ++round) {
-    const std::uint64_t first = pick(1, 20);  // The first that the new transport brings.
+    const std::uint64_t first = pick(1, 20);  // The first message of the new transport.
     const std::uint64_t last = first + pick(0, 20);
-    const std::uint64_t old_ends = pick(first, last);  // It is dropped some time after the move.
+    const std::uint64_t old_ends = pick(first, last);  // The old transport ends some time after the move.
     TransportMove move({.from = kZmq, .to = kShm});
     Subscriber subscriber;
     std::uint64_t next_old = 1, next_new = first;
@@ -83,7 +83,7 @@ TEST(MoveOfTransport, ContinuesWhenTheOldTransportHasEnded) {
   EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
 }
 
-/// Its shared memory is not there before it is asked for.
+/// A publisher that opens its shared memory only on request.
 class LateTalker final : public test::HandMadeSession, private OutboundSource {
  public:
   LateTalker(const std::string& domain, const std::string& endpoint) : HandMadeSession("late") {
@@ -142,7 +142,7 @@ class MovingPeer : public test::DomainFixture {
                      "], heartbeat_ms: 100, peer_timeout_ms: 1000}\n");
     subscription = (*listener)->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes), options);
     talker.emplace(std::getenv("HGROS_DOMAIN"), bus.Endpoint("late"));
-    ASSERT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "after two seconds over ZeroMQ";
+    ASSERT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "over ZeroMQ, after two seconds";
     for (int i = 0; i < 20; ++i) talker->Say();
     ASSERT_TRUE(Await([&] { return notes.size() == 20; }));
     ASSERT_EQ(UsedTransport(), "ZeroMQ");
@@ -151,7 +151,7 @@ class MovingPeer : public test::DomainFixture {
     const auto peers = (*listener)->Peers();
     return peers.size() == 1 ? peers[0].transport : std::to_string(peers.size()) + " peers";
   }
-  // Until the condition holds.
+  // Publishes until the condition holds.
   void SayUntil(const std::function<bool()>& condition) {
     EXPECT_TRUE(Await([&] {
       talker->Say();

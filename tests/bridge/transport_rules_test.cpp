@@ -19,12 +19,12 @@ std::string Rule(const std::string& transports) { return "channels: {scan: {tran
 
 class RulesOfTransports : public test::DomainFixture {
  protected:
-  // Publishes so many, and waits until they are there; none may come twice.
+  // Publishes `count` messages and waits until they have arrived. None may arrive twice.
   static void Pass(Robot& talker, const std::string& channel, Notes& notes, std::size_t count) {
     const std::size_t before = notes.size();
     for (std::size_t i = 0; i < count; ++i) talker->ToAny(channel, Note(std::to_string(i)));
     EXPECT_TRUE(Await([&] { return notes.size() >= before + count; })) << channel << ": " << notes.size();
-    Linger(std::chrono::milliseconds(200));  // Time for repeats to come.
+    Linger(std::chrono::milliseconds(200));  // Time for repeats to arrive.
     EXPECT_EQ(notes.size(), before + count) << channel;
   }
 };
@@ -36,7 +36,7 @@ TEST_F(RulesOfTransports, ChannelUsesZeroMqWhicheverSideExcludesSharedMemory) {
   for (const auto& [here, there] : {Case{"zmq", ""}, Case{"", "[zmq]"}, Case{"zmq", "zmq"}}) {
     SCOPED_TRACE("\"" + here + "\", \"" + there + "\"");
     const Bus bus;
-    // It is said when shared memory is asked for: so it is seen which way a message takes.
+    // With a limit of 0 each use of shared memory is logged. That shows which transport a message takes.
     Robot talker(bus.Publishing("a") + (here.empty() ? "" : Rule(here)) + "shared_memory: {limit_bytes: 0}\n");
     Robot listener(bus.Subscribing("a") + (there.empty() ? "" : Rule(there)));
     Notes scans, poses;
@@ -51,7 +51,7 @@ TEST_F(RulesOfTransports, ChannelUsesZeroMqWhicheverSideExcludesSharedMemory) {
     Pass(talker, "scan", scans, 50);
     EXPECT_FALSE(talker.Said(kNoMemory)) << "the channel went through shared memory";
     Pass(talker, "pose", poses, 50);
-    EXPECT_TRUE(talker.Said(kNoMemory)) << "the other channel did not";
+    EXPECT_TRUE(talker.Said(kNoMemory)) << "the other channel did not go through shared memory";
     EXPECT_EQ(talker->WaitForSubscribers("scan", 2, std::chrono::milliseconds(1)), false);
     ASSERT_EQ(listener->Peers().size(), 1U);
     EXPECT_EQ(listener->Peers()[0].transport, "shared memory");

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A remote clock with an offset that drifts, behind a network with delays of its own for each way.
+// A remote clock with a drifting offset, behind a network with a different delay in each direction.
 class RemoteClock {
  public:
   RemoteClock(unsigned seed, Duration offset, double drift) : random_(seed), offset_(offset), drift_(drift) {}
@@ -55,7 +55,7 @@ TEST(ClockOffsetEstimator, BoundsTheOffsetByTheDelayOfOneExchange) {
   EXPECT_NEAR(static_cast<double>(offset.offset.count()), 5e9, 5);
   EXPECT_GE(offset.uncertainty, 1ms);
   EXPECT_LT(offset.uncertainty, 1ms + 1us);
-  // Later it knows less, because the clocks may drift.
+  // The uncertainty grows with time, because the clocks may drift.
   EXPECT_GT(estimator.At(kBegin + 10s)->uncertainty, 5ms);
 }
 
@@ -82,7 +82,7 @@ TEST(ClockOffsetEstimator, BoundsTheErrorForSkewedAndDriftingClocks) {
       ASSERT_LE(std::abs(estimate.drift - drift), estimate.drift_uncertainty + 1e-12) << "seed " << seed;
     }
     EXPECT_EQ(estimator.resets(), 0U) << "seed " << seed;
-    // No more than the least delay, some queueing, and what a minute of unknown drift adds.
+    // At most the least delay, some queueing, and the effect of unknown drift in a minute.
     const ClockOffset last = *estimator.At(now);
     EXPECT_LT(last.uncertainty, (there + back) / 2 + queue + 100us) << "seed " << seed;
     EXPECT_LT(last.drift_uncertainty, 400e-6) << "seed " << seed;
@@ -98,7 +98,7 @@ TEST(ClockOffsetEstimator, UsesTheExchangeWithTheLeastDelay) {
     now = now + 100ms;
     (void)estimator.Add(remote.Exchange(now, 50ms, 1ms, 5ms));
   }
-  // The delayed ones would be wrong by 25 ms; this one is by what may have drifted in 2 s.
+  // The delayed exchanges would be wrong by 25 ms, this one only by the possible drift of 2 s.
   const ClockOffset estimate = *estimator.At(now);
   EXPECT_LT(std::abs((estimate.offset - 1s).count()), 1'500'000);
   EXPECT_LT(estimate.uncertainty, 1500us);
@@ -117,7 +117,7 @@ TEST(ClockOffsetEstimator, FollowsAClockThatIsSet) {
   run(50);
   remote.Set(-1h);
   run(1);
-  EXPECT_GT(estimator.At(now)->offset, -1s);  // One alone is not believed.
+  EXPECT_GT(estimator.At(now)->offset, -1s);  // A single exchange is not believed.
   run(4);
   EXPECT_EQ(estimator.resets(), 1U);
   const ClockOffset estimate = *estimator.At(now);
@@ -141,10 +141,10 @@ TEST(ClockOffsetEstimator, RecoversFromAChangedDrift) {
 TEST(ClockOffsetEstimator, RefusesImpossibleExchanges) {
   ClockOffsetEstimator estimator;
   const Time t = kBegin;
-  EXPECT_FALSE(estimator.Add({t, t, t, t - 1ms}));                           // answered before it was asked
-  EXPECT_FALSE(estimator.Add({t, t + 1ms, t, t + 2ms}));                     // remotely likewise
-  EXPECT_FALSE(estimator.Add({t, t, t + 3s, t + 1s}));                       // longer there than the whole took
-  EXPECT_FALSE(estimator.Add({t, Time{-9'000'000'000'000'000'000}, t, t}));  // no number of nanoseconds
+  EXPECT_FALSE(estimator.Add({t, t, t, t - 1ms}));        // the answer came before the question
+  EXPECT_FALSE(estimator.Add({t, t + 1ms, t, t + 2ms}));  // the remote clock went back
+  EXPECT_FALSE(estimator.Add({t, t, t + 3s, t + 1s}));    // the remote part took longer than the whole
+  EXPECT_FALSE(estimator.Add({t, Time{-9'000'000'000'000'000'000}, t, t}));  // the difference overflows
   EXPECT_FALSE(estimator.At(t));
 }
 

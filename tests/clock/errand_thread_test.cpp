@@ -58,7 +58,8 @@ TEST(ErrandThread, IgnoresPostsAfterItHasEnded) {
   EXPECT_EQ(ran, 0);
 }
 
-// As sessions hold it. The thread sanitizer sees whether the handle changes under the errands.
+// Sessions hold the thread in an optional, too. The thread sanitizer reports if the handle changes while errands use
+// it.
 TEST(ErrandThread, ErrandsInFlightPostThroughTheOwnersHandle) {
   constexpr int kAfter = 1000;
   std::atomic<bool> ending{false};

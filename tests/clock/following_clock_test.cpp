@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A clock, one that follows it, and the steady clock of their host, which stands still unless it is stepped.
+// A clock, another one that follows it, and the steady clock of their host, which only the test advances.
 class FollowingClockTest : public testing::Test {
  protected:
   FollowingClockTest() {
@@ -81,7 +81,7 @@ TEST_F(FollowingClockTest, JumpsWithTheOtherClockAndTreatsStepsAsPassedTime) {
 TEST_F(FollowingClockTest, StandsStillWhenItHasRunAhead) {
   follower_.FollowAnother(driver_.State());
   driver_.Pause();
-  steady_->Step(50ms);  // It hears of the pause that much late.
+  steady_->Step(50ms);  // The follower learns of the pause this much later.
   Tell();
   EXPECT_EQ(follower_.Now(), driver_.Now() + 50ms);
   driver_.Resume();
@@ -133,7 +133,7 @@ TEST_F(FollowingClockTest, WakesSleepersOnJumpsAndSteps) {
   }
 }
 
-// Whatever is told how late: between jumps no reading goes back, and elapsed time never does.
+// With any delay of the states: between jumps no reading goes back, and elapsed time never goes back.
 TEST_F(FollowingClockTest, NeverGoesBackByItself) {
   const std::uint64_t seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));

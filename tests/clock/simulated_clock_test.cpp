@@ -185,7 +185,7 @@ TEST(SleepFor, DoesNotCountJumps) {
     EXPECT_TRUE(SleepFor(*clock, 10s));
     awake = true;
   });
-  // The sleep may begin before or after the jumps, which are to make no difference.
+  // The sleep may begin before or after the jumps. Both must give the same result.
   ASSERT_TRUE(test::Await([&] { return asleep.load(); }));
   clock->JumpTo(Time{} + 500s);
   clock->JumpTo(Time{});

@@ -48,7 +48,7 @@ TEST(WallJumpWatch, CallsBackWhenTheClockWasSet) {
   }
 }
 
-// Nothing can be opened while it lives.
+// No file descriptor can be opened while it lives.
 class NoDescriptors {
  public:
   NoDescriptors() {
@@ -98,7 +98,8 @@ TEST(SystemClock, WorksUnwatchedUntilItCanBeWatched) {
     EXPECT_TRUE(SleepUntil(*clock, clock->Now() + 5ms));
     Sleeper sleeper;
     const ClockReading reading = clock->Read();
-    clock->Wait(sleeper, reading, reading.now + 24h);  // Returns: who waits is to look at the clock again.
+    clock->Wait(sleeper, reading,
+                reading.now + 24h);  // Returns early, so that the waiting thread checks the clock again.
     ASSERT_EQ(lines.all().size(), 1U);
     EXPECT_NE(lines.all()[0].find("The wall clock cannot be watched: Too many open files."), std::string::npos);
   }

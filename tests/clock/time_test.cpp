@@ -40,7 +40,7 @@ TEST(WallNow, AgreesWithTheSystemClock) {
   const auto system_now = [] {
     return std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch()).count();
   };
-  // A clock set between the reads would bend this; three tries make that improbable.
+  // A clock that is set between the reads would fail the test; three tries make that unlikely.
   bool agrees = false;
   for (int i = 0; i < 3 && !agrees; ++i) {
     const std::int64_t before = system_now();

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The same by looking at all timers each time.
+// The naive model: checks all timers each time.
 struct NaiveTimer {
   TimerPlan::Id id;
   Duration due;     // shown time of absolute timers, elapsed time of others

@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 
 constexpr Time kAtZero{};
 
-// A queue on a clock that goes on only when a test says so.
+// A queue on a clock that only the test advances.
 class SteppedQueue : public testing::Test {
  protected:
   void Step(Duration time) {
@@ -77,7 +77,7 @@ TEST_F(TimerQueueTest, RunsOneShotTimersOnce) {
   const Timer after = queue_.After(30ms, Noting());
   const Timer at = queue_.At(kAtZero + 20ms, Noting());
   const Timer long_ago = queue_.At(kAtZero - 1h, Noting());
-  EXPECT_GE(queue_.size(), 2U);  // the one of long ago may have run
+  EXPECT_GE(queue_.size(), 2U);  // the timer for a past moment may have run
   Step(1s);
   Step(1s);
   ASSERT_EQ(ticks_.size(), 3U);

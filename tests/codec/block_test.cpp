@@ -68,7 +68,7 @@ TEST(Block, LeavesNothingBehindWhenMoved) {
   const std::byte* const where = from.bytes().data();
   Block to = std::move(from);
   EXPECT_EQ(to.writable().data(), where);
-  EXPECT_TRUE(from.writable().empty());  // NOLINT(bugprone-use-after-move): that is what is tested.
+  EXPECT_TRUE(from.writable().empty());  // NOLINT(bugprone-use-after-move): the test checks this.
   EXPECT_EQ(from.size(), 0U);
 }
 

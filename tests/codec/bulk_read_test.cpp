@@ -1,4 +1,5 @@
-// Reading apart what protobuf would read as one: both must accept the same bytes and find the same in them.
+// ReadBulk reads the head and the bytes separately, protobuf reads them together. Both must accept the same bytes and
+// find the same values.
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/dynamic_message.h>
@@ -29,7 +30,7 @@ std::string Hex(std::string_view digits) {
 
 struct Apart {
   bool read = false;
-  std::string whole;  ///< Put together again, in protobuf's own order.
+  std::string whole;  ///< Joined again, in protobuf's own order.
   std::string bulk;
   bool present = false;
 };
@@ -122,11 +123,11 @@ TEST(ReadBulk, RefusesTheSameBytesAsProtobuf) {
       "32ffffffff0f",          // A length of 4 GiB.
       "32ffffffffffffffff01",  // A length without end.
       "0001",                  // Field 0.
-      "04",                    // The end of a group that was not begun.
+      "04",                    // The end of a group without a start.
       "f33f",                  // A group without end.
       "f33ffc3f",              // The end of another group.
-      "36",                    // A wire type that there is not.
-      "37",                    // Likewise.
+      "36",                    // A wire type that does not exist.
+      "37",                    // Another one.
       "ffffffffff",            // A tag without end.
       "12",                    // Cut at another field's length.
       "1202c328",              // A string that is not UTF-8.

@@ -1,4 +1,4 @@
-// A call on the wire, as docs/wire-protocol.md has it under "Services".
+// A call on the wire, as specified in docs/wire-protocol.md under "Services".
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,7 +69,7 @@ TEST(CallCodec, IsReadAsTheChannelsTypeByPlainSubscribers) {
   EXPECT_NE(CallTypeOf<Vector3>().cpp_type, TypeOf<Vector3>().cpp_type);
 }
 
-// The head's bytes as protobuf has them, in front of a message.
+// The bytes of a head in protobuf's form, followed by a message.
 std::string WithHead(const std::string& head, const std::string& body) {
   std::string data("\xFA\xFF\xFF\xFF\x0F");
   for (std::size_t rest = head.size(); true; rest >>= 7U) {
@@ -167,7 +167,7 @@ TEST(CallCodec, RefusesTruncatedBytesAndReportsWhichPartDoesNotParse) {
   for (std::size_t size = 0; size < text.size(); ++size) {
     const std::string part = text.substr(0, size);
     const auto back = Decoded({AsBytes(part), std::make_shared<int>()});
-    // With the whole head and a part of the message, the caller can be told.
+    // If the head is complete and only the message is cut, the caller can get an error.
     if (back && back->outcome != CallMessage::Outcome::kOk) {
       EXPECT_EQ(back->outcome, CallMessage::Outcome::kNotWritable) << size;
     }

@@ -27,7 +27,7 @@ RawImage Image(std::uint32_t width, std::uint32_t height, std::uint32_t step, co
   return image;
 }
 
-/// Only for whether there is a view: it outlives its message.
+/// Only for checking whether there is a view: the view outlives its message.
 ViewResult<ImageView> ViewOf(const RawImage& image) { return ViewImage(image); }
 
 TEST(ImageView, ShowsRowsWithoutTheirPadding) {
@@ -81,7 +81,7 @@ TEST(ImageView, RefusesHugeNumbers) {
   EXPECT_FALSE(ViewOf(Image(most, most, most, "mono8", "x")));
   EXPECT_FALSE(ViewOf(Image(most, 1, most, "rgba8", "x")));
   EXPECT_FALSE(ViewOf(Image(0, most, most, "mono8", "x")));
-  EXPECT_TRUE(ViewOf(Image(0, most, 0, "mono8", "x"))) << "rows of nothing";
+  EXPECT_TRUE(ViewOf(Image(0, most, 0, "mono8", "x"))) << "empty rows";
   EXPECT_TRUE(ViewOf(Image(0, 0, most, "mono8", ""))) << "no rows";
   const ImageView::Shape huge{1, std::uint64_t{1} << 63U, 2, "mono8"};
   EXPECT_FALSE(ImageView::Of(AsBytes("xx"), huge));

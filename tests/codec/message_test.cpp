@@ -133,7 +133,7 @@ TEST(Message, PrefersCustomThenProtobufThenOwnMethodsThenPlain) {
   EXPECT_EQ(TypeOf<Foreign>().encoding, Encoding::kCustom);
   EXPECT_EQ(TypeOf<PlainButCustom>().encoding, Encoding::kCustom);
   EXPECT_EQ(TypeOf<PlainButCustom>().name, "test.PlainButCustom");
-  EXPECT_EQ(TypeOf<foxglove::Vector3>().encoding, Encoding::kProtobuf);  // It has the paper's methods too.
+  EXPECT_EQ(TypeOf<foxglove::Vector3>().encoding, Encoding::kProtobuf);  // It also has the methods of the paper.
   EXPECT_EQ(TypeOf<PaperStyle>().encoding, Encoding::kCustom);
   EXPECT_EQ(TypeOf<Plain>().encoding, Encoding::kPlain);
   EXPECT_EQ(TypeOf<Local>().encoding, Encoding::kNone);

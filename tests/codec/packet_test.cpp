@@ -159,8 +159,8 @@ TEST(HeadFrame, ReadsAnyBytesLikeTheGeneratedClass) {
     if (random() % 4 == 0) head_str.resize(random() % head_str.size());
     PacketHead head;
     const PacketFault fault = DecodeHeadFrame(AsBytes(FrameAround(head_str)), head);
-    // Invalid UTF-8 is the one thing in which the two differ (the generated class refuses it and logs): such rounds
-    // are left out, among them those in which a later field replaces the text.
+    // The two differ only for invalid UTF-8, which the generated class refuses and logs. Such rounds are skipped, also
+    // if a later field replaces the text.
     constexpr std::size_t kTextBegin = 5;
     constexpr std::size_t kTextEnd = 21;
     if (!IsAscii(head.channel + head.type_name) ||

@@ -77,7 +77,7 @@ void AddHead(const PacketHead& head, std::map<std::string, std::string>& found) 
   found["latched"] = std::to_string(head.latched);
 }
 
-/// Reads a message as the generated class and where it lies: both find the same.
+/// Reads a message with the generated class and in place. Both must find the same values.
 bool AddCloud(const std::string& data, std::map<std::string, std::string>& found) {
   const AnyMessage message = TypeOf<foxglove::PointCloud>().decode({AsBytes(data), nullptr});
   const AnyMessage in_place = TypeOf<Bulk<foxglove::PointCloud>>().decode({AsBytes(data), nullptr});
@@ -98,7 +98,7 @@ bool AddCloud(const std::string& data, std::map<std::string, std::string>& found
   return true;
 }
 
-/// Reads a packet as a receiver does, and says what it found.
+/// Reads a packet as a receiver does, and returns the result as a text.
 std::map<std::string, std::string> Read(const Vector& vector) {
   std::map<std::string, std::string> found;
   const auto result = [&found](PacketFault fault) {
@@ -157,8 +157,8 @@ TEST(PacketVectors, MatchTheirExpectedResults) {
     }
     ++faults[found.at("fault")];
   }
-  // kOverrun is a fault of a flow of packets, not of one.
-  EXPECT_EQ(faults.size(), kPacketFaultCount - 1) << "some kind of fault has no vector";
+  // kOverrun is a fault of a sequence of packets, not of a single one.
+  EXPECT_EQ(faults.size(), kPacketFaultCount - 1) << "a kind of fault has no vector";
 }
 
 TEST(PacketVectors, FullHeadIsWhatTheLibraryWrites) {

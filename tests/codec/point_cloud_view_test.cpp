@@ -159,7 +159,7 @@ TEST(PointCloudView, FaultHasNoView) {
   EXPECT_THROW((void)points->size(), std::bad_optional_access);
 }
 
-// Whatever a message says, every value of a view lies in its bytes (which the sanitizers see).
+// For any message, every value of a view must be inside its bytes. The sanitizers check that.
 TEST(PointCloudView, NeverReadsOutsideItsBytes) {
   const unsigned seed = std::random_device()();
   SCOPED_TRACE("seed " + std::to_string(seed));

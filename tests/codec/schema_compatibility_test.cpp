@@ -169,7 +169,7 @@ std::string RefusalOf(const FileDescriptorSet& set) {
   return CheckSchemas(set.SerializeAsString(), type->full_name(), *type).reason;
 }
 
-// Each would cost a pool gigabytes or minutes if it were larger, within the set's megabyte.
+// Without limits, each of these would cost a pool gigabytes or minutes within a set of 1 MiB.
 TEST(SchemaCompatibility, RefusesSchemasThatAreTooExpensive) {
   FileDescriptorSet chain;
   for (int i = 0; i < 300; ++i) {

@@ -47,8 +47,8 @@ void AddLines(const Descriptor& message, std::set<std::string>& lines) {
   }
 }
 
-/// Every message of package foxglove that is linked into the shared library: from the table's names, and from what
-/// its files import.
+/// Every message of package foxglove in the shared library: those with names from the table, and those in the files
+/// that these import.
 std::set<std::string> CompiledLines(const std::set<std::string>& table) {
   std::set<std::string> names;
   for (const std::string& line : table) {

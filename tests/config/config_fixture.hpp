@@ -54,7 +54,7 @@ void ExpectConfigError(Load load, const std::string& where, const std::vector<st
   }
 }
 
-/// Likewise for a text; `at` is "line:column", or empty for no position.
+/// The same for a text. `at` is "line:column", or empty for no position.
 inline void ExpectFault(std::string_view yaml, const std::string& at, const std::vector<std::string>& parts) {
   ExpectConfigError([&] { return Config::Parse(yaml, "robot.yaml"); }, at.empty() ? "robot.yaml" : "robot.yaml:" + at,
                     parts);

@@ -67,7 +67,7 @@ TEST(ConfigOfThePaper, ListingAsPrintedIsRefusedWithAnExplanation) {
                     {"in the column of a list's dashes", "indent it as far as the text after the dash"});
 }
 
-TEST(Config, AnEmptyFileIsAnEmptyConfiguration) {
+TEST(Config, EmptyFileIsAnEmptyConfiguration) {
   for (const char* yaml : {"", "\n\n", "# nothing\n", "---\n", "{}", "network:\ndata_graph:\nchannels:\n",
                            "network: {subscribers: , security: }\ndata_graph: {close_channels: , nodes: }"}) {
     const Config config = Config::Parse(yaml);
@@ -119,7 +119,7 @@ TEST(ConfigEndpoint, EqualEndpointsGetOneSpelling) {
   EXPECT_EQ(PublisherOf("*:5556"), "tcp://*:5556");
   EXPECT_EQ(PublisherOf("TCP://0.0.0.0:05553"), "tcp://*:5553");
   EXPECT_EQ(PublisherOf("1.2.3.4:5556"), "tcp://1.2.3.4:5556");
-  EXPECT_EQ(PublisherOf("tcp://localhost:5553"), "tcp://127.0.0.1:5553");  // ZeroMQ binds to no names
+  EXPECT_EQ(PublisherOf("tcp://localhost:5553"), "tcp://127.0.0.1:5553");  // ZeroMQ cannot bind to names
   EXPECT_EQ(PublisherOf("tcp://eth0:5553"), "tcp://eth0:5553");
   EXPECT_EQ(PublisherOf("tcp://[0:0::1]:5553"), "tcp://[::1]:5553");
   EXPECT_EQ(PublisherOf("[::]:5553"), "tcp://[::]:5553");
@@ -226,7 +226,7 @@ TEST(ConfigMerge, LaterFilesAddMissingSettings) {
   EXPECT_EQ(config.channels.at("m"), (ChannelConfig{Queue::KeepAll(1000, 256U << 20U), 1}));
 }
 
-TEST(ConfigMerge, AContradictionNamesBothFiles) {
+TEST(ConfigMerge, ContradictionErrorNamesBothFiles) {
   const ScratchFolder folder;
   const auto expect = [&](const std::string& a, const std::string& b, const std::string& at_a,
                           const std::string& at_b) {
@@ -246,7 +246,7 @@ TEST(ConfigMerge, AContradictionNamesBothFiles) {
   expect("network: {publisher: {ip: '*:5553'}}", "network: {publisher: {ip: '127.0.0.1:5553'}}", "1:27", "1:27");
 }
 
-TEST(ConfigMerge, TheOrderOfTheFilesDoesNotMatter) {
+TEST(ConfigMerge, OrderOfTheFilesDoesNotMatter) {
   const auto a = FixtureFile("paper_network_setting.yaml");
   const auto b = FixtureFile("paper_visualization.yaml");
   EXPECT_EQ(Config::Load({a, b}).publishers, Config::Load({b, a}).publishers);

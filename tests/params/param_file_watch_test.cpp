@@ -14,7 +14,7 @@ namespace {
 
 class ParamFileWatchTest : public test::ParamsTest {
  protected:
-  // What the last reload of a watch was refused for.
+  // Why the last reload of a watch was refused.
   ParamFileWatch::Done Noting() {
     return [this](const ParamResult& result) {
       const std::scoped_lock lock(mutex_);
@@ -98,7 +98,7 @@ TEST_F(ParamFileWatchTest, ContinuesWhenItsCallbackThrows) {
   EXPECT_TRUE(test::Await([&] { return params.Get<int>("a") == 3; }));
 }
 
-TEST_F(ParamFileWatchTest, EndsAtOnce) {
+TEST_F(ParamFileWatchTest, DestructorDoesNotWaitForFileEvents) {
   ParamServer params;
   const ParamFileWatch watch(params);
 }

@@ -161,7 +161,7 @@ TEST_F(ParamServerTest, ReloadUsesChangedValuesAndKeepsTheRest) {
   });
   Write("robot.yaml", "a: 1\nb: 200\nc: 300\nd: 4\n");
   EXPECT_TRUE(params.Reload().ok());
-  EXPECT_EQ(params.Get<int>("a"), 10);   // set while running, the same in the file
+  EXPECT_EQ(params.Get<int>("a"), 10);   // set while running, unchanged in the file
   EXPECT_EQ(params.Get<int>("b"), 200);  // changed in the file
   EXPECT_EQ(params.Get<int>("c"), 30);   // overridden
   EXPECT_EQ(params.Get<int>("d"), 4);
@@ -238,7 +238,7 @@ TEST_F(ParamServerTest, ConcurrentChangesAreAtomicAndToldInOrder) {
       return "a and b differ";
     });
     const Listening listening = params.OnChange("", [&](const ParamEvent& event) {
-      EXPECT_EQ(event.before["a"].as<int>(), last);  // each begins where the one before ended
+      EXPECT_EQ(event.before["a"].as<int>(), last);  // each event begins where the previous one ended
       last = event.after["a"].as<int>();
       EXPECT_EQ(event.after["b"].as<int>(), last);
       ++heard;

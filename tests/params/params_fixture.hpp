@@ -14,7 +14,7 @@
 
 namespace hgros::test {
 
-/// A folder of its own for each test.
+/// Gives each test its own folder.
 class ParamsTest : public testing::Test {
  protected:
   ParamsTest() {
@@ -39,7 +39,7 @@ class ParamsTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// What the error says that `action` throws; empty if it throws none.
+/// The text of the error that `action` throws; empty if it throws none.
 template <class Action>
 std::string ErrorOf(const Action& action) {
   try {

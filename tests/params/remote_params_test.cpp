@@ -30,7 +30,7 @@ std::vector<ParamOverride> Values() {
           {"a.\"the key\"", "\"5\"", "test"}};
 }
 
-// A robot that offers its parameters.
+// A session that offers its parameters.
 struct Offering {
   explicit Offering(Session& session) {
     server.Declare("slam.matcher.range", 1.0,
@@ -61,11 +61,11 @@ void UseFrom(Session& session) {
     seen = event.after.Get<double>("slam.matcher.range");
     ++changes;
   });
-  EXPECT_TRUE(Await([&] { return seen == 8.5; })) << "first of all what is there";
+  EXPECT_TRUE(Await([&] { return seen == 8.5; })) << "a watch begins with the current values";
   const int before = changes;
   EXPECT_EQ(params.Set("slam.gains", std::array{3, 4, 5}).refusal, "");
   EXPECT_EQ(params.Set("slam.matcher.range", 12.25).refusal, "");
-  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 12.25) << "what was set is read";
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 12.25) << "the new value is read";
   EXPECT_TRUE(Await([&] { return seen == 12.25; }));
   EXPECT_EQ(changes, before + 1) << "the gains are not watched";
 
@@ -74,14 +74,14 @@ void UseFrom(Session& session) {
   EXPECT_EQ(params.Set("slam.gains", std::array{1, 2, 3, 4}).refusal, "The matcher takes three gains.");
   EXPECT_FALSE(
       params.Change({ParamChange::Of("slam.matcher.range", 5.0), ParamChange::Of("slam.matcher.method", 7)}).ok());
-  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 12.25) << "all or none";
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 12.25) << "all changes or none";
   EXPECT_TRUE(params
                   .Change({ParamChange::Of("slam.matcher.range", 5.0),
                            ParamChange::Of("slam.matcher.method", std::string("ndt"))})
                   .ok());
   EXPECT_EQ(*params.Get<std::string>("slam.matcher.method"), "ndt");
   EXPECT_TRUE(params.Remove("slam.matcher.range").ok());
-  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 1.0) << "its default";
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 1.0) << "the default";
 
   const auto described = params.Describe("slam");
   ASSERT_TRUE(described.ok()) << described.refusal;
@@ -96,7 +96,7 @@ void UseFrom(Session& session) {
 struct Placement {
   std::string name;
   std::string robot;
-  std::optional<std::string> other;  // Nothing: the same session.
+  std::optional<std::string> other;  // Empty: the same session.
 };
 void PrintTo(const Placement& placement, std::ostream* out) { *out << placement.name; }
 
@@ -159,7 +159,7 @@ TEST_F(RemoteParamsTest, ReportsMissingValuesAndWrongTypes) {
   EXPECT_FALSE(params.Describe("slam..x").ok());
   EXPECT_FALSE(params.Set("slam..x", 1).ok());
   EXPECT_TRUE(params.List("nothing")->empty());
-  EXPECT_EQ(*params.Get<std::string>("a.\"the key\""), "5") << "a text stays one";
+  EXPECT_EQ(*params.Get<std::string>("a.\"the key\""), "5") << "a text stays a text";
 }
 
 TEST_F(RemoteParamsTest, ReportsTimeouts) {
@@ -174,7 +174,7 @@ TEST_F(RemoteParamsTest, ReportsTimeouts) {
   RemoteParams params(*other_.session, "robot", 50ms);
   EXPECT_THAT(params.Set("slow", 1).refusal, HasSubstr("The session \"robot\" did not answer in time"));
   door.Open();
-  EXPECT_EQ(*patient.Get<int>("slow"), 1) << "it was made all the same";
+  EXPECT_EQ(*patient.Get<int>("slow"), 1) << "the change was made after the timeout";
 }
 
 TEST_F(RemoteParamsTest, ShowsLaterDeclarationsAndChanges) {
@@ -206,7 +206,7 @@ TEST_F(RemoteParamsTest, SlowListenerGetsTheLatestValue) {
                                                            ++states;
                                                          },
                                                          {{}, Queue::KeepAll(1), Executor::Dedicated()});
-  for (int i = 1; i <= 30; ++i) ASSERT_TRUE(offering.server.Set("x", i).ok()) << "it does not wait";
+  for (int i = 1; i <= 30; ++i) ASSERT_TRUE(offering.server.Set("x", i).ok()) << "Set does not wait";
   door.Open();
   EXPECT_TRUE(Await([&] { return version == 31; }));
   EXPECT_LT(states, 31);

@@ -144,7 +144,7 @@ TEST(EditYaml, ResultParsesToTheWantedValueUnderRandomEdits) {
       try {
         wanted = param_tree::With(wanted, path, value);
       } catch (const ParamError&) {
-        continue;  // below what is no map any more
+        continue;  // the parent is no longer a map
       }
       text = EditYaml(text, "robot.yaml", {{path, value}}).text;
       const ParamNodePtr got = param_tree::FromDocument(yaml::Document::Parse(text, "robot.yaml"));

@@ -1,4 +1,4 @@
-// Services and callers whose types are known at run time only.
+// Services and callers whose types are known only at run time.
 #include <atomic>
 #include <stdexcept>
 

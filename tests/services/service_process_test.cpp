@@ -1,4 +1,4 @@
-// A server in another process, which is killed in the middle of a call.
+// A server in another process that is killed during a call.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -41,7 +41,7 @@ class ServerProcess {
     std::fclose(output_);
   }
 
-  // The next line that it says; empty if it has ended.
+  // The next line of its output; empty if it has ended.
   [[nodiscard]] std::string Line() {
     std::string line;
     for (int c = std::fgetc(output_); c != EOF && c != '\n'; c = std::fgetc(output_))
@@ -84,7 +84,7 @@ TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
   const auto call_stuck = [&] { return robot->Call<Sum, Total>("stuck", Sum{}, kLong * 10); };
   std::vector<CallFuture<Total>> calls;
   calls.push_back(call_stuck());
-  ASSERT_EQ(server.Line(), "begun");  // From here on calls go out as they are made; what has not would find no server.
+  ASSERT_EQ(server.Line(), "begun");  // From here on calls are sent at once. Unsent ones would fail with kNoServer.
   while (calls.size() < 100) calls.push_back(call_stuck());
   server.Kill();
   for (const auto& call : calls) {
@@ -94,7 +94,7 @@ TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
     EXPECT_NE(result.failure().reason.find("(server, process "), std::string::npos) << result.failure().reason;
   }
   if (GetParam() ==
-      "sharedmemory") {  // Once its last transport is gone, the registry knows that nobody else serves it.
+      "sharedmemory") {  // Once its last transport is gone, the registry shows that there is no other server.
     EXPECT_TRUE(test::Await([&] {
       const auto kind = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait().failure().kind;
       EXPECT_TRUE(kind == Kind::kServerGone || kind == Kind::kNoServer);

@@ -1,4 +1,4 @@
-// Services whose sides were built with different versions of their schemas, and such as reply in bulk.
+// Services whose two sides were built with different versions of a schema, and services with bulk replies.
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/dynamic_message.h>
@@ -19,18 +19,18 @@ namespace hgros::test {
 
 enum class Version {
   kOld,
-  kNew,    // With a number besides.
-  kOther,  // Its text is a number.
+  kNew,    // Has an additional number.
+  kOther,  // Has a number in place of the text.
 };
 
-/// What a program that was built with one version of `robot.Line` has in its hands.
+/// The class in a program that was built with one version of `robot.Line`.
 template <Version kVersion>
 struct Line {
   std::string text;
   std::int32_t number = 0;
 };
 
-/// The schema of a version: a pool of its own, since one process has no two of a name.
+/// The schema of one version. It has its own pool, because a pool cannot hold two types of one name.
 template <Version kVersion>
 struct LineSchema {
   static const google::protobuf::Descriptor* descriptor() {
@@ -42,7 +42,7 @@ struct LineSchema {
         fields += "field { name: 'number' number: 2 label: LABEL_OPTIONAL type: TYPE_INT32 }";
       EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(
           "name: 'line.proto' package: 'robot' syntax: 'proto3' message_type { name: 'Line' " + fields + " }", &file));
-      auto* made = new google::protobuf::DescriptorPool();  // For as long as the process lives.
+      auto* made = new google::protobuf::DescriptorPool();  // Never destroyed.
       EXPECT_NE(made->BuildFile(file), nullptr);
       return made;
     }();
@@ -112,7 +112,7 @@ std::unique_ptr<BulkCloud> CloudOf(const Sum& sum) {
   return cloud;
 }
 
-// Between two sessions: in one, both sides use the same C++ types.
+// Between two sessions, because inside one session both sides use the same C++ type.
 class ServiceBetweenSessions : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
 
 TEST_P(ServiceBetweenSessions, OldClientCanCallANewServer) {
@@ -126,7 +126,7 @@ TEST_P(ServiceBetweenSessions, OldClientCanCallANewServer) {
     const auto result = pair.caller().Call<OldLine, OldLine>("twice", OldLine{"ab", 7}, kLong).Wait();
     ASSERT_TRUE(result) << result.failure().reason;
     EXPECT_EQ(result->text, "abab");
-    EXPECT_EQ(result->number, 0) << "it does not know of that field";
+    EXPECT_EQ(result->number, 0) << "it does not know that field";
     EXPECT_EQ(number, 0) << "the client did not send it";
   }
 }

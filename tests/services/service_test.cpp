@@ -1,4 +1,4 @@
-// What a session alone says of services: no server, two servers, waiting inside callbacks, the free functions.
+// Services: no server, two servers, counters, callbacks and the free functions.
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -26,10 +26,10 @@ using test::Total;
 
 struct TimedOut {
   std::chrono::milliseconds time{0};
-  unsigned calls = 0;  // Those of them that ended otherwise have not been sent.
+  unsigned calls = 0;  // Including earlier calls, which were not sent.
 };
 
-// Makes calls until the time of one is up while it waits for its reply.
+// Makes calls with growing timeouts until one times out while it waits for its reply.
 std::optional<TimedOut> TimeOut(Session& caller, const char* service) {
   TimedOut made{1ms, 1};
   for (; made.time < kLong; made.time *= 4, ++made.calls) {
@@ -149,9 +149,9 @@ TEST_F(Services, CountUnhandledRequestsAndDroppedReplies) {
   ASSERT_TRUE(Await([&] { return pair.server().Peers().empty(); }));
   door.Open();
   const auto counts = [&] { return pair.server().Snapshot().services; };
-  EXPECT_TRUE(Await([&] { return counts().at(0).dropped_replies == 1; })) << "of the first";
+  EXPECT_TRUE(Await([&] { return counts().at(0).dropped_replies == 1; })) << "the reply to the first call";
   EXPECT_EQ(counts().at(0).name, "busy");
-  EXPECT_LE(counts().at(0).unhandled_requests, 2U) << "what was withdrawn in time has not even come";
+  EXPECT_LE(counts().at(0).unhandled_requests, 2U) << "a request that was withdrawn before it was sent is not counted";
   EXPECT_EQ(counts().at(1).name, "other");
   EXPECT_EQ(counts().at(1).unhandled_requests, 0U);
   EXPECT_EQ(begun, 1);
@@ -191,7 +191,7 @@ TEST_F(Services, NeverSendCallsThatFailWithNoServer) {
       settle();
     }
     serve.join();
-    // After it nothing of this caller's is on its way.
+    // When this call succeeds, all earlier calls of this caller have arrived.
     ASSERT_TRUE(Await([&] { return bool(pair.caller().Call<Sum, Total>(name, Sum{-1, 1}, kLong).Wait()); }));
     const std::scoped_lock lock(mutex);
     for (const int one : unsent) EXPECT_FALSE(handled.contains(one)) << "call " << one << " of round " << round;
@@ -237,7 +237,7 @@ TEST_F(Services, CountRequestsThatTimedOutBeforeTheirTurn) {
   ASSERT_TRUE(Await([&] { return begun.load(); }));
   const auto late = TimeOut(*robot.session, "busy");
   ASSERT_TRUE(late);
-  // The server's time begins with the request's arrival: it has, once there is no room for another one.
+  // The server counts the timeout from the arrival of the request. kFull shows that it has arrived.
   EXPECT_EQ((robot->Call<Sum, Total>("busy", Sum{2, 2}, test::kLong).Wait().failure().kind), Kind::kFull);
   test::Linger(2 * late->time);
   door.Open();
@@ -247,7 +247,7 @@ TEST_F(Services, CountRequestsThatTimedOutBeforeTheirTurn) {
 
 TEST_F(Services, AcceptCallsThatAreMadeWhileTheyStart) {
   for (int round = 0; round < 20; ++round) {
-    const test::Places places = test::PlacesOf("ipc");  // There a call waits for a server as long as it may.
+    const test::Places places = test::PlacesOf("ipc");  // Over an endpoint a call waits for a server until its timeout.
     const Robot robot(places.first);
     std::atomic<int> replies{0};
     std::vector<std::jthread> callers;

@@ -72,7 +72,7 @@ TEST_P(ServiceOverEveryTransport, MatchesThousandsOfRepliesInAnyOrder) {
   constexpr int kCalls = 5000;
   Pair pair(PlacesOf(GetParam()));
   std::vector<Service> services;
-  // Two services on threads of their own, so that replies come in no order.
+  // Two services on their own threads, so that replies come in any order.
   const auto handler = [](const Sum& sum) { return Add(sum); };
   services.push_back(pair.server().Serve<Sum, Total>("left", handler, Invoke::kConcurrent));
   services.push_back(
@@ -108,7 +108,7 @@ TEST_P(ServiceOverEveryTransport, CancelsACallAndItsWaitingRequest) {
   second.Cancel();
   EXPECT_EQ(second.Wait().failure().kind, Kind::kCancelled);
   { const auto dropped = pair.caller().Call<Sum, Total>("slow", Sum{3, 1}, kLong); }
-  // Behind the two on the same way.
+  // Sent after the two over the same connection.
   const auto last = pair.caller().Call<Sum, Total>("slow", Sum{4, 1}, kLong);
   (void)test::Await([&] { return service.stats().received >= 4; }, std::chrono::milliseconds(200));
   door.Open();
@@ -143,7 +143,7 @@ TEST_P(ServiceOverEveryTransport, ContinuesWhenTheServiceIsServedAgain) {
         pair.server().Serve<Sum, Total>("add", [&](const Sum& sum) { return Total{sum.a + sum.b + life}; });
     int replies = 0;
     EXPECT_TRUE(Await([&] {
-      // One that the caller sends before it hears of the end fails.
+      // A call that is sent before the caller knows of the end fails.
       const auto result = pair.caller().Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(1)).Wait();
       EXPECT_TRUE(!result || result->value == 5 + life);
       return result && ++replies == 3;
@@ -198,7 +198,7 @@ TEST_P(ServiceOverEveryTransport, ReportsAReplyTypeMismatch) {
 }
 
 TEST_P(ServiceOverEveryTransport, ReportsMessagesThatCannotBeEncodedOrDecoded) {
-  if (GetParam() == "pointer") GTEST_SKIP() << "nothing is written there";
+  if (GetParam() == "pointer") GTEST_SKIP() << "nothing is encoded there";
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Note, Note>("echo", [](const Note& note) { return note; });
   for (const std::string text : {"unwritable", "unreadable"}) {
@@ -210,7 +210,7 @@ TEST_P(ServiceOverEveryTransport, ReportsMessagesThatCannotBeEncodedOrDecoded) {
 
 TEST_P(ServiceOverEveryTransport, WaitsForAServerThatIsStarting) {
   Pair pair(PlacesOf(GetParam()));
-  if (GetParam() == "pointer") GTEST_SKIP() << "a session alone knows who serves";
+  if (GetParam() == "pointer") GTEST_SKIP() << "one session knows at once that there is no server";
   const auto early = pair.caller().Call<Sum, Total>("add", Sum{2, 3}, kLong);
   const Service service = pair.server().Serve<Sum, Total>("add", Add);
   const auto result = early.Wait();

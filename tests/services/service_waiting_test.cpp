@@ -1,4 +1,4 @@
-// Waiting for replies inside callbacks, on as few threads as there can be.
+// Waiting for replies inside callbacks, with as few threads as possible.
 #include <atomic>
 #include <functional>
 #include <thread>
@@ -124,7 +124,7 @@ TEST_P(WaitingInACallback, EndsWhenTheOtherSessionCallsBack) {
       },
       GetParam().invoke, Options());
   std::atomic<int> sum{0};
-  // Occupies the left session's only worker until the right one has called back.
+  // Occupies the only worker of the left session until the right session has called back.
   const auto node = left->FromAny<Sum>("in", Invoke::kSerial, [&](const Sum& in) {
     const auto result = left->Call<Sum, Total>("forward", in, kLong).Wait();
     sum = result ? result->value : -1;

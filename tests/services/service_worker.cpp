@@ -1,5 +1,5 @@
-// A server in a process of its own: `service_worker YAML`. Says on standard output where it listens ("at ENDPOINT"),
-// that it serves ("ready"), and that it has begun a request that it will never finish ("begun"). Ends with its parent.
+// A server in its own process: `service_worker YAML`. Writes to standard output its endpoints ("at ENDPOINT"), "ready"
+// when it serves, and "begun" when it has begun a request that it never finishes. Ends with its parent.
 #include <sys/prctl.h>
 
 #include <csignal>

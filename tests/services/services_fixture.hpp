@@ -15,12 +15,12 @@ struct Total {
   int value = 0;
 };
 
-constexpr auto kLong = std::chrono::seconds(60);  // No test waits so long.
+constexpr auto kLong = std::chrono::seconds(60);  // Longer than any test waits.
 using Kind = CallFailure::Kind;
 
 inline Total Add(const Sum& sum) { return {sum.a + sum.b}; }
 
-/// Where the two sides of a service live.
+/// The configurations of the two sides of a service.
 struct Places {
   std::string name;
   bool apart = true;
@@ -39,12 +39,12 @@ inline Places PlacesOf(const std::string& name) {
     const std::string b = "b" + std::to_string(number);
     return {name, true, bus.Both(a, b) + alone, bus.Both(b, a) + alone};
   }
-  // The second is told where the first listens, and the first where the second does.
+  // Each side gets the endpoint of the other.
   const std::string tcp = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\n" + alone;
   return {name, true, tcp, tcp};
 }
 
-/// Two sessions, or one that is both.
+/// Two sessions, or one that is both sides.
 class Pair {
  public:
   explicit Pair(const Places& places, const std::string& server_yaml = {}, const std::string& caller_yaml = {}) {

@@ -25,7 +25,7 @@ std::string Text(const BulkCloud& cloud) { return std::string(AsText(cloud.bytes
 const PointCloud& Head(const PointCloud& cloud) { return cloud; }
 const PointCloud& Head(const BulkCloud& cloud) { return cloud.head(); }
 
-/// What a subscription got and keeps.
+/// Keeps the messages of a subscription.
 template <class T>
 class Kept {
  public:
@@ -79,7 +79,7 @@ ChannelSnapshot ChannelOf(const Robot& robot) {
   return {};
 }
 
-/// Two sessions, each in a domain of its own, that reach each other over one transport.
+/// The transport between two sessions.
 enum class Way { kSharedMemory, kIpc, kTcp };
 
 class BulkSession : public testing::TestWithParam<Way> {
@@ -146,7 +146,7 @@ TEST_P(BulkSession, PlainSubscriberReceivesBulkMessages) {
   ExpectArrives(talker(), kept, Lent(talker(), 'a'));
   ExpectArrives(talker(), kept, Lent(talker(), 'b', 0));
   ExpectArrives(talker(), kept, Lent(talker(), 'c', 1));
-  EXPECT_EQ(ChannelOf(listener()).converted, 0U) << "it is decoded as what the subscriber wants";
+  EXPECT_EQ(ChannelOf(listener()).converted, 0U) << "it is decoded as the subscriber's type";
 }
 
 TEST_P(BulkSession, BulkSubscriberReceivesPlainMessages) {
@@ -172,7 +172,7 @@ TEST_P(BulkSession, BulkAndPlainTypesMayShareOneChannel) {
   for (const std::size_t i : {0U, 1U}) {
     EXPECT_TRUE(Text(*bulk.at(i)) == std::string(kSize, i == 0 ? 'a' : 'b'));
     EXPECT_TRUE(Text(*plain.at(i)) == Text(*bulk.at(i)));
-    EXPECT_TRUE(bulk.at(i)->head().data().empty()) << "it is viewed where it arrived, not made of the plain one";
+    EXPECT_TRUE(bulk.at(i)->head().data().empty()) << "it is viewed in place, not converted from the plain message";
   }
   EXPECT_EQ(ChannelOf(listener()).converted, 2U);
   EXPECT_EQ(TrafficOf(talker()).out.copied, 0U);
@@ -259,7 +259,7 @@ TEST_F(BulkSharedMemory, ReceiversReadTheMemoryThatThePublisherWrote) {
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(written) % 64, 0U);
   ASSERT_EQ(talker->ToAny("cloud", std::move(cloud)), PublishStatus::kOk);
   ASSERT_TRUE(at_first.AwaitSize(1) && at_second.AwaitSize(1));
-  // The publisher's mapping of the same memory: nobody else does this.
+  // Writes through the publisher's mapping of the same memory. Only a test may do this.
   written[5] = std::byte{'z'};
   for (const auto* kept : {&at_first, &at_second}) {
     EXPECT_EQ(kept->at(0)->bytes()[5], std::byte{'z'});
@@ -278,7 +278,7 @@ TEST_F(BulkSharedMemory, LoansComeFromTheHeapWhenSharedMemoryIsUsedUp) {
   constexpr std::size_t kCount = 20;
   for (std::size_t i = 0; i < kCount; ++i) {
     ASSERT_EQ(publish(Lent(talker, static_cast<char>('A' + i))), PublishStatus::kOk);
-    ASSERT_TRUE(kept.AwaitSize(i + 1)) << "a receiver that keeps everything holds nobody up";
+    ASSERT_TRUE(kept.AwaitSize(i + 1)) << "a receiver that keeps all messages does not block the publisher";
   }
   for (std::size_t i = 0; i < kCount; ++i) {
     EXPECT_TRUE(Text(*kept.at(i)) == std::string(kSize, static_cast<char>('A' + i))) << i;
@@ -308,7 +308,7 @@ TEST_F(BulkSharedMemory, TwoSessionsMayPublishOneMessageAtOnce) {
   }
   for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_TRUE(Text(*kept.at(i)) == std::string(kSize, 'a'));
   EXPECT_EQ(TrafficOf(talker).out.copied, 0U);
-  EXPECT_EQ(TrafficOf(other).out.copied, 10U) << "it lies in the other session's memory";
+  EXPECT_EQ(TrafficOf(other).out.copied, 10U) << "the message is in the other session's memory";
 }
 
 TEST(BulkInProcess, SubscriberGetsThePublishedObject) {

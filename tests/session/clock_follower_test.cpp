@@ -9,7 +9,7 @@ namespace {
 
 class ClockFollowerTest : public testing::Test {
  protected:
-  // A paused one, which says its state once.
+  // The message of a paused clock.
   void Say(std::uint64_t session, std::int64_t shown, bool ended = false) {
     SimulatedTime time;
     time.set_time_ns(shown);
@@ -38,7 +38,7 @@ TEST_F(ClockFollowerTest, LatestMessageOfAReturningSessionCountsOnceItsReturnIsR
   Tell(PeerEvent::Kind::kGone, 7);
   Say(7, 20);
   Say(7, 30);
-  EXPECT_EQ(clock->Now(), Time{10}) << "perhaps it was only late";
+  EXPECT_EQ(clock->Now(), Time{10}) << "the messages may be late ones";
   Tell(PeerEvent::Kind::kCame, 7);
   EXPECT_EQ(clock->Now(), Time{30});
   Say(7, 40);
@@ -53,7 +53,7 @@ TEST_F(ClockFollowerTest, IgnoresMessagesOfASessionThatIsGoneAgain) {
   Tell(PeerEvent::Kind::kCame, 7);
   EXPECT_EQ(clock->Now(), Time{10});
   Say(8, 50);
-  EXPECT_EQ(clock->Now(), Time{50}) << "nobody else is followed";
+  EXPECT_EQ(clock->Now(), Time{50}) << "no other clock is followed";
 }
 
 TEST_F(ClockFollowerTest, SessionThatReturnsWhileAnotherIsFollowedBecomesTheRival) {

@@ -1,4 +1,4 @@
-// Hosts whose clocks differ: sessions over tcp that are given other wall clocks.
+// Sessions over tcp whose wall clocks differ, as those of two hosts do.
 #include <cmath>
 #include <optional>
 
@@ -15,7 +15,7 @@ using test::Note;
 
 const std::string kQuick = "heartbeat_ms: 5, peer_timeout_ms: 10000";
 
-// The wall clock of a host: ahead of this one's by `ahead`, and by `drift` more in each second.
+// A wall clock that is ahead of the real one by `ahead`, and by `drift` more each second.
 struct Wall {
   Duration ahead{0};
   double drift = 0;
@@ -44,12 +44,13 @@ std::unique_ptr<Session> Subscribing(const Wall& wall, const Session& publisher)
             "subscriber");
 }
 
-// Whether the offset is what it is, within what it says; nothing while it is not known.
+// True if the estimated offset is right within its uncertainty; empty while there is no estimate.
 std::optional<bool> Holds(const Session& session, const Session& peer, const Wall& own, const Wall& other) {
   const auto known = session.OffsetTo(peer.id());
   if (!known) return std::nullopt;
   const Duration error = known->offset - (other.Offset() - own.Offset());
-  return std::chrono::abs(error) <= known->uncertainty + 1ms;  // The test itself looks a little later.
+  return std::chrono::abs(error) <=
+         known->uncertainty + 1ms;  // 1 ms, because the test reads the clocks a little later.
 }
 
 class ClockOffsetOfSessions : public testing::TestWithParam<std::pair<Wall, Wall>> {};
@@ -70,7 +71,7 @@ TEST_P(ClockOffsetOfSessions, IsKnownOnBothSidesWithinItsUncertainty) {
   const auto back = subscriber->OffsetTo(publisher->id());
   ASSERT_TRUE(there && back);
   EXPECT_LE(std::chrono::abs(there->offset + back->offset), there->uncertainty + back->uncertainty + 1ms);
-  EXPECT_LT(there->uncertainty, 1s) << "an hour would hold as well";
+  EXPECT_LT(there->uncertainty, 1s) << "an uncertainty of an hour would pass Holds(), too";
 }
 
 INSTANTIATE_TEST_SUITE_P(Skewed, ClockOffsetOfSessions,

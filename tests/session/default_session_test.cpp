@@ -1,4 +1,4 @@
-// The paper's interface, as its listings use it.
+// The free functions, as the listings of the paper use them.
 #include "hgros/session/default_session.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ TEST(DefaultSession, MisuseThrowsAnErrorThatNamesTheFix) {
   EXPECT_THROW(Init(), Error);
   Shutdown();
   EXPECT_THROW((void)ToAny("c", Note("x")), Error);
-  Shutdown();  // Twice does no harm.
+  Shutdown();  // A second call is allowed.
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace hgros::test {
 
-/// A domain of its own for each test, as the environment says it: sessions find each other, and nobody else.
+/// Gives each test its own domain through the environment, so that its sessions find only each other.
 class DomainFixture : public testing::Test {
  protected:
   DomainFixture() { Enter("test-" + SessionId::Random().ToString()); }

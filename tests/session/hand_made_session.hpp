@@ -12,7 +12,7 @@
 
 namespace hgros::test {
 
-/// A session put together by hand, whose transports come and go when a test says so.
+/// A session made of transports that a test opens and closes.
 class HandMadeSession {
  public:
   HandMadeSession(const HandMadeSession&) = delete;
@@ -23,13 +23,13 @@ class HandMadeSession {
     if (zmq_) zmq_->Close(0);
   }
 
-  /// Its host hears no more of it.
+  /// Leaves the registry of the host.
   void Leave() { registry_.reset(); }
 
  protected:
   explicit HandMadeSession(std::string name) : name_(std::move(name)) {}
 
-  /// Makes itself known in the domain, with a place for shared memory that may not be there yet.
+  /// Announces itself in the domain, with a place for shared memory that may not be open yet.
   void Enlist(const std::string& domain) {
     RegistryOptions options;
     options.domain = domain;
@@ -38,7 +38,7 @@ class HandMadeSession {
     own.places["shared_memory"] = place_;
     registry_->Announce(own);
   }
-  /// `options` says the endpoints.
+  /// `options` has the endpoints.
   void OpenZmq(ZmqOptions options) {
     options.session = id_;
     options.process = name_;
@@ -58,10 +58,10 @@ class HandMadeSession {
   [[nodiscard]] SessionId id() const { return id_; }
 
  private:
-  /// Often enough for a peer with a short patience.
+  /// Short enough for a peer with a short timeout.
   static constexpr std::chrono::milliseconds kHeartbeat{50};
 
-  // An object of its own: the threads that call it end only in the destructor of the session.
+  // A separate object, because the threads that call it end in the destructor of the session.
   class Ears final : public TransportListener, public DiscoveryListener {
     void OnCame(const Announcement& /*peer*/) override {}
     void OnChanged(const Announcement& /*peer*/) override {}

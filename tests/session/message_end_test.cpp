@@ -1,4 +1,4 @@
-// What the end of a message may do: it is the user's code, and runs under no lock of the library.
+// The destructor of a message is user code. It runs under no lock of the library, so it may publish.
 #include <thread>
 #include <vector>
 
@@ -12,12 +12,12 @@ using test::Bus;
 using test::kPatience;
 using test::Robot;
 
-/// The transports keep the message itself: there is no shared memory that it could be copied into.
+/// Without shared memory the transports keep the message itself instead of a copy.
 constexpr const char* kNoMemory = "shared_memory: {limit_bytes: 4096}\n";
 
 class MessageEnd : public test::DomainFixture {
  protected:
-  /// `listener` hears what `talker` publishes; the end of a message has another one published on the same channel.
+  /// `talker` publishes to `listener`. The destructor of a message publishes another one on the same channel.
   static void Run(Robot& talker, Robot& listener) {
     std::atomic<int> received{0};
     const auto subscription = listener->FromAny<Block>("raw", Invoke::kSerial, [&](const Block&) { ++received; },
@@ -43,11 +43,11 @@ class MessageEnd : public test::DomainFixture {
       const std::shared_ptr<std::vector<std::byte>> bytes(new std::vector<std::byte>(100'000), end);
       auto block = std::make_unique<Block>(Block::Adopt(*bytes, bytes));
       ASSERT_EQ(publish.Wait(std::move(block), std::chrono::steady_clock::now() + kPatience), PublishStatus::kOk);
-      // Then the next one finds this one consumed, and lets go of it.
+      // Waits, so that the next publish finds this message consumed and releases it.
       ASSERT_TRUE(Await([&] { return received > i; }));
     }
     EXPECT_TRUE(Await([&] { return received == kMessages + 1; })) << received;
-    EXPECT_TRUE(Await([&] { return in_time.load(); })) << "the end of a message waited for somebody who published";
+    EXPECT_TRUE(Await([&] { return in_time.load(); })) << "the destructor of a message waited for a publish";
     talker.session.reset();
     EXPECT_TRUE(Await([&] { return ended == kMessages; }));
     if (another.joinable()) another.join();

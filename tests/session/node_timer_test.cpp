@@ -61,11 +61,11 @@ TEST(NodeTimer, FollowsTheClockOfTheSession) {
   clock->JumpTo(Time{0});
   clock->Step(10ms);
   ASSERT_TRUE(ticks.Have(6));
-  EXPECT_EQ(ticks.all().back().planned, Time{0} + 10ms) << "a jump back makes no gap";
+  EXPECT_EQ(ticks.all().back().planned, Time{0} + 10ms) << "a jump back causes no gap";
   clock->JumpTo(Time{0} + 1h);
   clock->Step(10ms);
   ASSERT_TRUE(ticks.Have(7));
-  EXPECT_EQ(ticks.all().back().planned, Time{0} + 1h + 10ms) << "a jump ahead makes no burst";
+  EXPECT_EQ(ticks.all().back().planned, Time{0} + 1h + 10ms) << "a jump ahead causes no burst";
   EXPECT_EQ(ticks.all().back().missed, 0U);
 }
 
@@ -142,7 +142,7 @@ TEST(NodeTimer, RefusesAnEmptyNameAZeroPeriodAndANameInUse) {
   NodeTimer timer = session->CreateTimer("control", 10ms, nothing);
   try {
     (void)session->CreateTimer("control", 10ms, nothing);
-    FAIL() << "two timers of one name";
+    FAIL() << "two timers had one name";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("already has a timer \"control\""), std::string::npos) << e.what();
   }
@@ -151,7 +151,7 @@ TEST(NodeTimer, RefusesAnEmptyNameAZeroPeriodAndANameInUse) {
   Ticks ticks;
   timer = session->CreateTimer("control", 10ms, std::ref(ticks));
   clock->Step(10ms);
-  EXPECT_TRUE(ticks.Have(1)) << "the name was free again";
+  EXPECT_TRUE(ticks.Have(1)) << "the name is free again";
 }
 
 class NodeTimerOnEveryExecutor : public testing::TestWithParam<std::size_t> {
@@ -198,7 +198,7 @@ TEST_P(NodeTimerOnEveryExecutor, ResetWaitsForItsCallbackAndNoneRunsAfterwards) 
     if (round % 2 == 0) (void)Await([&] { return timer.stats().run > 0; });
     timer.Reset();
     *alive = false;
-    alive.reset();  // Under the address sanitizer a late callback would be seen here.
+    alive.reset();  // The address sanitizer reports a later callback.
   }
 }
 
@@ -212,7 +212,7 @@ TEST_P(NodeTimerOnEveryExecutor, TwoTimersMayEndEachOtherInTheirCallbacks) {
     const auto end = [&](NodeTimer& other) {
       made.Pass();
       ++inside;
-      (void)Await([&] { return inside >= 2; }, 20ms);  // Both in flight at once where threads allow it.
+      (void)Await([&] { return inside >= 2; }, 20ms);  // Lets both run at once if there are enough threads.
       other.Reset();
       ++done;
     };
@@ -238,7 +238,7 @@ TEST_P(NodeTimerOnEveryExecutor, SessionCanBeDestroyedWhileItsTimersFire) {
                                  ++calls;
                                  try {
                                    (void)there.CreateTimer("another", 1s, [](const Tick&) {});
-                                 } catch (const Error&) {  // Another callback makes it, or the session shuts down.
+                                 } catch (const Error&) {  // Another callback creates it, or the session shuts down.
                                  }
                                },
                                {.executor = executor()}));
@@ -247,7 +247,7 @@ TEST_P(NodeTimerOnEveryExecutor, SessionCanBeDestroyedWhileItsTimersFire) {
     session.reset();
     const int last = calls;
     timers.clear();
-    EXPECT_EQ(calls, last) << "nothing runs after the session";
+    EXPECT_EQ(calls, last) << "no callback runs after the session has ended";
   }
 }
 

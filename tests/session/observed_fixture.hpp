@@ -19,7 +19,7 @@ class ObservedFixture : public DomainFixture, public testing::WithParamInterface
   [[nodiscard]] std::string ObserverYaml() const {
     return GetParam() == "sharedmemory" ? "" : "discovery: {local: false}\n";
   }
-  /// Where the transport needs to be told.
+  /// Connects the two if the transport needs an endpoint.
   void Connect(Session& from, const Session& publisher) const {
     for (const std::string& endpoint : publisher.PublisherEndpoints()) {
       from.AddSubscriberEndpoint({endpoint, {}, true});

@@ -1,4 +1,4 @@
-// Publishing bytes of a type that is known at run time only.
+// Publishing bytes of a type that is known only at run time.
 #include <google/protobuf/descriptor.pb.h>
 
 #include <atomic>
@@ -20,7 +20,7 @@ using test::kSerial;
 using test::Note;
 using Vector = foxglove::Vector3;
 
-/// Keeps what comes, raw or typed.
+/// Keeps received messages, raw or typed.
 template <class T>
 class Kept {
  public:
@@ -47,7 +47,7 @@ class Kept {
 
 NodeOptions Everything() { return {.queue = Queue::KeepAll(100)}; }
 
-/// As a recording has it: no fingerprint.
+/// A schema without a fingerprint, as recordings have it.
 MessageSchema VectorSchema() {
   MessageSchema schema = SchemaOf(TypeOf<Vector>());
   schema.fingerprint = 0;
@@ -99,7 +99,7 @@ TEST_P(RawPublishing, ToAnyRawLooksUpTheSchemaEachTime) {
   for (int i = 1; i <= 5; ++i) {
     ASSERT_EQ(robot->session->ToAnyRaw("v", VectorSchema(), VectorBytes(i)), PublishStatus::kOk);
   }
-  // Message 0 may have found its subscriber, too.
+  // Message 0 may also have reached the subscriber.
   ASSERT_TRUE(Await([&] { return typed.size() >= 5 && typed.messages().back()->x() == 5; }));
   EXPECT_LE(typed.size(), 6U);
 }
@@ -120,7 +120,7 @@ TEST_P(RawPublishing, CarriesAnyNamedEncoding) {
   const RawPublisher publish = robot->session->AdvertiseRaw("text", TextSchema());
   ASSERT_TRUE(robot->session->WaitForSubscribers("text", 1, kPatience));
   ASSERT_EQ(publish(PayloadOf(R"({"x": 1})")), PublishStatus::kOk);
-  ASSERT_EQ(publish(Payload{}), PublishStatus::kOk) << "no bytes are a message, too";
+  ASSERT_EQ(publish(Payload{}), PublishStatus::kOk) << "an empty payload is a message, too";
   ASSERT_TRUE(Await([&] { return raw.size() == 2; }));
   EXPECT_EQ(AsText(raw.messages()[0]->data.bytes), R"({"x": 1})");
   EXPECT_TRUE(raw.messages()[1]->data.bytes.empty());
@@ -184,7 +184,7 @@ TEST_P(RawPublishing, TwoRawPublishersAndATypedOneCoexist) {
 }
 
 TEST_P(RawPublishing, LoanedBlocksAreNotCopied) {
-  if (GetParam() != "sharedmemory") GTEST_SKIP() << "of shared memory";
+  if (GetParam() != "sharedmemory") GTEST_SKIP() << "only for shared memory";
   Begin();
   Kept<RawMessage> kept;
   const auto subscription = observer->session->FromAnyRaw("cloud", kSerial, std::ref(kept), Everything());
@@ -334,7 +334,7 @@ TEST_F(RawPublishingAlone, AnotherLayoutOfOneTypeNameThrowsATypeMismatchWithFing
   }
 }
 
-TEST_F(RawPublishingAlone, RefusesSchemasWithoutATypeName) {
+TEST_F(RawPublishingAlone, RefusesSchemasThatDoNotDescribeAType) {
   EXPECT_THROW((void)robot->AdvertiseRaw("v", {}), Error);
   MessageSchema broken = VectorSchema();
   broken.descriptor_set = "no descriptors";

@@ -1,4 +1,4 @@
-// Channels whose types the subscribing program need not know.
+// Subscriptions of programs that do not know the type of the channel.
 #include <google/protobuf/descriptor.pb.h>
 
 #include <foxglove/PointCloud.pb.h>
@@ -16,7 +16,7 @@ using test::kPatience;
 using test::kSerial;
 using test::Note;
 
-/// Keeps what comes.
+/// Keeps received messages.
 class KeptRaw {
  public:
   void operator()(const std::shared_ptr<const RawMessage>& message, const MessageInfo& info) {
@@ -88,7 +88,7 @@ TEST_P(RawSubscription, SchemaContainsAllImports) {
   EXPECT_GE(files.file_size(), 5) << "Timestamp, Pose, Vector3, Quaternion, PackedElementField and itself";
   EXPECT_EQ(files.file(files.file_size() - 1).name(), "foxglove/PointCloud.proto");
   EXPECT_TRUE(Await([&] { return robot->session->Snapshot().traffic.at(0).out.subscribers == 0; }))
-      << "it is no longer a subscriber";
+      << "the observer is no longer a subscriber";
 }
 
 TEST_P(RawSubscription, HasNoSchemaWithoutAPublisher) {
@@ -104,7 +104,7 @@ TEST_P(RawSubscription, ForgetsTheSchemaOfAPublisherThatIsGone) {
   ASSERT_NE(observer->session->AwaitSchema("v", kPatience), nullptr);
   robot.reset();
   EXPECT_TRUE(Await([&] { return observer->session->AwaitSchema("v", std::chrono::milliseconds(1)) == nullptr; }))
-      << "nobody publishes any more";
+      << "there is no publisher any more";
 }
 
 TEST_P(RawSubscription, AndATypedSubscriptionOfOneChannelBothReceiveEveryMessage) {
@@ -164,7 +164,7 @@ TEST_P(RawSubscription, ReceivesFromPublishersOfDifferentTypes) {
   EXPECT_EQ(kept.messages()[1]->schema->encoding, Encoding::kCustom);
   EXPECT_EQ(AsText(kept.messages()[1]->data.bytes), "text");
 
-  // Now this session says what it takes, and that is not what the second one sends.
+  // Now this session has a type, and it differs from what the second session sends.
   std::atomic<int> typed{0};
   const auto subscription = observer->session->FromAny<Vector3>("v", kSerial, [&](const Vector3&) { ++typed; });
   ASSERT_TRUE(Await(
@@ -189,7 +189,7 @@ TEST_P(RawSubscription, ReceivesFromAChannelThatIsAdvertisedLater) {
 }
 
 TEST_P(RawSubscription, ReceivesLargeMessagesWithoutACopy) {
-  if (GetParam() != "sharedmemory") GTEST_SKIP() << "of shared memory";
+  if (GetParam() != "sharedmemory") GTEST_SKIP() << "only for shared memory";
   Begin();
   KeptRaw kept;
   const auto subscription = observer->session->FromAnyRaw("cloud", kSerial, std::ref(kept), All());
@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(Over, RawSubscription, testing::Values("sharedmemory", 
 
 TEST_P(RawSubscription, ReceivesRemoteMessagesOnAChannelThatHasALocalType) {
   struct Local {
-    std::string text;  // No plain struct, so it has no wire form.
+    std::string text;  // Not a plain struct, so it has no wire form.
   };
   Begin();
   const auto local = observer->session->FromGraph<Local>("v", kSerial, [](const Local&) {});

@@ -1,4 +1,4 @@
-// The time of a simulation, in every session of its domain.
+// A simulated clock that all sessions of a domain follow.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -20,7 +20,7 @@ using test::Bus;
 using test::Robot;
 
 const std::string kSimulated = "time: simulated\n";
-// Later than anything that runs along the wall.
+// A time that differs from the wall clock.
 constexpr Time kStart{1'000'000'000'000'000};
 
 bool Shows(const Session& session, Time time) {
@@ -65,7 +65,7 @@ class Controller {
 struct Placement {
   std::string name;
   std::string simulation;
-  /// The controller's configuration, when the simulation's session is there; nothing: it runs in that session.
+  /// The controller's configuration, made once the simulation's session exists. Empty: it runs in that session.
   std::function<std::optional<std::string>(Session& simulation)> controller;
 };
 
@@ -86,7 +86,7 @@ TEST_P(SessionClockOnEveryTransport, FollowsThePublishedClock) {
   if (const auto yaml = GetParam().controller(*simulation.session)) apart.emplace(kSimulated + *yaml, "controller");
   Session& session = apart ? *apart->session : *simulation.session;
   const Controller controller(session);
-  EXPECT_EQ(session.clock()->Now(), Time{}) << "nobody has published yet";
+  EXPECT_EQ(session.clock()->Now(), Time{}) << "no clock is published yet";
   Simulate(*simulation.session, [&](Time time) { return controller.IsAt(time); });
   EXPECT_EQ(controller.jumped_to(), Time{5});
 }
@@ -119,7 +119,7 @@ TEST_F(SessionClock, KeepsRunningBetweenMessages) {
   clock->SetRate(1000);
   const ClockPublisher publisher(*simulation.session, clock);
   ASSERT_TRUE(Await([&] { return robot->clock()->Now() >= kStart; }));
-  Rate rate(robot->clock(), 1s);  // Of a thousandth of a second: far more often than the clock is published.
+  Rate rate(robot->clock(), 1s);  // 1 ms of real time: far more often than the clock is published.
   std::uint64_t turns = 0;
   while (turns < 500) {
     const auto tick = rate.Sleep();
@@ -154,7 +154,7 @@ TEST_F(SessionClock, WakesSleepersAndPausesWhenThePublishedClockEnds) {
   publisher.reset();
   const auto follower = std::dynamic_pointer_cast<FollowingClock>(robot->clock());
   ASSERT_TRUE(follower);
-  EXPECT_TRUE(Await([&] { return follower->State().paused; })) << "it stands still when it is published no more";
+  EXPECT_TRUE(Await([&] { return follower->State().paused; })) << "it pauses when the published clock ends";
   const Time stands = robot->clock()->Now();
   EXPECT_GE(stands, kStart + 25h);
   publisher.emplace(*simulation.session, SimulatedClock::Paused(kStart + 1s));

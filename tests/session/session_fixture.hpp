@@ -14,7 +14,7 @@
 
 namespace hgros::test {
 
-/// A message that writes itself, as the paper's custom types do, and counts how often.
+/// A message with its own codec, as the paper's custom types have it, that counts its calls.
 struct Note {
   std::string text;
 
@@ -52,7 +52,7 @@ class Notes {
   std::vector<std::string> texts_;
 };
 
-/// A session with what it says in the log.
+/// A session and its log.
 struct Robot {
   explicit Robot(const std::string& yaml, const std::string& name = "robot")
       : session(std::make_unique<Session>(Config::Parse(yaml),
@@ -67,7 +67,7 @@ struct Robot {
     }
     return false;
   }
-  /// In how many lines.
+  /// The number of lines that contain the text.
   [[nodiscard]] std::size_t Count(std::string_view part) {
     const std::scoped_lock lock(mutex);
     return static_cast<std::size_t>(

@@ -57,7 +57,7 @@ TEST(Session, SendsMessagesToAnotherSessionInOrder) {
   EXPECT_EQ(talker->Peers().size(), 1U);
 }
 
-// Two names, one socket: what it says, it says over both connections.
+// Two names of one socket make two connections. After either is removed, messages still arrive once.
 TEST(Session, ReceivesEachMessageOnceThroughTwoNamesOfOneEndpoint) {
   for (const std::size_t removed : {0U, 1U}) {
     SCOPED_TRACE(removed);
@@ -77,10 +77,10 @@ TEST(Session, ReceivesEachMessageOnceThroughTwoNamesOfOneEndpoint) {
       EXPECT_TRUE(Await([&] { return notes.size() == static_cast<std::size_t>(to); })) << notes.size();
     };
     ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-    test::Linger(std::chrono::milliseconds(300));  // Time for the other connection.
+    test::Linger(std::chrono::milliseconds(300));  // Time for the second connection.
     pass(0, 50);
     listener->RemoveSubscriberEndpoint(names[removed]);
-    test::Linger(std::chrono::milliseconds(300));  // Time for what may be said about it.
+    test::Linger(std::chrono::milliseconds(300));  // Time for messages about the removal.
     ASSERT_TRUE(Await([&] { return talker->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
     pass(50, 100);
     EXPECT_EQ(notes.texts(), Numbered(0, 100));
@@ -135,8 +135,8 @@ TEST(Session, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
   EXPECT_EQ(robot->ToAny("notes", std::move(note)), PublishStatus::kOk);
   EXPECT_EQ(seen, (std::vector<const Note*>{sent, sent, sent})) << "delivered by pointer, before publishing returned";
   ASSERT_TRUE(Await([&] { return notes.size() == 6; }));
-  EXPECT_EQ(Note::written, 1) << "written once, however many listen";
-  EXPECT_EQ(Note::read, 2) << "read once in each session, however many subscriptions it has";
+  EXPECT_EQ(Note::written, 1) << "encoded once, for any number of subscribers";
+  EXPECT_EQ(Note::read, 2) << "decoded once in each session, for any number of subscriptions";
 }
 
 TEST(Session, MessagesDoNotEchoBetweenTwoSessions) {
@@ -152,7 +152,7 @@ TEST(Session, MessagesDoNotEchoBetweenTwoSessions) {
   EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("from first")), PublishStatus::kOk);
   EXPECT_EQ(second->ToAny("notes", std::make_unique<Note>("from second")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return at_first.size() == 2 && at_second.size() == 2; }));
-  // An echo would come after one more message on the same way has come.
+  // An echo would arrive before one more message over the same connection.
   EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("last")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return at_first.size() >= 3 && at_second.size() >= 3; }));
   EXPECT_EQ(at_second.size(), 3U);
@@ -302,7 +302,7 @@ TEST(Session, LatchedMessagesReachALateSessionAndItsLateNodesOnce) {
   EXPECT_EQ(second.texts(), Numbered(3, 6));
 }
 
-/// A message whose own code remembers which threads have written it.
+/// A message whose codec records the threads that encode it.
 struct Traced {
   bool SerializeToString(std::string* out) const {
     const std::scoped_lock lock(mutex);
@@ -324,7 +324,7 @@ TEST(Session, LatchedMessageWithItsOwnCodecIsEncodedOnThePublishingThread) {
     Robot talker(joins_late ? "" : bus.Publishing("a"));
     const auto publish = talker->Advertise<Traced>("map", {.latched = 2});
     for (int i = 0; i < 3; ++i) EXPECT_EQ(publish(std::make_unique<Traced>()), PublishStatus::kOk);
-    EXPECT_EQ(Traced::writers.size(), joins_late ? 0U : 3U) << "nothing is written where nobody can ask for it";
+    EXPECT_EQ(Traced::writers.size(), joins_late ? 0U : 3U) << "nothing is encoded without a transport";
     if (joins_late) talker->AddPublisherEndpoint(endpoint);
     Robot listener(bus.Subscribing(joins_late ? "late" : "a"));
     std::atomic<int> heard{0};
@@ -333,7 +333,7 @@ TEST(Session, LatchedMessageWithItsOwnCodecIsEncodedOnThePublishingThread) {
     EXPECT_EQ(publish(std::make_unique<Traced>()), PublishStatus::kOk);
     ASSERT_TRUE(Await([&] { return heard == 3; }));
     for (const std::thread::id writer : Traced::writers) EXPECT_EQ(writer, std::this_thread::get_id());
-    EXPECT_EQ(Traced::writers.size(), joins_late ? 3U : 4U) << "each once";
+    EXPECT_EQ(Traced::writers.size(), joins_late ? 3U : 4U) << "each message once";
   }
 }
 
@@ -435,7 +435,7 @@ TEST(Session, EitherSessionMayRestartRepeatedly) {
     } else {
       subscription.reset();
       listener.reset();
-      // The one that has gone would be counted as a subscriber until its goodbye was read.
+      // The old session counts as a subscriber until its goodbye has been read.
       ASSERT_TRUE(Await([&] { return (*talker)->Peers().empty(); })) << "round " << round;
       listen();
     }
@@ -511,11 +511,11 @@ TEST(Session, SubscriptionMayEndItselfInACallbackForARemoteMessage) {
         [&](const Note&) {
           wired.Pass();
           subscription->Reset();
-          ++calls;  // Last: then the test goes on.
+          ++calls;  // Last, because the test continues then.
         },
         Inline()));
     wired.Open();
-    ASSERT_TRUE(Await([&] {  // What the last round has left on its way may have ended it already.
+    ASSERT_TRUE(Await([&] {  // A late message of the last round may have ended it already.
       (void)publish(std::make_unique<Note>("x"));
       return calls > 0;
     })) << "round "

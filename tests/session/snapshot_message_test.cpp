@@ -67,7 +67,7 @@ TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   EXPECT_EQ(a.nodes(0).queued(), 4U);
   EXPECT_GE(a.nodes(0).wait_p50_ns(), 1000);
   EXPECT_GE(a.nodes(0).run_p99_ns(), 2000);
-  EXPECT_EQ(told.channels(1).sent(), 0U) << "it does not reach outside";
+  EXPECT_EQ(told.channels(1).sent(), 0U) << "it has no transport";
   ASSERT_EQ(told.services_size(), 1);
   EXPECT_EQ(told.services(0).name(), "add");
   EXPECT_EQ(told.services(0).unhandled_requests(), 31U);

@@ -1,4 +1,4 @@
-// What sessions tell each other of what they count.
+// Sessions publish their counters to each other.
 #include "session/snapshot_publisher.hpp"
 
 #include <deque>
@@ -22,7 +22,7 @@ using test::kSerial;
 
 class SnapshotPublishers : public test::ObservedFixture {
  protected:
-  // What the observer has heard last of a session, and how often.
+  // The latest snapshot of a session that the observer received, and their number.
   struct Heard {
     Snapshot last;
     int times = 0;
@@ -109,14 +109,14 @@ TEST_P(SnapshotPublishers, KeepProgramsFromPublishingOnTheirChannel) {
   Begin();
   try {
     (void)robot->session->Advertise<Snapshot>(kSnapshotsChannel);
-    FAIL() << "a program could count for the session";
+    FAIL() << "a program could publish on the session's channel";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("belongs to the library"), std::string::npos) << error.what();
   }
   EXPECT_THROW((void)robot->session->ToAny("hgros/call/add", Vector3()), Error);
 }
 
-// Without transports, by hand.
+// A publisher without transports; the test runs its errands.
 class SnapshotPublisherAlone : public testing::Test {
  protected:
   void RunNext() {
@@ -147,7 +147,7 @@ TEST_F(SnapshotPublisherAlone, CountsOncePerSecondAndOnlyWhileSubscribed) {
   ASSERT_EQ(errands_.size(), 1U);
   EXPECT_EQ(errands_[0].first.count(), 0);
   outlet.OnSubscribers(2);
-  EXPECT_EQ(errands_.size(), 1U) << "it is about to tell anyway";
+  EXPECT_EQ(errands_.size(), 1U) << "an errand is posted already";
   RunNext();
   EXPECT_EQ(counted_, 1);
   ASSERT_EQ(errands_.size(), 1U);
@@ -156,10 +156,10 @@ TEST_F(SnapshotPublisherAlone, CountsOncePerSecondAndOnlyWhileSubscribed) {
   EXPECT_EQ(counted_, 2);
   outlet.OnSubscribers(0);
   RunNext();
-  EXPECT_EQ(counted_, 2) << "nobody listens";
+  EXPECT_EQ(counted_, 2) << "there is no subscriber";
   EXPECT_TRUE(errands_.empty());
   outlet.OnSubscribers(1);
-  EXPECT_EQ(errands_.size(), 1U) << "somebody listens again";
+  EXPECT_EQ(errands_.size(), 1U) << "there is a subscriber again";
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, SnapshotPublishers, testing::Values("sharedmemory", "ipc", "tcp"),

@@ -116,7 +116,7 @@ TEST(YamlBounds, LongLinesAndListsAreReadQuickly) {
                                   "!<" + repeat("a", almost),
                                   "data_graph: {close_channels: [" + repeat("'',", almost)}) {
     try {
-      (void)Config::Parse(yaml);  // what it finds is all the same
+      (void)Config::Parse(yaml);  // the result does not matter
     } catch (const ConfigError&) {
     }
   }

@@ -11,14 +11,14 @@
 
 namespace hgros {
 
-// Puts together what several sources say of sessions and their channels. The first source that knows a session counts.
+// Merges the lists of sessions and channels of several sources. For each session the first source that knows it counts.
 //
 // Thread safety: none.
 class ChannelDirectory {
  public:
-  // What one source says; of a session it may say something several times.
+  // Adds one source. It may list a session several times.
   void Add(const std::vector<SessionChannels>& source);
-  // By name.
+  // All channels, sorted by name.
   [[nodiscard]] std::vector<KnownChannel> Channels() const;
 
  private:
@@ -26,7 +26,7 @@ class ChannelDirectory {
     PeerInfo session;
     ChannelUse use;
   };
-  std::set<std::uint64_t> known_;  // Sessions.
+  std::set<std::uint64_t> known_;  // Session ids.
   // By channel and session.
   std::map<std::string, std::map<std::uint64_t, Use>> uses_;
 };

@@ -21,24 +21,24 @@ namespace hgros {
 class JoinedOutbound;
 class NetworkBridge;
 
-// One channel's way out of the session: numbers and encodes each message once, and hands it to the transport.
+// Sends one channel to other sessions: numbers and encodes each message once, and passes it to the transports.
 //
 // Thread safety: all functions from any thread.
-// Invariants: order_mutex_ guards the transport and makes the order of sequence numbers the order in which it gets the
-// messages; what the transport lets go of meanwhile ends after it. The transport may ask for the latched messages while
-// it holds locks that its Commit() takes as well, so Latched() takes latch_mutex_ alone and the transport is never
-// called under that. It asks on a thread of its own, where no code of the user's may run: from Join() on, what such a
-// codec writes is written when it is latched.
+// Invariants: order_mutex_ guards the transport, which so gets the messages in the order of their sequence numbers.
+// Messages that the transport releases meanwhile are destroyed after the lock. The transport may request the latched
+// messages while it holds locks that its Commit() takes, too. So Latched() takes only latch_mutex_, and the transport
+// is never called under that. The request comes on a thread of the transport, where no user code may run. So from
+// Join() on, messages with a user's codec are encoded when they are latched.
 class ChannelOutlet final : public SessionOutlet, public OutboundSource {
  public:
   ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
                 OutletEvents events, std::shared_ptr<const HostClocks> clocks);
 
   void Join(NetworkBridge& bridge);
-  // Withdraws from the transport; later publishes stay inside the process.
+  // Leaves the transport. Later publishes stay inside the process.
   void Detach();
   void Latch(std::size_t count);
-  // Memory in which a message is published without a copy, if a transport with subscribers has some.
+  // Memory in which a message can be published without a copy, if a transport with subscribers has some.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
 
   [[nodiscard]] bool wanted() const noexcept override;
@@ -63,29 +63,31 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
     AnyMessage message;
     const TypeInfo* type;
     PacketHead head;
-    std::optional<Payload> data;  // Written already; without owner: it cannot be.
+    std::optional<Payload> data;  // Set if encoded already; without an owner: it cannot be encoded.
   };
 
-  // The transport may ask for it on its thread, where the user's codec must not run.
+  // True for a user's codec, which must not run on the thread on which a transport requests latched messages.
   [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept;
-  // Into the memory of `transports`, if it is there and has some.
+  // Encodes into the memory of `transports` if it is not null and has memory.
   [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) noexcept;
   [[nodiscard]] static Payload EncodeInto(const AnyMessage& message, const TypeInfo& type,
                                           JoinedOutbound& transports) noexcept;
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
 
   const std::string channel_;
-  const TypeInfo& type_;  // The first user's; a message may be raw, or of another C++ type with the same wire form.
+  const TypeInfo&
+      type_;  // The type of the first user. A message may be raw, or of another C++ type with the same wire form.
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const OutletEvents events_;
   const std::shared_ptr<const HostClocks> clocks_;
 
   std::atomic<std::size_t> subscribers_{0};
-  std::atomic<bool> heard_{false};  // There has been a subscriber: what a cut keeps from it is numbered, so it counts.
+  // True once there was a subscriber. From then on messages are numbered even during a cut, so that lost ones count.
+  std::atomic<bool> heard_{false};
   mutable std::atomic<bool> published_{false};
   std::atomic<std::size_t> latched_{0};
-  std::atomic<bool> joined_{false};  // A transport may ask for what is latched. Set under order_mutex_.
+  std::atomic<bool> joined_{false};  // A transport may request latched messages. Set under order_mutex_.
   std::atomic<std::uint64_t> not_encodable_{0};
   std::atomic<std::uint64_t> copied_{0};
   std::atomic<std::uint64_t> loans_{0};

@@ -25,28 +25,27 @@ class JoinedInbound;
 class JoinedOutbound;
 
 struct BridgeOptions {
-  ZmqOptions zmq;                               ///< With endpoints, or for some that come later.
-  std::optional<ShmOptions> shm;                ///< Nothing: no memory is shared with anybody.
-  std::optional<RegistryOptions> registry;      ///< Nothing: nobody is looked for on this host.
-  std::vector<std::string> only;                ///< On this host only these processes; empty: all.
-  std::optional<BeaconOptions> beacon;          ///< Nothing: nobody is looked for on other hosts.
-  std::vector<TransportEntry> more_transports;  ///< Besides those two.
+  ZmqOptions zmq;                               ///< ZeroMQ, with endpoints now or later.
+  std::optional<ShmOptions> shm;                ///< Empty: no shared memory.
+  std::optional<RegistryOptions> registry;      ///< Empty: no discovery on this host.
+  std::vector<std::string> only;                ///< Processes of this host to connect to; empty: all.
+  std::optional<BeaconOptions> beacon;          ///< Empty: no discovery of other hosts.
+  std::vector<TransportEntry> more_transports;  ///< In addition to these two.
   /// By channel, the transports that it may use.
   std::map<std::string, TransportKeys, std::less<>> rules;
-  std::function<void()> on_announcements;  ///< What sessions of this host say has changed. Must not block.
-  /// Runs something after a while, on a thread that may wait; not after the bridge has been closed.
+  std::function<void()> on_announcements;  ///< Called when announcements of this host have changed. Must not block.
+  /// Runs an errand after a delay on a thread that may wait. Not called after the bridge has been closed.
   std::function<void(std::chrono::nanoseconds delay, std::function<void()> errand)> later;
 };
 
-/// Joins one session's data graph to those of others: finds them on its host and its network, and receives each over
-/// the cheapest transport that reaches it, so that no message comes twice.
+/// Connects one session's data graph to those of other sessions: finds them on its host and its network, and receives
+/// each one over the cheapest transport that reaches it, so that no message arrives twice.
 ///
 /// Thread safety: all functions; wiring (everything that is not const) by one thread at a time. Calls into the listener
 /// come from the transports' threads, in one order for each peer.
 class NetworkBridge {
  public:
-  /// Makes the transports that the options ask for and lets others find this session. Throws Error. `listener` and
-  /// `log` outlive it.
+  /// Creates the transports of the options and starts discovery. Throws Error. `listener` and `log` must outlive it.
   NetworkBridge(BridgeOptions options, TransportListener& listener, Log& log);
   NetworkBridge(const NetworkBridge&) = delete;
   NetworkBridge& operator=(const NetworkBridge&) = delete;
@@ -58,10 +57,10 @@ class NetworkBridge {
                                                          const Demand& demand, InboundSink& sink);
   /// Tells others that the session no longer subscribes to the channel.
   void EndSubscribing(const std::string& channel);
-  /// Tells others that the session no longer publishes there.
+  /// Tells others that the session no longer publishes on the channel.
   void EndPublishing(const std::string& channel);
 
-  /// As the transport's, also of an endpoint to which a beacon has led already. Throws Error.
+  /// As in the ZeroMQ transport, also for an endpoint that a beacon has found already. Throws Error.
   void AddPublishEndpoint(const PublishEndpoint& endpoint);
   void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint);
   bool RemoveSubscribeEndpoint(const std::string& endpoint);
@@ -71,15 +70,15 @@ class NetworkBridge {
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
   [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
-  /// Adds what other sessions say of their channels: those of this host in its registry, then those that are connected.
+  /// Adds the channels of other sessions: those in the registry of this host, then those that are connected.
   void ListChannels(ChannelDirectory& directory);
-  /// The sessions that say in the host's registry that they subscribe, and whether others could.
+  /// The sessions that the host's registry lists as subscribers, and whether other sessions could subscribe.
   [[nodiscard]] ChannelSearch Search(const std::string& channel);
 
   /// See Transport::Receive().
   void Receive(const Visit& visit) noexcept;
   [[nodiscard]] TransportStats stats() const;
-  /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
+  /// Sends a goodbye to all peers, and the published messages as far as `linger_ms` allows.
   void Close(int linger_ms) noexcept;
 
  private:
