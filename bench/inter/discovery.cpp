@@ -24,7 +24,7 @@ namespace hgros::bench {
 namespace {
 
 constexpr int kSessions = 50;
-constexpr int kChannels = 20;  // Of each session: half of them it publishes, half it subscribes to.
+constexpr int kChannels = 20;  // Per session: it publishes half of them and subscribes to the others.
 
 Config InDomain(const std::string& name) {
   Config config;

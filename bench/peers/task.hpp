@@ -7,19 +7,18 @@
 
 namespace hgros::bench {
 
-/// What is measured with messages of one size; nothing at all if `timed` and `flood_ms` are 0. Every lane has a channel
-/// of its own.
+/// A measurement with messages of one size on its own channel. Nothing is measured if `timed` and `flood_ms` are 0.
 struct Lane {
   std::uint32_t index;  ///< Counts the lanes of a run.
   std::size_t size_bytes;
-  int timed;                                ///< So many messages whose latency counts.
-  int flood_ms;                             ///< So long as fast as it goes; 0: not.
+  int timed;                                ///< Number of messages whose latency is measured.
+  int flood_ms;                             ///< Time of publishing at full speed; 0: none.
   int pause_us;                             ///< Between the arrival of a timed message and the next.
-  int warm_up;                              ///< So many messages before those that count.
-  int transit_us;                           ///< What the line alone takes for a message; 0 on this machine.
+  int warm_up;                              ///< Number of messages before the measured ones.
+  int transit_us;                           ///< Time of a message on the line alone; 0 on this machine.
   std::string name;                         ///< Of topic, socket or segment; unique on this machine.
-  int port;                                 ///< For who needs one.
-  [[nodiscard]] std::size_t depth() const;  ///< Of the queues on both sides, wherever a peer lets us choose.
+  int port;                                 ///< For peers that need one.
+  [[nodiscard]] std::size_t depth() const;  ///< Depth of the queues on both sides, if the peer lets us choose it.
 };
 
 /// What the runner asks of a program: `peer_NAME ROLE MODE --name N --control FILE --folder DIR --port P --lanes L`,

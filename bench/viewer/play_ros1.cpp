@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
     path.poses.push_back(stamped);
     paths.publish(path);
   });
-  ros::WallDuration(2).sleep();  // What is still queued goes.
+  ros::WallDuration(2).sleep();  // Time to send queued messages.
   ros::shutdown();
   return 0;
 }

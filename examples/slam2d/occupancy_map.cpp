@@ -137,7 +137,7 @@ MapDelta OccupancyMap::Integrate(const LaserScan2& scan, const Pose2& T_map_lase
   ScanFootprint footprint;
   const auto mark_bridged = [&](int x, int y) { footprint.MarkBridged(x, y); };
   const auto mark_crossed = [&](int x, int y) { footprint.MarkCrossed(x, y); };
-  std::vector<Point2> returns;  // Of neighbouring beams, up to the present one.
+  std::vector<Point2> returns;  // The returns of neighboring beams, up to the current one.
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double range = scan.ranges_m[i];
     if (range >= scan.max_range_m || range < options_.min_hit_range_m) {

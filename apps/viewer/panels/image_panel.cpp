@@ -64,7 +64,7 @@ void ImagePanel::DrawImage(const ShownImage& image, Part& part) {
     part.middle_x -= io.MouseDelta.x / (fit * part.zoom * width);
     part.middle_y -= io.MouseDelta.y / (fit * part.zoom * height);
   }
-  if (hovered && io.MouseWheel != 0) {  // What is under the pointer stays in its place.
+  if (hovered && io.MouseWheel != 0) {  // Zooms around the pointer.
     const float before = fit * part.zoom;
     part.zoom = std::clamp(part.zoom * std::pow(kWheelFactor, io.MouseWheel), 1.0F, kMostZoom);
     const float shift = 1 / before - 1 / (fit * part.zoom);

@@ -162,7 +162,7 @@ Eigen::Matrix4d Camera::Projection(const Viewport& viewport) const {
     const double half_depth = std::max(100 * distance_, 1000.0);
     projection(0, 0) = 1 / (half_height * aspect);
     projection(1, 1) = 1 / half_height;
-    projection(2, 2) = -1 / half_depth;  // What is behind the eye is visible, too.
+    projection(2, 2) = -1 / half_depth;  // Points behind the eye are visible, too.
     projection(3, 3) = 1;
     return projection;
   }

@@ -25,7 +25,7 @@ inline constexpr std::string_view kDone = "done";                 ///< msg::Done
 inline constexpr std::string_view kSaveMap = "save_map";
 
 inline constexpr std::size_t kScanDepth = 64;  ///< Scans that may wait for the matcher.
-/// Of queues that callbacks fill: never used up, because the loop holds its own messages back.
+/// Depth of queues that callbacks fill. It is never used up, because the loop holds back its own messages.
 inline constexpr std::size_t kLoopDepth = 4096;
 
 }  // namespace slam2d

@@ -238,7 +238,7 @@ int Run(const Options& options) {
     report.graph = session.Snapshot().graph;
     if (crew.source) report.scans_sent = crew.source->sent();
     if (crew.writer) {
-      // Who interrupts a long log still gets the map so far.
+      // If the user interrupts a long log, the map so far is written.
       const bool interrupted = ending.exit_code() > 128 && crew.writer->scans() > 0;
       report.written = interrupted ? crew.writer->WriteFiles() : crew.writer->written();
     }

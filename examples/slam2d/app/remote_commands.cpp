@@ -42,7 +42,7 @@ void Print(const hgros::ParamDeclaration& one, const std::string& value, bool js
               info.least.value_or(0), info.most.value_or(0), info.read_only ? ", read-only" : "");
 }
 
-// What is there, node by node; nodes that nobody reaches are left out as long as there is one.
+// Lists the parameters node by node. Unreachable nodes are skipped if at least one node is reachable.
 int ListParams(hgros::Session& session, bool json) {
   std::string refusal;
   bool any = false;

@@ -11,10 +11,10 @@
 
 namespace slam2d {
 
-/// What is said on standard output at the end.
+/// The report on standard output at the end.
 struct Report {
   std::optional<Written> written;  ///< Where the writer ran.
-  std::optional<msg::Done> done;   ///< What the writer has told everybody.
+  std::optional<msg::Done> done;   ///< The writer's last message.
   std::optional<RelationsError> relations_error;
   std::optional<std::uint64_t> scans_sent;  ///< Where the source ran.
   hgros::GraphSnapshot graph;

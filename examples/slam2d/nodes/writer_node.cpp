@@ -16,7 +16,7 @@
 namespace slam2d {
 namespace {
 
-// Of the wall clock: who looks gets no more the faster the log is taken.
+// Wall clock time, so that a fast replay does not publish more often.
 constexpr std::chrono::seconds kShowEvery{1};
 
 // -1: unknown; else how likely the cell is occupied, in percent.

@@ -15,8 +15,8 @@ struct MessageSchema {
   std::string type_name;  ///< Empty: it does not say, as plain ZeroMQ programs need not.
   Encoding encoding = Encoding::kNone;
   std::uint64_t fingerprint = 0;  ///< 0: unknown, or there is none.
-  /// Of a protobuf type: a serialized google.protobuf.FileDescriptorSet with all imports, dependencies first. From
-  /// outside it is whatever the publisher sent; DynamicSchema reads it safely. Empty: there is none.
+  /// For a protobuf type: a serialized google.protobuf.FileDescriptorSet with all imports, dependencies first. A schema
+  /// from another session may contain anything; DynamicSchema reads it safely. Empty: there is none.
   std::string descriptor_set;
 
   bool operator==(const MessageSchema&) const = default;

@@ -14,11 +14,12 @@
 
 namespace hgros {
 
-/// What a program says of a timer when it makes one. Configuration wins over queue and executor, by the timer's name.
+/// Options of a new timer. The configuration of the node with the timer's name overrides queue and executor.
 struct NodeTimerOptions {
   Missed missed = Missed::kSkip;
   std::optional<Duration> first = {};  ///< From now to the first turn; left out: one period.
-  /// Of turns that come while the callback runs; left out: the latest one waits, with Missed::kCatchUp the latest 1024.
+  /// The queue of turns that come while the callback runs. Default: the latest turn, with Missed::kCatchUp the latest
+  /// 1024.
   std::optional<Queue> queue = {};
   Executor executor = {};  ///< Inline: the thread of the session's timers. Keep such a callback short.
 };

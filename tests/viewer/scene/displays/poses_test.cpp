@@ -154,7 +154,7 @@ TEST_F(PoseDisplaysTest, ShowsSilentFramesInOrange) {
   EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base (silent)", "lidar"));
   EXPECT_THAT(frames.Status(), ::testing::Contains("base: below map, silent"));
   EXPECT_THAT(frames.Status(), ::testing::Contains("lidar: below base, static"));
-  EXPECT_EQ(scene_.next_change_s(), std::numeric_limits<double>::infinity()) << "nothing is drawn anew for it";
+  EXPECT_EQ(scene_.next_change_s(), std::numeric_limits<double>::infinity()) << "nothing is drawn again for it";
   tree_.Set("map", "base", Time{2}, RigidTransform());
   transforms_changed_ = true;
   Update(110);
