@@ -64,7 +64,7 @@ TEST(LogHistogram, CountsValuesOutsideTheRangeInTheOutermostBuckets) {
   EXPECT_EQ(LogHistogram::BucketOf(std::numeric_limits<std::int64_t>::max()), LogHistogram::kBucketCount - 1);
 }
 
-TEST(LogHistogram, ReadsTheLargestRecordBackEvenPastTheLastBucket) {
+TEST(LogHistogram, ReportsTheMaximumEvenPastTheLastBucket) {
   LogHistogram histogram;
   histogram.Record(5 * kLargestExact);
   EXPECT_EQ(histogram.Quantile(1.0), 5 * kLargestExact);

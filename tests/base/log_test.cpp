@@ -29,7 +29,7 @@ struct Recorder {
   }
 };
 
-TEST(Log, GivesLevelAndTextToTheSink) {
+TEST(Log, PassesLevelAndTextToTheSink) {
   Recorder recorder;
   Log log(recorder.Sink());
   log.Write(LogLevel::kInfo, "One.");

@@ -23,7 +23,7 @@ TEST(ClockLine, StandsStillWhilePaused) {
   EXPECT_EQ(line.SourceOf({500}), Time{1'000});
 }
 
-TEST(ClockLine, NamesTheFirstMomentAtWhichItShowsATime) {
+TEST(ClockLine, ReturnsTheFirstMomentAtWhichItShowsATime) {
   constexpr unsigned kSeed = 4;
   std::mt19937_64 random(kSeed);
   for (int i = 0; i < 10'000; ++i) {

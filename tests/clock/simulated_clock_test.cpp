@@ -74,7 +74,7 @@ TEST(SimulatedClock, RefusesInvalidRatesAndStepsBack) {
   EXPECT_EQ(clock.rate(), 1.0);
 }
 
-TEST(SimulatedClock, TellsItsJumpsToListeners) {
+TEST(SimulatedClock, ReportsItsJumpsToListeners) {
   const auto clock = SimulatedClock::Paused(Time{} + 10s);
   std::vector<Duration> jumps;
   Listening listening = clock->OnJump([&](const ClockJump& jump) {
@@ -91,7 +91,7 @@ TEST(SimulatedClock, TellsItsJumpsToListeners) {
   EXPECT_EQ(jumps.size(), 2U);
 }
 
-TEST(SimulatedClock, AListenerMayEndItselfAndJumpAgain) {
+TEST(SimulatedClock, ListenerMayEndItselfAndJumpAgain) {
   const auto clock = SimulatedClock::Paused();
   int calls = 0;
   Listening listening;

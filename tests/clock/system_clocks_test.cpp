@@ -160,7 +160,7 @@ TEST(TimeSystem, ReturnsRealTimeAndTimeSinceAReference) {
   EXPECT_GE(time.GetRealTime(), WallNow() - 60s);
 }
 
-TEST(TimeSystem, ANewBaseIsAJumpOfTheRelativeClock) {
+TEST(TimeSystem, NewBaseIsAJumpOfTheRelativeClock) {
   TimeSystem time;
   Time after;
   const Listening listening = time.relative_clock()->OnJump([&](const ClockJump& jump) { after = jump.after; });

@@ -44,7 +44,7 @@ TEST(DynamicSchema, ReadsMessagesOfATypeWithImports) {
   EXPECT_EQ(message->SerializeAsString(), cloud.SerializeAsString());
 }
 
-TEST(DynamicSchema, KnowsTheNamesOfEnumValues) {
+TEST(DynamicSchema, HasTheNamesOfEnumValues) {
   std::string fault;
   const auto schema = DynamicSchema::Build(SchemaOf(TypeOf<foxglove::Log>()), fault);
   ASSERT_NE(schema, nullptr) << fault;
@@ -91,7 +91,7 @@ TEST(DynamicSchema, RefusesBytesThatDoNotParse) {
   EXPECT_NE(schema->Read({}), nullptr);
 }
 
-TEST(DynamicSchema, ReportsWhatIsWrongWithADescription) {
+TEST(DynamicSchema, ReportsWhyADescriptionIsInvalid) {
   EXPECT_THAT(FaultOf({"t.M", Encoding::kPlain, 0, ""}), HasSubstr("t.M are not protobuf"));
   EXPECT_THAT(FaultOf({"t.M", Encoding::kProtobuf, 0, "\xff\xff"}), HasSubstr("is not a FileDescriptorSet"));
   EXPECT_THAT(FaultOf({"t.M", Encoding::kProtobuf, 0, ""}), HasSubstr("does not contain t.M"));

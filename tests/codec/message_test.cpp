@@ -147,7 +147,7 @@ TEST(Message, ConceptAcceptsTypesThatCanLeaveTheProcess) {
   static_assert(!Message<google::protobuf::Message> && !Message<std::function<void()>>);
 }
 
-TEST(Message, OfALocalTypeHasItsCppNameAndNoCodec) {
+TEST(Message, LocalTypeHasItsCppNameAndNoCodec) {
   const TypeInfo& info = TypeOf<Local>();
   EXPECT_EQ(info.name, "hgros_test::Local");
   EXPECT_EQ(info.cpp_type, typeid(Local));

@@ -241,7 +241,7 @@ TEST(Topic, RefusesOtherForms) {
   EXPECT_FALSE(ParseTopic(AsBytes(PlainTopic(std::string(kMaxChannelNameLength + 1, 'x')))));
 }
 
-TEST(Topic, IsShorterThanZeroMqMishandles) {
+TEST(Topic, IsShorterThanTheLengthThatZeroMqMishandles) {
   EXPECT_LT(PeerTopic(std::string(kMaxChannelNameLength, 'x'), SessionId{1}).size(), 246U);
 }
 

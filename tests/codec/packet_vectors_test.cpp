@@ -161,7 +161,7 @@ TEST(PacketVectors, MatchTheirExpectedResults) {
   EXPECT_EQ(faults.size(), kPacketFaultCount - 1) << "a kind of fault has no vector";
 }
 
-TEST(PacketVectors, FullHeadIsWhatTheLibraryWrites) {
+TEST(PacketVectors, FullHeadEqualsWhatTheLibraryWrites) {
   const Vector vector = Load(std::filesystem::path(HGROS_TEST_VECTORS) / "good_full.hex");
   PacketHead head;
   ASSERT_EQ(DecodeHeadFrame(AsBytes(vector.frames.at("head")), head), PacketFault::kNone);

@@ -144,7 +144,7 @@ TEST(PointCloudView, RefusesPartialPoints) {
   EXPECT_THAT(FaultOf<float>(cloud, "x"), HasSubstr("not a whole number"));
 }
 
-TEST(PointCloudView, OfZeroPointsIsEmpty) {
+TEST(PointCloudView, IsEmptyForZeroPoints) {
   const PointCloud cloud = Cloud(0);
   const auto points = ViewPoints(cloud);
   ASSERT_TRUE(points);

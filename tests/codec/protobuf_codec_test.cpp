@@ -62,7 +62,7 @@ TEST(ProtobufCodec, CountsBulkBytesAsMemory) {
   EXPECT_GE(TypeOf<foxglove::PointCloud>().memory_bytes(Cloud().get()), 16'000U);
 }
 
-TEST(ProtobufCodec, KnowsNameAndSchema) {
+TEST(ProtobufCodec, HasNameAndSchema) {
   const TypeInfo& info = TypeOf<Imu>();
   EXPECT_EQ(info.name, "hgros.Imu");
   EXPECT_EQ(info.encoding, Encoding::kProtobuf);

@@ -40,7 +40,7 @@ ParamView Tree(std::string_view yaml) {
   return ParamView(param_tree::FromDocument(yaml::Document::Parse(yaml, "robot.yaml")));
 }
 
-TEST(ParamView, IsReadAsThePaperReadsIt) {
+TEST(ParamView, ReadsValuesWithTheSyntaxOfThePaper) {
   const ParamView params = Tree("a: {b: 2.5, list: [x, y]}\n");
   EXPECT_EQ(params["a"]["b"].as<double>(), 2.5);
   EXPECT_EQ(params["a"]["list"][1].as<std::string>(), "y");

@@ -87,7 +87,7 @@ TEST_F(ParamServerTest, ThrowingValidatorRefusesTheChange) {
   EXPECT_TRUE(params.Set("a.b", 1).ok());
 }
 
-TEST_F(ParamServerTest, TellsListenersAboutTheirPathsInOrder) {
+TEST_F(ParamServerTest, CallsListenersForTheirPathsInOrder) {
   ParamServer params;
   std::vector<std::string> heard;
   const auto note = [&](std::string name) {
@@ -107,7 +107,7 @@ TEST_F(ParamServerTest, TellsListenersAboutTheirPathsInOrder) {
   EXPECT_EQ(heard, (std::vector<std::string>{"all: a", "a: a", "a.x: a", "all: a.y b", "a: a.y b", "all: b"}));
 }
 
-TEST_F(ParamServerTest, AListenerSeesOneConsistentSetAndMayChangeParametersItself) {
+TEST_F(ParamServerTest, ListenerSeesOneConsistentSetAndMayChangeParameters) {
   ParamServer params;
   std::vector<std::pair<int, int>> heard;
   const Listening first = params.OnChange("a", [&](const ParamEvent& event) {
@@ -121,7 +121,7 @@ TEST_F(ParamServerTest, AListenerSeesOneConsistentSetAndMayChangeParametersItsel
   EXPECT_EQ(heard, (std::vector<std::pair<int, int>>{{1, 1}, {2, 1}, {1, 2}, {2, 2}}));
 }
 
-TEST_F(ParamServerTest, ThrowingListenerIsLoggedAndTheOthersAreTold) {
+TEST_F(ParamServerTest, ThrowingListenerIsLoggedAndTheOthersAreCalled) {
   std::string said;
   ParamServer params({}, [&](LogLevel, std::string_view text) { said = text; });
   int heard = 0;
@@ -170,7 +170,7 @@ TEST_F(ParamServerTest, ReloadUsesChangedValuesAndKeepsTheRest) {
   EXPECT_EQ(heard, 1);
 }
 
-TEST_F(ParamServerTest, AListenerMayReloadAndSaveWhatItSets) {
+TEST_F(ParamServerTest, ListenerMayReloadAndSaveWhatItSets) {
   const auto file = Write("robot.yaml", "a: 1 # one\nb: 1\n");
   ParamServer params({{file}});
   const Listening listening = params.OnChange("a", [&](const ParamEvent& event) {
@@ -226,7 +226,7 @@ TEST_F(ParamServerTest, AgreesWithANaiveMapUnderRandomChanges) {
   }
 }
 
-TEST_F(ParamServerTest, ConcurrentChangesAreAtomicAndToldInOrder) {
+TEST_F(ParamServerTest, ConcurrentChangesAreAtomicAndReportedInOrder) {
   for (const int threads : {1, 2, 4}) {
     ParamServer params;
     params.Declare("a", 0);
