@@ -45,7 +45,7 @@ TEST_P(TransportConformance, ChannelsWhoseNamesBeginAlikeStayApart) {
   EXPECT_EQ(filtered.channel->subscriber_count(), 0u);
 }
 
-TEST_P(TransportConformance, WhoTakesAnyTypeGetsMessagesAndTheirSchema) {
+TEST_P(TransportConformance, ASubscriberOfAnyTypeGetsMessagesAndTheirSchema) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   const TypeInfo type = ProtobufType("hgros.test.Any", {{"int32", 1}});
   Publication out(a, "scan", type);
@@ -116,7 +116,7 @@ TEST_P(TransportConformance, CancelGivesTheReservationBack) {
   EXPECT_EQ(out.Publish("1"), PublishStatus::kOk);
 }
 
-TEST_P(TransportConformance, AReservationThatIsGivenBackIsToldToWhoWasRefused) {
+TEST_P(TransportConformance, ACancelledReservationIsReportedToARefusedPublisher) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   Reception in(b, "scan", TextType(), kOneMessage);
@@ -128,7 +128,7 @@ TEST_P(TransportConformance, AReservationThatIsGivenBackIsToldToWhoWasRefused) {
   EXPECT_TRUE(Eventually([&] { return out.source.rooms > 0; }));
 }
 
-TEST_P(TransportConformance, AReservationThatALatchedMessageMadeNeedlessIsToldToWhoWasRefused) {
+TEST_P(TransportConformance, AReservationNotNeededByALatchedMessageIsReportedToARefusedPublisher) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "map", TextType());
   const PacketHead head = out.NextHead();
@@ -144,7 +144,7 @@ TEST_P(TransportConformance, AReservationThatALatchedMessageMadeNeedlessIsToldTo
   EXPECT_EQ(out.Publish("2"), PublishStatus::kOk);
 }
 
-TEST_P(TransportConformance, OneMessageLargerThanTheWindowIsLetThrough) {
+TEST_P(TransportConformance, OneMessageLargerThanTheWindowIsSent) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "cloud", TextType());
   Demand small = kLossless;
@@ -157,7 +157,7 @@ TEST_P(TransportConformance, OneMessageLargerThanTheWindowIsLetThrough) {
   }
 }
 
-TEST_P(TransportConformance, KeepLastDropsTheOldestAndCounts) {
+TEST_P(TransportConformance, KeepLastDropsAndCountsTheOldest) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   Reception in(b, "scan", TextType(),
@@ -190,7 +190,7 @@ TEST_P(TransportConformance, ASlowPeerDoesNotDelayAnother) {
   EXPECT_LE(slow.sink.count(), 2u);
 }
 
-TEST_P(TransportConformance, LatchedComesOnceAndBeforeLive) {
+TEST_P(TransportConformance, LatchedMessagesComeOnceAndBeforeLiveOnes) {
   Session a(*world, Role::kPublisher);
   Publication out(a, "map", TextType());
   for (const char* text : {"1", "2", "3"}) out.source.Latch({out.NextHead(), Publication::PayloadOf(text)});
@@ -218,7 +218,7 @@ TEST_P(TransportConformance, LatchedComesOnceAndBeforeLive) {
   live.join();
 }
 
-TEST_P(TransportConformance, LatchedIsIndependentOfTheQueueDepth) {
+TEST_P(TransportConformance, LatchedMessagesDoNotDependOnTheQueueDepth) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "map", TextType());
   for (int i = 1; i <= 20; ++i) {
@@ -281,7 +281,7 @@ TEST_P(TransportConformance, ASubscriptionMayEndAndComeBack) {
   }
 }
 
-TEST_P(TransportConformance, BothSidesAreToldOnceOfAnotherType) {
+TEST_P(TransportConformance, BothSidesReportAnotherTypeOnce) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   TypeInfo other = TextType();
@@ -304,7 +304,7 @@ TEST_P(TransportConformance, PlainStructsOfAnotherLayoutAreRefused) {
   ASSERT_TRUE(Eventually([&] { return a.listener.mismatches == 1 && b.listener.mismatches == 1; }));
 }
 
-TEST_P(TransportConformance, ACompatibleSchemaIsLetThrough) {
+TEST_P(TransportConformance, ACompatibleSchemaIsAccepted) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   const TypeInfo old_type = ProtobufType("hgros.test.Evolving", {{"int32", 1}});
   const TypeInfo new_type = ProtobufType("hgros.test.Evolving", {{"int32", 1}, {"string", 2}});
@@ -317,7 +317,7 @@ TEST_P(TransportConformance, ACompatibleSchemaIsLetThrough) {
   EXPECT_EQ(a.listener.mismatches + b.listener.mismatches, 0);
 }
 
-TEST_P(TransportConformance, AnIncompatibleSchemaIsToldOnBothSides) {
+TEST_P(TransportConformance, BothSidesReportAnIncompatibleSchema) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   const TypeInfo numbers = ProtobufType("hgros.test.Evolving", {{"int32", 1}});
   const TypeInfo strings = ProtobufType("hgros.test.Evolving", {{"string", 1}});
@@ -329,7 +329,7 @@ TEST_P(TransportConformance, AnIncompatibleSchemaIsToldOnBothSides) {
   EXPECT_EQ(in.sink.count(), 0u);
 }
 
-TEST_P(TransportConformance, PeersAreToldWhenTheyComeAndGo) {
+TEST_P(TransportConformance, ListenersHearWhenPeersComeAndGo) {
   Session a(*world, Role::kPublisher);
   {
     Session b(*world, Role::kSubscriber);
@@ -367,7 +367,7 @@ TEST_P(TransportConformance, DemandMayChangeWhileMessagesFlow) {
   EXPECT_EQ(in.sink.texts(), Numbers(1, accepted));
 }
 
-TEST_P(TransportConformance, AMessageEndsWithoutALock) {
+TEST_P(TransportConformance, MessagesAreDestroyedOutsideTheTransportsLocks) {
   for (const bool lossless : {false, true}) {
     Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
     Publication out(a, "scan", TextType());
@@ -418,7 +418,7 @@ TEST_P(TransportConformance, AMessageEndsWithoutALock) {
   }
 }
 
-TEST_P(TransportConformance, AMessageEndsBehindTheLockOfWhoPublishes) {
+TEST_P(TransportConformance, MessagesAreDestroyedAfterThePublisherReleasesItsLock) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   const Demand demand{.queue_depth = 1, .credit_messages = 1};

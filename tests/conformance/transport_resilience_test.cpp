@@ -77,7 +77,7 @@ TEST_P(TransportConformance, ALosslessSubscriberThatFallsSilentGivesItsCreditBac
   EXPECT_TRUE(Joined(out));
 }
 
-TEST_P(TransportConformance, ALosslessSubscriberGetsWhatItMissedInACutExactlyOnce) {
+TEST_P(TransportConformance, ALosslessSubscriberGetsMessagesOfACutExactlyOnce) {
   if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
@@ -174,7 +174,7 @@ TEST_P(TransportConformance, SeveralChannelsAlternateWithoutPause) {
   }
 }
 
-TEST_P(TransportConformance, ALongRunOfOneChannelDoesNotHoldUpAnother) {
+TEST_P(TransportConformance, ALongRunOfOneChannelDoesNotBlockAnother) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication long_out(a, "long", TextType()), short_out(a, "short", TextType());
   std::atomic<bool> go_on{false};
@@ -267,7 +267,7 @@ TEST_P(TransportConformance, EverythingMayBeDestroyedUnderLoad) {
   }
 }
 
-TEST_P(TransportConformance, AClosedTransportRefusesAndStaysQuiet) {
+TEST_P(TransportConformance, AClosedTransportHasSentCommittedMessagesAndRefusesNewOnes) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "scan", TextType());
   Reception in(b, "scan", TextType(), kRoomy);

@@ -72,7 +72,7 @@ class Fork : public testing::Test {
   Publisher<Log> publish;
 };
 
-TEST_F(Fork, AChildThatExitsAtOnceDisturbsNothing) {
+TEST_F(Fork, AChildThatExitsAtOnceDoesNotDisturbTheSessions) {
   ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
   for (int i = 0; i < 5; ++i) EXPECT_EQ(InChild([] { return 0; }), 0);
   ExpectUndisturbed();
@@ -91,7 +91,7 @@ TEST_F(Fork, AChildThatPublishesIsRefused) {
   ExpectUndisturbed();
 }
 
-TEST_F(Fork, AChildOfABusyProcessEndsToo) {
+TEST_F(Fork, AChildOfABusyProcessEnds) {
   ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
   int published = 0;
   {

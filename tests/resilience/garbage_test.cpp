@@ -117,7 +117,7 @@ std::string Greeting(const std::string& mechanism = "NULL") {
   return greeting;
 }
 
-TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNobody) {
+TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
   Noise noise;
   const std::uint16_t port = FreePort();
   const WorkerProcess publisher({Publishing(TcpEndpoint(port)), "--out=images"});
@@ -164,7 +164,7 @@ TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNobody) {
 }
 
 // ZeroMQ itself gives a connection up for good when the other side breaks its protocol.
-TEST(Garbage, OfABrokenZeroMqPeerDoesNotEndASubscribersAttempts) {
+TEST(Garbage, FromABrokenZeroMqPeerDoesNotEndASubscribersAttempts) {
   const std::uint16_t port = FreePort();
   const WorkerProcess subscriber({Subscribing(TcpEndpoint(port), kImpatient), "--in=images"});
   {
@@ -177,7 +177,7 @@ TEST(Garbage, OfABrokenZeroMqPeerDoesNotEndASubscribersAttempts) {
   ASSERT_TRUE(subscriber.Reaches({{"received", 10}})) << publisher << subscriber;
 }
 
-TEST(Garbage, WhereASubscriberExpectsAPublisherIsCountedAndForgotten) {
+TEST(Garbage, FromAPublisherIsCountedAndDoesNotDisturbALaterPublisher) {
   Noise noise;
   const std::uint16_t port = FreePort();
   const WorkerProcess subscriber({Subscribing(TcpEndpoint(port), kImpatient), "--in=images", "--keep-all=64"});

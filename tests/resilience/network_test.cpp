@@ -126,7 +126,7 @@ class BrokenCable : public testing::Test {
   std::optional<WorkerProcess> subscriber;
 };
 
-TEST_F(BrokenCable, ThatStallsForTwoSecondsCostsALosslessSubscriberNothing) {
+TEST_F(BrokenCable, LosslessSubscriberMissesNothingAfterAStallOfTwoSeconds) {
   Start("--keep-all=32", "--count=1500");
   ASSERT_TRUE(subscriber->Reaches({{"received", 200}})) << *subscriber << *publisher;
   cable.Stall();
@@ -138,7 +138,7 @@ TEST_F(BrokenCable, ThatStallsForTwoSecondsCostsALosslessSubscriberNothing) {
   ExpectAll(1500);
 }
 
-TEST_F(BrokenCable, ThatIsMendedAfterASecondCostsALosslessSubscriberNothing) {
+TEST_F(BrokenCable, LosslessSubscriberMissesNothingAfterACutOfOneSecond) {
   Start("--keep-all=32", "--count=1500");
   for (const std::uint64_t received : {200U, 700U}) {
     ASSERT_TRUE(subscriber->Reaches({{"received", received}})) << *subscriber << *publisher;
@@ -150,7 +150,7 @@ TEST_F(BrokenCable, ThatIsMendedAfterASecondCostsALosslessSubscriberNothing) {
   ExpectAll(1500);
 }
 
-TEST_F(BrokenCable, LosesAKeepLastSubscriberWhatItCounts) {
+TEST_F(BrokenCable, KeepLastSubscriberCountsTheMessagesLostInACut) {
   Start("--keep-last=1000", "--count=4000");
   for (const std::uint64_t received : {200U, 700U}) {
     ASSERT_TRUE(subscriber->Reaches({{"received", received}})) << *subscriber << *publisher;
@@ -166,7 +166,7 @@ TEST_F(BrokenCable, LosesAKeepLastSubscriberWhatItCounts) {
   EXPECT_EQ((*subscriber)["came"] + (*subscriber)["lost"], 4000U) << *subscriber << *publisher;
 }
 
-TEST_F(BrokenCable, ThatStallsForLongerThanThePeersArePatientIsFollowedByNewMessages) {
+TEST_F(BrokenCable, NewMessagesArriveAfterAStallLongerThanThePeerTimeout) {
   for (const std::string queue : {"--keep-last=32", "--keep-all=32"}) {
     Start(queue, "--count=0", kImpatient);
     ASSERT_TRUE(subscriber->Reaches({{"received", 100}})) << *subscriber << *publisher;

@@ -34,7 +34,7 @@ class Restart : public testing::TestWithParam<std::string> {
   std::string down;  // From the survivor to the restarted subscriber.
 };
 
-TEST_P(Restart, ASurvivorOfAHundredKillsHearsAndIsHeardAndKeepsNothing) {
+TEST_P(Restart, ASurvivorSendsReceivesAndLeaksNothingAfterAHundredKills) {
   constexpr int kKills = 100;
   constexpr int kSettled = 20;  // Kills after which the survivor's own size has settled.
   constexpr std::size_t kSpareFiles = 4;
@@ -71,7 +71,7 @@ TEST_P(Restart, ASurvivorOfAHundredKillsHearsAndIsHeardAndKeepsNothing) {
   EXPECT_EQ((*subscriber)["corrupt"] + (*subscriber)["disorder"], 0U) << *subscriber;
 }
 
-TEST_P(Restart, WhenAllWereKilledANewPairWorksAtOnce) {
+TEST_P(Restart, NewProcessesWorkAtOnceAfterAllWereKilled) {
   for (int life = 0; life < 5; ++life) {
     const WorkerProcess relay({Both(down, up), "--out=down", "--in=up"});
     const auto publisher = Publisher();
@@ -81,7 +81,7 @@ TEST_P(Restart, WhenAllWereKilledANewPairWorksAtOnce) {
   }
 }
 
-TEST_P(Restart, AWorkerThatIsToldToEndsInOrderWhileOthersAreAtWork) {
+TEST_P(Restart, AWorkerEndsInOrderWhileItsPeersAreStopped) {
   WorkerProcess relay({Both(down, up), "--out=down", "--in=up"});
   auto publisher = Publisher();
   auto subscriber = Subscriber(true);

@@ -81,7 +81,7 @@ class Hoard : public InboundSink {
   std::vector<InboundMessage> held_;
 };
 
-TEST(ShmMemoryGroupProcess, AFullGroupEndsNoProcessAndMessagesGoOverTheSocket) {
+TEST(ShmMemoryGroupProcess, AFullGroupKillsNoProcessAndMessagesGoOverTheSocket) {
   const SmallGroup group;
   if (!group.why_not.empty()) GTEST_SKIP() << group.why_not;
   QuietListener listener;

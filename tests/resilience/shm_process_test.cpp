@@ -168,7 +168,7 @@ TEST_F(ShmProcesses, AForkedChildThatOutlivesItsParentBlocksNobody) {
   }
 }
 
-TEST_F(ShmProcesses, InOrderTheyEndInOrder) {
+TEST_F(ShmProcesses, AProcessThatEndsInOrderLeavesNothingAndCausesNoFaults) {
   {
     WorkerProcess worker({place, "work"});
     ASSERT_TRUE(worker.Reaches({{"received", 100}, {"published", 100}})) << worker;

@@ -11,7 +11,7 @@ using test::Await;
 
 constexpr std::size_t kLargeBytes = 256 * 1024;
 
-TEST(StoppedSubscriber, HoldsBackNeitherTheOthersNorThePublishersMemory) {
+TEST(StoppedSubscriber, DelaysNoOthersAndUsesLimitedMemoryOfThePublisher) {
   const ScratchFolder folder;
   const std::string bus = folder.Endpoint("bus");
   const WorkerProcess publisher({Publishing(bus, ", peer_queue_bytes: 4MiB"), "--out=images", "--await=2",
@@ -43,7 +43,7 @@ TEST(StoppedSubscriber, HoldsBackNeitherTheOthersNorThePublishersMemory) {
   EXPECT_EQ(stopped["lost"], publisher["dropped"]) << publisher << stopped;
 }
 
-TEST(StoppedSubscriber, HearsAgainAfterItWasGivenUp) {
+TEST(StoppedSubscriber, ReceivesAgainAfterItWasDropped) {
   for (const bool ipc : {true, false}) {
     const ScratchFolder folder;
     const std::string bus = ipc ? folder.Endpoint("bus") : TcpEndpoint(FreePort());
@@ -67,7 +67,7 @@ TEST(StoppedSubscriber, HearsAgainAfterItWasGivenUp) {
   }
 }
 
-TEST(StoppedSubscriber, ThatIsLosslessAndComesBackInTimeMissesNothing) {
+TEST(StoppedSubscriber, MissesNothingIfItIsLosslessAndContinuesInTime) {
   const ScratchFolder folder;
   const std::string bus = folder.Endpoint("bus");
   const WorkerProcess publisher(
@@ -84,7 +84,7 @@ TEST(StoppedSubscriber, ThatIsLosslessAndComesBackInTimeMissesNothing) {
   EXPECT_EQ(publisher["missed"], 0U);
 }
 
-TEST(LosslessSubscriber, ThatIsSlowGetsEveryMessageOnceAndInOrder) {
+TEST(LosslessSubscriber, GetsEveryMessageOnceAndInOrderIfItIsSlow) {
   const ScratchFolder folder;
   const std::string bus = folder.Endpoint("bus");
   const WorkerProcess slow({Subscribing(bus), "--in=images", "--keep-all=8", "--slow-ms=1"});
@@ -98,7 +98,7 @@ TEST(LosslessSubscriber, ThatIsSlowGetsEveryMessageOnceAndInOrder) {
   EXPECT_EQ(publisher["missed"] + publisher["dropped"] + publisher["refused"], 0U) << publisher;
 }
 
-TEST(LosslessSubscriber, ThatIsKilledLetsThePublisherGoOnAndIsCounted) {
+TEST(LosslessSubscriber, LetsThePublisherContinueAndIsCountedIfItIsKilled) {
   const ScratchFolder folder;
   const std::string bus = folder.Endpoint("bus");
   const WorkerProcess publisher(

@@ -90,7 +90,7 @@ TEST(LeaderPool, RunsEveryTaskOnceWithOneLeaderAtATime) {
   EXPECT_FALSE(queue.two_leaders);
 }
 
-TEST(LeaderPool, BlockedTasksDoNotStopTheWaiting) {
+TEST(LeaderPool, RunsFurtherTasksWhileOthersBlock) {
   Queue queue;
   LeaderPool pool(queue);
   pool.Start();
@@ -115,7 +115,7 @@ TEST(LeaderPool, BlockedTasksDoNotStopTheWaiting) {
   go.notify_all();
 }
 
-TEST(LeaderPool, StopWaitsForTasks) {
+TEST(LeaderPool, StopWaitsForRunningTasks) {
   Queue queue;
   std::atomic<bool> started{false}, ended{false};
   {
@@ -143,7 +143,7 @@ TEST(LeaderPool, MayBeDestroyedByItsOwnTask) {
   EXPECT_TRUE(Eventually([&] { return destroyed.load(); }));
 }
 
-TEST(LeaderPool, AVisitorReadsAndThePoolRuns) {
+TEST(LeaderPool, VisitorReadsTasksAndPoolThreadsRunThem) {
   SilentQueue queue;
   LeaderPool pool(queue);
   pool.Start();
@@ -170,7 +170,7 @@ TEST(LeaderPool, AVisitorReadsAndThePoolRuns) {
   EXPECT_EQ(queue.ended, 1);
 }
 
-TEST(LeaderPool, AVisitorsTasksRunWhileOthersBlock) {
+TEST(LeaderPool, TasksReadByAVisitorRunWhileOthersBlock) {
   SilentQueue queue;
   LeaderPool pool(queue);
   pool.Start();
@@ -190,7 +190,7 @@ TEST(LeaderPool, AVisitorsTasksRunWhileOthersBlock) {
   door.Open();
 }
 
-TEST(LeaderPool, AVisitEndsInTime) {
+TEST(LeaderPool, VisitEndsAtItsDeadline) {
   SilentQueue queue;
   LeaderPool pool(queue);
   pool.Start();
@@ -202,7 +202,7 @@ TEST(LeaderPool, AVisitEndsInTime) {
   EXPECT_EQ(queue.ended, 1);
 }
 
-TEST(LeaderPool, HasOneVisitorAtATimeWhomStopWaitsFor) {
+TEST(LeaderPool, HasOneVisitorAtATimeAndStopWaitsForIt) {
   SilentQueue queue;
   auto pool = std::make_unique<LeaderPool>(queue);
   pool->Start();

@@ -50,7 +50,7 @@ TEST(LinkCredit, CountsBytesLikeMessages) {
   EXPECT_TRUE(Woken(*waker));
 }
 
-TEST(LinkCredit, AShrunkWindowStillAdmitsWhatTheWidestOneAllowed) {
+TEST(LinkCredit, ShrunkWindowStillAdmitsMessagesUpToTheWidestWindow) {
   auto credit = std::make_shared<LinkCredit>(4, 1 << 20, std::make_shared<Waker>());
   credit->SetWindow(2, 1 << 20);
   std::vector<std::shared_ptr<const void>> tokens;

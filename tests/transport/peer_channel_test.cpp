@@ -32,7 +32,7 @@ std::vector<std::uint64_t> Drained(PeerChannel& channel) {
   return order;
 }
 
-TEST(PeerChannel, LatchedGoesFirstAndNothingThatWaitsIsLostOrRepeated) {
+TEST(PeerChannel, SendsLatchedMessagesFirstAndLosesOrRepeatsNoWaitingOnes) {
   PeerChannel channel(Granted({}));
   channel.Push(Make(3));
   channel.Push(Make(4));
@@ -42,7 +42,7 @@ TEST(PeerChannel, LatchedGoesFirstAndNothingThatWaitsIsLostOrRepeated) {
   EXPECT_EQ(channel.waiting_bytes(), 0u);
 }
 
-TEST(PeerChannel, AMessageThatIsLatchedBeforeItIsCommittedGoesOnce) {
+TEST(PeerChannel, SendsAMessageOnceIfItIsLatchedBeforeItIsCommitted) {
   PeerChannel channel(Granted({}));
   channel.Begin({Make(4)});
   channel.Push(Make(4));
@@ -50,7 +50,7 @@ TEST(PeerChannel, AMessageThatIsLatchedBeforeItIsCommittedGoesOnce) {
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{4, 5}));
 }
 
-TEST(PeerChannel, IgnoresCountsThatCannotBe) {
+TEST(PeerChannel, IgnoresImpossibleCounts) {
   PeerChannel channel(Granted({.lossless = true}));
   channel.Begin({});
   channel.Push(Make(1));
@@ -64,7 +64,7 @@ TEST(PeerChannel, IgnoresCountsThatCannotBe) {
   EXPECT_TRUE(channel.Resume(1, 10));
 }
 
-TEST(PeerChannel, CapsAbsurdDemands) {
+TEST(PeerChannel, LimitsExcessiveDemands) {
   const Demand granted =
       Granted({.lossless = false, .queue_depth = ~0u, .credit_messages = ~0u, .credit_bytes = ~std::uint64_t{0}});
   EXPECT_LT(granted.queue_depth, 1u << 24);
@@ -86,7 +86,7 @@ TEST(PeerChannel, DropsTheOldestBeyondThePeersBytesButKeepsOne) {
   EXPECT_EQ(channel.Pop()->id.sequence, 5u);
 }
 
-TEST(PeerChannel, AWindowHoldsForWhatWentBeforeTheLinkBecameLossless) {
+TEST(PeerChannel, WindowIncludesMessagesSentBeforeTheLinkBecameLossless) {
   PeerChannel channel(Granted({.credit_messages = 2}));
   channel.Begin({});
   channel.Push(Make(1));
@@ -102,7 +102,7 @@ TEST(PeerChannel, AWindowHoldsForWhatWentBeforeTheLinkBecameLossless) {
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{3, 4}));
 }
 
-TEST(PeerChannel, WhatIsNoLongerNeededIsHandedBackToEndElsewhere) {
+TEST(PeerChannel, ReturnsConfirmedAndDroppedMessagesToTheCaller) {
   PeerChannel::Dropped dropped;
   PeerChannel lossless(Granted({.lossless = true}));
   lossless.Begin({});
@@ -118,7 +118,7 @@ TEST(PeerChannel, WhatIsNoLongerNeededIsHandedBackToEndElsewhere) {
   EXPECT_EQ(dropped.size(), 2u);
 }
 
-TEST(PeerChannel, LosesNothingToItsDepthBeforeItHasBegun) {
+TEST(PeerChannel, DropsNothingBeyondItsDepthBeforeItHasBegun) {
   PeerChannel channel(Granted({.queue_depth = 1}));
   PeerChannel::Dropped dropped;
   for (std::uint64_t i = 1; i <= 3; ++i) {

@@ -8,13 +8,13 @@
 namespace hgros {
 namespace {
 
-TEST(RepeatFilter, PassesWhatHasNoNumber) {
+TEST(RepeatFilter, PassesMessagesWithoutAnId) {
   RepeatFilter filter;
   EXPECT_TRUE(filter.Pass(SessionId{}, {}));
   EXPECT_TRUE(filter.Pass(SessionId{}, {}));
 }
 
-TEST(RepeatFilter, ANewLifeOfAPublisherCountsAnew) {
+TEST(RepeatFilter, NewIncarnationStartsAgainAndTheOldOneIsRefused) {
   RepeatFilter filter;
   EXPECT_TRUE(filter.Pass(SessionId{}, {7, 1, 5}));
   EXPECT_TRUE(filter.Pass(SessionId{}, {7, 2, 5}));
@@ -22,7 +22,7 @@ TEST(RepeatFilter, ANewLifeOfAPublisherCountsAnew) {
   EXPECT_FALSE(filter.Pass(SessionId{}, {7, 2, 5}));
 }
 
-TEST(RepeatFilter, NobodyCanHaveAnothersMessagesTakenForRepeats) {
+TEST(RepeatFilter, SenderCannotTurnMessagesOfOthersIntoRepeats) {
   RepeatFilter filter;
   EXPECT_TRUE(filter.Pass(SessionId{9}, {7, ~std::uint64_t{0}, 1}));
   EXPECT_TRUE(filter.Pass(SessionId{7}, {7, 1, 1}));

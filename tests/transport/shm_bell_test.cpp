@@ -78,19 +78,19 @@ TEST(ShmBell, NoRingIsLost) {
   }
 }
 
-TEST(ShmBell, NoRingIsLostWhileSomebodyLooks) {
+TEST(ShmBell, NoRingIsLostWhileWaitersSpin) {
   for (const int waiters : {1, 2, 3})
     RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500);
 }
 
-TEST(ShmBell, NoRingIsLostWhileSomebodyLooksNowAndThen) {
+TEST(ShmBell, NoRingIsLostWhileAVisitorLooksAtTimes) {
   for (const int waiters : {1, 2}) {
     RingAndWait({}, 2, waiters, 1500, true);
     RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500, true);
   }
 }
 
-TEST(ShmBell, APeerThatDiesBetweenMarkAndWakeUpLeavesNobodyAsleep) {
+TEST(ShmBell, NextRingWakesTheSleeperIfAPeerDiedBeforeItsWakeUp) {
   SessionBell bell({});
   std::atomic<int> seen{0};
   std::atomic<bool> stop{false};
@@ -115,7 +115,7 @@ TEST(ShmBell, APeerThatDiesBetweenMarkAndWakeUpLeavesNobodyAsleep) {
   bell.Wake();
 }
 
-TEST(ShmBell, RepairsAPageThatAPeerHasSpoiled) {
+TEST(ShmBell, MendRepairsAPageThatAPeerHasDamaged) {
   SessionBell bell({});
   std::atomic<int> seen{0};
   std::atomic<bool> stop{false};
@@ -139,7 +139,7 @@ TEST(ShmBell, RepairsAPageThatAPeerHasSpoiled) {
   bell.Wake();
 }
 
-TEST(ShmBell, AThreadThatStopsLookingPassesARingOn) {
+TEST(ShmBell, PassOnWakesAnotherWaiterForARing) {
   for (const Patience patience : {Patience{}, Patience{.busy = false, .spin = std::chrono::microseconds(5)}}) {
     SessionBell bell(patience);
     std::atomic<bool> waiting{false};
@@ -160,7 +160,7 @@ TEST(ShmBell, AThreadThatStopsLookingPassesARingOn) {
   }
 }
 
-TEST(ShmBell, AWakeUpEndsOneWait) {
+TEST(ShmBell, EachWakeUpEndsOneWait) {
   SessionBell bell({});
   std::atomic<int> ended{0};
   std::vector<std::jthread> waiters;
@@ -175,7 +175,7 @@ TEST(ShmBell, AWakeUpEndsOneWait) {
   EXPECT_TRUE(Await([&] { return ended == 3; }));
 }
 
-TEST(ShmBell, RefusesNumbersBeyondItsBits) {
+TEST(ShmBell, RefusesPeerNumbersBeyondItsBits) {
   SessionBell bell({});
   std::string fault;
   EXPECT_NE(PeerBell::Open(*bell.handle(), kMaxPeers - 1, fault), nullptr);

@@ -96,7 +96,7 @@ TEST(ShmBlockPool, AgreesWithANaiveModel) {
   }
 }
 
-TEST(ShmBlockPool, GivesMemoryOfOtherSizesBackBeforeItRefuses) {
+TEST(ShmBlockPool, FreesSegmentsOfOtherSizesBeforeItRefuses) {
   const auto pool = Pool(4 * kMega);
   std::vector<BlockPool::Loan> small;
   while (auto loan = pool->Allocate(1000)) small.push_back(std::move(*loan));
@@ -169,7 +169,7 @@ TEST(ShmBlockPool, BlocksOutliveThePoolAndEndOnAnyThread) {
   pool.reset();
 }
 
-TEST(ShmBlockPool, AllocatesNothingBeyondTheSystemsRoom) {
+TEST(ShmBlockPool, AllocatesNothingBeyondTheRoomThatTheSystemReports) {
   std::uint64_t room = 10 * kMega;
   const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
   std::vector<BlockPool::Loan> taken;
@@ -187,7 +187,7 @@ TEST(ShmBlockPool, AllocatesNothingBeyondTheSystemsRoom) {
   EXPECT_TRUE(pool->Allocate(kMega));
 }
 
-TEST(ShmBlockPool, RemovedSegmentsCountAsFreeOnlyWhenTheSystemSaysSo) {
+TEST(ShmBlockPool, RemovedSegmentsCountAsFreeOnlyWhenTheSystemReportsRoom) {
   std::uint64_t room = 100 * kMega;
   const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
   ASSERT_TRUE(pool->Allocate(3 * kMega));  // And back at once.

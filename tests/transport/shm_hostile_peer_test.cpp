@@ -156,7 +156,7 @@ std::shared_ptr<const Handle> FileOf(std::size_t size, bool sealed) {
   return std::make_shared<const Handle>(fd);
 }
 
-TEST_F(HostilePeer, AnHonestHandMadePeerIsHeard) {
+TEST_F(HostilePeer, MessagesOfAnHonestPeerArrive) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish());
   peer.Write(peer.NextMessage());
@@ -298,7 +298,7 @@ TEST_F(HostilePeer, PayloadsWithoutMessagesUseNoMemory) {
       "outside of its memory");
 }
 
-TEST_F(HostilePeer, ASubscriberThatLiesEndsThePair) {
+TEST_F(HostilePeer, InvalidReturnsCountsAndWishesEndThePair) {
   const auto ask = [](FalsePeer& peer) {
     wire::PairMessage said;
     auto& wish = *said.mutable_wish();
@@ -351,7 +351,7 @@ TEST_F(HostilePeer, ASubscriberThatLiesEndsThePair) {
             "asks for what cannot be");
 }
 
-TEST_F(HostilePeer, BlocksHeldByALiarStayUntilItsSocketEnds) {
+TEST_F(HostilePeer, BlocksHeldByALyingPeerStayUntilItsSocketEnds) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish());
   wire::PairMessage said;
@@ -404,7 +404,7 @@ TEST_F(HostilePeer, AStoppedHeartbeatEndsThePair) {
   EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
 }
 
-TEST_F(HostilePeer, IdsThatAreTakenAreRefused) {
+TEST_F(HostilePeer, RefusesASessionIdThatIsInUse) {
   const SessionId larger{~std::uint64_t{0}};
   FalsePeer first(place, larger);
   ASSERT_TRUE(first.Publish());
@@ -458,7 +458,7 @@ TEST_F(HostilePeer, RefusesMorePeersThanBellNumbers) {
   ExpectHonestUndisturbed();
 }
 
-TEST_F(HostilePeer, AFloodOfFramesDoesNotHoldUpOthers) {
+TEST_F(HostilePeer, AFloodOfFramesDoesNotBlockOtherPeers) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish());
   std::atomic<bool> stop{false};
@@ -475,7 +475,7 @@ TEST_F(HostilePeer, AFloodOfFramesDoesNotHoldUpOthers) {
   stop = true;
 }
 
-TEST_F(HostilePeer, ABellThatIsTamperedWithOnlyCostsTime) {
+TEST_F(HostilePeer, MessagesArriveAlthoughAPeerDamagesTheBell) {
   // A peer takes rings back and says that nobody sleeps.
   FalsePeer peer(place);
   std::shared_ptr<Mapping> bell;
@@ -500,7 +500,7 @@ TEST_F(HostilePeer, ABellThatIsTamperedWithOnlyCostsTime) {
   }
 }
 
-TEST_F(HostilePeer, RandomWritingAndFramesAreSurvived) {
+TEST_F(HostilePeer, SurvivesRandomWritesAndFrames) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::minstd_rand random(seed);

@@ -44,7 +44,7 @@ Descriptor Numbered(std::uint64_t number) {
   return descriptor;
 }
 
-TEST(ShmLane, AgreesWithAModelWhateverTheOrderOfReturns) {
+TEST(ShmLane, AgreesWithAModelForAnyOrderOfReturns) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::minstd_rand random(seed);
@@ -101,7 +101,7 @@ TEST(ShmLane, AgreesWithAModelWhateverTheOrderOfReturns) {
   }
 }
 
-TEST(ShmLane, ReturnsFromSeveralThreadsLetTheWriterGoOn) {
+TEST(ShmLane, SlotsReturnedBySeveralThreadsWakeTheWriter) {
   for (const int threads : {1, 2, 4}) {
     Lane lane;
     constexpr std::uint64_t kMessages = 30'000;
@@ -190,7 +190,7 @@ TEST(ShmLane, RefusesReturnOfASlotThatIsNotHeld) {
   EXPECT_TRUE(ended.empty());
 }
 
-TEST(ShmLane, ALaneWithMoreMessagesThanSlotsIsALie) {
+TEST(ShmLane, ReportsALieIfALaneHasMoreMessagesThanSlots) {
   std::string fault;
   auto page = MakeSegment("hgros-lane", sizeof(LanePage), Access::kEverybody, Pages::kOnTouch);
   page.mapping->as<LanePage>().magic = kLaneMagic;

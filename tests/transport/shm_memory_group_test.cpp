@@ -39,7 +39,7 @@ class ShmMemoryGroup : public testing::Test {
   std::filesystem::path folder;
 };
 
-TEST_F(ShmMemoryGroup, HasNoAnswerWithoutALimit) {
+TEST_F(ShmMemoryGroup, ReturnsNothingWithoutALimit) {
   EXPECT_EQ(Room(), std::nullopt);
   Write("cgroup", "0::/robot\n");
   Mounted("/", "cgroup2", "nsdelegate");
@@ -48,7 +48,7 @@ TEST_F(ShmMemoryGroup, HasNoAnswerWithoutALimit) {
   EXPECT_EQ(Room(), std::nullopt);
 }
 
-TEST_F(ShmMemoryGroup, TheFullestOfAllGroupsAboveCounts) {
+TEST_F(ShmMemoryGroup, ReturnsTheRoomOfTheFullestGroup) {
   Write("cgroup", "0::/robots/robot\n");
   Mounted("/", "cgroup2", "nsdelegate");
   Unified("top/robots/robot", "max", 10 * kMega, 0);
@@ -67,7 +67,7 @@ TEST_F(ShmMemoryGroup, CachedFilesCountAsFree) {
   EXPECT_EQ(Room(), 80 * kMega);
 }
 
-TEST_F(ShmMemoryGroup, ReadsVersionOneGroups) {
+TEST_F(ShmMemoryGroup, ReadsGroupsOfCgroupVersionOne) {
   Write("cgroup", "9:cpu:/other\n4:hugetlb,memory:/docker/robot\n0::/\n");
   Mounted("/docker", "cgroup", "memory,hugetlb");
   Write("top/robot/memory.limit_in_bytes", std::to_string(160 * kMega));

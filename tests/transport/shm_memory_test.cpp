@@ -11,7 +11,7 @@
 namespace hgros::shm {
 namespace {
 
-TEST(ShmMemory, ASegmentIsZeroSealedAndForOthersOnlyToRead) {
+TEST(ShmMemory, SegmentIsZeroedSealedAndReadOnlyForOthers) {
   const Segment made = MakeSegment("hgros-test", 5000, Access::kOwnerOnly, Pages::kAtOnce);
   ASSERT_NE(made.mapping, nullptr) << made.fault;
   EXPECT_EQ(made.mapping->bytes().size(), 8192u);
@@ -33,7 +33,7 @@ void ExpectRefused(const Handle& handle, std::size_t size_bytes, const std::stri
   EXPECT_NE(fault.find(why), std::string::npos) << fault;
 }
 
-TEST(ShmMemory, RefusesEverythingButSealedMemoryFiles) {
+TEST(ShmMemory, RefusesFilesThatAreNotSealedMemory) {
   ExpectRefused(Handle(), 1, "not a memory file");
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);

@@ -135,7 +135,7 @@ struct KeepingSource final : conformance::Source {
   std::atomic<int> cuts{0};
 };
 
-TEST_F(ShmPairLife, TheSourceKeepsForAPeerThatIsLostButNotForOneThatWasSilentForTooLong) {
+TEST_F(ShmPairLife, SourceKeepsMessagesForALostPeerButNotForASilentOne) {
   KeepingSource keeping;
   const auto out = reader->Advertise("out", TextType(), keeping);
   const auto subscribe = [](FalsePeer& peer) {
@@ -163,7 +163,7 @@ TEST_F(ShmPairLife, TheSourceKeepsForAPeerThatIsLostButNotForOneThatWasSilentFor
   EXPECT_EQ(keeping.cuts, 1);
 }
 
-TEST_F(ShmPairLife, PairsOfOneSessionAreReadInTheOrderInWhichTheyWereMade) {
+TEST_F(ShmPairLife, ReadsPairsOfOneSessionInOrderOfTheirCreation) {
   HoldReader();
   FalsePeer first(place, SessionId{~std::uint64_t{0}});
   ASSERT_TRUE(first.Publish(256, 1 << 20));

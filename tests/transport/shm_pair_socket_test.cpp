@@ -52,7 +52,7 @@ std::shared_ptr<const Handle> File() {
   return std::make_shared<const Handle>(MakeSegment("hgros-test", 4096, Access::kOwnerOnly, Pages::kOnTouch).handle);
 }
 
-TEST(ShmPairSocket, FramesOfAllSizesComeInOrderWithTheirDescriptors) {
+TEST(ShmPairSocket, FramesOfAllSizesArriveInOrderWithTheirDescriptors) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::minstd_rand random(seed);
@@ -93,7 +93,7 @@ TEST(ShmPairSocket, FramesOfAllSizesComeInOrderWithTheirDescriptors) {
   }
 }
 
-TEST(ShmPairSocket, AnInvalidFrameIsAFaultAndTheEndIsStillSeen) {
+TEST(ShmPairSocket, ReportsAnInvalidFrameAndStillSeesTheEnd) {
   const std::pair<std::string, std::string> lies[] = {
       {Header(kMaxFrame + 1, 0), "a frame of"},
       {Header(0xffffffff, 0), "a frame of"},
@@ -149,7 +149,7 @@ TEST(ShmPairSocket, SendingAfterThePeerHasGoneDropsEverything) {
   EXPECT_TRUE(ends.here->all_sent());
 }
 
-TEST(ShmPairSocket, TheEndOfAProcessIsSeenThroughItsPlace) {
+TEST(ShmPairSocket, ReportsTheEndOfTheProcessBehindAPlace) {
   const std::string place = "hgros-test-" + SessionId::Random().ToString();
   int ready[2];
   ASSERT_EQ(pipe(ready), 0);

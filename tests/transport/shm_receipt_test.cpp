@@ -39,7 +39,7 @@ struct Account {
   std::unique_ptr<LaneReader> reader;
 };
 
-TEST(ShmReceipt, ThePublisherReadsWhatWasConsumed) {
+TEST(ShmReceipt, PublisherReadsConsumedMessagesAndBytes) {
   Account account;
   const auto receipt = Receipt::Make(account.slip);
   receipt->SetWindow(4, 1000);
@@ -54,7 +54,7 @@ TEST(ShmReceipt, ThePublisherReadsWhatWasConsumed) {
   EXPECT_EQ(account.writer->ConsumedOf(kCells).messages, 0u);
 }
 
-TEST(ShmReceipt, RingsAfterAQuarterAndWhenNothingIsLeftButOnlyForTheHungry) {
+TEST(ShmReceipt, RingsAHungryPublisherAfterAQuarterAndWhenNothingIsHeld) {
   Account account;
   const auto receipt = Receipt::Make(account.slip);
   receipt->SetWindow(8, 1 << 20);
@@ -72,7 +72,7 @@ TEST(ShmReceipt, RingsAfterAQuarterAndWhenNothingIsLeftButOnlyForTheHungry) {
   EXPECT_TRUE(account.Rung());
 }
 
-TEST(ShmReceipt, ItsWindowIsTheWidestThatWasGranted) {
+TEST(ShmReceipt, UsesTheWidestWindowThatWasGranted) {
   Account account;
   const auto receipt = Receipt::Make(account.slip);
   receipt->SetWindow(3, 1000);
@@ -90,7 +90,7 @@ TEST(ShmReceipt, ItsWindowIsTheWidestThatWasGranted) {
   EXPECT_FALSE(receipt->HasRoom());
 }
 
-TEST(ShmReceipt, CellsRunOutAndComeBackWithZeros) {
+TEST(ShmReceipt, CellsAreLimitedAndStartAtZeroWhenReused) {
   Account account;
   std::vector<std::shared_ptr<Receipt>> receipts;
   while (auto receipt = Receipt::Make(account.slip)) receipts.push_back(std::move(receipt));

@@ -114,7 +114,7 @@ class ShmTransportTest : public testing::Test {
 };
 
 /// Two sessions that connect to each other at once end with one connection, and lose nothing on the way there.
-TEST(ShmTransportPair, BothMayConnectToEachOther) {
+TEST(ShmTransportPair, BothSessionsMayConnectAtOnce) {
   for (int round = 0; round < 40; ++round) {
     conformance::Listener listener;
     Log log{[](LogLevel, std::string_view) {}};
@@ -164,7 +164,7 @@ TEST_F(ShmTransportTest, MessagesOutliveBothSessions) {
   }
 }
 
-TEST_F(ShmTransportTest, AWaitingThreadMayReceiveItself) {
+TEST_F(ShmTransportTest, AWaitingThreadMayReceiveMessagesItself) {
   for (const Accepted answer : {Accepted::kRunHere, Accepted::kRunApart}) {
     keeper.answer = answer;
     keeper.visits = keeper.runs = 0;
@@ -195,7 +195,7 @@ TEST_F(ShmTransportTest, AWaitingThreadMayReceiveItself) {
   }
 }
 
-TEST_F(ShmTransportTest, BlocksAreNotUsedAgainWhileAnEndedSubscriberStillReads) {
+TEST_F(ShmTransportTest, BlocksAreNotReusedWhileAnEndedSubscriberStillReads) {
   Publish(std::string(1000, 'a'));
   ASSERT_TRUE(Await([&] { return keeper.kept().size() == 1; }));
   auto kept = keeper.kept();
@@ -214,7 +214,7 @@ TEST_F(ShmTransportTest, BlocksAreNotUsedAgainWhileAnEndedSubscriberStillReads) 
   EXPECT_TRUE(Await([&] { return publisher->usage().blocks_in_use == 0; }));
 }
 
-TEST_F(ShmTransportTest, ALoanGoesOutWithoutACopy) {
+TEST_F(ShmTransportTest, ALoanIsSentWithoutACopy) {
   auto block = publisher->Loan(100'000);
   ASSERT_TRUE(block);
   std::memset(block->writable().data(), 'x', 100'000);
@@ -278,7 +278,7 @@ class ShmMessageLimit : public ShmTransportTest, public testing::WithParamInterf
   static constexpr std::size_t kLimit = 10'000;
 };
 
-TEST_P(ShmMessageLimit, ALargerMessageIsRefusedAndThePairLivesOn) {
+TEST_P(ShmMessageLimit, RefusesALargerMessageAndKeepsThePair) {
   for (const bool lossless : {true, false}) {
     inbound = subscriber->Subscribe("data", TextType(), {.lossless = lossless}, keeper);
     ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
@@ -314,7 +314,7 @@ TEST_P(ShmMessageLimit, ALargerMessageIsRefusedAndThePairLivesOn) {
             1);
 }
 
-TEST_P(ShmMessageLimit, ALargerLatchedMessageIsRefusedAsWell) {
+TEST_P(ShmMessageLimit, RefusesALargerLatchedMessage) {
   for (const std::size_t size : {kLimit + 1, kLimit}) {
     PacketHead head;
     head.id = {0, 1, ++sequence};

@@ -34,7 +34,7 @@ TEST(ZmqClockQuestion, TakesTheAnswerToItsLatestQuestionOnce) {
   EXPECT_FALSE(question.Read(*answer, Time{2030}));
 }
 
-TEST(ZmqClockQuestion, LeavesAHeartbeatOfOldAlone) {
+TEST(ZmqClockQuestion, IgnoresHeartbeatsWithoutClockFields) {
   ClockQuestion question;
   EXPECT_FALSE(AnswerTo({}, Time{70}));
   EXPECT_FALSE(question.Read({}, Time{1}));

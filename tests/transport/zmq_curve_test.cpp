@@ -28,7 +28,7 @@ struct Keys {
   }
 };
 
-TEST(ZmqCurve, TheRightKeysMeet) {
+TEST(ZmqCurve, SessionsWithTheRightKeysExchangeMessages) {
   const Keys keys;
   Place server(keys.Server());
   Place client(keys.Client(keys.client, keys.server, server));
@@ -46,7 +46,7 @@ TEST(ZmqCurve, TheRightKeysMeet) {
   EXPECT_EQ(server.transport->refused_handshakes(), 0u);
 }
 
-TEST(ZmqCurve, AStrangersKeyIsRefusedAndCounted) {
+TEST(ZmqCurve, RefusesAndCountsAStrangersKey) {
   const Keys keys;
   Place server(keys.Server());
   Place stranger(keys.Client(keys.stranger, keys.server, server));
@@ -56,7 +56,7 @@ TEST(ZmqCurve, AStrangersKeyIsRefusedAndCounted) {
   EXPECT_TRUE(Eventually([&] { return stranger.Said("`allowed_clients`"); }));
 }
 
-TEST(ZmqCurve, NobodyWithoutKeysOrWithAnotherServersKeyGetsIn) {
+TEST(ZmqCurve, RefusesClientsWithoutKeysOrWithAnotherServersKey) {
   const Keys keys;
   Place server(keys.Server());
   Place keyless(test::SubscribeAt(server.transport->BoundEndpoints().front()));
@@ -73,7 +73,7 @@ TEST(ZmqCurve, NobodyWithoutKeysOrWithAnotherServersKeyGetsIn) {
   EXPECT_FALSE(right.Said("No connection to"));
 }
 
-TEST(ZmqCurve, APublisherWithoutKeysIsSaidToHaveNone) {
+TEST(ZmqCurve, LogsThatAPublisherDoesNotEncrypt) {
   const Keys keys;
   Place open(test::PublishAt("tcp://127.0.0.1:*"));
   Place client(keys.Client(keys.client, keys.server, open));
@@ -81,7 +81,7 @@ TEST(ZmqCurve, APublisherWithoutKeysIsSaidToHaveNone) {
   EXPECT_EQ(client.listener.came, 0);
 }
 
-TEST(ZmqCurve, AKeyThatIsNoneIsAnError) {
+TEST(ZmqCurve, RefusesAnInvalidKey) {
   ZmqOptions options = test::PublishAt("tcp://127.0.0.1:*");
   options.security = ZmqSecurity{{"short", "short"}, {}};
   EXPECT_THROW(Place place(std::move(options)), Error);

@@ -50,7 +50,7 @@ TEST(ZmqEndpoint, AnIpcPathOfADeadProcessIsTakenOver) {
   EXPECT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
 }
 
-TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheMend) {
+TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheFix) {
   const Place first(PublishAt("tcp://127.0.0.1:*"));
   const std::string taken = first.transport->BoundEndpoints().front();
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(taken)); }),
@@ -62,12 +62,12 @@ TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheMend) {
   EXPECT_THAT(ErrorOf([&] { Place second(SubscribeAt("tcp://")); }), testing::HasSubstr("tcp"));
 }
 
-TEST(ZmqEndpoint, WithoutASchemeItIsTcp) {
+TEST(ZmqEndpoint, IsTcpWithoutAScheme) {
   const Place publisher(PublishAt("127.0.0.1:*"));
   EXPECT_THAT(publisher.transport->BoundEndpoints().front(), testing::StartsWith("tcp://127.0.0.1:"));
 }
 
-TEST(ZmqEndpoint, ChannelListsAreAWhiteListAndChangeWhileRunning) {
+TEST(ZmqEndpoint, ChannelListsLimitChannelsAndMayChangeWhileRunning) {
   Folder folder;
   ZmqOptions options = PublishAt(folder.Ipc());
   options.publish[0].channels = std::vector<std::string>{"open"};
@@ -92,7 +92,7 @@ TEST(ZmqEndpoint, ChannelListsAreAWhiteListAndChangeWhileRunning) {
   EXPECT_THROW(a.transport->SetPublishChannels("ipc:///nowhere", std::nullopt), Error);
 }
 
-TEST(ZmqEndpoint, EndpointsComeAndGoWhileRunning) {
+TEST(ZmqEndpoint, EndpointsMayBeAddedAndRemovedWhileRunning) {
   Folder folder;
   Place a{ZmqOptions{}}, b{ZmqOptions{}};
   conformance::Source source;
@@ -111,7 +111,7 @@ TEST(ZmqEndpoint, EndpointsComeAndGoWhileRunning) {
   EXPECT_FALSE(a.transport->RemovePublishEndpoint(folder.Ipc()));
 }
 
-TEST(ZmqEndpoint, WhatARemovedSubscribeEndpointHasReceivedIsStillDelivered) {
+TEST(ZmqEndpoint, MessagesThatARemovedEndpointHasReceivedAreStillDelivered) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
   Place b(SubscribeAt(folder.Ipc())), other(SubscribeAt(folder.Ipc()));
@@ -147,7 +147,7 @@ TEST(ZmqEndpoint, WhatARemovedSubscribeEndpointHasReceivedIsStillDelivered) {
   EXPECT_TRUE(Eventually([&] { return b.transport->Peers().empty(); }));
 }
 
-TEST(ZmqEndpoint, ThatCannotBeReachedIsSaidOnceForEachOutage) {
+TEST(ZmqEndpoint, IsLoggedOncePerOutageIfItCannotBeReached) {
   Folder folder;
   const std::string said = "No connection to " + folder.Ipc() + " for 200 ms: is the other program running";
   Place subscriber(SubscribeAt(folder.Ipc()));
@@ -160,7 +160,7 @@ TEST(ZmqEndpoint, ThatCannotBeReachedIsSaidOnceForEachOutage) {
   }
 }
 
-TEST(ZmqEndpoint, TwoWaysToOnePublisherCarryAChannelOnce) {
+TEST(ZmqEndpoint, OneOfTwoEndpointsOfAPublisherCarriesAChannel) {
   Folder folder;
   ZmqOptions both;
   both.publish = {{folder.Ipc("one"), std::nullopt}, {folder.Ipc("two"), std::nullopt}};
@@ -196,7 +196,7 @@ TEST(ZmqEndpoint, EachChannelOfAPublisherComesOverTheEndpointThatOffersIt) {
   EXPECT_TRUE(Eventually([&] { return x_in->publisher_count() == 1 && y_in->publisher_count() == 1; }));
 }
 
-TEST(ZmqEndpoint, AChannelThatOneEndpointGivesUpComesOverAnotherThatHasIt) {
+TEST(ZmqEndpoint, ChannelMovesToAnotherEndpointIfItsOwnNoLongerOffersIt) {
   Folder folder;
   ZmqOptions both;
   both.publish = {{folder.Ipc("one"), std::nullopt}, {folder.Ipc("two"), std::nullopt}};
@@ -229,7 +229,7 @@ TEST(ZmqEndpoint, AChannelThatOneEndpointGivesUpComesOverAnotherThatHasIt) {
   }
 }
 
-TEST(ZmqEndpoint, RemovingAPublishEndpointTellsOfRoomAndOfFewerSubscribers) {
+TEST(ZmqEndpoint, RemovingAPublishEndpointReportsRoomAndFewerSubscribers) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
   Place b(SubscribeAt(folder.Ipc()));
@@ -249,7 +249,7 @@ TEST(ZmqEndpoint, RemovingAPublishEndpointTellsOfRoomAndOfFewerSubscribers) {
   EXPECT_TRUE(Eventually([&] { return source.rooms > 0 && source.subscribers == 0; }));
 }
 
-TEST(ZmqEndpoint, ATypeNameTooLongForTheWireIsRefused) {
+TEST(ZmqEndpoint, RefusesATypeNameTooLongForTheWire) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
   TypeInfo type = TextType();
@@ -282,7 +282,7 @@ TEST(ZmqEndpoint, ASessionDoesNotHearItself) {
   EXPECT_EQ(own_sink.count(), 0u);
 }
 
-TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentGoesOn) {
+TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentContinues) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
   Place b(SubscribeAt(folder.Ipc()));

@@ -53,7 +53,7 @@ class PlainPublisher : public testing::Test {
   std::unique_ptr<InboundChannel> channel;
 };
 
-TEST_F(PlainPublisher, IsHeardWithoutAHandshake) {
+TEST_F(PlainPublisher, IsReceivedWithoutAHandshake) {
   pub.Send({PlainTopic("scan"), Head("scan"), "hello"});
   ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
   EXPECT_EQ(sink.texts().front(), "hello");
@@ -151,7 +151,7 @@ TEST(PlainSubscriber, GetsThreeFramesAndCountsAsOne) {
   EXPECT_EQ(frames[2], std::string(5000, 'x'));
 }
 
-TEST(PlainSubscriber, ThatDoesNotReadIsBoundedInBytes) {
+TEST(PlainSubscriber, HasALimitOfWaitingBytesIfItDoesNotRead) {
   Folder folder;
   ZmqOptions options = PublishAt(folder.Ipc());
   options.plain_queue_bytes = 1 << 20;
@@ -174,7 +174,7 @@ TEST(PlainSubscriber, ThatDoesNotReadIsBoundedInBytes) {
   EXPECT_GT(out->stats().dropped, 50u);
 }
 
-TEST_F(PlainPublisher, IsCutShortWhileTooMuchIsInFlight) {
+TEST_F(PlainPublisher, MessagesBeyondTheWindowAreDropped) {
   sink.hold_credit = true;
   channel->SetDemand({.queue_depth = 4, .credit_messages = 4});
   for (int i = 1; i <= 10; ++i) pub.Send({PlainTopic("scan"), Head("scan"), std::to_string(i)});
@@ -190,7 +190,7 @@ TEST_F(PlainPublisher, IsCutShortWhileTooMuchIsInFlight) {
   EXPECT_EQ(sink.texts().back(), "11");
 }
 
-TEST(PlainReception, OfAnotherLayoutIsRefusedThoughTheHeadNamesNoType) {
+TEST(PlainReception, RefusesAnotherLayoutEvenIfTheHeadNamesNoType) {
   Folder folder;
   RawSocket pub(ZMQ_XPUB);
   zmq_bind(pub.get(), folder.Ipc().c_str());
@@ -216,7 +216,7 @@ TEST(PlainReception, OfAnotherLayoutIsRefusedThoughTheHeadNamesNoType) {
   EXPECT_EQ(place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kType)], 1u);
 }
 
-TEST(PlainSubscriber, ThatLeavesDoesNotTakeAnotherAlong) {
+TEST(PlainSubscriber, MayLeaveWithoutEndingTheSubscriptionOfAnother) {
   Folder folder;
   Place place(PublishAt(folder.Ipc()));
   conformance::Source source;
@@ -248,14 +248,14 @@ TEST(PlainSubscriber, ThatLeavesDoesNotTakeAnotherAlong) {
 }
 
 /// At an ipc or a tcp endpoint.
-class FilterThatIsNoTopic : public testing::TestWithParam<bool> {
+class InvalidFilter : public testing::TestWithParam<bool> {
  protected:
-  FilterThatIsNoTopic() : publisher(PublishAt(GetParam() ? folder.Ipc() : "tcp://127.0.0.1:*")) {}
+  InvalidFilter() : publisher(PublishAt(GetParam() ? folder.Ipc() : "tcp://127.0.0.1:*")) {}
   Folder folder;
   Place publisher;
 };
 
-TEST_P(FilterThatIsNoTopic, LetsNothingWaitThatIsMeantForASession) {
+TEST_P(InvalidFilter, HoldsNoMessagesOfSessions) {
   const std::string endpoint = publisher.transport->BoundEndpoints().front();
   Place session(SubscribeAt(endpoint));
   conformance::Source source;
@@ -287,7 +287,7 @@ TEST_P(FilterThatIsNoTopic, LetsNothingWaitThatIsMeantForASession) {
   EXPECT_EQ(out->subscriber_count(), 1u);
 }
 
-TEST_P(FilterThatIsNoTopic, IsRefusedWhateverItBeginsLike) {
+TEST_P(InvalidFilter, ClosesTheConnection) {
   const std::string endpoint = publisher.transport->BoundEndpoints().front();
   const std::string peer = PeerTopic("scan", SessionId::Random());
   for (const std::string& filter : {std::string(), std::string("scan"), peer.substr(0, 5), peer.substr(0, 20),
@@ -300,7 +300,7 @@ TEST_P(FilterThatIsNoTopic, IsRefusedWhateverItBeginsLike) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(PlainSubscriber, FilterThatIsNoTopic, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(PlainSubscriber, InvalidFilter, testing::Bool(),
                          [](const auto& test) { return test.param ? "Ipc" : "Tcp"; });
 
 /// A subscriber that says what it likes.
@@ -361,20 +361,20 @@ class LyingSubscriber : public testing::Test {
   wire::Subscribed subscribed;
 };
 
-TEST_F(LyingSubscriber, IsGrantedNoAbsurdWindow) {
+TEST_F(LyingSubscriber, IsGrantedALimitedWindow) {
   Join(~0u);
   EXPECT_GT(subscribed.credit_messages(), 0u);
   EXPECT_LE(subscribed.credit_messages(), 1u << 16);
   EXPECT_EQ(subscribed.credit_bytes(), ZmqOptions().max_credit_bytes);
 }
 
-TEST_F(LyingSubscriber, IsNotHeardOutWhenItTalksTooLong) {
+TEST_F(LyingSubscriber, IsDisconnectedAfterATooLongMessage) {
   sub.Send({'\2' + std::string(100'000, 'x')});
   // The connection was closed; ZeroMQ makes another one, which is welcomed anew.
   EXPECT_NE(Next().welcome().handshake(), 0u);
 }
 
-TEST_F(LyingSubscriber, CannotAskForATypeNameOfAnyLength) {
+TEST_F(LyingSubscriber, CannotAskForATooLongTypeName) {
   auto hello = Speak();
   hello.mutable_hello()->mutable_facts()->set_wire_major(1);
   hello.mutable_hello()->set_handshake(welcome.handshake());
@@ -387,7 +387,7 @@ TEST_F(LyingSubscriber, CannotAskForATypeNameOfAnyLength) {
   EXPECT_TRUE(Eventually([&] { return FaultSum(*place.transport) == 1; }));
 }
 
-TEST_F(LyingSubscriber, IsStillOwedWhatWasPromisedWhenItDidNotLearnOfItsLink) {
+TEST_F(LyingSubscriber, GetsPromisedMessagesEvenIfItNeverReadAboutItsLink) {
   Join(4);
   PacketHead head;
   head.channel = "scan";
@@ -412,7 +412,7 @@ TEST_F(LyingSubscriber, IsStillOwedWhatWasPromisedWhenItDidNotLearnOfItsLink) {
   EXPECT_EQ(out->stats().missed, 0u);
 }
 
-TEST_F(LyingSubscriber, GetsNoCreditForWhatItWasNotSent) {
+TEST_F(LyingSubscriber, GetsNoCreditForMessagesThatWereNotSent) {
   Join(2);
   auto credit = Speak();
   credit.mutable_credit()->set_channel("scan");
@@ -544,7 +544,7 @@ PacketHead HeadOf(const TypeInfo& type, const MessageId& id) {
   return head;
 }
 
-TEST_F(LyingPublisher, CannotSpeakForAnotherSession) {
+TEST_F(LyingPublisher, CannotSendMessagesOfAnotherSession) {
   const auto in = place->transport->Subscribe("scan", TextType(), {}, sink);
   Join(TextType(), 0);
   SendData(HeadOf(TextType(), {id.value + 1, ~std::uint64_t{0}, 1}), "pretender");
@@ -571,7 +571,7 @@ TEST_F(LyingPublisher, CannotSendAnotherSchemaThanItNamed) {
   EXPECT_EQ(Faults(PacketFault::kType), 1u);
 }
 
-TEST_F(LyingPublisher, ThatOverdrawsItsCreditIsLostAndMayComeBack) {
+TEST_F(LyingPublisher, IsDisconnectedBeyondItsCreditAndMayComeBack) {
   sink.hold_credit = true;
   const auto in = place->transport->Subscribe("scan", TextType(), {.credit_messages = 4}, sink);
   Join(TextType(), 0);
@@ -590,7 +590,7 @@ TEST_F(LyingPublisher, ThatOverdrawsItsCreditIsLostAndMayComeBack) {
   EXPECT_TRUE(Eventually([&] { return sink.count() == 5; }));
 }
 
-TEST_F(LyingPublisher, HasNoNewWindowForEachOfManyLinks) {
+TEST_F(LyingPublisher, GetsALimitedTotalWindowForManyLinks) {
   sink.hold_credit = true;
   const auto in = place->transport->Subscribe("scan", TextType(), {.credit_messages = 4}, sink);
   std::uint64_t sequence = 0;

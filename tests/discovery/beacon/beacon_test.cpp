@@ -84,7 +84,7 @@ TEST_F(Beacon, LetsSessionsFindEachOtherAndSayGoodbye) {
   EXPECT_EQ(one.log.text(), "");
 }
 
-TEST_F(Beacon, SendsNewsAtOnceAndAnswersNewPeers) {
+TEST_F(Beacon, SendsChangesAtOnceAndAnswersNewPeers) {
   options.period = hours(1);
   options.patience = hours(10);
   Participant early(options);
@@ -111,7 +111,7 @@ TEST_F(Beacon, ReportsSilentPeersAsGone) {
   EXPECT_EQ(one.listening.gone(brief.session), "It was not heard for 300 ms.");
 }
 
-TEST_F(Beacon, IgnoresOtherDomainsAndNonsense) {
+TEST_F(Beacon, IgnoresOtherDomainsAndInvalidDatagrams) {
   const Participant one(options);
   const BeaconSocket stranger({"lo"}, options.port);
   std::mt19937 random(7);

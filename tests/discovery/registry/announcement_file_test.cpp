@@ -20,14 +20,14 @@ wire::AnnouncementFile Message(const std::string& bytes) {
   return message;
 }
 
-TEST(AnnouncementFile, GivesBackWhatWasWritten) {
+TEST(AnnouncementFile, ReadsBackWhatWasWritten) {
   const Announcement own = NewAnnouncement();
   const ParsedFile parsed = ParseFile(AsBytes(EncodeFile(own)));
   ASSERT_TRUE(parsed.announcement) << parsed.fault;
   EXPECT_EQ(*parsed.announcement, own);
 }
 
-TEST(AnnouncementFile, TellsOlderSessionsWhichTransportsAChannelMayUse) {
+TEST(AnnouncementFile, NamesTheTransportsOfAChannelForOlderSessions) {
   using Keys = std::vector<std::string>;
   struct Case {
     TransportKeys transports;

@@ -156,7 +156,7 @@ TEST_F(ReadyNodeSlotTest, DoesNotRunANodeThatHasEnded) {
   EXPECT_EQ(node->count, 0);
 }
 
-TEST_F(ReadyNodeSlotTest, ChannelAsksForRunNodeWhileAWorkerWouldHaveToBeWoken) {
+TEST_F(ReadyNodeSlotTest, ChannelRequestsRunNodeOnlyIfAWorkerWouldHaveToBeWoken) {
   Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone);
   Door door;

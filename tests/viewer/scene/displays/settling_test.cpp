@@ -5,7 +5,7 @@
 namespace hgros::viewer {
 namespace {
 
-TEST(Settling, SettlesAndDrawsTheFirstOneOnce) {
+TEST(Settling, SettlesAtOnceAndDrawsTheFirstMessageOnce) {
   Settling settling;
   EXPECT_FALSE(settling.TakeNew());
   EXPECT_FALSE(settling.TakeSettled());
@@ -16,7 +16,7 @@ TEST(Settling, SettlesAndDrawsTheFirstOneOnce) {
   EXPECT_FALSE(settling.moves());
 }
 
-TEST(Settling, MovesWhileItIsBeingReplaced) {
+TEST(Settling, MovesUntilItHasNotBeenReplacedForAWhile) {
   Settling settling;
   EXPECT_EQ(settling.Replaced(0), Change::kAppended);
   EXPECT_EQ(settling.Replaced(1), Change::kRedraw);
