@@ -1,4 +1,4 @@
-// Where sessions meet over shared memory, for the suite.
+// Runs the conformance suite over shared memory.
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/shm_transport.hpp"
 

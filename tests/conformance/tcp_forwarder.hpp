@@ -34,7 +34,7 @@ class TcpForwarder : public Cable {
   State wanted_ = State::kOpen;
   State reached_ = State::kOpen;
   bool stop_ = false;
-  std::vector<test::RelayPort::Pair> pairs_;  // The thread's.
+  std::vector<test::RelayPort::Pair> pairs_;  // Only the thread uses them.
   std::thread thread_;
 };
 

@@ -63,7 +63,8 @@ Payload Publication::PayloadOf(const std::string& text) {
 PublishStatus Publication::Publish(const std::string& text) {
   const auto status = channel->Reserve();
   if (status != PublishStatus::kOk) return status;
-  // A publisher commits in the order of its sequence numbers: what comes behind a later one is taken for a repeat.
+  // A publisher commits in the order of its sequence numbers: a message that comes after a later one counts as a
+  // repeat.
   const std::scoped_lock lock(in_order);
   channel->Commit(NextHead(), PayloadOf(text));
   return status;
@@ -136,7 +137,7 @@ const TypeInfo& TextType() {
 
 namespace {
 
-// A descriptor_set is a plain function: each type of a test has its own.
+// A descriptor_set is a plain function, so each type of a test has its own.
 template <int kSlot>
 std::string& Schema() {
   static std::string schema;

@@ -37,13 +37,13 @@ class Cable {
 class World {
  public:
   virtual ~World() = default;
-  /// A session others subscribe to; one at a time, always at the same place.
+  /// A session that others subscribe to; one at a time, always at the same place.
   virtual std::unique_ptr<Transport> MakePublisher(TransportListener& listener, Log& log, SessionId id) = 0;
-  /// A session that subscribes to it, whether it exists yet or not.
+  /// A session that subscribes to that one. It may be made first.
   virtual std::unique_ptr<Transport> MakeSubscriber(TransportListener& listener, Log& log, SessionId id) = 0;
-  /// The way all subscribers take; null if it cannot be cut.
+  /// The connection that all subscribers use; null if it cannot be cut.
   virtual Cable* cable() { return nullptr; }
-  /// Whether a large payload is kept and shown where it is, or copied once when it is committed.
+  /// True if a large payload is sent from where it is; false if Commit copies it once.
   [[nodiscard]] virtual bool shows_in_place() const { return true; }
 };
 
@@ -54,7 +54,7 @@ struct TransportCase {
   friend void PrintTo(const TransportCase& one, std::ostream* out) { *out << one.name; }
 };
 
-/// Remembers what it is told.
+/// Keeps everything that the transport reports.
 class Listener : public TransportListener {
  public:
   void OnPeerCame(const PeerInfo& peer) noexcept override;
@@ -96,23 +96,23 @@ class Source : public OutboundSource {
 class Publication {
  public:
   Publication(Session& session, std::string channel, const TypeInfo& type);
-  /// Reserve and Commit; only kOk uses up a number.
+  /// Reserves and commits; only kOk uses up a number.
   PublishStatus Publish(const std::string& text);
-  /// Until it is accepted; false at the deadline.
+  /// Publishes until the message is accepted; false at the deadline.
   bool PublishSoon(const std::string& text);
   [[nodiscard]] PacketHead NextHead();
   [[nodiscard]] static Payload PayloadOf(const std::string& text);
 
   std::string channel_name;
   const TypeInfo& type;
-  const MessageId id;  // Of its session, and another life of it for each publication.
+  const MessageId id;  // The session's id, with another incarnation for each publication.
   std::atomic<std::uint64_t> sequence{0};
   std::mutex in_order;
   Source source;
   std::unique_ptr<OutboundChannel> channel;
 };
 
-/// The subscribing side of a channel: keeps what comes.
+/// The subscribing side of a channel: keeps all messages.
 class Sink : public InboundSink {
  public:
   Accepted Accept(InboundMessage&& message) noexcept override;
@@ -123,7 +123,7 @@ class Sink : public InboundSink {
 
   [[nodiscard]] std::vector<std::string> texts() const;
   [[nodiscard]] std::size_t count() const;
-  /// Gives credit back for the oldest `count` messages that still hold it.
+  /// Returns the credit of the oldest `count` messages that still hold it.
   void Release(std::size_t count);
 
   std::atomic<Accepted> answer = Accepted::kNothing;
@@ -131,11 +131,11 @@ class Sink : public InboundSink {
   std::atomic<bool> hold_credit{false};
   std::atomic<int> runs{0};
   std::atomic<int> inside{0};
-  std::atomic<bool> overlapped{false};  ///< Accept() was called twice at once.
+  std::atomic<bool> overlapped{false};  ///< Two calls of Accept() ran at the same time.
   std::atomic<int> faults{0};
   std::atomic<std::size_t> publishers{0};
-  std::vector<MessageId> ids;  // Guarded by mutex_ until the subscription has ended, and so are the next two.
-  std::vector<std::shared_ptr<const MessageSchema>> schemas;  // Of messages.
+  std::vector<MessageId> ids;  // This and the next two: guarded by mutex_ until the subscription has ended.
+  std::vector<std::shared_ptr<const MessageSchema>> schemas;  // One for each message.
   std::map<std::uint64_t, std::shared_ptr<const MessageSchema>> offers;
   std::atomic<std::size_t> offered{0};
 

@@ -1,4 +1,4 @@
-// The numbered contracts of include/hgros/transport, one behavior per test, for every transport.
+// The numbered contracts of include/hgros/transport, for every transport. Each test shows one behavior.
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/ends_later.hpp"
 
@@ -29,7 +29,7 @@ TEST_P(TransportConformance, DeliversInOrder) {
   for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(out.PublishSoon(std::to_string(i)));
   ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1000; }));
   EXPECT_EQ(in.sink.texts(), Numbers(1, 1000));
-  EXPECT_TRUE(Eventually([&] { return out.channel->stats().sent == 1000; }));  // Counted behind what is sent.
+  EXPECT_TRUE(Eventually([&] { return out.channel->stats().sent == 1000; }));  // Counted after sending.
   EXPECT_FALSE(in.sink.overlapped);
 }
 
@@ -165,7 +165,7 @@ TEST_P(TransportConformance, KeepLastDropsAndCountsTheOldest) {
   in.sink.hold_credit = true;
   ASSERT_TRUE(Joined(out));
   ASSERT_EQ(out.Publish("1"), PublishStatus::kOk);
-  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));  // Its credit is used up from here on.
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));  // From here on its credit is used up.
   for (int i = 2; i <= 10; ++i) ASSERT_EQ(out.Publish(std::to_string(i)), PublishStatus::kOk);
   EXPECT_EQ(out.channel->stats().dropped, 6u);
   EXPECT_GT(out.channel->stats().queued_bytes, 0u);
@@ -174,7 +174,7 @@ TEST_P(TransportConformance, KeepLastDropsAndCountsTheOldest) {
     ASSERT_TRUE(Eventually([&] { return in.sink.count() == i + 1; }));
   }
   EXPECT_EQ(in.sink.texts(), (std::vector<std::string>{"1", "8", "9", "10"}));
-  EXPECT_TRUE(Eventually([&] { return out.channel->stats().queued_bytes == 0; }));  // Counted behind what is sent.
+  EXPECT_TRUE(Eventually([&] { return out.channel->stats().queued_bytes == 0; }));  // Counted after sending.
 }
 
 TEST_P(TransportConformance, ASlowPeerDoesNotDelayAnother) {
@@ -359,7 +359,7 @@ TEST_P(TransportConformance, DemandMayChangeWhileMessagesFlow) {
     ++accepted;
     return false;
   }));
-  // One that was reserved before the change and committed after it waits for the narrower window.
+  // A message that was reserved before the change and committed after it waits for the narrower window.
   ASSERT_TRUE(Eventually([&] {
     in.sink.Release(static_cast<std::size_t>(accepted));
     return in.sink.count() == static_cast<std::size_t>(accepted);
@@ -377,7 +377,8 @@ TEST_P(TransportConformance, MessagesAreDestroyedOutsideTheTransportsLocks) {
     demand.credit_messages = 3;
     Reception in(b, "scan", TextType(), demand, [](Sink& sink) { sink.hold_credit = true; });
     ASSERT_TRUE(Joined(out));
-    // The end of a message wires: another thread does, which gets nowhere while this one holds a lock that it needs.
+    // A message's deleter waits for another thread that advertises. That thread cannot proceed while the deleter's
+    // thread holds a lock of the transport.
     std::atomic<int> ended{0};
     std::atomic<int> wired{0};
     std::atomic<int> returned{0};
@@ -397,7 +398,7 @@ TEST_P(TransportConformance, MessagesAreDestroyedOutsideTheTransportsLocks) {
       EXPECT_TRUE(Eventually([&] { return wired >= turn; }));
       ++returned;
     };
-    // Large ones are sent in place, and end when the transport no longer uses them.
+    // Large messages are sent without a copy, and are destroyed when the transport no longer uses them.
     for (int i = 0; i < 3; ++i) {
       const std::shared_ptr<const std::string> text(new std::string(10'000, 'x'), end);
       if (out.channel->Reserve() == PublishStatus::kOk) out.channel->Commit(out.NextHead(), {AsBytes(*text), text});
@@ -440,7 +441,7 @@ TEST_P(TransportConformance, MessagesAreDestroyedAfterThePublisherReleasesItsLoc
       payload = {AsBytes(*text), text};
     }
     const EndsLater behind_the_lock;
-    locked = true;  // As from here to the end of the round.
+    locked = true;  // It stands for a lock that is held until the end of the round.
     ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
     out.channel->Commit(out.NextHead(), payload);
     locked = false;

@@ -1,4 +1,4 @@
-// What the contracts of include/hgros/transport say about deaths, cuts, threads and destruction, for every transport.
+// The contracts of include/hgros/transport about deaths, cuts, threads and destruction, for every transport.
 #include <set>
 
 #include "conformance/transport_conformance.hpp"
@@ -99,7 +99,7 @@ TEST_P(TransportConformance, ALosslessSubscriberGetsMessagesOfACutExactlyOnce) {
       world->cable()->Cut();
     } else {
       world->cable()->Stall();
-      test::Linger(std::chrono::milliseconds(5));  // Some of it in the middle of a message.
+      test::Linger(std::chrono::milliseconds(5));  // Some cuts happen in the middle of a message.
       world->cable()->Cut();
     }
     world->cable()->Resume();
@@ -212,7 +212,7 @@ TEST_P(TransportConformance, ASubscriptionMayEndWithinItsOwnRun) {
     ASSERT_TRUE(Eventually([&] { return ended.load(); }));
     ASSERT_TRUE(Joined(out, 0));
     EXPECT_EQ(in->sink.count(), 1u);
-    b.transport->Close(0);  // Run() has ended before the sink does.
+    b.transport->Close(0);  // Run() ends before the sink is destroyed.
   }
 }
 

@@ -1,4 +1,4 @@
-// Where sessions meet over ZeroMQ, for the suite.
+// Runs the conformance suite over ZeroMQ.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -51,7 +51,7 @@ class IpcWorld : public ZmqWorld {
   std::string folder_;
 };
 
-/// A port that is free now, found by letting a transport take one.
+/// A port that is free now. A transport that binds to any port finds it.
 std::string FreeEndpoint() {
   Listener listener;
   Log log([](LogLevel, std::string_view) {});

@@ -15,9 +15,9 @@ class AnnouncingProcess {
   AnnouncingProcess& operator=(const AnnouncingProcess&) = delete;
   ~AnnouncingProcess();
 
-  /// SIGKILL; does not wait.
+  /// Sends SIGKILL and does not wait.
   void Kill() const;
-  /// Lets it, and a child that it forked, end in order, and waits; the exit status, or -1.
+  /// Ends it, and a child that it forked, in order, and waits. Returns the exit status, or -1.
   int Finish();
   [[nodiscard]] pid_t pid() const { return pid_; }
   [[nodiscard]] pid_t child() const { return child_; }

@@ -1,9 +1,8 @@
 // A process that announces sessions until its standard input ends, or it is killed.
 //
 //   discovery_worker FOLDER DOMAIN SESSIONS [fork]
-//
-// Says "ready" on standard output once all are announced and see each other. With "fork" it forks a child that never
-// runs another program and lives until standard input ends, and says "ready PID" of it.
+// Writes "ready" to standard output when all are announced and see each other. With "fork" it forks a child that does
+// not call exec and lives until standard input ends; then it writes "ready PID", with the child's pid.
 #include <unistd.h>
 
 #include <cstdio>

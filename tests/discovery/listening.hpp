@@ -18,7 +18,7 @@
 
 namespace hgros::discovery {
 
-/// Writes down what it hears, and fails where the contract of DiscoveryListener is broken.
+/// Keeps all calls, and notes where the contract of DiscoveryListener is broken.
 class Listening final : public DiscoveryListener {
  public:
   void OnCame(const Announcement& peer) override {
@@ -65,19 +65,19 @@ class Listening final : public DiscoveryListener {
   [[nodiscard]] bool AwaitCount(std::size_t count) const {
     return test::Await([&] { return here().size() == count; });
   }
-  /// How often it came.
+  /// How many times the session came.
   [[nodiscard]] int came(SessionId session) const {
     const std::scoped_lock lock(mutex_);
     const auto entry = came_.find(session);
     return entry == came_.end() ? 0 : entry->second;
   }
-  /// Why it went; empty if it did not.
+  /// The reason why it went; empty if it did not.
   [[nodiscard]] std::string gone(SessionId session) const {
     const std::scoped_lock lock(mutex_);
     const auto entry = gone_.find(session);
     return entry == gone_.end() ? std::string() : entry->second;
   }
-  /// What was wrong with the calls; empty if nothing was.
+  /// The calls that broke the contract; empty if there were none.
   [[nodiscard]] std::string broken() const {
     const std::scoped_lock lock(mutex_);
     return broken_;
@@ -99,7 +99,7 @@ class KeptLog {
     lines_.emplace_back(text);
   }};
 
-  /// How many lines contain all of `words`.
+  /// Number of lines that contain all of `words`.
   [[nodiscard]] std::size_t Count(const std::vector<std::string>& words) const {
     const std::scoped_lock lock(mutex_);
     return static_cast<std::size_t>(std::count_if(lines_.begin(), lines_.end(), [&](const std::string& line) {
@@ -136,7 +136,7 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// Whether nothing lies in `folder`. A registry that closes removes it when it is empty, and others make it again.
+/// True if `folder` is empty or missing. A registry that closes removes an empty folder, and others create it again.
 inline bool IsEmptyOrGone(const std::filesystem::path& folder) {
   std::error_code gone;
   return std::filesystem::directory_iterator(folder, gone) == std::filesystem::directory_iterator();

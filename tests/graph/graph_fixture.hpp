@@ -10,7 +10,7 @@
 
 namespace hgros::test {
 
-/// Keeps what the graph has to say.
+/// Keeps the lines that the graph logs.
 class Heard {
  public:
   [[nodiscard]] std::shared_ptr<Log> MakeLog() {

@@ -33,7 +33,7 @@ TEST_P(LifetimeOnEveryExecutor, DestroyingASubscriptionWaitsForItsCallbackAndRun
     if (round % 3 == 0) (void)Await([&] { return subscription.stats().run > 0; });
     subscription.Reset();
     *alive = false;
-    alive.reset();  // Under the address sanitizer a late callback would be seen here.
+    alive.reset();  // AddressSanitizer would report a late callback here.
   }
   stop = true;
 }
@@ -67,14 +67,14 @@ TEST_P(LifetimeOnEveryExecutor, ASubscriptionMayBeDestroyedInItsOwnCallback) {
 
 TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallbacks) {
   for (int round = 0; round < 20; ++round) {
-    // Before the graph, whose destructor waits for callbacks that are still in flight.
+    // Declared before the graph, because its destructor waits for callbacks that are still in flight.
     Subscription first;
     Subscription second;
     std::atomic<int> inside{0};
     std::atomic<int> done{0};
     const auto destroy = [&](Subscription& other) {
       ++inside;
-      // Both in flight at once where threads allow it.
+      // Both run at the same time if there are enough threads.
       (void)Await([&] { return inside >= 2; }, std::chrono::milliseconds(20));
       other.Reset();
       ++done;
@@ -88,7 +88,7 @@ TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallba
     std::jthread publisher([&] { (void)graph.ToGraph("b", std::make_unique<int>(1)); });
     (void)graph.ToGraph("a", std::make_unique<int>(1));
     publisher.join();
-    // Either both ran, or one was ended before it began.
+    // Either both ran, or one was closed before it began.
     EXPECT_TRUE(Await([&] { return done >= 1; }));
     EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
   }

@@ -1,4 +1,4 @@
-// What is published one after the other arrives so everywhere, also if an inline callback publishes it.
+// Messages arrive everywhere in the order in which they were published, even if an inline callback publishes them.
 #include <gtest/gtest.h>
 
 #include <list>
@@ -13,7 +13,7 @@ using test::Counting;
 using test::kPatience;
 using test::Options;
 
-/// Collects what leaves the process.
+/// Collects the messages that leave the process.
 class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
@@ -44,7 +44,7 @@ class PublishOrder : public testing::TestWithParam<Invoke> {
         },
         Options(Executor::Inline(), queue)));
   }
-  // A handle that publishes outside, too.
+  // A handle that also publishes to other sessions.
   Publisher<int> ToBorder(std::string_view channel) {
     Channel& opened = graph_.Open(channel, TypeOf<int>(), CallSite::Current());
     graph_.SetOutlet(opened, border_);

@@ -46,7 +46,7 @@ class DelayLine {
   const test::RelayPort relay_;
   const std::chrono::milliseconds each_way_;
   int stop_[2] = {-1, -1};
-  std::list<Connection> connections_;  // The thread's.
+  std::list<Connection> connections_;  // Only the thread uses them.
   std::thread thread_;
 };
 

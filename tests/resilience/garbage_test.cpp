@@ -26,7 +26,7 @@ class Noise {
     for (char& byte : bytes) byte = static_cast<char>(random_());
     return bytes;
   }
-  /// Up to and with `most`.
+  /// A number from 0 to `most`, inclusive.
   std::size_t Number(std::size_t most) { return std::uniform_int_distribution<std::size_t>(0, most)(random_); }
 
  private:
@@ -52,7 +52,7 @@ class RawSocket {
   void Send(const std::string& bytes, bool more = false) {
     (void)zmq_send(socket_, bytes.data(), bytes.size(), ZMQ_DONTWAIT | (more ? ZMQ_SNDMORE : 0));
   }
-  /// What is there now.
+  /// The frame that has arrived; empty if there is none.
   std::string Receive() {
     std::string bytes(4096, '\0');
     const int size = zmq_recv(socket_, bytes.data(), bytes.size(), ZMQ_DONTWAIT);
@@ -91,12 +91,13 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
   ~Listener() { close(fd_); }
 
-  /// Answers the next connection so and closes it; false if none came in time.
+  /// Sends `bytes` to the next connection and closes it; false if none came in time.
   [[nodiscard]] bool Answer(const std::string& bytes) {
     const int fd = accept4(fd_, nullptr, nullptr, SOCK_CLOEXEC);
     if (fd < 0) return false;
     (void)send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    // Until it has had enough: closed earlier, its own words would make the system take back ours.
+    // Read until the peer closes. With unread bytes at close(), the system would reset the connection and drop what
+    // was sent.
     shutdown(fd, SHUT_WR);
     char buffer[4096];
     while (recv(fd, buffer, sizeof buffer, 0) > 0) {
@@ -135,9 +136,9 @@ TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
   ASSERT_TRUE(subscriber.Gains("received", 50)) << publisher << subscriber;
 
   {
-    RawSocket pub(ZMQ_PUB);  // The wrong kind of socket.
+    RawSocket pub(ZMQ_PUB);  // A socket of the wrong kind.
     pub.Connect(TcpEndpoint(port));
-    RawSocket stranger(ZMQ_XSUB);  // It may speak; nothing that it says makes sense.
+    RawSocket stranger(ZMQ_XSUB);  // A socket of the right kind that sends nonsense.
     stranger.Connect(TcpEndpoint(port));
     ASSERT_TRUE(Await([&] {
       pub.Send(noise(300));
@@ -163,7 +164,7 @@ TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
       << publisher.open_files() << " were " << files;
 }
 
-// ZeroMQ itself gives a connection up for good when the other side breaks its protocol.
+// ZeroMQ itself never connects again after the other side has broken its protocol.
 TEST(Garbage, FromABrokenZeroMqPeerDoesNotEndASubscribersAttempts) {
   const std::uint16_t port = FreePort();
   const WorkerProcess subscriber({Subscribing(TcpEndpoint(port), kImpatient), "--in=images"});
@@ -197,7 +198,7 @@ TEST(Garbage, FromAPublisherIsCountedAndDoesNotDisturbALaterPublisher) {
     ASSERT_TRUE(Await([&] {
       const std::string asked = pub.Receive();
       if (asked.size() > 1 && asked[0] == '\1') topics.push_back(asked.substr(1));
-      // What it has subscribed to passes ZeroMQ's filter; whatever follows is noise.
+      // Topics that it has subscribed to pass ZeroMQ's filter; noise follows them.
       for (int i = 0; i < 20 && !topics.empty(); ++i) {
         const std::string& topic = topics[noise.Number(topics.size() - 1)];
         const std::size_t frames = noise.Number(4);

@@ -1,4 +1,4 @@
-// Networks that are slow, delay, stall and break.
+// Networks that are slow, have a delay, stall or break.
 #include <gtest/gtest.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -20,8 +20,8 @@ using conformance::TcpForwarder;
 using test::Await;
 using test::Linger;
 
-/// Two network namespaces, named after this process, and the cable between them, at 1 Gbit/s. Removed at the end;
-/// what a killed process left is removed by the next.
+/// Two network namespaces, named after this process, and the cable between them, at 1 Gbit/s. They are removed at the
+/// end. The next test removes those that a killed process has left.
 class GigabitCable {
  public:
   GigabitCable() : left("hgrl" + std::to_string(getpid())), right("hgrr" + std::to_string(getpid())) {
@@ -80,7 +80,7 @@ TEST(Gigabit, SessionsThatFindEachOtherButCannotShareMemoryUseTheNetwork) {
   if (geteuid() != 0) GTEST_SKIP() << "network namespaces need root";
   const GigabitCable cable;
   if (!cable.ready) GTEST_SKIP() << "no network namespaces with veth and tbf here";
-  // One folder of locked files, but unix sockets of the abstract name space end at a network namespace.
+  // Both use one folder of locked files, but abstract unix sockets do not cross a network namespace.
   setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1);
   const WorkerProcess subscriber({Subscribing("tcp://10.197.0.1:5553"), "--in=images", "--keep-all=4"}, cable.right);
   ASSERT_TRUE(subscriber.Reaches({{"ready", 1}})) << subscriber;
@@ -111,7 +111,7 @@ class BrokenCable : public testing::Test {
                                                "--size=20000"});
     subscriber.emplace(std::vector<std::string>{Subscribing(TcpEndpoint(cable.port()), more), "--in=images", queue});
   }
-  /// All that was published has come, once and in order.
+  /// Expects that all `count` messages have come, once and in order.
   void ExpectAll(std::uint64_t count) const {
     ASSERT_TRUE(subscriber->Reaches({{"received", count}})) << *subscriber << *publisher;
     EXPECT_EQ((*subscriber)["first"], 1U);

@@ -61,9 +61,9 @@ class Arguments {
 
 /// In front of each message's data; the rest follows from the sequence.
 struct Stamp {
-  std::uint64_t publisher = 0;  ///< Its process.
-  std::uint64_t sequence = 0;   ///< From 1.
-  std::uint64_t checksum = 0;   ///< Of the data with this field as 0.
+  std::uint64_t publisher = 0;  ///< The id of its process.
+  std::uint64_t sequence = 0;   ///< Counts from 1.
+  std::uint64_t checksum = 0;   ///< Of the data, computed with 0 in this field.
 };
 
 std::uint64_t Checksum(std::string_view data) {
@@ -211,7 +211,7 @@ class Sink {
   std::uint64_t first_ = 0;
   std::uint64_t last_ = 0;
   std::uint64_t gaps_ = 0;
-  std::uint64_t disorder_ = 0;  // Repeats among them.
+  std::uint64_t disorder_ = 0;  // Includes repeats.
   std::uint64_t corrupt_ = 0;
   Subscription subscription_;
 };
@@ -265,7 +265,8 @@ int Run(const Arguments& arguments, const sigset_t& end) {
   int signal = 0;
   do {
     std::string line = "status ready=1";
-    // First what came from the network, then what the callbacks saw: the latter never lags behind in the report.
+    // The network's counters are read first, then those of the callbacks. So the latter are never behind in the
+    // report.
     ReportSession(session, line);
     if (source) source->Report(line);
     if (sink) sink->Report(line);

@@ -23,7 +23,7 @@ class Restart : public testing::TestWithParam<std::string> {
   [[nodiscard]] std::unique_ptr<WorkerProcess> Publisher() const {
     return std::make_unique<WorkerProcess>(std::vector<std::string>{Publishing(up, kImpatient), "--out=up"});
   }
-  // Every other one is lossless: it takes credit that nobody gives back when it is killed.
+  // Every other one is lossless: when it is killed, it does not return its credit.
   [[nodiscard]] std::unique_ptr<WorkerProcess> Subscriber(bool lossless) const {
     return std::make_unique<WorkerProcess>(std::vector<std::string>{Subscribing(down, kImpatient), "--in=down",
                                                                     lossless ? "--keep-all=32" : "--keep-last=32"});
@@ -36,7 +36,7 @@ class Restart : public testing::TestWithParam<std::string> {
 
 TEST_P(Restart, ASurvivorSendsReceivesAndLeaksNothingAfterAHundredKills) {
   constexpr int kKills = 100;
-  constexpr int kSettled = 20;  // Kills after which the survivor's own size has settled.
+  constexpr int kSettled = 20;  // After this number of kills the survivor's own memory no longer grows.
   constexpr std::size_t kSpareFiles = 4;
   constexpr std::size_t kSpareBytes = 12 << 20;
   const WorkerProcess survivor({Both(down, up, kImpatient), "--out=down", "--in=up", "--keep-last=32"});
@@ -57,7 +57,7 @@ TEST_P(Restart, ASurvivorSendsReceivesAndLeaksNothingAfterAHundredKills) {
     ASSERT_TRUE(survivor.Gains("received", 5)) << "round " << round << survivor << *publisher;
     ASSERT_TRUE(subscriber->Gains("received", 5)) << "round " << round << survivor << *subscriber;
     if (round != kSettled && round != kKills) continue;
-    // All that is gone has been noticed.
+    // Wait until the survivor has noticed all killed processes.
     ASSERT_TRUE(Await([&] { return survivor["subscribers"] == 1 && survivor["peers"] == 2; })) << survivor;
     if (round == kSettled) {
       files = survivor.open_files();

@@ -1,4 +1,4 @@
-// A publisher in a memory control group that is too small for what it shares.
+// A publisher in a memory control group that is too small for its shared memory.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -20,7 +20,7 @@ namespace {
 using test::Await;
 
 constexpr std::uint64_t kGroupBytes = 48u << 20;
-constexpr auto kSameLineAgainAfter = std::chrono::seconds(10);  // As Log::WriteLimited has it.
+constexpr auto kSameLineAgainAfter = std::chrono::seconds(10);  // The same as in Log::WriteLimited.
 
 /// A memory control group below our own, if one can be made.
 class SmallGroup {
@@ -42,7 +42,7 @@ class SmallGroup {
   }
   SmallGroup(const SmallGroup&) = delete;
   SmallGroup& operator=(const SmallGroup&) = delete;
-  // A folder that cannot be removed yet has a process that is ending.
+  // While a process in the group is still ending, its folder cannot be removed.
   ~SmallGroup() {
     (void)(!made_ || Await([this] { return rmdir(folder.c_str()) == 0; }));
   }
@@ -54,7 +54,7 @@ class SmallGroup {
   bool made_ = false;
 };
 
-/// Holds on to what comes.
+/// Keeps all messages.
 class Hoard : public InboundSink {
  public:
   Accepted Accept(InboundMessage&& message) noexcept override {
@@ -91,11 +91,11 @@ TEST(ShmMemoryGroupProcess, AFullGroupKillsNoProcessAndMessagesGoOverTheSocket) 
   const auto hub = MakeShmTransport(options, listener, log);
   NumberStream down(*hub, "down", 100);
   Hoard hoard;
-  // Not lossless: then the publisher would keep what is not confirmed, also of what went over the socket.
+  // Not lossless: otherwise the publisher would keep unconfirmed messages, including those that went over the socket.
   const auto up =
       hub->Subscribe("up", NumberType(), {.credit_messages = 512, .credit_bytes = std::uint64_t{1} << 30}, hoard);
   WorkerProcess worker({options.place, group.folder});
-  // All that is held at once is more than the group may have.
+  // All messages together need more memory than the group may have.
   constexpr std::uint64_t kMessages = 2 * kGroupBytes / 500'000;
   std::uint64_t published = 0;
   const auto publish = [&](std::uint64_t until) {
@@ -109,13 +109,13 @@ TEST(ShmMemoryGroupProcess, AFullGroupKillsNoProcessAndMessagesGoOverTheSocket) 
   };
   const auto begin = std::chrono::steady_clock::now();
   publish(kMessages);
-  // A machine that has much else to do takes longer than the log keeps the same line back.
+  // On a busy machine this may take longer than the time for which the log suppresses the same line.
   const auto lines = 1 + static_cast<std::uint64_t>((std::chrono::steady_clock::now() - begin) / kSameLineAgainAfter);
   EXPECT_GT(worker["apart"], kMessages / 4) << worker;
   EXPECT_LT(worker["apart"], kMessages) << worker;
   EXPECT_GE(worker["warnings"], 1u) << worker;
   EXPECT_LE(worker["warnings"], lines) << "said once, not for each message" << worker;
-  // What is let go of is used again, from the second message on: the first one finds it.
+  // Released blocks are used again from the second message on: the publisher notices them with the first one.
   hoard.LetGo();
   publish(kMessages + 1);
   const std::uint64_t apart = worker["apart"];

@@ -68,7 +68,7 @@ class NumberStream : public OutboundSource {
   }
   void OnSubscribers(std::size_t) noexcept override { OnRoom(); }
 
-  /// False once stopped. Without subscribers it waits for one.
+  /// Publishes the next number; waits while there is no subscriber. False after a stop.
   bool PublishNext(const std::stop_token& stop) {
     for (;;) {
       std::unique_lock lock(mutex_);
@@ -128,7 +128,7 @@ class NumberSink : public InboundSink {
   void Run() noexcept override {}
   void OnFault(PacketFault, std::string_view) noexcept override { ++faults; }
   void OnPublishers(std::size_t count) noexcept override { publishers = count; }
-  /// When nothing comes any more.
+  /// Only when no more messages come.
   void LetGo() { held_.clear(); }
   [[nodiscard]] std::uint64_t last_of(SessionId session) const {
     const std::scoped_lock lock(mutex_);

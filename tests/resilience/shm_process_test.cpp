@@ -47,7 +47,7 @@ std::size_t PairMappings() {
   return count;
 }
 
-/// What lies there; other tests may run beside this one, but none of them leaves anything either.
+/// Files in /dev/shm. Other tests may run at the same time, but none of them leaves files either.
 std::set<std::string> SharedFiles() {
   std::set<std::string> names;
   std::error_code error;
@@ -71,7 +71,7 @@ class ShmProcesses : public testing::Test {
       }
     });
   }
-  /// All workers have gone: nothing of them is left.
+  /// Expects that all workers have gone and that nothing of them is left.
   void ExpectNothingLeft() {
     EXPECT_TRUE(Await([&] { return hub->Peers().empty() && down->channel().subscriber_count() == 0; }));
     EXPECT_TRUE(Await([&] { return up.publishers == 0; }));
@@ -79,7 +79,7 @@ class ShmProcesses : public testing::Test {
     inbound.reset();
     up.LetGo();
     EXPECT_TRUE(Await([&] { return hub->usage().blocks_in_use == 0; })) << hub->usage().blocks_in_use;
-    // Segments that no block of is used keep their descriptors, for the next message.
+    // A segment without used blocks keeps its file descriptor, for the next message.
     EXPECT_TRUE(Await([&] { return OpenFiles() == open_files + hub->usage().segments; }))
         << OpenFiles() << " instead of " << open_files << " and " << hub->usage().segments;
     EXPECT_TRUE(Await([&] { return PairMappings() == 0; })) << PairMappings();
@@ -142,7 +142,7 @@ TEST_F(ShmProcesses, AStoppedProcessDoesNotStopOthersAndComesBack) {
       ASSERT_TRUE(survivor.Gains("published", 100)) << survivor;
       ASSERT_TRUE(Await([&] { return listener.gone > gone; })) << "it stands still and nobody notices";
       ASSERT_TRUE(survivor.Gains("received", 1000)) << survivor;
-      // It held messages all the time, and holds them when it connects anew.
+      // It held messages all the time, and still holds them when it connects again.
       stopped.Continue();
       ASSERT_TRUE(stopped.Gains("received", 1000)) << stopped;
     }
@@ -206,7 +206,7 @@ TEST_F(ShmProcesses, ManySmallMessagesNeedNoMoreMemoryThanFew) {
     const auto segments = hub->usage().segments;
     const std::size_t files = OpenFiles();
     publish(messages);
-#if !defined(__SANITIZE_ADDRESS__)  // Which keeps what was freed for a while.
+#if !defined(__SANITIZE_ADDRESS__)  // AddressSanitizer keeps freed memory for a while.
     EXPECT_LT(resident(), before + (4 << 20));
 #endif
     EXPECT_EQ(hub->usage().segments, segments);

@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
       child = fork();
       if (child == 0) {
         close(STDOUT_FILENO);
-        down.LetGo();  // What the child inherited is not the child's to give back.
+        down.LetGo();  // The child must not return what it inherited.
         for (;;) pause();
       }
     }

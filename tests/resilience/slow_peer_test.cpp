@@ -22,7 +22,7 @@ TEST(StoppedSubscriber, DelaysNoOthersAndUsesLimitedMemoryOfThePublisher) {
   stopped.Stop();
   const std::size_t before = publisher.resident_bytes();
   std::size_t most = before;
-  // 500 MB pass meanwhile.
+  // 500 MB are published in this time.
   ASSERT_TRUE(Await(
       [&] {
         most = std::max(most, publisher.resident_bytes());
@@ -32,7 +32,7 @@ TEST(StoppedSubscriber, DelaysNoOthersAndUsesLimitedMemoryOfThePublisher) {
       << publisher << other;
   ASSERT_TRUE(other.Reaches({{"received", 2000}})) << publisher << other;
   EXPECT_EQ(other["gaps"] + other["disorder"] + other["corrupt"], 0U) << other;
-  // What waits in its ring, what credit has let into the socket, and some room for the allocator.
+  // The messages in the ring, those in the socket (limited by credit), and some room for the allocator.
   EXPECT_LE(most, before + (4 << 20) + 64 * kLargeBytes + (24 << 20)) << before << " before" << publisher;
   EXPECT_LE(publisher["queued_bytes"], (4U << 20) + kLargeBytes);
   EXPECT_GT(publisher["dropped"], 1000U) << publisher;
@@ -109,7 +109,7 @@ TEST(LosslessSubscriber, LetsThePublisherContinueAndIsCountedIfItIsKilled) {
     ASSERT_TRUE(publisher.Reaches({{"waiting", 1}})) << publisher;
     const std::uint64_t missed = publisher["missed"];
     slow.Kill();
-    // The worker waits for room for 60 s: only that the dead one was given up can let it go on.
+    // The publisher waits up to 60 s for room. It can continue earlier only because the dead subscriber was dropped.
     ASSERT_TRUE(publisher.Gains("published", 1000)) << publisher;
     EXPECT_TRUE(Await([&] { return publisher["missed"] > missed && publisher["subscribers"] == 0; })) << publisher;
     EXPECT_LE(publisher["missed"], missed + 8) << "more than its queue holds" << publisher;

@@ -21,27 +21,27 @@ int RunCommand(const std::vector<std::string>& command);
 /// A resilience_worker and what it last said of itself. Killed when this object ends.
 class WorkerProcess {
  public:
-  /// `network_namespace`: where it runs; empty: here.
+  /// `network_namespace`: the namespace in which it runs; empty: that of this process.
   explicit WorkerProcess(const std::vector<std::string>& arguments, const std::string& network_namespace = {});
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
   ~WorkerProcess();
 
-  /// SIGKILL, and waits until the process is gone.
+  /// Sends SIGKILL, and waits until the process is gone.
   void Kill();
   void Stop() const;
   void Continue() const;
-  /// SIGTERM; the exit status, or -1 if it did not end in order and in time.
+  /// Sends SIGTERM and waits. Returns the exit status, or -1 if it was killed by a signal or did not end in time.
   int Finish();
   [[nodiscard]] bool alive() const;
   [[nodiscard]] pid_t pid() const { return pid_; }
 
-  /// The last reported number of that name; 0 if none came yet.
+  /// The last reported number of that name; 0 before the first report.
   [[nodiscard]] std::uint64_t operator[](const std::string& name) const;
-  /// Waits until all of them hold at once for one report.
+  /// Waits for one report in which all numbers are reached.
   [[nodiscard]] bool Reaches(const std::map<std::string, std::uint64_t>& at_least,
                              std::chrono::nanoseconds patience = test::kPatience) const;
-  /// Waits for `more` of a number than is reported now: what is counted from now on.
+  /// Waits until a number has grown by `more` from its value now.
   [[nodiscard]] bool Gains(const std::string& name, std::uint64_t more) const;
 
   [[nodiscard]] std::size_t open_files() const;
@@ -54,7 +54,7 @@ class WorkerProcess {
   pid_t pid_ = -1;
   mutable std::mutex mutex_;
   std::map<std::string, std::uint64_t> status_;  // Guarded by mutex_.
-  std::deque<std::string> log_;                  // Likewise; the last lines.
+  std::deque<std::string> log_;                  // Guarded by mutex_; the last lines.
   std::thread reader_;
 };
 

@@ -1,4 +1,5 @@
-// Robots from their descriptions, and real trajectories. What needs recorded data skips where HGROS_DATA names none.
+// Robots from their descriptions, and real trajectories. Tests that need recorded data are skipped without
+// HGROS_DATA.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -94,7 +95,7 @@ TEST(RobotDescription, RefusesInvalidUrdf) {
                Error);
 }
 
-// LeakSanitizer reports the links if a ring of them stays.
+// LeakSanitizer reports the links if a cycle of them is not freed.
 TEST(RobotDescription, FreesJointsThatFormACycle) {
   const std::string beside = R"(<robot name="r"><link name="base"/><link name="a"/><link name="b"/>
     <joint name="ab" type="fixed"><parent link="a"/><child link="b"/></joint>
@@ -146,7 +147,7 @@ std::vector<StampedPose> ReadTum() {
   return trajectory;
 }
 
-// The Fetch robot driven along a trajectory with its arm moving: where its gripper is, against the product of the
+// Moves the Fetch robot along a trajectory with its arm moving. Compares its gripper's pose with the product of the
 // parts.
 void DriveFetch(const std::vector<StampedPose>& trajectory) {
   const RobotDescription robot = RobotDescription::FromFile(Recorded("robots/fetch.urdf"));

@@ -47,10 +47,10 @@ bool Listens(const Robot& robot, std::string_view channel) {
   return false;
 }
 
-// Two robots of a domain of their own.
+// Two robots in a separate domain.
 class TransformsOfTwo : public test::DomainFixture {
  protected:
-  // `there` has heard whatever was sent before.
+  // Waits until `there` has received everything that was sent before.
   static bool Arrives(Transforms& there, const std::string& parent, const std::string& child, Time time) {
     TransformTree& tree = there.tree();
     return bool(tree.Wait({tree.Frame(parent), tree.Frame(child), time}, kPatience));

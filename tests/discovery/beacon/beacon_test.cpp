@@ -26,7 +26,7 @@ using std::chrono::hours;
 using std::chrono::milliseconds;
 using test::Await;
 
-/// What others hear of `own` when it comes from `sender`.
+/// The announcement that others get when the datagram of `own` comes from `sender`.
 Announcement AsHeard(const Announcement& own, const std::string& sender) {
   return ParseDatagram(AsBytes(EncodeDatagram(own, "robot", false)), "robot", sender)->peer;
 }
@@ -50,7 +50,7 @@ struct Participant {
   std::unique_ptr<Discovery> beacon;
 };
 
-/// Beacons on the loopback, where no other test's datagrams are.
+/// Beacons on the loopback, at an address that no other test uses.
 class Beacon : public testing::Test {
  protected:
   void SetUp() override {
@@ -97,7 +97,7 @@ TEST_F(Beacon, SendsChangesAtOnceAndAnswersNewPeers) {
   early.Announce();
   EXPECT_TRUE(late.listening.AwaitPeer(early.heard()));
   early.own.channels.clear();
-  early.Announce();  // No news for others.
+  early.Announce();  // No change for others: datagrams contain no channels.
 }
 
 TEST_F(Beacon, ReportsSilentPeersAsGone) {
@@ -133,7 +133,7 @@ TEST_F(Beacon, SurvivesAFloodAndLogsIt) {
   const Participant one(options);
   const BeaconSocket stranger({"lo"}, options.port);
   const std::string nonsense(100, 'x');
-  // As long as it takes: some of them the kernel throws away.
+  // Repeat until it is logged: the kernel drops some of the datagrams.
   ASSERT_TRUE(Await([&] {
     for (int i = 0; i < 1000; ++i) (void)stranger.Send(nonsense);
     return one.log.Count({"datagrams a second"}) == 1;

@@ -32,7 +32,7 @@ TEST(AnnouncementFile, NamesTheTransportsOfAChannelForOlderSessions) {
   struct Case {
     TransportKeys transports;
     bool not_by_shared_memory, not_by_endpoints;
-    bool reads_back;  // From what an older session writes.
+    bool reads_back;  // True if the rule is read back from the fields of an older session.
   };
   for (const Case& one : {Case{std::nullopt, false, false, true}, Case{Keys{"zmq"}, true, false, true},
                           Case{Keys{"shared_memory"}, false, true, true}, Case{Keys{"loop"}, true, true, false}}) {

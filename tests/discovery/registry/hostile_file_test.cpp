@@ -1,4 +1,4 @@
-// What else may lie in a registry's folder.
+// Files in a registry's folder that are no valid announcements.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -34,7 +34,7 @@ class HostileFile : public testing::Test {
     EXPECT_EQ(listening.broken(), "");
   }
 
-  /// What lies there is ignored, and said once with these words, whoever else comes and goes.
+  /// Expects that the file is ignored, and logged once with these words, while other sessions come and go.
   void ExpectIgnored(const fs::path& path, const std::string& words) {
     for (int i = 0; i < 3; ++i) {
       Listening other_listening;
@@ -49,7 +49,7 @@ class HostileFile : public testing::Test {
     EXPECT_EQ(log.Count({path.string()}), 1U) << log.text();
     EXPECT_TRUE(fs::exists(fs::symlink_status(path))) << "it is not ours to remove";
   }
-  /// A living session that says `content`.
+  /// A living session whose file contains `content`.
   void ExpectContentIgnored(const std::string& content, const std::string& words) {
     const SessionId session = SessionId::Random();
     OwnFile file(folder, session);
@@ -57,7 +57,7 @@ class HostileFile : public testing::Test {
     ExpectIgnored(file.path(), words);
   }
   [[nodiscard]] fs::path NewName() const { return folder / FileName(SessionId::Random()); }
-  /// Puts what lies at `from` where a session's file would be.
+  /// Moves the file at `from` to the place of a session's file.
   [[nodiscard]] fs::path MoveIn(const fs::path& from) const {
     const fs::path name = NewName();
     fs::rename(from, name);
@@ -68,7 +68,7 @@ class HostileFile : public testing::Test {
   RegistryOptions options{scratch.path() / "hgros", "robot"};
   fs::path folder = options.folder / options.domain;
   KeptLog log;
-  KeptLog other_log;  // Others say the same.
+  KeptLog other_log;  // The other registry logs the same.
   Listening listening;
   std::unique_ptr<Discovery> registry;
 };
@@ -153,7 +153,7 @@ TEST_F(HostileFile, SessionEndsWhenTheLockIsReleasedAfterClosing) {
   ASSERT_TRUE(TakeLock(file.get()));
   fs::rename(elsewhere, folder / FileName(own.session));
   ASSERT_TRUE(listening.AwaitPeer(own));
-  // The order in which the kernel closes the file of a dead process, drawn out: the event, and then the lock.
+  // As when the kernel closes the file of a dead process, but slowly: first the event, then the lock.
   close(open((folder / FileName(own.session)).c_str(), O_WRONLY | O_CLOEXEC));
   test::Linger(std::chrono::milliseconds(20));
   struct flock unlock {};
@@ -176,7 +176,7 @@ TEST_F(HostileFile, SessionEndsWhenItsFileCanNoLongerBeTrusted) {
   OwnFile file(folder, own.session);
   ASSERT_TRUE(file.Put(EncodeFile(own)));
   ASSERT_TRUE(listening.AwaitPeer(own));
-  // Somebody opens it for writing and closes it: its owner lives on.
+  // Another process opens the file for writing and closes it. Its owner is still alive.
   close(open(file.path().c_str(), O_WRONLY | O_CLOEXEC));
   const Announcement other = NewAnnouncement();
   OwnFile other_file(folder, other.session);

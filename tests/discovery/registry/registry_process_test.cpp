@@ -94,7 +94,7 @@ TEST_F(RegistryProcess, ManyRegistriesCleanUpAKilledProcessAndSpareNewOnes) {
     const AnnouncingProcess worker = Start(4);
     for (const auto& one : listening) ASSERT_TRUE(one->AwaitCount(4));
     worker.Kill();
-    // Somebody comes, and changes, while the dead are cleaned up.
+    // A session comes, and changes, while the files of the dead process are removed.
     Listening coming_listening;
     const auto coming = Open(coming_listening);
     Announcement own = NewAnnouncement("coming");

@@ -232,7 +232,7 @@ TEST_F(Registry, RestoresARemovedFolder) {
   for (const auto& one : all) one->Announce();
   for (const auto& one : all) ASSERT_TRUE(one->listening.AwaitCount(3));
   for (int i = 0; i < 3; ++i) {
-    std::error_code busy;  // They may be back before it is done.
+    std::error_code busy;  // Files may be restored before this has finished.
     fs::remove_all(options.folder, busy);
     for (const auto& one : all) {
       EXPECT_TRUE(Await([&] { return fs::exists(folder / one->own.session.ToString()); }));

@@ -20,7 +20,7 @@ TEST(ChannelTable, FindsEveryChannelWhileOthersAreAdded) {
     while (!stop) {
       const int count = added;
       for (int i = 0; i < count; ++i) {
-        // Opened before with int: another type is refused, so finding is shown by the refusal's absence.
+        // The channel was opened with int, and another type is refused. No refusal shows that the channel was found.
         if (graph.ToGraph("channel" + std::to_string(i), std::make_unique<int>(i)) != PublishStatus::kOk) ++misses;
       }
     }

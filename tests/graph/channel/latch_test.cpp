@@ -24,7 +24,7 @@ TEST_P(LatchOnEveryExecutor, LateNodeGetsLatchedMessagesOnceAndBeforeLiveOnes) {
   const auto publish = graph.Advertise<int>("map", 3);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<int>(i)), PublishStatus::kOk);
   Collected got;
-  // Deeper than the queue: what is latched does not depend on it.
+  // More than the depth of the queue: latched messages do not depend on it.
   const auto subscription = graph.FromGraph<int>(
       "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor(), Queue::KeepLast(2)));
   ASSERT_TRUE(Await([&] { return got.size() == 3; }));

@@ -22,7 +22,7 @@ using test::Options;
 
 constexpr Invoke kSerial = Invoke::kSerial;
 
-/// Keeps what it gets.
+/// Keeps its messages.
 template <class T>
 struct Kept {
   void operator()(const std::shared_ptr<const T>& message) { messages.push_back(message); }
@@ -49,7 +49,7 @@ double XOf(const RawMessage& message) {
   return vector.x();
 }
 
-/// As a transport brings it.
+/// A message as it comes from a transport.
 AnyMessage Arrived(std::shared_ptr<const MessageSchema> schema, const std::string& bytes) {
   auto owner = std::make_shared<const std::string>(bytes);
   const Bytes view = AsBytes(*owner);
@@ -190,7 +190,7 @@ TEST(RawForms, LocalTypesHaveNoBytes) {
   EXPECT_EQ(graph.Snapshot().channels.at(0).not_converted, 1U);
 }
 
-// Typed and raw nodes come while messages are published and arrive.
+// Typed and raw nodes are added while messages are published and arrive.
 TEST(RawForms, NodesCanBeAddedDuringPublishing) {
   for (int round = 0; round < 20; ++round) {
     DataGraph graph;

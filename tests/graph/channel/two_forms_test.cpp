@@ -47,7 +47,7 @@ std::unique_ptr<RawImage> MakePlain(const std::string& text) {
 std::string TextOf(const RawImage& image) { return image.data(); }
 std::string TextOf(const BulkImage& image) { return std::string(AsText(image.bytes())); }
 
-/// Keeps what a subscription gets.
+/// Keeps the messages of a subscription.
 template <class T>
 class Kept {
  public:
@@ -272,7 +272,7 @@ TEST(TwoForms, ThirdTypeIsATypeMismatch) {
   EXPECT_THROW((void)graph.Advertise<int>("image"), TypeMismatch);
 }
 
-/// Notes which C++ types leave.
+/// Notes the C++ types of messages that leave the process.
 class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
@@ -321,7 +321,8 @@ TEST(TwoForms, RemoteMessagesAreDecodedForTheNodeThatReadsInPlace) {
   EXPECT_EQ(DataGraph::InboundType(channel).cpp_type, typeid(RawImage)) << "the last bulk node has gone";
 }
 
-// What was wrapped for one channel and is then passed on, perhaps in part, must not be taken for one of another's.
+// A message that was wrapped for one channel is published on another, possibly only a part of it. It must not be
+// mistaken for a message of the other channel.
 TEST(TwoForms, RepublishedMessageHasTheTypeOfItsNewChannel) {
   DataGraph graph;
   Kept<RawImage> here;

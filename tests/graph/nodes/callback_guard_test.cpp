@@ -21,7 +21,7 @@ TEST(CallbackGuard, DestroysTheCallbackOnceOutsideTheLockAndInsideTheNode) {
     std::unique_lock lock(mutex, std::try_to_lock);
     ASSERT_TRUE(lock.owns_lock()) << "the callback is destroyed under the node's lock";
     EXPECT_TRUE(guarded->destroying());
-    guarded->DestroyOnce(&node, lock, changed);  // As an object of the callback that closes the node again does.
+    guarded->DestroyOnce(&node, lock, changed);  // As if an object that the callback owns closed the node again.
     EXPECT_EQ(destroyed, 1);
   };
   CallbackGuard guard(

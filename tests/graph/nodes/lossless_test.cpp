@@ -136,7 +136,7 @@ TEST(Lossless, WaitingInsideACallbackIsRefusedAtOnce) {
       "c", Invoke::kSerial,
       [&](const int& value) {
         if (value != 0) return;
-        // Fill our own queue, then wait for room in it: only we could make some.
+        // Fill our own queue, then wait for room in it: only this callback's return could make room.
         while (publish(std::make_unique<int>(1)) == PublishStatus::kOk) {
         }
         status = static_cast<int>(publish.Wait(std::make_unique<int>(2), steady_clock::now() + test::kPatience));
@@ -169,7 +169,7 @@ TEST(Lossless, ByteLimitCountsQueuedMessages) {
   door.Open();
 }
 
-// Counts calls; says full when told to.
+// Counts calls. Returns kFull while `full` is set.
 class CountingOutlet final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }

@@ -73,7 +73,7 @@ TEST(MessageRing, PopsBlocksInOrder) {
   while (next < 300) {
     std::unique_ptr<MessageRing::Block> block = ring.PopBlock();
     ASSERT_FALSE(block->messages().empty());
-    if (pushed < 300) Push(ring, Make(pushed++));  // While the block is out.
+    if (pushed < 300) Push(ring, Make(pushed++));  // While the popped block is in use.
     for (QueuedMessage& message : block->messages()) {
       ASSERT_EQ(ValueOf(message), next++);
       message.message.reset();

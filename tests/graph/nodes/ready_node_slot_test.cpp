@@ -16,7 +16,7 @@ using test::Options;
 
 class ReadyNodeSlotTest : public testing::Test {
  protected:
-  /// A node that says which thread ran it, and how often.
+  /// A node that counts its runs and notes the thread of the last one.
   struct Node {
     std::atomic<int> count{0};
     std::atomic<std::thread::id> thread;

@@ -1,4 +1,4 @@
-// Readers beside writers. Every transform says its own stamp, so that one put together from two is seen.
+// Readers and writers at the same time. Every transform contains its own stamp, so that a mixture of two is detected.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -25,7 +25,7 @@ RigidTransform PoseAt(std::int64_t stamp) {
   return Shift(t, 2 * t, 3 * t);
 }
 
-// How many of the three edges' sums are not what their stamp says.
+// Number of the three edges whose values do not match their stamp.
 bool IsWhole(const StampedTransform& found) {
   const double t = kEdges * static_cast<double>(found.stamp.nanoseconds) / 1e6;
   return test::Difference(found.T_target_source, Shift(t, 2 * t, 3 * t)) < 1e-9 * (1 + t);
@@ -34,7 +34,7 @@ bool IsWhole(const StampedTransform& found) {
 class Concurrency : public testing::TestWithParam<int> {};
 
 TEST_P(Concurrency, ReadersSeeWholeTransformsWhileOthersWrite) {
-  // Few transforms, so that memory is used again and again.
+  // Few transforms, so that memory is reused often.
   TransformTree tree({.buffer = Duration(100 * kStep), .max_transforms_per_edge = 80});
   std::vector<FrameId> ids;
   for (int i = 0; i <= kEdges; ++i) ids.push_back(tree.Frame("frame" + std::to_string(i)));
@@ -54,7 +54,7 @@ TEST_P(Concurrency, ReadersSeeWholeTransformsWhileOthersWrite) {
         std::mt19937_64 random(static_cast<unsigned>(edge));
         for (std::int64_t i = 1; i <= kSets; ++i) {
           if (!set(edge, i * kStep)) ++broken;
-          // Now and then one out of order.
+          // Some transforms come out of order.
           if (i % 50 == 0) set(edge, i * kStep - static_cast<std::int64_t>(random() % (20 * kStep)));
         }
         --writing;
@@ -66,7 +66,7 @@ TEST_P(Concurrency, ReadersSeeWholeTransformsWhileOthersWrite) {
         std::int64_t last = 0;
         while (writing > 0) {
           const TransformResult latest = tree.Lookup(ids.front(), ids.back());
-          // When the writers are far apart, one has forgotten what is the other's latest.
+          // If the stamps of the writers are far apart, one edge has already forgotten the latest time of another.
           if (latest) {
             ++found;
             if (!IsWhole(*latest) || latest->stamp.nanoseconds < last) ++broken;
@@ -113,7 +113,7 @@ TEST_P(Concurrency, FramesAreFoundAndConnectedWhileOthersAddThem) {
       std::vector<std::jthread> writers;
       for (int writer = 0; writer < 2; ++writer) {
         writers.emplace_back([&, writer] {
-          // One links the even frames below the odd ones, the other the other way round.
+          // One thread puts the even frames below the odd ones, the other thread the odd ones below the even ones.
           for (int i = writer; i + 1 < kFrames; i += 2) {
             if (!tree.SetStatic("frame" + std::to_string(i), "frame" + std::to_string(i + 1), Shift(1))) ++broken;
           }

@@ -1,4 +1,4 @@
-// The tree against a naive one, with random trees, stamps and queries.
+// Compares the tree with a naive one for random trees, stamps and queries.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -33,7 +33,7 @@ TEST_P(Model, AgreesWithTheNaiveTree) {
   NaiveTree naive(kFrames, kBuffer, count);
   std::vector<FrameId> ids;
   for (std::size_t i = 0; i < kFrames; ++i) ids.push_back(tree.Frame("frame" + std::to_string(i)));
-  // Every frame below an earlier one, some roots, some static edges; the last frame has no edge.
+  // Every frame is below an earlier one; there are some roots and some static edges. The last frame has no edge.
   std::vector<int> parents(kFrames, -1);
   std::vector<std::int64_t> clocks(kFrames, 0);
   for (std::size_t i = 1; i + 1 < kFrames; ++i) {
@@ -56,7 +56,7 @@ TEST_P(Model, AgreesWithTheNaiveTree) {
       const std::int64_t kind = Within(random, 0, 19);
       if (kind == 0) stamp -= Within(random, 0, 1'200'000);                // Out of order, some too old.
       if (kind == 1) stamp = clocks[child] += Within(random, 0, 700'000);  // A gap.
-      // Neighbours in time are now near, now far from one another.
+      // Transforms that follow each other in time are sometimes close together and sometimes far apart.
       const RigidTransform T = test::RandomTransform(random);
       const auto parent = static_cast<std::size_t>(parents[child]);
       ASSERT_EQ(bool(tree.Set(ids[parent], ids[child], Time{stamp}, T)), naive.Set(parent, child, stamp, T));
@@ -71,7 +71,7 @@ TEST_P(Model, AgreesWithTheNaiveTree) {
         latest ? tree.Lookup(ids[target], ids[source]) : tree.Lookup(ids[target], ids[source], Time{stamp});
     const bool either_end = expected.fault == TransformFault::kTooOld || expected.fault == TransformFault::kTooNew;
     if (either_end) {
-      // One edge may be too old and another too new; which one is named is not said.
+      // If the time is too old for one edge and too new for another, either may be named.
       ASSERT_TRUE(found.fault() == TransformFault::kTooOld || found.fault() == TransformFault::kTooNew) << found.text();
       continue;
     }

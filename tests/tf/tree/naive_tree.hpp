@@ -12,7 +12,8 @@
 
 namespace hgros::test {
 
-/// What a transform tree should say, in the plainest way: maps of stamps, Eigen's slerp, products from the root.
+/// The expected results of a transform tree, computed in the simplest way: maps of stamps, Eigen's slerp, products
+/// from the root.
 class NaiveTree {
  public:
   struct Found {

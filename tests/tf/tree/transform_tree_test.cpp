@@ -110,7 +110,7 @@ TEST(TransformTree, TravelsThroughAFixedFrame) {
   TransformTree tree;
   for (int i = 0; i <= 5; ++i) ASSERT_TRUE(tree.Set("map", "base", At(i), Shift(i)));
   ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(0, 1)));
-  // What the laser saw 1 m ahead at 1 s is 3 m behind it at 5 s.
+  // A point that the laser saw 1 m ahead at 1 s is 3 m behind it at 5 s.
   const auto found = tree.Lookup("laser", At(5), "laser", At(1), "map");
   ASSERT_TRUE(found) << found.text();
   EXPECT_LT(((found->T_target_source * Eigen::Vector3d(1, 0, 0)) - Eigen::Vector3d(-3, 0, 0)).norm(), 1e-12);
@@ -127,7 +127,7 @@ TEST(TransformTree, NamesTheNearestKnownFrame) {
   EXPECT_EQ(found.failure().nearest_name, "base_link");
   EXPECT_EQ(found.text(), "No edge has a frame \"base_lnk\"; the nearest name is \"base_link\".");
   EXPECT_THROW((void)*found, Error);
-  (void)tree.Frame("base_lnks");  // Nobody knows it for that.
+  (void)tree.Frame("base_lnks");  // Frame() does not add an edge with this name.
   EXPECT_EQ(tree.Lookup("map", "base_lnks").failure().nearest_name, "base_link");
   EXPECT_EQ(tree.Lookup("map", "base_lnks").fault(), TransformFault::kUnknownFrame);
   EXPECT_EQ(tree.Lookup(FrameId{77}, FrameId{78}).fault(), TransformFault::kUnknownFrame);
@@ -352,7 +352,7 @@ TEST(TransformTree, RestartReplacesOldTransformsAfterTimeJumpedBack) {
   ASSERT_TRUE(tree.Set("map", "base", At(2), Shift(4)));
   EXPECT_LT(Difference(tree.Lookup("map", "base", At(1.5))->T_target_source, Shift(3.5)), 1e-12);
   EXPECT_EQ(tree.Edges().at(0).transforms, 2U);
-  for (int i = 0; i < 300; ++i) {  // Through all memory of both buffers, again and again.
+  for (int i = 0; i < 300; ++i) {  // Uses all memory of both buffers several times.
     tree.RestartTime();
     for (int stamp = 1; stamp <= i; ++stamp) ASSERT_TRUE(tree.Set("map", "base", At(stamp * 0.01), Shift(stamp + i)));
     if (i < 2) continue;

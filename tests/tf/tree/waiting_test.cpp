@@ -158,7 +158,7 @@ TEST_F(Waiting, WaitForTheLatestWaitsForTheSlowestEdge) {
 }
 
 TEST_F(Waiting, WaitForTheLatestEndsWhenAllEdgesHaveRestarted) {
-  tree.Set("base", "arm", Time{200}, Shift(1));  // The latest of both is what the first one lacks.
+  tree.Set("base", "arm", Time{200}, Shift(1));  // Now the first edge has no transform for the latest time.
   tree.Set("map", "base", Time{90}, Shift(1));
   int calls = 0;
   const auto pending = tree.WhenAvailable({tree.Frame("map"), tree.Frame("arm")}, [&](const TransformResult& result) {
