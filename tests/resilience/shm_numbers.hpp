@@ -106,8 +106,8 @@ class NumberStream : public OutboundSource {
   std::unique_ptr<OutboundChannel> channel_;
 };
 
-/// Checks what comes from each session: one after the other from wherever it begins, and whole. Holds on to the last
-/// few, and looks at each again when it lets go.
+/// Checks the messages of each session: their numbers follow each other, and their data are whole. It keeps the last
+/// few messages, and checks each again when it releases it.
 class NumberSink : public InboundSink {
  public:
   Accepted Accept(InboundMessage&& message) noexcept override {

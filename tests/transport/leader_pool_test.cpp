@@ -16,7 +16,7 @@ namespace {
 
 using conformance::Eventually;
 
-/// Hands out queued tasks; counts leaders.
+/// Returns queued tasks one by one, and notes if there are two leaders at once.
 class Queue : public LeaderPool::Input {
  public:
   void Wait() noexcept override {
@@ -60,7 +60,7 @@ class Queue : public LeaderPool::Input {
   std::atomic<bool> two_leaders{false};
 };
 
-/// One that can be asked, and wakes nobody for what comes.
+/// A queue that a visitor can read, and that wakes no thread when a task comes.
 class SilentQueue : public Queue {
  public:
   bool BeginAsking() noexcept override { return askable; }
@@ -198,7 +198,7 @@ TEST(LeaderPool, VisitEndsAtItsDeadline) {
   pool.Receive({.done = [] { return false; }, .until = until});
   EXPECT_GE(std::chrono::steady_clock::now(), until);
   queue.askable = false;
-  pool.Receive({.done = [] { return false; }, .until = Never()});  // Cannot be asked: it does not wait.
+  pool.Receive({.done = [] { return false; }, .until = Never()});  // Returns at once: visitors cannot read.
   EXPECT_EQ(queue.ended, 1);
 }
 
@@ -215,7 +215,7 @@ TEST(LeaderPool, HasOneVisitorAtATimeAndStopWaitsForIt) {
     pool->Receive({.done = told_to_leave, .until = Never()});
   });
   ASSERT_TRUE(Eventually([&] { return inside.load(); }));
-  pool->Receive({.done = [] { return false; }, .until = Never()});  // Returns: somebody visits already.
+  pool->Receive({.done = [] { return false; }, .until = Never()});  // Returns at once: there already is a visitor.
   EXPECT_EQ(queue.ended, 0);
   std::atomic<bool> stopped{false};
   std::jthread stopping([&] {
@@ -227,7 +227,7 @@ TEST(LeaderPool, HasOneVisitorAtATimeAndStopWaitsForIt) {
   leave = true;
   EXPECT_TRUE(Eventually([&] { return stopped.load(); }));
   EXPECT_EQ(queue.ended, 1);
-  pool->Receive({.done = [] { return false; }, .until = Never()});  // Nobody reads any more.
+  pool->Receive({.done = [] { return false; }, .until = Never()});  // Returns at once: the pool has stopped.
 }
 
 }  // namespace

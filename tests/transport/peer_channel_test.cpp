@@ -98,7 +98,7 @@ TEST(PeerChannel, WindowIncludesMessagesSentBeforeTheLinkBecameLossless) {
   EXPECT_EQ(Drained(channel), std::vector<std::uint64_t>{3});
   ASSERT_TRUE(channel.Confirm(1, 10, nowhere));
   EXPECT_EQ(Drained(channel), std::vector<std::uint64_t>{4});
-  EXPECT_EQ(channel.Resume(1, 10), 1u) << "what went as keep-last is lost";
+  EXPECT_EQ(channel.Resume(1, 10), 1u) << "a message that was sent as keep-last is lost";
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{3, 4}));
 }
 
@@ -129,12 +129,12 @@ TEST(PeerChannel, DropsNothingBeyondItsDepthBeforeItHasBegun) {
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{1, 2, 3}));
 }
 
-/// The same thing, slowly: everything ever sent and received is kept.
+/// A naive model of PeerChannel: it keeps everything that was sent and received.
 struct Model {
   Demand demand;
   std::deque<std::uint64_t> ring;
   std::vector<std::uint64_t> sent;      // Sequences by link number - 1.
-  std::vector<std::uint64_t> received;  // What the peer has, in order.
+  std::vector<std::uint64_t> received;  // The messages that the peer has, in order.
   std::size_t consumed = 0;
   std::size_t confirmed = 0;
 };
@@ -152,7 +152,7 @@ TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
         {.lossless = lossless, .queue_depth = 1 + below(5), .credit_messages = 1 + below(6), .credit_bytes = 10000});
     PeerChannel channel(model.demand);
     channel.Begin({});
-    std::vector<std::uint64_t> wire;  // Under way: sequences, with numbers model.received.size() + 1 onwards.
+    std::vector<std::uint64_t> wire;  // Sequences in flight; their link numbers begin at model.received.size() + 1.
     std::vector<std::uint64_t> all;
     std::uint64_t sequence = 0;
     for (int step = 0; step < 500; ++step) {
@@ -170,7 +170,7 @@ TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
           model.ring.push_back(sequence);
           break;
         }
-        case 2:  // Some of what is under way arrives and is consumed.
+        case 2:  // Some messages in flight arrive and are consumed.
           for (unsigned n = below(4); n > 0 && !wire.empty(); --n) {
             model.received.push_back(wire.front());
             wire.erase(wire.begin());
@@ -181,7 +181,7 @@ TEST_P(PeerChannelModel, BehavesLikeTheNaiveModel) {
           model.confirmed = model.consumed;
           ASSERT_TRUE(channel.Confirm(model.consumed, 10 * model.consumed, nowhere));
           break;
-        default: {  // A cut: what is under way is lost.
+        default: {  // A cut: messages in flight are lost.
           if (below(4) != 0) break;
           channel.Pause();
           ASSERT_FALSE(channel.Pop());

@@ -27,7 +27,7 @@ struct Ringer {
   std::shared_ptr<Mapping> page;
 };
 
-/// Every number is rung and must be seen before it is rung again: one lost ring hangs its ringer.
+/// Each ringer rings again only after its last ring was seen. So it stops if one ring is lost.
 void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool visited = false) {
   SessionBell bell(patience);
   std::vector<std::atomic<int>> seen(static_cast<std::size_t>(ringers));
@@ -42,7 +42,8 @@ void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool v
       bell.Wake();
     });
   }
-  // Looks for a moment now and then, and takes nothing: who has gone to sleep meanwhile is woken at the end of it.
+  // A visitor looks for a moment from time to time and takes nothing. At the end of its look it wakes a thread that
+  // has gone to sleep meanwhile.
   if (visited) {
     threads.emplace_back([&] {
       while (!stop) {
@@ -104,7 +105,7 @@ TEST(ShmBell, NextRingWakesTheSleeperIfAPeerDiedBeforeItsWakeUp) {
   auto& page = living.page->as<BellPage>();
   for (int step = 0; step < 50; ++step) {
     ASSERT_TRUE(Await([&] { return (page.asleep.load() & 1) != 0; }));
-    // What a ringing peer does before it wakes anybody; then it is killed.
+    // A peer does this before it wakes a thread; then it is killed.
     page.ready[0].fetch_or(4);
     page.asleep.fetch_add(2);
     const int before = seen;
@@ -168,7 +169,7 @@ TEST(ShmBell, EachWakeUpEndsOneWait) {
     waiters.emplace_back([&] {
       bell.Wait();
       ++ended;
-      bell.Wake();  // Each passes it on, as threads do that are to end.
+      bell.Wake();  // Each thread that ends wakes the next one.
     });
   }
   bell.Wake();

@@ -36,7 +36,8 @@ void Mark(Taken& taken) {
   bytes.front() = bytes[bytes.size() / 2] = bytes.back() = static_cast<std::byte>(taken.mark);
 }
 
-/// The model: what was taken and not given back keeps its bytes, lies where it says, and overlaps nothing.
+/// Compares with a model: a block that was taken and not returned keeps its bytes, is at its stated place, and
+/// overlaps no other block.
 void AgainstAModel(unsigned seed, std::uint64_t limit_bytes, std::size_t largest) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::minstd_rand random(seed);
@@ -50,7 +51,7 @@ void AgainstAModel(unsigned seed, std::uint64_t limit_bytes, std::size_t largest
       auto loan = pool->Allocate(size, &fault);
       if (!loan) {
         ASSERT_FALSE(fault.empty());
-        // The limit is real: what is in use, or could not be put beside it, fills it.
+        // Refused only if blocks in use, or this block alone, exceed the limit.
         std::uint64_t in_use = 0;
         for (const Taken& one : model) in_use += BlockPool::BlockBytes(one.loan.bytes.size());
         ASSERT_TRUE(in_use > 0 || BlockPool::BlockBytes(size) > limit_bytes) << size;
@@ -128,7 +129,7 @@ TEST(ShmBlockPool, AllocatesNothingAfterClose) {
   const auto pool = Pool(kMega);
   auto loan = pool->Allocate(100);
   ASSERT_TRUE(loan);
-  loan.reset();  // Somebody elsewhere may still read it.
+  loan.reset();  // A receiver may still read it.
   pool->Close();
   std::string fault;
   EXPECT_FALSE(pool->Allocate(100, &fault));
@@ -190,7 +191,7 @@ TEST(ShmBlockPool, AllocatesNothingBeyondTheRoomThatTheSystemReports) {
 TEST(ShmBlockPool, RemovedSegmentsCountAsFreeOnlyWhenTheSystemReportsRoom) {
   std::uint64_t room = 100 * kMega;
   const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
-  ASSERT_TRUE(pool->Allocate(3 * kMega));  // And back at once.
+  ASSERT_TRUE(pool->Allocate(3 * kMega));  // Returned at once.
   room = 0;
   EXPECT_FALSE(pool->Allocate(2 * kMega)) << "receivers may have it still";
   EXPECT_EQ(pool->usage().segments, 0u);

@@ -18,10 +18,10 @@
 
 namespace hgros::shm {
 
-/// The other side of a pair, made by hand: it can say and write whatever it likes.
+/// The other side of a pair, made by hand: it can send and write anything.
 class FalsePeer {
  public:
-  /// Connects to the session at `place`; `id` is what it says of itself.
+  /// Connects to the session at `place`, and claims to be the session `id`.
   explicit FalsePeer(const std::string& place, SessionId id = SessionId::Random())
       : id_(id),
         bell_(Page<BellPage>(kBellMagic)),
@@ -60,7 +60,7 @@ class FalsePeer {
     return said;
   }
   void Greet() { Say(Hello(), {Copy(bell_), Copy(lane_), Copy(slip_)}); }
-  /// Greets, and chooses this connection if that is for the smaller id to do and ours is it.
+  /// Greets. If our id is the smaller one, also chooses this connection.
   bool Meet() {
     Greet();
     SessionId theirs;
@@ -79,7 +79,7 @@ class FalsePeer {
   void SayRaw(const std::string& bytes) const {
     [[maybe_unused]] const auto sent = send(socket_->handle()->fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
-  /// A heartbeat, and the bell rung.
+  /// Sends a heartbeat and rings the bell.
   void Ring() const {
     lane().heartbeat.fetch_add(1);
     slip().heartbeat.fetch_add(1);
@@ -109,7 +109,7 @@ class FalsePeer {
   [[nodiscard]] bool ReadUntil(wire::PairMessage::WhatCase what) {
     return ReadUntil([what](const wire::PairMessage& message) { return message.what_case() == what; });
   }
-  /// The other side ends the connection: says so, and closes the socket when it holds nothing any more.
+  /// True if the other side ends the connection: it sends `bye`, or closes the socket when it holds no more messages.
   [[nodiscard]] bool IsEnded() { return ReadUntil(wire::PairMessage::kBye) || ended_; }
 
   /// Greets, and publishes the channel `lies`. False if the other side does not ask for it.
@@ -151,7 +151,7 @@ class FalsePeer {
   }
 
   wire::Wish wish;                ///< For `lies`.
-  std::uint64_t incarnation = 1;  ///< That it says of itself.
+  std::uint64_t incarnation = 1;  ///< The incarnation that it claims.
 
  private:
   void Note(PairSocket::Frame& frame) {

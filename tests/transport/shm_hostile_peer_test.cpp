@@ -1,4 +1,4 @@
-// Peers that lie, and what others notice of them: nothing.
+// Peers that lie. Other peers must not be disturbed.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -64,7 +64,7 @@ class HostilePeer : public testing::Test, public conformance::World {
     heard_answers.emplace(*victim, "answers", TextType(), lossless);
     ASSERT_TRUE(
         Await([&] { return news->channel->subscriber_count() == 1 && answers->channel->subscriber_count() == 1; }));
-    // What liars publish; the honest one does not.
+    // The channel of lying peers; the honest one does not publish it.
     from_liars.emplace(*victim, "lies", TextType(), Demand{.credit_messages = 4, .credit_bytes = 10'000});
   }
   void TearDown() override {
@@ -99,13 +99,13 @@ class HostilePeer : public testing::Test, public conformance::World {
                          [&](const std::string& line) { return line.find(part) != std::string::npos; });
     return found;
   }
-  /// The pair ends, and one sentence says why.
+  /// Expects that the pair ends, and that one logged sentence contains the reason.
   void ExpectEnd(FalsePeer& peer, const std::string& why) {
     EXPECT_TRUE(peer.IsEnded());
     EXPECT_TRUE(Await([&] { return Said(why).size() == 1; })) << why << ": " << testing::PrintToString(Said(""));
     EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
   }
-  /// Publishes properly, then `lie`.
+  /// Publishes correctly, then calls `lie` and expects the end of the pair.
   void ExpectLie(const std::function<void(FalsePeer&)>& lie, const std::string& why) {
     {
       const std::scoped_lock lock(mutex);
@@ -363,7 +363,7 @@ TEST_F(HostilePeer, BlocksHeldByALyingPeerStayUntilItsSocketEnds) {
   ASSERT_TRUE(Await([&] { return heard->sink.count() == 1; }));
   peer.SayRaw(std::string(100, '\xff'));
   ExpectEnd(peer, "a frame of");
-  // It may be an honest one that was misunderstood, and still read.
+  // The peer may be honest and still read, so its blocks stay.
   ExpectHonestUndisturbed();
   ASSERT_TRUE(Await([&] { return victim_transport->usage().blocks_in_use == 1; }));
   peer.Hang();
@@ -435,7 +435,7 @@ TEST_F(HostilePeer, TheSmallerIdChoosesAmongConnections) {
   FalsePeer first(place, smaller);
   ASSERT_TRUE(first.Publish());
   FalsePeer second(place, smaller);
-  second.Greet();  // Does not choose yet: the first one goes on.
+  second.Greet();  // Does not choose yet: the first connection continues.
   ASSERT_TRUE(second.ReadUntil(wire::PairMessage::kHello));
   first.Write(first.NextMessage());
   EXPECT_TRUE(Await([&] { return from_liars->sink.count() == 1; }));
@@ -476,7 +476,7 @@ TEST_F(HostilePeer, AFloodOfFramesDoesNotBlockOtherPeers) {
 }
 
 TEST_F(HostilePeer, MessagesArriveAlthoughAPeerDamagesTheBell) {
-  // A peer takes rings back and says that nobody sleeps.
+  // A peer clears the bits of others and marks the word as if no thread slept.
   FalsePeer peer(place);
   std::shared_ptr<Mapping> bell;
   PairSocket::Frame frame;

@@ -17,7 +17,7 @@
 namespace hgros::shm {
 namespace {
 
-/// Both ends of what goes from one session to another.
+/// Both ends of the way from one session to another.
 struct Lane {
   Lane() {
     std::string fault;
@@ -146,7 +146,7 @@ TEST(ShmLane, SlotsReturnedBySeveralThreadsWakeTheWriter) {
         held.push_back(read.slot);
       }
     });
-    // The writer sleeps whenever it has no slot: one return that it is not told of hangs it.
+    // The writer sleeps when it has no slot. So it stops if one returned slot does not wake it.
     std::atomic<bool> finished{false};
     std::jthread writing([&] {
       std::vector<std::shared_ptr<const void>> ended;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
 
-/// What the kernel says of a process and its groups, made by hand.
+/// The kernel's files about a process and its groups, written by hand.
 class ShmMemoryGroup : public testing::Test {
  protected:
   ShmMemoryGroup() {

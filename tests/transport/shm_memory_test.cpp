@@ -58,7 +58,7 @@ TEST(ShmMemory, ASegmentWithHolesIsRefusedBeforeItUsesUpMemory) {
   ASSERT_EQ(fcntl(sparse.fd(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW), 0);
   ExpectRefused(sparse, 0, "holes");
   std::string fault;
-  const auto page = MapForeign(sparse, 5000, false, fault);  // Of a page no more is mapped than it needs.
+  const auto page = MapForeign(sparse, 5000, false, fault);  // Only the size of the page is mapped.
   ASSERT_NE(page, nullptr) << fault;
   EXPECT_EQ(page->bytes().size(), 8192u);
 }

@@ -1,4 +1,4 @@
-// How long a pair lives, and in which order pairs are read.
+// The end of a pair, and the order in which pairs are read.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -20,7 +20,7 @@ using test::Await;
 
 constexpr auto kTimeout = std::chrono::milliseconds(1000);
 
-/// Writes down in which order messages come; the first one waits at the door if there is one.
+/// Notes the order of messages. If there is a door, the first message waits at it.
 class OrderSink : public InboundSink {
  public:
   struct Came {
@@ -62,7 +62,7 @@ class ShmPairLife : public testing::Test {
     reader = MakeShmTransport(options, listener, log);
     lies = reader->Subscribe("lies", TextType(), {.credit_messages = 256, .credit_bytes = 1 << 20}, sink);
   }
-  /// The thread that reads stands at the door from now on.
+  /// From now on the reading thread waits at the door.
   void HoldReader() {
     gate.door = &door;
     held = reader->Subscribe("gate", TextType(), {}, gate);
@@ -117,7 +117,7 @@ TEST_F(ShmPairLife, ASlowPayloadDoesNotCountAsSilence) {
   next.segment = kOnSocket;
   next.size_bytes = kPieces * kPiece;
   peer.Write(next);
-  // From now on its heart stands still: all that is heard of it are pieces.
+  // From now on its heartbeat stands still; it sends only pieces of the frame.
   for (std::size_t sent = 0; sent < frame.size(); sent += kPiece) {
     peer.SayRaw(frame.substr(sent, kPiece));
     test::Linger(kTimeout / 10);
@@ -126,7 +126,7 @@ TEST_F(ShmPairLife, ASlowPayloadDoesNotCountAsSilence) {
   EXPECT_EQ(listener.gone, 0);
 }
 
-/// Takes over what subscribers that may live on have not confirmed.
+/// Keeps the unconfirmed messages of subscribers that may still be alive.
 struct KeepingSource final : conformance::Source {
   bool OnCut(SessionId, const Demand&, std::vector<OutboundMessage>&&) noexcept override {
     ++cuts;
@@ -154,7 +154,7 @@ TEST_F(ShmPairLife, SourceKeepsMessagesForALostPeerButNotForASilentOne) {
   FalsePeer silent(place);
   ASSERT_TRUE(subscribe(silent));
   EXPECT_EQ(out->subscriber_count(), 1U);
-  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; })) << "its heart stands still";
+  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; })) << "its heartbeat stands still";
   EXPECT_EQ(keeping.cuts, 0);
   FalsePeer lost(place);
   ASSERT_TRUE(subscribe(lost));

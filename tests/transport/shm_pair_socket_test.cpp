@@ -117,7 +117,7 @@ TEST(ShmPairSocket, ReportsAnInvalidFrameAndStillSeesTheEnd) {
 
 TEST(ShmPairSocket, ALargeFrameIsReadInPieces) {
   Ends ends;
-  ends.here->Send(Payload(1, 700'000));  // The socket takes a part of it.
+  ends.here->Send(Payload(1, 700'000));  // The socket accepts only a part of it.
   ASSERT_FALSE(ends.here->all_sent());
   PairSocket::Frame frame;
   EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kMore);
@@ -169,7 +169,7 @@ TEST(ShmPairSocket, ReportsTheEndOfTheProcessBehindAPlace) {
   EXPECT_EQ(socket.PeerProcess(), child);
   EXPECT_EQ(socket.PeerUser(), geteuid());
   const Handle process = WatchProcess(socket.PeerProcess());
-  if (!process.valid()) GTEST_SKIP() << "this kernel has no descriptors of processes";
+  if (!process.valid()) GTEST_SKIP() << "this kernel has no pidfd";
   EXPECT_FALSE(HasEnded(process));
   kill(child, SIGKILL);
   EXPECT_TRUE(test::Await([&] { return HasEnded(process); }));

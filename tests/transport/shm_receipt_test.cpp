@@ -85,7 +85,7 @@ TEST(ShmReceipt, UsesTheWidestWindowThatWasGranted) {
   EXPECT_FALSE(receipt->HasRoom());
   held.pop_back();
   EXPECT_TRUE(receipt->HasRoom());
-  held.push_back(receipt->AdmitMessage(5000));  // One is let through whatever its size.
+  held.push_back(receipt->AdmitMessage(5000));  // One message of any size is allowed.
   held.erase(held.begin());
   EXPECT_FALSE(receipt->HasRoom());
 }

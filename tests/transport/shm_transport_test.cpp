@@ -1,4 +1,4 @@
-// What shared memory guarantees beyond the contract of all transports.
+// Guarantees of shared memory beyond the contract of all transports.
 #include "hgros/transport/shm_transport.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ class Keeper : public InboundSink {
   }
   void Run() noexcept override {
     if (Transport::IsVisitor() && answer == Accepted::kRunApart) ++wrong_runs;
-    if (answer != Accepted::kNothing) LetGo();  // For the credit.
+    if (answer != Accepted::kNothing) LetGo();  // So that the credit returns.
     ++runs;
   }
   void OnFault(PacketFault fault, std::string_view what) noexcept override {
@@ -56,15 +56,15 @@ class Keeper : public InboundSink {
     return kept_;
   }
   void LetGo() {
-    std::vector<InboundMessage> gone;  // Ends after the lock.
+    std::vector<InboundMessage> gone;  // Destroyed after the lock.
     const std::scoped_lock lock(mutex_);
     gone.swap(kept_);
   }
 
   std::atomic<Accepted> answer{Accepted::kNothing};
-  std::atomic<int> visits{0};  ///< Messages that a visiting thread brought.
+  std::atomic<int> visits{0};  ///< Messages that a visiting thread delivered.
   std::atomic<int> runs{0};
-  std::atomic<int> wrong_runs{0};  ///< User code on a visiting thread.
+  std::atomic<int> wrong_runs{0};  ///< Calls of Run() on a visiting thread.
 
  private:
   mutable std::mutex mutex_;
@@ -113,7 +113,7 @@ class ShmTransportTest : public testing::Test {
   std::unique_ptr<InboundChannel> inbound;
 };
 
-/// Two sessions that connect to each other at once end with one connection, and lose nothing on the way there.
+/// If two sessions connect to each other at once, one connection stays, and no message is lost.
 TEST(ShmTransportPair, BothSessionsMayConnectAtOnce) {
   for (int round = 0; round < 40; ++round) {
     conformance::Listener listener;
@@ -174,7 +174,7 @@ TEST_F(ShmTransportTest, AWaitingThreadMayReceiveMessagesItself) {
       for (int i = 0; i < kRounds && !HasFatalFailure(); ++i) {
         Publish("x");
         ++published;
-        // Sometimes while the other side visits, sometimes while it does not.
+        // Sometimes the other side visits at this time, sometimes it does not.
         if (i % 3 == 0) {
           ASSERT_TRUE(Await([&] { return keeper.runs > i; }));
         }
@@ -240,7 +240,7 @@ TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
   const Handle owner(knocking);
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
-  std::vector<Handle> holes;  // The lowest free descriptor is the one that counts.
+  std::vector<Handle> holes;  // The limit applies to the lowest free file descriptor.
   const int last = dup(knocking);
   const Handle last_owner(last);
   rlimit none = before;

@@ -134,7 +134,7 @@ TEST(ZmqEndpoint, MessagesThatARemovedEndpointHasReceivedAreStillDelivered) {
   };
   publish();
   ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
-  // These wait in ZeroMQ until the first has run, and are read together.
+  // These messages wait in ZeroMQ until the first has run, and are then read together.
   for (int i = 0; i < 20; ++i) publish();
   ASSERT_TRUE(Eventually([&] { return other_sink.count() == 21; }));
   first.Open();

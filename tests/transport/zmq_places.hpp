@@ -17,7 +17,7 @@
 
 namespace hgros::test {
 
-/// A folder that goes with the test.
+/// A folder that is removed at the end of the test.
 class Folder {
  public:
   Folder() {
@@ -41,7 +41,7 @@ struct Place {
     options.unreachable_after = std::chrono::milliseconds(200);
     transport = MakeZmqTransport(std::move(options), listener, log);
   }
-  /// Whether a line of the log has this text.
+  /// True if a line of the log contains this text.
   [[nodiscard]] bool Said(std::string_view text) { return TimesSaid(text) > 0; }
   [[nodiscard]] std::ptrdiff_t TimesSaid(std::string_view text) {
     const std::scoped_lock lock(mutex);
@@ -69,14 +69,14 @@ inline ZmqOptions SubscribeAt(const std::string& endpoint) {
   return options;
 }
 
-/// ZeroMQ without any of ours.
+/// A plain ZeroMQ socket, without this library.
 class RawSocket {
  public:
   explicit RawSocket(int type) : context_(std::make_shared<Context>()), socket_(zmq_socket(context_->raw, type)) {
     const int linger = 0;
     zmq_setsockopt(socket_, ZMQ_LINGER, &linger, sizeof linger);
   }
-  /// Is told of these `events` of another.
+  /// Receives these `events` of another socket.
   RawSocket(const RawSocket& watched, const char* address, int events)
       : context_(watched.context_), socket_(zmq_socket(context_->raw, ZMQ_PAIR)) {
     zmq_socket_monitor(watched.get(), address, events);

@@ -1,4 +1,4 @@
-// What comes from, and goes to, programs that are not HyperGraph ROS sessions.
+// Messages from and to programs that are not HyperGraph ROS sessions.
 #include <gmock/gmock.h>
 
 #include <random>
@@ -42,7 +42,7 @@ class PlainPublisher : public testing::Test {
     zmq_bind(pub.get(), folder.Ipc().c_str());
     place = std::make_unique<Place>(SubscribeAt(folder.Ipc()));
     channel = place->transport->Subscribe("scan", TextType(), {}, sink);
-    // The control topic comes first, then, as nobody welcomes it, the plain one.
+    // The control topic comes first. Without a Welcome, the plain topic follows.
     EXPECT_EQ(pub.Receive().front()[1], '\2');
     EXPECT_EQ(pub.Receive().front(), '\1' + PlainTopic("scan"));
   }
@@ -86,7 +86,7 @@ TEST_F(PlainPublisher, MalformedPacketsAreDroppedAndCountedByKind) {
   EXPECT_EQ(sink.texts().front(), "good");
   EXPECT_EQ(sink.faults, 8);
   const auto faults = place->transport->stats().faults;
-  // One frame, two frames, no head, and a head that says it is longer.
+  // One frame, two frames, no head, and a head with a length beyond its end.
   EXPECT_EQ(faults[static_cast<std::size_t>(PacketFault::kTruncated)], 4u);
   EXPECT_EQ(faults[static_cast<std::size_t>(PacketFault::kSeparator)], 1u);
   EXPECT_EQ(faults[static_cast<std::size_t>(PacketFault::kTopic)], 1u);
@@ -138,7 +138,7 @@ TEST(PlainSubscriber, GetsThreeFramesAndCountsAsOne) {
   head.encoding = Encoding::kCustom;
   head.id = {1, 1, 1};
   std::vector<std::string> frames;
-  for (int i = 0; frames.empty() && i < 100; ++i) {  // The second may still be joining: it does not matter here.
+  for (int i = 0; frames.empty() && i < 100; ++i) {  // The second subscriber need not have joined.
     ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
     out->Commit(head, Publication::PayloadOf(std::string(5000, 'x')));
     frames = first.Receive(100);
@@ -247,7 +247,7 @@ TEST(PlainSubscriber, MayLeaveWithoutEndingTheSubscriptionOfAnother) {
   EXPECT_EQ(out->subscriber_count(), 1u);
 }
 
-/// At an ipc or a tcp endpoint.
+/// Plain filters that are not whole topics, at an ipc or a tcp endpoint.
 class InvalidFilter : public testing::TestWithParam<bool> {
  protected:
   InvalidFilter() : publisher(PublishAt(GetParam() ? folder.Ipc() : "tcp://127.0.0.1:*")) {}
@@ -303,7 +303,7 @@ TEST_P(InvalidFilter, ClosesTheConnection) {
 INSTANTIATE_TEST_SUITE_P(PlainSubscriber, InvalidFilter, testing::Bool(),
                          [](const auto& test) { return test.param ? "Ipc" : "Tcp"; });
 
-/// A subscriber that says what it likes.
+/// A subscriber that may send any control message.
 class LyingSubscriber : public testing::Test {
  protected:
   LyingSubscriber() : place(PublishAt(folder.Ipc())), sub(ZMQ_XSUB) {
@@ -370,7 +370,7 @@ TEST_F(LyingSubscriber, IsGrantedALimitedWindow) {
 
 TEST_F(LyingSubscriber, IsDisconnectedAfterATooLongMessage) {
   sub.Send({'\2' + std::string(100'000, 'x')});
-  // The connection was closed; ZeroMQ makes another one, which is welcomed anew.
+  // The connection was closed. ZeroMQ makes another one, which gets a new Welcome.
   EXPECT_NE(Next().welcome().handshake(), 0u);
 }
 
@@ -396,7 +396,7 @@ TEST_F(LyingSubscriber, GetsPromisedMessagesEvenIfItNeverReadAboutItsLink) {
     ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
     out->Commit(head, Publication::PayloadOf(text));
   }
-  // As after a cut: the same session subscribes again, is welcomed, and knows of no link.
+  // As after a cut: the same session subscribes again, gets a Welcome, and knows no link.
   const std::uint64_t link = subscribed.link();
   sub.Send({"\1\2" + id.ToString()});
   welcome = Next().welcome();
@@ -472,7 +472,7 @@ TEST_F(LyingSubscriber, RandomControlMessagesDoNoHarm) {
   }));
 }
 
-/// A publisher that says what it likes.
+/// A publisher that may send any message.
 class LyingPublisher : public testing::Test {
  protected:
   LyingPublisher() : pub(ZMQ_XPUB) {
@@ -480,7 +480,7 @@ class LyingPublisher : public testing::Test {
     place = std::make_unique<Place>(SubscribeAt(folder.Ipc()));
     subscriber = SessionId::FromString(pub.Receive().front().substr(2));
   }
-  /// Until a message of the subscriber that `is`.
+  /// Reads until a message of the subscriber for which `is` returns true.
   wire::Control Await(const std::function<bool(const wire::Control&)>& is) {
     for (;;) {
       const auto frames = pub.Receive();
@@ -493,7 +493,7 @@ class LyingPublisher : public testing::Test {
     control.set_session(id.value);
     pub.Send({'\2' + subscriber.ToString(), control.SerializeAsString()});
   }
-  /// Welcomes the subscriber, and opens the link that it asks for.
+  /// Sends Welcome to the subscriber, and opens the link that it asks for.
   void Join(const TypeInfo& type, std::uint64_t fingerprint) {
     wire::Control welcome;
     welcome.mutable_welcome()->mutable_facts()->set_wire_major(1);
@@ -580,7 +580,7 @@ TEST_F(LyingPublisher, IsDisconnectedBeyondItsCreditAndMayComeBack) {
   EXPECT_EQ(sink.count(), 4u);
   EXPECT_EQ(in->publisher_count(), 0u);
   sink.Release(4);
-  // It connects anew, and its control topic comes with the connection.
+  // It connects again, and its control topic comes with the connection.
   ASSERT_TRUE(Eventually([&] {
     const auto frames = pub.Receive(100);
     return !frames.empty() && frames[0] == "\1\2" + subscriber.ToString();
