@@ -15,17 +15,17 @@
 
 namespace hgros {
 
-// What two sessions tell each other about themselves and their types, and how that is compared: the same for all
+// The facts that two sessions exchange about themselves and their types, and how these are compared: the same for all
 // transports.
 
 /// The longest type name that can be asked for.
 inline constexpr std::size_t kMaxTypeNameBytes = 1024;
-/// Sessions of this minor version and later are told of channels that come and go.
+/// Sessions of this minor version and later get Offers when channels come and go.
 inline constexpr std::uint32_t kOffersSinceMinor = 1;
 /// The longest text for people in a control message. A longer one is cut.
 inline constexpr std::size_t kMaxTextBytes = 512;
 
-/// What a session tells about itself in its handshakes.
+/// The facts of a session in its handshakes.
 struct SessionFacts {
   PeerInfo info;
   std::uint64_t incarnation = 0;
@@ -41,10 +41,10 @@ void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to);
 /// AnyType() is written as no type at all.
 void WriteType(std::string_view channel, const TypeInfo& type, wire::ChannelType& to);
 
-/// What a peer tells about a channel that it uses; nullopt if the channel's name is invalid.
+/// Reads a peer's data about a channel that it uses; nullopt if the channel's name is invalid.
 [[nodiscard]] std::optional<ChannelUse> ReadUse(const wire::ChannelType& from);
 
-/// Whether what one side publishes can be what the other side reads.
+/// Whether the type that one side publishes fits the type that the other side reads.
 enum class TypeFit {
   kEqual,    ///< As far as both know.
   kEvolved,  ///< One protobuf type name, two schemas: they must be compared.
@@ -57,19 +57,19 @@ enum class TypeFit {
 /// Compares our protobuf type with the peer's of the same name. An empty text: compatible.
 [[nodiscard]] std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo& ours);
 
-/// What this process tells about a session of its own.
+/// The facts of a session of this process.
 [[nodiscard]] SessionFacts OwnFacts(SessionId session, const std::string& process);
 
-/// What a publisher has told about its messages. A descriptor set of more than 1 MiB is left out.
+/// The schema that a publisher has sent. A descriptor set of more than 1 MiB is left out.
 [[nodiscard]] std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered,
                                                               const std::string& descriptor_set);
 
-/// The schema for a subscriber that has another version of the type, or takes any; empty if the types are equal,
+/// The schema for a subscriber that has another version of the type, or accepts any; empty if the types are equal,
 /// nullopt if they differ.
 [[nodiscard]] std::optional<std::string> SchemaFor(const wire::ChannelType& wanted, const TypeInfo& type);
 
-/// The name that an endpoint's list of channels must have for the channel to pass: its own; for the replies to a caller
-/// (hgros/reply/ID/NAME), the name of the requests (hgros/call/NAME).
+/// The name that allows the channel in an endpoint's list of channels. This is the channel's own name; for replies to
+/// a caller (hgros/reply/ID/NAME) it is the name of the requests (hgros/call/NAME).
 [[nodiscard]] std::string ListedAs(const std::string& channel);
 
 /// Throws Error if the type's name is longer than kMaxTypeNameBytes.

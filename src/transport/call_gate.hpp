@@ -7,7 +7,7 @@
 
 namespace hgros {
 
-/// Lets calls into the user's object through until it is closed. Closing waits for the calls inside.
+/// Allows calls into the user's object until the gate is closed. Closing waits for the calls inside.
 ///
 /// Thread safety: thread-safe.
 /// Invariants: after Close() has returned, no thread except the closing one is inside, and none can enter. A thread

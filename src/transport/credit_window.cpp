@@ -5,7 +5,7 @@
 namespace hgros {
 
 CreditWindow::Totals CreditWindow::in_flight() const noexcept {
-  // What was consumed first: it may grow meanwhile.
+  // Read the consumed counts first: they may grow meanwhile.
   const Totals consumed{consumed_messages_.load(), consumed_bytes_.load()};
   return {received_messages_.load() - consumed.messages, received_bytes_.load() - consumed.bytes};
 }

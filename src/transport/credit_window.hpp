@@ -7,8 +7,9 @@
 
 namespace hgros {
 
-/// The receiving side's account of one link: what was received, what was consumed, and the window, which is how much
-/// may be in flight. A transport's own class derives from TokenWindow and tells the publisher what was consumed.
+/// The receiving side's account of one link: the counts of received and consumed messages and bytes, and the window,
+/// which limits what may be in flight. A transport's own class derives from TokenWindow and reports the consumed
+/// counts to the publisher.
 ///
 /// Thread safety: the counts may be read anywhere. SetWindow() and the questions about room belong to the thread that
 /// reads the link, or are called under a mutex.
@@ -25,9 +26,9 @@ class CreditWindow {
   /// The number of messages received.
   [[nodiscard]] std::uint64_t received() const noexcept { return received_messages_.load(); }
   [[nodiscard]] std::uint64_t received_bytes() const noexcept { return received_bytes_.load(); }
-  /// Received and not consumed.
+  /// Messages and bytes received and not consumed.
   [[nodiscard]] Totals in_flight() const noexcept;
-  /// Whether a publisher that keeps to the window may send one more message.
+  /// Whether the window allows one more message.
   [[nodiscard]] bool HasRoomNow() const noexcept;
   /// Whether a publisher may send one more message if it does not know yet that its window has shrunk.
   [[nodiscard]] bool HasRoom() const noexcept { return IsInFlightBelow(widest_messages_, widest_bytes_); }
@@ -55,7 +56,7 @@ class CreditWindow {
     const std::uint64_t messages = consumed_messages_.load();
     return {messages, consumed_bytes_.load()};
   }
-  /// What the publisher was last told.
+  /// The totals that the publisher has last received.
   [[nodiscard]] Totals told() const noexcept {
     const std::uint64_t messages = told_messages_.load();
     return {messages, told_bytes_.load()};
@@ -64,7 +65,7 @@ class CreditWindow {
     told_messages_.store(totals.messages);
     told_bytes_.store(totals.bytes);
   }
-  /// Whether `news` is a quarter of the window or more: reason enough to tell the publisher.
+  /// Whether `news` is a quarter of the window or more; then the publisher must be told.
   [[nodiscard]] bool IsQuarter(const Totals& news) const noexcept {
     const Totals whole = window();
     return news.messages * 4 >= whole.messages || news.bytes * 4 >= whole.bytes;
@@ -75,7 +76,7 @@ class CreditWindow {
 
   std::atomic<std::uint64_t> window_messages_;
   std::atomic<std::uint64_t> window_bytes_;
-  std::uint64_t widest_messages_;  // Of all windows so far.
+  std::uint64_t widest_messages_;  // The widest window so far.
   std::uint64_t widest_bytes_;
   std::atomic<std::uint64_t> received_messages_{0};
   std::atomic<std::uint64_t> received_bytes_{0};
@@ -85,7 +86,7 @@ class CreditWindow {
   std::atomic<std::uint64_t> told_bytes_{0};
 };
 
-/// Held by one message in flight.
+/// One message in flight holds one token.
 template <typename Link>
 class CreditToken {
  public:
@@ -99,7 +100,7 @@ class CreditToken {
   const std::uint64_t bytes_;
 };
 
-/// A credit window whose messages hold tokens: the end of a token, on any thread, counts its message as consumed and
+/// A credit window whose messages hold tokens. The end of a token, on any thread, counts its message as consumed and
 /// calls `void Link::OnConsumed(std::uint64_t bytes) noexcept`, which may be private if TokenWindow is a friend.
 /// `Link` is the class that derives from this; the call is direct, not virtual.
 template <typename Link>

@@ -22,7 +22,7 @@ InboundCore::HeadFault InboundCore::Check(const PacketHead& head, SessionId from
     if (from.value == 0 || head.fingerprint == 0 || head.fingerprint == compared) return {};
     return {PacketFault::kType, "its " + head.type_name + " has another schema than the publisher named"};
   }
-  // The paper's own head has the channel and nothing else.
+  // The head of the paper contains only the channel.
   if (!head.type_name.empty() && head.type_name != type.name) {
     return {PacketFault::kType, "it carries " + head.type_name + ", not " + type.name};
   }
@@ -31,8 +31,8 @@ InboundCore::HeadFault InboundCore::Check(const PacketHead& head, SessionId from
   }
   if (head.fingerprint == 0 || type.fingerprint == 0 || head.fingerprint == type.fingerprint) return {};
   if (type.encoding != Encoding::kProtobuf) return {PacketFault::kType, "its " + type.name + " has another layout"};
-  // A session's schema was compared when the link was made. A plain publisher's schema cannot be compared: it is
-  // trusted to send what the type's name says.
+  // A session's schema was compared when the link was made. A plain publisher's schema cannot be compared, so only
+  // the type's name is checked.
   if (from.value == 0 || head.fingerprint == compared) return {};
   return {PacketFault::kType, "its " + type.name + " has another schema than the publisher named"};
 }

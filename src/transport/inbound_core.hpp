@@ -31,30 +31,30 @@ class InboundCore {
     std::string what;
   };
   [[nodiscard]] HeadFault Check(const PacketHead& head, SessionId from, std::uint64_t compared) const;
-  /// Gives a message to the sink. One that came before is counted in `repeats` instead. A task that is returned has to
-  /// run on another thread.
+  /// Gives a message to the sink; a repeat is counted in `repeats` instead. A returned task must run on another
+  /// thread.
   [[nodiscard]] static LeaderPool::Task Deliver(const std::shared_ptr<InboundCore>& core, InboundMessage&& message,
                                                 std::atomic<std::uint64_t>& repeats);
-  /// Tells the sink of a packet that was dropped.
+  /// Reports a dropped packet to the sink.
   void TellFault(PacketFault fault, std::string_view what);
 
-  /// A publisher sends us this channel over one endpoint only, the first that claims it. `endpoint` identifies it.
-  /// `handshake` is the number in the publisher's latest Welcome there. Endpoints with close numbers lead to one socket
-  /// of the publisher, which sends everything to both.
+  /// Claims the channel for an endpoint. A publisher sends us a channel over one endpoint only, the first one that
+  /// claims it. `endpoint` identifies that endpoint. `handshake` is the number in the publisher's latest Welcome
+  /// there. Endpoints with close numbers lead to one socket of the publisher, which sends everything to both.
   [[nodiscard]] bool Claim(SessionId publisher, const void* endpoint, std::uint64_t handshake);
   /// Whether another endpoint that leads to the same socket has the claim.
   [[nodiscard]] bool IsClaimedBeside(SessionId publisher, const void* endpoint, std::uint64_t handshake) const;
   [[nodiscard]] bool IsClaimed(SessionId publisher) const;
   /// True if `endpoint` had the claim.
   bool Release(SessionId publisher, const void* endpoint);
-  /// Tells the sink what a publisher sends, if the sink takes any type.
+  /// Reports a publisher's schema to the sink, if the sink accepts any type.
   static void TellOffer(const std::shared_ptr<InboundCore>& core, const PeerInfo& from,
                         const std::shared_ptr<const MessageSchema>& schema, Actions& actions);
   static void CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions);
 
   [[nodiscard]] Demand demand() const;
   void SetDemand(const Demand& demand);
-  /// Nothing reaches the sink afterwards. Waits for calls inside, except the caller's own.
+  /// After this, no call reaches the sink. Waits for calls inside, except the caller's own.
   void Close() { gate_.Close(); }
 
   const std::string name;
@@ -76,7 +76,7 @@ class InboundCore {
     std::uint64_t handshake;
   };
   std::unordered_map<SessionId, Claimed> claims_;
-  // Several runs of one sink may go on at once, but not on all threads: beyond a limit they wait for each other.
+  // Several runs of one sink may be active at once, but not on all threads: above a limit they wait for each other.
   std::size_t running_ = 0;
   std::size_t owed_runs_ = 0;
 };

@@ -123,7 +123,7 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
 bool Transport::IsVisitor() noexcept { return visits; }
 
 void LeaderPool::Receive(const Visit& visit) noexcept {
-  const auto keeps = state_;  // A thread that waits in Stop() may destroy the pool before the last line here.
+  const auto keeps = state_;  // A thread in Stop() may destroy the pool before this function returns.
   State& state = *keeps;
   bool may = false;
   {
@@ -139,7 +139,7 @@ void LeaderPool::Receive(const Visit& visit) noexcept {
       const bool late = std::chrono::steady_clock::now() >= visit.until;
       const bool read = state.input.MayRead() && LeadOnce(state);
       if (late) break;
-      if (!read) sched_yield();  // The sender of what is awaited, or a thread of the pool, may need this core.
+      if (!read) sched_yield();  // The sender of the awaited message, or a thread of the pool, may need this core.
     }
     visits = false;
     state.input.EndAsking();
@@ -150,7 +150,7 @@ void LeaderPool::Receive(const Visit& visit) noexcept {
     const std::scoped_lock lock(state.mutex);
     state.visited = false;
   }
-  state.turn.notify_all();  // One may wait to stop.
+  state.turn.notify_all();  // A thread may wait in Stop().
 }
 
 bool LeaderPool::LeadOnce(State& state) noexcept {
@@ -172,7 +172,7 @@ bool LeaderPool::LeadOnce(State& state) noexcept {
 void LeaderPool::Stop() noexcept {
   std::map<std::thread::id, std::thread> threads;
   std::vector<std::thread> retired;
-  std::deque<Task> left;  // Ends after the lock.
+  std::deque<Task> left;  // Destroyed after the lock.
   {
     std::unique_lock lock(state_->mutex);
     state_->stop = true;

@@ -8,12 +8,13 @@
 
 namespace hgros {
 
-/// Threads that take turns reading input. Two of them wait for it: when one has found a task that may take long and
-/// runs it, the other goes on waiting. So no message has to be handed to another thread.
+/// Threads that take turns at reading input. Two of them wait for it. When one has found a task and runs it, which
+/// may take long, the other continues to wait. So no message has to be passed to another thread.
 ///
 /// Thread safety: thread-safe. Start() and Stop() are called once each.
 /// Invariants: at most one thread is inside Input::Lead(). While started, at least one thread waits or reads or is
-/// about to, whatever tasks do. A task runs on the thread that read it; if that was a visitor, on a thread of the pool.
+/// about to, even if tasks block. A task runs on the thread that read it; if that was a visitor, on a thread of the
+/// pool.
 class LeaderPool {
  public:
   using Task = std::function<void()>;
@@ -23,7 +24,8 @@ class LeaderPool {
    public:
     virtual ~Input() = default;
     /// Waits until there may be something to read, or something is due, or Wake() was called. Several threads wait at
-    /// once. Input wakes at least one of them; input that arrives while none waits wakes the next one.
+    /// once. Input wakes at least one of them. Input that arrives while no thread waits wakes the next one that
+    /// waits.
     virtual void Wait() noexcept = 0;
     /// Reads without waiting, until there is a task to run or nothing is left. If it returns early it makes sure (Wake)
     /// that another thread reads the rest. One call at a time; each sees what the earlier ones did.

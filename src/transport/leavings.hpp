@@ -7,8 +7,9 @@
 
 namespace hgros {
 
-/// What ends with an operation of a transport. It is destroyed when the transport holds no mutex; if the caller has an
-/// EndsLater, after the caller's lock. The destructors of messages are the user's code.
+/// Objects that an operation of a transport no longer needs. They are destroyed when the transport holds no mutex; if
+/// the caller has an EndsLater, after the caller's lock. This matters because the destructors of messages are the
+/// user's code.
 struct Leavings {
   Leavings() = default;
   ~Leavings() {

@@ -22,7 +22,7 @@ struct OutboundCore {
 
   /// A subscriber has come or gone: a session, or, if `who` is none, the plain subscribers of one endpoint.
   static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, SessionId who, int change, Actions& actions);
-  /// Tells the source that there is room, if it was refused. Under the transport's mutex.
+  /// Reports room to the source, if the source was refused. Called under the transport's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 
   [[nodiscard]] OutboundChannel::Stats stats() const;

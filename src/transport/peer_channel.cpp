@@ -91,7 +91,8 @@ std::size_t PeerChannel::Trim(std::uint64_t spare_bytes, Dropped& dropped) {
   return count;
 }
 
-// The ring holds everything since the link was made, in order. The latched messages only fill in what came before.
+// The ring holds all messages since the link was made, in order. Latched messages are only needed for the time
+// before.
 void PeerChannel::Begin(std::vector<PendingMessage> latched) {
   if (!ring_.empty()) {
     const MessageId first = ring_.front().id;
@@ -115,7 +116,7 @@ void PeerChannel::Begin(std::vector<PendingMessage> latched) {
 
 bool PeerChannel::Confirm(std::uint64_t messages, std::uint64_t bytes, Dropped& dropped) {
   if (messages > sent_messages_ || bytes > sent_bytes_) return false;
-  if (messages < confirmed_messages_ || bytes < confirmed_bytes_) return true;  // Old news.
+  if (messages < confirmed_messages_ || bytes < confirmed_bytes_) return true;  // An older confirmation.
   while (unconfirmed_.size() > sent_messages_ - messages) {
     dropped.push_back(std::move(unconfirmed_.front()));
     unconfirmed_.pop_front();

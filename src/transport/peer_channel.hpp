@@ -13,7 +13,7 @@
 
 namespace hgros {
 
-/// A message as a transport has packed it, once for all its peers.
+/// A message that a transport has packed once for all its peers.
 class Outgoing {
  public:
   virtual ~Outgoing() = default;
@@ -26,14 +26,15 @@ struct PendingMessage {
   std::uint64_t bytes = 0;
 };
 
-/// The sending side of one channel towards one peer: a ring of what waits, the credit of what may go, and for
-/// lossless peers what went and was not confirmed. Knows no socket; its owner sends what Pop() gives.
+/// The sending side of one channel towards one peer: a ring of waiting messages, the credit, and for lossless peers
+/// the messages that were sent and not confirmed. It knows no socket: its owner sends the messages that Pop()
+/// returns.
 ///
 /// Messages are numbered from 1 in the order of Pop(); these are numbers of the link, not of the publisher. All counts
 /// are cumulative, so the next confirmation replaces a lost one.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
-/// Invariants: confirmed <= sent; Pop() gives nothing while sent - confirmed has used up the credit, or while the
+/// Invariants: confirmed <= sent; Pop() returns nothing while sent - confirmed has used up the credit, or while the
 /// link is paused or has not begun. Lossless: nothing is ever dropped, and the unconfirmed messages are exactly
 /// confirmed + 1 ... sent, except those that were sent while the link was keep-last. Keep-last: at most queue_depth
 /// live messages wait; until the link begins, at least 64 may.
@@ -44,8 +45,8 @@ class PeerChannel {
 
   explicit PeerChannel(const Demand& granted);
 
-  /// What a publisher grants to a peer that asks for this: within limits, and with zeros raised to the least that
-  /// works.
+  /// The demand that a publisher grants to a peer that asks for this one: within limits, and with zeros raised to the
+  /// smallest value that works.
   [[nodiscard]] static Demand Granted(const Demand& asked, std::uint64_t max_credit_bytes) noexcept;
 
   [[nodiscard]] bool lossless() const noexcept { return demand_.lossless; }
@@ -61,7 +62,7 @@ class PeerChannel {
   }
 
   /// Adds a committed message, and uses up its reservation if it has one. False if the message is skipped because it
-  /// was sent as a latched one; then only the reservation is given back.
+  /// was already sent as a latched one; then the reservation is only returned.
   bool Push(PendingMessage message);
   /// Returns the next message that may be sent now, and counts it as sent; its number on the link is sent(). None:
   /// credit is used up, or nothing waits.
@@ -74,21 +75,21 @@ class PeerChannel {
   /// come later and were among the latched ones are skipped.
   void Begin(std::vector<PendingMessage> latched);
 
-  /// The peer has consumed this much in total. Less than before changes nothing. False if it is more than was sent,
-  /// which changes nothing either.
+  /// Sets the total that the peer has consumed. A smaller total than before changes nothing. False if it is more than
+  /// was sent; then nothing changes either.
   bool Confirm(std::uint64_t messages, std::uint64_t bytes, Dropped& dropped);
 
   /// Sends nothing until Resume(); commits wait in the ring.
   void Pause() noexcept { paused_ = true; }
   [[nodiscard]] bool paused() const noexcept { return paused_; }
-  /// Goes on after a cut. The peer has received this much in total; a lossless link sends the rest again.
-  /// Returns how many messages are lost for good (keep-last), or nullopt if the peer's counts are impossible.
+  /// Continues after a cut. The peer has received this much in total; a lossless link sends the rest again. Returns
+  /// how many messages are lost for good (keep-last), or nullopt if the peer's counts are impossible.
   [[nodiscard]] std::optional<std::uint64_t> Resume(std::uint64_t received_messages, std::uint64_t received_bytes);
 
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_messages_; }
   [[nodiscard]] std::uint64_t waiting_bytes() const noexcept { return waiting_bytes_; }
   [[nodiscard]] std::size_t waiting() const noexcept { return ring_.size(); }
-  /// What a lossless peer would miss if it died now.
+  /// Number of messages that a lossless peer would miss if it died now.
   [[nodiscard]] std::size_t unfinished() const noexcept { return unconfirmed_.size() + ring_.size(); }
   /// Those messages, oldest first.
   [[nodiscard]] std::vector<PendingMessage> Unfinished() const;
@@ -101,7 +102,7 @@ class PeerChannel {
   bool begun_ = false;
   bool paused_ = false;
   std::deque<PendingMessage> ring_;
-  std::size_t latched_waiting_ = 0;  // This many at the front of ring_ are latched: the depth does not apply to them.
+  std::size_t latched_waiting_ = 0;  // Latched messages at the front of ring_: the depth does not apply to them.
   std::uint64_t waiting_bytes_ = 0;
   std::deque<PendingMessage> unconfirmed_;
   std::uint64_t reserved_ = 0;

@@ -4,7 +4,7 @@
 
 namespace hgros {
 
-/// Waits for descriptors with epoll in edge-triggered mode: each new signal wakes one of the waiting threads, once.
+/// Waits for descriptors with epoll in edge-triggered mode. Each new signal wakes one of the waiting threads once.
 ///
 /// Thread safety: thread-safe; several threads may wait.
 class Poller {

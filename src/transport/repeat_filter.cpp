@@ -3,7 +3,7 @@
 namespace hgros {
 namespace {
 
-// A peer could invent publishers: beyond this number all are forgotten, so that memory does not grow.
+// A peer could invent publishers. Above this number all are forgotten, so that memory does not grow.
 constexpr std::size_t kMaxPublishers = 1024;
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace hgros {
 /// Recognizes messages that came before, by sender, publisher, incarnation and sequence. Messages of one sender never
 /// make another sender's messages count as repeats.
 ///
-/// Threads that publish through one handle may overtake each other between numbering and sending. So the last kWindow
-/// sequences are remembered one by one; an older one counts as a repeat.
+/// Threads that publish through one handle may send in another order than they number. So the last kWindow sequences
+/// are remembered one by one; an older one counts as a repeat.
 /// Thread safety: none; the owner guards it.
 class RepeatFilter {
  public:

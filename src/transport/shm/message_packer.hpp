@@ -9,16 +9,16 @@
 
 namespace hgros::shm {
 
-/// Puts messages into the shared memory of this session, once for all their receivers.
+/// Puts each message into the shared memory of this session, once for all its receivers.
 ///
-/// Thread safety: all functions. Invariants: bytes that lie in the pool already are not copied; bytes that the caller
-/// does not share (no owner) always are.
+/// Thread safety: all functions. Invariants: bytes that are already in the pool are not copied; bytes without an
+/// owner are always copied.
 class MessagePacker {
  public:
   explicit MessagePacker(ShmSession& session)
       : session_(session), pool_(std::make_shared<BlockPool>(session.options.limit_bytes)) {}
 
-  /// Without a place if there is no shared memory left; that is logged.
+  /// The result has no place if there is no shared memory left; this is logged.
   [[nodiscard]] std::shared_ptr<const ShmMessage> Pack(const PacketHead& head, const Payload& data);
   /// Nothing if there is no shared memory left.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);

@@ -77,7 +77,7 @@ void OfferedChannels::OnWish(Pair& pair, const wire::Wish& asked) {
       sockets_.Distrust(pair, "it asks for what cannot be");
       return;
     }
-    // It has not heard yet that the link has ended.
+    // The peer does not know yet that the link has ended.
     if (const auto ended = pair.ended.find(name); ended != pair.ended.end()) {
       if (ended->second == asked.link()) return;
       pair.ended.erase(ended);

@@ -14,7 +14,7 @@
 
 namespace hgros::shm {
 
-/// The channels that this session offers, and what each peer has asked for: joins the two into links.
+/// The channels that this session offers, and the wishes of each peer: makes links of both.
 ///
 /// Thread safety: Offer() and Withdraw() are thread-safe, the rest runs on the socket thread. Order of locks: this one,
 /// then the publisher's. It guards Pair::wishes and Pair::ended.

@@ -39,7 +39,7 @@ struct OutChannel final : OutboundCore {
   std::vector<OutLink*> links;  ///< One for each peer that is served.
 };
 
-/// What we publish to one peer on one channel.
+/// The link of one channel to one peer.
 /// Thread safety: ShmPublisher guards it.
 struct OutLink {
   OutLink(Pair& to, std::shared_ptr<OutChannel> channel, std::uint64_t number, std::uint32_t slip_cell,
@@ -56,7 +56,7 @@ struct OutLink {
   std::uint64_t counted_bytes = 0;    ///< Part of flow.waiting_bytes() in the sums of the pair and the channel.
 };
 
-/// What goes to one peer.
+/// The way to one peer.
 /// Thread safety: ShmPublisher guards it.
 struct OutSide {
   std::shared_ptr<const PeerBell> bell;

@@ -6,7 +6,7 @@
 namespace hgros::shm {
 namespace {
 
-// A payload in the publisher's memory: its slot goes back when nobody reads it any more.
+// A payload in the publisher's memory. Its slot is returned when the last reader ends.
 struct Borrow {
   Borrow(std::shared_ptr<Slip> of, std::shared_ptr<Mapping> where, std::uint32_t number) noexcept
       : slip(std::move(of)), segment(std::move(where)), slot(number) {}
@@ -53,7 +53,7 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
     return Step::kSkipped;
   }
   InLink& link = *found->second;
-  // What the message needs comes over the socket, which may be slower.
+  // The segment or payload of the message comes over the socket, which may be slower.
   std::shared_ptr<Mapping> segment;
   auto apart = apart_.end();
   bool complete = link.granted;
@@ -113,7 +113,7 @@ Payload PairInbox::PayloadOf(const std::shared_ptr<Slip>& slip, const Descriptor
     return CopyOf({});
   }
   const Bytes bytes = segment->bytes().subspan(descriptor.offset_bytes, descriptor.size_bytes);
-  // A receiver that keeps many messages must not use up the slots that others need.
+  // A receiver that keeps many messages must not take all slots.
   if (slip->held() > kSlots / 2) {
     Payload copy = CopyOf(bytes);
     slip->Return(descriptor.slot);

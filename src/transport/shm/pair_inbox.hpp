@@ -18,16 +18,16 @@
 
 namespace hgros::shm {
 
-/// What one peer publishes to us on one channel.
+/// The link of one channel from one peer.
 /// Thread safety: the pair's inbox guards it, except where another owner is named.
 struct InLink {
   std::shared_ptr<InboundCore> core;
   std::uint64_t link = 0;
   std::shared_ptr<Receipt> receipt;
-  bool granted = false;              ///< And counted as a publisher.
+  bool granted = false;              ///< The link was granted and is counted as a publisher.
   std::uint64_t asked_messages = 1;  ///< The widest window we have asked for; no more than that is granted.
   std::uint64_t asked_bytes = 1;
-  std::uint64_t apart_bytes = 0;  ///< Bytes of payloads that came before their messages.
+  std::uint64_t apart_bytes = 0;  ///< Bytes of payloads that have come before their messages.
   std::uint64_t too_large = 0;    ///< Messages that the publisher has held back. Socket thread only.
   std::string type_name;
   Encoding encoding = Encoding::kNone;
@@ -37,29 +37,29 @@ struct InLink {
   std::optional<std::uint64_t> ends_after;      ///< The publisher withdraws the channel after this many messages.
 };
 
-/// What one peer sends us: the lane with its messages, and what these need: links, segments, and payloads that came
-/// over the socket.
+/// Everything that one peer sends us: the lane with its messages, its links and segments, and payloads that came over
+/// the socket.
 ///
 /// Thread safety: all functions; Next() on one thread at a time.
-/// Invariants: everything that the peer writes is copied once and then checked. A message is only taken out of the lane
-/// together with all it needs. Each slot that was taken out is returned once. The payloads kept for a link never exceed
-/// the credit we have asked for.
+/// Invariants: everything that the peer writes is copied once and then checked. A message is taken out of the lane
+/// only when its segment or payload is there. Each slot that was taken out is returned once. The payloads kept for a
+/// link never exceed the credit we have asked for.
 class PairInbox {
  public:
   explicit PairInbox(std::shared_ptr<Slip> slip) noexcept : slip_(std::move(slip)) {}
 
-  /// The page that the peer is to map.
+  /// The page that the peer must map.
   [[nodiscard]] std::shared_ptr<const Handle> slip_handle() const;
-  /// Once, before anything is read. `from` is the peer's session.
+  /// Called once, before anything is read. `from` is the peer's session.
   void Open(std::unique_ptr<LaneReader> lane, std::shared_ptr<const PeerBell> bell, SessionId from);
-  /// Nothing more is read, although there may be more.
+  /// Stops reading, even if there is more.
   void StopReading();
   /// Forgets everything. Returns the links, so that the caller can count their publishers.
   [[nodiscard]] std::vector<std::shared_ptr<InLink>> Clear();
-  /// Messages of `earlier`, from the same session, are read before any of this one.
+  /// Messages of `earlier`, an inbox of the same session, are read before those of this one.
   void ReadAfter(std::shared_ptr<const PairInbox> earlier);
 
-  /// Tells the peer that we live.
+  /// Sends a heartbeat to the peer.
   void Beat() noexcept;
 
   /// Null if the slip has no cell left.
@@ -69,7 +69,7 @@ class PairInbox {
   [[nodiscard]] std::shared_ptr<InLink> LinkAt(std::uint64_t number) const;
   /// Returns what was removed, or null.
   std::shared_ptr<InLink> RemoveLink(const std::string& channel);
-  /// Call before the peer is asked: it may send this much.
+  /// Sets the window that we ask for. Call it before the peer is asked.
   void RaiseLimits(InLink& link, const Demand& demand);
   /// The peer serves the link. True the first time. `schema`: may be null.
   bool Grant(InLink& link, const wire::Granted& granted, std::shared_ptr<const MessageSchema> schema);
@@ -83,7 +83,7 @@ class PairInbox {
   [[nodiscard]] bool AddPayload(wire::PayloadApart& payload);
   /// Whether the next message waits for something that comes over the socket.
   [[nodiscard]] bool blocked() const;
-  /// Clears that, and returns whether it was set: something has come.
+  /// Clears that mark and returns whether it was set. Called when something has come over the socket.
   [[nodiscard]] bool Unblock();
 
   enum class Step {
@@ -97,7 +97,7 @@ class PairInbox {
     std::shared_ptr<InLink> link;
     InboundMessage message;
     bool ends = false;          ///< It is the link's last message.
-    const char* lie = nullptr;  ///< What is wrong.
+    const char* lie = nullptr;  ///< The impossible value, in words.
   };
   /// Takes the next message out of the lane.
   [[nodiscard]] Step Next(Arrival& arrival, std::uint64_t max_message_bytes);

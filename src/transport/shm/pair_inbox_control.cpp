@@ -1,4 +1,4 @@
-// What a pair's inbox is told over the socket.
+// Frames over the socket that concern a pair's inbox.
 #include <algorithm>
 #include <utility>
 
@@ -25,7 +25,7 @@ void PairInbox::StopReading() {
 
 std::vector<std::shared_ptr<InLink>> PairInbox::Clear() {
   std::vector<std::shared_ptr<InLink>> ended;
-  std::shared_ptr<Slip> slip;  // Ends after the lock: it shuts down the socket.
+  std::shared_ptr<Slip> slip;  // Destroyed after the lock: it shuts down the socket.
   {
     const std::scoped_lock lock(mutex_);
     for (auto& [number, link] : links_) ended.push_back(std::move(link));
@@ -130,7 +130,7 @@ bool PairInbox::AddPayload(wire::PayloadApart& payload) {
   const auto found = links_.find(payload.link());
   if (found == links_.end()) return true;  // Just unsubscribed.
   InLink& link = *found->second;
-  const std::uint64_t ahead = payload.number() - link.receipt->received();  // Wraps around for what is past.
+  const std::uint64_t ahead = payload.number() - link.receipt->received();  // Wraps around for earlier messages.
   if (ahead == 0 || ahead > link.asked_messages || link.apart_bytes >= link.asked_bytes ||
       apart_.contains({payload.link(), payload.number()})) {
     return false;

@@ -10,8 +10,9 @@ std::shared_ptr<Receipt> Receipt::Make(const std::shared_ptr<Slip>& slip) {
 
 Receipt::~Receipt() { slip_->FreeCell(cell_); }
 
-// Our own sums have been counted before: a publisher that reads the slip may send the next message at once, and
-// HasRoom() must know why. The slip's sums decide which thread tells: of several, the last one sees all of them there.
+// Our own sums were counted first: a publisher that reads the slip may send the next message at once, and then
+// HasRoom() must already know it. The slip's sums decide which thread rings: if several threads count at once, the
+// last one sees all of them there.
 void Receipt::OnConsumed(std::uint64_t bytes) noexcept {
   const auto [messages, total_bytes] = slip_->Count(cell_, bytes);
   const Totals known = told();

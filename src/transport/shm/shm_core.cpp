@@ -42,8 +42,8 @@ void ShmCore::Close(int linger_ms) noexcept {
   if (!publisher_.Close(linger_ms)) return;
   sockets_.Stop();
   receiver_.Stop();
-  publisher_.pool().Close();  // Peers may go on reading what is released below.
-  Actions nobody_listens;     // Ends without a lock: messages may end with it.
+  publisher_.pool().Close();  // Peers may still read blocks that are released below.
+  Actions nobody_listens;     // Destroyed without a lock: messages may be destroyed with it.
   connections_.Close(nobody_listens);
 }
 

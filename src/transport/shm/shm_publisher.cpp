@@ -13,7 +13,7 @@ bool HasRoom(const OutChannel& channel) {
                              [](const OutLink* link) { return !link->flow.lossless() || link->flow.HasRoom(); });
 }
 
-// Corrects the sums of what waits.
+// Corrects the sums of waiting bytes.
 void CountWaiting(OutLink& link) {
   const std::uint64_t now = link.flow.waiting_bytes();
   link.pair.out.waiting_bytes += now - link.counted_bytes;  // May wrap around; the sum is right.
@@ -23,7 +23,8 @@ void CountWaiting(OutLink& link) {
 
 }  // namespace
 
-// Looks at what is known, then at what the peers say now, and again after asking them to ring.
+// Checks the known counts, then the peers' current counts, and the current counts again after asking the peers to
+// ring.
 bool ShmPublisher::FindRoom(const OutChannel& channel, Leavings& leavings) {
   if (HasRoom(channel)) return true;
   for (const bool asked : {false, true}) {
@@ -46,7 +47,7 @@ PublishStatus ShmPublisher::Reserve(OutChannel& channel) {
   Leavings leavings;
   const std::scoped_lock lock(mutex_);
   if (!HasRoom(channel)) {
-    channel.refused = true;  // Set before asking: the answer may come at once.
+    channel.refused = true;  // Set before the question: the answer may come at once.
     if (!FindRoom(channel, leavings)) return PublishStatus::kFull;
   }
   for (OutLink* link : channel.links) {
@@ -87,10 +88,10 @@ void ShmPublisher::Commit(const std::shared_ptr<OutChannel>& core, const PacketH
       skipped = !link->flow.Push({message, message->id, message->data.bytes.size()}) || skipped;
       if (Send(*link, leavings)) bells.push_back(link->pair.out.bell);
     }
-    // That has freed a reservation, and a publish call may have been refused meanwhile.
+    // This has freed a reservation, and a publish call may have been refused meanwhile.
     if (skipped && HasRoom(*core)) OutboundCore::TellRoom(core, actions);
   }
-  // Everything that can wait is done after this: the receivers are on their way.
+  // The rest is done after this, because the receivers are already awake.
   for (const auto& bell : bells) bell->Ring();
   bells.clear();
   {
@@ -163,7 +164,8 @@ void ShmPublisher::Drain(OutLink& link, Leavings& leavings, Bells& bells) {
   if (link.flow.lossless() || link.flow.waiting() > 0) ReadCredit(link, leavings);
   if (link.flow.waiting() > 0) {
     sent = Send(link, leavings) || sent;
-    // Try again after each question: what the peer gave back before it saw the question rings no bell.
+    // Try again after each question: for slots and credit that the peer returned before it saw the question, it does
+    // not ring.
     for (std::uint32_t asked = 0; link.flow.waiting() > 0;) {
       const std::uint32_t missing = kForCredit | (pair.out.lane->HasSlot() ? 0 : kForSlots);
       if ((asked & missing) == missing) break;

@@ -37,15 +37,15 @@ class ShmPublisher {
   void Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& head, const Payload& data);
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes) { return packer_.Loan(size_bytes); }
   [[nodiscard]] BlockPool& pool() const noexcept { return packer_.pool(); }
-  /// Sends what has waited for slots or credit of this peer.
+  /// Sends the messages that have waited for slots or credit of this peer.
   void SendWaiting(Pair& pair);
 
   // Links: shm_publisher_links.cpp.
-  /// Why a link ends. It decides what becomes of messages that a lossless subscriber has not confirmed.
+  /// Why a link ends. This decides what happens to messages that a lossless subscriber has not confirmed.
   enum class LinkEnd {
     kAsked,     ///< The subscriber wants no more.
-    kForGood,   ///< Nobody gets the rest: it is counted as missed.
-    kPairLost,  ///< The subscriber may live on: its channel may keep the rest for it.
+    kForGood,   ///< The subscriber does not get the rest: it is counted as missed.
+    kPairLost,  ///< The subscriber may still be alive: its channel may keep the rest for it.
   };
   /// The link exists and waits for BeginLink().
   void AddLink(const std::shared_ptr<OutChannel>& core, Pair& pair, const wire::Wish& asked, const Demand& granted,
@@ -66,11 +66,10 @@ class ShmPublisher {
   /// Once per heartbeat. `removed`: segments of the pool. Returns the peer's heartbeat.
   std::uint32_t Beat(Pair& pair, const std::vector<std::uint32_t>& removed);
   void RemoveAllLinks(Pair& pair, LinkEnd why, Actions& actions);
-  /// What the lane holds ends with it: the messages of the user, when no mutex is held.
+  /// Returns what the lane holds: messages of the user, which must be destroyed when no mutex is held.
   [[nodiscard]] std::unique_ptr<LaneWriter> ReleaseLane(Pair& pair);
 
-  /// From here on nothing is published. Waits until everything was sent, for `linger_ms` at most. False if it was
-  /// called before.
+  /// Stops publishing. Waits until everything was sent, for at most `linger_ms`. False if it was called before.
   bool Close(int linger_ms) noexcept;
   /// Wakes Close(): something may have been sent.
   void NotifyClose();
@@ -101,7 +100,7 @@ class ShmPublisher {
 
   std::mutex sent_mutex_;
   std::condition_variable sent_;
-  std::uint64_t rounds_ = 0;  // How often something may have been sent.
+  std::uint64_t rounds_ = 0;  // Number of times that something may have been sent.
 };
 
 }  // namespace hgros::shm

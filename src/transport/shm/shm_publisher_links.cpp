@@ -1,4 +1,4 @@
-// How links and pairs begin and end for the publisher.
+// The begin and the end of links and pairs, on the publisher's side.
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -22,7 +22,7 @@ bool KeepForLater(OutChannel& core, SessionId subscriber, const Demand& demand,
   return kept;
 }
 
-// Leaves what the subscriber has not confirmed to the source.
+// Passes the messages that the subscriber has not confirmed to the source.
 bool KeepForLater(const OutLink& link) {
   std::vector<OutboundMessage> messages;
   for (const PendingMessage& pending : link.flow.Unfinished()) {
@@ -73,7 +73,7 @@ void ShmPublisher::BeginLink(const std::shared_ptr<OutChannel>& core, Pair& pair
     const std::scoped_lock lock(mutex_);
     OutLink* const link = FindLink(*core, pair);
     if (link == nullptr || link->link != number) {
-      // Perhaps the pair was lost before the link was given any.
+      // The pair may have been lost before the link got any.
       if (!pair.alive && !messages.empty()) (void)KeepForLater(*core, subscriber, {}, std::move(messages));
       return;
     }
@@ -90,7 +90,7 @@ void ShmPublisher::BeginLink(const std::shared_ptr<OutChannel>& core, Pair& pair
 void ShmPublisher::ChangeDemand(const OutChannel& core, Pair& pair, const Demand& granted,
                                 const wire::PairMessage& answer, Actions& actions) {
   const auto dropped = std::make_shared<Leavings>();
-  actions.emplace_back([dropped] {});  // Ends when no mutex is held.
+  actions.emplace_back([dropped] {});  // Destroyed when no mutex is held.
   Bells bells;
   const std::scoped_lock lock(mutex_);
   OutLink* const link = FindLink(core, pair);
@@ -140,7 +140,7 @@ void ShmPublisher::EndLink(std::shared_ptr<OutLink> link, LinkEnd why, Actions& 
     OutboundCore::TellRoom(link->core, actions);
   }
   OutboundCore::CountSubscriber(link->core, link->pair.facts.info.id, -1, actions);
-  // Its messages end when no mutex is held: their destructors are the user's code.
+  // Its messages are destroyed when no mutex is held: their destructors are the user's code.
   actions.emplace_back([link = std::move(link)] {});
 }
 

@@ -28,7 +28,7 @@ void ShmReceiver::Wake() noexcept { bell_.Wake(); }
 LeaderPool::Task ShmReceiver::Lead() noexcept {
   for (;;) {
     if (!bell_.CollectRings([this](std::uint32_t number) { to_read_.push_back(number); })) return {};
-    // Start behind the pair that was read last: one that always has something does not keep the others waiting.
+    // Start after the pair that was read last, so that a busy pair does not block the others.
     std::rotate(to_read_.begin(), std::ranges::upper_bound(to_read_, last_read_), to_read_.end());
     for (std::size_t i = 0; i < to_read_.size(); ++i) {
       const std::uint32_t number = last_read_ = to_read_[i];
@@ -44,7 +44,7 @@ LeaderPool::Task ShmReceiver::Lead() noexcept {
       return task;
     }
     to_read_.clear();
-    if (Transport::IsVisitor()) return {};  // It has something else to look after; what is left has rung.
+    if (Transport::IsVisitor()) return {};  // A visitor returns at once. Pairs with more to read have rung again.
   }
 }
 
@@ -67,7 +67,7 @@ LeaderPool::Task ShmReceiver::ReadFrom(const std::shared_ptr<Pair>& pair) {
     if (ends) {
       sockets_.PostFor(*pair, [this, number = link->link](const auto& same) { wanted_.EndLink(*same, number); });
     }
-    // What follows from the link is checked once.
+    // The link's type is checked once.
     if (!link->checked || message.head.id.publisher != message.from.value) {
       if (const auto wrong = link->core->Check(message.head, message.from, message.head.fingerprint);
           wrong.fault != PacketFault::kNone) {

@@ -17,7 +17,7 @@ namespace hgros::shm {
 /// The threads that wait for this session's bell, and read from the pairs that have rung it.
 ///
 /// Thread safety: all functions; of the Input's, Lead() is called by one thread at a time, as LeaderPool says.
-/// Invariants: a ring is never lost: a pair that is not read to its end has rung again before the thread turns to
+/// Invariants: a ring is never lost: if a pair is not read to its end, it is rung again before the thread does
 /// something else. Messages of one peer are delivered in the order of its lane.
 class ShmReceiver final : public LeaderPool::Input {
  public:

@@ -14,7 +14,7 @@
 
 namespace hgros::shm {
 
-/// What a frame may hold besides its payload.
+/// Room in a frame for everything except the payload.
 inline constexpr std::size_t kFrameOverheadBytes = 1u << 20;
 
 /// This session, as the parts of its transport see it: options, facts, where to report, and counters.

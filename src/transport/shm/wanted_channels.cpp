@@ -181,7 +181,7 @@ void WantedChannels::EndLink(Pair& pair, std::uint64_t number) {
   for (const auto& action : actions) action();
 }
 
-// Each message is a fault of its own; all that the peer reports at once are logged as one.
+// Each message counts as one fault; those that the peer reports together are logged once.
 void WantedChannels::OnTooLarge(Pair& pair, const wire::TooLarge& said) {
   const auto link = pair.in.LinkAt(said.link());
   if (!link || said.messages() <= link->too_large) return;

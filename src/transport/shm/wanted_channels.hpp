@@ -17,8 +17,8 @@ namespace hgros::shm {
 /// The channels that this session has subscribed to: asks every peer for them, and handles the answers.
 ///
 /// Thread safety: all functions; those that start with On, and EndLink(), run on the socket thread. Order of locks:
-/// this one, then a pair's inbox or socket. It guards Pair::asks. Invariants: every pair that asks has a link for each
-/// channel here that may be asked for there.
+/// this one, then a pair's inbox or socket. It guards Pair::asks. Invariants: every pair with `asks` has a link for
+/// each channel here that may be asked for there.
 class WantedChannels {
  public:
   WantedChannels(ShmSession& session, PairTable& pairs) : session_(session), pairs_(pairs) {}
@@ -41,7 +41,7 @@ class WantedChannels {
   void OnMisfit(Pair& pair, const wire::Misfit& misfit);
   void OnEnded(Pair& pair, const wire::Ended& ended);
   void OnTooLarge(Pair& pair, const wire::TooLarge& said);
-  /// The publisher has withdrawn the channel, and all was read: asks again.
+  /// The publisher has withdrawn the channel, and everything was read: asks again.
   void EndLink(Pair& pair, std::uint64_t number);
 
  private:

@@ -12,8 +12,8 @@
 namespace hgros::shm {
 namespace {
 
-// The lowest bit of the word says that a thread sleeps. The other bits change each time that bit does, so that nobody
-// sleeps on an old value.
+// The lowest bit of the word means that a thread sleeps. The other bits change each time that this bit changes, so
+// that no thread sleeps on an old value.
 constexpr std::uint32_t kAsleep = 1;
 constexpr std::uint32_t kTurn = 2;
 
@@ -108,8 +108,8 @@ void SessionBell::Wait() noexcept {
       }
     } else {
       const std::uint32_t seen = page_.asleep.load();
-      // The thread that looks changes the word after it has stopped looking. If it has stopped already, this thread
-      // sleeps like any other.
+      // The looking thread changes the word after it has stopped. If it has already stopped, this thread sleeps like
+      // any other.
       if (spinning_.load()) {
         if (!woken_.exchange(false)) FutexWait(page_.asleep, seen);
         return;

@@ -47,13 +47,13 @@ class SessionBell {
   }
   /// Whether a peer has rung, or Wake() was called.
   [[nodiscard]] bool Rung() const noexcept;
-  /// Rings as if that peer had: it will be looked at again.
+  /// Rings as if that peer had rung, so that it is looked at again.
   void Ring(std::uint32_t number) noexcept;
   /// Ends one wait.
   void Wake() noexcept;
-  /// Repairs the page, which every peer can write to. Call it now and then, in case a peer has spoiled it.
+  /// Repairs the page, which every peer can write to. Call it periodically, in case a peer has damaged the page.
   void Mend() noexcept;
-  /// The calling thread will not look for a while: rings, also earlier ones, wake a sleeping thread.
+  /// The calling thread stops looking for a while: rings, including earlier ones, wake a sleeping thread.
   void PassOn() noexcept;
   /// From here on the calling thread looks, and rings wake no other. False if another thread looks already.
   [[nodiscard]] bool BeginLooking() noexcept;
@@ -82,7 +82,7 @@ class PeerBell {
   /// Null, and `fault` is set, if `handle` is not a bell.
   [[nodiscard]] static std::unique_ptr<PeerBell> Open(const Handle& handle, std::uint32_t number, std::string& fault);
 
-  /// Makes the peer look at us. Costs a system call only if it sleeps.
+  /// Rings: the peer will look at us. This costs a system call only if the peer sleeps.
   void Ring() const noexcept;
 
  private:

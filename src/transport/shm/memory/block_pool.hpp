@@ -30,7 +30,7 @@ struct Place {
 /// Thread safety: all functions. Blocks may outlive the pool's owner.
 /// Invariants: a segment belongs to one size class; there are never more than kMaxSegments. Before the limit refuses a
 /// block, unused segments of other classes go back to the kernel. No segment is made for which the process's memory
-/// control group has no room: the kernel would end a process of the group instead of refusing.
+/// control group has no room: the kernel would kill a process of the group instead of refusing.
 class BlockPool : public std::enable_shared_from_this<BlockPool> {
  public:
   /// How many more bytes the system has for this process; none: not known.
@@ -38,7 +38,7 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   explicit BlockPool(
       std::uint64_t limit_bytes, SystemRoom system_room = [] { return MemoryGroupRoom(); });
 
-  /// Bytes to write, and what keeps them.
+  /// Bytes to write, and their owner.
   struct Loan {
     std::span<std::byte> bytes;
     std::shared_ptr<const void> owner;
@@ -48,7 +48,7 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   /// does not own the memory. `fault` says which.
   [[nodiscard]] std::optional<Loan> Allocate(std::size_t size_bytes, std::string* fault = nullptr);
 
-  /// No more blocks are allocated: blocks that become free now may still be read elsewhere.
+  /// No more blocks are allocated after this: receivers may still read blocks that are free here.
   void Close();
 
   /// Where `bytes` lie, if they lie in a block of this pool.
@@ -92,7 +92,7 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   const SystemRoom system_room_;
   const ForkGuard fork_;
   mutable std::shared_mutex mutex_;
-  std::map<const std::byte*, std::unique_ptr<PoolSegment>> segments_;  // By where they begin.
+  std::map<const std::byte*, std::unique_ptr<PoolSegment>> segments_;  // By their first address.
   std::map<std::size_t, std::vector<Free>> free_;                      // By block size; the last one was used last.
   std::vector<std::uint32_t> gone_;
   std::uint64_t segment_bytes_ = 0;

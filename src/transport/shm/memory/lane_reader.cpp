@@ -28,7 +28,7 @@ Slip::Slip(Segment segment, std::shared_ptr<const Handle> socket, std::shared_pt
   for (std::uint32_t cell = kCells; cell-- > 0;) free_cells_.push_back(cell);
 }
 
-// This tells the publisher that nothing of its memory is read here any more.
+// This shows the publisher that its memory is no longer read here.
 Slip::~Slip() {
   if (!fork_->IsChild()) shutdown(socket_->fd(), SHUT_WR);
 }
@@ -95,7 +95,7 @@ LaneReader::Read LaneReader::Peek(Descriptor& descriptor) noexcept {
   if (written == read_) return Read::kNothing;
   if (written - read_ > kSlots) return Read::kLie;
   std::memcpy(&descriptor, &page.descriptors[read_ % kSlots], sizeof descriptor);
-  // The peer may change the page at any time. The copy is what is checked; the compiler must not read the page again.
+  // The peer may change the page at any time. So the copy is checked, and the compiler must not read the page again.
   std::atomic_signal_fence(std::memory_order_seq_cst);
   return Read::kDescriptor;
 }

@@ -16,8 +16,9 @@
 
 namespace hgros::shm {
 
-/// The receiving session's page for one publishing session: returns slots and counts what was consumed. It lives as
-/// long as any message of that publisher, and keeps the socket open until then: the socket's end tells the publisher.
+/// The receiving session's page for one publishing session: returns slots and counts consumed messages. It lives as
+/// long as any message of that publisher, and keeps the socket open until then. The end of the socket shows the
+/// publisher that nothing is read any more.
 ///
 /// Thread safety: all functions. Invariants: each slot that was read from the lane is returned once. In a forked child
 /// nothing is returned, counted or closed: page and socket belong to the parent.
@@ -31,7 +32,7 @@ class Slip {
                                                   std::shared_ptr<const ForkGuard> fork, std::string& fault);
 
   [[nodiscard]] const std::shared_ptr<const Handle>& handle() const noexcept { return handle_; }
-  /// Once, before the first descriptor is read.
+  /// Called once, before the first descriptor is read.
   void SetPublisher(std::shared_ptr<Mapping> lane, std::shared_ptr<const PeerBell> bell);
 
   /// A slot was read and will be returned later.

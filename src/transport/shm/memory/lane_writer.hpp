@@ -21,7 +21,7 @@ class LaneWriter {
   /// Null, and `fault` is set, if there is no shared memory.
   [[nodiscard]] static std::unique_ptr<LaneWriter> Make(std::string& fault);
 
-  /// The page, to pass it on.
+  /// The page's descriptor, which is sent to the peer.
   [[nodiscard]] const std::shared_ptr<const Handle>& handle() const noexcept { return handle_; }
   /// Maps the peer's slip. False, and `fault` is set, if it is not a slip.
   [[nodiscard]] bool Open(const Handle& slip, std::string& fault);
@@ -29,9 +29,11 @@ class LaneWriter {
   [[nodiscard]] bool HasSlot() const noexcept { return slip_ && !free_.empty(); }
   /// Needs a free slot. Sets `descriptor.slot`.
   void Write(Descriptor descriptor, std::shared_ptr<const void> owner) noexcept;
-  /// Frees the slots that the peer has returned, and moves their owners to `ended`. False if the peer lies.
+  /// Frees the slots that the peer has returned, and moves their owners to `ended`. False if a returned slot was not
+  /// in use.
   [[nodiscard]] bool Collect(std::vector<std::shared_ptr<const void>>& ended);
-  /// What the peer should ring for: kForCredit | kForSlots; 0: nothing. Collect and read the cells after this call.
+  /// The events for which the peer should ring: kForCredit | kForSlots; 0: none. Call Collect() and read the cells
+  /// after this.
   void SetHungry(std::uint32_t hungry) noexcept;
   [[nodiscard]] std::uint32_t hungry() const noexcept { return hungry_; }
 
@@ -39,7 +41,7 @@ class LaneWriter {
     std::uint64_t messages = 0;
     std::uint64_t bytes = 0;
   };
-  /// What the peer has consumed on the link with this cell.
+  /// The totals that the peer has consumed on the link with this cell.
   [[nodiscard]] Consumed ConsumedOf(std::uint32_t cell) const noexcept;
 
   void Beat() noexcept { page().heartbeat.fetch_add(1, std::memory_order_relaxed); }

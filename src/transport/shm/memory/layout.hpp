@@ -20,7 +20,7 @@ inline constexpr std::size_t kCacheLine = 64;
 
 /// Sessions that one session can share memory with at a time.
 inline constexpr std::uint32_t kMaxPeers = 1024;
-/// Messages on their way or held between two sessions, in one direction. A power of two.
+/// Messages in flight or held between two sessions, in one direction. A power of two.
 inline constexpr std::uint32_t kSlots = 512;
 /// Channels between two sessions, in one direction.
 inline constexpr std::uint32_t kCells = 1024;
@@ -41,7 +41,7 @@ struct BellPage {
   alignas(kCacheLine) Shared64 ready[kMaxPeers / 64];  ///< Bit n: the peer with number n at the owner has rung.
 };
 
-/// One message on its way, written by the publishing session.
+/// One message in flight, written by the publishing session.
 struct Descriptor {
   std::uint64_t link;     ///< The number that the receiver has given to the subscription.
   std::uint64_t number;   ///< The message's number on its link, from 1 without gaps.
@@ -75,13 +75,14 @@ struct LanePage {
   alignas(kCacheLine) Descriptor descriptors[kSlots];
 };
 
-/// How much was consumed on one link, in total.
+/// Totals that were consumed on one link.
 struct CreditCell {
   Shared64 messages;
   Shared64 bytes;
 };
 
-/// The receiving session's page for one publishing session: what it gives back. Returned slot i is at i % kSlots.
+/// The receiving session's page for one publishing session: returned slots and credit. Returned slot i is at i %
+/// kSlots.
 struct SlipPage {
   std::uint32_t magic;
   std::uint32_t version;

@@ -95,7 +95,7 @@ std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes
     fault = "it has " + std::to_string(size) + " bytes instead of " + std::to_string(size_bytes);
     return nullptr;
   }
-  constexpr std::size_t kBlockBytes = 512;  // The unit of st_blocks for every file.
+  constexpr std::size_t kBlockBytes = 512;  // The unit of st_blocks.
   if (size_bytes == 0 && static_cast<std::size_t>(status.st_blocks) < size / kBlockBytes) {
     fault = "it has holes";
     return nullptr;

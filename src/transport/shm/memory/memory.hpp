@@ -53,7 +53,7 @@ class Mapping {
 /// New shared memory: a sealed memfd, which the kernel frees after its last user.
 struct Segment {
   std::shared_ptr<Mapping> mapping;  ///< Null if there is none: see `fault`.
-  Handle handle;                     ///< To pass it on.
+  Handle handle;                     ///< To send it to peers.
   std::string fault;                 ///< A sentence.
 };
 
@@ -66,9 +66,9 @@ enum class Pages {
 /// `size_bytes` zeroed bytes, rounded up to whole pages.
 [[nodiscard]] Segment MakeSegment(const char* name, std::size_t size_bytes, Access access, Pages pages);
 
-/// Maps memory that a peer has passed on. Null, and `fault` is set, unless it is a memfd that can neither shrink nor
-/// grow and has at least `size_bytes`: no access to such memory can fail later. If `size_bytes` is 0, all of it is
-/// mapped, and all its pages must exist: reading a hole would allocate memory.
+/// Maps memory that a peer has sent. It must be a memfd that can neither shrink nor grow and has at least
+/// `size_bytes`, so that no access can fail later. Otherwise null, and `fault` is set. If `size_bytes` is 0, all of
+/// it is mapped, and all its pages must exist: reading a hole would allocate memory.
 [[nodiscard]] std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes, bool writable,
                                                   std::string& fault);
 

@@ -9,10 +9,10 @@
 namespace hgros::shm {
 namespace {
 
-// What stays free for other needs of a group's processes: an eighth of its limit, within these bounds.
+// The part of a group's limit that stays free for other needs of its processes: an eighth, within these bounds.
 constexpr std::uint64_t kLeastMargin = 8ULL << 20;
 constexpr std::uint64_t kLargestMargin = 64ULL << 20;
-// Version 1 says "no limit" with a huge number.
+// In version 1, a huge number means "no limit".
 constexpr std::uint64_t kNoLimit = 1ULL << 60;
 
 bool HasWord(const std::string& list, const std::string& word) {

@@ -10,8 +10,8 @@ namespace hgros::shm {
 /// group above it, is nearly full; none if no group has a limit. Cached files count as free, and some memory stays free
 /// for other needs of the group.
 ///
-/// When a group is full, the kernel does not refuse memory: it ends a process of the group. `process`: the folder in
-/// which the kernel describes the process.
+/// When a group is full, the kernel does not refuse memory: it kills a process of the group. `process`: the process's
+/// folder below /proc.
 [[nodiscard]] std::optional<std::uint64_t> MemoryGroupRoom(const std::string& process = "/proc/self");
 
 /// Where the process's memory control group is mounted; empty if there is none.

@@ -31,7 +31,7 @@ void Connections::Read(const std::shared_ptr<Pair>& pair) {
           Refuse(pair->socket.fault());
           EndPair(pair, pair->socket.fault(), true);
         }
-        break;  // What it holds of ours, it holds until its socket ends.
+        break;  // The peer may hold messages of ours until its socket ends.
       case PairSocket::Read::kClosed:
         pair->eof = true;
         EndPair(pair, "its process has ended", false);
@@ -39,7 +39,7 @@ void Connections::Read(const std::shared_ptr<Pair>& pair) {
         break;
     }
   }
-  // Bytes of a frame that takes long to come count as well. A peer that has not greeted yet must hurry.
+  // Bytes of an unfinished frame count as well, except before the greeting.
   if (pair->socket.received_bytes() != before) {
     pair->last_read = std::chrono::steady_clock::now();
     if (pair->greeted) pair->last_heard = pair->last_read;

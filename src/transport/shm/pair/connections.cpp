@@ -119,7 +119,7 @@ std::shared_ptr<Pair> Connections::AddPair(Handle connection, bool by_us, const 
   return pair;
 }
 
-// Its links out end now. Its links in end after what it has written.
+// Outgoing links end now. Incoming links end after the messages that it has written.
 void Connections::EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye, LinkEnd links) {
   if (pair->ending.load()) {
     if (pair->eof && pair->finished) ForgetPair(pair);
@@ -138,7 +138,7 @@ void Connections::EndPair(const std::shared_ptr<Pair>& pair, const std::string& 
   pair->end_reason = reason;
   pair->ending = true;
   for (const auto& action : actions) action();
-  bell_.Ring(pair->number);  // The reading thread reads what is left, and then has the pair finished.
+  bell_.Ring(pair->number);  // The reading thread reads the rest, and then finishes the pair.
 }
 
 void Connections::OnLie(const std::shared_ptr<Pair>& liar, const std::string& what) {
@@ -151,9 +151,9 @@ void Connections::OnLie(const std::shared_ptr<Pair>& liar, const std::string& wh
   EndPair(liar, "its shared memory cannot be right", true);
 }
 
-// Also if the socket is still open in a child of the process.
+// This works even if a child of the process still has the socket open.
 void Connections::OnProcessEnd(const std::shared_ptr<Pair>& pair) {
-  if (!HasEnded(pair->process_end)) return;  // The event was of an earlier pair with this number.
+  if (!HasEnded(pair->process_end)) return;  // The event belongs to an earlier pair with this number.
   Read(pair);
   if (pair->eof) return;
   pair->eof = true;
@@ -177,7 +177,7 @@ void Connections::OnAllRead(const std::shared_ptr<Pair>& pair) {
 
 void Connections::ForgetPair(const std::shared_ptr<Pair>& pair) {
   if (!pairs_.Remove(pair)) return;
-  const auto ends = publisher_.ReleaseLane(*pair);  // Without a lock: what it holds may be the user's.
+  const auto ends = publisher_.ReleaseLane(*pair);  // Destroyed without a lock: this may run user code.
   destinations_.ForgetPair(pair);
   (void)sockets_.Unwatch(*pair->socket.handle());
   if (pair->process_end.valid()) (void)sockets_.Unwatch(pair->process_end);
@@ -195,7 +195,7 @@ void Connections::Beat(SteadyTime now) {
     const std::uint32_t heartbeat = publisher_.Beat(*pair, removed);
     const bool beats = std::exchange(pair->seen_heartbeat, heartbeat) != heartbeat || overslept;
     pair->in.Beat();
-    pair->socket.Flush();  // What failed may go now.
+    pair->socket.Flush();  // Sends what the socket did not accept before.
     if (!pair->in.blocked() || overslept) pair->last_read = now;
     if (pair->ending) continue;
     if (beats) {
@@ -206,10 +206,10 @@ void Connections::Beat(SteadyTime now) {
     if (now - pair->last_read > patience) {
       sockets_.Distrust(*pair, "a message needs something that did not come for " + timeout);
     }
-    bell_.Ring(pair->number);  // In case a peer has taken a ring back.
+    bell_.Ring(pair->number);  // In case another peer has cleared its bit.
   }
   bell_.Mend();
-  // A silent peer has held publishers up for long enough: they do not wait for it any longer.
+  // Publishers do not wait any longer for a silent peer.
   for (const auto& [pair, reason] : silent) EndPair(pair, reason, true, LinkEnd::kForGood);
 }
 

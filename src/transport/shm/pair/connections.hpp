@@ -16,8 +16,8 @@
 
 namespace hgros::shm {
 
-/// How pairs begin, live and end: accepts and makes connections, reads what peers say over their sockets and passes it
-/// on, and notices when a peer has gone.
+/// The life of pairs: accepts and makes connections, reads the frames of peers and passes them on, and notices when a
+/// peer has gone.
 ///
 /// Thread safety: none; the socket thread, and Close() after that has ended. Holds no mutex itself.
 /// Invariants: a pair is in the table from its connection until its socket has ended and the peer has released all
@@ -44,13 +44,13 @@ class Connections final : public SocketThread::Handler {
   void OnLie(const std::shared_ptr<Pair>& liar, const std::string& what) override;
   void OnAllRead(const std::shared_ptr<Pair>& pair) override;
 
-  /// Says goodbye to everyone and forgets all pairs. `nobody_listens` ends when no mutex is held.
+  /// Sends `bye` to all peers and forgets all pairs. `nobody_listens` ends when no mutex is held.
   void Close(Actions& nobody_listens);
 
  private:
   using LinkEnd = ShmPublisher::LinkEnd;
 
-  // connections.cpp: the pair's socket, its end, and what is due at times.
+  // connections.cpp: the pair's socket, its end, and periodic work.
   void Connect(SteadyTime now);
   void Accept();
   std::shared_ptr<Pair> AddPair(Handle connection, bool by_us, const std::string& place);
@@ -61,7 +61,7 @@ class Connections final : public SocketThread::Handler {
   void ForgetPair(const std::shared_ptr<Pair>& pair);
   void Beat(SteadyTime now);
 
-  // connection_frames.cpp: what is read from the socket.
+  // connection_frames.cpp: frames that are read from the socket.
   void Read(const std::shared_ptr<Pair>& pair);
   void OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
   void OnHello(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame);
@@ -80,7 +80,7 @@ class Connections final : public SocketThread::Handler {
   PeerRegistry& registry_;
   Handshake handshake_;
   Handle listening_;
-  bool listens_ = true;  // Until there are no descriptors left; again from the next heartbeat.
+  bool listens_ = true;  // False while no file descriptors are left; true again from the next heartbeat.
   SteadyTime next_beat_;
 };
 

@@ -25,7 +25,7 @@ class Destinations {
 
   /// The places to connect to now. Those whose session `is_connected` already are left out.
   [[nodiscard]] std::vector<std::string> Due(SteadyTime now, const std::function<bool(SessionId)>& is_connected);
-  /// The next try, `latest` at the latest.
+  /// The time of the next try, but not after `latest`.
   [[nodiscard]] SteadyTime NextTry(SteadyTime latest) const;
 
   /// A connection to the place was made, or (null) failed.
@@ -43,7 +43,7 @@ class Destinations {
     SessionId session;  // The one that was last found there.
     [[nodiscard]] bool Connected() const {
       const auto known = pair.lock();
-      return known && !known->ending;  // One that has ended may hold messages for a long time.
+      return known && !known->ending;  // A pair that has ended may hold messages for a long time.
     }
   };
 

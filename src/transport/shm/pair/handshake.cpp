@@ -34,7 +34,7 @@ Handshake::Outcome Handshake::OnHello(Pair& pair, PairSocket::Frame& frame) {
   }
   pair.greeted = true;
   pair.socket.SetMaxFrame(session_.options.max_message_bytes + kFrameOverheadBytes);
-  if (pair.facts.info.id.value < session_.self.info.id.value) return outcome;  // The peer says which one stays.
+  if (pair.facts.info.id.value < session_.self.info.id.value) return outcome;  // The peer chooses the connection.
   wire::PairMessage said;
   said.mutable_welcome();
   pair.socket.Send(said);
@@ -54,7 +54,7 @@ Handshake::Outcome Handshake::OnWelcome(const Pair& pair) const {
   return outcome;
 }
 
-// Refuses the pair if another connection stays; waits otherwise.
+// Refuses the pair if another connection stays; otherwise waits.
 Handshake::Outcome Handshake::CompareWithOthers(const Pair& pair) const {
   const SessionId peer = pair.facts.info.id;
   Outcome outcome;
@@ -80,7 +80,7 @@ Handshake::Outcome Handshake::CompareWithOthers(const Pair& pair) const {
   return outcome;
 }
 
-// Empty: all is well.
+// Empty: the pages are valid.
 std::string Handshake::OpenPages(Pair& pair, const wire::PairHello& hello, PairSocket::Frame& frame) {
   if (hello.facts().wire_major() != kWireMajor || hello.layout() != kLayoutVersion) {
     return "it has another version (wire " + std::to_string(hello.facts().wire_major()) + ", layout " +

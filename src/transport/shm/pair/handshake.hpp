@@ -12,9 +12,9 @@ namespace hgros::shm {
 
 /// How two sessions greet each other, and which of several connections between them stays.
 ///
-/// Two sessions may connect to each other at the same time, and both connections may be half made. The session with the
-/// smaller id chooses the first connection whose hello it reads; the other one begins nothing before it is told. No
-/// session ends the connection of another living process by using its id.
+/// Two sessions may connect to each other at the same time, and both connections may be half made. The session with
+/// the smaller id chooses the first connection whose hello it reads. The other session begins nothing before it gets
+/// the choice. No session ends the connection of another living process by using its id.
 ///
 /// Thread safety: the socket thread only. Invariants: a pair is greeted exactly when both of the peer's pages and its
 /// bell are open.
@@ -23,7 +23,7 @@ class Handshake {
   Handshake(ShmSession& session, PairTable& pairs, ShmPublisher& publisher, SessionBell& bell)
       : session_(session), pairs_(pairs), publisher_(publisher), bell_(bell) {}
 
-  /// What each side says before it has been greeted is no longer than this.
+  /// A frame before the greeting is no longer than this.
   static constexpr std::size_t kMaxHelloBytes = 64 * 1024;
 
   void SayHello(Pair& pair);
@@ -33,7 +33,7 @@ class Handshake {
       kBegin,   ///< The pair begins.
       kWait,    ///< The peer decides which connection stays.
       kRefuse,  ///< The pair ends, for `reason`.
-      kLie,     ///< The peer has said what cannot be: `reason`.
+      kLie,     ///< The peer has sent something impossible: `reason`.
     };
     Step step = Step::kWait;
     std::string reason = {};

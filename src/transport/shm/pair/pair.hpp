@@ -20,7 +20,7 @@ namespace hgros::shm {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
-/// What a peer asks of us on one channel. It stands whether we offer the channel or not.
+/// A peer's wish for one channel. It stays, even while we do not offer the channel.
 struct PeerWish {
   wire::Wish asked;
   std::shared_ptr<OutChannel> linked;  ///< The channel that serves it; null if none does.
@@ -28,7 +28,7 @@ struct PeerWish {
 
 /// One session that we share memory with, or are about to.
 ///
-/// Thread safety: each part belongs to the class named at it. What has no owner named is set before the pair is in the
+/// Thread safety: each part belongs to the class that is named at it. The others are set before the pair is in the
 /// table.
 struct Pair : std::enable_shared_from_this<Pair> {
   Pair(std::shared_ptr<const Handle> connection, bool connected_by_us, std::size_t max_frame_bytes,
@@ -39,9 +39,9 @@ struct Pair : std::enable_shared_from_this<Pair> {
   const bool by_us;          ///< We have connected to it.
   std::string place;         ///< Where we have connected to.
 
-  // The socket thread.
+  // For the socket thread.
   SessionFacts facts;
-  pid_t process = 0;        ///< The peer's process, as the kernel tells.
+  pid_t process = 0;        ///< The peer's process, as reported by the kernel.
   Handle process_end;       ///< See WatchProcess(): a child that holds the socket does not hide the end.
   SteadyTime last_heard{};  ///< Before the greeting: when the connection was made.
   SteadyTime last_read{};   ///< When the socket was last read from.
@@ -49,14 +49,14 @@ struct Pair : std::enable_shared_from_this<Pair> {
   std::unordered_set<std::string> reported_mismatches;
   bool greeted = false;    ///< Its pages are open.
   bool announced = false;  ///< The listener was told.
-  bool finished = false;   ///< It has ended, and all that it had written was read.
-  bool eof = false;        ///< The peer holds nothing of ours any more.
+  bool finished = false;   ///< It has ended, and everything that it had written was read.
+  bool eof = false;        ///< The peer no longer holds messages of ours.
 
   PairSocket socket;
   std::atomic<bool> alive{false};   ///< Greeted, and not ended.
-  std::atomic<bool> ending{false};  ///< The peer says no more; what it has written is still read.
+  std::atomic<bool> ending{false};  ///< The peer sends nothing more; what it has written is still read.
   std::string end_reason;           ///< Set before `ending`.
-  std::atomic<bool> hungry{false};  ///< Something waits for slots or credit of this peer.
+  std::atomic<bool> hungry{false};  ///< A message waits for slots or credit of this peer.
 
   OutSide out;  ///< ShmPublisher.
   PairInbox in;
@@ -66,7 +66,7 @@ struct Pair : std::enable_shared_from_this<Pair> {
   std::unordered_map<std::string, std::uint64_t> ended;  ///< The last link of each channel that we have withdrawn.
 
   // WantedChannels.
-  bool asks = false;  ///< It may be asked for channels.
+  bool asks = false;  ///< Wishes may be sent to it.
 };
 
 /// "session 0123456789abcdef (talker, process 42 on robot)", for logs and errors.

@@ -101,7 +101,7 @@ void PairSocket::SendQueued() noexcept {
     const auto sent = sendmsg(socket_->fd(), &header, MSG_NOSIGNAL);
     if (sent < 0) {
       if (errno == EINTR) continue;
-      // Any other error may pass, such as too many descriptors on their way to stopped sessions.
+      // Any other error may be temporary, such as too many descriptors in flight to stopped sessions.
       if (errno != EPIPE && errno != ECONNRESET) return;
       // The other side has gone. Receive() reports that.
       broken_ = true;
@@ -205,7 +205,7 @@ PairSocket::Read PairSocket::Receive(Frame& frame) {
 }
 
 Handle WatchProcess(pid_t pid) noexcept {
-  constexpr long kPidfdOpen = 434;  // The same number everywhere; older headers do not name it.
+  constexpr long kPidfdOpen = 434;  // The same number on all architectures; older headers do not have it.
   return pid > 0 ? Handle(static_cast<int>(syscall(kPidfdOpen, pid, 0))) : Handle();
 }
 

@@ -49,9 +49,9 @@ class PairSocket {
     std::vector<Handle> handles;
   };
   enum class Read { kNothing, kMore, kFrame, kClosed, kFault };
-  /// The next frame. kNothing: nothing to read now. kMore: no whole frame yet, but more to read: others have their
-  /// turn. After kFault, input is dropped until kClosed (kFault again: there is more to drop): the end of the socket
-  /// still tells that the peer reads nothing of ours any more.
+  /// The next frame. kNothing: nothing to read now. kMore: no whole frame yet, and there is more to read; other
+  /// sockets should have their turn first. After kFault, input is dropped until kClosed (kFault again: there is more
+  /// to drop). The end of the socket still shows that the peer no longer reads messages of ours.
   [[nodiscard]] Read Receive(Frame& frame);
   /// All bytes received, including those of unfinished frames.
   [[nodiscard]] std::uint64_t received_bytes() const noexcept { return received_bytes_; }

@@ -14,7 +14,7 @@
 namespace hgros::shm {
 namespace {
 
-// What epoll is told about a descriptor: its source, and the pair's number below.
+// A descriptor's data for epoll: its source in the upper bits, and the pair's number in the lower ones.
 constexpr int kSourceShift = 32;
 constexpr std::uint64_t kWakerMark = 0;
 constexpr std::int64_t kLongestWaitMs = 60'000;

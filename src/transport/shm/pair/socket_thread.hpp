@@ -15,7 +15,7 @@
 
 namespace hgros::shm {
 
-/// The thread that waits for a transport's sockets. Other threads give it what must be done without their locks.
+/// The thread that waits for a transport's sockets. Other threads pass it work that must be done without their locks.
 ///
 /// Thread safety: Post(), PostFor(), Distrust(), FinishPair() and Wake() are thread-safe. Start() and Stop() once each,
 /// on one thread. The rest: on the socket thread, or before Start().
@@ -33,7 +33,7 @@ class SocketThread {
     virtual SteadyTime DoWhatIsDue(SteadyTime now) = 0;
     /// A descriptor is ready. `number`: the pair's; it may have ended by now.
     virtual void OnReady(Source source, std::uint32_t number) = 0;
-    /// The peer has written what cannot be.
+    /// The peer has written something impossible.
     virtual void OnLie(const std::shared_ptr<Pair>& liar, const std::string& what) = 0;
     /// All was read of a pair that has ended.
     virtual void OnAllRead(const std::shared_ptr<Pair>& pair) = 0;
@@ -57,9 +57,9 @@ class SocketThread {
   void Post(Actions&& actions) {
     if (!actions.empty()) PostAll(std::move(actions));
   }
-  /// Runs the action unless the pair is forgotten by then: its number may be another's.
+  /// Runs the action unless the pair is forgotten by then. Its number may then belong to another pair.
   void PostFor(Pair& pair, std::function<void(const std::shared_ptr<Pair>&)> action);
-  /// Ends the pair, because its peer has written what cannot be.
+  /// Ends the pair, because its peer has written something impossible.
   void Distrust(Pair& liar, const std::string& what);
   /// All was read of a pair that has ended.
   void FinishPair(const std::shared_ptr<Pair>& pair);
