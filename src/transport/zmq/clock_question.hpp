@@ -13,7 +13,7 @@ namespace hgros::zmq {
 class ClockQuestion {
  public:
   void Ask(wire::Heartbeat& heartbeat, Time now);
-  /// What the peer answers to the latest question; nullopt if this is no answer to it, or was read before.
+  /// The exchange, if the heartbeat answers the latest question; nullopt if it does not, or was read before.
   [[nodiscard]] std::optional<ClockExchange> Read(const wire::Heartbeat& heartbeat, Time got);
 
  private:

@@ -21,7 +21,7 @@ std::optional<SessionId> ParseControlTopic(std::string_view topic) noexcept {
 
 std::optional<DataTopic> ParseDataTopic(Bytes frame) noexcept {
   const std::string_view text = AsText(frame);
-  // Channel names have no control characters: the first one ends the name and tells the form.
+  // Channel names have no control characters: the first one ends the name and identifies the form.
   const std::size_t end = text.find_first_of(std::string_view("\0\1", 2));
   if (end == 0 || end == std::string_view::npos) return std::nullopt;
   if (text[end] == '\0') {

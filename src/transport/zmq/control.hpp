@@ -14,9 +14,10 @@ namespace hgros::zmq {
 /// First byte of a control topic, and of every control message that goes upstream. ZeroMQ takes 0 and 1 there for
 /// subscriptions; everything else passes as a message.
 inline constexpr char kControlByte = '\x02';
-/// Larger control messages are refused; a descriptor set is the largest part of one.
+/// Larger control messages are refused. The largest part of one is a descriptor set.
 inline constexpr std::size_t kMaxControlBytes = 4u << 20;
-/// The limit upstream, where the largest is a Subscribe with a long type name. ZeroMQ closes the connection for more.
+/// The limit upstream, where the largest message is a Subscribe with a long type name. ZeroMQ closes the connection
+/// of a larger one.
 inline constexpr std::size_t kMaxUpstreamBytes = 64u << 10;
 [[nodiscard]] std::string ControlTopic(SessionId session);
 [[nodiscard]] std::optional<SessionId> ParseControlTopic(std::string_view topic) noexcept;

@@ -28,7 +28,7 @@ constexpr std::size_t kKeyCharacters = 40;
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
 constexpr std::string_view kDomain = "hgros";
 
-/// The 32 bytes of a key. `whose` is for the error, the key itself is not.
+/// The 32 bytes of a key. The error names `whose` key it is, but never contains the key.
 std::string DecodeKey(const std::string& text, std::string_view whose) {
   std::array<std::uint8_t, kKeyBytes> key{};
   if (text.size() != kKeyCharacters || zmq_z85_decode(key.data(), text.c_str()) == nullptr) {

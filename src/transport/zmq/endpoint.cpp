@@ -32,7 +32,7 @@ bool IsListening(std::string_view path) {
   const auto size =
       static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() + (path.front() == '@' ? 0 : 1));
   const int rc = connect(fd, reinterpret_cast<const sockaddr*>(&address), size);
-  // A full backlog belongs to a process that listens, if slowly.
+  // A full backlog means that a process listens, even if slowly.
   const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS;
   close(fd);
   return listens;
@@ -126,7 +126,8 @@ void HangUp(Message& frame, std::string_view bound) noexcept {
   const int named = zmq_msg_get(frame.raw(), ZMQ_SRCFD);
   if (named < 0) return;
   // ZeroMQ's thread may have closed the descriptor, and another file may have its number by now. So we check and shut
-  // down a reference of our own. At worst it is another connection to the endpoint, which will be made again.
+  // down a reference of our own. In the worst case this is another connection to the endpoint, which will be made
+  // again.
   const int fd = fcntl(named, F_DUPFD_CLOEXEC, 0);
   if (fd < 0) return;
   if (WasAcceptedAt(fd, bound)) shutdown(fd, SHUT_RDWR);

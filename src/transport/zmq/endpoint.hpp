@@ -11,12 +11,13 @@ namespace hgros::zmq {
 /// for an ipc path longer than the 107 bytes a unix socket's name may have.
 [[nodiscard]] std::string FullEndpoint(std::string_view endpoint);
 
-/// Binds. If that fails it throws Error, which names the endpoint and what to do. ZeroMQ itself would silently take an
-/// ipc path away from a process that listens there; here that is refused, and only a dead process's path is taken.
+/// Binds. If that fails it throws Error, which names the endpoint and what to do. ZeroMQ itself would silently take
+/// an ipc path away from a process that listens there. Here this is refused: only the path of a dead process is
+/// taken.
 void BindOrThrow(Socket& socket, const std::string& endpoint);
 
-/// Stops accepting connections, and returns when another socket may bind the endpoint. What was sent to connected peers
-/// still has the socket's linger time.
+/// Stops accepting connections, and returns when another socket may bind the endpoint. Messages to connected peers
+/// may still be sent within the socket's linger time.
 void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept;
 
 /// Closes the connection that `frame` came over, if it is still a connection to the endpoint `bound`. The other side

@@ -30,10 +30,10 @@ struct SharedState {
   void CountFault(PacketFault fault, std::string_view where, std::string_view what);
   /// The time of this host's wall clock.
   [[nodiscard]] Time Wall() const { return options.wall ? options.wall() : WallNow(); }
-  /// Has the leading thread make these calls.
+  /// Passes these calls to the leading thread, which makes them.
   void PostActions(Actions&& actions);
   [[nodiscard]] Actions CollectPosted();
-  /// Adds the call that tells the session: what peers do with channels has changed.
+  /// Adds the call that reports to the session: the channels of peers have changed.
   void AddChannelsChanged(Actions& actions) {
     actions.emplace_back([this] { listener.OnChannels(); });
   }

@@ -10,8 +10,8 @@ namespace hgros::zmq {
 
 /// Locks a socket for a thread that does not read from it.
 ///
-/// Sending also handles the socket's internal commands, which may use up the signal that input has arrived. So when
-/// the use ends, `input` is set and the waiting thread is woken if there is input.
+/// Sending also handles the socket's internal commands, and may use up the signal that input has arrived. So if there
+/// is input when the use ends, `input` is set and the waiting thread is woken.
 class SocketUse {
  public:
   SocketUse(std::mutex& mutex, Socket& socket, std::atomic<bool>& input, Waker& waker)

@@ -65,7 +65,7 @@ void ZmqCore::Close(int linger_ms) noexcept {
   if (shared_.closing.exchange(true)) return;
   WaitUntilSent(linger_ms);
   pool_.Stop();
-  Actions unheard;  // Ends after the lock, because messages may end with it.
+  Actions unheard;  // Destroyed after the lock, because messages may be destroyed with it.
   const std::unique_lock lock(mutex_);
   closed_ = true;
   for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, false, unheard);

@@ -70,7 +70,7 @@ class ZmqCore : public LeaderPool::Input {
     std::uint64_t version = 0;
     std::vector<std::shared_ptr<PublisherEndpoint>> publishers;
     std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers;
-    std::vector<std::shared_ptr<SubscriberEndpoint>> removed;  // They still hold something they received.
+    std::vector<std::shared_ptr<SubscriberEndpoint>> removed;  // They still hold messages that they received.
   };
   void UpdateWatch();
   void Tick(SteadyTime now);
@@ -86,7 +86,7 @@ class ZmqCore : public LeaderPool::Input {
   mutable std::shared_mutex mutex_;
   std::vector<std::shared_ptr<PublisherEndpoint>> publishers_;
   std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers_;
-  // Closed, but calls into them may be under way. They end with the transport.
+  // Closed, but calls into them may still be active. They end with the transport.
   std::vector<std::shared_ptr<PublisherEndpoint>> old_publishers_;
   std::vector<std::shared_ptr<SubscriberEndpoint>> old_subscribers_;
   std::set<std::shared_ptr<OutboundCore>> outbound_;
@@ -96,7 +96,7 @@ class ZmqCore : public LeaderPool::Input {
   // Belong to the leading thread.
   Watch watch_;
   SteadyTime next_tick_;
-  // When waiting ends at the latest. The leading thread sets it, the waiting ones read it.
+  // The latest time at which waiting ends. The leading thread sets it, the waiting ones read it.
   std::atomic<SteadyTime> deadline_;
   // Close() waits here until all rings are empty.
   std::mutex sent_mutex_;

@@ -11,7 +11,7 @@ namespace hgros::shm {
 /// for other needs of the group.
 ///
 /// When a group is full, the kernel does not refuse memory: it kills a process of the group. `process`: the process's
-/// folder below /proc.
+/// folder, such as /proc/self.
 [[nodiscard]] std::optional<std::uint64_t> MemoryGroupRoom(const std::string& process = "/proc/self");
 
 /// Where the process's memory control group is mounted; empty if there is none.

@@ -10,7 +10,7 @@
 
 namespace hgros::zmq {
 
-/// One channel on its way to one subscribing session.
+/// The link of one channel to one subscribing session.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
 /// Invariant: the link's waiting bytes are part of the sums of its peer and of its channel until LeaveSums().
@@ -20,12 +20,12 @@ class OutLink {
   OutLink(std::shared_ptr<OutboundCore> channel, const Demand& granted, SessionId session,
           std::uint64_t& peer_waiting_bytes);
 
-  /// Sends what the credit allows. Then a keep-last link drops what is too much: beyond its queue depth, or beyond
+  /// Sends what the credit allows. Then a keep-last link drops messages above its queue depth, or above
   /// `peer_limit_bytes` for the whole session. Messages that are no longer needed go to `ended`.
   void SendWaiting(Socket& socket, std::uint64_t peer_limit_bytes, PeerChannel::Dropped& ended);
   void Pause(SteadyTime now);
   [[nodiscard]] bool IsPausedSince(SteadyTime when) const noexcept { return flow.paused() && paused_since_ < when; }
-  /// The link has ended: its bytes leave the sums, and what a lossless subscriber that died misses is counted.
+  /// The link has ended: removes its bytes from the sums, and counts what a lossless subscriber that died misses.
   void LeaveSums(bool died);
 
   const SessionId subscriber;

@@ -8,7 +8,7 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr std::size_t kMaxPlainTopics = 16384;  // Strangers cannot make us remember more.
+constexpr std::size_t kMaxPlainTopics = 16384;  // A limit against strangers, who could fill the memory.
 
 }  // namespace
 
@@ -104,7 +104,7 @@ void PublishedChannels::RemoveLink(Wish& wish, bool died, Actions& actions) {
   link->LeaveSums(died);
   if (link->flow.lossless()) OutboundCore::TellRoom(link->core, actions);
   OutboundCore::CountSubscriber(link->core, link->subscriber, -1, actions);
-  actions.emplace_back([link] {});  // Its messages end when no mutex is held: their destructors are the user's code.
+  actions.emplace_back([link] {});  // Its messages are destroyed when no mutex is held: this runs user code.
 }
 
 void PublishedChannels::SetPlainTopic(std::string_view channel, bool subscribed, std::string_view endpoint,

@@ -29,7 +29,7 @@ class PublishedChannels {
   struct Channel {
     std::shared_ptr<OutboundCore> core;
     bool allowed = true;
-    bool plain = false;  ///< Somebody subscribes to the plain topic.
+    bool plain = false;  ///< There is a plain subscriber.
     std::vector<OutLink*> links;
   };
 
@@ -39,9 +39,9 @@ class PublishedChannels {
   void Remove(const OutboundCore& core) { channels_.erase(core.name); }
   /// Null if there is none.
   [[nodiscard]] Channel* Find(const std::string& name);
-  /// Null if the channel of that name is another one.
+  /// Null if another channel object has that name.
   [[nodiscard]] Channel* Find(const std::shared_ptr<OutboundCore>& core);
-  /// Changes which channels may pass, and returns those for which that makes a difference.
+  /// Sets which channels are allowed, and returns those for which this changes.
   [[nodiscard]] std::vector<Channel*> SetAllowed(const ChannelList& allowed);
   /// Adds the types of all channels that are offered.
   void AddOffers(google::protobuf::RepeatedPtrField<wire::ChannelType>& offers) const;
@@ -55,7 +55,8 @@ class PublishedChannels {
   void SendWaiting(OutLink& link, PeerChannel::Dropped& ended) {
     link.SendWaiting(socket_, shared_.options.peer_queue_bytes, ended);
   }
-  /// Ends the wish's link, if it has one. `died`: what a lossless subscriber has not confirmed counts as missed.
+  /// Ends the wish's link, if it has one. `died`: messages that a lossless subscriber has not confirmed count as
+  /// missed.
   void RemoveLink(Wish& wish, bool died, Actions& actions);
 
   /// A plain subscriber has come to the channel, or the last one has gone.

@@ -24,11 +24,11 @@ PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint&
       subscriptions_(shared, channels_, peers_, [this](const auto& core, SessionId session, std::uint64_t link) {
         FetchLatched(core, session, link);
       }) {
-  // Credit limits what is under way; ZeroMQ's own limits would drop the newest messages silently.
+  // Credit limits the messages in flight. ZeroMQ's own limits would silently drop the newest messages.
   socket_.Set(ZMQ_SNDHWM, 0);
   socket_.Set(ZMQ_RCVHWM, 0);
-  // Reports every subscription, also one that another connection has already: after a reconnect the old connection
-  // may end after the new one has begun. An unsubscription is reported when the last connection has unsubscribed.
+  // Reports every subscription, even if another connection already has it: after a reconnect the old connection may
+  // end after the new one has begun. An unsubscription is reported when the last connection has unsubscribed.
   socket_.Set(ZMQ_XPUB_VERBOSE, 1);
   socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxUpstreamBytes));
   socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
@@ -101,7 +101,7 @@ void PublisherEndpoint::FetchLatched(const std::shared_ptr<OutboundCore>& core, 
     }
   });
   if (!open) return;
-  const PeerChannel::Dropped held = latched;  // Those that are not needed end after the lock.
+  const PeerChannel::Dropped held = latched;  // Those that are not needed are destroyed after the lock.
   PeerChannel::Dropped ended;
   const SocketUse use(mutex_, socket_, input_, *shared_.waker);
   subscriptions_.BeginLink(*core, session, link, std::move(latched), ended);
@@ -158,9 +158,8 @@ void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message&
   channels_.SetPlainTopic(topic->channel, subscribed, bound_, actions);
 }
 
-// ZeroMQ matches a filter as a prefix, so this connection would be sent what is meant for sessions, and nothing would
-// limit how much of that waits for it. ZeroMQ 4.3 has no sound way to give a connection another filter than it asks
-// for.
+// ZeroMQ matches a filter as a prefix. So this connection would get packets for sessions, and nothing would limit how
+// many of them wait for it. ZeroMQ 4.3 has no sound way to give a connection another filter than it asks for.
 void PublisherEndpoint::RefuseFilter(std::string_view filter, Message& frame) {
   HangUp(frame, bound_);
   shared_.log.WriteLimited(LogLevel::kWarning, "zmq filter " + bound_,
@@ -184,7 +183,7 @@ void PublisherEndpoint::OnUpstream(Bytes bytes, Actions& actions) {
   }
   SubscriberPeer* peer = peers_.Find(session);
   if (peer == nullptr) {
-    // We have dropped this session, and it does not know.
+    // We have dropped this session, and it does not know that.
     if (!control->has_bye()) peers_.Greet(session, false);
     return;
   }

@@ -18,13 +18,13 @@
 
 namespace hgros::zmq {
 
-/// One bound XPUB socket: reads what subscribers say and passes it to the channels, peers and subscriptions.
+/// One bound XPUB socket: reads the messages of subscribers and passes them to the channels, peers and subscriptions.
 ///
 /// Thread safety: thread-safe. `mutex_` guards the socket and everything that uses it. Publishing threads send under
 /// it. Serve() and Tick() belong to the leading thread. Calls into the session are returned as actions and made
 /// without the mutex.
-/// Invariant: a connection whose filter is none of the three topics is closed, because nobody's credit limits what
-/// would wait for it (docs/decisions/0008).
+/// Invariant: a connection whose filter is none of the three topics is closed, because no credit would limit the
+/// packets that wait for it (docs/decisions/0008).
 class PublisherEndpoint {
  public:
   /// Binds. Throws Error.
@@ -40,7 +40,7 @@ class PublisherEndpoint {
   void Withdraw(const std::shared_ptr<OutboundCore>& core, Actions& actions);
   void SetChannels(const ChannelList& list);
 
-  /// Reserve() needs all endpoints at once: it locks them all, then asks all for room, then reserves at all.
+  /// Reserve() needs all endpoints at once: it locks them all, then asks each for room, then reserves at each.
   [[nodiscard]] std::mutex& mutex() noexcept { return mutex_; }
   [[nodiscard]] bool HasRoomLocked(const OutboundCore& core) const { return channels_.HasRoom(core); }
   void ReserveLocked(const OutboundCore& core) { channels_.Reserve(core); }
@@ -53,12 +53,12 @@ class PublisherEndpoint {
   /// Reads what has arrived, if input() is set. True if there may be more.
   bool Serve(Actions& actions);
   void Tick(SteadyTime now, Actions& actions);
-  /// The waiting thread was asleep itself: no peer's silence counts.
+  /// The waiting thread itself did not run for a while: counts all peers as heard now.
   void ForgiveSilence(SteadyTime now);
   [[nodiscard]] bool AllSent() const;
-  /// Adds who subscribes here, and to what.
+  /// Adds the sessions that subscribe here, with their channels.
   void AddWishes(std::vector<SessionChannels>& known) const;
-  /// Says goodbye.
+  /// Sends Bye to all peers.
   void Close(int linger_ms, Actions& actions);
 
  private:

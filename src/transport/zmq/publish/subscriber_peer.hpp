@@ -12,7 +12,7 @@
 
 namespace hgros::zmq {
 
-/// What a session asks for on one channel, and the link that answers it, if there is one.
+/// A session's wish for one channel, and the link that serves it, if there is one.
 struct Wish {
   wire::Subscribe asked;
   std::unique_ptr<OutLink> link;

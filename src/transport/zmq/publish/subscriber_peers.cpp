@@ -9,7 +9,7 @@
 namespace hgros::zmq {
 namespace {
 
-// Strangers cannot make us remember more.
+// A limit against strangers, who could fill the memory.
 constexpr std::size_t kMaxPeers = 1024;
 constexpr std::size_t kMaxGreetings = 4096;
 constexpr std::size_t kMaxReportedMismatches = 4096;
@@ -99,7 +99,7 @@ void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, Actio
   RepeatOffers(*peer, greeting->second);
 }
 
-// To a peer that has just said Hello: the Welcome that it answers may be out of date.
+// For a peer that has just sent Hello: the Welcome that it answers may be out of date.
 void SubscriberPeers::RepeatOffers(const SubscriberPeer& peer, Greeting& greeting) {
   if (!std::exchange(greeting.stale, false) || peer.facts.wire_minor < kOffersSinceMinor) return;
   auto message = ControlFrom(shared_.self.info.id);
@@ -145,7 +145,7 @@ void SubscriberPeers::OnDisconnected(SessionId session, Actions& actions) {
   greetings_.erase(session);
   SubscriberPeer* peer = Find(session);
   if (peer == nullptr) return;
-  // A subscriber that must not lose anything gets some time to come back.
+  // A lossless subscriber gets some time to come back.
   const bool waits = std::ranges::any_of(
       peer->wishes, [](const auto& entry) { return entry.second.link && entry.second.link->flow.lossless(); });
   if (waits) {

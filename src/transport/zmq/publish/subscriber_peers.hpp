@@ -20,8 +20,8 @@ namespace hgros::zmq {
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
 /// Invariants: a peer is a session whose Hello answered our last Welcome. Between a Welcome and the Subscribe that
-/// answers it a link is paused: what the subscriber had received when it saw the Welcome is all it will ever receive
-/// of what was sent before.
+/// answers it a link is paused. So after it has seen the Welcome, the subscriber gets no further message that was
+/// sent before it.
 class SubscriberPeers {
  public:
   /// `endpoint` is where it is bound, for the log.
@@ -33,7 +33,7 @@ class SubscriberPeers {
   [[nodiscard]] std::vector<SubscriberPeer*> FindWaiting(const std::string& channel);
   void Send(const SubscriberPeer& peer, const wire::Control& control) { Send(peer.topic, control); }
 
-  /// Sends a Welcome, which begins a new handshake; not again within a short time unless `at_once`.
+  /// Sends a Welcome, which begins a new handshake. Does not repeat it within a short time, unless `at_once` is set.
   void Greet(SessionId session, bool at_once);
   void OnHello(SessionId session, const wire::Hello& hello, Actions& actions);
   void OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& heartbeat, Actions& actions);
@@ -41,25 +41,25 @@ class SubscriberPeers {
   void OnDisconnected(SessionId session, Actions& actions);
   void Drop(SessionId session, std::string_view reason, Actions& actions);
 
-  /// Tells all peers that a channel is offered now, or is no longer.
+  /// Sends Offers to all peers: the channel is now offered, or no longer.
   void AnnounceOffer(const OutboundCore& core, bool came);
-  /// Tells the session here, once per peer and channel.
+  /// Reports the mismatch to this session, once per peer and channel.
   void ReportMismatch(SubscriberPeer& peer, const std::string& channel, const std::string& what, Actions& actions);
 
   void Tick(SteadyTime now, Actions& actions);
   /// Counts all peers as heard now.
   void ForgiveSilence(SteadyTime now);
   [[nodiscard]] bool AllSent() const;
-  /// Adds who subscribes here, and to what.
+  /// Adds the sessions that subscribe here, with their channels.
   void AddWishes(std::vector<SessionChannels>& known) const;
-  /// Says goodbye to all.
+  /// Sends Bye to all.
   void DropAll(std::string_view reason, Actions& actions);
 
  private:
   struct Greeting {
     std::uint64_t handshake = 0;
     SteadyTime when{};
-    // The offers have changed since the Welcome, and no peer could be told.
+    // The offers have changed since the Welcome, but there was no peer to send Offers to.
     bool stale = false;
     std::set<std::string> gone;
   };

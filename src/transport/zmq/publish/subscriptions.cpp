@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxWishes = 4096;  // Of one peer.
 
-/// Has the messages end when no mutex is held.
+/// Makes sure that the messages are destroyed when no mutex is held.
 void EndLater(PeerChannel::Dropped&& messages, Actions& actions) {
   if (!messages.empty()) actions.emplace_back([ended = std::move(messages)] {});
 }
@@ -70,7 +70,8 @@ bool Subscriptions::UpdateLink(SubscriberPeer& peer, Wish& wish, Actions& action
     if (asked.link() == link.id) {
       lost = link.flow.Resume(asked.received_messages(), asked.received_bytes());
     } else if (asked.link() == 0 && granted.lossless && link.flow.lossless()) {
-      // The connection ended before our Subscribed was read: what was promised on the link since is still owed.
+      // The connection ended before our Subscribed was read. The messages that were promised on the link since then
+      // must still be sent.
       if (auto schema = SchemaFor(asked.wanted(), link.core->type)) {
         lost = link.flow.Resume(0, 0);
         descriptor_set = std::move(*schema);

@@ -13,7 +13,8 @@
 
 namespace hgros::zmq {
 
-/// Joins what peers ask for with what is offered at one publish endpoint: it makes, resumes, feeds and ends the links.
+/// Joins the wishes of peers with the channels that are offered at one publish endpoint: makes, resumes and ends the
+/// links, and sends their first messages.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
 /// Invariants: a link belongs to a peer's wish and to an offered channel of the same name whose type fits.
@@ -26,7 +27,7 @@ class Subscriptions {
   Subscriptions(SharedState& shared, PublishedChannels& channels, SubscriberPeers& peers, FetchLatched fetch_latched)
       : shared_(shared), channels_(channels), peers_(peers), fetch_latched_(std::move(fetch_latched)) {}
 
-  /// The channel is offered from here on: makes the links that were waited for.
+  /// The channel is now offered: makes the links that peers wait for.
   void OpenChannel(PublishedChannels::Channel& channel, Actions& actions);
   /// The channel is no longer offered: ends its links.
   void CloseChannel(PublishedChannels::Channel& channel, Actions& actions);
@@ -39,7 +40,7 @@ class Subscriptions {
   void OnCredit(SubscriberPeer& peer, const wire::Credit& credit, Actions& actions);
 
  private:
-  /// False if the link has ended instead, because it cannot go on where the subscriber is.
+  /// False if the link has ended instead, because it cannot continue from the subscriber's state.
   [[nodiscard]] bool UpdateLink(SubscriberPeer& peer, Wish& wish, Actions& actions);
   void MakeLink(SubscriberPeer& peer, Wish& wish, Actions& actions);
   void SendSubscribed(const SubscriberPeer& peer, const OutLink& link, const std::string& descriptor_set);

@@ -7,7 +7,7 @@ namespace {
 
 // Below this size a copy is cheaper than reference counting across threads.
 constexpr std::size_t kCopyOutBelowBytes = 2048;
-// What a queued message costs besides its payload, so that the number of empty messages is limited as well.
+// The cost of a queued message in addition to its payload, so that the number of empty messages is limited as well.
 constexpr std::uint64_t kMessageOverheadBytes = 512;
 
 struct Held {
@@ -17,7 +17,7 @@ struct Held {
   std::shared_ptr<const void> owner;
   OutstandingBytes outstanding;
   std::uint64_t bytes = 0;
-  std::atomic<bool> ready{false};  // Orders this object's making before its end on the network's thread.
+  std::atomic<bool> ready{false};  // Orders construction before destruction on the network's thread.
 };
 
 void Release(void* /*data*/, void* hint) {

@@ -11,7 +11,7 @@
 
 namespace hgros::zmq {
 
-/// How many bytes of payloads the network holds for plain subscribers, which give no credit.
+/// Bytes of payloads that ZeroMQ holds for plain subscribers, which give no credit.
 using OutstandingBytes = std::shared_ptr<std::atomic<std::uint64_t>>;
 
 /// One message as frames, written once and sent to any number of subscribers. The head is encoded once. A small payload
@@ -29,7 +29,7 @@ class WireMessage final : public Outgoing {
   void SendCounted(Socket& socket, std::string_view topic, const OutstandingBytes& outstanding) const;
 
   [[nodiscard]] const MessageId& id() const noexcept { return id_; }
-  /// What credit counts: head and data frame.
+  /// The bytes that credit counts: head and data frame.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_; }
 
  private:

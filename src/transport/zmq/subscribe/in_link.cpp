@@ -5,8 +5,8 @@
 namespace hgros::zmq {
 namespace {
 
-// A link that ends leaves its messages in flight, and the next one has a window of its own. A publisher that begins
-// one link after another has at most this number of windows in flight.
+// When a link ends, its messages stay in flight, and the next link has a new window. A publisher that begins one link
+// after another gets at most this number of windows in flight.
 constexpr std::uint64_t kWindowsInFlight = 4;
 
 }  // namespace
@@ -48,7 +48,7 @@ bool InLink::IsCrowded() {
 
 void InLink::SetPlainWindow() {
   if (!plain_credit) return;
-  // A session would keep the rest of the queue's depth for us.
+  // A session would keep the rest of the queue's depth on its side; a plain publisher keeps nothing.
   const Demand demand = core->demand();
   plain_credit->SetWindow(std::max({demand.credit_messages, demand.queue_depth, 1u}),
                           std::max<std::uint64_t>(demand.credit_bytes, 1));

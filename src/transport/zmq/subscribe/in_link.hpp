@@ -10,11 +10,11 @@
 
 namespace hgros::zmq {
 
-/// One subscribed channel at one subscribe endpoint: what was asked for, and the link that answers it.
+/// One subscribed channel at one subscribe endpoint: the wish, and the link that serves it.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
-/// Invariants: a link has an id only between Subscribed and its end. Then every packet on it has the number received +
-/// 1; others are repeats, or the first ones after a cut, which will be sent again.
+/// Invariants: a link has an id only between Subscribed and its end. Then a packet counts on it only with the number
+/// received + 1. Others are repeats, or the first ones after a cut, which will be sent again.
 struct InLink {
   /// Accepts packets of this link from here on.
   void Begin(const wire::Subscribed& answer, const std::shared_ptr<Waker>& waker);
@@ -36,12 +36,12 @@ struct InLink {
   std::uint64_t id = 0;
   std::uint64_t fingerprint = 0;                ///< Of the publisher's type, compared with ours.
   std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is another one.
-  // The widest window that was asked for: a publisher gets no more, whatever it says that it grants.
+  // The widest window that was asked for. A publisher gets no more, even if it grants more.
   std::uint64_t asked_messages = 1;
   std::uint64_t asked_bytes = 1;
   std::shared_ptr<LinkCredit> credit;
   std::vector<std::weak_ptr<LinkCredit>> earlier;  ///< Of ended links; they live while messages are in flight.
-  std::shared_ptr<LinkCredit> plain_credit;        ///< Of plain publishers, which are told nothing of it.
+  std::shared_ptr<LinkCredit> plain_credit;        ///< For plain publishers, which know no credit.
 };
 
 }  // namespace hgros::zmq

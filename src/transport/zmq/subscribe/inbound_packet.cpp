@@ -7,7 +7,7 @@
 namespace hgros::zmq {
 namespace {
 
-// Below this a copy is cheaper than keeping a whole receive buffer alive for one small message.
+// Below this size a copy is cheaper than keeping a whole receive buffer alive for one small message.
 constexpr std::size_t kCopyInBelowBytes = 4096;
 
 Payload PayloadOf(Message&& frame) {

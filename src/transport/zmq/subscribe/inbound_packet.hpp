@@ -12,21 +12,21 @@
 
 namespace hgros::zmq {
 
-/// A data packet as it came, with its topic already read.
+/// A received data packet whose topic was already read.
 struct InboundPacket {
   Message head;
   Message data;
-  SessionId from;  ///< None from a plain publisher.
+  SessionId from;  ///< Zero if it is from a plain publisher.
   std::shared_ptr<const void> credit;
-  std::uint64_t fingerprint = 0;  ///< Of the type that the publisher named for the link; it was compared with ours.
+  std::uint64_t fingerprint = 0;  ///< Of the type that the publisher named for the link, which was compared with ours.
   std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is not ours.
 };
 
-/// Decodes the packet's head and gives the message to the channel. A task that is returned has to run on another
-/// thread. On the leading thread.
+/// Decodes the packet's head and gives the message to the channel. Called on the leading thread; a returned task must
+/// run on another one.
 [[nodiscard]] LeaderPool::Task DeliverPacket(const std::shared_ptr<InboundCore>& core, InboundPacket&& packet,
                                              SharedState& shared, const std::string& endpoint);
-/// Counts a packet for the channel that was dropped, logs it, and tells the channel.
+/// Counts and logs a dropped packet of the channel, and reports it to the channel.
 void ReportFault(InboundCore& core, SharedState& shared, const std::string& where, PacketFault fault,
                  std::string_view what);
 

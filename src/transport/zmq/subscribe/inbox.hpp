@@ -12,7 +12,7 @@
 
 namespace hgros::zmq {
 
-/// What one subscribe endpoint has read and not delivered yet: packets and calls into the session, in their order.
+/// The packets and calls into the session that one subscribe endpoint has read and not delivered yet, in order.
 /// Thread safety: none; it belongs to the leading thread, which delivers without the endpoint's mutex.
 class Inbox {
  public:
@@ -28,7 +28,7 @@ class Inbox {
     for (auto& action : actions) AddAction(std::move(action));
     actions.clear();
   }
-  /// Delivers everything; returns early with a task that has to run on another thread.
+  /// Delivers everything; returns early with a task that must run on another thread.
   [[nodiscard]] LeaderPool::Task DeliverAll(SharedState& shared, const std::string& endpoint);
 
  private:

@@ -17,7 +17,7 @@ bool LinkCredit::IsDue() const noexcept {
 }
 
 bool LinkCredit::CollectNews(Totals& totals) noexcept {
-  woken_.store(false);  // Before reading: what is consumed from here on wakes again.
+  woken_.store(false);  // Stored before the counts are read: messages consumed after this wake again.
   const Totals used = consumed();
   if (!untold_.exchange(false) && used.messages == told().messages) return false;
   SetTold(used);

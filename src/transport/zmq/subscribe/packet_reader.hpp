@@ -13,7 +13,7 @@
 
 namespace hgros::zmq {
 
-/// Matches data packets with their links and counts them against credit. Good packets, and calls that tell of bad
+/// Matches data packets with their links and counts them against credit. Good packets, and calls that report bad
 /// ones, go to the inbox.
 /// Thread safety: none; the leading thread calls it under the endpoint's mutex.
 class PacketReader {
@@ -22,11 +22,11 @@ class PacketReader {
                SubscribedChannels& channels, Inbox& inbox)
       : shared_(shared), connection_(connection), publisher_(publisher), channels_(channels), inbox_(inbox) {}
 
-  /// False if the publisher sent more than it had credit for: nothing more is to be read from it.
+  /// False if the publisher sent more than it had credit for: nothing more must be read from it.
   [[nodiscard]] bool Read(const Message& topic, std::vector<Message>& frames);
 
  private:
-  /// Has the channel told that a packet was dropped. `credit` is held until then.
+  /// Reports a dropped packet to the channel. `credit` is held until then.
   void ReportDrop(const InLink& link, PacketFault fault, std::string_view what, std::shared_ptr<const void> credit);
 
   SharedState& shared_;

@@ -123,7 +123,7 @@ void PublisherConnection::LogUnreachable() {
   if (handshake_failure_ == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
     why = "it refuses our key; add our public key to its `allowed_clients`.";
   } else if (handshake_failure_ != 0 && shared_.options.security) {
-    // A wrong key and no key look the same from here: it depends on which side sees first that they do not fit.
+    // A wrong key and a missing key look the same here: the event depends on which side notices it first.
     why =
         "what answers there has another key than the one we were given, or does not encrypt; set the publisher's "
         "public key in `servers` (the endpoint's `server_key`), and give the publisher a `secret_key`.";

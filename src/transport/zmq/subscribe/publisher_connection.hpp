@@ -9,11 +9,11 @@
 
 namespace hgros::zmq {
 
-/// One XSUB socket connected to a publish endpoint of another session, and what ZeroMQ's monitor tells of the
-/// connection: whether there is one, and whether the other side greets like a session.
+/// One XSUB socket connected to a publish endpoint of another session, and the state of its connection by ZeroMQ's
+/// monitor: whether there is one, and whether the other side greets like a session.
 ///
 /// Thread safety: none; the endpoint's mutex guards it. The descriptors may be polled without it.
-/// Invariants: while the other side is plain it is connected, and it has sent no Welcome since.
+/// Invariants: while the other side counts as plain, it is connected and has sent no Welcome since then.
 class PublisherConnection {
  public:
   /// Connects. Throws Error.
@@ -32,17 +32,16 @@ class PublisherConnection {
   void SubscribeTopic(std::string topic, bool subscribe);
   void Send(const wire::Control& control);
 
-  /// Reads what the monitor has to tell. True if a connection has ended.
+  /// Reads the monitor's events. True if a connection has ended.
   [[nodiscard]] bool ReadMonitor();
   /// The other side has sent a Welcome.
   void SetWelcomed() noexcept;
-  /// The other side can be reached, whether the monitor has told so or not.
+  /// The other side can be reached, even if the monitor has not reported it yet.
   void SetConnected() noexcept;
 
-  /// True if the other side is taken for a plain publisher from here on: it was connected long enough without a
-  /// Welcome.
+  /// True if the other side counts as a plain publisher from here on: it was connected long enough without a Welcome.
   [[nodiscard]] bool TurnPlain(SteadyTime now);
-  /// Connects again where ZeroMQ does not, and logs it if there has been no connection for a while.
+  /// Connects again in cases in which ZeroMQ does not, and logs if there was no connection for a while.
   void Tick(SteadyTime now);
   /// When Tick() or TurnPlain() must be called next.
   [[nodiscard]] std::optional<SteadyTime> Deadline() const;
@@ -63,12 +62,12 @@ class PublisherConnection {
   bool welcomed_ = false;
   bool plain_ = false;
   SteadyTime connected_since_{};
-  // Disconnected, and ZeroMQ has not said that it will try again. After a breach of its protocol (another program had
-  // the publisher's port) it never does.
+  // Disconnected, and ZeroMQ has not reported that it will try again. It never does after a breach of its protocol,
+  // for example if another program had the publisher's port.
   std::optional<SteadyTime> given_up_since_;
-  // Since when there is no connection; none once that was logged.
+  // The time since which there is no connection; none after that was logged.
   std::optional<SteadyTime> unreached_since_ = std::chrono::steady_clock::now();
-  int handshake_failure_ = 0;  // The most telling failure event since the last connection.
+  int handshake_failure_ = 0;  // The most specific failure event since the last connection.
 };
 
 }  // namespace hgros::zmq

@@ -5,7 +5,7 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr std::size_t kMaxOffers = 4096;  // A publisher cannot make us remember more.
+constexpr std::size_t kMaxOffers = 4096;  // A limit against a publisher that could fill the memory.
 
 }  // namespace
 

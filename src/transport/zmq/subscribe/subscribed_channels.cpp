@@ -31,7 +31,7 @@ void SubscribedChannels::Add(const std::shared_ptr<InboundCore>& core) {
 void SubscribedChannels::Remove(const std::shared_ptr<InboundCore>& core) {
   InLink* link = Find(core->name);
   if (link == nullptr || link->core != core) return;
-  Actions unheard;  // The channel's sink is going: nothing is told.
+  Actions unheard;  // Dropped: the channel's sink is ending and gets no more calls.
   StopAsking(*link, {}, unheard);
   links_.erase(core->name);
 }
@@ -67,7 +67,7 @@ void SubscribedChannels::SetPlain(bool plain) {
 void SubscribedChannels::SetPlain(InLink& link, bool plain) {
   if (link.plain == plain) return;
   link.plain = plain;
-  // One account for all connections: what an earlier connection left is still in flight.
+  // One account for all connections: messages of an earlier connection are still in flight.
   if (plain && !link.plain_credit) link.plain_credit = std::make_shared<LinkCredit>(0, 0, shared_.waker);
   link.SetPlainWindow();
   connection_.SubscribeTopic(link.core->plain_topic, plain);
@@ -144,21 +144,21 @@ void SubscribedChannels::OnSubscribed(const wire::Subscribed& subscribed, Action
   if (subscribed.link() == 0) return;
   InLink* link = Find(name);
   if (link != nullptr && IsClaimedBeside(*link)) {
-    // Sent for another endpoint, which leads to the same socket. The channel may have been asked for here before it
-    // was withdrawn.
+    // The answer is for another endpoint that leads to the same socket. The channel may have been asked for here
+    // before it was withdrawn.
     if (link->subscribed) connection_.SubscribeTopic(PeerTopic(name, shared_.self.info.id), false);
     link->subscribed = false;
     link->asked = false;
     return;
   }
   if (link == nullptr || !link->asked) {
-    // The publisher remembers what was asked for before a cut, or what we have ended since. A link that nobody reads
-    // would use up its credit.
+    // The publisher answers a wish from before a cut, or one that we have ended since. An unread link would use up
+    // its credit.
     SendUnsubscribe(name, {});
     return;
   }
   if (!link->core->Claim(publisher_.id(), this, publisher_.handshake)) {
-    // It was withdrawn here, or not offered yet, and has come over another endpoint since.
+    // The channel was withdrawn here, or not offered yet, and comes over another endpoint by now.
     StopAsking(*link, {}, actions);
     return;
   }

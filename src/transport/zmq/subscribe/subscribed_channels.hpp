@@ -19,8 +19,8 @@
 
 namespace hgros::zmq {
 
-/// The subscribed channels as one subscribe endpoint sees them: what the publisher is asked for, its answers, and what
-/// it is told of consumed messages.
+/// The subscribed channels as one subscribe endpoint sees them: the wishes to the publisher, its answers, and the
+/// credit that it gets.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
 /// Invariants: a channel is asked for only while this endpoint has the claim to it (InboundCore::Claim), and while the
@@ -43,7 +43,7 @@ class SubscribedChannels {
 
   /// Asks for all channels, in answer to a Welcome.
   void AskForAll();
-  /// Asks for channels whose claims are free now, and drops those that are to come over another transport.
+  /// Asks for channels whose claims are free now, and drops those that must come over another transport.
   void AskAgain(Actions& actions);
   void DropAll(Actions& actions);
   void SetPlain(bool plain);
@@ -51,17 +51,17 @@ class SubscribedChannels {
   void OnSubscribed(const wire::Subscribed& subscribed, Actions& actions);
   void OnRefused(const wire::Refused& refused, Actions& actions);
   void OnWithdrawn(const std::string& channel, Actions& actions);
-  /// The publisher cannot be reached. Unless `for_good`, its links may go on where they were cut. True if that has
-  /// freed claims.
+  /// The publisher cannot be reached. Unless `for_good`, its links may later continue where they were cut. True if
+  /// this has freed claims.
   [[nodiscard]] bool OnPublisherLost(bool for_good, Actions& actions);
   void AddClaimsFreed(Actions& actions) { actions.emplace_back(claims_freed_); }
 
-  /// Whether the publisher waits to hear of consumed messages. Answers wake-ups.
+  /// Whether the publisher waits for credit. Answers wake-ups.
   [[nodiscard]] bool IsCreditDue() {
     return std::ranges::any_of(links_,
                                [](auto& entry) { return entry.second.id != 0 && entry.second.credit->AnswerWake(); });
   }
-  /// Tells the publisher of all that was consumed since it was last told.
+  /// Sends the credit for everything that was consumed since the last Credit.
   void SendCredit();
 
  private:

@@ -58,7 +58,7 @@ LeaderPool::Task SubscriberEndpoint::Serve(bool& busy) {
   if (inbox_.empty() && (input_.load() || monitor_input_.load())) {
     input_ = false;
     if (ReadBatch()) {
-      input_ = true;  // Until a batch finds nothing more.
+      input_ = true;  // Stays set until a batch finds nothing more.
       busy = true;
     }
   }
@@ -128,7 +128,7 @@ void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& 
   }
   if (publisher_.id() != session) return;
   if (!publisher_.alive) {
-    // We have dropped this publisher, and it does not know, or was asleep.
+    // We have dropped this publisher, and it does not know that, or did not run for a while.
     if (connection_.connected() && !control->has_bye()) SayHello(0);
     return;
   }
@@ -147,7 +147,7 @@ void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& 
 }
 
 void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions) {
-  // The monitor knows by now all that the connection went through before this message: that comes first.
+  // The monitor's events from before this message have arrived by now; they are handled first.
   ReadMonitor(actions);
   connection_.SetWelcomed();
   channels_.SetPlain(false);
@@ -220,7 +220,7 @@ void SubscriberEndpoint::AddOffers(std::vector<SessionChannels>& known) const {
 
 void SubscriberEndpoint::SendCredit(bool all) {
   if (!all) {
-    // Does not touch the socket if the publisher waits for nothing.
+    // Does not touch the socket unless the publisher waits for credit.
     const std::scoped_lock lock(mutex_);
     if (!channels_.IsCreditDue()) return;
   }
@@ -270,7 +270,7 @@ bool SubscriberEndpoint::LeadAlike(const SubscriberEndpoint& one, const Subscrib
 void SubscriberEndpoint::Close(int linger_ms, bool others, Actions& actions) {
   const std::scoped_lock lock(mutex_);
   if (!publisher_.alive || !connection_.connected()) {
-    linger_ms = 0;  // Only subscriptions for the next connection wait: they are not worth a delay.
+    linger_ms = 0;  // Only subscriptions for the next connection are waiting: they need no delay.
   } else if (others) {
     channels_.DropAll(actions);
   } else {

@@ -20,7 +20,7 @@
 
 namespace hgros::zmq {
 
-/// Receives from one publish endpoint of another session: reads what the publisher says, and passes it to the
+/// Receives from one publish endpoint of another session: reads the publisher's messages, and passes them to the
 /// connection, the channels and the inbox.
 ///
 /// Thread safety: thread-safe. `mutex_` guards the socket and everything that uses it. Serve() and Tick() belong to
@@ -50,18 +50,17 @@ class SubscriberEndpoint {
   [[nodiscard]] std::atomic<bool>& monitor_input() noexcept { return monitor_input_; }
   /// Whether something is left to be read or delivered.
   [[nodiscard]] bool pending() const noexcept { return !inbox_.empty() || input_.load() || monitor_input_.load(); }
-  /// Reads and delivers what has arrived; returns early with a task that has to run on another thread. Sets `busy` if
+  /// Reads and delivers what has arrived; returns early with a task that must run on another thread. Sets `busy` if
   /// there may be more.
   [[nodiscard]] LeaderPool::Task Serve(bool& busy);
-  /// Tells the publisher of consumed messages if it waits for that, or always if `all`.
+  /// Sends credit to the publisher if it waits for that, or always if `all`.
   void SendCredit(bool all);
   void Tick(SteadyTime now);
-  /// The waiting thread was asleep itself: the publisher's silence does not count.
+  /// The waiting thread itself did not run for a while: the publisher's silence does not count.
   void ForgiveSilence(SteadyTime now);
   /// When Tick() must be called next besides the heartbeats.
   [[nodiscard]] std::optional<SteadyTime> Deadline() const;
-  /// Says goodbye. If `others` still listen to the same socket of the publisher, ends only the channels that came
-  /// here.
+  /// Sends Bye. If `others` still listen to the same socket of the publisher, only ends the channels that came here.
   void Close(int linger_ms, bool others, Actions& actions);
   /// Whether both lead to one socket of one publisher.
   [[nodiscard]] static bool LeadAlike(const SubscriberEndpoint& one, const SubscriberEndpoint& other);
@@ -75,7 +74,8 @@ class SubscriberEndpoint {
   void OnControl(const std::vector<Message>& frames, Actions& actions);
   void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
   void OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions);
-  /// It does not keep to its credit, or is not what it claims to be: nothing more is read from this connection.
+  /// The publisher exceeds its credit, or is not the session that it claims to be: nothing more is read from this
+  /// connection.
   void AbortConnection(Actions& actions);
   void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
   void SayHello(std::uint64_t handshake);
@@ -87,7 +87,7 @@ class SubscriberEndpoint {
   std::atomic<bool> monitor_input_{true};
   RemotePublisher publisher_;
   SubscribedChannels channels_;
-  Actions last_;  // For when the inbox of a closed endpoint is empty.
+  Actions last_;  // Called when the inbox of the closed endpoint is empty.
   Inbox inbox_;
   PacketReader packets_{shared_, connection_, publisher_, channels_, inbox_};
 };
