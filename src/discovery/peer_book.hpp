@@ -12,7 +12,7 @@
 
 namespace hgros::discovery {
 
-/// All known sessions, and the events that the listener has not been told yet.
+/// All known sessions, and the events that were not reported to the listener yet.
 ///
 /// Thread safety: all functions; Tell() from one thread.
 class PeerBook {
@@ -23,7 +23,7 @@ class PeerBook {
   void Remove(SessionId session, std::string_view reason);
   [[nodiscard]] std::vector<Announcement> List() const;
   [[nodiscard]] std::vector<SessionId> Sessions() const;
-  /// Tells the listener all new events without holding the lock.
+  /// Reports all new events to the listener, without holding the lock.
   void Tell(DiscoveryListener& listener);
 
  private:

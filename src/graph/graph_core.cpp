@@ -118,7 +118,7 @@ void GraphCore::SetClosed(std::string_view name, bool closed) {
   if (Channel* channel = channels_.Find(name)) channel->SetClosed(closed);
 }
 
-// A node may feed one that was seen idle before, so only a whole round in which nothing ran counts.
+// A node may publish to a node that was idle before. So only a whole round in which nothing ran counts.
 bool GraphCore::WaitIdle(std::chrono::steady_clock::time_point deadline) const {
   const auto total_runs = [this] {
     std::uint64_t runs = 0;
@@ -176,7 +176,7 @@ void GraphCore::LogUnmatchedOverrides() {
 void GraphCore::Shutdown() noexcept {
   Refuse();
   (void)WaitIdle(std::chrono::steady_clock::now() + kPatience);
-  // Closed before it is taken out, so that the watch can still name what does not end.
+  // Closed before it is removed, so that the watch can still name a node that does not end.
   for (Channel* channel : channels_.All()) {
     for (const std::shared_ptr<Node>& node : channel->Nodes()) {
       node->Close(true);
@@ -191,7 +191,7 @@ void GraphCore::Shutdown() noexcept {
       return std::find(lingering.begin(), lingering.end(), node) != lingering.end();
     });
   }
-  std::unique_ptr<HangWatch> watch;  // Ended outside the lock, which its thread takes.
+  std::unique_ptr<HangWatch> watch;  // Destroyed outside the lock, because its thread takes the lock.
   {
     const std::scoped_lock lock(mutex_);
     watch = std::move(hang_watch_);
@@ -218,7 +218,7 @@ std::vector<std::shared_ptr<Node>> GraphCore::Lingering() const {
   return lingering_;
 }
 
-// Lets go of those whose callbacks have returned.
+// Releases those whose callbacks have returned.
 void GraphCore::PruneLingering() {
   std::vector<std::shared_ptr<Node>> done;
   {

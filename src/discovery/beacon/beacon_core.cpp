@@ -14,7 +14,7 @@ namespace {
 
 // Minimum time between two datagrams that we send.
 constexpr auto kLeastPause = std::chrono::milliseconds(20);
-// A hundred peers that hear a new one answer at different times.
+// Longest random delay of an answer, so that a hundred peers that hear a new one do not answer at the same time.
 constexpr int kLongestAnswerMs = 100;
 // Datagrams beyond this rate are left to the kernel, which drops them: a flood cannot keep this thread busy.
 constexpr int kDatagramsPerSecond = 2000;

@@ -50,11 +50,11 @@ class BeaconCore {
   PeerBook book_;
   BeaconSocket socket_;
   mutable std::mutex mutex_;
-  std::optional<Announcement> own_;  // Guarded by mutex_, as the next three.
+  std::optional<Announcement> own_;  // Guarded by mutex_, like the next three.
   std::string datagram_;
   Clock::time_point last_sent_;
   Clock::time_point next_send_;
-  BeaconPeers peers_;  // Of the thread, as what follows.
+  BeaconPeers peers_;  // Only the thread uses it and the members below.
   Clock::time_point next_refresh_;
   Clock::time_point budget_until_;
   int budget_ = 0;

@@ -12,11 +12,11 @@
 
 namespace hgros::discovery {
 
-/// The peers known from datagrams: their addresses and when they fell silent. Limits what a forged datagram can do: a
-/// session keeps the address at which it was first heard until that expires or says goodbye, and there are at most
+/// The peers known from datagrams: their addresses and when they fell silent. Limits the effect of forged datagrams:
+/// a session keeps the address at which it was first heard until it expires or says goodbye, and there are at most
 /// kMaxPeers.
 ///
-/// Not thread-safe, except the book.
+/// Not thread-safe; only the book is.
 class BeaconPeers {
  public:
   using Clock = std::chrono::steady_clock;

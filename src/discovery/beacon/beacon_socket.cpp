@@ -70,7 +70,7 @@ void BeaconSocket::Join(const NetworkInterface& one) noexcept {
   ip_mreqn membership{};
   membership.imr_multiaddr = group_;
   membership.imr_ifindex = one.index;
-  // It may be a member already; memberships of interfaces that went are gone with them.
+  // The socket may already be a member. Memberships of removed interfaces have ended with them.
   (void)setsockopt(socket_.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership);
 }
 

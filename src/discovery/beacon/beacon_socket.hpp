@@ -16,14 +16,13 @@
 
 namespace hgros::discovery {
 
-/// Sends to and receives from all hosts on the networks of some interfaces. Nothing it sends passes a router (TTL 1).
+/// Sends to and receives from all hosts on the networks of some interfaces. Its datagrams pass no router (TTL 1).
 ///
-/// Thread safety: Send() from any thread; the rest belongs to one.
+/// Thread safety: Send() from any thread; the rest on one thread.
 class BeaconSocket {
  public:
   struct Datagram {
-    Bytes
-        bytes;  // Part of the buffer that was passed in; longer than the buffer's use would be cut, so those are none.
+    Bytes bytes;  // A part of the buffer that was passed in.
     in_addr sender{};
   };
 
@@ -32,7 +31,7 @@ class BeaconSocket {
 
   /// Looks up the current interfaces.
   void Refresh();
-  /// Sends on every interface. Returns what went wrong with one of them, or an empty text.
+  /// Sends on every interface. Returns the error of one of them, or an empty text.
   [[nodiscard]] std::string Send(std::string_view datagram) const;
   /// The next datagram received on one of the interfaces; empty if there is none. Its bytes are empty if it was for
   /// another interface or too long.

@@ -59,7 +59,7 @@ std::string EncodeDatagram(const Announcement& own, std::string_view domain, boo
   datagram.set_pid(own.pid);
   datagram.set_ends(ends);
   for (std::string endpoint : own.endpoints) {
-    // ZeroMQ's other word for all addresses.
+    // In ZeroMQ another spelling of all addresses.
     if (endpoint.starts_with("tcp://0.0.0.0:")) endpoint.replace(kTcp.size(), 7, "*");
     const auto parts = SplitTcp(endpoint);
     if (parts && IsReachableFromElsewhere(*parts)) datagram.add_endpoints(endpoint);

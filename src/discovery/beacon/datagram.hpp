@@ -11,13 +11,13 @@
 
 namespace hgros::discovery {
 
-inline constexpr std::uint32_t kDatagramMagic = 0x53524748;  // "HGRS" in the order of the bytes on the wire.
+inline constexpr std::uint32_t kDatagramMagic = 0x53524748;  // The bytes "HGRS" on the wire.
 inline constexpr std::uint32_t kDatagramVersion = 1;
 inline constexpr std::size_t kMaxDatagramBytes = 1400;  // Fits an Ethernet frame: fragments are lost too easily.
 
 /// The content of a beacon's datagram.
 struct Heard {
-  Announcement peer;  // Without what travels only inside a host, and without channels.
+  Announcement peer;  // Without channels and without data that only sessions of the same host use.
   bool ends = false;
 };
 

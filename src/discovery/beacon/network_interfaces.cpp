@@ -39,7 +39,7 @@ std::vector<NetworkInterface> FindInterfaces(const std::vector<std::string>& nam
                            .index = static_cast<int>(if_nametoindex(one->ifa_name)),
                            .address = AddressIn(one->ifa_addr),
                            .destination = group,
-                           // Linux delivers multicast on the loopback, though it does not say so.
+                           // Linux delivers multicast on the loopback, although the interface lacks the flag.
                            .multicast = (one->ifa_flags & IFF_MULTICAST) != 0 || loopback};
     if (!entry.multicast) {
       if ((one->ifa_flags & IFF_BROADCAST) == 0 || one->ifa_broadaddr == nullptr) continue;

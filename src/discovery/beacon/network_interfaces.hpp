@@ -12,7 +12,7 @@ struct NetworkInterface {
   std::string name;
   int index = 0;
   in_addr address{};
-  in_addr destination{};  ///< Where all hosts on its network listen: the group, or the broadcast address.
+  in_addr destination{};  ///< Address of all hosts on its network: the group, or the broadcast address.
   bool multicast = false;
 
   [[nodiscard]] bool operator==(const NetworkInterface& other) const {

@@ -71,7 +71,7 @@ bool IsPrintable(std::string_view text, std::size_t max_bytes) {
   return true;
 }
 
-// What is wrong with the content of a file; empty if nothing is.
+// The fault in the content of a file; empty if there is none.
 std::string Fault(const wire::AnnouncementFile& file) {
   if (file.version() != kFileVersion) {
     return "it has version " + std::to_string(file.version()) + " and this program knows version " +

@@ -14,7 +14,7 @@ inline constexpr std::uint32_t kFileVersion = 1;
 inline constexpr std::size_t kMaxFileBytes = 1 << 20;
 inline constexpr std::size_t kMaxPathBytes = 4096;
 inline constexpr std::size_t kMaxEndpoints = 16;
-inline constexpr std::size_t kMaxPlaces = 16;  // Also the transports that a channel names.
+inline constexpr std::size_t kMaxPlaces = 16;  // Also the limit of transports that a channel names.
 inline constexpr std::size_t kMaxOnly = 1024;
 
 /// The content of a session's file. Throws Error if it could not be read back: no session, too many or too long texts,
@@ -26,7 +26,7 @@ struct ParsedFile {
   std::string fault;  // The reason; continues "the file ... is ignored: ".
 };
 
-/// Never throws on any bytes. Texts for people are free of control characters.
+/// Never throws, whatever the bytes are. Texts for people contain no control characters.
 [[nodiscard]] ParsedFile ParseFile(Bytes bytes);
 
 }  // namespace hgros::discovery

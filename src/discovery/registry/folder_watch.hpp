@@ -14,7 +14,7 @@ namespace hgros::discovery {
 class FolderWatch {
  public:
   enum class Event {
-    kPut,      ///< A file got this name.
+    kPut,      ///< A file was renamed to this name.
     kClosed,   ///< A process with write access has closed it, possibly by dying. Its lock may be released a moment
                ///< later.
     kMoved,    ///< The owner renamed the file.

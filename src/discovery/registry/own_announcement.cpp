@@ -86,7 +86,7 @@ void OwnAnnouncement::RestoreIfLost() noexcept {
                     "The file that announces this session was removed by another program (" + file_->path().string() +
                         "); it is written again. Do not clean this folder up: "
                         "sessions remove the files of dead ones themselves.");
-  // The other program may not be done yet.
+  // The other program may continue to remove files.
   next_write_ = std::max(Clock::now(), last_write_ + kBetweenWrites);
   if (*next_write_ <= Clock::now()) TryWrite();
 }

@@ -23,7 +23,7 @@ class OwnAnnouncement {
   void Announce(const Announcement& own);
   /// Whether that is the name of our file.
   [[nodiscard]] bool Owns(SessionId session) const;
-  /// When WriteIfDue() has something to do.
+  /// The time at which WriteIfDue() must be called.
   [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> next_write() const;
   void WriteIfDue() noexcept;
   /// Restores the file if it was removed.
@@ -37,7 +37,7 @@ class OwnAnnouncement {
   const RegistryFolder& folder_;
   Log& log_;
   mutable std::mutex mutex_;
-  std::optional<OwnFile> file_;  // Guarded by mutex_, as all that follows.
+  std::optional<OwnFile> file_;  // Guarded by mutex_, like all members below.
   SessionId session_;
   std::string content_;
   std::optional<std::chrono::steady_clock::time_point> next_write_;

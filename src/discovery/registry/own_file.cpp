@@ -70,10 +70,10 @@ bool OwnFile::Put(std::string_view content) {
   Fail("others remove it again and again", folder_);
 }
 
-// False if it has to be tried once more.
+// False if the caller must try again.
 bool OwnFile::MoveIntoPlace(const std::filesystem::path& unfinished) const {
   if (file_) {
-    // The name is ours: we hold the lock of what it names.
+    // The name is ours: we hold the lock of its file.
     if (rename(unfinished.c_str(), path_.c_str()) == 0) return true;
     if (errno == ENOENT) return false;
     Fail("it cannot be put into place", path_);

@@ -20,7 +20,7 @@ class OwnFile {
   /// another living session has this id; the old file is then still there.
   [[nodiscard]] bool Put(std::string_view content);
   void Withdraw() noexcept;
-  /// The file was put, not withdrawn, and its name still refers to it.
+  /// True if the file was written, not withdrawn, and its name still refers to it.
   [[nodiscard]] bool IsInPlace() const noexcept;
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 

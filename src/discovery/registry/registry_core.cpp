@@ -16,7 +16,7 @@
 namespace hgros::discovery {
 namespace {
 
-// The kernel tells that a file was closed a moment before it releases the lock.
+// The kernel reports that a file was closed a moment before it releases the lock.
 constexpr auto kFirstPause = std::chrono::milliseconds(1);
 constexpr int kPauseGrowth = 10;
 constexpr auto kLongestPause = std::chrono::seconds(1);
@@ -159,7 +159,7 @@ void RegistryCore::Examine(const std::string& name, std::optional<Event> event) 
 }
 
 void RegistryCore::ExamineAbsent(const std::string& name, SessionId session, std::optional<Event> event) {
-  if (event == Event::kPut) return;  // What happened to it since is told by the next event.
+  if (event == Event::kPut) return;  // The next event reports what has happened to it since.
   if (event == Event::kRemoved && !doubts_.contains(name)) {
     doubts_.emplace(name, Doubt{Clock::now() + kGrace, kGrace, true});
     return;

@@ -37,7 +37,7 @@ class RegistryCore {
  private:
   using Clock = std::chrono::steady_clock;
   using Event = FolderWatch::Event;
-  /// A session that may have died: checked again, less and less often, and finally not any more.
+  /// A session that may have died. It is checked again at growing intervals, and finally no longer.
   struct Doubt {
     Clock::time_point next_look;
     std::chrono::milliseconds pause;
@@ -61,7 +61,7 @@ class RegistryCore {
   const RegistryFolder folder_;
   OwnAnnouncement own_;
   PeerBook book_;
-  FolderWatch watch_;                           // Of the thread, as what follows.
+  FolderWatch watch_;                           // Only the thread uses it and the members below.
   std::map<std::string, Doubt> doubts_;         // By name.
   std::map<std::string, std::string> strange_;  // Names and the faults that were logged for them.
   std::optional<Clock::time_point> next_mending_;

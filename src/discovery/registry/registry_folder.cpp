@@ -43,7 +43,7 @@ bool MakeOne(const fs::path& path) {
 
 std::string FolderFault(const fs::path& path) {
   struct stat status {};
-  // Without following a symbolic link: anybody may have put one into /tmp.
+  // Does not follow a symbolic link: any user may have put one into /tmp.
   if (lstat(path.c_str(), &status) != 0) return std::string("it cannot be read: ") + std::strerror(errno);
   if (!S_ISDIR(status.st_mode)) return S_ISLNK(status.st_mode) ? "it is a symbolic link" : "it is no folder";
   if (status.st_uid != geteuid()) {

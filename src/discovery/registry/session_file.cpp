@@ -32,7 +32,7 @@ std::string Fault(const struct stat& status) {
   return {};
 }
 
-// Reads to the end, or one byte more than may be.
+// Reads to the end, or one byte more than allowed.
 bool ReadAll(int fd, std::string& content) {
   constexpr std::size_t kPiece = 16 * 1024;
   while (content.size() <= kMaxFileBytes) {
@@ -94,7 +94,7 @@ void RemoveStaleFile(const std::filesystem::path& path) {
   struct stat locked {};
   struct stat named {};
   if (!file || fstat(file.get(), &locked) != 0 || !Fault(locked).empty() || !TakeLock(file.get())) return;
-  // The name may have gone to another file before the lock was ours; from now on no other process removes it.
+  // Before we had the lock, the name may have got another file. From now on no other process removes it.
   if (lstat(path.c_str(), &named) != 0 || named.st_ino != locked.st_ino || named.st_dev != locked.st_dev) return;
   unlink(path.c_str());
 }

@@ -16,7 +16,7 @@
 ///  4. A file under its first name can be found unlocked, and removed, before its owner has locked it. After locking,
 ///     the owner checks that it is still there.
 ///  5. Closing a file that was open for writing wakes all watchers of the folder (IN_CLOSE_WRITE), also when the kernel
-///     closes it for a dead process. So a mere look opens for reading only.
+///     closes it for a dead process. So a process that only reads opens the file for reading only.
 namespace hgros::discovery {
 
 /// The session in a file name; zero if it is not the name of a session's file.

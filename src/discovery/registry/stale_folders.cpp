@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What lies in the folder; nothing if it cannot be read.
+// The entries of the folder; none if it cannot be read.
 std::optional<std::vector<fs::path>> Entries(const fs::path& folder) {
   std::error_code fault;
   std::vector<fs::path> entries;

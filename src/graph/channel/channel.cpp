@@ -175,7 +175,7 @@ const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::
   const std::scoped_lock lock(latch_mutex_);
   const Fanout* fanout = fanout_.load(std::memory_order_seq_cst);
   if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
-  if (!info.remote) {  // Numbered and timed in one order.
+  if (!info.remote) {  // So that numbers and times have the same order.
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
     info.publish_monotonic_ns = MonotonicNow();
   }
@@ -277,7 +277,7 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
     fanout->lossless = fanout->lossless || setting.queue.lossless();
     fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
     fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
-    // A node that reads the bytes in place gets them uncopied; copies are made only for the other nodes.
+    // A node that reads the bytes in place gets them without a copy; copies are made only for the other nodes.
     const bool raw =
         fanout->inbound != nullptr && IsAnyType(*fanout->inbound);  // Messages of other types are made from it.
     const bool better = setting.type->encode_in_place != nullptr || IsAnyType(*setting.type);

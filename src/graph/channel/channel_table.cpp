@@ -5,7 +5,7 @@
 namespace hgros {
 namespace {
 
-constexpr std::size_t kFirstBuckets = 64;  // A power of two, as are all later counts.
+constexpr std::size_t kFirstBuckets = 64;  // A power of two, like all later counts.
 
 std::size_t HashOf(std::string_view name) noexcept { return std::hash<std::string_view>{}(name); }
 

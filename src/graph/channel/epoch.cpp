@@ -14,7 +14,7 @@ struct Retired {
   std::uint64_t epoch;
 };
 
-// One for the process, as a heap is: it holds no state that a program could observe. Never destroyed, since threads
+// One for the process, like the heap: it holds no state that a program could observe. Never destroyed, since threads
 // may end after static destructors have run.
 struct Domain {
   std::atomic<std::uint64_t> current{1};
@@ -81,7 +81,7 @@ void Retire(std::shared_ptr<const void> object) {
 
 void Collect() {
   Domain& domain = TheDomain();
-  std::vector<Retired> free;  // Declared before the lock and so let go of after it: a destructor may retire more.
+  std::vector<Retired> free;  // Declared before the lock and so destroyed after it: a destructor may retire more.
   const std::scoped_lock lock(domain.mutex);
   const std::uint64_t oldest = OldestActive();
   const auto kept = std::partition(domain.retired.begin(), domain.retired.end(),

@@ -12,8 +12,9 @@ namespace hgros::epoch {
 // Thread safety: everything here may be called from any thread.
 // Invariants: a Guard covers every load of a protected pointer and every use of what it points to. A writer first
 // replaces the pointer (sequentially consistent), then retires the old object.
-// Argument: a reader that saw the old pointer had stored an epoch read before the replacement, so not above the one
-// the object was retired in; an object is freed only when no reader shows an epoch up to that one.
+// Argument: a reader that saw the old pointer had stored an epoch that it read before the replacement. So that epoch
+// is not greater than the one in which the object was retired. An object is freed only when no reader shows an epoch
+// up to that one.
 
 struct alignas(64) Reader {
   std::atomic<std::uint64_t> active{0};  // 0: not reading

@@ -13,9 +13,9 @@ namespace hgros {
 
 class Node;
 
-// The last messages of each publisher, which a channel keeps for late nodes. A lost publisher may only be disconnected,
-// and then does not repeat what it knows to have arrived. So its messages are kept for a while but hidden from new
-// nodes, which get them when it returns.
+// The last messages of each publisher, which a channel keeps for late nodes. A lost publisher may only be
+// disconnected, and then it does not repeat messages that have arrived. So its messages are kept for a while but
+// hidden from new nodes, which get them when it returns.
 //
 // Thread safety: none; the channel locks. Removed messages are returned, because their destructors are user code.
 class LatchedMessages {

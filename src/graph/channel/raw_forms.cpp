@@ -5,7 +5,7 @@
 
 namespace hgros {
 
-// T and Bulk<T> have one schema, so there is only one of a channel's own.
+// T and Bulk<T> have one schema, so a channel has only one schema of its own.
 std::shared_ptr<const MessageSchema> RawForms::OwnSchema(const TypeInfo& type) {
   const std::scoped_lock lock(mutex_);
   if (!own_) own_ = std::make_shared<const MessageSchema>(SchemaOf(type));

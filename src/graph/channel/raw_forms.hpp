@@ -11,13 +11,13 @@
 
 namespace hgros {
 
-// What one channel needs to make messages into RawMessages and back: the schema that it sends, and which schemas of
-// others were compared with it. Empty until somebody wants that.
+// The data that one channel needs to convert messages to RawMessages and back: its own schema, and the schemas of
+// others that were compared with it. Empty until it is needed.
 //
 // Thread safety: all functions.
 class RawForms {
  public:
-  // Null: the type is not sent to anybody, or its codec cannot write the message.
+  // Null: the type never leaves the process, or its codec cannot write the message.
   [[nodiscard]] AnyMessage ToRaw(const AnyMessage& message, const TypeInfo& type);
   // Null: it is of another type, or does not parse.
   [[nodiscard]] AnyMessage FromRaw(const RawMessage& message, const TypeInfo& type);

@@ -18,7 +18,7 @@ struct Forms {
   const TypeInfo& type;
   const void* const channel;
 
-  // Two nodes that need the same form at once get one: the second waits for it.
+  // If two nodes need the same form at once, it is made once: the second node waits for it.
   std::mutex making;
   struct Made {
     std::type_index as;
@@ -27,7 +27,7 @@ struct Forms {
   std::vector<Made> made;  // One, or two if raw bytes are needed as well.
 };
 
-// Known by its type: what std::get_deleter finds is ours.
+// Recognized by its type: only our own deleter is found by std::get_deleter.
 struct FormsOwner {
   std::unique_ptr<Forms> forms;
   void operator()(const void* /*message*/) noexcept { forms.reset(); }

@@ -9,7 +9,7 @@ namespace hgros {
 // Messages of a channel with two C++ types of one wire form, such as foxglove::PointCloud and its Bulk.
 //
 // A message is passed by a pointer to its own type, as on any channel. Its type and its other form are stored behind
-// the pointer's owner, so they need not be passed along, and channels with one type pay nothing.
+// the pointer's owner, so they need not be passed along, and channels with one type have no extra cost.
 namespace two_forms {
 
 // Whether messages of one type can be converted to the other.

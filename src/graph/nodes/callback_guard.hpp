@@ -8,9 +8,9 @@
 
 namespace hgros {
 
-// A node's callback. It is destroyed once, after the node was closed, when no callback runs any more. What it captured
-// may include a Subscription of this very node, so it is destroyed outside the node's lock, and marked as inside the
-// node's callback so that this Subscription does not wait for itself.
+// A node's callback. It is destroyed once, after the node was closed, when no callback runs any more. Its captures
+// may include a Subscription of this very node. So it is destroyed outside the node's lock, and the thread is marked
+// as inside the node's callback: then this Subscription does not wait for itself.
 //
 // Thread safety: operator() is called by the threads that the node lets run its callback; everything else is guarded
 // by the node's mutex.
@@ -23,7 +23,7 @@ class CallbackGuard {
   // Destroys the callback unless that was done before. The caller has made sure that no callback of `node` runs and
   // that none will. `lock` holds the node's mutex and is released meanwhile; `changed` is notified afterwards.
   void DestroyOnce(const void* node, std::unique_lock<std::mutex>& lock, std::condition_variable& changed) noexcept;
-  // A thread is in DestroyOnce(): those who wait for the node have to wait for that, too.
+  // A thread is in DestroyOnce(): threads that wait for the node must wait for this, too.
   [[nodiscard]] bool destroying() const noexcept { return destroying_; }
 
  private:

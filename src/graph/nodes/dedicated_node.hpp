@@ -8,7 +8,7 @@ namespace hgros {
 
 // Runs its callback on a thread of its own, one at a time.
 //
-// Lifetime: the thread ends after Close() and is joined there if that waits, otherwise by the graph (JoinThread).
+// Lifetime: the thread ends after Close(). It is joined there if Close() waits, otherwise by the graph (JoinThread).
 class DedicatedNode final : public QueuedNode {
  public:
   DedicatedNode(NodeSetting setting, AnyCallback callback);

@@ -13,12 +13,12 @@ InlineSerialNode::InlineSerialNode(NodeSetting setting, AnyCallback callback)
 
 void InlineSerialNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept {
   int expected = kIdle;
-  // A reservation is given back through the ring's own count, so those take the slow way.
+  // A reservation is returned through the ring's own count, so such messages take the slow way.
   if ((reserved || !state_.compare_exchange_strong(expected, kRunning, std::memory_order_seq_cst)) &&
       LeaveInRing(delivery, reserved)) {
     return;
   }
-  if (reserved) NotifyRoom();  // It was given back unused: the callback runs now.
+  if (reserved) NotifyRoom();  // The reservation was returned unused: the callback runs now.
   Add(direct_, std::uint64_t{1}, Writers::kOne);
   RunOne(delivery.message, delivery.info, now);
   Drain(now);

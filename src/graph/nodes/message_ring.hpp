@@ -66,8 +66,8 @@ class MessageRing {
     reserved_bytes_ -= bytes;
   }
 
-  // Appends; a full keep-last ring gives its oldest message back, which the caller lets go of outside its lock.
-  // `credit` is kept only where losing nothing depends on it.
+  // Appends the message. A full keep-last ring returns its oldest message, which the caller destroys outside its
+  // lock. `credit` is kept only in lossless queues.
   std::optional<QueuedMessage> Push(const Delivery& delivery) {
     std::optional<QueuedMessage> dropped;
     if (!queue_.lossless() && size_ >= queue_.depth()) dropped = Pop();
@@ -95,7 +95,7 @@ class MessageRing {
     bytes_ -= message.bytes;
     if (block.first_ < block.end_) return message;
     if (&block == back_) {
-      block.first_ = block.end_ = 0;  // Its first places are those that lie in the caches.
+      block.first_ = block.end_ = 0;  // Its first places are probably in the caches.
     } else {
       GiveBack(TakeFront());
     }

@@ -49,8 +49,8 @@ class Node : public std::enable_shared_from_this<Node> {
   // to the time after that. `reserved`: room was reserved with Reserve().
   virtual void Deliver(const Delivery& delivery, bool reserved, std::int64_t& now) noexcept = 0;
 
-  // For the only lossless node of a channel: reserves room, takes the message and its number and delivers it, all or
-  // nothing. `message` is set so that it can be delivered to the other nodes, too.
+  // For the only lossless node of a channel: reserves room, takes the message and its number and delivers it. Either
+  // all of this happens or nothing. `message` is set so that it can be delivered to the other nodes, too.
   struct SoleOffer {
     const MessageOffer& offer;
     std::atomic<std::uint64_t>& sequence;
@@ -62,8 +62,8 @@ class Node : public std::enable_shared_from_this<Node> {
 
   // Lossless nodes: reserves room for one message. False if there is none.
   [[nodiscard]] virtual bool Reserve(std::size_t bytes) noexcept = 0;
-  // Releases reserved room. True if another publisher was refused since the last call: possibly only because of this
-  // reservation, so waiting publishers have to try again.
+  // Releases reserved room. True if another publisher was refused since the last call. This reservation may have been
+  // the only reason, so waiting publishers must try again.
   [[nodiscard]] virtual bool CancelReservation(std::size_t bytes) noexcept = 0;
 
   // Messages that were latched before this node was added. Called once, before any Deliver().

@@ -9,7 +9,8 @@
 
 namespace hgros {
 
-// Adds without a locked instruction where only one thread writes at a time; readers see every value whole.
+// Adds without a locked instruction, for values that only one thread writes at a time. Readers never see a
+// half-written value.
 enum class Writers { kOne, kMany };
 
 template <class T>

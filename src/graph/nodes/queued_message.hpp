@@ -16,7 +16,7 @@ struct QueuedMessage {
   std::size_t bytes = 0;               // Only set if a node has a byte limit.
 };
 
-// The same while it is handed over: borrowed, so that a node that runs its callback at once copies nothing.
+// The same message during delivery. It is borrowed, so that a node that runs its callback at once copies nothing.
 struct Delivery {
   AnyMessage& message;
   const MessageInfo& info;

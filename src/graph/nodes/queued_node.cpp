@@ -30,7 +30,7 @@ void QueuedNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t&)
   if (wake) Wake();
 }
 
-// One lock for what Reserve() and Deliver() would do with two.
+// One lock instead of two in Reserve() and Deliver().
 bool QueuedNode::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t&) noexcept {
   const std::shared_ptr<const void> no_credit;
   bool wake = false;
@@ -94,8 +94,8 @@ QueuedMessage QueuedNode::PopNext() {
   return ring_.Pop();
 }
 
-// A keep-last ring must be able to drop its oldest until the callback begins, concurrent callbacks share the ring, and
-// bytes are not counted outside of it: those take one message at a time.
+// Three kinds of nodes take one message at a time. A keep-last ring must be able to drop its oldest message until the
+// callback begins. Concurrent callbacks share the ring. And bytes are not counted outside the ring.
 bool QueuedNode::Batches() const noexcept {
   return lossless() && setting().invoke == Invoke::kSerial && setting().queue.limit_bytes() == Queue::kUnlimitedBytes;
 }

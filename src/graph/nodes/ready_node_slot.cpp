@@ -46,7 +46,7 @@ void ReadyNodeSlot::HandToWorkers() noexcept {
 }
 
 void ReadyNodeSlot::RunKept() noexcept {
-  if (open_slot == this) open_slot = nullptr;  // What the callbacks publish goes to the workers.
+  if (open_slot == this) open_slot = nullptr;  // Nodes that the callbacks make ready go to the workers.
   if (current_slot == this) current_slot = nullptr;
   if (!kept_) return;
   std::exchange(kept_, nullptr)->Activate();

@@ -14,9 +14,9 @@ inline void PauseBriefly() {
 #endif
 }
 
-// Takes a lock that is held for well under a microsecond. Spins for a while before it lets the thread sleep, which
-// costs tens of times as much as the wait. It tries less and less often, because each try takes the cache line away
-// from the holder.
+// Takes a lock that is held for well under a microsecond. Spins for a while before it lets the thread sleep, because
+// sleeping costs tens of times as much as the wait. The pauses between tries grow, because each try takes the cache
+// line away from the holder.
 inline void SpinThenLock(std::unique_lock<std::mutex>& lock) {
   constexpr int kLooks = 12;
   constexpr int kMostPauses = 32;

@@ -49,9 +49,11 @@ class TbbExecutor::Chain {
 };
 
 struct TbbExecutor::Enqueued {
-  // ThreadSanitizer does not see how TBB hands this object to another thread; the ticket's flag says it for the rest.
+  // ThreadSanitizer does not see how TBB passes this object to another thread; the ticket's flag shows it for all
+  // other data.
   __attribute__((no_sanitize("thread"))) void operator()() const { executor.RunEnqueued(ticket); }
-  // Nor where its memory has been before: apart, so that a report names TBB's function, which is suppressed.
+  // Nor does it see earlier uses of the object's memory. A separate function, so that a report names TBB's function,
+  // which is suppressed.
   __attribute__((no_sanitize("thread"), noinline)) static void HandOver(tbb::task_arena& arena,
                                                                         const Enqueued& enqueued) {
     arena.enqueue(enqueued);
@@ -70,7 +72,7 @@ void TbbExecutor::Run(Activation& activation) const {
   chain.Run();
 }
 
-// TBB starts one thread less than it is allowed, for the caller that usually joins in; ours does not.
+// TBB starts one thread less than allowed, because the caller usually takes part; ours does not.
 TbbExecutor::TbbExecutor(int threads)
     : one_worker_(WorkerCount(threads) == 1),
       workers_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(WorkerCount(threads)) + 1),
@@ -104,7 +106,7 @@ TbbExecutor::FlowNode& TbbExecutor::AcquireFlowNode() {
 void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation) {
   auto ticket = std::make_unique<Ticket>();
   ticket->owned = true;
-  Put(node, std::move(activation), *ticket.release());  // An unlimited node takes everything.
+  Put(node, std::move(activation), *ticket.release());  // An unlimited node accepts every token.
 }
 
 void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket) {

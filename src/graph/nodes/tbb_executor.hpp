@@ -16,12 +16,12 @@ class Activation {
  public:
   virtual ~Activation() = default;
   virtual void Activate() noexcept = 0;
-  // Goes to the end of the workers' queue, because the thread that would have run it has to serve others first.
+  // Goes to the end of the workers' queue, because the thread that would have run it must run others first.
   virtual void HandToWorkers() noexcept = 0;
 };
 
-// The work-stealing workers of one data graph: a TBB flow graph in an arena of its own, so that a thread that waits for
-// it never runs foreign work. Each of our nodes owns one flow-graph node, which gets ready tokens but never messages,
+// The work-stealing workers of one data graph: a TBB flow graph in its own arena, so that a thread that waits for it
+// never runs other work. Each of our nodes owns one flow-graph node, which gets ready tokens but never messages,
 // because TBB's own queues are unlimited.
 //
 // Thread safety: all functions except construction and destruction. Destruction waits for all tokens; it must not run
@@ -52,9 +52,9 @@ class TbbExecutor {
   // Queues behind everything that other threads have put. A worker's own Put() would always run before that.
   void Enqueue(std::shared_ptr<Activation> activation);
 
-  // Keeps the activation on the calling thread if that runs it soon, so that it need not be put: in its ReadyNodeSlot,
-  // or, on the only worker, behind the running body. Nothing could run it sooner, and it saves TBB's overhead between
-  // tasks.
+  // Keeps the activation on the calling thread if this thread runs it soon; then Put() is not needed. It is kept in
+  // the thread's ReadyNodeSlot, or, on the only worker, behind the running body. No other thread could run it sooner,
+  // and it saves TBB's overhead between tasks.
   [[nodiscard]] bool KeepForThisThread(const std::shared_ptr<Activation>& activation) const;
   [[nodiscard]] bool slot_taken() const noexcept { return slot_taken_->load(std::memory_order_relaxed); }
 

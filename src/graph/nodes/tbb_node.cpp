@@ -12,7 +12,8 @@ TbbNode::TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executo
       executor_(executor),
       flow_node_(executor.AcquireFlowNode()) {}
 
-// A token that is still out does no harm if another node gets the flow-graph node: a token knows what it starts.
+// A token that is still in flight does no harm if another node gets the flow-graph node: each token contains what it
+// starts.
 void TbbNode::Close(bool wait) {
   QueuedNode::Close(wait);
   if (!flow_node_given_.exchange(true)) executor_.ReleaseFlowNode(flow_node_);

@@ -8,8 +8,8 @@
 
 namespace hgros {
 
-// Runs its callback on the work-stealing workers. Serial: at most one token is out, which drains the ring. Concurrent:
-// one token per waiting message.
+// Runs its callback on the work-stealing workers. Serial: at most one token is in flight, which empties the ring.
+// Concurrent: one token per waiting message.
 class TbbNode final : public QueuedNode, public Activation {
  public:
   TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executor);
@@ -29,9 +29,9 @@ class TbbNode final : public QueuedNode, public Activation {
 
   TbbExecutor& executor_;
   TbbExecutor::FlowNode& flow_node_;
-  TbbExecutor::Ticket ticket_;  // Of a serial node, which has one token out at most.
+  TbbExecutor::Ticket ticket_;  // For a serial node, which has at most one token in flight.
   std::atomic<bool> flow_node_given_{false};
-  // Tokens that are out (serial), or out and not started (concurrent). Written under mutex_.
+  // Tokens in flight (serial), or in flight and not started (concurrent). Written under mutex_.
   std::atomic<std::size_t> tokens_{0};
 };
 
