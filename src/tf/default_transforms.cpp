@@ -14,7 +14,7 @@ struct Default {
 }  // namespace
 
 Transforms& DefaultTransforms() {
-  // Never destroyed, as the default session.
+  // Never destroyed, like the default session.
   static Default& one = *new Default;
   const std::scoped_lock lock(one.mutex);
   if (const auto there = one.transforms.lock()) return *there;

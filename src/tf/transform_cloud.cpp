@@ -9,7 +9,7 @@ namespace {
 
 using Quad = float __attribute__((vector_size(16)));
 
-// Where the three numbers of a vector lie in each element.
+// The offsets of a vector's three numbers in each element.
 using Offsets = std::array<std::size_t, 3>;
 
 std::size_t OffsetOf(const PackedElements& elements, std::string_view name) {
@@ -33,7 +33,7 @@ std::string FindVector(const PackedElements& elements, const std::array<const ch
   return {};
 }
 
-// Four floats of each element at once; the fourth is another field, or none, and stays.
+// Reads four floats of each element at once. The fourth is another field, or no field, and stays unchanged.
 void TransformPacked(const Eigen::Matrix3f& turn, const Eigen::Vector3f& shift, std::size_t offset, std::size_t stride,
                      std::span<std::byte> out) {
   const auto column = [](const Eigen::Vector3f& v) { return Quad{v.x(), v.y(), v.z(), 0}; };

@@ -7,7 +7,7 @@ void Append(foxglove::FrameTransforms& message, std::string_view parent, std::st
   foxglove::FrameTransform& one = *message.add_transforms();
   std::int64_t seconds = stamp.nanoseconds / kNanosPerSecond;
   std::int64_t nanos = stamp.nanoseconds % kNanosPerSecond;
-  if (nanos < 0) {  // A protobuf time counts on from a second, also before 1970.
+  if (nanos < 0) {  // The nanoseconds of a protobuf time are never negative, even before 1970.
     --seconds;
     nanos += kNanosPerSecond;
   }

@@ -26,7 +26,7 @@ void Append(foxglove::FrameTransforms& message, std::string_view parent, std::st
   return Time{time};
 }
 [[nodiscard]] std::optional<Time> StampOf(const foxglove::FrameTransform& message);
-/// The values as they are: the tree refuses invalid rotations. A missing rotation is the identity.
+/// The values are not checked: the tree refuses invalid rotations. A missing rotation is the identity.
 [[nodiscard]] RigidTransform TransformOf(const foxglove::FrameTransform& message);
 
 }  // namespace hgros::tf

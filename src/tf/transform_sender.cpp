@@ -59,7 +59,7 @@ void TransformSender::SendStatic(std::span<const StampedEdge* const> edges) {
 
 void TransformSender::Touch(Lane& lane, std::unique_lock<std::mutex>& lock) {
   lane.changed = true;
-  if (lane.armed || lane.sending) return;  // They look again.
+  if (lane.armed || lane.sending) return;  // The timer, or the sending thread, checks again.
   const Time now = clock_->Now();
   if (now < lane.quiet_until) {
     Arm(lane, now, lock);
@@ -74,7 +74,7 @@ void TransformSender::Arm(Lane& lane, Time now, std::unique_lock<std::mutex>& lo
   lane.armed = true;
   const Timer spent = std::exchange(lane.timer, timers_->After(std::max(lane.quiet_until - now, Duration::zero()),
                                                                [this, &lane](const Tick&) { OnTimer(lane); }));
-  lock.unlock();  // The spent timer's callback is perhaps about to return, and its end waits for that.
+  lock.unlock();  // The old timer's callback may still be about to return, and its destructor waits for that.
 }
 
 void TransformSender::OnTimer(Lane& lane) {

@@ -18,10 +18,10 @@
 
 namespace hgros::tf {
 
-/// Sends a session's transforms, and those of a burst in one message.
+/// Sends a session's transforms. A burst becomes one message.
 ///
-/// Thread safety: all of it, but construction and destruction. Nothing is published under the lock: subscribers may
-/// set transforms themselves.
+/// Thread safety: all functions except construction and destruction. Nothing is published under the lock, because
+/// subscribers may set transforms themselves.
 class TransformSender {
  public:
   TransformSender(Session& session, Duration batch);
@@ -36,7 +36,7 @@ class TransformSender {
   void SendStatic(std::span<const StampedEdge* const> edges);
   void Flush();
 
-  /// Whether this object has sent the message.
+  /// True if this object has sent the message.
   [[nodiscard]] bool IsOwn(const foxglove::FrameTransforms& message) const;
 
   [[nodiscard]] std::uint64_t sent_messages() const noexcept { return sent_messages_; }
@@ -52,8 +52,8 @@ class TransformSender {
     Message waiting;        // In the static lane: all edges.
     bool changed = false;   // `waiting` has something that was not sent yet.
     bool sending = false;   // One thread at a time, so that messages keep their order.
-    bool armed = false;     // The timer will send.
-    bool keeps = false;     // What was sent stays in `waiting`.
+    bool armed = false;     // A timer is set and will send.
+    bool keeps = false;     // Sent transforms stay in `waiting`.
     Time quiet_until = {};  // Transforms before this time wait for it.
     Timer timer;
   };
@@ -80,9 +80,9 @@ class TransformSender {
   std::atomic<std::uint64_t> unsent_transforms_{0};
 
   std::mutex mutex_;
-  bool closing_ = false;                                // No timer is made any more.
-  std::unordered_map<std::string, int> static_places_;  // By child, in what waits in static_.
-  std::optional<TimerQueue> timers_;                    // From the first burst on.
+  bool closing_ = false;                                // No further timer is made.
+  std::unordered_map<std::string, int> static_places_;  // Indices in the waiting message of static_, by child.
+  std::optional<TimerQueue> timers_;                    // Made at the first burst.
   Lane moving_;
   Lane static_;
 };

@@ -23,16 +23,17 @@ constexpr Duration kLeastJump = std::chrono::seconds(1);
 
 }  // namespace
 
-// Ties a tree to the channels of a session.
-// Thread safety: all of it, but construction and destruction.
+// Connects a tree with the channels of a session. Thread safety: all functions except construction and destruction.
 class Transforms::Core {
  public:
   Core(Session& session, TransformsOptions options)
       : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {
     jumps_ = session_.clock()->OnJump([this](const ClockJump& jump) {
-      // A wall clock that is put right by less takes nothing from the past: later transforms go among the others.
+      // If a wall clock is corrected by less than this, nothing is removed: later transforms are sorted among the
+      // others.
       if (jump.before - jump.after < kLeastJump) return;
-      // What is on its way yet has stamps near the one end, what comes from now on has them near the other.
+      // Stamps of transforms that are still in flight are near the time before the jump; stamps of later ones are
+      // near the time after it.
       tree_.RestartTime(Later(jump.after, (jump.before - jump.after) / 2));
     });
   }
@@ -47,9 +48,9 @@ class Transforms::Core {
  private:
   void Receive(const foxglove::FrameTransforms& message, const MessageInfo& info, bool is_static);
   SetResult Store(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static);
-  // Its id while its name is not known.
+  // The session's id while its name is unknown.
   std::string NameOf(SessionId session);
-  // Nothing if it is not there.
+  // Empty if it is not there.
   [[nodiscard]] std::optional<std::string> NameOfPeer(SessionId session) const;
   void NoteOwner(std::string_view parent, std::string_view child, SessionId by, bool is_static);
 
@@ -65,8 +66,8 @@ class Transforms::Core {
   std::unordered_map<SessionId, std::string> names_;
   tf::TransformSender sender_;
   std::once_flag listens_;
-  Listening jumps_;                          // Ends before the tree that it tells.
-  std::vector<Subscription> subscriptions_;  // The last: its callbacks use all others.
+  Listening jumps_;                          // Destroyed before the tree, which it calls.
+  std::vector<Subscription> subscriptions_;  // Last, because its callbacks use all other members.
 };
 
 void Transforms::Core::Listen() {

@@ -13,9 +13,9 @@ namespace hgros::tf {
 /// Detects edges that two sessions set. Thread-safe.
 class EdgeOwners {
  public:
-  /// `by` has set the edge above `child`. Returns the session that set it before if both probably keep setting it: a
-  /// moving edge returns to an earlier session, or a static one is set by another. A session that restarted under a new
-  /// id does not count as a second one.
+  /// `by` has set the edge above `child`. Returns the session that set it before if both probably continue to set it.
+  /// This is the case if a moving edge returns to an earlier session, or if another session sets a static edge. A
+  /// session that restarted under a new id does not count as a second one.
   [[nodiscard]] std::optional<SessionId> Note(FrameId child, SessionId by, bool is_static) {
     const std::scoped_lock lock(mutex_);
     const auto [place, is_new] = owners_.try_emplace(child.value, Owner{by, {}, false});

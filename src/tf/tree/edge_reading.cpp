@@ -9,16 +9,16 @@ namespace {
 
 using Number = std::uint64_t;
 
-// Finds the last transform at or before a stamp, beginning where the edge's rate says it should be. Remembers the
-// lowest number it has looked at.
+// Finds the last transform at or before a stamp. It begins at the position that follows from the edge's rate, and
+// remembers the lowest number that it has read.
 class Search {
  public:
   Search(const SampleRing::Window& window, Number guess) : window_(window), lowest_(window.end), guess_(guess) {}
 
-  // Number `end` stands for a stamp beyond `stamp`. False if there is none at or before it.
+  // Number `end` counts as later than `stamp`. False if no transform is at or before it.
   bool LastAtOrBefore(std::int64_t stamp, Number begin, Number end, Number& found) {
-    Number low = begin;  // All below it are at or before the stamp.
-    Number high = end;   // It and all above are after the stamp.
+    Number low = begin;  // All lower numbers are at or before the stamp.
+    Number high = end;   // This number and all higher ones are after the stamp.
     Number probe = std::clamp(guess_, low, high - 1);
     for (Number step = 1; low < high;) {
       if (StampOf(probe) <= stamp) {
@@ -45,7 +45,7 @@ class Search {
   [[nodiscard]] Number lowest() const { return lowest_; }
 
  private:
-  static constexpr Number kGallop = 8;  // After so long a step halving is quicker.
+  static constexpr Number kGallop = 8;  // After a step of this length, bisection is faster.
 
   const SampleRing::Window& window_;
   Number lowest_;
@@ -65,8 +65,8 @@ Number FirstThatCounts(Search& search, const SampleRing::Window& window, std::in
                                                                                                        : window.begin;
 }
 
-// Beyond the window lies at most one transform, whose writer has not counted it yet: ReadNewest shows it already. The
-// caller sees to it that the count has not changed meanwhile.
+// After the window there is at most one transform, which its writer has not counted yet; ReadNewest already returns
+// it. The caller makes sure that the count has not changed meanwhile.
 Reading ReadAhead(const Frame& edge, const SampleRing& ring, const SampleRing::Window& window, std::int64_t stamp,
                   Pose& pose) {
   const Sample& ahead = ring.Newest();

@@ -14,7 +14,7 @@ bool Same(const Pose& a, const Pose& b) {
   return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z && a.px == b.px && a.py == b.py && a.pz == b.pz;
 }
 
-// `values` is from now on all that the edge has.
+// From now on the edge has only `values`.
 void Exchange(Frame& edge, const std::vector<StampedPose>& values) {
   const SampleRing& read = *edge.ring.load(std::memory_order_relaxed);
   std::unique_ptr<SampleRing>& other = edge.rings[edge.rings[0].get() == &read ? 1 : 0];
@@ -27,8 +27,8 @@ void CountSet(Frame& edge) {
   edge.sets.store(edge.sets.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
-// A transform that is not the newest: what the edge has is copied with it into the other ring, which is then the one
-// that is read. So no reader ever sees a ring that is being put in order.
+// A transform that is not the newest: the edge's transforms are copied together with it into the other ring, and then
+// readers use that ring. So no reader ever sees a ring that is being sorted.
 bool Insert(Frame& edge, const StampedPose& value) {
   const SampleRing::Window window = edge.ring.load(std::memory_order_relaxed)->Look(edge.limits.count);
   const std::int64_t oldest = edge.limits.OldestFor(edge.newest);

@@ -1,4 +1,4 @@
-// What the tree says when it refuses a transform or has none.
+// The tree's texts when it refuses a transform or has none.
 #include <array>
 #include <cstdio>
 #include <memory>
@@ -49,7 +49,7 @@ std::string NameOf(const FrameTable& frames, FrameId id) {
   return frame == nullptr ? "an id that is not of this tree" : Quoted(frame->name);
 }
 
-// The names that an edge has.
+// The names of all frames that have an edge.
 std::vector<std::string> KnownNames(const FrameTable& frames) {
   std::vector<std::string> names;
   for (std::uint32_t i = 0; i < frames.size(); ++i) {

@@ -24,7 +24,7 @@ struct alignas(64) Frame {
   std::atomic<Frame*> parent{nullptr};
   std::atomic<SampleRing*> ring{nullptr};
   RingLimits limits;
-  std::atomic<bool> known{false};  ///< Some edge has it.
+  std::atomic<bool> known{false};  ///< The frame has an edge.
   bool is_static = false;
   FrameId id;
   // Changes with every transform.
@@ -33,9 +33,9 @@ struct alignas(64) Frame {
   std::mutex write;
   std::uint64_t time = 0;  ///< The tree's time when the edge was last set.
   std::int64_t newest = std::numeric_limits<std::int64_t>::min();
-  std::int64_t awaited_from = std::numeric_limits<std::int64_t>::max();  ///< A wait needs a stamp from here on.
-  std::array<std::unique_ptr<SampleRing>, 2> rings;                      ///< One is read while the other is rewritten.
-  // Fixed from the start.
+  std::int64_t awaited_from = std::numeric_limits<std::int64_t>::max();  ///< The lowest stamp for which a wait exists.
+  std::array<std::unique_ptr<SampleRing>, 2> rings;  ///< Readers use one while the other is rewritten.
+  // Never changes.
   std::size_t name_hash = 0;
   std::string name;
 };

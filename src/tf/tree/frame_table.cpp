@@ -9,7 +9,7 @@ namespace hgros::tf {
 
 FrameTable::Table::Table(std::size_t size) : capacity(size), by_id(new Place[size]), by_name(new Place[2 * size]) {}
 
-// Where the name stands or would stand. At most half of the places are taken, so one is free.
+// The place of the name, or the free place for it. At most half of the places are taken, so there is one.
 FrameTable::Place& FrameTable::Table::PlaceFor(std::string_view name, std::size_t hash) const noexcept {
   const std::size_t mask = 2 * capacity - 1;
   for (std::size_t i = hash & mask;; i = (i + 1) & mask) {

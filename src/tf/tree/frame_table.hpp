@@ -21,7 +21,7 @@ class FrameTable {
 
   /// Null if there is no such frame.
   [[nodiscard]] Frame* At(FrameId id) const noexcept {
-    // The number first: the table read after it has at least as many.
+    // Reads the number first: the table that is read after it has at least this number.
     if (id.value >= size_.load(std::memory_order_acquire)) return nullptr;
     return table_.load(std::memory_order_acquire)->by_id[id.value].load(std::memory_order_acquire);
   }

@@ -13,10 +13,10 @@ using Way = std::span<const Frame* const>;
 
 constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::max();
 
-constexpr std::size_t kBlock = 16;  // Edges are read first and multiplied afterwards, so many at a time.
+constexpr std::size_t kBlock = 16;  // Number of edges that are read before they are multiplied.
 
-// T_ancestor_frame along edges from a frame up to its ancestor, from the newest of each. Leaves `stamp` at kAlways
-// where only static edges are. False if the edges that move do not have one and the same newest stamp, which is `stamp`
+// T_ancestor_frame along the edges from a frame up to its ancestor, from the newest transform of each. `stamp` stays
+// kAlways if all edges are static. False if the moving edges do not all have the same newest stamp; this is `stamp`,
 // unless that is kAlways.
 bool ComposeNewest(Way edges, std::uint64_t* versions, Pose& pose, std::int64_t& stamp) {
   std::array<Pose, kBlock> poses;
@@ -38,7 +38,7 @@ bool ComposeNewest(Way edges, std::uint64_t* versions, Pose& pose, std::int64_t&
   return true;
 }
 
-// The same at one moment; false with the fault in `outcome`.
+// The same at one time; false with the fault in `outcome`.
 bool ComposeAt(Way edges, std::int64_t stamp, Pose& pose, Outcome& outcome) {
   std::array<Pose, kBlock> poses;
   pose = IdentityPose();
@@ -70,7 +70,7 @@ std::int64_t EarliestNewest(Way edges, std::uint64_t* versions, std::int64_t ear
   return earliest;
 }
 
-// The one that moves whose newest stamp is the earliest; there is one.
+// The moving edge whose newest stamp is the earliest; there is at least one moving edge.
 const Frame* EarliestEdge(Way from_source, Way from_target) {
   const Frame* found = nullptr;
   std::int64_t earliest = kAlways;
@@ -101,8 +101,8 @@ bool Compose(Way from_source, Way from_target, std::int64_t stamp, Outcome& outc
   return true;
 }
 
-// Leaves in `versions`, unless that is null, versions of the source's and then the target's edges that are not later
-// than what was read.
+// Unless `versions` is null, it gets the versions of the source's and then of the target's edges, not later than the
+// transforms that were read.
 void ComposeLatest(Way from_source, Way from_target, std::uint64_t* versions, Outcome& outcome) {
   std::uint64_t* target_versions = versions == nullptr ? nullptr : versions + from_source.size();
   Pose source;
@@ -115,8 +115,8 @@ void ComposeLatest(Way from_source, Way from_target, std::uint64_t* versions, Ou
     outcome.stamp = outcome.is_static ? 0 : stamp;
     return;
   }
-  // Between the two looks at an edge its writer may have gone on so far that the moment is forgotten: then it is not
-  // the latest any more. Who cannot keep up with that for long is told so.
+  // Between the two reads of an edge, its writer may have gone so far that this time is no longer in the buffer; then
+  // it is no longer the latest one. A reader that cannot keep up for long gets the fault.
   const auto earliest = [&] {
     return EarliestNewest(from_target, target_versions, EarliestNewest(from_source, versions, kAlways));
   };
@@ -235,7 +235,7 @@ void TreeCore::Lookup(const TransformQuery& query, Outcome& outcome) const {
 TransformResult TreeCore::Result(const Outcome& outcome) const {
   if (outcome.fault != TransformFault::kNone) [[unlikely]]
     return TransformResult::Failed(Describe(outcome));
-  // Number by number, as Pose is copied.
+  // Copied number by number, like Pose.
   TransformResult result;
   StampedTransform& found = result.found_;
   found.T_target_source.rotation.w() = outcome.pose.w;

@@ -9,7 +9,7 @@ constexpr std::size_t kPlacesBits = 6;  // 64 pairs, 24 KiB for each thread that
 
 using Places = std::array<Memo, std::size_t{1} << kPlacesBits>;
 
-// The pointer costs no call to reach; the owner only frees.
+// The pointer is read without a call; the owner only frees the memory.
 constinit thread_local Places* own_places = nullptr;
 
 struct Owner {
@@ -25,7 +25,7 @@ struct Owner {
 Memo& Memo::PlaceFor(std::uint64_t tree, FrameId target, FrameId source) {
   if (own_places == nullptr) {
     thread_local Owner owner;
-    // A thread that is ending and looks up once more has no place of its own any longer.
+    // A thread that looks up while it ends no longer has its own cache.
     if (own_places == nullptr) owner.places = std::make_unique<Places>(), own_places = owner.places.get();
   }
   const std::uint64_t pair = (std::uint64_t{target.value} << 32 | source.value) + tree;

@@ -15,11 +15,10 @@ namespace hgros::tf {
 struct Memo {
   static constexpr std::size_t kMostEdges = 16;  ///< Longer paths are not cached.
 
-  std::uint64_t tree =
-      0;  ///< No tree has the number 0, and none has that of another, so edges of trees gone are not used.
+  std::uint64_t tree = 0;  ///< Unique, so that edges of destroyed trees are not used. 0: no tree.
   FrameId target;
   FrameId source;
-  std::uint16_t source_edges = 0;  ///< The first of `edges`; the others are the target's.
+  std::uint16_t source_edges = 0;  ///< Number of source edges; they come first in `edges`, then the target's.
   std::uint16_t all_edges = 0;
   bool has_latest = false;
   bool latest_is_static = false;

@@ -16,12 +16,12 @@ struct Outcome {
   bool is_static = false;  ///< All edges on the path are static.
 
   // For a fault.
-  FrameId target;  ///< Of the part that failed, for time travel.
+  FrameId target;  ///< The part that failed, for time travel.
   FrameId source;
   FrameId unknown;
   std::int64_t wanted = 0;         ///< kTooOld, kTooNew
   const Frame* edge = nullptr;     ///< kTooOld, kTooNew
-  const Frame* lagging = nullptr;  ///< kTooOld, of a look-up of the latest: the edge that is behind `edge`.
+  const Frame* lagging = nullptr;  ///< kTooOld in a look-up of the latest: the edge that is behind `edge`.
   const Frame* target_root = nullptr;
   const Frame* source_root = nullptr;
 };

@@ -6,11 +6,11 @@
 
 namespace hgros::tf {
 
-/// Two numbers that the processor takes at once.
+/// Two numbers that the processor handles at once.
 using Pair = double __attribute__((vector_size(16)));
 
-/// A rigid transform as seven numbers: a unit quaternion and a position. Copied number by number, because what is
-/// stored in one width and read in another makes the processor wait.
+/// A rigid transform as seven numbers: a unit quaternion and a position. Copied number by number, because the
+/// processor waits if memory is stored in one width and read in another.
 template <class Number>
 struct PoseOf7 {
   Number w, x, y, z, px, py, pz;
@@ -67,7 +67,7 @@ inline Pose Inverse(const Pose& a) {
   return {a.w, -a.x, -a.y, -a.z, -moved.px, -moved.py, -moved.pz};
 }
 
-/// The product of `count` poses, at least one: both halves of them side by side.
+/// The product of `count` poses (at least one). Both halves are multiplied in parallel.
 inline Pose Product(const Pose* poses, std::size_t count) {
   if (count == 1) return poses[0];
   const auto pair = [](const Pose& a, const Pose& b) {

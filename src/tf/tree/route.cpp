@@ -18,7 +18,7 @@ bool Route::Find(const Frame& target, const Frame& source) {
   do {
     target_root = Climb(&target, from_target);
     source_root = Climb(&source, from_source);
-    // A root that has got a parent between the two climbs is none.
+    // Not a root if it got a parent between the two climbs.
   } while (target_root != source_root && (target_root->parent.load(std::memory_order_acquire) != nullptr ||
                                           source_root->parent.load(std::memory_order_acquire) != nullptr));
   if (target_root != source_root) return false;

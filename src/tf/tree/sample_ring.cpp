@@ -24,7 +24,7 @@ void SampleRing::Rewrite(const std::vector<StampedPose>& values, std::uint64_t f
   free_below_ = chunk;
   intact_.store(number, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);
-  // The chunks that it has become the ones right before.
+  // Its present chunks become those before it.
   const std::uint64_t end = end_.load(std::memory_order_relaxed);
   std::vector<Sample*> chunks;
   for (std::uint64_t i = first_chunk_; i <= (end == 0 ? 0 : (end - 1) >> shift_); ++i) {
@@ -72,7 +72,8 @@ void SampleRing::EnterChunk(std::uint64_t chunk, std::int64_t stamp, const RingL
   }
 }
 
-// `number` is about to be written. The newest that readers see is right before it and has to stay until it is out.
+// `number` is about to be written. The newest transform that readers see is the one before it, and must stay until
+// the new one is published.
 bool SampleRing::MayGo(std::uint64_t chunk, std::uint64_t number, std::int64_t stamp, const RingLimits& limits) {
   if (chunk < free_below_) return true;
   const std::uint64_t next = (chunk + 1) << shift_;
@@ -84,8 +85,7 @@ void SampleRing::Enlarge(std::uint64_t chunk) {
   const std::size_t size = directories_.empty() ? 4 : 2 * (static_cast<std::size_t>(mask_) + 1);
   auto larger = std::make_unique<Directory>(size);
   for (std::uint64_t i = 0; i < size; ++i) {
-    // Places that nobody should look at yet hold a chunk all the same, so that a late reader reads memory that is
-    // there.
+    // Unused places also hold a chunk, so that a late reader never reads missing memory.
     larger->places[i].store(places_ == nullptr ? nullptr : places_[i & mask_].load(std::memory_order_relaxed),
                             std::memory_order_relaxed);
   }

@@ -57,18 +57,18 @@ struct RingLimits {
   }
 };
 
-/// The transforms of one edge, by growing stamps. Transforms are numbered from 0 without end; number i lies in chunk
-/// i / chunk size, and a directory says where that is. A chunk all of whose transforms are beyond the limits becomes
-/// the next one; otherwise there is a new one, and sometimes a larger directory.
+/// The transforms of one edge, by growing stamps. Transforms are numbered from 0 without end. Number i is in chunk i
+/// / chunk size, and a directory has the chunk's address. A chunk whose transforms are all beyond the limits is
+/// reused as the next one. Otherwise a new chunk is made, and sometimes a larger directory.
 ///
 /// Thread safety: one writer at a time, any number of readers, who take no lock and never wait.
-/// Invariants: a reader looks at intact(), size and places through a Window, reads what it likes, and asks StillThere
-/// for the lowest number it looked at. Before the writer writes into a chunk again it raises intact() past it, and a
-/// fence stands between; so a reader that has read a word of the new content finds intact() raised. Memory is given
+/// Invariants: a reader takes intact(), size and places in a Window, reads transforms, and then asks StillThere for
+/// the lowest number that it has read. Before the writer writes into a chunk again, it raises intact() beyond it,
+/// followed by a fence. So a reader that has read a word of the new content sees the raised intact(). Memory is given
 /// back only when the ring ends.
 class SampleRing {
  public:
-  /// What a reader has found; numbers of [begin, end) lie in it.
+  /// A reader's view of the ring; it contains the numbers [begin, end).
   class Window {
    public:
     [[nodiscard]] const Sample& operator[](std::uint64_t number) const {
@@ -102,12 +102,12 @@ class SampleRing {
     window.shift_ = shift_;
     return window;
   }
-  /// Whether everything from `number` on was what the reader took it for.
+  /// Whether nothing from `number` on was overwritten while the reader read it.
   [[nodiscard]] bool StillThere(std::uint64_t number) const {
     std::atomic_thread_fence(std::memory_order_acquire);
     return intact_.load(std::memory_order_relaxed) <= number;
   }
-  /// One past the newest, and the newest or one that has come since.
+  /// One past the newest number, and the newest transform or one that has come since.
   [[nodiscard]] std::uint64_t End() const { return end_.load(std::memory_order_acquire); }
   [[nodiscard]] const Sample& Newest() const { return *newest_.load(std::memory_order_acquire); }
   /// Transforms per ns in the buffer; a hint for searching.
@@ -117,7 +117,7 @@ class SampleRing {
 
   /// `value` is newer than all others.
   void Append(const StampedPose& value, const RingLimits& limits);
-  /// Replaces the content of the ring by `values`, which are in order. Readers that still look at it find it empty
+  /// Replaces the content of the ring by `values`, which are in order. Readers that still use this ring find it empty
   /// meanwhile.
   void Rewrite(const std::vector<StampedPose>& values, std::uint64_t first, const RingLimits& limits);
 
@@ -138,7 +138,7 @@ class SampleRing {
   void Enlarge(std::uint64_t chunk);
 
   // Read by readers.
-  alignas(64) std::atomic<std::uint64_t> intact_{0};  ///< The lowest number that was not written over.
+  alignas(64) std::atomic<std::uint64_t> intact_{0};  ///< The lowest number that was not overwritten.
   std::atomic<std::uint64_t> end_{0};
   std::atomic<Sample*> newest_{nullptr};  ///< Set before end_.
   std::atomic<const Directory*> directory_{nullptr};
@@ -148,7 +148,7 @@ class SampleRing {
   alignas(64) std::atomic<Sample*>* places_ = nullptr;
   std::uint64_t mask_ = 0;
   std::uint64_t first_chunk_ = 0;  ///< The lowest that the directory has.
-  std::uint64_t free_below_ = 0;   ///< Chunks below it hold nothing that counts.
+  std::uint64_t free_below_ = 0;   ///< Chunks below it hold no transforms within the limits.
   std::vector<std::unique_ptr<Directory>> directories_;
   std::vector<std::unique_ptr<Sample[]>> chunks_;
 };

@@ -86,7 +86,7 @@ SetResult TreeCore::Set(std::string_view parent, std::string_view child, const E
                                    " name, " + fault + "."};
     }
   }
-  if (above == nullptr || below == nullptr) {  // What is refused leaves no frames behind.
+  if (above == nullptr || below == nullptr) {  // A refused transform leaves no frames behind.
     Pose pose = PoseOf(value.T_parent_child);
     SetFault fault = PoseFault(pose);
     if (fault == SetFault::kNone && parent == child) fault = SetFault::kCycle;
@@ -117,7 +117,7 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
     fault = Connect(parent, child, value, pose);
     if (fault == SetFault::kNone) return {};
     now = child.parent.load(std::memory_order_acquire);
-    if (now == &parent) fault = SetFault::kNone;  // Another thread was first; this one is one more.
+    if (now == &parent) fault = SetFault::kNone;  // Another thread was first; this is a further transform.
   }
   if (fault != SetFault::kNone) return Refuse(fault, parent, child, value);
   if (now != &parent) return Refuse(SetFault::kTwoParents, parent, child, value);
@@ -130,7 +130,7 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
     const std::uint64_t time = time_.load(std::memory_order_acquire);
     const bool begins = IsRestarting(child);
     anew = begins && value.stamp <= restart_limit_.load(std::memory_order_relaxed);
-    // A later stamp is taken for one of the time before, unless it is too old for that.
+    // A later stamp counts as one from before the jump, unless it is too old for the edge.
     const bool written = !anew && Write(child, {value.stamp, pose});
     if (begins && !written) {
       anew = true;

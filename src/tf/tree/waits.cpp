@@ -137,8 +137,8 @@ bool Waits::Await(Waiter& waiter, const Frame& growing, std::int64_t from_stamp)
   return true;
 }
 
-// True with what came out, or false: then whoever sets the one thing that it lacks will look again. What it lacks is
-// noted under the lock under which that is set, if it is not there by then.
+// True with the result. Otherwise false: then the thread that sets the missing thing will check again. The missing
+// thing is noted under the lock under which it is set, if it is still missing then.
 bool Waits::Settle(Waiter& waiter, std::optional<TransformResult>& result) {
   for (;;) {
     std::uint64_t edges = 0;

@@ -60,7 +60,7 @@ class Waits {
   /// Finishes the wait on this thread if possible. Otherwise the thread that sets what it waits for does.
   void Add(const std::shared_ptr<Waiter>& waiter);
   void Remove(const std::shared_ptr<Waiter>& waiter);
-  /// The edge has a stamp that a wait needs. Called without any lock of the tree.
+  /// Called when the edge has a stamp that a wait needs, without any lock of the tree.
   void EdgeHasGrown(Frame& edge);
   /// A restarted edge has only its newest stamp left.
   void EdgeHasRestarted();
