@@ -12,38 +12,38 @@
 
 namespace hgros {
 
-/// What this session announces of itself, and the registry and the beacon that tell it to others.
+/// This session's announcement, and the registry and the beacon that pass it to others.
 ///
 /// Thread safety: all functions.
 class Announcer {
  public:
-  /// On this host the session connects with the processes that `only` names; with all if it is empty. `log` outlives
-  /// it.
+  /// On this host the session connects with the processes that `only` names, or with all if it is empty. `log`
+  /// outlives it.
   Announcer(SessionId session, const std::string& process, std::vector<std::string> only, Log& log);
 
-  /// Others find it there from now on.
+  /// From now on others find the session at this place.
   void SetPlace(const std::string& transport_key, const std::string& place);
   void SetEndpoints(std::vector<std::string> endpoints);
   /// The session publishes or subscribes to the channel, over these transports only.
   void Publishes(const std::string& channel, const TypeInfo& type, const TransportKeys& transports);
   void Subscribes(const std::string& channel, const TypeInfo& type, const TransportKeys& transports, bool lossless);
-  /// It no longer does.
+  /// The session no longer publishes or subscribes to the channel.
   void EndPublishing(const std::string& channel);
   void EndSubscribing(const std::string& channel);
 
-  /// Tells them at once. The registry of this host can be read as well.
+  /// Passes changes to them at once. The registry of this host can also be read.
   void UseRegistry(std::unique_ptr<Discovery> registry);
   void UseBeacon(std::unique_ptr<Discovery> beacon);
-  /// Ends both: nobody is found any more.
+  /// Ends both: no further session is found.
   void Close() noexcept;
-  /// Tells others what has changed.
+  /// Passes the changes to others.
   void Announce();
 
-  /// The sessions of this host that this one is to connect with.
+  /// The sessions of this host that this one must connect with.
   [[nodiscard]] std::vector<Announcement> PeersOnHost() const;
-  /// False if this session or that one names the processes that it connects with, and the other is not among them.
+  /// False if either session names the processes that it connects with, and the other one is not among them.
   [[nodiscard]] bool IsWanted(const Announcement& peer) const;
-  /// This session does not want the peer, whatever the peer wants.
+  /// True if this session's own list excludes the peer.
   [[nodiscard]] bool IsExcludedHere(const Announcement& peer) const;
   [[nodiscard]] Announcement own() const;
 

@@ -23,7 +23,7 @@ TransportRules RulesIn(const std::map<std::string, TransportKeys, std::less<>>& 
 
 }  // namespace
 
-// Before a message of the peer comes over this transport.
+// Must happen before a message of the peer comes over this transport.
 void BridgeCore::Ear::OnPeerCame(const PeerInfo& peer) noexcept {
   if (const auto move = bridge_.peers_.Came(peer, transport_)) bridge_.BeginMove(peer.id, *move);
 }
@@ -32,7 +32,7 @@ void BridgeCore::Ear::OnPeerGone(const PeerInfo& peer, std::string_view reason) 
   const bool free = bridge_.peers_.Gone(peer, transport_, reason);
   bridge_.EndMove(peer.id, transport_);
   if (free) bridge_.AskAgain();
-  // It may come back that way, or never.
+  // The peer may come back over this transport, or never.
   if (bridge_.transports_.on_host().Has(transport_)) bridge_.AwaitHostTransports(peer.id, peer.process, peer.pid);
 }
 
@@ -71,7 +71,7 @@ BridgeCore::BridgeCore(BridgeOptions options, TransportListener& listener, Log& 
 
 void BridgeCore::OpenAll() {
   OpenOnHost();
-  // Before endpoints are bound: a session that finds this one there can find it in the registry as well.
+  // Done before endpoints are bound, so that a session that finds this one there also finds it in the registry.
   if (options_.registry) LookOnHost();
   for (TransportIndex i = 0; i < transports_.size(); ++i) {
     const TransportEntry& entry = transports_[i];
@@ -83,7 +83,7 @@ void BridgeCore::OpenAll() {
 BridgeCore::~BridgeCore() { Close(0); }
 
 void BridgeCore::Close(int linger_ms) noexcept {
-  announcer_.Close();  // Nobody comes any more.
+  announcer_.Close();  // From here on no further session is found.
   open_.Close(linger_ms);
 }
 

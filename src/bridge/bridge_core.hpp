@@ -26,7 +26,7 @@ namespace hgros {
 /// All transports of one session, and how it finds others on its host and its network. Each other session is received
 /// over one transport, the cheapest that reaches it, so no message comes twice.
 ///
-/// Thread safety: all functions, but wiring (all except stats and lists) by one thread at a time. Calls into the
+/// Thread safety: all functions; wiring (everything except stats and lists) by one thread at a time. Calls into the
 /// listener come from the transports' threads, in one order for each peer.
 class BridgeCore final : private DiscoveryListener {
  public:
@@ -46,29 +46,30 @@ class BridgeCore final : private DiscoveryListener {
   /// The transport with endpoints; opened at the first call. Throws Error.
   ZmqTransport& Zmq();
   [[nodiscard]] ZmqTransport* zmq() const noexcept { return open_.zmq(); }
-  /// As the transport's, also of an endpoint that a beacon has told of already. Throws Error.
+  /// Like the transport's function; also for an endpoint that a beacon has already reported. Throws Error.
   void AddPublishEndpoint(const PublishEndpoint& endpoint);
   void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint);
   bool RemoveSubscribeEndpoint(const std::string& endpoint);
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return peers_.List(); }
-  /// What other sessions say of their channels: those of this host in its registry, then those that are connected.
+  /// The channels of other sessions, by their own data: first the sessions in this host's registry, then those that
+  /// are connected.
   [[nodiscard]] std::vector<std::vector<SessionChannels>> KnownChannels() const;
-  /// The sessions that say in the host's registry that they subscribe, and whether others could.
+  /// The sessions that subscribe according to this host's registry, and whether there may be others.
   [[nodiscard]] ChannelSearch Search(const std::string& channel) const;
   [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
   void Receive(const Visit& visit) const noexcept { open_.Receive(visit); }
   [[nodiscard]] TransportStats stats() const { return open_.stats(); }
-  /// Says goodbye everywhere, and sends what was published as far as `linger_ms` allows.
+  /// Says goodbye to all peers, and sends published messages for at most `linger_ms`.
   void Close(int linger_ms) noexcept;
 
  private:
-  /// How long a session of this host that lives is left to the transports of this host.
+  /// The time for which a living session of this host is left to the transports of this host.
   static constexpr auto kHostPatience = std::chrono::seconds(2);
-  /// A session that was found on this host more recently may be about to subscribe.
+  /// A session that was found on this host within this time may be about to subscribe.
   static constexpr auto kTimeToSubscribe = std::chrono::seconds(1);
 
-  // What one transport tells.
+  // The listener of one transport.
   class Ear final : public TransportListener {
    public:
     Ear(BridgeCore& bridge, TransportIndex transport) : bridge_(bridge), transport_(transport) {}
@@ -91,7 +92,7 @@ class BridgeCore final : private DiscoveryListener {
   void WarnIfConfined(const std::string& channel, TransportSet rule);
   void AskAgain() noexcept;
 
-  // bridge_finding.cpp: how others of the host and the network are found, and find us.
+  // bridge_finding.cpp: finds other sessions of the host and the network, and lets them find us.
   void OnCame(const Announcement& peer) override;
   void OnChanged(const Announcement& peer) override;
   void OnGone(const Announcement& last, std::string_view reason) override;
@@ -104,7 +105,7 @@ class BridgeCore final : private DiscoveryListener {
   void WarnLaterOfRules();
   void WarnOfRules();
 
-  // bridge_moving.cpp: how a peer's messages move to another transport.
+  // bridge_moving.cpp: moves a peer's messages to another transport.
   void BeginMove(SessionId peer, PeerTransports::MoveNumber number);
   void FinishMove(SessionId peer, PeerTransports::MoveNumber number);
   // The transport no longer reaches the peer.
@@ -129,11 +130,11 @@ class BridgeCore final : private DiscoveryListener {
   std::atomic<std::chrono::steady_clock::time_point> last_came_{std::chrono::steady_clock::now()};
   std::atomic<bool> ruled_;  // This session or another one has rules for channels.
   std::mutex said_mutex_;
-  std::set<std::pair<std::string, std::uint64_t>> said_;  // Channels and sessions between which nothing can pass.
-  std::mutex lists_;                                      // Guards what follows.
+  std::set<std::pair<std::string, std::uint64_t>> said_;  // Channels and sessions without a transport between them.
+  std::mutex lists_;                                      // Guards the members below.
   std::vector<std::weak_ptr<JoinedOutbound>> outbound_;
   std::vector<std::weak_ptr<JoinedInbound>> inbound_;
-  Announcer announcer_;  // Ends first: its threads use all of the above.
+  Announcer announcer_;  // Destroyed first, because its threads use all members above.
 };
 
 }  // namespace hgros

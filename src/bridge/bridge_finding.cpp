@@ -1,4 +1,4 @@
-// How a session finds others of its host and its network, and is found.
+// Finds other sessions of the host and the network, and lets them find this one.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -12,7 +12,8 @@
 namespace hgros {
 namespace {
 
-// Rules that leave two sessions no way are reported when every transport has had the time to reach the other.
+// If rules leave two sessions no transport, this is reported only after every transport has had time to reach the
+// other one.
 constexpr auto kTimeToBeReached = std::chrono::seconds(3);
 
 std::string NameOf(const Announcement& peer) { return SessionName(peer.session, peer.process, peer.pid); }
@@ -92,7 +93,7 @@ ChannelSearch BridgeCore::Search(const std::string& channel) const {
         peer.channels, [&](const auto& entry) { return entry.subscribes && entry.channel == channel; });
     if (there) search.announced.push_back(InfoOf(peer));
   }
-  if (open_.reach_other_hosts()) return search;  // A session that is reached now or later may subscribe.
+  if (open_.reach_other_hosts()) return search;  // A session that is reached later may still subscribe.
   search.complete_at = last_came_.load() + kTimeToSubscribe;
   search.complete = std::chrono::steady_clock::now() >= search.complete_at;
   return search;
@@ -140,14 +141,14 @@ void BridgeCore::OnGone(const Announcement& last, std::string_view /*reason*/) {
   options_.on_announcements();
   listener_.OnChannels();
   GiveUpSubscriber(last.session);
-  AskAgain();  // What is still reached otherwise is no longer left to transports of this host.
+  AskAgain();  // A peer that another transport reaches is no longer left to transports of this host.
   for (TransportIndex i = 0; i < transports_.size(); ++i) {
     const auto place = last.places.find(transports_[i].key);
     if (open_[i] != nullptr && place != last.places.end()) open_[i]->RemovePeer(place->second);
   }
 }
 
-// A session may be on this host and still out of reach, for example in a container.
+// A session may be on this host and still unreachable, for example in a container.
 void BridgeCore::AwaitHostTransports(SessionId id, const std::string& process, std::int64_t pid) {
   options_.later(kHostPatience, [this, id, process, pid] {
     const PeerTransports::GivenUp given_up = peers_.GiveUp(id);
@@ -169,7 +170,7 @@ void BridgeCore::WarnLaterOfRules() {
   if (ruled_) options_.later(kTimeToBeReached, [this] { WarnOfRules(); });
 }
 
-// Channels that two sessions of this host share, and whose rules leave them no way: once each.
+// Reports, once each, the channels that two sessions of this host share and for which rules leave no transport.
 void BridgeCore::WarnOfRules() {
   const Announcement own = announcer_.own();
   const auto zmq = transports_.Find(kZmqKey);

@@ -1,5 +1,5 @@
-// How a peer's messages move to another transport: while they flow, to a cheaper one that reaches the peer later; and
-// to what remains when a transport loses the peer.
+// Moves a peer's messages to another transport: to a cheaper one that reaches the peer later, while messages flow; or
+// to a remaining one when a transport loses the peer.
 #include <utility>
 
 #include "bridge/bridge_core.hpp"
@@ -16,8 +16,8 @@ std::vector<std::shared_ptr<Joined>> BridgeCore::Listed(const std::vector<std::w
   return all;
 }
 
-// A channel that does not come over the old transport, because an endpoint's list does not let it pass, has moved
-// already.
+// A channel that does not come over the old transport, because an endpoint's list does not allow it, has already
+// moved.
 void BridgeCore::MoveChannel(JoinedInbound& joined, SessionId peer) {
   const auto way = peers_.MoveOf(peer, joined.channel());
   if (way && !joined.Move(peer, *way)) peers_.Moved(peer, joined.channel());
@@ -39,11 +39,11 @@ void BridgeCore::FinishMove(SessionId peer, PeerTransports::MoveNumber number) {
   if (!peers_.FinishMove(peer, number)) return;
   for (const auto& joined : Listed(inbound_)) joined->FinishMove(peer);
   if (const auto next = peers_.NextMove(peer)) BeginMove(peer, *next);
-  AskAgain();  // What is still asked for over the old transport is dropped there.
+  AskAgain();  // Channels that are still asked for over the old transport are dropped there.
 }
 
-// A session of this host that lives comes back over a transport of this host, or over another one when those have been
-// given up.
+// A living session of this host comes back over a transport of this host, or over another one after these were given
+// up.
 void BridgeCore::AwaitSubscriber(SessionId subscriber, std::function<void()> give_up) {
   const bool lives = peers_.IsFound(subscriber);
   options_.later(lives ? kHostPatience + options_.zmq.peer_timeout : std::chrono::nanoseconds(0), std::move(give_up));
@@ -53,7 +53,7 @@ void BridgeCore::GiveUpSubscriber(SessionId subscriber) {
   for (const auto& joined : Listed(outbound_)) joined->GiveUp(subscriber);
 }
 
-// A channel that may no longer use both transports of its move goes on as its messages come.
+// If a channel may no longer use both transports of its move, its messages are delivered as they come.
 void BridgeCore::ForgetForbiddenMoves(SessionId peer) {
   for (const auto& joined : Listed(inbound_)) {
     const TransportSet allowed = peers_.Allowed(peer, joined->channel());
@@ -62,9 +62,10 @@ void BridgeCore::ForgetForbiddenMoves(SessionId peer) {
 }
 
 void BridgeCore::EndMove(SessionId peer, TransportIndex gone) {
-  // What has waited over the new transport comes over the old one.
+  // Messages that have waited on the new transport also come over the old one.
   for (const auto& joined : Listed(inbound_)) joined->ForgetMove(peer, [gone](MoveWay way) { return way.to == gone; });
-  // Nothing comes over the old transport any more: what waits for it goes on, on a thread that may run user code.
+  // No more messages come over the old transport: those that wait for it are delivered now, on a thread that may run
+  // user code.
   options_.later({}, [this, peer, gone] {
     const auto from_there = [gone](MoveWay way) { return way.from == gone; };
     for (const auto& joined : Listed(inbound_)) {

@@ -13,9 +13,9 @@
 namespace hgros {
 namespace {
 
-// Decoding more than this is left to a thread that owns no socket.
+// Messages above this size are decoded on a thread that owns no socket.
 constexpr std::size_t kQuickBytes = 64 * 1024;
-// A peer could invent publishers; those heard longest ago are forgotten first.
+// A limit against peers that invent publishers. Publishers that were silent for longest are forgotten first.
 constexpr std::size_t kMaxPublishers = 4096;
 constexpr int kMessagesPerErrand = 16;
 
@@ -36,8 +36,8 @@ ChannelInlet::ChannelInlet(Channel& channel, bool brings_replies, std::shared_pt
 void ChannelInlet::Join(NetworkBridge& bridge, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);
   const TypeInfo& own = DataGraph::TypeOfChannel(channel_);
-  // What stays inside this process has no name outside; who wants the channel from there wants whatever comes.
-  // Nor does it matter what bytes this session publishes itself.
+  // A type that stays inside this process has no name outside, so a subscription with it accepts any type. The type
+  // of bytes that this session itself publishes does not matter either.
   const TypeInfo& type = own.encoding == Encoding::kNone || IsRunTimeType(own) ? AnyType() : own;
   type_.store(&type, std::memory_order_release);
   auto transports = bridge.Subscribe(DataGraph::NameOf(channel_), type, demand, *this);
@@ -52,8 +52,9 @@ void ChannelInlet::Detach() {
     transports = std::move(transports_);
   }
   transports.reset();
-  // No thread of the transport is inside any more, and a Run() that was asked for may not have been made; an errand is.
-  Fifo<InboundMessage> left;  // Let go of after the lock, for the credits.
+  // No thread of the transport is inside any more. A requested Run() may not have been called, but a requested errand
+  // is.
+  Fifo<InboundMessage> left;  // Destroyed after the lock, because this returns credit.
   std::optional<Decoded> undelivered;
   {
     const std::scoped_lock lock(waiting_mutex_);
@@ -63,7 +64,7 @@ void ChannelInlet::Detach() {
   }
   publishers_.store(0, std::memory_order_release);
   ForgetOffers();
-  // What is published while nobody here wants it is not lost.
+  // Messages that are published while there is no subscriber here do not count as lost.
   const std::scoped_lock lock(counts_mutex_);
   for (auto& [publisher, life] : lives_) life.away = true;
 }
@@ -111,13 +112,14 @@ void ChannelInlet::Run() noexcept {
   const UserCode decoding =
       as == Runner::kTransport || as == Runner::kVisitor ? UserCode::kRefused : UserCode::kAllowed;
   const UserCode injecting = as == Runner::kTransport ? UserCode::kRefused : UserCode::kAllowed;
-  // Last of all, when the next message finds nobody running: a long callback holds up no other node of the channel.
+  // The slot's node runs last, when the next message finds no thread running. So a long callback does not block other
+  // nodes of the channel.
   ReadyNodeSlot slot(as == Runner::kTransportHelps);
   std::optional<Decoded> undelivered;
   while (!undelivered) {
     InboundMessage message;
     const Taken taken = Take(message, decoding);
-    // A visitor reads for others too: what a reply has made ready is user code, which is the workers'.
+    // A visitor also reads for others. A node that a reply has made ready is user code, so the workers run it.
     if (taken == Taken::kNone) return as == Runner::kVisitor ? slot.HandToWorkers() : slot.RunKept();
     slot.HandToWorkers();
     if (taken == Taken::kNotQuick) break;
@@ -163,7 +165,7 @@ bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
   Life& life = lives_[who];
   life.last_heard_ns = MonotonicNow();
   life.traffic.publisher = SessionId{id.publisher};
-  if (id.publisher == 0) {  // It does not count; so neither gaps nor repeats can be told.
+  if (id.publisher == 0) {  // This publisher does not count its messages, so gaps and repeats cannot be detected.
     ++life.traffic.received;
     return true;
   }
@@ -215,7 +217,7 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
   return decoded;
 }
 
-// Plain programs say it with each message, and sessions whose type is ours do not say it at all.
+// Plain programs name the type in each message. Sessions with our own type send no schema.
 std::shared_ptr<const MessageSchema> ChannelInlet::SchemaOf(const InboundMessage& message) {
   if (message.schema) return message.schema;
   const PacketHead& head = message.head;
@@ -242,11 +244,11 @@ void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const Mes
     offers_[from.id.value] = {from, schema, false};
     newest_offer_ = schema;
   }
-  on_publishers_();  // Somebody may wait for the schema.
+  on_publishers_();  // A thread may wait for the schema.
   if (!IsAnyType(DataGraph::TypeOfChannel(channel_))) run_apart_([this] { CompareOffers(); });
 }
 
-// Not on a transport's thread: comparing schemas takes its time.
+// Not on a transport's thread, because comparing schemas takes long.
 void ChannelInlet::CompareOffers() {
   const TypeInfo& type = DataGraph::TypeOfChannel(channel_);
   if (IsAnyType(type)) return;
@@ -281,7 +283,8 @@ bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
                            user_code);
 }
 
-// Keep-last subscribers expect it and find it counted; a lossless one was away for too long.
+// Keep-last subscribers expect losses and find them counted. A lossless subscriber loses messages only if it was away
+// for too long.
 void ChannelInlet::SayLost(std::uint64_t count) {
   const std::string& name = DataGraph::NameOf(channel_);
   log_->WriteLimited(LogLevel::kWarning, "inlet lost " + name,

@@ -130,15 +130,16 @@ void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noex
   head.publish_monotonic_ns = MonotonicNow();
   head.latched = static_cast<std::uint32_t>(depth);
 
-  std::vector<Kept> dropped;  // Let go of after the locks: a message's destructor is the user's code.
+  std::vector<Kept> dropped;  // Destroyed after the locks: a message's destructor is the user's code.
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
   bool counted = listened;
   if (depth > 0) {
     head.id.sequence = ++sequence_;
-    if (!data && WritesWhenLatched(type)) data = Encode(message, type, nullptr);  // It has joined meanwhile.
+    if (!data && WritesWhenLatched(type)) data = Encode(message, type, nullptr);  // A subscriber has joined meanwhile.
     Keep({message, &type, head, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
-    // A subscriber counts before it asks for what is latched: either it found this message there, or it counts now.
+    // A subscriber is counted before it asks for latched messages. So either it found this message there, or it is
+    // counted now.
     counted = listened || (transports_ && transports_->subscriber_count() > 0);
     if (counted && !data) data = Encode(message, type, transports_.get());
   } else if (data->owner != nullptr) {
@@ -182,7 +183,7 @@ std::vector<OutboundMessage> ChannelOutlet::Latched(SessionId /*subscriber*/) no
 void ChannelOutlet::OnRoom() noexcept { events_.on_room(); }
 
 void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
-  // First: who sees the subscriber and publishes must find the outlet wanted.
+  // Done first: a thread that sees the subscriber and publishes must find that the outlet is wanted.
   if (count > 0) heard_.store(true, std::memory_order_relaxed);
   subscribers_.store(count, std::memory_order_release);
   events_.on_subscribers();
@@ -205,7 +206,7 @@ void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
   if (transports_) {
     traffic.out = transports_->stats();
     traffic.out.subscribers =
-        subscriber_count();  // What Commit goes by: it is told a moment after the transport counts.
+        subscriber_count();  // Commit uses this number; it is updated a moment after the transport's own count.
   }
   traffic.out.copied += copied_.load(std::memory_order_relaxed);
 }

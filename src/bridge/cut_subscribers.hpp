@@ -14,25 +14,25 @@
 namespace hgros {
 
 /// Lossless subscribers of one channel that a transport has lost and that may come back, over that transport or
-/// another: what each has not confirmed, and what is published until it is back.
+/// another one. Keeps the messages that each has not confirmed, and those that are published until it is back.
 ///
-/// Thread safety: all functions. Invariants: each waits with about the credit that it had been given: messages
-/// promised before it was cut off, and those of publishers that checked HasRoom() at the same time, come on top.
+/// Thread safety: all functions. Invariants: each keeps about as many messages as its credit allows. Messages that
+/// were promised before the cut, and those of publishers that checked HasRoom() at the same time, are additional.
 class CutSubscribers {
  public:
   using Messages = std::vector<OutboundMessage>;
 
-  /// `unfinished` is what it is to get first; oldest first. The number is this cut's, see Drop().
+  /// `unfinished` are the messages that it must get first, oldest first. Returns the number of this cut, see Drop().
   std::uint64_t Add(SessionId subscriber, const Demand& demand, Messages&& unfinished);
-  /// Cheap while nobody is cut off.
+  /// Cheap while no subscriber is cut off.
   [[nodiscard]] std::size_t count() const noexcept { return count_.load(std::memory_order_acquire); }
   /// Whether one more can be kept for each.
   [[nodiscard]] bool HasRoom() const;
   void Push(const PacketHead& head, const Payload& data);
-  /// It is back: what it is to get first, oldest first. Nothing of it waits here any more.
+  /// It is back. Returns the messages that it must get first, oldest first, and keeps none of them.
   [[nodiscard]] Messages Take(SessionId subscriber);
-  /// It does not come back: what it misses, for the caller to count and destroy; nothing if it is not cut off, or if
-  /// `cut` is the number of an earlier cut.
+  /// It does not come back. Returns the messages that it misses; the caller counts and destroys them. Returns nothing
+  /// if it is not cut off, or if `cut` is the number of an earlier cut.
   [[nodiscard]] std::optional<Messages> Drop(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
 
  private:

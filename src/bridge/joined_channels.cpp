@@ -7,7 +7,7 @@
 
 namespace hgros {
 
-// What one transport sees of the publishing side.
+// The publishing side, as one transport sees it.
 class JoinedOutbound::Part final : public OutboundSource {
  public:
   Part(JoinedOutbound& joined, std::size_t index) : joined_(joined), index_(index) {}
@@ -42,7 +42,7 @@ JoinedOutbound::JoinedOutbound(std::string channel, const TypeInfo& type, Outbou
       parts_(most_transports),
       subscribers_(most_transports) {}
 
-// Each part's channel waits for the calls into the source that are under way.
+// Each part's channel waits for the active calls into the source.
 JoinedOutbound::~JoinedOutbound() {
   for (const auto& part : parts_) {
     if (part) part->channel.reset();
@@ -126,7 +126,7 @@ PublishStatus JoinedOutbound::Reserve() noexcept {
 void JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcept {
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Commit(head, data);
-  if (cut_.count() > 0) cut_.Push(head, data);  // Last: a subscriber that is cut off meanwhile gets it here.
+  if (cut_.count() > 0) cut_.Push(head, data);  // Last, for subscribers that are cut off meanwhile.
 }
 
 void JoinedOutbound::Cancel() noexcept {
@@ -161,7 +161,7 @@ OutboundChannel::Stats JoinedOutbound::stats() const {
   return sum;
 }
 
-// What one transport sees of the sink.
+// The sink, as one transport sees it.
 class JoinedInbound::Part final : public InboundSink {
  public:
   Part(JoinedInbound& joined, std::size_t index, TransportIndex over)
@@ -211,7 +211,7 @@ JoinedInbound::~JoinedInbound() {
 Accepted JoinedInbound::PassOn(std::vector<InboundMessage>&& messages) {
   Accepted all = Accepted::kNothing;
   for (InboundMessage& message : messages) {
-    // At most one of them finds nobody running.
+    // At most one of them finds that no thread is running.
     if (const Accepted one = sink_.Accept(std::move(message)); one != Accepted::kNothing) all = one;
   }
   return all;
@@ -234,7 +234,7 @@ bool JoinedInbound::Move(SessionId publisher, MoveWay way) {
     comes = comes || (parts_[i]->transport == way.from && parts_[i]->channel->Asks(publisher));
   }
   const std::scoped_lock lock(accepting_);
-  moves_.erase(publisher);  // A finished one, which holds no message.
+  moves_.erase(publisher);  // A finished move, which holds no message.
   if (comes) moves_.try_emplace(publisher, way);
   return comes;
 }
@@ -251,7 +251,7 @@ void JoinedInbound::FinishMove(SessionId publisher, const Which& which) {
 }
 
 void JoinedInbound::ForgetMove(SessionId publisher, const Which& which) {
-  std::unordered_map<SessionId, TransportMove>::node_type forgotten;  // Its messages end after the lock.
+  std::unordered_map<SessionId, TransportMove>::node_type forgotten;  // Its messages are destroyed after the lock.
   const std::scoped_lock lock(accepting_);
   const auto move = moves_.find(publisher);
   if (move != moves_.end() && which(move->second.way())) forgotten = moves_.extract(move);

@@ -18,15 +18,15 @@
 
 namespace hgros {
 
-/// One advertised channel over all transports of a session: a message is promised by all of them or by none, and handed
-/// to all. The subscribers decide which of them receives it over which transport. For a lossless subscriber that a
-/// transport loses, what it has not confirmed is kept, and what is published until it is back.
+/// One advertised channel over all transports of a session. A message is promised by all of them or by none, and
+/// passed to all. Each subscriber decides over which transport it receives. If a transport loses a lossless
+/// subscriber, its unconfirmed messages are kept, and those that are published until it is back.
 ///
 /// Thread safety: all functions. Invariants: a transport that was added stays until the end.
 class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
  public:
-  /// A transport has lost the subscriber: `give_up` is to be called later, when it could have come back. Called under
-  /// that transport's lock.
+  /// A transport has lost the subscriber: `give_up` must be called later, after the time in which it could have come
+  /// back. Called under that transport's lock.
   using Await = std::function<void(SessionId subscriber, std::function<void()> give_up)>;
 
   /// `most_transports`: how many can be added.
@@ -40,7 +40,7 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
 
   [[nodiscard]] std::size_t subscriber_count() const noexcept;
-  /// The sessions that subscribe now, each once; not those that were lost and may come back.
+  /// The sessions that subscribe now, each once; without those that were lost and may come back.
   [[nodiscard]] std::vector<SessionId> Subscribers() const;
   PublishStatus Reserve() noexcept;
   void Commit(const PacketHead& head, const Payload& data) noexcept;
@@ -48,13 +48,13 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   /// Memory of a transport that has subscribers.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
   [[nodiscard]] OutboundChannel::Stats stats() const;
-  /// The subscriber is not waited for any longer; of several cuts only that one is meant, if a number is given.
+  /// Stops waiting for the subscriber. With a number, only if this is its latest cut.
   void GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
 
  private:
   class Part;
   void Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished);
-  // What a subscriber gets before all else.
+  // The messages that a subscriber gets first.
   [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
   void TellSubscribers();
 
@@ -63,12 +63,12 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   OutboundSource& source_;
   const Await await_;
   CutSubscribers cut_;
-  std::atomic<bool> refused_{false};  // There was no room for those that are cut off.
+  std::atomic<bool> refused_{false};  // There was no room for subscribers that are cut off.
   std::atomic<std::uint64_t> missed_{0};
   std::mutex adding_;
   std::vector<std::unique_ptr<Part>> parts_;  // Never resized: it is read while a part is added.
   std::atomic<std::size_t> count_{0};
-  // The sum is made and told under one lock, so that the last one told is true.
+  // The sum is computed and reported under one lock, so that the last reported value is right.
   std::mutex telling_;
   std::vector<std::size_t> subscribers_;  // By part.
 };
@@ -93,13 +93,13 @@ class JoinedInbound {
   void Add(Transport& transport, TransportIndex index);
   [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
 
-  /// That session's messages will come over both transports, and then over the new one alone. False if they do not come
-  /// over the old one, so that there is nothing to wait for. A move of it before must be finished.
+  /// That session's messages will come over both transports, and then over the new one alone. False if they do not
+  /// come over the old one, so that there is nothing to wait for. An earlier move of the session must be finished.
   [[nodiscard]] bool Move(SessionId publisher, MoveWay way);
-  /// The old transport brings nothing more. Call it on a thread that may run user code.
+  /// The old transport delivers nothing more. Call this on a thread that may run user code.
   void FinishMove(
       SessionId publisher, const Which& which = [](MoveWay) { return true; });
-  /// All that comes is delivered as it comes again.
+  /// From now on all messages are again delivered as they come.
   void ForgetMove(SessionId publisher, const Which& which);
 
   [[nodiscard]] std::size_t publisher_count() const noexcept;

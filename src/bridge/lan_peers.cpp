@@ -59,7 +59,7 @@ bool ReachesOtherHosts(std::string_view endpoint) noexcept {
   constexpr std::string_view kTcp = "tcp://";
   if (!endpoint.starts_with(kTcp)) return false;
   const std::string_view host = endpoint.substr(kTcp.size());
-  return !host.starts_with("127.") && !host.starts_with("localhost:") && !host.starts_with('[');  // A beacon is IPv4.
+  return !host.starts_with("127.") && !host.starts_with("localhost:") && !host.starts_with('[');  // A beacon uses IPv4.
 }
 
 }  // namespace hgros

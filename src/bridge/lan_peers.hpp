@@ -16,12 +16,12 @@
 namespace hgros {
 
 /// Connects to the endpoints of sessions that a beacon hears, as long as it hears them. An endpoint that the
-/// configuration names is left alone: it is there already, with a list of its own.
+/// configuration names is not touched: it is already there, with its own list of channels.
 ///
 /// Thread safety: all functions.
 class LanPeers final : public DiscoveryListener {
  public:
-  /// `configured`: endpoints that are subscribed to whether they are heard or not. The others outlive it.
+  /// `configured`: endpoints that are subscribed to even if they are not heard. The other arguments outlive it.
   LanPeers(ZmqTransport& zmq, Log& log, std::set<std::string> configured)
       : zmq_(zmq), log_(log), configured_(std::move(configured)) {}
 
@@ -29,7 +29,7 @@ class LanPeers final : public DiscoveryListener {
   void OnChanged(const Announcement& peer) override;
   void OnGone(const Announcement& last, std::string_view reason) override;
 
-  /// The endpoint is about to be subscribed to whether it is heard or not; or no longer.
+  /// The endpoint will be subscribed to even if it is not heard; or no longer.
   void Configure(const std::string& endpoint);
   void Release(const std::string& endpoint);
 
@@ -42,10 +42,10 @@ class LanPeers final : public DiscoveryListener {
   Log& log_;
   std::mutex mutex_;
   std::set<std::string> configured_;
-  std::map<std::string, std::unordered_set<SessionId>> heard_;  // By endpoint: one may be two sessions' for a while.
+  std::map<std::string, std::unordered_set<SessionId>> heard_;  // By endpoint; two sessions may share one for a while.
 };
 
-/// Whether sessions of other hosts can connect to what is bound there.
+/// Whether sessions of other hosts can connect to an endpoint that is bound there.
 [[nodiscard]] bool ReachesOtherHosts(std::string_view endpoint) noexcept;
 
 }  // namespace hgros

@@ -12,7 +12,7 @@ namespace hgros {
 
 /// The transports that a session has opened.
 ///
-/// Thread safety: all functions, but only one thread at a time opens transports. Invariants: an open transport stays
+/// Thread safety: all functions; only one thread at a time opens transports. Invariants: an open transport stays
 /// until the end.
 class OpenTransports {
  public:

@@ -210,7 +210,7 @@ bool PeerTransports::Gone(const PeerInfo& info, TransportIndex transport, std::s
     if (peer == nullptr) return false;
     peer->reached.erase(transport);
     for (auto& [allowed, choice] : peer->choices) {
-      if (choice.from && (choice.from == transport || choice.taken == transport)) {  // The other one has them all.
+      if (choice.from && (choice.from == transport || choice.taken == transport)) {  // The other one has all channels.
         if (choice.taken == transport) choice.taken = choice.from;
         choice.from.reset();
         choice.moved.clear();

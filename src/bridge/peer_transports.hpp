@@ -18,16 +18,16 @@
 
 namespace hgros {
 
-/// Decides over which transport each peer is received: the cheapest one that reaches it. A peer is left to transports
-/// of this host that it announces, until it turns out that they cannot reach it. If a cheaper transport reaches it
-/// later, its channels move there. Channels that may use the same transports are decided on together; a rule of either
-/// side restricts which a channel may use.
+/// Decides over which transport each peer is received: the cheapest one that reaches it. A peer is left to the
+/// transports of this host that it announces, until it is clear that they cannot reach it. If a cheaper transport
+/// reaches it later, its channels move there. Channels that may use the same transports are decided on together; a
+/// rule of either side restricts which a channel may use.
 ///
-/// Thread safety: all functions. Invariants: what is told to the listener of one peer is told in the order in which it
-/// happened, one call at a time. All channels of a peer that move, move at the same time.
+/// Thread safety: all functions. Invariants: events of one peer are reported to the listener in the order in which
+/// they happened, one call at a time. All channels of a peer that move, move at the same time.
 class PeerTransports {
  public:
-  /// `transports` outlives it. `looks`: sessions of this host are looked for. `host`: this host's name.
+  /// `transports` outlives it. `looks`: true if sessions of this host are searched. `host`: this host's name.
   PeerTransports(const TransportList& transports, TransportListener& listener, Log& log, TransportRules rules,
                  bool looks, std::string host)
       : transports_(transports),
@@ -46,13 +46,13 @@ class PeerTransports {
   void Found(SessionId peer, TransportSet expected, TransportRules rules);
   /// It has ended, or is no longer found.
   void Lost(SessionId peer);
-  /// What it allows has changed; true if that makes a difference.
+  /// Its rules have changed; true if this changes anything.
   [[nodiscard]] bool SetRules(SessionId peer, TransportRules rules);
 
-  /// Transports that were expected to reach a session and have not.
+  /// A session that the expected transports have not reached.
   struct GivenUp {
     TransportSet missing;
-    bool matters = false;  ///< Nothing of this host reaches it, and nothing is received from it yet.
+    bool matters = false;  ///< No transport of this host reaches it, and nothing is received from it yet.
     std::optional<TransportIndex> reached_by;  ///< The transport that is used instead.
   };
   /// The session is no longer left to transports that do not reach it.
@@ -65,7 +65,7 @@ class PeerTransports {
   [[nodiscard]] std::optional<MoveNumber> Came(PeerInfo peer, TransportIndex transport);
   /// From now on channels are received over both transports.
   void OpenMove(SessionId peer);
-  /// How the channel moves; nothing if it does not.
+  /// The channel's move; empty if it does not move.
   [[nodiscard]] std::optional<MoveWay> MoveOf(SessionId peer, std::string_view channel) const;
   /// The sessions whose channels move.
   [[nodiscard]] std::vector<SessionId> Moving() const;
@@ -81,7 +81,7 @@ class PeerTransports {
   [[nodiscard]] std::vector<PeerInfo> List() const;
   /// The transports that the channel may use between this session and that one.
   [[nodiscard]] TransportSet Allowed(SessionId peer, std::string_view channel) const;
-  /// The transports that reach it.
+  /// The transports that reach the peer.
   [[nodiscard]] TransportSet ReachedBy(SessionId peer) const;
   /// On this host, and not lost.
   [[nodiscard]] bool IsFound(SessionId peer) const;
@@ -98,7 +98,7 @@ class PeerTransports {
     TransportSet expected;
     bool found = false;  // On this host.
     std::map<TransportSet, Choice> choices;
-    std::optional<MoveNumber> move;  // Until NextMove() after its end.
+    std::optional<MoveNumber> move;  // Set until NextMove() after its end.
     bool move_is_open = false;
     TransportRules rules;  // Its own.
   };
@@ -108,7 +108,7 @@ class PeerTransports {
   [[nodiscard]] const Peer* Find(SessionId id) const;
   [[nodiscard]] Peer* Find(SessionId id) { return const_cast<Peer*>(std::as_const(*this).Find(id)); }
   [[nodiscard]] TransportSet Allowed(const Peer& peer, std::string_view channel) const;
-  // What carries the peer's messages; it is reached.
+  // The transport that carries the peer's messages; the peer is reached.
   [[nodiscard]] TransportIndex Current(const Peer& peer) const;
   [[nodiscard]] std::string Why(const Peer& peer, const PeerInfo& info, TransportIndex transport) const;
   [[nodiscard]] std::optional<MoveNumber> StartMove(Peer& peer);

@@ -11,7 +11,8 @@ std::vector<InboundMessage> TransportMove::Arrive(InboundMessage&& message, Tran
     (done_ ? on : held_).push_back(std::move(message));
     return on;
   }
-  // It comes, or has come, over the new one; or it is a late repeat of a transport before the old one.
+  // The message comes, or has come, over the new transport; or it is a late repeat from a transport before the old
+  // one.
   if (done_ || transport != way_.from) return on;
   if (held_.empty()) {
     on.push_back(std::move(message));

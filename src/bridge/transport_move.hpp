@@ -7,15 +7,16 @@
 
 namespace hgros {
 
-/// From which transport to which one moves.
+/// The two transports of a move.
 struct MoveWay {
   TransportIndex from = 0;
   TransportIndex to = 0;
 };
 
-/// Puts one publisher's messages on one channel in order while they move from one transport to another and come over
-/// both. The publisher gives each message to both, so sequence numbers tell the order: messages of the new transport
-/// wait until the old one has delivered everything before them; from then on those of the old one are repeats.
+/// Keeps one publisher's messages on one channel in order while they move from one transport to another and come over
+/// both. The publisher gives each message to both, and the sequence numbers show the order. Messages of the new
+/// transport wait until the old one has delivered everything before them. From then on those of the old one are
+/// repeats.
 ///
 /// Not thread-safe.
 class TransportMove {
@@ -32,7 +33,7 @@ class TransportMove {
  private:
   MoveWay way_;
   bool done_ = false;
-  std::vector<InboundMessage> held_;  // Bounded by their credit.
+  std::vector<InboundMessage> held_;  // Limited by their credit.
 };
 
 }  // namespace hgros

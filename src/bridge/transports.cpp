@@ -6,7 +6,7 @@
 namespace hgros {
 namespace {
 
-// With room between them for others.
+// Costs with room between them for further transports.
 constexpr int kSharedMemoryCost = 100;
 constexpr int kZmqCost = 1000;
 
