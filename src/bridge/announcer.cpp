@@ -95,7 +95,7 @@ void Announcer::Tell(Discovery& discovery, const std::string& listeners) {
     discovery.Announce(own_);
   } catch (const std::exception& error) {
     log_.WriteLimited(LogLevel::kWarning, "announce " + listeners,
-                      "Other sessions of " + listeners + " do not see what has changed here. " + error.what());
+                      "Other sessions of " + listeners + " do not see the changes of this session. " + error.what());
   }
 }
 

@@ -45,7 +45,7 @@ void BridgeCore::LookOnHost() {
   try {
     announcer_.UseRegistry(OpenRegistry(*options_.registry, *this, log_));
   } catch (const std::exception& error) {
-    log_.Write(LogLevel::kWarning, std::string("Sessions of this host are not looked for. ") + error.what());
+    log_.Write(LogLevel::kWarning, std::string("Sessions of this host are not found. ") + error.what());
   }
 }
 
@@ -72,7 +72,7 @@ void BridgeCore::LookOnNetwork() {
     }
     announcer_.UseBeacon(OpenBeacon(*options_.beacon, *lan_, log_));
   } catch (const std::exception& error) {
-    log_.Write(LogLevel::kWarning, std::string("Sessions of other hosts are not looked for. ") + error.what());
+    log_.Write(LogLevel::kWarning, std::string("Sessions of other hosts are not found. ") + error.what());
   }
   Announce();
 }
@@ -106,7 +106,7 @@ void BridgeCore::OnCame(const Announcement& peer) {
   listener_.OnChannels();
   if (!announcer_.IsWanted(peer)) {
     log_.Write(LogLevel::kInfo,
-               "Session " + NameOf(peer) + " of this host is not connected to: `discovery: local` " +
+               "No connection to session " + NameOf(peer) + " of this host: `discovery: local` " +
                    (announcer_.IsExcludedHere(peer) ? "here does not list \"" + peer.process + "\"."
                                                     : "there does not list \"" + options_.zmq.process + "\"."));
     return;
@@ -185,7 +185,7 @@ void BridgeCore::WarnOfRules() {
       if (!said_.emplace(there.channel, peer.session.value).second) continue;
       log_.Write(LogLevel::kWarning,
                  "Nothing passes on channel \"" + there.channel + "\" between this session and " + NameOf(peer) + ": " +
-                     (allowed.empty() ? "what `transports` allow it here and there has nothing in common."
+                     (allowed.empty() ? "the `transports` here and there have nothing in common."
                                       : "its `transports` allow " + transports_.NamesOf(allowed) +
                                             " only, which does not reach that session.") +
                      " Change channels: " + there.channel + ": transports" +

@@ -33,7 +33,7 @@ void LanPeers::Connect(const std::string& endpoint) {
     zmq_.AddSubscribeEndpoint({endpoint, std::nullopt, {}});
   } catch (const std::exception& error) {
     log_.WriteLimited(LogLevel::kWarning, "lan " + endpoint,
-                      std::string("A session that the beacon hears cannot be connected to. ") + error.what());
+                      std::string("No connection to a session that the beacon hears. ") + error.what());
   }
 }
 

@@ -42,7 +42,7 @@ std::string PeerTransports::Why(const Peer& peer, const PeerInfo& info, Transpor
   if (!peer.expected.empty()) return transports_.NamesOf(peer.expected) + " does not reach it yet";
   if (peer.found) return "no transport of this host reaches it";
   if (info.host != host_) return "another host";
-  return looks_ ? "not found on this host" : "sessions of this host are not looked for";
+  return looks_ ? "not found on this host" : "discovery on this host is off";
 }
 
 void PeerTransports::Forget(SessionId id) {

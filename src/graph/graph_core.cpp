@@ -22,10 +22,10 @@ void RequireFittingType(Channel& channel, const TypeInfo& type, const CallSite& 
   if (channel.TryUseWith(type, where)) return;
   const bool same_name = channel.type().name == type.name;
   const auto named = [&](const TypeInfo& one) { return same_name ? DescribeTypeFully(one) : one.name; };
-  throw TypeMismatch("The channel \"" + channel.name() + "\" carries " + named(channel.type()) + " (first used so at " +
-                         channel.declared_at() + ") and cannot be used with " + named(type) + ".",
-                     where.ToString(),
-                     "Use one type for a channel everywhere, or give one of the two another channel name.");
+  throw TypeMismatch(
+      "The channel \"" + channel.name() + "\" carries " + named(channel.type()) + " (first used with it at " +
+          channel.declared_at() + ") and cannot be used with " + named(type) + ".",
+      where.ToString(), "Use one type for a channel everywhere, or give one of the two another channel name.");
 }
 
 }  // namespace

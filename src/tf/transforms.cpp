@@ -165,7 +165,7 @@ void Transforms::Core::NoteOwner(std::string_view parent, std::string_view child
   session_.log().Write(LogLevel::kWarning, "Two sessions set the edge " + Edge(parent, child) + ": \"" +
                                                NameOf(*other) + "\" (" + other->ToString() + ") and \"" + NameOf(by) +
                                                "\" (" + by.ToString() +
-                                               "). Look-ups jump between the two; let only one session set it.");
+                                               "). Look-ups return either of the two; let only one session set it.");
 }
 
 TransformsStats Transforms::Core::stats() const {

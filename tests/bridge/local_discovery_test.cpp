@@ -108,7 +108,7 @@ TEST_F(LocalDiscovery, CanBeLimitedToNamedProcesses) {
   Notes from_stranger;
   const auto third = talker->FromAny<Note>("back", kSerial, std::ref(from_stranger));
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-  EXPECT_TRUE(Await([&] { return talker.Count("is not connected to") == 1; }));
+  EXPECT_TRUE(Await([&] { return talker.Count("No connection to session") == 1; }));
   EXPECT_TRUE(Await([&] { return stranger.Said("there does not list \"stranger\""); }));
   EXPECT_TRUE(talker.Said("here does not list \"stranger\""));
   EXPECT_FALSE(talker->WaitForSubscribers("notes", 2, std::chrono::milliseconds(200)));

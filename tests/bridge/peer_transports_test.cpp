@@ -111,7 +111,7 @@ TEST_F(PeerTransportsOfOne, ReasonForTheTransportIsReported) {
   EXPECT_EQ(Why(elsewhere), "ZeroMQ: another host");
   PeerTransports alone = Ruled({}, false);
   (void)alone.Came(info, kZmq);
-  EXPECT_EQ(Why(alone), "ZeroMQ: sessions of this host are not looked for");
+  EXPECT_EQ(Why(alone), "ZeroMQ: discovery on this host is off");
 }
 
 TEST_F(PeerTransportsOfOne, LateSharedMemoryTakesOverOneChannelAfterTheOther) {

@@ -85,7 +85,7 @@ TEST_F(RulesOfTransports, ChannelWithoutACommonTransportIsLoggedOnce) {
   (void)talker->Advertise<Note>("scan");
   const auto said = [](Robot& robot) { return robot.Count("Nothing passes on channel \"scan\""); };
   EXPECT_TRUE(Await([&] { return said(talker) == 1 && said(listener) == 1; }));
-  EXPECT_TRUE(talker.Said("what `transports` allow it here and there has nothing in common"));
+  EXPECT_TRUE(talker.Said("the `transports` here and there have nothing in common"));
   EXPECT_FALSE(talker->WaitForSubscribers("scan", 1, std::chrono::milliseconds(1)));
 }
 

@@ -166,13 +166,13 @@ TEST_F(HostilePeer, MessagesOfAnHonestPeerArrive) {
   peer.Say(bye);
   EXPECT_TRUE(peer.IsEnded());
   EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
-  EXPECT_TRUE(Said("cannot be right").empty());
+  EXPECT_TRUE(Said("is invalid").empty());
 }
 
 TEST_F(HostilePeer, RefusesInvalidPages) {
   ExpectBadHello([](auto& hello, auto&) { hello.set_layout(kLayoutVersion + 1); }, "has another version");
   ExpectBadHello([](auto& hello, auto&) { hello.set_bell_number(kMaxPeers); }, "is too large");
-  ExpectBadHello([](auto&, auto& handles) { handles.pop_back(); }, "did not pass its memory on");
+  ExpectBadHello([](auto&, auto& handles) { handles.pop_back(); }, "did not send its memory");
   ExpectBadHello([](auto&, auto& handles) { handles[0] = FalsePeer::Copy(FalsePeer::Page<BellPage>(kLaneMagic)); },
                  "not a bell of this layout");
   ExpectBadHello([](auto&, auto& handles) { std::swap(handles[1], handles[2]); }, "bytes instead of");
@@ -208,8 +208,8 @@ TEST_F(HostilePeer, InvalidMessagesEndThePair) {
   ExpectLie(changed([](Descriptor& one) { one.number = 0; }), "not numbered consecutively");
   ExpectLie(changed([](Descriptor& one) { one.size_bytes = 1; }), "outside of its memory");
   ExpectLie(changed([](Descriptor& one) { one.offset_bytes = ~0ULL; }), "outside of its memory");
-  ExpectLie(changed([](Descriptor& one) { one.segment = 77; }), "needs something that did not come");
-  ExpectLie(changed([](Descriptor& one) { one.segment = kOnSocket; }), "needs something that did not come");
+  ExpectLie(changed([](Descriptor& one) { one.segment = 77; }), "that did not come");
+  ExpectLie(changed([](Descriptor& one) { one.segment = kOnSocket; }), "that did not come");
   ExpectLie(
       [](FalsePeer& peer) {
         peer.lane().written = kSlots + 1;
@@ -344,11 +344,11 @@ TEST_F(HostilePeer, InvalidReturnsCountsAndWishesEndThePair) {
       peer.Say(said);
     };
   };
-  ExpectLie(spoilt([](wire::Wish& wish) { wish.set_cell(kCells); }), "asks for what cannot be");
+  ExpectLie(spoilt([](wire::Wish& wish) { wish.set_cell(kCells); }), "sends an invalid wish");
   ExpectLie(spoilt([](wire::Wish& wish) { wish.mutable_wanted()->set_channel("no/such name "); }),
-            "asks for what cannot be");
+            "sends an invalid wish");
   ExpectLie(spoilt([](wire::Wish& wish) { wish.mutable_wanted()->set_type_name(std::string(5000, 'x')); }),
-            "asks for what cannot be");
+            "sends an invalid wish");
 }
 
 TEST_F(HostilePeer, BlocksHeldByALyingPeerStayUntilItsSocketEnds) {
@@ -445,7 +445,7 @@ TEST_F(HostilePeer, TheSmallerIdChoosesAmongConnections) {
   EXPECT_TRUE(first.IsEnded());
   EXPECT_TRUE(second.ReadUntil(wire::PairMessage::kWish));
   second.Say(welcome);
-  ExpectEnd(second, "it is not its turn");
+  ExpectEnd(second, "that is not its task");
 }
 
 TEST_F(HostilePeer, RefusesMorePeersThanBellNumbers) {

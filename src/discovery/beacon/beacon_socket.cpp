@@ -52,7 +52,7 @@ BeaconSocket::BeaconSocket(std::vector<std::string> interface_names, std::uint16
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     throw Error("The beacon cannot listen on UDP port " + std::to_string(port_) + ": " + std::strerror(errno) + ".", {},
-                "End the program that has that port for itself, or choose another port on every host.");
+                "End the program that uses this port alone, or choose another port on every host.");
   }
   Refresh();
 }

@@ -78,37 +78,37 @@ std::string Fault(const wire::AnnouncementFile& file) {
            std::to_string(kFileVersion);
   }
   if (file.session() == 0) return "it names no session";
-  if (!IsPrintable(file.boot_id(), kMaxTextBytes)) return "its boot id cannot be one";
-  if (!IsPrintable(file.shared_memory(), kMaxPathBytes)) return "its place of shared memory cannot be one";
+  if (!IsPrintable(file.boot_id(), kMaxTextBytes)) return "its boot id is invalid";
+  if (!IsPrintable(file.shared_memory(), kMaxPathBytes)) return "its place of shared memory is invalid";
   if (file.places_size() > static_cast<int>(kMaxPlaces)) {
     return "it has more than " + std::to_string(kMaxPlaces) + " places of transports";
   }
   for (const wire::AnnouncedPlace& one : file.places()) {
     if (one.key().empty() || !IsPrintable(one.key(), kMaxTextBytes) || !IsPrintable(one.place(), kMaxPathBytes)) {
-      return "one of its places of transports cannot be one";
+      return "one of its places of transports is invalid";
     }
   }
   if (file.endpoints_size() > static_cast<int>(kMaxEndpoints)) {
     return "it has more than " + std::to_string(kMaxEndpoints) + " endpoints";
   }
   for (const std::string& endpoint : file.endpoints()) {
-    if (endpoint.empty() || !IsPrintable(endpoint, kMaxTextBytes)) return "one of its endpoints cannot be one";
+    if (endpoint.empty() || !IsPrintable(endpoint, kMaxTextBytes)) return "one of its endpoints is invalid";
   }
   if (file.only_size() > static_cast<int>(kMaxOnly)) {
-    return "it names more than " + std::to_string(kMaxOnly) + " processes that it wants to do with";
+    return "it names more than " + std::to_string(kMaxOnly) + " processes that it connects with";
   }
   for (const wire::AnnouncedChannel& channel : file.channels()) {
     if (const std::string fault = ChannelNameFault(channel.channel()); !fault.empty()) {
       return "one of its channel names cannot be used: " + fault;
     }
     if (!IsPrintable(channel.type_name(), kMaxTextBytes)) {
-      return "the type name of channel " + channel.channel() + " cannot be one";
+      return "the type name of channel " + channel.channel() + " is invalid";
     }
     if (channel.transports_size() > static_cast<int>(kMaxPlaces)) {
       return "channel " + channel.channel() + " names more than " + std::to_string(kMaxPlaces) + " transports";
     }
     for (const std::string& key : channel.transports()) {
-      if (!IsPrintable(key, kMaxTextBytes)) return "a transport of channel " + channel.channel() + " cannot be one";
+      if (!IsPrintable(key, kMaxTextBytes)) return "a transport of channel " + channel.channel() + " is invalid";
     }
     if (channel.encoding() > static_cast<std::uint32_t>(Encoding::kPlain)) {
       return "the encoding of channel " + channel.channel() + " is unknown";
@@ -165,7 +165,7 @@ ParsedFile ParseFile(Bytes bytes) {
   if (bytes.size() > kMaxFileBytes) return {{}, "it has more than " + std::to_string(kMaxFileBytes) + " bytes"};
   wire::AnnouncementFile file;
   if (bytes.empty() || !file.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    return {{}, "it is no announcement"};
+    return {{}, "it is not an announcement"};
   }
   if (std::string fault = Fault(file); !fault.empty()) return {{}, std::move(fault)};
   return {Read(file), {}};

@@ -51,7 +51,7 @@ void OwnAnnouncement::Write() {
     next_write_.reset();
     return;
   }
-  throw Error("The folder in which sessions find each other is removed again and again.", folder_.path().string(),
+  throw Error("The folder in which sessions find each other is removed repeatedly.", folder_.path().string(),
               "Stop the program that removes it.");
 }
 

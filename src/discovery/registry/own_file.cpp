@@ -58,7 +58,7 @@ bool OwnFile::Put(std::string_view content) {
     struct stat status {};
     if (fstat(file.get(), &status) != 0 || status.st_nlink == 0) continue;  // Likewise.
     try {
-      if (!WriteAll(file.get(), content)) Fail("it cannot be filled", unfinished);
+      if (!WriteAll(file.get(), content)) Fail("its content cannot be written", unfinished);
       if (!MoveIntoPlace(unfinished)) continue;
     } catch (const Error&) {
       unlink(unfinished.c_str());
@@ -67,7 +67,7 @@ bool OwnFile::Put(std::string_view content) {
     file_ = std::move(file);
     return true;
   }
-  Fail("others remove it again and again", folder_);
+  Fail("other programs remove it repeatedly", folder_);
 }
 
 // False if the caller must try again.

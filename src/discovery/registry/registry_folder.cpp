@@ -45,7 +45,7 @@ std::string FolderFault(const fs::path& path) {
   struct stat status {};
   // Does not follow a symbolic link: any user may have put one into /tmp.
   if (lstat(path.c_str(), &status) != 0) return std::string("it cannot be read: ") + std::strerror(errno);
-  if (!S_ISDIR(status.st_mode)) return S_ISLNK(status.st_mode) ? "it is a symbolic link" : "it is no folder";
+  if (!S_ISDIR(status.st_mode)) return S_ISLNK(status.st_mode) ? "it is a symbolic link" : "it is not a folder";
   if (status.st_uid != geteuid()) {
     return "it belongs to user " + std::to_string(status.st_uid) + ", and this is user " + std::to_string(geteuid());
   }
@@ -77,7 +77,7 @@ void RegistryFolder::Make() const {
     }
     if (access(path_.c_str(), F_OK) == 0) return;
   }
-  throw Error("The folder in which sessions find each other is removed again and again.", path_.string(),
+  throw Error("The folder in which sessions find each other is removed repeatedly.", path_.string(),
               "Stop the program that removes it.");
 }
 

@@ -26,7 +26,7 @@ struct flock WholeFile() {
 FileLook Strange(std::string fault) { return {FileLook::State::kStrange, {}, std::move(fault)}; }
 
 std::string Fault(const struct stat& status) {
-  if (!S_ISREG(status.st_mode)) return "it is no regular file";
+  if (!S_ISREG(status.st_mode)) return "it is not a regular file";
   if (status.st_uid != geteuid()) return "it belongs to user " + std::to_string(status.st_uid);
   if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0) return "others may write to it";
   return {};

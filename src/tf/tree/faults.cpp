@@ -117,13 +117,13 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
       break;
     case SetFault::kCycle: {
       if (&parent == &child) {
-        why = "a frame cannot hang below itself.";
+        why = "a frame cannot be below itself.";
         break;
       }
       why = "it would close a cycle: " + Quoted(parent.name);
       for (const Frame* frame = &parent; frame != &child && frame != nullptr;) {
         frame = frame->parent.load(std::memory_order_acquire);
-        if (frame != nullptr) why += " hangs below " + Quoted(frame->name);
+        if (frame != nullptr) why += " is below " + Quoted(frame->name);
         if (frame != nullptr && frame != &child) why += ", which";
       }
       why += ".";
@@ -131,7 +131,7 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
     }
     case SetFault::kTwoParents: {
       const Frame* now = child.parent.load(std::memory_order_acquire);
-      why = Quoted(child.name) + " hangs below " + Quoted(now == nullptr ? "" : now->name) +
+      why = Quoted(child.name) + " is below " + Quoted(now == nullptr ? "" : now->name) +
             " already, and a frame keeps its parent.";
       break;
     }
@@ -141,13 +141,13 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
       break;
     case SetFault::kTooOld: {
       const EdgeRange range = ReadRange(child);
-      why = "its stamp " + Seconds(value.stamp) + " lies before what the buffer keeps, " + Seconds(range.oldest) +
+      why = "its stamp " + Seconds(value.stamp) + " is older than the buffer, which has " + Seconds(range.oldest) +
             " to " + Seconds(range.newest) + ".";
       break;
     }
     case SetFault::kTooManyFrames:
-      why = "the tree has " + std::to_string(frames_.most()) +
-            " frames, as many as TransformTreeOptions::max_frames lets it have.";
+      why =
+          "the tree has " + std::to_string(frames_.most()) + " frames, the limit of TransformTreeOptions::max_frames.";
       break;
     case SetFault::kName:
     case SetFault::kNone: break;

@@ -70,7 +70,7 @@ SetResult TreeCore::Set(FrameId parent, FrameId child, const EdgeValue& value) {
   return {SetFault::kName, std::string("The edge from ") +
                                (above == nullptr ? "an unknown id" : "\"" + above->name + "\"") + " to " +
                                (below == nullptr ? "an unknown id" : "\"" + below->name + "\"") +
-                               " was refused: such an id is not of this tree; Frame gives ids."};
+                               " was refused: such an id is not of this tree; use an id that Frame returned."};
 }
 
 SetResult TreeCore::Set(std::string_view parent, std::string_view child, const EdgeValue& value,
@@ -81,9 +81,9 @@ SetResult TreeCore::Set(std::string_view parent, std::string_view child, const E
     if (frame != nullptr) continue;
     if (const std::string fault = ChannelNameFault(name); !fault.empty()) {
       return {SetFault::kName, "The edge from \"" + std::string(parent.substr(0, 200)) + "\" to \"" +
-                                   std::string(child.substr(0, 200)) + "\" was refused: of the " +
+                                   std::string(child.substr(0, 200)) + "\" was refused: the " +
                                    (name.data() == parent.data() && frame == above ? "parent's" : "child's") +
-                                   " name, " + fault + "."};
+                                   " name is invalid: " + fault + "."};
     }
   }
   if (above == nullptr || below == nullptr) {  // A refused transform leaves no frames behind.

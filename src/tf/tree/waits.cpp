@@ -35,7 +35,7 @@ void Waiter::Finish(const TransformResult& result) {
     } catch (const std::exception& error) {
       SayThrown(error.what());
     } catch (...) {
-      SayThrown("something that is no std::exception");
+      SayThrown("something that is not a std::exception");
     }
     lock.lock();
   }

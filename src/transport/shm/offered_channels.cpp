@@ -74,7 +74,7 @@ void OfferedChannels::OnWish(Pair& pair, const wire::Wish& asked) {
     if (!pair.alive) return;
     if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
         asked.cell() >= kCells || (pair.wishes.size() >= kMaxWishes && !pair.wishes.contains(name))) {
-      sockets_.Distrust(pair, "it asks for what cannot be");
+      sockets_.Distrust(pair, "it sends an invalid wish");
       return;
     }
     // The peer does not know yet that the link has ended.

@@ -86,7 +86,7 @@ std::string Socket::LastEndpoint() const {
 int Socket::Fd() const {
   int fd = -1;
   std::size_t size = sizeof fd;
-  if (zmq_getsockopt(raw_, ZMQ_FD, &fd, &size) != 0) ThrowZmq("ZeroMQ tells no descriptor");
+  if (zmq_getsockopt(raw_, ZMQ_FD, &fd, &size) != 0) ThrowZmq("ZeroMQ returns no descriptor");
   return fd;
 }
 

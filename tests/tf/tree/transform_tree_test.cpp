@@ -217,10 +217,9 @@ TEST(TransformTree, RefusesASecondParent) {
   ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(1)));
   const auto set = tree.Set("odom", "base", At(2), Shift(1));
   EXPECT_EQ(set.fault(), SetFault::kTwoParents);
-  EXPECT_EQ(
-      set.text(),
-      "The transform from \"odom\" to \"base\" was refused: \"base\" hangs below \"map\" already, and a frame keeps "
-      "its parent.");
+  EXPECT_EQ(set.text(),
+            "The transform from \"odom\" to \"base\" was refused: \"base\" is below \"map\" already, and a frame keeps "
+            "its parent.");
 }
 
 TEST(TransformTree, RefusesCycles) {
@@ -229,10 +228,9 @@ TEST(TransformTree, RefusesCycles) {
   ASSERT_TRUE(tree.Set("b", "c", At(1), Shift(1)));
   const auto set = tree.Set("c", "a", At(1), Shift(1));
   EXPECT_EQ(set.fault(), SetFault::kCycle);
-  EXPECT_EQ(
-      set.text(),
-      "The transform from \"c\" to \"a\" was refused: it would close a cycle: \"c\" hangs below \"b\", which hangs "
-      "below \"a\".");
+  EXPECT_EQ(set.text(),
+            "The transform from \"c\" to \"a\" was refused: it would close a cycle: \"c\" is below \"b\", which is "
+            "below \"a\".");
   EXPECT_EQ(tree.Set("d", "d", At(1), Shift(1)).fault(), SetFault::kCycle);
 }
 
@@ -271,8 +269,8 @@ TEST(TransformTree, RefusesInvalidNames) {
   TransformTree tree;
   EXPECT_EQ(tree.Set("", "base", At(1), Shift(1)).fault(), SetFault::kName);
   EXPECT_THAT(tree.Set("", "base", At(1), Shift(1)).text(),
-              HasSubstr("\"base\" was refused: of the parent's name, it is empty"));
-  EXPECT_THAT(tree.Set("map", "", At(1), Shift(1)).text(), HasSubstr("of the child's name, it is empty"));
+              HasSubstr("\"base\" was refused: the parent's name is invalid: it is empty"));
+  EXPECT_THAT(tree.Set("map", "", At(1), Shift(1)).text(), HasSubstr("the child's name is invalid: it is empty"));
   EXPECT_EQ(tree.Set("map", "two words", At(1), Shift(1)).fault(), SetFault::kName);
   EXPECT_EQ(tree.Set(FrameId{5}, FrameId{6}, At(1), Shift(1)).fault(), SetFault::kName);
   EXPECT_THROW((void)tree.Frame(""), Error);
@@ -383,10 +381,10 @@ TEST(TransformTree, RefusedTransformsLeaveNoFrames) {
   EXPECT_EQ(tree.SetStatic("map", "b", bad).fault(), SetFault::kTranslation);
   const SetResult two = tree.Set("a", "base", At(1), Shift(1));
   EXPECT_EQ(two.fault(), SetFault::kTwoParents);
-  EXPECT_THAT(two.text(), HasSubstr("from \"a\" to \"base\" was refused: \"base\" hangs below \"map\" already"));
+  EXPECT_THAT(two.text(), HasSubstr("from \"a\" to \"base\" was refused: \"base\" is below \"map\" already"));
   const SetResult itself = tree.Set("a", "a", At(1), Shift(1));
   EXPECT_EQ(itself.fault(), SetFault::kCycle);
-  EXPECT_THAT(itself.text(), HasSubstr("a frame cannot hang below itself"));
+  EXPECT_THAT(itself.text(), HasSubstr("a frame cannot be below itself"));
   EXPECT_EQ(tree.Set("a", "", At(1), Shift(1)).fault(), SetFault::kName);
   EXPECT_FALSE(tree.Find("a"));
   EXPECT_FALSE(tree.Find("b"));

@@ -118,7 +118,7 @@ void Connections::OnSegment(Pair& pair, std::uint32_t segment, PairSocket::Frame
   if (!mapping) {
     sockets_.Distrust(pair, "a segment is wrong: " + fault);
   } else if (!pair.in.AddSegment(segment, std::move(mapping))) {
-    sockets_.Distrust(pair, "it passes a segment on twice, or too many segments");
+    sockets_.Distrust(pair, "it sends a segment twice, or too many segments");
   }
 }
 

@@ -144,11 +144,11 @@ void Connections::EndPair(const std::shared_ptr<Pair>& pair, const std::string& 
 void Connections::OnLie(const std::shared_ptr<Pair>& liar, const std::string& what) {
   if (liar->ending.load()) return;
   session_.CountFault(PacketFault::kHead);
-  session_.log.WriteLimited(LogLevel::kWarning, "shm lie " + liar->facts.info.id.ToString(),
-                            "The shared memory of " + NameOf(*liar) + " cannot be right: " + what +
-                                ". The connection ends and is made again.");
+  session_.log.WriteLimited(
+      LogLevel::kWarning, "shm lie " + liar->facts.info.id.ToString(),
+      "The shared memory of " + NameOf(*liar) + " is invalid: " + what + ". The connection ends and is made again.");
   liar->in.StopReading();
-  EndPair(liar, "its shared memory cannot be right", true);
+  EndPair(liar, "its shared memory is invalid", true);
 }
 
 // This works even if a child of the process still has the socket open.
@@ -204,7 +204,7 @@ void Connections::Beat(SteadyTime now) {
       silent.emplace_back(pair, (pair->alive ? "it was silent for " : "it did not greet for ") + timeout);
     }
     if (now - pair->last_read > patience) {
-      sockets_.Distrust(*pair, "a message needs something that did not come for " + timeout);
+      sockets_.Distrust(*pair, "a message needs a segment or payload that did not come for " + timeout);
     }
     bell_.Ring(pair->number);  // In case another peer has cleared its bit.
   }

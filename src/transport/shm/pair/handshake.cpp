@@ -45,7 +45,7 @@ Handshake::Outcome Handshake::OnHello(Pair& pair, PairSocket::Frame& frame) {
 Handshake::Outcome Handshake::OnWelcome(const Pair& pair) const {
   const SessionId peer = pair.facts.info.id;
   if (!pair.greeted || pair.alive || session_.self.info.id.value < peer.value) {
-    return {.step = Outcome::Step::kLie, .reason = "it says which connection stays, and it is not its turn"};
+    return {.step = Outcome::Step::kLie, .reason = "it chooses the connection, and that is not its task"};
   }
   Outcome outcome{.step = Outcome::Step::kBegin};
   for (const auto& other : pairs_.List()) {
@@ -87,7 +87,7 @@ std::string Handshake::OpenPages(Pair& pair, const wire::PairHello& hello, PairS
            std::to_string(hello.layout()) + "; here " + std::to_string(kWireMajor) + ", " +
            std::to_string(kLayoutVersion) + "); use one version of the library";
   }
-  if (frame.handles.size() != 3) return "it did not pass its memory on";
+  if (frame.handles.size() != 3) return "it did not send its memory";
   std::string fault;
   std::shared_ptr<const PeerBell> bell = PeerBell::Open(frame.handles[0], hello.bell_number(), fault);
   auto lane = bell ? LaneReader::Open(frame.handles[1], fault) : nullptr;

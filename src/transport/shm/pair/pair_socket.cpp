@@ -156,7 +156,7 @@ PairSocket::Read PairSocket::ReadMore() {
     return Read::kClosed;
   }
   if ((header.msg_flags & MSG_CTRUNC) != 0) return Fail("descriptors were lost: the limit of open files is reached");
-  if (handles_.size() > kMaxStrayHandles) return Fail("it sends descriptors that belong to nothing");
+  if (handles_.size() > kMaxStrayHandles) return Fail("it sends descriptors without their frames");
   return Read::kFrame;
 }
 

@@ -125,10 +125,10 @@ void PublisherConnection::LogUnreachable() {
   } else if (handshake_failure_ != 0 && shared_.options.security) {
     // A wrong key and a missing key look the same here: the event depends on which side notices it first.
     why =
-        "what answers there has another key than the one we were given, or does not encrypt; set the publisher's "
+        "the program there has another key than the one we have for it, or does not encrypt; set the publisher's "
         "public key in `servers` (the endpoint's `server_key`), and give the publisher a `secret_key`.";
   } else if (handshake_failure_ != 0) {
-    why = "what answers there asks for keys, or is not ZeroMQ; set a `secret_key` here, or check the port.";
+    why = "the program there asks for keys, or is not ZeroMQ; set a `secret_key` here, or check the port.";
   }
   shared_.log.Write(LogLevel::kWarning, "No connection to " + endpoint_ + " for " +
                                             std::to_string(shared_.options.unreachable_after.count()) +
