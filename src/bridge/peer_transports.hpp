@@ -37,7 +37,7 @@ class PeerTransports {
         looks_(looks),
         host_(std::move(host)) {}
 
-  /// Whether that session's messages on the channel are to be received over this transport. The first transport that
+  /// Whether that session's messages on the channel must be received over this transport. The first transport that
   /// asks gets the channel, and all that may use the same transports, unless a cheaper one reaches the session or is
   /// expected to.
   [[nodiscard]] bool Take(SessionId peer, std::string_view channel, TransportIndex transport);

@@ -65,7 +65,7 @@ class CreditWindow {
     told_messages_.store(totals.messages);
     told_bytes_.store(totals.bytes);
   }
-  /// Whether `news` is a quarter of the window or more; then the publisher must be told.
+  /// Whether `news` is a quarter of the window or more, so that the publisher must get it.
   [[nodiscard]] bool IsQuarter(const Totals& news) const noexcept {
     const Totals whole = window();
     return news.messages * 4 >= whole.messages || news.bytes * 4 >= whole.bytes;

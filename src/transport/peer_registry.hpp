@@ -10,7 +10,7 @@
 
 namespace hgros {
 
-/// The sessions that are connected. One that is connected both ways comes and goes once.
+/// The connected sessions. A session that is connected in both directions comes and goes once.
 /// Thread safety: Came() and Gone() on one thread at a time; List() is thread-safe.
 class PeerRegistry {
  public:

@@ -1,5 +1,5 @@
-// A program that knows nothing of the demo but its time: slam2d_clock SECONDS... sleeps until the clock of its domain
-// shows each of them, and prints what it shows then.
+// A program that uses only the demo's time: slam2d_clock SECONDS... sleeps until the clock of its domain reaches each
+// time, and prints the clock's time then.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// The SLAM front end in one thread and without the library, for comparison: what the processes must come to, bit for
-// bit. slam2d_reference SCANS [LOG] prints the hashes of map and trajectory.
+// The SLAM front end in one thread and without the library, for comparison: the processes must get the same result,
+// bit for bit. slam2d_reference SCANS [LOG] prints the hashes of map and trajectory.
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>

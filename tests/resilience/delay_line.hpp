@@ -11,7 +11,7 @@
 
 namespace hgros::resilience {
 
-/// Passes TCP connections on to another port of this host; each byte comes out `each_way` after it went in.
+/// Passes TCP connections on to another port of this host, and delays each byte by `each_way`.
 class DelayLine {
  public:
   DelayLine(std::uint16_t target_port, std::chrono::milliseconds each_way);

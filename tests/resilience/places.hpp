@@ -29,8 +29,8 @@ class ScratchFolder {
 
 using test::LoopbackAddress;
 
-/// A port of the loopback that nobody uses now. Below those that the system gives to outgoing connections: one that
-/// tries again and again to reach such a port would sooner or later get it as its own, and talk to itself.
+/// A free port of the loopback, below those that the system gives to outgoing connections. A program that repeatedly
+/// connects to a port of that range could get the same port for its own end, and so be connected to itself.
 inline std::uint16_t FreePort() {
   static int next = getpid() % 18000 * 37;
   for (int tries = 0; tries < 1000; ++tries) {
@@ -46,7 +46,7 @@ inline std::uint16_t FreePort() {
 
 inline std::string TcpEndpoint(std::uint16_t port) { return "tcp://127.0.0.1:" + std::to_string(port); }
 
-/// "--config=" with the network section; `more` holds further keys of it, as in ", heartbeat_ms: 100".
+/// "--config=" with the network section; `more` contains further keys of this section, such as ", heartbeat_ms: 100".
 inline std::string Publishing(const std::string& endpoint, const std::string& more = {}) {
   return "--config=network: {publisher: {ip: \"" + endpoint + "\"}" + more + "}";
 }
@@ -58,7 +58,7 @@ inline std::string Both(const std::string& publish, const std::string& subscribe
          "}";
 }
 
-/// Peers that fall silent are given up soon.
+/// Settings with which silent peers are dropped soon.
 inline constexpr const char* kImpatient = ", heartbeat_ms: 100, peer_timeout_ms: 500";
 
 }  // namespace hgros::resilience

@@ -1,6 +1,6 @@
 // One participant of a resilience test. It publishes numbered, checksummed messages, receives and checks them, or
-// both, and says on standard output every 20 ms how far it is: "status name=number ...", and what the session logs:
-// "log ...". It ends in order on SIGTERM, and is killed when its parent ends.
+// both, and writes its counters to standard output every 20 ms: "status name=number ...", and the lines of the
+// session's log: "log ...". It ends in order on SIGTERM, and is killed when its parent ends.
 //
 //   --config=YAML        of the session
 //   --out=CHANNEL        publish there: --count=N messages (0: without end) of --size=BYTES, one every --period-us=N,
@@ -59,7 +59,7 @@ class Arguments {
   std::map<std::string, std::string> values_;
 };
 
-/// In front of each message's data; the rest follows from the sequence.
+/// The begin of each message's data. The rest is computed from the sequence.
 struct Stamp {
   std::uint64_t publisher = 0;  ///< The id of its process.
   std::uint64_t sequence = 0;   ///< Counts from 1.
@@ -94,7 +94,7 @@ std::unique_ptr<Image> MakeImage(std::uint64_t sequence, std::size_t size_bytes)
   return image;
 }
 
-/// Nothing in it if the data is not what was published.
+/// All zero if the data are not those that were published.
 Stamp ReadStamp(const Image& image) {
   std::string data = image.data();
   Stamp stamp;
@@ -162,7 +162,7 @@ class Source {
   std::jthread thread_;
 };
 
-/// Receives and checks. A new publisher, told by its process, begins a new count.
+/// Receives and checks messages. A publisher with another process id begins a new count.
 class Sink {
  public:
   Sink(Session& session, const Arguments& arguments) : slow_(arguments.Number("slow-ms", 0)) {

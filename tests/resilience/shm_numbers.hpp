@@ -18,7 +18,7 @@
 
 namespace hgros::resilience {
 
-// Messages that carry their number: whoever receives them knows what was lost or spoilt.
+// Messages that carry their number, so that a receiver detects lost and damaged ones.
 
 inline const TypeInfo& NumberType() {
   static const TypeInfo type = [] {
@@ -48,7 +48,7 @@ class QuietListener : public TransportListener {
   std::atomic<int> gone{0};
 };
 
-/// Publishes 1, 2, 3 ... in messages of all sizes, or of `least_bytes` at least.
+/// Publishes 1, 2, 3 ... in messages of all sizes, or of at least `least_bytes`.
 class NumberStream : public OutboundSource {
  public:
   NumberStream(Transport& transport, const std::string& channel, std::size_t largest_bytes = 100'000,

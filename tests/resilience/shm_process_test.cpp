@@ -33,7 +33,7 @@ std::size_t OpenFiles() {
   return static_cast<std::size_t>(std::distance(begin(files), end(files)));
 }
 
-/// Pages that belong to pairs, ours and others'.
+/// Number of mapped pages that belong to pairs, our own and those of peers.
 std::size_t PairMappings() {
   std::ifstream maps("/proc/self/maps");
   std::size_t count = 0;

@@ -15,10 +15,10 @@
 
 namespace hgros::resilience {
 
-/// Runs a command to its end and returns its exit status; -1 if it cannot be run. What it prints is thrown away.
+/// Runs a command to its end and returns its exit status; -1 if it cannot be run. Its output is discarded.
 int RunCommand(const std::vector<std::string>& command);
 
-/// A resilience_worker and what it last said of itself. Killed when this object ends.
+/// A resilience_worker and its latest report. Killed when this object ends.
 class WorkerProcess {
  public:
   /// `network_namespace`: the namespace in which it runs; empty: that of this process.
@@ -58,7 +58,7 @@ class WorkerProcess {
   std::thread reader_;
 };
 
-/// What it last said, for failures.
+/// Its latest report, for messages of failed tests.
 std::ostream& operator<<(std::ostream& out, const WorkerProcess& worker);
 
 }  // namespace hgros::resilience

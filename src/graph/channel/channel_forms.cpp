@@ -56,7 +56,7 @@ std::string Channel::declared_at() const {
   return declared_at_;
 }
 
-// Every node is told before the first message of the second type can be published.
+// Every node learns it before the first message of the second type can be published.
 void Channel::AddSecondType(const TypeInfo& other) {
   const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
   if (other_type_.load(std::memory_order_relaxed) != nullptr) return;

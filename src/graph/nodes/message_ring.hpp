@@ -21,7 +21,7 @@ namespace hgros {
 // at front_, or null.
 class MessageRing {
  public:
-  // Messages in the order of arrival. A popped block belongs to the caller, who may empty it without locks.
+  // Messages in the order of arrival. A popped block belongs to the caller, which may empty it without locks.
   class Block {
    public:
     static constexpr std::size_t kSize = 32;

@@ -46,7 +46,7 @@ class TbbExecutor {
   FlowNode& AcquireFlowNode();
   void ReleaseFlowNode(FlowNode& node);
   static void Put(FlowNode& node, std::shared_ptr<Activation> activation);
-  // The same with a ticket of the caller, who keeps it until the activation has started.
+  // The same with a ticket of the caller, which keeps it until the activation has started.
   static void Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket);
 
   // Queues behind everything that other threads have put. A worker's own Put() would always run before that.

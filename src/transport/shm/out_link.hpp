@@ -20,15 +20,15 @@ namespace hgros::shm {
 struct Pair;
 struct OutLink;
 
-/// One message of this session on its way to others.
+/// One message of this session in flight.
 struct ShmMessage final : Outgoing {
   MessageId id;
   std::int64_t publish_time_ns = 0;
   std::int64_t publish_monotonic_ns = 0;
   std::uint32_t latched = 0;
   Payload data;
-  /// Where the payload lies in shared memory. None: there was no room, and it goes over the socket. An empty payload
-  /// has segment 0, which does not exist.
+  /// The payload's place in shared memory. None: there was no room, and it goes over the socket. An empty payload has
+  /// segment 0, which does not exist.
   std::optional<Place> place;
 };
 

@@ -1,5 +1,5 @@
-// A robot with something to say for each panel: viewer_talking_robot [STEPS [HZ]]. Several sessions publish and
-// subscribe; "broken_..." carry bytes that do not match their type.
+// A robot with data for each panel: viewer_talking_robot [STEPS [HZ]]. Several sessions publish and subscribe;
+// "broken_..." carry bytes that do not match their type.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -25,7 +25,7 @@
 
 namespace {
 
-/// Bytes with the type of a message that they are not.
+/// Bytes that do not match the type that they are published with.
 template <class T>
 struct Broken {
   std::string bytes;

@@ -18,7 +18,7 @@
 
 namespace hgros::shm {
 
-/// Where bytes lie in a session's shared memory.
+/// A place of bytes in a session's shared memory.
 struct Place {
   std::uint32_t segment = 0;
   std::uint64_t offset_bytes = 0;
@@ -51,7 +51,7 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   /// No more blocks are allocated after this: receivers may still read blocks that are free here.
   void Close();
 
-  /// Where `bytes` lie, if they lie in a block of this pool.
+  /// The place of `bytes`, if they are in a block of this pool.
   [[nodiscard]] std::optional<Place> Find(Bytes bytes) const;
   /// The segment's descriptor, to pass it on. The returned owner keeps it open. Null if there is no such segment.
   [[nodiscard]] std::shared_ptr<const Handle> HandleOf(std::uint32_t segment) const;

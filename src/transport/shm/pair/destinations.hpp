@@ -15,8 +15,8 @@ namespace hgros::shm {
 
 /// The places that we connect to, and when to try next.
 ///
-/// Thread safety: all functions; the mutex is a leaf. Invariants: a place stands here once. The pause between two tries
-/// doubles until a pair begins.
+/// Thread safety: all functions; the mutex is a leaf. Invariants: each place is in the list once. The pause between
+/// two tries doubles until a pair begins.
 class Destinations {
  public:
   /// False if the place is known.

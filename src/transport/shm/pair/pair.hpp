@@ -48,7 +48,7 @@ struct Pair : std::enable_shared_from_this<Pair> {
   std::uint32_t seen_heartbeat = 0;
   std::unordered_set<std::string> reported_mismatches;
   bool greeted = false;    ///< Its pages are open.
-  bool announced = false;  ///< The listener was told.
+  bool announced = false;  ///< The listener knows the peer.
   bool finished = false;   ///< It has ended, and everything that it had written was read.
   bool eof = false;        ///< The peer no longer holds messages of ours.
 

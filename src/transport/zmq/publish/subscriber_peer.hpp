@@ -30,7 +30,7 @@ struct SubscriberPeer {
   SteadyTime last_heard{};
   bool cut = false;  ///< Its connection has ended, and it gets some time to come back.
   ClockQuestion clock;
-  std::uint64_t waiting_bytes = 0;                      ///< Of all its links.
+  std::uint64_t waiting_bytes = 0;                      ///< The sum of all its links.
   std::unordered_map<std::string, Wish> wishes;         ///< By channel.
   std::unordered_set<std::string> reported_mismatches;  ///< Channels.
 };
