@@ -29,7 +29,7 @@ class Slam2dClock(Slam2dTest):
         shown = float(follower.stdout.readline())
         self.assertGreaterEqual(shown, 0.0001)
         self.assertLess(shown, 0.1)
-        # As fast as it is processed the clock steps from scan to scan, and stands still behind the last.
+        # Without a rate the clock steps from scan to scan as they are processed, and stands still after the last one.
         self.assertEqual(self.end(self.start("--set-param", "slam.source.rate=0", env=own))[0], 0)
         self.assertEqual(float(follower.stdout.readline()), LAST_S)
         self.assertEqual(self.hashes(running), self.reference(SCANS))

@@ -9,9 +9,9 @@ import os
 
 from slam2d_programs import ROBOTS, SCANS, THREE, Slam2dTest, main
 
-# The first scan, which is taken at once whatever the rate, knows neither.
+# Parameters that do not affect the first scan, which is handled at once at any rate.
 TUNED = {"slam.matcher.max_range_m": 8, "slam.map.min_translation_m": 0.5}
-# So slow that only somebody who sets the rate brings it to its end.
+# So slow that the demo ends only if the rate is set.
 SLOW = ["--scans", SCANS, "--rate", 0.001]
 
 
@@ -73,7 +73,7 @@ class Slam2dParameters(Slam2dTest):
         processes = self.start_plan(THREE, {"source": ["--scans", SCANS], "mapper": coarse})
         self.assert_all_agree(processes, expected)
 
-    def test_a_parameter_that_cannot_be_is_a_sentence_with_its_place(self):
+    def test_an_invalid_parameter_is_reported_with_its_place(self):
         file = self.folder / "params.yaml"
         file.write_text("slam:\n  matcher:\n    max_range: 5\n")
         matcher = self.write_config("matcher", THREE["matcher"])
@@ -96,7 +96,7 @@ class Slam2dParameters(Slam2dTest):
                 self.assertEqual((code, out), (2, ""), err)
                 self.assertEqual(err[:len("slam2d: " + sentence)], "slam2d: " + sentence)
 
-    def test_what_another_process_sets_while_it_runs_is_as_if_given_at_the_start(self):
+    def test_parameters_set_by_another_process_act_as_if_given_at_the_start(self):
         running = self.start("--json", *SLOW, env=self.own)
         code, out, err = self.ask([running], *assignments("--set-param", TUNED))
         self.assertEqual((code, out), (0, "slam.matcher.max_range_m is 8\nslam.map.min_translation_m is 0.5\n"), err)
@@ -105,11 +105,11 @@ class Slam2dParameters(Slam2dTest):
         self.assertEqual(tuned, self.tuned_from_the_start())
         self.assertNotEqual(tuned, self.reference(SCANS))
 
-    def test_what_is_edited_in_a_file_while_it_runs_is_as_if_given_at_the_start(self):
+    def test_parameters_edited_in_a_file_act_as_if_given_at_the_start(self):
         file = self.folder / "params.yaml"
 
         def edit(params):
-            fresh = self.folder / "fresh.yaml"  # Half a file would be one without the rest.
+            fresh = self.folder / "fresh.yaml"  # Replaced in one step: the demo must not read half a file.
             fresh.write_text("".join(f"{path}: {value}\n" for path, value in params.items()))
             fresh.rename(file)
 
@@ -126,7 +126,7 @@ class Slam2dParameters(Slam2dTest):
         tuned = {"matcher": {"max_range_m": 8}, "map": {"min_translation_m": 0.5}}
         edit(nested({}, 0.001))
         running = self.start("--json", "--scans", SCANS, "--params", file, env=self.own)
-        self.ask([running], "--list-params")  # It has read the file.
+        self.ask([running], "--list-params")  # Then it has read the file.
         edit(nested({"matcher": {"max_range": 8}}, 0.001))
         await_sentences("There is no parameter slam.matcher.max_range. Did you mean slam.matcher.max_range_m?")
         edit(nested(tuned, 0.001))
@@ -136,7 +136,7 @@ class Slam2dParameters(Slam2dTest):
 
     def test_each_of_three_processes_offers_the_parameters_of_its_nodes(self):
         processes = self.start_three()
-        # The source has its place last: it begins when all others are there.
+        # The source is ready last: it begins when all others are there.
         self.assertEqual(self.ask(processes.values(), *assignments("--set-param", TUNED))[0], 0)
         _, out, _ = self.ask(processes.values(), "--list-params", "--json")
         listed = {one["path"]: one for one in map(json.loads, out.splitlines())}
@@ -146,7 +146,7 @@ class Slam2dParameters(Slam2dTest):
         self.assertEqual(self.ask(processes.values(), "--set-param", "slam.source.rate=0")[0], 0)
         self.assert_all_agree(processes, self.tuned_from_the_start())
 
-    def test_what_cannot_be_set_changes_nothing(self):
+    def test_refused_parameters_change_nothing(self):
         running = self.start("--json", *SLOW, env=self.own)
         for arguments, sentence in (
                 (["slam.map.cell_size_m=0.1"], "slam.map.cell_size_m is read-only."),
@@ -160,7 +160,7 @@ class Slam2dParameters(Slam2dTest):
         self.assertEqual(self.ask([running], "--set-param", "slam.source.rate=0")[0], 0)
         self.assertEqual(self.hashes(running), self.reference(SCANS))
 
-    def test_nobody_whose_parameters_could_be_set_is_a_sentence(self):
+    def test_setting_a_parameter_reports_that_no_demo_runs(self):
         code, _, err = self.end(self.start("--set-param", "slam.map.hit_gain=5", env=self.own))
         self.assertEqual(code, 1)
         self.assertIn("The parameters of the mapper were not set: No session \"slam2d/mapper\" offers parameters", err)

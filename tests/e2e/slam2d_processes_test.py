@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the SLAM example as one, two and three processes and as two robots, and compares what they come to.
+"""Runs the SLAM example as one, two and three processes and as two robots, and compares their results.
 
     SLAM2D=<binary> SLAM2D_REFERENCE=<binary> slam2d_processes_test.py [TEST...]
 """
@@ -15,7 +15,7 @@ from slam2d_programs import DATA, ROBOTS, SCANS, THREE, TWO, Slam2dTest, main
 
 
 class Slam2dProcesses(Slam2dTest):
-    def test_what_a_command_line_cannot_mean_is_a_sentence_with_the_mend(self):
+    def test_an_invalid_command_line_is_reported_with_the_fix(self):
         for arguments, sentence in (
                 (["--log", "missing.log"], "The log missing.log cannot be opened: No such file or directory. Name a "),
                 (["--log"], "--log needs a value after it."),
@@ -27,15 +27,15 @@ class Slam2dProcesses(Slam2dTest):
             code, _, err = self.end(self.start(*arguments))
             self.assertEqual((code, err.startswith(f"slam2d: {sentence}")), (2, True), err)
 
-    def test_one_process_comes_to_the_reference(self):
+    def test_one_process_gets_the_reference_result(self):
         self.assertEqual(self.hashes(self.start("--json", "--scans", SCANS)), self.reference(SCANS))
         self.assertTrue((self.folder / "slam2d_out/map.png").read_bytes().startswith(b"\x89PNG"))
         self.assertEqual(len((self.folder / "slam2d_out/trajectory.tum").read_text().splitlines()), SCANS)
 
-    def test_two_processes_come_to_the_reference(self):
+    def test_two_processes_get_the_reference_result(self):
         self.assert_all_agree(self.start_plan(TWO, {"front": ["--scans", SCANS]}), self.reference(SCANS))
 
-    def test_three_processes_come_to_the_reference(self):
+    def test_three_processes_get_the_reference_result(self):
         self.assert_all_agree(self.start_plan(THREE, {"source": ["--scans", SCANS]}), self.reference(SCANS))
 
     def test_three_processes_find_each_other_by_themselves(self):
@@ -58,10 +58,10 @@ class Slam2dProcesses(Slam2dTest):
         self.assertEqual([one["messages"] for one in mapped if one.get("node") == "mapper"], [SCANS - 120 + 1])
         self.assertEqual(self.hashes(processes["robot1"]), self.reference(SCANS))
 
-    def test_a_paced_log_comes_to_the_same(self):
+    def test_a_paced_log_gets_the_same_result(self):
         self.assertEqual(self.hashes(self.start("--json", "--scans", 50, "--rate", 10)), self.reference(50))
 
-    def test_a_log_comes_to_the_reference_in_one_and_three_processes(self):
+    def test_a_log_gets_the_reference_result_in_one_and_three_processes(self):
         log = pathlib.Path(DATA) / "lidar2d/intel.clf.gz"
         if not DATA or not log.exists():
             self.skipTest("HGROS_DATA names no folder with lidar2d/intel.clf.gz")
@@ -84,7 +84,7 @@ class Slam2dProcesses(Slam2dTest):
         self.assertIn(b"so_far/odometry.png", out)
         self.assertTrue((self.folder / "so_far/map.png").exists())
 
-    def test_the_map_is_saved_for_another_process_that_asks(self):
+    def test_the_map_is_saved_when_another_process_asks(self):
         own = {**os.environ, "HGROS_DOMAIN": f"slam2d-{os.getpid()}-saved"}
         running = self.start("--json", "--scans", 100, "--rate", 2, env=own)
         code = 1
@@ -97,7 +97,7 @@ class Slam2dProcesses(Slam2dTest):
         self.assertIn("robot       x = ", out)  # the transforms of source and matcher
         self.assertEqual(self.hashes(running), self.reference(100))
 
-    def test_nobody_who_could_save_the_map_is_known_at_once(self):
+    def test_saving_the_map_reports_at_once_that_no_demo_runs(self):
         code, _, err = self.end(self.start("--save-map", env={**os.environ, "HGROS_DOMAIN": f"slam2d-{os.getpid()}"}))
         self.assertEqual(code, 1)
         self.assertIn("The map was not saved: Nobody serves \"save_map\"", err)
@@ -114,13 +114,13 @@ class Slam2dProcesses(Slam2dTest):
             self.assertEqual(code, 1, err)
             self.assertIn("which ran mapper and writer, is gone before the work was done", err)
 
-    def test_nobody_to_work_with_ends_with_a_sentence(self):
+    def test_a_process_without_the_others_ends_with_an_error(self):
         process = self.start("--config", self.write_config("matcher", THREE["matcher"]), "--patience", 1)
         code, _, err = self.end(process)
         self.assertEqual(code, 1)
         self.assertIn("no other process with the source was found within 1 s", err)
 
-    def test_input_that_cannot_be_used_ends_with_code_2_and_a_sentence(self):
+    def test_invalid_input_ends_with_code_2_and_an_error(self):
         cut = self.folder / "cut.clf.gz"
         cut.write_bytes(gzip.compress(os.urandom(10000))[:5000])
         empty = self.folder / "empty.clf"

@@ -82,7 +82,7 @@ class Slam2dTest(unittest.TestCase):
         return process.returncode, out, err
 
     def result(self, process):
-        """What a process that ends well has to say with --json."""
+        """The --json output of a process that ends well."""
         code, out, err = self.end(process)
         self.assertEqual(code, 0, err)
         results = [json.loads(line) for line in out.splitlines()]
