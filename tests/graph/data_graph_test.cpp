@@ -301,7 +301,7 @@ TEST(DataGraph, RefusesAndCountsNullMessages) {
   EXPECT_EQ(publish(std::move(message)), PublishStatus::kEmpty);  // NOLINT(bugprone-use-after-move): that is the test.
   EXPECT_EQ(publish.Wait(std::unique_ptr<int>(), std::chrono::steady_clock::now()), PublishStatus::kEmpty);
   EXPECT_EQ(graph.ToGraph("c", std::shared_ptr<const int>()), PublishStatus::kEmpty);
-  EXPECT_EQ(Publisher<int>()(std::make_unique<int>(1)), PublishStatus::kClosed) << "a handle of nothing";
+  EXPECT_EQ(Publisher<int>()(std::make_unique<int>(1)), PublishStatus::kClosed) << "an empty handle";
   EXPECT_EQ(seen, 1);
   EXPECT_EQ(graph.Snapshot().channels[0].refused, 3U);
 }

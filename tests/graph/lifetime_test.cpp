@@ -50,10 +50,10 @@ TEST_P(LifetimeOnEveryExecutor, ASubscriptionMayBeDestroyedInItsOwnCallback) {
       "c", Invoke::kSerial,
       [&, captured](const int&) {
         wired.Pass();
-        EXPECT_FALSE(subscription->Join()) << "it cannot wait for itself";
+        EXPECT_FALSE(subscription->Join()) << "a callback cannot wait for itself";
         subscription.reset();
         ++calls;
-        EXPECT_EQ(*captured, 5) << "what the callback captured lives until it returns";
+        EXPECT_EQ(*captured, 5) << "captures live until the callback returns";
       },
       Options(executor())));
   captured.reset();
@@ -115,7 +115,7 @@ TEST_P(LifetimeOnEveryExecutor, GraphDestroyedUnderLoadRefusesPublishesAndStops)
     ASSERT_TRUE(Await([&] { return subscriptions[1].stats().run > 10; }));
     graph.reset();
     publishers.clear();
-    EXPECT_EQ(refused, 3) << "a handle that outlives its graph says closed";
+    EXPECT_EQ(refused, 3) << "a handle that outlives its graph returns kClosed";
     subscriptions.clear();
   }
 }
@@ -140,7 +140,7 @@ TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription)
   ASSERT_TRUE(Await([&] { return ended.load(); }));
   std::jthread opener([&] { door.Open(); });
   EXPECT_TRUE(subscription->Join());
-  EXPECT_TRUE(returned) << "what the callback uses may go now";
+  EXPECT_TRUE(returned) << "objects that the callback uses may be destroyed now";
   subscription.reset();
 }
 

@@ -133,7 +133,7 @@ TEST_F(BrokenCable, LosslessSubscriberMissesNothingAfterAStallOfTwoSeconds) {
   ASSERT_TRUE(publisher->Reaches({{"waiting", 1}})) << *publisher;
   Linger(std::chrono::seconds(2));
   const std::uint64_t before = (*publisher)["published"];
-  EXPECT_LT(before, 1500U) << "it waits";
+  EXPECT_LT(before, 1500U) << "the publisher must wait";
   cable.Resume();
   ExpectAll(1500);
 }

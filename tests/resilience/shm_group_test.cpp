@@ -114,7 +114,7 @@ TEST(ShmMemoryGroupProcess, AFullGroupKillsNoProcessAndMessagesGoOverTheSocket) 
   EXPECT_GT(worker["apart"], kMessages / 4) << worker;
   EXPECT_LT(worker["apart"], kMessages) << worker;
   EXPECT_GE(worker["warnings"], 1u) << worker;
-  EXPECT_LE(worker["warnings"], lines) << "said once, not for each message" << worker;
+  EXPECT_LE(worker["warnings"], lines) << "logged once, not for each message" << worker;
   // Released blocks are used again from the second message on: the publisher notices them with the first one.
   hoard.LetGo();
   publish(kMessages + 1);

@@ -140,7 +140,7 @@ TEST_F(ShmProcesses, AStoppedProcessDoesNotStopOthersAndComesBack) {
       const int gone = listener.gone;
       stopped.Stop();
       ASSERT_TRUE(survivor.Gains("published", 100)) << survivor;
-      ASSERT_TRUE(Await([&] { return listener.gone > gone; })) << "it stands still and nobody notices";
+      ASSERT_TRUE(Await([&] { return listener.gone > gone; })) << "a process has stopped and no peer has noticed it";
       ASSERT_TRUE(survivor.Gains("received", 1000)) << survivor;
       // It held messages all the time, and still holds them when it connects again.
       stopped.Continue();

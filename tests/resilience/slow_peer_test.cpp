@@ -62,7 +62,8 @@ TEST(StoppedSubscriber, ReceivesAgainAfterItWasDropped) {
       }
       EXPECT_EQ(stopped["disorder"] + stopped["corrupt"], 0U) << queue << stopped;
     }
-    ASSERT_TRUE(Await([&] { return publisher["subscribers"] == 1; })) << "killed ones are noticed" << publisher;
+    ASSERT_TRUE(Await([&] { return publisher["subscribers"] == 1; }))
+        << "killed subscribers must be noticed" << publisher;
     EXPECT_EQ(other["disorder"] + other["corrupt"], 0U) << other;
   }
 }

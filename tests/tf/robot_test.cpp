@@ -105,7 +105,7 @@ TEST(RobotDescription, FreesJointsThatFormACycle) {
     const RobotDescription robot = RobotDescription::FromText(urdf);
     EXPECT_EQ(robot.root(), "base");
     TransformTree tree;
-    EXPECT_FALSE(robot.SetFixed(tree)) << "a tree has no rings";
+    EXPECT_FALSE(robot.SetFixed(tree)) << "a tree has no cycles";
   }
   EXPECT_THROW((void)RobotDescription::FromText(beside + R"(<joint name="j" type="floating">)" + below), Error);
 }

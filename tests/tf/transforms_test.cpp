@@ -128,7 +128,7 @@ TEST_F(TransformsOfTwo, SubscribesOnlyAfterTheFirstLookup) {
   EXPECT_TRUE(setting.ToTF(At(1), "map", "base", Shift(1)));
   EXPECT_FALSE(Listens(a, kTransformsChannel));
   EXPECT_FALSE(Listens(a, kStaticTransformsChannel));
-  EXPECT_TRUE(setting.FromTF("map", "base")) << "its own is there at once";
+  EXPECT_TRUE(setting.FromTF("map", "base")) << "its own transform is there at once";
   EXPECT_TRUE(Listens(a, kTransformsChannel));
   EXPECT_TRUE(Listens(a, kStaticTransformsChannel));
 }
@@ -276,7 +276,7 @@ TEST_F(TransformsOfTwo, TreeReceivesTransformsPublishedByHandInItsOwnSession) {
   EXPECT_TRUE(Arrives(transforms, "map", "hand"));
   EXPECT_TRUE(transforms.ToTF(At(1), "map", "base", Shift(1)));
   ASSERT_TRUE(a->WaitIdle(kPatience));
-  EXPECT_EQ(transforms.stats().received_transforms, 1U) << "its own are not taken twice";
+  EXPECT_EQ(transforms.stats().received_transforms, 1U) << "its own transforms are not added twice";
 }
 
 TEST_F(TransformsOfTwo, DestructorEndsWhileASubscriberHasNoRoom) {
@@ -338,12 +338,12 @@ TEST_F(TransformsOfTwo, RestartWhenTheSessionsClockJumpsBack) {
   std::atomic<bool> came{false};
   const auto pending = tree.WhenAvailable({*tree.Find("map"), *tree.Find("base"), At(0.5)},
                                           [&](const TransformResult& result) { came = bool(result); });
-  ASSERT_TRUE(setting.ToTF(At(101.5), "map", "base", Shift(3))) << "it was under way";
+  ASSERT_TRUE(setting.ToTF(At(101.5), "map", "base", Shift(3))) << "it was in flight";
   for (const double stamp : {0.25, 0.75}) ASSERT_TRUE(setting.ToTF(At(stamp), "map", "base", Shift(stamp)));
   ASSERT_TRUE(Await([&] { return came.load(); }));
   for (Transforms* one : {&setting, &looking}) {
     EXPECT_LT(Difference(one->FromTF("map", "base", At(0.5))->T_target_source, Shift(0.5)), 1e-9);
-    EXPECT_EQ(one->FromTF("map", "base")->stamp, At(0.75)) << "nothing is left of the time before";
+    EXPECT_EQ(one->FromTF("map", "base")->stamp, At(0.75)) << "transforms from before the jump are still there";
   }
 }
 
@@ -365,7 +365,7 @@ TEST_F(TransformsOfTwo, DestructorEndsWhileTheClockJumps) {
 TEST(DefaultTransforms, BelongToTheDefaultSession) {
   for (int life = 0; life < 2; ++life) {
     Init();
-    EXPECT_FALSE(FromTF("map", "base")) << "nothing is left of an earlier session";
+    EXPECT_FALSE(FromTF("map", "base")) << "transforms of an earlier session are still there";
     EXPECT_TRUE(ToTF(At(1), "map", "base", Shift(1)));
     EXPECT_TRUE(ToTF(At(2), "map", "base", Shift(3).Isometry()));
     EXPECT_LT(Difference(FromTF("map", "base")->T_target_source, Shift(3)), 1e-12);

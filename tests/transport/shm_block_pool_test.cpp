@@ -76,7 +76,7 @@ void AgainstAModel(unsigned seed, std::uint64_t limit_bytes, std::size_t largest
     }
     if (random() % 16 == 0) {
       for (const std::uint32_t segment : pool->CollectRemovedSegments()) {
-        ASSERT_TRUE(gone.emplace(segment, true).second) << "given back twice";
+        ASSERT_TRUE(gone.emplace(segment, true).second) << "returned twice";
         ASSERT_EQ(pool->HandleOf(segment), nullptr);
       }
     }
@@ -182,7 +182,7 @@ TEST(ShmBlockPool, AllocatesNothingBeyondTheRoomThatTheSystemReports) {
     taken.push_back(std::move(*loan));
     room -= pool->usage().segment_bytes - before;
   }
-  EXPECT_EQ(taken.size(), 6u) << "the next one is to have another way";
+  EXPECT_EQ(taken.size(), 6u) << "the rest of the room stays free for messages over the socket";
   EXPECT_EQ(fault, "the memory limit of its control group leaves too little");
   room = 5 * kMega;
   EXPECT_TRUE(pool->Allocate(kMega));
@@ -193,7 +193,7 @@ TEST(ShmBlockPool, RemovedSegmentsCountAsFreeOnlyWhenTheSystemReportsRoom) {
   const auto pool = std::make_shared<BlockPool>(1000 * kMega, [&room] { return std::optional(room); });
   ASSERT_TRUE(pool->Allocate(3 * kMega));  // Returned at once.
   room = 0;
-  EXPECT_FALSE(pool->Allocate(2 * kMega)) << "receivers may have it still";
+  EXPECT_FALSE(pool->Allocate(2 * kMega)) << "receivers may still use it";
   EXPECT_EQ(pool->usage().segments, 0u);
   room = 100 * kMega;
   EXPECT_TRUE(pool->Allocate(2 * kMega));

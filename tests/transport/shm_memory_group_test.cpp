@@ -53,7 +53,7 @@ TEST_F(ShmMemoryGroup, ReturnsTheRoomOfTheFullestGroup) {
   Mounted("/", "cgroup2", "nsdelegate");
   Unified("top/robots/robot", "max", 10 * kMega, 0);
   Unified("top/robots", std::to_string(160 * kMega), 100 * kMega, 0);
-  EXPECT_EQ(Room(), 40 * kMega) << "an eighth is left to others";
+  EXPECT_EQ(Room(), 40 * kMega) << "an eighth stays free for other needs";
   Unified("top/robots/robot", std::to_string(32 * kMega), 20 * kMega, 0);
   EXPECT_EQ(Room(), 4 * kMega);
   Unified("top/robots/robot", std::to_string(32 * kMega), 31 * kMega, 0);

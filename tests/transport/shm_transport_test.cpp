@@ -153,7 +153,7 @@ TEST_F(ShmTransportTest, MessagesOutliveBothSessions) {
   auto kept = keeper.kept();
   keeper.LetGo();
   publisher->Close(0);
-  EXPECT_FALSE(publisher->Loan(1000)) << "what is read elsewhere would be written";
+  EXPECT_FALSE(publisher->Loan(1000)) << "a block that is read elsewhere would be overwritten";
   EXPECT_EQ(outbound->Reserve(), PublishStatus::kClosed);
   outbound.reset();
   publisher.reset();
@@ -260,7 +260,7 @@ TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
   char byte = 0;
   EXPECT_LT(recv(knocking, &byte, 1, MSG_DONTWAIT), 0);
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
-  EXPECT_EQ(recv(knocking, &byte, 1, 0), 1) << "nobody has greeted";
+  EXPECT_EQ(recv(knocking, &byte, 1, 0), 1) << "no peer has greeted";
 }
 
 class ShmMessageLimit : public ShmTransportTest, public testing::WithParamInterface<std::uint64_t> {

@@ -11,7 +11,7 @@ TEST(ZmqClockQuestion, IsAnsweredAtOnceWithFourTimes) {
   question.Ask(asking, Time{1000});
   const auto answer = AnswerTo(asking, Time{70});
   ASSERT_TRUE(answer);
-  EXPECT_EQ(answer->asked_ns(), 0) << "an answer asks nothing";
+  EXPECT_EQ(answer->asked_ns(), 0) << "an answer must not ask";
   const auto exchange = question.Read(*answer, Time{1030});
   ASSERT_TRUE(exchange);
   EXPECT_EQ(exchange->asked, Time{1000});

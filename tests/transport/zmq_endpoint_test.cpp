@@ -140,7 +140,7 @@ TEST(ZmqEndpoint, MessagesThatARemovedEndpointHasReceivedAreStillDelivered) {
   first.Open();
   ASSERT_TRUE(Eventually([&] { return sink.count() == 2; }));
   EXPECT_TRUE(b.transport->RemoveSubscribeEndpoint(folder.Ipc()));
-  EXPECT_EQ(sink.publishers, 1u) << "it goes when its messages have gone";
+  EXPECT_EQ(sink.publishers, 1u) << "the endpoint ends after its messages were delivered";
   second.Open();
   EXPECT_TRUE(Eventually([&] { return sink.publishers == 0; }));
   EXPECT_GT(sink.count(), 2u);

@@ -83,7 +83,7 @@ TEST_F(BeaconPeersTest, AreLimitedInNumber) {
     EXPECT_EQ(peers.Hear(From(peer), "a", start), Verdict::kNew);
   }
   EXPECT_EQ(peers.Hear(From(one), "a", start), Verdict::kTooMany);
-  EXPECT_EQ(peers.Hear(From(one), "a", start + milliseconds(100)), Verdict::kNew) << "the others fell silent";
+  EXPECT_EQ(peers.Hear(From(one), "a", start + milliseconds(100)), Verdict::kNew) << "the other peers have expired";
   EXPECT_EQ(count(), 1U);
 }
 

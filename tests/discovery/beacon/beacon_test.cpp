@@ -92,7 +92,7 @@ TEST_F(Beacon, SendsChangesAtOnceAndAnswersNewPeers) {
   const Participant late(options);
   late.Announce();
   EXPECT_TRUE(early.listening.AwaitPeer(late.heard()));
-  EXPECT_TRUE(late.listening.AwaitPeer(early.heard())) << "long before its period is over";
+  EXPECT_TRUE(late.listening.AwaitPeer(early.heard())) << "long before the next period";
   early.own.endpoints = {"tcp://*:1", "tcp://*:2"};
   early.Announce();
   EXPECT_TRUE(late.listening.AwaitPeer(early.heard()));
@@ -197,7 +197,7 @@ TEST_F(Beacon, ForkedChildDoesNotDisturbIt) {
   two.own.endpoints = {"tcp://*:7"};
   two.Announce();
   EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));
-  EXPECT_EQ(one.listening.came(two.own.session), 1) << "the child said no goodbye";
+  EXPECT_EQ(one.listening.came(two.own.session), 1) << "the child has sent no goodbye";
 }
 
 }  // namespace

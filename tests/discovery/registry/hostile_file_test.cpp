@@ -47,7 +47,7 @@ class HostileFile : public testing::Test {
     EXPECT_TRUE(listening.AwaitCount(0));
     EXPECT_TRUE(Await([&] { return log.Count({path.string(), words}) == 1; })) << log.text();
     EXPECT_EQ(log.Count({path.string()}), 1U) << log.text();
-    EXPECT_TRUE(fs::exists(fs::symlink_status(path))) << "it is not ours to remove";
+    EXPECT_TRUE(fs::exists(fs::symlink_status(path))) << "the registry must not remove it";
   }
   /// A living session whose file contains `content`.
   void ExpectContentIgnored(const std::string& content, const std::string& words) {

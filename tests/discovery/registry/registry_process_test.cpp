@@ -73,7 +73,7 @@ TEST_F(RegistryProcess, LaterRegistryRemovesFilesOfADeadProcess) {
     const AnnouncingProcess worker = Start(3);
     worker.Kill();
   }
-  EXPECT_TRUE(fs::exists(folder)) << "nobody was there to clean up";
+  EXPECT_TRUE(fs::exists(folder)) << "no registry was open that could remove the file";
   Listening listening;
   auto registry = Open(listening);
   EXPECT_TRUE(registry->List().empty());

@@ -78,7 +78,7 @@ TEST_F(Registry, ReportsEarlierSessionsBeforeItIsOpen) {
   const Participant early(options);
   early.Announce();
   const Participant late(options);
-  EXPECT_TRUE(late.listening.Sees(early.own)) << "told before opening has returned";
+  EXPECT_TRUE(late.listening.Sees(early.own)) << "it was reported before OpenRegistry() returned";
 }
 
 TEST_F(Registry, RemovesFoldersOfDeadSessions) {
@@ -101,7 +101,7 @@ TEST_F(Registry, RemovesFoldersOfDeadSessions) {
   const Participant newcomer(options);
   EXPECT_TRUE(Await([&] { return !fs::exists(options.folder / "dead"); }));
   EXPECT_TRUE(fs::exists(options.folder / "strange" / "README"));
-  EXPECT_TRUE(fs::exists(options.folder / "strange" / "0123456789abcdef")) << "who put that there is not known";
+  EXPECT_TRUE(fs::exists(options.folder / "strange" / "0123456789abcdef")) << "a file of unknown origin must stay";
   EXPECT_TRUE(fs::exists(options.folder / "alive" / living.own.session.ToString()));
 }
 
@@ -143,7 +143,7 @@ TEST_F(Registry, ReportsGoodbyesAndTheLastSessionRemovesTheFolder) {
   leaving.reset();
   ASSERT_TRUE(observer->listening.AwaitCount(0));
   EXPECT_EQ(observer->listening.gone(left.session), "It said goodbye.");
-  EXPECT_TRUE(Await([&] { return fs::exists(folder); })) << "somebody watches it still";
+  EXPECT_TRUE(Await([&] { return fs::exists(folder); })) << "another registry still watches the folder";
   observer.reset();
   EXPECT_FALSE(fs::exists(folder));
 }
@@ -223,7 +223,7 @@ TEST_F(Registry, RestoresARemovedFile) {
     EXPECT_TRUE(Await([&] { return fs::exists(file); }));
   }
   EXPECT_EQ(careless.log.Count({"written again", file.string()}), 1U) << careless.log.text();
-  EXPECT_EQ(observer.listening.gone(careless.own.session), "") << "it was there all the time";
+  EXPECT_EQ(observer.listening.gone(careless.own.session), "") << "it was present all the time";
 }
 
 TEST_F(Registry, RestoresARemovedFolder) {

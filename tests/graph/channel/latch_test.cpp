@@ -69,7 +69,7 @@ TEST_P(LatchOnEveryExecutor, NewNodesGetLatchedMessagesOfALostPublisherOnceWhenI
   const auto subscription = graph.FromGraph<int>(
       "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor()));
   ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
-  EXPECT_EQ(got.size(), 0U) << "perhaps it is dead";
+  EXPECT_EQ(got.size(), 0U) << "the publisher may be dead";
   graph.PublisherIsBack(7);
   ASSERT_TRUE(Await([&] { return got.size() == 2; }));
   graph.PublisherIsGone(7);

@@ -108,7 +108,7 @@ TEST(RawForms, TypedNodesGetRemoteBytesDecoded) {
   ASSERT_TRUE(Inject(graph, "v", Arrived(schema, Vector(2).SerializeAsString())));
   ASSERT_TRUE(WaitIdle(graph));
   ASSERT_EQ(raw.messages.size(), 2U);
-  EXPECT_EQ(raw.messages[0].get(), first.get()) << "as they came";
+  EXPECT_EQ(raw.messages[0].get(), first.get()) << "the message was copied";
   ASSERT_EQ(typed.messages.size(), 1U);
   EXPECT_EQ(typed.messages[0]->x(), 2);
 }

@@ -184,7 +184,7 @@ TEST(TwoForms, ConvertsAMessageOnlyWhenItsCallbackRuns) {
       Options(Executor::Dedicated(), Queue::KeepAll(10)));
   const auto publish = graph.Advertise<BulkImage>("image");
   for (int i = 0; i < 3; ++i) ASSERT_EQ(publish(MakeBulk("x")), PublishStatus::kOk);
-  EXPECT_LE(Only(graph).converted, 1U) << "the waiting ones are not converted yet";
+  EXPECT_LE(Only(graph).converted, 1U) << "waiting messages are not converted yet";
   door.Open();
   ASSERT_TRUE(WaitIdle(graph));
   EXPECT_EQ(got, 3);
@@ -222,7 +222,7 @@ TEST(TwoForms, FullLosslessNodeRefusesMessagesOfBothTypes) {
     ++sent;
     image = MakeBulk("x");
   }
-  ASSERT_NE(image, nullptr) << "what was refused still belongs to the publisher";
+  ASSERT_NE(image, nullptr) << "a refused message still belongs to the publisher";
   EXPECT_GE(sent, 2);
   door.Open();
   ASSERT_TRUE(WaitIdle(graph));

@@ -124,7 +124,7 @@ TEST(Lossless, WaitEndsAtDeadlineOnStopRequestAndWhenTheNodeEnds) {
     waited = true;
   });
   std::jthread closer([&] { subscription.Reset(); });
-  EXPECT_TRUE(Await([&] { return waited.load(); })) << "a node that goes makes room";
+  EXPECT_TRUE(Await([&] { return waited.load(); })) << "a node that ends makes room";
   door.Open();
 }
 
@@ -203,7 +203,7 @@ TEST(Lossless, FullOutletFailsThePublishForLocalNodesToo) {
   EXPECT_EQ(got.values(), (std::vector<int>{1, 3}));
   EXPECT_EQ(outlet->committed, 2);
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(4)), PublishStatus::kOk);
-  EXPECT_EQ(outlet->committed, 2) << "ToGraph stays inside";
+  EXPECT_EQ(outlet->committed, 2) << "ToGraph does not publish outside";
 }
 
 TEST(Lossless, ReleasedReservationWakesWaitingPublishers) {
@@ -246,7 +246,7 @@ TEST(Lossless, InlineNodeThatRunsAtOnceWakesWaitingPublishers) {
   const auto publish = graph.Advertise<int>("c");
   std::jthread first([&] { EXPECT_EQ(publish(std::make_unique<int>(0)), PublishStatus::kOk); });
   ASSERT_TRUE(Await([&] { return inside.load(); }));
-  EXPECT_EQ(publish(std::make_unique<int>(1)), PublishStatus::kFull) << "the room is taken though nothing waits there";
+  EXPECT_EQ(publish(std::make_unique<int>(1)), PublishStatus::kFull) << "the room is taken although no message waits";
   std::jthread second([&] {
     EXPECT_EQ(publish.Wait(std::make_unique<int>(1), steady_clock::now() + test::kPatience), PublishStatus::kOk);
   });

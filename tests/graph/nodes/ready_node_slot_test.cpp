@@ -49,10 +49,10 @@ TEST_F(ReadyNodeSlotTest, RunsTheFirstReadyNodeOnlyInRunKept) {
   slot.RunKept();
   EXPECT_EQ(one.count, 1);
   EXPECT_TRUE(RanHere(one));
-  EXPECT_FALSE(RanHere(two)) << "a worker did";
+  EXPECT_FALSE(RanHere(two)) << "a worker ran it";
   Publish("one");
   EXPECT_TRUE(Await([&] { return one.count == 2; }));
-  EXPECT_FALSE(RanHere(one)) << "the help is over";
+  EXPECT_FALSE(RanHere(one)) << "the slot is closed";
 }
 
 TEST_F(ReadyNodeSlotTest, WorkerRunsHandedOverAndAbandonedNodes) {
@@ -64,7 +64,7 @@ TEST_F(ReadyNodeSlotTest, WorkerRunsHandedOverAndAbandonedNodes) {
     slot.HandToWorkers();
     EXPECT_TRUE(Await([&] { return node.count == 1; }));
     Publish("c");
-    EXPECT_EQ(node.count, 1) << "it stays again";
+    EXPECT_EQ(node.count, 1) << "the slot keeps a node again";
   }
   EXPECT_TRUE(Await([&] { return node.count == 2; }));
   EXPECT_FALSE(RanHere(node));
@@ -82,7 +82,7 @@ TEST_F(ReadyNodeSlotTest, OnlyOneThreadKeepsANodeAtATime) {
   std::jthread([&] {
     ReadyNodeSlot second(true);
     Publish("two");
-    EXPECT_TRUE(Await([&] { return two.count == 1; })) << "by a worker";
+    EXPECT_TRUE(Await([&] { return two.count == 1; })) << "a worker must run it";
     EXPECT_FALSE(RanHere(two));
   }).join();
   slot.RunKept();
@@ -113,7 +113,7 @@ TEST_F(ReadyNodeSlotTest, OpenedKeepsANodeInAClosedSlot) {
     Publish("one");
   }
   Publish("two");
-  EXPECT_TRUE(Await([&] { return two.count == 1; })) << "the invitation is over";
+  EXPECT_TRUE(Await([&] { return two.count == 1; })) << "the slot is closed again";
   EXPECT_EQ(one.count, 0);
   slot.RunKept();
   EXPECT_EQ(one.count, 1);
@@ -127,7 +127,7 @@ TEST_F(ReadyNodeSlotTest, OpenedDoesNotCloseASlotThatWasOpen) {
   ReadyNodeSlot slot(true);
   { const ReadyNodeSlot::Opened opened; }
   Publish("c");
-  EXPECT_EQ(node.count, 0) << "it stays";
+  EXPECT_EQ(node.count, 0) << "the slot is still open";
   slot.RunKept();
   EXPECT_TRUE(RanHere(node));
 }
@@ -143,7 +143,7 @@ TEST_F(ReadyNodeSlotTest, OpenedDoesNothingWithoutASlot) {
   slot.RunKept();
   const ReadyNodeSlot::Opened late;
   Publish("c");
-  EXPECT_TRUE(Await([&] { return node.count == 2; })) << "it has run what it took, and takes no more";
+  EXPECT_TRUE(Await([&] { return node.count == 2; })) << "it has run the kept node, and keeps no further one";
 }
 
 TEST_F(ReadyNodeSlotTest, DoesNotRunANodeThatHasEnded) {
@@ -168,7 +168,7 @@ TEST_F(ReadyNodeSlotTest, ChannelRequestsRunNodeOnlyIfAWorkerWouldHaveToBeWoken)
   EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kRunNode);
   Publish("c");
   ASSERT_TRUE(Await([&] { return inside.load(); }));
-  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone) << "it runs already";
+  EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone) << "the node already runs";
   door.Open();
   EXPECT_TRUE(Await([&] { return DataGraph::UseOfThread(channel) == ThreadUse::kRunNode; }));
   Node immediate;

@@ -93,7 +93,7 @@ TEST(TransformTree, LatestIsTheNewestTimeThatAllEdgesHave) {
   EXPECT_EQ(found->stamp, At(8));
   EXPECT_LT(Difference(found->T_target_source, Shift(8, 8, 1)), 1e-12);
   ASSERT_TRUE(tree.Set("odom", "base", At(8.5), Shift(0, 8.5)));
-  EXPECT_EQ(tree.Lookup("map", "laser")->stamp, At(8.5)) << "What has changed is seen.";
+  EXPECT_EQ(tree.Lookup("map", "laser")->stamp, At(8.5)) << "The change is visible.";
 }
 
 TEST(TransformTree, StaticEdgesHoldAtAllTimes) {
@@ -103,7 +103,8 @@ TEST(TransformTree, StaticEdgesHoldAtAllTimes) {
   EXPECT_LT(Difference(tree.Lookup("laser", "camera", At(1e6))->T_target_source, Shift(-1, 2)), 1e-15);
   EXPECT_EQ(tree.Lookup("laser", "camera")->stamp, Time{});
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(i)));
-  EXPECT_LT(Difference(tree.Lookup("base", "laser")->T_target_source, Shift(19)), 1e-15) << "The newest holds.";
+  EXPECT_LT(Difference(tree.Lookup("base", "laser")->T_target_source, Shift(19)), 1e-15)
+      << "The newest transform counts.";
 }
 
 TEST(TransformTree, TravelsThroughAFixedFrame) {
@@ -193,7 +194,8 @@ TEST(TransformTree, KeepsAtMostTheMaximumOfTransforms) {
   EXPECT_EQ(tree.Lookup("map", "base", At(450)).fault(), TransformFault::kTooOld);
   EXPECT_EQ(tree.Set("map", "base", At(450.5), Shift(1)).fault(), SetFault::kTooOld);
   ASSERT_TRUE(tree.Set("map", "base", At(470.5), Shift(-1)));
-  EXPECT_EQ(tree.Lookup("map", "base", At(451)).fault(), TransformFault::kTooOld) << "One more, and the oldest goes.";
+  EXPECT_EQ(tree.Lookup("map", "base", At(451)).fault(), TransformFault::kTooOld)
+      << "One more transform removes the oldest.";
   EXPECT_LT(Difference(tree.Lookup("map", "base", At(470.5))->T_target_source, Shift(-1)), 1e-15);
 }
 
@@ -343,7 +345,7 @@ TEST(TransformTree, RestartReplacesOldTransformsAfterTimeJumpedBack) {
   ASSERT_TRUE(tree.Set("map", "base", At(101), Shift(2)));
   EXPECT_EQ(tree.Set("map", "base", At(1), Shift(3)).fault(), SetFault::kTooOld);
   tree.RestartTime();
-  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(101)) << "until something is set";
+  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(101)) << "until a transform is set";
   ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(3)));
   EXPECT_EQ(tree.Lookup("map", "laser")->stamp, At(1));
   EXPECT_EQ(tree.Lookup("map", "base", At(100)).fault(), TransformFault::kTooNew);
@@ -364,10 +366,10 @@ TEST(TransformTree, TransformsFromBeforeTheJumpDoNotRestartAnEdge) {
   ASSERT_TRUE(tree.Set("map", "arm", At(100), Shift(1)));
   tree.RestartTime(At(50));
   ASSERT_TRUE(tree.Set("map", "base", At(100.1), Shift(2)));
-  EXPECT_EQ(tree.Lookup("map", "base", At(100.05))->stamp, At(100.05)) << "with what was before";
+  EXPECT_EQ(tree.Lookup("map", "base", At(100.05))->stamp, At(100.05)) << "with the earlier transforms";
   ASSERT_TRUE(tree.Set("map", "base", At(0), Shift(3)));
   EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(0));
-  ASSERT_TRUE(tree.Set("map", "arm", At(60), Shift(4))) << "the edge has slept for long";
+  ASSERT_TRUE(tree.Set("map", "arm", At(60), Shift(4))) << "the edge was not set for long";
   EXPECT_EQ(tree.Lookup("map", "arm")->stamp, At(60));
 }
 
@@ -398,7 +400,7 @@ TEST(TransformTree, HasAtMostTheMaximumOfFrames) {
   EXPECT_EQ(result.fault(), SetFault::kTooManyFrames);
   EXPECT_THAT(result.text(), HasSubstr("from \"arm\" to \"hand\" was refused: the tree has 3 frames"));
   EXPECT_THROW((void)tree.Frame("hand"), Error);
-  EXPECT_TRUE(tree.Set("base", "arm", At(2), Shift(1))) << "those that are there go on";
+  EXPECT_TRUE(tree.Set("base", "arm", At(2), Shift(1))) << "existing frames can still be set";
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ class Waiting : public testing::Test {
 
 TEST_F(Waiting, ReturnsAtOnceIfTheTransformIsThere) {
   EXPECT_TRUE(tree.Wait(Base(100), 0s));
-  EXPECT_EQ(tree.Wait(Base(50), kPatience).fault(), TransformFault::kTooOld) << "That cannot come any more.";
+  EXPECT_EQ(tree.Wait(Base(50), kPatience).fault(), TransformFault::kTooOld) << "That transform can no longer come.";
 }
 
 TEST_F(Waiting, EndsAtItsDeadlineAndReportsWhatIsMissing) {

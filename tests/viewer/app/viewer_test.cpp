@@ -181,7 +181,7 @@ TEST_F(ViewerTest, KeepsRemovedDisplaysRemovedAfterALostSurface) {
   EXPECT_EQ(ShowUntilClosed(options_, std::nullopt, surface, watch), 0);
   EXPECT_EQ(made, 2);
   EXPECT_TRUE(last.found.contains("removed")) << "it does not come back";
-  EXPECT_FALSE(last.keeps_finding) << "the layout that is written says what it would have said";
+  EXPECT_FALSE(last.keeps_finding) << "the written layout must not change because of the loss";
 }
 
 TEST_F(ViewerTest, RestoresTheViewRelativeToAFollowedFrameThatHasMoved) {

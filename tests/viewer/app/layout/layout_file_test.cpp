@@ -44,7 +44,7 @@ TEST(LayoutFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(ParseLayout(LayoutText({}), "x"), Layout());
   Layout none;
   none.displays.emplace();
-  EXPECT_EQ(ParseLayout(LayoutText(none), "x"), none) << "no display is not the same as those that are found";
+  EXPECT_EQ(ParseLayout(LayoutText(none), "x"), none) << "an empty list of displays must not become no list";
 }
 
 TEST(LayoutFile, KeepsEveryTextAndNumberExactly) {
@@ -133,7 +133,7 @@ TEST(LayoutFile, IsWrittenCompletelyOrNotAtAll) {
   const auto file = folder / "layout.yaml";
   EXPECT_EQ(SaveLayout(FullLayout(), file), "");
   EXPECT_EQ(LoadLayout(file), FullLayout());
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "nothing else lies beside it";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "no other file is beside it";
   std::filesystem::remove_all(folder);
   EXPECT_NE(SaveLayout(FullLayout(), file).find("its folder"), std::string::npos);
 }

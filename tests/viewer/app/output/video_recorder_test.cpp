@@ -117,7 +117,7 @@ TEST_F(VideoRecorderTest, ReportsFfmpegsMessageWhenItFails) {
   const std::string fault = FirstFault(recorder, kSize);
   EXPECT_NE(fault.find("failed and said: Unknown encoder"), std::string::npos) << fault;
   EXPECT_FALSE(recorder.recording());
-  EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, 1)), "") << "it is said once";
+  EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, 1)), "") << "it is reported once";
   EXPECT_EQ(recorder.Finish(), "");
 }
 

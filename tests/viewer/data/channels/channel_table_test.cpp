@@ -55,7 +55,7 @@ TEST(ChannelTable, SortsBySilence) {
   lines[0].figures->silence = 2s;
   lines[1].figures->silence = 1s;
   SortLines(lines, ChannelColumn::kAge, false);
-  EXPECT_EQ(Names(lines), "bac") << "one from which nothing has come has no age";
+  EXPECT_EQ(Names(lines), "bac") << "a channel without messages has no age";
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST(Hypergraph, ConnectsProcessesByTheirChannels) {
   EXPECT_EQ(graph.lines[0].process, 0U);
   EXPECT_EQ(graph.lines[1].process, 2U);
   EXPECT_EQ(graph.lines[3].channel, 1U);
-  EXPECT_FALSE(graph.lines[0].counts) << "nobody has told";
+  EXPECT_FALSE(graph.lines[0].counts) << "its counts are unknown";
 }
 
 TEST(Hypergraph, ShowsTheCountsOfProcesses) {
@@ -93,7 +93,7 @@ TEST(Hypergraph, ShowsTheCountsOfProcesses) {
 
   const auto by_node = MakeHypergraph(channels, {1}, counts, {.inner = false, .nodes = true});
   ASSERT_EQ(by_node.processes.size(), 3U);
-  EXPECT_EQ(by_node.processes[1].node, "#1") << "which has no name of its own";
+  EXPECT_EQ(by_node.processes[1].node, "#1") << "the process has no name";
   EXPECT_EQ(by_node.processes[2].node, "slow");
   ASSERT_EQ(by_node.lines.size(), 3U);
   EXPECT_EQ(by_node.lines[2].process, 2U);
@@ -129,7 +129,7 @@ TEST(Hypergraph, MarksChannelsWithDifferentTypes) {
       {Channel("a", {User(1, "x")}, {User(2, "y", "Other")}), Channel("b", {User(1, "x")}, {User(2, "y", "")})}, {}, {},
       {.inner = true});
   EXPECT_TRUE(graph.channels[0].types_differ);
-  EXPECT_FALSE(graph.channels[1].types_differ) << "who takes any type fits";
+  EXPECT_FALSE(graph.channels[1].types_differ) << "a subscriber of any type fits";
 }
 
 }  // namespace

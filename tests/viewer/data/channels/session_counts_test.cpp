@@ -44,7 +44,7 @@ TEST(SessionCounts, HaveNoRateWhenACountGoesBack) {
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "its clock went back";
   counts.Take(1, Told(std::numeric_limits<std::int64_t>::max(), 6));
   counts.Take(1, Told(std::numeric_limits<std::int64_t>::min(), 7));
-  EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "its clock went back by all that there is";
+  EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "its clock went back by the largest difference";
 }
 
 TEST(SessionCounts, ForgetSessionsThatAreGone) {

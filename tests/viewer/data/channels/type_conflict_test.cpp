@@ -17,7 +17,7 @@ TEST(TypeConflict, IsEmptyIfAllUseOneType) {
   KnownChannel channel{"scan", "Scan", {}, 7, {User("robot", "Scan", 7)}, {User("viewer", "Scan", 7)}};
   EXPECT_EQ(TypeConflict(channel), "");
   channel.subscribers.push_back(User("recorder", "", 0));
-  EXPECT_EQ(TypeConflict(channel), "") << "it takes whatever there is";
+  EXPECT_EQ(TypeConflict(channel), "") << "it accepts any type";
   channel.subscribers.push_back(User("echo", "Scan", 0));
   EXPECT_EQ(TypeConflict(channel), "") << "its version is unknown";
   EXPECT_EQ(TypeConflict({}), "");

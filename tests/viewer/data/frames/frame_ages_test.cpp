@@ -38,7 +38,7 @@ TEST(FrameAges, PredictTheNextFrameToReachAnAge) {
   ages.Take(std::vector{Edge("a", 1)}, 10);
   ages.Take(std::vector{Edge("a", 1), Edge("b", 1)}, 12);
   EXPECT_EQ(ages.NextAged(5, 12), 15);
-  EXPECT_EQ(ages.NextAged(5, 15), 17) << "the first has done so";
+  EXPECT_EQ(ages.NextAged(5, 15), 17) << "the first frame has already reached it";
   EXPECT_EQ(ages.NextAged(5, 17), kNever);
 }
 
