@@ -99,7 +99,7 @@ ChannelSearch BridgeCore::Search(const std::string& channel) const {
   return search;
 }
 
-// Of two sessions the one with the smaller id connects.
+// The one of two sessions with the smaller id connects.
 void BridgeCore::OnCame(const Announcement& peer) {
   last_came_ = std::chrono::steady_clock::now();
   options_.on_announcements();

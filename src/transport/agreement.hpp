@@ -46,7 +46,7 @@ void WriteType(std::string_view channel, const TypeInfo& type, wire::ChannelType
 
 /// Whether the type that one side publishes fits the type that the other side reads.
 enum class TypeFit {
-  kEqual,    ///< As far as both know.
+  kEqual,    ///< As far as both sides know.
   kEvolved,  ///< One protobuf type name, two schemas: they must be compared.
   kDiffer,
 };

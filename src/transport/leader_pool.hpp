@@ -19,7 +19,7 @@ class LeaderPool {
  public:
   using Task = std::function<void()>;
 
-  /// Where input comes from. Implemented by a transport.
+  /// The source of input. Implemented by a transport.
   class Input {
    public:
     virtual ~Input() = default;

@@ -1,4 +1,4 @@
-// Where sessions meet over the transport that exists only in tests, for the suite.
+// Runs the conformance suite over the transport that exists only in tests.
 #include "conformance/transport_conformance.hpp"
 #include "support/gated_transport.hpp"
 

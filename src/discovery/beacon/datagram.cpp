@@ -93,7 +93,7 @@ std::optional<Heard> ParseDatagram(Bytes bytes, std::string_view domain, const s
   heard.peer.pid = datagram.pid();
   for (const std::string& endpoint : datagram.endpoints()) {
     const auto parts = SplitTcp(endpoint);
-    if (!parts) continue;  // Of a newer version, or nonsense.
+    if (!parts) continue;  // From a newer version, or invalid.
     const std::string host = parts->host == "*" ? sender : std::string(parts->host);
     heard.peer.endpoints.push_back(std::string(kTcp) + host + ":" + std::string(parts->port));
   }

@@ -47,7 +47,7 @@ std::vector<NetworkInterface> FindInterfaces(const std::vector<std::string>& nam
     }
     const bool known = std::any_of(found.begin(), found.end(),
                                    [&](const NetworkInterface& other) { return other.index == entry.index; });
-    // Of several addresses the first: one datagram an interface is enough, but each network has its own broadcast.
+    // The first of several addresses: one datagram per interface is enough, but each network has its own broadcast.
     if (entry.index != 0 && (!known || !entry.multicast)) found.push_back(std::move(entry));
   }
   return found;

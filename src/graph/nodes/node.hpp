@@ -55,7 +55,7 @@ class Node : public std::enable_shared_from_this<Node> {
     const MessageOffer& offer;
     std::atomic<std::uint64_t>& sequence;
     std::size_t bytes;
-    bool last;  // As in Delivery.
+    bool last;  // The same as in Delivery.
   };
   [[nodiscard]] virtual bool TryDeliverSole(const SoleOffer& sole, AnyMessage& message, MessageInfo& info,
                                             std::int64_t& now) noexcept;

@@ -45,7 +45,7 @@ class LiveHistogram {
   std::atomic<std::int64_t> max_{0};
 };
 
-// What a node counts while it runs callbacks. One per node, or one per shard where many threads run it at once.
+// The counters of a node's running callbacks. One per node, or one per shard if many threads run it at once.
 struct alignas(64) NodeStats {
   std::atomic<std::uint64_t> run{0};
   std::atomic<std::uint64_t> failed{0};

@@ -6,7 +6,7 @@
 namespace hgros::shm {
 namespace {
 
-constexpr int kMessagesPerTurn = 64;  // Of one peer, before others have their turn.
+constexpr int kMessagesPerTurn = 64;  // From one peer, before others have their turn.
 
 }  // namespace
 

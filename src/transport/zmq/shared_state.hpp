@@ -21,7 +21,7 @@ namespace hgros::zmq {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
-/// What all endpoints of one transport share.
+/// The state that all endpoints of one transport share.
 /// Thread safety: thread-safe. `options` and `self` never change.
 struct SharedState {
   SharedState(ZmqOptions given, TransportListener& told, Log& voice);

@@ -16,9 +16,9 @@ namespace hgros::viewer::test {
 /// A street with houses that a robot drives along, for pictures that are the same in every run.
 namespace made_world {
 
-/// Where the robot is after `step` steps of 0.5 m.
+/// The robot's pose after `step` steps of 0.5 m.
 [[nodiscard]] RigidTransform PoseAt(std::size_t step);
-/// What its sensor measures there: x, y, z, intensity as floats.
+/// The points that its sensor measures there: x, y, z, intensity as floats.
 [[nodiscard]] std::unique_ptr<Bulk<foxglove::PointCloud>> CloudAt(std::size_t step, std::size_t points,
                                                                   std::int64_t stamp_ns);
 [[nodiscard]] foxglove::LaserScan ScanAt(std::size_t step, std::int64_t stamp_ns);

@@ -31,7 +31,7 @@ class PickingTest : public SceneTest {
     SceneTest::SetUp();
     camera_.LookFromAbove();
   }
-  /// What is picked at a point.
+  /// The result of a pick at a point.
   const Scene::Entry* EntryAt(const Eigen::Vector3d& at, Eigen::Vector3d& found) {
     (void)Draw();
     const auto pixel = camera_.PixelOf(at, kPictureSize);

@@ -70,7 +70,7 @@ struct LanePage {
   std::uint32_t magic;
   std::uint32_t version;
   alignas(kCacheLine) Shared64 written;  ///< Descriptors so far.
-  alignas(kCacheLine) Shared32 hungry;   ///< What the publisher waits for: kForCredit | kForSlots.
+  alignas(kCacheLine) Shared32 hungry;   ///< The publisher waits for these: kForCredit | kForSlots.
   Shared32 heartbeat;                    ///< Changes while the publishing session lives and runs.
   alignas(kCacheLine) Descriptor descriptors[kSlots];
 };

@@ -14,7 +14,7 @@ namespace hgros::shm {
 /// folder, such as /proc/self.
 [[nodiscard]] std::optional<std::uint64_t> MemoryGroupRoom(const std::string& process = "/proc/self");
 
-/// Where the process's memory control group is mounted; empty if there is none.
+/// The folders of the process's memory control group; empty if there is none.
 struct MemoryGroupPlace {
   std::string top;     ///< The uppermost visible group.
   std::string folder;  ///< The process's group: `top`, or below it.

@@ -6,7 +6,7 @@
 namespace hgros::shm {
 namespace {
 
-constexpr int kFramesPerTurn = 256;  // Of one peer, before others have their turn.
+constexpr int kFramesPerTurn = 256;  // From one peer, before others have their turn.
 
 }  // namespace
 
@@ -76,7 +76,7 @@ void Connections::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& 
         sockets_.Distrust(*pair, "it sends payloads that no message needs");
       }
       break;
-    default: break;  // Of a newer version.
+    default: break;  // From a newer version.
   }
 }
 

@@ -37,7 +37,7 @@ struct Pair : std::enable_shared_from_this<Pair> {
 
   std::uint32_t number = 0;  ///< The bit of our bell that stands for this peer.
   const bool by_us;          ///< We have connected to it.
-  std::string place;         ///< Where we have connected to.
+  std::string place;         ///< The place that we have connected to.
 
   // For the socket thread.
   SessionFacts facts;

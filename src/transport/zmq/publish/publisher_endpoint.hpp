@@ -32,7 +32,7 @@ class PublisherEndpoint {
   ~PublisherEndpoint();
 
   [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
-  /// Where it is bound, with the port that the system chose.
+  /// The endpoint at which it is bound, with the port that the system chose.
   [[nodiscard]] const std::string& bound() const noexcept { return bound_; }
   [[nodiscard]] int fd() const noexcept { return fd_; }
 

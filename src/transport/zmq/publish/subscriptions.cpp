@@ -9,7 +9,7 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr std::size_t kMaxWishes = 4096;  // Of one peer.
+constexpr std::size_t kMaxWishes = 4096;  // Limit for one peer.
 
 /// Makes sure that the messages are destroyed when no mutex is held.
 void EndLater(PeerChannel::Dropped&& messages, Actions& actions) {

@@ -34,13 +34,13 @@ struct InLink {
   bool asked = false;       ///< Subscribe was sent since the last Welcome.
   bool active = false;      ///< Counted as a publisher.
   std::uint64_t id = 0;
-  std::uint64_t fingerprint = 0;                ///< Of the publisher's type, compared with ours.
+  std::uint64_t fingerprint = 0;                ///< Fingerprint of the publisher's type, which was compared with ours.
   std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is another one.
   // The widest window that was asked for. A publisher gets no more, even if it grants more.
   std::uint64_t asked_messages = 1;
   std::uint64_t asked_bytes = 1;
   std::shared_ptr<LinkCredit> credit;
-  std::vector<std::weak_ptr<LinkCredit>> earlier;  ///< Of ended links; they live while messages are in flight.
+  std::vector<std::weak_ptr<LinkCredit>> earlier;  ///< From ended links; they live while messages are in flight.
   std::shared_ptr<LinkCredit> plain_credit;        ///< For plain publishers, which know no credit.
 };
 

@@ -26,7 +26,7 @@ struct RemotePublisher {
   void AddOffers(std::vector<SessionChannels>& known) const;
 
   SessionFacts facts;
-  std::uint64_t handshake = 0;  ///< Of its latest Welcome.
+  std::uint64_t handshake = 0;  ///< The number in its latest Welcome.
   SteadyTime last_heard{};
   bool alive = false;
   ClockQuestion clock;

@@ -11,7 +11,7 @@
 namespace hgros::viewer {
 namespace {
 
-/// What the owner of the memory would hold.
+/// The pages that the owner of the memory would hold.
 class Memory {
  public:
   explicit Memory(double cell_metres) : book_(cell_metres) {}
