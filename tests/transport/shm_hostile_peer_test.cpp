@@ -242,14 +242,14 @@ TEST_F(HostilePeer, InvalidSegmentsEndThePair) {
   const auto segment = [] {
     return FalsePeer::Copy(MakeSegment("hgros-false", 8192, Access::kOwnerOnly, Pages::kAtOnce));
   };
-  ExpectLie([&](FalsePeer& peer) { peer.AddSegment(0, segment()); }, "a segment on twice");
-  ExpectLie([&](FalsePeer& peer) { peer.AddSegment(kOnSocket, segment()); }, "a segment on twice");
+  ExpectLie([&](FalsePeer& peer) { peer.AddSegment(0, segment()); }, "a segment twice");
+  ExpectLie([&](FalsePeer& peer) { peer.AddSegment(kOnSocket, segment()); }, "a segment twice");
   ExpectLie(
       [&](FalsePeer& peer) {
         peer.AddSegment(1, segment());
         peer.AddSegment(1, segment());
       },
-      "a segment on twice");
+      "a segment twice");
   for (const auto& [offset, size] :
        {std::pair{std::uint64_t{0}, std::uint64_t{8193}}, {8000, 193}, {~0ULL, 1}, {8192, ~0ULL}, {~0ULL - 5, 10}}) {
     ExpectLie(

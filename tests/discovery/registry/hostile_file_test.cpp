@@ -75,7 +75,7 @@ class HostileFile : public testing::Test {
 
 TEST_F(HostileFile, FolderIsIgnored) {
   fs::create_directory(scratch.path() / "folder");
-  ExpectIgnored(MoveIn(scratch.path() / "folder"), "no regular file");
+  ExpectIgnored(MoveIn(scratch.path() / "folder"), "not a regular file");
 }
 
 TEST_F(HostileFile, SymbolicLinkIsIgnored) {
@@ -87,7 +87,7 @@ TEST_F(HostileFile, SymbolicLinkIsIgnored) {
 
 TEST_F(HostileFile, PipeIsIgnored) {
   ASSERT_EQ(mkfifo((scratch.path() / "pipe").c_str(), 0600), 0);
-  ExpectIgnored(MoveIn(scratch.path() / "pipe"), "no regular file");
+  ExpectIgnored(MoveIn(scratch.path() / "pipe"), "not a regular file");
 }
 
 TEST_F(HostileFile, FileWritableByOthersIsIgnored) {
@@ -106,8 +106,8 @@ TEST_F(HostileFile, FileOfAnotherUserIsIgnored) {
 TEST_F(HostileFile, HugeFileIsIgnored) { ExpectContentIgnored(std::string(kMaxFileBytes + 1, 'x'), "more than"); }
 
 TEST_F(HostileFile, GarbageIsIgnored) {
-  ExpectContentIgnored("\xff\xff\xff garbage", "no announcement");
-  ExpectContentIgnored("", "no announcement");
+  ExpectContentIgnored("\xff\xff\xff garbage", "not an announcement");
+  ExpectContentIgnored("", "not an announcement");
 }
 
 TEST_F(HostileFile, FileOfAnotherVersionIsIgnored) {
