@@ -124,28 +124,28 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
   if (child.is_static != value.is_static) return Refuse(SetFault::kStatic, parent, child, value);
 
   bool awaited = false;
-  bool anew = false;
+  bool restarts = false;
   {
     const std::scoped_lock lock(child.write);
     const std::uint64_t time = time_.load(std::memory_order_acquire);
     const bool begins = IsRestarting(child);
-    anew = begins && value.stamp <= restart_limit_.load(std::memory_order_relaxed);
+    restarts = begins && value.stamp <= restart_limit_.load(std::memory_order_relaxed);
     // A later stamp counts as one from before the jump, unless it is too old for the edge.
-    const bool written = !anew && Write(child, {value.stamp, pose});
+    const bool written = !restarts && Write(child, {value.stamp, pose});
     if (begins && !written) {
-      anew = true;
+      restarts = true;
       child.time = time;
       restarted_edges_.fetch_add(1, std::memory_order_relaxed);
       Rewrite(child, {value.stamp, pose});
     }
-    if (anew || written) {
+    if (restarts || written) {
       awaited = child.newest >= child.awaited_from;
       if (value.publisher.value != 0) child.publisher.store(value.publisher.value, std::memory_order_relaxed);
     } else {
       fault = SetFault::kTooOld;
     }
   }
-  if (anew) {
+  if (restarts) {
     waits_->EdgeHasRestarted();
   } else if (awaited) {
     waits_->EdgeHasGrown(child);
