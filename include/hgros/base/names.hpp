@@ -13,7 +13,7 @@ namespace hgros {
 inline constexpr std::size_t kMaxChannelNameLength = 200;
 
 /// Checks a channel name: 1 to kMaxChannelNameLength bytes of valid UTF-8 (packets carry names in protobuf strings)
-/// without control characters and blanks (above 0x20, not 0x7f). Slashes are allowed. Returns an empty text, or what is
+/// without control characters and spaces (above 0x20, not 0x7f). Slashes are allowed. Returns an empty text, or what is
 /// wrong.
 [[nodiscard]] HGROS_EXPORT std::string ChannelNameFault(std::string_view name);
 

@@ -13,7 +13,7 @@ enum class PublishStatus {
   kClosed,         ///< The session is shutting down: not delivered.
   kWouldDeadlock,  ///< Waiting was refused: the caller runs inside a callback or on a library thread.
   kTimedOut,       ///< No room until the deadline: not delivered.
-  kEmpty,          ///< There was no message: a null or moved-from pointer was published.
+  kEmpty,          ///< A null or moved-from pointer was published.
   kStopped,        ///< No room until a stop was requested: not delivered.
 };
 
@@ -22,7 +22,7 @@ enum class PublishStatus {
     case PublishStatus::kOk: return "ok";
     case PublishStatus::kFull: return "full";
     case PublishStatus::kClosed: return "closed";
-    case PublishStatus::kWouldDeadlock: return "would dead-lock";
+    case PublishStatus::kWouldDeadlock: return "would deadlock";
     case PublishStatus::kTimedOut: return "timed out";
     case PublishStatus::kEmpty: return "empty";
     case PublishStatus::kStopped: return "stopped";

@@ -13,25 +13,26 @@
 
 namespace hgros {
 
-/// What came from one remote publisher on one channel.
+/// Messages received from one remote publisher on one channel.
 struct PublisherTraffic {
   SessionId publisher;
   std::uint64_t received = 0;
-  std::uint64_t lost = 0;      ///< Gaps in its sequence: somebody was too slow, or cut off for a while.
-  std::uint64_t repeated = 0;  ///< Came again and were not delivered again.
+  std::uint64_t lost = 0;      ///< Gaps in its sequence numbers: a side was too slow or cut off for a while.
+  std::uint64_t repeated = 0;  ///< Received again; not delivered again.
 };
 
-/// What crossed the border of the process on one channel.
+/// Messages of one channel that left or entered this process.
 struct ChannelTraffic {
   std::string channel;
   OutboundChannel::Stats out;       ///< Summed over the transports.
   std::uint64_t not_encodable = 0;  ///< Messages whose codec refused to write them.
-  std::uint64_t loans = 0;          ///< Blocks that Session::Loan gave.
-  std::uint64_t heap_loans = 0;     ///< Of these, in ordinary memory: nobody received there, or none was left.
+  std::uint64_t loans = 0;          ///< Blocks that Session::Loan returned.
+  std::uint64_t heap_loans = 0;     ///< Loans in ordinary memory: no subscriber on this host, or no shared memory left.
   std::size_t publishers = 0;       ///< Remote sessions that publish to us now.
   std::vector<PublisherTraffic> in;
   std::array<std::uint64_t, kPacketFaultCount> faults{};  ///< Dropped packets by PacketFault.
-  /// From the sender's publish to our delivery by the wall clocks, ns; corrected by what is known of their offset.
+  /// Time from the sender's publish to the delivery here, in ns, by the wall clocks of both hosts. Corrected by the
+  /// offset between them, as far as it is known.
   LogHistogram transport;
 };
 

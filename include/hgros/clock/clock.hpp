@@ -33,7 +33,7 @@ using JumpCallback = std::function<void(const ClockJump&)>;
 ///  2. A wait returns when its moment comes, and when the clock jumps or changes its rate. The waiting thread then
 ///     reads the clock again and decides.
 ///  3. No jump is lost between a reading and a wait that is given this reading.
-///  4. A listener is told about every jump, after the clock shows the new time to everyone.
+///  4. A listener is called for every jump, once the clock shows the new time to all threads.
 ///
 /// Thread safety: all functions.
 class HGROS_EXPORT Clock {

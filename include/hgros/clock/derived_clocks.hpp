@@ -61,7 +61,8 @@ class HGROS_EXPORT RelativeClock final : public DerivedClock {
   void SetBaseTime(Duration base) { Jump(Time{base.count()}); }
 };
 
-/// The time of a simulation or a recording. Runs from `start` at rate 1 until it is told otherwise.
+/// The time of a simulation or a recording. Starts at `start` and runs at rate 1 until one of the functions below
+/// changes that.
 ///
 /// Errors: throws Error for a rate that is not positive and finite, and for a step back.
 class HGROS_EXPORT SimulatedClock final : public DerivedClock {

@@ -21,8 +21,9 @@ struct Tick {
   std::uint64_t missed = 0;  ///< Number of moments before `planned` that were skipped.
 };
 
-/// The moments first, first + period, first + 2 period ..., without drift, however late each one is run. When the clock
-/// jumps, all of them move along: a rhythm follows elapsed time, so a jump neither skips nor repeats nor delays a turn.
+/// The moments first, first + period, first + 2 period ..., without drift, however late each one is run. The schedule
+/// follows elapsed time: when the clock jumps, all planned moments move along, so a jump neither skips nor repeats nor
+/// delays a turn.
 ///
 /// Thread safety: none; the owner guards it.
 class HGROS_EXPORT PeriodicSchedule {

@@ -10,10 +10,10 @@
 
 namespace hgros {
 
-/// Keeps a loop at a rhythm of a clock: `while (rate.Sleep()) { ... }`.
+/// Runs a loop at a fixed rate of a clock: `while (rate.Sleep()) { ... }`.
 ///
-/// The rhythm starts with the object and does not drift. Jumps of the clock do not change it; a pause delays it. Thread
-/// safety: none; each loop has its own.
+/// The first period starts with the object. The rate does not drift. Jumps of the clock do not change it; a pause
+/// delays it. Thread safety: none; each loop has its own.
 class HGROS_EXPORT Rate {
  public:
   /// Throws Error unless `period` is positive.

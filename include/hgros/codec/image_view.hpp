@@ -33,7 +33,7 @@ class HGROS_EXPORT ImageView {
   [[nodiscard]] std::size_t height() const noexcept { return static_cast<std::size_t>(shape_.height); }
   [[nodiscard]] std::size_t step_bytes() const noexcept { return static_cast<std::size_t>(shape_.step_bytes); }
   [[nodiscard]] const std::string& encoding() const noexcept { return shape_.encoding; }
-  /// Samples per pixel: 1 for grey and Bayer images, 2 for yuyv, 3 for rgb8, 4 for rgba8.
+  /// Samples per pixel: 1 for gray and Bayer images, 2 for yuyv, 3 for rgb8, 4 for rgba8.
   [[nodiscard]] std::size_t channels() const noexcept { return channels_; }
 
   /// The pixels of row `y` (below height()) without padding: width() times the bytes of a pixel.

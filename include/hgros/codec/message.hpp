@@ -27,7 +27,7 @@ constexpr void RequireMessage() noexcept {
       kIsMessage<T>,
       "This type cannot be a message. A message is a class that protoc generated, a plain struct of numbers, enums and "
       "arrays of these (no std::string, no std::vector, no pointer), a class with SerializeToString and "
-      "ParseFromString, or a type for which hgros::CustomCodec is specialised before its first use. What stays inside "
+      "ParseFromString, or a type for which hgros::CustomCodec is specialized before its first use. What stays inside "
       "the process (ToGraph, FromGraph) may be any type. Read on in hgros/codec/message.hpp, or in README.md under "
       "\"Send your own types\".");
 }

@@ -36,7 +36,7 @@ template <PointCloudMessage T>
 ///
 ///     const auto points = hgros::ViewPoints(cloud);
 ///     const auto x = points->Field<float>("x");        // each of the two: a view, or a fault()
-///     for (const float metres : *x) ...
+///     for (const float x_m : *x) ...
 ///
 /// Errors: a stride of 0 or a partial point at the end. For a field: it does not exist, it is stored as another type,
 /// or it is outside its point.

@@ -6,8 +6,8 @@
 
 namespace hgros {
 
-/// A view of a message's bytes, or one sentence that says why there is none: the message's own description of its bytes
-/// may be wrong.
+/// A view of a message's bytes, or one sentence that says why there is none: a message may describe its bytes
+/// incorrectly.
 ///
 ///     const auto points = ViewPoints(cloud);
 ///     if (!points) return Complain(points.fault());

@@ -16,26 +16,26 @@ class Channel;
 
 /// How far a published message goes.
 enum class Reach {
-  kGraph,  ///< To this process' nodes only.
-  kAny,    ///< To whoever subscribes, anywhere.
+  kGraph,  ///< To nodes of this process only.
+  kAny,    ///< To all subscribers, in this process and in others.
 };
 
-/// A message that is about to be published: it changes hands only once every lossless subscriber has room for it.
+/// A message that is about to be published. It is taken from the caller only when every lossless subscriber has room.
 struct MessageOffer {
   const void* message;
   AnyMessage (*take)(void* context);
   void* context;
-  const TypeInfo& (*type)();  ///< Asked only on channels that are used with two types.
+  const TypeInfo& (*type)();  ///< Called only on channels that are used with two types.
 };
 
-/// The wires behind Publisher and the named calls. Thread-safe, never blocks, never throws.
+/// The implementation of Publisher and of the calls by name. Thread-safe, never blocks, never throws.
 HGROS_EXPORT PublishStatus Publish(Channel& channel, const MessageOffer& offer, Reach reach) noexcept;
-/// Likewise, but waits for room until `deadline` or a stop request; kWouldDeadlock instead of waiting inside a
+/// The same, but waits for room until `deadline` or a stop request. Returns kWouldDeadlock instead of waiting inside a
 /// callback or on a library thread.
 HGROS_EXPORT PublishStatus PublishWait(Channel& channel, const MessageOffer& offer, Reach reach,
                                        std::chrono::steady_clock::time_point deadline, const std::stop_token& stop);
 
-/// Offers a message that the caller owns alone; it is moved from only if it is taken.
+/// Offers a message of which the caller is the only owner. The pointer is moved from only if the message is taken.
 template <class T>
 [[nodiscard]] MessageOffer OfferOf(std::unique_ptr<T>& message) noexcept {
   return {message.get(),
@@ -53,8 +53,8 @@ template <class T>
           const_cast<std::shared_ptr<const T>*>(&message), &TypeOf<T>};
 }
 
-/// Publishes on one channel without looking its name up each time. Copying shares; a handle that outlives its session
-/// (or graph), or never had one, answers kClosed. Thread-safe.
+/// Publishes on one channel without looking up its name each time. Copies share the channel. A handle that outlives its
+/// session (or graph), or never had one, returns kClosed. Thread-safe.
 template <class T>
 class Publisher {
  public:
@@ -62,9 +62,9 @@ class Publisher {
   /// For DataGraph and Session, which have compared T with the channel's type.
   Publisher(std::shared_ptr<Channel> channel, Reach reach) : channel_(std::move(channel)), reach_(reach) {}
 
-  /// Hands the message to every subscriber. On kFull, kClosed nobody got it and `message` still owns it.
-  /// Ordering: what is published one after the other arrives so everywhere. What an inline callback publishes on the
-  /// channel that it is called for is therefore handed over only after everybody has got the message of that call.
+  /// Hands the message to every subscriber. On any status except kOk nobody got it, and `message` still owns it.
+  /// Ordering: messages arrive everywhere in the order in which they were published. If an inline callback publishes on
+  /// its own channel, the new message is therefore handed over only after all subscribers have got the current one.
   PublishStatus operator()(std::unique_ptr<T>&& message) const {
     return channel_ ? Publish(*channel_, OfferOf<T>(message), reach_) : PublishStatus::kClosed;
   }
@@ -72,12 +72,12 @@ class Publisher {
     return channel_ ? Publish(*channel_, OfferOf<T>(message), reach_) : PublishStatus::kClosed;
   }
 
-  /// A copy of `message`, for small ones.
+  /// Publishes a copy of `message`, for small messages.
   PublishStatus operator()(const T& message) const requires std::copy_constructible<T> {
     return (*this)(std::make_unique<T>(message));
   }
 
-  /// As the first two, but waits for room in lossless subscribers: until `deadline`, or until `stop` is requested.
+  /// As the first two, but waits until lossless subscribers have room, `deadline` has passed or `stop` is requested.
   PublishStatus Wait(std::unique_ptr<T>&& message, std::chrono::steady_clock::time_point deadline,
                      const std::stop_token& stop = {}) const {
     return channel_ ? PublishWait(*channel_, OfferOf<T>(message), reach_, deadline, stop) : PublishStatus::kClosed;

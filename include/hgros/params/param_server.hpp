@@ -67,9 +67,9 @@ using ParamListener = std::function<void(const ParamEvent& event)>;
 /// The parameters of a program: read from files, overridden, declared, changed while it runs, and saved.
 ///
 /// Thread safety: all functions. Readers see one tree that never changes; a change replaces it as a whole.
-/// Ordering:  listeners are told about changes one after the other, in the order in which these were made; for each
-/// change in the order in which the listeners were added. They run on a thread that makes a change, without a lock, and
-/// may change parameters themselves, which is told after the current change.
+/// Ordering:  listeners are called for one change after the other, in the order in which the changes were made; for
+/// each change in the order in which the listeners were added. They run on a thread that makes a change, without a
+/// lock. They may change parameters themselves; listeners are called for that after the current change.
 /// Errors:    errors in files, declarations and reading throw ConfigError or ParamError. A refused change is a result
 /// with the reason.
 class HGROS_EXPORT ParamServer {
@@ -114,7 +114,7 @@ class HGROS_EXPORT ParamServer {
   /// Asks `validator` before each change at, below or above `path`; an empty path means every change. It can be asked
   /// again about the same change when another change came first. It must not save or reload.
   [[nodiscard]] Listening AddValidator(std::string_view path, ParamValidator validator);
-  /// Tells `listener` about each such change.
+  /// Calls `listener` after each such change.
   [[nodiscard]] Listening OnChange(std::string_view path, ParamListener listener);
 
   /// Writes values that were set at run time into the files that define these parameters, the others into the last

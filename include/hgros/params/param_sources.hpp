@@ -13,7 +13,7 @@ namespace hgros {
 struct ParamOverride {
   std::string path;   ///< For example "slam.matcher.max_distance".
   std::string value;  ///< YAML: 3, text, [1, 2] or {x: 1}.
-  std::string said;   ///< The source, for errors: "--param slam.matcher.max_distance".
+  std::string said;   ///< Where it was set, for errors: "--param slam.matcher.max_distance".
 };
 
 /// Where the parameters of a program come from: the files in order, then the overrides in order. Later values replace

@@ -37,7 +37,7 @@ class HGROS_EXPORT ParamView {
 
   [[nodiscard]] bool exists() const noexcept { return node_ != nullptr; }
   [[nodiscard]] bool is_null() const noexcept { return node_ != nullptr && node_->kind == ParamNode::Kind::kNull; }
-  [[nodiscard]] std::size_t size() const noexcept;  ///< Of a list or map; 0 of anything else.
+  [[nodiscard]] std::size_t size() const noexcept;  ///< Number of values in a list or map; 0 for anything else.
   [[nodiscard]] std::vector<std::string> keys() const;
   [[nodiscard]] const ParamNodePtr& node() const noexcept { return node_; }
   [[nodiscard]] const ParamPath& path() const noexcept { return path_; }

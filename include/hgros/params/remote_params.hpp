@@ -29,7 +29,7 @@ struct RemoteParam {
 /// The parameters that another session, or this one, offers with a ParamService, found by its name. A read value is at
 /// least as new as the call: it includes every change made before.
 ///
-/// Threading: thread-safe. Each call waits for its answer, at most until the time-out; do not call it in inline
+/// Threading: thread-safe. Each call waits for its answer, at most until the timeout; do not call it in inline
 /// callbacks or in the offering server's validators and listeners.
 /// Lifetime:  ends before its session.
 /// Errors:    the constructor throws Error if the name cannot be part of a channel name. Everything else is in the

@@ -9,7 +9,7 @@
 
 namespace hgros {
 
-/// One call under way, without its type; what CallFuture and CallTicket hold. Thread-safe.
+/// A call that is under way, without its type. CallFuture and CallTicket hold one. Thread-safe.
 class HGROS_EXPORT PendingCall {
  public:
   virtual ~PendingCall() = default;
@@ -19,7 +19,7 @@ class HGROS_EXPORT PendingCall {
   virtual void Cancel() noexcept = 0;
 };
 
-/// The reply that is to come. Move-only. Dropping it cancels the call, since nobody could see what comes back.
+/// A reply that may still come. Move-only. Dropping it cancels the call, because nobody could see the reply.
 ///
 /// Threading: thread-safe, except for moves and the destructor. May outlive its session, whose end ends the call.
 template <class Reply>
@@ -36,16 +36,16 @@ class [[nodiscard("dropping the future cancels the call")]] CallFuture {
   }
   ~CallFuture() { Drop(); }
 
-  /// Waits until there is a reply or a failure; the call's time-out bounds it. May be called anywhere, also inside a
-  /// callback: there the waiting thread meanwhile runs requests to services of its own session that no worker has
-  /// begun, so that it does not wait for itself. Where even that could not help, it gives kWouldDeadlock at once.
+  /// Waits until there is a reply or a failure, at most until the call's timeout. May be called anywhere. Inside a
+  /// callback, the waiting thread meanwhile runs requests to services of its own session that no worker has begun, so
+  /// that it does not wait for itself. If that cannot help either, it returns kWouldDeadlock at once.
   CallResult<Reply> Wait() const { return CallResult<Reply>(call_->Wait()); }
-  /// The result if it is there.
+  /// The result, if there is one already.
   [[nodiscard]] std::optional<CallResult<Reply>> Poll() const {
     return call_->done() ? std::optional(Wait()) : std::nullopt;
   }
   [[nodiscard]] bool done() const noexcept { return call_->done(); }
-  /// Ends the call as kCancelled unless it has ended. A request that the server has not begun is not handled.
+  /// Ends the call with kCancelled, unless it has ended. The server does not handle the request if it has not begun it.
   void Cancel() const noexcept { call_->Cancel(); }
 
  private:
@@ -56,7 +56,7 @@ class [[nodiscard("dropping the future cancels the call")]] CallFuture {
   std::shared_ptr<PendingCall> call_;
 };
 
-/// Names a call that was made with a callback, to cancel it. Copying shares; dropping it does nothing. Thread-safe.
+/// Cancels a call that was made with a callback. Copies refer to the same call; dropping it does nothing. Thread-safe.
 class CallTicket {
  public:
   CallTicket() = default;

@@ -15,19 +15,19 @@
 
 namespace hgros {
 
-/// Why a call brought no reply. A value: Call never throws for any of these.
+/// Why a call has no reply. Returned as a value: Call throws for none of these.
 struct CallFailure {
   enum class Kind : std::uint8_t {
-    kNoServer,       ///< Nobody serves that name: told at once where discovery knows it, else when the time is up.
-                     ///< Nobody has received the request, and nobody will.
+    kNoServer,       ///< No session serves that name. Reported at once if discovery knows that, else after the timeout.
+                     ///< No server has received the request, and none will.
     kTimedOut,       ///< There is a server, but no reply came in time.
-    kHandlerFailed,  ///< The handler threw; `reason` is what it said.
-    kServerGone,     ///< The server died, left, or ended the service while the call was under way.
+    kHandlerFailed,  ///< The handler threw; `reason` is its message.
+    kServerGone,     ///< The server died, left, or ended the service during the call.
     kTypeMismatch,   ///< Caller and server use the name with different types.
     kFull,           ///< Too many calls wait, here or at the server.
-    kCancelled,      ///< By the caller.
-    kWouldDeadlock,  ///< Waiting was refused: what would handle the request waits on this very thread.
-    kNotWritable,    ///< The codec of the request or of the reply refused to write or to read it.
+    kCancelled,      ///< The caller has cancelled it.
+    kWouldDeadlock,  ///< Waiting was refused: this thread runs the serial handler of that service.
+    kNotWritable,    ///< The codec of the request or the reply could not write or read it.
     kClosed,         ///< This session is shutting down.
   };
   Kind kind = Kind::kCancelled;
@@ -44,27 +44,27 @@ struct CallFailure {
     case CallFailure::Kind::kTypeMismatch: return "type mismatch";
     case CallFailure::Kind::kFull: return "full";
     case CallFailure::Kind::kCancelled: return "cancelled";
-    case CallFailure::Kind::kWouldDeadlock: return "would dead-lock";
+    case CallFailure::Kind::kWouldDeadlock: return "would deadlock";
     case CallFailure::Kind::kNotWritable: return "not writable";
     case CallFailure::Kind::kClosed: return "closed";
   }
   return "unknown";
 }
 
-/// How a call ended, without its type.
+/// The end of a call, without its type.
 struct CallEnd {
-  AnyMessage reply;  ///< Null: it failed.
+  AnyMessage reply;  ///< Null: the call failed.
   CallFailure failure;
   const TypeInfo* type = nullptr;  ///< Of the reply.
 };
 
-/// The end as a caller that wants `type` sees it: the reply is decoded or encoded where caller and server of one
-/// session use it in different forms, of which one is raw.
+/// The end for a caller that expects `type`. If caller and server are in one session and only one of them uses raw
+/// bytes, the reply is decoded or encoded.
 [[nodiscard]] HGROS_EXPORT CallEnd EndAs(const CallEnd& end, const TypeInfo& type);
 
 using AnyAnswer = std::function<void(const CallEnd& end)>;
 
-/// What a CallResult<Reply> holds: TypeOf<Reply>(), or AnyType() if it holds the bytes.
+/// The type of the reply in a CallResult<Reply>: TypeOf<Reply>(), or AnyType() for raw bytes.
 template <class Reply>
 [[nodiscard]] const TypeInfo& ReplyTypeOf() {
   if constexpr (std::is_same_v<Reply, RawMessage>) {
@@ -74,19 +74,19 @@ template <class Reply>
   }
 }
 
-/// A reply, or why there is none. A value; copying shares the reply. Thread-safe as a value is.
+/// A reply, or why there is none. Copies share the reply. Thread safety: as a value; reading is const.
 template <class Reply>
 class CallResult {
  public:
-  /// The reply of `end` is a Reply, or can be made into one: compared when the call was made.
+  /// The reply of `end` is a Reply or can be converted to one; this was checked when the call was made.
   explicit CallResult(const CallEnd& end) : CallResult(EndAs(end, ReplyTypeOf<Reply>()), Converted{}) {}
 
   [[nodiscard]] explicit operator bool() const noexcept { return reply_ != nullptr; }
-  /// Null if the call failed. In the server's own session this is the object that its handler gave.
+  /// Null if the call failed. In the server's own session this is the object that its handler returned.
   [[nodiscard]] const std::shared_ptr<const Reply>& reply() const noexcept { return reply_; }
   [[nodiscard]] const Reply& operator*() const noexcept { return *reply_; }
   [[nodiscard]] const Reply* operator->() const noexcept { return reply_.get(); }
-  /// Means something only if there is no reply.
+  /// Valid only if there is no reply.
   [[nodiscard]] const CallFailure& failure() const noexcept { return failure_; }
 
  private:

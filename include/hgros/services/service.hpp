@@ -15,15 +15,15 @@ namespace hgros {
 
 class ServiceHost;
 
-/// What F gives is a reply: a Reply, or a unique_ptr or shared_ptr to one.
+/// R can be the result of a handler: a Reply, or a unique_ptr or shared_ptr to one.
 template <class R, class Reply>
 concept ReplyFrom = std::convertible_to<R, Reply> || std::convertible_to<R, std::shared_ptr<const Reply>>;
 
-/// A handler: takes const Request&, gives a reply. What it throws reaches the caller as CallFailure::kHandlerFailed.
+/// A handler takes const Request& and returns a reply. If it throws, the caller gets CallFailure::kHandlerFailed.
 template <class F, class Request, class Reply>
 concept HandlerFor = std::invocable<F&, const Request&> && ReplyFrom<std::invoke_result_t<F&, const Request&>, Reply>;
 
-/// A handler whose types were compared when it was wired. Null: it gave a null pointer.
+/// A handler whose types were compared when it was wired. Returns null if the handler returned a null pointer.
 using AnyHandler = std::function<AnyMessage(const AnyMessage& request)>;
 
 template <class Request, class Reply, HandlerFor<Request, Reply> F>
@@ -39,7 +39,7 @@ template <class Request, class Reply, HandlerFor<Request, Reply> F>
   };
 }
 
-/// A request as it was handed over: a pointer, or a value that is copied (or moved).
+/// Makes a request from a pointer, which is shared, or from a value, which is copied or moved.
 template <class Request, class M>
 [[nodiscard]] AnyMessage ShareRequest(M&& request) {
   if constexpr (std::convertible_to<M&&, std::shared_ptr<const Request>>) {
@@ -49,10 +49,10 @@ template <class Request, class M>
   }
 }
 
-/// Keeps a service going; move-only.
+/// Keeps a service running; move-only.
 ///
-/// Lifetime: destroying it stops new requests at once and fails those that wait, here and at their callers. Outside
-/// callbacks it waits for handlers in flight. It may outlive its session; it is then inert.
+/// Lifetime: destroying it stops new requests at once, and waiting requests fail. Outside callbacks it waits for
+/// running handlers. It may outlive its session and then does nothing.
 class HGROS_EXPORT Service {
  public:
   Service() = default;
@@ -65,8 +65,8 @@ class HGROS_EXPORT Service {
   void Reset();
 
   [[nodiscard]] bool active() const;
-  /// Counts of the node that runs the handler. Its callbacks are turns: a request that a waiting thread ran instead
-  /// leaves a turn without work.
+  /// Counts of the node that runs the handler. Each request causes one callback of the node. If a waiting thread has
+  /// run the request instead, that callback does nothing.
   [[nodiscard]] NodeSnapshot stats() const;
 
  private:

@@ -5,12 +5,11 @@
 
 namespace hgros {
 
-/// A service that the session offers. Its node in the graph, under the same name, counts what was handled.
+/// A service that the session offers. Its node in the graph, which has the same name, counts handled requests.
 struct ServiceSnapshot {
   std::string name;
-  std::uint64_t unhandled_requests =
-      0;  ///< Callers that waited no more when their turn came: out of time, cancelled, gone.
-  std::uint64_t dropped_replies = 0;  ///< Callers that were gone, or took none while 65536 waited for them.
+  std::uint64_t unhandled_requests = 0;  ///< Not handled: the caller had timed out, cancelled or gone.
+  std::uint64_t dropped_replies = 0;     ///< Replies to callers that were gone, or had 65536 replies waiting.
 };
 
 }  // namespace hgros

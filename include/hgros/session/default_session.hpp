@@ -27,7 +27,7 @@ HGROS_EXPORT void Shutdown();
 [[nodiscard]] HGROS_EXPORT Session& DefaultSession();
 /// Keeps a subscription until Shutdown.
 HGROS_EXPORT void KeepUntilShutdown(Subscription subscription);
-/// Keeps what uses the session until Shutdown; it ends after the subscriptions.
+/// Keeps an object that uses the session until Shutdown; it ends after the subscriptions.
 HGROS_EXPORT void KeepUntilShutdown(std::shared_ptr<const void> user);
 
 /// As Session::ToAny and Session::ToGraph: a unique_ptr, a shared_ptr, or (ToAny) a small message by value.

@@ -22,8 +22,8 @@ namespace hgros {
 struct SessionOptions {
   std::string name;  ///< For logs and other sessions' tables; empty: the program's name.
   LogSink log = DefaultLogSink();
-  std::shared_ptr<Clock> clock = nullptr;  ///< Empty: as the configuration says, usually the system's.
-  std::function<Time()> wall = {};         ///< Stamps messages; empty: the system's. For tests of clocks that differ.
+  std::shared_ptr<Clock> clock = nullptr;  ///< Null: the clock of the configuration, usually the system's.
+  std::function<Time()> wall = {};         ///< The wall clock that stamps messages; empty: the system's. For tests.
 };
 
 /// One participant of the hypergraph: a data graph and the bridges that join it to other sessions. Several may live
@@ -33,11 +33,11 @@ struct SessionOptions {
 /// session_subscribing.hpp; Serve, Call in session_services.hpp; endpoints and peers in session_network.hpp.
 ///
 /// Threading: thread-safe, except for construction and destruction.
-/// Lifetime: the destructor refuses publishes, stops receiving, waits for callbacks in flight (after 2 s the log names
-/// those that hang), and says goodbye. It must not run inside one of the session's callbacks.
+/// Lifetime: the destructor refuses publishes, stops receiving, waits for running callbacks (after 2 s the log names
+/// those that hang), and says goodbye to its peers. It must not run inside one of the session's callbacks.
 /// Errors: wiring (channels, types, endpoints) throws Error. So does publishing to other sessions on a channel named
-/// "hgros/...", which is the library's own. Publishing never throws for another reason and never blocks. ToAny, FromAny
-/// and Advertise do not compile with a type that is no Message.
+/// "hgros/...", because these belong to the library. Publishing never throws for another reason and never blocks.
+/// ToAny, FromAny and Advertise do not compile with a type that is not a Message.
 class HGROS_EXPORT Session : public SessionPublishing,
                              public SessionSubscribing,
                              public SessionServices,
@@ -52,27 +52,28 @@ class HGROS_EXPORT Session : public SessionPublishing,
   Session& operator=(const Session&) = delete;
   ~Session();
 
-  /// Calls `callback` every `period` of clock(), for as long as the NodeTimer lives, as a serial node of the data graph
-  /// with that name. Jumps and pauses of the clock make neither a burst nor a gap. Turns that come while the callback
-  /// runs wait as NodeTimerOptions::queue says; Tick::missed counts those left out. The first timer starts the thread
-  /// that fires them all; it sleeps in between.
-  /// Errors: throws Error unless `period` is above zero and no other timer of the session has the name.
+  /// Calls `callback` every `period` of clock() while the NodeTimer lives, as a serial node of the data graph with that
+  /// name. Jumps and pauses of the clock cause neither a burst nor a gap. Turns that come while the callback runs wait
+  /// in NodeTimerOptions::queue; Tick::missed counts skipped turns. One thread fires all timers of the session. It
+  /// starts with the first timer and sleeps in between.
+  /// Errors: throws Error if `period` is not above zero or another timer of the session has the name.
   [[nodiscard("the callback is called only while the NodeTimer lives")]] NodeTimer CreateTimer(
       std::string_view name, Duration period, TimerCallback callback, NodeTimerOptions options = {});
 
-  /// What the session's timers follow; use it for SleepUntil(), Rate and the like. Stamps and statistics use the wall
-  /// clock all the same.
+  /// The clock of the session's timers, also for SleepUntil(), Rate and the like. Stamps and statistics always use the
+  /// wall clock.
   [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept;
 
   [[nodiscard]] SessionSnapshot Snapshot() const;
-  /// Waits until nothing is queued and no callback runs in this process, as long as nothing new comes meanwhile.
+  /// Waits until no message is queued and no callback runs in this session, provided that no message comes meanwhile.
+  /// False if `timeout` came first.
   bool WaitIdle(std::chrono::nanoseconds timeout) const;
 
   [[nodiscard]] SessionId id() const noexcept;
   [[nodiscard]] const std::string& name() const noexcept;
-  /// Where the session speaks, for what is built on it.
+  /// The session's log, for code that is built on the session.
   [[nodiscard]] Log& log() const noexcept;
-  /// As it is now, with endpoints and lists that were changed while running.
+  /// The current configuration, including endpoints and lists that were changed at run time.
   [[nodiscard]] Config config() const;
 
  private:

@@ -15,30 +15,29 @@ namespace hgros {
 
 class SessionCore;
 
-/// How a Session reaches others, and which others there are. Use it as a part of Session, which says how it is threaded
-/// and what it throws.
+/// The endpoints and peers of a Session. Use it as a part of Session, which documents threading and errors.
 class HGROS_EXPORT SessionNetwork {
  public:
-  /// Adds `channel` to the white lists of the publisher endpoints, or takes it out: whether it leaves through them.
+  /// Adds `channel` to the lists of the publisher endpoints, or removes it. Only listed channels leave through them.
   void AllowPublishing(std::string_view channel, bool allowed);
-  /// The same for the subscriber endpoints: whether it enters through them.
+  /// The same for the subscriber endpoints, through which messages enter.
   void AllowSubscribing(std::string_view channel, bool allowed);
 
   /// Binds or connects one more endpoint. Throws Error if that is not possible.
   void AddPublisherEndpoint(const EndpointConfig& endpoint);
   void AddSubscriberEndpoint(const EndpointConfig& endpoint);
   void RemoveSubscriberEndpoint(std::string_view endpoint);
-  /// Where other sessions can connect to: the real addresses, also if the system chose the port.
+  /// The addresses that other sessions can connect to, with the actual ports.
   [[nodiscard]] std::vector<std::string> PublisherEndpoints() const;
 
-  /// How far the wall clock of the peer's host is ahead of ours, and how exactly that is known: zero on this host.
-  /// Known one heartbeat after two sessions have met over endpoints; each heartbeat makes it better. Latencies in
-  /// statistics are corrected by it. Empty for a session that is no peer or has not answered yet.
+  /// How far the wall clock of the peer's host is ahead of ours, and how exactly that is known; zero on this host.
+  /// Known one heartbeat after two sessions have connected over endpoints, and improved by each heartbeat. Latencies in
+  /// statistics are corrected by it. Empty for a session that is not a peer or has not answered yet.
   [[nodiscard]] std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
-  /// All channels that the session could publish on or receive, its own among them, by name. kChannelEventsChannel
-  /// tells that they change.
+  /// All channels that the session could publish on or receive, including its own, sorted by name. A message on
+  /// kChannelEventsChannel reports that they may have changed.
   [[nodiscard]] std::vector<KnownChannel> Channels() const;
 
  protected:

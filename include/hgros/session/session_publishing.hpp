@@ -22,17 +22,17 @@ class SessionCore;
 
 /// How a channel is published.
 struct PublishOptions {
-  /// Number of recent messages kept for late subscribers, here and elsewhere. If the type has a codec of its own and
-  /// the session has endpoints, each message is written when it is published, even if nobody listens.
+  /// Number of recent messages kept for late subscribers, here and elsewhere. If the type has a custom codec and the
+  /// session has endpoints, each message is encoded when it is published, even without subscribers.
   std::size_t latched = 0;
 };
 
-/// What a Session publishes. Use it as a part of Session, which says how it is threaded and what it throws.
+/// The publishing functions of Session. Use it as a part of Session, which documents threading and errors.
 class HGROS_EXPORT SessionPublishing {
  public:
   /// Publishes to all subscribers: nodes of this process by pointer, other sessions over the cheapest transport,
-  /// encoded once and only if one of them listens. Nobody may change the message afterwards. On any status except kOk
-  /// nobody got it, and a unique_ptr still owns it. Ordering: as Publisher::operator().
+  /// encoded once and only if one of them subscribes. Nobody may change the message afterwards. On any status except
+  /// kOk nobody got it, and a unique_ptr still owns it. Ordering: as Publisher::operator().
   template <class T>
   PublishStatus ToAny(std::string_view channel, std::unique_ptr<T>&& message,
                       const CallSite& where = CallSite::Current()) {
@@ -47,7 +47,7 @@ class HGROS_EXPORT SessionPublishing {
     const std::shared_ptr<const Type> constant = message;
     return hgros::Publish(OpenAny(channel, TypeOf<Type>(), where), OfferOf<Type>(constant), Reach::kAny);
   }
-  /// A copy of `message`, for small ones.
+  /// Publishes a copy of `message`, for small messages.
   template <class T>
   requires std::copy_constructible<T> PublishStatus ToAny(std::string_view channel, const T& message,
                                                           const CallSite& where = CallSite::Current()) {
@@ -70,17 +70,17 @@ class HGROS_EXPORT SessionPublishing {
   }
 
   /// Publishes the bytes of one message whose type is known at run time only, such as a protobuf message with its
-  /// descriptor set. Typed subscribers of this session get it decoded, raw ones and other sessions get the bytes as
-  /// they are. See RawPublisher for ownership and for bytes that do not decode.
+  /// descriptor set. Typed subscribers of this session get it decoded. Raw subscribers and other sessions get the bytes
+  /// as they are. See RawPublisher for ownership and for bytes that do not decode.
   ///
   /// A block from Loan<Block>() is published without a copy: fill it, then pass its payload().
   /// Threading: thread-safe; never blocks. AdvertiseRaw() saves looking up channel and schema for each message.
   /// Errors:    throws TypeMismatch if the channel has another type (name, encoding or fingerprint), and Error if
-  ///            `schema` names no type; see RunTimeType().
+  ///            `schema` does not name a type; see RunTimeType().
   PublishStatus ToAnyRaw(std::string_view channel, const MessageSchema& schema, const Payload& data,
                          const CallSite& where = CallSite::Current());
 
-  /// Announces a channel and gives a handle that publishes on it without looking up its name.
+  /// Announces a channel and returns a handle that publishes on it without looking up its name.
   template <class T>
   [[nodiscard]] Publisher<T> Advertise(std::string_view channel, PublishOptions options = {},
                                        const CallSite& where = CallSite::Current()) {
@@ -94,10 +94,10 @@ class HGROS_EXPORT SessionPublishing {
   [[nodiscard]] RawPublisher AdvertiseRaw(std::string_view channel, const MessageSchema& schema,
                                           PublishOptions options = {}, const CallSite& where = CallSite::Current());
 
-  /// A Block, or a Bulk of some message, with `size_bytes` bytes to fill and publish on `channel`, in memory that
-  /// receivers on this host read: publishing it copies nothing. While nobody on this host receives the channel, or if
-  /// no such memory is left, it is ordinary memory (counted in ChannelTraffic::heap_loans). Never waits. Errors: throws
-  /// std::bad_alloc.
+  /// A Block, or a Bulk of a message, with `size_bytes` bytes to fill and publish on `channel`. It is in memory that
+  /// receivers on this host read, so publishing it copies nothing. If no session on this host receives the channel, or
+  /// no such memory is left, it is in ordinary memory (counted in ChannelTraffic::heap_loans). Never waits. Errors:
+  /// throws std::bad_alloc.
   template <class T>
   requires(std::same_as<T, Block> || codec::kIsBulk<T>)
       [[nodiscard]] std::unique_ptr<T> Loan(std::string_view channel, std::size_t size_bytes) {
@@ -108,13 +108,13 @@ class HGROS_EXPORT SessionPublishing {
     }
   }
 
-  /// Waits until `channel` has at least `count` subscribers, here and elsewhere together: they get what is published
-  /// after that. False if `timeout` came first. The channel must be advertised or published on.
+  /// Waits until `channel` has at least `count` subscribers in this session and others together. They get messages
+  /// published after that. False if `timeout` came first. The channel must be advertised or published on.
   [[nodiscard]] bool WaitForSubscribers(std::string_view channel, std::size_t count,
                                         std::chrono::nanoseconds timeout) const;
 
-  /// Closed: what this session publishes on the channel is not delivered to its own nodes, but still goes outside,
-  /// and what comes from outside is still delivered. Takes effect from the next message on.
+  /// If closed, messages that this session publishes on the channel are not delivered to its own nodes, but still go to
+  /// other sessions. Messages of other sessions are still delivered. Takes effect from the next message on.
   void SetClosed(std::string_view channel, bool closed);
 
  protected:

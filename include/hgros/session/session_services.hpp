@@ -21,22 +21,23 @@ namespace hgros {
 
 class SessionCore;
 
-/// Gives the bytes of a reply, which are copied if they have no owner. What it throws reaches the caller as
+/// Returns the bytes of a reply, which are copied if they have no owner. If it throws, the caller gets
 /// CallFailure::kHandlerFailed.
 using RawHandler = std::function<Payload(const RawMessage& request)>;
 
-/// The services that a Session offers and calls. Use it as a part of Session, which says how it is threaded.
+/// The services that a Session offers and calls. Use it as a part of Session, which documents threading.
 class HGROS_EXPORT SessionServices {
  public:
-  /// Serves `name`: `handler` is called with each request and gives its reply, to callers in this session (both go by
-  /// pointer) and in others. What it throws reaches the caller as CallFailure::kHandlerFailed.
+  /// Serves `name`: `handler` is called with each request and returns its reply. Callers may be in this session
+  /// (request and reply are passed by pointer) and in others. If it throws, the caller gets
+  /// CallFailure::kHandlerFailed.
   ///
   /// Threading: as a subscription's callback. Under kSerial, too, a thread that waits for a reply inside a callback of
   ///            this session may handle a request (see CallFuture::Wait).
   /// Ordering:  under kSerial, one caller's requests in the order in which they came, except for those that such a
   ///            thread takes first.
-  /// Limits:    the options' queue, if it is lossless, says how many requests may wait; else 16384. More are answered
-  ///            with CallFailure::kFull.
+  /// Limits:    the number of requests that may wait is the size of the options' queue if that is lossless, else 16384.
+  ///            Further requests fail with CallFailure::kFull.
   /// Errors:    throws Error if this session serves the name already.
   template <class Request, class Reply, HandlerFor<Request, Reply> F>
   [[nodiscard("requests are handled only while the Service lives")]] Service Serve(
@@ -47,33 +48,33 @@ class HGROS_EXPORT SessionServices {
     return ServeAny(name, {CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Request>(), TypeOf<Reply>()},
                     EraseHandler<Request, Reply>(std::forward<F>(handler)), invoke, std::move(options), where);
   }
-  /// The same with types that are known at run time only. Callers may be typed or raw, in this session and in others.
+  /// The same with types that are only known at run time. Callers may be typed or raw, in this session and in others.
   /// Bytes are not parsed here: a reply that its caller cannot read ends that call with CallFailure::kNotWritable.
-  /// Errors: as Serve, and Error if a schema names no type; see RunTimeType().
+  /// Errors: as Serve, and Error if a schema does not name a type; see RunTimeType().
   [[nodiscard("requests are handled only while the Service lives")]] Service ServeRaw(
       std::string_view name, const MessageSchema& request, const MessageSchema& reply, RawHandler handler,
       Invoke invoke = Invoke::kSerial, NodeOptions options = {}, const CallSite& where = CallSite::Current());
 
-  /// Calls the service `name`: the one of this session, else the one of another session that was found first. `request`
-  /// is a Request, or a unique_ptr or shared_ptr to one. Never blocks, except for the first call of a name, which wires
-  /// it.
+  /// Calls the service `name` of this session, or else of the session with that service that was found first. `request`
+  /// is a Request, or a unique_ptr or shared_ptr to one. Only the first call of a name may block, because it wires the
+  /// service.
   ///
-  /// Errors: are values (CallFailure); throws Error only if no service can have that name.
+  /// Errors: returned as CallFailure. Throws Error only if no service can have that name.
   template <class Request, class Reply, class M>
   [[nodiscard]] CallFuture<Reply> Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout) {
     return CallFuture<Reply>(CallTyped<Request, Reply>(name, std::forward<M>(request), timeout, {}));
   }
-  /// The same; `callback` is called once with the result, on a worker of the graph. Calls that are left when the
-  /// session ends are answered by the thread that ends it.
+  /// The same; `callback` is called once with the result, on a worker of the graph. For calls that are left when the
+  /// session ends, the thread that ends it calls `callback`.
   template <class Request, class Reply, class M, std::invocable<const CallResult<Reply>&> F>
   CallTicket Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout, F&& callback) {
     return CallTicket(
         CallTyped<Request, Reply>(name, std::forward<M>(request), timeout, AnswerTo<Reply>(std::forward<F>(callback))));
   }
   /// Calls with the bytes of a request whose type is known at run time only. The server may be typed or raw, in this
-  /// session or in another. A `reply` that names no type takes any; the result says which came. Bytes of the request
-  /// without an owner are copied; the others must not be written any more.
-  /// Errors: as Call, and Error if `request_schema` names no type; see RunTimeType().
+  /// session or in another. A `reply` that does not name a type accepts any; the result has the actual type. Bytes of
+  /// the request without an owner are copied; bytes with an owner must not be written any more.
+  /// Errors: as Call, and Error if `request_schema` does not name a type; see RunTimeType().
   [[nodiscard]] CallFuture<RawMessage> CallRaw(std::string_view name, const MessageSchema& request_schema,
                                                const Payload& request, const MessageSchema& reply,
                                                std::chrono::nanoseconds timeout);
@@ -89,7 +90,7 @@ class HGROS_EXPORT SessionServices {
   ~SessionServices() = default;
 
  private:
-  // Those of the channels, and those of the messages.
+  // The types of the two channels, then the types of the messages.
   struct CallTypes {
     const TypeInfo& request;
     const TypeInfo& reply;

@@ -16,7 +16,7 @@ namespace hgros {
 
 class SessionCore;
 
-/// What a Session subscribes to. Use it as a part of Session, which says how it is threaded and what it throws.
+/// The subscribing functions of Session. Use it as a part of Session, which documents threading and errors.
 class HGROS_EXPORT SessionSubscribing {
  public:
   /// Calls `callback` with every message on `channel`, wherever it was published: in this process (the same object,
@@ -32,12 +32,12 @@ class HGROS_EXPORT SessionSubscribing {
     return SubscribeAny(OpenToSubscribe(channel, TypeOf<T>(), where), TypeOf<T>(), invoke,
                         EraseCallback<T>(std::forward<F>(callback)), std::move(options));
   }
-  /// Calls `callback` with every message on `channel` as bytes, whatever its type: for programs that were built without
-  /// it. Messages from outside, and those of ToAnyRaw, are passed on as they came; the others of this session are
-  /// encoded for it.
+  /// Calls `callback` with every message on `channel` as bytes, whatever its type, for programs that were built without
+  /// the type. Messages from other sessions and of ToAnyRaw are passed on as they are; other messages of this session
+  /// are encoded.
   ///
-  /// Does not fix the channel's type: others may use it with any type, also in this session. If a typed subscription
-  /// already exists, only publishers of that type are heard. No mismatch is counted.
+  /// Does not fix the channel's type: this session and others may use the channel with any type. If a typed
+  /// subscription already exists, only publishers of that type are heard. No mismatch is counted.
   template <CallbackFor<RawMessage> F>
   [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromAnyRaw(
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
@@ -45,14 +45,14 @@ class HGROS_EXPORT SessionSubscribing {
     return SubscribeAny(OpenToSubscribe(channel, AnyType(), where), AnyType(), invoke,
                         EraseCallback<RawMessage>(std::forward<F>(callback)), std::move(options));
   }
-  /// The schema of what is published on `channel`: this program's own, or that of the first publisher that tells it.
-  /// Null if `timeout` comes first. While it waits, it is a subscriber. A FromAnyRaw subscription gets the schema with
+  /// The schema of the messages on `channel`: this program's own, or that of the first publisher that sends it. Null if
+  /// `timeout` came first. Subscribes to the channel while it waits. A FromAnyRaw subscription gets the schema with
   /// each message.
   [[nodiscard]] std::shared_ptr<const MessageSchema> AwaitSchema(std::string_view channel,
                                                                  std::chrono::nanoseconds timeout);
 
-  /// As FromAny without asking other sessions: what this process publishes (and what comes from outside for a FromAny
-  /// on the same channel); any type.
+  /// As FromAny, for any type, but does not subscribe at other sessions. Gets the messages that this process publishes,
+  /// and those that arrive from outside for a FromAny on the same channel.
   template <class T, CallbackFor<T> F>
   [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromGraph(
       std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
@@ -61,7 +61,7 @@ class HGROS_EXPORT SessionSubscribing {
                           EraseCallback<T>(std::forward<F>(callback)), std::move(options));
   }
 
-  /// Waits until `channel` hears from at least `count` other sessions that publish on it. False if `timeout` came
+  /// Waits until at least `count` other sessions that publish on `channel` are connected. False if `timeout` came
   /// first.
   [[nodiscard]] bool WaitForPublishers(std::string_view channel, std::size_t count,
                                        std::chrono::nanoseconds timeout) const;

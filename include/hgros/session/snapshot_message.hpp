@@ -9,14 +9,15 @@
 
 namespace hgros {
 
-/// On this channel each session that others reach tells its statistics, once a second while one of them subscribes:
-/// session.FromAny<Snapshot>(kSnapshotsChannel, ...). MessageInfo::id.publisher is the session that tells them; what
-/// the message says about its sender is not checked. A session does not get its own: ask Session::Snapshot(). While
-/// nobody subscribes, nothing is counted, written or sent for it. Subscribe with keep-last: while a lossless subscriber
-/// has no room, nobody is told. An endpoint with a list of channels lets it pass if the list has it.
+/// On this channel each session that others can reach publishes its statistics, once a second while another session
+/// subscribes: session.FromAny<Snapshot>(kSnapshotsChannel, ...). MessageInfo::id.publisher is the sending session; the
+/// message's own fields about its sender are not checked. A session does not get its own statistics; use
+/// Session::Snapshot(). Without subscribers nothing is counted, encoded or sent for it. Subscribe with keep-last: while
+/// a lossless subscriber has no room, no subscriber gets statistics. An endpoint with a list of channels needs this
+/// channel in its list.
 inline constexpr std::string_view kSnapshotsChannel = "hgros/snapshots";
 
-/// The same as a message, with the name and number of this process, counted now.
+/// The snapshot as a message, with the name and id of this process and the current time.
 ///
 /// Threading: any thread. Errors: none.
 [[nodiscard]] HGROS_EXPORT Snapshot ToMessage(const SessionSnapshot& snapshot);

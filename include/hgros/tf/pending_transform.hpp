@@ -13,10 +13,10 @@ class Waits;
 class Waiter;
 }  // namespace tf
 
-/// Gets the transform, or why it cannot come any more.
+/// Gets the transform, or the reason why it can no longer come.
 using TransformCallback = std::function<void(const TransformResult& result)>;
 
-/// Holds a wait for a transform. Thread safety: as a value. It may outlive the tree.
+/// Keeps a wait for a transform; move-only. Thread safety: as a value. It may outlive the tree.
 class HGROS_EXPORT PendingTransform {
  public:
   /// Waits for nothing.
@@ -28,9 +28,9 @@ class HGROS_EXPORT PendingTransform {
   PendingTransform& operator=(const PendingTransform&) = delete;
   ~PendingTransform();
 
-  /// No callback begins afterwards; one in flight on another thread has returned.
+  /// After it returns, no callback starts, and a callback that ran on another thread has returned.
   void Cancel();
-  /// Neither called nor cancelled yet.
+  /// Whether the callback was neither called nor cancelled yet.
   [[nodiscard]] bool pending() const noexcept;
 
  private:

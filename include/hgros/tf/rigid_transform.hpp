@@ -5,12 +5,12 @@
 namespace hgros {
 
 /// A rotation, then a translation: p_target = rotation * p_source + translation for a T_target_source; also the pose of
-/// the source frame in the target frame. Metres.
+/// the source frame in the target frame. In meters.
 struct RigidTransform {
   /// Converts from and to Eigen::Quaterniond. Its alignment does not depend on what a program is compiled for.
   using Rotation = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-  Rotation rotation = Rotation::Identity();  ///< Of unit length.
+  Rotation rotation = Rotation::Identity();  ///< Unit length.
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
   /// The identity.

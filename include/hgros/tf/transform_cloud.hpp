@@ -51,7 +51,7 @@ template <PointCloudMessage T>
   return {};
 }
 
-/// The same into another cloud of the same size: a new one, or one lent by a session.
+/// The same into another cloud of the same size: a new one, or a loan of a session.
 template <PointCloudMessage T>
 [[nodiscard]] std::string TransformCloud(const RigidTransform& T_target_source, std::string_view target_frame,
                                          const Bulk<T>& cloud, Bulk<T>& out) {

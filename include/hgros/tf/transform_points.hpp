@@ -6,8 +6,8 @@
 
 namespace hgros {
 
-/// Points, one a column, from the source frame into the target frame, in place. A single point or pose is `T * point`
-/// or `T * pose`.
+/// Transforms points from the source frame into the target frame, in place. `points` is 3 x n, one point per column, in
+/// meters. For a single point or pose, write `T * point` or `T * pose`.
 template <class Derived>
 void TransformPoints(const RigidTransform& T_target_source, Eigen::MatrixBase<Derived>& points) {
   using Scalar = typename Derived::Scalar;

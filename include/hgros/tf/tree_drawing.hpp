@@ -15,7 +15,7 @@ namespace hgros {
 ///       base     100.0 Hz, 0.012 s old, by localizer
 ///         laser  static, by robot
 ///
-/// `edges` as TransformTree::Edges gives them.
+/// `edges` as TransformTree::Edges returns them.
 [[nodiscard]] HGROS_EXPORT std::string DrawText(std::span<const EdgeSnapshot> edges, Time now);
 
 /// The same for Graphviz: `dot -Tsvg tree.dot`.

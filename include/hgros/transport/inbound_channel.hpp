@@ -18,21 +18,21 @@ struct InboundMessage {
   PacketHead head;
   Payload data;
   SessionId from;  ///< None if the sender is not a HyperGraph ROS session.
-  /// The sender's type, as named when the link was made, if it is not the type that was subscribed to.
+  /// The sender's type, as announced when the link was made, if it is not the type that was subscribed to.
   std::shared_ptr<const MessageSchema> schema;
   /// While any copy of this lives, the message counts as in flight and uses the sender's credit. Messages of a sender
-  /// that knows no credit are dropped while too much is in flight (PacketFault::kOverrun).
+  /// without credit are dropped while too much is in flight (PacketFault::kOverrun).
   std::shared_ptr<const void> credit;
 };
 
 /// What happens to an accepted message next.
 enum class Accepted {
-  kNothing,   ///< It is taken care of.
+  kNothing,   ///< Nothing to do.
   kRunHere,   ///< Call Run() now, on this thread; it is quick and runs no user code.
   kRunApart,  ///< Call Run() on a thread that owns no socket, credits or heartbeats: it may run user code.
 };
 
-/// Where a transport puts what it receives on one channel. Implemented by the session.
+/// Receives a transport's messages of one channel. Implemented by the session.
 ///
 /// Contract:
 ///  1. The transport calls Accept() for the messages of one publisher in their order, one call at a time per sink.
@@ -58,11 +58,11 @@ class InboundSink {
 class InboundChannel {
  public:
   virtual ~InboundChannel() = default;
-  /// The number of publishing sessions that are connected and welcomed.
+  /// The number of connected publishing sessions that have sent a welcome.
   [[nodiscard]] virtual std::size_t publisher_count() const noexcept = 0;
-  /// Whether that session is asked for the channel here, and has not answered that it does not offer it.
+  /// Whether that session was asked for the channel and has not answered that it does not offer it.
   [[nodiscard]] virtual bool Asks(SessionId /*publisher*/) const { return false; }
-  /// Changes what is asked of the publishers, from the next message on.
+  /// Changes the demand on the publishers, from the next message on.
   virtual void SetDemand(const Demand& demand) = 0;
 };
 

@@ -20,17 +20,17 @@ struct OutboundMessage {
   Payload data;
 };
 
-/// What a transport asks of, and tells, the publishing side of one channel. Implemented by the session.
+/// A transport's requests and events for the publishing side of one channel. Implemented by the session.
 class OutboundSource {
  public:
   virtual ~OutboundSource() = default;
   /// The latched messages, oldest first, for a subscriber that has just come. It counts in subscriber_count() before
-  /// this is called, and what is committed from then on reaches it after them. Called on a thread of the transport: no
-  /// user code.
+  /// this is called. Messages committed from then on reach it after these. Called on a thread of the transport: no user
+  /// code.
   virtual std::vector<OutboundMessage> Latched(SessionId subscriber) noexcept = 0;
-  /// A lossless subscriber was lost that may still be alive, and has not confirmed `unfinished` (oldest first).
-  /// True: it gets them from Latched() when it comes back, over whatever transport. False: it misses them. Called
-  /// under a lock that Commit() takes as well, so that no message falls in between; it must not call the transport.
+  /// A lossless subscriber was lost. It may still be alive, and has not confirmed `unfinished` (oldest first). True: it
+  /// gets them from Latched() when it comes back, over any transport. False: it misses them. Called under a lock that
+  /// Commit() takes as well, so that no message falls in between; it must not call the transport.
   virtual bool OnCut(SessionId /*subscriber*/, const Demand& /*demand*/,
                      std::vector<OutboundMessage>&& /*unfinished*/) noexcept {
     return false;
@@ -44,16 +44,16 @@ class OutboundSource {
 /// The publishing end of one channel on one transport. Destroying it withdraws the channel.
 ///
 /// Contract:
-///  1. Reserve() takes one message of credit from every lossless subscriber, or from none (kFull).
+///  1. Reserve() takes credit for one message from every lossless subscriber, or from none (kFull).
 ///  2. A kOk from Reserve() is followed by exactly one Commit() or Cancel().
 ///  3. Commit() hands the message to every subscriber. Lossless ones have credit for it. Keep-last ones without credit
 ///     find it in a ring of the depth they asked for, from which the oldest message is dropped and counted. Plain ones
 ///     get it if they keep up. It never blocks. Messages committed one after the other arrive in that order. Messages
 ///     of one publisher are committed in the order of their sequence numbers: one that comes after a later one is
 ///     treated as a repeat.
-///  4. A subscriber that dies gives its credit back (OnRoom). What it had not confirmed is counted as missed, unless
-///     the source keeps it (OnCut).
-///  5. A lossless subscriber that was only cut off for a while gets what it missed, in order, exactly once.
+///  4. A subscriber that dies gives its credit back (OnRoom). Messages that it had not confirmed count as missed,
+///     unless the source keeps them (OnCut).
+///  5. A lossless subscriber that was only cut off for a while gets the missed messages, in order, exactly once.
 ///  6. Messages that are released in Reserve() and Commit() end while the transport holds no lock, and with the
 ///     caller's EndsLater if it has one.
 /// Thread-safe.
@@ -73,14 +73,15 @@ class OutboundChannel {
   };
 
   virtual ~OutboundChannel() = default;
-  /// Remote subscribers, plain ones counted as one. Cheap: one relaxed load. 0: nothing needs to be encoded.
+  /// Number of remote subscribers; all plain ones count as one. Cheap: one relaxed load. 0: nothing needs to be
+  /// encoded.
   [[nodiscard]] virtual std::size_t subscriber_count() const noexcept = 0;
-  /// The sessions among them, in the order in which they came.
+  /// The sessions that subscribe, in the order in which they came.
   [[nodiscard]] virtual std::vector<SessionId> Subscribers() const { return {}; }
   virtual PublishStatus Reserve() noexcept = 0;
   virtual void Commit(const PacketHead& head, const Payload& data) noexcept = 0;
   virtual void Cancel() noexcept = 0;
-  /// Memory of this transport: a message that is written into it is committed without a copy. Nothing if the transport
+  /// Memory of this transport. A message that is written into it is committed without a copy. Empty if the transport
   /// has no such memory, or none left.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t /*size_bytes*/) { return std::nullopt; }
   [[nodiscard]] virtual Stats stats() const = 0;

@@ -17,14 +17,14 @@ struct PeerInfo {
 
   SessionId id;
   std::string process;  ///< Its program's name.
-  std::string host;     ///< Its host's name; for people, never compared.
+  std::string host;     ///< Its host's name. Only shown, never compared.
   std::int64_t pid = 0;
-  std::string endpoint;   ///< Where we connected to; empty if it connected to us.
-  std::string transport;  ///< What carries its messages: "shared memory" or "ZeroMQ"; set by the session.
-  std::string why;        ///< Why that transport, in a few words: "same host"; set by the session.
+  std::string endpoint;   ///< The endpoint that we connected to; empty if it connected to us.
+  std::string transport;  ///< The transport of its messages: "shared memory" or "ZeroMQ"; set by the session.
+  std::string why;        ///< Why that transport was chosen, such as "same host"; set by the session.
 };
 
-/// A session and what is known of its channels.
+/// A session and its known channels.
 struct SessionChannels {
   PeerInfo session;
   std::vector<ChannelUse> channels;

@@ -20,24 +20,24 @@ namespace hgros {
 /// How a session's threads wait for messages in shared memory.
 enum class ShmWait {
   kSleep,  ///< Costs nothing while no message comes; waking a thread takes some microseconds.
-  kSpin,   ///< Looks for ShmOptions::spin before it sleeps.
-  kBusy,   ///< Looks all the time: lowest latency, but uses one CPU.
+  kSpin,   ///< Polls for ShmOptions::spin before it sleeps.
+  kBusy,   ///< Polls all the time: lowest latency, but uses one CPU.
 };
 
 struct ShmOptions {
   SessionId session;    ///< None: a random one.
   std::string process;  ///< This program's name, for logs.
-  /// Where other sessions of this host and user find this one: a name of at most 100 bytes in the abstract name space
-  /// of unix sockets. Empty: `hgros-` and the session's id.
+  /// Where other sessions of this host and user find this one: a name of at most 100 bytes in the abstract namespace of
+  /// unix sockets. Empty: `hgros-` and the session's id.
   std::string place;
   std::vector<std::string> peers;  ///< Places of other sessions; see Transport::AddPeer().
   ShmWait wait = ShmWait::kSleep;
   std::chrono::microseconds spin{50};
-  std::uint64_t limit_bytes = 256ULL << 20;  ///< The most shared memory that payloads may use.
+  std::uint64_t limit_bytes = 256ULL << 20;  ///< Maximum shared memory for payloads.
   std::chrono::milliseconds heartbeat{1000};
   std::chrono::milliseconds peer_timeout{5000};   ///< A peer that is silent for longer is gone.
-  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< The most that waits for one slow keep-last peer.
-  std::uint64_t max_credit_bytes = 256ULL << 20;  ///< The most in flight to one subscriber of a channel.
+  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Maximum that waits for one slow keep-last peer.
+  std::uint64_t max_credit_bytes = 256ULL << 20;  ///< Maximum in flight to one subscriber of a channel.
   /// The largest message that is received. Publishers know it and do not send larger ones; both sides count them.
   std::uint64_t max_message_bytes = 1ULL << 30;
   std::chrono::milliseconds linger{500};  ///< How long the destructor waits for messages to be sent.
@@ -66,7 +66,7 @@ struct ShmUsage {
 /// the memory to the end of the process.
 class HGROS_EXPORT ShmTransport : public Transport {
  public:
-  /// A block in the memory that receivers will read: publishing it copies nothing. None if the limit is reached.
+  /// A block in the memory that receivers will read: publishing it copies nothing. Empty if the limit is reached.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t size_bytes) = 0;
   [[nodiscard]] virtual ShmUsage usage() const = 0;
 };

@@ -19,7 +19,7 @@
 
 namespace hgros {
 
-/// What a transport tells the session as a whole. Called on the transport's threads; must not block.
+/// Events of a transport that concern the whole session. Called on the transport's threads; must not block.
 class TransportListener {
  public:
   virtual ~TransportListener() = default;
@@ -29,10 +29,10 @@ class TransportListener {
   /// Two sides of a channel do not fit. Called on both sides, once per peer and channel. `what` names the channel and
   /// both types, without a final full stop.
   virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
-  /// What peers do with channels has changed; the transport's own interface tells what.
+  /// Peers publish or subscribe to other channels than before; see the transport's own interface.
   virtual void OnChannels() noexcept {}
-  /// The peer has told the time of its wall clock. This happens now and then while it is reached; both sides of each
-  /// pair are told. Only transports that leave the host do this.
+  /// The peer has sent the time of its wall clock. Called now and then while the peer is connected, on both sides of
+  /// each pair. Only transports between hosts call it.
   virtual void OnClockExchange(const PeerInfo& /*peer*/, const ClockExchange& /*exchange*/) noexcept {}
 };
 
@@ -40,13 +40,13 @@ class TransportListener {
 struct Visit {
   std::function<bool()> done;                   ///< Must not block.
   std::chrono::steady_clock::time_point until;  ///< If this is in the past, it reads only what is there.
-  std::function<void()> first = [] {};          ///< Runs before that, and also if nothing can be read so.
+  std::function<void()> first = [] {};          ///< Runs before that, and also if this thread cannot read.
 };
 
 /// Packets that were dropped, including those of unknown channels.
 struct TransportStats {
   std::array<std::uint64_t, kPacketFaultCount> faults{};
-  std::uint64_t repeats = 0;  ///< Came again and were not delivered again.
+  std::uint64_t repeats = 0;  ///< Received again; not delivered again.
 };
 
 /// One way to move messages between sessions. Every transport passes tests/conformance.
@@ -63,12 +63,13 @@ class Transport {
                                                                   const Demand& demand, InboundSink& sink) = 0;
   [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;
   [[nodiscard]] virtual TransportStats stats() const = 0;
-  /// What connected sessions offer and ask for here.
+  /// The channels that connected sessions offer here or ask for.
   [[nodiscard]] virtual std::vector<SessionChannels> KnownChannels() const { return {}; }
 
-  /// Asks again which channels are to be received here: ends what no longer is, and asks publishers for the rest.
+  /// Checks again which channels are to be received over this transport: ends the others, and asks publishers for
+  /// these.
   virtual void AskAgain() {}
-  /// Where other sessions of this host find this one, as an announcement tells them; empty: nowhere.
+  /// Where other sessions of this host find this one, for announcements; empty: they cannot.
   [[nodiscard]] virtual const std::string& place() const noexcept {
     static const std::string no_place;
     return no_place;
@@ -79,12 +80,13 @@ class Transport {
   /// Does not connect to `place` any more. A connection that exists stays until either side ends.
   virtual void RemovePeer(const std::string& /*place*/) {}
   /// Receives on the calling thread, which then calls InboundSink::Accept(), and Run() after kRunHere. Returns at once
-  /// if another thread receives, or if the transport cannot do it.
+  /// if another thread receives, or if the transport does not support this.
   virtual void Receive(const Visit& visit) noexcept { visit.first(); }
   /// Whether the calling thread is in Receive() of a transport.
   [[nodiscard]] static bool IsVisitor() noexcept;
 
-  /// Says goodbye, sends what was committed as far as `linger_ms` allows, stops receiving. Later calls do nothing.
+  /// Says goodbye to the peers, sends committed messages as far as `linger_ms` allows, and stops receiving. Later calls
+  /// do nothing.
   virtual void Close(int linger_ms) noexcept = 0;
 };
 

@@ -18,14 +18,14 @@ namespace hgros {
 /// Which channels may pass an endpoint; nullopt means all.
 using ChannelList = std::optional<std::vector<std::string>>;
 
-/// Where this session publishes: it binds. `tcp://*:5553`, `tcp://127.0.0.1:*` (a free port), `ipc:///path`;
-/// without a scheme it is tcp.
+/// An endpoint that this session binds and publishes on: `tcp://*:5553`, `tcp://127.0.0.1:*` (a free port) or
+/// `ipc:///path`. Without a scheme it is tcp.
 struct PublishEndpoint {
   std::string endpoint;
   ChannelList channels;
 };
 
-/// Where another session publishes: this one connects, and retries until the other is there.
+/// An endpoint that another session publishes on. This session connects, and retries until the other one is there.
 struct SubscribeEndpoint {
   std::string endpoint;
   ChannelList channels;
@@ -49,31 +49,31 @@ struct ZmqSecurity {
 
 struct ZmqOptions {
   SessionId session;    ///< None: a random one.
-  std::string process;  ///< This program's name, for people.
+  std::string process;  ///< This program's name, for logs.
   std::vector<PublishEndpoint> publish;
   std::vector<SubscribeEndpoint> subscribe;
   std::chrono::milliseconds heartbeat{1000};
-  std::chrono::milliseconds peer_timeout{5000};   ///< A peer silent for longer is gone.
-  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< The most that waits for one slow keep-last peer.
-  std::uint64_t plain_queue_bytes = 64ULL << 20;  ///< The most on its way to all plain subscribers of an endpoint.
-  std::uint64_t max_credit_bytes = 256ULL << 20;  ///< The most in flight to one subscriber of a channel.
+  std::chrono::milliseconds peer_timeout{5000};   ///< A peer that is silent for longer is gone.
+  std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Maximum that waits for one slow keep-last peer.
+  std::uint64_t plain_queue_bytes = 64ULL << 20;  ///< Maximum on its way to all plain subscribers of an endpoint.
+  std::uint64_t max_credit_bytes = 256ULL << 20;  ///< Maximum in flight to one subscriber of a channel.
   std::uint64_t max_message_bytes = 1ULL << 30;   ///< A larger message is refused and the connection is closed.
-  /// A publisher that has sent no welcome when it was connected for this time is a plain one.
+  /// A publisher that has sent no welcome after being connected for this time is a plain one.
   std::chrono::milliseconds plain_after{1000};
-  std::chrono::milliseconds unreachable_after{3000};  ///< After this time without a connection the log tells.
-  std::chrono::milliseconds linger{500};              ///< Of the destructor's Close().
+  std::chrono::milliseconds unreachable_after{3000};  ///< A missing connection is logged after this time.
+  std::chrono::milliseconds linger{500};              ///< For the destructor's Close().
   std::optional<ZmqSecurity> security;
   std::function<Time()> wall;  ///< This host's wall clock; empty: the system's.
-  /// Whether that session's messages on the channel are to be received here, and not over another transport; empty:
-  /// always. Must be quick, and must not call the transport.
+  /// Whether to receive that session's messages on the channel here, and not over another transport. Empty: always.
+  /// Must be quick, and must not call the transport.
   std::function<bool(SessionId publisher, std::string_view channel)> takes;
 };
 
 /// Messages over ZeroMQ: ipc on one host, tcp between hosts. docs/wire-protocol.md is the specification.
 ///
 /// Each publish endpoint is an XPUB socket, each subscribe endpoint an XSUB socket. A channel may be advertised once
-/// and subscribed to once at a time. A session that is reached through several endpoints sends a channel through one of
-/// them, and if that one ends, through another.
+/// and subscribed to once at a time. A session that is connected through several endpoints sends a channel through one
+/// of them, and if that one ends, through another.
 ///
 /// Threading: thread-safe. Publishing threads write to the sockets themselves.
 /// Fork: in a forked child Reserve() returns kClosed, Commit() does nothing, wiring throws Error; destructors leave the
@@ -88,11 +88,12 @@ class HGROS_EXPORT ZmqTransport : public Transport {
   /// or was added already.
   virtual void AddPublishEndpoint(const PublishEndpoint& endpoint) = 0;
   virtual void AddSubscribeEndpoint(const SubscribeEndpoint& endpoint) = 0;
-  /// Says goodbye there. What a subscribe endpoint has read is still delivered. False if there is no such endpoint.
+  /// Says goodbye there. Messages that a subscribe endpoint has read are still delivered. False if there is no such
+  /// endpoint.
   virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
   virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
 
-  /// The publish endpoints as others can connect to them: wildcard ports resolved. In the order of adding.
+  /// The publish endpoints that others can connect to, with the actual ports, in the order in which they were added.
   [[nodiscard]] virtual std::vector<std::string> BoundEndpoints() const = 0;
   /// Connections refused because of a wrong or missing key.
   [[nodiscard]] virtual std::uint64_t refused_handshakes() const = 0;

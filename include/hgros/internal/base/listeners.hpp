@@ -59,7 +59,7 @@ class GuardedCallback {
   const std::function<void(Arguments...)> callback_;
 };
 
-/// Callbacks that are told about events, in the order in which they were added.
+/// Callbacks for events, called in the order in which they were added.
 ///
 /// Thread safety: all functions. Callbacks run on the calling thread, without a lock that other threads need.
 template <class Event>

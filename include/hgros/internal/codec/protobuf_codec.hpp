@@ -56,7 +56,7 @@ struct ProtobufTraits {
   static std::shared_ptr<const T> Decode(const Payload& payload) {
     if (payload.bytes.size() > kMaxBytes) return nullptr;
     auto message = std::make_shared<T>();
-    // ParseFromArray would log missing fields; here the caller counts the failure.
+    // ParseFromArray would log missing fields. Here the caller counts the failure instead.
     if (!message->ParsePartialFromArray(payload.bytes.data(), static_cast<int>(payload.bytes.size()))) return nullptr;
     if (!message->IsInitialized()) return nullptr;
     return message;

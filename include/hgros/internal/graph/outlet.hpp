@@ -5,7 +5,7 @@
 
 namespace hgros {
 
-/// A channel's way out of the process. The graph knows no more of the network than this.
+/// A channel's way out of the process. This is all that the graph knows about the network.
 ///
 /// Contract: if wanted(), a publish calls Reserve(); after kOk exactly one of Commit() and Cancel() follows.
 /// Thread-safe; none of the calls blocks or runs user code.

@@ -24,7 +24,7 @@ enum class TransportReach { kHost, kNetwork };
 /// A transport that a session can use.
 struct TransportEntry {
   std::string key;   ///< In configurations and announcements: "shared_memory".
-  std::string name;  ///< For people: "shared memory".
+  std::string name;  ///< For logs and tables: "shared memory".
   int cost = 0;      ///< The transport with the lowest cost that reaches a session is used.
   TransportReach reach = TransportReach::kNetwork;
   /// Whether that session's messages on the channel are to be received over this transport.

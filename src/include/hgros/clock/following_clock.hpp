@@ -9,14 +9,13 @@
 
 namespace hgros {
 
-/// Shows the time of a simulated clock elsewhere, from states that it is told now and then. In between it runs by
-/// itself at the last known rate, so that sleeping threads need no message to wake up. Paused at 0 until the first
-/// state.
+/// Shows the time of a simulated clock elsewhere, from states that arrive now and then. In between it runs by itself at
+/// the last known rate, so that sleeping threads need no message to wake up. Paused at 0 until the first state.
 ///
 /// A jump of the other clock is a jump here; every other difference is time that passed. If this clock has run ahead
 /// because it learned about a pause late, it stands still until the other clock has caught up.
 ///
-/// Thread safety: as Clock; states are told one call at a time, and not from its listeners.
+/// Thread safety: as Clock; one state is set at a time, and not from its listeners.
 class HGROS_EXPORT FollowingClock final : public DerivedClock {
  public:
   explicit FollowingClock(std::shared_ptr<Clock> source = nullptr) : DerivedClock({}, std::move(source), true) {}

@@ -15,7 +15,7 @@ namespace hgros {
 
 class DynamicSchema;
 
-/// What the library knows of a type that a program names at run time.
+/// The library's description of a type that a program names at run time.
 struct RunTimeSchema {
   std::shared_ptr<const MessageSchema> schema;
   std::shared_ptr<const DynamicSchema> described;  ///< Of a protobuf type with a descriptor set; else null.

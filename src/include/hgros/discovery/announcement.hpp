@@ -24,8 +24,8 @@ struct ChannelAnnouncement : ChannelUse {
 struct Announcement {
   SessionId session;
   std::uint64_t incarnation = 0;  ///< Distinguishes restarts with the same session id; grows.
-  std::string process;            ///< For people.
-  std::string host;               ///< For people, never compared.
+  std::string process;            ///< Its program's name, for logs.
+  std::string host;               ///< Its host's name. Only shown, never compared.
   std::int64_t pid = 0;
   std::uint64_t pid_start_time = 0;  ///< In clock ticks since the host started; 0: unknown.
   std::string boot_id;               ///< Equal for all processes of a host until it restarts; empty: unknown.

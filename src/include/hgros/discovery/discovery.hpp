@@ -8,7 +8,7 @@
 
 namespace hgros {
 
-/// Is told which sessions come, change and go.
+/// Gets events about sessions that come, change and go.
 ///
 /// Contract:
 ///  1. Calls come one at a time and without a lock held. A Registry first reports all sessions that are already there,
@@ -46,8 +46,7 @@ class HGROS_EXPORT Discovery {
   /// call also if it cannot be made known. Later failures are logged.
   virtual void Announce(const Announcement& own) = 0;
 
-  /// All known sessions except the own one, ordered by session id. The listener may not have been told about the latest
-  /// yet.
+  /// All known sessions except the own one, ordered by session id. The listener may not have got the latest events yet.
   [[nodiscard]] virtual std::vector<Announcement> List() const = 0;
 
  protected:

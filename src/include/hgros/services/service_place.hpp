@@ -12,7 +12,7 @@
 
 namespace hgros {
 
-// What services need from their session. Implemented by the session's core.
+// The interface that services need from their session. Implemented by the session's core.
 //
 // Thread safety: all functions from any thread, also from within inline callbacks. Wiring throws Error.
 class ServicePlace {

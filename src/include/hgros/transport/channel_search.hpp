@@ -7,7 +7,7 @@
 
 namespace hgros {
 
-/// What discovery tells about the subscribers of a channel in other sessions.
+/// The subscribers of a channel in other sessions, as far as discovery knows them.
 struct ChannelSearch {
   std::vector<PeerInfo> announced;  ///< Sessions of this host that announce that they subscribe to it.
   bool complete = false;            ///< No other session can subscribe to it.

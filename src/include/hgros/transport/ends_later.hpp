@@ -7,16 +7,16 @@
 
 namespace hgros {
 
-/// Declare it before a lock under which a transport is called. What the transport releases meanwhile on this thread
-/// ends with this object, after the lock. A message may end there, and its destructor is the user's code, which may
-/// publish or wait for another thread that does.
+/// Declare it before a lock under which a transport is called. Objects that the transport releases meanwhile on this
+/// thread end with this object, after the lock. One of them may be a message, and its destructor is user code, which
+/// may publish or wait for another thread that does.
 ///
 ///     EndsLater after_the_lock;
 ///     const std::scoped_lock lock(mutex_);
 ///     outbound_->Commit(head, data);
 ///
 /// Thread safety: none; it belongs to the thread that made it.
-/// Invariants: they nest. What an inner one has kept passes to the outer one, whose lock may be held.
+/// Invariants: they nest. Objects kept by an inner one pass to the outer one, whose lock may be held.
 class HGROS_EXPORT EndsLater {
  public:
   EndsLater() noexcept;
