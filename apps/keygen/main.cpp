@@ -33,7 +33,7 @@ int Run(const std::string& file) {
   std::fprintf(stderr,
                "Put this into the configuration of this session:\n"
                "  network: {security: {public_key: \"%s\", secret_key_file: %s}}\n"
-               "and the public key into the allowed_clients or servers of the others.\n",
+               "and the public key into the allowed_clients or servers of the other sessions.\n",
                keys.public_key.c_str(), file.c_str());
   return 0;
 }

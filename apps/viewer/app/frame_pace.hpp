@@ -7,8 +7,8 @@
 
 namespace hgros::viewer {
 
-/// How many pictures are still wanted, how soon the next one may be drawn, and how many were drawn. Times are seconds
-/// on the monotonic clock.
+/// Counts the pictures that still have to be drawn and those that were drawn, and says when the next one may be drawn.
+/// Times are seconds on the monotonic clock.
 class FramePace {
  public:
   void SetLimit(double pictures_per_second) { limit_ = pictures_per_second; }

@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
     std::fputs("hgros-viewer: There is not enough memory for this.\n", stderr);
     return 1;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "hgros-viewer: It cannot go on: %s.\n", error.what());
+    std::fprintf(stderr, "hgros-viewer: It cannot continue: %s.\n", error.what());
     return 1;
   }
 }

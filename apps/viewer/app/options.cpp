@@ -90,7 +90,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_option("--panel", panels,
                  "Channels, Log, Message, Plot or Graph[,setting=value...], open from the start; repeatable")
       ->take_all();
-  app.add_option("--config", config, "a layout file; if it is missing, the key L or the panel View can write it");
+  app.add_option("--config", config, "a layout file; if it does not exist, the key L or the panel View can write it");
   app.add_option("--network", network, "a configuration file of the session, as for every program; repeatable")
       ->take_all()
       ->check(CLI::ExistingFile);
@@ -109,11 +109,11 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_flag("--orthographic", options.orthographic, "draws without perspective");
   app.add_flag("--show-all", options.show_all, "zooms so that the screenshot shows everything");
   app.add_flag("!--no-panels", options.panels, "shows only the scene");
-  app.add_option("--report", options.report_s, "prints figures to standard error, with this period in seconds");
+  app.add_option("--report", options.report_s, "prints statistics to standard error, with this period in seconds");
   app.footer(
       "Exit status: 0; 1 after an error, if a file could not be written, or (with --offscreen) if something that was\n"
       "requested is not in the picture (a channel, a robot, or a frame); 2 if the command line is wrong. Standard\n"
-      "error tells the reason.");
+      "error has the reason.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -125,7 +125,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   options.film = film;
   const std::string fault = ParseTexts(channels, displays, panels, window, offscreen, options);
   if (!fault.empty()) {
-    std::fprintf(stderr, "hgros-viewer: %s `hgros-viewer --help` tells more.\n", fault.c_str());
+    std::fprintf(stderr, "hgros-viewer: %s See `hgros-viewer --help`.\n", fault.c_str());
     return {std::nullopt, 2};
   }
   return {std::move(options), 0};

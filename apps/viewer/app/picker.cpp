@@ -28,7 +28,7 @@ std::string Picker::Click(const Surface& surface, const Eigen::Vector2d& pixel, 
   const Eigen::Vector3d at = seen(0);
   if (!picks) {
     camera_.SetAnchor(at);
-    return "anchor at " + MetresText(at);
+    return "anchor at " + MetersText(at);
   }
   PickedPoint point;
   point.at = at;
@@ -43,7 +43,7 @@ std::string Picker::Click(const Surface& surface, const Eigen::Vector2d& pixel, 
       point.in_frame = T_fixed_frame->Inverse() * at;
     }
   }
-  std::string notice = "picked " + MetresText(at) + (point.display.empty() ? "" : " of " + point.display);
+  std::string notice = "picked " + MetersText(at) + (point.display.empty() ? "" : " of " + point.display);
   picks_.Add(std::move(point));
   return notice;
 }

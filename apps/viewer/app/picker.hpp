@@ -11,7 +11,7 @@
 
 namespace hgros::viewer {
 
-/// What a click in the scene does: it sets the camera's anchor, or picks a point to be measured.
+/// Handles clicks in the scene: a click sets the camera's anchor, or picks a point to be measured.
 class Picker {
  public:
   Picker(Scene& scene, Camera& camera, const FixedFrame& frame, const Playback& playback)

@@ -20,7 +20,7 @@ class Playback {
   Playback(Scene& scene, const FixedFrame& frame) : scene_(scene), frame_(frame) {}
 
   void Pause();
-  /// Goes on. Returns the number of messages that were dropped during the pause.
+  /// Continues. Returns the number of messages that were dropped during the pause.
   std::uint64_t Resume();
   /// Pauses, and shows once what has arrived until now.
   void Step();

@@ -57,8 +57,9 @@ int ShowUntilClosed(Options options, std::optional<Layout> layout,
     if (!viewer.lost()) return code;
     if (std::chrono::steady_clock::now() - begin > kInARow) losses = 0;
     if (++losses >= kMostLosses) {
-      std::fputs("hgros-viewer: The graphics card was reset several times. The kernel's log (dmesg) may tell why.\n",
-                 stderr);
+      std::fputs(
+          "hgros-viewer: The graphics card was reset several times. The kernel's log (dmesg) may contain the reason.\n",
+          stderr);
       return 1;
     }
     std::fputs(

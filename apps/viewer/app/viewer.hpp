@@ -34,7 +34,7 @@ namespace hgros::viewer {
 /// something has changed.
 class Viewer {
  public:
-  /// `layout` is what was read from the options' file, or none.
+  /// `layout` is the layout read from the options' file, or none.
   /// Errors: throws Error if there is no session, or the options name something that does not exist.
   Viewer(const Options& options, const std::optional<Layout>& layout, Surface& surface);
   Viewer(const Viewer&) = delete;
@@ -48,7 +48,7 @@ class Viewer {
   void Stop();
   /// Run has ended because the surface was lost: make another surface, and another viewer with this one's layout.
   [[nodiscard]] bool lost() const noexcept { return lost_; }
-  /// Everything that makes it look as it does.
+  /// The layout as it is now.
   [[nodiscard]] Layout CurrentLayout() const;
   /// What the next viewer needs in addition, ...
   [[nodiscard]] Carried Carry() const { return displays_.Carry(); }

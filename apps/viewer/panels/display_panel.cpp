@@ -55,7 +55,7 @@ void DisplayPanel::DrawFrame(const FixedFrame& frame, Wish& wish) {
   ImGui::SetNextItemWidth(0.5F * ImGui::GetContentRegionAvail().x);
   const std::string shown = frame.name().empty() ? "none yet" : frame.name() + (frame.chosen() ? " (chosen)" : "");
   if (!ImGui::BeginCombo("fixed frame", shown.c_str())) return;
-  if (ImGui::Selectable("choose by itself", frame.chosen())) {
+  if (ImGui::Selectable("choose automatically", frame.chosen())) {
     wish.set_fixed_frame = true;
   }
   for (const std::string& name : FrameNames(frame.tree())) {

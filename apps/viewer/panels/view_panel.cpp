@@ -54,7 +54,7 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
     save = ImGui::Button("save layout");
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Writes displays, panels and camera to %s.", file.path.c_str());
     ImGui::SameLine();
-    ImGui::Checkbox("save at the end", &file.save_on_exit);
+    ImGui::Checkbox("save on exit", &file.save_on_exit);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Writes the layout each time the viewer is closed.");
   }
   place_ = {ImGui::GetWindowPos().x, ImGui::GetWindowPos().y, ImGui::GetWindowSize().x, ImGui::GetWindowSize().y};

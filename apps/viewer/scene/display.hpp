@@ -20,7 +20,7 @@
 
 namespace hgros::viewer {
 
-/// What an update changes in the picture. A greater value includes the smaller ones.
+/// The effect of an update on the picture. A greater value includes the smaller ones.
 enum class Change : std::uint8_t {
   kNothing,
   kMoving,    ///< The output of DrawMoving or DrawBlended has changed.
@@ -28,7 +28,8 @@ enum class Change : std::uint8_t {
   kRedraw,    ///< The settled layer must be drawn again.
 };
 
-/// What displays are made from. The session must outlive them. Any thread may call `wake`; it causes an Update.
+/// The inputs of a display's constructor. The session must outlive the displays. Any thread may call `wake`; it causes
+/// an Update.
 struct DisplayInputs {
   Session& session;
   std::string channel;
@@ -56,7 +57,7 @@ struct Label {
   std::string text;
   Rgba color = MakeRgba(235, 238, 242);
   float height = 0;  ///< In pixels or meters; 0: the usual height.
-  bool in_metres = false;
+  bool in_meters = false;
 };
 
 /// An image that is shown in its own panel.

@@ -57,33 +57,33 @@ void Camera::Turn(double roll, double pitch, double yaw) {
   TurnAbout(Pivot(), orientation_ * in_picture * orientation_.conjugate());
 }
 
-double Camera::MetresPerPixel(double depth, const Viewport& viewport) const {
+double Camera::MetersPerPixel(double depth, const Viewport& viewport) const {
   return 2 * std::tan(kHalfAngle) * (orthographic_ ? distance_ : depth) / viewport.height;
 }
 
 void Camera::Pan(double dx_pixels, double dy_pixels, const Viewport& viewport) {
   const Eigen::Vector3d forward = orientation_ * -Eigen::Vector3d::UnitZ();
   const double depth = std::max(forward.dot(Pivot() - eye_), 0.1 * distance_);
-  const double scale = MetresPerPixel(depth, viewport);
+  const double scale = MetersPerPixel(depth, viewport);
   eye_ += orientation_ * Eigen::Vector3d(-dx_pixels * scale, dy_pixels * scale, 0);
 }
 
 void Camera::Zoom(double factor, double x_pixels, double y_pixels, const Viewport& viewport) {
   factor = std::clamp(factor, distance_ / kFurthest, distance_ / kNearest);
   const double keep = 1 / factor;
-  Eigen::Vector3d towards = Pivot();
+  Eigen::Vector3d toward = Pivot();
   if (!anchor_) {
-    const double scale = MetresPerPixel(distance_, viewport);
-    towards += orientation_ * Eigen::Vector3d((x_pixels - 0.5 * viewport.width) * scale,
-                                              (0.5 * viewport.height - y_pixels) * scale, 0);
+    const double scale = MetersPerPixel(distance_, viewport);
+    toward += orientation_ *
+              Eigen::Vector3d((x_pixels - 0.5 * viewport.width) * scale, (0.5 * viewport.height - y_pixels) * scale, 0);
   }
   if (orthographic_) {
-    Eigen::Vector3d offset = orientation_.conjugate() * (eye_ - towards);
+    Eigen::Vector3d offset = orientation_.conjugate() * (eye_ - toward);
     offset.x() *= keep;
     offset.y() *= keep;
-    eye_ = towards + orientation_ * offset;
+    eye_ = toward + orientation_ * offset;
   } else {
-    eye_ = towards + keep * (eye_ - towards);
+    eye_ = toward + keep * (eye_ - toward);
   }
   distance_ *= keep;
 }
@@ -183,7 +183,7 @@ ViewMatrices Camera::Matrices(const Viewport& viewport) const {
   matrices.clip_from_eye = (Projection(viewport) * turn).cast<float>();
   matrices.eye = eye_;
   matrices.viewport = viewport;
-  matrices.pixels_per_metre_at_1m = static_cast<float>(1 / MetresPerPixel(1, viewport));
+  matrices.pixels_per_meter_at_1m = static_cast<float>(1 / MetersPerPixel(1, viewport));
   matrices.orthographic = orthographic_;
   return matrices;
 }

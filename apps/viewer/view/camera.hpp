@@ -14,19 +14,19 @@ struct Viewport {
   bool operator==(const Viewport&) const = default;
 };
 
-/// What the GPU needs from a camera. Positions go to the GPU as float differences from the eye, so that coordinates of
+/// The camera's data for the GPU. Positions go to the GPU as float differences from the eye, so that coordinates of
 /// 10^6 m and more stay exact.
 struct ViewMatrices {
   Eigen::Matrix4f clip_from_eye;  ///< From world axes with the origin at the eye.
   Eigen::Vector3d eye;            ///< In the fixed frame.
   Viewport viewport;
-  float pixels_per_metre_at_1m = 1;  ///< Orthographic: everywhere.
+  float pixels_per_meter_at_1m = 1;  ///< Orthographic: everywhere.
   bool orthographic = false;
 };
 
 /// The camera. In the world, z points up. The camera looks along its own -z; its y points up in the picture.
 ///
-/// It turns around the pivot and zooms towards it. The pivot is the anchor if there is one, or else the point in the
+/// It turns around the pivot and zooms toward it. The pivot is the anchor if there is one, or else the point in the
 /// middle of the picture at distance(). Units: meters, radians, pixels.
 class Camera {
  public:
@@ -39,7 +39,7 @@ class Camera {
   void Turn(double roll, double pitch, double yaw);
   /// Moves so that points at the pivot's depth follow the pointer.
   void Pan(double dx_pixels, double dy_pixels, const Viewport& viewport);
-  /// Moves closer by `factor` (> 1) or away (< 1). What is under the pixel, or the anchor, stays in its place.
+  /// Moves closer by `factor` (> 1) or away (< 1). The point under the pixel, or the anchor, stays in its place.
   void Zoom(double factor, double x_pixels, double y_pixels, const Viewport& viewport);
   /// Moves eye and anchor along the picture's x and y and the viewing direction.
   void Move(const Eigen::Vector3d& right_up_forward);
@@ -78,7 +78,7 @@ class Camera {
   [[nodiscard]] Eigen::Matrix4d Projection(const Viewport& viewport) const;
   [[nodiscard]] double NearPlane() const;
   /// Size of one pixel in the plane at `depth`, in meters.
-  [[nodiscard]] double MetresPerPixel(double depth, const Viewport& viewport) const;
+  [[nodiscard]] double MetersPerPixel(double depth, const Viewport& viewport) const;
   void TurnAbout(const Eigen::Vector3d& pivot, const Eigen::Quaterniond& turn);
 
   Eigen::Vector3d eye_;

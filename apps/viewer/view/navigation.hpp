@@ -8,7 +8,7 @@ namespace hgros::viewer {
 
 enum class PointerButton { kLeft, kRight, kMiddle };
 
-/// What a key does to the camera. The keys are in one table (panels/overlay/key_table.hpp).
+/// A key's effect on the camera. The keys are in one table (panels/overlay/key_table.hpp).
 enum class CameraKey {
   kYawLeft,
   kYawRight,
@@ -38,7 +38,7 @@ class Navigation {
   /// Returns the pixel of a click that picks; none otherwise.
   [[nodiscard]] std::optional<Eigen::Vector2d> OnRelease(PointerButton button, double x, double y);
   void OnPointer(double x, double y, const Viewport& viewport);
-  /// `steps` of the wheel; positive: towards the scene.
+  /// `steps` of the wheel; positive: toward the scene.
   void OnWheel(double steps, const Viewport& viewport);
   void OnKey(CameraKey key);
 

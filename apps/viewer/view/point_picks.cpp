@@ -25,14 +25,14 @@ std::optional<Measurement> PointPicks::measurement() const {
   return measured;
 }
 
-std::string MetresText(const Eigen::Vector3d& at) {
+std::string MetersText(const Eigen::Vector3d& at) {
   const int places = PlacesFor(at.cwiseAbs().maxCoeff());
   char text[128];
   std::snprintf(text, sizeof text, "%.*f, %.*f, %.*f m", places, at.x(), places, at.y(), places, at.z());
   return text;
 }
 
-std::string MetresText(double length) {
+std::string MetersText(double length) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f m", PlacesFor(std::abs(length)), length);
   return text;

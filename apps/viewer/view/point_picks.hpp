@@ -37,7 +37,7 @@ class PointPicks {
 };
 
 /// "x, y, z m" with a number of decimals that suits their size: millimeters up to one kilometer.
-[[nodiscard]] std::string MetresText(const Eigen::Vector3d& at);
-[[nodiscard]] std::string MetresText(double length);
+[[nodiscard]] std::string MetersText(const Eigen::Vector3d& at);
+[[nodiscard]] std::string MetersText(double length);
 
 }  // namespace hgros::viewer

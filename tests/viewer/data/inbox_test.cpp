@@ -27,10 +27,10 @@ TEST(Inbox, KeepsBelowItsLimitOfBytes) {
   EXPECT_EQ(inbox.dropped(), 6U);
   EXPECT_EQ(inbox.TakeAll().size(), 3U);
   inbox.Put(std::make_shared<const int>(9), kMost);
-  EXPECT_EQ(inbox.dropped(), 6U) << "what was taken counts no longer";
+  EXPECT_EQ(inbox.dropped(), 6U) << "taken messages no longer count";
   inbox.Put(std::make_shared<const int>(10), 10 * kMost);
   const auto taken = inbox.TakeAll();
-  ASSERT_EQ(taken.size(), 1U) << "the newest waits however large it is";
+  ASSERT_EQ(taken.size(), 1U) << "the newest message stays at any size";
   EXPECT_EQ(*taken.front(), 10);
   EXPECT_EQ(inbox.dropped(), 7U);
 }

@@ -12,7 +12,7 @@
 namespace hgros::viewer::test::made_world {
 namespace {
 
-constexpr double kStepMetres = 0.5;
+constexpr double kStepMeters = 0.5;
 
 void SetColor(foxglove::Color& color, const Eigen::Vector4d& rgba) {
   color.set_r(rgba[0]);
@@ -56,7 +56,7 @@ void SetSolid(Solid& solid, const RigidTransform& pose, const Eigen::Vector3d& s
 }  // namespace
 
 RigidTransform PoseAt(std::size_t step) {
-  const double x = kStepMetres * static_cast<double>(step);
+  const double x = kStepMeters * static_cast<double>(step);
   const double slope = 0.9 * std::sin(x / 25);
   return {RigidTransform::Rotation(Eigen::AngleAxisd(std::atan(slope), Eigen::Vector3d::UnitZ())),
           Eigen::Vector3d(x, 22.5 * (1 - std::cos(x / 25)), 0)};

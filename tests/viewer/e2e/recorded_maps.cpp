@@ -64,7 +64,7 @@ void AddByteField(Head& head, const std::string& name, foxglove::PackedElementFi
 
 }  // namespace
 
-std::unique_ptr<Bulk<foxglove::Grid>> ReadMap(const std::filesystem::path& pgm, double cell_metres) {
+std::unique_ptr<Bulk<foxglove::Grid>> ReadMap(const std::filesystem::path& pgm, double cell_meters) {
   std::ifstream file(pgm, std::ios::binary);
   std::string word;
   std::array<std::size_t, 3> numbers{};
@@ -87,8 +87,8 @@ std::unique_ptr<Bulk<foxglove::Grid>> ReadMap(const std::filesystem::path& pgm, 
   head.set_column_count(static_cast<std::uint32_t>(columns));
   head.set_row_stride(static_cast<std::uint32_t>(columns));
   head.set_cell_stride(1);
-  head.mutable_cell_size()->set_x(cell_metres);
-  head.mutable_cell_size()->set_y(cell_metres);
+  head.mutable_cell_size()->set_x(cell_meters);
+  head.mutable_cell_size()->set_y(cell_meters);
   AddByteField(head, "occupancy", foxglove::PackedElementField::INT8);
   for (std::size_t row = 0; row < rows; ++row) {  // The picture's top row is the map's last row.
     for (std::size_t column = 0; column < columns; ++column) {
@@ -104,9 +104,9 @@ std::unique_ptr<Bulk<foxglove::Grid>> ReadMap(const std::filesystem::path& pgm, 
 
 std::unique_ptr<Bulk<foxglove::VoxelGrid>> ReadOctree(const std::filesystem::path& bt) {
   std::ifstream file(bt, std::ios::binary);
-  double cell_metres = 0;
+  double cell_meters = 0;
   for (std::string line; std::getline(file, line) && line != "data";) {
-    if (line.starts_with("res ")) cell_metres = std::stod(line.substr(4));
+    if (line.starts_with("res ")) cell_meters = std::stod(line.substr(4));
   }
   const Octree tree(file);
   Key least = tree.occupied().at(0);
@@ -121,13 +121,13 @@ std::unique_ptr<Bulk<foxglove::VoxelGrid>> ReadOctree(const std::filesystem::pat
   auto grid = std::make_unique<Bulk<foxglove::VoxelGrid>>(std::size_t{counts[0]} * counts[1] * counts[2]);
   foxglove::VoxelGrid& head = grid->head();
   head.set_frame_id("map");
-  const auto metres = [&](std::size_t i) { return (static_cast<double>(least[i]) - 32768) * cell_metres; };
-  head.mutable_pose()->mutable_position()->set_x(metres(0));
-  head.mutable_pose()->mutable_position()->set_y(metres(1));
-  head.mutable_pose()->mutable_position()->set_z(metres(2));
-  head.mutable_cell_size()->set_x(cell_metres);
-  head.mutable_cell_size()->set_y(cell_metres);
-  head.mutable_cell_size()->set_z(cell_metres);
+  const auto meters = [&](std::size_t i) { return (static_cast<double>(least[i]) - 32768) * cell_meters; };
+  head.mutable_pose()->mutable_position()->set_x(meters(0));
+  head.mutable_pose()->mutable_position()->set_y(meters(1));
+  head.mutable_pose()->mutable_position()->set_z(meters(2));
+  head.mutable_cell_size()->set_x(cell_meters);
+  head.mutable_cell_size()->set_y(cell_meters);
+  head.mutable_cell_size()->set_z(cell_meters);
   head.set_column_count(counts[0]);
   head.set_row_count(counts[1]);
   head.set_cell_stride(1);

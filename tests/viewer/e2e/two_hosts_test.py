@@ -20,7 +20,7 @@ DESK_FILE = f"""network:
 
 
 class Host:
-    """A network namespace without a name, and a runtime folder: gone with the process that holds them."""
+    """An unnamed network namespace and a runtime folder. They disappear with the process that holds them."""
 
     def __init__(self, case):
         self.holder = subprocess.Popen(["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,

@@ -57,7 +57,7 @@ def pixels(path):
 
 
 def colorful(path):
-    """Share of the pixels that are neither background nor grey lines nor panels: what the robot published."""
+    """Share of the pixels that are neither background nor gray lines nor panels: the robot's data."""
     width, height, rows = pixels(path)
     count = 0
     for row in rows:
@@ -103,10 +103,10 @@ class ViewerCase(unittest.TestCase):
             figures = dict(part.split("=") for part in line.split() if "=" in part)
             if "points" in figures and wanted(figures):
                 return figures
-        self.fail("The viewer has not said what was waited for.")
+        self.fail("The viewer has not printed the expected line.")
 
     def line_with(self, viewer, words):
-        """The next line of its standard error that has these words; empty if it ends before."""
+        """The next line of its standard error that contains these words; empty if the program ends first."""
         return next((line for line in viewer.stderr if words in line), "")
 
 
@@ -223,7 +223,7 @@ class InMemory(ViewerCase):
     def test_draws_nothing_while_nothing_changes(self):
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2", "--panel", "Log", "--panel", "Message",
                             "--panel", "Plot", "--panel", "Channels")
-        # A second after the last picture one more says that nothing is drawn.
+        # A second after the last picture, one more picture shows that nothing is drawn.
         first = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 2.5)
         last = self.read_until(viewer, lambda figures: float(figures["seconds"]) > 4)
         self.assertEqual(first["frames"], last["frames"])
@@ -272,7 +272,7 @@ class InMemory(ViewerCase):
 
 
 class InAWindow(ViewerCase):
-    """Under a screen in memory, driven as by a person."""
+    """With a screen in memory, used as a person would."""
 
     def setUp(self):
         super().setUp()
@@ -330,7 +330,7 @@ class InAWindow(ViewerCase):
         left, top = map(int, place.search(written).groups())
         self.assertEqual(written.count("place:"), 1, "nobody has placed the others")
         self.do("key", "1", "key", "4")  # They may stand before it.
-        # A window knows what is below the pointer from the next picture on.
+        # A window knows the item below the pointer from the next picture on.
         for deed in (("mousemove", "--window", window, left + 80, top + 8), ("mousedown", 1),
                      ("mousemove", "--window", window, left + 60, top + 28)):
             self.do(*deed)

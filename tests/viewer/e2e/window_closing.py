@@ -1,4 +1,4 @@
-"""Asks a window of an X screen to close, as a window manager does when a person clicks on its cross."""
+"""Asks a window of an X screen to close, as a window manager does when a person clicks its close button."""
 
 import ctypes
 
@@ -14,7 +14,7 @@ class Event(ctypes.Union):
 
 
 def ask_to_close(screen, window):
-    """screen: as DISPLAY says it, window: its number."""
+    """screen: the value of DISPLAY. window: the window's id."""
     x11 = ctypes.CDLL("libX11.so.6")
     x11.XOpenDisplay.restype = ctypes.c_void_p
     x11.XInternAtom.restype = ctypes.c_ulong

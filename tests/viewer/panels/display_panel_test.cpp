@@ -66,7 +66,8 @@ class DisplayPanelTest : public PanelTest {
 
 TEST_F(DisplayPanelTest, ShowsTypeConflictsInOrange) {
   EXPECT_EQ(Orange({}), 0);
-  EXPECT_EQ(Orange({{"scan", "Silence", ""}, {"other", "Silence", "They differ."}}), 0) << "it is another channel's";
+  EXPECT_EQ(Orange({{"scan", "Silence", ""}, {"other", "Silence", "They differ."}}), 0)
+      << "the conflict is on another channel";
   EXPECT_GT(Orange({{"scan", "Silence", "They differ."}}), 0);
 }
 

@@ -149,7 +149,7 @@ TEST_F(FoundPanelsTest, GraphShowsTheNodesOfOtherSessions) {
     (void)dock_.Update({now_s += 2, channels});
     return Draw();
   };
-  EXPECT_TRUE(hgros::test::Await([&] { return drawn("on") > drawn("off") + 7 * 24; })) << "seven boxes more";
+  EXPECT_TRUE(hgros::test::Await([&] { return drawn("on") > drawn("off") + 7 * 24; })) << "seven more boxes";
 }
 
 }  // namespace

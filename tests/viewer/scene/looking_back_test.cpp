@@ -61,7 +61,7 @@ TEST_F(LookingBackTest, CountsDroppedMessagesOfCurrentDisplays) {
   const auto flood = [&](const std::string& channel, int count) {
     for (int i = 0; i < count; ++i) {
       Publish(channel, PointAt(0));
-      ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10))) << "none is dropped on its way";
+      ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10))) << "no message is dropped on its way";
     }
   };
   constexpr int kMore = 40;  // more than can wait
@@ -73,7 +73,7 @@ TEST_F(LookingBackTest, CountsDroppedMessagesOfCurrentDisplays) {
   flood("other", kMore);
   const std::uint64_t both = scene_.dropped();
   scene_.Remove(0);
-  EXPECT_EQ(scene_.dropped(), both - 7) << "the other one's alone";
+  EXPECT_EQ(scene_.dropped(), both - 7) << "only those of the other display";
   EXPECT_GT(scene_.dropped(), 0U);
 }
 
@@ -164,9 +164,9 @@ TEST_F(LookingBackTest, IsLimitedByTheHistoryOfVisibleFrames) {
   EXPECT_EQ(scene_.oldest_s(), 0);
   EXPECT_NEAR(scene_.truthful_since_s(), 59 - 10, 1);
   scene_.SetVisible(1, false);
-  EXPECT_EQ(scene_.truthful_since_s(), -std::numeric_limits<double>::infinity()) << "nobody sees the frames";
+  EXPECT_EQ(scene_.truthful_since_s(), -std::numeric_limits<double>::infinity()) << "the frames are hidden";
   scene_.SetVisible(0, false);
-  EXPECT_EQ(scene_.oldest_s(), std::numeric_limits<double>::infinity()) << "nobody sees the poses";
+  EXPECT_EQ(scene_.oldest_s(), std::numeric_limits<double>::infinity()) << "the poses are hidden";
 }
 
 TEST_F(LookingBackTest, IsUnlimitedWhenNoFrameMoves) {

@@ -150,7 +150,7 @@ TEST_F(PickingTest, ReturnsTheNearestOfSeveralTransparentDisplays) {
   entry = EntryAt({3.5, 1.5, 1}, found);
   ASSERT_NE(entry, nullptr);
   EXPECT_EQ(entry->display.get(), &costs);
-  EXPECT_EQ(DifferentShare(Draw(), before), 0) << "picking leaves nothing in the picture";
+  EXPECT_EQ(DifferentShare(Draw(), before), 0) << "picking does not change the picture";
 }
 
 TEST_F(PickingTest, ReturnsTheEntityAndItsMetadata) {
@@ -192,7 +192,7 @@ TEST_F(PickingTest, ReturnsTransparentThingsOfEveryKind) {
     added.set_id(id);
     return &added;
   };
-  for (const double alpha : {0.3, 0.0}) {  // An invisible thing is above it.
+  for (const double alpha : {0.3, 0.0}) {  // An invisible object is above it.
     const std::string name = alpha > 0 ? "seen " : "unseen ";
     const double z = alpha > 0 ? 1 : 2;
     const auto point = [&](auto* at, double x, double y) { SetXyz(*at, x, y, z); };
@@ -290,7 +290,7 @@ TEST_F(PickingTest, DoesNotChangeThePicture) {
   (void)scene_.EntryAt(camera_.Matrices(kPictureSize), 1, 160, 120, 0.5F, {0, 0, 0});
   const Pixels after = Draw();
   scene_.Redraw();
-  EXPECT_LT(DifferentShare(after, Draw()), 1e-9) << "what was new is there";
+  EXPECT_LT(DifferentShare(after, Draw()), 1e-9) << "the new message is drawn";
   EXPECT_GT(DifferentShare(after, before), 0);
 }
 

@@ -105,7 +105,7 @@ void SceneTest::ExpectDrawnAsKept(const std::string& name) {
   if (share <= kTolerance) return;
   const std::string drawn = name + "_drawn.png";
   (void)WritePng(drawn, kPictureSize, pixels);
-  ADD_FAILURE() << share * 100 << " % of the pixels differ from " << kept << "; what was drawn is in "
+  ADD_FAILURE() << share * 100 << " % of the pixels differ from " << kept << "; the drawn picture is in "
                 << std::filesystem::absolute(drawn);
 }
 

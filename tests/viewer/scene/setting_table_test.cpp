@@ -69,7 +69,7 @@ TEST_F(SettingTable, OfTheManualMatchesAllSettingsAndDefaults) {
     for (const Setting& setting : display.Settings()) {
       const auto found = documented.find(setting.name);
       if (found == documented.end()) {
-        ADD_FAILURE() << type.name << " has " << setting.name << ", which docs/viewer.md does not know.";
+        ADD_FAILURE() << type.name << " has " << setting.name << ", which is not in docs/viewer.md.";
         continue;
       }
       EXPECT_EQ(found->second, TextOf(setting)) << type.name << ": " << setting.name;

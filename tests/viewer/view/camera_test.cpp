@@ -27,12 +27,12 @@ TEST(Camera, LooksAtTheOriginFromTheStart) {
 
 TEST(Camera, ConvertsPixelsToPointsAndBack) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> metres(-5, 5);
+  std::uniform_real_distribution<double> meters(-5, 5);
   for (const bool orthographic : {false, true}) {
     Camera camera;
     camera.SetOrthographic(orthographic);
     for (int i = 0; i < 100; ++i) {
-      const Eigen::Vector3d point(metres(random), metres(random), metres(random));
+      const Eigen::Vector3d point(meters(random), meters(random), meters(random));
       const auto pixel = camera.PixelOf(point, kViewport);
       ASSERT_TRUE(pixel);
       ExpectNear(camera.PointAt(pixel->x(), pixel->y(), pixel->z(), kViewport), point, 1e-6);
@@ -65,7 +65,7 @@ TEST(Camera, OrbitingKeepsTheHorizonLevelAndStopsAtThePoles) {
   EXPECT_GE((camera.orientation() * Eigen::Vector3d::UnitY()).z(), 0);
 }
 
-TEST(Camera, ZoomsTowardsThePointerOrTheAnchor) {
+TEST(Camera, ZoomsTowardThePointerOrTheAnchor) {
   for (const bool orthographic : {false, true}) {
     Camera camera;
     camera.SetOrthographic(orthographic);
@@ -199,7 +199,7 @@ TEST(Camera, IgnoresTargetsThatAreNotFinite) {
   }
   Camera camera;
   camera.Focus(Eigen::AlignedBox3d(1e20 * one, 1.1e20 * one), kViewport);
-  EXPECT_LT(camera.eye().cwiseAbs().maxCoeff(), 1e12) << "a layout keeps no more";
+  EXPECT_LT(camera.eye().cwiseAbs().maxCoeff(), 1e12) << "the limit of numbers in a layout";
 }
 
 TEST(Camera, ZoomingHasLimits) {

@@ -40,9 +40,9 @@ TEST(PointPicks, MeasuresExactlyFarFromTheOrigin) {
 }
 
 TEST(PointPicks, WritesMetersWithSuitableDecimals) {
-  EXPECT_EQ(MetresText(Eigen::Vector3d(1.23456, -2, 0)), "1.235, -2.000, 0.000 m");
-  EXPECT_EQ(MetresText(Eigen::Vector3d(500000.127, 5400000.5, 300)), "500000.1, 5400000.5, 300.0 m");
-  EXPECT_EQ(MetresText(12.5), "12.500 m");
+  EXPECT_EQ(MetersText(Eigen::Vector3d(1.23456, -2, 0)), "1.235, -2.000, 0.000 m");
+  EXPECT_EQ(MetersText(Eigen::Vector3d(500000.127, 5400000.5, 300)), "500000.1, 5400000.5, 300.0 m");
+  EXPECT_EQ(MetersText(12.5), "12.500 m");
 }
 
 }  // namespace

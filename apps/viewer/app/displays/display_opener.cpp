@@ -11,7 +11,7 @@
 namespace hgros::viewer {
 namespace {
 
-constexpr std::size_t kMostFound = 32;  // Channels that are shown although nobody asked for them.
+constexpr std::size_t kMostFound = 32;  // Channels that are shown without being requested.
 
 std::string JoinNames(const std::vector<std::string>& names) {
   std::string list;
@@ -19,7 +19,7 @@ std::string JoinNames(const std::vector<std::string>& names) {
   return list;
 }
 
-/// Why --display cannot have that one.
+/// Why --display does not accept that name.
 std::string WhyNoDisplay(const std::string& name) {
   std::vector<std::string> alone;
   std::vector<std::string> of_channels;

@@ -19,7 +19,7 @@ namespace hgros::viewer {
 /// are found.
 class DisplayOpener {
  public:
-  /// Any thread may call `wake`: a message has come.
+  /// Any thread may call `wake`: a message has arrived.
   DisplayOpener(Session& session, Scene& scene, const ChannelList& channels, Notices& notices,
                 std::function<void()> wake)
       : session_(session), scene_(scene), channels_(channels), notices_(notices), wake_(std::move(wake)) {}
@@ -27,7 +27,7 @@ class DisplayOpener {
   /// Whether channels are shown that nobody asked for.
   void SetShowFound(bool show_found) { show_found_ = show_found; }
   [[nodiscard]] bool show_found() const noexcept { return show_found_; }
-  /// What the next written layout says of that.
+  /// The value of `show_found` for the next written layout.
   [[nodiscard]] bool keeps_show_found() const noexcept { return keeps_show_found_; }
 
   /// Adds the displays that are there without being asked for: the ground and the frames.
@@ -54,7 +54,7 @@ class DisplayOpener {
 
  private:
   void Restore(const LayoutDisplay& kept);
-  /// Whether it could be added; if not, a person is told why.
+  /// Returns whether it could be added. If not, a notice tells the reason.
   bool TryAdd(const DisplayType& type, const WantedDisplay& wanted);
   void Add(const DisplayType& type, const std::string& channel,
            const std::vector<std::pair<std::string, std::string>>& settings);

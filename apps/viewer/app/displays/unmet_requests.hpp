@@ -10,7 +10,7 @@
 
 namespace hgros::viewer {
 
-/// What PrintUnmetRequests looks at.
+/// The state that PrintUnmetRequests checks.
 struct RequestState {
   const Options& options;
   const Scene& scene;
@@ -20,7 +20,7 @@ struct RequestState {
   const std::string& followed;  ///< The frame that the camera follows; empty: none.
 };
 
-/// Prints what was asked for by name and is not there at the end. Returns whether there is any.
+/// Prints what was requested by name and is missing at the end. Returns whether anything is missing.
 [[nodiscard]] bool PrintUnmetRequests(const RequestState& state);
 
 }  // namespace hgros::viewer

@@ -8,7 +8,7 @@
 
 namespace hgros::viewer {
 
-/// What a viewer knows that its layout does not contain. It is handed to the viewer that replaces it.
+/// The state of a viewer that its layout does not contain. It is passed to the viewer that replaces it.
 struct Carried {
   std::vector<WantedDisplay> awaited;  ///< Their schema is not known yet.
   std::set<std::string> found;         ///< Channels that were found and shown, including those that were removed later.

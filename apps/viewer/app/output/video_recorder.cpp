@@ -173,8 +173,8 @@ std::string VideoRecorder::Send() {
     if (ready == 0) {
       kill(child_, SIGKILL);
       (void)End();
-      return "ffmpeg took no picture for " + Seconds(patience_) + " and was ended: " + file_.string() +
-             " is not whole.";
+      return "ffmpeg accepted no picture for " + Seconds(patience_) + " and was stopped: " + file_.string() +
+             " is not complete.";
     }
     const ssize_t sent = send(to_child_, rgb.data(), rgb.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;

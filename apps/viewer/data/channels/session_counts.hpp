@@ -11,8 +11,8 @@
 
 namespace hgros::viewer {
 
-/// The counts that sessions report and, from the second report on, how fast they grow. What a session reports is
-/// bounded but not checked. Thread safety: none.
+/// The counts that sessions report and, from the second report on, how fast they grow. A session's report is bounded
+/// but not checked. Thread safety: none.
 class SessionCounts {
  public:
   /// The messages of one node or one channel, in one direction.

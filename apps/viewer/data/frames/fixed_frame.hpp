@@ -28,7 +28,7 @@ class FixedFrame {
   bool Saw(std::string_view frame);
 
   /// Gives T_fixed_frame at `stamp`, or the latest one if the stamp is 0. A message without a frame is in the fixed
-  /// frame. If there is no transform, `why` is a sentence that tells the reason.
+  /// frame. If there is no transform, `why` is a sentence with the reason.
   [[nodiscard]] Answer Find(std::string_view frame, Time stamp, RigidTransform& T_fixed_frame, std::string& why) const;
   /// The latest.
   [[nodiscard]] Answer Find(std::string_view frame, RigidTransform& T_fixed_frame, std::string& why) const;

@@ -12,7 +12,7 @@
 namespace hgros::viewer {
 
 /// How long ago the last transform of each moving frame arrived. The time of arrival counts, not the stamp, which may
-/// be from any clock. Seconds on a steady clock that the caller reads. Thread safety: none.
+/// be from any clock. Times are seconds on a steady clock that the caller reads. Thread safety: none.
 class FrameAges {
  public:
   void Take(std::span<const EdgeSnapshot> edges, double now_s);

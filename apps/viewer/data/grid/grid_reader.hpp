@@ -20,7 +20,7 @@ struct GridPicture {
   Time stamp;
   Eigen::Isometry3d T_frame_corner =
       Eigen::Isometry3d::Identity();  ///< The corner with the lowest x and y, and the axes of the grid.
-  Eigen::Vector2d cell_size = Eigen::Vector2d::Zero();  ///< Metres.
+  Eigen::Vector2d cell_size = Eigen::Vector2d::Zero();  ///< Meters.
   std::size_t columns = 0, rows = 0;
   std::vector<Rgba> pixels;  ///< Row by row, starting at the corner.
   std::vector<std::string> fields;

@@ -26,7 +26,7 @@ struct VoxelPicture {
   Time stamp;
   Eigen::Isometry3d T_frame_corner =
       Eigen::Isometry3d::Identity();  ///< The corner with the lowest x, y and z, and the axes of the grid.
-  Eigen::Vector3d cell_size = Eigen::Vector3d::Zero();  ///< Metres.
+  Eigen::Vector3d cell_size = Eigen::Vector3d::Zero();  ///< Meters.
   std::array<std::size_t, 3> counts{};                  ///< Columns, rows, slices.
   std::vector<VoxelCube> cubes;
   std::vector<std::string> fields;

@@ -172,7 +172,7 @@ std::string ReadImageFile(Bytes file, const DepthColors& colors, ImagePicture& p
   if (BeginsWith(file, kJpeg)) return Jpeg().Read(file, picture);
   if (!BeginsWith(file, kPng)) {
     return "The image is neither PNG nor JPEG" +
-           (picture.encoding.empty() ? std::string() : "; it is said to be \"" + picture.encoding + "\"") + ".";
+           (picture.encoding.empty() ? std::string() : "; the message calls it \"" + picture.encoding + "\"") + ".";
   }
   if (!IsGray16(file)) return ReadPng(file, picture);
   if (std::string fault = Gray16().Read(file, picture, picture.values); !fault.empty()) return fault;

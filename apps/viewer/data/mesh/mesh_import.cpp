@@ -60,7 +60,7 @@ Rgba ColorOf(const Assimp& assimp, const aiMaterial* material) {
 std::string ImportMesh(const std::filesystem::path& path, std::vector<TriangleCorner>& corners) {
   static const Assimp assimp;
   if (!assimp.complete()) {
-    return "To read " + path.string() + " takes " + kLibrary + ", which Debian's libassimp5 installs.";
+    return "Reading " + path.string() + " needs " + kLibrary + ", which Debian's package libassimp5 installs.";
   }
   const std::unique_ptr<aiPropertyStore, void (*)(aiPropertyStore*)> properties(assimp.make_properties(),
                                                                                 assimp.release_properties);

@@ -47,7 +47,7 @@ fs::path FindMesh(std::string_view name, const std::vector<fs::path>& folders, s
   if (const auto rest = After("package://", name)) {
     const fs::path relative(*rest);
     if (LeadsOut(relative) || relative.empty()) {
-      fault = "The mesh's name \"" + std::string(name) + "\" cannot be one.";
+      fault = "\"" + std::string(name) + "\" is not a valid name for a mesh.";
       return {};
     }
     const fs::path package = *relative.begin();
@@ -66,7 +66,7 @@ fs::path FindMesh(std::string_view name, const std::vector<fs::path>& folders, s
   }
   fault = "The mesh \"" + std::string(name) + "\" was not found";
   if (folders.empty()) {
-    fault += ": no folder is named in which meshes lie.";
+    fault += ": no folder for meshes is given. HGROS_MESH_PATH can name folders.";
   } else {
     fault += " in " + folders.front().string() +
              (folders.size() > 1 ? " and " + std::to_string(folders.size() - 1) + " more folders." : ".");

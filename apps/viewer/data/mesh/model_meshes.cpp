@@ -41,7 +41,7 @@ std::string ReadCorners(const SceneModel& model, std::vector<TriangleCorner>& co
     return fault.empty() ? ReadMesh(path, corners) : fault;
   }
   if (model.media_type.find("stl") == std::string::npos) {
-    return "A model inside a message is STL, or it is not drawn; this one is \"" + model.media_type + "\".";
+    return "A model inside a message must be STL; this one is \"" + model.media_type + "\".";
   }
   std::vector<Eigen::Vector3f> read;
   fault = ReadStl(AsBytes(model.data), read);

@@ -19,7 +19,7 @@ std::string ReadBinary(Bytes file, std::vector<Eigen::Vector3f>& corners) {
   std::uint32_t count = 0;
   std::memcpy(&count, file.data() + kHeadBytes - sizeof count, sizeof count);
   if (count > (file.size() - kHeadBytes) / kTriangleBytes) {
-    return "The STL file names " + std::to_string(count) + " triangles, but ends before the last.";
+    return "The STL file announces " + std::to_string(count) + " triangles, but ends before the last.";
   }
   corners.reserve(std::size_t{3} * count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -51,11 +51,11 @@ std::string ReadText(std::string_view text, std::vector<Eigen::Vector3f>& corner
       const std::string_view number = NextWord(text);
       const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), corner[i]);
       if (error != std::errc() || end != number.data() + number.size()) {
-        return "In the STL file \"" + std::string(number.substr(0, 40)) + "\" stands where a number should.";
+        return "The STL file has \"" + std::string(number.substr(0, 40)) + "\" instead of a number.";
       }
     }
   }
-  if (corners.size() % 3 != 0) return "The STL file ends within a triangle.";
+  if (corners.size() % 3 != 0) return "The STL file ends in the middle of a triangle.";
   if (corners.empty()) return "The STL file has no triangles.";
   return {};
 }

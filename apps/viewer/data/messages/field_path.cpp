@@ -109,14 +109,14 @@ std::optional<FieldPath> FieldPath::Parse(std::string_view text, const Descripto
     }
     if (field->is_repeated() != (index >= 0)) {
       fault = "\"" + std::string(part) + "\" is " +
-              (field->is_repeated() ? "a list: say which element, as in " : "no list: write ") + std::string(part) +
+              (field->is_repeated() ? "a list: name the element, as in " : "not a list: write ") + std::string(part) +
               (field->is_repeated() ? "[0]." : ".");
       return std::nullopt;
     }
     path.steps_.push_back({field, index});
     if (dot == std::string_view::npos) {
       if (IsNumber(*field)) return path;
-      fault = "\"" + std::string(text) + "\" is no number.";
+      fault = "\"" + std::string(text) + "\" is not a number.";
       return std::nullopt;
     }
     in = field->message_type();

@@ -11,7 +11,7 @@ std::shared_ptr<const DynamicSchema> SchemaBook::Find(const std::shared_ptr<cons
       entry.fault = "Messages of " + (schema->type_name.empty() ? "an unknown type" : "\"" + schema->type_name + "\"") +
                     " are not protobuf: only their size is known.";
     } else if (schema->descriptor_set.empty()) {
-      entry.fault = "The publisher of \"" + schema->type_name + "\" does not tell its schema: only the size is known.";
+      entry.fault = "The publisher of \"" + schema->type_name + "\" does not send its schema: only the size is known.";
     } else {
       entry.type = DynamicSchema::Build(*schema, entry.fault);
     }

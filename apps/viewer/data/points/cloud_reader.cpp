@@ -36,7 +36,7 @@ class FieldValues {
       case NumericType::kFloat64: return Checked<double>(points, name, fault);
       case NumericType::kUnknown: break;
     }
-    fault = "The field \"" + std::string(name) + "\" is stored in a way that is not known.";
+    fault = "The field \"" + std::string(name) + "\" has an unknown numeric type.";
     return std::nullopt;
   }
 

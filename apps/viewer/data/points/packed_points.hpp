@@ -16,7 +16,7 @@ using PackedPoint = std::array<std::uint16_t, 4>;
 /// The box and range of the codes of one message.
 struct PackedBox {
   Eigen::Vector3d corner = Eigen::Vector3d::Zero();  ///< The lower corner of the box.
-  Eigen::Vector3f size = Eigen::Vector3f::Ones();    ///< Metres.
+  Eigen::Vector3f size = Eigen::Vector3f::Ones();    ///< Meters.
   float scalar_lo = 0;
   float scalar_hi = 1;
 };

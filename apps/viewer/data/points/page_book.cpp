@@ -26,7 +26,7 @@ PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions) {
   std::vector<Touched> touched;
   std::vector<std::uint32_t> cell_of(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Eigen::Vector3d scaled = positions[i] / cell_metres_;
+    const Eigen::Vector3d scaled = positions[i] / cell_meters_;
     const Cell cell{static_cast<std::int64_t>(std::floor(scaled.x())),
                     static_cast<std::int64_t>(std::floor(scaled.y())),
                     static_cast<std::int64_t>(std::floor(scaled.z()))};
@@ -54,7 +54,7 @@ PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions) {
         at.open->used = 0;
         added.new_pages.push_back(Eigen::Vector3d(static_cast<double>(at.cell.x), static_cast<double>(at.cell.y),
                                                   static_cast<double>(at.cell.z)) *
-                                  cell_metres_);
+                                  cell_meters_);
       }
       const std::size_t count = std::min(left, kPagePoints - at.open->used);
       added.runs.push_back({at.open->page, at.open->used, from, count});
@@ -67,7 +67,7 @@ PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions) {
     Touched& at = touched[cell_of[i]];
     const Eigen::Vector3d corner(static_cast<double>(at.cell.x), static_cast<double>(at.cell.y),
                                  static_cast<double>(at.cell.z));
-    added.codes[at.next] = cell_code::Encode(positions[i] / cell_metres_ - corner);
+    added.codes[at.next] = cell_code::Encode(positions[i] / cell_meters_ - corner);
     added.order[at.next] = static_cast<std::uint32_t>(i);
     ++at.next;
   }
@@ -75,8 +75,8 @@ PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions) {
   return added;
 }
 
-double PageBook::CellFor(double extent_metres) {
-  const double wanted = std::clamp(extent_metres / 8, 0.0625, 64.0);
+double PageBook::CellFor(double extent_meters) {
+  const double wanted = std::clamp(extent_meters / 8, 0.0625, 64.0);
   return std::exp2(std::round(std::log2(wanted)));
 }
 

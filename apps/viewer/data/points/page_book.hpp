@@ -32,19 +32,19 @@ class PageBook {
     std::vector<Eigen::Vector3d> new_pages;
   };
 
-  /// `cell_metres` is the edge of a cell. Positions are exact to about 1/4000 of it (z: 1/2000).
-  explicit PageBook(double cell_metres) : cell_metres_(cell_metres) {}
+  /// `cell_meters` is the edge of a cell. Positions are exact to about 1/4000 of it (z: 1/2000).
+  explicit PageBook(double cell_meters) : cell_meters_(cell_meters) {}
 
   [[nodiscard]] Added Add(std::span<const Eigen::Vector3d> positions);
 
   [[nodiscard]] std::size_t pages() const noexcept { return pages_; }
   [[nodiscard]] std::size_t points() const noexcept { return points_; }
   [[nodiscard]] std::size_t cells() const noexcept { return cells_.size(); }
-  [[nodiscard]] double cell_metres() const noexcept { return cell_metres_; }
+  [[nodiscard]] double cell_meters() const noexcept { return cell_meters_; }
 
-  /// The edge of cells for points spread over `extent_metres`: a power of two, so that steps are finer than 1/30000 of
+  /// The edge of cells for points spread over `extent_meters`: a power of two, so that steps are finer than 1/30000 of
   /// the extent.
-  [[nodiscard]] static double CellFor(double extent_metres);
+  [[nodiscard]] static double CellFor(double extent_meters);
 
  private:
   struct Cell {
@@ -63,7 +63,7 @@ class PageBook {
     std::uint64_t add = 0;
   };
 
-  double cell_metres_;
+  double cell_meters_;
   std::unordered_map<Cell, Open, CellHash> cells_;
   std::size_t pages_ = 0;
   std::size_t points_ = 0;

@@ -16,7 +16,7 @@ struct PointBatch {
   std::string frame;
   Time stamp;
   RigidTransform T_frame_points;           ///< The message's pose, including the offset that keeps the positions small.
-  std::vector<Eigen::Vector3f> positions;  ///< Metres.
+  std::vector<Eigen::Vector3f> positions;  ///< Meters.
   std::vector<float> scalars;              ///< The requested field: one value for each position, or none.
   std::vector<std::uint32_t> colors;  ///< One for each position, or none. Red in the lowest byte, alpha in the highest.
   std::string scalar_name;            ///< Name of the field in `scalars`.

@@ -8,7 +8,7 @@ namespace {
 /// Also false for values that are not numbers.
 template <class Numbers>
 bool IsNear(const Numbers& numbers) {
-  return (numbers.array().abs() <= kFarthestMetres).all();
+  return (numbers.array().abs() <= kFarthestMeters).all();
 }
 
 template <class Shape>

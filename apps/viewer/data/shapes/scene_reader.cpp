@@ -60,7 +60,7 @@ class Vertices {
 std::string Read(const foxglove::ArrowPrimitive& arrow, const Isometry3d& pose, SceneShapes& shapes) {
   const double lengths[] = {arrow.shaft_length(), arrow.shaft_diameter(), arrow.head_length(), arrow.head_diameter()};
   if (!std::ranges::all_of(lengths, [](double length) { return std::isfinite(length) && length >= 0; })) {
-    return "has lengths that are no lengths";
+    return "has negative or invalid lengths";
   }
   const Rgba color = ReadColor(arrow.color());
   // Unit cylinders point along z, arrows along x.
@@ -115,7 +115,7 @@ std::string Read(const foxglove::LinePrimitive& line, const Isometry3d& pose, Sc
                           vertices.Color(from),           vertices.Color(to),
                           static_cast<float>(thickness),  line.scale_invariant()};
     if (!piece.from.allFinite() || !piece.to.allFinite()) {
-      fault = "has points that are no numbers";
+      fault = "has points that are not numbers";
     } else {
       shapes.lines.push_back(piece);
     }
@@ -131,13 +131,13 @@ std::string Read(const foxglove::TriangleListPrimitive& list, const Isometry3d& 
     const Vector3d corners[] = {pose * vertices.Position(i), pose * vertices.Position(i + 1),
                                 pose * vertices.Position(i + 2)};
     if (!corners[0].allFinite() || !corners[1].allFinite() || !corners[2].allFinite()) {
-      fault = "has points that are no numbers";
+      fault = "has points that are not numbers";
       continue;
     }
     for (int k = 0; k < 3; ++k) shapes.triangles.push_back({corners[k], vertices.Color(i + k)});
   }
   if (fault.empty() && vertices.size() % 3 != 0)
-    fault = "has " + std::to_string(vertices.size()) + " corners, no multiple of 3";
+    fault = "has " + std::to_string(vertices.size()) + " corners, which is not a multiple of 3";
   return fault;
 }
 

@@ -10,7 +10,7 @@
 
 namespace hgros::viewer {
 
-/// Color channels are clamped to 0 and 1. What is not a number becomes 0.
+/// Color channels are clamped to 0 and 1. Values that are not numbers become 0.
 [[nodiscard]] Rgba ReadColor(const foxglove::Color& color);
 /// Returns false if any part is not a finite number. A rotation of length 0, as in a message that does not set it,
 /// becomes the identity.

@@ -70,7 +70,7 @@ std::string Draw(const LineShape& line, const Pen& pen) {
   std::vector<Vector3d> points;
   for (const auto& point : line.points()) points.push_back(pen.pose * Vector3d(point.x(), point.y(), point.z()));
   if (!std::ranges::all_of(points, [](const Vector3d& point) { return point.allFinite(); })) {
-    return "has points that are no numbers";
+    return "has points that are not numbers";
   }
   for (std::size_t i = 1; i < points.size(); ++i) {
     pen.shapes.lines.push_back({points[i - 1], points[i], pen.color, pen.color, PixelsOf(line.width()), true});
@@ -81,7 +81,7 @@ std::string Draw(const LineShape& line, const Pen& pen) {
 std::string Draw(const PolygonShape& polygon, const Pen& pen) { return DrawFlat(CornersOf(polygon), 0, pen); }
 
 std::string Draw(const OvalShape& oval, const Pen& pen) {
-  if (!IsLength(oval.a()) || !IsLength(oval.b())) return "has half axes that are no lengths";
+  if (!IsLength(oval.a()) || !IsLength(oval.b())) return "has half axes that are not lengths";
   return DrawFlat(CornersOf(oval), 0, pen);
 }
 
@@ -95,13 +95,13 @@ void AddSolid(std::vector<SolidShape>& to, const Pen& pen, const Vector3d& size,
 
 std::string Draw(const EllipsoidShape& ellipsoid, const Pen& pen) {
   const Vector3d half(ellipsoid.half_axes().x(), ellipsoid.half_axes().y(), ellipsoid.half_axes().z());
-  if (!half.allFinite() || half.minCoeff() < 0) return "has half axes that are no lengths";
+  if (!half.allFinite() || half.minCoeff() < 0) return "has half axes that are not lengths";
   AddSolid(pen.shapes.spheres, pen, 2 * half, 0);
   return {};
 }
 
 std::string DrawUpright(const OvalShape& base, double height, float top_scale, const Pen& pen) {
-  if (!IsLength(base.a()) || !IsLength(base.b())) return "has half axes that are no lengths";
+  if (!IsLength(base.a()) || !IsLength(base.b())) return "has half axes that are not lengths";
   AddSolid(pen.shapes.cylinders, pen, {2 * base.a(), 2 * base.b(), height}, height / 2, top_scale);
   return {};
 }
@@ -137,7 +137,7 @@ std::string Draw(const Shape& shape, const Pen& pen) {
     case Shape::kExtrusion: return Draw(shape.extrusion(), pen);
     case Shape::SHAPE_NOT_SET: break;
   }
-  return "is none that is known";
+  return "is of an unknown kind";
 }
 
 }  // namespace

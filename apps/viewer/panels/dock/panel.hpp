@@ -11,7 +11,8 @@
 
 namespace hgros::viewer {
 
-/// What panels are made from. The session must outlive them. Any thread may call `wake`; it causes an Update.
+/// The inputs of a panel's constructor. The session must outlive the panels. Any thread may call `wake`; it causes an
+/// Update.
 struct PanelInputs {
   Session& session;
   std::function<void()> wake;
@@ -22,10 +23,10 @@ struct PanelContext {
   std::span<const KnownChannel> channels;  ///< Without the library's own.
 };
 
-/// What a person requests in one panel and another panel does. Empty: nothing.
+/// A request in one panel that another panel carries out. Empty: none.
 struct PanelWish {
   std::string message;  ///< A channel for the panel Message.
-  std::string plot;     ///< A channel and the path of a number for the panel Plot, with a space between.
+  std::string plot;     ///< A channel and the path of a number for the panel Plot, separated by a space.
 };
 
 /// The contents of a window that can be opened and closed. It has subscriptions only while it is open. Messages arrive

@@ -256,7 +256,7 @@ class GraphPanel : public Panel {
     } else {
       const Hypergraph::Channel& channel = graph_.channels[box.index];
       ImGui::TextUnformatted(channel.name.c_str());
-      ImGui::TextDisabled("%s", channel.type.empty() ? "nobody has said its type" : channel.type.c_str());
+      ImGui::TextDisabled("%s", channel.type.empty() ? "type unknown" : channel.type.c_str());
       if (channel.types_differ) DrawWarning("Its users do not agree on the type, or on its version.");
     }
     ExplainLines(box);
@@ -292,14 +292,14 @@ class GraphPanel : public Panel {
     const Hypergraph::Counts& counts = *line.counts;
     std::string text = line.publishes ? "publishes " : "receives ";
     text += counts.per_second ? Rate(*counts.per_second) + ", " : "";
-    text += std::to_string(counts.messages) + " in all";
+    text += std::to_string(counts.messages) + " in total";
     const auto add = [&text](std::uint64_t count, const char* what) {
       if (count > 0) text += ", " + std::to_string(count) + what;
     };
     add(counts.refused, " refused");
     add(counts.lost, " lost on the way");
     add(counts.unreadable, " unreadable");
-    add(counts.dropped, line.publishes ? " dropped on the way out" : " dropped by full queues");
+    add(counts.dropped, line.publishes ? " dropped while sending" : " dropped by full queues");
     add(counts.failed, " callbacks failed");
     if (counts.run_p99_ns > 0) {
       text += ", 99 % of callbacks within " + DurationText(std::chrono::nanoseconds(counts.run_p99_ns));

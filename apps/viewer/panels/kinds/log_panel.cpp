@@ -145,7 +145,7 @@ class LogPanel : public Panel {
     }
     ImGui::SameLine();
     ImGui::SetNextItemWidth(10 * unit);
-    changed |= ImGui::InputTextWithHint("##text", "with these words", text_, sizeof text_);
+    changed |= ImGui::InputTextWithHint("##text", "text to find", text_, sizeof text_);
     ImGui::SameLine();
     ImGui::Checkbox("follow", &follow_);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Scrolls to the newest line.");

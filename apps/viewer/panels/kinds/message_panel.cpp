@@ -32,7 +32,7 @@ class MessagePanel : public Panel {
     ImGui::SetNextItemWidth(0.6F * ImGui::GetContentRegionAvail().x);
     if (DrawChannelCombo("##channel", channel_, channels_)) Listen();
     ImGui::SameLine();
-    if (ImGui::SmallButton(held_ ? "go on" : "pause")) Hold(!held_);
+    if (ImGui::SmallButton(held_ ? "continue" : "pause")) Hold(!held_);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Keeps showing this message, so that it can be read.");
     if (channel_.empty()) {
       DrawNote("Choose a channel: its newest message is shown here, field by field.");

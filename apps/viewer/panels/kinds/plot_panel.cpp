@@ -150,7 +150,7 @@ class PlotPanel : public Panel {
     }
     ImGui::SameLine();
     ImGui::SetNextItemWidth(11 * unit);
-    const bool entered = ImGui::InputTextWithHint("##path", "field, as pose.position.x", path_, sizeof path_,
+    const bool entered = ImGui::InputTextWithHint("##path", "field, such as pose.position.x", path_, sizeof path_,
                                                   ImGuiInputTextFlags_EnterReturnsTrue);
     ImGui::SameLine(0, 2);
     DrawPaths();
@@ -170,7 +170,8 @@ class PlotPanel : public Panel {
     const auto feed = feeds_.find(channel_);
     const std::vector<std::string> paths =
         feed == feeds_.end() ? std::vector<std::string>() : feed->second.feed->Paths();
-    if (paths.empty()) ImGui::TextDisabled("%s", channel_.empty() ? "Choose a channel first." : "No message has come.");
+    if (paths.empty())
+      ImGui::TextDisabled("%s", channel_.empty() ? "Choose a channel first." : "No message has arrived.");
     for (const std::string& path : paths) {
       if (!ImGui::Selectable(path.c_str())) continue;
       std::snprintf(path_, sizeof path_, "%s", path.c_str());

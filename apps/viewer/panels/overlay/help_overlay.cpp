@@ -28,11 +28,11 @@ void DrawHelp(bool& open) {
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
                        ImGuiWindowFlags_NoMove)) {
     if (ImGui::BeginTable("keys", 2)) {
-      Row("Left drag", "turn about the anchor, or the middle of the picture");
+      Row("Left drag", "turn around the anchor, or the middle of the picture");
       Row("Right drag", "move the picture");
-      Row("Wheel", "nearer and further: to the anchor, or to the pointer");
-      Row("Left click", "set the anchor on what is there");
-      Row("Shift and click", "pick the point there; a second one is measured from it");
+      Row("Wheel", "zoom to the anchor, or to the pointer");
+      Row("Left click", "set the anchor on the clicked surface");
+      Row("Shift and click", "pick a point; a second point measures the distance");
       std::string keys;
       const auto table = KeyTable();
       for (std::size_t i = 0; i < table.size(); ++i) {

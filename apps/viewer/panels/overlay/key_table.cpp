@@ -27,7 +27,7 @@ constexpr KeyRow kKeys[] = {
     CameraRow('T', CameraKey::kFromAbove, "T", "look from above, x to the right and y up"),
     CameraRow('O', CameraKey::kOrthographic, "O", "orthographic or perspective"),
     Viewer('Z', ViewerKey::kFocus, "Z", "show everything"),
-    CameraRow(kKeyHome, CameraKey::kReset, "Home", "the view as at the start"),
+    CameraRow(kKeyHome, CameraKey::kReset, "Home", "reset the view"),
     Viewer(' ', ViewerKey::kPause, "Space", "pause or continue"),
     Viewer('N', ViewerKey::kStep, "N", "show what has arrived until now, and stay paused"),
     Viewer('M', ViewerKey::kPick, "M", "clicks pick points, and measure between two"),
@@ -39,7 +39,7 @@ constexpr KeyRow kKeys[] = {
     Viewer('4', ViewerKey::kOnePanel, "4", nullptr),
     Viewer('5', ViewerKey::kOnePanel, "5", nullptr),
     Viewer('L', ViewerKey::kSaveLayout, "L", "write the layout file"),
-    Viewer(kKeyF12, ViewerKey::kScreenshot, "F12", "write a screenshot"),
+    Viewer(kKeyF12, ViewerKey::kScreenshot, "F12", "save a screenshot"),
     Viewer(kKeyF1, ViewerKey::kHelp, "F1", "this help on and off"),
     Viewer('H', ViewerKey::kHelp, "H", nullptr),
 };

@@ -6,7 +6,7 @@
 
 namespace hgros::viewer {
 
-/// What a key does. Letters are upper case; other keys have our own numbers above 255.
+/// A key and its effect. Letters are upper case; other keys have our own numbers above 255.
 enum SpecialKey { kKeyLeft = 256, kKeyRight, kKeyUp, kKeyDown, kKeyHome, kKeyF1, kKeyF12, kKeyEscape };
 
 enum class ViewerKey {

@@ -19,9 +19,9 @@ constexpr std::size_t kMostLetters = 100'000;  ///< Largest size of all labels t
 /// In pixels.
 float HeightOnScreen(const Label& label, const ViewMatrices& view) {
   float height = label.height;
-  if (label.in_metres) {
+  if (label.in_meters) {
     const Eigen::Vector3f from_eye = (label.at - view.eye).cast<float>();
-    height *= view.pixels_per_metre_at_1m / (view.clip_from_eye * from_eye.homogeneous()).w();
+    height *= view.pixels_per_meter_at_1m / (view.clip_from_eye * from_eye.homogeneous()).w();
   }
   return std::min(height, kLargestText);
 }

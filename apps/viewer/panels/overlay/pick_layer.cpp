@@ -35,7 +35,7 @@ void DrawMarks(const PointPicks& picks, const Camera& camera, const Viewport& vi
       list.AddLine(*before, *place, kMark, 1.5F);
       if (const auto measured = picks.measurement()) {
         Write(list, {0.5F * (before->x + place->x) + 0.5F * font, 0.5F * (before->y + place->y) - font},
-              MetresText(measured->distance));
+              MetersText(measured->distance));
       }
     }
     if (place) {
@@ -51,14 +51,14 @@ void DrawMarks(const PointPicks& picks, const Camera& camera, const Viewport& vi
 void DrawPoint(std::size_t number, const PickedPoint& point) {
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kMark), "%zu", number);
   ImGui::SameLine();
-  ImGui::TextUnformatted(MetresText(point.at).c_str());
+  ImGui::TextUnformatted(MetersText(point.at).c_str());
   ImGui::Indent();
-  ImGui::TextUnformatted(point.display.empty() ? "of no display that knows it" : point.display.c_str());
+  ImGui::TextUnformatted(point.display.empty() ? "display unknown" : point.display.c_str());
   if (!point.value.empty()) {
     ImGui::SameLine();
     ImGui::TextUnformatted(point.value.c_str());
   }
-  if (point.in_frame) ImGui::TextDisabled("%s in %s", MetresText(*point.in_frame).c_str(), point.frame.c_str());
+  if (point.in_frame) ImGui::TextDisabled("%s in %s", MetersText(*point.in_frame).c_str(), point.frame.c_str());
   ImGui::Unindent();
 }
 
@@ -77,10 +77,10 @@ void DrawPicks(PointPicks& picks, const Camera& camera, const Viewport& viewport
     for (std::size_t i = 0; i < picks.points().size(); ++i) DrawPoint(i + 1, picks.points()[i]);
     if (const auto measured = picks.measurement()) {
       ImGui::Separator();
-      ImGui::Text("distance %s", MetresText(measured->distance).c_str());
-      ImGui::TextDisabled("in the plane %s, height %s", MetresText(measured->in_plane).c_str(),
-                          MetresText(measured->step.z()).c_str());
-      ImGui::TextDisabled("dx, dy, dz %s", MetresText(measured->step).c_str());
+      ImGui::Text("distance %s", MetersText(measured->distance).c_str());
+      ImGui::TextDisabled("in the plane %s, height %s", MetersText(measured->in_plane).c_str(),
+                          MetersText(measured->step.z()).c_str());
+      ImGui::TextDisabled("dx, dy, dz %s", MetersText(measured->step).c_str());
     } else {
       ImGui::TextDisabled("Pick a second point to measure the distance.");
     }

@@ -11,7 +11,7 @@ struct StatusFigures {
   std::size_t gpu_bytes = 0;
   std::size_t resident_bytes = 0;
   std::string fixed_frame;
-  std::string notice;  ///< What has just happened, as a sentence; may be empty.
+  std::string notice;  ///< The last event, as a sentence; may be empty.
   bool paused = false;
   bool picking = false;
   bool unfinished = false;

@@ -48,7 +48,7 @@ TimeBarWish DrawTimeBar(const TimeBarFigures& figures) {
         ImGui::SetTooltip("%s", "Older transforms are not kept. Hide the display Frames to look farther back.");
       }
     } else {
-      ImGui::TextDisabled("There is nothing to look back at. Let points keep some seconds.");
+      ImGui::TextDisabled("There is nothing to look back at. Set keep=time for points.");
     }
     ImGui::SameLine();
     ImGui::TextDisabled("%s", lost);

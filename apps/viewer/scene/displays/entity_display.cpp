@@ -17,8 +17,8 @@ namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kMostUpdatesWaiting = 1024;
-constexpr double kFarMetres = 1000;     ///< Distance from the drawing's origin at which a new origin is chosen.
-constexpr double kTooFarMetres = 1e10;  ///< Farther away, no new origin is chosen.
+constexpr double kFarMeters = 1000;     ///< Distance from the drawing's origin at which a new origin is chosen.
+constexpr double kTooFarMeters = 1e10;  ///< Farther away, no new origin is chosen.
 
 void Fade(float alpha, SceneShapes& shapes) {
   if (alpha >= 1) return;
@@ -120,7 +120,7 @@ class EntityDisplay : public Display {
     if (!model_fault_.empty()) lines.push_back(model_fault_);
     if (drawing_.unplaced > 0) {
       lines.push_back(why_ + " (Not shown: " + Counted(drawing_.unplaced, "entity", "entities") + " in " +
-                      drawing_.unplaced_frame + " and such.)");
+                      drawing_.unplaced_frame + " and other frames.)");
     }
     if (inbox_->received() == 0) {
       lines.emplace_back("Nothing has arrived yet.");
@@ -190,7 +190,7 @@ class EntityDisplay : public Display {
     const bool later = at && answer == FixedFrame::Answer::kLater;
     if (at && answer != FixedFrame::Answer::kFound) answer = context.frame.Find(frame, T_fixed_frame, why_);
     if (answer != FixedFrame::Answer::kFound) return std::nullopt;
-    if (!(T_fixed_frame.Isometry().translation().norm() < kTooFarMetres)) {
+    if (!(T_fixed_frame.Isometry().translation().norm() < kTooFarMeters)) {
       why_ = "The frame " + frame + " is farther away than 10,000,000 km.";
       return std::nullopt;
     }
@@ -213,7 +213,7 @@ class EntityDisplay : public Display {
     bounds_ = BoundsOf(drawing_.shapes);
     // Entities in a frame that is much too far away are not drawn: the origin could never return from there.
     const double far = bounds_.isEmpty() ? 0 : bounds_.center().norm();
-    if (far > kFarMetres && far < kTooFarMetres) {
+    if (far > kFarMeters && far < kTooFarMeters) {
       origin_ += bounds_.center();
       drawing_ = store_.Draw(pose_of, origin_);
       bounds_ = BoundsOf(drawing_.shapes);

@@ -52,19 +52,19 @@ class FramesDisplay : public Display {
   [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
     const auto distance = [&](const ShownFrame& frame) { return (frame.at - at).norm(); };
     const auto nearest = std::ranges::min_element(frames_, {}, distance);
-    const double reach_m = radius_m + static_cast<double>(axes_metres_);
+    const double reach_m = radius_m + static_cast<double>(axes_meters_);
     return nearest == frames_.end() || distance(*nearest) > reach_m ? std::string() : nearest->name;
   }
 
   void DrawMoving(const DrawContext& context) override {
     const RigidTransform T_fixed_origin({1, 0, 0, 0}, poses_.origin());
     if (links_) segments_.Draw(context.view, T_fixed_origin, 1.5F * context.scale);
-    strip_.DrawAxes(context.view, T_fixed_origin, axes_metres_, 3 * context.scale);
+    strip_.DrawAxes(context.view, T_fixed_origin, axes_meters_, 3 * context.scale);
   }
 
   [[nodiscard]] std::vector<Setting> Settings() override {
     return {
-        {"axes length", "The length of the axes.", Setting::Number{&axes_metres_, 0.001F, 100, "m"}},
+        {"axes length", "The length of the axes.", Setting::Number{&axes_meters_, 0.001F, 100, "m"}},
         {"names", "Each frame's name beside it.", Setting::Switch{&names_}},
         {"links", "A line from each frame to its parent.", Setting::Switch{&links_}},
         {"ages", "The time since the last transform of each moving frame, beside its name.", Setting::Switch{&ages_}},
@@ -216,7 +216,7 @@ class FramesDisplay : public Display {
   double remembered_s_ = 0;  ///< How far back the transforms reach.
   bool moves_ = false;       ///< Some transform is not static.
   bool setting_changed_ = true;
-  float axes_metres_ = 0.5F;
+  float axes_meters_ = 0.5F;
   bool names_ = true;
   bool links_ = true;
   bool ages_ = false;

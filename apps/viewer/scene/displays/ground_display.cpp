@@ -20,19 +20,19 @@ class GroundDisplay : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& /*context*/) override {
     if (!std::exchange(setting_changed_, false)) return Change::kNothing;
-    const float half = 0.5F * std::floor(cells_) * cell_metres_;
+    const float half = 0.5F * std::floor(cells_) * cell_meters_;
     const auto lines = static_cast<int>(cells_) + 1;
     std::vector<Segments::Segment> segments;
     for (int i = 0; i < lines; ++i) {
-      const float at = -half + static_cast<float>(i) * cell_metres_;
+      const float at = -half + static_cast<float>(i) * cell_meters_;
       const std::uint32_t color = Packed(color_, i % 10 == 0 ? 1.0F : 0.75F);
       segments.push_back({{at, -half, 0}, {at, half, 0}, color});
       segments.push_back({{-half, at, 0}, {half, at, 0}, color});
     }
     if (axes_) {
-      segments.push_back({{0, 0, 0}, {cell_metres_, 0, 0}, 0xFF3A3AE0U});
-      segments.push_back({{0, 0, 0}, {0, cell_metres_, 0}, 0xFF3AC03AU});
-      segments.push_back({{0, 0, 0}, {0, 0, cell_metres_}, 0xFFE07A3AU});
+      segments.push_back({{0, 0, 0}, {cell_meters_, 0, 0}, 0xFF3A3AE0U});
+      segments.push_back({{0, 0, 0}, {0, cell_meters_, 0}, 0xFF3AC03AU});
+      segments.push_back({{0, 0, 0}, {0, 0, cell_meters_}, 0xFFE07A3AU});
     }
     segments_.Set(segments);
     return Change::kRedraw;
@@ -46,7 +46,7 @@ class GroundDisplay : public Display {
 
   [[nodiscard]] std::vector<Setting> Settings() override {
     return {
-        {"cell", "The edge of a square.", Setting::Number{&cell_metres_, 0.001F, 10'000, "m"}},
+        {"cell", "The edge of a square.", Setting::Number{&cell_meters_, 0.001F, 10'000, "m"}},
         {"cells", "Number of squares in a row.", Setting::Number{&cells_, 1, 1000, ""}},
         {"color", "The color of the lines.", Setting::Color{&color_}},
         {"axes", "The axes of the fixed frame.", Setting::Switch{&axes_}},
@@ -57,7 +57,7 @@ class GroundDisplay : public Display {
  private:
   Segments segments_;
   bool setting_changed_ = true;
-  float cell_metres_ = 1;
+  float cell_meters_ = 1;
   float cells_ = 20;
   std::array<float, 3> color_ = {0.27F, 0.29F, 0.32F};
   bool axes_ = true;

@@ -16,8 +16,8 @@ namespace hgros::viewer {
 /// The newest message of a channel. The session's thread reads it, so that the drawing thread does not wait for large
 /// messages. A message that was not taken before the next one arrives is dropped and counted.
 ///
-/// Thread safety: none. The internal callback uses only what a mutex guards. Invariants: Take returns what was read
-/// with the last options.
+/// Thread safety: none. The internal callback uses only what a mutex guards. Invariants: Take returns the result of
+/// reading with the last options.
 template <class Message, class Options, class Shown>
 class NewestMessage {
  public:
@@ -50,7 +50,7 @@ class NewestMessage {
     }
     if (last) (void)shared_->Put(std::move(last), true);
   }
-  /// What has arrived since the last call.
+  /// The message that has arrived since the last call.
   [[nodiscard]] std::optional<Read> Take() {
     const std::scoped_lock lock(shared_->mutex);
     if (shared_->waiting) {

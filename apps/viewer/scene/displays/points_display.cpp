@@ -124,8 +124,8 @@ PointStyle PointsDisplay::Style(float scale) const {
       style.color_by == ColorBy::kScalar ? value_range_ : axis_ranges_[static_cast<std::size_t>(axis_)];
   style.lo = auto_range_ ? range.lo() : lo_;
   style.hi = auto_range_ ? range.hi() : hi_;
-  style.size_in_metres = size_unit_ == 1;
-  style.size = style.size_in_metres ? size_ : size_ * scale;
+  style.size_in_meters = size_unit_ == 1;
+  style.size = style.size_in_meters ? size_ : size_ * scale;
   return style;
 }
 
@@ -204,7 +204,7 @@ std::vector<Setting> PointsDisplay::Settings() {
       automatic,
       lowest,
       highest,
-      {"size", "Of a point.", Setting::Number{&size_, 0.001F, 64, ""}},
+      {"size", "The size of a point.", Setting::Number{&size_, 0.001F, 64, ""}},
       {"unit", "The unit of the size: pixels on the screen, or meters in the scene.",
        Setting::Choice{&size_unit_, {"px", "m"}}},
   };

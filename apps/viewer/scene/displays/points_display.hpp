@@ -15,7 +15,7 @@
 
 namespace hgros::viewer {
 
-/// What clouds and scans have in common: points that are shown until the next message, for some messages, for a time,
+/// The common part of clouds and scans: points that are shown until the next message, for some messages, for a time,
 /// or forever. Points that stay forever are in the settled layer, the others in the moving one.
 class PointsDisplay : public Display {
  public:
@@ -44,7 +44,7 @@ class PointsDisplay : public Display {
     PointBatch batch;
     std::string fault;  ///< If it is not empty, there is no batch.
   };
-  /// What has arrived since the last call: at most the newest `most` messages.
+  /// The messages that have arrived since the last call: at most the newest `most`.
   [[nodiscard]] virtual std::vector<Read> ReadArrived(const std::string& field, std::size_t most) = 0;
   [[nodiscard]] std::uint64_t received() const override = 0;
 

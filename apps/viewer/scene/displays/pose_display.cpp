@@ -23,7 +23,7 @@ class PoseDisplay : public PoseHistory {
                                             },
                                             {.queue = Queue::KeepLast(kMostPosesWaiting)})) {
     style_ = kBoth;
-    axes_metres_ = 1;
+    axes_meters_ = 1;
     width_ = 3;
   }
 

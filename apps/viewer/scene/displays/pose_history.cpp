@@ -84,7 +84,7 @@ void PoseHistory::DrawFrom(const DrawContext& context, std::size_t first) {
   const RigidTransform T_fixed_poses = placement_.T_fixed_frame() * RigidTransform({1, 0, 0, 0}, poses_.origin());
   const float width = width_ * context.scale;
   if (style_ != kAxes) strip_.DrawLine(context.view, T_fixed_poses, color_, width, first);
-  if (style_ != kLine) strip_.DrawAxes(context.view, T_fixed_poses, axes_metres_, width, first);
+  if (style_ != kLine) strip_.DrawAxes(context.view, T_fixed_poses, axes_meters_, width, first);
 }
 
 void PoseHistory::DrawNew(const DrawContext& context) {
@@ -124,7 +124,7 @@ std::vector<Setting> PoseHistory::Settings() {
        {{"style", {"both", "line"}}}},
       {"axes length",
        "The length of the axes.",
-       Setting::Number{&axes_metres_, 0.001F, 100, "m"},
+       Setting::Number{&axes_meters_, 0.001F, 100, "m"},
        [this] { return style_ != kLine; },
        {{"style", {"both", "axes"}}}},
       {"width", "The width of all lines.", Setting::Number{&width_, 1, 20, "px"}},

@@ -13,7 +13,7 @@
 
 namespace hgros::viewer {
 
-/// What trajectories and poses have in common: a list of poses in one frame, as a line, as axes, or both. A list that
+/// The common part of trajectories and poses: a list of poses in one frame, as a line, as axes, or both. A list that
 /// only grows is settled. A list that is rewritten moves until it has not changed for a while.
 class PoseHistory : public Display {
  public:
@@ -42,7 +42,7 @@ class PoseHistory : public Display {
   int style_ = kLine;
   std::array<float, 3> color_ = {0.20F, 0.85F, 0.65F};
   float width_ = 2;
-  float axes_metres_ = 0.5F;
+  float axes_meters_ = 0.5F;
 
  private:
   static constexpr double kRestS = 2;  ///< After this time without a rewrite it is settled again.

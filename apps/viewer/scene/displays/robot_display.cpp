@@ -62,8 +62,8 @@ class RobotDisplay : public Display {
     return {
         {"file", "The robot's description, a URDF.", Setting::Text{&file_}},
         {"packages",
-         "A folder in which packages lie whose meshes the description names; besides those above the file, and those "
-         "of HGROS_MESH_PATH and ROS_PACKAGE_PATH.",
+         "A folder of packages with meshes of the description. The folders above the file and those in HGROS_MESH_PATH "
+         "and ROS_PACKAGE_PATH are searched, too.",
          Setting::Text{&packages_}},
         {"prefix", "The prefix of each link's name in the frames.", Setting::Text{&prefix_}},
         {"shows", "The visual shapes of the robot, or its collision shapes.",
@@ -89,7 +89,7 @@ class RobotDisplay : public Display {
                       (standing_.joints_at_zero.size() == 1 ? ": it is" : ": they are") +
                       " shown at zero. Publish the joints: docs/tf.md.");
     }
-    if (file_.empty()) lines.emplace_back("It needs a file: a URDF.");
+    if (file_.empty()) lines.emplace_back("Set the setting file to a URDF.");
     if (!shapes_.empty()) {
       lines.push_back(Counted(shapes_.size(), "shape", "shapes") + ", " + std::to_string(meshes_.size()) +
                       " of them meshes");

@@ -74,7 +74,7 @@ class VoxelDisplay : public PlacedDisplay {
         automatic,
         lowest,
         highest,
-        {"field", "The field that says what is occupied; empty: the first field.", Setting::Text{&field_}},
+        {"field", "The field that decides which voxels are occupied; empty: the first field.", Setting::Text{&field_}},
         {"threshold", "A voxel with a value above it is occupied.", Setting::Number{&threshold_, -1e6F, 1e6F, ""}},
         {"alpha", "Opacity: 0 is invisible, 1 is opaque.", Setting::Number{&style_.alpha, 0, 1, ""}},
     };

@@ -47,8 +47,8 @@ bool InPicture(const Eigen::AlignedBox3d& box, const ViewMatrices& view) {
 
 }  // namespace
 
-KeptPoints::KeptPoints(double cell_metres, bool with_values, bool with_colors)
-    : book_(cell_metres), with_values_(with_values), with_colors_(with_colors) {}
+KeptPoints::KeptPoints(double cell_meters, bool with_values, bool with_colors)
+    : book_(cell_meters), with_values_(with_values), with_colors_(with_colors) {}
 
 KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
   Slab slab;
@@ -67,7 +67,7 @@ KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
 void KeptPoints::BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners) {
   std::array<std::uint32_t, kPage> empty;
   empty.fill(cell_code::kNowhere);
-  const Eigen::Vector3d edge = Eigen::Vector3d::Constant(book_.cell_metres());
+  const Eigen::Vector3d edge = Eigen::Vector3d::Constant(book_.cell_meters());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::size_t page = first + i;
     if (page / kSlabPages == slabs_.size()) slabs_.push_back(MakeSlab(corners[i]));
@@ -166,7 +166,7 @@ void KeptPoints::DrawNew(PointPrograms& programs, const ViewMatrices& view, cons
   if (!vertices_) vertices_ = GlVertexArray::New();
   glBindVertexArray(vertices_.name());
   ShaderProgram& program = programs.Begin(true, view, style);
-  program.Set("cell", static_cast<float>(book_.cell_metres()));
+  program.Set("cell", static_cast<float>(book_.cell_meters()));
   for (Slab& slab : slabs_) {
     if (slab.new_firsts.empty()) continue;
     Bind(programs, program, view, style, slab, {});
@@ -182,7 +182,7 @@ void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const P
   if (!vertices_) vertices_ = GlVertexArray::New();
   glBindVertexArray(vertices_.name());
   ShaderProgram& program = programs.Begin(true, view, style);
-  program.Set("cell", static_cast<float>(book_.cell_metres()));
+  program.Set("cell", static_cast<float>(book_.cell_meters()));
   DrawnPoints waiting;
   for (Slab& slab : slabs_) {
     slab.new_firsts.clear();
@@ -200,7 +200,7 @@ void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const P
 }
 
 void KeptPoints::Find(const Eigen::Vector3d& at, NearestPoint& nearest) const {
-  const double cell = book_.cell_metres();
+  const double cell = book_.cell_meters();
   std::array<std::uint32_t, kPage> codes;
   std::array<std::uint8_t, kPage> values;
   std::vector<Eigen::Vector4f> corners;

@@ -21,8 +21,8 @@ namespace hgros::viewer {
 /// current.
 class KeptPoints {
  public:
-  /// `cell_metres` is that of PageBook. Only the requested parts are stored.
-  KeptPoints(double cell_metres, bool with_values, bool with_colors);
+  /// `cell_meters` is that of PageBook. Only the requested parts are stored.
+  KeptPoints(double cell_meters, bool with_values, bool with_colors);
 
   /// `values` and `colors` are as long as `positions`, or unused. Colors have red in the lowest byte.
   void Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,

@@ -9,13 +9,13 @@ uniform vec3 origin_from_eye;
 uniform vec4 turn;
 uniform vec2 half_viewport;
 uniform float line_width;
-uniform float pixels_per_metre;
+uniform float pixels_per_meter;
 flat out vec4 color;
 
 vec3 Turned(vec4 by, vec3 v) { return v + 2.0 * cross(by.xyz, cross(by.xyz, v) + by.w * v); }
 
-// Widths in pixels, or in meters if `metres` is 1.
-vec4 OnScreen(vec3 from, vec3 to, int corner, float width, float metres) {
+// Widths in pixels, or in meters if `meters` is 1.
+vec4 OnScreen(vec3 from, vec3 to, int corner, float width, float meters) {
   vec4 a = clip_from_eye * vec4(origin_from_eye + Turned(turn, from), 1);
   vec4 b = clip_from_eye * vec4(origin_from_eye + Turned(turn, to), 1);
   // Cut off what is behind the near plane: it would appear upside down.
@@ -31,7 +31,7 @@ vec4 OnScreen(vec3 from, vec3 to, int corner, float width, float metres) {
   bool at_b = corner == 1 || corner == 2 || corner == 4;
   float side = corner == 0 || corner == 1 || corner == 3 ? -1.0 : 1.0;
   vec4 end = at_b ? b : a;
-  float half_width = 0.5 * mix(width, max(1.0, width * pixels_per_metre / end.w), metres);
+  float half_width = 0.5 * mix(width, max(1.0, width * pixels_per_meter / end.w), meters);
   float cap = (at_b ? 1.0 : -1.0) * (is_point ? 1.0 : 0.5);
   vec2 shift = (side * vec2(-along.y, along.x) + cap * along) * half_width;
   return end + vec4(shift / half_viewport * end.w, 0, 0);
@@ -56,7 +56,7 @@ void Begin(ShaderProgram& program, const ViewMatrices& view, const RigidTransfor
   program.Set("half_viewport", Eigen::Vector2f(0.5F * static_cast<float>(view.viewport.width),
                                                0.5F * static_cast<float>(view.viewport.height)));
   program.Set("line_width", width_pixels);
-  program.Set("pixels_per_metre", view.pixels_per_metre_at_1m);
+  program.Set("pixels_per_meter", view.pixels_per_meter_at_1m);
   glEnable(GL_DEPTH_TEST);
 }
 

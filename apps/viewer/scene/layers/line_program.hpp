@@ -16,7 +16,7 @@ namespace line_program {
 
 /// A vertex shader around a `main` in GLSL, which sets `color` and can call `vec4 OnScreen(vec3 from, vec3 to, int
 /// corner)`. That returns corner 0 to 5 of the segment's quad; both ends are in the frame given to Begin. With the
-/// extra arguments `float width, float metres` a segment has its own width; `metres` is 1 for meters and 0 for pixels.
+/// extra arguments `float width, float meters` a segment has its own width; `meters` is 1 for meters and 0 for pixels.
 [[nodiscard]] std::string VertexSource(std::string_view kind);
 [[nodiscard]] std::string FragmentSource();
 

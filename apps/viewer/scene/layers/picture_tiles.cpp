@@ -72,7 +72,7 @@ void PictureTiles::Set(std::span<const Rgba> pixels, std::size_t columns, std::s
 }
 
 void PictureTiles::Draw(const DrawContext& context, const RigidTransform& T_fixed_corner,
-                        const Eigen::Vector2d& pixel_metres, float alpha, bool blended) {
+                        const Eigen::Vector2d& pixel_meters, float alpha, bool blended) {
   if (tiles_.empty()) return;
   const ViewMatrices& view = context.view;
   if (!corners_) corners_ = GlVertexArray::New();
@@ -91,14 +91,14 @@ void PictureTiles::Draw(const DrawContext& context, const RigidTransform& T_fixe
     glDepthMask(context.marks_depth ? GL_TRUE : GL_FALSE);
   }
   for (const Tile& tile : tiles_) {
-    const Eigen::Vector3d corner(static_cast<double>(tile.column) * pixel_metres.x(),
-                                 static_cast<double>(tile.row) * pixel_metres.y(), 0);
+    const Eigen::Vector3d corner(static_cast<double>(tile.column) * pixel_meters.x(),
+                                 static_cast<double>(tile.row) * pixel_meters.y(), 0);
     const auto along = [&](const Eigen::Vector3d& extent) {
       return Eigen::Vector3f((T_fixed_corner.rotation * extent).cast<float>());
     };
     program_.Set("corner_from_eye", Eigen::Vector3f((T_fixed_corner * corner - view.eye).cast<float>()));
-    program_.Set("along_x", along({static_cast<double>(tile.columns) * pixel_metres.x(), 0, 0}));
-    program_.Set("along_y", along({0, static_cast<double>(tile.rows) * pixel_metres.y(), 0}));
+    program_.Set("along_x", along({static_cast<double>(tile.columns) * pixel_meters.x(), 0, 0}));
+    program_.Set("along_y", along({0, static_cast<double>(tile.rows) * pixel_meters.y(), 0}));
     glBindTexture(GL_TEXTURE_2D, tile.texture.name());
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   }

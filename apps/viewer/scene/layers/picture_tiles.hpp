@@ -22,9 +22,9 @@ class PictureTiles {
 
   /// Colors must be premultiplied by alpha, so that transparent pixels have no effect when several pixels become one.
   void Set(std::span<const Rgba> pixels, std::size_t columns, std::size_t rows);
-  /// `pixel_metres`: the size of a pixel along x and y. With `blended` it hides nothing that is drawn later, unless the
+  /// `pixel_meters`: the size of a pixel along x and y. With `blended` it hides nothing that is drawn later, unless the
   /// context has marks_depth.
-  void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Eigen::Vector2d& pixel_metres,
+  void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Eigen::Vector2d& pixel_meters,
             float alpha, bool blended);
   [[nodiscard]] std::size_t tiles() const noexcept { return tiles_.size(); }
   [[nodiscard]] std::size_t gpu_bytes() const noexcept { return columns_ * rows_ * 4 * 4 / 3; }

@@ -105,8 +105,8 @@ ShaderProgram& PointPrograms::Begin(bool by_cell, const ViewMatrices& view, cons
   program.Set("flat_color", Eigen::Vector3f(style.flat[0], style.flat[1], style.flat[2]));
   program.Set("axis", Eigen::Vector3f(Eigen::Vector3f::Unit(style.axis)));
   program.Set("map_row", (static_cast<float>(style.map) + 0.5F) / static_cast<float>(kColorMapNames.size()));
-  const float in_metres = style.size_in_metres ? style.size * view.pixels_per_metre_at_1m : 0;
-  program.Set("size", Eigen::Vector2f(style.size_in_metres ? 0 : style.size, in_metres));
+  const float in_meters = style.size_in_meters ? style.size * view.pixels_per_meter_at_1m : 0;
+  program.Set("size", Eigen::Vector2f(style.size_in_meters ? 0 : style.size, in_meters));
   program.Set("perspective", view.orthographic ? 0.0F : 1.0F);
   glEnable(GL_PROGRAM_POINT_SIZE);
   glEnable(GL_DEPTH_TEST);

@@ -9,7 +9,7 @@ namespace hgros::viewer {
 
 enum class ColorBy : std::uint8_t { kFlat, kAxis, kScalar, kRgb };
 
-/// How points look. A change uploads no points: only the shader uses it.
+/// The appearance of points. Only the shader uses it, so a change does not upload points again.
 struct PointStyle {
   ColorBy color_by = ColorBy::kAxis;
   std::array<float, 3> flat = {0.92F, 0.92F, 0.92F};
@@ -18,7 +18,7 @@ struct PointStyle {
   double lo = 0;  ///< Range of the color map, in values or meters.
   double hi = 1;
   float size = 2;
-  bool size_in_metres = false;  ///< Otherwise pixels.
+  bool size_in_meters = false;  ///< Otherwise pixels.
 };
 
 }  // namespace hgros::viewer

@@ -83,11 +83,11 @@ void PoseStrip::DrawLine(const ViewMatrices& view, const RigidTransform& T_fixed
   glDrawArraysInstanced(GL_TRIANGLES, 0, 6, static_cast<GLsizei>(count_ - from - 1));
 }
 
-void PoseStrip::DrawAxes(const ViewMatrices& view, const RigidTransform& T_fixed_poses, float length_metres,
+void PoseStrip::DrawAxes(const ViewMatrices& view, const RigidTransform& T_fixed_poses, float length_meters,
                          float width_pixels, std::size_t first) {
   if (count_ <= first) return;
   line_program::Begin(axes_, view, T_fixed_poses, width_pixels);
-  axes_.Set("axis_length", length_metres);
+  axes_.Set("axis_length", length_meters);
   Bind(first, false);
   glDrawArraysInstanced(GL_TRIANGLES, 0, 18, static_cast<GLsizei>(count_ - first));
 }

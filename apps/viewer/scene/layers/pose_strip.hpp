@@ -24,7 +24,7 @@ class PoseStrip {
   /// The line starting at pose `first`, including its connection to the pose before.
   void DrawLine(const ViewMatrices& view, const RigidTransform& T_fixed_poses, const std::array<float, 3>& color,
                 float width_pixels, std::size_t first = 0);
-  void DrawAxes(const ViewMatrices& view, const RigidTransform& T_fixed_poses, float length_metres, float width_pixels,
+  void DrawAxes(const ViewMatrices& view, const RigidTransform& T_fixed_poses, float length_meters, float width_pixels,
                 std::size_t first = 0);
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }

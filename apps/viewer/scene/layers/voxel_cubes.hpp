@@ -23,7 +23,7 @@ struct VoxelStyle {
   float alpha = 1;
 };
 
-/// Cubes of a grid: 12 bytes each. The GPU makes the faces that border an empty voxel and are turned towards the eye.
+/// Cubes of a grid: 12 bytes each. The GPU makes the faces that border an empty voxel and are turned toward the eye.
 /// Thread: the one whose GL context is current.
 class VoxelCubes {
  public:

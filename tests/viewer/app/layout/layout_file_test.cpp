@@ -44,7 +44,7 @@ TEST(LayoutFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(ParseLayout(LayoutText({}), "x"), Layout());
   Layout none;
   none.displays.emplace();
-  EXPECT_EQ(ParseLayout(LayoutText(none), "x"), none) << "an empty list of displays must not become no list";
+  EXPECT_EQ(ParseLayout(LayoutText(none), "x"), none) << "an empty list of displays must not become a missing list";
 }
 
 TEST(LayoutFile, KeepsEveryTextAndNumberExactly) {

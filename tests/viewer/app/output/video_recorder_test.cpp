@@ -82,14 +82,14 @@ TEST_F(VideoRecorderTest, CutsOrPadsPicturesToTheSizeOfTheFirst) {
 TEST_F(VideoRecorderTest, RepeatsTheLastPicture) {
   Stand(copies_);
   VideoRecorder recorder(folder_ / "film.mp4");
-  EXPECT_EQ(recorder.Repeat(), "") << "there is none yet";
+  EXPECT_EQ(recorder.Repeat(), "") << "there is no picture yet";
   EXPECT_EQ(recorder.Add({2, 2}, GrayPicture({2, 2}, 7)), "");
   EXPECT_EQ(recorder.Add({1, 2}, GrayPicture({1, 2}, 8)), "");
   EXPECT_EQ(recorder.Repeat(), "");
   EXPECT_EQ(recorder.Finish(), "");
   const std::string film = Film();
   ASSERT_EQ(film.size(), 3U * 2 * 2 * 3);
-  EXPECT_EQ(film.substr(12, 12), film.substr(24)) << "as it was fitted into the film";
+  EXPECT_EQ(film.substr(12, 12), film.substr(24)) << "the last picture is repeated with the film's size";
   EXPECT_EQ(std::count(film.begin() + 24, film.end(), 8), 2 * 3);
 }
 
@@ -107,7 +107,7 @@ TEST_F(VideoRecorderTest, KillsFfmpegWhenItAcceptsNoData) {
   VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
   constexpr Viewport kSize{1024, 1024};
   const std::string fault = FirstFault(recorder, kSize);
-  EXPECT_NE(fault.find("took no picture for 0.2 s"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("accepted no picture for 0.2 s"), std::string::npos) << fault;
 }
 
 TEST_F(VideoRecorderTest, ReportsFfmpegsMessageWhenItFails) {
@@ -133,7 +133,7 @@ TEST_F(VideoRecorderTest, ReportsMissingFfmpeg) {
   setenv("PATH", folder_.c_str(), 1);
   try {
     const VideoRecorder recorder(folder_ / "film.mp4");
-    FAIL() << "there is none";
+    FAIL() << "the constructor did not throw";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("package ffmpeg"), std::string::npos);
   }

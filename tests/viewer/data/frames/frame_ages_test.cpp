@@ -26,7 +26,7 @@ TEST(FrameAges, CountFromTheArrivalOfTheLastTransform) {
   EXPECT_EQ(ages.AgeOf("lidar", 12), std::nullopt) << "it is static";
   EXPECT_EQ(ages.AgeOf("map", 12), std::nullopt) << "it has no parent";
   ages.Take(std::vector{Edge("base", 1)}, 13);
-  EXPECT_EQ(ages.AgeOf("base", 14), 4) << "none has come since";
+  EXPECT_EQ(ages.AgeOf("base", 14), 4) << "no transform has arrived since";
   ages.Take(std::vector{Edge("base", 2)}, 15);
   EXPECT_EQ(ages.AgeOf("base", 15.5), 0.5);
   ages.Take({}, 16);

@@ -156,7 +156,7 @@ TEST(VoxelReader, DrawsOnlyVisibleFaces) {
   VoxelPicture picture;
   ASSERT_EQ(ReadVoxels(Bulk<foxglove::VoxelGrid>(Voxels(3, 3, block)), {}, 0, picture), "");
   EXPECT_EQ(picture.occupied, 27U);
-  EXPECT_EQ(picture.cubes.size(), 26U) << "the one in the middle is hidden";
+  EXPECT_EQ(picture.cubes.size(), 26U) << "the voxel in the middle is hidden";
   std::size_t faces = 0;
   for (const VoxelCube& cube : picture.cubes) faces += static_cast<std::size_t>(std::popcount(cube.faces));
   EXPECT_EQ(faces, 6U * 9U);
@@ -168,7 +168,7 @@ TEST(VoxelReader, TreatsVoxelsUpToTheThresholdAsEmpty) {
   ASSERT_EQ(picture.cubes.size(), 2U);
   EXPECT_EQ(picture.cubes[0].cell, (std::array<std::uint32_t, 3>{1, 1, 0}));
   EXPECT_EQ(picture.cubes[0].value, 10);
-  EXPECT_EQ(picture.cubes[0].faces, 0b011111) << "above it is another one";
+  EXPECT_EQ(picture.cubes[0].faces, 0b011111) << "another voxel is above it";
   EXPECT_EQ(picture.cubes[1].faces, 0b101111);
 }
 

@@ -95,7 +95,7 @@ TEST(ImageReader, ColorsDepthOverItsRange) {
   EXPECT_LT(Pixel(picture, 1, 0)[0], Pixel(picture, 2, 0)[0]);
   EXPECT_LT(Pixel(picture, 2, 0)[0], Pixel(picture, 3, 0)[0]);
   const ImagePicture fixed = Shown(Raw("16UC1", 4, 1, 8, data), {ColorMap::kGray, 0, 1000});
-  EXPECT_EQ(Pixel(fixed, 1, 0), Pixel(fixed, 3, 0)) << "values beyond have the last color";
+  EXPECT_EQ(Pixel(fixed, 1, 0), Pixel(fixed, 3, 0)) << "values above the range have the last color";
   const std::vector<float> values{1, NAN, INFINITY, 3};
   const ImagePicture floats =
       Shown(Raw("32FC1", 4, 1, 16, std::string(reinterpret_cast<const char*>(values.data()), 16)));
@@ -184,7 +184,7 @@ TEST(ImageReader, ReadsPngAndJpegWhateverTheMessageSays) {
   ASSERT_EQ(ReadFile(Png(PNG_FORMAT_RGB, Plain(6, 10, 20, 30).data(), 3, 2), picture), "");
   EXPECT_EQ(picture.width, 3U);
   EXPECT_EQ(Pixel(picture, 2, 1), (Bytes4{10, 20, 30, 255}));
-  ASSERT_EQ(ReadFile(Jpeg(Plain(64, 200, 100, 50), 8, 8), picture), "") << "though the format says png";
+  ASSERT_EQ(ReadFile(Jpeg(Plain(64, 200, 100, 50), 8, 8), picture), "") << "although the format says png";
   EXPECT_EQ(picture.height, 8U);
   EXPECT_NEAR(Pixel(picture, 4, 4)[0], 200, 4);
   EXPECT_NEAR(Pixel(picture, 4, 4)[2], 50, 4);

@@ -55,7 +55,7 @@ TEST(ModelMeshes, ReportTheirDistance) {
   EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {5, 0, 1}, 2.9))) << "too far";
   EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {1.9, 3.9, 1}, 0.1))) << "in the box, beside the triangle";
   shapes.models[0].override_color = true;
-  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {0.5, 0.5, 1}, 9))) << "nothing of it is seen";
+  EXPECT_TRUE(std::isinf(meshes.DistanceTo(shapes.models, {0.5, 0.5, 1}, 9))) << "it is invisible";
 }
 
 TEST(ModelMeshes, AreReadOnceFromNamedFiles) {

@@ -70,8 +70,8 @@ TEST(FieldPath, ExplainsWhyThereIsNoNumber) {
     return said;
   };
   EXPECT_EQ(fault("pose.position.w"), "foxglove.Vector3 has no field \"w\".");
-  EXPECT_THAT(fault("ranges"), HasSubstr("say which element, as in ranges[0]"));
-  EXPECT_THAT(fault("pose[0].position"), HasSubstr("no list"));
+  EXPECT_THAT(fault("ranges"), HasSubstr("name the element, as in ranges[0]"));
+  EXPECT_THAT(fault("pose[0].position"), HasSubstr("not a list"));
   EXPECT_THAT(fault("frame_id"), HasSubstr("no number"));
   EXPECT_THAT(fault("pose"), HasSubstr("no number"));
   EXPECT_THAT(fault("start_angle.x"), HasSubstr("has no fields"));

@@ -43,13 +43,13 @@ TEST(NumberFeed, KeepsWatchedNumbersOverTime) {
   EXPECT_EQ(view.newest, 3);
   EXPECT_EQ(view.fault, "");
   EXPECT_EQ(feed.Newest("pose.position.x"), Time{200});
-  EXPECT_FALSE(feed.Newest("pose.position.y")) << "nobody watches it";
+  EXPECT_FALSE(feed.Newest("pose.position.y")) << "the path is not watched";
 }
 
 TEST(NumberFeed, ExplainsMissingNumbers) {
   NumberFeed feed(std::chrono::seconds(10));
   feed.Watch("pose.position.q");
-  EXPECT_EQ(feed.Look("pose.position.q", {0}, kLate, 1).fault, "") << "nothing has come";
+  EXPECT_EQ(feed.Look("pose.position.q", {0}, kLate, 1).fault, "") << "no message has arrived";
   feed.Add(RawOf(PoseAt(1), SchemaFor<foxglove::PoseInFrame>()), {100});
   EXPECT_NE(feed.Look("pose.position.q", {0}, kLate, 1).fault.find("no field \"q\""), std::string::npos);
 }
@@ -84,7 +84,7 @@ TEST(NumberFeed, ReadsTheNewTypeWhenThePublisherChangesIt) {
   scan.set_start_angle(0.5);
   feed.Add(RawOf(scan, SchemaFor<foxglove::LaserScan>()), {200});
   EXPECT_EQ(feed.Look("start_angle", {0}, kLate, 1).newest, 0.5);
-  EXPECT_EQ(feed.Look("pose.position.x", {0}, kLate, 1).newest, 1) << "what came stays";
+  EXPECT_EQ(feed.Look("pose.position.x", {0}, kLate, 1).newest, 1) << "earlier values stay";
 }
 
 TEST(NumberFeed, ForgetsPathsThatAreNoLongerWatched) {

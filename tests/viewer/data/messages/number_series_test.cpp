@@ -15,7 +15,7 @@ Time TimeAt(std::int64_t milliseconds) { return {milliseconds * 1'000'000}; }
 TEST(NumberSeries, KeepsOnlyRecentValues) {
   NumberSeries series(std::chrono::seconds(1), 5);
   for (int i = 0; i <= 20; ++i) series.Add(TimeAt(i * 100), i);
-  EXPECT_EQ(series.size(), 5U) << "and no more than so many";
+  EXPECT_EQ(series.size(), 5U) << "the number of values is limited";
   NumberSeries more(std::chrono::seconds(1));
   for (int i = 0; i <= 20; ++i) more.Add(TimeAt(i * 100), i);
   EXPECT_EQ(more.size(), 11U);

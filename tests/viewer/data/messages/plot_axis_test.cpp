@@ -41,7 +41,7 @@ TEST(PlotAxis, HasNoTicksForAnEmptyRange) {
   EXPECT_TRUE(TicksFor(2, 1, 5).at.empty());
   EXPECT_TRUE(TicksFor(0, std::numeric_limits<double>::infinity(), 5).at.empty());
   EXPECT_TRUE(TicksFor(std::nan(""), 1, 5).at.empty());
-  EXPECT_TRUE(TicksFor(1e18, 1e18 + 128, 5).at.empty()) << "finer than the numbers are";
+  EXPECT_TRUE(TicksFor(1e18, 1e18 + 128, 5).at.empty()) << "finer than the precision of the numbers";
 }
 
 TEST(PlotAxis, LeavesAMarginAroundEqualValues) {

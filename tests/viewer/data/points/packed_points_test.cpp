@@ -23,12 +23,12 @@ Packed PackAll(const PlacedPoints& positions, std::span<const float> values) {
 
 TEST(PackedPoints, ArePreciseToOneStep) {
   std::mt19937 random(3);
-  std::uniform_real_distribution<float> metres(-100, 100);
+  std::uniform_real_distribution<float> meters(-100, 100);
   std::vector<Eigen::Vector3f> points(500);
   std::vector<float> values(500);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = Eigen::Vector3f(metres(random), metres(random), metres(random));
-    values[i] = metres(random);
+    points[i] = Eigen::Vector3f(meters(random), meters(random), meters(random));
+    values[i] = meters(random);
   }
   const RigidTransform far(RigidTransform::Rotation(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized())),
                            {1e6, 0, -50});

@@ -14,7 +14,7 @@ namespace {
 /// The pages that the owner of the memory would hold.
 class Memory {
  public:
-  explicit Memory(double cell_metres) : book_(cell_metres) {}
+  explicit Memory(double cell_meters) : book_(cell_meters) {}
 
   void Add(const std::vector<Eigen::Vector3d>& positions) {
     const std::size_t before = book_.pages();
@@ -43,7 +43,7 @@ class Memory {
       if (codes_[at] == cell_code::kNowhere) continue;
       ++found;
       const Eigen::Vector3d decoded =
-          corners_[at / PageBook::kPagePoints] + book_.cell_metres() * cell_code::Decode(codes_[at]);
+          corners_[at / PageBook::kPagePoints] + book_.cell_meters() * cell_code::Decode(codes_[at]);
       const Eigen::Vector3d error = (decoded - sources_[at]).cwiseAbs();
       ASSERT_LE(std::max(error.x(), error.y()), tolerance_xy);
       ASSERT_LE(error.z(), tolerance_z);
@@ -63,11 +63,11 @@ TEST(PageBook, StoresEveryPointToWithinOneStep) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
-  std::normal_distribution<double> metres(0, 30);
+  std::normal_distribution<double> meters(0, 30);
   Memory memory(8);
   for (int message = 0; message < 20; ++message) {
     std::vector<Eigen::Vector3d> positions(1000);
-    for (auto& at : positions) at = Eigen::Vector3d(metres(random), metres(random), 0.1 * metres(random));
+    for (auto& at : positions) at = Eigen::Vector3d(meters(random), meters(random), 0.1 * meters(random));
     memory.Add(positions);
   }
   memory.ExpectAllNear(8.0 / 4096 + 1e-9, 8.0 / 2046 + 1e-9);
@@ -75,10 +75,10 @@ TEST(PageBook, StoresEveryPointToWithinOneStep) {
 
 TEST(PageBook, IsAsExactAMillionMetersAway) {
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> metres(0, 20);
+  std::uniform_real_distribution<double> meters(0, 20);
   Memory memory(4);
   std::vector<Eigen::Vector3d> positions(1000);
-  for (auto& at : positions) at = Eigen::Vector3d(500'000 + metres(random), 5'400'000 + metres(random), metres(random));
+  for (auto& at : positions) at = Eigen::Vector3d(500'000 + meters(random), 5'400'000 + meters(random), meters(random));
   memory.Add(positions);
   memory.ExpectAllNear(4.0 / 4096 + 1e-6, 4.0 / 2046 + 1e-6);
 }

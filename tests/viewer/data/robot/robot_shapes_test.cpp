@@ -94,12 +94,12 @@ TEST_F(MeshPlace, FindsPackagesInAFolderOrAsTheFolder) {
 TEST_F(MeshPlace, RefusesNamesThatLeadOutOfTheFolder) {
   std::string fault;
   EXPECT_EQ(FindMesh("package://r/../../etc/passwd", {folder_}, fault), "");
-  EXPECT_THAT(fault, HasSubstr("cannot be one"));
+  EXPECT_THAT(fault, HasSubstr("is not a valid name for a mesh"));
   EXPECT_EQ(FindMesh("../" + folder_.filename().string() + "/r/meshes/a.stl", {folder_}, fault), "");
   EXPECT_EQ(FindMesh("http://example.org/a.stl", {folder_}, fault), "");
   EXPECT_THAT(fault, HasSubstr("was not found in " + folder_.string()));
   EXPECT_EQ(FindMesh("package://r/b.stl", {}, fault), "");
-  EXPECT_THAT(fault, HasSubstr("no folder is named"));
+  EXPECT_THAT(fault, HasSubstr("no folder for meshes is given"));
 }
 
 TEST_F(MeshPlace, ReadsFoldersFromTheEnvironment) {
@@ -123,7 +123,7 @@ std::string BinaryStl(std::uint32_t said, std::uint32_t triangles, const std::st
 
 TEST(StlMesh, ReadsTextAndBinaryFiles) {
   std::vector<Eigen::Vector3f> corners;
-  ASSERT_EQ(ReadStl(AsBytes(BinaryStl(2, 2)), corners), "") << "though it begins as a text";
+  ASSERT_EQ(ReadStl(AsBytes(BinaryStl(2, 2)), corners), "") << "although it begins like a text file";
   ASSERT_EQ(corners.size(), 6U);
   EXPECT_EQ(corners[5], Eigen::Vector3f(0, 1, 1));
   const std::string text =
@@ -141,9 +141,9 @@ TEST(StlMesh, ReportsDamagedFiles) {
   EXPECT_THAT(fault(""), HasSubstr("ends before its first"));
   EXPECT_THAT(fault(BinaryStl(3, 2, "x")), HasSubstr("names 3 triangles"));
   EXPECT_THAT(fault(BinaryStl(4'000'000'000, 2, "x")), HasSubstr("names 4000000000"));
-  EXPECT_THAT(fault("solid a vertex 0 0 zero"), HasSubstr("\"zero\" stands where"));
-  EXPECT_THAT(fault("solid a vertex 0 0"), HasSubstr("stands where a number should"));
-  EXPECT_THAT(fault("solid a vertex 0 0 0"), HasSubstr("within a triangle"));
+  EXPECT_THAT(fault("solid a vertex 0 0 zero"), HasSubstr("\"zero\" instead of a number"));
+  EXPECT_THAT(fault("solid a vertex 0 0"), HasSubstr("instead of a number"));
+  EXPECT_THAT(fault("solid a vertex 0 0 0"), HasSubstr("in the middle of a triangle"));
   EXPECT_THAT(fault("solid a vertex nan 0 0 vertex 0 0 0 vertex 1 1 1"), HasSubstr("not numbers"));
   EXPECT_THAT(fault("solid"), HasSubstr("no triangles"));
   EXPECT_EQ(corners.size(), 5U);

@@ -157,8 +157,9 @@ TEST(SceneReader, ReportsAnInvalidPrimitiveAndDrawsTheRest) {
   EXPECT_THAT(fault([](SceneEntity& one) { Put(one.add_lines()->add_colors(), 1, 1, 1); }),
               HasSubstr("1 colors for 0 points"));
   EXPECT_THAT(fault([](SceneEntity& one) { Put(one.add_triangles()->add_points(), 1, 1, 1); }),
-              HasSubstr("no multiple of 3"));
-  EXPECT_THAT(fault([](SceneEntity& one) { one.add_arrows()->set_head_length(-1); }), HasSubstr("no lengths"));
+              HasSubstr("not a multiple of 3"));
+  EXPECT_THAT(fault([](SceneEntity& one) { one.add_arrows()->set_head_length(-1); }),
+              HasSubstr("negative or invalid lengths"));
   EXPECT_THAT(fault([](SceneEntity& one) { (void)one.add_models(); }), HasSubstr("names no file"));
   EXPECT_THAT(fault([](SceneEntity& one) {
                 one.add_spheres()->mutable_pose()->mutable_position()->set_x(std::numeric_limits<double>::infinity());

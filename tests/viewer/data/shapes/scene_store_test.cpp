@@ -186,12 +186,12 @@ TEST(SceneStore, LimitsTheTotalNumberOfShapes) {
   SceneStore store;
   EXPECT_EQ(store.Apply(lines("a", kMost - 10)), "");
   EXPECT_THAT(store.Apply(lines("b", 11)), HasSubstr("Entity \"b\": With it there are more than 1000000 shapes"));
-  EXPECT_EQ(store.Apply(lines("b", 10)), "") << "what was left out takes no room";
-  EXPECT_EQ(store.Apply(lines("a", kMost - 10)), "") << "what is replaced takes no room";
+  EXPECT_EQ(store.Apply(lines("b", 10)), "") << "left-out entities take no space";
+  EXPECT_EQ(store.Apply(lines("a", kMost - 10)), "") << "replaced entities take no space";
   SceneUpdate gone;
   Delete(gone, SceneEntityDeletion::MATCHING_ID, "a", 0);
   EXPECT_EQ(store.Apply(gone), "");
-  EXPECT_EQ(store.Apply(lines("c", kMost - 10)), "") << "what is deleted takes no room";
+  EXPECT_EQ(store.Apply(lines("c", kMost - 10)), "") << "deleted entities take no space";
   hgros::Shapes all;
   all.set_remove_all(true);
   EXPECT_EQ(store.Apply(all), "");

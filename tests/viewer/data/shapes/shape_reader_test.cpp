@@ -104,11 +104,11 @@ TEST(ShapeReader, ReportsInvalidShapes) {
     EXPECT_EQ(shapes.size(), 0U);
     return said;
   };
-  EXPECT_EQ(fault([](Shape&) {}), "The shape is none that is known.");
+  EXPECT_EQ(fault([](Shape&) {}), "The shape is of an unknown kind.");
   EXPECT_EQ(fault([](Shape& shape) { (void)shape.mutable_polygon(); }), "The shape has no area.");
   EXPECT_EQ(fault([](Shape& shape) { (void)shape.mutable_extrusion(); }), "The shape has no area.");
   EXPECT_EQ(fault([](Shape& shape) { shape.mutable_cone()->mutable_base()->set_a(-1); }),
-            "The shape has half axes that are no lengths.");
+            "The shape has half axes that are not lengths.");
   EXPECT_EQ(fault([](Shape& shape) { shape.mutable_extrusion()->set_height(NAN); }),
             "The shape has a height that is not a number.");
   EXPECT_EQ(fault([](Shape& shape) { shape.mutable_pose()->mutable_position()->set_x(NAN); }),
@@ -132,7 +132,7 @@ TEST(ShapeReader, ReplacesAndRemovesShapesByName) {
   update.set_remove_all(true);
   update.mutable_shapes()->DeleteSubrange(1, 2);
   update.mutable_shapes(0)->clear_point();
-  EXPECT_EQ(store.Apply(update), "Shape \"a\": The shape is none that is known.");
+  EXPECT_EQ(store.Apply(update), "Shape \"a\": The shape is of an unknown kind.");
   EXPECT_EQ(store.entities().size(), 1U);
 }
 

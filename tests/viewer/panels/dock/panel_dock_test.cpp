@@ -32,7 +32,7 @@ TEST_F(PanelDockTest, SubscribesOnlyWhileAPanelNeedsIt) {
   auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
   for (const char* name : {"Channels", "Log", "Message", "Plot", "Graph"}) Open(name);
   Update();
-  EXPECT_FALSE(Subscribes("odometry")) << "nobody has asked for it";
+  EXPECT_FALSE(Subscribes("odometry")) << "it is not requested";
   EXPECT_EQ(Open("Channels").Set("measure", "odometry"), "");
   EXPECT_TRUE(Subscribes("odometry"));
   Close("Channels");
@@ -60,7 +60,7 @@ TEST_F(PanelDockTest, LimitsWakeUpsAndUpdatesInAFloodOfMessages) {
   for (int i = 0; i < 100; ++i) odometry(foxglove::PoseInFrame());
   ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10)));
   EXPECT_EQ(wakes_, 1);
-  EXPECT_GT(dock_.next_change_s(), now_s_ + 0.1) << "not at once: it was taken in just now";
+  EXPECT_GT(dock_.next_change_s(), now_s_ + 0.1) << "not at once: it was updated just now";
   EXPECT_LT(dock_.next_change_s(), now_s_ + 0.3);
   EXPECT_FALSE(dock_.Update({now_s_ + 0.05, channels_}));
   EXPECT_TRUE(dock_.Update({now_s_ + 0.3, channels_}));
@@ -78,7 +78,7 @@ TEST_F(PanelDockTest, ReturnsTheSettingsItWasGiven) {
   EXPECT_EQ(dock_.KeptLayout(), wanted);
   Update();
   Draw();
-  EXPECT_EQ(dock_.KeptLayout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it stands where it was asked to";
+  EXPECT_EQ(dock_.KeptLayout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it is at the requested place";
 }
 
 TEST_F(PanelDockTest, PlacesTheRightPanel) {
@@ -87,7 +87,7 @@ TEST_F(PanelDockTest, PlacesTheRightPanel) {
   ASSERT_EQ(dock_.Restore({"Plot", first, {}}), "");
   ASSERT_EQ(dock_.Restore({"Log", second, {}}), "");
   ASSERT_EQ(dock_.Restore({"Plot", std::nullopt, {{"seconds", "30"}}}), "");
-  EXPECT_EQ(dock_.KeptLayout()[0].place, first) << "none was given: it stays";
+  EXPECT_EQ(dock_.KeptLayout()[0].place, first) << "no place was given, so it stays";
   EXPECT_EQ(dock_.KeptLayout()[1].place, second);
   const PanelPlace other{50, 60, 300, 300};
   ASSERT_EQ(dock_.Restore({"Plot", other, {}}), "");
@@ -153,9 +153,9 @@ TEST_F(PanelDockTest, SharesTheSpaceUntilAPersonMovesAPanel) {
   const PanelPlace moved{large[1].x - 40, large[1].y + 30, large[1].width, large[1].height};
   EXPECT_EQ(Places()[1], moved);
   EXPECT_EQ(dock_.KeptLayout()[1].place, moved);
-  EXPECT_EQ(dock_.KeptLayout()[0].place, std::nullopt) << "nobody has placed it";
-  EXPECT_EQ(places({1900, 1000})[1], moved) << "it is a person's now";
-  EXPECT_NE(places({1900, 1000})[0], large[0]) << "the others share the room";
+  EXPECT_EQ(dock_.KeptLayout()[0].place, std::nullopt) << "no person has placed it";
+  EXPECT_EQ(places({1900, 1000})[1], moved) << "a person has placed it";
+  EXPECT_NE(places({1900, 1000})[0], large[0]) << "the others share the space";
 }
 
 TEST_F(PanelDockTest, ReopensAPanelAsItWas) {

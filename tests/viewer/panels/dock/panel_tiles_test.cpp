@@ -40,7 +40,7 @@ TEST(PanelTiles, FillTheSpaceWithoutOverlapWhenThereAreMany) {
     float area = 0;
     for (const PanelPlace& place : places) area += place.width * place.height;
     EXPECT_GT(area, 0.9F * kRoom.width * kRoom.height) << count;
-    EXPECT_EQ(places[1].width, kRoom.width) << "the widest has a row of its own";
+    EXPECT_EQ(places[1].width, kRoom.width) << "the widest panel has its own row";
   }
 }
 

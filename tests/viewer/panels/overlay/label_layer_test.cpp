@@ -49,7 +49,7 @@ TEST_F(LabelLayer, ListsNamesAtTheSamePlace) {
     return ImGui::GetDrawData()->TotalIdxCount / 3;
   };
   EXPECT_EQ(triangles(3), 3 * triangles(1));
-  EXPECT_EQ(triangles(60), triangles(70)) << "and so many more";
+  EXPECT_EQ(triangles(60), triangles(70)) << "the number of lines is limited";
 }
 
 TEST_F(LabelLayer, KeepsColorsOfNamesAtTheSamePlace) {
@@ -68,7 +68,7 @@ TEST_F(LabelLayer, KeepsColorsOfNamesAtTheSamePlace) {
     ++orange;
   }
   ImGui::Render();
-  EXPECT_EQ(orange, 4 * 4U) << "as many corners as four letters have";
+  EXPECT_EQ(orange, 4 * 4U) << "four letters have four corners each";
   EXPECT_LE(usual_y, orange_y + 2) << "below both lines of the other";
 }
 

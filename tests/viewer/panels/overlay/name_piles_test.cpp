@@ -56,7 +56,7 @@ TEST(NamePiles, ShowColoredNamesFirst) {
   const NamePile cut = PileNames(names, kLine, kUsual)[0];
   EXPECT_EQ(TextOf(cut), "arm\nwheel\nwheel\nwheel\nwheel\nand 3 more");
   EXPECT_EQ(ColorsOf(cut), std::vector<Rgba>({2, 1, 1, 1, 1, 1}));
-  EXPECT_EQ(cut.x, 11) << "it lies where it did";
+  EXPECT_EQ(cut.x, 11) << "it stays in its place";
   for (PlacedName& name : names) name.color = 2;
   EXPECT_EQ(ColorsOf(PileNames(names, kLine, kUsual)[0]), std::vector<Rgba>(6, 2))
       << "also of those that are not named";

@@ -383,7 +383,7 @@ TEST_F(EntityDisplayTest, ReturnsTextsAsLabelsWithPlaceAndColor) {
   EXPECT_EQ(labels[0].at, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(labels[0].color, MakeRgba(255, 0, 0));
   EXPECT_EQ(labels[0].height, 0.5F);
-  EXPECT_TRUE(labels[0].in_metres);
+  EXPECT_TRUE(labels[0].in_meters);
 }
 
 TEST_F(EntityDisplayTest, DrawsAModelInsideTheMessage) {

@@ -38,7 +38,7 @@ foxglove::Grid Empty(PackedElementField::NumericType type, std::uint32_t bytes) 
   return grid;
 }
 
-/// Two rooms with a door between them. What is to the right of them is unknown.
+/// Two rooms with a door between them. The area to the right of them is unknown.
 foxglove::Grid Rooms(int door = 10) {
   foxglove::Grid grid = Empty(PackedElementField::INT8, 1);
   for (int y = 0; y < kRows; ++y) {

@@ -105,7 +105,7 @@ TEST_F(ImageDisplayTest, DrawsDepths) {
   EXPECT_THAT(display.Status(), Contains(HasSubstr("from 500 to 4250")));
 }
 
-TEST_F(ImageDisplayTest, ZoomsTowardsThePointer) {
+TEST_F(ImageDisplayTest, ZoomsTowardThePointer) {
   Add("Image", "camera");
   Publish("camera", Colors());
   Update();

@@ -86,7 +86,7 @@ TEST_F(PointsDisplayTest, ShowsOneColorAndASizeInMeters) {
   Add("Point cloud", "cloud", {"color", "flat", "flat", "#40c0ff", "size", "0.25", "unit", "m"});
   Publish("cloud", Spiral());
   Update();
-  ExpectAsKept("points_in_metres");
+  ExpectAsKept("points_in_meters");
 }
 
 TEST_F(PointsDisplayTest, PointsKeptForeverLookLikeTheLatest) {

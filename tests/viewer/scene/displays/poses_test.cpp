@@ -147,14 +147,14 @@ TEST_F(PoseDisplaysTest, ShowsSilentFramesInOrange) {
   tree_.SetStatic("base", "lidar", RigidTransform());
   Update(100);
   EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base", "lidar"));
-  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 105) << "when it will have been silent for long";
+  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 105) << "the time at which it becomes silent";
   Update(104);
   EXPECT_THAT(TextsOf(frames), ::testing::Contains("base"));
   Update(105);
   EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base (silent)", "lidar"));
   EXPECT_THAT(frames.Status(), ::testing::Contains("base: below map, silent"));
   EXPECT_THAT(frames.Status(), ::testing::Contains("lidar: below base, static"));
-  EXPECT_EQ(scene_.next_change_s(), std::numeric_limits<double>::infinity()) << "nothing is drawn again for it";
+  EXPECT_EQ(scene_.next_change_s(), std::numeric_limits<double>::infinity()) << "it causes no further drawing";
   tree_.Set("map", "base", Time{2}, RigidTransform());
   transforms_changed_ = true;
   Update(110);
@@ -173,12 +173,12 @@ TEST_F(PoseDisplaysTest, UpdatesFrameAgesOnceASecondIfEnabled) {
   EXPECT_THAT(frames.Status(), ::testing::Contains(::testing::EndsWith(", 3 s ago")));
   Update(104.1);
   Update(105);
-  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 105.5) << "it falls silent before the second is over";
+  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 105.5) << "it becomes silent before the second is over";
   SetStandingStill(frames, "names", "off");
   Update(105.2);
   EXPECT_DOUBLE_EQ(scene_.next_change_s(), 105.5);
   Update(105.5);
-  EXPECT_EQ(scene_.next_change_s(), std::numeric_limits<double>::infinity()) << "no age stands anywhere";
+  EXPECT_EQ(scene_.next_change_s(), std::numeric_limits<double>::infinity()) << "no age is shown";
 }
 
 TEST_F(PoseDisplaysTest, FramesHaveNoRateBeforeTheSecondTransform) {
@@ -203,7 +203,7 @@ TEST_F(PoseDisplaysTest, FramesUpdatedWhileLookingBackAreNotSilent) {
   Update(160);
   EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base"));
   EXPECT_THAT(frames.Status(), ::testing::Contains("base: below map, 1.00 Hz"));
-  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 165) << "what came in a pause counts from its end";
+  EXPECT_DOUBLE_EQ(scene_.next_change_s(), 165) << "transforms of a pause count from its end";
 }
 
 TEST_F(PoseDisplaysTest, ShowsPastFrameAgesWhilePaused) {
@@ -215,7 +215,7 @@ TEST_F(PoseDisplaysTest, ShowsPastFrameAgesWhilePaused) {
   tree_.Set("map", "other", Time{2}, RigidTransform());
   SetStandingStill(frames, "ages", "on");
   EXPECT_TRUE(scene_.pending());
-  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base, 3 s")) << "nothing new is taken in";
+  EXPECT_THAT(TextsOf(frames), ::testing::UnorderedElementsAre("map", "base, 3 s")) << "no new message is taken in";
   EXPECT_THAT(frames.Status(), ::testing::Contains(::testing::EndsWith(", 3 s ago")));
   SetStandingStill(frames, "silent after", "2");
   EXPECT_EQ(frames.Labels().back().color, MakeRgba(255, 178, 90));

@@ -72,7 +72,7 @@ TEST_F(VoxelDisplayTest, DrawsTransparentVoxels) {
   ExpectAsKept("voxels_see_through");
 }
 
-TEST_F(VoxelDisplayTest, DrawsTheFacesTowardsTheEyeFromAnywhere) {
+TEST_F(VoxelDisplayTest, DrawsTheFacesTowardTheEyeFromAnywhere) {
   Add("Voxels", "voxels", {"color", "flat", "flat", "#ffffff"});
   Publish("voxels", Ball());
   Update();

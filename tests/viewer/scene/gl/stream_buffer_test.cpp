@@ -34,7 +34,7 @@ Numbers Read(GLuint name, std::size_t count) {
   return numbers;
 }
 
-/// Something that GL does with the contents later, as drawing does.
+/// A command that GL executes later with the contents, like drawing.
 GlBuffer TakeCopy(const StreamBuffer& from, std::size_t count) {
   GlBuffer copy = GlBuffer::New();
   const auto bytes = static_cast<GLsizeiptr>(count * sizeof(std::uint32_t));
@@ -75,7 +75,7 @@ TEST_F(StreamBufferWay, IsTheBestThatTheDriverSupports) {
   EXPECT_EQ(StreamBuffer::BestWay(), can ? StreamBuffer::Way::kMapped : StreamBuffer::Way::kCopied);
   const char* const without = std::getenv("HGROS_WITHOUT_MAPPED_BUFFERS");
   if (without != nullptr && std::string_view(without) == "1") {
-    EXPECT_FALSE(can) << "this run is about drivers without it";
+    EXPECT_FALSE(can) << "this run tests drivers without mapped buffers";
   }
 }
 
@@ -103,7 +103,7 @@ TEST_P(StreamBufferIn, DoesNotChangeDataThatIsStillDrawn) {
 }
 
 TEST_P(StreamBufferIn, UsesNewMemoryWhileTheOldMayStillBeDrawn) {
-  if (GetParam() != StreamBuffer::Way::kMapped) GTEST_SKIP() << "There GL sees to it.";
+  if (GetParam() != StreamBuffer::Way::kMapped) GTEST_SKIP() << "GL ensures this itself.";
   StreamBuffer never_drawn([](GLsync) { return false; });
   StreamBuffer never_retired;
   for (StreamBuffer* buffer : {&never_drawn, &never_retired}) {

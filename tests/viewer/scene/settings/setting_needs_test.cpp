@@ -41,7 +41,7 @@ TEST_F(SettingNeeds, AreSetUnlessGivenOtherwise) {
   EXPECT_THAT(Give("Point cloud", {{"lowest", "1"}, {"field", "speed"}, {"count", "10"}}), IsEmpty());
   EXPECT_EQ(Text("auto range"), "off");
   EXPECT_EQ(Text("color"), "value");
-  EXPECT_EQ(Text("keep"), "count") << "also where the number is the one that it was";
+  EXPECT_EQ(Text("keep"), "count") << "also if the number has not changed";
   EXPECT_THAT(Give("Voxels", {{"highest", "3"}}), IsEmpty());
   EXPECT_EQ(Text("auto range"), "off");
   EXPECT_THAT(Give("Trajectory", {{"axes length", "3"}}), IsEmpty());
@@ -54,7 +54,7 @@ TEST_F(SettingNeeds, ThatAreGivenOtherwiseAreKeptAndReported) {
   EXPECT_EQ(WhyWithoutEffect(display_->Settings(), "lowest"), "lowest has no effect while auto range is on.");
   EXPECT_EQ(WhyWithoutEffect(display_->Settings(), "map"), "");
   EXPECT_EQ(SetFromText(Find("auto range"), "off"), "");
-  EXPECT_EQ(WhyWithoutEffect(display_->Settings(), "lowest"), "") << "once it has an effect";
+  EXPECT_EQ(WhyWithoutEffect(display_->Settings(), "lowest"), "") << "now it has an effect";
 }
 
 TEST_F(SettingNeeds, OfTheFirstSettingWinWhenTwoContradict) {
