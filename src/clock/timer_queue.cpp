@@ -104,7 +104,7 @@ class TimerQueue::Core {
     } catch (const std::exception& e) {
       log_.WriteLimited(LogLevel::kError, "timer", std::string("A timer's callback threw: ") + e.what());
     } catch (...) {
-      log_.WriteLimited(LogLevel::kError, "timer", "A timer's callback threw something that is no std::exception.");
+      log_.WriteLimited(LogLevel::kError, "timer", "A timer's callback threw something that is not a std::exception.");
     }
   }
 

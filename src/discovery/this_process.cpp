@@ -12,7 +12,7 @@
 namespace hgros {
 namespace {
 
-// The 22nd field of /proc/self/stat (proc(5)). The second one, the name, may hold blanks and parentheses.
+// The 22nd field of /proc/self/stat (proc(5)). The second one, the name, may contain spaces and parentheses.
 std::uint64_t StartTime() {
   std::ifstream file("/proc/self/stat");
   std::string text;

@@ -26,7 +26,7 @@ struct PendingMessage {
   std::uint64_t bytes = 0;
 };
 
-/// The sending side of one channel towards one peer: a ring of waiting messages, the credit, and for lossless peers
+/// The sending side of one channel toward one peer: a ring of waiting messages, the credit, and for lossless peers
 /// the messages that were sent and not confirmed. It knows no socket: its owner sends the messages that Pop()
 /// returns.
 ///

@@ -67,7 +67,7 @@ def owner_of(path):
 
 
 def included_path(root, path, quote, name):
-    """The path relative to the root that an #include means, None if it is no file of ours."""
+    """The path relative to the root that an #include means, None if it is not a file of this repository."""
     if name.startswith("hgros/"):
         if name.endswith(".pb.h"):
             return None

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads what drivers tell of graphics memory, from texts as they write them.
+"""Reads the graphics memory from texts as drivers write them.
 
     HGROS_BENCH=<bench> graphics_memory_test.py [TEST...]
 """

@@ -150,7 +150,7 @@ TEST_F(LocalDiscovery, EndpointsCanBeAddedWhileSessionsComeAndGo) {
     Robot steady("");
     Notes notes;
     const auto subscription = steady->FromAny<Note>("notes", kSerial, std::ref(notes));
-    std::jthread neighbours([] {
+    std::jthread neighbors([] {
       for (int i = 0; i < 4; ++i) {
         Robot talker("");
         (void)talker->Advertise<Note>("notes");
@@ -161,7 +161,7 @@ TEST_F(LocalDiscovery, EndpointsCanBeAddedWhileSessionsComeAndGo) {
       while (!stop.stop_requested()) (void)steady->Snapshot();
     });
     steady->AddPublisherEndpoint({bus.Endpoint("bus" + std::to_string(round)), {}, true});
-    neighbours.join();
+    neighbors.join();
   }
 }
 

@@ -1,4 +1,4 @@
-// Two bridges that can use three transports, two of which exist only here.
+// Two bridges that can use three transports. Two of these exist only in this test.
 #include <atomic>
 #include <optional>
 #include <thread>

@@ -43,9 +43,9 @@ TEST(ImageView, ShowsRowsWithoutTheirPadding) {
 
 TEST(ImageView, ShowsSamplesAsNumbers) {
   const RawImage pixels = Image(2, 1, 6, "rgb8", "\1\2\3\4\5\6");
-  const auto colours = ViewImage(pixels);
-  ASSERT_TRUE(colours);
-  EXPECT_EQ(colours->channels(), 3U);
+  const auto colors = ViewImage(pixels);
+  ASSERT_TRUE(colors);
+  EXPECT_EQ(colors->channels(), 3U);
   const RawImage message = Image(2, 2, 5, "16UC1", std::string("\1\0\0\1.\xff\xff\2\0.", 10));
   const auto depth = ViewImage(message);
   ASSERT_TRUE(depth) << depth.fault();
@@ -72,8 +72,8 @@ TEST(ImageView, ReportsInvalidImages) {
               HasSubstr("2 pixels of 3 bytes is longer than its step, 5 bytes"));
   EXPECT_THAT(ViewOf(Image(3, 3, 4, "mono8", "12345678")).fault(),
               HasSubstr("8 bytes are too few for 3 rows of 4 bytes"));
-  const RawImage grey = Image(1, 1, 1, "mono8", "x");
-  EXPECT_THAT(ViewImage(grey)->SamplesAs<float>().fault(), HasSubstr("\"mono8\" are std::uint8_t, not float"));
+  const RawImage gray = Image(1, 1, 1, "mono8", "x");
+  EXPECT_THAT(ViewImage(gray)->SamplesAs<float>().fault(), HasSubstr("\"mono8\" are std::uint8_t, not float"));
 }
 
 TEST(ImageView, RefusesHugeNumbers) {

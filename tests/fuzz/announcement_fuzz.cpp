@@ -17,7 +17,7 @@ void Require(bool holds) {
   if (!holds) std::abort();
 }
 
-/// What was read must survive being written and read again.
+/// An announcement that was read must be the same after writing and reading it again.
 void CheckFile(hgros::Bytes bytes) {
   const hgros::discovery::ParsedFile parsed = hgros::discovery::ParseFile(bytes);
   Require(parsed.announcement.has_value() == parsed.fault.empty());
@@ -26,7 +26,7 @@ void CheckFile(hgros::Bytes bytes) {
   Require(hgros::discovery::ParseFile(hgros::AsBytes(again)).announcement == parsed.announcement);
 }
 
-/// Likewise, but for endpoints that only their own host can reach.
+/// The same for a datagram, with an endpoint that other hosts can reach: datagrams contain no others.
 void CheckDatagram(hgros::Bytes bytes) {
   const auto heard = hgros::discovery::ParseDatagram(bytes, kDomain, kSender);
   if (!heard) return;

@@ -43,11 +43,11 @@ TEST_P(ServiceOverEveryTransport, RepliesToACallback) {
 TEST_P(ServiceOverEveryTransport, ReportsWhatTheHandlerThrew) {
   Pair pair(PlacesOf(GetParam()));
   const Service service = pair.server().Serve<Note, Note>(
-      "parse", [](const Note& note) -> Note { throw std::runtime_error("\"" + note.text + "\" is no number"); });
+      "parse", [](const Note& note) -> Note { throw std::runtime_error("\"" + note.text + "\" is not a number"); });
   const auto result = pair.caller().Call<Note, Note>("parse", Note("seven"), kLong).Wait();
   ASSERT_FALSE(result);
   EXPECT_EQ(result.failure().kind, Kind::kHandlerFailed);
-  EXPECT_EQ(result.failure().reason, "\"seven\" is no number");
+  EXPECT_EQ(result.failure().reason, "\"seven\" is not a number");
 }
 
 TEST_P(ServiceOverEveryTransport, TimesOutWhileTheHandlerIsBusy) {

@@ -42,7 +42,7 @@ class RelayPort {
   /// Readable when somebody connects.
   [[nodiscard]] int listener() const { return listener_; }
 
-  /// The two sockets of a relayed connection; whoever has them closes them.
+  /// The two sockets of a relayed connection; their owner closes them.
   struct Pair {
     int client = -1;
     int server = -1;

@@ -120,7 +120,7 @@ void Check(const Layout& layout) {
   }
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (touched[i]) continue;
-    EXPECT_EQ(cloud.bytes()[i], before[i]) << "byte " << i << " is no coordinate.";
+    EXPECT_EQ(cloud.bytes()[i], before[i]) << "byte " << i << " is not a coordinate.";
   }
 }
 

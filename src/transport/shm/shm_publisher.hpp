@@ -24,8 +24,8 @@ namespace hgros::shm {
 /// Thread safety: all functions. The mutex guards Pair::out of all pairs and OutChannel::links: one for all, because a
 /// lossless message is promised to all its subscribers or to none. Under it sockets, the block pool and the socket
 /// thread's list are locked, and whatever OutboundSource::OnCut() locks.
-/// Invariants: a link is in its channel's list exactly while it is in its pair's map. What a link waits for is counted
-/// in the sums of pair and channel. Bells are rung, and messages and actions end, when no mutex is held.
+/// Invariants: a link is in its channel's list exactly while it is in its pair's map. Messages that a link waits for
+/// are counted in the sums of pair and channel. Bells are rung, and messages and actions end, when no mutex is held.
 class ShmPublisher {
  public:
   ShmPublisher(ShmSession& session, PairTable& pairs, SocketThread& sockets)

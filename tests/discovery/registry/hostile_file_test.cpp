@@ -1,4 +1,4 @@
-// Files in a registry's folder that are no valid announcements.
+// Files in a registry's folder that are not valid announcements.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

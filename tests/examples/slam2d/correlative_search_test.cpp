@@ -11,7 +11,7 @@ namespace slam2d {
 namespace {
 
 // Every pose of the window in turn, no coarse levels.
-SearchResult BruteForce(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& centre,
+SearchResult BruteForce(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& center,
                         const SearchWindow& window) {
   SearchResult best;
   const double cell = field.cell_size_m();
@@ -19,20 +19,20 @@ SearchResult BruteForce(const LikelihoodField& field, const std::vector<Point2>&
   const int angles = static_cast<int>(std::lround(window.half_angle_rad / window.angle_step_rad));
   for (int a = -angles; a <= angles; ++a) {
     const double angle = a * window.angle_step_rad;
-    const double c = std::cos(centre.theta + angle);
-    const double s = std::sin(centre.theta + angle);
+    const double c = std::cos(center.theta + angle);
+    const double s = std::sin(center.theta + angle);
     for (int y = -n; y <= n; ++y) {
       for (int x = -n; x <= n; ++x) {
         double sum = 0.0;
         for (const Point2& p : points) {
-          const int px = static_cast<int>(std::floor((centre.x + c * p.x - s * p.y) / cell)) + x;
-          const int py = static_cast<int>(std::floor((centre.y + s * p.x + c * p.y) / cell)) + y;
+          const int px = static_cast<int>(std::floor((center.x + c * p.x - s * p.y) / cell)) + x;
+          const int py = static_cast<int>(std::floor((center.y + s * p.x + c * p.y) / cell)) + y;
           if (field.level(0).Holds(px, py)) sum += field.level(0).values[field.level(0).Index(px, py)];
         }
         const double score = sum / (255.0 * static_cast<double>(points.size())) -
                              window.cost_per_m2 * cell * cell * (x * x + y * y) - window.cost_per_rad2 * angle * angle;
         if (score > best.score + 1e-9) {
-          best = {{centre.x + x * cell, centre.y + y * cell, WrapAngle(centre.theta + angle)}, score};
+          best = {{center.x + x * cell, center.y + y * cell, WrapAngle(center.theta + angle)}, score};
         }
       }
     }
@@ -62,10 +62,10 @@ TEST_F(MappedStart, CorrelativeSearchFindsWhatBruteForceFinds) {
   SeededNoise noise(11);
   for (int i = 0; i < 4; ++i) {
     const SearchWindow window{i % 2 == 0 ? 0.2 : 0.6, 0.06, 0.02, i < 2 ? 0.0 : 4.0, i < 2 ? 0.0 : 0.4};
-    const Pose2 centre{true_pose_.x + 0.2 * noise.Normal(), true_pose_.y + 0.2 * noise.Normal(),
+    const Pose2 center{true_pose_.x + 0.2 * noise.Normal(), true_pose_.y + 0.2 * noise.Normal(),
                        true_pose_.theta + 0.03 * noise.Normal()};
-    const SearchResult expected = BruteForce(field_, points_, centre, window);
-    const SearchResult found = SearchCorrelative(field_, points_, centre, window);
+    const SearchResult expected = BruteForce(field_, points_, center, window);
+    const SearchResult found = SearchCorrelative(field_, points_, center, window);
     EXPECT_NEAR(found.score, expected.score, 1e-9);
     EXPECT_NEAR(found.T_map_laser.x, expected.T_map_laser.x, 1e-9);
     EXPECT_NEAR(found.T_map_laser.y, expected.T_map_laser.y, 1e-9);

@@ -49,10 +49,10 @@ TEST(MapImage, IsReadBackByLibpngAsWritten) {
   const OccupancyMap map = OneBeamMap();
   const std::vector<PathOverlay> paths{{{{0.2, -0.3, 0.0}, {0.2, 0.4, 0.0}}, kCorrectedRgb}};
   const MapImage gray = RenderMap(map);
-  const MapImage colour = RenderMap(map, paths);
-  ASSERT_EQ(colour.channels, 3U);
-  EXPECT_GT(colour.height, gray.height) << "the path leaves the map";
-  for (const MapImage& image : {gray, colour}) {
+  const MapImage color = RenderMap(map, paths);
+  ASSERT_EQ(color.channels, 3U);
+  EXPECT_GT(color.height, gray.height) << "the path leaves the map";
+  for (const MapImage& image : {gray, color}) {
     WritePng(image, folder / "map.png");
     const MapImage read = ReadPng(folder / "map.png", image.channels);
     EXPECT_EQ(read.width, image.width);
@@ -61,8 +61,8 @@ TEST(MapImage, IsReadBackByLibpngAsWritten) {
     EXPECT_FALSE(std::filesystem::exists(folder / "map.png.part"));
   }
   // y = 0.4 lies in cell 8: one below the top row, in the fifth column of the map.
-  EXPECT_EQ(colour.bytes[(colour.width + 5) * 3 + 0], kCorrectedRgb[0]);
-  EXPECT_EQ(colour.bytes[(colour.width + 5) * 3 + 2], kCorrectedRgb[2]);
+  EXPECT_EQ(color.bytes[(color.width + 5) * 3 + 0], kCorrectedRgb[0]);
+  EXPECT_EQ(color.bytes[(color.width + 5) * 3 + 2], kCorrectedRgb[2]);
 }
 
 TEST(MapImage, IsDrawnLargerWhileItFitsTheEdgeThatWasAskedFor) {

@@ -23,7 +23,7 @@ class OldRoom : public testing::Test {
     points_ = MatchedPoints(scan, {});
   }
 
-  void LeaveFor(double travelled_m) { detector_.Apply(map_.Skip(99), travelled_m); }
+  void LeaveFor(double traveled_m) { detector_.Apply(map_.Skip(99), traveled_m); }
 
   OccupancyMap map_;
   RevisitDetector detector_;

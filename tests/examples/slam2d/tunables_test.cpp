@@ -17,7 +17,7 @@
 namespace slam2d {
 namespace {
 
-// How many bytes of an Options belong to no number that may be tuned.
+// The number of bytes of an Options that belong to no tunable number.
 template <class Options>
 std::ptrdiff_t BytesLeftOut() {
   Options options;

@@ -1,4 +1,4 @@
-// A program of someone who has the installed package and nothing else: links the library, its errors and its messages.
+// A program that is built against the installed package alone. It uses the library, its errors and its messages.
 #include <cstdio>
 #include <string>
 

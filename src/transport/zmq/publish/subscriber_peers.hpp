@@ -27,7 +27,7 @@ class SubscriberPeers {
   /// `endpoint` is where it is bound, for the log.
   SubscriberPeers(SharedState& shared, Socket& socket, PublishedChannels& channels, const std::string& endpoint);
 
-  /// Null if that session is no peer.
+  /// Null if that session is not a peer.
   [[nodiscard]] SubscriberPeer* Find(SessionId session);
   /// The peers that wait for a link to this channel.
   [[nodiscard]] std::vector<SubscriberPeer*> FindWaiting(const std::string& channel);
