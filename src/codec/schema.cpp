@@ -55,7 +55,7 @@ void AddWithImports(const FileDescriptor& file, std::set<const FileDescriptor*>&
 }  // namespace
 
 std::string CanonicalSchema(const Descriptor& type) {
-  std::map<std::string, std::string> texts;  // By full name: messages and enums share one name space.
+  std::map<std::string, std::string> texts;  // By full name: messages and enums share one namespace.
   std::vector<const Descriptor*> open{&type};
   while (!open.empty()) {
     const Descriptor& next = *open.back();

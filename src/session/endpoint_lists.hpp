@@ -23,7 +23,7 @@ bool SetAllowed(EndpointConfig& endpoint, std::string_view channel, bool allowed
 enum class Way { kOut, kIn };
 
 // A sentence for a channel that no endpoint lets pass. Empty if an endpoint lets it pass, or if there are no endpoints.
-// Without it a wrong name in a white list would only cause silence. `place`: the boundary, such as "host".
+// Without it a wrong name in an endpoint's list would only cause silence. `place`: the boundary, such as "host".
 [[nodiscard]] std::string DescribeConfined(std::string_view channel, const std::vector<EndpointConfig>& endpoints,
                                            Way way, std::string_view place);
 

@@ -140,7 +140,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::optional<SnapshotPublisher> snapshots_;  // Created with the bridge.
   OutboundChannels outbound_;
   const std::shared_ptr<InboundChannels> inbound_;  // Shared with subscriptions, which may outlive the session.
-  std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the white lists.
+  std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the endpoints' lists.
   std::shared_ptr<Services> services_;
   std::vector<Subscription> clock_nodes_;
 };

@@ -1,4 +1,4 @@
-// The part of SessionCore that reaches other sessions: transports, endpoints and their white lists.
+// The part of SessionCore that reaches other sessions: transports, endpoints and their lists of channels.
 #include <algorithm>
 #include <utility>
 

@@ -154,7 +154,7 @@ std::optional<Time> RobotDescription::StampOf(std::int64_t seconds, std::int64_t
 }
 
 SetResult RobotDescription::NoTime() {
-  return {SetFault::kTooOld, "The joint states were refused: their time stamp is invalid."};
+  return {SetFault::kTooOld, "The joint states were refused: their timestamp is invalid."};
 }
 
 SetResult RobotDescription::SetAll(TransformTree& tree, std::span<const StampedEdge> edges) {

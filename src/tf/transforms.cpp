@@ -138,7 +138,7 @@ SetResult Transforms::Core::Store(const foxglove::FrameTransform& transform, std
   const RigidTransform T_parent_child = tf::TransformOf(transform);
   if (is_static) return tree_.SetStatic(parent, child, T_parent_child, publisher);
   if (const auto stamp = tf::StampOf(transform)) return tree_.Set(parent, child, *stamp, T_parent_child, publisher);
-  return {SetFault::kTooOld, "The edge " + Edge(parent, child) + " was refused: its time stamp is invalid."};
+  return {SetFault::kTooOld, "The edge " + Edge(parent, child) + " was refused: its timestamp is invalid."};
 }
 
 std::string Transforms::Core::NameOf(SessionId session) {
@@ -165,7 +165,7 @@ void Transforms::Core::NoteOwner(std::string_view parent, std::string_view child
   session_.log().Write(LogLevel::kWarning, "Two sessions set the edge " + Edge(parent, child) + ": \"" +
                                                NameOf(*other) + "\" (" + other->ToString() + ") and \"" + NameOf(by) +
                                                "\" (" + by.ToString() +
-                                               "). Look-ups return either of the two; let only one session set it.");
+                                               "). Lookups return either of the two; let only one session set it.");
 }
 
 TransformsStats Transforms::Core::stats() const {

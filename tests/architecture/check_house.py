@@ -40,7 +40,7 @@ SUFFIXES = HEADERS | {".cpp"}
 
 MAX_FILE_LINES = 400  # in include, src and apps
 MAX_PUBLIC_HEADER_LINES = 150
-MAX_SOURCES_PER_FOLDER = 30  # .cpp and .hpp, sub-folders not counted
+MAX_SOURCES_PER_FOLDER = 30  # .cpp and .hpp, subfolders not counted
 MAX_CLASS_LINES = 500  # the class and its functions, in all files of include, src and apps
 
 # Both begin in the first column and end with a brace there.
@@ -113,7 +113,7 @@ def check_tree(root):
     for folder, count in sorted(folders.items()):
         if count > MAX_SOURCES_PER_FOLDER:
             faults.append(f"{folder}:1: has {count} source files, more than {MAX_SOURCES_PER_FOLDER}; "
-                          "split it into sub-folders of one subject each")
+                          "split it into subfolders of one subject each")
     for (module, name), lines in sorted(classes.items()):
         if lines > MAX_CLASS_LINES:
             faults.append(f"{module}: class {name} has {lines} lines in all its files, more than {MAX_CLASS_LINES}; "

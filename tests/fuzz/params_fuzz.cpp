@@ -1,6 +1,6 @@
 // Files of parameters and overrides may be any text: they are taken, or refused with ParamError or ConfigError, in
-// bounded time. What is taken can be written and read again, and an edit of it says what was wanted. The text ends
-// where a line "=" begins a path, a value follows behind the next one.
+// bounded time. Accepted text can be written and read again, and an edit of it has the expected value. The text ends
+// where a line "=" begins a path. A value follows after the next such line.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

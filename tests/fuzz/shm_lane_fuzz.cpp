@@ -1,5 +1,5 @@
-// What a session reads of a peer: frames, descriptors of messages, segments, and the page that counts. The input drives
-// a peer made by hand that has a session of this process on its other side.
+// Everything that a session reads from a peer: frames, descriptors of messages, segments, and the page with counters.
+// The input drives a hand-made peer that is connected to a session of this process.
 #include <algorithm>
 #include <atomic>
 #include <cstddef>

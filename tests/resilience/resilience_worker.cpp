@@ -63,7 +63,7 @@ class Arguments {
 struct Stamp {
   std::uint64_t publisher = 0;  ///< The id of its process.
   std::uint64_t sequence = 0;   ///< Counts from 1.
-  std::uint64_t checksum = 0;   ///< Of the data, computed with 0 in this field.
+  std::uint64_t checksum = 0;   ///< Checksum of the data, computed with 0 in this field.
 };
 
 std::uint64_t Checksum(std::string_view data) {

@@ -79,7 +79,7 @@ TEST(RobotDescription, RefusesJointStatesWithAnInvalidStamp) {
     TransformTree tree;
     const SetResult result = robot.SetJoints(tree, states);
     EXPECT_FALSE(result);
-    EXPECT_EQ(result.text(), "The joint states were refused: their time stamp is invalid.");
+    EXPECT_EQ(result.text(), "The joint states were refused: their timestamp is invalid.");
     EXPECT_TRUE(tree.Edges().empty());
     EXPECT_THROW((void)robot.EdgesAt(states), Error);
   }

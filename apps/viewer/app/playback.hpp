@@ -49,7 +49,7 @@ class Playback {
   bool steps_ = false;
   double newest_s_ = -kNever;  ///< When displays took in something last.
   double back_s_ = 0;
-  std::map<std::string, RigidTransform> kept_transforms_;  ///< Of the displays' frames, during a pause.
+  std::map<std::string, RigidTransform> kept_transforms_;  ///< For the displays' frames, during a pause.
 };
 
 }  // namespace hgros::viewer

@@ -5,7 +5,7 @@
 
 namespace hgros::viewer {
 
-/// The time stamp of a message.
+/// The timestamp of a message.
 [[nodiscard]] inline Time StampOf(const google::protobuf::Timestamp& stamp) noexcept {
   return {stamp.seconds() * 1'000'000'000 + stamp.nanos()};
 }

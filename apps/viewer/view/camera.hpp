@@ -67,7 +67,8 @@ class Camera {
   [[nodiscard]] std::optional<Eigen::Vector3d> PixelOf(const Eigen::Vector3d& point, const Viewport& viewport) const;
 
   [[nodiscard]] const Eigen::Vector3d& eye() const noexcept { return eye_; }
-  [[nodiscard]] const Eigen::Quaterniond& orientation() const noexcept { return orientation_; }  ///< Of the camera.
+  /// Rotates from the camera to the world.
+  [[nodiscard]] const Eigen::Quaterniond& orientation() const noexcept { return orientation_; }
   [[nodiscard]] double distance() const noexcept { return distance_; }
   [[nodiscard]] bool orthographic() const noexcept { return orthographic_; }
   [[nodiscard]] const std::optional<Eigen::Vector3d>& anchor() const noexcept { return anchor_; }

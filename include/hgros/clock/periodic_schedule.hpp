@@ -8,7 +8,7 @@
 
 namespace hgros {
 
-/// What happens to planned moments that were missed because a callback took too long or the clock was stepped ahead.
+/// The policy for planned moments that were missed because a callback took too long or the clock was stepped ahead.
 enum class Missed {
   kSkip,     ///< Only the latest one is run, the others are counted: no burst.
   kCatchUp,  ///< Each one is run late, one right after the other, in order.

@@ -35,7 +35,7 @@ enum class Encoding : std::uint8_t {
 struct TypeInfo {
   std::string name;  ///< The name on the wire: the protobuf full name, or the name of the custom or C++ type.
   Encoding encoding = Encoding::kNone;
-  std::uint64_t fingerprint = 0;  ///< Of the schema or layout; 0 if the type has none (custom codecs, kNone).
+  std::uint64_t fingerprint = 0;  ///< Identifies the schema or layout; 0 if there is none (custom codecs, kNone).
   std::type_index cpp_type = typeid(void);
 
   /// True only for AnyType().

@@ -18,7 +18,7 @@
 
 namespace hgros {
 
-/// One endpoint of the network section with its white list.
+/// One endpoint of the network section with its list of channels.
 struct EndpointConfig {
   /// "tcp://*:5553", "tcp://192.168.1.7:5553" or "ipc:///run/robot/bus". Normalized, so that equal endpoints have equal
   /// texts: always with a scheme; "*" means every address, or a port that the system chooses.

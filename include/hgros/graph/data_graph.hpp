@@ -32,7 +32,7 @@ struct GraphOptions {
 /// Whether a thread that delivers a message may run callbacks.
 enum class UserCode { kAllowed, kRefused };
 
-/// What the nodes of a channel need from the thread that delivers a message.
+/// How a channel's nodes use the thread that delivers a message.
 enum class ThreadUse {
   kNone,     ///< It runs no callback.
   kInline,   ///< It runs the callbacks of inline nodes.
@@ -95,7 +95,7 @@ class HGROS_EXPORT DataGraph {
   /// `deadline` came first. Must not be called inside a callback.
   bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
 
-  // What the session needs to join the graph to transports.
+  // For the session, which joins the graph to transports.
 
   /// The channel of that name, created with this type if it is new.
   Channel& Open(std::string_view channel, const TypeInfo& type, const CallSite& where);
@@ -118,7 +118,7 @@ class HGROS_EXPORT DataGraph {
                      UserCode user_code = UserCode::kAllowed) noexcept;
   /// The type of the channel as which a message from outside is best decoded for its nodes.
   [[nodiscard]] static const TypeInfo& InboundType(const Channel& channel) noexcept;
-  /// What the channel's nodes need from the thread that delivers the next message to them.
+  /// How the channel's nodes use the thread that delivers the next message to them.
   [[nodiscard]] static ThreadUse UseOfThread(const Channel& channel) noexcept;
   /// Whether this thread runs a callback of any graph.
   [[nodiscard]] static bool InCallback() noexcept;

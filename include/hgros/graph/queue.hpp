@@ -7,7 +7,7 @@
 
 namespace hgros {
 
-/// What a subscription does with messages that arrive faster than its callback handles them. A value; immutable.
+/// The queue of a subscription, for messages that arrive faster than its callback handles them. A value; immutable.
 class HGROS_EXPORT Queue {
  public:
   enum class Kind : std::uint8_t {

@@ -24,7 +24,7 @@ struct NodeSnapshot {
   std::uint64_t failed = 0;    ///< Callbacks that threw.
   std::uint64_t queued = 0;    ///< Waiting now.
   LogHistogram queue_wait;     ///< From publish to start of the callback, ns.
-  LogHistogram run_time;       ///< Of the callback, ns.
+  LogHistogram run_time;       ///< Time in the callback, ns.
 };
 
 struct ChannelSnapshot {

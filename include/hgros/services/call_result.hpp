@@ -55,7 +55,7 @@ struct CallFailure {
 struct CallEnd {
   AnyMessage reply;  ///< Null: the call failed.
   CallFailure failure;
-  const TypeInfo* type = nullptr;  ///< Of the reply.
+  const TypeInfo* type = nullptr;  ///< Type of the reply.
 };
 
 /// The end for a caller that expects `type`. If caller and server are in one session and only one of them uses raw

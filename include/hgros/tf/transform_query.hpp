@@ -7,7 +7,7 @@
 
 namespace hgros {
 
-/// Names a frame of one TransformTree, for hot loops: a look-up by id hashes and compares no text. In another tree the
+/// Names a frame of one TransformTree, for hot loops: a lookup by id hashes and compares no text. In another tree the
 /// same id means another frame or no frame.
 struct FrameId {
   std::uint32_t value = UINT32_MAX;

@@ -31,7 +31,7 @@ enum class TransformFault : std::uint8_t {
   kStopped,       ///< A wait was stopped.
 };
 
-/// Details of a failed look-up. Fields that do not belong to the fault are empty.
+/// Details of a failed lookup. Fields that do not belong to the fault are empty.
 struct TransformFailure {
   TransformFault fault = TransformFault::kNone;
   std::string text;          ///< One sentence with the frames, the edge and the times.

@@ -30,7 +30,7 @@ struct TransformTreeOptions {
 };
 
 /// The frames of a robot over time: a tree whose edges are transforms T_parent_child. A moving edge has a buffer of
-/// stamped transforms, a static edge has one that always holds. A look-up follows both frames up to their nearest
+/// stamped transforms, a static edge has one that always holds. A lookup follows both frames up to their nearest
 /// common ancestor. Between two stamps the position is interpolated linearly and the rotation by slerp. There is no
 /// extrapolation.
 ///
@@ -41,10 +41,10 @@ struct TransformTreeOptions {
 ///
 /// The first Set adds frames and edges, and they stay. Separate trees can exist until an edge joins them.
 ///
-/// Thread safety: every function may be called by any thread. Look-ups take no lock, do not wait for writers and write
+/// Thread safety: every function may be called by any thread. Lookups take no lock, do not wait for writers and write
 /// nothing that other threads read. Writers of the same edge wait for each other; writers of different edges do not.
-/// Ordering:  a look-up that begins after Set returned finds what was set.
-/// Errors:    look-ups and Set return the reason. Only Frame and Publisher throw.
+/// Ordering:  a lookup that begins after Set returned finds what was set.
+/// Errors:    lookups and Set return the reason. Only Frame and Publisher throw.
 class HGROS_EXPORT TransformTree {
  public:
   explicit TransformTree(const TransformTreeOptions& options = {});

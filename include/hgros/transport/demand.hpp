@@ -4,7 +4,7 @@
 
 namespace hgros {
 
-/// What a subscribing session requests from a publishing session, for one channel.
+/// The demand of a subscribing session on a publishing session, for one channel.
 struct Demand {
   bool lossless = false;               ///< Nothing may be dropped; publishing returns kFull instead.
   std::uint32_t queue_depth = 16;      ///< Keep-last: number of messages that the sender keeps for us.

@@ -25,7 +25,7 @@ struct InboundMessage {
   std::shared_ptr<const void> credit;
 };
 
-/// What happens to an accepted message next.
+/// The next step for an accepted message.
 enum class Accepted {
   kNothing,   ///< Nothing to do.
   kRunHere,   ///< Call Run() now, on this thread; it is quick and runs no user code.

@@ -11,7 +11,7 @@
 
 namespace hgros {
 
-// Channels by name. A look-up takes no lock and writes nothing, even while channels are added.
+// Channels by name. A lookup takes no lock and writes nothing, even while channels are added.
 //
 // Thread safety: all functions from any thread.
 // Invariants: channels are only added. A larger bucket array replaces a full one, which is kept until the table is

@@ -8,7 +8,7 @@
 
 namespace hgros::tf {
 
-/// The result of a look-up without texts, which are made only when they are requested.
+/// The result of a lookup without texts, which are made only when they are requested.
 struct Outcome {
   TransformFault fault = TransformFault::kNone;
   Pose pose;  ///< Valid only if found.
@@ -21,7 +21,7 @@ struct Outcome {
   FrameId unknown;
   std::int64_t wanted = 0;         ///< kTooOld, kTooNew
   const Frame* edge = nullptr;     ///< kTooOld, kTooNew
-  const Frame* lagging = nullptr;  ///< kTooOld in a look-up of the latest: the edge that is behind `edge`.
+  const Frame* lagging = nullptr;  ///< kTooOld in a lookup of the latest: the edge that is behind `edge`.
   const Frame* target_root = nullptr;
   const Frame* source_root = nullptr;
 };

@@ -10,7 +10,7 @@
 namespace hgros {
 namespace {
 
-// Both ids of a look-up by name, or the failure.
+// Both ids of a lookup by name, or the failure.
 struct Ends {
   FrameId target;
   FrameId source;

@@ -21,7 +21,7 @@ constexpr std::string_view kIpc = "ipc://";
 constexpr std::string_view kTcp = "tcp://";
 constexpr std::size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
 
-/// Whether a process accepts connections on the unix socket. '@' stands for the abstract name space.
+/// Whether a process accepts connections on the unix socket. '@' stands for the abstract namespace.
 bool IsListening(std::string_view path) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return false;

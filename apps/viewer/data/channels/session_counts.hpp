@@ -39,7 +39,7 @@ class SessionCounts {
     std::uint64_t faults = 0;        ///< Packets that could not be read.
     std::vector<Node> nodes;         ///< By name.
   };
-  static constexpr std::size_t kMaxNodes = 1024;  ///< Of one session.
+  static constexpr std::size_t kMaxNodes = 1024;  ///< For one session.
   static constexpr std::size_t kMaxChannels = 4096;
 
   void Take(std::uint64_t session, const Snapshot& snapshot);

@@ -5,7 +5,7 @@
 
 namespace hgros::viewer {
 
-/// What the time bar shows while the picture is paused.
+/// The contents of the time bar while the picture is paused.
 struct TimeBarFigures {
   double back_s = 0;           ///< How far the picture looks back from the newest data.
   double kept_s = 0;           ///< How far it can look back, ...

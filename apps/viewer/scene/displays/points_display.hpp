@@ -71,7 +71,7 @@ class PointsDisplay : public Display {
   std::vector<std::string> fields_;
   std::string fault_;
   std::string shown_field_;
-  std::string frame_;  ///< Of the last message.
+  std::string frame_;  ///< The frame of the last message.
   double shown_until_s_ = std::numeric_limits<double>::infinity();
   std::uint64_t unplaced_ = 0;
   bool setting_changed_ = false;

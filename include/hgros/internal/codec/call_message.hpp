@@ -30,7 +30,7 @@ struct CallMessage {
   Outcome outcome = Outcome::kOk;
   std::string text;
   AnyMessage body;
-  const TypeInfo* type = nullptr;  ///< Of the body.
+  const TypeInfo* type = nullptr;  ///< Type of the body.
 };
 
 namespace codec {

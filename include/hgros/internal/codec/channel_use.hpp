@@ -7,7 +7,7 @@
 
 namespace hgros {
 
-/// What a session does with one channel.
+/// A session's use of one channel.
 struct ChannelUse {
   std::string channel;
   std::string type_name = {};  ///< Empty: it takes any, or does not say.

@@ -18,7 +18,7 @@ class DynamicSchema;
 /// The library's description of a type that a program names at run time.
 struct RunTimeSchema {
   std::shared_ptr<const MessageSchema> schema;
-  std::shared_ptr<const DynamicSchema> described;  ///< Of a protobuf type with a descriptor set; else null.
+  std::shared_ptr<const DynamicSchema> described;  ///< For a protobuf type with a descriptor set; else null.
 };
 
 /// The type that `schema` names. Its messages are RawMessages. One object per schema, which lives as long as the

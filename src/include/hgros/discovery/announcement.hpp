@@ -13,7 +13,7 @@
 
 namespace hgros {
 
-/// What a session does with one channel, and which transports may carry it.
+/// A session's use of one channel, and the transports that may carry it.
 struct ChannelAnnouncement : ChannelUse {
   TransportKeys transports = {};  ///< The transports that it may use.
 

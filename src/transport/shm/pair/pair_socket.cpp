@@ -29,7 +29,7 @@ bool AddressOf(const std::string& place, sockaddr_un& address, socklen_t& size, 
     fault = "the name of the socket is empty or too long";
     return false;
   }
-  // The first byte stays zero: the name is in the abstract name space.
+  // The first byte stays zero: the name is in the abstract namespace.
   std::memcpy(address.sun_path + 1, place.data(), place.size());
   size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + place.size());
   return true;

@@ -88,7 +88,7 @@ class PairSocket {
 /// Whether the process has ended. `process` comes from WatchProcess().
 [[nodiscard]] bool HasEnded(const Handle& process) noexcept;
 
-/// A listening socket at `place`, a name in the abstract name space: it leaves no file behind. Not valid, and `fault`
+/// A listening socket at `place`, a name in the abstract namespace: it leaves no file behind. Not valid, and `fault`
 /// is set, if it cannot be made.
 [[nodiscard]] Handle ListenAt(const std::string& place, std::string& fault);
 /// The next connection to a listening socket; not valid if there is none. `out_of_descriptors`: there may be one, but

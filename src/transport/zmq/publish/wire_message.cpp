@@ -55,7 +55,7 @@ WireMessage::WireMessage(const PacketHead& head, const Payload& data) : id_(head
 void WireMessage::SendTo(Socket& socket, std::string_view topic) const noexcept {
   Message head = Share(head_);
   Message data = Share(data_);
-  // A multi-part message is sent as a whole or, if the socket has been closed, not at all.
+  // A multipart message is sent as a whole or, if the socket has been closed, not at all.
   if (!socket.Send(topic, true)) return;
   socket.Send(head, true);
   socket.Send(data, false);

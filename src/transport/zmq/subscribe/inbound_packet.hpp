@@ -18,7 +18,7 @@ struct InboundPacket {
   Message data;
   SessionId from;  ///< Zero if it is from a plain publisher.
   std::shared_ptr<const void> credit;
-  std::uint64_t fingerprint = 0;  ///< Of the type that the publisher named for the link, which was compared with ours.
+  std::uint64_t fingerprint = 0;  ///< Identifies the type that the publisher named for the link; compared with ours.
   std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is not ours.
 };
 
