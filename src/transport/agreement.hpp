@@ -22,7 +22,7 @@ namespace hgros {
 inline constexpr std::size_t kMaxTypeNameBytes = 1024;
 /// Sessions of this minor version and later get Offers when channels come and go.
 inline constexpr std::uint32_t kOffersSinceMinor = 1;
-/// The longest text for people in a control message. A longer one is cut.
+/// The longest displayed text in a control message. A longer one is cut.
 inline constexpr std::size_t kMaxTextBytes = 512;
 
 /// The facts of a session in its handshakes.

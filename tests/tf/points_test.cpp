@@ -41,7 +41,7 @@ TEST(RigidTransform, AgreesWithItsIsometry) {
   EXPECT_LT(test::Difference(RigidTransform(a.Isometry()), a), 1e-12);
 }
 
-// A cloud of `count` points whose fields lie at these offsets.
+// A cloud of `count` points with fields at these offsets.
 struct Layout {
   const char* name;
   std::uint32_t stride;

@@ -5,7 +5,7 @@
 
 namespace hgros::viewer {
 
-/// The viewer's messages to people: a notice in the status line, lines on standard error, and the exit code.
+/// The viewer's messages to users: a notice in the status line, lines on standard error, and the exit code.
 class Notices {
  public:
   /// Shows a notice in the status line until the next one.

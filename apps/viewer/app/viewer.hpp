@@ -79,7 +79,7 @@ class Viewer {
   /// Fits fonts and lines to the screen that the window is on now.
   void UpdateScale();
   void DrawOverlaysAndPanels();
-  /// Returns the display that a person removes, or none.
+  /// Returns the display that a user removes, or none.
   [[nodiscard]] std::optional<std::size_t> DrawPanels();
   void DrawPausedTimeBar();
 

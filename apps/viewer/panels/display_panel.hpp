@@ -31,7 +31,7 @@ class DisplayPanel {
     std::optional<std::size_t> remove;
   };
 
-  /// A person's request that the panel cannot carry out itself.
+  /// A user's request that the panel cannot carry out itself.
   [[nodiscard]] Wish Draw(Scene& scene, const FixedFrame& frame, const std::vector<ChannelRow>& channels,
                           PanelDock& dock);
   /// Shows why the last display could not be added. Empty: it was added.

@@ -13,7 +13,7 @@ namespace hgros::viewer {
 /// A kind of display. To add one, write a file that defines a function below, and add a line to the table in
 /// display_types.cpp.
 struct DisplayType {
-  std::string name;                  ///< The name that people see.
+  std::string name;                  ///< The name that users see.
   std::vector<std::string> schemas;  ///< Schemas of the channels that it shows. Empty: it needs no channel.
   std::unique_ptr<Display> (*make)(const DisplayInputs& inputs);
 };

@@ -16,7 +16,7 @@ namespace hgros {
 template <class T>
 requires(std::integral<T> || std::floating_point<T>) class StridedView {
   static_assert(std::endian::native == std::endian::little,
-                "Packed values are little-endian; they are read as they lie.");
+                "Packed values are little-endian and are read without conversion.");
 
  public:
   class Iterator {

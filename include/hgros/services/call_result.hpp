@@ -31,7 +31,7 @@ struct CallFailure {
     kClosed,         ///< This session is shutting down.
   };
   Kind kind = Kind::kCancelled;
-  std::string reason;  ///< A whole sentence for people.
+  std::string reason;  ///< A whole sentence for logs and users.
 };
 
 /// "no server", "timed out" ...

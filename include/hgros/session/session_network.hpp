@@ -35,6 +35,7 @@ class HGROS_EXPORT SessionNetwork {
   /// statistics are corrected by it. Empty for a session that is not a peer or has not answered yet.
   [[nodiscard]] std::optional<ClockOffset> OffsetTo(SessionId peer) const;
 
+  /// The sessions that are connected now, each with the transport of its messages.
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
   /// All channels that the session could publish on or receive, including its own, sorted by name. A message on
   /// kChannelEventsChannel reports that they may have changed.

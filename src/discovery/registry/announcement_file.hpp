@@ -26,7 +26,7 @@ struct ParsedFile {
   std::string fault;  // The reason; continues "the file ... is ignored: ".
 };
 
-/// Never throws, whatever the bytes are. Texts for people contain no control characters.
+/// Never throws, whatever the bytes are. Displayed texts contain no control characters.
 [[nodiscard]] ParsedFile ParseFile(Bytes bytes);
 
 }  // namespace hgros::discovery

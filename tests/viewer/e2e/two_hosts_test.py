@@ -1,4 +1,4 @@
-"""The paper's second use case: the robot on one host, hgros-viewer on another, with a network file each and nothing else."""
+"""The paper's second use case: the robot on one host, hgros-viewer on another, each with a network file only."""
 
 import os
 import pathlib
@@ -34,7 +34,7 @@ class Host:
         except BrokenPipeError:
             pass
         if self.holder.stdout.read(1) != b"\n":
-            case.skipTest("this system lets nobody make network namespaces.")
+            case.skipTest("this system does not allow network namespaces.")
 
     def end(self):
         self.holder.stdin.close()

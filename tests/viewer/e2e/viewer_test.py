@@ -1,4 +1,4 @@
-"""hgros-viewer as a person starts it: beside a robot that publishes, into memory or in a window of a screen in memory."""
+"""Runs hgros-viewer as a user does, next to a robot that publishes: without a window, or on a virtual screen."""
 
 import os
 import pathlib
@@ -20,7 +20,7 @@ DEADLINE_S = float(os.environ.get("HGROS_VIEWER_DEADLINE_S", "60"))
 
 
 def pixels(path):
-    """Width, height and rows of a PNG with 8 bits a channel and no palette, as the viewer writes them."""
+    """Width, height and rows of a PNG with 8 bits per channel and no palette, as the viewer writes them."""
     data = pathlib.Path(path).read_bytes()
     at, size, packed = 8, None, b""
     while at < len(data):
@@ -272,7 +272,7 @@ class InMemory(ViewerCase):
 
 
 class InAWindow(ViewerCase):
-    """With a screen in memory, used as a person would."""
+    """On a virtual screen, with mouse and keys."""
 
     def setUp(self):
         super().setUp()
@@ -328,8 +328,8 @@ class InAWindow(ViewerCase):
         self.read_until(viewer, lambda figures: list(pathlib.Path(self.folder.name).glob("hgros-viewer-*.png")))
         place = re.compile(r"kind: Graph\n +place: \[(\d+), (\d+),")
         left, top = map(int, place.search(written).groups())
-        self.assertEqual(written.count("place:"), 1, "nobody has placed the others")
-        self.do("key", "1", "key", "4")  # They may stand before it.
+        self.assertEqual(written.count("place:"), 1, "only one panel was placed")
+        self.do("key", "1", "key", "4")  # They may cover it.
         # A window knows the item below the pointer from the next picture on.
         for deed in (("mousemove", "--window", window, left + 80, top + 8), ("mousedown", 1),
                      ("mousemove", "--window", window, left + 60, top + 28)):

@@ -1,4 +1,4 @@
-"""Asks a window of an X screen to close, as a window manager does when a person clicks its close button."""
+"""Asks a window of an X screen to close, as a window manager does when a user clicks its close button."""
 
 import ctypes
 

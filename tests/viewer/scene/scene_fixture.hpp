@@ -33,7 +33,7 @@ class SceneTest : public DrawingTest {
   /// Adds a display for `channel`, with settings as name, text, name, text ...
   Display& Add(const std::string& type, const std::string& channel = {}, const std::vector<std::string>& settings = {});
   void Update(double now_s = 0);
-  /// Changes a setting as a person does during a pause: no messages are taken in.
+  /// Changes a setting as a user does during a pause: no messages are taken in.
   void SetStandingStill(Display& display, const std::string& name, const std::string& text);
   /// Draws until the picture is complete.
   [[nodiscard]] Pixels Draw();

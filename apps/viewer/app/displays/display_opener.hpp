@@ -15,7 +15,7 @@
 
 namespace hgros::viewer {
 
-/// Adds displays to the scene: those that the command line, a layout or a person asks for, and those of channels that
+/// Adds displays to the scene: those that the command line, a layout or a user asks for, and those of channels that
 /// are found.
 class DisplayOpener {
  public:

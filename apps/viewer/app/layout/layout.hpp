@@ -48,7 +48,7 @@ struct LayoutCamera {
   bool operator==(const LayoutCamera&) const = default;
 };
 
-/// Everything that a person has set up, so that the viewer looks the same the next time.
+/// Everything that a user has set up, so that the viewer looks the same the next time.
 struct Layout {
   std::string fixed_frame;  ///< Empty: the viewer chooses it.
   std::string follow;       ///< The frame that the camera follows; empty: none.

@@ -53,8 +53,8 @@ ViewResult<CellValues> CellValues::Of(Bytes data, const Layout& layout, const El
     return fault("The field \"" + field.name + "\" has the type " + std::to_string(field.type) + ", which is unknown.");
   }
   if (layout.cell_stride < reader.bytes || field.offset_bytes > layout.cell_stride - reader.bytes) {
-    return fault("The field \"" + field.name + "\" does not lie in its cell of " + std::to_string(layout.cell_stride) +
-                 " bytes.");
+    return fault("The field \"" + field.name + "\" does not fit into its cell of " +
+                 std::to_string(layout.cell_stride) + " bytes.");
   }
   std::size_t row = 0, slice = 0, all = 0;
   if (!Spans(layout.columns, layout.cell_stride, layout.cell_stride, data.size(), row) ||

@@ -47,7 +47,7 @@ class PanelDock {
   /// Draws a switch for each kind.
   void DrawSwitches();
 
-  /// All open panels. Only those that a person has moved have a place; the others share the space.
+  /// All open panels. Only those that a user has moved have a place; the others share the space.
   [[nodiscard]] std::vector<PanelLayout> KeptLayout() const;
   /// Opens a panel as it was in the layout. Returns what is wrong with it, or nothing.
   [[nodiscard]] std::string Restore(const PanelLayout& layout);

@@ -12,7 +12,7 @@ namespace hgros::viewer {
 /// A kind of panel. To add one, write a file that defines a function below, and add a line to the table in
 /// panel_types.cpp.
 struct PanelType {
-  std::string name;  ///< The name that people see.
+  std::string name;  ///< The name that users see.
   std::string meaning;
   float width = 40;  ///< Initial width, in heights of the font.
   float height = 20;

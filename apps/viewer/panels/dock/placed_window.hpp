@@ -4,12 +4,12 @@
 
 namespace hgros::viewer {
 
-/// An ImGui window that stays in its automatic place until a person moves or resizes it.
+/// An ImGui window that stays in its automatic place until a user moves or resizes it.
 class PlacedWindow {
  public:
   /// Call it before ImGui::Begin with the automatic place.
   void Place(const PanelPlace& target);
-  /// The same, but from here on the place is one that a person has chosen.
+  /// The same, but from here on the place is one that a user has chosen.
   void PlaceByHand(const PanelPlace& target);
   /// Call it after ImGui::Begin.
   void Note();
@@ -21,7 +21,7 @@ class PlacedWindow {
  private:
   PanelPlace target_;
   PanelPlace place_;
-  bool told_ = false;  ///< The place in this picture was not chosen by a person.
+  bool told_ = false;  ///< The place in this picture was not chosen by a user.
   bool by_hand_ = false;
 };
 

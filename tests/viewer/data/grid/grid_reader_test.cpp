@@ -121,9 +121,9 @@ TEST(GridReader, ReportsInvalidGrids) {
   };
   EXPECT_THAT(fault([](Grid& grid) { grid.clear_fields(); }), HasSubstr("no field"));
   EXPECT_THAT(fault([](Grid& grid) { grid.set_row_stride(0); }), HasSubstr("rows have no bytes"));
-  EXPECT_THAT(fault([](Grid& grid) { grid.set_cell_stride(0); }), HasSubstr("does not lie in its cell"));
+  EXPECT_THAT(fault([](Grid& grid) { grid.set_cell_stride(0); }), HasSubstr("does not fit into its cell"));
   EXPECT_THAT(fault([](Grid& grid) { grid.mutable_fields(0)->set_offset(4'000'000'000); }),
-              HasSubstr("does not lie in its cell"));
+              HasSubstr("does not fit into its cell"));
   EXPECT_THAT(fault([](Grid& grid) { grid.set_column_count(4'000'000'000); }), HasSubstr("cells"));
   EXPECT_THAT(fault([](Grid& grid) { grid.set_column_count(3); }), HasSubstr("do not fit"));
   EXPECT_THAT(fault([](Grid& grid) { grid.mutable_fields(0)->set_type(PackedElementField::UNKNOWN); }),

@@ -123,7 +123,7 @@ TEST_F(PanelDockTest, ReportsErrorsInALayout) {
   EXPECT_NE(fault({"Channels", std::nullopt, {{"size", "1"}}}).find("no setting"), std::string::npos);
 }
 
-TEST_F(PanelDockTest, SharesTheSpaceUntilAPersonMovesAPanel) {
+TEST_F(PanelDockTest, SharesTheSpaceUntilAUserMovesAPanel) {
   for (const PanelType& type : PanelTypes()) dock_.Open(type);
   const auto places = [&](const ImVec2& size) {
     ImGui::GetIO().DisplaySize = size;
@@ -153,8 +153,8 @@ TEST_F(PanelDockTest, SharesTheSpaceUntilAPersonMovesAPanel) {
   const PanelPlace moved{large[1].x - 40, large[1].y + 30, large[1].width, large[1].height};
   EXPECT_EQ(Places()[1], moved);
   EXPECT_EQ(dock_.KeptLayout()[1].place, moved);
-  EXPECT_EQ(dock_.KeptLayout()[0].place, std::nullopt) << "no person has placed it";
-  EXPECT_EQ(places({1900, 1000})[1], moved) << "a person has placed it";
+  EXPECT_EQ(dock_.KeptLayout()[0].place, std::nullopt) << "no user has placed it";
+  EXPECT_EQ(places({1900, 1000})[1], moved) << "a user has placed it";
   EXPECT_NE(places({1900, 1000})[0], large[0]) << "the others share the space";
 }
 
