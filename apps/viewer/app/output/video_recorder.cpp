@@ -90,7 +90,7 @@ std::string VideoRecorder::Start(const Viewport& size) {
   to_child_ = ends[0];
   words_ = memfd_create("ffmpeg", MFD_CLOEXEC);
   const std::string extent = std::to_string(size.width) + "x" + std::to_string(size.height);
-  // Time stamps are in hundredths of a second. Most film formats need an even width and height.
+  // Timestamps are in hundredths of a second. Most film formats need an even width and height.
   std::vector<std::string> words = {program_,
                                     "-hide_banner",
                                     "-loglevel",
