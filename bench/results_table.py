@@ -3,7 +3,7 @@
 
     results_table.py [--results FOLDER] [--into FILE.md]
 
-First run the benchmarks without --quick on a quiet machine. For a benchmark without a result, a line says so.
+First run the benchmarks without --quick on an idle machine. A benchmark without a result gets a line that says so.
 """
 
 import argparse
@@ -22,12 +22,12 @@ from plan import SIZES, size_name  # noqa: E402
 
 BEGIN, END = "<!-- results: written by bench/results_table.py -->", "<!-- results: end -->"
 SIZE_NAMES = [size_name(size) for size in SIZES]
-PACED = ("100KB", "500KB", "1MB", "5MB", "10MB")  # The paper's, at 10 Hz.
+PACED = ("100KB", "500KB", "1MB", "5MB", "10MB")  # The paper's sizes, at 10 Hz.
 SIZED = re.compile(r"(.+)_(\d+(?:KB|MB))(_[a-z0-9]+)?")
 
 
 def number(value):
-    """Three digits that count, without an exponent."""
+    """Three significant digits, without an exponent."""
     if value == 0:
         return "0"
     text = f"{value:.3g}"
@@ -35,7 +35,7 @@ def number(value):
 
 
 def table(head, rows):
-    """The rows that have any value, as a table; nothing if none has."""
+    """The rows that have any value, as a table. Nothing if none has one."""
     rows = [(title, cells) for title, cells in rows if any(cells)]
     if not rows:
         return []
@@ -45,7 +45,7 @@ def table(head, rows):
 
 
 def by_size(values, head, families):
-    """A table of metrics that end in a size: (title, metric without size, what follows the size)."""
+    """A table of metrics that end in a size: (title, metric without size, text after the size)."""
     def cells(name, suffix):
         found = (values.get(f"{name}_{size}{suffix}") for size in SIZE_NAMES)
         return ["" if value is None else number(value) for value in found]
@@ -54,7 +54,7 @@ def by_size(values, head, families):
 
 
 def ratios(values, beginnings, suffix):
-    """Families of ratios, in the order in which the result has them."""
+    """Families of ratios, in the order of the result."""
     names = {}
     for metric in values:
         match = SIZED.fullmatch(metric)
@@ -114,7 +114,7 @@ def section(results, name, write):
             values = {row[0]: float(row[1]) for row in csv.reader(file)}
         machine = (folder / "machine.txt").read_text(encoding="utf-8").strip()
     except FileNotFoundError:
-        yield f"No result yet; `./dev bench {name}` makes it."
+        yield f"No result yet. `./dev bench {name}` creates it."
         yield ""
         return
     yield from textwrap.wrap(f"{machine}.", 120, break_on_hyphens=False)

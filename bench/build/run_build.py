@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Measures what building costs, in CPU seconds and in wall seconds, and prints "metric,value,unit" lines.
+"""Measures the cost of building in CPU seconds and wall seconds, and prints "metric,value,unit" lines.
 
-Commits are unpacked into folders of their own and built from nothing with CCACHE_DISABLE=1. CPU seconds are those of all
-processes of a build (user and system): they bear a busy machine better than wall seconds do.
+Each commit is unpacked into its own folder and built from nothing with CCACHE_DISABLE=1. CPU seconds are the sum over
+all processes of a build (user and system). A busy machine distorts them less than wall seconds.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def commit_of(name):
 
 
 def working_tree():
-    """A commit of the tree as it stands; files that git does not track yet are not in it."""
+    """The working tree as a commit, without files that git does not track yet."""
     return git("stash", "create") or git("rev-parse", "HEAD")
 
 
@@ -47,7 +47,7 @@ def unpack(commit, folder):
 
 
 def timed(commands, folder, what):
-    """(CPU seconds, wall seconds) of commands that follow each other."""
+    """(CPU seconds, wall seconds) of commands run one after another."""
     log = folder / "bench_build.log"
     environment = dict(os.environ, CCACHE_DISABLE="1")
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -56,7 +56,7 @@ def timed(commands, folder, what):
         for command in commands:
             if subprocess.run(command, cwd=folder, env=environment, stdout=out, stderr=out, check=False).returncode != 0:
                 sys.stderr.write("".join(log.read_text(errors="replace").splitlines(keepends=True)[-30:]))
-                sys.exit(f"{what} failed; the last lines of its output stand above.")
+                sys.exit(f"{what} failed. The last lines of its output are above.")
     wall = time.monotonic() - begin
     now = resource.getrusage(resource.RUSAGE_CHILDREN)
     return now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime, wall

@@ -1,4 +1,4 @@
-// Sends messages in all the usual ways and measures nothing: callgrind counts which functions they pass through.
+// Sends messages in all the usual ways and measures nothing. callgrind counts which functions they pass through.
 #include <unistd.h>
 
 #include <array>
@@ -45,7 +45,7 @@ std::unique_ptr<foxglove::PointCloud> MakeCloud() {
 
 std::unique_ptr<Plain> MakePlain() { return std::make_unique<Plain>(); }
 
-/// One message after the other, each when the one before has arrived.
+/// Sends one message after another. Each is sent when the one before has arrived.
 template <class T>
 bool Send(Session& from, Session& to, const std::string& channel, Executor executor, bool lossless,
           std::unique_ptr<T> (*make)()) {
@@ -74,7 +74,7 @@ bool SendAll(Session& from, Session& to, const std::string& name) {
          Send<foxglove::PointCloud>(from, to, name + "_cloud_tbb", Executor::Tbb(), false, MakeCloud);
 }
 
-/// One call after the other, by a thread that waits for the reply.
+/// Makes one call after another from a thread that waits for the reply.
 bool CallAll(Session& from, Session& to, const std::string& name) {
   const auto service = to.Serve<Plain, Plain>(name, [](const Plain& request) { return request; }, Invoke::kConcurrent,
                                               {.executor = Executor::Inline()});
@@ -83,7 +83,7 @@ bool CallAll(Session& from, Session& to, const std::string& name) {
     const auto reply = from.Call<Plain, Plain>(name, MakePlain(), std::chrono::seconds(20)).Wait();
     if (reply) {
       ++i;
-    } else if (i > 0 || std::chrono::steady_clock::now() > deadline) {  // At first it has not heard of the service.
+    } else if (i > 0 || std::chrono::steady_clock::now() > deadline) {  // The first call may come before discovery.
       std::fprintf(stderr, "Call %d: %s\n", i, reply.failure().reason.c_str());
       return false;
     }

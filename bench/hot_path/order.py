@@ -1,13 +1,13 @@
-"""Turns what callgrind counted into a list for the linker: order.py CALLGRIND_OUT LIBRARY LINKER_SCRIPT."""
+"""Turns the counts of callgrind into a list for the linker: order.py CALLGRIND_OUT LIBRARY LINKER_SCRIPT."""
 import re
 import subprocess
 import sys
 
-CALLS_AT_LEAST = 150  # Of the 200 messages that each way sends.
+CALLS_AT_LEAST = 150  # Each way sends 200 messages.
 
-HEAD = """/* The functions of the library that a message passes through, side by side: a thread that wakes up to one message finds
-   its caches and its page table entries cold, and pays for every line and page that it touches. Written by
-   `./dev bench hot_path`; a name that is no longer there does no harm. */
+HEAD = """/* The library's functions that a message passes through, placed side by side. A thread that wakes up for one
+   message finds its caches and its page table entries cold, so every line and page that it touches costs time.
+   Written by `./dev bench hot_path`. A name that no longer exists does no harm. */
 SECTIONS
 {
   .text.hgros_hot :
@@ -17,14 +17,14 @@ TAIL = "  }\n}\nINSERT BEFORE .text;\n"
 
 
 def counts(path):
-    """How often each function was called, by its mangled name; one that does nothing but call such ones counts as they."""
+    """How often each function was called, by mangled name; at least as often as it calls a function of the library."""
     names, calls, caller, called = {}, {}, "", ""
     with open(path, encoding="utf-8") as profile:
         for line in profile:
             if match := re.match(r"c?fn=\((\d+)\)(?: (.*))?$", line):
                 number, name = match.groups()
                 if name is not None:
-                    names[number] = name.split("'")[0]  # Recursion has entries of its own: NAME'2.
+                    names[number] = name.split("'")[0]  # Recursive calls have separate entries: NAME'2.
                 if line.startswith("cfn"):
                     called = names[number]
                 else:
@@ -38,7 +38,7 @@ def counts(path):
 
 
 def defined(library):
-    """The functions that the library has itself."""
+    """The functions that the library itself defines."""
     table = subprocess.run(["nm", "--defined-only", library], check=True, capture_output=True, text=True).stdout
     return {line.split()[2] for line in table.splitlines() if line.split()[1] in "tTwW"}
 
@@ -50,7 +50,7 @@ def main():
     with open(script_path, "w", encoding="utf-8") as script:
         script.write(HEAD)
         for name in hot:
-            # A constructor or destructor goes by several names, and its section by one of them.
+            # A constructor or destructor has several names, and its section is named after one of them.
             section = re.sub(r"([CD])[12](E|I)", r"\1?\2", name)
             script.write(f"    *(.text.{section})\n")
         script.write(TAIL)

@@ -1,4 +1,4 @@
-// How soon sessions of one host that know nothing of each other are there for each other: two, and fifty.
+// How soon sessions of one host discover and reach each other without configuration: two, and fifty.
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -32,7 +32,7 @@ Config InDomain(const std::string& name) {
   return config;
 }
 
-// From the moment at which the later of two programs begins to make its session to the first message.
+// From the moment when the later of two programs begins to create its session until the first message.
 void FirstMessage(int rounds) {
   const Config config = InDomain("two");
   Session early(config, {"early", nullptr});
@@ -54,7 +54,7 @@ void FirstMessage(int rounds) {
   Report("discovery_first_message_ms", samples.Median() / 1e6, "ms");
 }
 
-// What the processes of the fifty sessions tell the one that measures.
+// What the processes of the fifty sessions report to the measuring process.
 struct Board {
   std::atomic<int> settled{0};
   std::atomic<int> measured{0};
@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
   using namespace hgros::bench;
   unsetenv("HGROS_DOMAIN");
   const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
-  Fifty(quick ? 3 : 10);  // First: its children are to have nothing of a session in them.
+  Fifty(quick ? 3 : 10);  // First: it forks before this process has a session.
   FirstMessage(quick ? 9 : 25);
   return 0;
 }

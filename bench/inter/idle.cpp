@@ -1,5 +1,5 @@
-// What a session costs that has nothing to do: 20 subscriptions, 2 peers that it finds by itself and that it has
-// endpoints of as well, so that both transports are there.
+// The cost of an idle session with 20 subscriptions and 2 peers. It discovers the peers itself and also has their
+// endpoints, so that both transports are in use.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -27,7 +27,7 @@ std::string Endpoint(const std::string& directory, int peer) {
 
 std::string Domain(const std::string& directory) { return directory.substr(directory.rfind('/') + 1); }
 
-// A peer publishes on all channels, if anybody asked: it advertises them and sleeps.
+// A peer advertises all channels and sleeps. It never publishes.
 [[noreturn]] void RunPeer(const std::string& directory, int peer) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   Config config;

@@ -1,4 +1,4 @@
-// What a message between two processes costs, beside raw ZeroMQ moving the same bytes in the same run.
+// The cost of a message between two processes, beside raw ZeroMQ moving the same bytes in the same run.
 #include <unistd.h>
 
 #include <cstring>
@@ -34,7 +34,7 @@ Side MakeSide(const std::string& scheme, const std::string& transport, const std
   return Side({transport, endpoint, executor, lossless}, endpoint);
 }
 
-// What it costs to copy so many bytes once, from one buffer of a dozen to another.
+// The cost of copying that many bytes once, from one of a dozen buffers to another.
 Samples CopyTimes(std::size_t size, int count) {
   std::vector<std::vector<char>> from(12, std::vector<char>(size, 'x')), to(12, std::vector<char>(size, 'y'));
   Samples samples;
@@ -48,14 +48,15 @@ Samples CopyTimes(std::size_t size, int count) {
   return samples;
 }
 
-// A protobuf message through shared memory: written into it, parsed from it.
+// A protobuf message through shared memory: serialized into it, parsed from it.
 void Plain(int rounds, int each) {
   Side plain = MakeSide("shm", "plain", "inline", false);
   for (const std::size_t size : kSizes) {
     BlockPool pool(size, size >= 1024 * 1024 ? 12 : 64);
     const int pause_us = size >= 1024 * 1024 ? 8000 : 2000;
     Samples ratio, mine;
-    MeasurePair(plain.receiver.control(), *plain.sender, pool, size >= 1024 * 1024 ? 12 : 64, pause_us);  // Makes them.
+    // Creates the messages.
+    MeasurePair(plain.receiver.control(), *plain.sender, pool, size >= 1024 * 1024 ? 12 : 64, pause_us);
     for (int round = 0; round < rounds; ++round) {
       const Samples now = MeasurePair(plain.receiver.control(), *plain.sender, pool, each, pause_us);
       ratio.Add(now.Median() / CopyTimes(size, each).Median());
@@ -66,16 +67,16 @@ void Plain(int rounds, int each) {
   }
 }
 
-// A lent point cloud through shared memory: what it takes does not depend on its size, but for the first touch of
-// memory. All sizes have the same pause between messages, and take turns: the longer a machine rests, the more has left
-// its caches.
+// A lent point cloud through shared memory. Its time does not depend on its size, except for the first access to the
+// memory. All sizes have the same pause between messages and take turns, because the caches of a machine empty while it
+// rests.
 void Lent(int rounds, int each) {
   Side bulk = MakeSide("shm", "bulk", "inline", false);
   constexpr int kPauseUs = 2000;
   std::vector<BlockPool> pools;
   for (const std::size_t size : kSizes) {
     pools.emplace_back(size, 12);
-    MeasurePair(bulk.receiver.control(), *bulk.sender, pools.back(), 12, kPauseUs);  // Makes the memory.
+    MeasurePair(bulk.receiver.control(), *bulk.sender, pools.back(), 12, kPauseUs);  // Creates the memory.
   }
   std::vector<Samples> mine(pools.size());
   Samples ratio;

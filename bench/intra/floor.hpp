@@ -8,7 +8,7 @@
 
 namespace hgros::bench {
 
-/// The raw floors: what the parts below us cost by themselves, with the same message.
+/// The raw floors: the cost of the parts below us by themselves, with the same message.
 
 /// One-way latency of a bare oneTBB function_node (serial), ns.
 Samples FloorTbbLatency(int count);
@@ -16,7 +16,7 @@ Samples FloorTbbLatency(int count);
 double FloorTbbThroughput(int count);
 /// One-way latency of a hand-off to a bare thread by mutex and condition variable, ns.
 Samples FloorThreadLatency(int count);
-/// How much more two threads get done than one when they share nothing: what this machine's two CPUs are worth.
+/// Speedup of two threads over one when they share nothing: shows how far this machine's two CPUs are independent.
 double FloorTwoThreads();
 
 }  // namespace hgros::bench

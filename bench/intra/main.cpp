@@ -1,4 +1,4 @@
-// What passing messages inside a process costs, beside what the parts below cost by themselves.
+// The cost of passing messages inside a process, beside the cost of the parts below by themselves.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ class Burners {
     for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
       const pid_t child = fork();
       if (child == 0) {
-        alarm(60);  // Ends by itself whatever happens to us.
+        alarm(60);  // Ends by itself even if this process is killed.
         for (std::atomic<unsigned> spin{0};;) spin.fetch_add(1, std::memory_order_relaxed);
       }
       if (child > 0) children_.push_back(child);

@@ -6,7 +6,7 @@
 
 namespace hgros::bench {
 
-/// The message that is passed by pointer: a block of some size.
+/// The message that is passed by pointer: a block of a given size.
 struct Parcel {
   explicit Parcel(std::size_t size) : bytes(size) {}
   std::vector<std::byte> bytes;

@@ -1,4 +1,4 @@
-"""What all rounds together say of the lines between two hosts: metrics as (name, value, unit)."""
+"""The results of all rounds on the lines between two hosts: metrics as (name, value, unit)."""
 
 import statistics
 
@@ -6,7 +6,7 @@ from plan import MB, size_name
 from report import percentile
 from ways import LINES
 
-# The peers of network_vs_PEER and their ways; the fastest of a round stands for the peer.
+# The peers of network_vs_PEER and their ways. The fastest way of a round represents the peer.
 PEERS = {"ros1": ("ros1",), "fastdds": ("fastdds", "fastdds_default"), "cyclonedds": ("cyclonedds",)}
 
 
@@ -46,7 +46,7 @@ def of_way(results, mode, size, name, end):
 
 
 def figures(results, modes, size, end):
-    """Ours over theirs, the median of what each round says."""
+    """Ours over theirs, the median of the rounds."""
     for name, peers in {"latency_ratio": ("raw_tcp",),
                         **{f"network_vs_{peer}": peers for peer, peers in PEERS.items()}}.items():
         ours, others = ([modes[way] for way in one if way in modes] for one in (("ours",), peers))

@@ -1,4 +1,4 @@
-"""Two hosts with a line between them: network namespaces without a name, which are gone with the processes in them."""
+"""Two hosts with a line between them: unnamed network namespaces, which disappear with their processes."""
 
 import shutil
 import subprocess
@@ -9,19 +9,19 @@ HERE, THERE = "10.111.0.1", "10.111.0.2"
 
 
 class NoHosts(Exception):
-    """Says in a sentence why this system cannot play two hosts."""
+    """A sentence that explains why this system cannot simulate two hosts."""
 
 
 def run(*words):
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise NoHosts(f'"{" ".join(words)}" failed: {done.stderr.strip() or "it said nothing"}')
+        raise NoHosts(f'"{" ".join(words)}" failed: {done.stderr.strip() or "no error message"}')
 
 
 class Hosts:
-    """This process is the one host, to be made with daemons.isolate(); a context that makes the other.
+    """This process is one host, to be made with daemons.isolate(). This context makes the other host.
 
-    Invariant: the other host's namespace is held by one process, which ends when this one does, however that happens.
+    Invariant: one process holds the other host's namespace. It ends with this process, however that ends.
     """
 
     def __init__(self):
@@ -32,7 +32,7 @@ class Hosts:
         for name in ("unshare", "nsenter", "ip", "tc"):
             if not shutil.which(name):
                 raise NoHosts(f"{name} is not installed.")
-        # cat answers once it is inside, and leaves when its input is closed.
+        # cat prints a line once it is inside, and exits when its input is closed.
         self.holder = subprocess.Popen(["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         try:
             self.connect()
@@ -48,7 +48,7 @@ class Hosts:
 
     @property
     def prefix(self):
-        """Words before a command that is to run on the other host."""
+        """Words before a command that runs on the other host."""
         return ("nsenter", f"--net=/proc/{self.holder.pid}/ns/net")
 
     def connect(self):
@@ -58,7 +58,7 @@ class Hosts:
         except BrokenPipeError:
             pass
         if self.holder.stdout.read(1) != b"\n":
-            raise NoHosts("this system lets nobody make network namespaces.")
+            raise NoHosts("this system does not allow network namespaces.")
         run("ip", "link", "add", "hgba", "type", "veth", "peer", "name", "hgbb", "netns", str(self.holder.pid))
         for prefix, device, address in (((), "hgba", HERE), (self.prefix, "hgbb", THERE)):
             run(*prefix, "ip", "address", "add", f"{address}/24", "dev", device)
@@ -67,7 +67,7 @@ class Hosts:
             run(*prefix, "ip", "route", "replace", "224.0.0.0/4", "dev", device)
 
     def set_rate(self, rate):
-        """Makes the line as fast as tc writes it, such as "1gbit", in both directions."""
+        """Sets the rate of the line in both directions, as tc writes it, such as "1gbit"."""
         if rate == self.rate:
             return
         for prefix, device in (((), "hgba"), (self.prefix, "hgbb")):

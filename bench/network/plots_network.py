@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the latencies of result.csv, which lies in the folder that is given, as PNG beside it, one for each line."""
+"""Draws the latencies of result.csv in the given folder, as one PNG file beside it for each line."""
 
 import pathlib
 import re

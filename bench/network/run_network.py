@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Measures ours, existing middleware and raw TCP between two hosts in rounds, each way once a round on each line, and
-prints metric,value,unit.
+"""Measures ours, existing middleware and raw TCP between two hosts in rounds, and prints metric,value,unit. In each
+round each way is measured once on each line.
 
     run_network.py --programs DIR --runs FILE.csv [--quick] [--only WAY,...]
 
-Started by bench/network/run. What is left out or fails is said in one sentence on standard error.
+Started by bench/network/run. Each way that is left out or fails is reported in one sentence on standard error.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""The lines between the hosts, the ways to send over them, and how much is measured on each."""
+"""The lines between the hosts, the ways to send over them, and the amount of measurement on each."""
 
 import dataclasses
 
@@ -12,10 +12,10 @@ from plan import KB, MB, PAUSE_US, SIZES, Lane
 class Line:
     name: str  # as tc writes a rate
     bits_per_s: float
-    suffix: str  # of its metrics
+    suffix: str  # of the line's metrics
 
     def us(self, size):
-        """How long the line alone takes for so many bytes."""
+        """Time of that many bytes on the line alone."""
         return size * 8 / self.bits_per_s * 1e6
 
 
@@ -23,7 +23,7 @@ LINES = (Line("1gbit", 1e9, ""), Line("100mbit", 1e8, "_100mbit"))
 
 
 def ways(line):
-    """What is compared on one line; `peer` names it in the metrics, and the mode's name is the line."""
+    """What is compared on one line. `peer` names it in the metrics, and the mode's name is the line."""
     def way(peer, program, argument, **more):
         return Mode(peer, line.name, program, argument, True, **more)
 
@@ -37,7 +37,7 @@ def ways(line):
 
 
 def sides(prefix):
-    """(who sends, who receives); `prefix`: words before a command on the other host."""
+    """(sender, receiver). `prefix`: words before a command on the other host."""
     def side(own, other, words):
         return Side(own, other, words, (("ROS_IP", own), *cyclone("false", own, other)))
 
@@ -50,7 +50,7 @@ def between(low, value, high):
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """How much is measured: on each line about so many ms with messages of one size, within these limits."""
+    """The amount of measurement: about `ms` on each line for messages of one size, within these limits."""
 
     quick: bool
     rounds: int

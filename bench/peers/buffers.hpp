@@ -8,7 +8,7 @@
 
 namespace hgros::bench {
 
-/// Writes the pattern that every message is filled with before its stamp.
+/// Writes the pattern that fills every message before its stamp is written.
 inline void Fill(std::byte* bytes, std::size_t size_bytes) {
   for (std::size_t i = 0; i < size_bytes; ++i) bytes[i] = static_cast<std::byte>(i * 131 + 7);
 }
@@ -20,16 +20,16 @@ inline std::vector<std::byte> FilledBuffer(std::size_t size_bytes) {
   return bytes;
 }
 
-/// Messages that are handed over by (std or boost) shared pointer and come back when nobody else refers to them.
+/// Messages that are passed on by (std or boost) shared pointer and return when nothing else refers to them.
 template <class Pointer>
 class PointerRing {
  public:
-  /// `make` gives a filled message.
+  /// `make` returns a filled message.
   template <class Make>
   PointerRing(std::size_t count, Make make) {
     for (std::size_t i = 0; i < count; ++i) messages_.push_back(make());
   }
-  /// The next free one; waits for it, which is what holds a fast sender back.
+  /// Returns the next free one. Waits for it, which slows down a fast sender.
   const Pointer& Take() {
     for (std::size_t tries = 0;; ++tries) {
       const Pointer& message = messages_[next_];

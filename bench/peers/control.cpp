@@ -23,7 +23,7 @@ Control& OpenControl(const Task& task) {
   int file = -1;
   if (!task.control.empty()) {
     file = open(task.control.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0 || ftruncate(file, sizeof(Control)) != 0) Fail("the control file cannot be made");
+    if (file < 0 || ftruncate(file, sizeof(Control)) != 0) Fail("the control file cannot be created");
   }
   void* memory = mmap(nullptr, sizeof(Control), PROT_READ | PROT_WRITE,
                       file < 0 ? MAP_SHARED | MAP_ANONYMOUS : MAP_SHARED, file, 0);

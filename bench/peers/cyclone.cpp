@@ -1,6 +1,6 @@
-// Cyclone DDS, reliable: octets over UDP on loopback (udp) or within one participant (local), keep-all; octets and lent
-// samples through iceoryx (shm, loan), keep-last 16, since keep-all switches shared memory off. The runner chooses the
-// transport through CYCLONEDDS_URI; the last two need iox-roudi.
+// Cyclone DDS, reliable. Octets over UDP on loopback (udp) or within one participant (local), keep-all. Octets and lent
+// samples through iceoryx (shm, loan), keep-last 16, because keep-all switches shared memory off. The runner chooses
+// the transport through CYCLONEDDS_URI. The last two need iox-roudi.
 #include <cyclone.h>
 #include <dds/dds.h>
 #include <dds/ddsc/dds_loan_api.h>
@@ -25,12 +25,12 @@ const dds_topic_descriptor_t* LentType(std::size_t size_bytes) {
     case 262144: return &hgros_bench_P262144_desc;
     case 1048576: return &hgros_bench_P1048576_desc;
     case 4194304: return &hgros_bench_P4194304_desc;
-    default: Fail("Cyclone DDS has no type of " + std::to_string(size_bytes) + " bytes that it could lend");
+    default: Fail("Cyclone DDS has no type of " + std::to_string(size_bytes) + " bytes to lend");
   }
 }
 
 dds_entity_t Made(dds_entity_t entity, const char* what) {
-  if (entity < 0) Fail(std::string("Cyclone DDS makes no ") + what + ": " + dds_strretcode(-entity));
+  if (entity < 0) Fail(std::string("Cyclone DDS cannot create a ") + what + ": " + dds_strretcode(-entity));
   return entity;
 }
 
@@ -40,7 +40,7 @@ struct Way {
   bool lent;
 };
 
-/// A lane's topic and the settings of both its ends.
+/// A lane's topic and the settings of its two ends.
 class Topic {
  public:
   Topic(dds_entity_t participant, const Lane& lane, Way way) : way_(way), qos_(dds_create_qos()) {
@@ -71,7 +71,7 @@ class Topic {
 
  private:
   [[nodiscard]] dds_entity_t Checked(dds_entity_t end) const {
-    if (way_.shm && !dds_is_shared_memory_available(end)) Fail("Cyclone DDS uses no shared memory here");
+    if (way_.shm && !dds_is_shared_memory_available(end)) Fail("Cyclone DDS cannot use shared memory here");
     return end;
   }
   Way way_;
@@ -116,7 +116,7 @@ class CycloneOutlet final : public Outlet {
  public:
   CycloneOutlet(dds_entity_t participant, const Lane& lane, Way way)
       : topic_(participant, lane, way), writer_(topic_.Writer(participant)), bytes_(FilledBuffer(lane.size_bytes)) {
-    if (way.lent && !dds_is_loan_available(writer_)) Fail("Cyclone DDS lends no samples here");
+    if (way.lent && !dds_is_loan_available(writer_)) Fail("Cyclone DDS cannot lend samples here");
     octets_.data._buffer = reinterpret_cast<std::uint8_t*>(bytes_.data());
     octets_.data._length = octets_.data._maximum = static_cast<std::uint32_t>(bytes_.size());
   }

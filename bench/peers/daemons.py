@@ -1,4 +1,4 @@
-"""What some peers need beside them: a network of its own, rosmaster, iox-roudi. Everything ends with the benchmark."""
+"""The environment of some peers: a separate network, rosmaster, iox-roudi. Everything ends with the benchmark."""
 
 import os
 import pathlib
@@ -11,12 +11,12 @@ import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-INSIDE = "HGROS_PEERS_ISOLATED"  # set in the process that already runs alone
+INSIDE = "HGROS_PEERS_ISOLATED"  # set in the process that is already isolated
 
 
 def isolate(required=False):
-    """Runs this program again where there is nothing but loopback and an empty /dev/shm, if the system lets us. If it
-    does not, that is said, and is the end where it is required."""
+    """Runs this program again with only loopback and an empty /dev/shm, if the system allows it. If it does not,
+    a message is printed, and the program ends if isolation is required."""
     if os.environ.get(INSIDE):
         subprocess.run("""mount -t tmpfs none /dev/shm && ip link set lo up && ip link set lo multicast on &&
             ip route add 224.0.0.0/4 dev lo""", shell=True, check=True)
@@ -27,8 +27,8 @@ def isolate(required=False):
                 os.environ[INSIDE] = "1"
                 os.execvp(command[0], [*command, sys.executable, "-B", *sys.argv])
     if required:
-        sys.exit("This benchmark needs two network namespaces: root, unshare and ip make them, and here they do not.")
-    print("The peers share this machine's network and /dev/shm: it lets nobody make namespaces of their own.",
+        sys.exit("This benchmark needs two network namespaces. Making them needs root, unshare and ip.")
+    print("The peers share this machine's network and /dev/shm: it does not allow separate namespaces.",
           file=sys.stderr)
 
 
@@ -45,11 +45,11 @@ def free_ports(count):
         finally:
             for one in sockets:
                 one.close()
-    raise RuntimeError(f"There are no {count} free ports in a row.")
+    raise RuntimeError(f"There are no {count} consecutive free ports.")
 
 
 def end(*processes, patience_s=2.0):
-    """Ends processes that we started."""
+    """Ends processes that this program started."""
     limit = time.monotonic() + patience_s
     for process in processes:
         if process.poll() is None:
@@ -63,8 +63,8 @@ def end(*processes, patience_s=2.0):
 
 
 def leave_in_order():
-    """Ctrl-C and SIGTERM end this program through its contexts, so that whatever it started ends, too. A second signal
-    does not disturb that."""
+    """Ctrl-C and SIGTERM end this program through its contexts, which end everything that it started. A second signal
+    does not interrupt that."""
 
     def leave(number, _):
         for one in LEAVING:
@@ -79,7 +79,7 @@ LEAVING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Daemons:
-    """Starts a daemon when a mode first needs it; a context that ends them all."""
+    """Starts each daemon when a mode first needs it. The context ends them all."""
 
     def __init__(self, address="127.0.0.1"):
         self.address = address
@@ -96,7 +96,7 @@ class Daemons:
         self.folder.cleanup()
 
     def need(self, name):
-        """Empty once the daemon runs, or one sentence that says why it does not."""
+        """Empty if the daemon runs, otherwise one sentence with the reason."""
         if not name or name in self.running:
             return ""
         if name not in self.refused:
@@ -114,7 +114,7 @@ class Daemons:
         with log.open("wb") as output:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
                                        env={**os.environ, **self.environment})
-        self.running[name] = process  # It is to end, too, if this is not the end of its start.
+        self.running[name] = process  # It ends with the others even if its start fails below.
         ready = ((lambda: answers(self.address, port)) if name == "rosmaster" else
                  (lambda: b"RouDi is ready" in log.read_bytes()))
         limit = time.monotonic() + 15
@@ -123,7 +123,7 @@ class Daemons:
         if process.poll() is not None or not ready():
             end(self.running.pop(name))
             words = log.read_text(errors="replace").strip().splitlines()
-            return f"{name} did not start: {words[-1] if words else 'it said nothing'}"
+            return f"{name} did not start: {words[-1] if words else 'no error message'}"
         return ""
 
 

@@ -1,6 +1,6 @@
-// Fast DDS, reliable and keep-all. Octets over the default transports with UDP kept to one interface (shm_udp); over
+// Fast DDS, reliable and keep-all. Octets over the default transports with UDP limited to one interface (shm_udp); over
 // shared memory with a segment for 8 messages and no fragments (shm_tuned); over UDP alone (udp), with settings for
-// large messages on a slow line (udp_tuned); and plain samples lent on both sides with data sharing (loan).
+// large messages on a slow line (udp_tuned). Also plain samples that both sides lend through data sharing (loan).
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 
@@ -33,9 +33,9 @@ using Code = eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr std::size_t kLargestUnfragmented = 60'000;
 constexpr std::int32_t kSparseDepth = 64;
-constexpr std::uint32_t kReceiveBufferBytes = 4u << 20;  // The system's 208 KB overflow where a message is larger.
+constexpr std::uint32_t kReceiveBufferBytes = 4u << 20;  // Messages above the system's 208 KB would overflow it.
 
-/// The same for both sides.
+/// The settings of both sides.
 template <class Qos>
 void SetQos(Qos& qos, const Lane& lane, bool loan) {
   const auto depth = static_cast<std::int32_t>(lane.depth());
@@ -56,8 +56,8 @@ void SetQos(Qos& qos, const Lane& lane, bool loan) {
   }
 }
 
-/// A heartbeat while fragments are still on the line asks for what is underway, and the message is sent twice. So there
-/// is none with the data, and one after several messages, whose number the history has to hold.
+/// A heartbeat while fragments are still on the line requests data that is on its way, and the message is sent twice.
+/// So data carries no heartbeat, and one follows after several messages. The history has to hold that many messages.
 void SetSparseHeartbeats(dds::DataWriterQos& qos, const Lane& lane) {
   qos.reliable_writer_qos().disable_heartbeat_piggyback = true;
   qos.reliable_writer_qos().times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0.1 + 4e-6 * lane.transit_us);
@@ -74,7 +74,7 @@ class Topic {
                    : new SequenceType(lane.size_bytes)) {
     type_.register_type(participant);
     topic_ = participant->create_topic(lane.name, type_.get_type_name(), dds::TOPIC_QOS_DEFAULT);
-    if (topic_ == nullptr) Fail("Fast DDS makes no topic");
+    if (topic_ == nullptr) Fail("Fast DDS cannot create a topic");
   }
   Topic(const Topic&) = delete;
   Topic& operator=(const Topic&) = delete;
@@ -140,7 +140,7 @@ class FastInlet final : public Inlet {
     dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
     SetQos(qos, lane, loan);
     reader_ = subscriber_->create_datareader(topic_.get(), qos, listener_.get());
-    if (reader_ == nullptr) Fail("Fast DDS makes no reader");
+    if (reader_ == nullptr) Fail("Fast DDS cannot create a reader");
   }
   ~FastInlet() override {
     subscriber_->delete_datareader(reader_);
@@ -163,12 +163,12 @@ class FastOutlet final : public Outlet {
     publisher_ = participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
     SetQos(qos, lane, loan);
-    // Fragments are sent by a thread of the library, so that larger samples need the asynchronous mode.
+    // A thread of the library sends fragments, so larger samples need the asynchronous mode.
     qos.publish_mode().kind =
         lane.size_bytes > kLargestUnfragmented ? dds::ASYNCHRONOUS_PUBLISH_MODE : dds::SYNCHRONOUS_PUBLISH_MODE;
     if (tuned && lane.size_bytes > kLargestUnfragmented) SetSparseHeartbeats(qos, lane);
     writer_ = publisher_->create_datawriter(topic_.get(), qos, &matched_);
-    if (writer_ == nullptr) Fail("Fast DDS makes no writer");
+    if (writer_ == nullptr) Fail("Fast DDS cannot create a writer");
   }
   ~FastOutlet() override {
     publisher_->delete_datawriter(writer_);
@@ -226,7 +226,7 @@ class FastDds final : public Peer {
     if (udp_tuned_) udp->receiveBufferSize = kReceiveBufferBytes;
     qos.transport().user_transports.push_back(udp);
     participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(0, qos);
-    if (participant_ == nullptr) Fail("Fast DDS makes no participant");
+    if (participant_ == nullptr) Fail("Fast DDS cannot create a participant");
   }
   ~FastDds() override { dds::DomainParticipantFactory::get_instance()->delete_participant(participant_); }
   std::unique_ptr<Inlet> Subscribe(const Lane& lane, Sink& sink) override {

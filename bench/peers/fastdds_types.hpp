@@ -10,7 +10,7 @@
 
 namespace hgros::bench {
 
-/// What IDL calls `sequence<octet>`: serialized as 4 bytes of encapsulation, 4 of length, and the bytes.
+/// `sequence<octet>` of IDL. Serialized as 4 bytes of encapsulation, 4 of length, and the bytes.
 class SequenceType final : public eprosima::fastdds::dds::TopicDataType {
  public:
   using Bytes = std::vector<std::uint8_t>;
@@ -51,7 +51,7 @@ class SequenceType final : public eprosima::fastdds::dds::TopicDataType {
   static constexpr std::uint32_t kHead = 8;
 };
 
-/// An array of octets of a fixed size: what lies in memory is the serialized form, so that it can be lent.
+/// A fixed-size array of octets. Its memory is its serialized form, so it can be lent.
 class PlainType final : public eprosima::fastdds::dds::TopicDataType {
  public:
   explicit PlainType(std::size_t size_bytes) : size_bytes_(size_bytes) {

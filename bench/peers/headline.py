@@ -1,7 +1,7 @@
-"""The figures that stand for the whole in result.csv: what shared memory costs, and what others take for the same.
+"""The main figures of result.csv: the cost of shared memory, and the cost of the same with others.
 
-A ratio is ours over theirs in the same round, median over the rounds; below 1 ours is faster. Where a peer has several
-ways to do the same, the fastest of the round stands for it.
+A ratio is ours over theirs in the same round, median over the rounds. Below 1 ours is faster. If a peer has several
+ways to do the same, the fastest way of the round represents it.
 """
 
 import statistics
@@ -14,7 +14,7 @@ ICEORYX = ("iceoryx_listener", "iceoryx_waitset")
 FASTDDS = ("fastdds_shm_udp", "fastdds_shm_tuned")
 FANOUT = "ours_shm_bulk_fanout8"
 
-# (metric, our mode, the ways of the other, only this size)
+# (metric, our mode, the other's ways, only this size)
 RATIOS = (
     ("shm_over_floor", BARE, ("raw_shm_futex",), KB),
     ("shm_vs_iceoryx", BARE, ICEORYX, KB),
@@ -29,12 +29,12 @@ RATIOS = (
 
 
 def metrics(results):
-    """(name, value, unit) of whatever was measured."""
+    """(name, value, unit) of everything that was measured."""
     return [figure for figure in figures(results) if figure[1] is not None]
 
 
 def figures(results):
-    """Likewise, with None where nothing was measured."""
+    """Likewise, with None if nothing was measured."""
     modes = {mode.key: mode for mode in MODES if mode in results.modes}
 
     def named(*keys):

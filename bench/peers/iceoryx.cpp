@@ -1,4 +1,4 @@
-// iceoryx: chunks lent from shared memory; the publisher waits for a slow subscriber. The subscriber is called by the
+// iceoryx: chunks lent from shared memory. The publisher waits for a slow subscriber. The subscriber is called by the
 // runtime's listener (listener), sleeps in a wait set (waitset), or never sleeps (poll). Needs iox-roudi.
 #include <algorithm>
 #include <atomic>
@@ -20,7 +20,7 @@ using iox::popo::SubscriberEvent;
 using iox::popo::SubscriberState;
 using iox::popo::UntypedSubscriber;
 
-constexpr std::size_t kMostQueued = 256;  // What this release allows.
+constexpr std::size_t kMostQueued = 256;  // The maximum of this release.
 
 iox::capro::ServiceDescription ServiceOf(const Lane& lane) {
   return {iox::capro::IdString_t("hgros"), iox::capro::IdString_t("peers"),
@@ -52,7 +52,7 @@ class ListenerInlet final : public Inlet {
       : to_{sink, lane.size_bytes}, subscriber_(ServiceOf(lane), OptionsOf(lane)) {
     listener_
         .attachEvent(subscriber_, SubscriberEvent::DATA_RECEIVED, iox::popo::createNotificationCallback(TakeAll, to_))
-        .or_else([](auto) { Fail("iceoryx does not attach a listener"); });
+        .or_else([](auto) { Fail("iceoryx cannot attach a listener"); });
   }
   ~ListenerInlet() override { listener_.detachEvent(subscriber_, SubscriberEvent::DATA_RECEIVED); }
 
@@ -70,7 +70,7 @@ class WaitSetInlet final : public Inlet {
         thread_([this](const std::atomic<bool>& stopped) {
           iox::popo::WaitSet<> set;
           set.attachState(subscriber_, SubscriberState::HAS_DATA).or_else([](auto) {
-            Fail("iceoryx does not attach a wait set");
+            Fail("iceoryx cannot attach a wait set");
           });
           while (!stopped.load()) {
             if (!set.timedWait(iox::units::Duration::fromMilliseconds(50)).empty()) TakeAll(&subscriber_, &to_);

@@ -1,9 +1,9 @@
-// The measurement, the same for every peer. What is found goes to standard output, a line each:
+// The measurement, the same for every peer. Results go to standard output, one per line:
 //   latency,LANE,SENT,NS NS NS ...      one-way latencies of the timed messages that arrived; with several receivers
-//                                       until the last of them had the message
+//                                       until the last receiver had the message
 //   flood,LANE,SENT,RECEIVED,SECONDS    from the first publish to the last arrival
 //   silent,LANE                         no message of this size arrives at all
-//   damaged,COUNT                       messages that were not what had been sent, over all lanes
+//   damaged,COUNT                       messages whose contents differed from what was sent, over all lanes
 #include <sys/prctl.h>
 
 #include <chrono>
@@ -23,9 +23,9 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kStartLimitNs = 10'000 * kMs;
 constexpr std::int64_t kSilentAfterNs = 4'000 * kMs;
-constexpr std::int64_t kLostAfterNs = 250 * kMs;  // And several times what the line takes.
+constexpr std::int64_t kLostAfterNs = 250 * kMs;  // Plus several times the line's time.
 constexpr std::int64_t kProbeEveryNs = 10 * kMs;
-constexpr int kLossesInARow = 4;  // Then nothing arrives at this size, and the lane is given up.
+constexpr int kLossesInARow = 4;  // After these the lane is given up: nothing arrives at this size.
 
 class Sending {
  public:
@@ -38,7 +38,7 @@ class Sending {
         lost_after_ns_(kLostAfterNs + 4 * transit_ns_),
         pattern_(FilledBuffer(lane.size_bytes)) {}
 
-  /// Sends probes until one has arrived everywhere, and lets those go that are still on their way; false if none does.
+  /// Sends probes until one has arrived at every receiver, then waits for those in flight. False if none arrives.
   bool AwaitWay() {
     const std::int64_t deadline = NowNs() + (lane_.index == 0 ? kStartLimitNs : kSilentAfterNs) + 4 * transit_ns_;
     const std::uint32_t wanted = control_.probed.Get() + receivers_;
@@ -68,7 +68,7 @@ class Sending {
       if (Send(Phase::kTimed, i < 0 ? Control::kTimed - 1 : static_cast<std::uint64_t>(i))) sent += i >= 0 ? 1 : 0;
       const bool here = control_.timed.AwaitAtLeast(arrived + receivers_, lost_after_ns_);
       lost_in_a_row = here ? 0 : lost_in_a_row + 1;
-      // What only some receivers got did not arrive.
+      // A message that only some receivers got counts as lost.
       if (!here && i >= 0) control_.latency_ns[static_cast<std::size_t>(i)] = kLost;
     }
     std::printf("latency,%u,%d,", lane_.index, sent);
@@ -102,13 +102,13 @@ class Sending {
   bool Send(Phase phase, std::uint64_t index) {
     std::byte* bytes = outlet_.Take();
     if (bytes == nullptr) return false;
-    // Filling stands for the program that makes the data, and is not timed.
+    // Filling stands for the program that produces the data, and is not timed.
     if (outlet_.lends() && phase != Phase::kFlood) std::memcpy(bytes, pattern_.data(), lane_.size_bytes);
     WriteStamp(bytes, lane_.size_bytes, {0, index, lane_.index, phase});
     return outlet_.Publish();
   }
 
-  /// Larger than any latency, so that a straggler does not change it.
+  /// Larger than any latency, so that a late arrival does not change it.
   static constexpr std::int64_t kLost = INT64_MAX;
 
   const std::uint32_t receivers_;
@@ -120,7 +120,7 @@ class Sending {
   const std::vector<std::byte> pattern_;
 };
 
-/// Counts a lane that nothing is wanted of, so that both sides go on to the next.
+/// Counts a lane without a measurement, so that both sides go on to the next.
 void SkipLane(const Task& task, Control& control) {
   if (task.role != Task::Role::kPublish) control.subscribed.Add(1);
   if (task.role == Task::Role::kSubscribe) return;
@@ -139,7 +139,7 @@ void RunLane(const Task& task, Peer& peer, const Lane& lane, Control& control) {
     return;
   }
   if (!control.subscribed.AwaitAtLeast((lane.index + 1) * task.receivers, kStartLimitNs))
-    Fail("the receiver did not come within 10 s");
+    Fail("the receiver did not start within 10 s");
   const std::unique_ptr<Outlet> outlet = peer.Publish(lane);
   Sending sending(task, lane, control, *outlet);
   if (sending.AwaitWay()) {
@@ -148,7 +148,7 @@ void RunLane(const Task& task, Peer& peer, const Lane& lane, Control& control) {
   }
   std::fflush(stdout);
   control.finished.Add(1);
-  // The receiver goes first, so that no sender says goodbye to one that still counts.
+  // The receiver ends first, so that no sender disconnects while a receiver still counts.
   if (task.role == Task::Role::kBoth) inlet.reset();
 }
 

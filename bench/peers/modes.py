@@ -10,10 +10,10 @@ class Mode:
     peer: str
     name: str
     program: str  # without the prefix "peer_"
-    argument: str  # what the program calls it
+    argument: str  # the program's name for it
     inter: bool  # between two processes, or within one
-    quick: bool = False  # part of a quick run, too
-    daemon: str = ""  # what has to run meanwhile
+    quick: bool = False  # also part of a quick run
+    daemon: str = ""  # has to run meanwhile
     environment: tuple = ()
     receivers: int = 1  # processes that get every message
 
@@ -22,7 +22,7 @@ class Mode:
         return f"{self.peer}_{self.name}"
 
 
-# What has to be installed for a peer; a peer that is not named here needs what the library needs.
+# What has to be installed for a peer. A peer not listed here needs what the library needs.
 PACKAGES = {
     "ros1": "libroscpp-dev, libstd-msgs-dev, python3-rosmaster",
     "fastdds": "libfastrtps-dev",
@@ -39,7 +39,7 @@ def cyclone(shm, own="127.0.0.1", other="127.0.0.1"):
 <SharedMemory><Enable>{shm}</Enable><LogLevel>error</LogLevel></SharedMemory></Domain></CycloneDDS>"""),)
 
 
-# A new mode of ours is a line here and one in ours.cpp.
+# A new mode of ours needs a line here and one in ours.cpp.
 MODES = (
     Mode("raw", "shm_futex", "raw_shm", "futex", True, quick=True),
     Mode("raw", "uds", "raw_socket", "uds", True),

@@ -1,4 +1,4 @@
-"""One run of one mode: starts its programs, reads what they found, ends them."""
+"""One run of one mode: starts its programs, reads their results, ends them."""
 
 import dataclasses
 import os
@@ -24,13 +24,13 @@ class Side:
 
 @dataclasses.dataclass
 class Found:
-    """What one run says of one lane."""
+    """The result of one run on one lane."""
 
     lane: plans.Lane
     latencies_us: list = dataclasses.field(default_factory=list)
     lost: int = 0
     silent: bool = False  # no message of this size arrived at all
-    per_s: float = 0.0  # messages that arrived, flooded
+    per_s: float = 0.0  # messages that arrived at full speed
     flood_lost_percent: float = 0.0
 
     @property
@@ -45,7 +45,7 @@ class Found:
 
 
 def parse(text, lanes):
-    """The lines of measure.cpp as one Found a lane, in order. Raises ValueError with a sentence for any other text."""
+    """The lines of measure.cpp as one Found per lane, in order. Raises ValueError with a sentence for other text."""
     found = [Found(lane) for lane in lanes]
     damaged = 0
     for line in text.splitlines():
@@ -68,28 +68,28 @@ def parse(text, lanes):
             else:
                 raise ValueError(kind)
         except IndexError:
-            raise ValueError(f'"{line}" names a lane that was not asked for') from None
+            raise ValueError(f'"{line}" names a lane that was not requested') from None
         except ValueError:
-            raise ValueError(f'"{line}" is no line of a result') from None
+            raise ValueError(f'"{line}" is not a line of a result') from None
     if damaged:
         raise ValueError(f"{damaged} messages arrived damaged")
     return found
 
 
 def failure(output):
-    """The last words of a program that failed, as one line."""
+    """The last output line of a program that failed."""
     words = [line for line in output.splitlines() if line.strip()]
-    return words[-1] if words else "it said nothing"
+    return words[-1] if words else "no error message"
 
 
 def usual_limit_s(lanes):
-    """Longer than a run of these lanes takes unless it hangs."""
+    """Longer than a run of these lanes takes if nothing hangs."""
     return 20 + 3 * sum((lane.timed + lane.warm_up + 2) * (lane.pause_us + lane.transit_us) / 1e6 + lane.flood_ms / 1e3
                         for lane in lanes)
 
 
 def commands(mode, common, sides):
-    """(name of its output, words, environment) of every program of a run; the one that sends comes last."""
+    """(name of its output, words, environment) of every program of a run. The sender comes last."""
     program, (sending, receiving) = common[0], sides
 
     def command(name, role, side, *more):
@@ -107,9 +107,9 @@ def commands(mode, common, sides):
 
 
 def measure(mode, lanes, programs, environment, number, limit_s, sides=(Side(), Side())):
-    """(what was found, what went wrong): the second is empty if all went well, and a sentence otherwise.
+    """(results, error). The error is empty if all went well, and a sentence otherwise.
 
-    `sides`: of who sends, and of who receives."""
+    `sides`: of the sender and of the receiver."""
     program = pathlib.Path(programs, f"peer_{mode.program}").resolve()
     with tempfile.TemporaryDirectory(prefix="hgros_peer_") as folder:
         common = [program, "--name", f"hgb{os.getpid()}x{number}", "--folder", folder,
@@ -138,12 +138,12 @@ def measure(mode, lanes, programs, environment, number, limit_s, sides=(Side(), 
 
 
 def wait(processes, limit_s):
-    """Waits for the last program, which sends; why it failed, if it did. A receiver that failed ends the wait."""
+    """Waits for the last program, which sends, and returns why it failed, if it did. Ends early if a receiver fails."""
     *receivers, sender = processes
     limit = time.monotonic() + limit_s
     while sender.poll() is None:
         if time.monotonic() > limit:
-            return f"nothing came to an end within {limit_s:.0f} s"
+            return f"the run did not end within {limit_s:.0f} s"
         if any(receiver.poll() not in (None, 0) for receiver in receivers):
             return "the receiver failed"
         time.sleep(0.005)
@@ -154,5 +154,5 @@ def wait(processes, limit_s):
         for receiver in receivers:
             receiver.wait(max(0, patience - time.monotonic()))
     except subprocess.TimeoutExpired:
-        pass  # All messages are counted; it is only slow to leave.
+        pass  # All messages are counted; the program is only slow to exit.
     return ""

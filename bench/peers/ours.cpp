@@ -1,5 +1,5 @@
-// Ours, called as a program calls it: one session a process, FromAny and a handle of Advertise. A mode is a line of
-// Places: which endpoints the two sessions have, if any, and what a message is.
+// Ours, called as a program calls it: one session per process, FromAny and a handle of Advertise. A mode is a line of
+// Places: which endpoints the two sessions have, if any, and which message they send.
 #include <chrono>
 #include <functional>
 #include <map>
@@ -13,10 +13,10 @@
 namespace hgros::bench {
 namespace {
 
-// What the messages of a mode are: the type, how a filled one is made for the ring that is used again and again (or how
-// the session lends one), and where its bytes lie.
+// The message of a mode: its type, how a filled one is made for the ring of reused messages (or how the session lends
+// one), and where its bytes are.
 
-/// Bytes and nothing else; each message is copied once into shared memory.
+/// Only bytes. Each message is copied once into shared memory.
 struct BareForm {
   using Message = Block;
   static constexpr bool kLent = false;
@@ -29,7 +29,7 @@ struct BareForm {
   static Bytes Readable(const Message& message) { return message.bytes(); }
 };
 
-/// Bulk: the sender writes where the receiver reads. The one place that says how such a message is made.
+/// Bulk: the sender writes where the receiver reads. Only this struct defines how such a message is made.
 struct BulkForm {
   using Message = Bulk<foxglove::PointCloud>;
   static constexpr bool kLent = true;
@@ -60,7 +60,7 @@ struct PlainForm {
 };
 
 struct Place {
-  std::function<std::string(const Task&)> endpoint;  ///< Where the sender binds; none if the two need none.
+  std::function<std::string(const Task&)> endpoint;  ///< Where the sender binds; empty if the two need none.
   Executor executor;
   ShmWait wait = ShmWait::kSleep;
 };
@@ -83,7 +83,7 @@ class OurOutlet final : public Outlet {
             return Form::Make(lane.size_bytes);
         }) {
     if (!session.WaitForSubscribers(lane.name, task.receivers, std::chrono::seconds(10))) {
-      Fail("our receiver did not come in 10 s");
+      Fail("our receiver did not start within 10 s");
     }
   }
   std::byte* Take() override {
@@ -127,12 +127,12 @@ class OurInlet final : public Inlet {
 
 Config ConfigOf(const Task& task, const Place& place) {
   Config config;
-  // Only who receives waits that way, as with the others: a third thread that never sleeps takes the sender's core.
+  // Only the receiver waits that way, as with the others: a third thread that never sleeps takes the sender's core.
   if (task.role != Task::Role::kPublish) {
     config.shared_memory.wait = place.wait;
-    if (place.wait == ShmWait::kSpin) config.shared_memory.spin_us = 5000;  // Beyond the pause between two messages.
+    if (place.wait == ShmWait::kSpin) config.shared_memory.spin_us = 5000;  // Above the pause between two messages.
   }
-  // The processes of a measurement, and nobody else.
+  // Only the processes of one measurement find each other.
   config.discovery.domain = "bench-" + std::to_string(std::hash<std::string>()(task.folder + "/" + task.name));
   if (!place.endpoint) return config;
   config.discovery.local = false;

@@ -8,7 +8,7 @@
 
 namespace hgros::bench {
 
-/// Receives on one lane and hands every message to the sink, until it is destroyed.
+/// Receives on one lane and passes every message to the sink, until it is destroyed.
 class Inlet {
  public:
   virtual ~Inlet() = default;
@@ -18,12 +18,12 @@ class Inlet {
 class Outlet {
  public:
   virtual ~Outlet() = default;
-  /// Where the next message is written: memory that the peer lends, or a buffer of ours that is filled already. Waits
-  /// for it for a while; null if there is none.
+  /// Where the next message is written: memory that the peer lends, or a filled buffer of ours. Waits for it for a
+  /// while, then returns null.
   virtual std::byte* Take() = 0;
-  /// Sends what was written since Take. False if the peer refused it.
+  /// Sends the message written since Take. False if the peer refused it.
   virtual bool Publish() = 0;
-  /// Whether Take gives memory with whatever was in it.
+  /// Whether Take returns memory with arbitrary contents.
   [[nodiscard]] virtual bool lends() const { return false; }
 };
 
@@ -31,13 +31,13 @@ class Outlet {
 class Peer {
  public:
   virtual ~Peer() = default;
-  /// The lane and the sink outlive what is returned.
+  /// The lane and the sink outlive the returned object.
   virtual std::unique_ptr<Inlet> Subscribe(const Lane& lane, Sink& sink) = 0;
   virtual std::unique_ptr<Outlet> Publish(const Lane& lane) = 0;
 };
 
-/// Every program of this folder defines it for its peer; the task outlives the peer. Exits with a sentence if the peer
-/// cannot do it here.
+/// Every program of this folder defines it for its peer. The task outlives the peer. Exits with an error message if the
+/// peer cannot run here.
 std::unique_ptr<Peer> MakePeer(const Task& task);
 
 }  // namespace hgros::bench

@@ -1,4 +1,4 @@
-"""How much is measured: sizes, counts and rounds of a full and of a quick run."""
+"""The amount of measurement: sizes, counts and rounds of a full and of a quick run."""
 
 import dataclasses
 
@@ -15,14 +15,14 @@ class Lane:
     flood_ms: int
     pause_us: int
     warm_up: int = 10
-    transit_us: int = 0  # what the line alone takes
-    paced: bool = False  # stands for the paper's throughput: total bytes over the sum of the latencies
+    transit_us: int = 0  # time on the line alone
+    paced: bool = False  # measured like the paper's throughput: total bytes over the sum of the latencies
 
     def argument(self):
         return f"{self.size}:{self.timed}:{self.flood_ms}:{self.pause_us}:{self.warm_up}:{self.transit_us}"
 
     def skipped(self):
-        """The same lane with nothing to do."""
+        """The same lane without a measurement."""
         return dataclasses.replace(self, timed=0, flood_ms=0)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the figures of result.csv, which lies in the folder that is given, as PNG beside it."""
+"""Draws the figures of result.csv in the given folder, as PNG beside it."""
 
 import collections
 import csv
@@ -46,7 +46,7 @@ def draw(folder, name, lines, label):
     data = "\n\n\n".join("\n".join(f"{size} {value}" for size, value in points) for points in lines.values())
     path = folder / f"{name}.dat"
     path.write_text(data + "\n", encoding="utf-8")
-    # Ours stand out: thick and red.
+    # Ours is thick and red.
     plots = ", ".join(f"'{path}' index {index} using 1:2 with linespoints "
                       f"{'linewidth 3 linecolor rgb 0xdd0000' if title.startswith('ours') else 'linewidth 1'} "
                       f"title '{title}'" for index, title in enumerate(lines))

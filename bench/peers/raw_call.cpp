@@ -1,4 +1,4 @@
-// The floor inside a process: the callback is called (call), after a copy of the bytes (memcpy).
+// The floor inside a process: the callback is called, directly (call) or after a copy of the bytes (memcpy).
 #include <cstring>
 #include <vector>
 

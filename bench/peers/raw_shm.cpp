@@ -25,7 +25,7 @@ class Ring {
         slot_bytes_(lane.size_bytes),
         slots_(static_cast<std::uint32_t>(std::min<std::size_t>(lane.depth(), 16))) {
     const int file = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0 || ftruncate(file, static_cast<off_t>(bytes())) != 0) Fail("the ring cannot be made");
+    if (file < 0 || ftruncate(file, static_cast<off_t>(bytes())) != 0) Fail("the ring cannot be created");
     memory_ = mmap(nullptr, bytes(), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
     close(file);
     if (memory_ == MAP_FAILED) Fail("the ring cannot be mapped");

@@ -1,4 +1,4 @@
-// The floor through the kernel: one blocking stream socket with messages of a fixed size, unix or tcp.
+// The floor through the kernel: one blocking stream socket with fixed-size messages, unix or tcp.
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
@@ -16,7 +16,7 @@
 namespace hgros::bench {
 namespace {
 
-/// The address of a lane, which the receiver binds and the sender connects to.
+/// The address of a lane. The receiver binds it and the sender connects to it.
 class Address {
  public:
   Address(const Lane& lane, const Task& task) : tcp_(task.mode == "tcp") {
@@ -24,7 +24,7 @@ class Address {
       internet_.sin_family = AF_INET;
       internet_.sin_port = htons(static_cast<std::uint16_t>(lane.port));
       if (inet_pton(AF_INET, task.receiver_address().c_str(), &internet_.sin_addr) != 1)
-        Fail("that is no IPv4 address");
+        Fail("the address is not an IPv4 address");
     } else {
       local_.sun_family = AF_UNIX;
       std::snprintf(local_.sun_path, sizeof local_.sun_path, "%s/%s", task.folder.c_str(), lane.name.c_str());
@@ -96,7 +96,7 @@ class SocketOutlet final : public Outlet {
   bool Publish() override {
     for (std::size_t done = 0; done < message_.size();) {
       const ssize_t count = send(connection_, message_.data() + done, message_.size() - done, MSG_NOSIGNAL);
-      if (count <= 0) Fail("a raw socket broke");
+      if (count <= 0) Fail("a raw socket failed");
       done += static_cast<std::size_t>(count);
     }
     return true;

@@ -6,7 +6,7 @@
 
 namespace hgros::bench {
 
-/// A thread that receives until it is told to stop. The body looks at the flag at least every 50 ms.
+/// A thread that receives until it is stopped. The body checks the flag at least every 50 ms.
 class ReceivingThread {
  public:
   template <class Body>

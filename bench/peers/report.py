@@ -1,4 +1,4 @@
-"""What all rounds together say: metrics as (name, value, unit), and the table of single runs."""
+"""The results of all rounds: metrics as (name, value, unit), and the table of single runs."""
 
 import csv
 import statistics
@@ -12,12 +12,12 @@ def percentile(values, fraction):
 
 
 def of_size(runs, size):
-    """Those whose latencies of single messages of that size count."""
+    """The runs whose latencies of single messages of that size count."""
     return [run for run in runs if run.lane.size == size and not run.lane.paced]
 
 
 class Results:
-    """Collects the rounds: `rounds[round][mode]` is a list of Found, one a lane."""
+    """Collects the rounds: `rounds[round][mode]` is a list of Found, one per lane."""
 
     def __init__(self, modes, plan):
         self.modes, self.plan, self.rounds, self.whole = modes, plan, [], 0
@@ -32,16 +32,16 @@ class Results:
         self.rounds[-1][mode] = found
 
     def of(self, mode, index):
-        """What each round found in one lane."""
+        """The results of each round on one lane."""
         return [one[mode][index] for one in self.rounds if mode in one]
 
     def in_round(self, one, modes, size):
-        """Median latency of the fastest of these modes in one round, in us; None if none of them carried that size."""
+        """Median latency of the fastest of these modes in one round, in us. None if none of them carried that size."""
         found = (run.p50_us for mode in modes for run in of_size(one.get(mode, ()), size))
         return min((value for value in found if value), default=None)
 
     def ratio(self, ours, others, size, their_size=None):
-        """Median over the rounds of our latency over that of the fastest of the others, each in one and the same round;
+        """Median over the rounds of our latency divided by the fastest of the others, both in the same round.
         None if no round has both."""
         values = []
         for one in self.rounds:
@@ -51,7 +51,7 @@ class Results:
         return statistics.median(values) if values else None
 
     def median(self, mode, size):
-        """Median latency over all messages of all rounds, in us; None if there are none."""
+        """Median latency over all messages of all rounds, in us. None if there are none."""
         runs = [run for one in self.rounds for run in of_size(one.get(mode, ()), size)]
         values = [value for run in runs for value in run.latencies_us]
         return statistics.median(values) if values else None
@@ -91,7 +91,7 @@ class Results:
                     yield f"{mode.key}_flood_lost_{size}", flood_lost, "%"
 
     def ratios(self, ours, other):
-        """Medians over the rounds of ours divided by the other's, each in one and the same round."""
+        """Medians over the rounds of ours divided by the other's, both in the same round."""
         both = [(one[ours], one[other]) for one in self.rounds if ours in one and other in one]
         for index, lane in enumerate(self.plan.lanes(ours)):
             pairs = [(mine[index], theirs[index]) for mine, theirs in both]

@@ -1,6 +1,6 @@
-// ROS 1 with std_msgs/UInt8MultiArray: between processes over TCPROS (tcpros); in one process as roscpp does it with a
-// message given by reference, which it writes and reads again (roscpp), and by shared pointer, as nodelets do
-// (nodelet). Its queue drops the oldest message when it is full.
+// ROS 1 with std_msgs/UInt8MultiArray: between processes over TCPROS (tcpros); in one process with a message passed by
+// reference, which roscpp serializes and parses (roscpp), and by shared pointer, as nodelets do (nodelet). Its queue
+// drops the oldest message when it is full.
 #include <ros/ros.h>
 #include <std_msgs/UInt8MultiArray.h>
 

@@ -1,4 +1,4 @@
-"""Rounds over modes: each mode once a round, as long as the time allows. What is left out or fails is said."""
+"""Rounds over modes: each mode once a round, as long as time allows. A mode left out or failed is reported."""
 
 import os
 import pathlib
@@ -15,7 +15,7 @@ def say(text):
 
 
 def available(modes, programs, running):
-    """Those modes that can be measured here; says once for each peer or daemon why the others cannot."""
+    """The modes that can be measured here. Reports once for each peer or daemon why the others cannot."""
     kept, said = [], set()
     for mode in modes:
         why = ""
@@ -31,13 +31,13 @@ def available(modes, programs, running):
     return kept
 
 
-AFTER_BUDGET_S = 5  # A run that began in time may take so long beyond it.
+AFTER_BUDGET_S = 5  # Extra time for a run that began within the budget.
 
 
 def run_rounds(modes, plan, run_one, results):
-    """Every second round goes backwards, so that what drifts over a round falls on all alike.
+    """Every second round goes backwards, so that drift over a round affects all modes alike.
 
-    run_one(mode, lanes, number, limit_s) measures once; see one_run.measure for what it returns.
+    run_one(mode, lanes, number, limit_s) measures once. one_run.measure documents what it returns.
     """
     start, number, faults, lanes = time.monotonic(), 0, {}, {mode: list(plan.lanes(mode)) for mode in modes}
     for turn in range(plan.rounds):
@@ -47,10 +47,10 @@ def run_rounds(modes, plan, run_one, results):
                 continue
             left_s = plan.budget_s - (time.monotonic() - start)
             if left_s < 0:
-                say(f"The time is up: {turn} whole rounds of {plan.rounds}.")
+                say(f"The time is up after {turn} complete rounds of {plan.rounds}.")
                 return
             number += 1
-            # What hangs must not take the time of all others.
+            # A mode that hangs must not use up the time of the others.
             limit_s = min(usual_limit_s(lanes[mode]), left_s + AFTER_BUDGET_S, plan.budget_s / 3)
             found, fault = run_one(mode, lanes[mode], number, limit_s)
             if fault:

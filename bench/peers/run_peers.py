@@ -3,7 +3,7 @@
 
     run_peers.py --programs DIR --runs FILE.csv [--quick] [--only PEER[_MODE],...]
 
-Started by bench/peers/run. What is left out or fails is said in one sentence on standard error.
+Started by bench/peers/run. Each mode that is left out or fails is reported in one sentence on standard error.
 """
 
 import argparse

@@ -8,7 +8,7 @@
 
 namespace hgros::bench {
 
-/// CLOCK_MONOTONIC, the clock that the processes of a measurement share.
+/// CLOCK_MONOTONIC, which all processes of a measurement share.
 inline std::int64_t NowNs() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
@@ -17,9 +17,9 @@ inline std::int64_t NowNs() {
 
 /// Why a message was sent.
 enum class Phase : std::uint32_t {
-  kProbe,  ///< Until one arrives: the way stands.
+  kProbe,  ///< Sent until one arrives, which shows that the connection works.
   kTimed,  ///< Its latency counts.
-  kFlood,  ///< One of as many as go through.
+  kFlood,  ///< One of as many as can be sent.
 };
 
 /// The first bytes of every message.
@@ -30,7 +30,7 @@ struct Stamp {
   Phase phase;
 };
 
-/// Writes the last byte and the stamp; the time as the very last thing, so that publishing follows at once.
+/// Writes the last byte and the stamp. The time is written last, so that publishing follows at once.
 inline void WriteStamp(std::byte* bytes, std::size_t size_bytes, Stamp stamp) {
   bytes[size_bytes - 1] = static_cast<std::byte>(stamp.index);
   std::memcpy(bytes, &stamp, sizeof stamp);

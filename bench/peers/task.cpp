@@ -32,7 +32,7 @@ Task::Role ParseRole(const std::string& word) {
   if (word == "pub") return Task::Role::kPublish;
   if (word == "sub") return Task::Role::kSubscribe;
   if (word == "both") return Task::Role::kBoth;
-  Fail("the role \"" + word + "\" is none of pub, sub, both");
+  Fail("the role \"" + word + "\" is not one of pub, sub, both");
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ Task Task::Parse(int argc, char** argv) {
     } else if (key == "--receiver") {
       task.receiver = static_cast<std::uint32_t>(std::atoi(value.c_str()));
     } else {
-      Fail("there is no argument \"" + key + "\"");
+      Fail("unknown argument \"" + key + "\"");
     }
   }
   task.lanes = ParseLanes(lanes, task.name, port);

@@ -1,5 +1,5 @@
-// ZeroMQ PUB/SUB as it is: ipc, tcp. Buffers are handed over without a copy and come back through the free function;
-// with XPUB_NODROP a fast publisher waits instead of losing messages.
+// ZeroMQ PUB/SUB with default settings: ipc, tcp. Buffers are passed without a copy and come back through the free
+// function. With XPUB_NODROP a fast publisher waits instead of losing messages.
 #include <zmq.h>
 
 #include <atomic>
@@ -55,7 +55,7 @@ class ZmqOutlet final : public Outlet {
   }
   ~ZmqOutlet() override {
     zmq_close(socket_);
-    // The context's own threads still hold messages for a moment; their buffers have to stay that long.
+    // The context's threads still hold messages for a moment. Their buffers have to live that long.
     for (const Slot& slot : slots_) {
       while (slot.busy.load(std::memory_order_acquire)) std::this_thread::yield();
     }

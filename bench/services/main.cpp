@@ -1,4 +1,4 @@
-// What a call costs: alone, with pauses in which every thread falls asleep, and many at once.
+// The cost of a call: alone, after pauses in which every thread falls asleep, and with many in flight.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -65,7 +65,7 @@ class ServerProcess {
   pid_t pid_;
 };
 
-// A caller and the session that serves it.
+// A caller and the session that serves its calls.
 class Side {
  public:
   explicit Side(const std::string& scheme) : name(scheme) {
@@ -100,7 +100,7 @@ Samples Futures(Side& side, const std::string& service, int count, std::chrono::
   return samples;
 }
 
-// Likewise up to the beginning of a callback.
+// Likewise until the beginning of a callback.
 Samples Callbacks(Side& side, const std::string& service, int count, std::chrono::microseconds pause) {
   Arrival arrival;
   return MeasureLatency(count, pause, arrival, [&] {
@@ -109,7 +109,7 @@ Samples Callbacks(Side& side, const std::string& service, int count, std::chrono
   });
 }
 
-// Calls per second with up to 64 under way.
+// Calls per second with up to 64 in flight.
 double Rate(Side& side, const std::string& service, int count) {
   std::mutex mutex;
   std::condition_variable changed;

@@ -10,7 +10,7 @@
 
 namespace hgros::bench {
 
-/// Where a callback notes when it began; the measuring thread waits for it.
+/// The time when a callback began. The callback sets it, and the measuring thread waits for it.
 class Arrival {
  public:
   void Note() {
@@ -26,8 +26,8 @@ class Arrival {
   std::atomic<std::int64_t> at_{0};
 };
 
-/// One-way latencies in ns: from just before `send` to the moment noted in `arrival`, with pauses long enough for
-/// every thread to fall asleep.
+/// One-way latencies in ns: from just before `send` until the time in `arrival`. The pauses are long enough for every
+/// thread to fall asleep.
 template <class Send>
 Samples MeasureLatency(int count, std::chrono::microseconds pause, Arrival& arrival, Send send) {
   Samples samples;

@@ -23,39 +23,39 @@ struct PairControl {
   std::atomic<std::int64_t> last_arrival_ns{0};
   std::array<std::atomic<std::int64_t>, kSlots> latency_ns{};
 };
-/// A new file in memory, as a path that other processes can open while this one lives; nothing of it stays behind.
+/// Path of a new file in memory, which other processes can open while this one lives. It leaves nothing behind.
 std::string MemoryFile();
 
-/// Opens the file, which may be new; exits with a sentence if that fails.
+/// Opens the file, which may be new. Exits with an error message if that fails.
 PairControl* OpenControl(const std::string& path);
 
-/// What the first bytes of every message say.
+/// The first bytes of every message.
 struct Stamp {
   std::int64_t sent_ns;
   std::uint64_t index;
 };
 
-/// Called by a receiver for every message; notes when it came.
+/// A receiver calls it for every message. It records the time of arrival.
 void NoteArrival(PairControl& control, Bytes bytes);
 
-/// One way to send bytes to the other process; ours or a floor.
+/// One way to send bytes to the other process: ours or a floor.
 class PairSender {
  public:
   virtual ~PairSender() = default;
-  /// Sends without copying where the transport can. The block is not changed before it has arrived.
+  /// Sends without copying if the transport can. The block must not change before it has arrived.
   virtual void Send(const std::shared_ptr<Block>& block) = 0;
 };
-/// Its other end: calls NoteArrival until destroyed.
+/// The other end of a PairSender. Calls NoteArrival until destroyed.
 class PairReceiver {
  public:
   virtual ~PairReceiver() = default;
 };
 
-/// Blocks that are allocated and filled before anything is measured.
+/// Blocks that are allocated and filled before the measurement.
 class BlockPool {
  public:
   BlockPool(std::size_t size_bytes, std::size_t count);
-  /// The next block with `index` and the present in its first bytes.
+  /// The next block with `index` and the current time in its first bytes.
   const std::shared_ptr<Block>& Stamped(std::uint64_t index);
 
  private:
@@ -65,7 +65,7 @@ class BlockPool {
 
 /// One-way latencies of `count` messages sent `pause_us` apart, ns. Messages lost after 2 s are left out.
 Samples MeasurePair(PairControl& control, PairSender& sender, BlockPool& pool, int count, int pause_us);
-/// Messages per second, flooded, until all `count` have arrived (or nothing came for 2 s: counts what came).
+/// Messages per second, flooded, until all `count` have arrived. If nothing arrives for 2 s, counts those that came.
 double FloodPair(PairControl& control, PairSender& sender, BlockPool& pool, int count);
 
 /// "1KB" ... "4MB".
@@ -73,7 +73,7 @@ std::string SizeName(std::size_t size_bytes);
 inline constexpr std::array<std::size_t, 7> kSizes{1024,       4096,        16 * 1024,  64 * 1024,
                                                    256 * 1024, 1024 * 1024, 4096 * 1024};
 
-// The transports. `endpoint` as ZeroMQ writes it; for raw TCP "host:port"; for raw shared memory a path; for ours
+// The transports. `endpoint` is in ZeroMQ's form; for raw TCP it is "host:port"; for raw shared memory a path; for ours
 // through shared memory "domain:" and the domain in which the two sessions find each other.
 std::unique_ptr<PairSender> MakeZmqSender(const std::string& endpoint);
 std::unique_ptr<PairReceiver> MakeZmqReceiver(const std::string& endpoint, PairControl& control);

@@ -23,7 +23,7 @@ void Quiet(LogLevel level, std::string_view text) {
   if (level >= LogLevel::kWarning) std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
 }
 
-// A session that either finds the other one by itself or knows nothing but its endpoint.
+// A session that either discovers the other one or knows only its endpoint.
 Config ConfigFor(const std::string& endpoint, std::vector<EndpointConfig> Config::*side) {
   constexpr std::string_view kDomain = "domain:";
   Config config;
@@ -43,7 +43,7 @@ class OurSender final : public PairSender {
       : session_(ConfigFor(endpoint, &Config::publishers), {"bench_pub", Quiet}),
         publish_(session_.Advertise<Block>(kChannel)) {
     if (!session_.WaitForSubscribers(kChannel, 1, std::chrono::seconds(20))) {
-      std::fprintf(stderr, "our receiver did not come within 20 s\n");
+      std::fprintf(stderr, "our receiver did not start within 20 s\n");
       std::exit(2);
     }
   }
@@ -51,7 +51,7 @@ class OurSender final : public PairSender {
     const PublishStatus status =
         publish_.Wait(std::shared_ptr<const Block>(block), std::chrono::steady_clock::now() + std::chrono::seconds(5));
     if (status != PublishStatus::kOk) {
-      std::fprintf(stderr, "a publish ended with \"%s\"\n", std::string(ToString(status)).c_str());
+      std::fprintf(stderr, "publishing failed with \"%s\"\n", std::string(ToString(status)).c_str());
     }
   }
 
@@ -67,14 +67,14 @@ class OurPlainSender final : public PairSender {
       : session_(ConfigFor(endpoint, &Config::publishers), {"bench_pub", Quiet}),
         publish_(session_.Advertise<foxglove::PointCloud>(kPlainChannel)) {
     if (!session_.WaitForSubscribers(kPlainChannel, 1, std::chrono::seconds(20))) {
-      std::fprintf(stderr, "our receiver did not come within 20 s\n");
+      std::fprintf(stderr, "our receiver did not start within 20 s\n");
       std::exit(2);
     }
   }
   void Send(const std::shared_ptr<Block>& block) override {
-    // One message for each block, made and filled before it counts; as with the blocks, none is changed on its way.
+    // One message for each block, created and filled before the measurement. Messages, too, do not change in flight.
     std::shared_ptr<foxglove::PointCloud>& cloud = clouds_[block.get()];
-    if (!cloud || cloud->data().size() != block->size()) {  // A block of another pool may lie where this one did.
+    if (!cloud || cloud->data().size() != block->size()) {  // A block of another pool may have had this address.
       cloud = std::make_shared<foxglove::PointCloud>();
       cloud->set_frame_id("lidar");
       cloud->set_point_stride(16);
@@ -106,7 +106,7 @@ class OurPlainReceiver final : public PairReceiver {
 
 using BulkCloud = Bulk<foxglove::PointCloud>;
 
-// A point cloud that is lent for each message. Its bytes are those of an earlier one but for the stamp: as with the
+// A point cloud that is lent for each message. Its bytes are those of an earlier one except for the stamp: as with the
 // other ways, filling is not measured.
 class OurBulkSender final : public PairSender {
  public:
@@ -114,7 +114,7 @@ class OurBulkSender final : public PairSender {
       : session_(ConfigFor(endpoint, &Config::publishers), {"bench_pub", Quiet}),
         publish_(session_.Advertise<BulkCloud>(kPlainChannel)) {
     if (!session_.WaitForSubscribers(kPlainChannel, 1, std::chrono::seconds(20))) {
-      std::fprintf(stderr, "our receiver did not come within 20 s\n");
+      std::fprintf(stderr, "our receiver did not start within 20 s\n");
       std::exit(2);
     }
   }

@@ -1,4 +1,4 @@
-// The floor between processes: ZeroMQ PUB/SUB as it is, moving the same bytes without a copy on our side.
+// The floor between processes: ZeroMQ PUB/SUB with default settings, moving the same bytes without a copy on our side.
 #include <zmq.h>
 
 #include <cstdio>

@@ -10,7 +10,7 @@
 
 namespace hgros::bench {
 
-/// What the other process is to do.
+/// The task of the other process.
 struct ReceiverTask {
   std::string transport;  ///< zmq, tcp or ours.
   std::string endpoint;   ///< Where it connects to.
@@ -39,7 +39,7 @@ int ReceiverMain(int argc, char** argv);
 /// The sender that fits the task, bound to `endpoint`.
 std::unique_ptr<PairSender> MakeSender(const ReceiverTask& task, const std::string& endpoint);
 
-/// Sends messages until one arrives, so that what follows is measured on a standing connection.
+/// Sends messages until one arrives, so that the measurement begins on an open connection.
 void AwaitConnection(PairControl& control, PairSender& sender);
 
 }  // namespace hgros::bench

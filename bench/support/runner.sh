@@ -1,5 +1,5 @@
-# Sourced by bench/NAME/run. Reads its arguments (--quick, --csv) and turns "metric,value,unit" lines into what is
-# asked for: the plain lines, or a table and, in full mode, plots beside it in $results.
+# Sourced by bench/NAME/run. Reads its arguments (--quick, --csv). Prints the "metric,value,unit" lines as they are, or
+# as a table; in full mode with plots beside it in $results.
 set -euo pipefail
 
 build=${HGROS_BUILD_DIR:?Start this through ./dev bench}
@@ -9,17 +9,17 @@ for argument in "$@"; do
   case $argument in
     --quick) quick=--quick ;;
     --csv) csv=1 ;;
-    *) echo "The benchmarks know --quick and --csv, not \"$argument\"." >&2; exit 2 ;;
+    *) echo "Unknown argument \"$argument\". The benchmarks take --quick and --csv." >&2; exit 2 ;;
   esac
 done
 mkdir -p "$(dirname -- "$0")/../results/$question"
 results=$(cd -- "$(dirname -- "$0")/../results/$question" && pwd)
 
-# Whatever a benchmark and its sessions write besides lies in a folder that goes with this script.
+# All other files of a benchmark and its sessions are in a folder that this script deletes at its end.
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/hgros_bench_XXXXXX")
 trap 'rm -rf -- "$scratch"' EXIT
 export TMPDIR=$scratch XDG_RUNTIME_DIR=$scratch
-unset HGROS_DOMAIN  # The sessions of a benchmark find each other by names of their own.
+unset HGROS_DOMAIN  # Each benchmark chooses its own domains.
 
 machine() {
   printf '`./dev bench %s%s`, %s: %s, %s CPUs, %s, %s; load before: %s\n' \
@@ -28,8 +28,8 @@ machine() {
     "$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release)" "$(uname -r)" "$(cut -d' ' -f1 /proc/loadavg)"
 }
 
-# relay COMMAND...: runs it, in a process group of its own, and shows the lines that it writes. Ctrl-C and SIGTERM end
-# the whole group before they end this script; what a run found that came to its end becomes $results/result.csv.
+# relay COMMAND...: runs it in its own process group, and shows the lines that it writes. Ctrl-C and SIGTERM end the
+# whole group before they end this script. The output of a complete run becomes $results/result.csv.
 relay() {
   local code=0 showing
   measuring=
@@ -68,7 +68,7 @@ show() {
   tee "$scratch/result.csv" | awk -F, '{ printf "%-42s %14s  %s\n", $1, $2, $3; fflush() }'
 }
 
-# plot: every family NAME_1KB_us ... NAME_4MB_us of the result becomes a line over message size
+# plot: draws each family NAME_1KB_us ... NAME_4MB_us of the result as a line over message size
 plot() {
   command -v gnuplot > /dev/null || { echo "No plots: gnuplot is not installed." >&2; return; }
   local families family lines=()

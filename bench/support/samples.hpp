@@ -33,7 +33,7 @@ class Samples {
   std::vector<double> values_;
 };
 
-/// One line of the result: metric,value,unit. The runner makes the table of it.
+/// Prints one line of the result: metric,value,unit. The runner turns the lines into a table.
 inline void Report(const std::string& metric, double value, const char* unit) {
   std::printf("%s,%.6g,%s\n", metric.c_str(), value, unit);
   std::fflush(stdout);

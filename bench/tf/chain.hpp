@@ -8,8 +8,8 @@
 
 namespace hgros::bench {
 
-/// What both sides of the benchmark hold: a chain of frames "chain_frame_0" (the root) to "chain_frame_8", every edge
-/// set at 100 Hz over 10 s, turning and moving.
+/// The data of both sides of the benchmark: a chain of frames "chain_frame_0" (the root) to "chain_frame_8". Every edge
+/// is set at 100 Hz over 10 s, and both turns and moves.
 inline constexpr int kDepth = 8;
 inline constexpr std::int64_t kPeriod = 10'000'000;
 inline constexpr int kSteps = 1000;

@@ -1,4 +1,4 @@
-// What a transform tree costs: ours beside tf2, in the same rounds.
+// The cost of a transform tree: ours beside tf2, in the same rounds.
 #include <malloc.h>
 #include <time.h>
 
@@ -34,7 +34,7 @@ struct Times {
   std::vector<std::int64_t> old;
 };
 
-// Moments between stamps: within the last 100 ms, and within the last 9 s.
+// Times between stamps: within the last 100 ms, and within the last 9 s.
 Times MomentsBefore(int last_step) {
   std::mt19937_64 random(7);
   Times times;
@@ -59,8 +59,8 @@ double AtEach(Side& side, const std::vector<std::int64_t>& moments) {
   return time / static_cast<double>(moments.size());
 }
 
-// One implementation: several trees, so that between two look-ups in one of them it has changed, without a clock in
-// between.
+// One implementation with several trees, so that a tree has changed between two look-ups in it, without reading a clock
+// in between.
 class Bench {
  public:
   explicit Bench(const std::function<std::unique_ptr<Side>()>& make) {
@@ -117,9 +117,8 @@ struct Rates {
   double by_cpu = 0;   ///< The sum over the readers of look-ups per second of their own CPU time.
 };
 
-// Readers that look up within the last 100 ms, beside a writer at full speed if so asked. That one fills the 10 s of
-// the buffer within less than a ms: a reader whose core was taken away meanwhile finds its moment too old, as it
-// should.
+// Readers that look up within the last 100 ms, if requested beside a writer at full speed. The writer fills the 10 s of
+// the buffer within less than a ms. If a reader loses its core in that time, its time is too old, which is correct.
 Rates Read(Side& tree, int& last_step, int readers, int count, bool beside_writer) {
   std::vector<std::int64_t> before;  // ns before the newest
   for (const std::int64_t moment : MomentsBefore(last_step).near) before.push_back(StampOf(last_step) - moment);
@@ -165,7 +164,7 @@ std::size_t HeapBytes() {
 double BytesPerTransform(const std::function<std::unique_ptr<Side>()>& make) {
   const std::unique_ptr<Side> tree = make();
   const std::size_t before = HeapBytes();
-  // Twice what the buffer keeps: what is left is what it needs.
+  // Twice what the buffer keeps. The memory still in use afterwards is what it needs.
   for (int step = 0; step < 2 * kSteps; ++step) tree->SetAll(step);
   return static_cast<double>(HeapBytes() - before) / (kSteps * kDepth);
 }

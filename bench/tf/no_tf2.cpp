@@ -1,4 +1,4 @@
-// In place of tf2.cpp where tf2 is not installed.
+// Compiled instead of tf2.cpp if tf2 is not installed.
 #include "sides.hpp"
 
 namespace hgros::bench {

@@ -9,7 +9,7 @@
 namespace hgros::bench {
 namespace {
 
-// Frames are called by FrameId or by std::string.
+// Frames are named by FrameId or by std::string.
 template <class Name>
 class Ours final : public Side {
  public:

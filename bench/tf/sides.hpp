@@ -17,9 +17,9 @@ class Side {
 
   /// Sets every edge at step `step`, in order.
   virtual void SetAll(int step) = 0;
-  /// `count` times one edge, the next one each time, from step `first` on.
+  /// Sets one edge `count` times, the next edge each time, from step `first` on.
   virtual void SetMany(int first, int count) = 0;
-  /// Leaf to root, latest; the number that comes back keeps the compiler from leaving it out.
+  /// Leaf to root, latest. The returned number keeps the compiler from removing the call.
   virtual double Latest() = 0;
   /// 0 if it is too old or too new.
   virtual double At(std::int64_t stamp) = 0;

@@ -1,4 +1,4 @@
-// The peer: tf2 0.7 of ROS 1, as Debian has it.
+// The peer: tf2 0.7 of ROS 1, as in Debian.
 #include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
 

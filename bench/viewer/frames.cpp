@@ -1,6 +1,6 @@
-// How long one frame takes with so many points: drawn into memory, without a window system between. Lines
-// "metric,value,unit". What is asked for: numbers of millions of points that are kept, "decay" of 10 million,
-// "messages" of a million points; "card" before them: not in software.
+// The time of one frame with a given number of points, drawn into memory without a window system. Prints lines
+// "metric,value,unit". Arguments: numbers of millions of points that are kept, "decay" of 10 million, "messages" of a
+// million points. "card" before them draws on the graphics card instead of in software.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -71,7 +71,7 @@ class View {
     Send(points);
     Update();
   }
-  /// It has arrived, and nothing more.
+  /// Sends a cloud and waits until it has arrived.
   void Send(std::size_t points) {
     clouds_(CloudAt(step_++, points));
     session_.WaitIdle(std::chrono::seconds(10));
@@ -88,7 +88,7 @@ class View {
     glFinish();
     return MsSince(begin);
   }
-  /// The longest frame until the picture is whole, and the sum.
+  /// The longest frame until the picture is complete, and the sum.
   std::pair<double, double> DrawWhole() {
     double sum = 0;
     double longest = 0;
@@ -151,7 +151,7 @@ void MeasureKept(std::size_t millions) {
         "bytes");
 }
 
-// Scans that go after a while: each step one comes and one goes.
+// Scans that disappear after a while: in each step one arrives and one is removed.
 void MeasureDecay(std::size_t millions) {
   View view;
   view.Set("keep", "count");
@@ -171,7 +171,7 @@ void MeasureDecay(std::size_t millions) {
   Print("decay_longest_ms_" + std::to_string(millions) + "M", std::ranges::max(frames), "ms");
 }
 
-// Clouds of a million points, each in place of the last: from their arrival to all that GL has to know, and the frame.
+// Clouds of a million points, each replacing the last: from arrival until GL has all data, and the frame.
 void MeasureMessages() {
   View view;
   view.Set("keep", "latest");
@@ -212,7 +212,7 @@ int main(int argc, char** argv) {
     } else if (const long millions = std::atol(what.c_str()); millions > 0) {
       MeasureKept(static_cast<std::size_t>(millions));
     } else {
-      std::fprintf(stderr, "bench_viewer_frames: \"%s\" is no measurement; [card] MILLIONS... decay messages\n",
+      std::fprintf(stderr, "bench_viewer_frames: unknown argument \"%s\". Usage: [card] MILLIONS... decay messages\n",
                    what.c_str());
       return 1;
     }

@@ -1,5 +1,6 @@
-"""How much of a graphics card's own memory a process has (of the machine's, if the card has none), as its driver tells: the kernel's files of open cards (amdgpu, i915, xe,
-msm, panfrost, v3d, nouveau ...), or nvidia-smi. A process that draws in software has none, and no figure."""
+"""The memory of a graphics card that a process uses (the machine's memory if the card has none), as its driver reports
+it: in the kernel's files of open cards (amdgpu, i915, xe, msm, panfrost, v3d, nouveau ...), or through nvidia-smi. A
+process that draws in software uses none, and has no figure."""
 
 import pathlib
 import re
@@ -9,7 +10,7 @@ import time
 import xml.etree.ElementTree
 
 UNITS = {"": 1, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
-SMI_EVERY_S = 2  # It takes a good part of a second.
+SMI_EVERY_S = 2  # One call takes nearly a second.
 
 
 def has_card(devices=pathlib.Path("/dev/dri"), smi=shutil.which("nvidia-smi")):
@@ -17,11 +18,11 @@ def has_card(devices=pathlib.Path("/dev/dri"), smi=shutil.which("nvidia-smi")):
 
 
 def client_of(text):
-    """(what names the client, bytes) of one open file, or None if it is no card's or its driver tells no memory."""
+    """(identity of the client, bytes) of one open file. None if it is not a card's or its driver reports no memory."""
     fields = dict(re.findall(r"^(drm-[\w-]+):\s*(.*?)\s*$", text, re.MULTILINE))
     if "drm-driver" not in fields:
         return None
-    # A driver tells them of each region; the first kind that it has says best what is there.
+    # A driver reports them per region. The first kind that it reports is the best measure of the memory in use.
     for kind in ("resident", "memory", "total"):
         sizes = {}
         for key, value in fields.items():
@@ -36,7 +37,7 @@ def client_of(text):
 
 
 def told_by_kernel(pid, proc=pathlib.Path("/proc")):
-    """Bytes, or None. Several files may be one client."""
+    """Bytes, or None. Several files may belong to one client."""
     clients = {}
     try:
         files = list((proc / str(pid) / "fdinfo").iterdir())
@@ -46,7 +47,7 @@ def told_by_kernel(pid, proc=pathlib.Path("/proc")):
         try:
             client = client_of(file.read_text(encoding="utf-8", errors="replace"))
         except OSError:
-            continue  # It has just been closed.
+            continue  # It was closed in the meantime.
         if client:
             name, size = client
             clients[name if name[2] is not None else (*name, file.name)] = size
@@ -54,7 +55,7 @@ def told_by_kernel(pid, proc=pathlib.Path("/proc")):
 
 
 def told_by_nvidia(pid, report):
-    """Bytes, or None. `report`: what `nvidia-smi -q -x` writes."""
+    """Bytes, or None. `report`: output of `nvidia-smi -q -x`."""
     try:
         root = xml.etree.ElementTree.fromstring(report)
     except xml.etree.ElementTree.ParseError:
@@ -68,7 +69,7 @@ def told_by_nvidia(pid, report):
 
 
 class Peak:
-    """The most that one process has had each time that somebody looked."""
+    """The largest value of all calls to look()."""
 
     def __init__(self, pid, proc=pathlib.Path("/proc"), smi=shutil.which("nvidia-smi")):
         self.pid = pid

@@ -1,4 +1,4 @@
-"""What a viewer brings along when it is installed, in MB: packages that a system with a window system has not already."""
+"""Size of a viewer's installation in MB: the packages that a system with a window system does not have yet."""
 
 import re
 import shutil
@@ -15,7 +15,7 @@ def has(program):
 
 
 def closure(packages):
-    """All that apt would install for them on an empty system."""
+    """All packages that apt would install for them on an empty system."""
     with tempfile.NamedTemporaryFile() as nothing:
         said = subprocess.run(["apt-get", "-o", f"Dir::State::status={nothing.name}", "-s", "--no-install-recommends", "install",
                                *packages], capture_output=True, text=True, check=True).stdout
@@ -35,7 +35,7 @@ def known():
 
 
 def libraries_of(program):
-    """The packages of the libraries that a program is linked with."""
+    """The packages of a program's shared libraries."""
     files = re.findall(r"=> (/\S+)", subprocess.run(["ldd", str(program)], capture_output=True, text=True, check=True).stdout)
     packages = set()
     for file in files:

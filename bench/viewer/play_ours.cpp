@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   auto paths = session.Advertise<foxglove::PosesInFrame>("path");
   transforms.ToStaticTF("base", "lidar", TransformOf(slam_run::kLidar));
   if (!session.WaitForSubscribers("scan", 1, std::chrono::seconds(30))) {
-    std::fputs("No viewer came within 30 s.\n", stderr);
+    std::fputs("No viewer connected within 30 s.\n", stderr);
     return 1;
   }
   foxglove::PosesInFrame path;

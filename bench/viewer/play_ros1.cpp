@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
   spinner.start();
   for (int i = 0; i < 300 && scans.getNumSubscribers() == 0; ++i) ros::WallDuration(0.1).sleep();
   if (scans.getNumSubscribers() == 0) {
-    std::fputs("No viewer came within 30 s.\n", stderr);
+    std::fputs("No viewer connected within 30 s.\n", stderr);
     return 1;
   }
   nav_msgs::Path path;

@@ -12,7 +12,7 @@
 
 namespace hgros::bench::slam_run {
 
-/// What the arguments of a publisher say: HZ POINTS STEPS.
+/// The arguments of a publisher: HZ POINTS STEPS.
 struct Plan {
   double hz = 10;
   std::size_t points = 20000;
@@ -28,7 +28,7 @@ inline Plan ReadPlan(int argc, char** argv) {
           static_cast<std::size_t>(std::atol(argv[3]))};
 }
 
-/// Calls `publish(pose, scan, step)` at the plan's rate, and says on standard output how late the latest one was.
+/// Calls `publish(pose, scan, step)` at the plan's rate. Prints to standard output how late the latest call was.
 template <class Publish>
 void Play(const Plan& plan, Publish&& publish) {
   const auto begin = std::chrono::steady_clock::now();

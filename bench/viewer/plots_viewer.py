@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws CPU, memory and frames of the growing run as PNG, from the tables in the folder that is given."""
+"""Draws CPU, memory and frames of the growing run as PNG, from the tables in the given folder."""
 
 import pathlib
 import shutil

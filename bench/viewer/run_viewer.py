@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What hgros-viewer and RViz cost while a robot drives: CPU, memory and frames each second, as metric,value,unit lines."""
+"""The cost of hgros-viewer and RViz while a robot drives, as metric,value,unit lines: CPU, memory, frames per second."""
 
 import argparse
 import csv
@@ -40,7 +40,7 @@ def rss_mb(pid):
 
 
 class Samples:
-    """One row a second: seconds, CPU in % of a core, MB (2^20 bytes), frames a second."""
+    """One row per second: seconds, CPU in % of a core, MB (2^20 bytes), frames per second."""
 
     def __init__(self, subject):
         self.subject = subject
@@ -61,7 +61,7 @@ class Samples:
             self.last, self.cpu, self.frames = now, cpu, frames
 
     def around(self, second, half=5):
-        """Means of the rows about a second; at the end, of the last ones."""
+        """Means of the rows around a second; at the end, of the last ones."""
         low, high = second - half, second + half
         if high > self.rows[-1][0]:
             low, high = self.rows[-1][0] - 2 * half, self.rows[-1][0]
@@ -76,7 +76,7 @@ class Samples:
 
 
 def turn_camera(subject, seconds):
-    """Milliseconds a frame while the camera is dragged round."""
+    """Milliseconds per frame while the camera is dragged around."""
     window = subject.window()
     subject.screen.do("mousemove", "--window", window, 600, 400, "mousedown", 1)
     frames, begin = subject.frames(), time.monotonic()
@@ -85,14 +85,14 @@ def turn_camera(subject, seconds):
         x = x + 4 if x < 800 else 600
         subject.screen.do("mousemove", "--window", window, x, 400)
         time.sleep(0.02)
-    time.sleep(0.6)  # Ours tells its frames twice a second.
+    time.sleep(0.6)  # Ours reports its frames twice a second.
     frames, elapsed = subject.frames() - frames, time.monotonic() - begin
     subject.screen.do("mouseup", 1)
     return 1000 * elapsed / max(frames, 1)
 
 
 def measure_growth(subject, folder, seconds):
-    """A run of which every scan stays, and the way is drawn as axes."""
+    """A run that keeps every scan, with the path drawn as axes."""
     say(f"{subject.name}: {seconds} s of {POINTS} points at {HZ} Hz, all kept.")
     subject.start("all")
     time.sleep(3)
@@ -140,7 +140,7 @@ def measure_still(subject, keep, metric, seconds):
     subject.end()
 
 
-NO_CARD = 77  # As bench_viewer_frames says it.
+NO_CARD = 77  # Exit code of bench_viewer_frames.
 
 
 class NoCard(Exception):
@@ -148,7 +148,7 @@ class NoCard(Exception):
 
 
 def measure_frames(build, environment, what, prefix=""):
-    """Lets bench_viewer_frames measure and passes on its lines. Returns the card's memory at its highest."""
+    """Runs bench_viewer_frames and passes on its lines. Returns the peak of the card's memory."""
     with subprocess.Popen([str(build / "bench/viewer/bench_viewer_frames"), *what], env=environment, stdout=subprocess.PIPE,
                           text=True) as frames:
         peak = graphics_memory.Peak(frames.pid)
@@ -174,12 +174,12 @@ def measure_frames(build, environment, what, prefix=""):
 
 
 def measure_all_frames(build, environment, sizes):
-    # As a driver of OpenGL 3.3 alone would do it. Mesa can be told so; others draw as before.
+    # Draws like a driver that has only OpenGL 3.3. Only Mesa follows this variable; others draw as before.
     copied = {"MESA_EXTENSION_OVERRIDE": "-GL_ARB_buffer_storage"}
     measure_frames(build, environment, [*sizes, "decay", "messages"])
     measure_frames(build, environment | copied, ["messages"], "copied_")
     if not graphics_memory.has_card():
-        say("There is no graphics card, so nothing is said of its memory.")
+        say("There is no graphics card. Its memory is not measured.")
         return
     card = {name: value for name, value in environment.items() if name not in ("LIBGL_ALWAYS_SOFTWARE", "GALLIUM_DRIVER")}
     try:
@@ -190,7 +190,7 @@ def measure_all_frames(build, environment, sizes):
         measure_frames(build, card, ["card", "decay", "messages"], "card_")
         measure_frames(build, card | copied, ["card", "messages"], "card_copied_")
     except NoCard:
-        say("The graphics card is not drawn on without a window, so nothing is said of its memory.")
+        say("The graphics card does not draw without a window. Its memory is not measured.")
 
 
 def main():

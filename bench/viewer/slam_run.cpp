@@ -9,7 +9,7 @@ namespace hgros::bench::slam_run {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kHalfLength = 32;  // of the yard, metres
+constexpr double kHalfLength = 32;  // of the yard, meters
 constexpr double kHalfWidth = 22;
 constexpr std::size_t kRings = 40;
 constexpr double kLowest = -28 * kPi / 180;  // of the rings
@@ -22,7 +22,7 @@ struct Pillar {
   float tone;
 };
 
-// On two ovals, inside and outside of the way.
+// On two ovals, inside and outside of the path.
 const std::array<Pillar, 30>& Pillars() {
   static const auto pillars = [] {
     std::array<Pillar, 30> made{};
@@ -42,7 +42,7 @@ struct Hit {
   float tone;
 };
 
-// Along a level ray.
+// The hit along a level ray.
 Hit Nearest(double x, double y, double angle) {
   const double dx = std::cos(angle);
   const double dy = std::sin(angle);

@@ -1,4 +1,4 @@
-"""The two viewers: how each is started, and how many frames it has presented."""
+"""The two viewers: how each is started, and how its presented frames are counted."""
 
 import mmap
 import os
@@ -57,7 +57,7 @@ class Ours:
         self.screen.do("windowfocus", "--sync", window, "key", "--window", window, "z")
 
     def first_frame_s(self):
-        """From the start of the process to its end after one frame: a little more than what is asked for."""
+        """Seconds from the process's start to its end after one frame: slightly more than the time to the first frame."""
         begin = time.monotonic()
         process = self.screen.start("start", [str(self.program), "--size", "1280x800", "--frames", "1"], self.environment)
         process.wait(30)
@@ -127,7 +127,7 @@ class RViz:
         return self.screen.do("search", "--sync", "--onlyvisible", "--name", "RViz").split()[0]
 
     def show_everything(self):
-        """Its camera stands where its file says."""
+        """The camera starts at the pose in its file."""
 
     def first_frame_s(self):
         begin = time.monotonic_ns()

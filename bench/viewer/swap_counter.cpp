@@ -1,5 +1,5 @@
-// Preloaded into a program that tells no frame rate: counts the frames that it presents, in the file HGROS_SWAPS, which
-// holds two 64 bit numbers: frames, and when the first one was presented (CLOCK_MONOTONIC, ns).
+// Preloaded into a program that reports no frame rate. Counts the frames that it presents, in the file HGROS_SWAPS.
+// The file holds two 64 bit numbers: the number of frames, and the time of the first one (CLOCK_MONOTONIC, ns).
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -28,7 +28,7 @@ Counts* Open() {
 
 }  // namespace
 
-// The name and the arguments are those of GLX.
+// Name and arguments are GLX's.
 extern "C" __attribute__((visibility("default"))) void glXSwapBuffers(void* display, unsigned long drawable) {
   static Counts* const counts = Open();
   static const auto real = reinterpret_cast<void (*)(void*, unsigned long)>(dlsym(RTLD_NEXT, "glXSwapBuffers"));

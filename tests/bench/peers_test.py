@@ -75,8 +75,8 @@ class Peers(unittest.TestCase):
 
     def test_what_is_no_result_is_refused_with_a_sentence(self):
         lanes = [plan.Lane(KB, 3, 0, 0)]
-        for text, words in (("hello", "no line of a result"), ("latency,0,3", "no line of a result"),
-                            ("silent,7", "a lane that was not asked for"), ("damaged,2", "2 messages arrived damaged")):
+        for text, words in (("hello", "not a line of a result"), ("latency,0,3", "not a line of a result"),
+                            ("silent,7", "a lane that was not requested"), ("damaged,2", "2 messages arrived damaged")):
             with self.assertRaisesRegex(ValueError, words):
                 one_run.parse(text, lanes)
 

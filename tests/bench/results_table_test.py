@@ -66,7 +66,7 @@ class ResultsTable(unittest.TestCase):
         text = self.write()
         self.assertTrue(text.startswith("before\n") and text.endswith("after\n"))
         self.assertNotIn("old", text)
-        self.assertIn("No result yet; `./dev bench peers` makes it.", text)
+        self.assertIn("No result yet. `./dev bench peers` creates it.", text)
         self.assertEqual(self.write(), text)
 
 
