@@ -83,15 +83,15 @@ void Sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<d
     Session session(config, {"one_of_fifty", nullptr});
     std::vector<Publisher<Block>> publishers;
     std::vector<Subscription> subscriptions;
-    const int neighbour = (number + 1) % kSessions;
+    const int neighbor = (number + 1) % kSessions;
     for (int i = 0; i < kChannels / 2; ++i) {
       publishers.push_back(session.Advertise<Block>(ChannelOf(number, i)));
-      subscriptions.push_back(session.FromAny<Block>(ChannelOf(neighbour, i), Invoke::kSerial, [](const Block&) {}));
+      subscriptions.push_back(session.FromAny<Block>(ChannelOf(neighbor, i), Invoke::kSerial, [](const Block&) {}));
     }
     bool settled = true;
     for (int i = 0; i < kChannels / 2; ++i) {
       settled = settled && session.WaitForSubscribers(ChannelOf(number, i), 1, std::chrono::seconds(60)) &&
-                session.WaitForPublishers(ChannelOf(neighbour, i), 1, std::chrono::seconds(60));
+                session.WaitForPublishers(ChannelOf(neighbor, i), 1, std::chrono::seconds(60));
     }
     if (settled) ++board.settled;
     while (board.settled < kSessions && board.stop == 0) Sleep(0.01);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The cost of hgros-viewer and RViz while a robot drives, as metric,value,unit lines: CPU, memory, frames per second."""
+"""The cost of hgros-viewer and RViz while a robot drives: CPU, memory, frames per second. Prints metric,value,unit."""
 
 import argparse
 import csv

@@ -57,7 +57,7 @@ class Ours:
         self.screen.do("windowfocus", "--sync", window, "key", "--window", window, "z")
 
     def first_frame_s(self):
-        """Seconds from the process's start to its end after one frame: slightly more than the time to the first frame."""
+        """Seconds from the process's start to its end after one frame: slightly more than until the first frame."""
         begin = time.monotonic()
         process = self.screen.start("start", [str(self.program), "--size", "1280x800", "--frames", "1"], self.environment)
         process.wait(30)

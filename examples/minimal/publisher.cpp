@@ -1,5 +1,4 @@
-// Says hello once a second to whoever listens, until Ctrl-C: ./publisher; for another machine: ./publisher
-// publisher.yaml
+// Publishes a greeting once a second until Ctrl-C: ./publisher; for another machine: ./publisher publisher.yaml
 #include <csignal>
 #include <cstdio>
 #include <ctime>
@@ -9,7 +8,7 @@
 #include <hgros/hgros.hpp>
 
 int main(int argc, char** argv) try {
-  sigset_t stop;  // Ctrl-C and kill wait for main to ask; to be said before the session starts its threads.
+  sigset_t stop;  // Main fetches Ctrl-C and kill; blocked before the session starts its threads.
   sigemptyset(&stop);
   sigaddset(&stop, SIGINT);
   sigaddset(&stop, SIGTERM);
@@ -24,7 +23,7 @@ int main(int argc, char** argv) try {
     log->set_message("Hello number " + std::to_string(i));
     if (greetings(std::move(log)) != hgros::PublishStatus::kOk) return 1;
   }
-} catch (const hgros::Error& error) {  // Configuration, endpoints, types: what, where, and how to mend it.
+} catch (const hgros::Error& error) {  // Configuration, endpoints, types: what is wrong, where, and the fix.
   std::fprintf(stderr, "%s\n", error.what());
   return 2;
 }

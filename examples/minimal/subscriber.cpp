@@ -6,7 +6,7 @@
 #include <hgros/hgros.hpp>
 
 int main(int argc, char** argv) try {
-  sigset_t stop;  // Ctrl-C and kill wait for main to ask; to be said before the session starts its threads.
+  sigset_t stop;  // Main fetches Ctrl-C and kill; blocked before the session starts its threads.
   sigemptyset(&stop);
   sigaddset(&stop, SIGINT);
   sigaddset(&stop, SIGTERM);
@@ -18,7 +18,7 @@ int main(int argc, char** argv) try {
 
   int signal = 0;
   sigwait(&stop, &signal);
-} catch (const hgros::Error& error) {  // Configuration, endpoints, types: what, where, and how to mend it.
+} catch (const hgros::Error& error) {  // Configuration, endpoints, types: what is wrong, where, and the fix.
   std::fprintf(stderr, "%s\n", error.what());
   return 2;
 }

@@ -19,8 +19,8 @@ constexpr std::string_view kTag = "FLASER";
 constexpr std::size_t kMaxBeams = 4096;
 constexpr std::size_t kMaxLineBytes = 1 << 20;
 
-// The scanners of these logs (SICK LMS and PLS) report 50 m, 80 m or 81.83 m when nothing comes back; no indoor wall is
-// that far.
+// The scanners of these logs (SICK LMS and PLS) report 50 m, 80 m or 81.83 m when nothing returns. No indoor wall is
+// that far away.
 constexpr double kNoReturn_m = 49.9;
 
 // Cuts `rest` into words at blanks and tabs.
@@ -66,7 +66,7 @@ const char* ParseFlaser(std::string_view line, double no_return_m, LaserScan2& s
   }
   if (!ParseFinite(line, scan.stamp_seconds)) return "the ipc stamp is missing or not a number";
 
-  // 180 ranges are 1 degree apart and leave out +90 degrees; 181 (and 361) ranges include both ends.
+  // 180 ranges are 1 degree apart and do not include +90 degrees. 181 (and 361) ranges include both ends.
   const auto intervals = static_cast<double>(count % 2 == 0 ? count : count - 1);
   scan.start_angle_rad = -0.5 * std::numbers::pi;
   scan.angle_step_rad = std::numbers::pi / intervals;
@@ -106,7 +106,7 @@ class CarmenLogReader::Input {
       begin_ = 0;
       scanned_ = text_.size();
       if (scanned_ > kMaxLineBytes) {
-        throw std::runtime_error("The file " + path_ + " has a line of over 1 MiB and is no log.");
+        throw std::runtime_error("The file " + path_ + " has a line of over 1 MiB and is not a log.");
       }
       Fill();
     }
@@ -120,7 +120,7 @@ class CarmenLogReader::Input {
     const char* reason = gzerror(file_, &code);
     if (bytes < 0 || (code != Z_OK && code != Z_STREAM_END)) {
       throw std::runtime_error("The log " + path_ + " cannot be read to its end: " +
-                               (code == Z_BUF_ERROR ? "its gzip data are cut short." : std::string(reason) + "."));
+                               (code == Z_BUF_ERROR ? "its gzip data is truncated." : std::string(reason) + "."));
     }
     at_end_ = bytes == 0;
     text_.append(chunk.data(), static_cast<std::size_t>(bytes));
@@ -156,7 +156,7 @@ std::optional<LaserScan2> CarmenLogReader::Next() {
     return scan;
   }
   if (next_sequence_ == 0) {
-    throw std::runtime_error("The log " + path_ + " holds no readable FLASER record among its " +
+    throw std::runtime_error("The log " + path_ + " has no readable FLASER record among its " +
                              std::to_string(line_number_) + " lines" +
                              (first_malformed_.empty() ? "." : "; the first: " + first_malformed_));
   }

@@ -11,16 +11,16 @@
 
 namespace slam2d {
 
-/// Reads the FLASER records of a CARMEN text log, plain or gzip, one at a time and in file order (the stamps of a log
-/// may step back while the motion is smooth).
+/// Reads the FLASER records of a CARMEN text log, plain or gzip, one at a time and in file order. The stamps of a log
+/// may step back although the motion is smooth.
 ///
 /// Format: `FLASER n r1..rn x y theta ox oy otheta ipc_stamp host logger_stamp` in m, rad and s; the beams span 180
 /// degrees from -90 degrees. The scan's stamp is `ipc_stamp`, its odometry `x y theta` (the laser's pose). Other
-/// records are passed over.
+/// records are skipped.
 ///
 /// Errors: the constructor and Next() throw std::runtime_error with a sentence naming the file (and line): the file
-///         cannot be opened, its gzip data are cut short or damaged, or it ends without a single FLASER record.
-///         FLASER lines that do not parse are skipped and counted; first_malformed() tells the first.
+///         cannot be opened, its gzip data is truncated or damaged, or it ends without a single FLASER record.
+///         FLASER lines that do not parse are skipped and counted; first_malformed() describes the first.
 /// Threading: one thread at a time.
 class CarmenLogReader {
  public:
@@ -48,7 +48,7 @@ class CarmenLogReader {
   std::string first_malformed_;
 };
 
-/// Parses one FLASER line into `scan` (all but its sequence). Returns what is wrong with it, or nullptr if it is right.
+/// Parses one FLASER line into `scan` (all fields except its sequence). Returns the error, or nullptr if there is none.
 /// `no_return_m`: ranges at or above it mean "no return".
 [[nodiscard]] const char* ParseFlaser(std::string_view line, double no_return_m, LaserScan2& scan);
 

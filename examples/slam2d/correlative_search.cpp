@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLevels = LikelihoodField::kLevels;
 
-// A square of translations: stride x stride cells from (x, y), as offsets from the window's corner; at one angle.
+// A square of translations at one angle: stride x stride cells from (x, y), as offsets from the window's corner.
 struct Block {
   double bound = 0.0;
   int angle = 0;
@@ -19,7 +19,7 @@ struct Block {
   int x = 0;
 };
 
-// Best bound first; ties in the order of the grid, so that the search runs the same way everywhere.
+// Best bound first. Ties follow the order of the grid, so that the search is the same on every machine.
 bool Before(const Block& a, const Block& b) {
   if (a.bound != b.bound) return a.bound > b.bound;
   if (a.angle != b.angle) return a.angle < b.angle;
@@ -35,11 +35,11 @@ bool InGridOrder(const Block& a, const Block& b) {
 
 class Search {
  public:
-  Search(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& centre,
+  Search(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& center,
          const SearchWindow& window)
       : field_(field),
         points_(points),
-        centre_(centre),
+        center_(center),
         window_(window),
         half_cells_(static_cast<int>(std::lround(window.half_width_m / field.cell_size_m()))),
         half_angles_(static_cast<int>(std::lround(window.half_angle_rad / window.angle_step_rad))),
@@ -59,29 +59,29 @@ class Search {
       }
     }
     Visit(blocks, top);
-    if (!found_) return {centre_, -1.0};
+    if (!found_) return {center_, -1.0};
     const double cell = field_.cell_size_m();
-    return {{centre_.x + (best_.x - half_cells_) * cell, centre_.y + (best_.y - half_cells_) * cell,
-             WrapAngle(centre_.theta + Angle(best_.angle))},
+    return {{center_.x + (best_.x - half_cells_) * cell, center_.y + (best_.y - half_cells_) * cell,
+             WrapAngle(center_.theta + Angle(best_.angle))},
             best_.bound};
   }
 
  private:
   [[nodiscard]] double Angle(int a) const { return (a - half_angles_) * window_.angle_step_rad; }
 
-  // For every level: where in its values each point falls when moved by the window's corner.
+  // For every level: the index in its values of each point, moved by the window's corner.
   void PlacePoints(int a) {
     const double cells_per_m = 1.0 / field_.cell_size_m();
-    const double c = std::cos(centre_.theta + Angle(a)) * cells_per_m;
-    const double s = std::sin(centre_.theta + Angle(a)) * cells_per_m;
-    const double centre_x = centre_.x * cells_per_m;
-    const double centre_y = centre_.y * cells_per_m;
+    const double c = std::cos(center_.theta + Angle(a)) * cells_per_m;
+    const double s = std::sin(center_.theta + Angle(a)) * cells_per_m;
+    const double center_x = center_.x * cells_per_m;
+    const double center_y = center_.y * cells_per_m;
     const LikelihoodField::Level& fine = field_.level(0);
     for (auto& bases : bases_) bases[static_cast<std::size_t>(a)].reserve(points_.size());
     for (const Point2& p : points_) {
-      const int x = static_cast<int>(std::floor(centre_x + c * p.x - s * p.y)) - half_cells_;
-      const int y = static_cast<int>(std::floor(centre_y + s * p.x + c * p.y)) - half_cells_;
-      // The last coarse block may reach over the window's edge.
+      const int x = static_cast<int>(std::floor(center_x + c * p.x - s * p.y)) - half_cells_;
+      const int y = static_cast<int>(std::floor(center_y + s * p.x + c * p.y)) - half_cells_;
+      // The last coarse block may extend over the window's edge.
       if (!fine.Holds(x, y) || !fine.Holds(x + edge_ + 16, y + edge_ + 16)) continue;
       for (std::size_t l = 0; l < kLevels; ++l) {
         const int shift = 2 * static_cast<int>(l);
@@ -102,7 +102,7 @@ class Search {
     if (block.bound >= best_.bound) blocks.push_back(block);
   }
 
-  // The cost at the block's place nearest to the centre.
+  // The cost at the block's place nearest to the center.
   [[nodiscard]] double LeastCost(const Block& block, int stride) const {
     const double cell = field_.cell_size_m();
     const double dx = (std::clamp(half_cells_, block.x, block.x + stride - 1) - half_cells_) * cell;
@@ -134,7 +134,7 @@ class Search {
 
   const LikelihoodField& field_;
   const std::vector<Point2>& points_;
-  const Pose2 centre_;
+  const Pose2 center_;
   const SearchWindow window_;
   const int half_cells_;
   const int half_angles_;
@@ -147,9 +147,9 @@ class Search {
 }  // namespace
 
 SearchResult SearchCorrelative(const LikelihoodField& field, const std::vector<Point2>& points,
-                               const Pose2& T_map_centre, const SearchWindow& window, double min_score) {
-  if (points.empty() || field.empty()) return {T_map_centre, -1.0};
-  return Search(field, points, T_map_centre, window).Run(min_score);
+                               const Pose2& T_map_center, const SearchWindow& window, double min_score) {
+  if (points.empty() || field.empty()) return {T_map_center, -1.0};
+  return Search(field, points, T_map_center, window).Run(min_score);
 }
 
 }  // namespace slam2d

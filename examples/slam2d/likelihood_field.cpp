@@ -6,15 +6,15 @@
 namespace slam2d {
 namespace {
 
-// The extent is that of the map's tiles, widened to whole groups of tiles so that it grows seldom, and one group more
-// on each side so that the search windows of the points near the border still lie inside.
+// The extent of the map's tiles, enlarged to whole groups of tiles so that it rarely grows, plus one group on each
+// side, so that the search windows of points near the border are still inside.
 constexpr int kGroupCells = 4 * kTileEdgeCells;
 
 int FloorToGroup(int cell) {
   return static_cast<int>(std::floor(cell / static_cast<double>(kGroupCells))) * kGroupCells;
 }
 
-// `level` with a new extent; what is new is 0.
+// `level` with a new extent; new cells are 0.
 void Resize(int origin_x, int origin_y, int width, int height, LikelihoodField::Level& level) {
   LikelihoodField::Level grown{origin_x, origin_y, width, height, {}};
   grown.values.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -100,7 +100,7 @@ void LikelihoodField::SetOccupied(int x, int y, bool occupied) {
         if (reached <= value) continue;
         value = reached;
       } else {
-        // Only a cell that had its value from (x, y) can lose it; it takes the best of the others around it.
+        // Only a cell that had its value from (x, y) can lose it. It takes the best of the others around it.
         if (reached < value || value == 0) continue;
         std::uint8_t best = 0;
         for (int ey = -r; ey <= r; ++ey) {
@@ -157,7 +157,7 @@ void LikelihoodField::RefreshCoarseLevels() {
 
 LikelihoodField::Sample LikelihoodField::At(const Point2& p_cells) const {
   const Level& fine = levels_[0];
-  const double x = p_cells.x - 0.5;  // Values stand at cell centres.
+  const double x = p_cells.x - 0.5;  // Values are at cell centers.
   const double y = p_cells.y - 0.5;
   const double floor_x = std::floor(x);
   const double floor_y = std::floor(y);

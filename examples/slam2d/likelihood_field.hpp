@@ -9,16 +9,16 @@
 
 namespace slam2d {
 
-/// How likely a beam ends at a place, 0..255, for every cell of a map: 255 * exp(-d^2 / (2 sigma^2)) with the distance
-/// d to the nearest occupied cell (Thrun, Burgard, Fox, Probabilistic Robotics, sec. 6.4). Kept up to date from the
-/// map's deltas alone.
+/// The likelihood that a beam ends at a place, 0..255, for every cell of a map: 255 * exp(-d^2 / (2 sigma^2)) with the
+/// distance d to the nearest occupied cell (Thrun, Burgard, Fox, Probabilistic Robotics, sec. 6.4). Only the map's
+/// deltas update it.
 ///
 /// Two coarse levels serve branch and bound (Olson, Real-Time Correlative Scan Matching, ICRA 2009): the value at
 /// (x, y) of level l with stride s = kStride[l] is the maximum over the cells [s x, s x + 2 s) x [s y, s y + 2 s), an
 /// upper bound for a point of cell (c, d), floor(c / s) = x, floor(d / s) = y, moved by 0 .. s cells along each axis.
 ///
-/// Invariant: the whole content, extent included, is a function of the map alone, not of the way it came about.
-/// Threading: one thread at a time; const functions may run together.
+/// Invariant: the whole content, extent included, is a function of the map alone, not of its history.
+/// Threading: one thread at a time; const functions may run concurrently.
 class LikelihoodField {
  public:
   static constexpr std::size_t kLevels = 3;
@@ -43,7 +43,7 @@ class LikelihoodField {
 
   LikelihoodField(double cell_size_m, double sigma_m);
 
-  /// Follows the map: `delta` is what OccupancyMap returned, every one of them in order, its shape already checked.
+  /// Follows the map. `delta` is what OccupancyMap returned. Every delta must come in order, with its shape checked.
   void Apply(const MapDelta& delta);
 
   [[nodiscard]] const Level& level(std::size_t index) const { return levels_[index]; }
@@ -56,7 +56,7 @@ class LikelihoodField {
     double dy = 0.0;
   };
 
-  /// Bilinear between cell centres, at `p_cells` in cells of the map frame; all 0 outside of the field.
+  /// Bilinear between cell centers, at `p_cells` in cells of the map frame. All 0 outside the field.
   [[nodiscard]] Sample At(const Point2& p_cells) const;
 
  private:
@@ -69,8 +69,8 @@ class LikelihoodField {
   int radius_cells_;
   std::vector<std::uint8_t> kernel_;  // Square of edge 2 * radius_cells_ + 1.
   std::array<Level, kLevels> levels_;
-  std::vector<std::uint8_t> occupied_;   // As levels_[0].
-  std::vector<std::uint8_t> dirty_;      // As levels_[1]: a fine cell in its stride x stride block has changed.
+  std::vector<std::uint8_t> occupied_;  // Same layout as levels_[0].
+  std::vector<std::uint8_t> dirty_;  // Same layout as levels_[1]: a fine cell in its stride x stride block has changed.
   std::vector<TileIndex> dirty_blocks_;  // In level 1 coordinates.
   std::size_t occupied_cells_ = 0;
 };

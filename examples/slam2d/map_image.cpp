@@ -18,7 +18,7 @@ constexpr std::uint8_t kUnknown = 205;
 constexpr std::uint8_t kFree = 254;
 constexpr std::uint32_t kMaxEdgePixels = 1U << 15U;
 
-// Cells covered, both ends included.
+// Covered cells, both ends included.
 struct CellBox {
   int min_x = std::numeric_limits<int>::max();
   int min_y = std::numeric_limits<int>::max();
@@ -39,7 +39,7 @@ int CellY(std::size_t cell) { return static_cast<int>(cell / kTileEdgeCells); }
 std::uint8_t Gray(int value, const MapOptions& options) {
   if (value == 0) return kUnknown;
   if (value < 0) return static_cast<std::uint8_t>(kUnknown + (kFree - kUnknown) * value / options.min_value);
-  // A few hits already are a wall.
+  // A few hits already make a wall.
   const int full = std::max(1, std::min(options.max_value, 3 * options.hit_gain));
   return static_cast<std::uint8_t>(kUnknown - kUnknown * std::min(value, full) / full);
 }
@@ -63,7 +63,7 @@ class Canvas {
 
   void Cell(int x, int y, const Rgb& rgb) { Square((x - box_.min_x) * scale_, (box_.max_y - y) * scale_, scale_, rgb); }
 
-  // From and to in cells; finer than these, and half as wide.
+  // A line between points in cells. Its resolution is finer than cells, and it is half a cell wide.
   void Line(const Point2& from, const Point2& to, const Rgb& rgb) {
     const int pen = (scale_ + 1) / 2;
     const double columns = (to.x - from.x) * scale_;
@@ -92,7 +92,7 @@ class Canvas {
   }
 
   CellBox box_;
-  int scale_ = 1;  // Pixels a cell.
+  int scale_ = 1;  // Pixels per cell edge.
   MapImage image_;
 };
 

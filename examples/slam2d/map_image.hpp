@@ -21,9 +21,9 @@ inline constexpr std::array<std::uint8_t, 3> kCorrectedRgb{30, 90, 220};  ///< B
 inline constexpr std::array<std::uint8_t, 3> kOdometryRgb{220, 40, 30};   ///< Red.
 
 inline constexpr int kMostPixelsPerCell = 4;
-inline constexpr int kScreenEdgePixels = 1600;  ///< What a person sees at once.
+inline constexpr int kScreenEdgePixels = 1600;  ///< Fits on a screen.
 
-/// An image of `channels` bytes a pixel (1 gray, 3 RGB), top row first.
+/// An image with `channels` bytes per pixel (1 gray, 3 RGB), top row first.
 struct MapImage {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -31,18 +31,18 @@ struct MapImage {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Free white, occupied black, unknown light gray (205), doubtful cells in between; y upwards, one cell of unknown
-/// around it all. With overlays the image is RGB, else gray; paths that leave the map widen the image. An empty map
-/// gives one unknown pixel. A cell is a square of up to kMostPixelsPerCell pixels a side, as many as leave the longer
-/// edge within `edge_pixels`, and at least one.
+/// Free is white, occupied black, unknown light gray (205), and other cells in between. y points up. A border of one
+/// unknown cell surrounds the map. With overlays the image is RGB, otherwise gray. Paths that leave the map widen the
+/// image. An empty map gives one unknown pixel. A cell is a square of 1 to kMostPixelsPerCell pixels a side: as many as
+/// keep the longer edge of the image within `edge_pixels`.
 ///
 /// Errors: throws std::runtime_error if the map is over 32768 cells wide or high.
 [[nodiscard]] MapImage RenderMap(const OccupancyMap& map, std::span<const PathOverlay> overlays = {},
                                  int edge_pixels = 0);
 
-/// Writes a PNG under a temporary name beside `path`, then renames it, so that a reader never sees half an image.
+/// Writes a PNG under a temporary name beside `path`, then renames it, so that a reader never sees a partial image.
 ///
-/// Errors: throws std::runtime_error with a sentence; `path` is then as it was before.
+/// Errors: throws std::runtime_error with a sentence; `path` is then unchanged.
 void WritePng(const MapImage& image, const std::filesystem::path& path);
 
 }  // namespace slam2d

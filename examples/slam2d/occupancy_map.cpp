@@ -14,7 +14,7 @@ constexpr int kTileShift = 6;
 constexpr int kTileMask = kTileEdgeCells - 1;
 static_assert(1 << kTileShift == kTileEdgeCells);
 
-// The cells one scan touches, a bit a cell: one 64-bit word is one row of a tile.
+// The cells that one scan touches, one bit per cell: one 64-bit word is one row of a tile.
 class ScanFootprint {
  public:
   struct Bits {
@@ -32,7 +32,7 @@ class ScanFootprint {
   static std::size_t Row(int y) { return static_cast<std::size_t>(y & kTileMask); }
   static std::uint64_t Bit(int x) { return std::uint64_t{1} << static_cast<unsigned>(x & kTileMask); }
 
-  // Neighbouring cells mostly lie in the same tile, so the last one found is kept.
+  // Neighboring cells are mostly in the same tile, so the last tile found is kept.
   Bits& At(int x, int y) {
     const TileIndex tile{x >> kTileShift, y >> kTileShift};
     if (last_ == nullptr || tile != last_tile_) {
@@ -49,7 +49,7 @@ class ScanFootprint {
 
 int CellOf(double coordinate_cells) { return static_cast<int>(std::floor(coordinate_cells)); }
 
-// Calls mark(x, y) for the cells from `from` up to the one that holds `to`, without that one. Coordinates in cells.
+// Calls mark(x, y) for the cells from `from` up to the cell that contains `to`, excluding it. Coordinates in cells.
 // Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
 template <typename Mark>
 void Traverse(const Point2& from, const Point2& to, Mark mark) {
@@ -85,7 +85,7 @@ double OffLine(const Point2& p, const Point2& a, const Point2& b) {
   return std::abs(dx * (p.y - a.y) - dy * (p.x - a.x)) / std::sqrt(dx * dx + dy * dy);
 }
 
-// Whether the last four of `returns`, of neighbouring beams of a laser at `origin` and in cells, show a straight wall
+// Whether the last four of `returns` (of neighboring beams of a laser at `origin`, in cells) show a straight wall
 // between the middle two.
 bool EndsInWall(const std::vector<Point2>& returns, const Point2& origin, const MapOptions& options) {
   const std::size_t n = returns.size();
@@ -103,16 +103,16 @@ void CheckShape(const MapDelta& delta) {
   std::size_t next = 0;
   for (const MapDelta::TileChanges& change : delta.tiles) {
     if (change.first != next || change.count > delta.cells.size() - next) {
-      throw std::invalid_argument("A map delta's tiles do not match its cells.");
+      throw std::invalid_argument("The tiles of a map delta do not match its cells.");
     }
     next += change.count;
   }
   if (next != delta.cells.size() || delta.cells.size() != delta.values.size()) {
-    throw std::invalid_argument("A map delta has not one value for each cell.");
+    throw std::invalid_argument("A map delta does not have one value for each cell.");
   }
   constexpr auto kCells = std::tuple_size_v<OccupancyMap::Tile>;
   if (std::ranges::any_of(delta.cells, [](std::uint16_t cell) { return cell >= kCells; })) {
-    throw std::invalid_argument("A map delta has a cell outside of its tile.");
+    throw std::invalid_argument("A map delta has a cell outside its tile.");
   }
 }
 
@@ -186,7 +186,7 @@ MapDelta OccupancyMap::Integrate(const LaserScan2& scan, const Pose2& T_map_lase
     if (count > 0) {
       delta.tiles.push_back({index, first, count});
     } else if (is_new) {
-      tiles_.erase(place);  // Replicas do not hear of it.
+      tiles_.erase(place);  // No delta creates it in a replica.
     }
   }
   return delta;

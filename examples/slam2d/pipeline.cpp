@@ -8,7 +8,7 @@ namespace {
 class Fnv1a {
  public:
   void Byte(std::uint8_t byte) { hash_ = (hash_ ^ byte) * 0x100000001b3U; }
-  // Least significant byte first, whatever the machine's order.
+  // Least significant byte first on every machine.
   void Word(std::uint64_t word) {
     for (unsigned shift = 0; shift < 64; shift += 8) Byte(static_cast<std::uint8_t>(word >> shift));
   }

@@ -15,18 +15,18 @@ namespace slam2d {
 /// (http://www.isthe.com/chongo/tech/comp/fnv/). Equal maps have equal hashes on every machine.
 [[nodiscard]] std::uint64_t HashMap(const OccupancyMap& map);
 
-/// The same over the bits of sequence, stamp and pose of every match. Equal only where libm and the compiler round
-/// equally.
+/// Likewise over the bits of sequence, stamp and pose of every match. Equal only if libm and the compiler round the
+/// same way.
 [[nodiscard]] std::uint64_t HashTrajectory(std::span<const ScanMatch> trajectory);
 
-/// The whole front end in one thread: matcher, mapper, and the delta back to the matcher, scan by scan. However the
-/// parts are spread over processes, they must come to the same map and trajectory.
+/// The whole front end in one thread: matcher, mapper, and the delta back to the matcher, scan by scan. The same parts
+/// in several processes must produce the same map and trajectory.
 class Pipeline {
  public:
   explicit Pipeline(const MatcherOptions& matcher_options = {}, const MapOptions& map_options = {})
       : matcher_(matcher_options, map_options), mapper_(map_options) {}
 
-  /// Takes the next scan; returns its match.
+  /// Processes the next scan and returns its match.
   const ScanMatch& Add(const LaserScan2& scan);
 
   [[nodiscard]] const OccupancyMap& map() const { return mapper_.map(); }

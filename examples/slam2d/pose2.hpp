@@ -16,7 +16,7 @@ struct Point2 {
   friend bool operator==(const Point2&, const Point2&) = default;
 };
 
-/// Rigid motion of the plane, an element of SE(2): read `T_target_source` it turns by `theta`, then shifts by (x, y).
+/// Rigid motion of the plane, an element of SE(2). `T_target_source` rotates by `theta`, then translates by (x, y).
 /// Also the pose of a frame `source` in a frame `target`. x and y in m, theta in rad, wrapped by every operation.
 struct Pose2 {
   double x = 0.0;
@@ -49,7 +49,7 @@ struct Pose2 {
           WrapAngle(-T_target_source.theta)};
 }
 
-/// Length of the shift of `T`, m.
+/// Length of the translation of `T`, m.
 [[nodiscard]] inline double Distance(const Pose2& T) { return std::hypot(T.x, T.y); }
 
 }  // namespace slam2d

@@ -29,7 +29,7 @@ std::vector<Relation> ReadRelations(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file) {
     throw std::runtime_error("The relations " + path.string() + " cannot be opened: " + std::strerror(errno) +
-                             ". Name a file with a relation a line.");
+                             ". Name a file with one relation per line.");
   }
   std::vector<Relation> relations;
   std::string line;

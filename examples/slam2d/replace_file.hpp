@@ -6,10 +6,11 @@
 
 namespace slam2d {
 
-/// Lets `write` make a file beside `path` and puts it in place when it is whole: who looks meanwhile sees the old one.
+/// Calls `write` to create a file beside `path`, and renames it to `path` once it is complete. Until then readers see
+/// the old file.
 ///
-/// Errors: what `write` throws, or std::runtime_error if the file cannot be put in place, named `what` ("The map").
-/// Nothing is left beside `path` then.
+/// Errors: what `write` throws, or std::runtime_error if the file cannot be renamed. `what` names the file in the error
+/// ("The map"). Then nothing is left beside `path`.
 void ReplaceFile(const std::filesystem::path& path, const std::string& what,
                  const std::function<void(const std::filesystem::path& temporary)>& write);
 

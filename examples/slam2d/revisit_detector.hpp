@@ -10,7 +10,7 @@
 
 namespace slam2d {
 
-/// How old places are recognised. tunables.hpp tells what each number is, and its bounds.
+/// How known places are recognized. tunables.hpp documents each number and its bounds.
 struct RevisitOptions {
   double lag_m = 20.0;
   double check_every_m = 0.2;
@@ -30,36 +30,36 @@ struct RevisitOptions {
   double same_angle_rad = 0.04;
 };
 
-/// Notices that the laser is back at a place mapped long ago, and that the tracked pose has drifted since.
+/// Detects that the laser is back at a place mapped long ago, and that the tracked pose has drifted since.
 ///
-/// It keeps a second likelihood field that trails the map by `lag_m` of travel and so holds the old walls only; in new
-/// surroundings nothing matches it. The farther the way since the pose last agreed with it, the wider it searches.
-/// A correction must be found several times in a row before it is believed.
+/// It keeps a second likelihood field that is `lag_m` of travel behind the map, so it contains only the old walls. In
+/// new surroundings nothing matches it. The search window grows with the distance since the pose last agreed with it. A
+/// correction must be found several times in a row before it is accepted.
 ///
 /// Threading: one thread at a time.
 class RevisitDetector {
  public:
   RevisitDetector(const RevisitOptions& options, double cell_size_m, double field_sigma_m);
 
-  /// Takes effect with the next Check() and Apply(). What is old already stays old.
+  /// Takes effect with the next Check() and Apply(). What is already old stays old.
   void SetOptions(const RevisitOptions& options) { options_ = options; }
 
   struct Verdict {
     bool doubtful = false;             ///< The tracked pose contradicts the old map; do not draw from it.
-    std::optional<Pose2> T_map_laser;  ///< Set when the contradiction is confirmed: the place in the old map.
+    std::optional<Pose2> T_map_laser;  ///< Set when the contradiction is confirmed: the pose in the old map.
   };
 
-  /// Checks the tracked pose of a scan whose points are `points`. `travelled_m` grows along the way.
-  Verdict Check(const std::vector<Point2>& points, const Pose2& T_map_tracked, double travelled_m);
+  /// Checks the tracked pose of a scan with the points `points`. `traveled_m` must not decrease.
+  Verdict Check(const std::vector<Point2>& points, const Pose2& T_map_tracked, double traveled_m);
 
-  /// Takes note of a map delta that was drawn at `travelled_m`.
-  void Apply(const MapDelta& delta, double travelled_m);
+  /// Adds a map delta that was drawn at `traveled_m`.
+  void Apply(const MapDelta& delta, double traveled_m);
 
   [[nodiscard]] const LikelihoodField& old_field() const { return old_field_; }
 
  private:
   struct Recent {
-    double travelled_m;
+    double traveled_m;
     MapDelta delta;
   };
 

@@ -19,7 +19,7 @@ struct Linearised {
   double mean_value = 0.0;
 };
 
-// Sum of squared residuals 1 - M(T p) over the points, plus the pull towards the prediction.
+// Sum of squared residuals 1 - M(T p) over the points, plus the pull toward the prediction.
 Linearised Linearise(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& T,
                      const Pose2& T_predicted, const MatcherOptions& options) {
   Linearised sum;
@@ -116,7 +116,7 @@ void ScanMatcher::SetOptions(const MatcherOptions& options) {
 }
 
 void ScanMatcher::SetMap(const MapOptions& map_options) {
-  if (applied_) throw std::logic_error("A matcher cannot change its map while it follows it.");
+  if (applied_) throw std::logic_error("A matcher cannot change to another map after the first delta.");
   replica_ = OccupancyMap(map_options);
   field_ = LikelihoodField(map_options.cell_size_m, options_.field_sigma_m);
   revisits_ = RevisitDetector(options_.revisit, map_options.cell_size_m, options_.field_sigma_m);
@@ -126,7 +126,7 @@ void ScanMatcher::Apply(const MapDelta& delta) {
   replica_.Apply(delta);
   applied_ = true;
   field_.Apply(delta);
-  revisits_.Apply(delta, travelled_m_);
+  revisits_.Apply(delta, traveled_m_);
 }
 
 ScanMatch ScanMatcher::Match(const LaserScan2& scan) {
@@ -139,7 +139,7 @@ ScanMatch ScanMatcher::Match(const LaserScan2& scan) {
   }
   if (replica_.version() != last_sequence_) {
     throw std::logic_error("Scan " + std::to_string(scan.sequence) + " needs the map after scan " +
-                           std::to_string(last_sequence_) + ", but it is the one after " +
+                           std::to_string(last_sequence_) + ", but has the map after scan " +
                            std::to_string(replica_.version()) + ".");
   }
   last_sequence_ = scan.sequence;
@@ -160,7 +160,7 @@ ScanMatch ScanMatcher::Match(const LaserScan2& scan) {
     const SearchResult found = SearchCorrelative(field_, points, predicted, window, options_.min_score);
     if (found.score >= options_.min_score) {
       ScanMatch refined = RefineMatch(field_, points, found.T_map_laser, predicted, options_);
-      const RevisitDetector::Verdict verdict = revisits_.Check(points, refined.T_map_laser, travelled_m_ + distance);
+      const RevisitDetector::Verdict verdict = revisits_.Check(points, refined.T_map_laser, traveled_m_ + distance);
       if (verdict.T_map_laser) {
         refined = RefineMatch(revisits_.old_field(), points, *verdict.T_map_laser, *verdict.T_map_laser, options_);
       }
@@ -170,7 +170,7 @@ ScanMatch ScanMatcher::Match(const LaserScan2& scan) {
       match.covariance = refined.covariance;
     }
   }
-  travelled_m_ += distance;
+  traveled_m_ += distance;
   T_odometry_matched_ = scan.odometry;
   T_map_matched_ = match.T_map_laser;
   return match;

@@ -49,7 +49,7 @@ std::vector<Wall> BuildWalls() {
   AddColumn(2.2, 4.9, 9.1, {6.3}, walls);
   AddColumn(17.7, 4.9, 9.1, {}, walls);
   AddColumn(10.9, 4.9, 9.1, {}, walls);
-  // Desks, shelves and columns; the corridors are not quite straight either.
+  // Desks, shelves and columns. The corridors are not quite straight either.
   AddBox(0.4, 0.3, 1.6, 0.7, walls);
   AddBox(3.4, 1.6, 0.9, 1.2, walls);
   AddBox(5.2, 0.4, 1.8, 0.8, walls);
@@ -74,7 +74,7 @@ std::vector<Wall> BuildWalls() {
   return walls;
 }
 
-// Round the corridors, with a look into two offices and a core room, back to the start.
+// Around the corridors, with visits to two offices and a core room, back to the start.
 std::vector<Point2> BuildRoute() {
   return {{2.9, 3.9},   {6.75, 3.9},  {6.75, 2.3},   {6.8, 3.9},   {12.25, 3.9},
           {18.7, 4.0},  {18.8, 10.1}, {13.55, 10.1}, {13.55, 8.3}, {13.6, 10.1},
@@ -123,7 +123,7 @@ void SimulatedBuilding::Advance() {
   const double off = WrapAngle(std::atan2(dy, dx) - T_building_laser_.theta);
   const double max_turn = options_.turn_rate_rad_per_s * options_.scan_period_s;
   const double turn = std::clamp(off, -max_turn, max_turn);
-  // It turns nearly on the spot, so that it keeps clear of the door frames.
+  // It turns almost in place, so that it keeps clear of the door frames.
   const double full = options_.speed_m_per_s * options_.scan_period_s;
   const double step = std::min(distance, std::abs(off) > 0.3 ? 0.1 * full : full);
   if (distance - step < 0.05) next_corner_ = (next_corner_ + 1) % route_.size();

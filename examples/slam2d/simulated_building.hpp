@@ -10,7 +10,7 @@
 
 namespace slam2d {
 
-/// A wall, seen from both sides; ends in m.
+/// A wall, visible from both sides. Ends in m.
 struct Wall {
   Point2 a;
   Point2 b;
@@ -27,11 +27,11 @@ struct SimulationOptions {
   double range_noise_m = 0.01;                     ///< Standard deviation.
   double odometry_noise_per_m = 0.04;              ///< Standard deviation of a step's length, per m of it.
   double odometry_noise_per_rad = 0.03;            ///< Standard deviation of a step's turn, per rad of it.
-  double odometry_heading_bias_rad_per_m = 0.006;  ///< A wheel that is a little too small.
+  double odometry_heading_bias_rad_per_m = 0.006;  ///< As from a wheel that is slightly too small.
 };
 
-/// Independent numbers that are equal on every platform: std::mt19937_64 is specified to the bit, the standard's
-/// distributions are not.
+/// Independent numbers that are equal on every platform: the standard specifies std::mt19937_64 to the bit, but not its
+/// distributions.
 class SeededNoise {
  public:
   explicit SeededNoise(std::uint64_t seed) : bits_(seed) {}
@@ -39,16 +39,16 @@ class SeededNoise {
   /// In [0, 1), a multiple of 2^-53.
   double Uniform();
 
-  /// Mean 0, standard deviation 1: the sum of twelve uniform numbers less 6, which needs no libm.
+  /// Mean 0, standard deviation 1: the sum of twelve uniform numbers minus 6, which needs no libm.
   double Normal();
 
  private:
   std::mt19937_64 bits_;
 };
 
-/// A building of 20 m x 14 m and a robot on its rounds in it: a ring of corridors, offices with open doors outside and
-/// inside of the ring, some furniture. The robot goes round and looks into some offices; the route is closed and
-/// passed again until the scans are used up. Equal options give equal scans, bit for bit.
+/// A building of 20 m x 14 m and a robot that drives through it: a ring of corridors, offices with open doors outside
+/// and inside the ring, some furniture. The robot drives around the ring and visits some offices. The route is closed
+/// and is repeated until the scans are used up. Equal options give equal scans, bit for bit.
 ///
 /// The map frame is the building's, its corner at (0, 0). Odometry starts at the true pose and drifts.
 /// Threading: one thread at a time.
@@ -56,10 +56,10 @@ class SimulatedBuilding {
  public:
   explicit SimulatedBuilding(const SimulationOptions& options = {});
 
-  /// False when options.scans scans were given.
+  /// False once options.scans scans have been returned.
   [[nodiscard]] bool Next(LaserScan2& scan);
 
-  /// Where the laser was at the scan given last.
+  /// Pose of the laser at the last returned scan.
   [[nodiscard]] const Pose2& true_pose() const { return T_building_laser_; }
 
   [[nodiscard]] const std::vector<Wall>& walls() const { return walls_; }

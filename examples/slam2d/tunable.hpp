@@ -9,17 +9,17 @@ namespace slam2d {
 /// Whether a value may change while it is in use.
 enum class When {
   kAnyTime,  ///< From one scan to the next.
-  kAtStart,  ///< Never: what has been drawn so far depends on it.
+  kAtStart,  ///< Never: the map drawn so far depends on it.
 };
 
-/// One number of an options struct, as a user is told of it.
+/// One number of an options struct, with its description for users.
 template <class Options, class Value>
 struct Tunable {
   const char* name;
   Value Options::*member;
   const char* description;
   const char* unit;  ///< Empty: a plain number.
-  double least;      ///< Both are included.
+  double least;      ///< Both bounds are included.
   double most;
   When when = When::kAnyTime;
 };
@@ -41,7 +41,7 @@ TunableGroup(const char*, Value Options::*) -> TunableGroup<Options, Value>;
 template <class Options>
 struct Tunables;
 
-/// Calls `visit(path, tunable, value)` for all numbers in `options`, groups included; their paths begin with `prefix`.
+/// Calls `visit(path, tunable, value)` for all numbers in `options`, groups included. Their paths begin with `prefix`.
 template <class Options, class Visit>
 void ForEachTunable(const std::string& prefix, Options& options, const Visit& visit) {
   const auto go = [&](const auto& one) {

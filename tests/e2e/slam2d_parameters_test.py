@@ -177,7 +177,7 @@ class Slam2dParameters(Slam2dTest):
         processes = self.start_plan(ROBOTS, extra)
         code, _, err = self.end(processes["robot2"])
         self.assertEqual(code, 1)
-        self.assertIn("the map that comes has slam.map.cell_size_m = 0.05, but here it is 0.1.", err)
+        self.assertIn("the received map has slam.map.cell_size_m = 0.05, but here it is 0.1.", err)
         self.assertEqual(self.end(processes["robot1"])[0], 1)
 
 

@@ -23,7 +23,7 @@ class Slam2dProcesses(Slam2dTest):
                 (["--scans", "none"], "--scans must be a whole number from 1 to 999999999, but is \"none\"."),
                 (["--scans", "1", "--scans", "2"], "--scans may be given only once."),
                 (["--scan", "5"], "There is no option --scan. Did you mean --scans?"),
-                (["5"], "\"5\" follows no option.")):
+                (["5"], "\"5\" does not belong to an option.")):
             code, _, err = self.end(self.start(*arguments))
             self.assertEqual((code, err.startswith(f"slam2d: {sentence}")), (2, True), err)
 

@@ -7,7 +7,7 @@
 namespace slam2d {
 
 /// Calls `wait(timeout)`, which cannot be stopped from outside, with short timeouts until it returns true, `deadline`
-/// has come or a stop is requested.
+/// passes or a stop is requested.
 template <class Wait>
 [[nodiscard]] bool AwaitUnlessStopped(const std::stop_token& stop, std::chrono::steady_clock::time_point deadline,
                                       Wait wait) {

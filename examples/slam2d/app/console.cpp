@@ -52,7 +52,7 @@ void Console::Progress(const std::string& line) {
     std::fprintf(stderr, "slam2d: %s\n", line.c_str());
   } else {
     winsize size{};
-    // A line that wraps could not be rewritten.
+    // A line that wraps could not be rewritten, so it is cut.
     const std::size_t columns =
         ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1U : 79U;
     std::fprintf(stderr, "\r%s\033[K", line.substr(0, std::min(columns, line.size())).c_str());

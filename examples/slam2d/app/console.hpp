@@ -9,28 +9,28 @@
 
 namespace slam2d {
 
-/// Standard error as the user sees it: sentences, and below them one line of progress that is rewritten on a terminal
-/// and repeated every few seconds elsewhere.
+/// The program's output on standard error: sentences, and below them one line of progress that is rewritten on a
+/// terminal and repeated every few seconds elsewhere.
 ///
 /// Threading: thread-safe.
 class Console {
  public:
-  /// Quiet: only what goes wrong.
+  /// Quiet: prints warnings only.
   explicit Console(bool quiet);
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
   ~Console();
 
   void Say(std::string_view sentence);
-  /// Not the same one twice in a row: several nodes may find one fault.
+  /// Prints a warning, but not the same one twice in a row: several nodes may report one error.
   void Warn(std::string_view sentence);
-  /// Where the library says what goes wrong. To be used no longer than the console.
+  /// The log of the library. Not to be used after the console is destroyed.
   [[nodiscard]] hgros::LogSink log();
   void Progress(const std::string& line);
-  /// Takes the line of progress away.
+  /// Removes the line of progress.
   void EndProgress();
 
-  /// How often Progress() is worth calling.
+  /// The useful interval between calls of Progress().
   [[nodiscard]] std::chrono::milliseconds period() const;
 
  private:

@@ -19,19 +19,19 @@ enum ExitCode : int {
   kBadInput = 2,  ///< The command line, the configuration or the log cannot be used.
 };
 
-/// How this process ends. Whoever decides first wins; what waits for its part of the graph stops with token().
+/// How this process ends. The first decision wins. Whatever waits for another part of the graph stops with token().
 ///
 /// Threading: thread-safe.
 class Ending {
  public:
   void Succeed() { Decide(kSuccess, {}); }
-  /// `sentence` tells the user what went wrong.
+  /// `sentence` tells the user what is wrong.
   void Fail(std::string sentence, int exit_code = kFailure) { Decide(exit_code, std::move(sentence)); }
   void Interrupt(int signal) { Decide(128 + signal, "Interrupted."); }
   /// Fails at `when`, unless the end is decided before.
   void FailAt(std::chrono::steady_clock::time_point when, std::string sentence);
 
-  /// Runs `body`; whatever it throws ends the program with the sentence "`who`: ...".
+  /// Runs `body`. An exception ends the program with the sentence "`who`: ...".
   template <class Body>
   void Guard(std::string_view who, Body&& body) noexcept {
     try {

@@ -18,7 +18,7 @@ inline constexpr std::string_view kOdomFrame = "odom";
 inline constexpr std::string_view kBaseFrame = "base";
 inline constexpr std::string_view kLaserFrame = "laser";
 
-/// The logs know no place of the laser on the robot: it stands at its centre.
+/// The logs contain no pose of the laser on the robot. It is assumed at the robot's center.
 inline constexpr Pose2 kBaseLaser{};
 
 [[nodiscard]] inline hgros::RigidTransform RigidOf(const Pose2& pose) {

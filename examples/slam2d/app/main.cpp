@@ -31,12 +31,12 @@
 namespace slam2d {
 namespace {
 
-// The nodes of this process. They end when the ending is decided, so it is at the latest when they go.
+// The nodes of this process. They end once the ending is decided, which happens at the latest in the destructor.
 struct Crew {
   explicit Crew(Ending& its_ending) : ending(its_ending) {}
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
-  ~Crew() { ending.Fail("The nodes were taken down."); }
+  ~Crew() { ending.Fail("The nodes were stopped."); }
 
   Ending& ending;
   std::optional<WriterNode> writer;
@@ -45,7 +45,7 @@ struct Crew {
   std::optional<SourceNode> source;
 };
 
-// The last word on `done`.
+// Keeps the last message on `done`.
 class DoneWatch {
  public:
   DoneWatch(hgros::Session& session, Ending& ending)
@@ -93,7 +93,7 @@ ScanReader OpenSource(const Options& options) {
 void MakeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error("The folder " + folder.string() + " cannot be made: " + error.message() + ".");
+  if (error) throw std::runtime_error("The folder " + folder.string() + " cannot be created: " + error.message() + ".");
 }
 
 // Waits for the other processes, answers the roll call, and starts the source when all have answered.
@@ -119,13 +119,13 @@ void Begin(const Plan& plan, const Options& options, hgros::Session& session, Ro
     }
     if (!AwaitUnlessStopped(crew.ending.token(), deadline,
                             [&](auto timeout) { return session.WaitForPublishers(input.channel, 1, timeout); })) {
-      crew.ending.Fail("Nobody publishes \"" + std::string(input.channel) + "\": no other process with the " +
+      crew.ending.Fail("There is no publisher of \"" + std::string(input.channel) + "\": no other process with the " +
                        input.from + " was found within " + std::to_string(options.patience.count()) +
                        " s. Start it, and compare the endpoints and channels of the configuration files.");
       return;
     }
   }
-  if (plan.standby) return;  // It answers when it has taken over.
+  if (plan.standby) return;  // It answers once it has taken over.
   roll_call.Answer(plan.nodes);
   if (!crew.source) return;
 
@@ -186,7 +186,7 @@ int Run(const Options& options) {
   CheckAgainst(plan, options);
   const std::vector<std::string> own_sections{kPlanSection};
   hgros::Config config = hgros::Config::Load(options.configs, own_sections);
-  if (options.configs.empty()) config.simulated_time = true;  // Files say so themselves.
+  if (options.configs.empty()) config.simulated_time = true;  // Configuration files contain this setting.
   if (options.asks()) return AskRunningDemo(options, config);
   const auto relations = options.relations ? ReadRelations(*options.relations) : std::vector<Relation>();
   ScanReader reader;
@@ -210,7 +210,7 @@ int Run(const Options& options) {
       if (plan.standby) {
         console.Say("On standby.");
         taken_over = [&](std::uint64_t next_scan) {
-          console.Say("The mapper has come here; it goes on with scan " + std::to_string(next_scan) + ".");
+          console.Say("The mapper now runs here and continues with scan " + std::to_string(next_scan) + ".");
           roll_call.Answer(plan.nodes, next_scan);
         };
       }
@@ -238,7 +238,7 @@ int Run(const Options& options) {
     report.graph = session.Snapshot().graph;
     if (crew.source) report.scans_sent = crew.source->sent();
     if (crew.writer) {
-      // If the user interrupts a long log, the map so far is written.
+      // If the user interrupts a long log, the current map is written.
       const bool interrupted = ending.exit_code() > 128 && crew.writer->scans() > 0;
       report.written = interrupted ? crew.writer->WriteFiles() : crew.writer->written();
     }

@@ -54,7 +54,7 @@ ScanMatch Read(const msg::Match& message) {
   match.score = message.score();
   match.drawable = message.drawable();
   if (static_cast<std::size_t>(message.covariance_size()) != match.covariance.size()) {
-    throw std::invalid_argument("A match has not six numbers for its covariance.");
+    throw std::invalid_argument("The covariance of a match does not have six numbers.");
   }
   std::ranges::copy(message.covariance(), match.covariance.begin());
   return match;
@@ -84,14 +84,14 @@ MapOptions Read(const msg::MapLayout& message) {
   options.min_value = message.min_value();
   options.max_value = message.max_value();
   if (!(options.cell_size_m >= 0.001) || options.min_value >= 0 || options.max_value <= 0) {
-    throw std::invalid_argument("A map's layout has no cells that a map can have.");
+    throw std::invalid_argument("The layout of a map has an invalid cell size or value range.");
   }
   return options;
 }
 
 MapDelta Read(const msg::MapUpdate& message) {
   if (message.tile_x_size() != message.tile_y_size() || message.tile_x_size() != message.tile_count_size()) {
-    throw std::invalid_argument("A map update has not one place and one count for each tile.");
+    throw std::invalid_argument("A map update does not have one place and one count for each tile.");
   }
   MapDelta delta;
   delta.version = message.version();
@@ -103,7 +103,7 @@ MapDelta Read(const msg::MapUpdate& message) {
   delta.cells.reserve(static_cast<std::size_t>(message.cells_size()));
   for (const std::uint32_t cell : message.cells()) {
     if (cell > std::numeric_limits<std::uint16_t>::max()) {
-      throw std::invalid_argument("A map update has a cell outside of its tile.");
+      throw std::invalid_argument("A map update has a cell outside its tile.");
     }
     delta.cells.push_back(static_cast<std::uint16_t>(cell));
   }

@@ -6,23 +6,23 @@
 #include "../occupancy_map.hpp"
 #include "../scan_matcher.hpp"
 
-/// The core's values as messages and back, without losing a bit.
+/// Converts the core's values to messages and back, without loss.
 ///
-/// Errors: reading throws std::invalid_argument if a message contradicts itself.
+/// Errors: reading throws std::invalid_argument if a message is inconsistent.
 namespace slam2d {
 
 void Write(const LaserScan2& scan, msg::Scan& message);
 void Write(const ScanMatch& match, msg::Match& message);
 void Write(const Pose2& pose, msg::Pose& message);
-/// All but match, odometry and layout.
+/// Everything except match, odometry and layout.
 void Write(const MapDelta& delta, msg::MapUpdate& message);
-/// What does not change of the options.
+/// The options that never change.
 void Write(const MapOptions& options, msg::MapLayout& message);
 
 [[nodiscard]] LaserScan2 Read(const msg::Scan& message);
 [[nodiscard]] ScanMatch Read(const msg::Match& message);
 [[nodiscard]] Pose2 Read(const msg::Pose& message);
-/// Everything else as it is by default.
+/// All other options have their defaults.
 [[nodiscard]] MapOptions Read(const msg::MapLayout& message);
 [[nodiscard]] MapDelta Read(const msg::MapUpdate& message);
 

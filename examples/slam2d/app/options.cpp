@@ -17,12 +17,12 @@
 namespace slam2d {
 namespace {
 
-// CLI11 takes whatever follows for the value.
+// CLI11 takes the next word for the value.
 std::string NoOption(const std::string& text) {
   return text.starts_with("--") ? "needs a value, but the option " + text + " follows." : std::string();
 }
 
-// CLI11's own checks speak of the limits of double.
+// CLI11's own checks mention the limits of double.
 std::string WholeNumberFromOne(const std::string& text) {
   if (std::string fault = NoOption(text); !fault.empty()) return fault;
   const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -48,7 +48,7 @@ std::string UnknownOption(const CLI::App& app) {
   const std::vector<std::string> unknown = app.remaining();
   const auto option =
       std::find_if(unknown.begin(), unknown.end(), [](const std::string& text) { return text.starts_with("-"); });
-  if (option == unknown.end()) return "\"" + unknown.front() + "\" follows no option.";
+  if (option == unknown.end()) return "\"" + unknown.front() + "\" does not belong to an option.";
   const std::string name = option->substr(0, option->find('='));
   std::vector<std::string> known;
   for (const CLI::Option* one : app.get_options()) known.push_back("--" + one->get_single_name());
@@ -56,7 +56,7 @@ std::string UnknownOption(const CLI::App& app) {
   return "There is no option " + name + "." + (nearest.empty() ? std::string() : " Did you mean " + nearest + "?");
 }
 
-// CLI11 says "--scans: what is wrong"; a person reads a sentence with the mend.
+// CLI11 prints "--scans: what is wrong". This makes a sentence that names the fix.
 std::string Sentence(const CLI::App& app, const CLI::ParseError& error) {
   const std::string what = error.what();
   const std::string option = what.substr(0, what.find(':'));
@@ -79,18 +79,18 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   std::vector<std::string> taken_before;
   CLI::App app{"2D laser SLAM as a hypergraph of nodes: source, matcher, mapper, writer."};
   app.footer(
-      "Without --log a simulated building is driven through. Exit codes: 0 done, 1 failed while running,\n"
+      "Without --log the robot drives through a simulated building. Exit codes: 0 done, 1 failed while running,\n"
       "2 unusable command line, configuration or log, 130 interrupted.");
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::Throw);
   app.add_option("--log", options.log, "CARMEN log to play, plain or gzip")->option_text("FILE")->check(NoOption);
-  app.add_option("--rate", options.rate, "Play at N times real time; 0, the default: as fast as it is processed")
+  app.add_option("--rate", options.rate, "Play at N times real time; 0, the default: as fast as possible")
       ->option_text("N")
       ->check(RateOrNothing);
   app.add_option("--scans", options.scans, "Stop after N scans")->option_text("N")->check(WholeNumberFromOne);
   app.add_option("--out", options.out, "Folder for the files (default: slam2d_out)")
       ->option_text("DIR")
       ->check(NoOption);
-  app.add_option("--config", options.configs, "YAML: which nodes run here, and how others are reached; repeatable")
+  app.add_option("--config", options.configs, "YAML: which nodes run here, and how to reach the others; repeatable")
       ->option_text("FILE")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(NoOption);
@@ -100,8 +100,7 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
       ->check(NoOption);
   app.add_option("--param", taken_before, "One parameter, as in slam.matcher.max_range_m=20; repeatable")
       ->option_text("PATH=VALUE");
-  app.add_option("--move-mapper-at", options.move_mapper_at,
-                 "At scan K hand the mapper to a process on standby, while running")
+  app.add_option("--move-mapper-at", options.move_mapper_at, "At scan K, move the mapper to a process on standby")
       ->option_text("K")
       ->check(WholeNumberFromOne);
   app.add_option("--relations", options.relations, "Compare with these relations: errors of relative poses")
@@ -110,19 +109,19 @@ std::variant<Options, int> ReadCommandLine(int argc, char** argv) {
   app.add_option("--patience", patience_s, "Seconds to wait for other processes (default: 30)")
       ->option_text("S")
       ->check(WholeNumberFromOne);
-  app.add_flag("--list-params", options.list_params, "List the parameters of the demo that runs in another process");
-  app.add_option("--set-param", set_params, "Set a parameter of the demo that runs in another process; repeatable")
+  app.add_flag("--list-params", options.list_params, "List the parameters of a demo that runs in another process");
+  app.add_option("--set-param", set_params, "Set a parameter of a demo that runs in another process; repeatable")
       ->option_text("PATH=VALUE")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(Assignment);
-  app.add_flag("--save-map", options.save_map, "Ask the demo that runs in another process to write its map now");
-  app.add_flag("--quiet", options.quiet, "No progress on standard error, only what goes wrong");
-  app.add_flag("--json", options.json, "The result as JSON, an object a line");
+  app.add_flag("--save-map", options.save_map, "Make a demo that runs in another process write its map now");
+  app.add_flag("--quiet", options.quiet, "Print warnings and errors only, no progress");
+  app.add_flag("--json", options.json, "Print the result as JSON, one object per line");
   try {
     std::vector<std::string> arguments(argv + 1, argv + argc);
     options.params.overrides = hgros::ParamOverridesOfEnvironment();
     std::ranges::move(hgros::TakeParamArguments(arguments), std::back_inserter(options.params.overrides));
-    std::ranges::reverse(arguments);  // as CLI11 takes them
+    std::ranges::reverse(arguments);  // CLI11 expects them reversed.
     app.parse(std::move(arguments));
   } catch (const hgros::ParamError& error) {
     std::fprintf(stderr, "slam2d: %s\n", error.what());

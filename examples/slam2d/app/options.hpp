@@ -14,7 +14,7 @@
 namespace slam2d {
 
 struct Options {
-  std::optional<std::filesystem::path> log;  ///< None: the simulated building.
+  std::optional<std::filesystem::path> log;  ///< Without it: the simulated building.
   std::optional<double> rate;
   std::optional<std::uint64_t> scans;
   std::filesystem::path out = "slam2d_out";
@@ -23,7 +23,7 @@ struct Options {
   std::optional<std::filesystem::path> relations;
   std::chrono::seconds patience{30};  ///< How long to wait for other processes.
   hgros::ParamSources params;         ///< Files, environment and command line, --rate included.
-  // What a running demo is asked for; the rest is for one that runs here.
+  // Requests to a running demo. The other options are for a demo in this process.
   std::vector<hgros::ParamOverride> set_params;
   bool list_params = false;
   bool save_map = false;
@@ -35,10 +35,10 @@ struct Options {
   static constexpr std::uint64_t kSimulatedScans = 1500;
 };
 
-/// The options, or the exit code if help was asked for or the command line cannot be used (it has been said why).
+/// The options, or the exit code after --help or after an error in the command line, which has been printed.
 [[nodiscard]] std::variant<Options, int> ReadCommandLine(int argc, char** argv);
 
-/// Throws std::runtime_error with a sentence if an option is for a node that another process runs.
+/// Throws std::runtime_error with a sentence if an option belongs to a node of another process.
 void CheckAgainst(const Plan& plan, const Options& options);
 
 }  // namespace slam2d

@@ -25,8 +25,8 @@ std::vector<std::string> AllPaths() {
   return paths;
 }
 
-// Whatever stands below `slam` is for the demo, and so is what its command line says; the rest of the files and of the
-// environment may be for other programs.
+// Parameters below `slam` and those on the command line are for the demo. Others in the files and in the environment
+// may be for other programs.
 void RequireKnown(const hgros::ParamView& view, const std::vector<std::string>& known, const Plan& plan) {
   if (view.is_null()) return;
   if (view.node()->kind == hgros::ParamNode::Kind::kMap) {

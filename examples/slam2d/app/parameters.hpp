@@ -14,7 +14,7 @@
 
 namespace slam2d {
 
-/// How the source plays its log.
+/// Settings for playing the log.
 struct SourceTuning {
   double rate = 0.0;
 };
@@ -22,12 +22,12 @@ struct SourceTuning {
 template <>
 struct Tunables<SourceTuning> {
   static constexpr std::tuple kAll{
-      Tunable{"rate", &SourceTuning::rate, "times real time, by the log's stamps; 0: as fast as it is processed", "", 0,
-              1e6},
+      Tunable{"rate", &SourceTuning::rate, "times real time, by the log's stamps; 0: as fast as possible", "", 0, 1e6},
   };
 };
 
-/// A node with parameters: those below `prefix`, offered to others under the name `offered` wherever the node runs.
+/// A node with parameters: those below `prefix`. The node offers them to others under the name `offered`, in any
+/// process.
 struct TunedNode {
   const char* node;
   const char* prefix;
@@ -38,13 +38,13 @@ inline constexpr TunedNode kTunedMatcher{"matcher", "slam.matcher", "slam2d/matc
 inline constexpr TunedNode kTunedMapper{"mapper", "slam.map", "slam2d/mapper"};
 inline constexpr std::array kTunedNodes{kTunedSource, kTunedMatcher, kTunedMapper};
 
-/// The node whose parameter `path` is, whether there is such a one or not; null if it is no node's.
+/// The node with the parameter `path`, which need not exist. Null if it belongs to no node.
 [[nodiscard]] const TunedNode* TunedNodeOf(std::string_view path);
 
 /// The parameters of the nodes that run in this process.
 ///
-/// Errors: throws ParamError or ConfigError naming the parameter and where it was said: one that is not there, cannot
-/// be, or was given on the command line of a process that does not run its node.
+/// Errors: throws ParamError or ConfigError naming the parameter and its origin, if a parameter does not exist, has an
+/// invalid value, or is on the command line of a process that does not run its node.
 struct Parameters {
   Parameters(const Plan& plan, const hgros::ParamSources& sources, Console& console);
 

@@ -32,7 +32,7 @@ void AddNodes(const std::filesystem::path& file, const YAML::Node& list, std::se
     if (std::ranges::find(known, name) == known.end()) {
       Refuse(file, entry.Mark(), "There is no node \"" + name + "\". There are " + Enumerate(known) + ".");
     }
-    if (!nodes.insert(name).second) Refuse(file, entry.Mark(), "The node \"" + name + "\" stands here twice.");
+    if (!nodes.insert(name).second) Refuse(file, entry.Mark(), "The node \"" + name + "\" is listed twice.");
   }
 }
 

@@ -12,7 +12,7 @@ inline constexpr const char* kNodeNames[] = {"source", "matcher", "mapper", "wri
 /// Which nodes run in this process.
 struct Plan {
   std::set<std::string> nodes{std::begin(kNodeNames), std::end(kNodeNames)};
-  bool standby = false;  ///< The mapper takes over from another process' one.
+  bool standby = false;  ///< The mapper takes over from one in another process.
 
   [[nodiscard]] bool Runs(const std::string& node) const { return nodes.contains(node); }
 };
@@ -20,9 +20,9 @@ struct Plan {
 /// The key of the plan in the configuration files: `slam2d: {nodes: [mapper], standby: true}`.
 inline constexpr const char* kPlanSection = "slam2d";
 
-/// Reads the plan from the files' `slam2d` sections, joined; without one it is all nodes.
+/// Reads the plan from the files' `slam2d` sections, merged. Without such a section, all nodes run here.
 ///
-/// Errors: throws std::runtime_error with file, line and what is known.
+/// Errors: throws std::runtime_error with file, line and the known names.
 [[nodiscard]] Plan ReadPlan(const std::vector<std::filesystem::path>& files);
 
 /// "a, b and c".

@@ -11,7 +11,7 @@
 
 namespace slam2d {
 
-/// The pose as others draw it.
+/// The pose as a message for viewers.
 [[nodiscard]] inline std::unique_ptr<foxglove::PoseInFrame> PoseMessage(const Pose2& pose, double stamp_seconds,
                                                                         const std::string& frame) {
   auto message = std::make_unique<foxglove::PoseInFrame>();
@@ -27,7 +27,8 @@ namespace slam2d {
   return message;
 }
 
-/// Publishes what is only looked at: if somebody who looks has no room, nobody gets this one, and the graph goes on.
+/// Publishes a message for viewers only. If a viewer's queue is full, no viewer gets this message, and the graph goes
+/// on.
 template <class T>
 void Show(const hgros::Publisher<T>& publisher, std::unique_ptr<T> message) {
   (void)publisher(std::move(message));

@@ -65,12 +65,12 @@ int ListParams(hgros::Session& session, bool json) {
   return kFailure;
 }
 
-// Those of one node together, or none of them.
+// Sets those of one node together, or none of them.
 int SetParams(hgros::Session& session, const std::vector<hgros::ParamOverride>& wanted) {
   for (const hgros::ParamOverride& one : wanted) {
     if (TunedNodeOf(one.path) != nullptr) continue;
     Complain("There is no parameter " + one.path +
-             "; those of the demo begin with slam.source, slam.matcher or slam.map.");
+             "; the demo's parameters begin with slam.source, slam.matcher or slam.map.");
     return kBadInput;
   }
   for (const TunedNode& node : kTunedNodes) {

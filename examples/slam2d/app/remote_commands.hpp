@@ -6,8 +6,8 @@
 
 namespace slam2d {
 
-/// Asks the demo that runs in other processes, wherever these are: sets parameters, lists them, saves the map. Returns
-/// the exit code; what came of it has been said.
+/// Sends requests to a demo that runs in other processes, on any host: sets parameters, lists them, saves the map.
+/// Prints the result and returns the exit code.
 [[nodiscard]] int AskRunningDemo(const Options& options, const hgros::Config& config);
 
 }  // namespace slam2d

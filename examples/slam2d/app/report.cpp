@@ -52,13 +52,13 @@ std::vector<const hgros::NodeSnapshot*> ShownNodes(const hgros::GraphSnapshot& g
   return nodes;
 }
 
-// Null if no scan was taken.
+// Null if no scan was processed.
 const msg::LogTime* LogTimeOf(const Report& report) {
   if (report.written && report.written->scans > 0) return &report.written->log_time;
   return report.done && report.done->scans() > 0 ? &report.done->log_time() : nullptr;
 }
 
-// Names on the left, numbers on the right.
+// Names are aligned left, numbers right.
 void PrintTable(const std::vector<std::vector<std::string>>& rows, std::size_t names) {
   std::vector<std::size_t> widths(rows.front().size(), 0);
   for (const auto& row : rows) {

@@ -11,18 +11,18 @@
 
 namespace slam2d {
 
-/// The report on standard output at the end.
+/// The final report on standard output.
 struct Report {
-  std::optional<Written> written;  ///< Where the writer ran.
+  std::optional<Written> written;  ///< Set if the writer ran here.
   std::optional<msg::Done> done;   ///< The writer's last message.
   std::optional<RelationsError> relations_error;
-  std::optional<std::uint64_t> scans_sent;  ///< Where the source ran.
+  std::optional<std::uint64_t> scans_sent;  ///< Set if the source ran here.
   hgros::GraphSnapshot graph;
 };
 
-/// For people.
+/// Prints it for people.
 void PrintText(const Report& report);
-/// For programs: an object a line, with "kind": "result", "relations" or "node". Times in ns.
+/// Prints it for programs: one object per line, with "kind": "result", "relations" or "node". Times in ns.
 void PrintJson(const Report& report);
 
 }  // namespace slam2d

@@ -9,7 +9,7 @@
 namespace slam2d {
 namespace {
 
-// What a process that is gone has said last may still be on its way through the queues.
+// The last messages of a process that is gone may still be in the queues.
 constexpr std::chrono::seconds kLastWords{2};
 
 }  // namespace

@@ -18,23 +18,23 @@
 
 namespace slam2d {
 
-/// Which process runs which node and is ready to, as told on `ready`; and whether it is still there: should one of
-/// them go before the work is done, the program ends with a sentence.
+/// Tracks on channel `ready` which process runs which node and is ready, and whether it is still there. If one of them
+/// disappears before the work is done, the program ends with a sentence.
 ///
 /// Threading: thread-safe.
 class RollCall {
  public:
   RollCall(hgros::Session& session, Ending& ending);
 
-  /// Tells everybody that these nodes run here and hear all they need. `next_scan`: of a mapper that takes over.
+  /// Announces that these nodes run here and have all their inputs. `next_scan`: set by a mapper that takes over.
   void Answer(const std::set<std::string>& nodes, std::uint64_t next_scan = 0);
 
-  /// Waits until all `nodes` have answered, somewhere; returns those that have not by `deadline` or when the program
-  /// ends.
+  /// Waits until all `nodes` have answered, in any process. Returns those that have not by `deadline` or when the
+  /// program ends.
   [[nodiscard]] std::vector<std::string> WaitFor(const std::vector<std::string>& nodes,
                                                  std::chrono::steady_clock::time_point deadline);
-  /// Waits for a mapper in another process that goes on with scan `next_scan`; an empty text if none has come, else
-  /// its session.
+  /// Waits for a mapper in another process that continues with scan `next_scan`. Returns its session, or an empty text
+  /// if there is none.
   [[nodiscard]] std::string WaitForSuccessor(std::uint64_t next_scan, std::chrono::steady_clock::time_point deadline);
 
  private:

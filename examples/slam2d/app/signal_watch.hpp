@@ -5,10 +5,10 @@
 
 namespace slam2d {
 
-/// Calls `on_signal` on a thread of its own at SIGINT and SIGTERM, instead of what they would do.
+/// Calls `on_signal` on its own thread at SIGINT and SIGTERM, instead of their default actions.
 ///
-/// To be made before any other thread: threads inherit that they leave these signals alone. A second signal ends the
-/// process at once, should the end hang.
+/// Create it before any other thread, because threads inherit the block of these signals. A second signal ends the
+/// process at once, in case the shutdown hangs.
 class SignalWatch {
  public:
   explicit SignalWatch(std::function<void(int)> on_signal);

@@ -9,13 +9,13 @@ namespace slam2d {
 
 namespace {
 
-// As its options say now, and as they were where the map was begun.
+// Compares the options that cannot change once a map is begun: those of this mapper and those of the received map.
 void RequireSame(const MapOptions& ours, const MapOptions& theirs) {
   const auto require = [](const char* name, double our_value, double their_value) {
     if (our_value == their_value) return;
     std::ostringstream text;
-    text << "the map that comes has slam.map." << name << " = " << their_value << ", but here it is " << our_value
-         << ". Start both mappers with the same.";
+    text << "the received map has slam.map." << name << " = " << their_value << ", but here it is " << our_value
+         << ". Start both mappers with the same value.";
     throw std::invalid_argument(text.str());
   };
   require("cell_size_m", ours.cell_size_m, theirs.cell_size_m);

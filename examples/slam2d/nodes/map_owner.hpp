@@ -8,27 +8,27 @@
 
 namespace slam2d {
 
-/// The core's Mapper with a state that can be handed on: where one owner stops, another goes on, bit for bit.
+/// The core's Mapper, with a state that another owner can continue from, bit for bit.
 ///
 /// Threading: one thread at a time.
 class MapOwner {
  public:
   explicit MapOwner(const MapOptions& options) : mapper_(options) {}
 
-  /// As Mapper::SetOptions.
+  /// See Mapper::SetOptions.
   void SetOptions(const MapOptions& options) { mapper_.SetOptions(options); }
 
-  /// As Mapper::Add.
+  /// See Mapper::Add.
   MapDelta Add(const LaserScan2& scan, const ScanMatch& match);
 
-  /// The sequence of the scan that is due.
+  /// The sequence of the next expected scan.
   [[nodiscard]] std::uint64_t next_scan() const { return next_scan_; }
   [[nodiscard]] const OccupancyMap& map() const { return mapper_.map(); }
 
   void Save(msg::MapState& state) const;
-  /// Goes on with the state's map and this owner's options.
+  /// Continues with the state's map and this owner's options.
   ///
-  /// Errors: throws std::invalid_argument if the state contradicts itself or has other cells than the options say.
+  /// Errors: throws std::invalid_argument if the state is inconsistent or its cells differ from the options.
   void Restore(const msg::MapState& state);
 
  private:

@@ -23,19 +23,20 @@ void MoveMapper(std::uint64_t at, std::chrono::seconds patience, hgros::Session&
 
   const auto deadline = began + patience;
   const std::string successor = roll_call.WaitForSuccessor(at, deadline);
-  // The mapper of this process still subscribes to pre_channel, the closed one: with its successor they are two.
+  // The mapper of this process still subscribes to the closed pre_channel. With its successor there are two
+  // subscribers.
   const bool joined = !successor.empty() && AwaitUnlessStopped(ending.token(), deadline, [&](auto timeout) {
     return session.WaitForSubscribers(kPreChannel, 2, timeout);
   }) && AwaitUnlessStopped(ending.token(), deadline, [&](auto timeout) {
     return session.WaitForPublishers(kNextChannel, 1, timeout);
   });
   if (!joined) {
-    ending.Fail("No process on standby has taken the mapper over within " + std::to_string(patience.count()) + " s.");
+    ending.Fail("No process on standby took over the mapper within " + std::to_string(patience.count()) + " s.");
     return;
   }
   mapper.Retire();
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
-  console.Say("From scan " + std::to_string(at) + " on the mapper runs in session " + successor + "; the move took " +
+  console.Say("From scan " + std::to_string(at) + " on, the mapper runs in session " + successor + ". The move took " +
               std::to_string(static_cast<int>(took.count() + 0.5)) + " ms.");
   source.Release();
 }

@@ -58,8 +58,8 @@ void MapperNode::TakeMatch(const msg::MatchedScan& message) {
   {
     const std::scoped_lock lock(mutex_);
     if (standby_ || scan.sequence() != owner_.next_scan()) {
-      throw std::runtime_error("scan " + std::to_string(scan.sequence()) + " came where scan " +
-                               std::to_string(owner_.next_scan()) + " is due.");
+      throw std::runtime_error("scan " + std::to_string(scan.sequence()) + " arrived, but scan " +
+                               std::to_string(owner_.next_scan()) + " is next.");
     }
     if (scan.end_of_log()) {
       update->set_version(scan.sequence());

@@ -18,26 +18,26 @@
 
 namespace slam2d {
 
-/// Draws the matched scans of `pre_channel` into the map and publishes what changed on `next_channel`, once a scan.
+/// Draws the matched scans of `pre_channel` into the map and publishes the changes on `next_channel`, once per scan.
 ///
-/// A mapper on standby begins with the state that another one publishes on `map_state`, and goes on where that stopped,
-/// with parameters of its own. Those that are set take effect between two scans.
-/// Lifetime: to be destroyed after the ending has been decided.
+/// A mapper on standby begins with the state that another one publishes on `map_state`, and continues from there with
+/// its own parameters. A changed parameter takes effect between two scans.
+/// Lifetime: destroy it after the ending has been decided.
 class MapperNode {
  public:
   static constexpr const char* kName = "mapper";
 
-  /// `taken_over`: called with the first scan that is this mapper's, once it holds the state it waited for; on a graph
-  /// worker. None: the mapper begins with an empty map.
-  /// `params` is to outlive the node.
+  /// `taken_over`: called on a graph worker with the first scan of this mapper, once it has received the state that it
+  /// waited for. If it is empty, the mapper begins with an empty map.
+  /// `params` must outlive the node.
   MapperNode(hgros::Session& session, NodeParams<MapOptions>& params, Ending& ending, Console& console,
              std::function<void(std::uint64_t)> taken_over = {});
 
-  /// Waits until all scans before `next_scan` are in the map and published; false if the program ends before.
+  /// Waits until all scans before `next_scan` are in the map and published. False if the program ends first.
   [[nodiscard]] bool WaitFor(std::uint64_t next_scan);
-  /// Everything this mapper holds, on `map_state`.
+  /// Publishes the complete state of this mapper on `map_state`.
   void PublishState();
-  /// Another process has taken over: the parameters of this mapper are no longer those of the map.
+  /// Called when another process has taken over. Stops offering the parameters, which no longer affect the map.
   void Retire();
 
   [[nodiscard]] std::uint64_t next_scan() const;
@@ -64,7 +64,7 @@ class MapperNode {
 
   hgros::Subscription state_subscription_;
   hgros::Subscription match_subscription_;
-  std::optional<hgros::ParamService> offered_;  // While the map is this mapper's.
+  std::optional<hgros::ParamService> offered_;  // Set while this mapper owns the map.
 };
 
 }  // namespace slam2d

@@ -36,8 +36,8 @@ void MatcherNode::TakeMap(const msg::MapUpdate& message) {
   const MapDelta delta = Read(message);
   const std::scoped_lock lock(mutex_);
   if (delta.version != updates_) {
-    throw std::runtime_error("the map after scan " + std::to_string(delta.version) + " came where that after scan " +
-                             std::to_string(updates_) + " is due.");
+    throw std::runtime_error("the map after scan " + std::to_string(delta.version) +
+                             " arrived, but the map after scan " + std::to_string(updates_) + " is next.");
   }
   if (message.has_layout()) matcher_.SetMap(Read(message.layout()));
   matcher_.Apply(delta);

@@ -19,19 +19,19 @@
 
 namespace slam2d {
 
-/// Takes scans and the map's updates; publishes matched scans on `pre_channel`, their poses on `trajectory`, and where
-/// odometry began as the edge from `map` to `odom`.
+/// Takes scans and the map's updates. Publishes matched scans on `pre_channel`, their poses on `trajectory`, and the
+/// origin of odometry as the edge from `map` to `odom`.
 ///
-/// A scan waits inside its callback (on a thread of its own) until the map after the scan before is there: joined by
-/// sequence, so that the result does not depend on who is faster. The scans behind it fill the queue, and that holds
-/// the source back. Parameters that are set take effect between two scans.
+/// A scan waits inside its callback (on its own thread) until the map after the previous scan has arrived. The two are
+/// joined by sequence, so the result does not depend on timing. The scans behind it fill the queue, which makes the
+/// source wait. A changed parameter takes effect between two scans.
 ///
-/// Lifetime: to be destroyed after the ending has been decided.
+/// Lifetime: destroy it after the ending has been decided.
 class MatcherNode {
  public:
   static constexpr const char* kName = "matcher";
 
-  /// `params` is to outlive the node.
+  /// `params` must outlive the node.
   MatcherNode(hgros::Session& session, hgros::Transforms& transforms, NodeParams<MatcherOptions>& params,
               Ending& ending, Console& console);
 

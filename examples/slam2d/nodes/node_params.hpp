@@ -15,10 +15,10 @@
 
 namespace slam2d {
 
-/// The parameters of one node: those below `prefix`. What is set while running is said on the console; what has not
-/// been declared is refused. Files may say more, for other nodes.
+/// The parameters of one node: those below `prefix`. Changes while running are printed on the console. Undeclared
+/// parameters are refused. Files may contain others, for other nodes.
 ///
-/// Thread safety: all of it, once the parameters are declared.
+/// Thread safety: all functions, once the parameters are declared.
 class DeclaredParams {
  public:
   DeclaredParams(std::string_view prefix, const hgros::ParamSources& sources, Console& console);
@@ -39,10 +39,10 @@ class DeclaredParams {
 /// "There is no parameter slam.matcher.max_rang_m. Did you mean slam.matcher.max_range_m?"
 [[nodiscard]] std::string UnknownParam(const std::string& path, const std::vector<std::string>& known);
 
-/// All numbers of an options struct as parameters below `prefix`. When a file of theirs is edited, it is read again.
+/// All numbers of an options struct as parameters below `prefix`. When one of their files is edited, it is read again.
 ///
-/// Threading: thread-safe but for News().
-/// Errors: the constructor throws ParamError naming the parameter and where it was said.
+/// Threading: thread-safe except for News().
+/// Errors: the constructor throws ParamError naming the parameter and its origin.
 template <class Options>
 class NodeParams {
  public:
@@ -62,10 +62,10 @@ class NodeParams {
 
   [[nodiscard]] hgros::ParamServer& server() { return params_.server(); }
 
-  /// All as they are at this moment.
+  /// All current values.
   [[nodiscard]] Options Now() { return Read(server().Snapshot()); }
 
-  /// The same, if anything has changed since the last call: a whole change or none of it.
+  /// Likewise, if anything has changed since the last call. A change is complete or not there at all.
   [[nodiscard]] std::optional<Options> News() {
     const hgros::ParamView now = server().Snapshot();
     if (now.node() == seen_) return std::nullopt;

@@ -35,14 +35,14 @@ SourceNode::SourceNode(hgros::Session& session, hgros::Transforms& transforms, S
                                          })),
       offered_(session, params.server(), kTunedSource.offered, console.log()) {
   const std::scoped_lock lock(mutex_);
-  rate_ = params.Now().rate;  // It may have changed before this listened.
+  rate_ = params.Now().rate;  // It may have changed before the subscription.
 }
 
 void SourceNode::Start() {
   thread_ = std::jthread([this] {
     try {
       Run();
-    } catch (const std::exception& error) {  // from the reader
+    } catch (const std::exception& error) {  // thrown by the reader
       ending_.Fail(error.what(), kBadInput);
     }
     const std::scoped_lock lock(mutex_);
@@ -73,10 +73,10 @@ void SourceNode::Run() {
   auto end = std::make_unique<msg::Scan>();
   end->set_sequence(sent());
   end->set_end_of_log(true);
-  (void)Send(std::move(end));  // the end is already decided if it fails
+  (void)Send(std::move(end));  // If it fails, the ending has already been decided.
 }
 
-// For whoever looks: what is refused, such as a stamp long past, changes nothing in the graph.
+// For viewers only. A refused transform, such as one with a stamp long past, changes nothing in the graph.
 void SourceNode::ShowOdometry(const LaserScan2& scan) {
   Show(odometry_, PoseMessage(scan.odometry, scan.stamp_seconds, "odometry"));
   const Pose2 T_odom_base = scan.odometry * Inverse(kBaseLaser);

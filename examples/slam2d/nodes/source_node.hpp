@@ -26,34 +26,34 @@
 
 namespace slam2d {
 
-/// Gives the next scan; false at the end. Throws std::runtime_error with a sentence if its data are damaged.
+/// Returns the next scan through its argument; false at the end. Throws std::runtime_error if its data is damaged.
 using ScanReader = std::function<bool(LaserScan2&)>;
 
 struct SourceOptions {
-  std::optional<std::uint64_t> scans = {};    ///< At most so many.
+  std::optional<std::uint64_t> scans = {};    ///< Maximum number of scans.
   std::optional<std::uint64_t> hold_at = {};  ///< Waits with this scan until Release().
 };
 
 /// Publishes scans on `scan` (lossless: it waits for the matcher) and their odometry on `odometry` and as the edges
-/// from `odom` to `laser`, from a thread of its own. The clock that it publishes shows the log's time: it steps from
-/// scan to scan, or runs at the rate of `slam.source.rate` and the scans come when it shows their stamps.
+/// from `odom` to `laser`, from its own thread. Also publishes a clock with the log's time. The clock steps from scan
+/// to scan, or it runs at the rate `slam.source.rate` and each scan is published when the clock reaches its stamp.
 ///
-/// Threading: thread-safe once made.
-/// Lifetime: to be destroyed after the ending has been decided; the destructor waits for the thread.
+/// Threading: thread-safe after construction.
+/// Lifetime: destroy it after the ending has been decided; the destructor waits for the thread.
 class SourceNode {
  public:
   static constexpr const char* kName = "source";
 
-  /// `params` is to outlive the node.
+  /// `params` must outlive the node.
   SourceNode(hgros::Session& session, hgros::Transforms& transforms, ScanReader reader, const SourceOptions& options,
              NodeParams<SourceTuning>& params, Ending& ending, Console& console);
   SourceNode(const SourceNode&) = delete;
   SourceNode& operator=(const SourceNode&) = delete;
 
-  /// Begins to publish. Once.
+  /// Begins to publish. Call it once.
   void Start();
 
-  /// Waits until the source stands before the scan `hold_at`; false if it has ended before.
+  /// Waits until the source holds before the scan `hold_at`. False if it has ended first.
   [[nodiscard]] bool WaitUntilHeld();
   void Release();
 
@@ -66,7 +66,7 @@ class SourceNode {
   void ShowOdometry(const LaserScan2& scan);
   [[nodiscard]] bool NextScan(LaserScan2& scan);
   void WaitForRelease();
-  /// Takes the clock to the stamp, or waits until it shows it. One that steps back is shown already.
+  /// Moves the clock to the stamp, or waits until the clock reaches it. Does nothing for an earlier stamp.
   void AdvanceTo(hgros::Time stamp);
   [[nodiscard]] bool Send(std::unique_ptr<msg::Scan> message);
 

@@ -19,7 +19,7 @@ namespace {
 // Wall clock time, so that a fast replay does not publish more often.
 constexpr std::chrono::seconds kShowEvery{1};
 
-// -1: unknown; else how likely the cell is occupied, in percent.
+// -1: unknown. Otherwise the probability that the cell is occupied, in percent.
 char Percent(std::int8_t value, const MapOptions& options) {
   if (value == 0) return -1;
   return static_cast<char>(100 * (value - options.min_value) / (options.max_value - options.min_value));
@@ -82,7 +82,7 @@ WriterNode::WriterNode(hgros::Session& session, hgros::Transforms& transforms, s
           {.name = kName, .queue = hgros::Queue::KeepAll(kLoopDepth), .executor = {}})),
       save_map_(
           session.Serve<msg::SaveMap, msg::MapSaved>(kSaveMap, [this](const msg::SaveMap&) { return SaveMap(); })) {
-  (void)transforms_.tree();  // From now on it follows the robot.
+  (void)transforms_.tree();  // From now on the tree follows the robot.
 }
 
 void WriterNode::Take(const msg::MapUpdate& message) {
@@ -90,7 +90,7 @@ void WriterNode::Take(const msg::MapUpdate& message) {
     const std::scoped_lock lock(mutex_);
     if (message.version() != trajectory_.size()) {
       throw std::runtime_error("the map after scan " + std::to_string(message.version()) +
-                               " came where that after scan " + std::to_string(trajectory_.size()) + " is due.");
+                               " arrived, but the map after scan " + std::to_string(trajectory_.size()) + " is due.");
     }
     latest_ = std::chrono::steady_clock::now();
     if (trajectory_.empty()) first_ = shown_ = latest_;

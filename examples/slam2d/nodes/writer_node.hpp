@@ -20,7 +20,7 @@
 
 namespace slam2d {
 
-/// What the writer has written.
+/// The files that the writer has written, and their contents in numbers.
 struct Written {
   std::filesystem::path map_file;
   std::filesystem::path odometry_file;
@@ -35,8 +35,8 @@ struct Written {
   msg::LogTime log_time;
 };
 
-/// Follows `next_channel` with a replica of the map; shows it on `map` about once a second; at the end of the log
-/// writes the files and publishes `done`. Writes them at any time for who calls `save_map`.
+/// Follows `next_channel` with a replica of the map. Publishes it on `map` about once a second. At the end of the log
+/// it writes the files and publishes `done`. A call of `save_map` makes it write them at any time.
 ///
 /// Threading: thread-safe.
 class WriterNode {
@@ -50,8 +50,8 @@ class WriterNode {
   [[nodiscard]] std::vector<ScanMatch> trajectory() const;
   /// Set once the files have been written at the end of the log.
   [[nodiscard]] std::optional<Written> written() const;
-  /// Writes what has come so far: map.png with the corrected path, odometry.png with that of odometry
-  /// too, trajectory.tum. Throws std::runtime_error with a sentence.
+  /// Writes the current state: map.png with the corrected path, odometry.png with the path of odometry as well, and
+  /// trajectory.tum. Throws std::runtime_error with a sentence.
   Written WriteFiles();
 
  private:

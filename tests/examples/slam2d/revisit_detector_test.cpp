@@ -61,7 +61,7 @@ TEST_F(OldRoom, RevisitDetectorCorrectsADriftOnceItWasFoundSeveralTimes) {
   }
 }
 
-TEST_F(OldRoom, RevisitDetectorDoesNotRecogniseNewSurroundings) {
+TEST_F(OldRoom, RevisitDetectorDoesNotRecognizeNewSurroundings) {
   LeaveFor(40.0);
   const auto verdict = detector_.Check(points_, {200.0, 100.0, 0.0}, 40.0);
   EXPECT_FALSE(verdict.doubtful);
