@@ -1,19 +1,19 @@
 # hgros_add_messages(TARGET [STATIC | SHARED] my.proto ... [IMPORT_DIRS folder ...])
 #
-# Makes a library TARGET of the C++ classes that protoc generates from the files. It is shared by default, so that every
-# program and plugin of a process registers each descriptor once. What links TARGET includes the headers by the path that
-# an import of the file has: `#include <my.pb.h>`.
+# Creates a library TARGET of the C++ classes that protoc generates from the files. It is shared by default, so that all
+# programs and plugins of a process register each descriptor once. Targets that link TARGET include the headers by the
+# path with which other files import them: `#include <my.pb.h>`.
 #
-# Files may be given relative to the current source folder. Each is named by its path below the first folder in
-# IMPORT_DIRS that holds it, else below the current source folder, else by its file name. They may import each other,
-# what lies below IMPORT_DIRS, and the messages that come with the library ("foxglove/PointCloud.proto",
-# "hgros/Imu.proto"). Imported files that are not listed need a target of their own, which TARGET then links.
+# Files may be relative to the current source folder. The name of a file is its path below the first folder in
+# IMPORT_DIRS that contains it, otherwise below the current source folder, otherwise its file name. The files may import
+# each other, files below IMPORT_DIRS, and the messages of the library ("foxglove/PointCloud.proto", "hgros/Imu.proto").
+# Imported files that are not listed need a separate target, which TARGET then links.
 #
 #     find_package(hgros REQUIRED)
 #     hgros_add_messages(my_messages robot/gripper.proto IMPORT_DIRS ${CMAKE_CURRENT_SOURCE_DIR})
 #     target_link_libraries(my_program PRIVATE hgros::hgros my_messages)
 #
-# Before this file is included, HGROS_PROTO_DIR names the folder of the library's own .proto files.
+# Before this file is included, HGROS_PROTO_DIR must be the folder of the library's own .proto files.
 set_property(GLOBAL PROPERTY HGROS_PROTO_DIR ${HGROS_PROTO_DIR})
 
 function(hgros_add_messages target)
@@ -53,7 +53,7 @@ function(hgros_add_messages target)
   foreach(file IN LISTS files)
     cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
     if(NOT file MATCHES "\\.proto$")
-      message(FATAL_ERROR "${call}: ${file} is no .proto file.")
+      message(FATAL_ERROR "${call}: ${file} is not a .proto file.")
     endif()
     if(NOT EXISTS ${file})
       message(FATAL_ERROR "${call}: ${file} does not exist. Correct its path, which is relative to "
@@ -94,7 +94,7 @@ function(hgros_add_messages target)
     set(kind STATIC)
   endif()
   add_library(${target} ${kind} ${generated})
-  # protoc's code shows all its classes, and is not the user's to warn about.
+  # protoc's code exports all its classes, and its warnings are not the user's concern.
   set_target_properties(${target} PROPERTIES
     CXX_VISIBILITY_PRESET default VISIBILITY_INLINES_HIDDEN OFF POSITION_INDEPENDENT_CODE ON UNITY_BUILD OFF)
   target_compile_features(${target} PUBLIC cxx_std_20)

@@ -1,12 +1,12 @@
-# Everything that protoc writes, without compiling any of it: what clang-tidy needs before it can read a source.
+# All files that protoc generates, without compiling them. clang-tidy needs them before it can read a source.
 add_custom_target(hgros_generated)
 
 # hgros_proto_sources(OUT_VAR IMPORT_ROOT files...)
-# Runs protoc on the files (paths below IMPORT_ROOT) and puts the sources to compile into OUT_VAR. The headers lie
-# below ${PROJECT_BINARY_DIR}/proto_include with the same paths.
+# Runs protoc on the files (paths below IMPORT_ROOT) and stores the sources to compile in OUT_VAR. The headers are below
+# ${PROJECT_BINARY_DIR}/proto_include with the same paths.
 #
 # protobuf's own headers take most of the compile time of a generated file, so up to 21 of them are compiled as one. Two
-# names in them are static and always the same; each gets its number by a macro that lives for that file only.
+# static names are the same in all of them. A macro, defined for one file only, adds the file's number to each name.
 function(hgros_proto_sources out_var import_root)
   set(batch_size 21)
   set(generated_root ${PROJECT_BINARY_DIR}/proto_include)
@@ -39,8 +39,8 @@ function(hgros_proto_sources out_var import_root)
     list(APPEND generated ${generated_root}/${stem}.pb.cc)
     math(EXPR number "${number} + 1")
   endforeach()
-  # protoc's code is not ours to warn about, to step through or to check: instrumented, it would take longer to compile
-  # than everything else.
+  # No warnings, debug information or sanitizers for protoc's code: instrumented, it would take longer to compile than
+  # everything else.
   set(options -w -g0)
   if(HGROS_SANITIZE)
     list(APPEND options -fno-sanitize=all)

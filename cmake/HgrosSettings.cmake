@@ -11,7 +11,7 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
 
-# A rebuild after a branch switch costs seconds with ccache; without it nothing else changes.
+# With ccache a rebuild after a branch switch takes seconds. Nothing else depends on it.
 if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(HGROS_CCACHE ccache)
   if(HGROS_CCACHE)
@@ -19,16 +19,16 @@ if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-# One section per function lets the linker drop what no exported symbol reaches.
+# With one section per function the linker drops functions that no exported symbol reaches.
 add_compile_options(-ffunction-sections -fdata-sections)
-# Thread-locals are reached without a call; the library has a few words of them, so that it can still be loaded late.
+# Gives thread-locals access without a call. The library has only a few words of them, so it can still be loaded late.
 add_compile_options($<$<CONFIG:Release>:-ftls-model=initial-exec>)
 
 add_library(hgros_warnings INTERFACE)
 target_compile_options(hgros_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor
                                                 -Woverloaded-virtual)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # GCC 12 sees overlapping copies in std::string's operator+ that are not there (GCC bug 105651).
+  # GCC 12 falsely reports overlapping copies in std::string's operator+ (GCC bug 105651).
   target_compile_options(hgros_warnings INTERFACE -Wno-restrict)
 endif()
 
@@ -41,13 +41,13 @@ if(HGROS_SANITIZE MATCHES "undefined")
   add_compile_options(-fno-sanitize=vptr)
 endif()
 if(HGROS_SANITIZE MATCHES "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # GCC warns wherever a fence is used, because ThreadSanitizer does not model fences; the suites run all the same.
+  # GCC warns about every fence, because ThreadSanitizer does not model fences. The suites still run.
   add_compile_options(-Wno-tsan)
 endif()
 if(HGROS_BUILD_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     message(FATAL_ERROR "The fuzz targets need clang: libFuzzer comes with it. Use `./dev fuzz` or the preset `fuzz`.")
   endif()
-  # The coverage that guides libFuzzer has to be in the library, not only in the target.
+  # The coverage that guides libFuzzer must be in the library, not only in the target.
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()

@@ -86,9 +86,8 @@ class OccupancyMap {
 
   /// Brings this map to the state of the map that returned `delta`. All earlier deltas must have been applied.
   ///
-  /// Errors: throws std::invalid_argument, with the map unchanged, if the delta's indices or lengths are inconsistent
-  /// (it
-  ///         may come from another process).
+  /// Errors: throws std::invalid_argument, with the map unchanged, if the delta's indices or lengths are inconsistent.
+  ///         The delta may come from another process.
   void Apply(const MapDelta& delta);
 
   /// Sequence of the scan that was integrated or skipped last; 0 before the first.

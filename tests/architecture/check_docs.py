@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Fails where a Markdown page breaks a rule that a pattern can see: long lines, dead links, words that we never use.
+"""Fails if a Markdown page breaks a rule that a pattern can check: long lines, dead links, words that we never use.
 
     check_docs.py [ROOT]
 
-Faults go to standard error, one per line: "path:line: what is wrong; how to mend it". Code spans (`...`) may use any word,
+Faults go to standard error, one per line: "path:line: the fault; the fix". Code spans (`...`) may use any word,
 and code blocks contain no links.
 """
 
@@ -12,7 +12,7 @@ import re
 import sys
 
 COLUMNS = 130
-# Build folders and the like hold pages that are not ours.
+# Pages in build folders and similar folders are not ours.
 SKIPPED = re.compile(r"(\..*|build(-.*)?|out|node_modules)")
 
 # (pattern, what to write instead)
@@ -24,14 +24,14 @@ WORDS = [
     (r"so[- ]manieth", "write every n-th"),
     (r"so many", "write a number, many, or as many as"),
     (r"of which", "make it two sentences"),
-    (r"therewith|thereby|hitherto|henceforth|wherewith|albeit", "use a word of today, or two sentences"),
+    (r"therewith|thereby|hitherto|henceforth|wherewith|albeit", "use a modern word, or two sentences"),
     (r"colour(?:s|ed|ing)?", "write color"),
     (r"behaviours?|neighbours?|neighbouring", "write -or: behavior, neighbor"),
     (r"metres?|centres?|licences?", "use American spelling: meter, center, license"),
     (r"(?:recogni|speciali|seriali|initiali|optimi)s(?:e|es|ed|ing|ation)", "write -ize"),
 ]
 WORD = re.compile("|".join(rf"(?P<w{number}>\b(?:{pattern})\b)" for number, (pattern, _) in enumerate(WORDS)), re.IGNORECASE)
-# A statement that begins like a question, or with what it is a part of. Questions and headings are let through.
+# A statement that begins like a question, or with "Of". Questions and headings are allowed.
 OPENING = re.compile(r"(?:^|(?<=[.!?:] ))[*_]*(?P<words>Who|Whom|What is|Of)\b(?=[^.!?]*(?:[.!]|$))")
 
 FENCE = re.compile(r"^\s*(```|~~~)")
@@ -55,7 +55,7 @@ def pages_of(root):
 
 
 def code_lines(lines):
-    """For each line whether it belongs to a code block: between fences, or indented by four after an empty line."""
+    """For each line, whether it belongs to a code block: between fences, or indented by four after an empty line."""
     fenced = False
     indented = False
     empty_before = True
@@ -73,7 +73,7 @@ def code_lines(lines):
 
 
 def anchors_of(page):
-    """What a link to a heading of the page may say behind its #."""
+    """All texts after the # that a link to a heading of the page may have."""
     lines = page.read_text(encoding="utf-8", errors="replace").split("\n")
     anchors = set()
     for line, is_code in zip(lines, code_lines(lines)):
@@ -85,7 +85,7 @@ def anchors_of(page):
 
 
 def link_fault(page, target):
-    """What is wrong with a link, or None."""
+    """The fault of a link, or None."""
     if not target or SCHEME.match(target):
         return None
     path, _, anchor = target.partition("#")
@@ -102,11 +102,11 @@ def check_page(page):
     lines = page.read_text(encoding="utf-8", errors="replace").split("\n")
     for number, (line, is_code) in enumerate(zip(lines, code_lines(lines)), start=1):
         if len(line) > COLUMNS and not ONE_LINK.match(line):
-            mend = "shorten a cell, or tell the details below the table" if line.startswith("|") else "break it"
+            mend = "shorten a cell, or move the details below the table" if line.startswith("|") else "break it"
             yield number, f"has {len(line)} columns, {COLUMNS} at most; {mend}"
         text = line if is_code else SPAN.sub(lambda span: " " * len(span[0]), line)
         for word in WORD.finditer(text):
-            yield number, f'says "{word[0]}"; {WORDS[int(word.lastgroup[1:])][1]}'
+            yield number, f'contains "{word[0]}"; {WORDS[int(word.lastgroup[1:])][1]}'
         if is_code:
             continue
         if not line.startswith("#"):
@@ -119,7 +119,7 @@ def check_page(page):
 
 
 def check_tree(root):
-    """All faults of a tree as "path:line: fault", and how many pages were read."""
+    """All faults of a tree as "path:line: fault", and the number of pages read."""
     root = pathlib.Path(root).resolve()
     faults = []
     pages = 0

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Fails where a source breaks a house rule that a pattern can see.
+"""Fails if a source breaks a house rule that a pattern can check.
 
     check_house.py [ROOT]
 
-Faults go to standard error, one per line. Comments and string literals are blanked before the code rules look.
+Faults go to standard error, one per line. Comments and string literals are blanked before the code rules are checked.
 """
 
 import collections
@@ -19,7 +19,7 @@ LIBRARY = ("include", "src")
 PRODUCT = ("include", "src", "apps")
 ALL = ("include", "src", "apps", "tests", "examples", "bench")
 
-# (folders, only headers?, pattern in the code, what to do instead)
+# (folders, only headers?, pattern in the code, the fault and its fix)
 CODE_RULES = [
     (("include", "src", "apps", "tests"), False, r"\b(sleep_for|sleep_until|usleep|nanosleep)\b",
      "sleeps; wait on something that wakes"),
@@ -31,7 +31,7 @@ CODE_RULES = [
     (LIBRARY, False, r"\bstd::cout\b|(?<![\w:.>])(?:std::)?(?:printf|puts|putchar)\s*\(|\bstdout\b",
      "writes to standard output, which belongs to the program; use the log"),
     (PRODUCT, True, r"^(?:inline\s+)?static\s", "has a static function or variable in a header; use inline"),
-    (PRODUCT, True, r"^using namespace\b", "opens a namespace for everyone who includes it"),
+    (PRODUCT, True, r"^using namespace\b", "opens a namespace in every source that includes it"),
 ]
 TEXT_RULE = re.compile(r"\b(TODO|FIXME|XXX)\b")
 NAME_RULE = re.compile(r"(^|_)(manager|helpers?|utils?|common|misc)(_|$)", re.IGNORECASE)
@@ -59,7 +59,7 @@ def check_file(root, path):
     for match in TEXT_RULE.finditer(text):
         yield text.count("\n", 0, match.start()) + 1, f"leaves a {match.group()}; do it or open an issue"
     if NAME_RULE.search(path.stem):
-        yield 1, "has a file name that says nothing; name the thing"
+        yield 1, "has a file name without meaning; name the thing"
     lines = len(text.splitlines())
     if path.parts[0] in PUBLIC and path.suffix in HEADERS and lines > MAX_PUBLIC_HEADER_LINES:
         yield lines, f"is a public header of more than {MAX_PUBLIC_HEADER_LINES} lines; split it by subject"
@@ -86,14 +86,14 @@ def class_sizes(path, code):
             match = CLASS.match(line) or FUNCTION.match(line)
             if match:
                 name, first = match.group(1), number
-        # A function of one line ends where it begins.
+        # A function of one line ends on the line where it begins.
         if name is not None and (line.startswith("}") or (number == first and line.rstrip().endswith("}"))):
             yield module, name, number - first + 1
             name = None
 
 
 def check_tree(root):
-    """All faults of a tree as "path:line: fault", and how many files were read."""
+    """All faults of a tree as "path:line: fault", and the number of files read."""
     root = pathlib.Path(root).resolve()
     faults = []
     files = 0
@@ -117,7 +117,7 @@ def check_tree(root):
     for (module, name), lines in sorted(classes.items()):
         if lines > MAX_CLASS_LINES:
             faults.append(f"{module}: class {name} has {lines} lines in all its files, more than {MAX_CLASS_LINES}; "
-                          "split it by what its parts guard")
+                          "split it by the state that its parts guard")
     return faults, files
 
 

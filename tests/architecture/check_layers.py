@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails where an #include runs against the layers of ARCHITECTURE.md.
+"""Fails if an #include goes against the layers of ARCHITECTURE.md.
 
     check_layers.py [ROOT]
 
@@ -8,11 +8,11 @@ its own layer or one above.
 
     include/hgros/<module>/           public headers, installed
     include/hgros/internal/<module>/  what the templates of public headers need; installed, but no app may include it
-    src/include/hgros/<module>/       what modules share with those above them; not installed
+    src/include/hgros/<module>/       headers that modules share with those above them; not installed
     src/<module>/                     private to the module
 
-Public headers include neither the last two kinds nor headers of the libraries that stay an implementation detail. Faults
-go to standard error, one a line.
+Public headers include neither the last two kinds nor headers of the libraries that are an implementation detail. Faults
+go to standard error, one per line.
 """
 
 import pathlib
@@ -26,11 +26,11 @@ LAYERS = [
     ["bridge", "services", "config"],
     ["session"],
     ["tf", "params"],
-    ["hgros"],  # the header and the library that stand for the whole: they may use every module
+    ["hgros"],  # the header and the library of the whole project may use every module
 ]
 LAYER_OF = {module: layer for layer, modules in enumerate(LAYERS) for module in modules}
 
-# Headers that no public header may include: users would have to install and compile them for nothing.
+# Headers that no public header may include, because users would have to install and compile them for nothing.
 HIDDEN_LIBRARIES = re.compile(r"^(zmq\.h|zmq\.hpp|zmq_addon\.hpp|spdlog/|fmt/|yaml-cpp/|sys/|linux/|"
                               r"(unistd|fcntl|poll|pthread|sched|signal|semaphore)\.h$)")
 
@@ -40,7 +40,7 @@ SUFFIXES = {".hpp", ".h", ".cpp", ".inl"}
 
 
 class Owner:
-    """Which module a path below ROOT belongs to. An app is a client: it is above every module."""
+    """The module of a path below ROOT. An app is a client: it is above every module."""
 
     def __init__(self, module, public=False, shared=False, internal=False, app=False):
         self.module = module
@@ -67,7 +67,7 @@ def owner_of(path):
 
 
 def included_path(root, path, quote, name):
-    """The path relative to the root that an #include means, None if it is not a file of this repository."""
+    """The path relative to the root that an #include refers to. None if it is not a file of ours."""
     if name.startswith("hgros/"):
         if name.endswith(".pb.h"):
             return None
@@ -94,7 +94,7 @@ def check_file(root, path):
         quote, name = match.groups()
         line = text.count("\n", 0, match.start()) + 1
         if source.public and HIDDEN_LIBRARIES.match(name):
-            yield line, f"a public header includes {name}, which has to stay an implementation detail"
+            yield line, f"a public header includes {name}, which must remain an implementation detail"
             continue
         target_path = included_path(root, path, quote, name)
         target = owner_of(target_path) if target_path else None
@@ -126,7 +126,7 @@ def check_file(root, path):
 
 
 def check_tree(root):
-    """All faults of a tree as "path:line: fault", sorted; and how many files were read."""
+    """All faults of a tree as "path:line: fault", sorted, and the number of files read."""
     root = pathlib.Path(root).resolve()
     faults = []
     files = 0

@@ -1,4 +1,4 @@
-"""Feeds deliberately wrong trees to the checks: a check that finds nothing has to be known to look."""
+"""Runs the checks on deliberately wrong trees, to show that they find faults."""
 
 import pathlib
 import tempfile
@@ -31,7 +31,7 @@ class LayersTest(Tree):
         self.assertTrue(faults[0].startswith(f"{path}:{line}: "), faults[0])
         self.assertIn(words, faults[0])
 
-    def test_includes_of_lower_layers_and_of_itself_are_good(self):
+    def test_includes_of_lower_layers_and_of_the_same_module_are_good(self):
         self.write("include/hgros/base/error.hpp", "#include <string>\n")
         self.write("include/hgros/internal/codec/packet.hpp", '#include "hgros/base/error.hpp"\n')
         self.write("src/codec/reader.hpp", "#pragma once\n")
@@ -64,7 +64,7 @@ class LayersTest(Tree):
         self.write("include/hgros/graph/graph.hpp", '#include "graph/ring.hpp"\n')
         self.assert_one_fault("include/hgros/graph/graph.hpp", 1, "which is private")
 
-    def test_headers_that_modules_share_are_for_modules_above_them_only(self):
+    def test_a_shared_header_is_only_for_modules_above_its_own(self):
         self.write("src/include/hgros/graph/outlet.hpp", "#pragma once\n")
         self.write("src/session/session.cpp", '#include "hgros/graph/outlet.hpp"\n')
         self.assertEqual(self.faults(), [])
@@ -81,7 +81,7 @@ class LayersTest(Tree):
         self.write("apps/viewer/main.cpp", '#include "hgros/base/fifo.hpp"\n')
         self.assert_one_fault("apps/viewer/main.cpp", 1, "private to base")
 
-    def test_an_internal_header_belongs_to_its_module(self):
+    def test_an_internal_header_has_the_layer_of_its_module(self):
         self.write("include/hgros/internal/graph/callback.hpp", "#pragma once\n")
         self.write("include/hgros/graph/graph.hpp", '#include "hgros/internal/graph/callback.hpp"\n')
         self.assertEqual(self.faults(), [])
@@ -99,7 +99,7 @@ class LayersTest(Tree):
                 self.write("include/hgros/base/log.hpp", f"#include <{name}>\n")
                 self.assert_one_fault("include/hgros/base/log.hpp", 1, "implementation detail")
 
-    def test_an_app_that_looks_inside_is_a_fault(self):
+    def test_a_private_header_in_an_app_is_a_fault(self):
         self.write("apps/viewer/main.cpp", '#include "session/bridge.hpp"\n')
         self.assert_one_fault("apps/viewer/main.cpp", 1, "private to session")
 
@@ -107,7 +107,7 @@ class LayersTest(Tree):
         self.write("src/extras/extra.cpp", "")
         self.assert_one_fault("src/extras/extra.cpp", 1, "is in no layer")
 
-    def test_an_include_in_a_comment_is_none(self):
+    def test_an_include_in_a_comment_is_ignored(self):
         self.write("src/base/error.cpp", '/*\n#include "hgros/session/session.hpp"\n*/\n// #include "hgros/graph/a.hpp"\n')
         self.assertEqual(self.faults(), [])
 
@@ -116,7 +116,7 @@ class HouseTest(Tree):
     def faults(self):
         return check_house.check_tree(self.root)[0]
 
-    def test_good_code_is_good(self):
+    def test_good_code_has_no_fault(self):
         self.write("include/hgros/base/a.hpp", "#pragma once\n#define HGROS_EXPORT x\n/// Never a static function.\n"
                                                "std::shared_ptr<const void> owner;\n")
         self.write("src/base/a.cpp", 'std::fprintf(stderr, "std::cout"); std::snprintf(a, 1, "x"); // sleep_for\n'
@@ -151,7 +151,7 @@ class HouseTest(Tree):
                 self.assertIn(words, faults[0])
                 (self.root / path).unlink()
 
-    def test_files_up_to_the_limits_are_good(self):
+    def test_files_up_to_the_limits_have_no_fault(self):
         self.write("src/base/a.cpp", "int a;\n" * 400)
         self.write("include/hgros/a.hpp", "#pragma once\n" + "int a;\n" * 149)
         self.write("tests/base/a_test.cpp", "int a;\n" * 500)
@@ -211,7 +211,7 @@ class DocsTest(Tree):
         self.assertIn(words, faults[0])
         (self.root / page).unlink()
 
-    def test_good_pages_are_good(self):
+    def test_good_pages_have_no_fault(self):
         self.write("docs/tf.md", "# Transforms & `trees`, in short\n\nText.\n")
         self.write("docs/images/map.png", "")
         self.write("README.md", "[a](docs/tf.md) [b](docs/tf.md#transforms--trees-in-short) [c](#title) ![d](docs/images/map.png)\n"
@@ -232,7 +232,7 @@ class DocsTest(Tree):
         self.assert_one_fault("docs/page.md", "# A\n\nSee [this](#b).\n", 3, "no such heading")
         self.assert_one_fault("docs/page.md", "![map](images/map.png)\n", 1, 'links to "images/map.png"')
 
-    def test_words_that_are_never_used_are_faults(self):
+    def test_forbidden_words_are_faults(self):
         wrong = [
             ("The carrier takes it.", "write transport"),
             ("```yaml\nscan: {carriers: zmq}\n```", "write transport"),
@@ -250,7 +250,7 @@ class DocsTest(Tree):
             with self.subTest(text=text):
                 self.assert_one_fault("README.md", text + "\n", 2 if text.startswith("```") else 1, words)
 
-    def test_pages_in_build_folders_are_not_ours(self):
+    def test_pages_in_build_folders_are_ignored(self):
         self.write("build/dev/page.md", "The carrier takes it.\n")
         self.write(".cache/page.md", "The carrier takes it.\n")
         self.assertEqual(check_docs.check_tree(self.root), ([], 0))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads the graphics memory from texts as drivers write them.
+"""Reads the graphics memory of processes from sample output of drivers.
 
     HGROS_BENCH=<bench> graphics_memory_test.py [TEST...]
 """
@@ -55,41 +55,41 @@ class GraphicsMemory(unittest.TestCase):
             (files / str(number)).write_text(text)
         return graphics_memory.told_by_kernel(5, self.proc)
 
-    def test_takes_a_cards_own_memory(self):
+    def test_counts_only_the_cards_own_memory(self):
         self.assertEqual(self.open_files(HEAD, AMD), 1 * MB)
 
-    def test_adds_the_regions_of_a_card_without_memory_of_its_own(self):
+    def test_adds_all_regions_if_the_card_has_no_memory(self):
         self.assertEqual(self.open_files(AMD.replace("vram", "stolen")), 1.5 * MB)
 
-    def test_takes_what_is_resident_before_what_was_asked_for(self):
+    def test_prefers_resident_to_requested_memory(self):
         self.assertEqual(self.open_files(INTEL), 24 * MB)
 
-    def test_counts_a_client_once_and_two_clients_both(self):
+    def test_counts_each_client_once(self):
         other = AMD.replace("client-id:\t41", "client-id:\t42")
         self.assertEqual(self.open_files(AMD, AMD, other, INTEL), 2 * MB + 24 * MB)
 
-    def test_counts_each_file_of_a_driver_that_names_no_clients(self):
+    def test_counts_each_file_if_the_driver_names_no_clients(self):
         nameless = "drm-driver: old\ndrm-memory-vram: 1 MiB\n"
         self.assertEqual(self.open_files(nameless, nameless), 2 * MB)
 
-    def test_tells_nothing_of_a_process_without_a_card(self):
+    def test_returns_none_for_a_process_without_a_card(self):
         self.assertIsNone(self.open_files(HEAD, "drm-driver: vgem\ndrm-engine-x: 4 ns\n", "drm-driver: x\ndrm-memory-y: much\n"))
         self.assertIsNone(graphics_memory.told_by_kernel(6, self.proc))
         self.assertIsNone(graphics_memory.told_by_kernel(os.getpid()))
 
-    def test_reads_what_nvidia_says(self):
+    def test_reads_the_output_of_nvidia_smi(self):
         self.assertEqual(graphics_memory.told_by_nvidia(77, NVIDIA), 120 * MB)
         self.assertIsNone(graphics_memory.told_by_nvidia(79, NVIDIA))
         self.assertIsNone(graphics_memory.told_by_nvidia(80, NVIDIA))
         self.assertIsNone(graphics_memory.told_by_nvidia(77, "NVIDIA-SMI has failed\n"))
 
-    def test_knows_whether_there_is_a_card(self):
+    def test_detects_whether_there_is_a_card(self):
         self.assertFalse(graphics_memory.has_card(self.proc, None))
         self.assertTrue(graphics_memory.has_card(self.proc, "nvidia-smi"))
         (self.proc / "renderD128").touch()
         self.assertTrue(graphics_memory.has_card(self.proc, None))
 
-    def test_keeps_the_peak_that_a_program_tells(self):
+    def test_keeps_the_peak_of_several_readings(self):
         program = self.proc / "nvidia-smi"
         peak = graphics_memory.Peak(77, self.proc, str(program))
         for size in ("50", "70", "60", "nothing"):

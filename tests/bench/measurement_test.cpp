@@ -30,7 +30,7 @@ class Measurement : public testing::Test {
   Control& control = OpenControl(task);
 };
 
-TEST_F(Measurement, LanesHaveTheirNumbersNamesAndPorts) {
+TEST_F(Measurement, ParsesLanesAndGivesThemNumbersNamesAndPorts) {
   ASSERT_EQ(task.lanes.size(), 2u);
   const Lane& lane = task.lanes[1];
   EXPECT_EQ(lane.size_bytes, 128u);
@@ -43,7 +43,7 @@ TEST_F(Measurement, LanesHaveTheirNumbersNamesAndPorts) {
   EXPECT_EQ(lane.port, 8);
 }
 
-TEST_F(Measurement, EachSideKnowsWhereSenderAndReceiverAre) {
+TEST_F(Measurement, BothSidesAgreeOnTheAddressesOfSenderAndReceiver) {
   const std::vector<std::string> common = {"mode",     "--lanes", "64:1:0:0:0:0", "--own",
                                            "10.0.0.1", "--other", "10.0.0.2"};
   for (const char* role : {"pub", "sub"}) {
@@ -56,7 +56,7 @@ TEST_F(Measurement, EachSideKnowsWhereSenderAndReceiverAre) {
   }
 }
 
-TEST_F(Measurement, TheLatencyIsThatOfTheLastReceiver) {
+TEST_F(Measurement, LatencyEndsAtTheLastReceiver) {
   const Lane& lane = task.lanes[0];
   Sink early(lane, control);
   Sink late(lane, control);
@@ -68,7 +68,7 @@ TEST_F(Measurement, TheLatencyIsThatOfTheLastReceiver) {
   EXPECT_GE(control.latency_ns[1], first);
   EXPECT_EQ(control.timed.Get(), 2u);
   const std::int64_t last = control.latency_ns[1];
-  // Whoever notes a shorter time afterwards does not change it.
+  // A shorter time noted later does not change it.
   const std::vector<std::byte> fresh = Message(lane, Phase::kTimed, 1);
   control.latency_ns[1] = last + 1'000'000'000'000;
   early.Note(fresh.data(), fresh.size());
@@ -87,7 +87,7 @@ TEST_F(Measurement, EveryReceiverCountsOneProbe) {
   EXPECT_EQ(control.probed.Get(), 2u);
 }
 
-TEST_F(Measurement, WhatIsNotWhatWasSentIsDamaged) {
+TEST_F(Measurement, CountsAlteredMessagesAsDamaged) {
   const Lane& lane = task.lanes[0];
   Sink sink(lane, control);
   std::vector<std::byte> cut = Message(lane, Phase::kTimed, 1);

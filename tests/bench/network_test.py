@@ -21,7 +21,7 @@ import report  # noqa: E402
 import ways  # noqa: E402
 
 KB = 1024
-# Stands for a program: says where it ran on standard error, and that FACTOR us passed on every lane.
+# Replaces a program: writes where it ran to standard error, and prints a latency of FACTOR us for every lane.
 PROGRAM = """#!/bin/sh
 ip -brief address >> ADDRESSES_$1
 [ "$1" != sub ] || exit 0
@@ -55,7 +55,7 @@ class Network(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return {name: float(value) for name, value, _ in (line.split(",") for line in done.stdout.splitlines())}
 
-    def test_both_lines_are_measured_and_ours_is_divided_by_the_others(self):
+    def test_measures_both_lines_and_divides_ours_by_the_others(self):
         self.program("raw_socket", "2")
         self.program("ours", "6")
         self.program("cyclone", "3")
@@ -66,7 +66,7 @@ class Network(unittest.TestCase):
             self.assertEqual(values[f"network_ours_p50_us_64KB{suffix}"], 6)
         self.assertAlmostEqual(values["line_time_us_4MB"] * 10, values["line_time_us_4MB_100mbit"], delta=10)
 
-    def test_sender_and_receiver_run_on_different_hosts_that_share_nothing_else(self):
+    def test_sender_and_receiver_run_on_hosts_that_share_only_the_line(self):
         self.program("ours", "1")
         self.run_network("--only", "ours")
         sender = (self.folder / "addresses_pub").read_text()
@@ -78,18 +78,18 @@ class Network(unittest.TestCase):
         self.assertEqual({line.split()[0].split("@")[0] for line in (sender + receiver).splitlines()},
                          {"lo", "hgba", "hgbb"})
 
-    def test_what_is_not_installed_is_left_out_with_one_sentence(self):
+    def test_a_missing_peer_is_left_out_with_one_sentence(self):
         self.program("ours", "1")
         done = self.run_network("--only", "ours,fastdds")
         self.assertEqual(done.stderr.count("fastdds is left out: it needs libfastrtps-dev."), 1, done.stderr)
         self.assertIn("network_ours_p50_us_1KB", self.values(done))
 
-    def test_an_unknown_way_is_an_error_that_names_those_there_are(self):
+    def test_an_unknown_way_is_an_error_that_lists_the_known_ones(self):
         done = self.run_network("--only", "ros2")
         self.assertNotEqual(done.returncode, 0)
         self.assertRegex(done.stderr, "There is no way ros2; there are: raw_tcp, .*cyclonedds")
 
-    def test_the_faster_way_of_a_peer_stands_for_it_in_each_round(self):
+    def test_the_faster_way_of_a_peer_represents_it_in_each_round(self):
         line = ways.LINES[1]
         modes = {mode.peer: mode for mode in ways.ways(line)}
         results = report.Results(list(modes.values()), ways.QUICK)
@@ -100,7 +100,7 @@ class Network(unittest.TestCase):
         self.assertEqual(values["network_vs_fastdds_1KB_100mbit"], 2)
         self.assertNotIn("network_vs_ros1_1KB_100mbit", values)
 
-    def test_slow_lines_get_fewer_messages_and_more_patience(self):
+    def test_slow_lines_get_fewer_messages_and_longer_timeouts(self):
         fast, slow = (ways.FULL.lane(line, plan.MB * 4) for line in ways.LINES)
         self.assertGreater(fast.timed, slow.timed)
         self.assertEqual(slow.timed, ways.FULL.least)

@@ -24,7 +24,7 @@ import plots  # noqa: E402
 import report  # noqa: E402
 
 KB = 1024
-# Stands for a program: says of every lane that 1, 2 and 6 times FACTOR us passed; silent lanes as they are named.
+# Replaces a program: prints latencies of 1, 2 and 6 times FACTOR us for every lane, and "silent" for silent lanes.
 PROGRAM = """#!/bin/sh
 [ "$1" != sub ] || exit 0
 index=0
@@ -66,14 +66,14 @@ class Peers(unittest.TestCase):
              "--runs", str(self.folder / "runs.csv"), "--quick", *arguments],
             capture_output=True, text=True, check=False, timeout=50)
 
-    def test_lines_of_a_program_become_numbers(self):
+    def test_parses_the_lines_of_a_program(self):
         lanes = [plan.Lane(KB, 3, 50, 0), plan.Lane(4 * KB, 3, 0, 0)]
         first, second = one_run.parse("latency,0,3,1500 2500 \nflood,0,200,150,0.5\nsilent,1\ndamaged,0\n", lanes)
         self.assertEqual(first.latencies_us, [1.5, 2.5])
         self.assertEqual((first.lost, first.per_s, first.flood_lost_percent), (1, 300, 25))
         self.assertTrue(second.silent)
 
-    def test_what_is_no_result_is_refused_with_a_sentence(self):
+    def test_refuses_lines_that_are_not_results_with_a_sentence(self):
         lanes = [plan.Lane(KB, 3, 0, 0)]
         for text, words in (("hello", "not a line of a result"), ("latency,0,3", "not a line of a result"),
                             ("silent,7", "a lane that was not requested"), ("damaged,2", "2 messages arrived damaged")):
@@ -83,7 +83,7 @@ class Peers(unittest.TestCase):
     def test_paced_throughput_is_all_bytes_over_the_sum_of_the_latencies(self):
         self.assertEqual(found(plan.Lane(3_000_000, 2, 0, 0, paced=True), 1000, 2000).paced_mb_per_s, 2000)
 
-    def test_ratios_are_medians_of_the_rounds_and_compare_only_alike(self):
+    def test_ratios_are_medians_over_rounds_that_have_both_sides(self):
         ours, other, inside = mode("ours", "ipc"), mode("ros1", "tcpros"), mode("ros1", "nodelet", inter=False)
         lane = plan.Lane(KB, 1, 50, 0)
         results = report.Results([ours, other, inside], plan.Plan(True, 3, 1, (lane,), (lane,)))
@@ -92,7 +92,7 @@ class Peers(unittest.TestCase):
             results.add(ours, [found(lane, mine, per_s=100)])
             results.add(other, [found(lane, theirs, per_s=50)])
         results.begin_round()
-        results.add(ours, [found(lane, 1000)])  # Without the other in its round, this counts for no ratio.
+        results.add(ours, [found(lane, 1000)])  # No ratio counts this: the other is missing in its round.
         metrics = {name: value for name, value, _ in results.metrics()}
         self.assertEqual(metrics["ours_ipc_vs_ros1_tcpros_1KB"], 1)
         self.assertEqual(metrics["ours_ipc_vs_ros1_tcpros_msgs_per_s_1KB"], 2)
@@ -125,7 +125,7 @@ class Peers(unittest.TestCase):
                 results.add(named[key], [found(plan.Lane(size, 1, 0, 0), value) for size, value in latencies.items()])
         return {name: value for name, value, _ in headline.metrics(results)}
 
-    def test_the_fastest_way_of_a_peer_stands_for_it_in_each_round(self):
+    def test_the_fastest_way_of_a_peer_represents_it_in_each_round(self):
         values = self.headline_of(
             {"ours_shm": {KB: 6}, "iceoryx_listener": {KB: 2}, "iceoryx_waitset": {KB: 3}},
             {"ours_shm": {KB: 6}, "iceoryx_listener": {KB: 9}, "iceoryx_waitset": {KB: 3}},
@@ -134,7 +134,7 @@ class Peers(unittest.TestCase):
         self.assertEqual(values["shm_p50_us_1KB"], 6)
         self.assertNotIn("shm_bulk_vs_iceoryx_1KB", values)
 
-    def test_plain_messages_are_compared_with_who_serializes_and_bulk_with_its_own_smallest(self):
+    def test_compares_plain_messages_with_serializing_peers_and_bulk_with_its_smallest_size(self):
         values = self.headline_of({"ours_shm_plain": {KB: 8}, "ours_shm_bulk": {KB: 4, plan.MB * 4: 6},
                                    "ros1_tcpros": {KB: 16}, "raw_memcpy": {KB: 1}})
         self.assertEqual(values["shm_vs_ros1_1KB"], 0.5)
@@ -158,14 +158,14 @@ class Peers(unittest.TestCase):
         with open(self.folder / "runs.csv", newline="", encoding="utf-8") as file:
             self.assertEqual(len(list(csv.DictReader(file))), 3 * len(plan.QUICK.intra))
 
-    def test_what_is_not_installed_is_left_out_with_one_sentence(self):
+    def test_a_missing_peer_is_left_out_with_one_sentence(self):
         self.program("raw_call")
         done = self.run_peers("--only", "raw_call,fastdds")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr.count("fastdds is left out: it needs libfastrtps-dev."), 1, done.stderr)
         self.assertNotIn("fastdds", done.stdout)
 
-    def test_a_failing_program_is_named_with_its_last_words_and_given_up(self):
+    def test_a_failing_program_is_reported_with_its_last_line_and_given_up(self):
         self.program("raw_call")
         broken = self.folder / "peer_zeromq"
         broken.write_text("#!/bin/sh\necho 'the port is taken' >&2\nexit 2\n")
@@ -175,25 +175,25 @@ class Peers(unittest.TestCase):
         self.assertIn("the port is taken", done.stderr)
         self.assertIn("raw_call_p50_us_1KB", done.stdout)
 
-    def test_a_size_that_does_not_arrive_is_said_once_and_skipped(self):
+    def test_a_size_that_does_not_arrive_is_reported_once_and_skipped(self):
         self.program("raw_call", silent=str(4 * 1024 * KB))
         done = self.run_peers("--only", "raw_call")
         self.assertEqual(done.stderr.count("raw_call carries no message of 4MB here."), 1, done.stderr)
         self.assertNotIn("raw_call_p50_us_4MB", done.stdout)
         self.assertIn("raw_call_p50_us_1KB", done.stdout)
 
-    def test_damaged_messages_are_no_result(self):
+    def test_a_run_with_damaged_messages_has_no_result(self):
         self.program("raw_call", damaged="1")
         done = self.run_peers("--only", "raw_call")
         self.assertIn("1 messages arrived damaged", done.stderr)
         self.assertNotIn("raw_call_p50_us_1KB", done.stdout)
 
-    def test_an_unknown_peer_is_an_error_that_names_those_there_are(self):
+    def test_an_unknown_peer_is_an_error_that_lists_the_known_ones(self):
         done = self.run_peers("--only", "fastdd")
         self.assertNotEqual(done.returncode, 0)
         self.assertRegex(done.stderr, "There is no peer or mode fastdd; there are: .*fastdds_loan")
 
-    def test_figures_take_each_mode_by_its_own_name_and_size(self):
+    def test_figures_find_each_mode_by_its_name_and_size(self):
         values = {"ours_pointer_p50_us_1MB": 2, "ours_pointer_p50_us_4KB": 1, "ours_pointer_tbb_p50_us_4KB": 7,
                   "ours_ipc_p50_us_4KB": 9}
         self.assertEqual(plots.curves(values, "p50_us", False),

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Lets bench/results_table.py write the tables of made-up results, and reads them.
+"""Runs bench/results_table.py on made-up results, and reads the tables that it writes.
 
     HGROS_BENCH=<bench> results_table_test.py [TEST...]
 """
@@ -39,7 +39,7 @@ class ResultsTable(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return self.page.read_text()
 
-    def test_every_metric_stands_in_its_row_and_column(self):
+    def test_every_metric_is_in_its_row_and_column(self):
         self.result("peers", "shm_p50_us_1KB,12.345,us", "shm_p50_us_4MB,1234.5,us", "shm_vs_ros1_64KB,0.25,ratio",
                     "raw_tcp_p50_us_1KB,9,us", "shm_fanout8_bulk_4MB_us,99.9,us")
         self.result("network", "network_ours_p50_us_1KB,80,us", "network_vs_ros1_1KB,0.5,ratio",
@@ -52,7 +52,7 @@ class ResultsTable(unittest.TestCase):
             self.assertIn(row, text)
         self.assertEqual(text.count("the machine."), 2)
 
-    def test_means_throughput_and_the_viewers_have_tables_of_their_own(self):
+    def test_means_throughput_and_viewers_have_their_own_tables(self):
         self.result("peers", "raw_tcp_p50_us_1KB,9,us", "raw_tcp_mean_us_1KB,11,us", "raw_call_paced_mb_per_s_5MB,700,MB/s")
         self.result("viewer", "fps_at_10s,11.5,1/s", "rviz_fps_at_10s,1.9,1/s", "frame_ms_10M,61,ms", "startup_ms,170,ms",
                     "rviz_startup_ms,320,ms", "installed_mb,14.4,MB")
@@ -62,7 +62,7 @@ class ResultsTable(unittest.TestCase):
                     "| `frame_ms` |  | 61 |  |", "| `startup_ms` | 170 | 320 |", "| `installed_mb` | 14.4 |  |"):
             self.assertIn(row, text)
 
-    def test_only_what_lies_between_the_marks_is_written_and_again_the_same(self):
+    def test_replaces_only_the_text_between_the_marks_and_is_repeatable(self):
         text = self.write()
         self.assertTrue(text.startswith("before\n") and text.endswith("after\n"))
         self.assertNotIn("old", text)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Lets bench/support/runner.sh run a script in place of a benchmark, and checks that nothing stays behind.
+"""Runs bench/support/runner.sh with a script in place of a benchmark, and checks that nothing is left behind.
 
     HGROS_BENCH=<bench> runner_test.py [TEST...]
 """
@@ -13,7 +13,7 @@ import tempfile
 import unittest
 
 BENCH = pathlib.Path(os.environ["HGROS_BENCH"])
-# Leaves a file where sessions and programs leave theirs, starts a child, and says "running,PID OF THE CHILD,count".
+# Leaves a file where sessions and programs leave theirs, starts a child, and prints "running,PID OF THE CHILD,count".
 RUN = """#!/usr/bin/env bash
 question=fake
 source "$(dirname -- "$0")/../support/runner.sh"
@@ -48,7 +48,7 @@ class Runner(unittest.TestCase):
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 
     def end(self, program, sent=None):
-        """(what it said, its exit status); the child that the script left is gone."""
+        """(output, exit status). Checks that the child of the script is gone."""
         first = program.stdout.readline()
         if sent is not None:
             program.send_signal(sent)
@@ -61,14 +61,14 @@ class Runner(unittest.TestCase):
         self.assertEqual(list(self.temporary.iterdir()), [])
         return first + rest, program.returncode
 
-    def test_what_a_run_found_is_shown_and_kept_and_all_else_is_gone(self):
+    def test_a_result_is_printed_and_kept_and_all_other_files_are_gone(self):
         said, code = self.end(self.start("echo 'value,1,us'"))
         self.assertEqual(code, 0)
         self.assertIn("value,1,us\n", said)
         self.assertEqual((self.results / "result.csv").read_text(), said)
         self.assertIn("`./dev bench fake`", (self.results / "machine.txt").read_text())
 
-    def test_signals_end_everything_and_leave_the_former_result(self):
+    def test_signals_end_everything_and_keep_the_previous_result(self):
         self.results.mkdir(parents=True)
         (self.results / "result.csv").write_text("value,7,us\n")
         for number in (signal.SIGTERM, signal.SIGINT):
@@ -76,7 +76,7 @@ class Runner(unittest.TestCase):
             self.assertNotEqual(code, 0)
             self.assertEqual((self.results / "result.csv").read_text(), "value,7,us\n")
 
-    def test_a_failure_is_the_runner_s_own(self):
+    def test_the_runner_fails_if_the_benchmark_fails(self):
         _, code = self.end(self.start("return 3"))
         self.assertEqual(code, 3)
         self.assertFalse((self.results / "result.csv").exists())

@@ -17,7 +17,7 @@ void Require(bool holds) {
   if (!holds) std::abort();
 }
 
-/// An announcement that was read must be the same after writing and reading it again.
+/// What was read must be the same after it is written and read again.
 void CheckFile(hgros::Bytes bytes) {
   const hgros::discovery::ParsedFile parsed = hgros::discovery::ParseFile(bytes);
   Require(parsed.announcement.has_value() == parsed.fault.empty());
@@ -26,7 +26,7 @@ void CheckFile(hgros::Bytes bytes) {
   Require(hgros::discovery::ParseFile(hgros::AsBytes(again)).announcement == parsed.announcement);
 }
 
-/// The same for a datagram, with an endpoint that other hosts can reach: datagrams contain no others.
+/// Likewise, except for endpoints that only their own host can reach.
 void CheckDatagram(hgros::Bytes bytes) {
   const auto heard = hgros::discovery::ParseDatagram(bytes, kDomain, kSender);
   if (!heard) return;

@@ -1,4 +1,4 @@
-// Whatever the bytes are, a bulk message is read exactly where the generated class reads one, and holds the same.
+// For any bytes: a bulk message parses exactly if the generated class does, and has the same contents.
 #include <google/protobuf/stubs/logging.h>
 
 #include <cstddef>
@@ -30,7 +30,7 @@ void Compare(hgros::Bytes wire, const std::shared_ptr<const void>& owner) {
   Require(hgros::AsText(bulk->bytes()) == plain.data());
   const auto converted = std::static_pointer_cast<const T>(type.to_other(message));
   Require(converted != nullptr && converted->SerializeAsString() == plain.SerializeAsString());
-  // A message that was read is written again as the same message.
+  // What was read is written as the same message.
   const hgros::Payload written = type.encode(message);
   T again;
   Require(written.owner && again.ParseFromArray(written.bytes.data(), static_cast<int>(written.bytes.size())));

@@ -1,4 +1,4 @@
-// The configuration reader takes any text: it returns a configuration or throws ConfigError, in bounded time.
+// For any text, the configuration reader returns a configuration or throws ConfigError, in bounded time.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// A publisher's description of its messages, and a message of it: anything may be in both.
+// A publisher's description of its messages, and a message of it, both arbitrary.
 #include <google/protobuf/message.h>
 
 #include <algorithm>

@@ -12,7 +12,7 @@
 
 namespace {
 
-/// Takes a frame from the input: two bytes of length (little-endian), then this number of bytes, or all that is left.
+/// Takes a frame off the input: two bytes of length (little-endian), then that many bytes or all that remain.
 hgros::Bytes TakeFrame(hgros::Bytes& input) {
   if (input.size() < 2) return {};
   const std::size_t wanted = std::to_integer<std::size_t>(input[0]) | (std::to_integer<std::size_t>(input[1]) << 8U);
@@ -26,7 +26,7 @@ void Require(bool holds) {
   if (!holds) std::abort();
 }
 
-/// A head that decodes must be the same after writing and reading it again.
+/// What decodes must be the same after it is encoded and decoded again.
 void CheckHead(hgros::Bytes frame) {
   hgros::PacketHead head;
   if (hgros::DecodeHeadFrame(frame, head) != hgros::PacketFault::kNone) return;

@@ -1,6 +1,6 @@
-// Files of parameters and overrides may be any text: they are taken, or refused with ParamError or ConfigError, in
-// bounded time. Accepted text can be written and read again, and an edit of it has the expected value. The text ends
-// where a line "=" begins a path. A value follows after the next such line.
+// Parameter files and overrides may be any text. They are accepted, or refused with ParamError or ConfigError, in
+// bounded time. An accepted file can be written and read again, and after an edit it has the wanted value. The input
+// consists of a file, a path and a value, separated by lines "=".
 #include <cstdint>
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
-// Everything that a session reads from a peer: frames, descriptors of messages, segments, and the page with counters.
-// The input drives a hand-made peer that is connected to a session of this process.
+// All data that a session reads from a peer: frames, descriptors of messages, segments, and the page of counts. The
+// input drives a handmade peer, connected to a session of this process.
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace {
 using namespace hgros;
 using shm::FalsePeer;
 
-/// Reads every byte that it is given.
+/// Reads every byte of its input.
 class Reader : public InboundSink {
  public:
   Accepted Accept(InboundMessage&& message) noexcept override {
@@ -76,7 +76,7 @@ struct Session {
   std::unique_ptr<InboundChannel> inbound;
 };
 
-/// Takes values off the input; zeros when it is used up.
+/// Takes values off the input. Zeros when it is used up.
 struct Input {
   template <class Value>
   Value Take() {
@@ -150,7 +150,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   peer.Say(bye);
   peer.socket().Flush();
   peer.Hang();
-  // Whatever it was: it comes to an end, and nothing of it is left.
+  // For any input: the connection ends, and nothing of it is left.
   if (!hgros::test::Await([] { return session.transport->Peers().empty(); }, std::chrono::seconds(8))) std::abort();
   return 0;
 }

@@ -1,4 +1,4 @@
-# Run by ctest with -P. Every step stops the test when it fails.
+# Run by ctest with -P. A step that fails stops the test.
 cmake_minimum_required(VERSION 3.25)
 set(prefix ${SCRATCH}/prefix)
 set(build ${SCRATCH}/build)
@@ -8,7 +8,7 @@ set(ENV{DESTDIR})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --strip
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 
-# Nothing of the tree may be needed: no static module is installed, and no installed file names the tree.
+# The package must not need the tree: no static module is installed, and no installed file contains the tree's path.
 file(GLOB_RECURSE archives ${prefix}/*.a)
 if(archives)
   message(FATAL_ERROR "Static libraries were installed: ${archives}")
@@ -21,11 +21,11 @@ foreach(file IN LISTS package_files)
   file(READ ${file} text)
   string(FIND "${text}" "${BUILD_DIR}" at)
   if(NOT at EQUAL -1)
-    message(FATAL_ERROR "${file} names the build folder ${BUILD_DIR}.")
+    message(FATAL_ERROR "${file} contains the path of the build folder ${BUILD_DIR}.")
   endif()
 endforeach()
 
-# The library shows its own names and nobody else's.
+# The library exports only its own names.
 file(GLOB_RECURSE library ${prefix}/*/libhgros.so)
 execute_process(COMMAND ${NM} --dynamic --defined-only --demangle ${library}
   OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
@@ -45,10 +45,10 @@ execute_process(COMMAND ${build}/consumer COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${build}/robot COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${build}/shop COMMAND_ERROR_IS_FATAL ANY)
 
-# The programs start from where they were installed.
+# The programs start from their install folder.
 execute_process(COMMAND ${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 
-# The examples need the package alone, too.
+# The examples, too, need only the package.
 set(examples ${SCRATCH}/examples)
 execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES} -B ${examples} -D CMAKE_CXX_COMPILER=${COMPILER}
     -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Debug -D CMAKE_UNITY_BUILD=ON -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF

@@ -10,7 +10,7 @@ import sys
 
 
 def block(text, name):
-    """The block of that name and the line its code begins at; None where there is no such block."""
+    """The block of that name and the line where its code begins. None if there is no such block."""
     found = re.search(rf"^<!-- test: {re.escape(name)} -->\s*^```cpp\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     return (found.group(1), text.count("\n", 0, found.start(1)) + 1) if found else None
 
@@ -22,7 +22,7 @@ def main():
         print(f"{document} has no ```cpp block right after <!-- test: {name} -->.", file=sys.stderr)
         return 1
     code, line = found
-    # Compilers then name the document's own lines.
+    # Compilers then report lines of the document.
     pathlib.Path(output).write_text(f'#line {line} "{document}"\n{code}', encoding="utf-8")
     return 0
 

@@ -1,5 +1,5 @@
-// Linked into every test program: its sessions neither find nor are found by others of this host, unless a test says
-// so, or the environment does. Programs that the test starts inherit it.
+// Linked into every test program. Its sessions do not discover other sessions on this host, nor are they discovered,
+// unless the test or the environment changes that. Programs that the test starts inherit it.
 #include <cstdlib>
 
 namespace hgros::test {

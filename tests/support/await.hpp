@@ -14,7 +14,7 @@ inline constexpr auto kPatience = std::chrono::seconds(60);
 inline constexpr auto kPatience = std::chrono::seconds(20);
 #endif
 
-/// Waits until `predicate` holds, looking again every millisecond; false after `patience`.
+/// Waits until `predicate` is true, checking every millisecond. False after `patience`.
 inline bool Await(const std::function<bool()>& predicate, std::chrono::nanoseconds patience = kPatience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   std::mutex mutex;
@@ -27,12 +27,12 @@ inline bool Await(const std::function<bool()>& predicate, std::chrono::nanosecon
   return true;
 }
 
-/// Stays for `time`: only for what time itself defines, such as a stalled cable or a slow callback.
+/// Waits for `time`. Only for behavior that time itself defines, such as a stalled cable or a slow callback.
 inline void Linger(std::chrono::nanoseconds time) {
   (void)Await([] { return false; }, time);
 }
 
-/// A door that callbacks wait at until the test opens it.
+/// A barrier where callbacks wait until the test opens it.
 class Door {
  public:
   void Open() {

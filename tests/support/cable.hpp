@@ -17,8 +17,8 @@ inline bool Ip(const std::string& arguments) {
   return std::system(("ip " + arguments + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-/// Two hosts, network namespaces named after this process, 10.198.0.1 and 10.198.0.2, with a virtual cable between
-/// them. Removed at the end; what a killed process left is removed by the next. Needs root.
+/// Two hosts with a virtual cable between them: network namespaces named after this process, 10.198.0.1 and 10.198.0.2.
+/// The destructor removes them. The next test removes those of a killed process. Needs root.
 class Cable {
  public:
   Cable() {
@@ -58,7 +58,7 @@ class Cable {
   }
 };
 
-/// Runs `action` on that host; threads that it starts stay there.
+/// Runs `action` on that host. Threads that it starts stay there.
 inline void On(const std::string& host, const std::function<void()>& action) {
   std::thread([&] {
     const int fd = open(("/run/netns/" + host).c_str(), O_RDONLY | O_CLOEXEC);

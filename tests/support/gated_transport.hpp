@@ -18,7 +18,7 @@
 
 namespace hgros::test {
 
-/// The transports behind it reach each other only while it is open. At first it is closed.
+/// The transports behind the gate reach each other only while it is open. It is closed at first.
 class Gate {
  public:
   explicit Gate(bool open = false) : open_(open) {}
@@ -78,8 +78,8 @@ class Gate {
   std::vector<Connection> connections_;
 };
 
-/// A transport that exists only in tests: it shows the bridge nothing except the interface of Transport. Its sessions
-/// meet in memory at places of its own, once the gate is open.
+/// A transport that exists only in tests. The bridge sees only the interface of Transport. Its sessions connect in
+/// memory at its own places, while the gate is open.
 class GatedTransport final : public Transport {
  public:
   GatedTransport(ShmOptions options, TransportListener& listener, Log& log, Gate& gate)
@@ -117,7 +117,7 @@ inline ShmOptions GatedOptions(SessionId session, std::string place) {
   return options;
 }
 
-/// The entry of such a transport. The gate outlives the session.
+/// The entry of such a transport. The gate must outlive the session.
 inline TransportEntry GatedEntry(const std::string& key, const std::string& name, int cost, SessionId session,
                                  Gate& gate) {
   TransportEntry entry{key, name, cost, TransportReach::kHost, {}, true};

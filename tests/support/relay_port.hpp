@@ -20,7 +20,7 @@ inline sockaddr_in LoopbackAddress(std::uint16_t port) {
   return address;
 }
 
-/// A TCP port of the loopback, chosen by the system, whose connections are to go on to another one.
+/// A TCP port on loopback, chosen by the system. The test forwards its connections to another port.
 class RelayPort {
  public:
   explicit RelayPort(std::uint16_t target_port)
@@ -39,10 +39,10 @@ class RelayPort {
   ~RelayPort() { close(listener_); }
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Readable when somebody connects.
+  /// Becomes readable when a connection waits.
   [[nodiscard]] int listener() const { return listener_; }
 
-  /// The two sockets of a relayed connection; their owner closes them.
+  /// The two sockets of a relayed connection. The owner closes them.
   struct Pair {
     int client = -1;
     int server = -1;
@@ -52,7 +52,7 @@ class RelayPort {
       close(server);
     }
   };
-  /// Accepts the connection that waits and makes its other half; nothing if that is not possible.
+  /// Accepts the waiting connection and connects to the other port. Empty if that fails.
   [[nodiscard]] std::optional<Pair> Accept() const {
     const Pair pair{accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC), socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
     const sockaddr_in address = LoopbackAddress(target_port_);
@@ -65,7 +65,7 @@ class RelayPort {
     pair.Close();
     return std::nullopt;
   }
-  /// Accepts the connection that waits and closes it.
+  /// Accepts the waiting connection and closes it.
   void Refuse() const { close(accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC)); }
 
  private:

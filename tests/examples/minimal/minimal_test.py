@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the minimal publisher and subscriber until Ctrl-C: over a socket, and finding each other by themselves.
+"""Runs the minimal publisher and subscriber until Ctrl-C: over a socket, and with discovery.
 
     minimal_test.py PUBLISHER SUBSCRIBER
 """
@@ -16,8 +16,8 @@ END_S = 20
 
 
 def say_hello_until_ctrl_c(publisher, subscriber, domain):
-    """Each of the two: the program and its arguments."""
-    terminal, end = pty.openpty()  # Lines come out as they are printed.
+    """`publisher` and `subscriber`: the program and its arguments."""
+    terminal, end = pty.openpty()  # A terminal, so that lines are not buffered.
     environment = {**os.environ, "HGROS_DOMAIN": domain}
     programs = [subprocess.Popen(subscriber, stdout=end, env=environment),
                 subprocess.Popen(publisher, env=environment)]

@@ -36,7 +36,7 @@ void WriteGzip(const std::filesystem::path& path, const std::string& text) {
   gzclose(file);
 }
 
-TEST(CarmenLog, ReadsScansInFileOrderThoughStampsStepBack) {
+TEST(CarmenLog, ReadsScansInFileOrderEvenIfStampsStepBack) {
   const TemporaryFolder folder;
   CarmenLogReader reader(folder.Write("two.clf", kTwoScans));
   const auto first = reader.Next();
@@ -86,7 +86,7 @@ TEST(CarmenLog, SkipsAndCountsMalformedLinesAndNamesTheFirst) {
       << reader.first_malformed();
 }
 
-TEST(CarmenLog, TellsATruncatedGzipWhereverItIsCut) {
+TEST(CarmenLog, ReportsATruncatedGzipFileCutAnywhere) {
   const TemporaryFolder folder;
   std::string text;
   for (int i = 0; i < 300; ++i) {
@@ -99,11 +99,11 @@ TEST(CarmenLog, TellsATruncatedGzipWhereverItIsCut) {
                                std::filesystem::copy_options::overwrite_existing);
     std::filesystem::resize_file(folder / "cut.gz", kept);
     CarmenLogReader reader(folder / "cut.gz");
-    EXPECT_NE(Message(reader).find("cut short"), std::string::npos) << kept << " of " << size << " bytes";
+    EXPECT_NE(Message(reader).find("truncated"), std::string::npos) << kept << " of " << size << " bytes";
   }
 }
 
-TEST(CarmenLog, TellsDamagedGzip) {
+TEST(CarmenLog, ReportsADamagedGzipFile) {
   const TemporaryFolder folder;
   std::string text;
   for (int i = 0; i < 300; ++i) text += "FLASER 2 1 2 0 0 0 0 0 0 " + std::to_string(i * 7919) + " h 1\n";
@@ -116,11 +116,11 @@ TEST(CarmenLog, TellsDamagedGzip) {
   EXPECT_NE(Message(reader).find("cannot be read to its end"), std::string::npos);
 }
 
-TEST(CarmenLog, TellsAMissingAnEmptyAndAScanlessFile) {
+TEST(CarmenLog, ReportsAMissingFileAnEmptyFileAndAFileWithoutScans) {
   const TemporaryFolder folder;
   EXPECT_THROW(CarmenLogReader(folder / "missing.clf"), std::runtime_error);
   CarmenLogReader empty(folder.Write("empty.clf", ""));
-  EXPECT_NE(Message(empty).find("holds no readable FLASER record among its 0 lines"), std::string::npos);
+  EXPECT_NE(Message(empty).find("has no readable FLASER record among its 0 lines"), std::string::npos);
   CarmenLogReader scanless(folder.Write("scanless.clf", "ODOM 0 0 0 0 0 0 1 h 1\nFLASER 2 1\n"));
   EXPECT_NE(Message(scanless).find("scanless.clf:2"), std::string::npos);
 }

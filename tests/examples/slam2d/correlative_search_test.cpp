@@ -10,7 +10,7 @@
 namespace slam2d {
 namespace {
 
-// Every pose of the window in turn, no coarse levels.
+// Tries every pose of the window, without coarse levels.
 SearchResult BruteForce(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& center,
                         const SearchWindow& window) {
   SearchResult best;
@@ -58,7 +58,7 @@ class MappedStart : public testing::Test {
   std::vector<Point2> points_;
 };
 
-TEST_F(MappedStart, CorrelativeSearchFindsWhatBruteForceFinds) {
+TEST_F(MappedStart, CorrelativeSearchFindsTheSamePoseAsBruteForce) {
   SeededNoise noise(11);
   for (int i = 0; i < 4; ++i) {
     const SearchWindow window{i % 2 == 0 ? 0.2 : 0.6, 0.06, 0.02, i < 2 ? 0.0 : 4.0, i < 2 ? 0.0 : 0.4};
@@ -89,7 +89,7 @@ TEST_F(MappedStart, CorrelativeSearchAndRefinementRecoverKnownOffsets) {
   }
 }
 
-TEST_F(MappedStart, CorrelativeSearchReportsNothingBelowTheScoreAskedFor) {
+TEST_F(MappedStart, CorrelativeSearchFindsNoPoseBelowTheMinimumScore) {
   const SearchWindow window{0.2, 0.05, 0.01, 0.0, 0.0};
   EXPECT_EQ(SearchCorrelative(field_, points_, {500.0, 500.0, 0.0}, window, 0.1).score, -1.0);
   EXPECT_EQ(SearchCorrelative(field_, points_, true_pose_, window, 1.01).score, -1.0);

@@ -27,7 +27,7 @@ int OracleValue(const OccupancyMap& map, int x, int y) {
   return static_cast<int>(best);
 }
 
-TEST(LikelihoodField, FollowsTheDeltasAsIfComputedAnew) {
+TEST(LikelihoodField, UpdatedByDeltasEqualsAFieldOfTheWholeMap) {
   SeededNoise noise(5);
   OccupancyMap map;
   LikelihoodField field(map.options().cell_size_m, kSigma_m);
@@ -74,7 +74,7 @@ TEST(LikelihoodField, CoarseLevelsAreTheMaximaOfTheirCells) {
   }
 }
 
-TEST(LikelihoodField, InterpolatesWithTheDerivativeOfWhatItReturns) {
+TEST(LikelihoodField, ReturnsTheDerivativeOfTheInterpolatedValue) {
   OccupancyMap map;
   LikelihoodField field(map.options().cell_size_m, kSigma_m);
   LaserScan2 scan;

@@ -31,7 +31,7 @@ MapImage ReadPng(const std::filesystem::path& path, std::uint32_t channels) {
   return image;
 }
 
-TEST(MapImage, IsWhiteWhereFreeBlackWhereOccupiedGrayWhereUnknown) {
+TEST(MapImage, DrawsFreeWhiteOccupiedBlackAndUnknownGray) {
   const MapImage image = RenderMap(OneBeamMap());
   // 20 free cells and the wall, with one unknown cell around.
   ASSERT_EQ(image.width, 23U);
@@ -44,7 +44,7 @@ TEST(MapImage, IsWhiteWhereFreeBlackWhereOccupiedGrayWhereUnknown) {
   EXPECT_EQ(image.bytes[5], 205);
 }
 
-TEST(MapImage, IsReadBackByLibpngAsWritten) {
+TEST(MapImage, LibpngReadsTheSamePixelsBack) {
   const TemporaryFolder folder;
   const OccupancyMap map = OneBeamMap();
   const std::vector<PathOverlay> paths{{{{0.2, -0.3, 0.0}, {0.2, 0.4, 0.0}}, kCorrectedRgb}};
@@ -65,7 +65,7 @@ TEST(MapImage, IsReadBackByLibpngAsWritten) {
   EXPECT_EQ(color.bytes[(color.width + 5) * 3 + 2], kCorrectedRgb[2]);
 }
 
-TEST(MapImage, IsDrawnLargerWhileItFitsTheEdgeThatWasAskedFor) {
+TEST(MapImage, CellsGetAsManyPixelsAsTheEdgeAllows) {
   const MapImage cells = RenderMap(OneBeamMap());
   const MapImage larger = RenderMap(OneBeamMap(), {}, 3 * 23 + 5);
   ASSERT_EQ(larger.width, 3 * cells.width);
@@ -79,7 +79,7 @@ TEST(MapImage, IsDrawnLargerWhileItFitsTheEdgeThatWasAskedFor) {
   EXPECT_EQ(RenderMap(OneBeamMap(), {}, 10).width, cells.width);
 }
 
-TEST(MapImage, DrawsPathsFinerThanCellsWhereACellHasSeveralPixels) {
+TEST(MapImage, DrawsPathsFinerThanCellsIfACellHasSeveralPixels) {
   const std::vector<PathOverlay> paths{{{{0.2, -0.3, 0.0}, {0.2, 0.4, 0.0}}, kCorrectedRgb}};
   const MapImage image = RenderMap(OneBeamMap(), paths, 1000);
   std::size_t blue = 0;
@@ -95,7 +95,7 @@ TEST(MapImage, OfAnEmptyMapIsOneUnknownPixel) {
   EXPECT_EQ(image.bytes.at(0), 205);
 }
 
-TEST(MapImage, FailsWithASentenceWhereItCannotBeWritten) {
+TEST(MapImage, ThrowsASentenceIfItCannotBeWritten) {
   const TemporaryFolder folder;
   try {
     WritePng(RenderMap(OccupancyMap()), folder / "missing/map.png");

@@ -30,7 +30,7 @@ LaserScan2 OneBeam(double range_m) {
   return scan;
 }
 
-TEST(OccupancyMap, ClearsTheCellsABeamCrossesAndMarksTheOneItEndsIn) {
+TEST(OccupancyMap, ClearsTheCellsThatABeamCrossesAndMarksItsLastCell) {
   MapOptions options;
   OccupancyMap map(options);
   map.Integrate(OneBeam(1.02), {0.025, 0.025, 0.0});
@@ -87,10 +87,10 @@ TEST(OccupancyMap, KeepsValuesWithinTheirClamps) {
   for (int i = 0; i < 50; ++i) map.Integrate(OneBeam(1.02), {0.025, 0.025, 0.0});
   EXPECT_EQ(map.At(20, 0), options.max_value);
   EXPECT_EQ(map.At(5, 0), options.min_value);
-  EXPECT_TRUE(map.Integrate(OneBeam(1.02), {0.025, 0.025, 0.0}).cells.empty()) << "nothing changes any more";
+  EXPECT_TRUE(map.Integrate(OneBeam(1.02), {0.025, 0.025, 0.0}).cells.empty()) << "no further changes";
 }
 
-TEST(OccupancyMap, AReplicaGivenEveryDeltaIsEqualBitForBit) {
+TEST(OccupancyMap, ReplicaThatAppliesEveryDeltaIsEqualBitForBit) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SeededNoise noise(seed);
     OccupancyMap original;
@@ -106,7 +106,7 @@ TEST(OccupancyMap, AReplicaGivenEveryDeltaIsEqualBitForBit) {
   }
 }
 
-TEST(OccupancyMap, GivesASkippedScanAnEmptyDeltaWithTheNewVersion) {
+TEST(OccupancyMap, ReturnsAnEmptyDeltaWithTheNewVersionForASkippedScan) {
   OccupancyMap map;
   map.Integrate(OneBeam(2.0), {});
   const auto tiles = map.tiles();
@@ -117,7 +117,7 @@ TEST(OccupancyMap, GivesASkippedScanAnEmptyDeltaWithTheNewVersion) {
   EXPECT_TRUE(map.tiles() == tiles);
 }
 
-TEST(OccupancyMap, RejectsDeltasThatContradictThemselvesUnchanged) {
+TEST(OccupancyMap, RejectsInconsistentDeltasAndStaysUnchanged) {
   OccupancyMap map;
   const MapDelta good = OccupancyMap().Integrate(OneBeam(2.0), {});
   MapDelta cell_outside = good;
@@ -151,7 +151,7 @@ TEST(Mapper, DrawsAScanOnlyAfterEnoughMotionAndOnlyWhereThePoseIsTrusted) {
   EXPECT_FALSE(mapper.Add(scan, match).cells.empty());
 }
 
-TEST(OccupancyMap, DrawsWithNewOptionsOnCellsThatStayAsTheyAre) {
+TEST(OccupancyMap, NewOptionsKeepCellSizeAndValueRange) {
   OccupancyMap map;
   MapOptions others;
   others.hit_gain = 7;

@@ -10,7 +10,7 @@
 namespace slam2d {
 namespace {
 
-TEST(Pipeline, FollowsTheSimulatedRobotWhereOdometryDrifts) {
+TEST(Pipeline, TracksTheSimulatedRobotAlthoughOdometryDrifts) {
   SimulationOptions options;
   options.beams = 120;  // Fewer than usual, for speed.
   SimulatedBuilding building(options);
@@ -47,7 +47,7 @@ TEST(Pipeline, GivesTheSameHashesInEveryRun) {
   EXPECT_EQ(trajectory_hash[0], trajectory_hash[1]);
 }
 
-TEST(Pipeline, HashesTellDifferentMapsAndTrajectoriesApart) {
+TEST(Pipeline, HashesDifferForDifferentMapsAndTrajectories) {
   OccupancyMap map;
   const std::uint64_t empty = HashMap(map);
   map.Skip(1);

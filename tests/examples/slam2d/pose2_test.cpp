@@ -21,7 +21,7 @@ Pose2 RandomPose(SeededNoise& noise) {
   return {20.0 * noise.Uniform() - 10.0, 20.0 * noise.Uniform() - 10.0, 20.0 * noise.Uniform() - 10.0};
 }
 
-TEST(Pose2, ComposesInvertsAndMapsPointsAsEigenDoes) {
+TEST(Pose2, ComposesInvertsAndMapsPointsLikeEigen) {
   SeededNoise noise(7);
   for (int i = 0; i < 500; ++i) {
     const Pose2 a = RandomPose(noise);

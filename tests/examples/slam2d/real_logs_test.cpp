@@ -1,5 +1,5 @@
 // The logs of the Intel Research Lab, Seattle, and of the ACES building, Austin (Radish, the robotics data set
-// repository), if the environment variable HGROS_DATA names a folder with lidar2d/ in it.
+// repository), if the environment variable HGROS_DATA names a folder that contains lidar2d/.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace slam2d {
 namespace {
 
-// Empty if the file is not at hand.
+// Empty if the file is not there.
 std::filesystem::path DataFile(const char* name) {
   const char* folder = std::getenv("HGROS_DATA");
   if (folder == nullptr) return {};
@@ -57,7 +57,7 @@ TEST(RealLogs, IntelMapIsAsLargeAsTheBuilding) {
   EXPECT_LT(x.size(), 20000U);
 }
 
-TEST(RealLogs, AcesAgreesWithTheCheckedRelations) {
+TEST(RealLogs, AcesAgreesWithTheVerifiedRelations) {
   const auto path = DataFile("aces.clf.gz");
   const auto relations_path = DataFile("aces.relations");
   if (path.empty() || relations_path.empty()) GTEST_SKIP() << "HGROS_DATA names no folder with lidar2d/aces.*.";

@@ -17,7 +17,7 @@ ScanMatch At(double stamp, const Pose2& pose) {
   return match;
 }
 
-TEST(RelationsError, IsAsComputedByHand) {
+TEST(RelationsError, EqualsTheValuesComputedByHand) {
   // The robot faces +y, so 2 m further in y are 2 m straight ahead.
   const std::vector<ScanMatch> trajectory{At(1.0, {5.0, 5.0, M_PI / 2}), At(2.0, {5.0, 7.0, M_PI / 2}),
                                           At(3.0, {4.0, 7.0, M_PI / 2 + 0.1})};
@@ -36,7 +36,7 @@ TEST(RelationsError, IsAsComputedByHand) {
   EXPECT_NEAR(error.std_rotation_rad, 0.05, 1e-12);
 }
 
-TEST(RelationsError, TakesTheNearestStampWithinTheTolerance) {
+TEST(RelationsError, UsesTheNearestStampWithinTheTolerance) {
   const std::vector<ScanMatch> trajectory{At(1.0, {}), At(1.008, {1.0, 0.0, 0.0}), At(2.0, {3.0, 0.0, 0.0})};
   const std::vector<Relation> relations{{1.006, 2.001, {2.0, 0.0, 0.0}}};
   EXPECT_NEAR(CompareWithRelations(trajectory, relations).mean_translation_m, 0.0, 1e-12);

@@ -10,7 +10,7 @@
 namespace slam2d {
 namespace {
 
-// A detector whose old map is what the first scans show, and the last of these scans.
+// A detector whose old map contains the first scans, and the last of these scans.
 class OldRoom : public testing::Test {
  protected:
   OldRoom() : detector_({}, map_.options().cell_size_m, 0.08) {
@@ -31,7 +31,7 @@ class OldRoom : public testing::Test {
   std::vector<Point2> points_;
 };
 
-TEST_F(OldRoom, RevisitDetectorKnowsNothingBeforeTheLagHasPassed) {
+TEST_F(OldRoom, RevisitDetectorFindsNothingBeforeTheLagHasPassed) {
   LeaveFor(10.0);
   EXPECT_TRUE(detector_.old_field().empty());
   EXPECT_FALSE(detector_.Check(points_, true_pose_ * Pose2{0.5, 0.4, 0.0}, 10.0).doubtful);
@@ -46,7 +46,7 @@ TEST_F(OldRoom, RevisitDetectorAgreesWithAPoseThatHasNotDrifted) {
   }
 }
 
-TEST_F(OldRoom, RevisitDetectorCorrectsADriftOnceItWasFoundSeveralTimes) {
+TEST_F(OldRoom, RevisitDetectorCorrectsADriftAfterFindingItSeveralTimes) {
   LeaveFor(40.0);
   const Pose2 drifted = true_pose_ * Pose2{0.5, 0.4, 0.05};
   const int confirmations = RevisitOptions{}.confirmations;
@@ -78,7 +78,7 @@ TEST_F(OldRoom, RevisitDetectorTakesNewOptionsInTheMiddleOfASearch) {
   EXPECT_TRUE(detector_.Check(points_, drifted, 40.6).T_map_laser);
 }
 
-TEST_F(OldRoom, RevisitDetectorKeepsWhatIsOldWhenTheLagGrows) {
+TEST_F(OldRoom, RevisitDetectorKeepsItsOldMapWhenTheLagGrows) {
   LeaveFor(40.0);
   RevisitOptions options;
   options.lag_m = 1000.0;

@@ -20,7 +20,7 @@ TEST(ScanMatcher, StartsAtTheFirstOdometryPose) {
   EXPECT_EQ(match.score, 0.0);
 }
 
-TEST(ScanMatcher, RefusesAScanBeforeTheMapOfTheOneBefore) {
+TEST(ScanMatcher, RefusesAScanBeforeTheMapOfThePreviousScan) {
   SimulatedBuilding building;
   LaserScan2 scan;
   ScanMatcher matcher({}, {});
@@ -33,7 +33,7 @@ TEST(ScanMatcher, RefusesAScanBeforeTheMapOfTheOneBefore) {
   EXPECT_THROW((void)matcher.Match(scan), std::logic_error);
 }
 
-TEST(ScanMatcher, HoldsTheMappersMapBitForBit) {
+TEST(ScanMatcher, ReplicaEqualsTheMappersMapBitForBit) {
   SimulationOptions options;
   options.scans = 30;
   SimulatedBuilding building(options);
@@ -45,7 +45,7 @@ TEST(ScanMatcher, HoldsTheMappersMapBitForBit) {
   }
 }
 
-TEST(ScanMatcher, TrustsOdometryAloneWhenTheScanIsEmpty) {
+TEST(ScanMatcher, UsesOnlyOdometryIfTheScanIsEmpty) {
   SimulatedBuilding building;
   LaserScan2 scan;
   ASSERT_TRUE(building.Next(scan));
@@ -69,7 +69,7 @@ TEST(ScanMatcher, ThinsNearPointsAndDropsFarOnes) {
   EXPECT_NEAR(static_cast<double>(MatchedPoints(scan, options).size()), 1.0 / options.point_spacing_m, 2.0);
 }
 
-// The first scans of a building, and a pipeline's parts that have taken all of them but the last.
+// The first scans of a building, and the parts of a pipeline that have processed all of them except the last.
 class OnTheWay : public testing::Test {
  protected:
   OnTheWay() {
@@ -101,7 +101,7 @@ TEST_F(OnTheWay, ScanMatcherKeepsItsFieldWhenItsOptionsChange) {
   EXPECT_EQ(matcher_.Match(scan_), same.Match(scan_));
 }
 
-TEST_F(OnTheWay, ScanMatcherRefusesAnotherMapWhileItFollowsOne) { EXPECT_THROW(matcher_.SetMap({}), std::logic_error); }
+TEST_F(OnTheWay, ScanMatcherRefusesAnotherMapAfterADelta) { EXPECT_THROW(matcher_.SetMap({}), std::logic_error); }
 
 TEST(ScanMatcher, FollowsAMapWithCellsOfAnotherSize) {
   MapOptions coarse;

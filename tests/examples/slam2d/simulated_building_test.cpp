@@ -28,7 +28,7 @@ TEST(SimulatedBuilding, GivesTheSameScansForTheSameSeed) {
   EXPECT_FALSE(other.Next(b));
 }
 
-TEST(SimulatedBuilding, GoesRoundMoreThanOnceAndNeverThroughAWall) {
+TEST(SimulatedBuilding, RobotRepeatsItsRouteAndNeverCrossesAWall) {
   SimulatedBuilding building;
   LaserScan2 scan;
   Point2 start;

@@ -9,7 +9,7 @@
 
 namespace slam2d {
 
-/// A fresh folder that goes when the test ends.
+/// A new folder that is removed when the test ends.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -11,7 +11,7 @@
 namespace slam2d {
 namespace {
 
-TEST(TrajectoryFile, IsReadBackExactly) {
+TEST(TrajectoryFile, ReadsBackExactly) {
   const TemporaryFolder folder;
   ScanMatch match;
   match.stamp_seconds = 976052890.21347904;
@@ -34,7 +34,7 @@ TEST(TrajectoryFile, IsReadBackExactly) {
   EXPECT_FALSE(file >> more);
 }
 
-TEST(TrajectoryFile, FailsWithASentenceWhereItCannotBeWritten) {
+TEST(TrajectoryFile, ThrowsASentenceIfItCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THROW(WriteTrajectory({}, folder / "missing/trajectory.txt"), std::runtime_error);
 }

@@ -17,7 +17,7 @@
 namespace slam2d {
 namespace {
 
-// The number of bytes of an Options that belong to no tunable number.
+// Number of bytes of an Options that belong to no tunable number.
 template <class Options>
 std::ptrdiff_t BytesLeftOut() {
   Options options;
@@ -30,7 +30,7 @@ std::ptrdiff_t BytesLeftOut() {
   return std::count(std::begin(bytes), std::end(bytes), 0xff);
 }
 
-TEST(Tunables, LeaveNoNumberOut) {
+TEST(Tunables, IncludeEveryNumber) {
   EXPECT_EQ(BytesLeftOut<MapOptions>(), 0);
   EXPECT_EQ(BytesLeftOut<RevisitOptions>(), 4);      // padding behind an int
   EXPECT_EQ(BytesLeftOut<MatcherOptions>(), 4 + 4);  // the same, and that of RevisitOptions
@@ -52,7 +52,7 @@ TEST(Tunables, HaveDefaultsWithinTheirBoundsAndOnePathEach) {
   EXPECT_TRUE(paths.contains("slam.matcher.revisit.lag_m"));
 }
 
-// Scans are matched and drawn with one number at the end of its bounds; whatever comes of it, the pair holds together.
+// Scans are matched and drawn with one number at the end of its bounds. Matcher and mapper must stay consistent.
 template <class Options, class Run>
 void TryAllBounds(const Run& run) {
   Options defaults;
@@ -86,7 +86,7 @@ TEST(Tunables, WorkAtTheEndsOfTheirBounds) {
   TryAllBounds<MapOptions>([](const std::string& what, const MapOptions& map) { Follow(what, {}, map); });
   TryAllBounds<MatcherOptions>([](const std::string& what, const MatcherOptions& matcher) {
     Follow(what, matcher, {});
-    MatcherOptions early = matcher;  // so that old places are looked for within the few scans
+    MatcherOptions early = matcher;  // so that it searches for old places within the few scans
     early.revisit.lag_m = 0.1;
     Follow(what + ", early", early, {});
   });

@@ -1,4 +1,4 @@
-// A program that is built against the installed package alone. It uses the library, its errors and its messages.
+// A program that uses only the installed package: the library, its errors and its messages.
 #include <cstdio>
 #include <string>
 
@@ -11,13 +11,13 @@ int main() {
   sent.set_message("hello");
   foxglove::Log received;
   if (!received.ParseFromString(sent.SerializeAsString()) || received.message() != "hello") {
-    std::puts("The message did not come back.");
+    std::puts("The parsed message differs from the original.");
     return 1;
   }
   try {
     hgros::RequireChannelName("two words");
-  } catch (const hgros::Error& error) {  // crosses the library's border: its type information is shown
-    std::printf("As it should be: %s\n", error.what());
+  } catch (const hgros::Error& error) {  // thrown inside the library, so its type information must be exported
+    std::printf("Expected error: %s\n", error.what());
     return 0;
   }
   std::puts("The library accepted a bad channel name.");

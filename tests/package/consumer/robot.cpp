@@ -1,4 +1,4 @@
-// Robot descriptions are a library of their own.
+// Robot descriptions are in a separate library.
 #include <hgros/tf/robot_description.hpp>
 
 int main() {

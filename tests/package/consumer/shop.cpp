@@ -1,4 +1,4 @@
-// A program with messages of its own, which import those of the library.
+// A program with its own messages, which import messages of the library.
 #include <shop/order.pb.h>
 
 #include <atomic>

@@ -1,4 +1,4 @@
-# Run by ctest with -P: each wrong call stops CMake with a sentence that says what is wrong.
+# Run by ctest with -P: each wrong call stops CMake with an error that says what is wrong.
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${SCRATCH})
 foreach(expected IN ITEMS
@@ -15,6 +15,6 @@ foreach(expected IN ITEMS
     RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE text)
   string(REGEX REPLACE "[ \n]+" " " text "${text}")
   if(result EQUAL 0 OR NOT text MATCHES "${sentence}")
-    message(FATAL_ERROR "The call that is wrong in \"${wrong}\" should say \"${sentence}\", but said: ${text}")
+    message(FATAL_ERROR "The wrong call \"${wrong}\" must report \"${sentence}\", but reported: ${text}")
   endif()
 endforeach()
