@@ -1,4 +1,4 @@
-// The cost of an idle session with 20 subscriptions and 2 peers. It discovers the peers itself and also has their
+// The cost of an idle session with 20 subscriptions and 2 peers. The session discovers the peers and also has their
 // endpoints, so that both transports are in use.
 #include <sys/prctl.h>
 #include <sys/resource.h>

@@ -22,7 +22,7 @@ class Burners {
     for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
       const pid_t child = fork();
       if (child == 0) {
-        alarm(60);  // Ends by itself even if this process is killed.
+        alarm(60);  // Ends by itself even if the parent is killed.
         for (std::atomic<unsigned> spin{0};;) spin.fetch_add(1, std::memory_order_relaxed);
       }
       if (child > 0) children_.push_back(child);

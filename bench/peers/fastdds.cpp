@@ -33,7 +33,7 @@ using Code = eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr std::size_t kLargestUnfragmented = 60'000;
 constexpr std::int32_t kSparseDepth = 64;
-constexpr std::uint32_t kReceiveBufferBytes = 4u << 20;  // Messages above the system's 208 KB would overflow it.
+constexpr std::uint32_t kReceiveBufferBytes = 4u << 20;  // Larger messages overflow the system's 208 KB.
 
 /// The settings of both sides.
 template <class Qos>

@@ -120,7 +120,7 @@ class Sending {
   const std::vector<std::byte> pattern_;
 };
 
-/// Counts a lane without a measurement, so that both sides go on to the next.
+/// Counts a lane that is not measured, so that both sides go on to the next.
 void SkipLane(const Task& task, Control& control) {
   if (task.role != Task::Role::kPublish) control.subscribed.Add(1);
   if (task.role == Task::Role::kSubscribe) return;

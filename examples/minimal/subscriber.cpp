@@ -6,7 +6,7 @@
 #include <hgros/hgros.hpp>
 
 int main(int argc, char** argv) try {
-  sigset_t stop;  // Main fetches Ctrl-C and kill; blocked before the session starts its threads.
+  sigset_t stop;  // Ctrl-C and kill. Main waits for them; block them before the session starts its threads.
   sigemptyset(&stop);
   sigaddset(&stop, SIGINT);
   sigaddset(&stop, SIGTERM);

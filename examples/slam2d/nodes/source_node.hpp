@@ -66,7 +66,7 @@ class SourceNode {
   void ShowOdometry(const LaserScan2& scan);
   [[nodiscard]] bool NextScan(LaserScan2& scan);
   void WaitForRelease();
-  /// Moves the clock to the stamp, or waits until the clock reaches it. Does nothing for an earlier stamp.
+  /// Moves the clock to the stamp, or waits until the clock reaches it. Returns at once for an earlier stamp.
   void AdvanceTo(hgros::Time stamp);
   [[nodiscard]] bool Send(std::unique_ptr<msg::Scan> message);
 
