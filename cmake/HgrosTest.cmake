@@ -1,10 +1,9 @@
 include(GoogleTest)
 
-# hgros_test(NAME name SOURCES ... LINK targets... [ALONE sources...] [TIMEOUT seconds] [PROPERTIES ctest
-# properties...]) One GoogleTest suite: an executable <name>, and one ctest entry per TEST. Links static modules
-# (hgros::base ...) or the shared library (hgros::hgros), never both: two copies of one module in a process would
-# register its protobuf files twice. Unity builds compile the sources in ALONE separately, because their names would
-# collide with others.
+# hgros_test(NAME name SOURCES ... LINK targets... [ALONE sources...] [TIMEOUT seconds] [PROPERTIES ctest properties...])
+# One GoogleTest suite: an executable <name>, and one ctest entry per TEST. Links static modules (hgros::base ...) or
+# the shared library (hgros::hgros), never both: two copies of one module in a process would register its protobuf
+# files twice. Unity builds compile the sources in ALONE separately, because their names would collide with others.
 function(hgros_test)
   cmake_parse_arguments(ARG "" "NAME;TIMEOUT" "SOURCES;LINK;ALONE;PROPERTIES" ${ARGN})
   if(NOT ARG_TIMEOUT)

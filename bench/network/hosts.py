@@ -32,7 +32,7 @@ class Hosts:
         for name in ("unshare", "nsenter", "ip", "tc"):
             if not shutil.which(name):
                 raise NoHosts(f"{name} is not installed.")
-        # cat prints a line once it is inside, and exits when its input is closed.
+        # cat echoes a line once it is inside, and exits when its input is closed.
         self.holder = subprocess.Popen(["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         try:
             self.connect()
