@@ -72,8 +72,8 @@ TEST(FieldPath, ExplainsWhyThereIsNoNumber) {
   EXPECT_EQ(fault("pose.position.w"), "foxglove.Vector3 has no field \"w\".");
   EXPECT_THAT(fault("ranges"), HasSubstr("name the element, as in ranges[0]"));
   EXPECT_THAT(fault("pose[0].position"), HasSubstr("not a list"));
-  EXPECT_THAT(fault("frame_id"), HasSubstr("no number"));
-  EXPECT_THAT(fault("pose"), HasSubstr("no number"));
+  EXPECT_THAT(fault("frame_id"), HasSubstr("is not a number"));
+  EXPECT_THAT(fault("pose"), HasSubstr("is not a number"));
   EXPECT_THAT(fault("start_angle.x"), HasSubstr("has no fields"));
   for (const char* broken :
        {"", ".", "ranges[", "ranges[]", "ranges[-1]", "ranges[1", "ranges[1]x", "ranges[99999999999]"}) {

@@ -139,8 +139,8 @@ TEST(StlMesh, ReportsDamagedFiles) {
   std::vector<Eigen::Vector3f> corners(5);
   const auto fault = [&](const std::string& file) { return ReadStl(AsBytes(file), corners); };
   EXPECT_THAT(fault(""), HasSubstr("ends before its first"));
-  EXPECT_THAT(fault(BinaryStl(3, 2, "x")), HasSubstr("names 3 triangles"));
-  EXPECT_THAT(fault(BinaryStl(4'000'000'000, 2, "x")), HasSubstr("names 4000000000"));
+  EXPECT_THAT(fault(BinaryStl(3, 2, "x")), HasSubstr("announces 3 triangles"));
+  EXPECT_THAT(fault(BinaryStl(4'000'000'000, 2, "x")), HasSubstr("announces 4000000000"));
   EXPECT_THAT(fault("solid a vertex 0 0 zero"), HasSubstr("\"zero\" instead of a number"));
   EXPECT_THAT(fault("solid a vertex 0 0"), HasSubstr("instead of a number"));
   EXPECT_THAT(fault("solid a vertex 0 0 0"), HasSubstr("in the middle of a triangle"));

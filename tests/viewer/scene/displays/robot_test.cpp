@@ -187,7 +187,7 @@ TEST_F(RobotDisplayTest, ReportsErrorsBeforePlaces) {
 TEST_F(RobotDisplayTest, ReportsAnInvalidFile) {
   Display& display = Add("Robot model");
   Update();
-  EXPECT_THAT(display.Status().front(), HasSubstr("needs a file"));
+  EXPECT_THAT(display.Status().front(), HasSubstr("Set the setting file to a URDF"));
   EXPECT_EQ(SetFromText(display.Settings().front(), (folder_ / "nothing").string()), "");
   display.OnSetting("file");
   Update();
