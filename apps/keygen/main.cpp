@@ -9,7 +9,7 @@
 #include <string>
 
 #include "hgros/base/error.hpp"
-#include "hgros/transport/zmq_transport.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 
 namespace {
 

@@ -144,8 +144,8 @@ std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
   return std::nullopt;
 }
 
-OutboundChannel::Stats JoinedOutbound::stats() const {
-  OutboundChannel::Stats sum;
+OutboundStats JoinedOutbound::stats() const {
+  OutboundStats sum;
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) {
     const auto stats = parts_[i]->channel->stats();

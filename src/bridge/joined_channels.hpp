@@ -47,7 +47,7 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   void Cancel() noexcept;
   /// Memory of a transport that has subscribers.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
-  [[nodiscard]] OutboundChannel::Stats stats() const;
+  [[nodiscard]] OutboundStats stats() const;
   /// Stops waiting for the subscriber. With a number, only if this is its latest cut.
   void GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
 

@@ -51,7 +51,7 @@ class PublishingEnd final : public OutboundChannel {
       return std::nullopt;
     }
   }
-  Stats stats() const override { return channel_->stats(); }
+  OutboundStats stats() const override { return channel_->stats(); }
 
  private:
   std::shared_ptr<Core> core_;

@@ -31,7 +31,7 @@ std::vector<SessionId> OutboundCore::Sessions() const {
   return sessions_;
 }
 
-OutboundChannel::Stats OutboundCore::stats() const {
+OutboundStats OutboundCore::stats() const {
   return {.subscribers = subscribers.load(),
           .sent = sent.load(),
           .dropped = dropped.load(),

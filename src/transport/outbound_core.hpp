@@ -25,7 +25,7 @@ struct OutboundCore {
   /// Reports room to the source, if the source was refused. Called under the transport's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 
-  [[nodiscard]] OutboundChannel::Stats stats() const;
+  [[nodiscard]] OutboundStats stats() const;
   /// The sessions among the subscribers, in the order in which they came.
   [[nodiscard]] std::vector<SessionId> Sessions() const;
 

@@ -135,7 +135,7 @@ class LostTransport : public test::DomainFixture {
       ASSERT_EQ(publisher(Note(std::to_string(i))), PublishStatus::kOk);
     }
   }
-  [[nodiscard]] OutboundChannel::Stats sent() const {
+  [[nodiscard]] OutboundStats sent() const {
     for (const ChannelTraffic& traffic : talker->Snapshot().traffic) {
       if (traffic.channel == "notes") return traffic.out;
     }

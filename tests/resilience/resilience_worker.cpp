@@ -218,7 +218,7 @@ class Sink {
 
 void ReportSession(const Session& session, std::string& line) {
   const SessionSnapshot snapshot = session.Snapshot();
-  OutboundChannel::Stats out;
+  OutboundStats out;
   PublisherTraffic in;
   std::uint64_t faults = 0;
   std::size_t publishers = 0;

@@ -9,7 +9,7 @@
 #include "hgros/base/histogram.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/internal/codec/packet.hpp"
-#include "hgros/transport/transport.hpp"
+#include "hgros/transport/transport_stats.hpp"
 
 namespace hgros {
 
@@ -24,7 +24,7 @@ struct PublisherTraffic {
 /// Messages of one channel that left or entered this process.
 struct ChannelTraffic {
   std::string channel;
-  OutboundChannel::Stats out;       ///< Summed over the transports.
+  OutboundStats out;                ///< Summed over the transports.
   std::uint64_t not_encodable = 0;  ///< Messages whose codec refused to write them.
   std::uint64_t loans = 0;          ///< Blocks that Session::Loan returned.
   std::uint64_t heap_loans = 0;     ///< Loans in ordinary memory: no subscriber on this host, or no shared memory left.

@@ -14,7 +14,7 @@
 #include "hgros/base/export.hpp"
 #include "hgros/base/transport_keys.hpp"
 #include "hgros/graph/node_options.hpp"
-#include "hgros/transport/shm_transport.hpp"
+#include "hgros/transport/shm_wait.hpp"
 
 namespace hgros {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "hgros/transport/transport.hpp"
+#include "hgros/transport/peer_info.hpp"
 
 namespace hgros {
 

@@ -7,7 +7,8 @@
 #include "hgros/bridge/channel_traffic.hpp"
 #include "hgros/graph/snapshot.hpp"
 #include "hgros/services/service_snapshot.hpp"
-#include "hgros/transport/transport.hpp"
+#include "hgros/transport/peer_info.hpp"
+#include "hgros/transport/transport_stats.hpp"
 
 namespace hgros {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 #include "hgros/transport/transport.hpp"
 
 namespace hgros {
@@ -31,15 +31,6 @@ struct SubscribeEndpoint {
   ChannelList channels;
   std::string server_key;  ///< With ZmqSecurity: the public key of the other session.
 };
-
-/// A CurveZMQ key pair (https://rfc.zeromq.org/spec/26/), each key as 40 characters of Z85.
-struct CurveKeyPair {
-  std::string public_key;
-  std::string secret_key;
-};
-
-/// A new key pair. Errors: throws Error if ZeroMQ was built without CURVE.
-[[nodiscard]] HGROS_EXPORT CurveKeyPair GenerateCurveKeyPair();
 
 /// Encrypts and authenticates every connection of a transport.
 struct ZmqSecurity {
@@ -78,7 +69,7 @@ struct ZmqOptions {
 /// Threading: thread-safe. Publishing threads write to the sockets themselves.
 /// Fork: in a forked child Reserve() returns kClosed, Commit() does nothing, wiring throws Error; destructors leave the
 /// memory to the end of the process.
-class HGROS_EXPORT ZmqTransport : public Transport {
+class ZmqTransport : public Transport {
  public:
   /// Changes which channels may pass, while running. Errors: throws Error if there is no such endpoint.
   virtual void SetPublishChannels(const std::string& endpoint, ChannelList channels) = 0;
@@ -100,7 +91,6 @@ class HGROS_EXPORT ZmqTransport : public Transport {
 };
 
 /// Errors: throws Error if an endpoint or a key cannot be used. `listener` and `log` outlive the transport.
-[[nodiscard]] HGROS_EXPORT std::unique_ptr<ZmqTransport> MakeZmqTransport(ZmqOptions options,
-                                                                          TransportListener& listener, Log& log);
+[[nodiscard]] std::unique_ptr<ZmqTransport> MakeZmqTransport(ZmqOptions options, TransportListener& listener, Log& log);
 
 }  // namespace hgros

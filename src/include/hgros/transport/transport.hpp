@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -16,6 +15,7 @@
 #include "hgros/transport/inbound_channel.hpp"
 #include "hgros/transport/outbound_channel.hpp"
 #include "hgros/transport/peer_info.hpp"
+#include "hgros/transport/transport_stats.hpp"
 
 namespace hgros {
 
@@ -41,12 +41,6 @@ struct Visit {
   std::function<bool()> done;                   ///< Must not block.
   std::chrono::steady_clock::time_point until;  ///< If this is in the past, it reads only what is there.
   std::function<void()> first = [] {};          ///< Runs before that, and also if this thread cannot read.
-};
-
-/// Packets that were dropped, including those of unknown channels.
-struct TransportStats {
-  std::array<std::uint64_t, kPacketFaultCount> faults{};
-  std::uint64_t repeats = 0;  ///< Received again; not delivered again.
 };
 
 /// One way to move messages between sessions. Every transport passes tests/conformance.

@@ -11,6 +11,7 @@
 #include "hgros/codec/block.hpp"
 #include "hgros/internal/codec/packet.hpp"
 #include "hgros/transport/demand.hpp"
+#include "hgros/transport/transport_stats.hpp"
 
 namespace hgros {
 
@@ -59,19 +60,6 @@ class OutboundSource {
 /// Thread-safe.
 class OutboundChannel {
  public:
-  struct Stats {
-    std::size_t subscribers = 0;
-    std::uint64_t sent = 0;  ///< Messages handed to the network, one per subscriber.
-    /// Dropped from the rings of slow keep-last or plain subscribers, or larger than a keep-last subscriber takes.
-    std::uint64_t dropped = 0;
-    /// Not confirmed by lossless subscribers that died, or larger than a lossless subscriber takes.
-    std::uint64_t missed = 0;
-    std::uint64_t queued_bytes = 0;  ///< Waiting in rings now.
-    /// Messages whose encoded bytes were copied once more: into memory that can be shared, because they were not in
-    /// it; or because a message of a type that can be sent in place (Bulk) could not.
-    std::uint64_t copied = 0;
-  };
-
   virtual ~OutboundChannel() = default;
   /// Number of remote subscribers; all plain ones count as one. Cheap: one relaxed load. 0: nothing needs to be
   /// encoded.
@@ -84,7 +72,7 @@ class OutboundChannel {
   /// Memory of this transport. A message that is written into it is committed without a copy. Empty if the transport
   /// has no such memory, or none left.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t /*size_bytes*/) { return std::nullopt; }
-  [[nodiscard]] virtual Stats stats() const = 0;
+  [[nodiscard]] virtual OutboundStats stats() const = 0;
 };
 
 }  // namespace hgros

@@ -10,19 +10,12 @@
 #include <string_view>
 #include <vector>
 
-#include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/codec/block.hpp"
+#include "hgros/transport/shm_wait.hpp"
 #include "hgros/transport/transport.hpp"
 
 namespace hgros {
-
-/// How a session's threads wait for messages in shared memory.
-enum class ShmWait {
-  kSleep,  ///< Costs nothing while no message comes; waking a thread takes some microseconds.
-  kSpin,   ///< Polls for ShmOptions::spin before it sleeps.
-  kBusy,   ///< Polls all the time: lowest latency, but uses one CPU.
-};
 
 struct ShmOptions {
   SessionId session;    ///< None: a random one.
@@ -64,7 +57,7 @@ struct ShmUsage {
 /// Threading: thread-safe.
 /// Fork: in a forked child Reserve() returns kClosed, Commit() does nothing, and wiring throws Error; destructors leave
 /// the memory to the end of the process.
-class HGROS_EXPORT ShmTransport : public Transport {
+class ShmTransport : public Transport {
  public:
   /// A block in the memory that receivers will read: publishing it copies nothing. Empty if the limit is reached.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t size_bytes) = 0;
@@ -73,7 +66,6 @@ class HGROS_EXPORT ShmTransport : public Transport {
 
 /// Errors: throws Error if there is no shared memory, or another session has the place. `listener` and `log` outlive
 /// the transport.
-[[nodiscard]] HGROS_EXPORT std::unique_ptr<ShmTransport> MakeShmTransport(ShmOptions options,
-                                                                          TransportListener& listener, Log& log);
+[[nodiscard]] std::unique_ptr<ShmTransport> MakeShmTransport(ShmOptions options, TransportListener& listener, Log& log);
 
 }  // namespace hgros

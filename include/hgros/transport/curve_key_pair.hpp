@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "hgros/base/export.hpp"
+
+namespace hgros {
+
+/// A CurveZMQ key pair (https://rfc.zeromq.org/spec/26/), each key as 40 characters of Z85.
+struct CurveKeyPair {
+  std::string public_key;
+  std::string secret_key;
+};
+
+/// A new key pair. Errors: throws Error if ZeroMQ was built without CURVE.
+[[nodiscard]] HGROS_EXPORT CurveKeyPair GenerateCurveKeyPair();
+
+}  // namespace hgros
