@@ -90,7 +90,7 @@ void BridgeCore::Close(int linger_ms) noexcept {
 void BridgeCore::Open(TransportIndex index) {
   if (open_[index] != nullptr) return;
   const auto takes = [this, index](SessionId peer, std::string_view channel) {
-    return peers_.Take(peer, channel, index);
+    return peers_.Claim(peer, channel, index);
   };
   Transport& transport = open_.Open(index, takes, ears_[index], log_);
   if (!transport.place().empty()) announcer_.SetPlace(transports_[index].key, transport.place());

@@ -92,7 +92,7 @@ Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
   return runner == Runner::kTransport || runner == Runner::kVisitor ? Accepted::kRunHere : Accepted::kRunApart;
 }
 
-ChannelInlet::Taken ChannelInlet::Take(InboundMessage& message, UserCode user_code) {
+ChannelInlet::Taken ChannelInlet::TakeNext(InboundMessage& message, UserCode user_code) {
   const std::scoped_lock lock(waiting_mutex_);
   if (waiting_.empty()) {
     runner_ = Runner::kNobody;
@@ -118,7 +118,7 @@ void ChannelInlet::Run() noexcept {
   std::optional<Decoded> undelivered;
   while (!undelivered) {
     InboundMessage message;
-    const Taken taken = Take(message, decoding);
+    const Taken taken = TakeNext(message, decoding);
     // A visitor also reads for others. A node that a reply has made ready is user code, so the workers run it.
     if (taken == Taken::kNone) return as == Runner::kVisitor ? slot.HandToWorkers() : slot.RunKept();
     slot.HandToWorkers();
@@ -144,7 +144,7 @@ void ChannelInlet::RunErrand() noexcept {
   if (first) (void)Inject(*first, UserCode::kAllowed);
   for (int i = 0; i < kMessagesPerErrand; ++i) {
     InboundMessage message;
-    if (Take(message, UserCode::kAllowed) == Taken::kNone) return;
+    if (TakeNext(message, UserCode::kAllowed) == Taken::kNone) return;
     if (const auto decoded = Decode(std::move(message))) (void)Inject(*decoded, UserCode::kAllowed);
   }
   run_apart_([this] { RunErrand(); });

@@ -43,7 +43,9 @@ void CutSubscribers::Push(const PacketHead& head, const Payload& data) {
   for (auto& [subscriber, cut] : cuts_) Keep(cut, {head, data});
 }
 
-CutSubscribers::Messages CutSubscribers::Take(SessionId subscriber) { return Drop(subscriber).value_or(Messages{}); }
+CutSubscribers::Messages CutSubscribers::TakeMessages(SessionId subscriber) {
+  return Drop(subscriber).value_or(Messages{});
+}
 
 std::optional<CutSubscribers::Messages> CutSubscribers::Drop(SessionId subscriber, std::optional<std::uint64_t> cut) {
   const std::scoped_lock lock(mutex_);

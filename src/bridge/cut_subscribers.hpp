@@ -30,7 +30,7 @@ class CutSubscribers {
   [[nodiscard]] bool HasRoom() const;
   void Push(const PacketHead& head, const Payload& data);
   /// It is back. Returns the messages that it must get first, oldest first, and keeps none of them.
-  [[nodiscard]] Messages Take(SessionId subscriber);
+  [[nodiscard]] Messages TakeMessages(SessionId subscriber);
   /// It does not come back. Returns the messages that it misses; the caller counts and destroys them. Returns nothing
   /// if it is not cut off, or if `cut` is the number of an earlier cut.
   [[nodiscard]] std::optional<Messages> Drop(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);

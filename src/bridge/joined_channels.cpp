@@ -72,7 +72,7 @@ void JoinedOutbound::Keep(SessionId subscriber, const Demand& demand, std::vecto
 std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
   std::vector<OutboundMessage> messages = source_.Latched(subscriber);
   if (cut_.count() == 0) return messages;
-  for (OutboundMessage& message : cut_.Take(subscriber)) messages.push_back(std::move(message));
+  for (OutboundMessage& message : cut_.TakeMessages(subscriber)) messages.push_back(std::move(message));
   const auto number = [](const OutboundMessage& message) { return message.head.id.sequence; };
   std::ranges::sort(messages, {}, number);
   const auto same = [&](const OutboundMessage& a, const OutboundMessage& b) { return number(a) == number(b); };

@@ -53,7 +53,7 @@ void PeerTransports::Forget(SessionId id) {
   if (!taken) peers_.erase(id);
 }
 
-bool PeerTransports::Take(SessionId id, std::string_view channel, TransportIndex transport) {
+bool PeerTransports::Claim(SessionId id, std::string_view channel, TransportIndex transport) {
   const std::scoped_lock lock(mutex_);
   Peer& peer = peers_[id];
   const TransportSet allowed = Allowed(peer, channel);

@@ -40,7 +40,7 @@ class PeerTransports {
   /// Whether that session's messages on the channel must be received over this transport. The first transport that
   /// asks gets the channel, and all that may use the same transports, unless a cheaper one reaches the session or is
   /// expected to.
-  [[nodiscard]] bool Take(SessionId peer, std::string_view channel, TransportIndex transport);
+  [[nodiscard]] bool Claim(SessionId peer, std::string_view channel, TransportIndex transport);
 
   /// The session was found on this host, and is expected to be reached over these transports.
   void Found(SessionId peer, TransportSet expected, TransportRules rules);

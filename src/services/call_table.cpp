@@ -26,7 +26,7 @@ bool CallTable::Begin(const std::shared_ptr<CallState>& call, std::chrono::nanos
   return true;
 }
 
-std::shared_ptr<CallState> CallTable::Take(std::uint64_t number) {
+std::shared_ptr<CallState> CallTable::Remove(std::uint64_t number) {
   const auto found = calls_.find(number);
   if (found == calls_.end()) return nullptr;
   std::shared_ptr<CallState> call = std::move(found->second);
@@ -39,7 +39,7 @@ bool CallTable::End(std::uint64_t number, CallEnd end) {
   std::shared_ptr<CallState> call;
   {
     const std::scoped_lock lock(mutex_);
-    call = Take(number);
+    call = Remove(number);
   }
   if (!call) return false;
   call->Finish(std::move(end));
@@ -108,7 +108,7 @@ void CallTable::Loop(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const Moment now = std::chrono::steady_clock::now();
     std::vector<std::shared_ptr<CallState>> overdue;
-    while (!due_.empty() && due_.begin()->first <= now) overdue.push_back(Take(due_.begin()->second));
+    while (!due_.empty() && due_.begin()->first <= now) overdue.push_back(Remove(due_.begin()->second));
     if (!overdue.empty()) {
       lock.unlock();
       for (const auto& call : overdue) call->FinishOverdue();

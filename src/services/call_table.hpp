@@ -54,7 +54,7 @@ class CallTable {
   using Moment = std::chrono::steady_clock::time_point;
   void Loop(const std::stop_token& stop);
   // Under mutex_.
-  [[nodiscard]] std::shared_ptr<CallState> Take(std::uint64_t number);
+  [[nodiscard]] std::shared_ptr<CallState> Remove(std::uint64_t number);
 
   mutable std::mutex mutex_;
   bool closed_ = false;

@@ -51,11 +51,11 @@ void ClockFollower::OnTime(const SimulatedTime& time, const MessageInfo& info) {
   }
   const std::scoped_lock lock(mutex_);
   Heard heard = Hear(time, info.id.publisher);
-  if (gone_ == 0 || heard.session != gone_) return Take(std::move(heard));
+  if (gone_ == 0 || heard.session != gone_) return Apply(std::move(heard));
   early_ = std::move(heard);
 }
 
-void ClockFollower::Take(Heard heard) {
+void ClockFollower::Apply(Heard heard) {
   const bool ended = heard.ended;
   if (followed_ && followed_->SameClock(heard)) {
     clock_->Follow(heard.state);
@@ -82,7 +82,7 @@ void ClockFollower::OnPeer(const PeerEvent& event) {
   if (event.kind == PeerEvent::Kind::kCame) {
     if (gone_ != session) return;
     gone_ = 0;
-    if (early_) Take(*std::exchange(early_, std::nullopt));
+    if (early_) Apply(*std::exchange(early_, std::nullopt));
     return;
   }
   if (gone_ == session) early_.reset();

@@ -41,7 +41,7 @@ class ClockFollower {
   };
 
   [[nodiscard]] Heard Hear(const SimulatedTime& time, std::uint64_t session) const;
-  void Take(Heard heard);
+  void Apply(Heard heard);
   void Begin(Heard heard);
   void End();
   void Report(const Heard& other);

@@ -32,7 +32,7 @@ NodeOptions NodeOptionsOf(std::string_view name, const NodeTimerOptions& options
 SessionTimers::SessionTimers(std::shared_ptr<Clock> clock, DataGraph& graph, std::shared_ptr<Log> log)
     : clock_(std::move(clock)), graph_(graph), log_(std::move(log)) {}
 
-std::shared_ptr<const void> SessionTimers::Take(std::string_view name) {
+std::shared_ptr<const void> SessionTimers::ReserveName(std::string_view name) {
   if (name.empty()) throw Error("A timer needs a name.", {}, "Name it after what it does, as in \"control\".");
   Names::iterator place;
   {
@@ -62,7 +62,7 @@ Timer SessionTimers::Fire(Duration period, TimerCallback fire, const TimerOption
 
 NodeTimer SessionTimers::Create(std::string_view name, Duration period, TimerCallback callback,
                                 NodeTimerOptions options) {
-  auto taken = Take(name);
+  auto taken = ReserveName(name);
   const std::string channel = "timer/" + std::string(name);
   const auto publish = graph_.Advertise<TimerTurn>(channel);
   const std::uint64_t timer = NextTimer();

@@ -33,7 +33,7 @@ class SessionTimers {
     Names names;
   };
   // Reserves the name until the result is destroyed. Throws Error if a timer has that name.
-  [[nodiscard]] std::shared_ptr<const void> Take(std::string_view name);
+  [[nodiscard]] std::shared_ptr<const void> ReserveName(std::string_view name);
   [[nodiscard]] Timer Fire(Duration period, TimerCallback fire, const TimerOptions& options);
 
   const std::shared_ptr<Clock> clock_;

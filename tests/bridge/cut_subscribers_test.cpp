@@ -42,9 +42,9 @@ TEST(CutSubscribers, GetUnconfirmedAndNewMessagesOnce) {
   Push(cut, 4);  // Already committed for kOne, so it must not come twice.
   Push(cut, 5);
   EXPECT_EQ(cut.count(), 2U);
-  EXPECT_EQ(NumbersOf(cut.Take(kOne)), (std::vector<std::uint64_t>{3, 4, 5}));
-  EXPECT_EQ(NumbersOf(cut.Take(kTwo)), (std::vector<std::uint64_t>{4, 5}));
-  EXPECT_TRUE(cut.Take(kOne).empty());
+  EXPECT_EQ(NumbersOf(cut.TakeMessages(kOne)), (std::vector<std::uint64_t>{3, 4, 5}));
+  EXPECT_EQ(NumbersOf(cut.TakeMessages(kTwo)), (std::vector<std::uint64_t>{4, 5}));
+  EXPECT_TRUE(cut.TakeMessages(kOne).empty());
   EXPECT_EQ(cut.count(), 0U);
 }
 
@@ -57,7 +57,7 @@ TEST(CutSubscribers, HaveRoomForTheirCredit) {
   EXPECT_TRUE(cut.HasRoom());
   Push(cut, 3);
   EXPECT_FALSE(cut.HasRoom()) << "the first one has three messages";
-  (void)cut.Take(kOne);
+  (void)cut.TakeMessages(kOne);
   EXPECT_TRUE(cut.HasRoom());
   Push(cut, 4);
   Push(cut, 5);
@@ -67,7 +67,7 @@ TEST(CutSubscribers, HaveRoomForTheirCredit) {
 TEST(CutSubscribers, EndOfAnEarlierCutDoesNotDropALaterOne) {
   CutSubscribers cut;
   const std::uint64_t first = cut.Add(kOne, {}, {Numbered(1)});
-  (void)cut.Take(kOne);
+  (void)cut.TakeMessages(kOne);
   const std::uint64_t second = cut.Add(kOne, {}, {Numbered(2)});
   EXPECT_FALSE(cut.Drop(kOne, first));
   EXPECT_EQ(NumbersOf(cut.Drop(kOne, second).value()), (std::vector<std::uint64_t>{2}));

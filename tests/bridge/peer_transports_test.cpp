@@ -50,33 +50,33 @@ class PeerTransportsOfOne : public testing::Test, public TransportListener {
 
 TEST_F(PeerTransportsOfOne, ChannelsWithoutARuleUseOneTransport) {
   PeerTransports transports = Ruled({});
-  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
-  EXPECT_FALSE(transports.Take(peer, "b", kShm));
-  EXPECT_TRUE(transports.Take(peer, "b", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Claim(peer, "b", kShm));
+  EXPECT_TRUE(transports.Claim(peer, "b", kZmq));
 }
 
 TEST_F(PeerTransportsOfOne, SharedMemoryIsAwaitedExceptForChannelsThatMayNotUseIt) {
   PeerTransports transports = Ruled({{"ours", kOnlyZmq}});
   transports.Found(peer, kOnlyShm, {{"theirs", kOnlyZmq}});
-  EXPECT_FALSE(transports.Take(peer, "a", kZmq));
-  EXPECT_TRUE(transports.Take(peer, "ours", kZmq));
-  EXPECT_TRUE(transports.Take(peer, "theirs", kZmq));
-  EXPECT_FALSE(transports.Take(peer, "theirs", kShm));
-  EXPECT_TRUE(transports.Take(peer, "a", kShm));
+  EXPECT_FALSE(transports.Claim(peer, "a", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "ours", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "theirs", kZmq));
+  EXPECT_FALSE(transports.Claim(peer, "theirs", kShm));
+  EXPECT_TRUE(transports.Claim(peer, "a", kShm));
 }
 
 TEST_F(PeerTransportsOfOne, SharedMemoryChannelStaysThereWhileOthersUseZeroMq) {
   PeerTransports transports = Ruled({{"ours", kOnlyShm}});
-  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
-  EXPECT_FALSE(transports.Take(peer, "ours", kZmq));
-  EXPECT_TRUE(transports.Take(peer, "ours", kShm));
+  EXPECT_TRUE(transports.Claim(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Claim(peer, "ours", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "ours", kShm));
 }
 
 TEST_F(PeerTransportsOfOne, ChannelWithoutACommonTransportUsesNone) {
   PeerTransports transports = Ruled({{"a", kOnlyShm}});
   transports.Found(peer, kOnlyShm, {{"a", kOnlyZmq}});
-  EXPECT_FALSE(transports.Take(peer, "a", kShm));
-  EXPECT_FALSE(transports.Take(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Claim(peer, "a", kShm));
+  EXPECT_FALSE(transports.Claim(peer, "a", kZmq));
   EXPECT_TRUE(transports.Allowed(peer, "a").empty());
 }
 
@@ -86,7 +86,7 @@ TEST_F(PeerTransportsOfOne, RulesFollowThePeersAnnouncements) {
   transports.Found(peer, kOnlyShm, {});
   EXPECT_TRUE(transports.SetRules(peer, {{"a", kOnlyZmq}}));
   EXPECT_FALSE(transports.SetRules(peer, {{"a", kOnlyZmq}}));
-  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "a", kZmq));
   transports.Lost(peer);
   EXPECT_EQ(transports.Allowed(peer, "a"), list.all());
 }
@@ -116,37 +116,37 @@ TEST_F(PeerTransportsOfOne, ReasonForTheTransportIsReported) {
 
 TEST_F(PeerTransportsOfOne, LateSharedMemoryTakesOverOneChannelAfterTheOther) {
   PeerTransports transports = Ruled({{"ruled", kOnlyZmq}});
-  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "a", kZmq));
   EXPECT_FALSE(transports.Came(info, kZmq));
   const auto move = transports.Came(info, kShm);
   ASSERT_TRUE(move);
-  EXPECT_FALSE(transports.Take(peer, "a", kShm)) << "the move is not open yet";
+  EXPECT_FALSE(transports.Claim(peer, "a", kShm)) << "the move is not open yet";
   transports.OpenMove(peer);
-  EXPECT_TRUE(transports.Take(peer, "a", kShm)) << "both during the move";
-  EXPECT_TRUE(transports.Take(peer, "a", kZmq));
-  EXPECT_FALSE(transports.Take(peer, "ruled", kShm));
+  EXPECT_TRUE(transports.Claim(peer, "a", kShm)) << "both during the move";
+  EXPECT_TRUE(transports.Claim(peer, "a", kZmq));
+  EXPECT_FALSE(transports.Claim(peer, "ruled", kShm));
   transports.Moved(peer, "a");
-  EXPECT_FALSE(transports.Take(peer, "a", kZmq));
-  EXPECT_TRUE(transports.Take(peer, "b", kZmq));
+  EXPECT_FALSE(transports.Claim(peer, "a", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "b", kZmq));
   EXPECT_TRUE(transports.FinishMove(peer, *move));
   EXPECT_FALSE(transports.FinishMove(peer, *move)) << "a move is finished only once";
-  EXPECT_FALSE(transports.Take(peer, "b", kZmq));
-  EXPECT_TRUE(transports.Take(peer, "b", kShm));
+  EXPECT_FALSE(transports.Claim(peer, "b", kZmq));
+  EXPECT_TRUE(transports.Claim(peer, "b", kShm));
   EXPECT_EQ(Why(transports), "shared memory: same host");
 }
 
 TEST_F(PeerTransportsOfOne, RemainingTransportGetsAllChannelsWhenTheOtherIsLostDuringAMove) {
   for (const TransportIndex lost : {kShm, kZmq}) {
     PeerTransports transports = Ruled({});
-    EXPECT_TRUE(transports.Take(peer, "a", kZmq));
+    EXPECT_TRUE(transports.Claim(peer, "a", kZmq));
     EXPECT_FALSE(transports.Came(info, kZmq));
     const auto move = transports.Came(info, kShm);
     ASSERT_TRUE(move);
     transports.OpenMove(peer);
     transports.Moved(peer, "a");
     EXPECT_TRUE(transports.Gone(info, lost, "the connection was closed"));
-    EXPECT_EQ(transports.Take(peer, "a", kZmq), lost == kShm);
-    EXPECT_EQ(transports.Take(peer, "a", kShm), lost == kZmq);
+    EXPECT_EQ(transports.Claim(peer, "a", kZmq), lost == kShm);
+    EXPECT_EQ(transports.Claim(peer, "a", kShm), lost == kZmq);
     EXPECT_FALSE(transports.FinishMove(peer, *move));
     EXPECT_FALSE(transports.NextMove(peer));
   }
@@ -161,15 +161,15 @@ class ThreeTransportsToOne : public PeerTransportsOfOne {
   // Receives over the network first. `rule` applies to the channel "ruled".
   void Start(TransportSet rule) {
     transports.emplace(three, *this, log, TransportRules{{"ruled", rule}}, true, "here");
-    EXPECT_TRUE(transports->Take(peer, "a", kNetwork));
-    EXPECT_EQ(transports->Take(peer, "ruled", kNetwork), rule.Has(kNetwork));
+    EXPECT_TRUE(transports->Claim(peer, "a", kNetwork));
+    EXPECT_EQ(transports->Claim(peer, "ruled", kNetwork), rule.Has(kNetwork));
     EXPECT_FALSE(transports->Came(info, kNetwork));
   }
   [[nodiscard]] std::string TakenBy(const std::string& channel) {
     std::string names;
     for (TransportIndex i = 0; i < three.size(); ++i) {
       const bool asks = transports->ReachedBy(peer).Has(i);
-      if (asks && transports->Take(peer, channel, i)) names += three[i].key + " ";
+      if (asks && transports->Claim(peer, channel, i)) names += three[i].key + " ";
     }
     return names;
   }
@@ -189,7 +189,7 @@ TEST_F(ThreeTransportsToOne, CheapestTransportIsUsedWhicheverAsksFirst) {
   const PeerTransports::GivenUp given_up = transports->GiveUp(peer);
   EXPECT_EQ(given_up.missing, TransportSet{kLoop});
   EXPECT_FALSE(given_up.matters) << "another transport of this host reaches it";
-  EXPECT_FALSE(transports->Take(peer, "a", kNetwork));
+  EXPECT_FALSE(transports->Claim(peer, "a", kNetwork));
   EXPECT_EQ(TakenBy("a"), "shared_memory ");
   EXPECT_EQ(Why(*transports), "shared memory: same host");
 }
@@ -229,7 +229,7 @@ TEST_F(ThreeTransportsToOne, CheapestRemainingTransportTakesOverWhenOneIsLost) {
   EXPECT_EQ(TakenBy("a"), "loop ");
   EXPECT_EQ(TakenBy("ruled"), "loop ");
   EXPECT_TRUE(transports->Gone(info, kLoop, "it was closed"));
-  EXPECT_FALSE(transports->Take(peer, "a", kNetwork)) << "shared memory reaches it";
+  EXPECT_FALSE(transports->Claim(peer, "a", kNetwork)) << "shared memory reaches it";
   EXPECT_EQ(TakenBy("a"), "shared_memory ");
   EXPECT_EQ(TakenBy("ruled"), "zmq ");
   EXPECT_TRUE(transports->Gone(info, kMemory, "it was closed"));

@@ -58,7 +58,7 @@ Use ReadUse(const Snapshot::Channel& told, const Use* before, double seconds, st
 
 }  // namespace
 
-void SessionCounts::Take(std::uint64_t session, const Snapshot& snapshot) {
+void SessionCounts::Add(std::uint64_t session, const Snapshot& snapshot) {
   Told& told = sessions_[session];
   const double seconds =
       (static_cast<double>(snapshot.steady_ns()) - static_cast<double>(told.steady_ns)) / kNsPerSecond;

@@ -42,11 +42,11 @@ class SessionCounts {
   static constexpr std::size_t kMaxNodes = 1024;  ///< For one session.
   static constexpr std::size_t kMaxChannels = 4096;
 
-  void Take(std::uint64_t session, const Snapshot& snapshot);
+  void Add(std::uint64_t session, const Snapshot& snapshot);
   /// Forgets all others.
   void Keep(const std::set<std::uint64_t>& sessions);
 
-  /// Null if the session has not reported it. Valid until the next Take().
+  /// Null if the session has not reported it. Valid until the next Add().
   [[nodiscard]] const Use* Find(std::uint64_t session, const std::string& channel) const;
 
  private:

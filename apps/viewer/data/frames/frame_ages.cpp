@@ -6,7 +6,7 @@
 
 namespace hgros::viewer {
 
-void FrameAges::Take(std::span<const EdgeSnapshot> edges, double now_s) {
+void FrameAges::Update(std::span<const EdgeSnapshot> edges, double now_s) {
   std::map<std::string, Came, std::less<>> frames;
   for (const EdgeSnapshot& edge : edges) {
     if (edge.is_static) continue;

@@ -15,7 +15,7 @@ namespace hgros::viewer {
 /// be from any clock. Times are seconds on a steady clock that the caller reads. Thread safety: none.
 class FrameAges {
  public:
-  void Take(std::span<const EdgeSnapshot> edges, double now_s);
+  void Update(std::span<const EdgeSnapshot> edges, double now_s);
 
   /// None if the frame is static or has no parent.
   [[nodiscard]] std::optional<double> AgeOf(std::string_view frame, double now_s) const;

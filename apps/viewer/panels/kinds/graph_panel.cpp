@@ -61,9 +61,9 @@ class GraphPanel : public Panel {
     updated_s_ = context.now_s;
     if (context.now_s >= counted_s_ + kTickS) {  // As often as other sessions report.
       counted_s_ = context.now_s;
-      counts_.Take(session_.id().value, ToMessage(session_.Snapshot()));
+      counts_.Add(session_.id().value, ToMessage(session_.Snapshot()));
     }
-    for (const auto& telling : inbox_->TakeAll()) counts_.Take(telling->session, *telling->snapshot);
+    for (const auto& telling : inbox_->TakeAll()) counts_.Add(telling->session, *telling->snapshot);
     const auto channels =
         inner_ ? session_.Channels() : std::vector<KnownChannel>(context.channels.begin(), context.channels.end());
     counts_.Keep(SessionsIn(channels));

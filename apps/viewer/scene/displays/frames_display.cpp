@@ -26,8 +26,8 @@ class FramesDisplay : public Display {
     if (fixed_ != nullptr) updated_s_ = context.now_s;
     if (!due) return Change::kNothing;
     back_ns_ = 0;
-    Take();
-    known_.Take(edges_, context.now_s);
+    UpdateEdges();
+    known_.Update(edges_, context.now_s);
     return Change::kMoving;
   }
 
@@ -35,7 +35,7 @@ class FramesDisplay : public Display {
   [[nodiscard]] Change LookBack(double /*newest_s*/, double back_s) override {
     const auto back_ns = static_cast<std::int64_t>(back_s * 1e9);
     if (std::exchange(back_ns_, back_ns) == back_ns || fixed_ == nullptr) return Change::kNothing;
-    Take();
+    UpdateEdges();
     return Change::kMoving;
   }
 
@@ -153,7 +153,7 @@ class FramesDisplay : public Display {
     return line;
   }
 
-  void Take() {
+  void UpdateEdges() {
     edges_ = fixed_->tree().Edges();
     const Time shown = ShownTime();
     std::int64_t remembered_ns = 0;

@@ -94,7 +94,7 @@ class ChannelInlet final : public InboundSink {
   [[nodiscard]] bool IsQuick(const InboundMessage& message) const noexcept;
   enum class Taken { kMessage, kNone, kNotQuick };
   // Takes the next message. If there is none, no thread delivers any more.
-  Taken Take(InboundMessage& message, UserCode user_code);
+  Taken TakeNext(InboundMessage& message, UserCode user_code);
   // Counts and decodes the message. Empty if it must not be delivered.
   [[nodiscard]] std::optional<Decoded> Decode(InboundMessage&& message) noexcept;
   [[nodiscard]] bool Inject(const Decoded& decoded, UserCode user_code) noexcept;

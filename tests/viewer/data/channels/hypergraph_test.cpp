@@ -58,7 +58,7 @@ TEST(Hypergraph, ShowsTheCountsOfProcesses) {
     published.set_published(100 + 10 * passed);
     published.set_refused(3);
     published.set_send_dropped(4);
-    counts.Take(2, lidar);
+    counts.Add(2, lidar);
     Snapshot slam;
     slam.set_steady_ns(1'000'000'000LL * second);
     Snapshot::Channel& received = AddChannel(slam, "scan");
@@ -73,7 +73,7 @@ TEST(Hypergraph, ShowsTheCountsOfProcesses) {
       node.set_failed(1);
       node.set_run_p99_ns(name[1] == 'l' ? 2000 : 1000);
     }
-    counts.Take(3, slam);
+    counts.Add(3, slam);
   }
   const std::vector<KnownChannel> channels{Channel("scan", {User(2, "lidar")}, {User(3, "slam")})};
 
@@ -106,7 +106,7 @@ TEST(Hypergraph, EstimatesTheRateOfSilentPublishersFromSubscribers) {
     Snapshot own;
     own.set_steady_ns(1'000'000'000LL * second);
     AddChannel(own, "scan").set_received(static_cast<std::uint64_t>(7 * second));
-    counts.Take(1, own);
+    counts.Add(1, own);
   }
   const auto graph = MakeHypergraph({Channel("scan", {User(2, "driver")}, {User(1, "viewer")})}, {1}, counts, {});
   EXPECT_DOUBLE_EQ(graph.channels[0].per_second.value(), 7);

@@ -23,11 +23,11 @@ Snapshot Told(std::int64_t steady_ns, std::uint64_t published, const std::string
 TEST(SessionCounts, HaveRatesFromTheSecondReportOn) {
   SessionCounts counts;
   EXPECT_EQ(counts.Find(1, "a"), nullptr);
-  counts.Take(1, Told(5 * kOneSecond, 10));
+  counts.Add(1, Told(5 * kOneSecond, 10));
   ASSERT_NE(counts.Find(1, "a"), nullptr);
   EXPECT_EQ(counts.Find(1, "a")->published.messages, 10U);
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second);
-  counts.Take(1, Told(7 * kOneSecond, 30));
+  counts.Add(1, Told(7 * kOneSecond, 30));
   EXPECT_DOUBLE_EQ(counts.Find(1, "a")->published.per_second.value(), 10);
   EXPECT_EQ(counts.Find(2, "a"), nullptr);
   EXPECT_EQ(counts.Find(1, "b"), nullptr);
@@ -35,23 +35,23 @@ TEST(SessionCounts, HaveRatesFromTheSecondReportOn) {
 
 TEST(SessionCounts, HaveNoRateWhenACountGoesBack) {
   SessionCounts counts;
-  counts.Take(1, Told(5 * kOneSecond, 10));
-  counts.Take(1, Told(6 * kOneSecond, 3));
+  counts.Add(1, Told(5 * kOneSecond, 10));
+  counts.Add(1, Told(6 * kOneSecond, 3));
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "fewer than before";
-  counts.Take(1, Told(6 * kOneSecond, 4));
+  counts.Add(1, Told(6 * kOneSecond, 4));
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "no time has passed";
-  counts.Take(1, Told(4 * kOneSecond, 5));
+  counts.Add(1, Told(4 * kOneSecond, 5));
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "its clock went back";
-  counts.Take(1, Told(std::numeric_limits<std::int64_t>::max(), 6));
-  counts.Take(1, Told(std::numeric_limits<std::int64_t>::min(), 7));
+  counts.Add(1, Told(std::numeric_limits<std::int64_t>::max(), 6));
+  counts.Add(1, Told(std::numeric_limits<std::int64_t>::min(), 7));
   EXPECT_FALSE(counts.Find(1, "a")->published.per_second) << "its clock went back by the largest difference";
 }
 
 TEST(SessionCounts, ForgetSessionsThatAreGone) {
   SessionCounts counts;
-  counts.Take(1, Told(kOneSecond, 1));
-  counts.Take(2, Told(kOneSecond, 1));
-  counts.Take(1, Told(2 * kOneSecond, 1, "b"));
+  counts.Add(1, Told(kOneSecond, 1));
+  counts.Add(2, Told(kOneSecond, 1));
+  counts.Add(1, Told(2 * kOneSecond, 1, "b"));
   EXPECT_EQ(counts.Find(1, "a"), nullptr) << "the session no longer has that channel";
   counts.Keep({1});
   EXPECT_NE(counts.Find(1, "b"), nullptr);
@@ -68,7 +68,7 @@ TEST(SessionCounts, AreBoundedForAnyReport) {
     first.add_nodes()->set_name(std::string(kMaxShownBytes + 100, 'n'));
   }
   SessionCounts counts;
-  counts.Take(1, snapshot);
+  counts.Add(1, snapshot);
   ASSERT_NE(counts.Find(1, "channel0"), nullptr);
   EXPECT_EQ(counts.Find(1, "channel0")->nodes.size(), SessionCounts::kMaxNodes);
   EXPECT_EQ(counts.Find(1, "channel0")->nodes[0].name.size(), kMaxShownBytes);
