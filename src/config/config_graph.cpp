@@ -97,8 +97,10 @@ std::vector<std::string> ReadTransports(const Value& value) {
   }
   for (const Value& one : value.List({})) add(one);
   if (transports.empty()) {
+    std::string known;
+    for (const std::string_view key : kTransportKeys) known.append(known.empty() ? "" : ", ").append(key);
     value.Fail("lists no transport",
-               "Name shared_memory, zmq or both. To keep messages in their process, publish them with ToGraph.");
+               "Name at least one of " + known + ". To keep messages in their process, publish them with ToGraph.");
   }
   std::ranges::sort(transports);
   return transports;
