@@ -44,7 +44,8 @@ MAX_SOURCES_PER_FOLDER = 30  # .cpp and .hpp, subfolders not counted
 MAX_CLASS_LINES = 500  # the class and its functions, in all files of include, src and apps
 
 # Both begin in the first column and end with a brace there.
-CLASS = re.compile(r"(?:class|struct)\b[^;{(]*?\b(\w+)(?: final)?(?: :[^;]*)?\{")
+CLASS = re.compile(r"(?:template <.*> )?(?:class|struct)\s+(?:HGROS_EXPORT\s+|alignas\([^)]*\)\s+)*(\w+)(?: final)?\s*"
+                   r"(?::[^;]*)?(?:\{|,?$)")
 FUNCTION = re.compile(r"(?:\w[^;=]*?\b)?([A-Z]\w*)(?:<[^>]*>)?::(?:~?\w+::)*(?:~?\w+|operator\S+)\(")
 
 
@@ -86,8 +87,8 @@ def class_sizes(path, code):
             match = CLASS.match(line) or FUNCTION.match(line)
             if match:
                 name, first = match.group(1), number
-        # A function of one line ends on the line where it begins.
-        if name is not None and (line.startswith("}") or (number == first and line.rstrip().endswith("}"))):
+        # What fits one line ends on the line where it begins.
+        if name is not None and (line.startswith("}") or (number == first and line.rstrip().endswith(("}", ";")))):
             yield module, name, number - first + 1
             name = None
 

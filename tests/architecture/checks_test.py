@@ -185,14 +185,19 @@ class HouseTest(Tree):
 
     def test_a_class_that_is_too_large_in_all_its_files_is_a_fault(self):
         member = "int Ring::Count(int n) const {\n" + "  ++n;\n" * 120 + "}\n\n"
-        body = "#pragma once\nclass Ring final : public Base {\n" + "  int a;\n" * 130 + "};\n"
-        self.write("include/hgros/graph/ring.hpp", body)
-        self.write("src/graph/ring.cpp", member * 2)
-        self.assertEqual(self.faults(), [])
-        self.write("src/graph/ring_more.cpp", member + "Ring::~Ring() {\n  End();\n}\n")
-        self.write("src/clock/ring.cpp", member * 2)  # another class of that name
-        self.assertEqual(len(self.faults()), 1, self.faults())
-        self.assertIn("graph: class Ring has 501 lines", self.faults()[0])
+        for head in ("class Ring", "class Ring final", "struct HGROS_EXPORT Ring : public Base", "class alignas(64) Ring :\n  Base",
+                     "template <class T> class Ring"):
+            with self.subTest(head):
+                first_lines = head.count("\n") + 1
+                body = f"#pragma once\nclass Other;\n{head} {{\n" + "  int a;\n" * (131 - first_lines) + "};\n"
+                self.write("include/hgros/graph/ring.hpp", body)
+                self.write("src/graph/ring.cpp", member * 2)
+                self.write("src/graph/ring_more.cpp", member + "Ring::Ring() = default;\n")
+                self.write("src/clock/ring.cpp", member * 2)  # another class of that name
+                self.assertEqual(self.faults(), [])
+                self.write("src/graph/ring_more.cpp", member + "Ring::~Ring() {\n  End();\n}\n")
+                self.assertEqual(len(self.faults()), 1, self.faults())
+                self.assertIn("graph: class Ring has 501 lines", self.faults()[0])
 
     def test_a_fault_is_reported_at_its_line(self):
         self.write("src/base/a.cpp", "/* one\ntwo */\nusleep(3);\n")

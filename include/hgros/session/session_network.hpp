@@ -10,6 +10,7 @@
 #include "hgros/bridge/known_channel.hpp"
 #include "hgros/clock/clock_offset.hpp"
 #include "hgros/config/config.hpp"
+#include "hgros/transport/peer_info.hpp"
 
 namespace hgros {
 

@@ -224,41 +224,11 @@ PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
                                    std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
   PublishStatus status = Try(offer, reach);
   if (status == PublishStatus::kFull) {
-    status = CallbackScope::InAny() ? PublishStatus::kWouldDeadlock : WaitForRoom(offer, reach, deadline, stop);
+    status = CallbackScope::InAny() ? PublishStatus::kWouldDeadlock
+                                    : room_.Retry([&] { return Try(offer, reach); }, deadline, stop);
   }
   if (status != PublishStatus::kOk) refused_.fetch_add(1, std::memory_order_relaxed);
   return status;
-}
-
-PublishStatus Channel::WaitForRoom(const MessageOffer& offer, Reach reach,
-                                   std::chrono::steady_clock::time_point deadline, const std::stop_token& stop) {
-  PublishStatus status = PublishStatus::kFull;
-  room_waiters_.fetch_add(1, std::memory_order_seq_cst);
-  for (;;) {
-    std::uint64_t seen = 0;
-    {
-      const std::scoped_lock lock(room_mutex_);
-      seen = room_generation_;
-    }
-    status = Try(offer, reach);
-    if (status != PublishStatus::kFull) break;
-    std::unique_lock lock(room_mutex_);
-    const bool changed = room_.wait_until(lock, stop, deadline, [&] { return room_generation_ != seen; });
-    if (changed && !stop.stop_requested() && std::chrono::steady_clock::now() < deadline) continue;
-    status = stop.stop_requested() ? PublishStatus::kStopped : PublishStatus::kTimedOut;
-    break;
-  }
-  room_waiters_.fetch_sub(1, std::memory_order_seq_cst);
-  return status;
-}
-
-void Channel::NotifyRoom() noexcept {
-  if (room_waiters_.load(std::memory_order_seq_cst) == 0) return;
-  {
-    const std::scoped_lock lock(room_mutex_);
-    ++room_generation_;
-  }
-  room_.notify_all();
 }
 
 void Channel::Replace(std::shared_ptr<const Fanout> fanout) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "graph/channel/latched_messages.hpp"
 #include "graph/channel/raw_forms.hpp"
+#include "graph/channel/room_signal.hpp"
 #include "graph/nodes/node.hpp"
 #include "graph/nodes/node_stats.hpp"
 #include "hgros/graph/data_graph.hpp"
@@ -68,7 +68,7 @@ class Channel {
   void PublisherIsGone(std::uint64_t publisher);
   void PublisherIsBack(std::uint64_t publisher);
   void SetClosed(bool closed) noexcept { closed_.store(closed, std::memory_order_relaxed); }
-  void NotifyRoom() noexcept;
+  void NotifyRoom() noexcept { room_.Notify(); }
 
   [[nodiscard]] std::vector<std::shared_ptr<Node>> Nodes() const;
   [[nodiscard]] std::size_t NextNodeNumber() noexcept { return next_node_number_++; }
@@ -92,8 +92,6 @@ class Channel {
   // Adds a place for the other form if the channel has two types or the message is raw.
   [[nodiscard]] AnyMessage Wrapped(AnyMessage message, const TypeInfo& type) const;
   [[nodiscard]] const TypeInfo& TypeOfMessage(const AnyMessage& message) const noexcept;
-  PublishStatus WaitForRoom(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
-                            const std::stop_token& stop);
   // A local message with its number, on its way to all nodes. The pointers are valid as long as the epoch guard.
   struct Publication {
     AnyMessage message;
@@ -152,10 +150,7 @@ class Channel {
   LatchedMessages latched_messages_;
   RawForms raw_forms_;
 
-  std::mutex room_mutex_;
-  std::condition_variable_any room_;
-  std::uint64_t room_generation_ = 0;
-  alignas(64) std::atomic<int> room_waiters_{0};  // Read for every message that a lossless node runs.
+  RoomSignal room_;
 
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> received_{0};
