@@ -1,7 +1,7 @@
 # hgros_module(NAME name SOURCES ... [SMALL sources...|ALL] [DEPENDS targets...] [PRIVATE targets...])
 # One module of the tree: a static library hgros_<name>, known as hgros::<name>. Its public headers are
 # include/hgros/<name>/ and include/hgros/internal/<name>/, those that only other modules include src/include/hgros/<name>/;
-# its private ones lie beside its sources. SMALL names the sources that no message or look-up
+# its private ones lie beside its sources. SMALL names the sources that no message or lookup
 # passes through: a release compiles them for size, as a library of objects of their own.
 function(hgros_module)
   cmake_parse_arguments(ARG "" "NAME" "SOURCES;SMALL;DEPENDS;PRIVATE" ${ARGN})

@@ -15,8 +15,11 @@ function(hgros_test)
   add_executable(${ARG_NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/alone.cpp)
   set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/include ${PROJECT_SOURCE_DIR}/tests)
-  # Compiling a test takes longer than running it.
-  target_compile_options(${ARG_NAME} PRIVATE -O0)
+    # Compiling a test takes longer than running it. ThreadSanitizer has little to gain.
+  if(NOT HGROS_SANITIZE STREQUAL "thread")
+    target_compile_options(${ARG_NAME} PRIVATE -O0)
+  endif()
+
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LINK} hgros_warnings GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${ARG_NAME} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${ARG_TIMEOUT} ${ARG_PROPERTIES})

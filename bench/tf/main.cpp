@@ -59,7 +59,7 @@ double AtEach(Side& side, const std::vector<std::int64_t>& moments) {
   return time / static_cast<double>(moments.size());
 }
 
-// One implementation with several trees, so that a tree has changed between two look-ups in it, without reading a clock
+// One implementation with several trees, so that a tree has changed between two lookups in it, without reading a clock
 // in between.
 class Bench {
  public:
@@ -114,7 +114,7 @@ double ThreadSeconds() {
 
 struct Rates {
   double by_wall = 0;  ///< Look-ups of all readers per second.
-  double by_cpu = 0;   ///< The sum over the readers of look-ups per second of their own CPU time.
+  double by_cpu = 0;   ///< The sum over the readers of lookups per second of their own CPU time.
 };
 
 // Readers that look up within the last 100 ms, if requested beside a writer at full speed. The writer fills the 10 s of

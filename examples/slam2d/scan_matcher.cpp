@@ -12,7 +12,7 @@
 namespace slam2d {
 namespace {
 
-struct Linearised {
+struct Linearized {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
   double cost = 0.0;
@@ -20,9 +20,9 @@ struct Linearised {
 };
 
 // Sum of squared residuals 1 - M(T p) over the points, plus the pull toward the prediction.
-Linearised Linearise(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& T,
+Linearized Linearize(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& T,
                      const Pose2& T_predicted, const MatcherOptions& options) {
-  Linearised sum;
+  Linearized sum;
   const double cells_per_m = 1.0 / field.cell_size_m();
   const double c = std::cos(T.theta);
   const double s = std::sin(T.theta);
@@ -72,7 +72,7 @@ std::vector<Point2> MatchedPoints(const LaserScan2& scan, const MatcherOptions& 
 ScanMatch RefineMatch(const LikelihoodField& field, const std::vector<Point2>& points, const Pose2& T_map_start,
                       const Pose2& T_map_predicted, const MatcherOptions& options) {
   Pose2 T = T_map_start;
-  Linearised now = Linearise(field, points, T, T_map_predicted, options);
+  Linearized now = Linearize(field, points, T, T_map_predicted, options);
   double damping = 1e-3;
   for (int i = 0; i < options.max_refinements; ++i) {
     Eigen::Matrix3d H = now.H;
@@ -80,7 +80,7 @@ ScanMatch RefineMatch(const LikelihoodField& field, const std::vector<Point2>& p
     const Eigen::Vector3d step = H.inverse() * now.g;
     if (!step.allFinite()) break;
     const Pose2 next{T.x + step.x(), T.y + step.y(), WrapAngle(T.theta + step.z())};
-    const Linearised then = Linearise(field, points, next, T_map_predicted, options);
+    const Linearized then = Linearize(field, points, next, T_map_predicted, options);
     if (then.cost < now.cost) {
       const bool converged = now.cost - then.cost < 1e-6 * now.cost;
       T = next;

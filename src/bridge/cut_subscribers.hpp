@@ -17,19 +17,20 @@ namespace hgros {
 /// another one. Keeps the messages that each has not confirmed, and those that are published until it is back.
 ///
 /// Thread safety: all functions. Invariants: each keeps about as many messages as its credit allows. Messages that
-/// were promised before the cut, and those of publishers that checked HasRoom() at the same time, are additional.
+/// were promised before the cut, and those of publishers that checked HasRoom() at the same time, come in addition.
 class CutSubscribers {
  public:
   using Messages = std::vector<OutboundMessage>;
 
-  /// `unfinished` are the messages that it must get first, oldest first. Returns the number of this cut, see Drop().
+  /// `unfinished`: the messages that the subscriber must get first, oldest first. Returns the number of this cut, see
+  /// Drop().
   std::uint64_t Add(SessionId subscriber, const Demand& demand, Messages&& unfinished);
   /// Cheap while no subscriber is cut off.
   [[nodiscard]] std::size_t count() const noexcept { return count_.load(std::memory_order_acquire); }
-  /// Whether one more can be kept for each.
+  /// Whether one more message can be kept for each cut subscriber.
   [[nodiscard]] bool HasRoom() const;
   void Push(const PacketHead& head, const Payload& data);
-  /// It is back. Returns the messages that it must get first, oldest first, and keeps none of them.
+  /// The subscriber is back. Returns the messages that it must get first, oldest first, and keeps none of them.
   [[nodiscard]] Messages TakeMessages(SessionId subscriber);
   /// It does not come back. Returns the messages that it misses; the caller counts and destroys them. Returns nothing
   /// if it is not cut off, or if `cut` is the number of an earlier cut.

@@ -15,7 +15,7 @@ using google::protobuf::EnumDescriptorProto;
 using google::protobuf::FileDescriptorProto;
 using google::protobuf::FileDescriptorSet;
 
-// Real sets have some tens of kilobytes. A hostile set must not cost more than some tens of milliseconds.
+// Real sets have about ten kilobytes. A hostile set must not cost more than some tens of milliseconds.
 constexpr std::size_t kMaxSetBytes = 1 << 20;
 constexpr int kMaxFiles = 256;
 constexpr std::size_t kMaxNameBytes = 512;

@@ -159,7 +159,7 @@ std::string PeerTopic(std::string_view channel, SessionId session) {
 std::optional<Topic> ParseTopic(Bytes frame) noexcept {
   const std::string_view text = AsText(frame);
   const auto named = [text](std::size_t length) -> std::optional<Topic> {
-    // Marks are control characters, which names cannot have. So a mark in another place makes the name invalid.
+    // The marks 00 and 01 that end a channel's name are control characters, which names cannot have.
     if (!ChannelNameFault(text.substr(0, length)).empty()) return std::nullopt;
     return Topic{text.substr(0, length), {}};
   };

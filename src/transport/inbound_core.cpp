@@ -32,7 +32,7 @@ InboundCore::HeadFault InboundCore::Check(const PacketHead& head, SessionId from
   if (head.fingerprint == 0 || type.fingerprint == 0 || head.fingerprint == type.fingerprint) return {};
   if (type.encoding != Encoding::kProtobuf) return {PacketFault::kType, "its " + type.name + " has another layout"};
   // A session's schema was compared when the link was made. A plain publisher's schema cannot be compared, so only
-  // the type's name is checked.
+  // name and encoding are checked.
   if (from.value == 0 || head.fingerprint == compared) return {};
   return {PacketFault::kType, "its " + type.name + " has another schema than the publisher named"};
 }

@@ -86,7 +86,7 @@ TEST_F(LanDiscovery, ChannelListOfThePublishersEndpointApplies) {
   EXPECT_FALSE((*talker.robot)->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
 }
 
-// It is found by the registry of the host, by two names of its endpoint in the configuration, and by the beacon.
+// The peer is found by the registry of the host, by two names of its endpoint in the configuration, and by the beacon.
 TEST_F(LanDiscovery, PeerThatIsFoundInEveryWayIsOnePeerAndMessagesArriveOnce) {
   ASSERT_TRUE(test::Ip("-n " + cable->left + " addr add 10.198.0.3/24 dev " + cable->left_interface));
   Listener listener(cable->right,

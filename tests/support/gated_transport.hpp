@@ -18,7 +18,8 @@
 
 namespace hgros::test {
 
-/// The transports behind the gate reach each other only while it is open. It is closed at first.
+/// The transports behind the gate reach each other only while it is open. One thread opens and closes it, and no
+/// transport ends meanwhile.
 class Gate {
  public:
   explicit Gate(bool open = false) : open_(open) {}

@@ -208,8 +208,8 @@ TEST_F(HostilePeer, InvalidMessagesEndThePair) {
   ExpectLie(changed([](Descriptor& one) { one.number = 0; }), "not numbered consecutively");
   ExpectLie(changed([](Descriptor& one) { one.size_bytes = 1; }), "outside of its memory");
   ExpectLie(changed([](Descriptor& one) { one.offset_bytes = ~0ULL; }), "outside of its memory");
-  ExpectLie(changed([](Descriptor& one) { one.segment = 77; }), "that did not come");
-  ExpectLie(changed([](Descriptor& one) { one.segment = kOnSocket; }), "that did not come");
+  ExpectLie(changed([](Descriptor& one) { one.segment = 77; }), "a segment or payload that did not come");
+  ExpectLie(changed([](Descriptor& one) { one.segment = kOnSocket; }), "a segment or payload that did not come");
   ExpectLie(
       [](FalsePeer& peer) {
         peer.lane().written = kSlots + 1;

@@ -15,7 +15,7 @@ namespace slam2d {
 /// Threading: thread-safe.
 class Console {
  public:
-  /// Quiet: prints warnings only.
+  /// Quiet: prints warnings and errors only.
   explicit Console(bool quiet);
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;

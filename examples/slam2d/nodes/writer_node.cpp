@@ -90,7 +90,7 @@ void WriterNode::Take(const msg::MapUpdate& message) {
     const std::scoped_lock lock(mutex_);
     if (message.version() != trajectory_.size()) {
       throw std::runtime_error("the map after scan " + std::to_string(message.version()) +
-                               " arrived, but the map after scan " + std::to_string(trajectory_.size()) + " is due.");
+                               " arrived, but the map after scan " + std::to_string(trajectory_.size()) + " is next.");
     }
     latest_ = std::chrono::steady_clock::now();
     if (trajectory_.empty()) first_ = shown_ = latest_;

@@ -74,7 +74,7 @@ class HGROS_EXPORT ClockOffsetEstimator {
 
   ClockOffsetOptions options_;
   std::deque<Sample> samples_;
-  Drift drift_{};  // of samples_
+  Drift drift_{};  // What samples_ say.
   std::deque<Sample> contradicting_;
   std::uint64_t resets_ = 0;
 };

@@ -26,7 +26,7 @@ struct CallFailure {
     kTypeMismatch,   ///< Caller and server use the name with different types.
     kFull,           ///< Too many calls wait, here or at the server.
     kCancelled,      ///< The caller has cancelled it.
-    kWouldDeadlock,  ///< Waiting was refused: this thread runs the serial handler of that service.
+    kWouldDeadlock,  ///< Waiting was refused: this thread runs that service's handler, and no other thread may.
     kNotWritable,    ///< The codec of the request or the reply could not write or read it.
     kClosed,         ///< This session is shutting down.
   };

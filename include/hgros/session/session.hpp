@@ -64,7 +64,7 @@ class HGROS_EXPORT Session : public SessionPublishing,
   /// wall clock.
   [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept;
 
-  /// All counters of the session. Each number is exact, but they are read one after the other.
+  /// All counters of the session. Each counter is exact, but they are read one after the other.
   [[nodiscard]] SessionSnapshot Snapshot() const;
   /// Waits until no message is queued and no callback runs in this session, provided that no message comes meanwhile.
   /// False if `timeout` came first.

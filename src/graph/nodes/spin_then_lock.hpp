@@ -5,7 +5,7 @@
 
 namespace hgros {
 
-// Tells the processor that the thread only waits; some ten nanoseconds.
+// Tells the processor that the thread only waits; about ten nanoseconds.
 inline void PauseBriefly() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();

@@ -30,8 +30,8 @@ class Activation {
 // its node when our own counters say that it is done.
 class TbbExecutor {
  public:
-  // Everything before Put() happens before the body that it starts: TBB guarantees that, and the flag shows it to
-  // ThreadSanitizer.
+  // What a flow-graph node gets: the activation to run. TBB guarantees that everything before Put() happens before the
+  // body; `handed_over` shows it to ThreadSanitizer.
   struct Ticket {
     std::shared_ptr<Activation> activation;
     std::atomic<bool> handed_over{false};
@@ -46,10 +46,10 @@ class TbbExecutor {
   FlowNode& AcquireFlowNode();
   void ReleaseFlowNode(FlowNode& node);
   static void Put(FlowNode& node, std::shared_ptr<Activation> activation);
-  // The same with a ticket of the caller, which keeps it until the activation has started.
+  // The same with the caller's ticket; the caller keeps it until the activation has started.
   static void Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket);
 
-  // Queues behind everything that other threads have put. A worker's own Put() would always run before that.
+  // Queues behind everything that other threads have put. A Put() on a worker would run before these.
   void Enqueue(std::shared_ptr<Activation> activation);
 
   // Keeps the activation on the calling thread if this thread runs it soon; then Put() is not needed. It is kept in

@@ -14,7 +14,7 @@
 
 namespace hgros::shm {
 
-/// The channels that this session offers, and the wishes of each peer: makes links of both.
+/// Makes a link for each channel that this session offers and a peer wishes.
 ///
 /// Thread safety: Offer() and Withdraw() are thread-safe, the rest runs on the socket thread. Order of locks: this one,
 /// then the publisher's. It guards Pair::wishes and Pair::ended.

@@ -28,7 +28,7 @@ class PageBook {
     std::vector<Run> runs;
     std::vector<std::uint32_t> codes;  ///< Code of each point, in the order of the runs.
     std::vector<std::uint32_t> order;  ///< Index of each point in the input.
-    /// Lower corners of the new pages. The first one's number is the old pages().
+    /// Lower corners of the new pages. Their numbers continue from the old pages().
     std::vector<Eigen::Vector3d> new_pages;
   };
 
@@ -58,7 +58,7 @@ class PageBook {
   };
   struct Open {
     std::size_t page = 0;
-    std::size_t used = kPagePoints;  ///< Used points of the page. Initially there is no page.
+    std::size_t used = kPagePoints;  ///< Used points of the page. Full at first, so that the first point begins a page.
     std::size_t latest = 0;          ///< The run that collects the cell's points during this Add.
     std::uint64_t add = 0;
   };

@@ -36,7 +36,7 @@ constexpr std::size_t kFine = 28;
 constexpr std::size_t kCoarse = 14;
 constexpr std::size_t kMostFine = 200;
 
-/// Floats, or the 4 bytes of a color.
+/// `size` floats; 4 means the four bytes of a color.
 void Attribute(GLuint at, GLint size, std::size_t stride, std::size_t offset, GLuint divisor) {
   const bool is_color = size == 4;
   glEnableVertexAttribArray(at);

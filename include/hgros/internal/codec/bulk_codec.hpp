@@ -59,7 +59,7 @@ struct BulkTraits {
     return message;
   }
 
-  /// The other C++ class for the same messages.
+  /// Converts to T; null if the message contradicts itself.
   static AnyMessage ToOther(const AnyMessage& message) {
     const auto bulk = std::static_pointer_cast<const M>(message);
     if (bulk->body().bytes().empty()) return std::shared_ptr<const T>(bulk, &bulk->head());

@@ -10,7 +10,7 @@ namespace hgros {
 /// A session's use of one channel.
 struct ChannelUse {
   std::string channel;
-  std::string type_name = {};  ///< Empty: it takes any, or does not say.
+  std::string type_name = {};  ///< Empty: any type, or unknown.
   Encoding encoding = Encoding::kNone;
   std::uint64_t fingerprint = 0;  ///< 0: unknown.
   bool publishes = false;

@@ -58,7 +58,7 @@ class InboundSink {
 class InboundChannel {
  public:
   virtual ~InboundChannel() = default;
-  /// The number of connected publishing sessions that have sent a welcome.
+  /// The number of publishing sessions that have a link for this channel.
   [[nodiscard]] virtual std::size_t publisher_count() const noexcept = 0;
   /// Whether that session was asked for the channel and has not answered that it does not offer it.
   [[nodiscard]] virtual bool Asks(SessionId /*publisher*/) const { return false; }

@@ -35,12 +35,12 @@ class Slip {
   /// Called once, before the first descriptor is read.
   void SetPublisher(std::shared_ptr<Mapping> lane, std::shared_ptr<const PeerBell> bell);
 
-  /// A slot was read and will be returned later.
+  /// Counts a slot that was read and is not returned yet.
   void Hold() noexcept { held_.fetch_add(1, std::memory_order_relaxed); }
   [[nodiscard]] std::size_t held() const noexcept { return held_.load(std::memory_order_relaxed); }
   void Return(std::uint32_t slot) noexcept;
 
-  /// A cell that counts from zero; none if all are in use.
+  /// Takes a free cell and sets its counters to zero; none if all are in use.
   [[nodiscard]] std::optional<std::uint32_t> AllocateCell();
   void FreeCell(std::uint32_t cell) noexcept;
   struct Counted {

@@ -30,7 +30,7 @@ class LaneWriter {
   /// Needs a free slot. Sets `descriptor.slot`.
   void Write(Descriptor descriptor, std::shared_ptr<const void> owner) noexcept;
   /// Frees the slots that the peer has returned, and moves their owners to `ended`. False if a returned slot was not
-  /// in use.
+  /// in use, or more came back than were sent.
   [[nodiscard]] bool Collect(std::vector<std::shared_ptr<const void>>& ended);
   /// The events for which the peer should ring: kForCredit | kForSlots; 0: none. Call Collect() and read the cells
   /// after this.
