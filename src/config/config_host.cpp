@@ -66,8 +66,9 @@ void ReadDiscovery(const Value& value, ConfigDraft& draft) {
   if (const auto domain = section.Find("domain")) {
     const std::string& name = domain->Text("the name of a domain");
     if (!IsDomain(name)) {
-      domain->Fail("is " + yaml::Quoted(name) + ", which cannot name a domain",
-                   "Use 1 to 64 letters, digits, '_', '-' and '.', or none for no discovery.");
+      domain->Fail(
+          "is " + yaml::Quoted(name) + ", which cannot name a domain",
+          "Use 1 to 64 letters, digits, '_', '-' and '.', not beginning with a '.', or none for no discovery.");
     }
     Settle(draft.domain, name, *domain);
   }

@@ -32,8 +32,9 @@ std::optional<std::string> DomainOf(const Config& config) {
   const std::string domain = set ? environment : config.discovery.domain;
   if ((!config.discovery.local && !config.discovery.lan) || domain == kNoDomain) return std::nullopt;
   if (!IsDomain(domain)) {
-    throw Error("\"" + domain + "\" cannot name a domain" + (set ? "; HGROS_DOMAIN sets it." : "."), {},
-                "Use 1 to 64 letters, digits, '_', '-' and '.', or \"none\" for no discovery.");
+    throw Error(
+        "\"" + domain + "\" cannot name a domain" + (set ? "; HGROS_DOMAIN sets it." : "."), {},
+        "Use 1 to 64 letters, digits, '_', '-' and '.', not beginning with a '.', or \"none\" for no discovery.");
   }
   return domain;
 }
