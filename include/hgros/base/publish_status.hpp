@@ -4,9 +4,9 @@
 
 namespace hgros {
 
-/// The result of a publish call. A publish call never throws on the data path and never blocks, except Publisher::Wait().
-/// Without lossless subscribers only an empty pointer or the end of the session refuses a message, so the result may be
-/// ignored; refused messages are counted in any case (ChannelSnapshot::refused).
+/// The result of a publish call. A publish call never throws on the data path and never blocks, except
+/// Publisher::Wait(). Without lossless subscribers only an empty pointer or the end of the session refuses a message,
+/// so the result may be ignored; refused messages are counted in any case (ChannelSnapshot::refused).
 enum class PublishStatus {
   kOk,             ///< Delivered to all subscribers (possibly none); keep-last queues may drop it later.
   kFull,           ///< A lossless subscriber has no room: not delivered, the caller still owns the message.
