@@ -7,14 +7,23 @@
 namespace hgros {
 namespace {
 
+// Between two announcements; the more channels, the longer.
+constexpr auto kLeastPause = std::chrono::milliseconds(2);
+constexpr int kPausePerWork = 4;
+
 bool ListNames(const std::vector<std::string>& only, const std::string& process) {
   return only.empty() || std::ranges::find(only, process) != only.end();
 }
 
 }  // namespace
 
-Announcer::Announcer(SessionId session, const std::string& process, std::vector<std::string> only, Log& log)
-    : log_(log), process_(process), only_(std::move(only)), own_(AnnouncementOfThisProcess(session, 0)) {
+Announcer::Announcer(SessionId session, const std::string& process, std::vector<std::string> only, Later later,
+                     Log& log)
+    : log_(log),
+      process_(process),
+      only_(std::move(only)),
+      later_(std::move(later)),
+      own_(AnnouncementOfThisProcess(session, 0)) {
   own_.process = process_;
   own_.only = only_;
 }
@@ -31,8 +40,8 @@ void Announcer::SetEndpoints(std::vector<std::string> endpoints) {
 
 ChannelAnnouncement& Announcer::Channel(const std::string& channel, const TypeInfo& type,
                                         const TransportKeys& transports) {
-  const auto known = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
-  ChannelAnnouncement& entry = known == own_.channels.end() ? own_.channels.emplace_back() : *known;
+  const auto [place, is_new] = places_.try_emplace(channel, own_.channels.size());
+  ChannelAnnouncement& entry = is_new ? own_.channels.emplace_back() : own_.channels[place->second];
   entry.channel = channel;
   entry.transports = transports;
   if (IsAnyType(type)) return entry;
@@ -55,20 +64,23 @@ void Announcer::Subscribes(const std::string& channel, const TypeInfo& type, con
   entry.lossless = lossless;
 }
 
-void Announcer::EndPublishing(const std::string& channel) {
-  const std::scoped_lock lock(mutex_);
-  const auto entry = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
-  if (entry == own_.channels.end()) return;
-  entry->publishes = false;
-  if (!entry->subscribes) own_.channels.erase(entry);
-}
+void Announcer::EndPublishing(const std::string& channel) { EndUse(channel, &ChannelAnnouncement::publishes); }
 
-void Announcer::EndSubscribing(const std::string& channel) {
+void Announcer::EndSubscribing(const std::string& channel) { EndUse(channel, &ChannelAnnouncement::subscribes); }
+
+void Announcer::EndUse(const std::string& channel, bool ChannelUse::*use) {
   const std::scoped_lock lock(mutex_);
-  const auto entry = std::ranges::find(own_.channels, channel, &ChannelAnnouncement::channel);
-  if (entry == own_.channels.end()) return;
-  entry->subscribes = false;
-  if (!entry->publishes) own_.channels.erase(entry);
+  const auto place = places_.find(channel);
+  if (place == places_.end()) return;
+  ChannelAnnouncement& entry = own_.channels[place->second];
+  entry.*use = false;
+  if (entry.publishes || entry.subscribes) return;
+  if (&entry != &own_.channels.back()) {
+    entry = std::move(own_.channels.back());
+    places_[entry.channel] = place->second;
+  }
+  own_.channels.pop_back();
+  places_.erase(place);
 }
 
 void Announcer::UseRegistry(std::unique_ptr<Discovery> registry) {
@@ -99,10 +111,29 @@ void Announcer::Tell(Discovery& discovery, const std::string& listeners) {
   }
 }
 
+// A program that advertises thousands of channels in a row announces them a few times, not once each.
 void Announcer::Announce() {
   const std::scoped_lock lock(mutex_);
+  if (waits_ || (!registry_ && !beacon_)) return;
+  const auto now = Clock::now();
+  if (now >= next_) {
+    TellAll();
+    return;
+  }
+  waits_ = true;
+  later_(next_ - now, [this] {
+    const std::scoped_lock errand_lock(mutex_);
+    waits_ = false;
+    TellAll();
+  });
+}
+
+void Announcer::TellAll() {
+  const auto start = Clock::now();
   if (registry_) Tell(*registry_, "this host");
   if (beacon_) Tell(*beacon_, "this network");
+  const auto end = Clock::now();
+  next_ = end + std::max<Clock::duration>(kLeastPause, kPausePerWork * (end - start));
 }
 
 bool Announcer::IsExcludedHere(const Announcement& peer) const { return !ListNames(only_, peer.process); }

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <chrono>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "hgros/base/log.hpp"
@@ -17,9 +21,12 @@ namespace hgros {
 /// Thread safety: all functions.
 class Announcer {
  public:
+  /// Runs an errand after a delay, on another thread.
+  using Later = std::function<void(std::chrono::nanoseconds delay, std::function<void()> errand)>;
+
   /// On this host the session connects with the processes that `only` names, or with all if it is empty. `log`
-  /// outlives it.
-  Announcer(SessionId session, const std::string& process, std::vector<std::string> only, Log& log);
+  /// outlives it. No errand may run after its end.
+  Announcer(SessionId session, const std::string& process, std::vector<std::string> only, Later later, Log& log);
 
   /// From now on others find the session at this place.
   void SetPlace(const std::string& transport_key, const std::string& place);
@@ -36,7 +43,7 @@ class Announcer {
   void UseBeacon(std::unique_ptr<Discovery> beacon);
   /// Ends both: no further session is found.
   void Close() noexcept;
-  /// Passes the changes to others.
+  /// Passes the changes to others, at once or within milliseconds.
   void Announce();
 
   /// The sessions of this host that this one must connect with.
@@ -48,15 +55,23 @@ class Announcer {
   [[nodiscard]] Announcement own() const;
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   [[nodiscard]] ChannelAnnouncement& Channel(const std::string& channel, const TypeInfo& type,
                                              const TransportKeys& transports);
+  void EndUse(const std::string& channel, bool ChannelUse::*use);
+  void TellAll();
   void Tell(Discovery& discovery, const std::string& listeners);
 
   Log& log_;
   const std::string process_;
   const std::vector<std::string> only_;
+  const Later later_;
   mutable std::mutex mutex_;  // Guards what follows: a subscription may end while the session does.
   Announcement own_;
+  std::unordered_map<std::string, std::size_t> places_;  // In own_.channels, by channel.
+  Clock::time_point next_{};                             // No announcement before this time.
+  bool waits_ = false;                                   // An errand will announce.
   std::unique_ptr<Discovery> registry_;
   std::unique_ptr<Discovery> beacon_;
 };

@@ -1,5 +1,6 @@
 #include "bridge/bridge_core.hpp"
 
+#include <bit>
 #include <type_traits>
 #include <utility>
 
@@ -59,7 +60,7 @@ BridgeCore::BridgeCore(BridgeOptions options, TransportListener& listener, Log& 
              AnnouncementOfThisProcess(options_.zmq.session, 0).host),
       open_(transports_),
       ruled_(!rules_.empty()),
-      announcer_(options_.zmq.session, options_.zmq.process, options_.only, log) {
+      announcer_(options_.zmq.session, options_.zmq.process, options_.only, options_.later, log) {
   for (TransportIndex i = 0; i < transports_.size(); ++i) ears_.emplace_back(*this, i);
   try {
     OpenAll();
@@ -156,7 +157,8 @@ void BridgeCore::Join(std::vector<std::weak_ptr<Joined>>& list, const std::share
   const TransportSet rule = transports_.SetOf(KeysFor(joined->channel()));
   {
     const std::scoped_lock lock(lists_);
-    std::erase_if(list, [](const auto& entry) { return entry.expired(); });
+    // Only when the list has doubled, so that many channels are joined in linear time.
+    if (std::has_single_bit(list.size())) std::erase_if(list, [](const auto& entry) { return entry.expired(); });
     list.push_back(joined);
     if constexpr (std::is_same_v<Joined, JoinedInbound>) {
       for (const SessionId peer : peers_.Moving()) MoveChannel(*joined, peer);

@@ -155,6 +155,13 @@ std::string ListedAs(const std::string& channel) {
   return "hgros/call/" + channel.substr(name);
 }
 
+void LogTooManyChannels(Log& log, const PeerInfo& peer, const std::string& channel, std::string_view transport) {
+  log.WriteLimited(LogLevel::kError, "too many channels of " + peer.id.ToString(),
+                   "This session subscribes to more than " + std::to_string(kMaxChannels) + " channels: \"" + channel +
+                       "\" is not received from session " + peer.name() + " through " + std::string(transport) +
+                       ". Subscribe to fewer channels, or split the program into two sessions.");
+}
+
 void RequireTypeName(const TypeInfo& type) {
   if (type.name.size() <= kMaxTypeNameBytes) return;
   throw Error("The type's name has " + std::to_string(type.name.size()) + " bytes, more than " +

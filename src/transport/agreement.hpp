@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "hgros/base/ids.hpp"
+#include "hgros/base/log.hpp"
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/codec/type_info.hpp"
 #include "hgros/control.pb.h"
@@ -18,6 +19,9 @@ namespace hgros {
 // The facts that two sessions exchange about themselves and their types, and how these are compared: the same for all
 // transports.
 
+/// Channels that one session can receive from another over one transport. It also limits the memory that a peer can
+/// take.
+inline constexpr std::size_t kMaxChannels = 16384;
 /// The longest type name that can be asked for.
 inline constexpr std::size_t kMaxTypeNameBytes = 1024;
 /// Sessions of this minor version and later get Offers when channels come and go.
@@ -71,6 +75,10 @@ enum class TypeFit {
 /// The name that allows the channel in an endpoint's list of channels. This is the channel's own name; for replies to
 /// a caller (hgros/reply/ID/NAME) it is the name of the requests (hgros/call/NAME).
 [[nodiscard]] std::string ListedAs(const std::string& channel);
+
+/// Logs that the session subscribes to more than kMaxChannels, and that `channel` is therefore not received from
+/// `peer`.
+void LogTooManyChannels(Log& log, const PeerInfo& peer, const std::string& channel, std::string_view transport);
 
 /// Throws Error if the type's name is longer than kMaxTypeNameBytes.
 void RequireTypeName(const TypeInfo& type);

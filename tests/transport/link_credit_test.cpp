@@ -9,23 +9,34 @@
 namespace hgros::zmq {
 namespace {
 
-bool Woken(Waker& waker) {
-  pollfd fd{waker.fd(), POLLIN, 0};
-  const bool woken = poll(&fd, 1, 0) == 1;
-  waker.Clear();
-  return woken;
-}
+struct Link {
+  Link(std::uint64_t messages, std::uint64_t bytes)
+      : credit(std::make_shared<LinkCredit>(messages, bytes, "scan", due)) {}
+
+  // Whether the thread that sends credit was woken since the last call.
+  bool Woken() {
+    pollfd fd{waker->fd(), POLLIN, 0};
+    const bool woken = poll(&fd, 1, 0) == 1;
+    waker->Clear();
+    return woken;
+  }
+
+  std::shared_ptr<Waker> waker = std::make_shared<Waker>();
+  std::shared_ptr<DueCredits> due = std::make_shared<DueCredits>(waker);
+  std::shared_ptr<LinkCredit> credit;
+};
 
 TEST(LinkCredit, WakesWhenAQuarterOfTheWindowWasConsumed) {
-  auto waker = std::make_shared<Waker>();
-  auto credit = std::make_shared<LinkCredit>(16, 1 << 20, waker);
+  Link link(16, 1 << 20);
+  const auto& credit = link.credit;
   std::vector<std::shared_ptr<const void>> tokens;
   for (int i = 0; i < 8; ++i) tokens.push_back(credit->AdmitMessage(1));
   for (int i = 0; i < 3; ++i) tokens.pop_back();
-  EXPECT_FALSE(Woken(*waker));
+  EXPECT_FALSE(link.Woken());
   tokens.pop_back();
-  EXPECT_TRUE(Woken(*waker));
-  EXPECT_TRUE(credit->AnswerWake());
+  EXPECT_TRUE(link.Woken());
+  EXPECT_EQ(link.due->Take(), credit);
+  credit->OnTaken();
   LinkCredit::Totals totals;
   ASSERT_TRUE(credit->CollectNews(totals));
   EXPECT_EQ(totals.messages, 4u);
@@ -34,24 +45,57 @@ TEST(LinkCredit, WakesWhenAQuarterOfTheWindowWasConsumed) {
 }
 
 TEST(LinkCredit, WakesForTheFirstMessageWhenThePublisherHasUsedUpItsCredit) {
-  auto waker = std::make_shared<Waker>();
-  auto credit = std::make_shared<LinkCredit>(16, 1 << 20, waker);
+  Link link(16, 1 << 20);
+  const auto& credit = link.credit;
   std::vector<std::shared_ptr<const void>> tokens;
   for (int i = 0; i < 16; ++i) tokens.push_back(credit->AdmitMessage(1));
   tokens.pop_back();
-  EXPECT_TRUE(Woken(*waker));
+  EXPECT_TRUE(link.Woken());
+}
+
+TEST(LinkCredit, IsDueWithoutAWakeUpWhenTheLastCreditIsUsedUp) {
+  Link link(16, 1 << 20);
+  std::vector<std::shared_ptr<const void>> tokens;
+  for (int i = 0; i < 15; ++i) tokens.push_back(link.credit->AdmitMessage(1));
+  tokens.pop_back();
+  EXPECT_TRUE(link.due->empty());
+  tokens.push_back(link.credit->AdmitMessage(1));
+  link.credit->OnReceived();
+  EXPECT_FALSE(link.Woken());
+  EXPECT_EQ(link.due->Take(), link.credit);
+}
+
+TEST(LinkCredit, IsListedOnceUntilItIsTaken) {
+  Link link(4, 1 << 20);
+  for (int i = 0; i < 3; ++i) link.credit->SkipMessage(1);
+  EXPECT_EQ(link.due->Take(), link.credit);
+  EXPECT_EQ(link.due->Take(), nullptr);
+  EXPECT_TRUE(link.due->empty());
+  link.credit->OnTaken();
+  link.credit->SkipMessage(1);
+  EXPECT_EQ(link.due->Take(), link.credit);
+}
+
+TEST(LinkCredit, IsNotTakenAfterItsEnd) {
+  Link link(1, 1 << 20);
+  link.credit->SkipMessage(1);
+  EXPECT_FALSE(link.due->empty());
+  link.credit.reset();
+  EXPECT_EQ(link.due->Take(), nullptr);
+  EXPECT_TRUE(link.due->empty());
 }
 
 TEST(LinkCredit, CountsBytesLikeMessages) {
-  auto waker = std::make_shared<Waker>();
-  auto credit = std::make_shared<LinkCredit>(1000, 100, waker);
+  Link link(1000, 100);
+  const auto& credit = link.credit;
   auto token = credit->AdmitMessage(30);
   token.reset();
-  EXPECT_TRUE(Woken(*waker));
+  EXPECT_TRUE(link.Woken());
 }
 
 TEST(LinkCredit, ShrunkWindowStillAdmitsMessagesUpToTheWidestWindow) {
-  auto credit = std::make_shared<LinkCredit>(4, 1 << 20, std::make_shared<Waker>());
+  Link link(4, 1 << 20);
+  const auto& credit = link.credit;
   credit->SetWindow(2, 1 << 20);
   std::vector<std::shared_ptr<const void>> tokens;
   for (int i = 0; i < 2; ++i) tokens.push_back(credit->AdmitMessage(1));
@@ -64,7 +108,8 @@ TEST(LinkCredit, ShrunkWindowStillAdmitsMessagesUpToTheWidestWindow) {
 }
 
 TEST(LinkCredit, ASkippedMessageIsConsumedAtOnce) {
-  auto credit = std::make_shared<LinkCredit>(16, 1 << 20, std::make_shared<Waker>());
+  Link link(16, 1 << 20);
+  const auto& credit = link.credit;
   credit->SkipMessage(7);
   EXPECT_EQ(credit->received(), 1u);
   EXPECT_EQ(credit->in_flight().messages, 0u);
@@ -74,8 +119,8 @@ TEST(LinkCredit, ASkippedMessageIsConsumedAtOnce) {
 }
 
 TEST(LinkCredit, TokensMayOutliveTheLinkAndEndOnAnyThread) {
-  auto waker = std::make_shared<Waker>();
-  auto credit = std::make_shared<LinkCredit>(64, 1 << 20, waker);
+  Link link(64, 1 << 20);
+  const auto& credit = link.credit;
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t) {
     std::vector<std::shared_ptr<const void>> tokens;

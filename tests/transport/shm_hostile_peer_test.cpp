@@ -175,7 +175,10 @@ TEST_F(HostilePeer, RefusesInvalidPages) {
   ExpectBadHello([](auto&, auto& handles) { handles.pop_back(); }, "did not send its memory");
   ExpectBadHello([](auto&, auto& handles) { handles[0] = FalsePeer::Copy(FalsePeer::Page<BellPage>(kLaneMagic)); },
                  "not a bell of this layout");
-  ExpectBadHello([](auto&, auto& handles) { std::swap(handles[1], handles[2]); }, "bytes instead of");
+  ExpectBadHello([](auto&, auto& handles) { std::swap(handles[1], handles[2]); }, "not a lane of this layout");
+  lines.clear();
+  ExpectBadHello([](auto&, auto& handles) { handles[1] = FileOf(sizeof(LanePage) / 2, true); },
+                 "bytes instead of " + std::to_string(sizeof(LanePage)));
   ExpectBadHello([](auto&, auto& handles) { handles[1] = FalsePeer::Copy(FalsePeer::Page<LanePage>(7)); },
                  "not a lane of this layout");
   ExpectBadHello([](auto&, auto& handles) { handles[2] = FalsePeer::Copy(FalsePeer::Page<SlipPage>(7)); },

@@ -11,7 +11,7 @@
 namespace hgros::discovery {
 
 inline constexpr std::uint32_t kFileVersion = 1;
-inline constexpr std::size_t kMaxFileBytes = 1 << 20;
+inline constexpr std::size_t kMaxFileBytes = 4 << 20;
 inline constexpr std::size_t kMaxPathBytes = 4096;
 inline constexpr std::size_t kMaxEndpoints = 16;
 inline constexpr std::size_t kMaxPlaces = 16;  // Also the limit of transports that a channel names.

@@ -9,7 +9,7 @@
 namespace hgros::shm {
 namespace {
 
-constexpr std::size_t kMaxWishes = kCells;
+static_assert(kMaxChannels == kCells);
 
 wire::PairMessage GrantedFrame(const OutChannel& core, const wire::Wish& asked, const Demand& granted) {
   wire::PairMessage said;
@@ -73,7 +73,7 @@ void OfferedChannels::OnWish(Pair& pair, const wire::Wish& asked) {
     const std::scoped_lock lock(mutex_);
     if (!pair.alive) return;
     if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
-        asked.cell() >= kCells || (pair.wishes.size() >= kMaxWishes && !pair.wishes.contains(name))) {
+        asked.cell() >= kCells || (pair.wishes.size() >= kMaxChannels && !pair.wishes.contains(name))) {
       sockets_.Distrust(pair, "it sends an invalid wish");
       return;
     }

@@ -87,10 +87,7 @@ void WantedChannels::Ask(Pair& pair, const std::shared_ptr<InboundCore>& core) {
     SendWish(pair, *link);
     return;
   }
-  session_.log.WriteLimited(LogLevel::kError, "shm cells",
-                            "More than " + std::to_string(kCells) + " channels are subscribed to at " + NameOf(pair) +
-                                ": \"" + core->name +
-                                "\" is not received through shared memory. Subscribe to fewer channels.");
+  LogTooManyChannels(session_.log, pair.facts.info, core->name, "shared memory");
 }
 
 void WantedChannels::SendWish(Pair& pair, InLink& link) {

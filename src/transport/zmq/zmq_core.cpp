@@ -25,14 +25,18 @@ Endpoint& Require(std::vector<std::shared_ptr<Endpoint>>& list, const std::strin
   return **found;
 }
 
-template <typename Cores>
-void RequireNew(const Cores& cores, const std::string& channel, std::string_view what) {
-  for (const auto& core : cores) {
-    if (core->name == channel) {
-      throw Error("Channel " + channel + " is " + std::string(what) + " here already.", {},
-                  "Share the first object, or destroy it first.");
-    }
-  }
+template <typename Core>
+void AddNew(std::map<std::string, std::shared_ptr<Core>>& cores, const std::shared_ptr<Core>& core,
+            std::string_view what) {
+  if (cores.emplace(core->name, core).second) return;
+  throw Error("Channel " + core->name + " is " + std::string(what) + " here already.", {},
+              "Share the first object, or destroy it first.");
+}
+
+template <typename Core>
+void Remove(std::map<std::string, std::shared_ptr<Core>>& cores, const std::shared_ptr<Core>& core) {
+  const auto found = cores.find(core->name);
+  if (found != cores.end() && found->second == core) cores.erase(found);
 }
 
 void CallAll(Actions& actions) {
@@ -94,7 +98,7 @@ void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
     throw Error("This session publishes at " + endpoint.endpoint + " already.", {}, "Name it once, with all channels.");
   }
   auto added = std::make_shared<PublisherEndpoint>(shared_, endpoint);
-  for (const auto& core : outbound_) added->Offer(core);
+  for (const auto& [name, core] : outbound_) added->Offer(core);
   poller_.Add(added->fd(), added->input());
   publishers_.push_back(std::move(added));
   ++version_;
@@ -108,8 +112,9 @@ void ZmqCore::AddSubscriber(const SubscribeEndpoint& endpoint) {
     throw Error("This session subscribes at " + endpoint.endpoint + " already.", {},
                 "Name it once, with all channels.");
   }
-  auto added = std::make_shared<SubscriberEndpoint>(shared_, endpoint, [this] { AskAgain(); });
-  for (const auto& core : inbound_) added->Subscribe(core);
+  auto added =
+      std::make_shared<SubscriberEndpoint>(shared_, endpoint, [this](const InboundCore* core) { AskAgain(core); });
+  for (const auto& [name, core] : inbound_) added->Subscribe(core);
   poller_.Add(added->fd(), added->input());
   poller_.Add(added->monitor_fd(), added->monitor_input());
   subscribers_.push_back(std::move(added));
@@ -122,7 +127,7 @@ bool ZmqCore::RemovePublisher(const std::string& endpoint) {
   const auto found = Find(publishers_, endpoint);
   if (found == publishers_.end()) return false;
   Actions actions;
-  for (const auto& core : outbound_) (*found)->Withdraw(core, actions);
+  for (const auto& [name, core] : outbound_) (*found)->Withdraw(core, actions);
   (*found)->Close(static_cast<int>(shared_.options.linger.count()), actions);
   shared_.PostActions(std::move(actions));
   old_publishers_.push_back(std::move(*found));
@@ -177,8 +182,7 @@ std::vector<SessionChannels> ZmqCore::KnownChannels() const {
 
 void ZmqCore::Offer(const std::shared_ptr<OutboundCore>& core) {
   const std::unique_lock lock(mutex_);
-  RequireNew(outbound_, core->name, "advertised");
-  outbound_.insert(core);
+  AddNew(outbound_, core, "advertised");
   for (const auto& endpoint : publishers_) endpoint->Offer(core);
 }
 
@@ -186,7 +190,7 @@ void ZmqCore::Withdraw(const std::shared_ptr<OutboundCore>& core) {
   Actions unheard;
   {
     const std::unique_lock lock(mutex_);
-    outbound_.erase(core);
+    Remove(outbound_, core);
     for (const auto& endpoint : publishers_) endpoint->Withdraw(core, unheard);
   }
   core->gate.Close();
@@ -194,15 +198,14 @@ void ZmqCore::Withdraw(const std::shared_ptr<OutboundCore>& core) {
 
 void ZmqCore::Want(const std::shared_ptr<InboundCore>& core) {
   const std::unique_lock lock(mutex_);
-  RequireNew(inbound_, core->name, "subscribed to");
-  inbound_.insert(core);
+  AddNew(inbound_, core, "subscribed to");
   for (const auto& endpoint : subscribers_) endpoint->Subscribe(core);
 }
 
 void ZmqCore::Unwant(const std::shared_ptr<InboundCore>& core) {
   {
     const std::unique_lock lock(mutex_);
-    inbound_.erase(core);
+    Remove(inbound_, core);
     for (const auto& endpoint : subscribers_) endpoint->Unsubscribe(core);
   }
   core->Close();
@@ -213,9 +216,9 @@ void ZmqCore::ChangeDemand(const std::shared_ptr<InboundCore>& core) {
   for (const auto& endpoint : subscribers_) endpoint->UpdateDemand(core);
 }
 
-void ZmqCore::AskAgain() {
+void ZmqCore::AskAgain(const InboundCore* core) {
   const std::shared_lock lock(mutex_);
-  for (const auto& endpoint : subscribers_) endpoint->AskAgain();
+  for (const auto& endpoint : subscribers_) endpoint->AskAgain(core);
 }
 
 PublishStatus ZmqCore::Reserve(OutboundCore& core) {

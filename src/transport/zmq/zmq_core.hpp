@@ -3,10 +3,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <shared_mutex>
 #include <string>
 #include <vector>
@@ -49,7 +49,8 @@ class ZmqCore : public LeaderPool::Input {
   void Want(const std::shared_ptr<InboundCore>& core);
   void Unwant(const std::shared_ptr<InboundCore>& core);
   void ChangeDemand(const std::shared_ptr<InboundCore>& core);
-  void AskAgain();
+  /// Asks for channels whose claims are free now; only for that of `core`, if it is not null.
+  void AskAgain(const InboundCore* core);
   [[nodiscard]] static bool Asks(const InboundCore& core, SessionId publisher) { return core.IsClaimed(publisher); }
 
   [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
@@ -89,8 +90,8 @@ class ZmqCore : public LeaderPool::Input {
   // Closed, but calls into them may still be active. They end with the transport.
   std::vector<std::shared_ptr<PublisherEndpoint>> old_publishers_;
   std::vector<std::shared_ptr<SubscriberEndpoint>> old_subscribers_;
-  std::set<std::shared_ptr<OutboundCore>> outbound_;
-  std::set<std::shared_ptr<InboundCore>> inbound_;
+  std::map<std::string, std::shared_ptr<OutboundCore>> outbound_;  // By channel.
+  std::map<std::string, std::shared_ptr<InboundCore>> inbound_;
   std::atomic<std::uint64_t> version_{1};
   bool closed_ = false;
   // Belong to the leading thread.

@@ -78,7 +78,7 @@ class OwningZmqTransport final : public ZmqTransport {
     return core_->RemoveSubscriber(endpoint);
   }
   void AskAgain() override {
-    if (!core_->IsChild()) core_->AskAgain();
+    if (!core_->IsChild()) core_->AskAgain(nullptr);
   }
   std::vector<std::string> BoundEndpoints() const override { return core_->BoundEndpoints(); }
   std::vector<SessionChannels> KnownChannels() const override { return core_->KnownChannels(); }

@@ -2,6 +2,7 @@
 
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -24,8 +25,6 @@ Slip::Slip(Segment segment, std::shared_ptr<const Handle> socket, std::shared_pt
       fork_(std::move(fork)) {
   page().magic = kSlipMagic;
   page().version = kLayoutVersion;
-  free_cells_.reserve(kCells);
-  for (std::uint32_t cell = kCells; cell-- > 0;) free_cells_.push_back(cell);
 }
 
 // This shows the publisher that its memory is no longer read here.
@@ -52,9 +51,17 @@ void Slip::Return(std::uint32_t slot) noexcept {
 
 std::optional<std::uint32_t> Slip::AllocateCell() {
   const std::scoped_lock lock(mutex_);
-  if (free_cells_.empty()) return std::nullopt;
-  const std::uint32_t cell = free_cells_.back();
-  free_cells_.pop_back();
+  std::uint32_t cell = used_cells_;
+  if (!free_cells_.empty()) {
+    cell = free_cells_.back();
+    free_cells_.pop_back();
+  } else if (used_cells_ == kCells) {
+    return std::nullopt;
+  } else {
+    ++used_cells_;
+    // FreeCell() must not allocate.
+    if (free_cells_.capacity() < used_cells_) free_cells_.reserve(std::min(2 * used_cells_, kCells));
+  }
   page().cells[cell].messages.store(0);
   page().cells[cell].bytes.store(0);
   return cell;

@@ -64,8 +64,9 @@ class Slip {
   std::shared_ptr<Mapping> lane_;
   std::shared_ptr<const PeerBell> bell_;
   std::atomic<std::size_t> held_{0};
-  std::mutex mutex_;  // Guards the ring of slots and the cells that are free.
-  std::vector<std::uint32_t> free_cells_;
+  std::mutex mutex_;                       // Guards the ring of slots and the cells that are free.
+  std::uint32_t used_cells_ = 0;           // Cells from here on were never used, so their memory is not touched.
+  std::vector<std::uint32_t> free_cells_;  // Used before.
 };
 
 /// The receiving end of the lane from one peer.

@@ -10,7 +10,7 @@ namespace hgros::shm {
 ///
 /// Each page except the bell has one writer: the publishing session writes the lane, the receiving session writes the
 /// slip. A session that reads a peer's page copies each value once and checks the copy.
-inline constexpr std::uint32_t kLayoutVersion = 1;
+inline constexpr std::uint32_t kLayoutVersion = 2;
 
 inline constexpr std::uint32_t kBellMagic = 0x4c454248;
 inline constexpr std::uint32_t kLaneMagic = 0x454e4c48;
@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kMaxPeers = 1024;
 /// Messages in flight or held between two sessions, in one direction. A power of two.
 inline constexpr std::uint32_t kSlots = 512;
 /// Channels between two sessions, in one direction.
-inline constexpr std::uint32_t kCells = 1024;
+inline constexpr std::uint32_t kCells = 16384;
 
 /// Segments of one session at a time. A receiver accepts twice as many: it may hear late that some were removed.
 inline constexpr std::uint32_t kMaxSegments = 4096;
@@ -102,7 +102,7 @@ static_assert(offsetof(Descriptor, publish_time_ns) == 64 && offsetof(Descriptor
 static_assert(offsetof(Descriptor, latched) == 80 && offsetof(Descriptor, reserved) == 84);
 static_assert(sizeof(LanePage) == 65728 && offsetof(LanePage, written) == 64 && offsetof(LanePage, hungry) == 128);
 static_assert(offsetof(LanePage, heartbeat) == 132 && offsetof(LanePage, descriptors) == 192);
-static_assert(sizeof(SlipPage) == 18560 && offsetof(SlipPage, returned) == 64 && offsetof(SlipPage, heartbeat) == 72);
+static_assert(sizeof(SlipPage) == 264320 && offsetof(SlipPage, returned) == 64 && offsetof(SlipPage, heartbeat) == 72);
 static_assert(offsetof(SlipPage, slots) == 128 && offsetof(SlipPage, cells) == 2176 && sizeof(CreditCell) == 16);
 
 }  // namespace hgros::shm

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "transport/agreement.hpp"
+#include "transport/zmq/control.hpp"
 
 namespace hgros::zmq {
 namespace {
@@ -49,8 +50,13 @@ std::vector<PublishedChannels::Channel*> PublishedChannels::SetAllowed(const Cha
 }
 
 void PublishedChannels::AddOffers(google::protobuf::RepeatedPtrField<wire::ChannelType>& offers) const {
+  std::size_t bytes = 0;
   for (const auto& [name, channel] : channels_) {
-    if (channel.allowed) WriteType(name, channel.core->type, *offers.Add());
+    if (!channel.allowed) continue;
+    WriteType(name, channel.core->type, *offers.Add());
+    bytes += offers.rbegin()->ByteSizeLong();
+    // Only lists of channels show the offers: channels are asked for by name.
+    if (bytes > kMaxControlBytes / 2) return;
   }
 }
 

@@ -9,8 +9,6 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr std::size_t kMaxWishes = 4096;  // Limit for one peer.
-
 /// Makes sure that the messages are destroyed when no mutex is held.
 void EndLater(PeerChannel::Dropped&& messages, Actions& actions) {
   if (!messages.empty()) actions.emplace_back([ended = std::move(messages)] {});
@@ -50,7 +48,7 @@ void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& ask
   if (asked.handshake() != peer.handshake) return;
   const std::string& name = asked.wanted().channel();
   if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
-      (peer.wishes.size() >= kMaxWishes && !peer.wishes.contains(name))) {
+      (peer.wishes.size() >= kMaxChannels && !peer.wishes.contains(name))) {
     shared_.CountFault(PacketFault::kHead, peer.name(), "an invalid subscription");
     return;
   }

@@ -11,12 +11,12 @@ constexpr std::uint64_t kWindowsInFlight = 4;
 
 }  // namespace
 
-void InLink::Begin(const wire::Subscribed& answer, const std::shared_ptr<Waker>& waker) {
+void InLink::Begin(const wire::Subscribed& answer, const std::shared_ptr<DueCredits>& due) {
   End();
   id = answer.link();
   fingerprint = answer.offered().fingerprint();
   credit = std::make_shared<LinkCredit>(std::min<std::uint64_t>(answer.credit_messages(), asked_messages),
-                                        std::min(answer.credit_bytes(), asked_bytes), waker);
+                                        std::min(answer.credit_bytes(), asked_bytes), core->name, due);
 }
 
 void InLink::SetWindow(const wire::Subscribed& answer) {

@@ -17,7 +17,7 @@ namespace hgros::zmq {
 /// received + 1. Others are repeats, or the first ones after a cut, which will be sent again.
 struct InLink {
   /// Accepts packets of this link from here on.
-  void Begin(const wire::Subscribed& answer, const std::shared_ptr<Waker>& waker);
+  void Begin(const wire::Subscribed& answer, const std::shared_ptr<DueCredits>& due);
   /// Sets the window that was granted, but no more than was asked for.
   void SetWindow(const wire::Subscribed& answer);
   /// The link has ended. Messages in flight keep its account.

@@ -32,6 +32,7 @@ bool PacketReader::Read(const Message& topic_frame, std::vector<Message>& frames
       return true;
     }
     packet.credit = link.credit->AdmitMessage(bytes);
+    link.credit->OnReceived();
     packet.from = publisher_.id();
     packet.fingerprint = link.fingerprint;
     packet.schema = link.schema;

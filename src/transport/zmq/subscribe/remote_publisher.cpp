@@ -3,15 +3,10 @@
 #include <utility>
 
 namespace hgros::zmq {
-namespace {
-
-constexpr std::size_t kMaxOffers = 4096;  // A limit against a publisher that could fill the memory.
-
-}  // namespace
 
 void RemotePublisher::AddOffer(const wire::ChannelType& offered) {
   auto use = ReadUse(offered);
-  if (!use || (offers.size() >= kMaxOffers && !offers.contains(offered.channel()))) return;
+  if (!use || (offers.size() >= kMaxChannels && !offers.contains(offered.channel()))) return;
   use->publishes = true;
   offers.insert_or_assign(offered.channel(), std::move(*use));
 }

@@ -10,8 +10,12 @@
 namespace hgros::zmq {
 
 SubscribedChannels::SubscribedChannels(SharedState& shared, PublisherConnection& connection, RemotePublisher& publisher,
-                                       const ChannelList& allowed, std::function<void()> claims_freed)
-    : shared_(shared), connection_(connection), publisher_(publisher), claims_freed_(std::move(claims_freed)) {
+                                       const ChannelList& allowed, ClaimsFreed claims_freed)
+    : shared_(shared),
+      connection_(connection),
+      publisher_(publisher),
+      claims_freed_(std::move(claims_freed)),
+      due_(std::make_shared<DueCredits>(shared.waker)) {
   if (allowed) allowed_.emplace(allowed->begin(), allowed->end());
 }
 
@@ -68,27 +72,32 @@ void SubscribedChannels::SetPlain(InLink& link, bool plain) {
   if (link.plain == plain) return;
   link.plain = plain;
   // One account for all connections: messages of an earlier connection are still in flight.
-  if (plain && !link.plain_credit) link.plain_credit = std::make_shared<LinkCredit>(0, 0, shared_.waker);
+  if (plain && !link.plain_credit) link.plain_credit = std::make_shared<LinkCredit>(0, 0, link.core->name, due_);
   link.SetPlainWindow();
   connection_.SubscribeTopic(link.core->plain_topic, plain);
 }
 
 void SubscribedChannels::AskForAll() {
   for (auto& [name, link] : links_) {
-    link.asked = false;
+    SetAsked(link, false);
     Ask(link);
   }
 }
 
-void SubscribedChannels::AskAgain(Actions& actions) {
+void SubscribedChannels::AskAgain(const InboundCore* core, Actions& actions) {
+  if (core == nullptr) {
+    for (auto& [name, link] : links_) AskAgain(link, actions);
+  } else if (InLink* const link = Find(core->name)) {
+    AskAgain(*link, actions);
+  }
+}
+
+void SubscribedChannels::AskAgain(InLink& link, Actions& actions) {
   const auto& takes = shared_.options.takes;
-  for (auto& [name, link] : links_) {
-    const bool moved = link.asked && publisher_.known() && takes && !takes(publisher_.id(), name);
-    if (moved) {
-      StopAsking(link, {}, actions);
-    } else {
-      Ask(link);
-    }
+  if (link.asked && publisher_.known() && takes && !takes(publisher_.id(), link.core->name)) {
+    StopAsking(link, {}, actions);
+  } else {
+    Ask(link);
   }
 }
 
@@ -101,14 +110,23 @@ void SubscribedChannels::DropAll(Actions& actions) {
 void SubscribedChannels::Ask(InLink& link) {
   if (!publisher_.alive || !link.allowed || link.asked) return;
   if (shared_.options.takes && !shared_.options.takes(publisher_.id(), link.core->name)) return;
+  if (asked_ >= kMaxChannels) {
+    LogTooManyChannels(shared_.log, publisher_.facts.info, link.core->name, "ZeroMQ");
+    return;
+  }
   // Keeps the claim until an answer says that the channel is not available here.
   if (!link.core->Claim(publisher_.id(), this, publisher_.handshake)) return;
   if (!link.subscribed) {
     link.subscribed = true;
     connection_.SubscribeTopic(PeerTopic(link.core->name, shared_.self.info.id), true);
   }
-  link.asked = true;
+  SetAsked(link, true);
   SendSubscribe(link, false);
+}
+
+void SubscribedChannels::SetAsked(InLink& link, bool asked) {
+  if (std::exchange(link.asked, asked) == asked) return;
+  asked_ += asked ? 1 : std::size_t(-1);
 }
 
 void SubscribedChannels::SendSubscribe(InLink& link, bool change_only) {
@@ -148,7 +166,7 @@ void SubscribedChannels::OnSubscribed(const wire::Subscribed& subscribed, Action
     // before it was withdrawn.
     if (link->subscribed) connection_.SubscribeTopic(PeerTopic(name, shared_.self.info.id), false);
     link->subscribed = false;
-    link->asked = false;
+    SetAsked(*link, false);
     return;
   }
   if (link == nullptr || !link->asked) {
@@ -188,11 +206,11 @@ bool SubscribedChannels::BeginLink(InLink& link, const wire::Subscribed& subscri
   if (!fault.empty()) {
     const std::string what = DescribeMismatch(subscribed.offered(), type) + ": " + fault;
     StopAsking(link, what, actions);
-    link.asked = true;  // And refused: it is not asked for again before the next Welcome.
+    SetAsked(link, true);  // And refused: it is not asked for again before the next Welcome.
     ReportMismatch(name, what, actions);
     return false;
   }
-  link.Begin(subscribed, shared_.waker);
+  link.Begin(subscribed, due_);
   link.schema = nullptr;
   if (IsAnyType(type) || !subscribed.descriptor_set().empty()) {
     link.schema = ReadSchema(subscribed.offered(), subscribed.descriptor_set());
@@ -221,7 +239,8 @@ bool SubscribedChannels::IsClaimedBeside(const InLink& link) const {
 }
 
 void SubscribedChannels::ReleaseClaim(const InLink& link, Actions& actions) {
-  if (publisher_.known() && link.core->Release(publisher_.id(), this)) AddClaimsFreed(actions);
+  if (!publisher_.known() || !link.core->Release(publisher_.id(), this)) return;
+  actions.emplace_back([freed = claims_freed_, core = link.core] { freed(core.get()); });
 }
 
 void SubscribedChannels::ReportMismatch(const std::string& channel, const std::string& what, Actions& actions) {
@@ -241,7 +260,7 @@ void SubscribedChannels::StopAsking(InLink& link, std::string_view mismatch, Act
     connection_.SubscribeTopic(PeerTopic(link.core->name, shared_.self.info.id), false);
   }
   if (link.asked && publisher_.alive && !IsClaimedBeside(link)) SendUnsubscribe(link.core->name, mismatch);
-  link.asked = false;
+  SetAsked(link, false);
   ReleaseClaim(link, actions);
   EndLink(link, actions);
 }
@@ -250,7 +269,7 @@ bool SubscribedChannels::OnPublisherLost(bool for_good, Actions& actions) {
   bool freed = false;
   for (auto& [name, link] : links_) {
     freed = link.core->Release(publisher_.id(), this) || freed;
-    link.asked = false;
+    SetAsked(link, false);
     if (for_good) {
       EndLink(link, actions);
     } else if (std::exchange(link.active, false)) {
@@ -260,18 +279,28 @@ bool SubscribedChannels::OnPublisherLost(bool for_good, Actions& actions) {
   return freed;
 }
 
-void SubscribedChannels::SendCredit() {
-  for (auto& [name, link] : links_) {
-    LinkCredit::Totals consumed;
-    if (link.id == 0 || !link.credit->CollectNews(consumed)) continue;
-    auto message = ControlFrom(shared_.self.info.id);
-    auto& credit = *message.mutable_credit();
-    credit.set_channel(name);
-    credit.set_link(link.id);
-    credit.set_consumed_messages(consumed.messages);
-    credit.set_consumed_bytes(consumed.bytes);
-    connection_.Send(message);
+void SubscribedChannels::SendCredit(bool all) {
+  while (const auto credit = due_->Take()) {
+    credit->OnTaken();
+    InLink* const link = Find(credit->channel());
+    if (link != nullptr && link->credit == credit) SendCredit(*link);
   }
+  if (!all) return;
+  for (auto& [name, link] : links_) {
+    if (link.id != 0) SendCredit(link);
+  }
+}
+
+void SubscribedChannels::SendCredit(InLink& link) {
+  LinkCredit::Totals consumed;
+  if (!link.credit->CollectNews(consumed)) return;
+  auto message = ControlFrom(shared_.self.info.id);
+  auto& credit = *message.mutable_credit();
+  credit.set_channel(link.core->name);
+  credit.set_link(link.id);
+  credit.set_consumed_messages(consumed.messages);
+  credit.set_consumed_bytes(consumed.bytes);
+  connection_.Send(message);
 }
 
 }  // namespace hgros::zmq

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -19,6 +19,9 @@
 
 namespace hgros::zmq {
 
+/// The claim to the channel of `core` is free now; to several, if it is null.
+using ClaimsFreed = std::function<void(const InboundCore* core)>;
+
 /// The subscribed channels as one subscribe endpoint sees them: the wishes to the publisher, its answers, and the
 /// credit that it gets.
 ///
@@ -29,7 +32,7 @@ class SubscribedChannels {
  public:
   /// `claims_freed` is called without a lock when channels may be asked for at another endpoint.
   SubscribedChannels(SharedState& shared, PublisherConnection& connection, RemotePublisher& publisher,
-                     const ChannelList& allowed, std::function<void()> claims_freed);
+                     const ChannelList& allowed, ClaimsFreed claims_freed);
 
   void Add(const std::shared_ptr<InboundCore>& core);
   void Remove(const std::shared_ptr<InboundCore>& core);
@@ -43,8 +46,9 @@ class SubscribedChannels {
 
   /// Asks for all channels, in answer to a Welcome.
   void AskForAll();
-  /// Asks for channels whose claims are free now, and drops those that must come over another transport.
-  void AskAgain(Actions& actions);
+  /// Asks for channels whose claims are free now, and drops those that must come over another transport. Only that of
+  /// `core`, if it is not null.
+  void AskAgain(const InboundCore* core, Actions& actions);
   void DropAll(Actions& actions);
   void SetPlain(bool plain);
 
@@ -54,26 +58,28 @@ class SubscribedChannels {
   /// The publisher cannot be reached. Unless `for_good`, its links may later continue where they were cut. True if
   /// this has freed claims.
   [[nodiscard]] bool OnPublisherLost(bool for_good, Actions& actions);
-  void AddClaimsFreed(Actions& actions) { actions.emplace_back(claims_freed_); }
-
-  /// Whether the publisher waits for credit. Answers wake-ups.
-  [[nodiscard]] bool IsCreditDue() {
-    return std::ranges::any_of(links_,
-                               [](auto& entry) { return entry.second.id != 0 && entry.second.credit->AnswerWake(); });
+  void AddClaimsFreed(Actions& actions) const {
+    actions.emplace_back([freed = claims_freed_] { freed(nullptr); });
   }
-  /// Sends the credit for everything that was consumed since the last Credit.
-  void SendCredit();
+
+  /// Whether a publisher waits for credit, or soon will. Thread-safe.
+  [[nodiscard]] bool IsCreditDue() const noexcept { return !due_->empty(); }
+  /// Sends the credit for what was consumed since the last Credit: of the links whose credit is due, or of all.
+  void SendCredit(bool all);
 
  private:
   [[nodiscard]] bool IsAllowed(const std::string& channel) const;
   void SetPlain(InLink& link, bool plain);
   void Ask(InLink& link);
+  void AskAgain(InLink& link, Actions& actions);
+  void SetAsked(InLink& link, bool asked);
   void SendSubscribe(InLink& link, bool change_only);
   void SendUnsubscribe(const std::string& channel, std::string_view mismatch);
   void StopAsking(InLink& link, std::string_view mismatch, Actions& actions);
   /// False if the types do not fit, which ends the subscription here.
   [[nodiscard]] bool BeginLink(InLink& link, const wire::Subscribed& subscribed, Actions& actions);
   void EndLink(InLink& link, Actions& actions);
+  void SendCredit(InLink& link);
   void ReleaseClaim(const InLink& link, Actions& actions);
   /// Another endpoint that leads to the same socket has the claim.
   [[nodiscard]] bool IsClaimedBeside(const InLink& link) const;
@@ -82,9 +88,11 @@ class SubscribedChannels {
   SharedState& shared_;
   PublisherConnection& connection_;
   RemotePublisher& publisher_;
-  const std::function<void()> claims_freed_;
+  const ClaimsFreed claims_freed_;
   std::optional<std::set<std::string, std::less<>>> allowed_;
+  const std::shared_ptr<DueCredits> due_;
   std::unordered_map<std::string, InLink> links_;
+  std::size_t asked_ = 0;  // Links with `asked`.
 };
 
 }  // namespace hgros::zmq

@@ -13,8 +13,7 @@ constexpr int kMessagesPerTurn = 32;  // Then other endpoints have their turn.
 
 }  // namespace
 
-SubscriberEndpoint::SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint,
-                                       std::function<void()> claims_freed)
+SubscriberEndpoint::SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed)
     : shared_(shared),
       connection_(shared, endpoint),
       channels_(shared, connection_, publisher_, endpoint.channels, std::move(claims_freed)) {}
@@ -45,11 +44,11 @@ void SubscriberEndpoint::SetChannels(const ChannelList& list) {
   shared_.PostActions(std::move(actions));
 }
 
-void SubscriberEndpoint::AskAgain() {
+void SubscriberEndpoint::AskAgain(const InboundCore* core) {
   Actions actions;
   {
     const SocketUse use(mutex_, connection_.socket(), input_, *shared_.waker);
-    channels_.AskAgain(actions);
+    channels_.AskAgain(core, actions);
   }
   shared_.PostActions(std::move(actions));
 }
@@ -219,13 +218,10 @@ void SubscriberEndpoint::AddOffers(std::vector<SessionChannels>& known) const {
 }
 
 void SubscriberEndpoint::SendCredit(bool all) {
-  if (!all) {
-    // Does not touch the socket unless the publisher waits for credit.
-    const std::scoped_lock lock(mutex_);
-    if (!channels_.IsCreditDue()) return;
-  }
+  // Does not touch the socket unless the publisher waits for credit.
+  if (!all && !channels_.IsCreditDue()) return;
   const SocketUse use(mutex_, connection_.socket(), input_, *shared_.waker);
-  if (publisher_.alive && connection_.connected()) channels_.SendCredit();
+  if (publisher_.alive && connection_.connected()) channels_.SendCredit(all);
 }
 
 void SubscriberEndpoint::Tick(SteadyTime now) {

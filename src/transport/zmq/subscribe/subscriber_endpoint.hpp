@@ -29,7 +29,7 @@ class SubscriberEndpoint {
  public:
   /// Connects. `claims_freed` is called without a lock when channels may be asked for at another endpoint.
   /// Throws Error.
-  SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint, std::function<void()> claims_freed);
+  SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed);
   ~SubscriberEndpoint();
 
   /// Adds what is published there.
@@ -42,8 +42,8 @@ class SubscriberEndpoint {
   void Unsubscribe(const std::shared_ptr<InboundCore>& core);
   void UpdateDemand(const std::shared_ptr<InboundCore>& core);
   void SetChannels(const ChannelList& list);
-  /// Asks for channels whose claims are free now.
-  void AskAgain();
+  /// Asks for channels whose claims are free now; only for that of `core`, if it is not null.
+  void AskAgain(const InboundCore* core);
 
   /// To be set when the descriptors have become readable.
   [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }

@@ -1,0 +1,77 @@
+// Two sessions with thousands of channels between them.
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "session/domain_fixture.hpp"
+#include "transport/agreement.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Bus;
+using test::kPatience;
+using test::kSerial;
+using test::Note;
+using test::Robot;
+
+std::string Name(std::size_t i) { return "robot/sensor" + std::to_string(i); }
+
+class ManyChannels : public test::DomainFixture {
+ protected:
+  // One message on each channel; each must arrive.
+  static void Pass(Robot& talker, Robot& listener, std::size_t count) {
+    std::atomic<std::size_t> arrived{0};
+    std::vector<Subscription> subscriptions;
+    std::vector<Publisher<Note>> publishers;
+    for (std::size_t i = 0; i < count; ++i) {
+      subscriptions.push_back(listener->FromAny<Note>(Name(i), kSerial, [&](const Note&) { ++arrived; }));
+      publishers.push_back(talker->Advertise<Note>(Name(i)));
+    }
+    for (std::size_t i = 0; i < count; ++i) ASSERT_TRUE(talker->WaitForSubscribers(Name(i), 1, kPatience)) << Name(i);
+    for (const auto& publish : publishers) EXPECT_EQ(publish(Note("one")), PublishStatus::kOk);
+    EXPECT_TRUE(Await([&] { return arrived == count; })) << arrived << " of " << count;
+  }
+
+  // The listener subscribes to one channel more than it can receive from one peer.
+  static void Exceed(Robot& talker, Robot& listener, const std::string& transport) {
+    const auto publish = talker->Advertise<Note>(Name(0));
+    std::vector<Subscription> subscriptions;
+    subscriptions.push_back(listener->FromAny<Note>(Name(0), kSerial, [](const Note&) {}));
+    ASSERT_TRUE(talker->WaitForSubscribers(Name(0), 1, kPatience));
+    for (std::size_t i = 1; i <= kMaxChannels; ++i) {
+      subscriptions.push_back(listener->FromAny<Note>(Name(i), kSerial, [](const Note&) {}));
+    }
+    EXPECT_TRUE(Await([&] { return listener.Said("\"" + Name(kMaxChannels) + "\" is not received from session"); }));
+    EXPECT_TRUE(listener.Said("through " + transport));
+    EXPECT_TRUE(listener.Said("more than 16384 channels"));
+  }
+};
+
+TEST_F(ManyChannels, TenThousandChannelsAreReceivedOverSharedMemory) {
+  Robot talker(""), listener("");
+  Pass(talker, listener, 10000);
+}
+
+TEST_F(ManyChannels, TenThousandChannelsAreReceivedOverZeroMq) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a") + "discovery: {local: false}\n");
+  Robot listener(bus.Subscribing("a") + "discovery: {local: false}\n");
+  Pass(talker, listener, 10000);
+}
+
+TEST_F(ManyChannels, LogSaysWhichChannelIsBeyondTheLimitOfSharedMemory) {
+  Robot talker(""), listener("");
+  Exceed(talker, listener, "shared memory");
+}
+
+TEST_F(ManyChannels, LogSaysWhichChannelIsBeyondTheLimitOfZeroMq) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a") + "discovery: {local: false}\n");
+  Robot listener(bus.Subscribing("a") + "discovery: {local: false}\n");
+  Exceed(talker, listener, "ZeroMQ");
+}
+
+}  // namespace
+}  // namespace hgros
