@@ -72,7 +72,11 @@ void JoinedOutbound::Keep(SessionId subscriber, const Demand& demand, std::vecto
 std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
   std::vector<OutboundMessage> messages = source_.Latched(subscriber);
   if (cut_.count() == 0) return messages;
-  for (OutboundMessage& message : cut_.TakeMessages(subscriber)) messages.push_back(std::move(message));
+  {
+    // A message that is being committed must be among them, or come over the new link.
+    const std::scoped_lock lock(committing_);
+    for (OutboundMessage& message : cut_.TakeMessages(subscriber)) messages.push_back(std::move(message));
+  }
   const auto number = [](const OutboundMessage& message) { return message.head.id.sequence; };
   std::ranges::sort(messages, {}, number);
   const auto same = [&](const OutboundMessage& a, const OutboundMessage& b) { return number(a) == number(b); };
@@ -83,7 +87,11 @@ std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
 }
 
 void JoinedOutbound::GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut) {
-  const auto missed = cut_.Drop(subscriber, cut);
+  std::optional<CutSubscribers::Messages> missed;
+  {
+    const std::scoped_lock lock(committing_);
+    missed = cut_.Drop(subscriber, cut);
+  }
   if (!missed) return;
   missed_.fetch_add(missed->size(), std::memory_order_relaxed);
   TellSubscribers();
@@ -124,6 +132,7 @@ PublishStatus JoinedOutbound::Reserve() noexcept {
 }
 
 void JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcept {
+  const std::scoped_lock lock(committing_);
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Commit(head, data);
   if (cut_.count() > 0) cut_.Push(head, data);  // Last, for subscribers that are cut off meanwhile.

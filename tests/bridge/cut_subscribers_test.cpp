@@ -1,7 +1,11 @@
 #include "bridge/cut_subscribers.hpp"
 
+#include <functional>
+#include <future>
+#include <memory>
 #include <set>
 
+#include "bridge/joined_channels.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
 
@@ -72,6 +76,64 @@ TEST(CutSubscribers, EndOfAnEarlierCutDoesNotDropALaterOne) {
   EXPECT_FALSE(cut.Drop(kOne, first));
   EXPECT_EQ(NumbersOf(cut.Drop(kOne, second).value()), (std::vector<std::uint64_t>{2}));
   EXPECT_FALSE(cut.Drop(kOne));
+}
+
+/// A transport of one channel. It calls `on_commit` inside of each Commit().
+class OneChannel final : public Transport {
+ public:
+  std::unique_ptr<OutboundChannel> Advertise(std::string_view /*channel*/, const TypeInfo& /*type*/,
+                                             OutboundSource& of) override {
+    source = &of;
+    return std::make_unique<Outbound>(*this);
+  }
+  std::unique_ptr<InboundChannel> Subscribe(std::string_view /*channel*/, const TypeInfo& /*type*/,
+                                            const Demand& /*demand*/, InboundSink& /*sink*/) override {
+    return nullptr;
+  }
+  std::vector<PeerInfo> Peers() const override { return {}; }
+  TransportStats stats() const override { return {}; }
+  void Close(int /*linger_ms*/) noexcept override {}
+
+  OutboundSource* source = nullptr;
+  std::function<void()> on_commit = [] {};
+
+ private:
+  class Outbound final : public OutboundChannel {
+   public:
+    explicit Outbound(OneChannel& transport) : transport_(transport) {}
+    std::size_t subscriber_count() const noexcept override { return 0; }
+    PublishStatus Reserve() noexcept override { return PublishStatus::kOk; }
+    void Commit(const PacketHead& /*head*/, const Payload& /*data*/) noexcept override { transport_.on_commit(); }
+    void Cancel() noexcept override {}
+    OutboundStats stats() const override { return {}; }
+
+   private:
+    OneChannel& transport_;
+  };
+};
+
+struct NoLatched final : OutboundSource {
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
+  void OnRoom() noexcept override {}
+  void OnSubscribers(std::size_t /*count*/) noexcept override {}
+};
+
+// The transport has passed the message to its links, and the returning subscriber's is not among them.
+TEST(CutSubscribers, ReturningDuringACommitGetTheCommittedMessage) {
+  NoLatched source;
+  OneChannel transport;
+  const auto joined = std::make_shared<JoinedOutbound>("notes", TypeOf<Note>(), source, 1,
+                                                       [](SessionId, const std::function<void()>&) {});
+  joined->Add(transport);
+  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {Numbered(1)}));
+  std::future<CutSubscribers::Messages> first;
+  transport.on_commit = [&] {
+    first = std::async(std::launch::async, [&] { return transport.source->Latched(kOne); });
+    (void)first.wait_for(std::chrono::milliseconds(100));
+  };
+  const OutboundMessage message = Numbered(2);
+  joined->Commit(message.head, message.data);
+  EXPECT_EQ(NumbersOf(first.get()), (std::vector<std::uint64_t>{1, 2}));
 }
 
 /// A subscriber whose shared memory can end while the session lives on. It keeps the messages that it receives.
