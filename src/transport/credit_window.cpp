@@ -23,6 +23,10 @@ bool CreditWindow::HasRoomNow() const noexcept {
 void CreditWindow::SetWindow(std::uint64_t messages, std::uint64_t bytes) noexcept {
   window_messages_.store(messages, std::memory_order_relaxed);
   window_bytes_.store(bytes, std::memory_order_relaxed);
+  Widen(messages, bytes);
+}
+
+void CreditWindow::Widen(std::uint64_t messages, std::uint64_t bytes) noexcept {
   widest_messages_ = std::max(widest_messages_, messages);
   widest_bytes_ = std::max(widest_bytes_, bytes);
 }

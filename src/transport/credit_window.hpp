@@ -33,6 +33,8 @@ class CreditWindow {
   /// Whether a publisher may send one more message if it does not know yet that its window has shrunk.
   [[nodiscard]] bool HasRoom() const noexcept { return IsInFlightBelow(widest_messages_, widest_bytes_); }
   void SetWindow(std::uint64_t messages, std::uint64_t bytes) noexcept;
+  /// A wider window was asked for: the publisher may use it before its answer is known here.
+  void Widen(std::uint64_t messages, std::uint64_t bytes) noexcept;
 
  protected:
   CreditWindow(std::uint64_t messages, std::uint64_t bytes) noexcept

@@ -169,6 +169,22 @@ TEST_F(HostilePeer, MessagesOfAnHonestPeerArrive) {
   EXPECT_TRUE(Said("is invalid").empty());
 }
 
+// It sends as soon as it has read the wish. Its answer comes over the socket, which is slower than memory.
+TEST_F(HostilePeer, PublisherMayUseAWiderWindowBeforeItsAnswerIsRead) {
+  from_liars->sink.hold_credit = true;
+  FalsePeer peer(place);
+  ASSERT_TRUE(peer.Publish(4, 10'000));
+  for (int i = 0; i < 4; ++i) peer.Write(peer.NextMessage());
+  ASSERT_TRUE(Await([&] { return from_liars->sink.count() == 4; }));
+  from_liars->channel->SetDemand({.credit_messages = 6, .credit_bytes = 10'000});
+  ASSERT_TRUE(peer.ReadUntil([](const auto& message) { return message.wish().credit_messages() == 6; }));
+  for (int i = 0; i < 2; ++i) peer.Write(peer.NextMessage());
+  EXPECT_TRUE(Await([&] { return from_liars->sink.count() == 6; })) << testing::PrintToString(Said(""));
+  peer.Write(peer.NextMessage());
+  ExpectEnd(peer, "it sent more than it had credit for");
+  from_liars->sink.Release(6);
+}
+
 TEST_F(HostilePeer, RefusesInvalidPages) {
   ExpectBadHello([](auto& hello, auto&) { hello.set_layout(kLayoutVersion + 1); }, "has another version");
   ExpectBadHello([](auto& hello, auto&) { hello.set_bell_number(kMaxPeers); }, "is too large");

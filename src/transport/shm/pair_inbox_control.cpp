@@ -88,6 +88,7 @@ void PairInbox::RaiseLimits(InLink& link, const Demand& demand) {
   const std::scoped_lock lock(mutex_);
   link.asked_messages = std::max<std::uint64_t>(link.asked_messages, demand.credit_messages);
   link.asked_bytes = std::max(link.asked_bytes, demand.credit_bytes);
+  link.receipt->Widen(link.asked_messages, link.asked_bytes);
 }
 
 bool PairInbox::Grant(InLink& link, const wire::Granted& granted, std::shared_ptr<const MessageSchema> schema) {
