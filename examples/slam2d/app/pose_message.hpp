@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <foxglove/PoseInFrame.pb.h>
 #include <hgros/hgros.hpp>
@@ -11,14 +12,14 @@
 
 namespace slam2d {
 
-/// The pose as a message for viewers.
+/// The pose as a message for viewers. `frame` is one of frames.hpp: viewers know no other.
 [[nodiscard]] inline std::unique_ptr<foxglove::PoseInFrame> PoseMessage(const Pose2& pose, double stamp_seconds,
-                                                                        const std::string& frame) {
+                                                                        std::string_view frame) {
   auto message = std::make_unique<foxglove::PoseInFrame>();
   const double seconds = std::floor(stamp_seconds);
   message->mutable_timestamp()->set_seconds(static_cast<std::int64_t>(seconds));
   message->mutable_timestamp()->set_nanos(static_cast<std::int32_t>((stamp_seconds - seconds) * 1e9));
-  message->set_frame_id(frame);
+  message->set_frame_id(std::string(frame));
   foxglove::Pose& inner = *message->mutable_pose();
   inner.mutable_position()->set_x(pose.x);
   inner.mutable_position()->set_y(pose.y);

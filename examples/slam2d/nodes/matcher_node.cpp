@@ -67,7 +67,7 @@ void MatcherNode::TakeScan(const msg::Scan& message) {
 }
 
 void MatcherNode::ShowMatch(const ScanMatch& match, const Pose2& T_odom_laser) {
-  Show(trajectory_, PoseMessage(match.T_map_laser, match.stamp_seconds, "map"));
+  Show(trajectory_, PoseMessage(match.T_map_laser, match.stamp_seconds, kMapFrame));
   (void)transforms_.ToTF(TimeOf(match.stamp_seconds), kMapFrame, kOdomFrame,
                          RigidOf(match.T_map_laser * Inverse(T_odom_laser)));
 }

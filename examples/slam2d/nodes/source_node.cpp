@@ -78,7 +78,7 @@ void SourceNode::Run() {
 
 // For viewers only. A refused transform, such as one with a stamp long past, changes nothing in the graph.
 void SourceNode::ShowOdometry(const LaserScan2& scan) {
-  Show(odometry_, PoseMessage(scan.odometry, scan.stamp_seconds, "odometry"));
+  Show(odometry_, PoseMessage(scan.odometry, scan.stamp_seconds, kOdomFrame));
   const Pose2 T_odom_base = scan.odometry * Inverse(kBaseLaser);
   (void)transforms_.ToTF(TimeOf(scan.stamp_seconds), kOdomFrame, kBaseFrame, RigidOf(T_odom_base));
 }

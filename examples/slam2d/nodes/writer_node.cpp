@@ -50,8 +50,8 @@ std::unique_ptr<foxglove::Grid> GridMessage(const OccupancyMap& map, double stam
 
   const double cell_size = map.options().cell_size_m;
   auto grid = std::make_unique<foxglove::Grid>();
-  const auto corner =
-      PoseMessage({min_x * kTileEdgeCells * cell_size, min_y * kTileEdgeCells * cell_size, 0.0}, stamp_seconds, "map");
+  const auto corner = PoseMessage({min_x * kTileEdgeCells * cell_size, min_y * kTileEdgeCells * cell_size, 0.0},
+                                  stamp_seconds, kMapFrame);
   *grid->mutable_timestamp() = corner->timestamp();
   grid->set_frame_id(corner->frame_id());
   *grid->mutable_pose() = corner->pose();
