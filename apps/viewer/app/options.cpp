@@ -1,6 +1,9 @@
 #include "viewer/app/options.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
+#include <initializer_list>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
@@ -31,7 +34,7 @@ std::string ParseDisplay(const std::string& text, WantedDisplay& wanted) {
 
 std::string ParseSize(const std::string& text, Viewport& size) {
   char rest = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 1 ||
+  if (std::sscanf(text.c_str(), "%5dx%5d%c", &size.width, &size.height, &rest) != 2 || size.width < 1 ||
       size.height < 1 || size.width > 16384 || size.height > 16384) {
     return "\"" + text + "\" is not a size. Write it as 1280x800, with sides of 1 to 16384 pixels.";
   }
@@ -57,13 +60,40 @@ std::string ParseTexts(const std::vector<std::string>& channels, const std::vect
   if (!offscreen.empty()) {
     if (std::string fault = ParseSize(offscreen, options.offscreen.emplace()); !fault.empty()) return fault;
   }
-  if (!options.screenshot.empty() && !options.after_s && !options.frames) {
-    return "--screenshot needs --after SECONDS or --frames N.";
-  }
+  return {};
+}
+
+/// Whether the name ends in one of the endings, in any case.
+bool EndsIn(const std::filesystem::path& file, std::initializer_list<const char*> endings) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char letter) { return std::tolower(letter); });
+  return std::ranges::find(endings, ending) != endings.end();
+}
+
+std::string CheckRanges(const Options& options) {
+  constexpr double kMostSeconds = 1e9;
   if (options.fps_limit && !(*options.fps_limit > 0 && *options.fps_limit <= kMostInLayout)) {
     return "--fps-limit must be a number above 0 and at most 1e12.";
   }
-  if (options.report_s && !(*options.report_s > 0)) return "--report must be a number above 0.";
+  if (options.report_s && !(*options.report_s > 0 && *options.report_s <= kMostSeconds)) {
+    return "--report must be a number above 0 and at most 1e9.";
+  }
+  if (options.after_s && !(*options.after_s >= 0 && *options.after_s <= kMostSeconds)) {
+    return "--after must be a number of seconds from 0 to 1e9.";
+  }
+  return {};
+}
+
+std::string CheckFiles(const Options& options) {
+  if (!options.screenshot.empty() && !options.after_s && !options.frames) {
+    return "--screenshot needs --after SECONDS or --frames N.";
+  }
+  if (!options.screenshot.empty() && !EndsIn(options.screenshot, {".png"})) {
+    return "--screenshot writes a PNG: \"" + options.screenshot.string() + "\" must end in .png.";
+  }
+  if (!options.film.empty() && !EndsIn(options.film, {".mp4", ".mkv", ".webm"})) {
+    return "--record-video writes .mp4, .mkv or .webm: \"" + options.film.string() + "\" must end in one of them.";
+  }
   return {};
 }
 
@@ -81,6 +111,7 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   std::string screenshot;
   std::string config;
   std::string film;
+  std::optional<std::int64_t> frames;  // CLI11 would read -1 as a large unsigned number.
   app.add_option("--channel", channels,
                  "NAME[:SCHEMA][,setting=value...], such as lidar:foxglove.PointCloud,keep=all; repeatable")
       ->take_all();
@@ -101,9 +132,10 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   app.add_option("--size", window, "size of the window, such as 1280x800");
   app.add_option("--offscreen", offscreen, "WIDTHxHEIGHT: draws into memory, without a window or screen");
   app.add_option("--screenshot", screenshot, "writes a PNG at the end");
-  app.add_option("--record-video", film, "writes a film of all pictures, such as film.mp4; needs the program ffmpeg");
+  app.add_option("--record-video", film,
+                 "writes a film of all pictures, such as film.mp4 (or .mkv, .webm); needs the program ffmpeg");
   app.add_option("--after", options.after_s, "ends after this many seconds");
-  app.add_option("--frames", options.frames, "ends after this many frames");
+  app.add_option("--frames", frames, "ends after this many frames");
   app.add_option("--fps-limit", options.fps_limit, "limit of frames per second; default 30");
   app.add_flag("--from-above", options.from_above, "starts with a view straight down, x to the right and y up");
   app.add_flag("--orthographic", options.orthographic, "draws without perspective");
@@ -123,7 +155,11 @@ ReadOptions ReadCommandLine(int argc, char** argv) {
   options.screenshot = screenshot;
   options.config = config;
   options.film = film;
-  const std::string fault = ParseTexts(channels, displays, panels, window, offscreen, options);
+  if (frames) options.frames = static_cast<std::size_t>(*frames);
+  std::string fault = ParseTexts(channels, displays, panels, window, offscreen, options);
+  if (fault.empty()) fault = CheckRanges(options);
+  if (fault.empty() && frames && *frames < 1) fault = "--frames must be at least 1.";
+  if (fault.empty()) fault = CheckFiles(options);
   if (!fault.empty()) {
     std::fprintf(stderr, "hgros-viewer: %s See `hgros-viewer --help`.\n", fault.c_str());
     return {std::nullopt, 2};

@@ -264,6 +264,13 @@ class InMemory(ViewerCase):
                                  (["--config", "x" * 300], "cannot be read: File name too long"),
                                  (["--fps-limit", "inf"], "at most 1e12"),
                                  (["--report", "0"], "--report must be a number above 0"),
+                                 (["--report", "inf"], "--report must be a number above 0"),
+                                 (["--after", "-1"], "--after must be a number of seconds from 0"),
+                                 (["--after", "nan"], "--after must be a number of seconds from 0"),
+                                 (["--frames", "0"], "--frames must be at least 1"),
+                                 (["--frames", "-1"], "--frames"),
+                                 (["--record-video", "x.avi", "--frames", "1"], "must end in one of them"),
+                                 (["--screenshot", "x.jpg", "--frames", "1"], "must end in .png"),
                                  (["--screenshot", "x.png"], "--after")):
             with self.subTest(arguments=arguments):
                 viewer = self.start(VIEWER, "--offscreen", "64x64", *arguments)
