@@ -20,11 +20,12 @@ std::string Picker::Click(const Surface& surface, const Eigen::Vector2d& pixel, 
   const int radius = static_cast<int>(kPickRadius * surface.scale());
   const Viewport size = surface.size();
   const ViewMatrices view = camera_.Matrices(size);
-  const float depth = scene_.NearestDepth(view, surface.scale(), x, y, radius);
+  float depth = scene_.NearestDepth(view, surface.scale(), x, y, radius);
   if (depth >= 1) return picks ? "There is nothing to pick." : "There is nothing to set the anchor on.";
   const auto seen = [&](int right) {
     return camera_.PointAt(x + right + 0.5, y + 0.5, static_cast<double>(depth), size);
   };
+  const Scene::Entry* const entry = scene_.EntryAt(view, surface.scale(), x, y, depth, seen(0));
   const Eigen::Vector3d at = seen(0);
   if (!picks) {
     camera_.SetAnchor(at);
@@ -32,7 +33,6 @@ std::string Picker::Click(const Surface& surface, const Eigen::Vector2d& pixel, 
   }
   PickedPoint point;
   point.at = at;
-  const Scene::Entry* const entry = scene_.EntryAt(view, surface.scale(), x, y, depth, at);
   if (entry != nullptr) {
     point.display = entry->name;
     point.value = entry->display->ValueAt(at, (seen(radius) - at).norm());

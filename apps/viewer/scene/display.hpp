@@ -36,6 +36,9 @@ struct DisplayInputs {
   std::function<void()> wake;
 };
 
+/// How long data waits for its transform before that is reported as an error.
+inline constexpr double kLongestWaitS = 2;
+
 struct UpdateContext {
   FixedFrame& frame;
   double now_s;             ///< On a steady clock.
@@ -49,6 +52,7 @@ struct DrawContext {
   float scale;                     ///< Screen pixels per pixel of a setting.
   std::size_t moving_thinned = 1;  ///< Draw every n-th point of the moving layer.
   bool marks_depth = false;        ///< Transparent displays write their depth, too, so that they can be picked.
+  bool true_depth = false;         ///< Pictures do not move back to let others in the same plane cover them.
 };
 
 /// A text at a place of the scene.
@@ -107,6 +111,9 @@ class Display {
   /// Its status as sentences; errors come first.
   [[nodiscard]] virtual std::vector<std::string> Status() const { return {}; }
   [[nodiscard]] virtual bool HasFault() const { return false; }
+  /// Which transform it waits for, as a sentence. After kLongestWaitS without that transform, this becomes an error of
+  /// Status. Empty: it waits for none.
+  [[nodiscard]] virtual std::string WaitsFor() const { return {}; }
   [[nodiscard]] virtual std::vector<Label> Labels() const { return {}; }
   [[nodiscard]] virtual std::optional<ShownImage> Image() const { return std::nullopt; }
   /// Number of points that DrawSettled draws. It decides the number of slices.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "viewer/data/bounds_of_most.hpp"
 #include "viewer/scene/blending_order.hpp"
 
 namespace hgros::viewer {
@@ -49,8 +50,11 @@ void Scene::SetVisible(std::size_t index, bool visible) {
 
 void Scene::Update(const UpdateContext& context) {
   for (Entry& entry : entries_) {
+    const bool had_fault = entry.display->HasFault();
     const Change change = entry.display->Update(context);
     if (entry.visible) pending_ = std::max(pending_, change);
+    // Its row changes its color.
+    if (entry.display->HasFault() != had_fault) pending_ = std::max(pending_, Change::kMoving);
   }
 }
 
@@ -100,13 +104,22 @@ float Scene::NearestDepth(const ViewMatrices& view, float scale, int& x, int& y,
   return probe.NearestDepth(x, y, radius);
 }
 
-const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
+float Scene::DepthAlone(Display& display, const DrawContext& context, Picture& probe, int x, int y) {
+  probe.Bind();
+  probe.Clear(kBackground);
+  display.DrawSettled(context, {});
+  display.DrawMoving(context);
+  if (display.blends()) display.DrawBlended(context);
+  return probe.NearestDepth(x, y, 0);
+}
+
+const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x, int y, float& depth,
                                    const Eigen::Vector3d& at) {
   constexpr float kSameDepth = 1e-6F;
   constexpr double kOutside = 0.1;  // of the box: wide lines reach outside it
   Picture probe;
   probe.Resize(view.viewport);
-  const DrawContext context{.view = view, .points = points_, .scale = scale, .marks_depth = true};
+  DrawContext context{.view = view, .points = points_, .scale = scale, .marks_depth = true};
   const Entry* found = nullptr;
   glEnable(GL_SCISSOR_TEST);
   glScissor(x, view.viewport.height - 1 - y, 1, 1);
@@ -114,15 +127,10 @@ const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x,
     if (!entry.visible) continue;
     const Eigen::AlignedBox3d box = entry.display->Bounds();
     if (!box.isEmpty() && box.exteriorDistance(at) > kOutside * box.diagonal().norm() + 1) continue;
-    probe.Clear(kBackground);
-    entry.display->DrawSettled(context, {});
-    entry.display->DrawMoving(context);
-    if (entry.display->blends()) entry.display->DrawBlended(context);
-    int same_x = x;
-    int same_y = y;
-    if (std::abs(probe.NearestDepth(same_x, same_y, 0) - depth) < kSameDepth) found = &entry;
-    probe.Bind();
+    if (std::abs(DepthAlone(*entry.display, context, probe, x, y) - depth) < kSameDepth) found = &entry;
   }
+  context.true_depth = true;
+  if (found != nullptr) depth = std::min(depth, DepthAlone(*found->display, context, probe, x, y));
   glDisable(GL_SCISSOR_TEST);
   if (pending()) Redraw();  // New data of a display may have been drawn into the probe.
   return found;
@@ -233,11 +241,11 @@ std::size_t Scene::gpu_bytes() const {
 }
 
 Eigen::AlignedBox3d Scene::Bounds() const {
-  Eigen::AlignedBox3d bounds;
+  std::vector<Eigen::AlignedBox3d> boxes;
   for (const Entry& entry : entries_) {
-    if (entry.visible) bounds.extend(entry.display->Bounds());
+    if (entry.visible) boxes.push_back(entry.display->Bounds());
   }
-  return bounds;
+  return BoundsOfMost(std::move(boxes));
 }
 
 double Scene::next_change_s() const {

@@ -66,8 +66,9 @@ class Scene {
   /// pixel with that depth. 1 if there is nothing. Draws first if the view has changed since the last Draw.
   [[nodiscard]] float NearestDepth(const ViewMatrices& view, float scale, int& x, int& y, int radius);
   /// The display that is visible at a pixel, counted from the upper left corner, with that depth. Null if there is
-  /// none. Draws each candidate again, alone. `at` is the pixel's point in the fixed frame.
-  [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float depth,
+  /// none. Draws each candidate again, alone. `at` is the pixel's point in the fixed frame. Sets `depth` to the
+  /// display's own: in the picture, some are drawn farther away, so that others in the same plane cover them.
+  [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float& depth,
                                      const Eigen::Vector3d& at);
   /// Starts the counter of dropped().
   void CountDropped();
@@ -84,6 +85,8 @@ class Scene {
   [[nodiscard]] bool Moved(const ViewMatrices& view) const {
     return view.clip_from_eye != drawn_clip_ || view.eye != drawn_eye_;
   }
+  /// The depth of one display alone, at a pixel. Changes what is bound.
+  [[nodiscard]] static float DepthAlone(Display& display, const DrawContext& context, Picture& probe, int x, int y);
   void DrawSlice(const DrawContext& context);
   void DrawMoving(const DrawContext& context);
   void DrawBlended(const DrawContext& context);

@@ -37,10 +37,11 @@ class PickingTest : public SceneTest {
     const auto pixel = camera_.PixelOf(at, kPictureSize);
     int x = static_cast<int>(pixel->x());
     int y = static_cast<int>(pixel->y());
-    const float depth = scene_.NearestDepth(camera_.Matrices(kPictureSize), 1, x, y, 3);
+    float depth = scene_.NearestDepth(camera_.Matrices(kPictureSize), 1, x, y, 3);
     if (depth >= 1) return nullptr;
-    found = camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize);
-    const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(kPictureSize), 1, x, y, depth, found);
+    const auto seen = [&] { return camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize); };
+    const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(kPictureSize), 1, x, y, depth, seen());
+    found = seen();
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     return entry;
   }
@@ -123,6 +124,44 @@ TEST_F(PickingTest, ReturnsTransparentThingsButNotInvisibleOnes) {
   }
   SetStandingStill(costs, "alpha", "0");
   EXPECT_EQ(EntryAt({2, 0, 1}, found), nullptr);
+}
+
+TEST_F(PickingTest, ReturnsTheHeightOfAGridExactly) {
+  Display& costs = Add("Grid", "costs", {"palette", "map"});
+  foxglove::Grid grid = TwoCells();
+  SetXyz(*grid.mutable_pose()->mutable_position(), -40, -40, 0);
+  grid.mutable_cell_size()->set_x(40);
+  grid.mutable_cell_size()->set_y(80);
+  Publish("costs", grid);
+  Update();
+  for (const char* alpha : {"1", "0.5"}) {
+    SetStandingStill(costs, "alpha", alpha);
+    camera_.Reset();
+    for (const double pitch : {0.0, 0.2, 0.35, -0.5}) {  // The last ones look almost along the grid, and from above.
+      camera_.Orbit(0.3, pitch);
+      Eigen::Vector3d found;
+      const Scene::Entry* const entry = EntryAt({2, 1, 0}, found);
+      ASSERT_NE(entry, nullptr);
+      EXPECT_EQ(entry->display.get(), &costs);
+      EXPECT_NEAR(found.z(), 0, 1e-3) << "alpha " << alpha << ", pitch " << pitch;
+    }
+  }
+}
+
+TEST_F(PickingTest, ReturnsWhatLiesInThePlaneOfAGrid) {
+  Add("Grid", "costs", {"palette", "map"});
+  Add("Point cloud", "cloud", {"size", "9"});
+  foxglove::Grid grid = TwoCells();
+  grid.mutable_pose()->mutable_position()->set_z(0);
+  Publish("costs", grid);
+  foxglove::PointCloud cloud = PointAt(2, 0, 0, 1);
+  cloud.set_frame_id("map");
+  Publish("cloud", cloud);
+  Update();
+  Eigen::Vector3d found;
+  const Scene::Entry* const entry = EntryAt({2, 0, 0}, found);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->name, "cloud") << "the grid lets it cover itself";
 }
 
 TEST_F(PickingTest, ReturnsTheNearestOfSeveralTransparentDisplays) {
@@ -287,7 +326,8 @@ TEST_F(PickingTest, DoesNotChangeThePicture) {
   // Something new has arrived that was not drawn yet.
   Publish("cloud", PointAt(-4, 2, 0, 1));
   Update();
-  (void)scene_.EntryAt(camera_.Matrices(kPictureSize), 1, 160, 120, 0.5F, {0, 0, 0});
+  float depth = 0.5F;
+  (void)scene_.EntryAt(camera_.Matrices(kPictureSize), 1, 160, 120, depth, {0, 0, 0});
   const Pixels after = Draw();
   scene_.Redraw();
   EXPECT_LT(DifferentShare(after, Draw()), 1e-9) << "the new message is drawn";

@@ -25,7 +25,8 @@ bool IsFixedFrameKnown(const RequestState& state, const std::vector<std::string>
   return std::ranges::find(frames, fixed) != frames.end() ||
          std::ranges::any_of(state.scene.entries(), [&](const Scene::Entry& entry) {
            const std::string frame = entry.display->data_frame();
-           return frame == fixed || (frame.empty() && entry.display->received() > 0 && !entry.display->HasFault());
+           const bool placed = !entry.display->HasFault() && entry.display->WaitsFor().empty();
+           return frame == fixed || (frame.empty() && entry.display->received() > 0 && placed);
          });
 }
 
@@ -40,6 +41,10 @@ bool PrintUnmetDisplay(const Scene::Entry& entry, bool requested, const ChannelL
   if (entry.display->HasFault()) {
     Notices::Print(entry.name + ": " + entry.display->Status().front());
     return ShowsNothing(*entry.display);
+  }
+  if (const std::string why = entry.display->WaitsFor(); !why.empty() && ShowsNothing(*entry.display)) {
+    Notices::Print(entry.name + ": " + why);
+    return true;
   }
   if (!requested || entry.display->received() > 0) return false;
   const auto row = std::ranges::find(channels.published(), entry.channel, &ChannelRow::name);

@@ -10,6 +10,7 @@
 
 #include "hgros/codec/point_cloud_view.hpp"
 #include "hgros/tf/transform_cloud.hpp"
+#include "viewer/data/points/far_points.hpp"
 #include "viewer/data/stamp.hpp"
 
 namespace hgros::viewer {
@@ -188,6 +189,7 @@ std::string ReadCloud(const Bulk<foxglove::PointCloud>& cloud, std::string_view 
     if (colors.any()) read.colors.push_back(colors[i]);
   }
   read.T_frame_points.translation += read.T_frame_points.rotation * shift;
+  LeaveOutFar(read);
   batch = std::move(read);
   return {};
 }

@@ -21,7 +21,7 @@ struct PointBatch {
   std::vector<std::uint32_t> colors;  ///< One for each position, or none. Red in the lowest byte, alpha in the highest.
   std::string scalar_name;            ///< Name of the field in `scalars`.
   std::vector<std::string> fields;    ///< All fields that can be requested.
-  std::size_t left_out = 0;           ///< Points without a finite position.
+  std::size_t left_out = 0;           ///< Points without a finite position, or far from all others.
 };
 
 }  // namespace hgros::viewer

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "hgros/tf/transform_cloud.hpp"
+#include "viewer/data/points/far_points.hpp"
 #include "viewer/data/stamp.hpp"
 
 namespace hgros::viewer {
@@ -37,6 +38,7 @@ std::string ReadScan(const foxglove::LaserScan& scan, PointBatch& batch) {
                                 static_cast<float>(range * std::sin(angle)), 0.0F);
     read.scalars.push_back(static_cast<float>(intensities != 0 ? scan.intensities(static_cast<int>(i)) : range));
   }
+  LeaveOutFar(read);
   batch = std::move(read);
   return {};
 }

@@ -11,6 +11,7 @@
 #include "viewer/data/shapes/shape_bounds.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/displays/settling.hpp"
+#include "viewer/scene/displays/transform_wait.hpp"
 #include "viewer/scene/layers/drawn_shapes.hpp"
 
 namespace hgros::viewer {
@@ -75,6 +76,11 @@ class EntityDisplay : public Display {
       Rebuild(context);
       change = std::max(change, settling_.Replaced(context.now_s));
     }
+    if (drawing_.unplaced > 0) {
+      wait_.Miss(Unplaced(), context.now_s);
+    } else {
+      wait_ = {};
+    }
     const auto ends = store_.NextEnd();
     end_s_ = ends ? context.now_s + std::max(0.01, std::chrono::duration<double>(*ends - now).count())
                   : std::numeric_limits<double>::infinity();
@@ -118,10 +124,7 @@ class EntityDisplay : public Display {
     std::vector<std::string> lines;
     if (!fault_.empty()) lines.push_back(fault_);
     if (!model_fault_.empty()) lines.push_back(model_fault_);
-    if (drawing_.unplaced > 0) {
-      lines.push_back(why_ + " (Not shown: " + Counted(drawing_.unplaced, "entity", "entities") + " in " +
-                      drawing_.unplaced_frame + " and other frames.)");
-    }
+    if (!wait_.fault().empty()) lines.push_back(wait_.fault());
     if (inbox_->received() == 0) {
       lines.emplace_back("Nothing has arrived yet.");
     } else if (store_.entities().empty()) {
@@ -134,8 +137,9 @@ class EntityDisplay : public Display {
     return lines;
   }
   [[nodiscard]] bool HasFault() const override {
-    return !fault_.empty() || !model_fault_.empty() || drawing_.unplaced > 0;
+    return !fault_.empty() || !model_fault_.empty() || !wait_.fault().empty();
   }
+  [[nodiscard]] std::string WaitsFor() const override { return wait_.waits_for(); }
   [[nodiscard]] std::vector<Label> Labels() const override { return texts_ ? labels_ : std::vector<Label>(); }
   [[nodiscard]] std::uint64_t received() const override { return inbox_->received(); }
   [[nodiscard]] std::uint64_t dropped() const override { return inbox_->dropped(); }
@@ -151,11 +155,18 @@ class EntityDisplay : public Display {
     const SceneStore::Entity* const entity = store_.EntityAt(pose_of, models_, at, radius_m);
     return entity == nullptr ? std::string() : entity->told;
   }
-  [[nodiscard]] double next_change_s() const override { return std::min(end_s_, settling_.next_change_s()); }
+  [[nodiscard]] double next_change_s() const override {
+    return std::min({end_s_, settling_.next_change_s(), wait_.next_change_s()});
+  }
 
  private:
   /// A frame at a time, or now.
   using Key = std::pair<std::string, std::optional<std::int64_t>>;
+
+  [[nodiscard]] std::string Unplaced() const {
+    return why_ + " (Not shown: " + Counted(drawing_.unplaced, "entity", "entities") + " in " +
+           drawing_.unplaced_frame + " and other frames.)";
+  }
 
   [[nodiscard]] RigidTransform Place() const { return {{1, 0, 0, 0}, origin_}; }
 
@@ -218,11 +229,12 @@ class EntityDisplay : public Display {
       drawing_ = store_.Draw(pose_of, origin_);
       bounds_ = BoundsOf(drawing_.shapes);
     }
-    if (!bounds_.isEmpty()) bounds_.translate(origin_);
     placed_ = std::move(placed);
     shapes_ = drawing_.shapes.size();
+    const bool models = !drawing_.shapes.models.empty();
     model_fault_ = models_.AddTo(drawing_.shapes);
-    for (const TriangleCorner& corner : drawing_.shapes.triangles) bounds_.extend(origin_ + corner.position);
+    if (models) bounds_ = BoundsOf(drawing_.shapes);
+    if (!bounds_.isEmpty()) bounds_.translate(origin_);
     Fade(alpha_, drawing_.shapes);
     drawn_.Set(drawing_.shapes);
     labels_.clear();
@@ -239,6 +251,7 @@ class EntityDisplay : public Display {
   DrawnShapes drawn_;
   std::vector<Label> labels_;
   Settling settling_;
+  TransformWait wait_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   Eigen::AlignedBox3d bounds_;
   std::map<Key, Eigen::Isometry3d> placed_;

@@ -6,10 +6,12 @@
 #include <optional>
 #include <utility>
 
+#include "viewer/data/bounds_of_most.hpp"
 #include "viewer/data/frames/frame_ages.hpp"
 #include "viewer/data/frames/pose_list.hpp"
 #include "viewer/data/quantity_text.hpp"
 #include "viewer/scene/display_types.hpp"
+#include "viewer/scene/displays/transform_wait.hpp"
 #include "viewer/scene/layers/pose_strip.hpp"
 #include "viewer/scene/layers/segments.hpp"
 
@@ -24,11 +26,17 @@ class FramesDisplay : public Display {
                      context.now_s >= next_change_s();
     if (due) fixed_ = &context.frame;
     if (fixed_ != nullptr) updated_s_ = context.now_s;
-    if (!due) return Change::kNothing;
-    back_ns_ = 0;
-    UpdateEdges();
-    known_.Update(edges_, context.now_s);
-    return Change::kMoving;
+    if (due) {
+      back_ns_ = 0;
+      UpdateEdges();
+      known_.Update(edges_, context.now_s);
+    }
+    if (unplaced_.empty()) {
+      wait_ = {};
+    } else {
+      wait_.Miss(unplaced_, context.now_s);
+    }
+    return due ? Change::kMoving : Change::kNothing;
   }
 
   // All frames at that time before the newest transform.
@@ -76,7 +84,7 @@ class FramesDisplay : public Display {
 
   [[nodiscard]] std::vector<std::string> Status() const override {
     std::vector<std::string> lines;
-    if (!fault_.empty()) lines.push_back(fault_);
+    if (!wait_.fault().empty()) lines.push_back(wait_.fault());
     lines.push_back(edges_.empty() ? "No transforms have arrived yet." : Counted(frames_.size(), "frame", "frames"));
     for (std::size_t i = 0; i < std::min(edges_.size(), kMostTold); ++i) lines.push_back(LineOf(edges_[i]));
     if (edges_.size() > kMostTold) lines.push_back("and " + std::to_string(edges_.size() - kMostTold) + " more");
@@ -85,10 +93,11 @@ class FramesDisplay : public Display {
   // The time when the next frame becomes silent. With ages shown, each second.
   [[nodiscard]] double next_change_s() const override {
     if (back_ns_ != 0 || known_.empty()) return std::numeric_limits<double>::infinity();
-    const double silent_s = known_.NextAged(static_cast<double>(silent_after_s_), updated_s_);
+    const double silent_s =
+        std::min(known_.NextAged(static_cast<double>(silent_after_s_), updated_s_), wait_.next_change_s());
     return ages_ && names_ ? std::min(silent_s, std::floor(updated_s_) + 1) : silent_s;
   }
-  [[nodiscard]] bool HasFault() const override { return !fault_.empty(); }
+  [[nodiscard]] bool HasFault() const override { return !wait_.fault().empty(); }
   [[nodiscard]] std::vector<Label> Labels() const override {
     std::vector<Label> labels;
     if (!names_) return labels;
@@ -97,9 +106,9 @@ class FramesDisplay : public Display {
   }
   [[nodiscard]] std::size_t gpu_bytes() const override { return strip_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override {
-    Eigen::AlignedBox3d bounds;
-    for (const ShownFrame& frame : frames_) bounds.extend(frame.at);
-    return bounds;
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const ShownFrame& frame : frames_) boxes.emplace_back(frame.at);
+    return BoundsOfMost(std::move(boxes));
   }
 
  private:
@@ -163,7 +172,7 @@ class FramesDisplay : public Display {
       if (!edge.is_static) remembered_ns = std::max(remembered_ns, (edge.newest - edge.oldest).count());
     }
     remembered_s_ = 1e-9 * static_cast<double>(remembered_ns);
-    fault_.clear();
+    unplaced_.clear();
     frames_.clear();
     std::vector<RigidTransform> poses;
     std::map<std::string, std::size_t, std::less<>> index;
@@ -172,7 +181,7 @@ class FramesDisplay : public Display {
       RigidTransform T_fixed_frame;
       std::string why;
       if (fixed_->Find(frame, shown, T_fixed_frame, why) != FixedFrame::Answer::kFound) {
-        fault_ = why;
+        unplaced_ = why;
         return;
       }
       index.emplace(frame, poses.size());
@@ -209,7 +218,8 @@ class FramesDisplay : public Display {
   Segments segments_;
   std::vector<EdgeSnapshot> edges_;
   std::vector<ShownFrame> frames_;
-  std::string fault_;
+  std::string unplaced_;  ///< Why a frame has no place; empty: all have one.
+  TransformWait wait_;
   const FixedFrame* fixed_ = nullptr;
   std::int64_t back_ns_ = 0;
   double updated_s_ = std::numeric_limits<double>::infinity();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,9 +27,12 @@ class PlacedDisplay : public Display {
   void OnSetting(const std::string& name) final;
   [[nodiscard]] std::vector<std::string> Status() const final;
   [[nodiscard]] bool HasFault() const final { return !fault_.empty() || !placement_.fault().empty(); }
+  [[nodiscard]] std::string WaitsFor() const final { return empty() ? std::string() : placement_.waits_for(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
   [[nodiscard]] std::string data_frame() const final { return frame(); }
-  [[nodiscard]] double next_change_s() const final { return settling_.next_change_s(); }
+  [[nodiscard]] double next_change_s() const final {
+    return empty() ? settling_.next_change_s() : std::min(settling_.next_change_s(), placement_.next_change_s());
+  }
 
  protected:
   /// Takes what has arrived. Returns what is wrong with it, or an empty sentence. None if nothing has arrived.

@@ -4,6 +4,7 @@
 
 #include "hgros/tf/rigid_transform.hpp"
 #include "viewer/scene/display.hpp"
+#include "viewer/scene/displays/transform_wait.hpp"
 
 namespace hgros::viewer {
 
@@ -18,13 +19,16 @@ class Placement {
 
   [[nodiscard]] bool known() const noexcept { return known_; }
   [[nodiscard]] const RigidTransform& T_fixed_frame() const noexcept { return placed_; }
-  /// Why there is no newer place, as a sentence. Empty if there is one.
-  [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
+  /// Why there has been no newer place for a while, as a sentence. Empty if there is one, or may still come.
+  [[nodiscard]] std::string fault() const { return wait_.fault(); }
+  /// Display::WaitsFor and Display::next_change_s.
+  [[nodiscard]] std::string waits_for() const { return wait_.waits_for(); }
+  [[nodiscard]] double next_change_s() const { return wait_.next_change_s(); }
 
  private:
   std::string frame_;
   RigidTransform placed_;
-  std::string fault_;
+  TransformWait wait_;
   bool known_ = false;
 };
 

@@ -12,7 +12,6 @@ namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kMostMessagesWaiting = 64;
-constexpr double kLongestWaitS = 2;
 constexpr std::size_t kKeepCapacity = 100'000;  // positions; memory for more is returned after they were placed
 
 }  // namespace
@@ -65,9 +64,12 @@ Change PointsDisplay::PlaceWaiting(const UpdateContext& context) {
       const Change placed = keep_ != kForEver ? Change::kMoving : recolored ? Change::kRedraw : Change::kAppended;
       change = std::max(change, placed);
     } else {
-      fault_ = why;
       const bool patient = answer == FixedFrame::Answer::kLater && context.now_s - next.since_s < kLongestWaitS;
-      if (patient) break;  // Those after it are even later.
+      if (patient) {
+        waits_for_ = std::move(why);
+        break;  // Those after it are even later.
+      }
+      fault_ = std::move(why);
       ++unplaced_;
     }
     waiting_.pop_front();

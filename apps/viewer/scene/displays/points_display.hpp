@@ -28,6 +28,7 @@ class PointsDisplay : public Display {
   void OnSetting(const std::string& name) final;
   [[nodiscard]] std::vector<std::string> Status() const final;
   [[nodiscard]] bool HasFault() const final { return !fault_.empty(); }
+  [[nodiscard]] std::string WaitsFor() const final { return waiting_.empty() ? std::string() : waits_for_; }
   [[nodiscard]] std::size_t settled_points() const final { return kept_ ? kept_->points() : 0; }
   [[nodiscard]] std::size_t moving_points() const final { return recent_.points(); }
   [[nodiscard]] std::size_t points() const final { return settled_points() + recent_.points(); }
@@ -70,6 +71,7 @@ class PointsDisplay : public Display {
   std::vector<Eigen::Vector3d> placed_;
   std::vector<std::string> fields_;
   std::string fault_;
+  std::string waits_for_;  ///< Why the first of waiting_ has no place yet.
   std::string shown_field_;
   std::string frame_;  ///< The frame of the last message.
   double shown_until_s_ = std::numeric_limits<double>::infinity();

@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "viewer/data/bounds_of_most.hpp"
 #include "viewer/data/quantity_text.hpp"
 
 namespace hgros::viewer {
@@ -148,16 +149,18 @@ std::vector<std::string> PoseHistory::Status() const {
 }
 
 Eigen::AlignedBox3d PoseHistory::Bounds() const {
-  Eigen::AlignedBox3d bounds;
-  if (!placement_.known()) return bounds;
+  if (!placement_.known()) return {};
+  std::vector<Eigen::AlignedBox3d> boxes;
+  boxes.reserve(poses_.poses().size());
   for (const PoseList::Pose& pose : poses_.poses()) {
-    bounds.extend(placement_.T_fixed_frame() * (poses_.origin() + pose.position.cast<double>()));
+    boxes.emplace_back(Eigen::Vector3d(placement_.T_fixed_frame() * (poses_.origin() + pose.position.cast<double>())));
   }
-  return bounds;
+  return BoundsOfMost(std::move(boxes));
 }
 
 double PoseHistory::next_change_s() const {
-  return moving_ ? rewritten_s_ + kRestS : std::numeric_limits<double>::infinity();
+  const double rests_s = moving_ ? rewritten_s_ + kRestS : std::numeric_limits<double>::infinity();
+  return poses_.poses().empty() ? rests_s : std::min(rests_s, placement_.next_change_s());
 }
 
 }  // namespace hgros::viewer

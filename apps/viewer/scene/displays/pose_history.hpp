@@ -26,6 +26,9 @@ class PoseHistory : public Display {
   void OnSetting(const std::string& name) override;
   [[nodiscard]] std::vector<std::string> Status() const final;
   [[nodiscard]] bool HasFault() const final { return !placement_.fault().empty(); }
+  [[nodiscard]] std::string WaitsFor() const final {
+    return poses_.poses().empty() ? std::string() : placement_.waits_for();
+  }
   [[nodiscard]] std::size_t gpu_bytes() const final { return strip_.gpu_bytes(); }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
   [[nodiscard]] double next_change_s() const final;

@@ -13,6 +13,7 @@
 #include "viewer/data/shapes/shape_bounds.hpp"
 #include "viewer/data/whole_file.hpp"
 #include "viewer/scene/display_types.hpp"
+#include "viewer/scene/displays/transform_wait.hpp"
 #include "viewer/scene/layers/solids.hpp"
 #include "viewer/scene/layers/triangles.hpp"
 
@@ -35,17 +36,13 @@ std::string ListFirst(const std::vector<std::string>& names) {
 class RobotDisplay : public Display {
  public:
   [[nodiscard]] Change Update(const UpdateContext& context) override {
-    const bool read = std::exchange(outdated_, false);
-    if (read) Read();
-    if (std::exchange(faded_, false) && !read) {
-      for (auto& [shape, mesh] : meshes_) SetColors(mesh);
-      if (!Place(context)) PlaceShapes();
-      return Change::kMoving;
+    const Change change = PlaceAgain(context);
+    if (unplaced_.empty()) {
+      wait_ = {};
+    } else {
+      wait_.Miss("Not shown because a transform is missing: " + ListFirst(unplaced_) + ". " + why_, context.now_s);
     }
-    // The first message of any display may choose the fixed frame.
-    const bool other_frame = placed_in_ != context.frame.name();
-    if (!read && !context.transforms_changed && !context.frame_changed && !other_frame) return Change::kNothing;
-    return Place(context) || read ? Change::kMoving : Change::kNothing;
+    return change;
   }
   [[nodiscard]] Change ApplySettings(const UpdateContext& context) override {
     if (outdated_ || !std::exchange(faded_, false)) return outdated_ ? Update(context) : Change::kNothing;
@@ -76,9 +73,7 @@ class RobotDisplay : public Display {
   [[nodiscard]] std::vector<std::string> Status() const override {
     std::vector<std::string> lines;
     if (!fault_.empty()) lines.push_back(fault_);
-    if (!unplaced_.empty()) {
-      lines.push_back("Not shown because a transform is missing: " + ListFirst(unplaced_) + ". " + why_);
-    }
+    if (!wait_.fault().empty()) lines.push_back(wait_.fault());
     if (!missing_.empty())
       lines.push_back("Not shown because a mesh is missing: " + ListFirst(missing_) + ". " + mesh_fault_);
     if (!standing_.at_fixed_frame.empty()) {
@@ -96,7 +91,11 @@ class RobotDisplay : public Display {
     }
     return lines;
   }
-  [[nodiscard]] bool HasFault() const override { return !fault_.empty() || !unplaced_.empty() || !missing_.empty(); }
+  [[nodiscard]] bool HasFault() const override {
+    return !fault_.empty() || !wait_.fault().empty() || !missing_.empty();
+  }
+  [[nodiscard]] std::string WaitsFor() const override { return wait_.waits_for(); }
+  [[nodiscard]] double next_change_s() const override { return wait_.next_change_s(); }
   [[nodiscard]] std::size_t gpu_bytes() const override {
     std::size_t bytes = solids_.gpu_bytes();
     for (const auto& [shape, mesh] : meshes_) bytes += mesh.triangles.gpu_bytes();
@@ -172,6 +171,20 @@ class RobotDisplay : public Display {
     mesh.triangles.Set(corners);
   }
 
+  [[nodiscard]] Change PlaceAgain(const UpdateContext& context) {
+    const bool read = std::exchange(outdated_, false);
+    if (read) Read();
+    if (std::exchange(faded_, false) && !read) {
+      for (auto& [shape, mesh] : meshes_) SetColors(mesh);
+      if (!Place(context)) PlaceShapes();
+      return Change::kMoving;
+    }
+    // The first message of any display may choose the fixed frame.
+    const bool other_frame = placed_in_ != context.frame.name();
+    if (!read && !context.transforms_changed && !context.frame_changed && !other_frame) return Change::kNothing;
+    return Place(context) || read ? Change::kMoving : Change::kNothing;
+  }
+
   /// Whether something has moved.
   bool Place(const UpdateContext& context) {
     unplaced_.clear();
@@ -240,6 +253,7 @@ class RobotDisplay : public Display {
   Solids solids_;  ///< Relative to origin_.
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   Eigen::AlignedBox3d bounds_;
+  TransformWait wait_;
   std::string fault_, why_, mesh_fault_;
   std::vector<std::string> unplaced_, missing_;
   bool outdated_ = true;

@@ -83,8 +83,10 @@ void PictureTiles::Draw(const DrawContext& context, const RigidTransform& T_fixe
   glActiveTexture(GL_TEXTURE0);
   glBindVertexArray(corners_.name());
   glEnable(GL_DEPTH_TEST);
-  glEnable(GL_POLYGON_OFFSET_FILL);  // Other things in the same plane are drawn over it.
-  glPolygonOffset(blended ? 1 : 2, blended ? 4 : 8);
+  if (!context.true_depth) {
+    glEnable(GL_POLYGON_OFFSET_FILL);  // Other things in the same plane are drawn over it.
+    glPolygonOffset(blended ? 1 : 2, blended ? 4 : 8);
+  }
   if (blended) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

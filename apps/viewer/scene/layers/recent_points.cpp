@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "viewer/data/bounds_of_most.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -113,13 +115,12 @@ std::size_t RecentPoints::gpu_bytes() const noexcept {
 }
 
 Eigen::AlignedBox3d RecentPoints::Bounds() const {
-  Eigen::AlignedBox3d bounds;
+  std::vector<Eigen::AlignedBox3d> boxes;
   for (const Message& message : messages_) {
     if (message.count == 0) continue;
-    bounds.extend(message.box.corner);
-    bounds.extend(message.box.corner + message.box.size.cast<double>());
+    boxes.emplace_back(message.box.corner, message.box.corner + message.box.size.cast<double>());
   }
-  return bounds;
+  return BoundsOfMost(std::move(boxes));
 }
 
 double RecentPoints::oldest_s() const noexcept {

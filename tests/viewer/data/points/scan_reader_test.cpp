@@ -41,6 +41,18 @@ TEST(ScanReader, OmitsRaysWithoutAReturn) {
   EXPECT_EQ(batch.left_out, 2U);
 }
 
+TEST(ScanReader, OmitsARayThatIsFarFromAllOthers) {
+  foxglove::LaserScan scan = HalfTurn();
+  scan.set_ranges(1, 1e30);
+  for (const double intensity : {10.0, 20.0, 30.0}) scan.add_intensities(intensity);
+  PointBatch batch;
+  ASSERT_EQ(ReadScan(scan, batch), "");
+  ASSERT_EQ(batch.positions.size(), 2U);
+  EXPECT_TRUE(batch.positions[1].isApprox(Eigen::Vector3f(0, 3, 0), 1e-6F));
+  EXPECT_THAT(batch.scalars, ::testing::ElementsAre(10.0F, 30.0F));
+  EXPECT_EQ(batch.left_out, 1U);
+}
+
 TEST(ScanReader, UsesIntensitiesIfThereAreAny) {
   foxglove::LaserScan scan = HalfTurn();
   for (const double intensity : {10.0, 20.0, 30.0}) scan.add_intensities(intensity);

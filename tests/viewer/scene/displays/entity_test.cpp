@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "foxglove/PoseInFrame.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/Shapes.pb.h"
 #include "viewer/e2e/message_parts.hpp"
@@ -318,12 +319,16 @@ TEST_F(EntityDisplayTest, ReportsAMissingTransformAndShowsEntitiesWithIt) {
   entity.set_frame_id("arm");
   Publish("scene", update);
   Update(0);
+  EXPECT_FALSE(display.HasFault()) << "it may still come";
+  EXPECT_THAT(display.WaitsFor(), HasSubstr("arm"));
+  EXPECT_EQ(display.next_change_s(), kLongestWaitS);
+  Update(kLongestWaitS);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(FirstStatus(display), HasSubstr("arm"));
   EXPECT_EQ(DifferentShare(empty, Draw()), 0);
   tree_.SetStatic("map", "arm", RigidTransform());
   transforms_changed_ = true;
-  Update(1);
+  Update(3);
   EXPECT_FALSE(display.HasFault());
   EXPECT_GT(DifferentShare(empty, Draw()), 0.01);
 }
@@ -358,13 +363,54 @@ TEST_F(EntityDisplayTest, EntitiesTooFarAwayDoNotHideOthers) {
   transforms_changed_ = true;
   Publish("scene", far);
   Update(1);
+  Update(1 + kLongestWaitS);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(FirstStatus(display), HasSubstr("Entity \"far\": 1 of its shapes"));
   EXPECT_THAT(display.Status(), Contains(HasSubstr("The frame nowhere is farther away")));
   EXPECT_EQ(DifferentShare(before, Draw()), 0);
   Publish("scene", EverySolid());
-  Update(2);
+  Update(4);
   EXPECT_EQ(DifferentShare(before, Draw()), 0);
+}
+
+TEST_F(EntityDisplayTest, OneMalformedEntityLeavesTheBoundsOfTheOthers) {
+  Display& display = Add("Scene", "scene");
+  Publish("scene", EverySolid());
+  Update();
+  const Eigen::AlignedBox3d before = display.Bounds();
+  for (const double size : {1e9, -1e9, 3e8, std::nan(""), HUGE_VAL}) {
+    SceneUpdate bad;
+    AddCube(AddEntity(bad, "bad"), 0, 0, size);
+    Publish("scene", bad);
+    Update();
+    EXPECT_TRUE(display.Bounds().isApprox(before)) << size << ": " << display.Bounds().sizes().transpose();
+    EXPECT_TRUE(scene_.Bounds().isApprox(before)) << size;
+  }
+  SceneUpdate bad;
+  auto& model = *AddEntity(bad, "bad").add_models();
+  SetXyz(*model.mutable_scale(), 1, 1, 1);
+  model.set_media_type("model/stl");
+  model.set_data("solid x\nvertex 0 0 0\nvertex 1e30 0 0\nvertex 0 1 0\nendsolid");
+  Publish("scene", bad);
+  Update();
+  EXPECT_TRUE(display.Bounds().isApprox(before)) << "a corner of a mesh";
+}
+
+TEST_F(EntityDisplayTest, OneMalformedChannelLeavesTheBoundsOfTheOthers) {
+  Add("Scene", "scene");
+  Add("Scene", "bad");
+  Add("Pose", "far");
+  Publish("scene", EverySolid());
+  Update();
+  const Eigen::AlignedBox3d before = scene_.Bounds();
+  SceneUpdate bad;
+  AddCube(AddEntity(bad, "bad"), 0, 0, 1e9);
+  Publish("bad", bad);
+  foxglove::PoseInFrame far;
+  far.mutable_pose()->mutable_position()->set_x(1e30);
+  Publish("far", far);
+  Update();
+  EXPECT_TRUE(scene_.Bounds().isApprox(before)) << scene_.Bounds().sizes().transpose();
 }
 
 TEST_F(EntityDisplayTest, ReturnsTextsAsLabelsWithPlaceAndColor) {

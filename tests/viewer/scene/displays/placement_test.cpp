@@ -9,7 +9,7 @@ namespace {
 class PlacementTest : public ::testing::Test {
  protected:
   bool Follow(const std::string& name, bool transforms_changed = true, bool frame_changed = false) {
-    return placement_.Follow(name, {frame_, 0, frame_changed, transforms_changed});
+    return placement_.Follow(name, {frame_, now_s_, frame_changed, transforms_changed});
   }
   void Set(double x) { tree_.Set("map", "base", Time{++stamps_}, RigidTransform({1, 0, 0, 0}, {x, 0, 0})); }
 
@@ -17,6 +17,7 @@ class PlacementTest : public ::testing::Test {
   FixedFrame frame_{tree_};
   Placement placement_;
   std::int64_t stamps_ = 0;
+  double now_s_ = 0;
 };
 
 TEST_F(PlacementTest, ChangesOnlyWhenTheFrameMoves) {
@@ -33,15 +34,32 @@ TEST_F(PlacementTest, ChangesOnlyWhenTheFrameMoves) {
   EXPECT_TRUE(Follow("map"));
 }
 
-TEST_F(PlacementTest, ReportsAMissingTransformUntilItArrives) {
+TEST_F(PlacementTest, ReportsATransformThatIsMissingForAWhileUntilItArrives) {
   frame_.Ask("map");
   tree_.SetStatic("map", "other", RigidTransform());
   EXPECT_FALSE(Follow("base"));
   EXPECT_FALSE(placement_.known());
+  EXPECT_EQ(placement_.fault(), "") << "it may still come";
+  EXPECT_THAT(placement_.waits_for(), ::testing::HasSubstr("base"));
+  EXPECT_EQ(placement_.next_change_s(), kLongestWaitS);
+  now_s_ = kLongestWaitS;
+  EXPECT_FALSE(Follow("base", false));
   EXPECT_THAT(placement_.fault(), ::testing::HasSubstr("base"));
+  EXPECT_EQ(placement_.waits_for(), "");
+  EXPECT_GT(placement_.next_change_s(), 1e9) << "nothing changes by itself any more";
   Set(1);
   EXPECT_TRUE(Follow("base"));
   EXPECT_EQ(placement_.fault(), "");
+}
+
+TEST_F(PlacementTest, CountsTheWaitOfEachLossAnew) {
+  frame_.Ask("map");
+  Set(1);
+  EXPECT_TRUE(Follow("base"));
+  now_s_ = 10;
+  EXPECT_FALSE(Follow("nowhere"));
+  EXPECT_EQ(placement_.fault(), "");
+  EXPECT_EQ(placement_.next_change_s(), 10 + kLongestWaitS);
 }
 
 TEST_F(PlacementTest, IsFoundAgainInANewFixedFrame) {

@@ -137,6 +137,8 @@ TEST_F(RobotDisplayTest, ReportsLinksWithoutATransform) {
   Display& display = Add("Robot model", "", {"file", urdf()});
   tree_.Set("map", "elsewhere", Time{1}, RigidTransform());
   Update();
+  EXPECT_FALSE(display.HasFault()) << "they may still come";
+  Update(kLongestWaitS);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), HasSubstr("a transform is missing: base, head, left and 2 more"));
   PlaceLinks();
