@@ -74,6 +74,12 @@ void Viewer::Restore(const Layout& layout) {
   layout_file_.save_on_exit = layout.save_on_exit;
   if (layout.camera) follower_.Restore(*layout.camera, layout.follow);
   displays_.Restore(layout);
+  if (layout.displays) {  // The scene has these displays, in the same order.
+    for (std::size_t i = 0; i < layout.displays->size(); ++i) {
+      const auto& place = (*layout.displays)[i].place;
+      if (place) image_panel_.Restore(*scene_.entries()[i].display, *place);
+    }
+  }
   for (const LayoutPanel& panel : layout.panels) {
     const std::string fault = dock_.Restore(panel.panel);
     if (!fault.empty()) throw ConfigError(fault, panel.where);
@@ -103,6 +109,9 @@ Layout Viewer::CurrentLayout() const {
   layout.camera = follower_.KeptCamera(layout.follow, layout.follow_pose);
   layout.show_found = displays_.show_found();
   layout.displays = KeptDisplays(scene_);
+  for (std::size_t i = 0; i < scene_.entries().size(); ++i) {
+    (*layout.displays)[i].place = image_panel_.PlaceOf(*scene_.entries()[i].display);
+  }
   for (const PanelLayout& panel : dock_.KeptLayout()) layout.panels.push_back({panel, {}});
   return layout;
 }

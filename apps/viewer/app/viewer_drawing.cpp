@@ -2,6 +2,7 @@
 
 #include "viewer/app/process_figures.hpp"
 #include "viewer/app/viewer.hpp"
+#include "viewer/panels/dock/panel_room.hpp"
 #include "viewer/panels/overlay/help_overlay.hpp"
 #include "viewer/panels/overlay/label_layer.hpp"
 #include "viewer/panels/overlay/pick_layer.hpp"
@@ -47,7 +48,7 @@ void Viewer::DrawOverlaysAndPanels() {
 
 std::optional<std::size_t> Viewer::DrawPanels() {
   if (view_panel_.Draw(camera_, frame_, layout_file_)) WriteLayout();
-  image_panel_.Draw(scene_);
+  const PanelPlace room = image_panel_.Draw(scene_, PanelRoom(), dock_.NeedsRoom() ? PanelDock::NarrowestWidth() : 0);
   const DisplayPanel::Wish wish = display_panel_.Draw(scene_, frame_, channels_.published(), dock_);
   if (wish.add != nullptr) {
     display_panel_.Refuse(displays_.AddByHand(*wish.add, wish.channel));
@@ -59,7 +60,7 @@ std::optional<std::size_t> Viewer::DrawPanels() {
     frame_changed_ = true;
     pace_.WantAfterInput();
   }
-  dock_.Draw();
+  dock_.Draw(room);
   if (playback_.paused()) DrawPausedTimeBar();
   DrawStatusLine({static_cast<double>(pace_.frames_per_second()), scene_.points(), scene_.gpu_bytes(), ResidentBytes(),
                   frame_.name(), notices_.shown(), playback_.paused(), picker_.active(), scene_.unfinished()});

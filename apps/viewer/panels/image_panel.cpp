@@ -1,52 +1,105 @@
 #include "viewer/panels/image_panel.hpp"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
 
-#include "viewer/data/image/image_value.hpp"
+#include "viewer/panels/dock/panel_tiles.hpp"
 
 namespace hgros::viewer {
 namespace {
 
+constexpr float kMostOfRoom = 0.5F;  // images that nobody has moved take at most this part of the room's width
 constexpr float kMostZoom = 200;
 constexpr float kWheelFactor = 1.2F;
+// In heights of the font.
+constexpr float kWidestImage = 24;
+constexpr float kNarrowestImages = 4;
+constexpr float kImageGap = 0.4F;
 
 }  // namespace
 
-void ImagePanel::Draw(const Scene& scene) {
-  const float unit = ImGui::GetFontSize();
-  const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  float right = screen.x - 0.6F * unit;
-  std::erase_if(parts_, [&](const auto& part) {
+std::vector<ImagePanel::Shown> ImagePanel::ShownImages(const Scene& scene) {
+  std::erase_if(windows_, [&](const auto& window) {
     return std::ranges::none_of(scene.entries(),
-                                [&](const Scene::Entry& entry) { return entry.display.get() == part.first; });
+                                [&](const Scene::Entry& entry) { return entry.display.get() == window.first; });
   });
+  std::vector<Shown> all;
   for (const Scene::Entry& entry : scene.entries()) {
-    if (!entry.visible) continue;
-    const auto image = entry.display->Image();
+    const auto image = entry.visible ? entry.display->Image() : std::nullopt;
     if (!image) continue;
-    const float width = std::min(25 * unit, 0.45F * screen.x);
-    const float height = width * static_cast<float>(image->picture->height) / static_cast<float>(image->picture->width);
-    const ImVec2 size(width, std::clamp(height, 4 * unit, 0.5F * screen.y) + 4.5F * unit);
-    ImGui::SetNextWindowPos({right, screen.y - 2.6F * unit}, ImGuiCond_FirstUseEver, {1, 1});
-    ImGui::SetNextWindowSize(size, ImGuiCond_FirstUseEver);
-    right = std::max(right - size.x - 0.6F * unit, size.x);
-    const std::string title = entry.name + "##image " + entry.channel;
-    if (ImGui::Begin(title.c_str(), nullptr,
-                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoScrollbar |
-                         ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoFocusOnAppearing)) {
-      DrawImage(*image, parts_[entry.display.get()]);
-    }
-    ImGui::End();
+    ImageWindow& window = windows_[entry.display.get()];
+    if (window.number == 0) window.number = ++numbers_;
+    all.push_back({&entry, *image, &window});
   }
+  return all;
 }
 
-void ImagePanel::DrawImage(const ShownImage& image, Part& part) {
-  const ImagePicture& picture = *image.picture;
+std::optional<PanelPlace> ImagePanel::PlaceOf(const Display& display) const {
+  const auto found = windows_.find(&display);
+  if (found == windows_.end()) return std::nullopt;
+  const ImageWindow& window = found->second;
+  if (window.wanted || !window.window.by_hand()) return window.wanted;
+  return window.window.place();
+}
+
+PanelPlace ImagePanel::Draw(const Scene& scene, const PanelPlace& room, float reserved) {
+  const float unit = ImGui::GetFontSize();
+  const float gap = kImageGap * unit;
+  const std::vector<Shown> all = ShownImages(scene);
+  std::vector<PanelSize> tiled;
+  for (const Shown& shown : all) {
+    if (shown.window->wanted || shown.window->window.by_hand()) continue;
+    const ImagePicture& picture = *shown.image.picture;
+    tiled.push_back({static_cast<float>(picture.width), static_cast<float>(picture.height)});
+  }
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const PanelSize frame{2 * style.WindowPadding.x,
+                        ImGui::GetFrameHeight() + 2 * style.WindowPadding.y + ImGui::GetTextLineHeightWithSpacing()};
+  const float free = reserved > 0 ? room.width - reserved - gap : room.width;
+  const float most = std::max(kNarrowestImages * unit, std::min(kMostOfRoom * room.width, free));
+  const std::vector<PanelPlace> tiles = TileImages(tiled, frame, kWidestImage * unit, most, room, gap);
+  auto tile = tiles.begin();
+  PanelPlace rest = room;
+  for (const Shown& shown : all) {
+    const bool by_hand = shown.window->wanted || shown.window->window.by_hand();
+    DrawWindow(shown, by_hand ? PanelPlace() : *tile);
+    if (by_hand) continue;
+    rest.width = std::min(rest.width, tile->x - gap - room.x);
+    ++tile;
+  }
+  return rest;
+}
+
+void ImagePanel::DrawWindow(const Shown& shown, const PanelPlace& tile) {
+  ImageWindow& window = *shown.window;
+  if (window.wanted) {
+    window.window.PlaceByHand(*window.wanted);
+    window.wanted.reset();
+  } else {
+    window.window.Place(tile);
+  }
+  const std::string title = shown.entry->name + "##image " + std::to_string(window.number);
+  if (ImGui::Begin(title.c_str(), nullptr,
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoScrollbar |
+                       ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoFocusOnAppearing)) {
+    DrawImage(shown);
+  }
+  // It covers nothing that a user has placed.
+  if (ImGui::IsWindowAppearing() && !window.window.by_hand()) {
+    ImGui::BringWindowToDisplayBack(ImGui::GetCurrentWindow());
+  }
+  window.window.Note();
+  ImGui::End();
+}
+
+void ImagePanel::DrawImage(const Shown& shown) {
+  ImageWindow& part = *shown.window;
+  const ImagePicture& picture = *shown.image.picture;
   const auto width = static_cast<float>(picture.width);
   const auto height = static_cast<float>(picture.height);
   const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -59,7 +112,8 @@ void ImagePanel::DrawImage(const ShownImage& image, Part& part) {
   ImGui::InvisibleButton("image", canvas);
   const bool hovered = ImGui::IsItemHovered();
   if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
-    part = {};
+    part.zoom = 1;
+    part.middle_x = part.middle_y = 0.5F;
   } else if (ImGui::IsItemActive()) {
     part.middle_x -= io.MouseDelta.x / (fit * part.zoom * width);
     part.middle_y -= io.MouseDelta.y / (fit * part.zoom * height);
@@ -79,8 +133,9 @@ void ImagePanel::DrawImage(const ShownImage& image, Part& part) {
   const ImVec2 from(middle.x - part.middle_x * width * scale, middle.y - part.middle_y * height * scale);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.PushClipRect(corner, {corner.x + canvas.x, corner.y + canvas.y}, true);
-  list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(image.texture)), from,  // NOLINT: ImGui's way
-                {from.x + width * scale, from.y + height * scale});
+  const auto texture =
+      reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(shown.image.texture));  // NOLINT: ImGui's way
+  list.AddImage(texture, from, {from.x + width * scale, from.y + height * scale});
   list.PopClipRect();
 
   const auto x = static_cast<std::ptrdiff_t>(std::floor((io.MousePos.x - from.x) / scale));
@@ -88,7 +143,7 @@ void ImagePanel::DrawImage(const ShownImage& image, Part& part) {
   const bool inside = hovered && x >= 0 && y >= 0 && x < static_cast<std::ptrdiff_t>(picture.width) &&
                       y < static_cast<std::ptrdiff_t>(picture.height);
   if (inside) {
-    const std::string value = ValueAt(picture, static_cast<std::size_t>(x), static_cast<std::size_t>(y));
+    const std::string value = shown.entry->display->PixelText(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
     ImGui::Text("%td, %td: %s", x, y, value.c_str());
   } else {
     ImGui::TextDisabled("%zu x %zu %s", picture.width, picture.height, picture.encoding.c_str());

@@ -66,7 +66,7 @@ struct Label {
 
 /// An image that is shown in its own panel.
 struct ShownImage {
-  const ImagePicture* picture;  ///< Valid until the next Update.
+  const ImagePicture* picture;  ///< Without its pixels. Valid until the next Update.
   unsigned texture;             ///< Its name in GL.
 };
 
@@ -116,6 +116,8 @@ class Display {
   [[nodiscard]] virtual std::string WaitsFor() const { return {}; }
   [[nodiscard]] virtual std::vector<Label> Labels() const { return {}; }
   [[nodiscard]] virtual std::optional<ShownImage> Image() const { return std::nullopt; }
+  /// The value of a pixel of its image as text. Reads a color back from the GPU.
+  [[nodiscard]] virtual std::string PixelText(std::size_t /*x*/, std::size_t /*y*/) const { return {}; }
   /// Number of points that DrawSettled draws. It decides the number of slices.
   [[nodiscard]] virtual std::size_t settled_points() const { return 0; }
   /// Number of points that DrawMoving draws without thinning.

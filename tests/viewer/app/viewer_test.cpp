@@ -9,9 +9,12 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <string>
 
+#include "foxglove/PointCloud.pb.h"
+#include "foxglove/RawImage.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
@@ -436,6 +439,195 @@ TEST_F(ViewerTest, ReportsErrorsInALayout) {
   Layout layout;
   layout.panels = {{{"Radar", std::nullopt, {}}, {"layout.yaml", 2, 5}}};
   EXPECT_NE(fault(layout).find("layout.yaml:2:5"), std::string::npos);
+}
+
+/// Cameras that publish from another session.
+class Cameras {
+ public:
+  explicit Cameras(std::size_t count) : count_(count) {}
+  void Publish() {
+    constexpr std::pair<std::uint32_t, std::uint32_t> kSizes[] = {{64, 48}, {124, 38}, {48, 64}};
+    for (std::size_t i = 0; i < count_; ++i) {
+      foxglove::RawImage image;
+      const auto [width, height] = kSizes[i % std::size(kSizes)];
+      image.set_width(width);
+      image.set_height(height);
+      image.set_step(width);
+      image.set_encoding("mono8");
+      image.set_data(std::string(std::size_t{width} * height, static_cast<char>(40 * i)));
+      (void)session_.ToAny("camera_" + std::to_string(i), image);
+    }
+  }
+  /// Publishes until all windows of the images are there.
+  ScriptedSurface::Step Shown() {
+    return [this, deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
+      Publish();
+      if (Windows("##image").size() < count_ && std::chrono::steady_clock::now() < deadline) at.Again();
+    };
+  }
+  /// The shown windows with such a name.
+  static std::vector<ImGuiWindow*> Windows(const std::string& part) {
+    std::vector<ImGuiWindow*> all;
+    for (ImGuiWindow* const window : ImGui::GetCurrentContext()->Windows) {
+      const bool shown = window->Active && !window->Hidden && (window->Flags & ImGuiWindowFlags_ChildWindow) == 0;
+      if (shown && std::string(window->Name).find(part) != std::string::npos) all.push_back(window);
+    }
+    return all;
+  }
+
+ private:
+  const std::size_t count_;
+  Session session_;
+};
+
+TEST_F(ViewerTest, ImageWindowsCoverNothingAtAnySize) {
+  const MetOnThisHost met;
+  Cameras cameras(5);
+  std::vector<ScriptedSurface::Step> steps;
+  const auto nothing = [](ScriptedSurface&) {};
+  const auto check = [](const std::string& when) {
+    return [when](ScriptedSurface& at) {
+      const std::vector<ImGuiWindow*> images = Cameras::Windows("##image");
+      EXPECT_EQ(images.size(), 5U) << when;
+      std::vector<ImGuiWindow*> others = images;
+      for (const char* name : {"Displays", "View", "status", "Plot", "Channels"}) {
+        for (ImGuiWindow* const window : Cameras::Windows(name)) others.push_back(window);
+      }
+      for (ImGuiWindow* const image : images) {
+        const ImRect rect = image->Rect();
+        EXPECT_TRUE(rect.Min.x >= 0 && rect.Min.y >= 0 && rect.Max.x <= static_cast<float>(at.size().width) &&
+                    rect.Max.y <= static_cast<float>(at.size().height))
+            << image->Name << ", " << when;
+        for (ImGuiWindow* const other : others) {
+          EXPECT_TRUE(other == image || !rect.Overlaps(other->Rect()))
+              << image->Name << " and " << other->Name << ", " << when;
+        }
+      }
+    };
+  };
+  const Viewport sizes[] = {{1280, 800}, {800, 600}, {1920, 1080}, {800, 600}, {1280, 800}};
+  for (const bool panels : {false, true}) {
+    for (const Viewport size : sizes) {
+      steps.emplace_back([size](ScriptedSurface& at) { at.Resize(size); });
+      if (steps.size() == 1) steps.push_back(cameras.Shown());
+      for (int i = 0; i < 3; ++i) steps.emplace_back(nothing);
+      steps.push_back(check(std::to_string(size.width) + (panels ? " with panels" : "")));
+    }
+    steps.push_back(Key('1'));
+    steps.push_back(Key('4'));
+  }
+  ScriptedSurface surface(std::move(steps), {1920, 1080});
+  Viewer viewer(options_, std::nullopt, surface);
+  EXPECT_EQ(viewer.Run(), 0);
+}
+
+TEST_F(ViewerTest, KeepsTheMovedWindowOfAnImageInTheLayout) {
+  const MetOnThisHost met;
+  Cameras cameras(3);
+  const auto place = [](const char* name) -> PanelPlace {
+    const std::vector<ImGuiWindow*> windows = Cameras::Windows(name);
+    if (windows.empty()) return {};
+    return {windows[0]->Pos.x, windows[0]->Pos.y, windows[0]->Size.x, windows[0]->Size.y};
+  };
+  const auto nothing = [](ScriptedSurface&) {};
+  const auto resize = [](const Viewport& size) { return [size](ScriptedSurface& at) { at.Resize(size); }; };
+  constexpr const char* kName = "camera_1##image";
+  PanelPlace before;
+  const auto point = [&](float dx, float dy) {
+    return [&, dx, dy](ScriptedSurface&) {
+      if (dx == 0) before = place(kName);
+      ImGui::GetIO().MousePos = {before.x + 60 + dx, before.y + 8 + dy};
+    };
+  };
+  const auto press = [](bool down) { return [down](ScriptedSurface&) { ImGui::GetIO().MouseDown[0] = down; }; };
+  PanelPlace moved;
+  ScriptedSurface first(
+      {resize({1280, 800}), cameras.Shown(), nothing, nothing, point(0, 0), nothing, press(true), nothing,
+       point(-120, -200), nothing, press(false), nothing, [&](ScriptedSurface&) { moved = place(kName); }},
+      {1920, 1080});
+  Layout kept;
+  {
+    Viewer viewer(options_, std::nullopt, first);
+    EXPECT_EQ(viewer.Run(), 0);
+    kept = viewer.CurrentLayout();
+  }
+  EXPECT_EQ(moved, (PanelPlace{before.x - 120, before.y - 200, before.width, before.height}));
+  const auto of = [](const Layout& layout, const char* channel) {
+    const auto display = std::ranges::find(*layout.displays, channel, &LayoutDisplay::channel);
+    return display == layout.displays->end() ? std::nullopt : display->place;
+  };
+  EXPECT_EQ(of(kept, "camera_1"), moved);
+  EXPECT_EQ(of(kept, "camera_0"), std::nullopt) << "nobody has moved it";
+
+  PanelPlace again;
+  PanelPlace small;
+  PanelPlace later;
+  const ImGuiWindow* in_front = nullptr;
+  ScriptedSurface second({resize({1280, 800}), cameras.Shown(), nothing, nothing,
+                          [&](ScriptedSurface&) {
+                            again = place(kName);
+                            in_front = Cameras::Windows("##image").back();
+                          },
+                          resize({500, 300}), nothing, nothing, [&](ScriptedSurface&) { small = place(kName); },
+                          resize({1280, 800}), nothing, nothing, [&](ScriptedSurface&) { later = place(kName); }},
+                         {1920, 1080});
+  Viewer viewer(options_, kept, second);
+  EXPECT_EQ(viewer.Run(), 0);
+  EXPECT_EQ(again, moved);
+  ASSERT_NE(in_front, nullptr);
+  EXPECT_TRUE(std::string(in_front->Name).starts_with(kName)) << in_front->Name << " covers the moved one";
+  EXPECT_LE(small.x + small.width, 500) << "it stays inside a smaller window";
+  EXPECT_LE(small.y + small.height, 300);
+  EXPECT_EQ(later, moved) << "and returns when that grows again";
+  EXPECT_EQ(of(viewer.CurrentLayout(), "camera_1"), moved);
+}
+
+foxglove::PointCloud CloudAt(std::int64_t ns) {
+  foxglove::PointCloud cloud;
+  cloud.set_frame_id("lidar");
+  SetStamp(*cloud.mutable_timestamp(), ns);
+  SetFloatFields(cloud);
+  const float point[4] = {1, 2, 3, 4};
+  cloud.set_data(std::string(reinterpret_cast<const char*>(point), sizeof point));
+  return cloud;
+}
+
+TEST_F(ViewerTest, DoesNotReportACloudThatWaitsShortlyForItsTransform) {
+  options_.panels = false;
+  options_.offscreen = Viewport{64, 64};
+  options_.displays = {{"Ground", "", {{"visible", "off"}}}, {"Frames", "", {{"visible", "off"}}}};
+  options_.channels = {{"cloud", "foxglove.PointCloud", {{"color", "flat"}, {"size", "20"}}}};
+  for (const bool drawn_before : {true, false}) {
+    const MetOnThisHost met;
+    Session robot;
+    Transforms transforms(robot);
+    auto clouds = robot.Advertise<foxglove::PointCloud>("cloud");
+    transforms.ToTF(Time{1'000'000'000}, "map", "lidar", RigidTransform());
+    transforms.Flush();
+    const ScriptedSurface::Step drawn = [&, deadline = std::chrono::steady_clock::now() +
+                                                       std::chrono::seconds(20)](ScriptedSurface& at) {
+      EXPECT_TRUE(robot.WaitForSubscribers("cloud", 1, std::chrono::seconds(20)));
+      if (!drawn_before) return;
+      (void)clouds(CloudAt(1'000'000'000));
+      const bool bright = std::ranges::any_of(at.Pixels(), [](std::uint8_t value) { return value > 150; });
+      if (!bright && std::chrono::steady_clock::now() < deadline) at.Again();
+    };
+    // Each cloud is 5 ns newer than the newest transform, until the next one comes.
+    const ScriptedSurface::Step late = [&, count = 0](ScriptedSurface& at) mutable {
+      const std::int64_t now = 1'000'000'000 + (drawn_before ? 10 * ++count : 0);
+      transforms.ToTF(Time{now}, "map", "lidar", RigidTransform());
+      transforms.Flush();
+      (void)clouds(CloudAt(now + 5));
+      if (at.pictures() < 150) at.Again();
+    };
+    ScriptedSurface surface({drawn, late, Key('H')});
+    Viewer viewer(options_, std::nullopt, surface);
+    ::testing::internal::CaptureStderr();
+    const int code = viewer.Run();
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_EQ(code, drawn_before ? 0 : 1) << said;
+    EXPECT_EQ(said.find("which is too new") == std::string::npos, drawn_before) << said;
+  }
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ from window_closing import ask_to_close
 VIEWER = os.environ["HGROS_VIEWER"]
 PUBLISHER = os.environ["HGROS_VIEWER_PUBLISHER"]
 TALKER = os.environ["HGROS_VIEWER_TALKER"]
+CAMERAS = os.environ["HGROS_VIEWER_CAMERAS"]
 DEADLINE_S = float(os.environ.get("HGROS_VIEWER_DEADLINE_S", "60"))
 
 
@@ -252,6 +253,17 @@ class InMemory(ViewerCase):
                 self.assertIn(words, viewer.stderr.read())
                 publisher.kill()
                 publisher.wait()
+
+    def test_shows_a_large_gray_image_in_little_memory(self):
+        viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.1")
+        empty = self.read_until(viewer, lambda figures: float(figures["frames"]) >= 1)
+        self.start(CAMERAS, 1, 8000, 8000, "mono8")
+        shown = self.read_until(viewer, lambda figures: float(figures["gpu_mb"]) > 60)
+        # The message, its picture, the driver's copy of that, the texture, and the next message with its picture: each
+        # pixel is one byte there.
+        self.assertLess(float(shown["rss_mb"]) - float(empty["rss_mb"]), 7 * 64)
+        viewer.send_signal(signal.SIGTERM)
+        self.end(viewer)
 
     def test_says_what_is_wrong_with_its_arguments(self):
         for arguments, words in ((["--channel", "cloud:foxglove.Nothing"], "No display shows"),

@@ -10,6 +10,7 @@
 
 #include "hgros/session/session.hpp"
 #include "viewer/panels/dock/panel_dock.hpp"
+#include "viewer/panels/dock/panel_room.hpp"
 
 namespace hgros::viewer::test {
 
@@ -43,7 +44,7 @@ class PanelTest : public ::testing::Test {
   /// Lays everything out. Returns the number of triangles.
   int Draw() {
     ImGui::NewFrame();
-    dock_.Draw();
+    dock_.Draw(PanelRoom());
     ImGui::Render();
     return ImGui::GetDrawData()->TotalIdxCount / 3;
   }

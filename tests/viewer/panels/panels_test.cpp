@@ -82,7 +82,7 @@ TEST_F(PanelsTest, PlotShowsTheErrorOfEachSeriesOnItsOwnLine) {
   Draw();
   ImGui::NewFrame();
   ImGui::LogToClipboard();
-  dock_.Draw();
+  dock_.Draw(PanelRoom());
   ImGui::LogFinish();
   ImGui::Render();
   const std::string text = ImGui::GetClipboardText();

@@ -27,8 +27,10 @@ struct LayoutDisplay {
   bool visible = true;
   std::vector<LayoutSetting> settings;
   FilePosition where{};
+  std::optional<PanelPlace> place{};  ///< Of its image's window, if a user has moved that.
   bool operator==(const LayoutDisplay& other) const {
-    return kind == other.kind && channel == other.channel && visible == other.visible && settings == other.settings;
+    return kind == other.kind && channel == other.channel && visible == other.visible && settings == other.settings &&
+           place == other.place;
   }
 };
 

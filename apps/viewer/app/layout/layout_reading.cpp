@@ -134,6 +134,15 @@ class Reader {
     return camera;
   }
 
+  [[nodiscard]] PanelPlace Place(const Node& node) const {
+    const auto place = Numbers<4>(node, "place");
+    if (place[2] < 1 || place[3] < 1) {
+      Fail(node, "The place has no size.", "Write [left, top, width, height] in pixels.");
+    }
+    return {static_cast<float>(place[0]), static_cast<float>(place[1]), static_cast<float>(place[2]),
+            static_cast<float>(place[3])};
+  }
+
   [[nodiscard]] LayoutDisplay Display(const Node& node) const {
     LayoutDisplay display;
     display.where = document_.PositionOf(node);
@@ -145,6 +154,8 @@ class Reader {
         display.channel = Text(*entry.value, key);
       } else if (key == "visible") {
         display.visible = Truth(*entry.value, key);
+      } else if (key == "place") {
+        display.place = Place(*entry.value);
       } else if (key == "settings") {
         if (entry.value->kind == Node::Kind::kNull) continue;
         for (const Node::Entry& setting : Map(*entry.value, "settings")) {
@@ -152,7 +163,7 @@ class Reader {
               {setting.key->text, Text(*setting.value, setting.key->text), document_.PositionOf(*setting.value)});
         }
       } else {
-        FailKey(*entry.key, {"kind", "channel", "visible", "settings"});
+        FailKey(*entry.key, {"kind", "channel", "visible", "place", "settings"});
       }
     }
     if (display.kind.empty()) {
@@ -173,12 +184,7 @@ class Reader {
       if (key == "kind") {
         panel.panel.name = Text(*entry.value, key);
       } else if (key == "place") {
-        const auto place = Numbers<4>(*entry.value, key);
-        if (place[2] < 1 || place[3] < 1) {
-          Fail(*entry.value, "The place has no size.", "Write [left, top, width, height] in pixels.");
-        }
-        panel.panel.place = PanelPlace{static_cast<float>(place[0]), static_cast<float>(place[1]),
-                                       static_cast<float>(place[2]), static_cast<float>(place[3])};
+        panel.panel.place = Place(*entry.value);
       } else if (entry.value->kind == Node::Kind::kList) {
         for (const Node* const item : entry.value->items) panel.panel.settings.emplace_back(key, Text(*item, key));
       } else {

@@ -84,10 +84,16 @@ std::string CameraText(const LayoutCamera& camera) {
   return text;
 }
 
+std::string PlaceLine(const PanelPlace& place) {
+  const std::array<float, 4> numbers = {place.x, place.y, place.width, place.height};
+  return Line("    ", "place", Bracketed<float>(numbers));
+}
+
 std::string DisplayText(const LayoutDisplay& display) {
   std::string text = "  - kind: " + Value(display.kind) + "\n";
   if (!display.channel.empty()) text += Line("    ", "channel", Value(display.channel));
   if (!display.visible) text += Line("    ", "visible", "false");
+  if (display.place) text += PlaceLine(*display.place);
   if (display.settings.empty()) return text;
   text += "    settings:\n";
   for (const LayoutSetting& setting : display.settings) text += Line("      ", setting.name, Value(setting.value));
@@ -96,10 +102,7 @@ std::string DisplayText(const LayoutDisplay& display) {
 
 std::string PanelText(const PanelLayout& panel) {
   std::string text = "  - kind: " + Value(panel.name) + "\n";
-  if (panel.place) {
-    const std::array<float, 4> place = {panel.place->x, panel.place->y, panel.place->width, panel.place->height};
-    text += Line("    ", "place", Bracketed<float>(place));
-  }
+  if (panel.place) text += PlaceLine(*panel.place);
   // A setting with several values is a list, at the place of the first value.
   for (auto setting = panel.settings.begin(); setting != panel.settings.end(); ++setting) {
     const auto same = [&](const auto& other) { return other.first == setting->first; };

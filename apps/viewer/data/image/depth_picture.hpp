@@ -1,11 +1,18 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <span>
+
 #include "viewer/data/image/image_picture.hpp"
 
 namespace hgros::viewer {
 
-/// Colors a picture by its values, row by row. 0 and values that are not finite mean "not measured" and are
-/// transparent. Writes the range of the colors into `picture`.
-void PaintDepth(const DepthColors& colors, ImagePicture& picture);
+/// Writes the measurements of row `y` into `row`, which is as long as the picture is wide.
+using ReadDepthRow = std::function<void(std::size_t y, std::span<float> row)>;
+
+/// Colors a picture by its measurements, which are read twice. 0 and values that are not finite mean "not measured" and
+/// are transparent. Writes the range of the colors into `picture`, which has its size.
+void PaintDepth(const DepthColors& colors, const ReadDepthRow& read, ImagePicture& picture);
 
 }  // namespace hgros::viewer

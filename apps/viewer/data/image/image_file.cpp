@@ -176,7 +176,10 @@ std::string ReadImageFile(Bytes file, const DepthColors& colors, ImagePicture& p
   }
   if (!IsGray16(file)) return ReadPng(file, picture);
   if (std::string fault = Gray16().Read(file, picture, picture.values); !fault.empty()) return fault;
-  PaintDepth(colors, picture);
+  const auto row = [&](std::size_t y, std::span<float> values) {
+    std::copy_n(picture.values.data() + y * picture.width, picture.width, values.data());
+  };
+  PaintDepth(colors, row, picture);
   return {};
 }
 

@@ -16,11 +16,14 @@ struct ImagePicture {
   std::string frame;
   Time stamp;
   std::size_t width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;  ///< Rows from the top, 4 bytes per pixel.
+  // Rows from the top, without padding. One of the two is empty.
+  std::vector<std::uint8_t> rgba;  ///< 4 bytes per pixel.
+  std::vector<std::uint8_t> gray;  ///< 1 byte per pixel.
   std::string encoding;            ///< Its name in the message.
   /// For images of measurements (16UC1, 32FC1): the values of the lowest and the highest color.
   std::optional<double> least, greatest;
-  std::vector<float> values;  ///< The measurements, one per pixel.
+  /// The measurements of a file, one per pixel. Those of a RawImage are read from the message (MeasurementAt).
+  std::vector<float> values;
 };
 
 /// How the values of depth images become colors.

@@ -1,5 +1,7 @@
 #include "viewer/data/image/image_reader.hpp"
 
+#include <cstring>
+#include <span>
 #include <utility>
 
 #include "hgros/codec/image_view.hpp"
@@ -14,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxImagePixels = 256UL << 20;
 
-// Offsets of the colors in a pixel. In gray images all three are the same.
+// Offsets of the colors in a pixel.
 struct Parts {
   std::size_t red, green, blue;
   int alpha = -1;
@@ -33,31 +35,58 @@ void PaintParts(const ImageView& view, const Parts& parts, std::vector<std::uint
   }
 }
 
-template <class T>
-std::vector<float> ValuesOf(const ImageView& view) {
-  std::vector<float> values;
-  values.reserve(view.width() * view.height());
-  const auto samples = view.SamplesAs<T>();
-  for (std::size_t y = 0; samples && y < view.height(); ++y) {
-    for (const T value : (*samples)[y]) values.push_back(static_cast<float>(value));
+void PaintGray8(const ImageView& view, std::vector<std::uint8_t>& gray) {
+  std::uint8_t* out = gray.data();
+  for (std::size_t y = 0; y < view.height(); ++y, out += view.width()) {
+    std::memcpy(out, view.Row(y).data(), view.width());
   }
-  return values;
 }
 
-void PaintGray16(const ImageView& view, std::vector<std::uint8_t>& rgba) {
-  const auto values = ValuesOf<std::uint16_t>(view);
-  std::uint8_t* out = rgba.data();
-  for (const float value : values) {
-    out[0] = out[1] = out[2] = static_cast<std::uint8_t>(value / 257);
-    out[3] = 255;
-    out += 4;
+// The upper byte of each sample.
+void PaintGray16(const ImageView& view, std::vector<std::uint8_t>& gray) {
+  const auto samples = view.SamplesAs<std::uint16_t>();
+  std::uint8_t* out = gray.data();
+  for (std::size_t y = 0; samples && y < view.height(); ++y) {
+    for (const std::uint16_t value : (*samples)[y]) *out++ = static_cast<std::uint8_t>(value / 257);
   }
+}
+
+template <class T>
+void PaintMeasured(const ImageView& view, const DepthColors& colors, ImagePicture& picture) {
+  const auto samples = view.SamplesAs<T>();
+  PaintDepth(
+      colors,
+      [&](std::size_t y, std::span<float> row) {
+        std::size_t x = 0;
+        for (const T value : (*samples)[y]) row[x++] = static_cast<float>(value);
+      },
+      picture);
 }
 
 // Returns false if the encoding is unknown here.
 bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& picture) {
   const std::string& encoding = view.encoding();
   auto& rgba = picture.rgba;
+  const std::size_t pixels = view.width() * view.height();
+  if (encoding == "mono8" || encoding == "8UC1") {
+    picture.gray.resize(pixels);
+    PaintGray8(view, picture.gray);
+    return true;
+  }
+  if (encoding == "mono16") {
+    picture.gray.resize(pixels);
+    PaintGray16(view, picture.gray);
+    return true;
+  }
+  if (encoding == "16UC1") {
+    PaintMeasured<std::uint16_t>(view, colors, picture);
+    return true;
+  }
+  if (encoding == "32FC1") {
+    PaintMeasured<float>(view, colors, picture);
+    return true;
+  }
+  rgba.resize(4 * pixels);
   if (encoding == "rgb8" || encoding == "8UC3") {
     PaintParts(view, {0, 1, 2}, rgba);
   } else if (encoding == "bgr8") {
@@ -66,16 +95,6 @@ bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& pictu
     PaintParts(view, {0, 1, 2, 3}, rgba);
   } else if (encoding == "bgra8") {
     PaintParts(view, {2, 1, 0, 3}, rgba);
-  } else if (encoding == "mono8" || encoding == "8UC1") {
-    PaintParts(view, {0, 0, 0}, rgba);
-  } else if (encoding == "mono16") {
-    PaintGray16(view, rgba);
-  } else if (encoding == "16UC1") {
-    picture.values = ValuesOf<std::uint16_t>(view);
-    PaintDepth(colors, picture);
-  } else if (encoding == "32FC1") {
-    picture.values = ValuesOf<float>(view);
-    PaintDepth(colors, picture);
   } else if (encoding == "yuyv" || encoding == "yuv422_yuy2") {
     PaintYuv422(view, YuvOrder::kYuyv, rgba);
   } else if (encoding == "uyvy" || encoding == "yuv422") {
@@ -102,7 +121,6 @@ std::string ReadImage(const Bulk<foxglove::RawImage>& image, const DepthColors& 
   read.width = view->width();
   read.height = view->height();
   read.encoding = view->encoding();
-  read.rgba.resize(read.width * read.height * 4);
   if (!Paint(*view, colors, read)) return "The encoding \"" + view->encoding() + "\" cannot be shown.";
   picture = std::move(read);
   return {};

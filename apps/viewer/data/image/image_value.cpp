@@ -3,22 +3,36 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hgros/codec/image_view.hpp"
+
 namespace hgros::viewer {
 
-std::string ValueAt(const ImagePicture& picture, std::size_t x, std::size_t y) {
-  const std::size_t at = y * picture.width + x;
+std::string MeasurementText(float value) {
+  if (!std::isfinite(value) || value == 0) return "nothing measured";
   char text[64];
-  if (at < picture.values.size()) {
-    const float value = picture.values[at];
-    if (!std::isfinite(value) || value == 0) return "nothing measured";
-    std::snprintf(text, sizeof text, "%.6g", static_cast<double>(value));
-    return text;
-  }
-  if (4 * at + 3 >= picture.rgba.size()) return {};
-  const std::uint8_t* const pixel = picture.rgba.data() + 4 * at;
-  if (pixel[0] == pixel[1] && pixel[1] == pixel[2]) return std::to_string(pixel[0]);
-  std::snprintf(text, sizeof text, "red %d, green %d, blue %d", pixel[0], pixel[1], pixel[2]);
+  std::snprintf(text, sizeof text, "%.6g", static_cast<double>(value));
   return text;
+}
+
+std::string ColorText(const std::array<std::uint8_t, 4>& rgba) {
+  if (rgba[0] == rgba[1] && rgba[1] == rgba[2]) return std::to_string(rgba[0]);
+  char text[64];
+  std::snprintf(text, sizeof text, "red %d, green %d, blue %d", rgba[0], rgba[1], rgba[2]);
+  return text;
+}
+
+std::string MeasurementAt(const Bulk<foxglove::RawImage>& image, std::size_t x, std::size_t y) {
+  const auto view = ViewImage(image);
+  if (!view || x >= view->width() || y >= view->height()) return {};
+  if (view->encoding() == "16UC1") {
+    const auto samples = view->SamplesAs<std::uint16_t>();
+    return samples ? MeasurementText((*samples)[y][x]) : std::string();
+  }
+  if (view->encoding() == "32FC1") {
+    const auto samples = view->SamplesAs<float>();
+    return samples ? MeasurementText((*samples)[y][x]) : std::string();
+  }
+  return {};
 }
 
 }  // namespace hgros::viewer

@@ -1,13 +1,20 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
-#include "viewer/data/image/image_picture.hpp"
+#include "foxglove/RawImage.pb.h"
+#include "hgros/codec/bulk.hpp"
 
 namespace hgros::viewer {
 
-/// The value of a pixel inside the image as text: the measurement, or the color as numbers.
-[[nodiscard]] std::string ValueAt(const ImagePicture& picture, std::size_t x, std::size_t y);
+/// A measurement as text.
+[[nodiscard]] std::string MeasurementText(float value);
+/// A pixel's color as text: red, green and blue, or the brightness of a gray one.
+[[nodiscard]] std::string ColorText(const std::array<std::uint8_t, 4>& rgba);
+/// The measurement at a pixel of a 16UC1 or 32FC1 image as text. Empty if the image has colors or no such pixel.
+[[nodiscard]] std::string MeasurementAt(const Bulk<foxglove::RawImage>& image, std::size_t x, std::size_t y);
 
 }  // namespace hgros::viewer

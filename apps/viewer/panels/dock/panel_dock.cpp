@@ -70,15 +70,14 @@ bool PanelDock::Update(const PanelContext& context) {
   return true;
 }
 
-std::vector<PanelPlace> PanelDock::Tiles() const {
+bool PanelDock::NeedsRoom() const {
+  return std::ranges::any_of(opened_, [](const Opened& opened) { return !opened.window.by_hand() && !opened.wanted; });
+}
+
+float PanelDock::NarrowestWidth() { return kNarrowest * ImGui::GetFontSize(); }
+
+std::vector<PanelPlace> PanelDock::Tiles(const PanelPlace& room) const {
   const float unit = ImGui::GetFontSize();
-  const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  // Beside the list of displays, below the panel View, and above the time bar.
-  const float left = 22.2F * unit;
-  const float top = ImGui::GetFrameHeight() + unit;
-  const float lower = screen.y - ImGui::GetFrameHeight() - 3.2F * unit;
-  const PanelPlace room{left, top, std::max(kNarrowest * unit, screen.x - left - 0.6F * unit),
-                        std::max(kLowest * unit, lower - top)};
   std::vector<PanelSize> wanted;
   for (const Opened& opened : opened_) {
     if (!opened.window.by_hand() && !opened.wanted)
@@ -109,9 +108,9 @@ bool PanelDock::Draw(Opened& opened, const PanelPlace& tile, PanelWish& wish) {
   return stays;
 }
 
-void PanelDock::Draw() {
+void PanelDock::Draw(const PanelPlace& room) {
   PanelWish wish;
-  const std::vector<PanelPlace> tiles = Tiles();
+  const std::vector<PanelPlace> tiles = Tiles(room);
   auto tile = tiles.begin();
   std::vector<const PanelType*> closed;
   for (Opened& opened : opened_) {

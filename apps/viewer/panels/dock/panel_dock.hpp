@@ -43,7 +43,12 @@ class PanelDock {
   [[nodiscard]] double next_change_s() const;
   /// Makes the next Update due at once.
   void Refresh() { last_update_s_ = -kNever; }
-  void Draw();
+  /// Draws the open panels. Those that nobody has moved share `room`.
+  void Draw(const PanelPlace& room);
+  /// Whether some panels share the room.
+  [[nodiscard]] bool NeedsRoom() const;
+  /// The least width of a panel.
+  [[nodiscard]] static float NarrowestWidth();
   /// Draws a switch for each kind.
   void DrawSwitches();
 
@@ -65,7 +70,7 @@ class PanelDock {
   [[nodiscard]] const Opened* Find(const PanelType& type) const;
   [[nodiscard]] static PanelLayout KeptLayoutOf(const Opened& opened);
   /// Places of the panels that nobody has moved, in their order.
-  [[nodiscard]] std::vector<PanelPlace> Tiles() const;
+  [[nodiscard]] std::vector<PanelPlace> Tiles(const PanelPlace& room) const;
   [[nodiscard]] static bool Draw(Opened& opened, const PanelPlace& tile, PanelWish& wish);
 
   Session& session_;

@@ -54,4 +54,37 @@ std::vector<PanelPlace> TilePanels(std::span<const PanelSize> wanted, const Pane
   return places;
 }
 
+std::vector<PanelPlace> TileImages(std::span<const PanelSize> images, const PanelSize& frame, float widest, float most,
+                                   const PanelPlace& room, float gap) {
+  std::vector<PanelPlace> places(images.size());
+  float best = -1;
+  for (std::size_t columns = 1; columns <= images.size(); ++columns) {
+    const std::size_t rows = (images.size() + columns - 1) / columns;
+    const auto beside = static_cast<float>(columns);
+    const auto above = static_cast<float>(rows);
+    const float width = std::min((most - (beside - 1) * gap) / beside, widest + frame.width);
+    const float row = (room.height - (above - 1) * gap) / above;
+    float area = 0;
+    std::vector<PanelSize> shown;
+    for (const PanelSize& image : images) {
+      const float scale =
+          std::max(0.0F, std::min((width - frame.width) / image.width, (row - frame.height) / image.height));
+      shown.push_back({scale * image.width, scale * image.height});
+      area += shown.back().width * shown.back().height;
+    }
+    if (area <= best) continue;
+    best = area;
+    const float needed = std::ranges::max_element(shown, {}, &PanelSize::width)->width + frame.width;
+    float lower = 0;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      if (i % rows == 0) lower = room.y + room.height;
+      const float height = shown[i].height + frame.height;
+      const auto column = static_cast<float>(i / rows);
+      places[i] = {room.x + room.width - needed - column * (needed + gap), lower - height, needed, height};
+      lower -= height + gap;
+    }
+  }
+  return places;
+}
+
 }  // namespace hgros::viewer

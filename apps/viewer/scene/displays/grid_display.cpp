@@ -115,7 +115,7 @@ class GridDisplay : public PlacedDisplay {
     grid_ = std::move(read->shown.picture);
     see_through_ = read->shown.see_through;
     tiles_.Set(grid_.pixels, grid_.columns, grid_.rows);
-    grid_.pixels = {};  // The message is kept, so they can be made again.
+    grid_.pixels = std::vector<Rgba>();  // The message is kept, so they can be made again.
     return std::string();
   }
 

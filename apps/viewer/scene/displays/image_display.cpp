@@ -1,12 +1,16 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <memory>
 #include <utility>
 
 #include "viewer/data/image/image_reader.hpp"
+#include "viewer/data/image/image_value.hpp"
 #include "viewer/data/quantity_text.hpp"
 #include "viewer/scene/display_types.hpp"
 #include "viewer/scene/displays/newest_message.hpp"
 #include "viewer/scene/gl/gl_object.hpp"
+#include "viewer/scene/gl/texture_pixel.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -16,7 +20,17 @@ std::string ReadImagePicture(const Message& image, const DepthColors& colors, Im
   return ReadImage(image, colors, picture);
 }
 
-/// The newest image of a channel, for a panel. It is sent to the GPU once.
+/// The measurement at a pixel as text; empty if there are only colors.
+std::string Measured(const Bulk<foxglove::RawImage>& image, const ImagePicture& /*picture*/, std::size_t x,
+                     std::size_t y) {
+  return MeasurementAt(image, x, y);
+}
+std::string Measured(const Bulk<foxglove::CompressedImage>& /*image*/, const ImagePicture& picture, std::size_t x,
+                     std::size_t y) {
+  return picture.values.empty() ? std::string() : MeasurementText(picture.values[y * picture.width + x]);
+}
+
+/// The newest image of a channel, for a panel. Its pixels are only on the GPU; its measurements are in the message.
 template <class Message>
 class ImageDisplay : public Display {
  public:
@@ -33,11 +47,20 @@ class ImageDisplay : public Display {
   }
   void Clear() override {
     newest_.Clear();
+    shown_.reset();
     picture_ = {};
   }
   [[nodiscard]] std::optional<ShownImage> Image() const override {
-    if (picture_.rgba.empty() || !texture_) return std::nullopt;
+    if (!shown_ || picture_.width * picture_.height == 0) return std::nullopt;
     return ShownImage{&picture_, texture_.name()};
+  }
+  [[nodiscard]] std::string PixelText(std::size_t x, std::size_t y) const override {
+    if (!shown_ || x >= picture_.width || y >= picture_.height) return {};
+    std::string measured = Measured(*shown_, picture_, x, y);
+    if (!measured.empty()) return measured;
+    std::array<std::uint8_t, 4> pixel = TexturePixel(texture_.name(), x, y);
+    if (gray_) pixel[1] = pixel[2] = pixel[0];
+    return ColorText(pixel);
   }
 
   [[nodiscard]] std::vector<Setting> Settings() override {
@@ -83,7 +106,7 @@ class ImageDisplay : public Display {
   [[nodiscard]] std::string data_frame() const override { return picture_.frame; }
   [[nodiscard]] std::uint64_t received() const override { return newest_.received(); }
   [[nodiscard]] std::uint64_t dropped() const override { return newest_.dropped(); }
-  [[nodiscard]] std::size_t gpu_bytes() const override { return 4 * width_ * height_; }
+  [[nodiscard]] std::size_t gpu_bytes() const override { return (gray_ ? 1 : 4) * width_ * height_; }
 
  private:
   using Newest = NewestMessage<Message, DepthColors, ImagePicture>;
@@ -93,7 +116,10 @@ class ImageDisplay : public Display {
     fault_ = std::move(read->fault);
     if (fault_.empty()) {
       picture_ = std::move(read->shown);
+      shown_ = std::move(read->message);
       Upload();
+      picture_.rgba = std::vector<std::uint8_t>();  // {} would keep the memory.
+      picture_.gray = std::vector<std::uint8_t>();
     }
     return Change::kMoving;
   }
@@ -120,31 +146,42 @@ class ImageDisplay : public Display {
       fault_ =
           "The image has more than " + std::to_string(most) + " pixels along a side, more than this driver supports.";
       picture_ = {};
+      shown_.reset();
       return;
     }
-    if (picture_.rgba.empty()) return;
+    const bool gray = !picture_.gray.empty();
+    const std::vector<std::uint8_t>& pixels = gray ? picture_.gray : picture_.rgba;
+    if (pixels.empty()) return;
     if (!texture_) texture_ = GlTexture::New();
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, texture_.name());
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    if (picture_.width != width_ || picture_.height != height_) {
+    glPixelStorei(GL_UNPACK_ALIGNMENT, gray ? 1 : 4);
+    const GLenum format = gray ? GL_RED : GL_RGBA;
+    if (picture_.width != width_ || picture_.height != height_ || gray != gray_) {
       width_ = picture_.width;
       height_ = picture_.height;
-      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), 0, GL_RGBA,
-                   GL_UNSIGNED_BYTE, picture_.rgba.data());
+      gray_ = gray;
+      glTexImage2D(GL_TEXTURE_2D, 0, gray ? GL_R8 : GL_RGBA8, static_cast<GLsizei>(width_),
+                   static_cast<GLsizei>(height_), 0, format, GL_UNSIGNED_BYTE, pixels.data());
+      constexpr std::array<GLint, 4> kColors{GL_RED, GL_GREEN, GL_BLUE, GL_ALPHA};
+      constexpr std::array<GLint, 4> kGray{GL_RED, GL_RED, GL_RED, GL_ONE};
+      glTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, (gray ? kGray : kColors).data());
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     } else {
-      glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGBA,
-                      GL_UNSIGNED_BYTE, picture_.rgba.data());
+      glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), format,
+                      GL_UNSIGNED_BYTE, pixels.data());
     }
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   }
 
+  std::shared_ptr<const Message> shown_;  ///< The message of the picture; null: there is none.
   ImagePicture picture_;
   GlTexture texture_;
   std::size_t width_ = 0, height_ = 0;  ///< Size of the texture.
+  bool gray_ = false;                   ///< The texture has one byte per pixel.
   std::string fault_;
   bool colors_changed_ = false;
 

@@ -169,7 +169,7 @@ class VoxelDisplay : public PlacedDisplay {
     shown_ = std::move(read->message);
     read_ = std::move(read->shown);
     cubes_.Set(read_.picture);
-    read_.picture.cubes = {};  // The message is kept, so they can be made again.
+    read_.picture.cubes = std::vector<VoxelCube>();  // The message is kept, so they can be made again.
     return std::string();
   }
 

@@ -22,7 +22,8 @@ Layout FullLayout() {
   layout.show_found = true;
   layout.camera = LayoutCamera{{500000.125, -0.1, 1e-7}, {0.1, 0.2, 0.3, 0.9}, 17.25, true, {{1, 2, 3}}, true};
   layout.displays = {{{"Ground", "", false, {{"cell", "1"}, {"axes", "on"}}},
-                      {"Point cloud", "front/lidar", true, {{"flat", "#ff8000"}, {"field", ""}, {"size", "2.5"}}}}};
+                      {"Point cloud", "front/lidar", true, {{"flat", "#ff8000"}, {"field", ""}, {"size", "2.5"}}},
+                      {"Image", "camera", true, {}, {}, PanelPlace{900, 10.5F, 320, 240}}}};
   layout.panels = {
       {{"Plot", PanelPlace{10.5F, 20, 400, 300}, {{"seconds", "30"}, {"series", "a x"}, {"series", "b y[0]"}}}, {}},
       {{"Log", std::nullopt, {{"text", "a: \"b\" # c"}}}, {}}};
@@ -107,6 +108,7 @@ TEST(LayoutFile, ReportsLineAndFixOfEachError) {
       {"fps_limit: fast", {"layout.yaml:1:12", "a number"}},
       {"fps_limit: 0", {"above 0"}},
       {"displays:\n  kind: Ground", {"layout.yaml:2", "a list"}},
+      {"displays:\n  - {kind: Image, place: [1, 2, 3, 0]}", {"no size", "in pixels"}},
       {"displays:\n  - channel: lidar", {"layout.yaml:2", "has no \"kind\""}},
       {"displays:\n  - kind: Ground\n    size: 3", {"layout.yaml:3:5", "settings"}},
       {"displays:\n  - kind: Ground\n    settings:\n      cell: [1]", {"layout.yaml:4", "a text or a number"}},

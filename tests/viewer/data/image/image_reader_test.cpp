@@ -34,6 +34,10 @@ ImagePicture Shown(const RawImage& image, const DepthColors& colors = {}) {
 }
 
 Bytes4 Pixel(const ImagePicture& picture, std::size_t x, std::size_t y) {
+  if (const std::size_t i = y * picture.width + x; i < picture.gray.size()) {
+    EXPECT_TRUE(picture.rgba.empty());
+    return {picture.gray[i], picture.gray[i], picture.gray[i], 255};
+  }
   const std::uint8_t* const at = picture.rgba.data() + 4 * (y * picture.width + x);
   return {at[0], at[1], at[2], at[3]};
 }

@@ -16,7 +16,7 @@ class PanelDockTest : public PanelTest {
   std::vector<PanelPlace> Places() {
     std::vector<PanelPlace> all;
     ImGui::NewFrame();
-    dock_.Draw();
+    dock_.Draw(PanelRoom());
     for (const PanelType& type : PanelTypes()) {
       ImGui::Begin(type.name.c_str());
       all.push_back(

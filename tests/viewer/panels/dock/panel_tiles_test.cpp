@@ -44,6 +44,38 @@ TEST(PanelTiles, FillTheSpaceWithoutOverlapWhenThereAreMany) {
   }
 }
 
+TEST(ImageTiles, AreApartAndInTheRightPartOfTheRoom) {
+  constexpr PanelSize kFrame{20, 50};
+  const PanelSize sizes[] = {{640, 480}, {1280, 720}, {480, 640}, {5000, 40}, {3, 4000}};
+  for (std::size_t count = 1; count <= 12; ++count) {
+    std::vector<PanelSize> images;
+    for (std::size_t i = 0; i < count; ++i) images.push_back(sizes[i % std::size(sizes)]);
+    const std::vector<PanelPlace> places = TileImages(images, kFrame, 350, 480, kRoom, kGap);
+    ASSERT_EQ(places.size(), count);
+    ExpectInTheRoomAndApart(places);
+    for (const PanelPlace& place : places) {
+      EXPECT_GE(place.x, kRoom.x + kRoom.width - 480.01F);
+      EXPECT_LE(place.width, 370);
+      EXPECT_GE(place.height, kFrame.height);
+    }
+  }
+}
+
+TEST(ImageTiles, GiveTheirShapeToTheWindows) {
+  const std::vector<PanelPlace> places =
+      TileImages(std::vector<PanelSize>{{640, 480}, {640, 480}}, {20, 50}, 320, 480, kRoom, kGap);
+  EXPECT_EQ(places[0], (PanelPlace{920, 440, 340, 290})) << "the lower right corner";
+  EXPECT_EQ(places[1], (PanelPlace{920, 144, 340, 290})) << "above it";
+}
+
+TEST(ImageTiles, UseTheRoomWhenThereAreMany) {
+  const std::vector<PanelSize> images(9, {640, 480});
+  float area = 0;
+  for (const PanelPlace& place : TileImages(images, {20, 50}, 350, 480, kRoom, kGap))
+    area += place.width * place.height;
+  EXPECT_GT(area, 0.6F * 480 * kRoom.height);
+}
+
 TEST(PanelTiles, AreEmptyForNoPanelAndOneForOnePanel) {
   EXPECT_TRUE(TilePanels({}, kRoom, kGap).empty());
   EXPECT_EQ(TilePanels(std::vector<PanelSize>{{9000, 9000}}, kRoom, kGap)[0], kRoom);

@@ -7,7 +7,6 @@
 
 #include "foxglove/CompressedImage.pb.h"
 #include "foxglove/RawImage.pb.h"
-#include "viewer/data/image/image_value.hpp"
 #include "viewer/panels/image_panel.hpp"
 #include "viewer/panels/widgets/imgui_renderer.hpp"
 #include "viewer/scene/scene_fixture.hpp"
@@ -58,6 +57,16 @@ foxglove::RawImage Depth() {
   return image;
 }
 
+/// The bytes of an image on the GPU, 4 for each pixel.
+std::vector<std::uint8_t> OnGpu(const Display& display) {
+  const auto image = display.Image();
+  if (!image) return {};
+  std::vector<std::uint8_t> pixels(4 * image->picture->width * image->picture->height);
+  glBindTexture(GL_TEXTURE_2D, image->texture);
+  glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  return pixels;
+}
+
 /// Has an ImGui context with its own font and no saved settings.
 class ImageDisplayTest : public SceneTest {
  protected:
@@ -78,7 +87,7 @@ class ImageDisplayTest : public SceneTest {
       ImGui::GetIO().MouseWheel = frame == 2 ? wheel : 0;
       renderer.Prepare();
       ImGui::NewFrame();
-      panel_.Draw(scene_);
+      (void)panel_.Draw(scene_, {4, 4, 312, 232}, 0);
       ImGui::Render();
       renderer.Draw();
     }
@@ -117,10 +126,9 @@ TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {
   Display& display = Add("Image", "depth", {"map", "gray"});
   Publish("depth", Depth());
   Update();
-  const auto gray = display.Image();
-  ASSERT_TRUE(gray);
-  const std::uint8_t* const pixel = gray->picture->rgba.data();
-  EXPECT_EQ(pixel[0], pixel[1]);
+  const std::vector<std::uint8_t> gray = OnGpu(display);
+  ASSERT_FALSE(gray.empty());
+  EXPECT_EQ(gray[0], gray[1]);
   for (const Setting& setting : display.Settings()) {
     if (setting.name == "auto range") (void)SetFromText(setting, "off");
     if (setting.name == "highest") (void)SetFromText(setting, "500");
@@ -128,7 +136,7 @@ TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {
   display.OnSetting("highest");
   Update();
   EXPECT_THAT(display.Status(), Contains(HasSubstr("from 0 to 500")));
-  EXPECT_EQ(display.Image()->picture->rgba[0], 255);
+  EXPECT_EQ(OnGpu(display)[0], 255);
 }
 
 TEST_F(ImageDisplayTest, ReturnsTheValueOfAPixel) {
@@ -137,9 +145,50 @@ TEST_F(ImageDisplayTest, ReturnsTheValueOfAPixel) {
   Publish("depth", Depth());
   Publish("camera", Colors());
   Update();
-  EXPECT_EQ(ValueAt(*depths.Image()->picture, 1, 2), "560");
-  EXPECT_EQ(ValueAt(*depths.Image()->picture, 40, 30), "nothing measured");
-  EXPECT_EQ(ValueAt(*colors.Image()->picture, 10, 20), "red 30, green 80, blue 40");
+  EXPECT_EQ(depths.PixelText(1, 2), "560");
+  EXPECT_EQ(depths.PixelText(40, 30), "nothing measured");
+  EXPECT_EQ(colors.PixelText(10, 20), "red 30, green 80, blue 40");
+  EXPECT_EQ(colors.PixelText(kWidth, 0), "") << "outside";
+  foxglove::RawImage gray = Raw("mono8", 1);
+  gray.set_data(std::string(std::size_t{kWidth} * kHeight, '\x55'));
+  Publish("camera", gray);
+  Update();
+  EXPECT_EQ(colors.PixelText(10, 20), "85");
+}
+
+TEST_F(ImageDisplayTest, KeepsPixelsOnlyOnTheGpu) {
+  const std::pair<const char*, std::uint32_t> encodings[] = {{"mono8", 1}, {"mono16", 1}, {"rgb8", 4},
+                                                             {"16UC1", 4}, {"32FC1", 4},  {"bayer_rggb8", 4}};
+  for (const auto& [encoding, gpu_bytes] : encodings) {
+    const std::string name = encoding;
+    Display& display = Add("Image", name);
+    const std::uint32_t bytes = name == "rgb8" ? 3 : name == "32FC1" ? 4 : name.find("16") != name.npos ? 2 : 1;
+    foxglove::RawImage image = Raw(name, bytes);
+    image.set_data(std::string(std::size_t{kWidth} * kHeight * bytes, '\x3e'));
+    Publish(name, image);
+    Update();
+    ASSERT_TRUE(display.Image()) << name;
+    const ImagePicture& picture = *display.Image()->picture;
+    EXPECT_EQ(picture.rgba.capacity() + picture.gray.capacity() + picture.values.capacity(), 0U) << name;
+    EXPECT_EQ(display.gpu_bytes(), std::size_t{kWidth} * kHeight * gpu_bytes) << name;
+  }
+}
+
+TEST_F(ImageDisplayTest, DrawsGrayImagesLikeColoredOnes) {
+  Display& display = Add("Image", "camera");
+  const auto drawn = [&](const std::string& encoding, std::uint32_t bytes) {
+    foxglove::RawImage image = Raw(encoding, bytes);
+    for (std::uint32_t i = 0; i < kWidth * kHeight; ++i)
+      image.mutable_data()->append(bytes, static_cast<char>(i % 251));
+    Publish("camera", image);
+    Update();
+    EXPECT_TRUE(display.Image());
+    return DrawPanels();
+  };
+  const Pixels colored = drawn("rgb8", 3);
+  const Pixels gray = drawn("mono8", 1);
+  EXPECT_LT(DifferentShare(gray, colored), 0.02) << "except the name of the encoding";
+  EXPECT_LT(DifferentShare(gray, drawn("rgb8", 3)), 0.02) << "and again";
 }
 
 TEST_F(ImageDisplayTest, DrawsCompressedImages) {
@@ -160,7 +209,7 @@ TEST_F(ImageDisplayTest, DrawsCompressedImages) {
   Publish("camera", image);
   Update();
   ASSERT_TRUE(display.Image());
-  EXPECT_EQ(ValueAt(*display.Image()->picture, 10, 20), "red 30, green 80, blue 40");
+  EXPECT_EQ(display.PixelText(10, 20), "red 30, green 80, blue 40");
 }
 
 TEST_F(ImageDisplayTest, ReportsInvalidImages) {
@@ -183,15 +232,15 @@ TEST_F(ImageDisplayTest, AppliesSettingsWhilePaused) {
   Display& display = Add("Image", "image");
   Publish("image", Depth());
   Update();
-  const std::vector<std::uint8_t> before = display.Image()->picture->rgba;
+  const std::vector<std::uint8_t> before = OnGpu(display);
   Publish("image", Colors());
   SetStandingStill(display, "map", "gray");
-  const std::vector<std::uint8_t> standing = display.Image()->picture->rgba;
+  const std::vector<std::uint8_t> standing = OnGpu(display);
   EXPECT_NE(standing, before);
   Display& fresh = Add("Image", "fresh", {"map", "gray"});
   Publish("fresh", Depth());
   Update();
-  EXPECT_EQ(standing, fresh.Image()->picture->rgba);
+  EXPECT_EQ(standing, OnGpu(fresh));
 }
 
 }  // namespace
