@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "viewer/app/displays/awaited.hpp"
 #include "viewer/app/displays/display_settings.hpp"
 #include "viewer/app/displays/unmet_requests.hpp"
 #include "viewer/app/layout/layout_file.hpp"
@@ -27,9 +28,13 @@ Config SessionConfig(const Options& options) {
 }  // namespace
 
 Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surface& surface)
+    : Viewer(options, layout, surface, SessionConfig(options)) {}
+
+Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surface& surface, const Config& config)
     : options_(options),
+      reach_(ReachText(config)),
       surface_(surface),
-      session_(SessionConfig(options), {.name = "hgros-viewer"}),
+      session_(config, {.name = "hgros-viewer"}),
       transforms_(session_, {.on_received =
                                  [this] {
                                    if (!transforms_changed_.exchange(true)) WakeFromData();
@@ -56,7 +61,8 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
                                                                {.queue = Queue::Latest()}));
   SetLook(scale_);
   displays_.SetShowFound(options.channels.empty());
-  layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config.string();
+  layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config;
+  layout_file_.is_own = !options.config.empty() && layout;
   if (layout) Restore(*layout);
   if (!layout || !layout->displays) displays_.AddDefaults();
   ApplyOptions();
@@ -119,11 +125,33 @@ Layout Viewer::CurrentLayout() const {
 void Viewer::WriteLayout() {
   Layout layout = CurrentLayout();
   layout.show_found = displays_.keeps_show_found();
-  const std::string fault = SaveLayout(layout, layout_file_.path);
-  std::error_code ignored;
-  notices_.Show("wrote " + std::filesystem::absolute(layout_file_.path, ignored).string());
-  if (!fault.empty()) notices_.Fail(fault);
+  const std::filesystem::path file = layout_file_.Next();
+  const std::string fault = SaveLayout(layout, file);
+  if (fault.empty()) {
+    std::error_code ignored;
+    const std::string wrote = "wrote " + std::filesystem::absolute(file, ignored).string();
+    if (file == layout_file_.path) {
+      notices_.Show(wrote);
+    } else {  // At the exit, only standard error is left.
+      notices_.ShowAndPrint(wrote + "; " + layout_file_.path.filename().string() + " is another layout and stays");
+    }
+    layout_file_.path = file;
+    layout_file_.is_own = true;
+  } else {
+    notices_.Fail(fault);
+  }
   pace_.WantAfterInput();
+}
+
+Carried Viewer::Carry() const {
+  Carried carried = displays_.Carry();
+  carried.layout_file = layout_file_;
+  return carried;
+}
+
+void Viewer::TakeOver(Carried carried) {
+  if (carried.layout_file) layout_file_ = *carried.layout_file;
+  displays_.TakeOver(std::move(carried));
 }
 
 void Viewer::WakeFromData() {
@@ -153,6 +181,8 @@ int Viewer::Run() {
   if (layout_file_.save_on_exit) WriteLayout();
   const bool unmet = PrintUnmetRequests({options_, scene_, channels_, displays_, frame_, view_panel_.follow()});
   if (unmet && options_.offscreen) notices_.SetFailed();
+  const std::string awaited = AwaitedText(scene_, channels_, displays_, frame_);
+  if (options_.offscreen && !awaited.empty()) Notices::Print("Nothing has arrived. " + awaited + " " + reach_);
   return notices_.exit_code();
 }
 

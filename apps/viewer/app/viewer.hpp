@@ -51,9 +51,9 @@ class Viewer {
   /// The layout as it is now.
   [[nodiscard]] Layout CurrentLayout() const;
   /// What the next viewer needs in addition, ...
-  [[nodiscard]] Carried Carry() const { return displays_.Carry(); }
+  [[nodiscard]] Carried Carry() const;
   /// ... and takes over before it runs.
-  void TakeOver(Carried carried) { displays_.TakeOver(std::move(carried)); }
+  void TakeOver(Carried carried);
 
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -83,7 +83,11 @@ class Viewer {
   [[nodiscard]] std::optional<std::size_t> DrawPanels();
   void DrawPausedTimeBar();
 
+  /// `config` is the session's.
+  Viewer(const Options& options, const std::optional<Layout>& layout, Surface& surface, const Config& config);
+
   const Options options_;
+  const std::string reach_;  ///< Which programs it finds.
   Surface& surface_;
   std::atomic<bool> woken_ = true;
   std::atomic<bool> stop_ = false;
@@ -111,7 +115,7 @@ class Viewer {
   PanelDock dock_;
   ViewPanel view_panel_;
   ImagePanel image_panel_;
-  ViewPanel::LayoutFile layout_file_;
+  LayoutTarget layout_file_;
   bool show_panels_ = true;
   bool show_help_ = false;
   float scale_ = 1;

@@ -1,8 +1,10 @@
 #include <imgui.h>
 
+#include "viewer/app/displays/awaited.hpp"
 #include "viewer/app/process_figures.hpp"
 #include "viewer/app/viewer.hpp"
 #include "viewer/panels/dock/panel_room.hpp"
+#include "viewer/panels/overlay/awaited_layer.hpp"
 #include "viewer/panels/overlay/help_overlay.hpp"
 #include "viewer/panels/overlay/label_layer.hpp"
 #include "viewer/panels/overlay/pick_layer.hpp"
@@ -39,6 +41,10 @@ void Viewer::DrawOverlaysAndPanels() {
   const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
   DrawPicks(picker_.picks(), camera_, surface_.size(), pixels_per_unit);
+  if (show_panels_) {
+    const std::string awaited = AwaitedText(scene_, channels_, displays_, frame_);
+    if (!awaited.empty()) DrawAwaited(awaited, reach_, PanelRoom());
+  }
   const std::optional<std::size_t> remove = show_panels_ ? DrawPanels() : std::nullopt;
   DrawHelp(show_help_);
   ImGui::Render();

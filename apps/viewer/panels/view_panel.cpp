@@ -17,7 +17,7 @@ std::vector<std::string> FrameNames(const TransformTree& tree) {
   return names;
 }
 
-bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) {
+bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutTarget& file) {
   bool save = false;
   const float unit = ImGui::GetFontSize();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -52,7 +52,7 @@ bool ViewPanel::Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file) 
                         pivot.z());
     ImGui::Separator();
     save = ImGui::Button("save layout");
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Writes displays, panels and camera to %s.", file.path.c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Writes displays, panels and camera to %s.", file.Next().c_str());
     ImGui::SameLine();
     ImGui::Checkbox("save on exit", &file.save_on_exit);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "Writes the layout each time the viewer is closed.");

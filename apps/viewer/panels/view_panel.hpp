@@ -6,6 +6,7 @@
 
 #include "viewer/data/frames/fixed_frame.hpp"
 #include "viewer/panels/dock/panel_place.hpp"
+#include "viewer/panels/layout_target.hpp"
 #include "viewer/view/camera.hpp"
 
 namespace hgros::viewer {
@@ -13,12 +14,8 @@ namespace hgros::viewer {
 /// The panel View: camera settings, and the frame that the camera follows.
 class ViewPanel {
  public:
-  struct LayoutFile {
-    std::string path;
-    bool save_on_exit = false;
-  };
   /// Returns whether the layout is to be written now.
-  [[nodiscard]] bool Draw(Camera& camera, const FixedFrame& frame, LayoutFile& file);
+  [[nodiscard]] bool Draw(Camera& camera, const FixedFrame& frame, LayoutTarget& file);
 
   /// Empty: none.
   void Follow(std::string_view frame, bool with_rotation) {

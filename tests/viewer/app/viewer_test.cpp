@@ -9,6 +9,8 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -439,6 +441,63 @@ TEST_F(ViewerTest, ReportsErrorsInALayout) {
   Layout layout;
   layout.panels = {{{"Radar", std::nullopt, {}}, {"layout.yaml", 2, 5}}};
   EXPECT_NE(fault(layout).find("layout.yaml:2:5"), std::string::npos);
+}
+
+/// The layout file of a test, in a folder of its own.
+class LayoutFolder {
+ public:
+  LayoutFolder() { std::filesystem::create_directory(folder_); }
+  LayoutFolder(const LayoutFolder&) = delete;
+  LayoutFolder& operator=(const LayoutFolder&) = delete;
+  ~LayoutFolder() { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] std::filesystem::path File(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] std::string Text(const std::string& name) const {
+    std::ifstream file(File(name));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  void Write(const std::string& name, const std::string& text) const { std::ofstream(File(name)) << text; }
+
+ private:
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("viewer_layout_test_" + std::to_string(getpid()));
+};
+
+TEST_F(ViewerTest, NeverReplacesALayoutThatItHasNotRead) {
+  const LayoutFolder folder;
+  options_.config = folder.File("layout.yaml");
+  folder.Write("layout.yaml", "mine");
+  std::string second;
+  (void)Do({Key('L'),
+            [&](ScriptedSurface& at) {
+              second = folder.Text("layout-2.yaml");
+              at.Press('4');
+            },
+            Key('L'), Key('H')});
+  EXPECT_EQ(folder.Text("layout.yaml"), "mine");
+  EXPECT_NE(second.find("displays:"), std::string::npos) << "it has another name";
+  EXPECT_NE(folder.Text("layout-2.yaml").find("kind: Plot"), std::string::npos) << "its own file is replaced";
+  EXPECT_FALSE(std::filesystem::exists(folder.File("layout-3.yaml")));
+}
+
+TEST_F(ViewerTest, ReplacesTheLayoutThatItHasReadAndThatOnly) {
+  const LayoutFolder folder;
+  options_.config = folder.File("layout.yaml");
+  folder.Write("layout.yaml", "fixed_frame: map\n");
+  Layout layout;
+  layout.fixed_frame = "map";
+  (void)Do({Key('L'), Key('H')}, layout);
+  EXPECT_NE(folder.Text("layout.yaml").find("displays:"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder.File("layout-2.yaml")));
+  layout.save_on_exit = true;
+  options_.config.clear();  // A lost surface gives a layout without a file.
+  ScriptedSurface surface({Key('H')});
+  Viewer viewer(options_, layout, surface);
+  LayoutTarget target{folder.File("other.yaml"), false, true};
+  folder.Write("other.yaml", "mine");
+  viewer.TakeOver({{}, {}, false, target});
+  EXPECT_EQ(viewer.Run(), 0);
+  EXPECT_EQ(folder.Text("other.yaml"), "mine") << "it is not replaced on exit either";
+  EXPECT_NE(folder.Text("other-2.yaml").find("displays:"), std::string::npos);
 }
 
 /// Cameras that publish from another session.

@@ -17,6 +17,7 @@ VIEWER = os.environ["HGROS_VIEWER"]
 PUBLISHER = os.environ["HGROS_VIEWER_PUBLISHER"]
 TALKER = os.environ["HGROS_VIEWER_TALKER"]
 CAMERAS = os.environ["HGROS_VIEWER_CAMERAS"]
+SLAM2D = os.environ.get("SLAM2D", "")
 DEADLINE_S = float(os.environ.get("HGROS_VIEWER_DEADLINE_S", "60"))
 
 
@@ -254,6 +255,20 @@ class InMemory(ViewerCase):
                 publisher.kill()
                 publisher.wait()
 
+    def test_says_what_it_waits_for_while_nothing_arrives(self):
+        domain = self.environment["HGROS_DOMAIN"]
+        for arguments, other, code, words in (
+                ([], {}, 0, ("Waiting for a program that publishes", f'the domain "{domain}" on this host')),
+                (["--channel", "cloud:foxglove.PointCloud", "--channel", "scan"], {}, 1,
+                 ('Waiting for the channels "scan", "cloud".', f'the domain "{domain}"')),
+                ([], {"HGROS_DOMAIN": "none"}, 0, ("Discovery is off", "--network"))):
+            with self.subTest(arguments=arguments, other=other):
+                viewer = subprocess.run([VIEWER, "--offscreen", "64x64", "--frames", "2", *arguments], timeout=DEADLINE_S,
+                                        env=dict(self.environment, **other), stderr=subprocess.PIPE, text=True)
+                self.assertEqual(viewer.returncode, code, viewer.stderr)
+                for word in words:
+                    self.assertIn(word, viewer.stderr)
+
     def test_shows_a_large_gray_image_in_little_memory(self):
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.1")
         empty = self.read_until(viewer, lambda figures: float(figures["frames"]) >= 1)
@@ -264,6 +279,14 @@ class InMemory(ViewerCase):
         self.assertLess(float(shown["rss_mb"]) - float(empty["rss_mb"]), 7 * 64)
         viewer.send_signal(signal.SIGTERM)
         self.end(viewer)
+
+    @unittest.skipUnless(SLAM2D, "The demo is not built.")
+    def test_shows_every_channel_of_the_demo_without_an_error(self):
+        viewer = self.start(VIEWER, "--offscreen", "64x64", "--after", 6, "--channel", "odometry", "--channel", "trajectory",
+                            "--channel", "map")
+        self.start(SLAM2D, "--rate", "15", cwd=self.folder.name, stdout=subprocess.DEVNULL)
+        self.assertEqual(viewer.wait(timeout=DEADLINE_S), 0, viewer.stderr.read())
+        self.assertNotIn("hgros-viewer: ", viewer.stderr.read())
 
     def test_says_what_is_wrong_with_its_arguments(self):
         for arguments, words in ((["--channel", "cloud:foxglove.Nothing"], "No display shows"),
@@ -360,6 +383,20 @@ class InAWindow(ViewerCase):
         self.do("key", "p", "key", "p", "windowsize", window, 400, 300)
         self.await_pictures(viewer, 3)
         self.do("windowsize", window, 1, 1)
+        viewer.send_signal(signal.SIGTERM)
+        self.end(viewer)
+
+    def test_never_replaces_a_layout_that_it_has_not_read(self):
+        layout, other = (pathlib.Path(self.folder.name, name) for name in ("hgros-viewer.yaml", "hgros-viewer-2.yaml"))
+        layout.write_text("# mine\n")
+        viewer = self.start(VIEWER, "--size", "640x480", "--report", "0.1", cwd=self.folder.name)
+        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
+        self.read_until(viewer, lambda figures: float(figures["frames"]) >= 3)
+        self.do("windowfocus", "--sync", window, "key", "l")
+        self.read_until(viewer, lambda figures: other.exists())
+        self.do("key", "4", "key", "l")
+        self.read_until(viewer, lambda figures: "kind: Plot" in other.read_text())
+        self.assertEqual(layout.read_text(), "# mine\n")
         viewer.send_signal(signal.SIGTERM)
         self.end(viewer)
 

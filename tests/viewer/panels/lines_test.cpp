@@ -29,7 +29,7 @@ TEST_F(PanelLines, ViewPanelStaysAtItsEdgeWhenTheWindowIsResized) {
   Camera camera;
   const TransformTree tree;
   const FixedFrame frame(tree);
-  ViewPanel::LayoutFile file;
+  LayoutTarget file;
   const auto room_at_right = [&](float width) {
     ImGui::GetIO().DisplaySize = {width, 800};
     for (int i = 0; i < 3; ++i) {

@@ -49,7 +49,7 @@ class DisplayOpener {
   [[nodiscard]] const std::vector<WantedDisplay>& awaited() const noexcept { return awaited_; }
   /// A requested channel could not be shown.
   [[nodiscard]] bool request_failed() const noexcept { return request_failed_; }
-  [[nodiscard]] Carried Carry() const { return {awaited_, shown_, keeps_show_found_}; }
+  [[nodiscard]] Carried Carry() const { return {awaited_, shown_, keeps_show_found_, {}}; }
   void TakeOver(Carried carried);
 
  private:

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "viewer/app/output/png_file.hpp"
+#include "viewer/data/free_name.hpp"
 #include "viewer/scene/gl/picture.hpp"
 
 namespace hgros::viewer {
@@ -18,7 +19,7 @@ void PictureWriter::RequestScreenshotNamedByTime() {
   std::tm parts{};
   localtime_r(&now, &parts);
   std::strftime(name, sizeof name, "hgros-viewer-%Y%m%d-%H%M%S.png", &parts);
-  RequestScreenshot(name);
+  RequestScreenshot(FreeName(name));  // Another picture of this second is not replaced.
 }
 
 void PictureWriter::Write() {
