@@ -7,11 +7,16 @@
 #include <memory>
 #include <utility>
 
+#include "hgros/base/readable_text.hpp"
+
 namespace hgros {
 namespace {
 
-// A peer could invent keys. Above this number the key that was written longest ago is forgotten, to bound the memory.
+// A peer could invent keys. Above this number the key that was used longest ago is forgotten, to bound the memory.
 constexpr std::size_t kMaxKeys = 1024;
+constexpr std::uint64_t kAlikeLines = 10;
+constexpr std::uint64_t kMostDoublings = 16;  // From 10 s to a week.
+constexpr auto kForgetAfter = std::chrono::hours(1);
 
 spdlog::level::level_enum ToSpdlog(LogLevel level) {
   switch (level) {
@@ -34,10 +39,11 @@ LogSink DefaultLogSink() {
 
 Log::Log(LogSink sink) : sink_(std::move(sink)) {}
 
-// Called from code that must not throw. If the sink throws, the line is lost.
+// Called from code that must not throw. If the sink throws, the line is lost. Peers and exceptions bring texts of any
+// kind: none of them may end the line or hide a part of it.
 void Log::Say(LogLevel level, std::string_view text) noexcept {
   try {
-    sink_(level, text);
+    IsReadable(text) ? sink_(level, text) : sink_(level, Readable(text));
   } catch (...) {
   }
 }
@@ -47,32 +53,55 @@ void Log::Write(LogLevel level, std::string_view text) {
   if (sink_) Say(level, text);
 }
 
+Log::Held& Log::HeldOf(std::string_view key) {
+  const auto known = held_.find(key);
+  if (known != held_.end()) return known->second;
+  if (held_.size() >= kMaxKeys) {
+    held_.erase(std::min_element(held_.begin(), held_.end(),
+                                 [](const auto& a, const auto& b) { return a.second.called < b.second.called; }));
+  }
+  return held_.emplace(std::string(key), Held{}).first->second;
+}
+
+void Log::SayHeldBack(Held& held) {
+  if (held.count == 0) return;
+  Say(held.level,
+      std::to_string(std::exchange(held.count, 0)) + " more lines like this one were not written: " + held.text);
+}
+
 void Log::WriteLimited(LogLevel level, std::string_view key, std::string_view text,
                        std::chrono::milliseconds interval) {
-  const auto now = std::chrono::steady_clock::now();
+  const Clock::time_point now = Clock::now();
   const std::scoped_lock lock(mutex_);
   if (!sink_) return;
-  auto entry = held_.find(key);
-  if (entry != held_.end() && now - entry->second.last < interval) {
-    ++entry->second.count;
+  Held& held = HeldOf(key);
+  if (now - std::exchange(held.called, now) > kForgetAfter) held.written = 0;
+  const bool waits = held.written >= kAlikeLines || (held.written > 0 && held.text == text);
+  const std::uint64_t doublings = std::min(std::max(held.written, kAlikeLines) - kAlikeLines, kMostDoublings);
+  held.pause = interval * (std::int64_t{1} << doublings);
+  if (waits && now - held.last < held.pause) {
+    ++held.count;
     return;
   }
-  std::uint64_t count = 0;
-  if (entry == held_.end()) {
-    if (held_.size() >= kMaxKeys) {
-      held_.erase(std::min_element(held_.begin(), held_.end(),
-                                   [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
-    }
-    entry = held_.emplace(std::string(key), Held{}).first;
-  } else {
-    count = entry->second.count;
-  }
-  entry->second = Held{now, 0};
+  held.level = level;
+  held.text = text;
+  held.last = now;
+  ++held.written;
+  const std::uint64_t count = std::exchange(held.count, 0);
   if (count == 0) {
     Say(level, text);
   } else {
     Say(level, std::string(text) + " (and " + std::to_string(count) + " times more since the last such line)");
   }
+  for (auto& [other, overdue] : held_) {
+    if (now - overdue.last >= overdue.pause) SayHeldBack(overdue);
+  }
+}
+
+void Log::WriteHeldBack() {
+  const std::scoped_lock lock(mutex_);
+  if (!sink_) return;
+  for (auto& [key, held] : held_) SayHeldBack(held);
 }
 
 }  // namespace hgros

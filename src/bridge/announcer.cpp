@@ -85,8 +85,14 @@ void Announcer::EndUse(const std::string& channel, bool ChannelUse::*use) {
 
 void Announcer::UseRegistry(std::unique_ptr<Discovery> registry) {
   const std::scoped_lock lock(mutex_);
-  registry->Announce(own_);
-  registry_ = std::move(registry);
+  if (!closed_) registry_.swap(registry);
+}
+
+void Announcer::AppearOnHost() {
+  const std::scoped_lock lock(mutex_);
+  if (!registry_ || on_host_) return;
+  registry_->Announce(own_);
+  on_host_ = true;
 }
 
 void Announcer::UseBeacon(std::unique_ptr<Discovery> beacon) {
@@ -98,6 +104,7 @@ void Announcer::Close() noexcept {
   std::unique_ptr<Discovery> registry;
   std::unique_ptr<Discovery> beacon;
   const std::scoped_lock lock(mutex_);
+  closed_ = true;
   registry = std::move(registry_);
   beacon = std::move(beacon_);
 }
@@ -130,7 +137,7 @@ void Announcer::Announce() {
 
 void Announcer::TellAll() {
   const auto start = Clock::now();
-  if (registry_) Tell(*registry_, "this host");
+  if (registry_ && on_host_) Tell(*registry_, "this host");
   if (beacon_) Tell(*beacon_, "this network");
   const auto end = Clock::now();
   next_ = end + std::max<Clock::duration>(kLeastPause, kPausePerWork * (end - start));
@@ -142,12 +149,17 @@ bool Announcer::IsWanted(const Announcement& peer) const {
   return !IsExcludedHere(peer) && ListNames(peer.only, process_);
 }
 
-std::vector<Announcement> Announcer::PeersOnHost() const {
+std::vector<Announcement> Announcer::PeersOnHost(const Discovery::Which& which) const {
   const std::scoped_lock lock(mutex_);
   if (!registry_) return {};
-  std::vector<Announcement> peers = registry_->List();
-  std::erase_if(peers, [this](const Announcement& peer) { return !IsWanted(peer); });
-  return peers;
+  return registry_->List([&](const Announcement& peer) { return IsWanted(peer) && (!which || which(peer)); });
+}
+
+std::optional<ChannelAnnouncement> Announcer::OwnChannel(const std::string& channel) const {
+  const std::scoped_lock lock(mutex_);
+  const auto place = places_.find(channel);
+  if (place == places_.end()) return std::nullopt;
+  return own_.channels[place->second];
 }
 
 Announcement Announcer::own() const {

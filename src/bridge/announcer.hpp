@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -38,21 +39,28 @@ class Announcer {
   void EndPublishing(const std::string& channel);
   void EndSubscribing(const std::string& channel);
 
-  /// Passes changes to them at once. The registry of this host can also be read.
+  /// Passes changes to them at once. The registry of this host can be read from now on, and gets changes after
+  /// AppearOnHost(). After Close(), nothing is used.
   void UseRegistry(std::unique_ptr<Discovery> registry);
+  /// Makes this session known on this host, unless it is already, or there is no registry. Throws Error if the registry
+  /// cannot be written.
+  void AppearOnHost();
   void UseBeacon(std::unique_ptr<Discovery> beacon);
   /// Ends both: no further session is found.
   void Close() noexcept;
   /// Passes the changes to others, at once or within milliseconds.
   void Announce();
 
-  /// The sessions of this host that this one must connect with.
-  [[nodiscard]] std::vector<Announcement> PeersOnHost() const;
+  /// The sessions of this host that neither side's list excludes; only those for which `which` returns true, if it is
+  /// set. `which` is called under a lock.
+  [[nodiscard]] std::vector<Announcement> PeersOnHost(const Discovery::Which& which = {}) const;
   /// False if either session names the processes that it connects with, and the other one is not among them.
   [[nodiscard]] bool IsWanted(const Announcement& peer) const;
   /// True if this session's own list excludes the peer.
   [[nodiscard]] bool IsExcludedHere(const Announcement& peer) const;
   [[nodiscard]] Announcement own() const;
+  /// How this session announces the channel; empty if it does not use it.
+  [[nodiscard]] std::optional<ChannelAnnouncement> OwnChannel(const std::string& channel) const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -74,6 +82,8 @@ class Announcer {
   bool waits_ = false;                                   // An errand will announce.
   std::unique_ptr<Discovery> registry_;
   std::unique_ptr<Discovery> beacon_;
+  bool on_host_ = false;  // Others of this host can find this session.
+  bool closed_ = false;
 };
 
 }  // namespace hgros

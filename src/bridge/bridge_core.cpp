@@ -22,6 +22,16 @@ TransportRules RulesIn(const std::map<std::string, TransportKeys, std::less<>>& 
   return rules;
 }
 
+PeerInfo Self(const BridgeOptions& options) {
+  const Announcement own = AnnouncementOfThisProcess(options.zmq.session, 0);
+  PeerInfo self;
+  self.id = options.zmq.session;
+  self.process = options.zmq.process;
+  self.host = own.host;
+  self.pid = own.pid;
+  return self;
+}
+
 }  // namespace
 
 // Must happen before a message of the peer comes over this transport.
@@ -34,7 +44,7 @@ void BridgeCore::Ear::OnPeerGone(const PeerInfo& peer, std::string_view reason) 
   bridge_.EndMove(peer.id, transport_);
   if (free) bridge_.AskAgain();
   // The peer may come back over this transport, or never.
-  if (bridge_.transports_.on_host().Has(transport_)) bridge_.AwaitHostTransports(peer.id, peer.process, peer.pid);
+  if (bridge_.transports_.on_host().Has(transport_)) bridge_.pairs_.Await(peer.id);
 }
 
 void BridgeCore::Ear::OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept {
@@ -55,11 +65,10 @@ BridgeCore::BridgeCore(BridgeOptions options, TransportListener& listener, Log& 
       options_(std::move(options)),
       transports_(TransportsOf(options_)),
       rules_(RulesIn(options_.rules, transports_)),
-      boot_id_(AnnouncementOfThisProcess(options_.zmq.session, 0).boot_id),
-      peers_(transports_, listener, log, rules_, options_.registry.has_value(),
-             AnnouncementOfThisProcess(options_.zmq.session, 0).host),
+      peers_(transports_, listener, log, rules_, options_.registry.has_value(), Self(options_)),
       open_(transports_),
-      ruled_(!rules_.empty()),
+      ruled_out_({transports_, peers_, announcer_, options_.later, log}, !rules_.empty()),
+      pairs_({options_, transports_, open_, peers_, announcer_, log, [this] { AskAgain(); }}),
       announcer_(options_.zmq.session, options_.zmq.process, options_.only, options_.later, log) {
   for (TransportIndex i = 0; i < transports_.size(); ++i) ears_.emplace_back(*this, i);
   try {
@@ -72,7 +81,6 @@ BridgeCore::BridgeCore(BridgeOptions options, TransportListener& listener, Log& 
 
 void BridgeCore::OpenAll() {
   OpenOnHost();
-  // Done before endpoints are bound, so that a session that finds this one there also finds it in the registry.
   if (options_.registry) LookOnHost();
   for (TransportIndex i = 0; i < transports_.size(); ++i) {
     const TransportEntry& entry = transports_[i];
@@ -90,6 +98,8 @@ void BridgeCore::Close(int linger_ms) noexcept {
 
 void BridgeCore::Open(TransportIndex index) {
   if (open_[index] != nullptr) return;
+  // So a session that finds this one at an endpoint also finds it in the registry.
+  if (transports_[index].reach == TransportReach::kNetwork) AppearOnHost();
   const auto takes = [this, index](SessionId peer, std::string_view channel) {
     return peers_.Claim(peer, channel, index);
   };
@@ -168,7 +178,7 @@ void BridgeCore::Join(std::vector<std::weak_ptr<Joined>>& list, const std::share
     if (open_[i] != nullptr && rule.Has(i)) AddTo(*joined, *open_[i], i);
   }
   if (rule != transports_.all()) WarnIfConfined(joined->channel(), rule);
-  WarnLaterOfRules();
+  ruled_out_.LookLater();
 }
 
 std::shared_ptr<JoinedOutbound> BridgeCore::Advertise(const std::string& channel, const TypeInfo& type,
@@ -176,8 +186,10 @@ std::shared_ptr<JoinedOutbound> BridgeCore::Advertise(const std::string& channel
   auto joined = std::make_shared<JoinedOutbound>(
       channel, type, source, transports_.size(),
       [this](SessionId subscriber, std::function<void()> give_up) { AwaitSubscriber(subscriber, std::move(give_up)); });
-  Join(outbound_, joined);
+  // Done before transports join: a partner on this host is left to the cheapest one.
   announcer_.Publishes(channel, type, KeysFor(channel));
+  pairs_.OwnChanged(channel);
+  Join(outbound_, joined);
   Announce();
   return joined;
 }
@@ -192,8 +204,9 @@ std::shared_ptr<JoinedInbound> BridgeCore::Subscribe(const std::string& channel,
                                                       open_[from]->AskAgain();  // It drops the channel.
                                                   });
                                                 });
-  Join(inbound_, joined);
   announcer_.Subscribes(channel, type, KeysFor(channel), demand.lossless);
+  pairs_.OwnChanged(channel);
+  Join(inbound_, joined);
   Announce();
   return joined;
 }

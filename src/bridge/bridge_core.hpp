@@ -7,17 +7,18 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "bridge/announcer.hpp"
+#include "bridge/host_pairs.hpp"
 #include "bridge/joined_channels.hpp"
 #include "bridge/lan_peers.hpp"
 #include "bridge/open_transports.hpp"
 #include "bridge/peer_transports.hpp"
+#include "bridge/ruled_out_channels.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 
@@ -64,8 +65,6 @@ class BridgeCore final : private DiscoveryListener {
   void Close(int linger_ms) noexcept;
 
  private:
-  /// The time for which a living session of this host is left to the transports of this host.
-  static constexpr auto kHostPatience = std::chrono::seconds(2);
   /// A session that was found on this host within this time may be about to subscribe.
   static constexpr auto kTimeToSubscribe = std::chrono::seconds(1);
 
@@ -99,11 +98,9 @@ class BridgeCore final : private DiscoveryListener {
   void OpenAll();
   void OpenOnHost();
   void LookOnHost();
+  void AppearOnHost();
   void LookOnNetwork();
-  [[nodiscard]] TransportRules RulesOf(const Announcement& peer);
-  void AwaitHostTransports(SessionId id, const std::string& process, std::int64_t pid);
-  void WarnLaterOfRules();
-  void WarnOfRules();
+  void TellAnnouncements();
 
   // bridge_moving.cpp: moves a peer's messages to another transport.
   void BeginMove(SessionId peer, PeerTransports::MoveNumber number);
@@ -122,18 +119,17 @@ class BridgeCore final : private DiscoveryListener {
   const BridgeOptions options_;
   const TransportList transports_;
   const TransportRules rules_;
-  const std::string boot_id_;
   PeerTransports peers_;
   std::deque<Ear> ears_;  // By transport.
   OpenTransports open_;
   std::unique_ptr<LanPeers> lan_;
   std::atomic<std::chrono::steady_clock::time_point> last_came_{std::chrono::steady_clock::now()};
-  std::atomic<bool> ruled_;  // This session or another one has rules for channels.
-  std::mutex said_mutex_;
-  std::set<std::pair<std::string, std::uint64_t>> said_;  // Channels and sessions without a transport between them.
-  std::mutex lists_;                                      // Guards the members below.
+  std::mutex lists_;  // Guards the members below.
   std::vector<std::weak_ptr<JoinedOutbound>> outbound_;
   std::vector<std::weak_ptr<JoinedInbound>> inbound_;
+  std::atomic<bool> telling_{false};  // An errand tells that announcements have changed.
+  RuledOutChannels ruled_out_;
+  HostPairs pairs_;
   Announcer announcer_;  // Destroyed first, because its threads use all members above.
 };
 

@@ -46,7 +46,8 @@ void BridgeCore::FinishMove(SessionId peer, PeerTransports::MoveNumber number) {
 // up.
 void BridgeCore::AwaitSubscriber(SessionId subscriber, std::function<void()> give_up) {
   const bool lives = peers_.IsFound(subscriber);
-  options_.later(lives ? kHostPatience + options_.zmq.peer_timeout : std::chrono::nanoseconds(0), std::move(give_up));
+  options_.later(lives ? HostPairs::kHostPatience + options_.zmq.peer_timeout : std::chrono::nanoseconds(0),
+                 std::move(give_up));
 }
 
 void BridgeCore::GiveUpSubscriber(SessionId subscriber) {

@@ -18,6 +18,8 @@ constexpr std::size_t kQuickBytes = 64 * 1024;
 // A limit against peers that invent publishers. Publishers that were silent for longest are forgotten first.
 constexpr std::size_t kMaxPublishers = 4096;
 constexpr int kMessagesPerErrand = 16;
+// A limit against plain publishers that name a new type in each message.
+constexpr std::size_t kMostSaidSchemas = 32;
 
 }  // namespace
 
@@ -35,15 +37,21 @@ ChannelInlet::ChannelInlet(Channel& channel, bool brings_replies, std::shared_pt
 
 void ChannelInlet::Join(NetworkBridge& bridge, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);
-  const TypeInfo& own = DataGraph::TypeOfChannel(channel_);
-  // A type that stays inside this process has no name outside, so a subscription with it accepts any type. The type
-  // of bytes that this session itself publishes does not matter either.
-  const TypeInfo& type = own.encoding == Encoding::kNone || IsRunTimeType(own) ? AnyType() : own;
+  const TypeInfo& type = TypeToAsk();
   type_.store(&type, std::memory_order_release);
   auto transports = bridge.Subscribe(DataGraph::NameOf(channel_), type, demand, *this);
   const std::scoped_lock lock(transports_mutex_);
   transports_ = std::move(transports);
 }
+
+// A type that stays inside this process has no name outside, so a subscription with it accepts any type. The type of
+// bytes that this session itself publishes does not matter either.
+const TypeInfo& ChannelInlet::TypeToAsk() const noexcept {
+  const TypeInfo& own = DataGraph::TypeOfChannel(channel_);
+  return own.encoding == Encoding::kNone || IsRunTimeType(own) ? AnyType() : own;
+}
+
+bool ChannelInlet::AsksForTooMuch() const noexcept { return TakesAny() && !IsAnyType(TypeToAsk()); }
 
 void ChannelInlet::Detach() {
   std::shared_ptr<JoinedInbound> transports;
@@ -228,24 +236,32 @@ std::shared_ptr<const MessageSchema> ChannelInlet::SchemaOf(const InboundMessage
     said.type_name = asked.name;
     said.encoding = asked.encoding;
   }
-  const bool known = said_schema_ && said_schema_->type_name == said.type_name &&
-                     said_schema_->encoding == said.encoding && said_schema_->fingerprint == said.fingerprint;
-  if (!known) {
-    if (!IsAnyType(asked) && said.fingerprint == asked.fingerprint) said = hgros::SchemaOf(asked);
-    said_schema_ = std::make_shared<const MessageSchema>(std::move(said));
-  }
-  return said_schema_;
+  const auto known = std::ranges::find_if(said_schemas_, [&](const auto& one) {
+    return one->type_name == said.type_name && one->encoding == said.encoding && one->fingerprint == said.fingerprint;
+  });
+  if (known != said_schemas_.end()) return *known;
+  if (!IsAnyType(asked) && said.fingerprint == asked.fingerprint) said = hgros::SchemaOf(asked);
+  if (said_schemas_.size() >= kMostSaidSchemas) said_schemas_.erase(said_schemas_.begin());
+  return said_schemas_.emplace_back(std::make_shared<const MessageSchema>(std::move(said)));
 }
 
 void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept {
   {
     const std::scoped_lock lock(offers_mutex_);
     if (offers_.size() >= kMaxPublishers && !offers_.contains(from.id.value)) offers_.erase(offers_.begin());
-    offers_[from.id.value] = {from, schema, false};
-    newest_offer_ = schema;
+    offers_[from.id.value] = {from, schema, false, ++last_offer_};
   }
   on_publishers_();  // A thread may wait for the schema.
   if (!IsAnyType(DataGraph::TypeOfChannel(channel_))) run_apart_([this] { CompareOffers(); });
+}
+
+void ChannelInlet::OnOfferEnded(SessionId from) noexcept {
+  Offer ended;  // Destroyed after the lock.
+  const std::scoped_lock lock(offers_mutex_);
+  if (const auto found = offers_.find(from.value); found != offers_.end()) {
+    ended = std::move(found->second);
+    offers_.erase(found);
+  }
 }
 
 // Not on a transport's thread, because comparing schemas takes long.
@@ -270,12 +286,12 @@ void ChannelInlet::CompareOffers() {
 void ChannelInlet::ForgetOffers() {
   const std::scoped_lock lock(offers_mutex_);
   offers_.clear();
-  newest_offer_ = nullptr;
 }
 
 std::shared_ptr<const MessageSchema> ChannelInlet::Schema() const {
   const std::scoped_lock lock(offers_mutex_);
-  return newest_offer_;
+  const auto newest = std::ranges::max_element(offers_, {}, [](const auto& offer) { return offer.second.number; });
+  return newest == offers_.end() ? nullptr : newest->second.schema;
 }
 
 bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {

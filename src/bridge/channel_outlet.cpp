@@ -1,5 +1,7 @@
 #include "hgros/bridge/channel_outlet.hpp"
 
+#include <algorithm>
+#include <new>
 #include <utility>
 
 #include "bridge/joined_channels.hpp"
@@ -8,6 +10,21 @@
 #include "hgros/transport/ends_later.hpp"
 
 namespace hgros {
+namespace {
+
+// A message of this size gets its memory before it is promised to anybody, because that is where a lack of memory
+// shows.
+constexpr std::size_t kLargeBytes = 1u << 20;
+
+// The encoded size; none if it is only known once the message is encoded.
+std::optional<std::size_t> EncodedBytes(const void* message, const TypeInfo& type) {
+  if (type.encoded_bytes != nullptr) return type.encoded_bytes(message);
+  // The user's codec: a message that needs little memory is not encoded twice.
+  if (type.encode == nullptr || type.memory_bytes(message) <= kMaxMessageBytes) return std::nullopt;
+  return type.encode(AnyMessage(AnyMessage(), message)).bytes.size();
+}
+
+}  // namespace
 
 ChannelOutlet::ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
                              OutletEvents events, std::shared_ptr<const HostClocks> clocks)
@@ -64,10 +81,61 @@ bool ChannelOutlet::wanted() const noexcept {
   return heard_.load(std::memory_order_relaxed) || latched_.load(std::memory_order_relaxed) > 0;
 }
 
-PublishStatus ChannelOutlet::Reserve() noexcept {
-  const EndsLater after_the_lock;
-  const std::scoped_lock lock(order_mutex_);
-  return transports_ ? transports_->Reserve() : PublishStatus::kOk;
+PublishStatus ChannelOutlet::Reserve(const void* message, const TypeInfo& type) noexcept {
+  if (subscriber_count() > 0) {
+    if (const PublishStatus status = ReserveMemory(message, type); status != PublishStatus::kOk) return status;
+  }
+  PublishStatus status = PublishStatus::kOk;
+  {
+    const EndsLater after_the_lock;
+    const std::scoped_lock lock(order_mutex_);
+    if (transports_) status = transports_->Reserve();
+  }
+  if (status != PublishStatus::kOk) ReleaseMemory(message, type);
+  return status;
+}
+
+PublishStatus ChannelOutlet::ReserveMemory(const void* message, const TypeInfo& type) noexcept {
+  try {
+    const auto size = EncodedBytes(message, type);
+    if (!size || *size < kLargeBytes) return PublishStatus::kOk;
+    if (*size > kMaxMessageBytes) return PublishStatus::kTooLarge;
+    if (type.encode_into == nullptr || type.encode_in_place != nullptr) return PublishStatus::kOk;
+    std::shared_ptr<JoinedOutbound> transports;
+    {
+      const std::scoped_lock lock(order_mutex_);
+      transports = transports_;
+    }
+    std::optional<Block> block = transports ? transports->Loan(*size) : std::nullopt;
+    if (!block && transports && !transports->HasMemoryFor(*size)) throw std::bad_alloc();
+    if (!block) block = Block::Allocate(*size);
+    const std::scoped_lock lock(memory_mutex_);
+    memory_.push_back(std::move(*block));
+    memory_count_.store(memory_.size(), std::memory_order_relaxed);
+    return PublishStatus::kOk;
+  } catch (const std::bad_alloc&) {
+    log_->WriteLimited(LogLevel::kError, "memory " + channel_,
+                       "There is no memory to write a message on channel \"" + channel_ +
+                           "\" for other sessions; it was not published. Publish smaller messages, or raise the memory "
+                           "limit of the process or of its control group.");
+    return PublishStatus::kNoMemory;
+  }
+}
+
+std::optional<Block> ChannelOutlet::TakeMemory(std::size_t size_bytes) noexcept {
+  if (memory_count_.load(std::memory_order_relaxed) == 0) return std::nullopt;
+  const std::scoped_lock lock(memory_mutex_);
+  const auto found = std::ranges::find(memory_, size_bytes, &Block::size);
+  if (found == memory_.end()) return std::nullopt;
+  Block block = std::move(*found);
+  memory_.erase(found);
+  memory_count_.store(memory_.size(), std::memory_order_relaxed);
+  return block;
+}
+
+void ChannelOutlet::ReleaseMemory(const void* message, const TypeInfo& type) noexcept {
+  if (memory_count_.load(std::memory_order_relaxed) == 0 || type.encoded_bytes == nullptr) return;
+  (void)TakeMemory(type.encoded_bytes(message));
 }
 
 void ChannelOutlet::Cancel() noexcept {
@@ -76,15 +144,16 @@ void ChannelOutlet::Cancel() noexcept {
   if (transports_) transports_->Cancel();
 }
 
-Payload ChannelOutlet::EncodeInto(const AnyMessage& message, const TypeInfo& type,
-                                  JoinedOutbound& transports) noexcept {
+Payload ChannelOutlet::EncodeInto(const AnyMessage& message, const TypeInfo& type, JoinedOutbound& transports) {
   if (type.encode_into == nullptr) return {};
-  auto block = transports.Loan(type.encoded_bytes(message.get()));
+  const std::size_t size = type.encoded_bytes(message.get());
+  std::optional<Block> block = TakeMemory(size);
+  if (!block) block = transports.Loan(size);
   if (!block || !type.encode_into(message.get(), block->writable())) return {};
   return block->payload();
 }
 
-Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) noexcept {
+Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) {
   Payload payload;
   if (type.encode_in_place != nullptr) {
     payload = type.encode_in_place(message.get());
@@ -92,19 +161,36 @@ Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, J
   }
   if (payload.owner == nullptr && transports != nullptr) payload = EncodeInto(message, type, *transports);
   if (payload.owner == nullptr) payload = type.encode(message);
-  if (payload.owner == nullptr) {
-    not_encodable_.fetch_add(1, std::memory_order_relaxed);
-    log_->WriteLimited(LogLevel::kError, "encode " + channel_,
-                       "A message on channel \"" + channel_ + "\" could not be written as " + type_.name +
-                           "; other sessions do not get it.");
-  }
   return payload;
+}
+
+Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) noexcept {
+  Payload payload;
+  bool memory = true;
+  try {
+    payload = TryEncode(message, type, transports);
+  } catch (const std::bad_alloc&) {
+    memory = false;
+  }
+  const std::size_t size = payload.bytes.size();
+  // Reserve() has not found a size above the limit in two cases: the user's codec, and a subscriber that came later.
+  if (payload.owner != nullptr && size <= kMaxMessageBytes) return payload;
+  not_encodable_.fetch_add(1, std::memory_order_relaxed);
+  log_->WriteLimited(LogLevel::kError, "encode " + channel_,
+                     "A message on channel \"" + channel_ + "\" " +
+                         (size > kMaxMessageBytes ? "has " + std::to_string(size) + " bytes; sessions send at most " +
+                                                        std::to_string(kMaxMessageBytes)
+                          : memory ? "could not be written as " + type_.name
+                                   : std::string("was not written, because there is no memory for it")) +
+                         "; other sessions do not get it.");
+  return {};
 }
 
 void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noexcept {
   const std::size_t depth = latched_.load(std::memory_order_relaxed);
   const bool listened = subscriber_count() > 0;
   if (!listened && depth == 0) {
+    ReleaseMemory(message.get(), type);
     const std::scoped_lock lock(order_mutex_);
     ++sequence_;
     if (transports_) transports_->Cancel();
@@ -145,6 +231,7 @@ void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noex
   } else if (data->owner != nullptr) {
     head.id.sequence = ++sequence_;
   }
+  if (!data) ReleaseMemory(message.get(), type);
   if (!transports_) return;
   if (counted && data->owner != nullptr) {
     transports_->Commit(head, *data);

@@ -17,6 +17,7 @@ class JoinedOutbound::Part final : public OutboundSource {
     joined_.Keep(subscriber, demand, std::move(unfinished));
     return true;
   }
+  [[nodiscard]] bool may_promise() const noexcept override { return joined_.source_.may_promise(); }
   void OnRoom() noexcept override { joined_.source_.OnRoom(); }
   void OnSubscribers(std::size_t count) noexcept override {
     {
@@ -153,6 +154,13 @@ std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
   return std::nullopt;
 }
 
+bool JoinedOutbound::HasMemoryFor(std::size_t size_bytes) const {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  return std::all_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(count), [&](const auto& part) {
+    return part->channel->subscriber_count() == 0 || part->channel->HasMemoryFor(size_bytes);
+  });
+}
+
 OutboundStats JoinedOutbound::stats() const {
   OutboundStats sum;
   const std::size_t count = count_.load(std::memory_order_acquire);
@@ -184,7 +192,16 @@ class JoinedInbound::Part final : public InboundSink {
   void Run() noexcept override { joined_.sink_.Run(); }
   void OnFault(PacketFault fault, std::string_view what) noexcept override { joined_.sink_.OnFault(fault, what); }
   void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override {
+    const std::scoped_lock lock(joined_.telling_);
+    joined_.offers_.emplace(from.id.value, index_);
     joined_.sink_.OnOffer(from, schema);
+  }
+  void OnOfferEnded(SessionId from) noexcept override {
+    const std::scoped_lock lock(joined_.telling_);
+    auto& offers = joined_.offers_;
+    offers.erase({from.value, index_});
+    const auto other = offers.lower_bound({from.value, 0});
+    if (other == offers.end() || other->first != from.value) joined_.sink_.OnOfferEnded(from);
   }
   void OnPublishers(std::size_t count) noexcept override {
     const std::scoped_lock lock(joined_.telling_);

@@ -2,13 +2,16 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "bridge/cut_subscribers.hpp"
@@ -47,6 +50,8 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   void Cancel() noexcept;
   /// Memory of a transport that has subscribers.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
+  /// See OutboundChannel.
+  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes) const;
   [[nodiscard]] OutboundStats stats() const;
   /// Stops waiting for the subscriber. With a number, only if this is its latest cut.
   void GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
@@ -123,7 +128,8 @@ class JoinedInbound {
   std::mutex accepting_;
   std::unordered_map<SessionId, TransportMove> moves_;  // Under accepting_.
   std::mutex telling_;
-  std::vector<std::size_t> publishers_;  // By part.
+  std::vector<std::size_t> publishers_;                     // By part.
+  std::set<std::pair<std::uint64_t, std::size_t>> offers_;  // Session and part; under telling_.
 };
 
 }  // namespace hgros

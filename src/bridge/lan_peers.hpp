@@ -1,12 +1,16 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <unordered_set>
-#include <utility>
 #include <vector>
 
 #include "hgros/base/log.hpp"
@@ -15,15 +19,26 @@
 
 namespace hgros {
 
-/// Connects to the endpoints of sessions that a beacon hears, as long as it hears them. An endpoint that the
+/// Connects to the endpoints of sessions that a beacon hears. Datagrams may be lost or forged, so they only begin a
+/// connection: an endpoint where a session has answered stays as long as that session does. An endpoint that the
 /// configuration names is not touched: it is already there, with its own list of channels.
 ///
 /// Thread safety: all functions.
+/// Invariants: at most kMaxTries endpoints where no session has answered are connected to at a time. If others wait,
+/// they take turns: first those of the sender that has waited longest.
 class LanPeers final : public DiscoveryListener {
  public:
-  /// `configured`: endpoints that are subscribed to even if they are not heard. The other arguments outlive it.
-  LanPeers(ZmqTransport& zmq, Log& log, std::set<std::string> configured)
-      : zmq_(zmq), log_(log), configured_(std::move(configured)) {}
+  using Later = std::function<void(std::chrono::nanoseconds delay, std::function<void()> errand)>;
+
+  static constexpr int kMaxTries = 2;  ///< Each takes four descriptors, and three more for a moment after its end.
+  /// After this time without an answer, an endpoint gives way to one that waits.
+  static constexpr auto kTryTime = std::chrono::seconds(2);
+
+  /// `patience`: how long a session that is gone and not heard may take to come back. `later` runs errands, see
+  /// BridgeOptions. `configured`: endpoints that are subscribed to even if they are not heard. The references outlive
+  /// the object; no errand runs after its end.
+  LanPeers(ZmqTransport& zmq, Log& log, std::chrono::milliseconds patience, Later later,
+           std::set<std::string> configured);
 
   void OnCame(const Announcement& peer) override;
   void OnChanged(const Announcement& peer) override;
@@ -34,15 +49,63 @@ class LanPeers final : public DiscoveryListener {
   void Release(const std::string& endpoint);
 
  private:
+  using Time = std::chrono::steady_clock::time_point;
+  enum class State {
+    kWaiting,  // Not connected to.
+    kTried,    // No session has answered yet.
+    kReached,  // A session has answered.
+    kLost,     // That session is gone, and may come back.
+  };
+  struct Endpoint {
+    std::unordered_set<SessionId> sessions;  // Those that are heard; two may share an endpoint for a while.
+    std::string sender;
+    State state = State::kWaiting;
+    Time since{};              // When the state began.
+    Time tried{};              // When the latest try began.
+    std::uint64_t number = 0;  // The latest try's; events of earlier ones are ignored.
+    bool refused = false;      // Something failed in the latest try.
+    bool reported = false;     // It was logged that no session answers.
+    unsigned failures = 0;     // Tries in a row without an answer.
+  };
+  using Endpoints = std::map<std::string, Endpoint, std::less<>>;
+
   // Under mutex_.
-  void Connect(const std::string& endpoint);
-  void Update(SessionId session, const std::vector<std::string>& endpoints);
+  void Update(const Announcement& peer, std::vector<std::string> endpoints);
+  void SetState(Endpoint& endpoint, State state, Time now);
+  // Connects to endpoints that wait, up to kMaxTries.
+  void FillTries(Time now);
+  void Connect(Endpoints::value_type& entry, Time now);
+  void Disconnect(Endpoints::value_type& entry, Time now);
+  void EndLost(Time now);
+  void ReportUnanswered(Endpoints::value_type& entry);
+  [[nodiscard]] bool Waits(const Endpoints::value_type& entry) const;
+  // The endpoint that is tried next; null if none waits, or all that wait have to pause.
+  [[nodiscard]] Endpoints::value_type* FindNext(Time now);
+  // When it gives way, if others wait.
+  [[nodiscard]] static Time EndOf(const Endpoint& tried);
+  // The try that gives way next; there is one.
+  [[nodiscard]] Endpoints::value_type& FindOldestTry();
+  void ActAt(Time when);
+  [[nodiscard]] std::optional<Time> NextAct(Time now);
+
+  void OnEvent(const std::string& endpoint, std::uint64_t number, EndpointEvent event);
+  // Does what time brings, on the thread of errands. Whatever needs no waiting is done at once on the calling thread,
+  // because an errand of the program may block that one.
+  void Act(Time due);
 
   ZmqTransport& zmq_;
   Log& log_;
+  const std::chrono::milliseconds patience_;
+  const Later later_;
   std::mutex mutex_;
+  std::string unanswered_;  // The first endpoint at which no session answered.
   std::set<std::string> configured_;
-  std::map<std::string, std::unordered_set<SessionId>> heard_;  // By endpoint; two sessions may share one for a while.
+  std::unordered_map<SessionId, std::vector<std::string>> announced_;
+  Endpoints heard_;
+  int tries_ = 0;  // The endpoints in kTried.
+  std::uint64_t last_number_ = 0;
+  Time acted_{};
+  std::optional<Time> due_;  // When Act() runs next.
 };
 
 /// Whether sessions of other hosts can connect to an endpoint that is bound there.

@@ -39,10 +39,16 @@ TransportIndex PeerTransports::Current(const Peer& peer) const {
 
 std::string PeerTransports::Why(const Peer& peer, const PeerInfo& info, TransportIndex transport) const {
   if (transports_[transport].reach == TransportReach::kHost) return "same host";
+  if (peer.found && !peer.partner) return "no channel of it is used on this host";
   if (!peer.expected.empty()) return transports_.NamesOf(peer.expected) + " does not reach it yet";
   if (peer.found) return "no transport of this host reaches it";
-  if (info.host != host_) return "another host";
+  if (info.host != self_.host) return "another host";
   return looks_ ? "not found on this host" : "discovery on this host is off";
+}
+
+void PeerTransports::Say(const PeerInfo& peer, std::string_view what, const std::string& how) {
+  log_.WriteLimited(LogLevel::kDebug, "peer transport " + peer.id.ToString(),
+                    "Session " + self_.name() + " " + std::string(what) + " session " + peer.name() + " " + how + ".");
 }
 
 void PeerTransports::Forget(SessionId id) {
@@ -72,8 +78,29 @@ void PeerTransports::Found(SessionId id, TransportSet expected, TransportRules r
   const std::scoped_lock lock(mutex_);
   Peer& peer = peers_[id];
   peer.found = true;
+  peer.partner = false;
   peer.expected = expected;
   peer.rules = std::move(rules);
+}
+
+bool PeerTransports::MakePartner(SessionId id, TransportSet expected) {
+  const std::scoped_lock lock(mutex_);
+  Peer* const peer = Find(id);
+  if (peer == nullptr || !peer->found || peer->partner) return false;
+  peer->partner = true;
+  peer->expected = expected;
+  return true;
+}
+
+bool PeerTransports::GiveUpStrangers() {
+  bool free = false;
+  const std::scoped_lock lock(mutex_);
+  for (auto& [id, peer] : peers_) {
+    if (!peer.found || peer.partner || peer.expected.empty()) continue;
+    peer.expected = {};
+    free = free || !peer.reached.empty();
+  }
+  return free;
 }
 
 void PeerTransports::Lost(SessionId id) {
@@ -81,6 +108,7 @@ void PeerTransports::Lost(SessionId id) {
   Peer* const peer = Find(id);
   if (peer == nullptr) return;
   peer->found = false;
+  peer->partner = false;
   peer->expected = {};
   peer->rules.clear();
   Forget(id);
@@ -103,7 +131,7 @@ PeerTransports::GivenUp PeerTransports::GiveUp(SessionId id) {
   peer->expected = peer->expected.Without(given_up.missing);
   const auto choice = peer->choices.find(transports_.all());
   const bool taken = choice != peer->choices.end() && choice->second.taken;
-  given_up.matters = !taken && ReachedBy(*peer).In(transports_.on_host()).empty();
+  given_up.matters = peer->partner && !taken && ReachedBy(*peer).In(transports_.on_host()).empty();
   given_up.reached_by = ReachedBy(*peer).cheapest();
   return given_up;
 }
@@ -137,14 +165,12 @@ std::optional<PeerTransports::MoveNumber> PeerTransports::Came(PeerInfo info, Tr
     current = transports_.name(Current(peer));
   }
   if (move) {
-    log_.Write(LogLevel::kInfo,
-               "Session " + info.name() + " is reached through " + info.transport + " now; its messages move there.");
+    Say(info, "now reaches", "through " + info.transport + ", and its messages move there");
   }
   if (first) {
     listener_.OnPeerCame(info);
   } else if (!move) {
-    log_.Write(LogLevel::kInfo, "Session " + info.name() + " is reached through " + info.transport + " as well; " +
-                                    current + " carries its messages.");
+    Say(info, "reaches", "through " + info.transport + " as well; " + current + " carries its messages");
   }
   return move;
 }
@@ -227,9 +253,8 @@ bool PeerTransports::Gone(const PeerInfo& info, TransportIndex transport, std::s
   if (last) {
     listener_.OnPeerGone(info, reason);
   } else {
-    log_.Write(LogLevel::kInfo, "Session " + info.name() + " is no longer reached through " +
-                                    transports_.name(transport) + ": " + std::string(reason) + ". " + remains +
-                                    " remains.");
+    Say(info, "no longer reaches",
+        "through " + transports_.name(transport) + ": " + std::string(reason) + ". " + remains + " remains");
   }
   return free;
 }
@@ -256,6 +281,12 @@ TransportSet PeerTransports::ReachedBy(SessionId id) const {
   const std::scoped_lock lock(mutex_);
   const Peer* const peer = Find(id);
   return peer == nullptr ? TransportSet() : ReachedBy(*peer);
+}
+
+bool PeerTransports::IsPartner(SessionId id) const {
+  const std::scoped_lock lock(mutex_);
+  const Peer* const peer = Find(id);
+  return peer != nullptr && peer->partner;
 }
 
 bool PeerTransports::IsFound(SessionId id) const {

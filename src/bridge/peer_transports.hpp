@@ -27,23 +27,29 @@ namespace hgros {
 /// they happened, one call at a time. All channels of a peer that move, move at the same time.
 class PeerTransports {
  public:
-  /// `transports` outlives it. `looks`: true if sessions of this host are searched. `host`: this host's name.
+  /// `transports` outlives it. `looks`: true if sessions of this host are searched. `self`: this session.
   PeerTransports(const TransportList& transports, TransportListener& listener, Log& log, TransportRules rules,
-                 bool looks, std::string host)
+                 bool looks, PeerInfo self)
       : transports_(transports),
         listener_(listener),
         log_(log),
         rules_(std::move(rules)),
         looks_(looks),
-        host_(std::move(host)) {}
+        self_(std::move(self)) {}
 
   /// Whether that session's messages on the channel must be received over this transport. The first transport that
   /// asks gets the channel, and all that may use the same transports, unless a cheaper one reaches the session or is
   /// expected to.
   [[nodiscard]] bool Claim(SessionId peer, std::string_view channel, TransportIndex transport);
 
-  /// The session was found on this host, and is expected to be reached over these transports.
+  /// The session was found on this host, and is left to these transports for now.
   void Found(SessionId peer, TransportSet expected, TransportRules rules);
+  /// This session and that one exchange messages: from now on it is expected over these transports. False if this is
+  /// known already, or the session is not found.
+  [[nodiscard]] bool MakePartner(SessionId peer, TransportSet expected);
+  /// Found sessions that exchange nothing with this one are no longer left to transports of the host. True if other
+  /// transports may now be used for one of them.
+  [[nodiscard]] bool GiveUpStrangers();
   /// It has ended, or is no longer found.
   void Lost(SessionId peer);
   /// Its rules have changed; true if this changes anything.
@@ -85,6 +91,8 @@ class PeerTransports {
   [[nodiscard]] TransportSet ReachedBy(SessionId peer) const;
   /// On this host, and not lost.
   [[nodiscard]] bool IsFound(SessionId peer) const;
+  /// Found, and exchanging messages with this session.
+  [[nodiscard]] bool IsPartner(SessionId peer) const;
 
  private:
   // The decision for all channels that may use the same transports.
@@ -96,7 +104,8 @@ class PeerTransports {
   struct Peer {
     std::map<TransportIndex, PeerInfo> reached;
     TransportSet expected;
-    bool found = false;  // On this host.
+    bool found = false;    // On this host.
+    bool partner = false;  // It exchanges messages with this session.
     std::map<TransportSet, Choice> choices;
     std::optional<MoveNumber> move;  // Set until NextMove() after its end.
     bool move_is_open = false;
@@ -113,13 +122,15 @@ class PeerTransports {
   [[nodiscard]] std::string Why(const Peer& peer, const PeerInfo& info, TransportIndex transport) const;
   [[nodiscard]] std::optional<MoveNumber> StartMove(Peer& peer);
   void Forget(SessionId id);
+  // "Session A reaches session B through ...": not under mutex_.
+  void Say(const PeerInfo& peer, std::string_view what, const std::string& how);
 
   const TransportList& transports_;
   TransportListener& listener_;
   Log& log_;
   const TransportRules rules_;  // Ours.
   const bool looks_;
-  const std::string host_;
+  const PeerInfo self_;
   std::mutex telling_;  // Taken before mutex_.
   mutable std::mutex mutex_;
   std::unordered_map<SessionId, Peer> peers_;

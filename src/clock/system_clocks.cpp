@@ -10,6 +10,7 @@
 
 #include "clock/wall_jump_watch.hpp"
 #include "clock/wall_offset.hpp"
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/internal/clock/waiting_room.hpp"
 
 namespace hgros {
@@ -38,6 +39,7 @@ BothClocks ReadBoth() {
 }  // namespace
 
 struct SystemClock::State {
+  const ForkGuard fork;  // A child has none of the threads.
   explicit State(LogSink sink) : State(std::move(sink), ReadBoth()) {}
   State(LogSink sink, const BothClocks& both) : log(std::move(sink)), offset(both.wall, both.steady) {}
 
@@ -100,7 +102,9 @@ struct SystemClock::State {
 };
 
 SystemClock::SystemClock(LogSink log) : state_(std::make_unique<State>(std::move(log))) {}
-SystemClock::~SystemClock() = default;
+SystemClock::~SystemClock() {
+  if (state_->fork.IsChild()) LeaveToParent(std::shared_ptr<const State>(std::move(state_)));
+}
 
 ClockReading SystemClock::Read() const { return state_->Read(); }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "clock/timer_plan.hpp"
+#include "hgros/base/fork_guard.hpp"
 
 namespace hgros {
 
@@ -17,6 +18,9 @@ class TimerQueue::Core {
  public:
   Core(std::shared_ptr<Clock> clock, LogSink log)
       : clock_(std::move(clock)), log_(std::move(log)), thread_([this] { Loop(); }) {}
+
+  // In a forked child nothing of a queue may be waited for or destroyed.
+  [[nodiscard]] bool in_forked_child() const noexcept { return fork_->IsChild(); }
 
   void Stop() {
     {
@@ -43,7 +47,8 @@ class TimerQueue::Core {
       sooner = plan_.next() < before;
     }
     if (sooner) sleeper_.Wake();
-    return Timer([core = std::weak_ptr(self), id, waits, guarded = std::move(guarded)] {
+    return Timer([core = std::weak_ptr(self), fork = fork_, id, waits, guarded = std::move(guarded)]() mutable {
+      if (fork->IsChild()) return LeaveToParent(std::move(guarded));
       if (const auto there = core.lock()) there->Remove(id);
       if (waits) guarded->Close();
     });
@@ -108,6 +113,7 @@ class TimerQueue::Core {
     }
   }
 
+  const std::shared_ptr<const ForkGuard> fork_ = std::make_shared<const ForkGuard>();  // Timers may outlive the queue.
   const std::shared_ptr<Clock> clock_;
   Log log_;
   Sleeper sleeper_;
@@ -122,7 +128,13 @@ class TimerQueue::Core {
 TimerQueue::TimerQueue(std::shared_ptr<Clock> clock, LogSink log)
     : core_(std::make_shared<Core>(std::move(clock), std::move(log))) {}
 
-TimerQueue::~TimerQueue() { core_->Stop(); }
+TimerQueue::~TimerQueue() {
+  if (core_->in_forked_child()) {
+    LeaveToParent(std::move(core_));
+  } else {
+    core_->Stop();
+  }
+}
 
 Timer TimerQueue::Every(Duration period, TimerCallback callback, const TimerOptions& options) {
   return core_->AddTimer(

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "codec/field_format.hpp"
+#include "hgros/base/publish_status.hpp"
 #include "hgros/internal/codec/call_message.hpp"
 
 namespace hgros::codec {
@@ -110,21 +111,34 @@ bool ReadHead(Bytes head, CallMessage& call) {
   return in.ok();
 }
 
+constexpr std::string_view kTooLargeFault = "It is larger than 1 GiB.";
+
+bool IsTooLarge(const CallMessage& call) {
+  return call.body && call.type->encoded_bytes != nullptr &&
+         CallHead(call).size() + call.type->encoded_bytes(call.body.get()) > kMaxMessageBytes;
+}
+
 }  // namespace
 
 Payload EncodeCall(const AnyMessage& message) {
   const auto& call = *static_cast<const CallMessage*>(message.get());
   if (!call.body) return Joined(CallHead(call), {});
+  const auto refuse = [&call](std::string_view fault) {
+    return Joined(CallHead(call, CallMessage::Outcome::kNotWritable, fault), {});
+  };
+  if (IsTooLarge(call)) return refuse(kTooLargeFault);
   const Payload body = call.type->encode(call.body);
-  if (body.owner) return Joined(CallHead(call), body.bytes);
-  const std::string fault = "It could not be written as " + call.type->name + ".";
-  return Joined(CallHead(call, CallMessage::Outcome::kNotWritable, fault), {});
+  if (!body.owner) return refuse("It could not be written as " + call.type->name + ".");
+  if (CallHead(call).size() + body.bytes.size() > kMaxMessageBytes) return refuse(kTooLargeFault);
+  return Joined(CallHead(call), body.bytes);
 }
 
 std::size_t EncodedCallBytes(const void* message) {
   const auto& call = *static_cast<const CallMessage*>(message);
   const bool sized = call.body && call.type->encoded_bytes != nullptr;
-  return CallHead(call).size() + (sized ? call.type->encoded_bytes(call.body.get()) : 0);
+  const std::size_t size = CallHead(call).size() + (sized ? call.type->encoded_bytes(call.body.get()) : 0);
+  if (size > kMaxMessageBytes) return CallHead(call, CallMessage::Outcome::kNotWritable, kTooLargeFault).size();
+  return size;
 }
 
 bool EncodeCallInto(const void* message, std::span<std::byte> bytes) {
@@ -132,6 +146,9 @@ bool EncodeCallInto(const void* message, std::span<std::byte> bytes) {
   const CallHead head(call);
   const std::size_t size = head.size();
   if (size > bytes.size()) return false;
+  // The bytes may be the room for a refusal: EncodeCall() writes it.
+  const CallHead refusal(call, CallMessage::Outcome::kNotWritable, kTooLargeFault);
+  if (bytes.size() == refusal.size() && IsTooLarge(call)) return false;
   if (call.body && call.type->encode_into == nullptr) return false;
   head.WriteTo(reinterpret_cast<char*>(bytes.data()));
   return !call.body || call.type->encode_into(call.body.get(), bytes.subspan(size));

@@ -4,9 +4,11 @@
 #include <google/protobuf/stubs/logging.h>
 
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "codec/foreign_schema.hpp"
+#include "codec/parsed_memory.hpp"
 
 namespace hgros {
 
@@ -14,6 +16,7 @@ struct DynamicSchema::Parts {
   ForeignSchema schema;
   google::protobuf::DynamicMessageFactory factory;
   const google::protobuf::Message* prototype = nullptr;
+  std::optional<ParsedMemory> memory;
 };
 
 DynamicSchema::DynamicSchema(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -31,13 +34,14 @@ std::shared_ptr<const DynamicSchema> DynamicSchema::Build(const MessageSchema& s
     return nullptr;
   }
   parts->prototype = parts->factory.GetPrototype(parts->schema.type);
+  parts->memory.emplace(*parts->schema.type, parts->factory);
   return std::shared_ptr<const DynamicSchema>(new DynamicSchema(std::move(parts)));
 }
 
 const google::protobuf::Descriptor& DynamicSchema::descriptor() const noexcept { return *parts_->schema.type; }
 
-std::unique_ptr<google::protobuf::Message> DynamicSchema::Read(Bytes bytes) const {
-  if (bytes.size() > std::numeric_limits<int>::max()) return nullptr;
+std::unique_ptr<google::protobuf::Message> DynamicSchema::Read(Bytes bytes, std::size_t most_memory_bytes) const {
+  if (bytes.size() > std::numeric_limits<int>::max() || !parts_->memory->Fits(bytes, most_memory_bytes)) return nullptr;
   const google::protobuf::LogSilencer silence;  // Protobuf would log every string that is not UTF-8.
   std::unique_ptr<google::protobuf::Message> message(parts_->prototype->New());
   if (!message->ParsePartialFromArray(bytes.data(), static_cast<int>(bytes.size()))) return nullptr;

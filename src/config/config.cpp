@@ -1,12 +1,13 @@
 #include "hgros/config/config.hpp"
 
 #include "config/config_draft.hpp"
+#include "hgros/config/config_sections.hpp"
 
 namespace hgros {
 namespace {
 
 void ReadFile(const yaml::Document& document, std::span<const std::string> program_sections, ConfigDraft& draft) {
-  std::vector<std::string_view> known{"network", "discovery", "shared_memory", "time", "data_graph", "channels"};
+  std::vector<std::string_view> known(kConfigSections.begin(), kConfigSections.end());
   known.insert(known.end(), program_sections.begin(), program_sections.end());
   const yaml::Section file(yaml::Value(document),
                            "a map with network, discovery, shared_memory, time, data_graph and channels", known);

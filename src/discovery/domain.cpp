@@ -2,8 +2,9 @@
 
 #include <string>
 
-#include "discovery/readable_text.hpp"
 #include "hgros/base/error.hpp"
+#include "hgros/base/readable_text.hpp"
+#include "hgros/discovery/announcement.hpp"
 
 namespace hgros {
 
@@ -15,7 +16,7 @@ bool IsDomain(std::string_view name) noexcept {
 
 void RequireDomain(std::string_view name) {
   if (IsDomain(name)) return;
-  throw Error("The domain \"" + discovery::Readable(name) + "\" cannot be used.", {},
+  throw Error("The domain \"" + Readable(name, discovery::kMaxTextBytes) + "\" cannot be used.", {},
               "Use 1 to 64 letters, digits, '_', '-' and '.', not beginning with a '.', such as \"robot1\".");
 }
 

@@ -4,18 +4,19 @@
 
 namespace hgros::discovery {
 
-void PeerBook::Put(const Announcement& peer) {
+void PeerBook::Put(Announcement peer) {
   const std::scoped_lock lock(mutex_);
-  const auto [entry, is_new] = peers_.try_emplace(peer.session.value, peer);
-  if (is_new) {
+  const auto entry = peers_.find(peer.session.value);
+  if (entry == peers_.end()) {
     news_.push_back({Event::kCame, peer, {}});
+    peers_.emplace(peer.session.value, std::move(peer));
     return;
   }
   if (entry->second == peer) return;
   const bool reborn = entry->second.incarnation != peer.incarnation;
   if (reborn) news_.push_back({Event::kGone, std::move(entry->second), "It restarted."});
   news_.push_back({reborn ? Event::kCame : Event::kChanged, peer, {}});
-  entry->second = peer;
+  entry->second = std::move(peer);
 }
 
 void PeerBook::Remove(SessionId session, std::string_view reason) {
@@ -24,12 +25,13 @@ void PeerBook::Remove(SessionId session, std::string_view reason) {
   if (!entry.empty()) news_.push_back({Event::kGone, std::move(entry.mapped()), std::string(reason)});
 }
 
-std::vector<Announcement> PeerBook::List() const {
+std::vector<Announcement> PeerBook::List(const Discovery::Which& which) const {
   const std::scoped_lock lock(mutex_);
-  std::vector<Announcement> all;
-  all.reserve(peers_.size());
-  for (const auto& [session, peer] : peers_) all.push_back(peer);
-  return all;
+  std::vector<Announcement> listed;
+  for (const auto& [session, peer] : peers_) {
+    if (!which || which(peer)) listed.push_back(peer);
+  }
+  return listed;
 }
 
 std::vector<SessionId> PeerBook::Sessions() const {
@@ -38,6 +40,11 @@ std::vector<SessionId> PeerBook::Sessions() const {
   all.reserve(peers_.size());
   for (const auto& [session, peer] : peers_) all.push_back(peer.session);
   return all;
+}
+
+std::size_t PeerBook::size() const {
+  const std::scoped_lock lock(mutex_);
+  return peers_.size();
 }
 
 void PeerBook::Tell(DiscoveryListener& listener) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -18,11 +19,13 @@ namespace hgros::discovery {
 class PeerBook {
  public:
   /// Adds a session or updates it.
-  void Put(const Announcement& peer);
+  void Put(Announcement peer);
   /// Removes a session if it is known.
   void Remove(SessionId session, std::string_view reason);
-  [[nodiscard]] std::vector<Announcement> List() const;
+  /// See Discovery::List().
+  [[nodiscard]] std::vector<Announcement> List(const Discovery::Which& which = {}) const;
   [[nodiscard]] std::vector<SessionId> Sessions() const;
+  [[nodiscard]] std::size_t size() const;
   /// Reports all new events to the listener, without holding the lock.
   void Tell(DiscoveryListener& listener);
 

@@ -12,7 +12,7 @@ DataGraph::DataGraph(GraphOptions options, std::shared_ptr<Log> log)
     : core_(std::make_shared<GraphCore>(std::move(options), std::move(log))) {}
 
 DataGraph::~DataGraph() {
-  if (core_->in_forked_child()) {
+  if (core_->in_forked_child() || core_->EndsInside()) {
     LeaveToParent(std::move(core_));
   } else {
     core_->Shutdown();

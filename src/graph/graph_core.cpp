@@ -151,6 +151,7 @@ void GraphCore::Refuse() noexcept {
 }
 
 void GraphCore::NameBusyNodes() const {
+  if (ended_inside()) return;  // Nobody waits.
   std::vector<std::shared_ptr<Node>> nodes = Lingering();
   for (const Channel* channel : channels_.All()) {
     const std::vector<std::shared_ptr<Node>> wired = channel->Nodes();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,7 +22,7 @@ namespace hgros {
 // The state of a DataGraph. Handles that outlive the graph keep it alive; it then refuses everything.
 //
 // Thread safety: all public functions from any thread.
-class GraphCore {
+class GraphCore : public std::enable_shared_from_this<GraphCore> {
  public:
   GraphCore(GraphOptions options, std::shared_ptr<Log> log);
 
@@ -34,6 +35,15 @@ class GraphCore {
   // ends.
   void Refuse() noexcept;
   void Shutdown() noexcept;
+
+  // In graph_ending.cpp, which GraphEnding and CallbackScope use.
+  void SetOnExit(std::function<void()> on_exit);
+  void OnExitInside() noexcept;
+  void EndInside(std::function<void()> leave) noexcept;
+  // True if the graph must be kept: it has ended inside a callback, or the caller runs one and so ends it now.
+  [[nodiscard]] bool EndsInside() noexcept;
+  [[nodiscard]] std::string CallbackHere() const;
+  [[nodiscard]] bool ended_inside() const noexcept { return ended_inside_.load(); }
 
   void PublisherIsGone(std::uint64_t publisher);
   void PublisherIsBack(std::uint64_t publisher);
@@ -54,10 +64,14 @@ class GraphCore {
   [[nodiscard]] std::vector<std::shared_ptr<Node>> Lingering() const;
   void PruneLingering();
   void NameBusyNodes() const;
+  void CloseNodes() noexcept;
+  void WaitForOthers(const std::vector<const Node*>& own, std::chrono::steady_clock::time_point deadline) const;
 
   const GraphOptions options_;
   const std::shared_ptr<Log> log_;
   std::atomic<bool> refusing_{false};
+  std::atomic<bool> ended_inside_{false};
+  std::function<void()> on_exit_;  // Guarded by mutex_.
   const ForkGuard fork_;
   // Declared before the channels, because nodes return their flow-graph nodes when they are destroyed.
   std::mutex workers_mutex_;

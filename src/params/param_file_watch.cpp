@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/base/own_descriptor.hpp"
 
 namespace hgros {
@@ -25,6 +26,7 @@ namespace hgros {
 // Watches folders instead of files, because editors replace the old file with a new one.
 class ParamFileWatch::Core {
  public:
+  const ForkGuard fork;  // A child has none of the threads.
   Core(ParamServer& server, Done done, LogSink log)
       : server_(server),
         done_(std::move(done)),
@@ -124,6 +126,8 @@ class ParamFileWatch::Core {
 
 ParamFileWatch::ParamFileWatch(ParamServer& server, Done done, LogSink log)
     : core_(std::make_unique<Core>(server, std::move(done), std::move(log))) {}
-ParamFileWatch::~ParamFileWatch() = default;
+ParamFileWatch::~ParamFileWatch() {
+  if (core_->fork.IsChild()) LeaveToParent(std::shared_ptr<const Core>(std::move(core_)));
+}
 
 }  // namespace hgros

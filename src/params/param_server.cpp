@@ -27,7 +27,7 @@ ParamView ParamServer::DeclareNode(std::string_view path, ParamNode fallback, Pa
 
 std::vector<ParamDeclaration> ParamServer::Declarations() const { return core_->Declarations(); }
 
-ParamResult ParamServer::Change(const std::vector<ParamChange>& changes) {
+ParamResult ParamServer::Change(const std::vector<ParamChange>& changes, IfMissing if_missing) {
   const auto source = std::make_shared<const std::string>("set while running");
   std::vector<Core::Step> steps;
   try {
@@ -39,7 +39,7 @@ ParamResult ParamServer::Change(const std::vector<ParamChange>& changes) {
   } catch (const ParamError& e) {
     return {e.what()};
   }
-  return core_->Change(steps);
+  return core_->Change(steps, if_missing);
 }
 
 Listening ParamServer::AddValidator(std::string_view path, ParamValidator validator) {

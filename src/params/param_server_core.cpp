@@ -3,9 +3,22 @@
 #include <exception>
 #include <utility>
 
+#include "hgros/base/names.hpp"
 #include "hgros/yaml/document.hpp"
 
 namespace hgros {
+namespace {
+
+void RequireThere(const ParamNodePtr& root, const ParamPath& path) {
+  if (param_tree::Find(root, path) != nullptr) return;
+  const std::string name = path.ToString();
+  const std::string nearest = NearestName(name, param_tree::ListBelow(ParamView(root)));
+  throw ParamError(
+      "There is no parameter " + name + "." + (nearest.empty() ? std::string() : " Did you mean " + nearest + "?"), {},
+      "To create it, pass IfMissing::kCreate.");
+}
+
+}  // namespace
 
 ParamServer::Core::Core(ParamSources sources, LogSink log)
     : sources_(std::move(sources)), log_(std::move(log)), loaded_(ReadSources()), root_(loaded_) {}
@@ -13,11 +26,13 @@ ParamServer::Core::Core(ParamSources sources, LogSink log)
 ParamNodePtr ParamServer::Core::ReadSources() const {
   ParamNodePtr root = param_tree::EmptyRoot();
   for (const std::filesystem::path& file : sources_.files) {
-    root = param_tree::Merged(root, param_tree::FromDocument(yaml::Document::Load(file)));
+    root = param_tree::Merged(root, param_tree::WithoutSession(param_tree::FromDocument(yaml::Document::Load(file))));
   }
   for (const ParamOverride& said : sources_.overrides) {
     const ParamOrigin origin{std::make_shared<const std::string>(said.said)};
-    root = param_tree::With(root, ParamPath::Parse(said.path), param_tree::FromValue(said.value, origin));
+    const ParamPath path = ParamPath::Parse(said.path);
+    param_tree::RequireNotSession(path);
+    root = param_tree::With(root, path, param_tree::FromValue(said.value, origin));
   }
   return root;
 }
@@ -28,6 +43,7 @@ ParamNodePtr ParamServer::Core::root() const {
 }
 
 ParamNodePtr ParamServer::Core::Declare(DeclaredParams::Entry entry) {
+  param_tree::RequireNotSession(entry.path);
   DeclaredParams::RequireGood(entry, ParamView(entry.fallback, entry.path));
   const std::scoped_lock lock(mutex_);
   if (const DeclaredParams::Entry* const known = declared_.Find(entry.path)) {
@@ -60,13 +76,13 @@ std::string ParamServer::Core::Ask(const ParamEvent& event) const {
   return refusal;
 }
 
-ParamResult ParamServer::Core::Change(const std::vector<Step>& steps) {
-  ParamResult result = Commit(steps);
+ParamResult ParamServer::Core::Change(const std::vector<Step>& steps, IfMissing if_missing) {
+  ParamResult result = Commit(steps, if_missing);
   TellListeners();
   return result;
 }
 
-ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps) {
+ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps, IfMissing if_missing) {
   for (;;) {
     std::unique_lock lock(mutex_);
     const ParamNodePtr before = root_;
@@ -77,7 +93,11 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps) {
     ParamNodePtr after = before;
     ParamEvent event{ParamView(before), ParamView(before), {}};
     try {
-      for (const Step& step : steps) after = param_tree::With(after, step.path, step.value);
+      for (const Step& step : steps) {
+        param_tree::RequireNotSession(step.path);
+        if (if_missing == IfMissing::kRefuse) RequireThere(after, step.path);
+        after = param_tree::With(after, step.path, step.value);
+      }
       after = declared.WithFallbacks(after);
       event.after = ParamView(after);
       for (param_tree::Difference& difference : param_tree::Differences(before, after)) {
@@ -157,7 +177,7 @@ ParamResult ParamServer::Core::Reload() {
     for (param_tree::Difference& difference : param_tree::Differences(loaded_, now)) {
       steps.push_back({std::move(difference.path), std::move(difference.after)});
     }
-    if (!steps.empty()) result = Commit(steps);
+    if (!steps.empty()) result = Commit(steps, IfMissing::kCreate);
     if (result.ok()) loaded_ = std::move(now);
   }
   TellListeners();

@@ -33,7 +33,7 @@ class ParamServer::Core {
     ParamNodePtr value;  // null: removed
   };
   // Commit(), then TellListeners().
-  ParamResult Change(const std::vector<Step>& steps);
+  ParamResult Change(const std::vector<Step>& steps, IfMissing if_missing);
   Listening AddValidator(ParamPath path, ParamValidator validator);
   Listening OnChange(ParamPath path, ParamListener listener);
 
@@ -49,7 +49,7 @@ class ParamServer::Core {
   };
 
   // Makes the change. Call TellListeners() afterwards.
-  ParamResult Commit(const std::vector<Step>& steps);
+  ParamResult Commit(const std::vector<Step>& steps, IfMissing if_missing);
   // Reads the files and applies the overrides.
   [[nodiscard]] ParamNodePtr ReadSources() const;
   // The reason of the first validator that refuses; empty if none does.

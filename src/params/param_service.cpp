@@ -13,6 +13,7 @@
 #include <hgros/Params.pb.h>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/base/ids.hpp"
 #include "params/param_wire.hpp"
 
@@ -32,6 +33,7 @@ constexpr auto kPatience = std::chrono::milliseconds(100);
 // subscriber has no room (owed_), on the thread pays_ only, which publishes the newest state.
 class ParamService::Core {
  public:
+  const ForkGuard fork;  // A child has none of the threads.
   Core(Session& session, ParamServer& server, const std::string& name, LogSink log)
       : server_(server),
         name_(name),
@@ -124,7 +126,8 @@ class ParamService::Core {
     answer->set_life(life_);
     if (!question.changes().empty()) {
       try {
-        answer->set_refusal(server_.Change(param_wire::ReadChanges(question)).refusal);
+        const IfMissing if_missing = question.create() ? IfMissing::kCreate : IfMissing::kRefuse;
+        answer->set_refusal(server_.Change(param_wire::ReadChanges(question), if_missing).refusal);
       } catch (const Error& e) {
         answer->set_refusal(e.what());
       }
@@ -165,6 +168,8 @@ class ParamService::Core {
 
 ParamService::ParamService(Session& session, ParamServer& server, std::string name, LogSink log)
     : core_(std::make_unique<Core>(session, server, name.empty() ? session.name() : name, std::move(log))) {}
-ParamService::~ParamService() = default;
+ParamService::~ParamService() {
+  if (core_->fork.IsChild()) LeaveToParent(std::shared_ptr<const Core>(std::move(core_)));
+}
 
 }  // namespace hgros

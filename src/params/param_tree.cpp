@@ -1,9 +1,11 @@
 #include "params/param_tree.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <unordered_map>
 #include <utility>
 
+#include "hgros/config/config_sections.hpp"
 #include "hgros/params/param_error.hpp"
 #include "hgros/yaml/scalar_text.hpp"
 
@@ -11,6 +13,8 @@ namespace hgros::param_tree {
 namespace {
 
 using Kind = ParamNode::Kind;
+
+bool IsSection(const std::string& key) { return std::ranges::find(kConfigSections, key) != kConfigSections.end(); }
 
 class FromYaml {
  public:
@@ -174,6 +178,31 @@ ParamNodePtr Find(const ParamNodePtr& root, const ParamPath& path) {
     }
   }
   return node;
+}
+
+std::vector<std::string> ListBelow(const ParamView& view) {
+  std::vector<std::string> paths;
+  if (!view.exists()) return paths;
+  if (view.node()->kind != ParamNode::Kind::kMap || (view.size() == 0 && !view.path().empty())) {
+    paths.push_back(view.path().ToString());
+    return paths;
+  }
+  for (const std::string& key : view.keys()) std::ranges::move(ListBelow(view[key]), std::back_inserter(paths));
+  return paths;
+}
+
+ParamNodePtr WithoutSession(const ParamNodePtr& root) {
+  auto rest = std::make_shared<ParamNode>(*root);
+  std::erase_if(rest->entries, [](const auto& entry) { return IsSection(entry.first); });
+  return rest;
+}
+
+void RequireNotSession(const ParamPath& path) {
+  const auto* const key = path.empty() ? nullptr : std::get_if<std::string>(&path.steps().front());
+  if (key == nullptr || !IsSection(*key)) return;
+  throw ParamError(path.ToString() + " cannot be a parameter: \"" + *key +
+                       "\" at the top of a file belongs to the configuration of the session.",
+                   {}, "Give it another name, for example below a section of your own.");
 }
 
 std::vector<Difference> Differences(const ParamNodePtr& before, const ParamNodePtr& after) {

@@ -7,6 +7,7 @@
 
 #include "hgros/params/param_node.hpp"
 #include "hgros/params/param_path.hpp"
+#include "hgros/params/param_view.hpp"
 #include "hgros/yaml/document.hpp"
 
 // Operations on parameter trees. Trees are immutable: each operation returns a new tree.
@@ -32,6 +33,14 @@ namespace hgros::param_tree {
 [[nodiscard]] ParamNodePtr With(const ParamNodePtr& root, const ParamPath& path, const ParamNodePtr& value);
 
 [[nodiscard]] ParamNodePtr Find(const ParamNodePtr& root, const ParamPath& path);
+
+// The paths of all values at and below `view` that are not maps, in the order of the files.
+[[nodiscard]] std::vector<std::string> ListBelow(const ParamView& view);
+
+// `root` without the sections that configure the session, which often are in the same file.
+[[nodiscard]] ParamNodePtr WithoutSession(const ParamNodePtr& root);
+// Throws ParamError if `path` is in such a section.
+void RequireNotSession(const ParamPath& path);
 
 // One difference between two trees: a value that is not a map in both, or that exists in only one of them.
 struct Difference {

@@ -16,15 +16,6 @@ namespace {
 constexpr std::size_t kWaitingAnswers = 256;
 constexpr auto kFirstPause = std::chrono::milliseconds(100);  // Before the first repetition of a question.
 
-void ListBelow(const ParamView& view, std::vector<std::string>& paths) {
-  if (!view.exists()) return;
-  if (view.node()->kind != ParamNode::Kind::kMap || (view.size() == 0 && !view.path().empty())) {
-    paths.push_back(view.path().ToString());
-    return;
-  }
-  for (const std::string& key : view.keys()) ListBelow(view[key], paths);
-}
-
 // True if `path` is `top` or is below it.
 bool IsBelow(const ParamPath& path, const ParamPath& top) {
   return path.steps().size() >= top.steps().size() && path.Overlaps(top);
@@ -49,11 +40,12 @@ class RemoteParams::Core {
                                           [mirror = mirror_](const ParamsAnswer& answer) { mirror->OnAnswer(answer); },
                                           {{}, Queue::KeepLast(kWaitingAnswers), Executor::Inline()})) {}
 
-  RemoteMirror::Outcome Ask(const std::vector<ParamChange>& changes) {
+  RemoteMirror::Outcome Ask(const std::vector<ParamChange>& changes, IfMissing if_missing = IfMissing::kRefuse) {
     const auto deadline = DeadlineIn(timeout_);
     if (!session_.WaitForSubscribers(channels_.ask, 1, timeout_)) return {{}, NobodyThere()};
     ParamsQuestion question = mirror_->NextQuestion();
     param_wire::WriteChanges(changes, question);
+    question.set_create(if_missing == IfMissing::kCreate);
     RemoteMirror::Outcome outcome;
     if (Say(question, deadline)) {
       outcome = mirror_->Wait(question, deadline);
@@ -124,9 +116,7 @@ RemoteParam<std::vector<std::string>> RemoteParams::List(std::string_view path) 
   RemoteParam<ParamView> all = Snapshot();
   if (!all.ok()) return {{}, std::move(all.refusal)};
   try {
-    std::vector<std::string> paths;
-    ListBelow(all->At(path), paths);
-    return {std::move(paths), {}};
+    return {param_tree::ListBelow(all->At(path)), {}};
   } catch (const ParamError& e) {
     return {{}, e.what()};
   }
@@ -147,9 +137,9 @@ RemoteParam<std::vector<ParamDeclaration>> RemoteParams::Describe(std::string_vi
   }
 }
 
-ParamResult RemoteParams::Change(const std::vector<ParamChange>& changes) {
+ParamResult RemoteParams::Change(const std::vector<ParamChange>& changes, IfMissing if_missing) {
   if (changes.empty()) return {};
-  return {core_->Ask(changes).refusal};
+  return {core_->Ask(changes, if_missing).refusal};
 }
 
 Subscription RemoteParams::Watch(std::string_view path, ParamListener listener) {

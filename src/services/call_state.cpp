@@ -35,8 +35,11 @@ void CallState::Finish(CallEnd end) { Finish(std::unique_lock(mutex_), std::move
 
 // One lock for both steps, so that no server is found after the reason is chosen and before the call ends.
 void CallState::FinishOverdue() {
+  // Asks the session, so it is done before the lock.
+  const auto reached = has_server() ? nullptr : client();
+  const std::string suggestion = reached ? reached->Suggestion() : std::string();
   std::unique_lock lock(mutex_);
-  CallEnd end = Overdue();
+  CallEnd end = Overdue(suggestion);
   Finish(std::move(lock), std::move(end));
 }
 
@@ -111,7 +114,7 @@ void CallState::RunRequestsWhileWaiting() {
 }
 
 void CallState::Cancel() noexcept {
-  if (done()) return;
+  if (done() || table_->in_forked_child()) return;
   const bool ended = table_->End(
       number, Failed(CallFailure::Kind::kCancelled, "The call of service \"" + service_ + "\" was cancelled."));
   if (!ended) return;
@@ -170,13 +173,13 @@ SessionId CallState::server() const {
 
 bool CallState::has_server() const { return server() != SessionId{}; }
 
-CallEnd CallState::Overdue() const {
+CallEnd CallState::Overdue(const std::string& suggestion) const {
   if (server_ != SessionId{}) {
     return Failed(CallFailure::Kind::kTimedOut,
                   "Service \"" + service_ + "\" did not reply within " + InWords(timeout) + ".");
   }
   return Failed(CallFailure::Kind::kNoServer,
-                "No server of \"" + service_ + "\" was found within " + InWords(timeout) + ".");
+                "No server of \"" + service_ + "\" was found within " + InWords(timeout) + "." + suggestion);
 }
 
 }  // namespace hgros

@@ -69,7 +69,7 @@ class CallState final : public PendingCall,
 
  private:
   void Finish(std::unique_lock<std::mutex> lock, CallEnd end);
-  [[nodiscard]] CallEnd Overdue() const;  // Under the lock.
+  [[nodiscard]] CallEnd Overdue(const std::string& suggestion) const;  // Under the lock.
   void RunRequestsWhileWaiting();
   [[nodiscard]] std::shared_ptr<ServiceHost> host() const;
   [[nodiscard]] std::shared_ptr<ServiceClient> client() const;

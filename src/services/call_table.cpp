@@ -4,7 +4,9 @@
 
 namespace hgros {
 
-CallTable::~CallTable() { Close(); }
+CallTable::~CallTable() {
+  if (!in_forked_child()) Close();
+}
 
 bool CallTable::Begin(const std::shared_ptr<CallState>& call, std::chrono::nanoseconds timeout) {
   bool sooner = false;

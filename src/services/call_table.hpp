@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/graph/publisher.hpp"
 #include "services/call_state.hpp"
 
@@ -29,7 +30,7 @@ class CallTable {
   // Maximum number of pending calls, including ended ones whose callbacks have not run yet.
   static constexpr std::size_t kMaxCalls = 65536;
 
-  CallTable() = default;
+  explicit CallTable(std::shared_ptr<const ForkGuard> fork) : fork_(std::move(fork)) {}
   CallTable(const CallTable&) = delete;
   CallTable& operator=(const CallTable&) = delete;
   ~CallTable();
@@ -43,6 +44,8 @@ class CallTable {
   // Ends all calls and refuses new ones.
   void Close();
   [[nodiscard]] bool closed() const;
+  // Then no call may be ended or waited for.
+  [[nodiscard]] bool in_forked_child() const noexcept { return fork_->IsChild(); }
 
   // Callbacks run on the node behind `answers`, which calls Answered() for each.
   void SetAnswers(Publisher<AnsweredCall> answers);
@@ -56,6 +59,7 @@ class CallTable {
   // Under mutex_.
   [[nodiscard]] std::shared_ptr<CallState> Remove(std::uint64_t number);
 
+  const std::shared_ptr<const ForkGuard> fork_;
   mutable std::mutex mutex_;
   bool closed_ = false;
   std::uint64_t last_number_ = 0;

@@ -7,7 +7,9 @@
 namespace hgros {
 
 bool ReplyLine::TrySend(const std::shared_ptr<const CallMessage>& reply) {
-  if (outlet_->subscriber_count() == 0 || outlet_->Reserve() != PublishStatus::kOk) return false;
+  if (outlet_->subscriber_count() == 0 || outlet_->Reserve(reply.get(), type_) != PublishStatus::kOk) {
+    return false;
+  }
   outlet_->Commit(reply, type_);
   return true;
 }

@@ -1,5 +1,8 @@
 #include "hgros/services/service.hpp"
 
+#include <utility>
+
+#include "hgros/base/fork_guard.hpp"
 #include "services/service_host.hpp"
 
 namespace hgros {
@@ -15,7 +18,10 @@ Service& Service::operator=(Service&& other) noexcept {
 Service::~Service() { Reset(); }
 
 void Service::Reset() {
-  if (const auto host = std::exchange(host_, nullptr)) host->End();
+  auto host = std::exchange(host_, nullptr);
+  if (!host) return;
+  if (host->in_forked_child()) return LeaveToParent(std::move(host));
+  host->End();
 }
 
 bool Service::active() const { return host_ && !host_->ended(); }

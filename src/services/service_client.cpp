@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "hgros/base/names.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 #include "hgros/services/services.hpp"
@@ -22,6 +23,10 @@ constexpr std::int64_t kSoonNs = 150'000;
 constexpr std::int64_t kMostCountedNs = 3 * kSoonNs;  // Limits the effect of one slow reply on the average.
 
 constexpr std::size_t kSmallBytes = 64 * 1024;
+// A call that waits this long for a server is logged once.
+constexpr auto kTimeForServers = std::chrono::seconds(5);
+// Many calls may fail at a time, and looking for a similar name takes long.
+constexpr auto kSuggestionLasts = std::chrono::seconds(1);
 constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -107,7 +112,9 @@ bool ServiceClient::PostAndLook(const CallState& call, Services& services) {
 }
 
 bool ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
-  if (outlet_->subscriber_count() == 0 || outlet_->Reserve() != PublishStatus::kOk) return false;
+  if (outlet_->subscriber_count() == 0 || outlet_->Reserve(message.get(), request_) != PublishStatus::kOk) {
+    return false;
+  }
   outlet_->Commit(message, request_);
   return true;
 }
@@ -276,13 +283,50 @@ void ServiceClient::EndWithoutServer(Services& services) {
   services.With([&](ServicePlace& place) { search = place.Search(RequestChannel(name_)); });
   if (!search.announced.empty()) return;  // A server is announced and will be connected soon.
   if (search.complete) {
-    return EndWaiting(
-        Failed(Kind::kNoServer, "Nobody serves \"" + name_ + "\": discovery knows no session that does."));
+    return EndWaiting(Failed(Kind::kNoServer,
+                             "Nobody serves \"" + name_ + "\": discovery knows no session that does." + Suggestion()));
   }
-  if (search.complete_at == std::chrono::steady_clock::time_point::max()) return;
+  if (search.complete_at == std::chrono::steady_clock::time_point::max()) {
+    {
+      const std::scoped_lock lock(mutex_);
+      if (std::exchange(says_waiting_, true)) return;
+    }
+    return services.PostAt(std::chrono::steady_clock::now() + kTimeForServers, [weak = weak_from_this()] {
+      if (const auto client = weak.lock()) client->SayIfCallsWait();
+    });
+  }
   services.PostAt(search.complete_at, [weak = weak_from_this()] {
     if (const auto client = weak.lock()) client->Update();
   });
+}
+
+void ServiceClient::SayIfCallsWait() {
+  const auto services = services_.lock();
+  if (!services) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(waiting_, [](const auto& call) { return call->done(); });
+    if (waiting_.empty() || !servers_.empty()) {
+      says_waiting_ = false;
+      return;
+    }
+  }
+  services->log()->Write(LogLevel::kWarning, "A call of service \"" + name_ +
+                                                 "\" waits: no session that is reached serves it." + Suggestion());
+}
+
+std::string ServiceClient::Suggestion() {
+  const auto now = std::chrono::steady_clock::now();
+  const std::scoped_lock lock(suggestion_mutex_);
+  if (suggested_at_ && now - *suggested_at_ < kSuggestionLasts) return suggestion_;
+  std::vector<std::string> names;
+  if (const auto services = services_.lock()) {
+    services->With([&](ServicePlace& place) { names = place.KnownServices(); });
+  }
+  const std::string nearest = NearestName(name_, names);
+  suggestion_ = nearest.empty() || nearest == name_ ? std::string() : " Did you mean \"" + nearest + "\"?";
+  suggested_at_ = now;
+  return suggestion_;
 }
 
 void ServiceClient::EndWaiting(const CallEnd& end) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +48,8 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   void Update();
   void OnPeerGone(const PeerInfo& peer, const std::string& reason);
   void OnMisfit(std::string_view channel, SessionId peer, const std::string& sentence);
+  // " Did you mean ...?" if a service has nearly the same name, otherwise an empty text. For calls without a server.
+  [[nodiscard]] std::string Suggestion();
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const TypeInfo& request() const noexcept { return request_; }
@@ -61,6 +65,7 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   void UpdateServers(Services& services);
   void SendWaiting();
   void EndWithoutServer(Services& services);
+  void SayIfCallsWait();
   void EndWaiting(const CallEnd& end);
   void EndCallsTo(Services& services, SessionId server, const CallEnd& end);
   struct Server {
@@ -85,6 +90,11 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   std::deque<std::shared_ptr<CallState>> waiting_;
   std::map<std::uint64_t, std::string> misfits_;  // Error texts of sessions whose types do not fit, by session id.
   bool said_two_ = false;
+  bool says_waiting_ = false;  // SayIfCallsWait() was called or will be.
+
+  std::mutex suggestion_mutex_;
+  std::string suggestion_;  // Guarded by suggestion_mutex_, like the next one.
+  std::optional<std::chrono::steady_clock::time_point> suggested_at_;
 };
 
 }  // namespace hgros

@@ -30,7 +30,11 @@ class ServiceHost::Running {
 };
 
 ServiceHost::ServiceHost(ServiceSetting setting, const std::shared_ptr<Services>& services)
-    : setting_(std::move(setting)), services_(services), session_(services->id()), log_(services->log()) {}
+    : setting_(std::move(setting)),
+      services_(services),
+      fork_(services->fork()),
+      session_(services->id()),
+      log_(services->log()) {}
 
 void ServiceHost::Start(NodeOptions options, const CallSite& where) {
   const auto services = services_.lock();

@@ -43,6 +43,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   // For the end of the session: refuses new requests, and answers those that wait.
   void Refuse();
   [[nodiscard]] bool ended() const;
+  [[nodiscard]] bool in_forked_child() const noexcept { return fork_->IsChild(); }
   [[nodiscard]] bool started() const noexcept { return started_.load(std::memory_order_acquire); }
 
   // A request of this session.
@@ -82,6 +83,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
 
   const ServiceSetting setting_;
   const std::weak_ptr<Services> services_;
+  const std::shared_ptr<const ForkGuard> fork_;
   const SessionId session_;
   const std::shared_ptr<Log> log_;
   std::size_t limit_ = kDefaultQueue;

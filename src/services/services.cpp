@@ -64,7 +64,7 @@ void RequireServiceName(std::string_view service) {
 Services::Services(ServicePlace& place, SessionId id, std::shared_ptr<Log> log)
     : id_(id),
       log_(std::move(log)),
-      calls_(std::make_shared<CallTable>()),
+      calls_(std::make_shared<CallTable>(fork_)),
       waiting_callers_(std::make_shared<WaitingCallers>()),
       place_(&place) {}
 
@@ -294,7 +294,7 @@ void Services::LookForSecondServers() {
     }
     std::string sentence = "Service \"" + name + "\" is served here and by session " + other.name() +
                            ". Each caller uses the one that it found first. Give one of them another name.";
-    log_->Write(LogLevel::kWarning, sentence);
+    log_->WriteLimited(LogLevel::kWarning, "served twice", sentence);
     With([&](ServicePlace& place) { place.ReportServedTwice(other, RequestChannel(name), std::move(sentence)); });
   }
 }

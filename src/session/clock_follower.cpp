@@ -1,10 +1,13 @@
 #include "session/clock_follower.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <utility>
 
+#include "hgros/base/readable_text.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/discovery/announcement.hpp"
+#include "hgros/session/clock_publisher.hpp"
 
 namespace hgros {
 namespace {
@@ -14,6 +17,8 @@ constexpr double kFastest = 1e6;
 constexpr std::int64_t kLongestTransitNs = 10'000'000'000;
 // A running clock is published ten times per second; after this silence another one is followed.
 constexpr std::int64_t kSilenceNs = 2'000'000'000;
+// A simulation that starts together with the session has published its clock by then.
+constexpr auto kTimeForAClock = std::chrono::seconds(5);
 
 bool IsGood(const SimulatedTime& time) {
   const auto near = [](std::int64_t ns) { return ns > -kFarthest && ns < kFarthest; };
@@ -22,13 +27,30 @@ bool IsGood(const SimulatedTime& time) {
 
 }  // namespace
 
+std::vector<Subscription> ClockFollower::Follow(const std::shared_ptr<FollowingClock>& clock, DataGraph& graph,
+                                                const std::shared_ptr<Log>& log, ErrandThread& errands,
+                                                const Subscribe& subscribe) {
+  const auto follower = std::make_shared<ClockFollower>(clock, log);
+  errands.PostIn(kTimeForAClock, [follower] { follower->SayIfNoneWasHeard(); });
+  std::vector<Subscription> subscriptions;
+  NodeOptions options{"hgros/clock", {}, Executor::Inline()};
+  const TypeInfo& type = TypeOf<SimulatedTime>();
+  subscriptions.push_back(
+      subscribe(graph.Open(kClockChannel, type, CallSite::Current()), type,
+                EraseCallback<SimulatedTime>(
+                    [follower](const SimulatedTime& time, const MessageInfo& info) { follower->OnTime(time, info); }),
+                options));
+  options.name = "hgros/clock peers";
+  subscriptions.push_back(graph.FromGraph<PeerEvent>(
+      kPeerEventsChannel, Invoke::kSerial, [follower](const PeerEvent& event) { follower->OnPeer(event); }, options));
+  return subscriptions;
+}
+
 ClockFollower::ClockFollower(std::shared_ptr<FollowingClock> clock, std::shared_ptr<Log> log)
     : clock_(std::move(clock)), log_(std::move(log)), boot_id_(AnnouncementOfThisProcess({}, 0).boot_id) {}
 
 std::string ClockFollower::Heard::Name() const {
-  std::string name;
-  for (const char c : publisher.substr(0, 64)) name += c >= ' ' && c <= '~' ? c : '?';
-  return name + " (session " + SessionId{session}.ToString() + ")";
+  return Readable(publisher, 64) + " (session " + SessionId{session}.ToString() + ")";
 }
 
 // On the same host the transit time of the message is known. From other hosts it is taken as zero.
@@ -90,12 +112,23 @@ void ClockFollower::OnPeer(const PeerEvent& event) {
   if (followed_ && followed_->session == session) {
     gone_ = session;
     early_.reset();
-    log_->Write(LogLevel::kWarning, "The clock stands still: " + followed_->Name() + ", which published it, is gone.");
+    log_->WriteLimited(LogLevel::kWarning, "clock stands",
+                       "The clock stands still: " + followed_->Name() + ", which published it, is gone.");
     End();
   }
 }
 
+void ClockFollower::SayIfNoneWasHeard() {
+  const std::scoped_lock lock(mutex_);
+  if (heard_any_) return;
+  log_->Write(
+      LogLevel::kWarning,
+      "No clock was heard on the channel \"clock\" so far, so the time of this session stands at 0 and its timers "
+      "wait. Start the program that publishes the clock (ClockPublisher), or remove `time: simulated`.");
+}
+
 void ClockFollower::Begin(Heard heard) {
+  heard_any_ = true;
   followed_ = std::move(heard);
   clock_->FollowAnother(followed_->state);
 }

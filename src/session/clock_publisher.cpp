@@ -10,6 +10,7 @@
 
 #include <hgros/SimulatedTime.pb.h>
 
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/discovery/announcement.hpp"
@@ -23,6 +24,7 @@ constexpr auto kTellingPeriod = std::chrono::milliseconds(100);
 
 class ClockPublisher::Core {
  public:
+  const ForkGuard fork;  // A child has none of the threads.
   Core(Session& session, std::shared_ptr<SimulatedClock> clock)
       : clock_(std::move(clock)), publish_(session.Advertise<SimulatedTime>(kClockChannel, {.latched = 1})) {
     always_.set_clock_id(RandomId());
@@ -97,6 +99,8 @@ class ClockPublisher::Core {
 
 ClockPublisher::ClockPublisher(Session& session, std::shared_ptr<SimulatedClock> clock)
     : core_(std::make_unique<Core>(session, std::move(clock))) {}
-ClockPublisher::~ClockPublisher() = default;
+ClockPublisher::~ClockPublisher() {
+  if (core_->fork.IsChild()) LeaveToParent(std::shared_ptr<const Core>(std::move(core_)));
+}
 
 }  // namespace hgros

@@ -11,16 +11,18 @@ namespace hgros {
 // Belongs to one Subscription. Its destructor withdraws the subscription's demand from remote publishers.
 class InboundChannels::DemandTicket {
  public:
-  DemandTicket(std::shared_ptr<InboundChannels> channels, std::string channel, std::list<Demand>::iterator demand)
-      : channels_(std::move(channels)), channel_(std::move(channel)), demand_(demand) {}
+  DemandTicket(std::shared_ptr<InboundChannels> channels, std::string channel, std::list<Demand>::iterator demand,
+               bool raw)
+      : channels_(std::move(channels)), channel_(std::move(channel)), demand_(demand), raw_(raw) {}
   DemandTicket(const DemandTicket&) = delete;
   DemandTicket& operator=(const DemandTicket&) = delete;
-  ~DemandTicket() { channels_->Withdraw(channel_, demand_); }
+  ~DemandTicket() { channels_->Withdraw(channel_, demand_, raw_); }
 
  private:
   const std::shared_ptr<InboundChannels> channels_;
   const std::string channel_;
   const std::list<Demand>::iterator demand_;
+  const bool raw_;
 };
 
 InboundChannels::InboundChannels(Means means) : means_(std::move(means)) {}
@@ -35,7 +37,9 @@ std::shared_ptr<const void> InboundChannels::Add(const std::shared_ptr<InboundCh
     if (self->closed_) return nullptr;
     Inflow& inflow = self->inflows_[name];
     const auto place = inflow.wanted.insert(inflow.wanted.end(), demand);
-    ticket = std::make_shared<DemandTicket>(self, name, place);
+    const bool raw = IsAnyType(type);
+    inflow.raw += raw ? 1 : 0;
+    ticket = std::make_shared<DemandTicket>(self, name, place, raw);
     const Means& means = self->means_;
     if (!inflow.inlet) {
       inflow.inlet = std::make_shared<ChannelInlet>(channel, IsReplyChannel(name), means.log, means.on_change,
@@ -45,30 +49,37 @@ std::shared_ptr<const void> InboundChannels::Add(const std::shared_ptr<InboundCh
     }
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
   }
-  self->Reconcile(name);
+  self->Reconcile(name, false);
   return ticket;
 }
 
-void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::iterator demand) {
+void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::iterator demand, bool raw) {
   const std::scoped_lock lock(mutex_);
   if (closed_) return;
   Inflow& inflow = inflows_.at(channel);
   inflow.wanted.erase(demand);
+  inflow.raw -= raw ? 1 : 0;
   if (!inflow.wanted.empty()) {
     if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
-    return;
+    if (!AsksForTooMuch(inflow)) return;
   }
   // Posted, because ending the inbound channel waits for its callbacks, and a callback may be ending this subscription.
-  if (inflow.joined) means_.post([this, channel] { Reconcile(channel); });
+  if (inflow.joined) means_.post([this, channel] { Reconcile(channel, true); });
 }
 
-void InboundChannels::Reconcile(const std::string& channel) {
+bool InboundChannels::AsksForTooMuch(const Inflow& inflow) {
+  return inflow.joined && inflow.raw == 0 && !inflow.wanted.empty() && inflow.inlet->AsksForTooMuch() &&
+         !Combine(inflow.wanted).lossless;
+}
+
+void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
   std::unique_lock lock(mutex_);
   const auto entry = inflows_.find(channel);
   if (entry == inflows_.end() || entry->second.busy) return;
   Inflow& inflow = entry->second;
   inflow.busy = true;
-  while (bridge_ != nullptr && !closed_ && inflow.joined == inflow.wanted.empty()) {
+  const auto fits = [&] { return inflow.joined != inflow.wanted.empty() && !(may_wait && AsksForTooMuch(inflow)); };
+  while (bridge_ != nullptr && !closed_ && !fits()) {
     if (inflow.joined) {
       lock.unlock();
       inflow.inlet->Detach();
@@ -81,6 +92,7 @@ void InboundChannels::Reconcile(const std::string& channel) {
     }
   }
   inflow.busy = false;
+  if (!may_wait && AsksForTooMuch(inflow)) means_.post([this, channel] { Reconcile(channel, true); });
 }
 
 void InboundChannels::Join(NetworkBridge& bridge) {

@@ -63,14 +63,18 @@ class InboundChannels {
   struct Inflow {
     std::shared_ptr<ChannelInlet> inlet;
     std::list<Demand> wanted;
+    std::size_t raw = 0;  // Number of demands for any type.
     bool joined = false;
     bool busy = false;  // A thread is in Reconcile() for this channel.
   };
   class DemandTicket;
 
-  void Withdraw(const std::string& channel, std::list<Demand>::iterator demand);
-  // Joins or ends the inbound channel, so that it fits the demands.
-  void Reconcile(const std::string& channel);
+  void Withdraw(const std::string& channel, std::list<Demand>::iterator demand, bool raw);
+  // Joins or ends the inbound channel, so that it fits the demands. Only with `may_wait` it also subscribes again.
+  void Reconcile(const std::string& channel, bool may_wait);
+  // Whether the channel is subscribed to with any type for raw subscriptions that have ended. A lossless one then stays
+  // as it is, because messages get lost while it is subscribed to again.
+  [[nodiscard]] static bool AsksForTooMuch(const Inflow& inflow);
   [[nodiscard]] static Demand Combine(const std::list<Demand>& wanted);
 
   const Means means_;

@@ -18,7 +18,7 @@ Session::Session(std::unique_ptr<SessionCore> core)
       SessionNetwork(*core),
       core_(std::move(core)) {}
 Session::~Session() {
-  if (core_->in_forked_child()) LeaveToParent(std::shared_ptr<const SessionCore>(std::move(core_)));
+  if (!core_->MayBeDestroyed()) LeaveToParent(std::shared_ptr<const SessionCore>(std::move(core_)));
 }
 
 SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
@@ -32,6 +32,7 @@ SessionId Session::id() const noexcept { return core_->id(); }
 const std::string& Session::name() const noexcept { return core_->name(); }
 Log& Session::log() const noexcept { return core_->log(); }
 Config Session::config() const { return core_->config(); }
+std::shared_ptr<const void> Session::TryReserve(std::string_view name) { return core_->TryReserve(name); }
 
 PublishStatus SessionPublishing::ToAnyRaw(std::string_view channel, const MessageSchema& schema, const Payload& data,
                                           const CallSite& where) {

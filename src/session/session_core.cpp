@@ -1,5 +1,7 @@
 #include "session/session_core.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -7,22 +9,31 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
+#include "hgros/base/session_name.hpp"
 #include "hgros/clock/system_clocks.hpp"
 #include "hgros/clock/time.hpp"
+#include "session/clock_follower.hpp"
 
 namespace hgros {
 namespace {
 
-// If a configured node does not exist after this time, its name may be misspelled.
-constexpr auto kTimeForNodes = std::chrono::seconds(5);
-
-constexpr std::string_view kOwnChannels = "hgros/";
+// If a configured node or channel does not exist after this time, its name may be misspelled.
+constexpr auto kTimeForNames = std::chrono::seconds(5);
 
 std::string ProgramName() {
   std::ifstream file("/proc/self/comm");
   std::string name;
   std::getline(file, name);
-  return name.empty() ? "hgros" : name;
+  return name.empty() ? "hgros" : Readable(name);
+}
+
+std::string NameOf(std::string given) {
+  if (given.empty()) return ProgramName();
+  if (IsReadable(given)) return given;
+  throw Error(
+      "The session name \"" + Readable(given) + "\" cannot be used: it has control characters, or is not UTF-8.", {},
+      "Use visible UTF-8 text.");
 }
 
 // Empty if the session neither discovers others nor is discovered.
@@ -69,7 +80,7 @@ NodeOptions WithQueueOf(const Config& config, const Channel& channel, NodeOption
 SessionCore::SessionCore(Config config, SessionOptions options)
     : config_(std::move(config)),
       id_(SessionId::Random()),
-      name_(options.name.empty() ? ProgramName() : std::move(options.name)),
+      name_(NameOf(std::move(options.name))),
       publisher_{id_.value, static_cast<std::uint64_t>(WallNow().nanoseconds), 0},
       log_(std::make_shared<Log>(std::move(options.log))),
       domain_(DomainOf(config_)),
@@ -88,21 +99,37 @@ SessionCore::SessionCore(Config config, SessionOptions options)
   graph_options.overrides = config_.nodes;
   graph_options.publisher = publisher_;
   graph_ = std::make_unique<DataGraph>(std::move(graph_options), log_);
+  GraphEnding(*graph_).SetOnExit([this] { LeaveAtExit(); });
   timers_.emplace(clock_, *graph_, log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
-  events_.emplace(*graph_, log_);
+  events_.emplace(SessionName(id_, name_, getpid()), *graph_, log_);
   services_ = std::make_shared<Services>(static_cast<ServicePlace&>(*this), id_, log_);
-  if (!config_.nodes.empty()) {
-    errands_.emplace();
-    errands_->PostIn(kTimeForNodes, [this] { graph_->LogUnmatchedOverrides(); });
-  }
+  const auto own = [this] {
+    const std::scoped_lock lock(mutex_);
+    return OwnChannels();
+  };
+  const auto connected = [this](const std::string& channel) {
+    const auto outlet = outbound_.Find(channel);
+    return inbound_->PublisherCount(channel) > 0 || (outlet && outlet->subscriber_count() > 0);
+  };
+  misspelled_.emplace(MisspelledNames::Means{*graph_, log_, own, [this] { return Channels(); }, connected, Later()});
+  const bool names_channels = MisspelledNames::AreIn(config_);
+  if (!config_.nodes.empty() || names_channels || followed_clock_) errands_.emplace();
+  if (!config_.nodes.empty()) errands_->PostIn(kTimeForNames, [this] { graph_->LogUnmatchedOverrides(); });
+  if (names_channels) errands_->PostIn(kTimeForNames, [this] { misspelled_->SayUnused(this->config()); });
   if (!config_.publishers.empty() || !config_.subscribers.empty()) EnsureTransports();
-  clock_nodes_ = FollowClock();
+  if (!followed_clock_) return;
+  clock_nodes_ =
+      ClockFollower::Follow(followed_clock_, *graph_, log_, *errands_,
+                            [this](Channel& channel, const TypeInfo& type, AnyCallback callback, NodeOptions node) {
+                              return SubscribeAny(channel, type, Invoke::kSerial, std::move(callback), std::move(node));
+                            });
 }
 
 // Callbacks in flight may still use the session, so its members stay until the graph has waited for them.
 SessionCore::~SessionCore() {
   graph_->LogUnmatchedOverrides();
+  misspelled_->SayUnused(config());
   services_->Refuse();
   graph_->Refuse();
   clock_nodes_.clear();
@@ -110,6 +137,7 @@ SessionCore::~SessionCore() {
     const std::scoped_lock lock(mutex_);
     closing_ = true;  // From here on no wiring changes.
   }
+  ends_waits_ = true;
   outbound_.Close();
   changes_.Notify();
   inbound_->Close();
@@ -121,6 +149,7 @@ SessionCore::~SessionCore() {
   services_->Close();
   if (errands_) errands_->End();  // Not reset: errands in flight post others.
   inbound_->Drop();               // Subscriptions may keep it longer.
+  log_->WriteHeldBack();
 }
 
 void SessionCore::RequireOpen() const {
@@ -134,10 +163,12 @@ Channel& SessionCore::OpenAny(std::string_view name, const TypeInfo& type, const
     throw Error("Channel \"" + std::string(name) + "\" belongs to the library: a program cannot publish on it.",
                 {where.ToString()}, "Use a name that does not begin with \"" + std::string(kOwnChannels) + "\".");
   }
+  bool open_to_others = false;
   {
     const std::scoped_lock lock(mutex_);
     if (closing_) return channel;
     if (domain_) EnsureTransports();
+    open_to_others = bridge_ != nullptr;
   }
   const auto events = [&] {
     return OutletEvents{[&channel] { DataGraph::NotifyRoom(channel); }, [this] { changes_.Notify(); },
@@ -151,6 +182,7 @@ Channel& SessionCore::OpenAny(std::string_view name, const TypeInfo& type, const
     graph_->SetOutlet(channel, outlet);  // From now on other threads publish through it.
   };
   outbound_.Open(std::string(name), type, events, wire);
+  if (open_to_others) misspelled_->Note(std::string(name));
   return channel;
 }
 
@@ -179,15 +211,18 @@ Subscription SessionCore::SubscribeAny(Channel& channel, const TypeInfo& type, I
   Subscription subscription = SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
   const std::string& name = DataGraph::NameOf(channel);
   std::string confined;
+  bool open_to_others = false;
   {
     const std::scoped_lock lock(mutex_);
     if (domain_ && !closing_) EnsureTransports();
+    open_to_others = bridge_ != nullptr;
     if (said_confined_.insert(name).second) {
       confined = DescribeConfined(name, config_.subscribers, Way::kIn, OutermostPlace(config_, domain_.has_value()));
     }
   }
   subscription.Attach(InboundChannels::Add(inbound_, channel, type, DemandFor(subscription.stats().queue)));
-  if (!confined.empty()) log_->Write(LogLevel::kInfo, confined);
+  if (!confined.empty()) log_->Write(LogLevel::kDebug, confined);
+  if (open_to_others) misspelled_->Note(name);
   return subscription;
 }
 
@@ -211,6 +246,12 @@ bool SessionCore::WaitForPublishers(std::string_view channel, std::size_t count,
 std::vector<PeerInfo> SessionCore::Peers() const {
   const std::scoped_lock lock(mutex_);
   return bridge_ ? bridge_->Peers() : std::vector<PeerInfo>();
+}
+
+std::optional<ClockOffset> SessionCore::OffsetTo(SessionId peer) const {
+  if (peer == id_) return ClockOffset{};
+  const std::scoped_lock lock(mutex_);
+  return bridge_ && bridge_->IsOnThisHost(peer) ? ClockOffset{} : host_clocks_->OffsetTo(peer);
 }
 
 Config SessionCore::config() const {

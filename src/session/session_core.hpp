@@ -8,9 +8,11 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/base/reserved_names.hpp"
 #include "hgros/bridge/channel_inlet.hpp"
 #include "hgros/bridge/channel_outlet.hpp"
 #include "hgros/bridge/network_bridge.hpp"
@@ -18,11 +20,13 @@
 #include "hgros/clock/following_clock.hpp"
 #include "hgros/clock/host_clocks.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/graph/graph_ending.hpp"
 #include "hgros/services/services.hpp"
 #include "hgros/session/session.hpp"
 #include "session/change_signal.hpp"
 #include "session/endpoint_lists.hpp"
 #include "session/inbound_channels.hpp"
+#include "session/misspelled_names.hpp"
 #include "session/outbound_channels.hpp"
 #include "session/session_events.hpp"
 #include "session/session_timers.hpp"
@@ -79,12 +83,14 @@ class SessionCore final : public TransportListener, private ServicePlace {
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
   [[nodiscard]] SessionTimers& timers() noexcept { return *timers_; }
   [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept { return clock_; }
-  // If true, nothing of the session may be waited for or destroyed.
-  [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
+  // For the end of the session. False: nothing of it may be waited for or destroyed. This is a forked child; or one of
+  // its callbacks runs on this thread, so the session takes leave of its peers and logs that; or it did so at exit().
+  [[nodiscard]] bool MayBeDestroyed() noexcept;
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] Log& log() const noexcept { return *log_; }
   [[nodiscard]] Config config() const;
+  [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name) { return reserved_.TryReserve(name); }
 
  private:
   // In session_services.cpp: the ServicePlace of the services.
@@ -99,23 +105,28 @@ class SessionCore final : public TransportListener, private ServicePlace {
     events_->PublishPeer(*errands_, {PeerEvent::Kind::kServedTwice, other, std::move(channel), std::move(sentence)});
   }
   void Receive(const Visit& visit) noexcept override;
+  [[nodiscard]] std::vector<std::string> KnownServices() override { return misspelled_->KnownServices(); }
 
   // In session_channels.cpp. Call it under mutex_.
   [[nodiscard]] SessionChannels OwnChannels() const;
 
+  // In session_leaving.cpp: the end inside a callback of the session.
+  void LeavePeers(std::thread::id on_behalf_of) noexcept;
+  void LeaveAtExit() noexcept;
+
   // Throws Error while the session shuts down.
   void RequireOpen() const;
   static constexpr std::chrono::milliseconds kLinger{500};
+  static constexpr std::string_view kOwnChannels = "hgros/";
   // Creates the bridge at the first call. Call it under mutex_.
   NetworkBridge& EnsureTransports();
   // A function that runs its argument on the errand thread after a delay.
   std::function<void(std::chrono::nanoseconds, std::function<void()>)> Later();
   bool SayIfItCannotLeave(const std::string& channel);
-  std::vector<Subscription> FollowClock();
 
   template <class Predicate>
   bool WaitUntil(std::chrono::nanoseconds timeout, Predicate predicate) const {
-    return changes_.WaitUntil(timeout, std::move(predicate), [this] { return closing_.load(); });
+    return changes_.WaitUntil(timeout, std::move(predicate), [this] { return ends_waits_.load(); });
   }
 
   const ForkGuard fork_;
@@ -131,6 +142,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
 
   ChangeSignal changes_;
   std::atomic<bool> closing_{false};
+  std::atomic<bool> ends_waits_{false};  // Not at exit(): threads that wait then would run on while the process ends.
   mutable std::mutex mutex_;
   std::unique_ptr<DataGraph> graph_;
   std::optional<SessionTimers> timers_;
@@ -141,6 +153,8 @@ class SessionCore final : public TransportListener, private ServicePlace {
   OutboundChannels outbound_;
   const std::shared_ptr<InboundChannels> inbound_;  // Shared with subscriptions, which may outlive the session.
   std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the endpoints' lists.
+  std::optional<MisspelledNames> misspelled_;
+  ReservedNames reserved_;
   std::shared_ptr<Services> services_;
   std::vector<Subscription> clock_nodes_;
 };

@@ -11,8 +11,9 @@ constexpr auto kTimeToGather = std::chrono::milliseconds(20);
 
 }  // namespace
 
-SessionEvents::SessionEvents(DataGraph& graph, std::shared_ptr<Log> log)
-    : graph_(graph),
+SessionEvents::SessionEvents(std::string self, DataGraph& graph, std::shared_ptr<Log> log)
+    : self_(std::move(self)),
+      graph_(graph),
       log_(std::move(log)),
       peers_(graph.Advertise<PeerEvent>(kPeerEventsChannel)),
       channels_(graph.Advertise<ChannelsChanged>(kChannelEventsChannel)) {}
@@ -28,24 +29,26 @@ void SessionEvents::PublishPeer(ErrandThread& thread, PeerEvent event) noexcept 
 void SessionEvents::ReportCame(ErrandThread& thread, const PeerInfo& peer) noexcept {
   // The socket name of a shared memory pair tells people nothing, so it is not logged.
   const bool at = !peer.endpoint.empty() && peer.endpoint.find("://") != std::string::npos;
-  log_->Write(LogLevel::kInfo, "Session " + peer.name() + " is reached through " + peer.transport +
-                                   (at ? " at " + peer.endpoint : std::string()) + ": " + peer.why + ".");
+  log_->WriteLimited(LogLevel::kDebug, "peer " + peer.id.ToString(),
+                     "Session " + self_ + " reaches session " + peer.name() + " through " + peer.transport +
+                         (at ? " at " + peer.endpoint : std::string()) + ": " + peer.why + ".");
   PublishPeer(thread, {PeerEvent::Kind::kCame, peer, {}, {}});
 }
 
 void SessionEvents::ReportGone(ErrandThread& thread, const PeerInfo& peer, std::string_view reason,
                                bool closing) noexcept {
-  log_->Write(LogLevel::kInfo, "Session " + peer.name() + (closing ? " is no longer reached: " : " is gone: ") +
-                                   std::string(reason) + ".");
+  log_->WriteLimited(LogLevel::kDebug, "peer " + peer.id.ToString(),
+                     "Session " + self_ + " no longer reaches session " + peer.name() +
+                         (closing ? ": " : ", which is gone: ") + std::string(reason) + ".");
   PublishPeer(thread, {PeerEvent::Kind::kGone, peer, {}, std::string(reason)});
 }
 
 std::string SessionEvents::ReportTypeMismatch(ErrandThread& thread, const PeerInfo& peer, std::string_view channel,
                                               std::string_view what) noexcept {
-  std::string sentence = "Nothing passes between this session and " + peer.name() +
+  std::string sentence = "Nothing passes between session " + self_ + " and session " + peer.name() +
                          " on a channel that they use with different types, " + std::string(what) +
                          ". Build both programs with one type, or give one of them another channel name.";
-  log_->Write(LogLevel::kError, sentence);
+  log_->WriteLimited(LogLevel::kError, "type mismatch", sentence);
   PublishPeer(thread, {PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), sentence});
   return sentence;
 }

@@ -19,7 +19,8 @@ namespace hgros {
 // Thread safety: all functions. The ErrandThread that is passed must end before this object.
 class SessionEvents {
  public:
-  SessionEvents(DataGraph& graph, std::shared_ptr<Log> log);
+  // `self` is this session's name in lines of the log.
+  SessionEvents(std::string self, DataGraph& graph, std::shared_ptr<Log> log);
 
   void PublishPeer(ErrandThread& thread, PeerEvent event) noexcept;
   // The Report functions also write to the log. `closing`: this session is shutting down.
@@ -32,6 +33,7 @@ class SessionEvents {
   void PublishChannels(ErrandThread& thread) noexcept;
 
  private:
+  const std::string self_;
   DataGraph& graph_;
   const std::shared_ptr<Log> log_;
   const Publisher<PeerEvent> peers_;

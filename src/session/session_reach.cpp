@@ -37,7 +37,7 @@ bool SessionCore::SayIfItCannotLeave(const std::string& channel) {
     if (!lock) return false;
     confined = DescribeConfined(channel, config_.publishers, Way::kOut, OutermostPlace(config_, domain_.has_value()));
   }
-  if (!confined.empty()) log_->Write(LogLevel::kInfo, confined);
+  if (!confined.empty()) log_->Write(LogLevel::kDebug, confined);
   return true;
 }
 

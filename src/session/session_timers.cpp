@@ -34,20 +34,9 @@ SessionTimers::SessionTimers(std::shared_ptr<Clock> clock, DataGraph& graph, std
 
 std::shared_ptr<const void> SessionTimers::ReserveName(std::string_view name) {
   if (name.empty()) throw Error("A timer needs a name.", {}, "Name it after what it does, as in \"control\".");
-  Names::iterator place;
-  {
-    const std::scoped_lock lock(taken_->mutex);
-    const auto [there, fresh] = taken_->names.emplace(name);
-    if (!fresh) {
-      throw Error("The session already has a timer \"" + std::string(name) + "\".", {},
-                  "End that one first, or give this one another name.");
-    }
-    place = there;
-  }
-  return {static_cast<const void*>(&*place), [taken = taken_, place](const void*) {
-            const std::scoped_lock lock(taken->mutex);
-            taken->names.erase(place);
-          }};
+  if (auto reserved = names_.TryReserve(name)) return reserved;
+  throw Error("The session already has a timer \"" + std::string(name) + "\".", {},
+              "End that one first, or give this one another name.");
 }
 
 Timer SessionTimers::Fire(Duration period, TimerCallback fire, const TimerOptions& options) {

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <string_view>
 
 #include "hgros/base/log.hpp"
+#include "hgros/base/reserved_names.hpp"
 #include "hgros/clock/timer_queue.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/session/node_timer.hpp"
@@ -27,11 +27,6 @@ class SessionTimers {
   void Stop();
 
  private:
-  using Names = std::set<std::string, std::less<>>;
-  struct Taken {
-    std::mutex mutex;
-    Names names;
-  };
   // Reserves the name until the result is destroyed. Throws Error if a timer has that name.
   [[nodiscard]] std::shared_ptr<const void> ReserveName(std::string_view name);
   [[nodiscard]] Timer Fire(Duration period, TimerCallback fire, const TimerOptions& options);
@@ -39,7 +34,7 @@ class SessionTimers {
   const std::shared_ptr<Clock> clock_;
   DataGraph& graph_;
   const std::shared_ptr<Log> log_;
-  const std::shared_ptr<Taken> taken_ = std::make_shared<Taken>();  // handles may outlive the session
+  ReservedNames names_;
 
   std::mutex mutex_;
   std::unique_ptr<TimerQueue> queue_;  // guarded by mutex_, as all below

@@ -32,10 +32,11 @@ const TypeInfo& AnnouncedType() {
 SnapshotPublisher::SnapshotPublisher(MessageId publisher, const std::shared_ptr<Log>& log,
                                      const std::shared_ptr<const HostClocks>& clocks, Means means)
     : means_(std::move(means)),
-      log_(log),
       outlet_(std::make_shared<ChannelOutlet>(std::string(kSnapshotsChannel), AnnouncedType(), publisher, log,
                                               OutletEvents{[] {}, [this] { TellSoon({}); }, [] { return true; }},
-                                              clocks)) {}
+                                              clocks)) {
+  outlet_->PromiseNothing();
+}
 
 void SnapshotPublisher::TellSoon(std::chrono::nanoseconds delay) {
   if (outlet_->subscriber_count() == 0 || telling_.exchange(true)) return;
@@ -44,13 +45,9 @@ void SnapshotPublisher::TellSoon(std::chrono::nanoseconds delay) {
 
 void SnapshotPublisher::Tell() {
   if (outlet_->subscriber_count() > 0) {
-    if (outlet_->Reserve() == PublishStatus::kOk) {
-      outlet_->Commit(std::make_shared<Snapshot>(ToMessage(means_.count())), TypeOf<Snapshot>());
-    } else {
-      log_->WriteLimited(LogLevel::kWarning, "snapshots",
-                         "The counters of this session were not published: a lossless subscriber of \"" +
-                             std::string(kSnapshotsChannel) + "\" has no room. Let it subscribe with keep_last.");
-    }
+    const auto snapshot = std::make_shared<Snapshot>(ToMessage(means_.count()));
+    const TypeInfo& type = TypeOf<Snapshot>();
+    if (outlet_->Reserve(snapshot.get(), type) == PublishStatus::kOk) outlet_->Commit(snapshot, type);
   }
   (void)telling_.exchange(
       false);  // An exchange, as in TellSoon(), so that the two are ordered: one of them sees a new subscriber.

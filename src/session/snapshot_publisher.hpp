@@ -11,7 +11,8 @@
 namespace hgros {
 
 // Publishes the counters of this session once per second while another session subscribes to them. Otherwise it costs
-// only an entry in the session's announcement. Nothing is published while a lossless subscriber has no room.
+// only an entry in the session's announcement. A lossless subscriber without room loses messages, so that others still
+// get them.
 //
 // Thread safety: all functions from any thread.
 class SnapshotPublisher {
@@ -32,7 +33,6 @@ class SnapshotPublisher {
   void Tell();
 
   const Means means_;
-  const std::shared_ptr<Log> log_;
   std::atomic<bool> telling_{false};
   std::shared_ptr<ChannelOutlet> outlet_;
 };

@@ -1,6 +1,8 @@
 #include "hgros/tf/transforms.hpp"
 
 #include <atomic>
+#include <cmath>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -8,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/base/error.hpp"
+#include "hgros/base/fork_guard.hpp"
 #include "tf/transform_messages.hpp"
 #include "tf/transform_sender.hpp"
 #include "tf/tree/edge_owners.hpp"
@@ -20,14 +24,29 @@ std::string Edge(std::string_view parent, std::string_view child) {
 }
 
 constexpr Duration kLeastJump = std::chrono::seconds(1);
+constexpr Duration kMaxAhead = std::chrono::seconds(10);
+constexpr Duration kMaxAheadOfSimulation = std::chrono::hours(1);
+
+std::shared_ptr<const void> Reserve(Session& session) {
+  if (auto reserved = session.TryReserve("transforms")) return reserved;
+  throw Error("The session \"" + session.name() + "\" has a Transforms already.", {},
+              "Pass that one on by reference: with two, other sessions would get the static edges of only one. The "
+              "default session's is hgros::DefaultTransforms().");
+}
 
 }  // namespace
 
 // Connects a tree with the channels of a session. Thread safety: all functions except construction and destruction.
 class Transforms::Core {
  public:
+  const ForkGuard fork;  // A child has none of the threads.
   Core(Session& session, TransformsOptions options)
-      : session_(session), options_(std::move(options)), tree_(options_.tree), sender_(session, options_.batch) {
+      : session_(session),
+        reserved_(Reserve(session)),
+        options_(std::move(options)),
+        max_ahead_(options_.max_ahead.value_or(session.config().simulated_time ? kMaxAheadOfSimulation : kMaxAhead)),
+        tree_(options_.tree),
+        sender_(session, options_.batch) {
     jumps_ = session_.clock()->OnJump([this](const ClockJump& jump) {
       // If a wall clock is corrected by less than this, nothing is removed: later transforms are sorted among the
       // others.
@@ -47,7 +66,9 @@ class Transforms::Core {
 
  private:
   void Receive(const foxglove::FrameTransforms& message, const MessageInfo& info, bool is_static);
-  SetResult Store(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static);
+  SetResult Store(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static, Time now);
+  // Refuses a stamp that is too far ahead of `now`.
+  [[nodiscard]] SetResult Check(std::string_view parent, std::string_view child, Time stamp, Time now) const;
   // The session's id while its name is unknown.
   std::string NameOf(SessionId session);
   // Empty if it is not there.
@@ -55,7 +76,9 @@ class Transforms::Core {
   void NoteOwner(std::string_view parent, std::string_view child, SessionId by, bool is_static);
 
   Session& session_;
+  const std::shared_ptr<const void> reserved_;  // The session's only Transforms.
   const TransformsOptions options_;
+  const Duration max_ahead_;
   TransformTree tree_;
   tf::EdgeOwners owners_;
   std::atomic<std::uint64_t> received_{0};
@@ -92,9 +115,13 @@ SetResult Transforms::Core::Set(std::span<const StampedEdge> edges, bool is_stat
   SetResult first_refusal;
   std::vector<const StampedEdge*> taken;
   taken.reserve(edges.size());
+  const Time now = session_.clock()->Now();
   for (const StampedEdge& edge : edges) {
-    SetResult result = is_static ? tree_.SetStatic(edge.parent, edge.child, edge.T_parent_child, session_.name())
-                                 : tree_.Set(edge.parent, edge.child, edge.stamp, edge.T_parent_child, session_.name());
+    SetResult result = is_static ? SetResult() : Check(edge.parent, edge.child, edge.stamp, now);
+    if (result) {
+      result = is_static ? tree_.SetStatic(edge.parent, edge.child, edge.T_parent_child, session_.name())
+                         : tree_.Set(edge.parent, edge.child, edge.stamp, edge.T_parent_child, session_.name());
+    }
     if (result) {
       NoteOwner(edge.parent, edge.child, session_.id(), is_static);
       taken.push_back(&edge);
@@ -112,10 +139,11 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
   const std::string publisher = NameOf(by);
   received_ += static_cast<std::uint64_t>(message.transforms_size());
   bool taken = false;
+  const Time now = session_.clock()->Now();
   for (const foxglove::FrameTransform& transform : message.transforms()) {
     const std::string& parent = transform.parent_frame_id();
     const std::string& child = transform.child_frame_id();
-    if (const SetResult result = Store(transform, publisher, is_static)) {
+    if (const SetResult result = Store(transform, publisher, is_static, now)) {
       NoteOwner(parent, child, by, is_static);
       taken = true;
     } else if (++refused_; result.fault() == SetFault::kTooManyFrames) {
@@ -131,14 +159,29 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
   if (taken && options_.on_received) options_.on_received();
 }
 
-SetResult Transforms::Core::Store(const foxglove::FrameTransform& transform, std::string_view publisher,
-                                  bool is_static) {
+SetResult Transforms::Core::Store(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static,
+                                  Time now) {
   const std::string& parent = transform.parent_frame_id();
   const std::string& child = transform.child_frame_id();
   const RigidTransform T_parent_child = tf::TransformOf(transform);
   if (is_static) return tree_.SetStatic(parent, child, T_parent_child, publisher);
-  if (const auto stamp = tf::StampOf(transform)) return tree_.Set(parent, child, *stamp, T_parent_child, publisher);
+  if (const auto stamp = tf::StampOf(transform)) {
+    if (SetResult result = Check(parent, child, *stamp, now); !result) return result;
+    return tree_.Set(parent, child, *stamp, T_parent_child, publisher);
+  }
   return {SetFault::kTooOld, "The edge " + Edge(parent, child) + " was refused: its timestamp is invalid."};
+}
+
+// A clock that stands at 0 is a simulated one that was not heard yet.
+SetResult Transforms::Core::Check(std::string_view parent, std::string_view child, Time stamp, Time now) const {
+  if (now == Time{} || stamp <= Later(now, max_ahead_)) return {};
+  const auto seconds = [](double nanoseconds) { return std::to_string(std::llround(nanoseconds * 1e-9)) + " s"; };
+  return {SetFault::kTooNew,
+          "The transform " + Edge(parent, child) + " was refused: its stamp is " +
+              seconds(static_cast<double>(stamp.nanoseconds) - static_cast<double>(now.nanoseconds)) +
+              " ahead of the clock of session \"" + session_.name() + "\", more than TransformsOptions::max_ahead (" +
+              seconds(static_cast<double>(max_ahead_.count())) +
+              "). Stamp with session.clock()->Now(), and synchronize the clocks of the hosts."};
 }
 
 std::string Transforms::Core::NameOf(SessionId session) {
@@ -179,7 +222,9 @@ TransformsStats Transforms::Core::stats() const {
 
 Transforms::Transforms(Session& session, const TransformsOptions& options)
     : core_(std::make_unique<Core>(session, options)) {}
-Transforms::~Transforms() = default;
+Transforms::~Transforms() {
+  if (core_->fork.IsChild()) LeaveToParent(std::shared_ptr<const Core>(std::move(core_)));
+}
 
 SetResult Transforms::ToTF(Time stamp, std::string_view parent, std::string_view child,
                            const RigidTransform& T_parent_child) {

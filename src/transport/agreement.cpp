@@ -9,6 +9,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/codec/schema_compatibility.hpp"
@@ -29,14 +30,6 @@ std::string DescribeType(const std::string& name, std::uint32_t encoding, std::u
 }
 
 }  // namespace
-
-std::string Readable(const std::string& text) {
-  std::string readable = text.substr(0, kMaxTextBytes);
-  for (char& c : readable) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == '\x7f') c = '?';
-  }
-  return readable;
-}
 
 SessionFacts OwnFacts(SessionId session, const std::string& process) {
   SessionFacts facts;
@@ -61,8 +54,8 @@ void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to) {
 SessionFacts ReadFacts(SessionId session, const wire::SessionFacts& from) {
   SessionFacts facts;
   facts.info.id = session;
-  facts.info.process = Readable(from.process());
-  facts.info.host = Readable(from.host());
+  facts.info.process = Readable(from.process(), kMaxTextBytes);
+  facts.info.host = Readable(from.host(), kMaxTextBytes);
   facts.info.pid = from.pid();
   facts.incarnation = from.incarnation();
   facts.wire_minor = from.wire_minor();
@@ -80,7 +73,7 @@ void WriteType(std::string_view channel, const TypeInfo& type, wire::ChannelType
 std::optional<ChannelUse> ReadUse(const wire::ChannelType& from) {
   if (!ChannelNameFault(from.channel()).empty()) return std::nullopt;
   ChannelUse use{.channel = from.channel()};
-  use.type_name = Readable(from.type_name());
+  use.type_name = Readable(from.type_name(), kMaxTextBytes);
   const bool known = from.encoding() <= static_cast<std::uint32_t>(Encoding::kPlain);
   if (known) use.encoding = static_cast<Encoding>(from.encoding());
   use.fingerprint = from.fingerprint();
@@ -99,9 +92,9 @@ TypeFit CompareTypes(const wire::ChannelType& theirs, const TypeInfo& ours) noex
 }
 
 std::string DescribeMismatch(const wire::ChannelType& theirs, const TypeInfo& ours) {
-  return "channel " + Readable(theirs.channel()) + ": here " +
+  return "channel " + Readable(theirs.channel(), kMaxTextBytes) + ": here " +
          DescribeType(ours.name, static_cast<std::uint32_t>(ours.encoding), ours.fingerprint) + ", there " +
-         DescribeType(Readable(theirs.type_name()), theirs.encoding(), theirs.fingerprint());
+         DescribeType(Readable(theirs.type_name(), kMaxTextBytes), theirs.encoding(), theirs.fingerprint());
 }
 
 std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo& ours) {
@@ -128,7 +121,7 @@ std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo&
 std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered, const std::string& descriptor_set) {
   constexpr std::size_t kMaxDescriptorSetBytes = 1 << 20;
   auto schema = std::make_shared<MessageSchema>();
-  schema->type_name = Readable(offered.type_name());
+  schema->type_name = Readable(offered.type_name(), kMaxTextBytes);
   const bool known = offered.encoding() <= static_cast<std::uint32_t>(Encoding::kPlain);
   if (known) schema->encoding = static_cast<Encoding>(offered.encoding());
   schema->fingerprint = offered.fingerprint();

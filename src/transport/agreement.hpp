@@ -36,9 +36,6 @@ struct SessionFacts {
   std::uint32_t wire_minor = 0;
 };
 
-/// A peer's text, fit for one line of a log: not too long, without control characters.
-[[nodiscard]] std::string Readable(const std::string& text);
-
 void WriteFacts(const SessionFacts& facts, wire::SessionFacts& to);
 [[nodiscard]] SessionFacts ReadFacts(SessionId session, const wire::SessionFacts& from);
 

@@ -5,13 +5,15 @@
 #include <thread>
 #include <vector>
 
+#include "hgros/transport/acting_thread.hpp"
+
 namespace hgros {
 
 /// Allows calls into the user's object until the gate is closed. Closing waits for the calls inside.
 ///
 /// Thread safety: thread-safe.
 /// Invariants: after Close() has returned, no thread except the closing one is inside, and none can enter. A thread
-/// that closes from within its own call does not wait for itself.
+/// that closes from within its own call does not wait for itself (see ActingThread).
 class CallGate {
  public:
   /// False once closed. Every true is followed by one Leave() on the same thread.
@@ -37,7 +39,7 @@ class CallGate {
   void Close() {
     std::unique_lock lock(mutex_);
     closed_ = true;
-    const auto self = std::this_thread::get_id();
+    const auto self = ActingThread::Id();
     left_.wait(lock, [&] {
       for (const auto id : inside_) {
         if (id != self) return false;

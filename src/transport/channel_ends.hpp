@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -34,12 +37,19 @@ class PublishingEnd final : public OutboundChannel {
   std::size_t subscriber_count() const noexcept override {
     return channel_->subscribers.load(std::memory_order_relaxed);
   }
-  std::vector<SessionId> Subscribers() const override { return channel_->Sessions(); }
+  std::vector<SessionId> Subscribers() const override {
+    return core_->IsChild() ? std::vector<SessionId>() : channel_->Sessions();
+  }
   PublishStatus Reserve() noexcept override {
     return core_->IsChild() ? PublishStatus::kClosed : core_->Reserve(*channel_);
   }
   void Commit(const PacketHead& head, const Payload& data) noexcept override {
-    if (!core_->IsChild()) core_->Commit(channel_, head, data);
+    if (core_->IsChild()) return;
+    try {
+      core_->Commit(channel_, head, data);
+    } catch (const std::bad_alloc&) {
+      CommitFailed();
+    }
   }
   void Cancel() noexcept override {
     if (!core_->IsChild()) core_->Cancel(channel_);
@@ -51,9 +61,28 @@ class PublishingEnd final : public OutboundChannel {
       return std::nullopt;
     }
   }
+  bool HasMemoryFor(std::size_t size_bytes) const override {
+    if constexpr (requires(const Core& core) { core.HasMemoryFor(size_bytes); }) {
+      return core_->HasMemoryFor(size_bytes);
+    } else {
+      return true;
+    }
+  }
   OutboundStats stats() const override { return channel_->stats(); }
 
  private:
+  // There was no memory, before or while the message was passed to the subscribers: counted as if none had got it.
+  void CommitFailed() noexcept {
+    const std::size_t lossless = channel_->lossless.load();
+    const std::size_t all = subscriber_count();
+    channel_->missed.fetch_add(lossless, std::memory_order_relaxed);
+    channel_->dropped.fetch_add(all - std::min(all, lossless), std::memory_order_relaxed);
+    try {
+      core_->Cancel(channel_);
+    } catch (const std::bad_alloc&) {  // Its credit stays taken until the subscriber connects again.
+    }
+  }
+
   std::shared_ptr<Core> core_;
   const std::shared_ptr<Channel> channel_;
 };
@@ -76,7 +105,7 @@ class SubscribingEnd final : public InboundChannel {
   }
 
   std::size_t publisher_count() const noexcept override { return channel_->publishers.load(); }
-  bool Asks(SessionId publisher) const override { return core_->Asks(*channel_, publisher); }
+  bool Asks(SessionId publisher) const override { return !core_->IsChild() && core_->Asks(*channel_, publisher); }
   void SetDemand(const Demand& demand) override {
     if (core_->IsChild()) return;
     channel_->SetDemand(demand);

@@ -111,9 +111,15 @@ bool InboundCore::Release(SessionId publisher, const void* endpoint) {
   return true;
 }
 
-void InboundCore::CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions) {
+void InboundCore::CountPublisher(const std::shared_ptr<InboundCore>& core, SessionId who, int change,
+                                 Actions& actions) {
   core->publishers.fetch_add(static_cast<std::size_t>(change));
-  actions.emplace_back([core] { core->gate_.Through([&] { core->sink_.OnPublishers(core->publishers.load()); }); });
+  actions.emplace_back([core, who, ended = change < 0] {
+    core->gate_.Through([&] {
+      if (ended) core->sink_.OnOfferEnded(who);
+      core->sink_.OnPublishers(core->publishers.load());
+    });
+  });
 }
 
 void InboundCore::TellOffer(const std::shared_ptr<InboundCore>& core, const PeerInfo& from,

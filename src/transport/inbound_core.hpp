@@ -50,7 +50,8 @@ class InboundCore {
   /// Reports a publisher's schema to the sink, if the sink accepts any type.
   static void TellOffer(const std::shared_ptr<InboundCore>& core, const PeerInfo& from,
                         const std::shared_ptr<const MessageSchema>& schema, Actions& actions);
-  static void CountPublisher(const std::shared_ptr<InboundCore>& core, int change, Actions& actions);
+  /// That session has come as a publisher (1) or is one no more (-1).
+  static void CountPublisher(const std::shared_ptr<InboundCore>& core, SessionId who, int change, Actions& actions);
 
   [[nodiscard]] Demand demand() const;
   void SetDemand(const Demand& demand);

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/transport/acting_thread.hpp"
+
 namespace hgros {
 namespace {
 
@@ -185,7 +187,7 @@ void LeaderPool::Stop() noexcept {
   state_->needed.notify_all();
   if (!threads.empty()) state_->input.Wake();
   for (auto& [id, thread] : threads) {
-    if (id == std::this_thread::get_id()) {
+    if (id == ActingThread::Id()) {
       thread.detach();
     } else {
       thread.join();

@@ -1,8 +1,14 @@
 #include "transport/outbound_core.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace hgros {
+namespace {
+
+constexpr std::size_t kMostLosers = 64;  // Most sessions never come back.
+
+}  // namespace
 
 void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, SessionId who, int change,
                                    Actions& actions) {
@@ -13,6 +19,11 @@ void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, Se
       core->plain_endpoints_ += change;
     } else if (change > 0) {
       sessions.push_back(who);
+      for (Loser& loser : core->losers_) {
+        if (loser.session != who) continue;
+        loser.back = true;
+        core->some_are_back_.store(true, std::memory_order_relaxed);
+      }
     } else if (const auto place = std::ranges::find(sessions, who); place != sessions.end()) {
       sessions.erase(place);
     }
@@ -24,6 +35,35 @@ void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, Se
 void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions) {
   if (!core->refused.exchange(false)) return;
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnRoom(); }); });
+}
+
+void OutboundCore::TellMissed(Log& log, SessionId session, const std::string& who, std::uint64_t messages) {
+  if (messages == 0) return;
+  {
+    const std::scoped_lock lock(count_mutex_);
+    std::erase_if(losers_, [&](const Loser& loser) { return loser.session == session; });
+    if (losers_.size() >= kMostLosers) losers_.erase(losers_.begin());
+    losers_.push_back({session, who, messages, last_sequence_.load(std::memory_order_relaxed), false});
+  }
+  log.WriteLimited(LogLevel::kWarning, "missed " + name + " " + session.ToString(),
+                   who + " has gone without confirming " + std::to_string(messages) +
+                       " messages of the lossless channel \"" + name +
+                       "\". It may miss these, and misses those that are published until it is back.");
+}
+
+void OutboundCore::ReportThoseBack(Log& log, std::uint64_t sequence) {
+  std::vector<Loser> back;
+  {
+    const std::scoped_lock lock(count_mutex_);
+    some_are_back_.store(false, std::memory_order_relaxed);
+    std::ranges::copy_if(losers_, std::back_inserter(back), &Loser::back);
+    std::erase_if(losers_, [](const Loser& loser) { return loser.back; });
+  }
+  for (const Loser& loser : back) {
+    const std::uint64_t since = sequence > loser.sequence ? sequence - loser.sequence - 1 : 0;
+    log.Write(LogLevel::kWarning, loser.name + " has missed up to " + std::to_string(loser.messages + since) +
+                                      " messages of the lossless channel \"" + name + "\", and is back.");
+  }
 }
 
 std::vector<SessionId> OutboundCore::Sessions() const {

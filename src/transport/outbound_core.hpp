@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hgros/base/log.hpp"
 #include "hgros/internal/codec/packet.hpp"
 #include "hgros/transport/transport.hpp"
 #include "transport/actions.hpp"
@@ -18,12 +19,25 @@ namespace hgros {
 /// Thread safety: thread-safe.
 struct OutboundCore {
   OutboundCore(std::string_view channel, const TypeInfo& message_type, OutboundSource& owner)
-      : name(channel), plain_topic(PlainTopic(channel)), type(message_type), source(owner) {}
+      : name(channel),
+        plain_topic(PlainTopic(channel)),
+        type(message_type),
+        source(owner),
+        may_promise(owner.may_promise()) {}
 
   /// A subscriber has come or gone: a session, or, if `who` is none, the plain subscribers of one endpoint.
   static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, SessionId who, int change, Actions& actions);
   /// Reports room to the source, if the source was refused. Called under the transport's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
+
+  /// A lossless subscriber has gone without confirming so many messages. Logs that; and the total, with the first
+  /// message after it has subscribed again. `who`: its name, for the log. Does not count them.
+  void TellMissed(Log& log, SessionId session, const std::string& who, std::uint64_t messages);
+  /// To be called for each message. Cheap.
+  void NoteCommit(Log& log, std::uint64_t sequence) {
+    last_sequence_.store(sequence, std::memory_order_relaxed);
+    if (some_are_back_.load(std::memory_order_relaxed)) ReportThoseBack(log, sequence);
+  }
 
   [[nodiscard]] OutboundStats stats() const;
   /// The sessions among the subscribers, in the order in which they came.
@@ -33,6 +47,7 @@ struct OutboundCore {
   const std::string plain_topic;
   const TypeInfo& type;
   OutboundSource& source;  // Called through `gate` only.
+  const bool may_promise;  // Subscribers may be lossless.
   CallGate gate;
   std::atomic<std::size_t> subscribers{0};
   std::atomic<std::size_t> lossless{0};
@@ -44,6 +59,19 @@ struct OutboundCore {
   std::atomic<std::uint64_t> copied{0};
 
  private:
+  // A lossless subscriber that has missed messages.
+  struct Loser {
+    SessionId session;
+    std::string name;
+    std::uint64_t messages = 0;  // Not confirmed when it went.
+    std::uint64_t sequence = 0;  // Of the last message then.
+    bool back = false;
+  };
+  void ReportThoseBack(Log& log, std::uint64_t sequence);
+
+  std::atomic<std::uint64_t> last_sequence_{0};
+  std::atomic<bool> some_are_back_{false};
+  std::vector<Loser> losers_;  // Guarded by count_mutex_.
   mutable std::mutex count_mutex_;
   std::vector<SessionId> sessions_;
   int plain_endpoints_ = 0;

@@ -15,7 +15,7 @@ class Poller {
   Poller& operator=(const Poller&) = delete;
 
   /// From now on Wait() sets `flag` when `fd` has become readable, or is readable already. `flag` outlives the
-  /// poller. Closing the descriptor removes it. Throws Error.
+  /// poller: it may still be set after the descriptor was closed, which removes it. Throws Error.
   void Add(int fd, std::atomic<bool>& flag);
   /// Returns after setting at least one flag, or after `timeout_ms`, or spuriously.
   void Wait(int timeout_ms) noexcept;

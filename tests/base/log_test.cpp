@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/await.hpp"
+
 namespace hgros {
 namespace {
 
@@ -38,6 +40,14 @@ TEST(Log, PassesLevelAndTextToTheSink) {
   EXPECT_THAT(recorder.levels, ElementsAre(LogLevel::kInfo, LogLevel::kError));
 }
 
+TEST(Log, EscapesLineBreaksAndControlCharacters) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  log.Write(LogLevel::kError, "It threw: first\nsecond.");
+  log.WriteLimited(LogLevel::kError, "key", "Channel \"a\x1b[2J\xe2\x80\xaez\".");
+  EXPECT_THAT(recorder.lines, ElementsAre(R"(It threw: first\nsecond.)", R"(Channel "a\x1b[2J\u202ez".)"));
+}
+
 TEST(Log, IsSilentWithoutASink) {
   Log log(nullptr);
   log.Write(LogLevel::kError, "Nobody hears.");
@@ -63,15 +73,51 @@ TEST(Log, AddsTheNumberOfSuppressedLinesToTheNextLine) {
   EXPECT_THAT(recorder.lines, ElementsAre("A.", "A. (and 3 times more since the last such line)", "A."));
 }
 
+TEST(Log, WritesTenAlikeLinesAndThenCounts) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  for (int i = 1; i <= 50; ++i) log.WriteLimited(LogLevel::kWarning, "peers", "Peer " + std::to_string(i), hours(1));
+  ASSERT_EQ(recorder.lines.size(), 10U);
+  EXPECT_EQ(recorder.lines.back(), "Peer 10");
+  log.WriteHeldBack();
+  log.WriteHeldBack();
+  ASSERT_EQ(recorder.lines.size(), 11U);
+  EXPECT_EQ(recorder.lines.back(), "40 more lines like this one were not written: Peer 10");
+  EXPECT_EQ(recorder.levels.back(), LogLevel::kWarning);
+}
+
+TEST(Log, WaitsTwiceAsLongAfterEachLineBeyondTen) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  const auto end = std::chrono::steady_clock::now() + milliseconds(300);
+  int written = 0;
+  while (std::chrono::steady_clock::now() < end) {
+    log.WriteLimited(LogLevel::kWarning, "peers", "Peer " + std::to_string(++written), milliseconds(1));
+  }
+  // Ten at once, and then after 1, 2, 4, ... ms: at most nine more in 300 ms.
+  EXPECT_GT(recorder.lines.size(), 10U);
+  EXPECT_LE(recorder.lines.size(), 19U);
+  EXPECT_THAT(recorder.lines.back(), HasSubstr("times more since the last such line)"));
+}
+
+TEST(Log, SaysWhatWasHeldBackWithTheNextLineOfAnyKind) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  for (int i = 0; i < 3; ++i) log.WriteLimited(LogLevel::kWarning, "a", "A.", milliseconds(20));
+  test::Linger(milliseconds(30));
+  log.WriteLimited(LogLevel::kWarning, "b", "B.", hours(1));
+  EXPECT_THAT(recorder.lines, ElementsAre("A.", "B.", "2 more lines like this one were not written: A."));
+}
+
 TEST(Log, ForgetsTheOldestKeyWhenThereAreTooMany) {
   Recorder recorder;
   Log log(recorder.Sink());
   for (int i = 0; i < 1025; ++i) log.WriteLimited(LogLevel::kWarning, std::to_string(i), "New.", hours(1));
   recorder.lines.clear();
-  log.WriteLimited(LogLevel::kWarning, "1024", "Remembered.", hours(1));
-  log.WriteLimited(LogLevel::kWarning, "512", "Remembered.", hours(1));
-  log.WriteLimited(LogLevel::kWarning, "0", "Forgotten.", hours(1));
-  EXPECT_THAT(recorder.lines, ElementsAre("Forgotten."));
+  for (const char* const key : {"1024", "512"}) log.WriteLimited(LogLevel::kWarning, key, "New.", hours(1));
+  EXPECT_THAT(recorder.lines, ElementsAre()) << "the keys are remembered";
+  log.WriteLimited(LogLevel::kWarning, "0", "New.", hours(1));
+  EXPECT_THAT(recorder.lines, ElementsAre("New.")) << "the key was forgotten";
 }
 
 TEST(Log, CallsTheSinkOneAtATimeAndLosesNoCount) {

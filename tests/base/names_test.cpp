@@ -35,6 +35,14 @@ TEST(ChannelName, MayNotHaveSpacesOrControlCharacters) {
   EXPECT_EQ(ChannelNameFault("ab\x7f"), "byte 3 is a space or control character");
 }
 
+TEST(ChannelName, MayNotHaveInvisibleCharactersThatChangeTheText) {
+  constexpr auto kFault = "byte 2 begins a control character or one that changes the direction of text";
+  for (const char* name :
+       {"a\xc2\x80", "a\xc2\x85", "a\xc2\x9f", "a\xe2\x80\xaa", "a\xe2\x80\xae", "a\xe2\x81\xa6", "a\xe2\x81\xa9"}) {
+    EXPECT_EQ(ChannelNameFault(name), kFault);
+  }
+}
+
 TEST(ChannelName, MustBeUtf8) {
   const std::vector<std::string> bad = {
       "a\x80",              // a continuation byte alone
@@ -66,7 +74,7 @@ TEST(ChannelName, ErrorsContainNoControlCharacters) {
     RequireChannelName("a\x1b[31m\xff" + std::string(63, 'b') + "\xc3\xa9");
     FAIL() << "nothing was thrown";
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("\"a?[31m?b"));
+    EXPECT_THAT(error.what(), HasSubstr(R"("a\x1b[31m\xffb)"));
     EXPECT_EQ(std::string(error.what()).find('\x1b'), std::string::npos);
     EXPECT_EQ(std::string(error.what()).find('\xc3'), std::string::npos);
   }

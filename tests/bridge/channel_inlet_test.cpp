@@ -123,6 +123,36 @@ TEST(ChannelInlet, ForgetsHandedOverMessagesWhenDetachedAndStartsAgain) {
   EXPECT_EQ(inflow.Accept("3"), Accepted::kRunApart);
 }
 
+TEST(ChannelInlet, MakesOneSchemaForEachOfSeveralPlainPublishers) {
+  DataGraph graph;
+  Channel& channel = graph.Open("any", AnyType(), CallSite::Current());
+  std::vector<std::shared_ptr<const RawMessage>> got;
+  NodeOptions options;
+  options.executor = Executor::Inline();
+  const auto subscription = graph.Subscribe(
+      channel, AnyType(), Invoke::kSerial,
+      [&](const AnyMessage& message, const MessageInfo&) {
+        got.push_back(std::static_pointer_cast<const RawMessage>(message));
+      },
+      options);
+  ChannelInlet inlet(
+      channel, false, std::make_shared<Log>(), [] {}, [](const ChannelInlet::Errand&) {},
+      [](const std::string&, const PeerInfo&, const std::string&) {}, std::make_shared<HostClocks>());
+  for (int i = 0; i < 200; ++i) {
+    InboundMessage message;
+    message.head.channel = "any";
+    // The first two names alternate; the rest are new in each message.
+    message.head.type_name = i < 100 ? (i % 2 == 0 ? "a.A" : "b.B") : "c.C" + std::to_string(i);
+    message.head.encoding = Encoding::kCustom;
+    ASSERT_EQ(inlet.Accept(std::move(message)), Accepted::kRunApart);
+    inlet.Run();
+  }
+  ASSERT_EQ(got.size(), 200U);
+  for (std::size_t i = 2; i < 100; ++i) EXPECT_EQ(got[i]->schema, got[i - 2]->schema);
+  EXPECT_NE(got[0]->schema, got[1]->schema);
+  EXPECT_EQ(got[199]->schema->type_name, "c.C199");
+}
+
 TEST(ChannelInlet, RunsAUserCodecOffTheTransportsThreadEvenForProtobufBytes) {
   Inflow<test::Line> inflow;
   EXPECT_EQ(inflow.Accept("1"), Accepted::kRunApart);

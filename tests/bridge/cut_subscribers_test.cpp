@@ -141,7 +141,7 @@ class FragileListener final : public test::HandMadeSession, private InboundSink 
  public:
   FragileListener(const std::string& domain, SessionId publisher, std::string endpoint)
       : HandMadeSession("fragile"), endpoint_(std::move(endpoint)) {
-    Enlist(domain);
+    Enlist(domain, {ChannelUse{.channel = "notes", .subscribes = true}});
     OpenShm(publisher);
     over_shm_ = shm_->Subscribe("notes", type_, demand_, *this);
   }

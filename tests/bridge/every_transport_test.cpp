@@ -1,5 +1,8 @@
 // One program that runs by pointer, through shared memory, over ipc and over tcp, depending only on its configuration.
+#include <sys/mman.h>
+
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "session/domain_fixture.hpp"
@@ -81,6 +84,60 @@ TEST_P(EveryTransport, RunsTheSameProgram) {
       EXPECT_EQ(second->session->Peers().at(0).endpoint.substr(0, 3), placement.name);
     }
   }
+}
+
+// Addresses without memory: nothing may read or write them.
+class AddressRange {
+ public:
+  explicit AddressRange(std::size_t size_bytes)
+      : size_(size_bytes),
+        begin_(mmap(nullptr, size_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0)) {}
+  AddressRange(const AddressRange&) = delete;
+  AddressRange& operator=(const AddressRange&) = delete;
+  ~AddressRange() { munmap(begin_, size_); }
+  [[nodiscard]] std::unique_ptr<Block> block() const {
+    return std::make_unique<Block>(Payload{{static_cast<const std::byte*>(begin_), size_}, not_owned_});
+  }
+
+ private:
+  const std::size_t size_;
+  void* const begin_;
+  const std::shared_ptr<const int> not_owned_ = std::make_shared<const int>(0);
+};
+
+TEST_P(EveryTransport, RefusesAMessageAboveTheLimitAndKeepsThePeer) {
+  const Placement& placement = GetParam();
+  Robot first(placement.wheel);
+  std::optional<Robot> second;
+  if (const auto yaml = placement.odometer(*first.session)) second.emplace(*yaml);
+  const AddressRange range(kMaxMessageBytes + 1);
+  Session& there = second ? *second->session : *first.session;
+  std::atomic<std::size_t> got{0};
+  std::atomic<std::uint64_t> last_size{0};
+  const auto subscription = there.FromAny<Block>("wheel", Invoke::kSerial,
+                                                 [&](const Block& block) {
+                                                   last_size = block.size();
+                                                   ++got;
+                                                 },
+                                                 {.queue = Queue::KeepAll(4)});
+  const auto publish = first->Advertise<Block>("wheel");
+  ASSERT_TRUE(first->WaitForSubscribers("wheel", 1, kPatience));
+  auto large = range.block();
+  if (second) {
+    EXPECT_EQ(publish(std::move(large)), PublishStatus::kTooLarge);
+    EXPECT_EQ(publish.Wait(std::move(large), std::chrono::steady_clock::now() + kPatience), PublishStatus::kTooLarge);
+    ASSERT_NE(large, nullptr) << "the caller still owns it";
+  } else {
+    EXPECT_EQ(publish(std::move(large)), PublishStatus::kOk) << "inside a session any size is possible";
+    ASSERT_TRUE(Await([&] { return got == 1; }));
+    EXPECT_EQ(last_size, kMaxMessageBytes + 1);
+    got = 0;
+  }
+  ASSERT_EQ(publish(std::make_unique<Block>(Block::Allocate(100))), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return got == 1; }));
+  EXPECT_EQ(last_size, 100U);
+  EXPECT_FALSE(first.Said("is gone"));
+  EXPECT_EQ(first->Peers().size(), second ? 1U : 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(

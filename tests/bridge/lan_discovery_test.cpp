@@ -109,7 +109,7 @@ TEST_F(LanDiscovery, PeerThatFallsSilentIsDisconnectedAndFoundAgain) {
   Talker talker(cable->left, kLan);
   ASSERT_TRUE((*talker.robot)->WaitForSubscribers("notes", 1, kPatience));
   ASSERT_TRUE(cable->Set("down"));
-  EXPECT_TRUE(Await([&] { return listener.robot->Said(") is gone: "); }));
+  EXPECT_TRUE(Await([&] { return listener.robot->Said("), which is gone: "); }));
   Linger(std::chrono::seconds(4));  // If the endpoint were still tried, a failure would be logged.
   EXPECT_FALSE(listener.robot->Said("No connection to"));
   ASSERT_TRUE(cable->Set("up"));

@@ -1,6 +1,9 @@
 // Sessions of one host find each other without configuration.
 #include <unistd.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <thread>
 
@@ -57,6 +60,42 @@ TEST_F(LocalDiscovery, MessagesGoBothWaysOnOneChannelWithoutEcho) {
   EXPECT_EQ(at_two.texts(), at_one.texts());
 }
 
+TEST_F(LocalDiscovery, SessionsThatExchangeNothingDoNotPairButAreKnown) {
+  Robot one("", "one"), two("", "two");
+  Notes at_one, at_two;
+  const auto first = one->FromAny<Note>("notes", kSerial, std::ref(at_one));
+  const auto second = two->FromAny<Note>("notes", kSerial, std::ref(at_two));
+  const auto subscribers = [](Robot& robot) {
+    const auto channels = robot->Channels();
+    const auto notes = std::ranges::find(channels, "notes", &KnownChannel::name);
+    return notes == channels.end() ? 0 : notes->subscribers.size();
+  };
+  ASSERT_TRUE(Await([&] { return subscribers(one) == 2 && subscribers(two) == 2; }));
+  Linger(std::chrono::milliseconds(100));
+  EXPECT_TRUE(one->Peers().empty());
+  EXPECT_TRUE(two->Peers().empty());
+  (void)two->Advertise<Note>("notes");
+  ASSERT_TRUE(two->WaitForSubscribers("notes", 2, kPatience));
+  EXPECT_EQ(one->Peers().size(), 1U);
+}
+
+TEST_F(LocalDiscovery, RegistryThatFailsAtTheStartIsTriedAgain) {
+  const Bus folder;
+  const std::string path = folder.Endpoint("").substr(std::string("ipc://").size());
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  setenv("XDG_RUNTIME_DIR", path.substr(0, path.size() - 1).c_str(), 1);
+  std::ofstream(path + "hgros") << "in the way";
+  Robot listener(""), talker("");
+  Notes notes;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  (void)talker->Advertise<Note>("notes");
+  EXPECT_FALSE(talker->WaitForSubscribers("notes", 1, std::chrono::milliseconds(100)));
+  EXPECT_TRUE(talker.Said("are not found. ")) << "the reason is logged";
+  std::filesystem::remove(path + "hgros");
+  EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  unsetenv("XDG_RUNTIME_DIR");
+}
+
 TEST_F(LocalDiscovery, SessionsOfDifferentDomainsDoNotFindEachOther) {
   Robot listener("");
   Notes notes;
@@ -108,7 +147,7 @@ TEST_F(LocalDiscovery, CanBeLimitedToNamedProcesses) {
   Notes from_stranger;
   const auto third = talker->FromAny<Note>("back", kSerial, std::ref(from_stranger));
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-  EXPECT_TRUE(Await([&] { return talker.Count("No connection to session") == 1; }));
+  EXPECT_TRUE(Await([&] { return talker.Count("does not connect with session") == 1; }));
   EXPECT_TRUE(Await([&] { return stranger.Said("there does not list \"stranger\""); }));
   EXPECT_TRUE(talker.Said("here does not list \"stranger\""));
   EXPECT_FALSE(talker->WaitForSubscribers("notes", 2, std::chrono::milliseconds(200)));
@@ -126,20 +165,19 @@ TEST_F(LocalDiscovery, LogsPeersWithTransportAndTheReasonOfTheirEnd) {
     Robot talker("", "talker");
     (void)talker->Advertise<Note>("notes");
     ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-    const std::string who = " (talker, process " + std::to_string(getpid()) + " on ";
-    const std::string me = " (listener, process " + std::to_string(getpid()) + " on ";
+    const auto name = [](const Robot& robot, const std::string& process) {
+      return "ession " + robot.session->id().ToString() + " (" + process + ", process " + std::to_string(getpid());
+    };
+    const std::string me = name(listener, "listener");
+    const std::string other = name(talker, "talker");
     EXPECT_TRUE(Await([&] {
-      return listener.Said("Session " + talker->id().ToString() + who) &&
-             listener.Said(") is reached through shared memory: same host.");
+      return listener.Said(me + ") reaches s" + other) && listener.Said(") through shared memory: same host.");
     }));
     if (stays) listener.session.reset();
     talker.session.reset();
-    if (stays) {
-      EXPECT_TRUE(listener.Said(") is no longer reached: this session ends."));
-    } else {
-      EXPECT_TRUE(Await([&] { return listener.Said(") is gone: it said goodbye."); }));
-      EXPECT_TRUE(talker.Said("Session " + listener->id().ToString() + me));
-    }
+    EXPECT_TRUE(Await([&] { return listener.Said(me + ") no longer reaches s" + other); }));
+    EXPECT_TRUE(listener.Said(stays ? "): this session ends." : "), which is gone: it said goodbye."));
+    EXPECT_TRUE(stays || talker.Said(me));
   }
 }
 

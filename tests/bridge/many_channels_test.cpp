@@ -1,5 +1,7 @@
 // Two sessions with thousands of channels between them.
 #include <atomic>
+#include <cstddef>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -48,6 +50,33 @@ class ManyChannels : public test::DomainFixture {
     EXPECT_TRUE(listener.Said("more than 16384 channels"));
   }
 };
+
+// The CPU time of this process for a session that publishes on so many channels, and subscribes to as many others.
+double SecondsFor(std::size_t channels, const std::string& yaml) {
+  const auto now = [] {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+  };
+  const double before = now();
+  {
+    Robot robot(yaml);
+    std::vector<Subscription> subscriptions;
+    for (std::size_t i = 0; i < channels; ++i) {
+      (void)robot->Advertise<Note>("out" + Name(i));
+      subscriptions.push_back(robot->FromAny<Note>("in" + Name(i), kSerial, [](const Note&) {}));
+    }
+  }
+  return now() - before;
+}
+
+TEST_F(ManyChannels, WiringTakesTimeInProportionToTheirNumber) {
+  const std::string yaml = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}";
+  (void)SecondsFor(100, yaml);
+  const double few = SecondsFor(1000, yaml);
+  const double many = SecondsFor(8000, yaml);
+  EXPECT_LT(many, 40 * few) << few << " s for 1000, " << many << " s for 8000";
+}
 
 TEST_F(ManyChannels, TenThousandChannelsAreReceivedOverSharedMemory) {
   Robot talker(""), listener("");

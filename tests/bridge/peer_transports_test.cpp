@@ -33,7 +33,7 @@ class PeerTransportsOfOne : public testing::Test, public TransportListener {
     return info;
   }
   PeerTransports Ruled(TransportRules rules, bool looks = true) {
-    return {list, *this, log, std::move(rules), looks, "here"};
+    return {list, *this, log, std::move(rules), looks, On("here")};
   }
   static std::string Why(const PeerTransports& transports) {
     const auto list = transports.List();
@@ -96,6 +96,8 @@ TEST_F(PeerTransportsOfOne, ReasonForTheTransportIsReported) {
   (void)transports.Came(info, kZmq);
   EXPECT_EQ(Why(transports), "ZeroMQ: not found on this host");
   transports.Found(peer, kOnlyShm, {});
+  EXPECT_EQ(Why(transports), "ZeroMQ: no channel of it is used on this host");
+  EXPECT_TRUE(transports.MakePartner(peer, kOnlyShm));
   EXPECT_EQ(Why(transports), "ZeroMQ: shared memory does not reach it yet");
   const PeerTransports::GivenUp given_up = transports.GiveUp(peer);
   EXPECT_EQ(given_up.missing, kOnlyShm);
@@ -112,6 +114,24 @@ TEST_F(PeerTransportsOfOne, ReasonForTheTransportIsReported) {
   PeerTransports alone = Ruled({}, false);
   (void)alone.Came(info, kZmq);
   EXPECT_EQ(Why(alone), "ZeroMQ: discovery on this host is off");
+}
+
+TEST_F(PeerTransportsOfOne, SessionThatExchangesNothingIsGivenUpWithoutAWord) {
+  PeerTransports transports = Ruled({});
+  EXPECT_FALSE(transports.MakePartner(peer, kOnlyShm)) << "it was not found";
+  transports.Found(peer, kOnlyShm, {});
+  EXPECT_FALSE(transports.GiveUp(peer).matters);
+  transports.Found(peer, kOnlyShm, {});
+  (void)transports.Came(info, kZmq);
+  EXPECT_FALSE(transports.Claim(peer, "a", kZmq)) << "it may still be a partner";
+  EXPECT_TRUE(transports.GiveUpStrangers());
+  EXPECT_TRUE(transports.Claim(peer, "a", kZmq));
+  EXPECT_TRUE(transports.MakePartner(peer, kOnlyShm));
+  EXPECT_FALSE(transports.MakePartner(peer, kOnlyShm)) << "this is known";
+  EXPECT_FALSE(transports.GiveUpStrangers());
+  EXPECT_TRUE(transports.IsPartner(peer));
+  transports.Lost(peer);
+  EXPECT_FALSE(transports.IsPartner(peer));
 }
 
 TEST_F(PeerTransportsOfOne, LateSharedMemoryTakesOverOneChannelAfterTheOther) {
@@ -160,7 +180,7 @@ class ThreeTransportsToOne : public PeerTransportsOfOne {
  protected:
   // Receives over the network first. `rule` applies to the channel "ruled".
   void Start(TransportSet rule) {
-    transports.emplace(three, *this, log, TransportRules{{"ruled", rule}}, true, "here");
+    transports.emplace(three, *this, log, TransportRules{{"ruled", rule}}, true, On("here"));
     EXPECT_TRUE(transports->Claim(peer, "a", kNetwork));
     EXPECT_EQ(transports->Claim(peer, "ruled", kNetwork), rule.Has(kNetwork));
     EXPECT_FALSE(transports->Came(info, kNetwork));
@@ -181,8 +201,9 @@ class ThreeTransportsToOne : public PeerTransportsOfOne {
 };
 
 TEST_F(ThreeTransportsToOne, CheapestTransportIsUsedWhicheverAsksFirst) {
-  transports.emplace(three, *this, log, TransportRules(), true, "here");
+  transports.emplace(three, *this, log, TransportRules(), true, On("here"));
   transports->Found(peer, {kLoop, kMemory}, {});
+  EXPECT_TRUE(transports->MakePartner(peer, {kLoop, kMemory}));
   EXPECT_FALSE(transports->Came(info, kNetwork));
   EXPECT_FALSE(transports->Came(info, kMemory));
   EXPECT_EQ(TakenBy("a"), "") << "it is left to the loop";

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/dynamic_message.h>
 #include <google/protobuf/message.h>
 #include <gtest/gtest.h>
 
+#include "codec/parsed_memory.hpp"
 #include "foxglove/Log.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "hgros/codec/message.hpp"
@@ -42,6 +44,43 @@ TEST(DynamicSchema, ReadsMessagesOfATypeWithImports) {
   const auto& position = pose.GetReflection()->GetMessage(pose, pose.GetDescriptor()->FindFieldByName("position"));
   EXPECT_EQ(position.GetReflection()->GetDouble(position, position.GetDescriptor()->FindFieldByName("x")), 4);
   EXPECT_EQ(message->SerializeAsString(), cloud.SerializeAsString());
+}
+
+TEST(DynamicSchema, RefusesAMessageThatTakesMuchMoreMemoryThanItsSize) {
+  std::string fault;
+  const auto schema = DynamicSchema::Build(SchemaOf(TypeOf<foxglove::PointCloud>()), fault);
+  ASSERT_NE(schema, nullptr) << fault;
+  foxglove::PointCloud one;
+  one.add_fields();
+  std::string hostile;
+  while (hostile.size() < (8 << 20)) hostile += one.SerializeAsString();  // 4 million empty fields.
+  EXPECT_EQ(schema->Read(AsBytes(hostile)), nullptr);
+  EXPECT_NE(schema->Read(AsBytes(hostile).first(1 << 20)), nullptr);
+  EXPECT_EQ(schema->Read(AsBytes(hostile).first(1 << 20), 1 << 20), nullptr);
+  std::string unknown;
+  while (unknown.size() < (32 << 20)) unknown += "\x78\x01";  // Field 15.
+  EXPECT_EQ(schema->Read(AsBytes(unknown)), nullptr);
+  foxglove::PointCloud large;
+  large.mutable_data()->resize(64 << 20);
+  EXPECT_NE(schema->Read(AsBytes(large.SerializeAsString()), 1 << 20), nullptr) << "its bytes do not count";
+}
+
+TEST(ParsedMemory, IsNotLessThanWhatProtobufReports) {
+  google::protobuf::DynamicMessageFactory factory;
+  const auto& type = *google::protobuf::FileDescriptorProto::descriptor();
+  const ParsedMemory memory(type, factory);
+  google::protobuf::FileDescriptorSet set;
+  ASSERT_TRUE(set.ParseFromString(SchemaOf(TypeOf<foxglove::PointCloud>()).descriptor_set));
+  for (const auto& file : set.file()) {
+    const std::string bytes = file.SerializeAsString();
+    std::unique_ptr<google::protobuf::Message> parsed(factory.GetPrototype(&type)->New());
+    ASSERT_TRUE(parsed->ParseFromString(bytes));
+    const std::size_t used = parsed->SpaceUsedLong();
+    ASSERT_GT(used, bytes.size());
+    EXPECT_FALSE(memory.Fits(AsBytes(bytes), used - bytes.size() - 1)) << file.name();
+    EXPECT_TRUE(memory.Fits(AsBytes(bytes), 8 * used)) << file.name();
+    EXPECT_TRUE(memory.Fits(AsBytes(bytes).first(bytes.size() / 2), 8 * used)) << "a broken one";
+  }
 }
 
 TEST(DynamicSchema, HasTheNamesOfEnumValues) {

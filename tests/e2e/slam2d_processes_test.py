@@ -11,7 +11,7 @@ import pathlib
 import pty
 import signal
 
-from slam2d_programs import DATA, ROBOTS, SCANS, THREE, TWO, Slam2dTest, main
+from slam2d_programs import CLOSED, DATA, ROBOTS, SCANS, THREE, TWO, Slam2dTest, main
 
 
 class Slam2dProcesses(Slam2dTest):
@@ -57,6 +57,22 @@ class Slam2dProcesses(Slam2dTest):
         # The scans from 120 on, and the end.
         self.assertEqual([one["messages"] for one in mapped if one.get("node") == "mapper"], [SCANS - 120 + 1])
         self.assertEqual(self.hashes(processes["robot1"]), self.reference(SCANS))
+
+    def test_a_closed_channel_leaves_its_node_to_another_process(self):
+        for first in ("robot1", "robot2"):
+            with self.subTest(first=first):
+                processes = {}
+                for name in sorted(CLOSED, key=lambda name: name != first):
+                    file = self.write_config(name, CLOSED[name])
+                    if name == "robot1":
+                        file.write_text(file.read_text() + "data_graph: {close_channels: [pre_channel]}\n")
+                    more = ["--scans", SCANS] if name == "robot1" else []
+                    processes[name] = self.start("--json", "--patience", 20, "--config", file, *more)
+                    if name == first:
+                        self.assertTrue(self.await_line(processes[name], "Waiting for the"))
+                code, _, err = self.end(processes["robot2"])
+                self.assertEqual(code, 0, err)
+                self.assertEqual(self.hashes(processes["robot1"]), self.reference(SCANS))
 
     def test_a_paced_log_gets_the_same_result(self):
         self.assertEqual(self.hashes(self.start("--json", "--scans", 50, "--rate", 10)), self.reference(50))

@@ -32,6 +32,11 @@ ROBOTS = {
     "robot2": ("[mapper]\n  standby: true", "robot2", "next_channel, ready",
                {"robot1": "map_state, pre_channel, clock, ready, done"}),
 }
+CLOSED = {
+    "robot1": ("[source, matcher, mapper, writer]", "robot1", "pre_channel, clock, ready, done",
+               {"robot2": "next_channel, ready"}),
+    "robot2": ("[mapper]", "robot2", "next_channel, ready", {"robot1": "pre_channel, clock, ready, done"}),
+}
 
 
 class Slam2dTest(unittest.TestCase):
@@ -66,6 +71,10 @@ class Slam2dTest(unittest.TestCase):
         process = subprocess.Popen([BINARY, *map(str, arguments)], cwd=self.folder, **options)
         self.processes.append(process)
         return process
+
+    def await_line(self, process, part):
+        """Reads standard error until a line contains the text; False at its end."""
+        return any(part in line for line in iter(process.stderr.readline, ""))
 
     def start_plan(self, plan, extra=None):
         """Starts every process of the plan; returns them by name."""

@@ -148,7 +148,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   wire::PairMessage bye;
   bye.mutable_bye();
   peer.Say(bye);
-  peer.socket().Flush();
+  (void)peer.socket().Flush();
   peer.Hang();
   // For any input: the connection ends, and nothing of it is left.
   if (!hgros::test::Await([] { return session.transport->Peers().empty(); }, std::chrono::seconds(8))) std::abort();

@@ -159,6 +159,37 @@ TEST_P(EveryExecutor, SlowKeepLastNodeGetsTheNewestAndCountsDrops) {
   EXPECT_EQ(subscription.stats().received, 11U);
 }
 
+TEST_P(EveryExecutor, KeepLastNodeLogsItsFirstDropOnceWithTheWayToChangeItsQueue) {
+  test::Heard heard;
+  GraphOptions options;
+  options.threads = 2;  // Both callbacks wait at the same time.
+  DataGraph graph(std::move(options), heard.MakeLog());
+  test::Door door;
+  std::atomic<int> began{0};
+  const auto slow = [&](const int&) {
+    ++began;
+    door.Pass();
+  };
+  const auto dropping = graph.FromGraph<int>("c", Invoke::kSerial, slow, Options(executor(), Queue::KeepLast(3)));
+  const auto latest = graph.FromGraph<int>("d", Invoke::kSerial, slow, Options(executor(), Queue::Latest()));
+  std::vector<std::jthread> publishers;  // The first message of an inline node keeps its publisher.
+  for (const char* channel : {"c", "d"}) {
+    publishers.emplace_back([&graph, channel] { (void)graph.ToGraph(channel, std::make_unique<int>(0)); });
+  }
+  ASSERT_TRUE(Await([&] { return began == 2; }));
+  for (int i = 1; i <= 10; ++i) {
+    for (const char* channel : {"c", "d"})
+      EXPECT_EQ(graph.ToGraph(channel, std::make_unique<int>(i)), PublishStatus::kOk);
+  }
+  door.Open();
+  EXPECT_EQ(heard.Count("has dropped"), 1U) << "the newest alone was asked for on the other channel";
+  EXPECT_TRUE(
+      heard.Contains("Subscription \"c#0\" on channel \"c\" has dropped 1 of 5 messages: they come faster than its "
+                     "callback handles them, and its queue keeps only the last 3."));
+  EXPECT_TRUE(heard.Contains("data_graph: nodes: \"c#0\": queue"));
+  EXPECT_EQ(latest.stats().dropped, 9U);
+}
+
 TEST(DataGraph, InlineSerialNodeGetsItsOwnMessageAfterItReturns) {
   DataGraph graph;
   Collected got;

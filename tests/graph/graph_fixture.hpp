@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -25,6 +26,12 @@ class Heard {
       if (line.find(part) != std::string::npos) return true;
     }
     return false;
+  }
+
+  [[nodiscard]] std::size_t Count(std::string_view part) const {
+    const std::scoped_lock lock(mutex_);
+    return static_cast<std::size_t>(
+        std::ranges::count_if(lines_, [&](const std::string& line) { return line.find(part) != std::string::npos; }));
   }
 
  private:

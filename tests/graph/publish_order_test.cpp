@@ -17,7 +17,7 @@ using test::Options;
 class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
-  PublishStatus Reserve() noexcept override { return PublishStatus::kOk; }
+  PublishStatus Reserve(const void*, const TypeInfo&) noexcept override { return PublishStatus::kOk; }
   void Commit(const AnyMessage& message, const TypeInfo&) noexcept override {
     left.Add(*static_cast<const int*>(message.get()));
   }

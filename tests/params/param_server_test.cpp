@@ -87,6 +87,25 @@ TEST_F(ParamServerTest, ThrowingValidatorRefusesTheChange) {
   EXPECT_TRUE(params.Set("a.b", 1).ok());
 }
 
+TEST_F(ParamServerTest, SectionsOfTheSessionAreNoParameters) {
+  const auto file = Write("robot.yaml",
+                          "network: {security: {secret_key: hidden}}\ndiscovery: {domain: x}\nshared_memory: {}\n"
+                          "time: system\ndata_graph: {}\nchannels: {scan: {latched: 1}}\nslam: {range: 8}\n");
+  ParamServer params({{file}});
+  EXPECT_EQ(params.Snapshot().keys(), std::vector<std::string>{"slam"});
+  for (const std::string path : {"network.security.secret_key", "time", "channels.scan"}) {
+    const std::string fault = path + " cannot be a parameter";
+    EXPECT_TRUE(Contains(params.Set(path, 1).refusal, fault)) << path;
+    EXPECT_TRUE(Contains(test::ErrorOf([&] { params.Declare(path, 1); }), fault)) << path;
+    EXPECT_TRUE(Contains(test::ErrorOf([&] { ParamServer({{file}, {{path, "1", "test"}}}); }), fault)) << path;
+  }
+  ASSERT_TRUE(params.Set("slam.range", 9).ok());
+  params.Save();
+  EXPECT_TRUE(Contains(Read(file), "secret_key: hidden")) << "saving leaves them in the file";
+  EXPECT_TRUE(params.Reload().ok());
+  EXPECT_EQ(params.Snapshot().keys(), std::vector<std::string>{"slam"});
+}
+
 TEST_F(ParamServerTest, CallsListenersForTheirPathsInOrder) {
   ParamServer params;
   std::vector<std::string> heard;

@@ -162,6 +162,21 @@ TEST_F(RemoteParamsTest, ReportsMissingValuesAndWrongTypes) {
   EXPECT_EQ(*params.Get<std::string>("a.\"the key\""), "5") << "a text stays a text";
 }
 
+TEST_F(RemoteParamsTest, RefusesToSetWhatDoesNotExistUnlessAskedToCreateIt) {
+  const Offering offering(*robot_.session);
+  RemoteParams params(*other_.session, "robot", kPatience);
+  EXPECT_EQ(params.Set("slam.matcher.rnage", 5.0).refusal,
+            "There is no parameter slam.matcher.rnage. Did you mean slam.matcher.range? To create it, pass "
+            "IfMissing::kCreate.");
+  EXPECT_THAT(params.Remove("nothing").refusal, HasSubstr("There is no parameter nothing."));
+  EXPECT_FALSE(params.Change({ParamChange::Of("slam.matcher.range", 5.0), ParamChange::Of("new", 1)}).ok());
+  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 8.5) << "all changes or none";
+  EXPECT_FALSE(params.Get<int>("new").ok());
+  EXPECT_EQ(params.Set("new", 1, IfMissing::kCreate).refusal, "");
+  EXPECT_EQ(params.Set("new", 2).refusal, "");
+  EXPECT_EQ(*params.Get<int>("new"), 2);
+}
+
 TEST_F(RemoteParamsTest, ReportsTimeouts) {
   Offering offering(*robot_.session);
   test::Door door;
@@ -172,7 +187,8 @@ TEST_F(RemoteParamsTest, ReportsTimeouts) {
   RemoteParams patient(*other_.session, "robot", kPatience);
   ASSERT_TRUE(patient.Snapshot().ok());
   RemoteParams params(*other_.session, "robot", 50ms);
-  EXPECT_THAT(params.Set("slow", 1).refusal, HasSubstr("The session \"robot\" did not answer in time"));
+  EXPECT_THAT(params.Set("slow", 1, IfMissing::kCreate).refusal,
+              HasSubstr("The session \"robot\" did not answer in time"));
   door.Open();
   EXPECT_EQ(*patient.Get<int>("slow"), 1) << "the change was made after the timeout";
 }
@@ -239,7 +255,7 @@ TEST_F(RemoteParamsTest, MayBeUsedInsideAListener) {
       EXPECT_EQ(params.Set("count", count + 1).refusal, "");
     }
   });
-  EXPECT_TRUE(params.Set("count", 1).ok());
+  EXPECT_TRUE(params.Set("count", 1, IfMissing::kCreate).ok());
   EXPECT_TRUE(Await([&] { return offering.server.Get<int>("count") == 5; }));
 }
 
@@ -251,7 +267,7 @@ TEST_F(RemoteParamsTest, CanBeSetByManyThreadsAtOnce) {
       RemoteParams params(t % 2 == 0 ? *other_.session : *robot_.session, "robot", kPatience);
       const std::string path = "many.of" + std::to_string(t);
       for (int i = 1; i <= 25; ++i) {
-        ASSERT_EQ(params.Set(path, i).refusal, "");
+        ASSERT_EQ(params.Set(path, i, IfMissing::kCreate).refusal, "");
         ASSERT_EQ(*params.Get<int>(path), i);
       }
     });
@@ -273,6 +289,7 @@ TEST_F(RemoteParamsTest, RefusesRequestsThatCannotBeRead) {
   ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 1, kPatience));
   ParamsQuestion question;
   question.set_asker(1);
+  question.set_create(true);
   question.add_changes();
   const std::array<std::pair<std::string, std::string>, 4> wrong{
       {{"a.b", "[1, 2"}, {"a..b", "1"}, {"a[9]", "1"}, {"x", "a: &a [*a]"}}};
@@ -298,6 +315,7 @@ TEST_F(RemoteParamsTest, MakesARepeatedChangeOnlyOnce) {
   ParamsQuestion question;
   question.set_asker(1);
   question.set_number(1);
+  question.set_create(true);
   question.add_changes()->set_path("x");
   question.mutable_changes(0)->set_yaml("1");
   (void)ask(question);

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,7 +15,14 @@
 
 #include <foxglove/Log.pb.h>
 
+#include "hgros/clock/derived_clocks.hpp"
+#include "hgros/clock/system_clocks.hpp"
 #include "hgros/hgros.hpp"
+#include "hgros/params/param_file_watch.hpp"
+#include "hgros/params/param_server.hpp"
+#include "hgros/params/param_service.hpp"
+#include "hgros/session/clock_publisher.hpp"
+#include "hgros/tf/transforms.hpp"
 #include "resilience/places.hpp"
 #include "support/await.hpp"
 
@@ -128,6 +136,72 @@ TEST_F(Fork, AChildMayMakeASessionOfItsOwn) {
             }),
             0);
   ExpectUndisturbed();
+}
+
+TEST_F(Fork, AChildThatDestroysABusyServiceAndItsCallsEnds) {
+  test::Door door;
+  std::atomic<bool> handles{false};
+  std::optional<Service> service(talker->Serve<Log, Log>("busy", [&](const Log& log) {
+    handles = true;
+    door.Pass();
+    return log;
+  }));
+  std::optional<CallFuture<Log>> call(talker->Call<Log, Log>("busy", Log(), kPatience));
+  ASSERT_TRUE(Await([&] { return handles.load(); }));
+  EXPECT_EQ(InChild([&] {
+              call.reset();
+              service.reset();
+              talker.reset();
+              return 0;
+            }),
+            0);
+  door.Open();
+  EXPECT_TRUE(call->Wait());
+}
+
+TEST_F(Fork, AChildThatDestroysBusyTimersEnds) {
+  test::Door door;
+  std::atomic<int> inside{0};
+  const auto stay = [&](const Tick&) {
+    ++inside;
+    door.Pass();
+  };
+  std::optional<NodeTimer> node(
+      talker->CreateTimer("busy", std::chrono::milliseconds(1), stay, {.executor = Executor::Inline()}));
+  std::optional<TimerQueue> queue(std::in_place, std::make_shared<SteadyClock>());
+  std::optional<Timer> timer(queue->Every(std::chrono::milliseconds(1), stay));
+  ASSERT_TRUE(Await([&] { return inside == 2; }));
+  EXPECT_EQ(InChild([&] {
+              node.reset();
+              timer.reset();
+              queue.reset();
+              talker.reset();
+              return 0;
+            }),
+            0);
+  door.Open();
+}
+
+TEST_F(Fork, AChildThatDestroysObjectsWithThreadsEnds) {
+  ParamServer server;
+  const std::string file = folder.path() + "/params.yaml";
+  std::ofstream(file) << "speed: 1\n";
+  ParamServer watched(ParamSources{{file}, {}});
+  std::optional<ParamFileWatch> watch(std::in_place, watched, [](const ParamResult&) {});
+  std::optional<ParamService> params(std::in_place, *talker, server);
+  std::optional<Transforms> transforms(std::in_place, *talker);
+  std::optional<ClockPublisher> clock(std::in_place, *talker, std::make_shared<SimulatedClock>());
+  std::optional<SystemClock> system(std::in_place);
+  const Listening jumps = system->OnJump([](const ClockJump&) {});
+  EXPECT_EQ(InChild([&] {
+              watch.reset();
+              params.reset();
+              transforms.reset();
+              clock.reset();
+              system.reset();
+              return 0;
+            }),
+            0);
 }
 
 TEST(ForkOfADefaultSession, AChildThatExitsEnds) {

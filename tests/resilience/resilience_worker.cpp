@@ -3,10 +3,13 @@
 // session's log: "log ...". It ends in order on SIGTERM, and is killed when its parent ends.
 //
 //   --config=YAML        of the session
+//   --group=FOLDER       enter this memory control group
 //   --out=CHANNEL        publish there: --count=N messages (0: without end) of --size=BYTES, one every --period-us=N,
-//                        after --await=N subscribers have come; waits for room where there is none
+//                        after --await=N subscribers have come; waits for room where there is none; --bulk=1: as
+//                        Bulk; --spare-mb=N: then the process may allocate only this much more
 //   --in=CHANNEL         subscribe there: --keep-all=N or --keep-last=N, with a callback that takes --slow-ms=N
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -16,10 +19,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -78,10 +83,7 @@ std::uint64_t Checksum(std::string_view data) {
   return sum;
 }
 
-std::unique_ptr<Image> MakeImage(std::uint64_t sequence, std::size_t size_bytes) {
-  auto image = std::make_unique<Image>();
-  std::string& data = *image->mutable_data();
-  data.resize(std::max(size_bytes, sizeof(Stamp)));
+void Fill(std::span<char> data, std::uint64_t sequence) {
   std::uint64_t word = sequence;
   for (std::size_t i = sizeof(Stamp); i + sizeof word <= data.size(); i += sizeof word) {
     word = word * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -89,9 +91,29 @@ std::unique_ptr<Image> MakeImage(std::uint64_t sequence, std::size_t size_bytes)
   }
   Stamp stamp{static_cast<std::uint64_t>(getpid()), sequence, 0};
   std::memcpy(data.data(), &stamp, sizeof stamp);
-  stamp.checksum = Checksum(data);
+  stamp.checksum = Checksum({data.data(), data.size()});
   std::memcpy(data.data(), &stamp, sizeof stamp);
+}
+
+std::unique_ptr<Image> MakeImage(std::uint64_t sequence, std::size_t size_bytes) {
+  auto image = std::make_unique<Image>();
+  image->mutable_data()->resize(std::max(size_bytes, sizeof(Stamp)));
+  Fill(*image->mutable_data(), sequence);
   return image;
+}
+
+std::unique_ptr<Bulk<Image>> MakeBulk(std::uint64_t sequence, std::size_t size_bytes) {
+  auto image = std::make_unique<Bulk<Image>>(std::max(size_bytes, sizeof(Stamp)));
+  Fill({reinterpret_cast<char*>(image->writable().data()), image->writable().size()}, sequence);
+  return image;
+}
+
+/// From now on this process may allocate only this much more.
+void LimitMemory(std::uint64_t spare_bytes) {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlimit limit{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + spare_bytes, RLIM_INFINITY};
+  setrlimit(RLIMIT_AS, &limit);
 }
 
 /// All zero if the data are not those that were published.
@@ -111,6 +133,9 @@ class Source {
       : session_(session),
         channel_(arguments.Text("out")),
         publish_(session.Advertise<Image>(channel_)),
+        publish_bulk_(session.Advertise<Bulk<Image>>(channel_)),
+        bulk_(arguments.Number("bulk", 0) > 0),
+        spare_mb_(arguments.Number("spare-mb", 0)),
         count_(arguments.Number("count", 0)),
         size_bytes_(arguments.Number("size", 64)),
         await_(arguments.Number("await", 0)),
@@ -119,26 +144,28 @@ class Source {
 
   void Report(std::string& line) const {
     line += " published=" + std::to_string(published_) + " full=" + std::to_string(full_) +
-            " waiting=" + std::to_string(waiting_) + " refused=" + std::to_string(refused_);
+            " waiting=" + std::to_string(waiting_) + " refused=" + std::to_string(refused_) +
+            " no_memory=" + std::to_string(no_memory_);
   }
 
  private:
   void Run(const std::stop_token& stop) {
     if (!session_.WaitForSubscribers(channel_, await_, test::kPatience)) return;
+    if (spare_mb_ > 0) LimitMemory(spare_mb_ << 20);
     auto next = std::chrono::steady_clock::now();
     for (std::uint64_t sequence = 1; (count_ == 0 || sequence <= count_) && !stop.stop_requested(); ++sequence) {
-      auto image = MakeImage(sequence, size_bytes_);
-      PublishStatus status = publish_(std::move(image));
-      if (status == PublishStatus::kFull) {
-        ++full_;
-        waiting_ = 1;
-        status = publish_.Wait(std::move(image), std::chrono::steady_clock::now() + kRoomPatience, stop);
-        waiting_ = 0;
+      PublishStatus status = PublishStatus::kEmpty;
+      try {
+        status = bulk_ ? Publish(publish_bulk_, MakeBulk(sequence, size_bytes_), stop)
+                       : Publish(publish_, MakeImage(sequence, size_bytes_), stop);
+      } catch (const std::bad_alloc&) {  // The earlier messages have not ended yet.
+        --sequence;
       }
       if (status == PublishStatus::kOk) {
         ++published_;
-      } else {
+      } else if (status != PublishStatus::kEmpty) {
         ++refused_;
+        no_memory_ += status == PublishStatus::kNoMemory ? 1 : 0;
       }
       next = std::max(next + period_, std::chrono::steady_clock::now() - period_);
       std::unique_lock lock(mutex_);
@@ -146,9 +173,24 @@ class Source {
     }
   }
 
+  template <class Message>
+  PublishStatus Publish(const Publisher<Message>& publish, std::unique_ptr<Message> image,
+                        const std::stop_token& stop) {
+    PublishStatus status = publish(std::move(image));
+    if (status != PublishStatus::kFull) return status;
+    ++full_;
+    waiting_ = 1;
+    status = publish.Wait(std::move(image), std::chrono::steady_clock::now() + kRoomPatience, stop);
+    waiting_ = 0;
+    return status;
+  }
+
   Session& session_;
   const std::string channel_;
   const Publisher<Image> publish_;
+  const Publisher<Bulk<Image>> publish_bulk_;
+  const bool bulk_;
+  const std::uint64_t spare_mb_;
   const std::uint64_t count_;
   const std::size_t size_bytes_;
   const std::size_t await_;
@@ -156,6 +198,7 @@ class Source {
   std::atomic<std::uint64_t> published_{0};
   std::atomic<std::uint64_t> full_{0};
   std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> no_memory_{0};
   std::atomic<int> waiting_{0};
   std::mutex mutex_;
   std::condition_variable_any stopped_;
@@ -248,6 +291,9 @@ void ReportSession(const Session& session, std::string& line) {
 }
 
 int Run(const Arguments& arguments, const sigset_t& end) {
+  if (const std::string group = arguments.Text("group"); !group.empty()) {
+    if (!(std::ofstream(group + "/cgroup.procs") << getpid() << std::flush)) return 3;
+  }
   std::mutex writing;
   const auto say = [&writing](const std::string& line) {
     const std::scoped_lock lock(writing);

@@ -1,18 +1,16 @@
 // A publisher in a memory control group that is too small for its shared memory.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <filesystem>
-#include <fstream>
+#include <cstdint>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "resilience/shm_numbers.hpp"
+#include "resilience/small_group.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/await.hpp"
-#include "transport/shm/memory/memory_group.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -21,38 +19,6 @@ using test::Await;
 
 constexpr std::uint64_t kGroupBytes = 48u << 20;
 constexpr auto kSameLineAgainAfter = std::chrono::seconds(10);  // The same as in Log::WriteLimited.
-
-/// A memory control group below our own, if one can be made.
-class SmallGroup {
- public:
-  SmallGroup() {
-    const auto place = shm::FindMemoryGroup();
-    if (place.folder.empty()) {
-      why_not = "no memory control group is mounted";
-      return;
-    }
-    folder = place.folder + "/hgros-test-" + std::to_string(getpid());
-    if (place.unified) std::ofstream(place.folder + "/cgroup.subtree_control") << "+memory" << std::flush;
-    std::error_code error;
-    made_ = std::filesystem::create_directory(folder, error);
-    const std::string limit = folder + (place.unified ? "/memory.max" : "/memory.limit_in_bytes");
-    if (!made_ || !std::filesystem::exists(limit) || !(std::ofstream(limit) << kGroupBytes << std::flush)) {
-      why_not = "no memory control group can be made below " + place.folder;
-    }
-  }
-  SmallGroup(const SmallGroup&) = delete;
-  SmallGroup& operator=(const SmallGroup&) = delete;
-  // While a process in the group is still ending, its folder cannot be removed.
-  ~SmallGroup() {
-    (void)(!made_ || Await([this] { return rmdir(folder.c_str()) == 0; }));
-  }
-
-  std::string folder;
-  std::string why_not;
-
- private:
-  bool made_ = false;
-};
 
 /// Keeps all messages.
 class Hoard : public InboundSink {
@@ -82,7 +48,7 @@ class Hoard : public InboundSink {
 };
 
 TEST(ShmMemoryGroupProcess, AFullGroupKillsNoProcessAndMessagesGoOverTheSocket) {
-  const SmallGroup group;
+  const SmallGroup group(kGroupBytes);
   if (!group.why_not.empty()) GTEST_SKIP() << group.why_not;
   QuietListener listener;
   Log log{[](LogLevel, std::string_view) {}};

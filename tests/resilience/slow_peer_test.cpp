@@ -1,6 +1,13 @@
 // Subscribers that are stopped, slow or killed while a publisher is at work.
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <cstdlib>
+#include <regex>
+#include <sstream>
+#include <string>
+
+#include "hgros/base/ids.hpp"
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
 
@@ -66,6 +73,42 @@ TEST(StoppedSubscriber, ReceivesAgainAfterItWasDropped) {
         << "killed subscribers must be noticed" << publisher;
     EXPECT_EQ(other["disorder"] + other["corrupt"], 0U) << other;
   }
+}
+
+TEST(StoppedSubscriber, IsNamedWithTheNumberOfLosslessMessagesThatItMissed) {
+  const ScratchFolder folder;
+  for (const bool ipc : {true, false}) {
+    setenv("HGROS_DOMAIN", ipc ? "none" : ("test-" + SessionId::Random().ToString()).c_str(), 1);
+    const std::string bus = folder.Endpoint("bus");
+    const std::string shared = "--config=network: {heartbeat_ms: 100, peer_timeout_ms: 500}";
+    const WorkerProcess publisher(
+        {ipc ? Publishing(bus, kImpatient) : shared, "--out=images", "--await=1", "--size=4096"});
+    const WorkerProcess stopped({ipc ? Subscribing(bus, kImpatient) : shared, "--in=images", "--keep-all=16"});
+    ASSERT_TRUE(stopped.Reaches({{"received", 50}})) << publisher << stopped;
+    stopped.Stop();
+    ASSERT_TRUE(Await([&] { return publisher["subscribers"] == 0; })) << publisher;
+    ASSERT_TRUE(publisher.Gains("published", 300)) << publisher;
+    stopped.Continue();
+    ASSERT_TRUE(Await([&] { return stopped["gaps"] > 0; })) << publisher << stopped;
+    const auto log = [&] {
+      std::ostringstream all;
+      all << publisher;
+      return all.str();
+    };
+    EXPECT_NE(log().find(" has gone without confirming "), std::string::npos) << publisher;
+    std::smatch found;
+    std::string text;
+    const std::regex total("has missed up to ([0-9]+) messages of the lossless channel \"images\", and is back\\.");
+    ASSERT_TRUE(Await([&] {
+      text = log();
+      return std::regex_search(text, found, total);
+    })) << publisher
+        << stopped;
+    const std::uint64_t missed = std::stoull(found[1]);
+    EXPECT_GE(missed, stopped["gaps"]) << publisher << stopped;
+    EXPECT_LE(missed, stopped["gaps"] + 16) << "its queue may have arrived unconfirmed" << publisher << stopped;
+  }
+  setenv("HGROS_DOMAIN", "none", 1);
 }
 
 TEST(StoppedSubscriber, MissesNothingIfItIsLosslessAndContinuesInTime) {

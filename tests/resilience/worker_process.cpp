@@ -80,6 +80,7 @@ void WorkerProcess::Read(int fd) {
         std::string text;
         std::getline(line, text);
         log_.push_back(text);
+        ++log_lines_;
         if (log_.size() > kLogLines) log_.pop_front();
         continue;
       }
@@ -138,6 +139,23 @@ bool WorkerProcess::Reaches(const std::map<std::string, std::uint64_t>& at_least
 
 bool WorkerProcess::Gains(const std::string& name, std::uint64_t more) const {
   return Reaches({{name, (*this)[name] + more}});
+}
+
+std::size_t WorkerProcess::log_lines() const {
+  const std::scoped_lock lock(mutex_);
+  return log_lines_;
+}
+
+std::chrono::milliseconds WorkerProcess::cpu_time(const std::string& thread_name) const {
+  std::chrono::nanoseconds sum{0};
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid_) + "/task")) {
+    std::string name;
+    std::int64_t ran_ns = 0;
+    std::getline(std::ifstream(thread.path() / "comm") >> std::ws, name);
+    std::ifstream(thread.path() / "schedstat") >> ran_ns;
+    if (name == thread_name) sum += std::chrono::nanoseconds(ran_ns);
+  }
+  return std::chrono::duration_cast<std::chrono::milliseconds>(sum);
 }
 
 std::size_t WorkerProcess::open_files() const {

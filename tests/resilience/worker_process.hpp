@@ -2,6 +2,8 @@
 
 #include <sys/types.h>
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -44,7 +46,11 @@ class WorkerProcess {
   /// Waits until a number has grown by `more` from its value now.
   [[nodiscard]] bool Gains(const std::string& name, std::uint64_t more) const;
 
+  /// The number of lines that its session has logged.
+  [[nodiscard]] std::size_t log_lines() const;
   [[nodiscard]] std::size_t open_files() const;
+  /// The processor time that its threads of this name have used.
+  [[nodiscard]] std::chrono::milliseconds cpu_time(const std::string& thread_name) const;
   [[nodiscard]] std::size_t resident_bytes() const;
 
  private:
@@ -55,6 +61,7 @@ class WorkerProcess {
   mutable std::mutex mutex_;
   std::map<std::string, std::uint64_t> status_;  // Guarded by mutex_.
   std::deque<std::string> log_;                  // Guarded by mutex_; the last lines.
+  std::size_t log_lines_ = 0;                    // Guarded by mutex_.
   std::thread reader_;
 };
 

@@ -85,6 +85,33 @@ TEST_F(Services, WaitForTheTimeoutIfAnEndpointMayLeadToAServer) {
   EXPECT_EQ(result.failure().reason, "No server of \"add\" was found within 30 ms.");
 }
 
+TEST_F(Services, NameTheNearestServiceIfNobodyServesOne) {
+  Robot alone("discovery: {local: false}");
+  const Service own = alone->Serve<Sum, Total>("add_numbers", Add);
+  const auto result = alone->Call<Sum, Total>("ad_numbers", Sum{}, kLong).Wait();
+  EXPECT_TRUE(result.failure().reason.ends_with("Did you mean \"add_numbers\"?")) << result.failure().reason;
+
+  Robot server("");
+  const Service service = server->Serve<Sum, Total>("add", Add);
+  Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}");
+  ASSERT_TRUE((robot->Call<Sum, Total>("add", Sum{}, kLong).Wait()));
+  const auto late = robot->Call<Sum, Total>("/add", Sum{}, std::chrono::milliseconds(30)).Wait();
+  EXPECT_EQ(late.failure().reason, "No server of \"/add\" was found within 30 ms. Did you mean \"add\"?");
+}
+
+TEST_F(Services, LogOnceThatACallWaitsForAServer) {
+  Robot server("");
+  const Service service = server->Serve<Sum, Total>("add", Add);
+  Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}");
+  const auto first = robot->Call<Sum, Total>("/add", Sum{}, kLong);
+  const auto second = robot->Call<Sum, Total>("/add", Sum{}, kLong);
+  EXPECT_TRUE(Await([&] {
+    return robot.Said("A call of service \"/add\" waits: no session that is reached serves it. Did you mean \"add\"?");
+  }));
+  test::Linger(std::chrono::milliseconds(200));
+  EXPECT_EQ(robot.Count("A call of service"), 1U);
+}
+
 TEST_F(Services, RefuseASecondServerInOneSession) {
   Session session;
   const Service first = session.Serve<Sum, Total>("add", Add);

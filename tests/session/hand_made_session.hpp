@@ -29,13 +29,14 @@ class HandMadeSession {
  protected:
   explicit HandMadeSession(std::string name) : name_(std::move(name)) {}
 
-  /// Announces itself in the domain, with a place for shared memory that may not be open yet.
-  void Enlist(const std::string& domain) {
+  /// Announces itself in the domain, as a user of the channel, with a place for shared memory that may not be open yet.
+  void Enlist(const std::string& domain, ChannelAnnouncement use) {
     RegistryOptions options;
     options.domain = domain;
     registry_ = OpenRegistry(options, ears_, log_);
     Announcement own = AnnouncementOfThisProcess(id_, 1);
     own.places["shared_memory"] = place_;
+    own.channels.push_back(std::move(use));
     registry_->Announce(own);
   }
   /// `options` has the endpoints.

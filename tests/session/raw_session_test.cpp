@@ -54,7 +54,18 @@ double XOf(const RawMessage& message) {
   return vector.x();
 }
 
-class RawSubscription : public test::ObservedFixture {};
+class RawSubscription : public test::ObservedFixture {
+ protected:
+  /// One more publishing session that the observer reaches.
+  [[nodiscard]] std::unique_ptr<test::Robot> Second() {
+    auto second = std::make_unique<test::Robot>(
+        GetParam() == "sharedmemory" ? ""
+                                     : "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}\n",
+        "second");
+    Connect(*observer->session, *second->session);
+    return second;
+  }
+};
 
 TEST_P(RawSubscription, ReceivesBytesSenderAndSchema) {
   Begin();
@@ -107,6 +118,70 @@ TEST_P(RawSubscription, ForgetsTheSchemaOfAPublisherThatIsGone) {
       << "there is no publisher any more";
 }
 
+TEST_P(RawSubscription, ForgetsTheSchemaOfAPublisherThatIsGoneWhileAnotherStays) {
+  Begin();
+  std::unique_ptr<test::Robot> second = Second();
+  KeptRaw kept;
+  const auto subscription = observer->session->FromAnyRaw("v", kSerial, std::ref(kept), All());
+  const auto newest = [&] { return observer->session->AwaitSchema("v", std::chrono::milliseconds(1)); };
+  const auto is = [&](Encoding encoding) {
+    const auto schema = newest();
+    return schema != nullptr && schema->encoding == encoding;
+  };
+  const auto vectors = robot->session->Advertise<Vector3>("v");
+  ASSERT_TRUE(Await([&] { return is(Encoding::kProtobuf); }));
+  const auto notes = second->session->Advertise<Note>("v");
+  ASSERT_TRUE(Await([&] { return is(Encoding::kCustom); })) << "the last one that came";
+  second.reset();
+  EXPECT_TRUE(Await([&] { return is(Encoding::kProtobuf); })) << newest()->type_name;
+}
+
+TEST_P(RawSubscription, LeavesPublishersOfOtherTypesWhenATypedOneTakesItsPlace) {
+  for (const bool raw_first : {true, false}) {
+    Begin();
+    std::unique_ptr<test::Robot> second = Second();
+    KeptRaw kept;
+    Subscription raw = observer->session->FromAnyRaw("v", kSerial, std::ref(kept));
+    const auto vectors = robot->session->Advertise<Vector3>("v");
+    const auto notes = second->session->Advertise<Note>("v");
+    ASSERT_TRUE(robot->session->WaitForSubscribers("v", 1, kPatience));
+    ASSERT_TRUE(second->session->WaitForSubscribers("v", 1, kPatience));
+    if (raw_first) raw.Reset();
+    std::atomic<int> typed{0};
+    const auto subscription = observer->session->FromAny<Vector3>("v", kSerial, [&](const Vector3&) { ++typed; });
+    raw.Reset();
+    EXPECT_TRUE(Await([&] { return second->session->Snapshot().traffic.at(0).out.subscribers == 0; }))
+        << "it still sends what nobody can read";
+    EXPECT_TRUE(
+        Await([&] { return vectors(std::make_unique<Vector3>(Vector(1))) == PublishStatus::kOk && typed > 0; }));
+    observer.reset();
+  }
+}
+
+TEST_P(RawSubscription, LosesNoMessageOfALosslessTypedOneWhenItEnds) {
+  Begin();
+  KeptRaw kept;
+  Subscription raw = observer->session->FromAnyRaw("v", kSerial, std::ref(kept));
+  std::vector<double> typed;
+  std::atomic<std::size_t> count{0};
+  const auto subscription = observer->session->FromAny<Vector3>(
+      "v", kSerial,
+      [&](const Vector3& vector) {
+        typed.push_back(vector.x());
+        ++count;
+      },
+      All());
+  const auto publish = robot->session->Advertise<Vector3>("v");
+  ASSERT_TRUE(robot->session->WaitForSubscribers("v", 1, kPatience));
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(publish.Wait(std::make_unique<Vector3>(Vector(i)), std::chrono::steady_clock::now() + kPatience),
+              PublishStatus::kOk);
+    if (i == 50) raw.Reset();
+  }
+  ASSERT_TRUE(Await([&] { return count == 200; })) << count;
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(typed[static_cast<std::size_t>(i)], i);
+}
+
 TEST_P(RawSubscription, AndATypedSubscriptionOfOneChannelBothReceiveEveryMessage) {
   for (const bool raw_first : {true, false}) {
     Begin();
@@ -145,17 +220,13 @@ TEST_P(RawSubscription, AndATypedSubscriptionOfOneChannelBothReceiveEveryMessage
 
 TEST_P(RawSubscription, ReceivesFromPublishersOfDifferentTypes) {
   Begin();
-  test::Robot second(GetParam() == "sharedmemory"
-                         ? ""
-                         : "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}\n",
-                     "second");
-  Connect(*observer->session, *second.session);
+  std::unique_ptr<test::Robot> second = Second();
   KeptRaw kept;
   const auto raw = observer->session->FromAnyRaw("v", kSerial, std::ref(kept), All());
   const auto vectors = robot->session->Advertise<Vector3>("v");
-  const auto notes = second.session->Advertise<Note>("v");
+  const auto notes = second->session->Advertise<Note>("v");
   ASSERT_TRUE(robot->session->WaitForSubscribers("v", 1, kPatience));
-  ASSERT_TRUE(second.session->WaitForSubscribers("v", 1, kPatience));
+  ASSERT_TRUE(second->session->WaitForSubscribers("v", 1, kPatience));
   vectors(std::make_unique<Vector3>(Vector(1)));
   ASSERT_TRUE(Await([&] { return kept.size() == 1; }));
   notes(std::make_unique<Note>("text"));
@@ -167,8 +238,7 @@ TEST_P(RawSubscription, ReceivesFromPublishersOfDifferentTypes) {
   // Now this session has a type, and it differs from what the second session sends.
   std::atomic<int> typed{0};
   const auto subscription = observer->session->FromAny<Vector3>("v", kSerial, [&](const Vector3&) { ++typed; });
-  ASSERT_TRUE(Await(
-      [&] { return observer->Said("Nothing passes between this session and " + second.session->id().ToString()); }));
+  ASSERT_TRUE(Await([&] { return observer->Said(" and session " + second->session->id().ToString()); }));
   vectors(std::make_unique<Vector3>(Vector(2)));
   notes(std::make_unique<Note>("more"));
   ASSERT_TRUE(Await([&] { return kept.size() == 4 && typed == 1; }));

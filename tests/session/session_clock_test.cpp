@@ -129,6 +129,17 @@ TEST_F(SessionClock, KeepsRunningBetweenMessages) {
   EXPECT_LT(robot->Snapshot().traffic.at(0).in.at(0).received, 100U);
 }
 
+TEST_F(SessionClock, SaysThatNoClockIsPublished) {
+  const Robot simulation("");
+  Robot waiting(kSimulated + "discovery: {local: false}\n");
+  Robot following(kSimulated);
+  const ClockPublisher publisher(*simulation.session, SimulatedClock::Paused(kStart));
+  EXPECT_TRUE(Await([&] { return waiting.Said("No clock was heard on the channel \"clock\" so far"); }));
+  test::Linger(200ms);
+  EXPECT_EQ(waiting.Count("No clock was heard"), 1U);
+  EXPECT_FALSE(following.Said("No clock was heard"));
+}
+
 TEST_F(SessionClock, ReachesLateSessions) {
   const Robot simulation("");
   const auto clock = SimulatedClock::Paused(kStart);

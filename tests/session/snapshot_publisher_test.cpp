@@ -87,6 +87,27 @@ TEST_P(SnapshotPublishers, PublishRepeatedlyAndToLateSubscribers) {
   EXPECT_TRUE(Await([&] { return ChannelOf(*robot->session, "v").published() == 1; }));
 }
 
+TEST_P(SnapshotPublishers, ReachOthersWhileALosslessSubscriberStandsStill) {
+  Begin();
+  const auto publish = robot->session->Advertise<Vector3>("v");  // So that other sessions find it.
+  test::Robot stuck(ObserverYaml(), "stuck");
+  Connect(*stuck.session, *robot->session);
+  test::Door door;
+  std::atomic<int> taken{0};
+  const auto standing = stuck.session->FromAny<Snapshot>(kSnapshotsChannel, kSerial,
+                                                         [&](const Snapshot&, const MessageInfo& info) {
+                                                           if (info.id.publisher != robot->session->id().value) return;
+                                                           ++taken;
+                                                           door.Pass();
+                                                         },
+                                                         {.queue = Queue::KeepAll(1)});
+  ASSERT_TRUE(Await([&] { return taken == 1; }));
+  const auto listening = Listen();
+  EXPECT_TRUE(Await([&] { return Of(*robot->session).times >= 2; }));
+  EXPECT_EQ(taken, 1);
+  door.Open();
+}
+
 TEST_P(SnapshotPublishers, AreListedAmongTheKnownChannels) {
   Begin();
   const auto publish = robot->session->Advertise<Vector3>("v");

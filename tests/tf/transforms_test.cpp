@@ -176,6 +176,46 @@ TEST_F(TransformsOfTwo, DestructorSendsWaitingTransforms) {
   EXPECT_TRUE(Arrives(looking, "map", "base", At(3)));
 }
 
+TEST_F(TransformsOfTwo, SecondOneOfASessionIsRefused) {
+  auto first = std::make_optional<Transforms>(*a.session);
+  try {
+    const Transforms second(*a.session);
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("The session \"a\" has a Transforms already."));
+  }
+  EXPECT_TRUE(first->ToStaticTF("base", "laser", Shift(1))) << "the first one is not affected";
+  first.reset();
+  Transforms next(*a.session);
+  EXPECT_TRUE(next.ToStaticTF("base", "laser", Shift(1)));
+}
+
+TEST_F(TransformsOfTwo, StampsFarAheadOfTheClockAreRefusedAndTheEdgeKeepsWorking) {
+  Transforms setting(*a.session);
+  const SetResult refused = setting.ToTF(WallNow() + 1h, "map", "base", Shift(1));
+  EXPECT_EQ(refused.fault(), SetFault::kTooNew);
+  EXPECT_THAT(refused.text(), testing::HasSubstr("its stamp is 3600 s ahead of the clock of session \"a\""));
+
+  Transforms looking(*b.session);
+  (void)looking.tree();
+  const auto publish = a->Advertise<foxglove::FrameTransforms>(kTransformsChannel);
+  ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  const std::int64_t now = WallNow().nanoseconds / 1'000'000'000;
+  ASSERT_EQ(publish(Message("map", "base", 1, now + 3600)), PublishStatus::kOk);
+  ASSERT_EQ(publish(Message("map", "base", 1, now)), PublishStatus::kOk);
+  ASSERT_TRUE(Arrives(looking, "map", "base", At(static_cast<double>(now))));
+  EXPECT_EQ(looking.stats().refused_transforms, 1U);
+  EXPECT_TRUE(b.Said("more than TransformsOptions::max_ahead (10 s)"));
+}
+
+TEST_F(TransformsOfTwo, LimitForStampsAheadOfTheClockCanBeSet) {
+  Transforms patient(*a.session, {.max_ahead = Duration::max()});
+  EXPECT_TRUE(patient.ToTF(WallNow() + 24h, "map", "base", Shift(1)));
+  const Robot simulated("time: simulated", "simulated");
+  Transforms waiting(*simulated.session);
+  EXPECT_TRUE(waiting.ToTF(At(5000), "map", "base", Shift(1))) << "no clock was heard so far";
+}
+
 TEST_F(TransformsOfTwo, ReportsAnEdgeOfTwoSessionsOnce) {
   Transforms one(*a.session);
   Transforms two(*b.session);
@@ -357,7 +397,7 @@ TEST_F(TransformsOfTwo, DestructorEndsWhileTheClockJumps) {
     }
   });
   for (int life = 0; life < 200; ++life) {
-    Transforms transforms(session, {.batch = 0ns});
+    Transforms transforms(session, {.batch = 0ns, .max_ahead = Duration::max()});
     ASSERT_TRUE(transforms.ToTF(At(life), "map", "base", Shift(life)));
   }
 }

@@ -92,7 +92,7 @@ class FalsePeer {
     bool found = false;
     (void)test::Await([&] {
       Ring();
-      socket_->Flush();
+      (void)socket_->Flush();
       for (;;) {
         const auto read = socket_->Receive(frame);
         if (read == PairSocket::Read::kNothing || read == PairSocket::Read::kMore) return false;

@@ -486,7 +486,7 @@ TEST_F(HostilePeer, AFloodOfFramesDoesNotBlockOtherPeers) {
     said.mutable_unwish()->set_link(99);
     while (!stop) {
       peer.Ring();
-      peer.socket().Flush();
+      (void)peer.socket().Flush();
       if (peer.socket().all_sent()) peer.Say(said);
     }
   });

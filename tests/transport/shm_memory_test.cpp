@@ -1,9 +1,12 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <string>
 
 #include "transport/shm/memory/memory.hpp"
@@ -61,6 +64,28 @@ TEST(ShmMemory, ASegmentWithHolesIsRefusedBeforeItUsesUpMemory) {
   const auto page = MapForeign(sparse, 5000, false, fault);  // Only the size of the page is mapped.
   ASSERT_NE(page, nullptr) << fault;
   EXPECT_EQ(page->bytes().size(), 8192u);
+}
+
+TEST(ShmMemory, SaysWhetherOnlyRoomIsMissing) {
+  constexpr std::size_t kSize = 256 << 20;
+  const Segment made = MakeSegment("hgros-test", kSize, Access::kOwnerOnly, Pages::kAtOnce);
+  ASSERT_NE(made.mapping, nullptr) << made.fault;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlimit tight{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + kSize / 2, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &tight), 0);
+  std::string fault;
+  bool no_room = false;
+  const auto mapping = MapForeign(made.handle, 0, false, fault, &no_room);
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_EQ(mapping, nullptr);
+  EXPECT_TRUE(no_room) << fault;
+  no_room = false;
+  EXPECT_EQ(MapForeign(Handle(), 1, false, fault, &no_room), nullptr);
+  EXPECT_FALSE(no_room) << "it is no memory file";
+  EXPECT_NE(MapForeign(made.handle, 0, false, fault, &no_room), nullptr);
 }
 
 }  // namespace

@@ -4,10 +4,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstring>
 #include <random>
 #include <string>
+#include <thread>
 
 #include "hgros/base/ids.hpp"
 #include "support/await.hpp"
@@ -74,13 +77,14 @@ TEST(ShmPairSocket, FramesOfAllSizesArriveInOrderWithTheirDescriptors) {
         sent.emplace_back(size, files);
         ends.here->Send(Payload(sent.size(), size), handles);
       } else {
-        ends.here->Flush();
+        (void)ends.here->Flush();
         const auto read = ends.there->Receive(frame);
         if (read == PairSocket::Read::kNothing || read == PairSocket::Read::kMore) continue;
         ASSERT_EQ(read, PairSocket::Read::kFrame) << ends.there->fault();
         const auto& [size, files] = sent[received++];
-        ASSERT_EQ(frame.message.payload().number(), received);
-        ASSERT_EQ(frame.message.payload().data().size(), size);
+        ASSERT_TRUE(frame.payload);
+        ASSERT_EQ(frame.payload->number, received);
+        ASSERT_EQ(AsText(frame.payload->data.bytes), std::string(size, static_cast<char>(received)));
         ASSERT_EQ(frame.handles.size(), files.size());
         for (std::size_t i = 0; i < files.size(); ++i) {
           struct stat status {};
@@ -125,11 +129,72 @@ TEST(ShmPairSocket, ALargeFrameIsReadInPieces) {
   EXPECT_GT(received, 0u);
   EXPECT_LT(received, 700'000u);
   ASSERT_TRUE(test::Await([&] {
-    ends.here->Flush();
+    (void)ends.here->Flush();
     return ends.there->Receive(frame) == PairSocket::Read::kFrame;
   }));
-  EXPECT_EQ(frame.message.payload().data().size(), 700'000u);
+  ASSERT_TRUE(frame.payload);
+  EXPECT_EQ(frame.payload->data.bytes.size(), 700'000u);
   EXPECT_GT(ends.there->received_bytes(), 700'000u);
+}
+
+TEST(ShmPairSocket, APayloadIsSentFromItsOwnMemoryAndArrivesBetweenOtherFrames) {
+  for (const std::size_t size : {0u, 1u, 60'000u, 65'500u, 65'600u, 900'000u}) {
+    SCOPED_TRACE(size);
+    Ends ends;
+    std::minstd_rand random(7);
+    auto text = std::make_shared<std::string>(size, ' ');
+    for (char& one : *text) one = static_cast<char>(random());
+    const std::weak_ptr<const std::string> lives = text;
+    ends.here->Send(Payload(1, 10));
+    ends.here->SendPayload(77, 2, {AsBytes(*text), text});
+    ends.here->Send(Payload(3, 10), {File()});
+    const std::string expected = *std::exchange(text, nullptr);
+    EXPECT_FALSE(lives.expired()) << "it is not copied";
+    PairSocket::Frame frame;
+    for (std::uint64_t number = 1; number <= 3; ++number) {
+      ASSERT_TRUE(test::Await([&] {
+        (void)ends.here->Flush();
+        return ends.there->Receive(frame) == PairSocket::Read::kFrame;
+      })) << ends.there->fault();
+      ASSERT_TRUE(frame.payload);
+      EXPECT_EQ(frame.payload->number, number);
+      EXPECT_EQ(frame.handles.size(), number == 3 ? 1u : 0u);
+      if (number != 2) continue;
+      EXPECT_EQ(frame.payload->link, 77u);
+      EXPECT_EQ(AsText(frame.payload->data.bytes), expected);
+    }
+    EXPECT_TRUE(ends.here->all_sent());
+    EXPECT_TRUE(lives.expired());
+    EXPECT_EQ(ends.here->sent_bytes(), ends.there->received_bytes());
+  }
+}
+
+TEST(ShmPairSocket, OneFlushSendsOnlyAPartOfALargePayload) {
+  constexpr std::size_t kSize = 64 << 20;
+  int fds[2];
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, fds), 0);
+  PairSocket here(std::make_shared<const Handle>(fds[0]), kMaxFrame);
+  const Handle there(fds[1]);
+  // A peer that reads as fast as it can: without a limit, one call would last until everything is sent.
+  std::atomic<std::uint64_t> read_bytes{0};
+  std::jthread reader([&](const std::stop_token& stop) {
+    std::string into(1 << 20, ' ');
+    while (!stop.stop_requested()) {
+      const auto got = recv(there.fd(), into.data(), into.size(), MSG_DONTWAIT);
+      if (got > 0) read_bytes += static_cast<std::uint64_t>(got);
+    }
+  });
+  auto text = std::make_shared<const std::string>(kSize, 'x');
+  here.SendPayload(1, 1, {AsBytes(*text), text});
+  std::uint64_t most = 0;
+  ASSERT_TRUE(test::Await([&] {
+    const std::uint64_t before = here.sent_bytes();
+    (void)here.Flush();
+    most = std::max(most, here.sent_bytes() - before);
+    return here.all_sent();
+  }));
+  EXPECT_LT(most, kSize / 4);
+  EXPECT_TRUE(test::Await([&] { return read_bytes == here.sent_bytes(); }));
 }
 
 TEST(ShmPairSocket, ATruncatedFrameEndsTheSocket) {

@@ -2,7 +2,6 @@
 #include "hgros/transport/shm_transport.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -20,6 +19,7 @@
 
 #include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
+#include "support/no_descriptors.hpp"
 #include "transport/shm/memory/memory.hpp"
 
 namespace hgros::shm {
@@ -27,6 +27,7 @@ namespace {
 
 using conformance::TextType;
 using test::Await;
+using test::NoDescriptors;
 
 /// Keeps whole messages.
 class Keeper : public InboundSink {
@@ -235,18 +236,63 @@ TEST_F(ShmTransportTest, AForkedChildGetsNoLoan) {
   EXPECT_EQ(status, 0);
 }
 
+TEST_F(ShmTransportTest, MessagesOfASegmentThatCannotBeReceivedComeOverTheSocket) {
+  constexpr int kMessages = 3;
+  std::vector<Block> loans;
+  const auto loan = [&] {
+    for (int i = 0; i < kMessages; ++i) {
+      auto block = publisher->Loan(100'000 + i);
+      ASSERT_TRUE(block);
+      std::memset(block->writable().data(), 'a' + i, block->size());
+      loans.push_back(std::move(*block));
+    }
+  };
+  const auto publish = [&] {
+    for (Block& block : std::exchange(loans, {})) {
+      ASSERT_EQ(outbound->Reserve(), PublishStatus::kOk);
+      PacketHead head;
+      head.id = {0, 1, ++sequence};
+      outbound->Commit(head, block.payload());
+    }
+  };
+  const auto arrives = [&] {
+    ASSERT_TRUE(Await([&] { return keeper.kept().size() == kMessages; }));
+    for (int i = 0; i < kMessages; ++i) {
+      EXPECT_EQ(AsText(keeper.kept()[static_cast<std::size_t>(i)].data.bytes),
+                std::string(100'000 + static_cast<std::size_t>(i), static_cast<char>('a' + i)));
+    }
+    keeper.LetGo();
+  };
+  loan();
+  {
+    const NoDescriptors none;
+    publish();
+    arrives();
+    EXPECT_GE(publisher->usage().sent_apart, 3u);
+  }
+  // Later the segment is offered again.
+  std::uint64_t apart = 0;
+  EXPECT_TRUE(Await([&] {
+    apart = publisher->usage().sent_apart;
+    loan();
+    publish();
+    arrives();
+    return publisher->usage().sent_apart == apart;
+  }));
+  EXPECT_EQ(listener.gone, 0);
+  const std::scoped_lock lock(mutex);
+  EXPECT_EQ(std::ranges::count_if(lines,
+                                  [](const std::string& line) {
+                                    return line.find("cannot map the shared memory of") != line.npos &&
+                                           line.find("limit of open files") != line.npos;
+                                  }),
+            1);
+}
+
 TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
   const int knocking = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const Handle owner(knocking);
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
-  std::vector<Handle> holes;  // The limit applies to the lowest free file descriptor.
-  const int last = dup(knocking);
-  const Handle last_owner(last);
-  rlimit none = before;
-  none.rlim_cur = static_cast<rlim_t>(last) + 1;
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
-  for (int fd = dup(knocking); fd >= 0; fd = dup(knocking)) holes.emplace_back(fd);
+  std::optional<NoDescriptors> none(std::in_place);
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   const std::string& place = publisher->place();
@@ -259,8 +305,37 @@ TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
   }));
   char byte = 0;
   EXPECT_LT(recv(knocking, &byte, 1, MSG_DONTWAIT), 0);
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  none.reset();
   EXPECT_EQ(recv(knocking, &byte, 1, 0), 1) << "no peer has greeted";
+}
+
+// Both sides are busy with the bytes for longer than their peer may be silent.
+TEST_F(ShmTransportTest, ALargeMessageOverTheSocketIsASignOfLife) {
+  inbound.reset();
+  ShmOptions options;
+  options.place = "hgros-test-" + SessionId::Random().ToString();
+  options.heartbeat = std::chrono::milliseconds(50);
+  options.peer_timeout = std::chrono::milliseconds(250);
+  options.limit_bytes = 0;
+  publisher = MakeShmTransport(options, listener, log);
+  outbound = publisher->Advertise("data", TextType(), source);
+  options.peers = {std::exchange(options.place, {})};
+  subscriber = MakeShmTransport(options, listener, log);
+  inbound = subscriber->Subscribe("data", TextType(), {.lossless = true}, keeper);
+  ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+  listener.gone = 0;
+  constexpr std::size_t kSize = 400 << 20;
+  {
+    const auto data = std::make_shared<const std::string>(kSize, 'x');
+    PacketHead head;
+    head.id = {0, 1, ++sequence};
+    ASSERT_EQ(outbound->Reserve(), PublishStatus::kOk);
+    outbound->Commit(head, {AsBytes(*data), data});
+  }
+  ASSERT_TRUE(Await([&] { return !keeper.kept().empty(); }));
+  EXPECT_EQ(keeper.kept()[0].data.bytes.size(), kSize);
+  EXPECT_EQ(publisher->usage().sent_apart, 1u);
+  EXPECT_EQ(listener.gone, 0);
 }
 
 class ShmMessageLimit : public ShmTransportTest, public testing::WithParamInterface<std::uint64_t> {

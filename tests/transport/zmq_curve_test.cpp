@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "hgros/base/error.hpp"
+#include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {
@@ -8,6 +9,7 @@ namespace {
 
 using conformance::Eventually;
 using conformance::TextType;
+using test::Folder;
 using test::Place;
 
 struct Keys {
@@ -67,8 +69,8 @@ TEST(ZmqCurve, RefusesClientsWithoutKeysOrWithAnotherServersKey) {
   EXPECT_EQ(server.transport->Peers().size(), 1u);
   EXPECT_EQ(keyless.listener.came + mistaken.listener.came, 0);
   const std::string endpoint = server.transport->BoundEndpoints().front();
-  EXPECT_TRUE(
-      Eventually([&] { return mistaken.Said("No connection to " + endpoint) && mistaken.Said("`server_key`"); }));
+  EXPECT_TRUE(Eventually(
+      [&] { return mistaken.Said("No connection to " + endpoint) && mistaken.Said("`network.security.servers`"); }));
   EXPECT_TRUE(Eventually([&] { return keyless.Said("asks for keys"); }));
   EXPECT_FALSE(right.Said("No connection to"));
 }
@@ -79,6 +81,121 @@ TEST(ZmqCurve, LogsThatAPublisherDoesNotEncrypt) {
   Place client(keys.Client(keys.client, keys.server, open));
   EXPECT_TRUE(Eventually([&] { return client.Said("does not encrypt"); }));
   EXPECT_EQ(client.listener.came, 0);
+}
+
+/// A program with allowed keys that is not a session.
+class Impostor {
+ public:
+  Impostor(int type, const CurveKeyPair& own) : socket(type) {
+    Set(ZMQ_CURVE_PUBLICKEY, own.public_key);
+    Set(ZMQ_CURVE_SECRETKEY, own.secret_key);
+  }
+  void Connect(const std::string& endpoint, const CurveKeyPair& server) const {
+    Set(ZMQ_CURVE_SERVERKEY, server.public_key);
+    zmq_connect(socket.get(), endpoint.c_str());
+  }
+  void Set(int option, const std::string& value) const {
+    ASSERT_EQ(zmq_setsockopt(socket.get(), option, value.data(), value.size()), 0);
+  }
+  void Say(const wire::Control& control) const { socket.Send({zmq::UpstreamFrame(control)}); }
+
+  test::RawSocket socket;
+};
+
+std::uint64_t Refusals(const Place& place) {
+  return place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kHead)];
+}
+
+class ZmqCurveIdentity : public testing::Test {
+ protected:
+  ZmqCurveIdentity() : server(BothAllowed()), client(keys.Client(keys.client, keys.server, server)) {
+    out = server.transport->Advertise("scan", TextType(), source);
+    in = client.transport->Subscribe("scan", TextType(), {.lossless = true, .queue_depth = 8}, sink);
+    EXPECT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && client.listener.came == 1; }));
+    victim = server.transport->Peers().at(0).id;
+  }
+  [[nodiscard]] ZmqOptions BothAllowed() const {
+    ZmqOptions options = keys.Server();
+    options.security->allowed_clients.push_back(keys.stranger.public_key);
+    return options;
+  }
+  void Publish(const std::string& text) {
+    PacketHead head;
+    head.channel = "scan";
+    head.encoding = Encoding::kCustom;
+    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+    out->Commit(head, conformance::Publication::PayloadOf(text));
+  }
+
+  const Keys keys;
+  conformance::Source source;
+  conformance::Sink sink;
+  Place server;
+  Place client;
+  std::unique_ptr<OutboundChannel> out;
+  std::unique_ptr<InboundChannel> in;
+  SessionId victim;
+};
+
+TEST_F(ZmqCurveIdentity, AClientCannotSpeakInTheNameOfAnotherSession) {
+  const Impostor impostor(ZMQ_XSUB, keys.stranger);
+  impostor.Connect(server.transport->BoundEndpoints().front(), keys.server);
+  auto goodbye = zmq::ControlFrom(victim);
+  goodbye.mutable_bye();
+  auto unsubscribe = zmq::ControlFrom(victim);
+  unsubscribe.mutable_unsubscribe()->set_channel("scan");
+  impostor.Say(goodbye);
+  impostor.Say(unsubscribe);
+  EXPECT_TRUE(Eventually([&] { return Refusals(server) == 2; }));
+  EXPECT_TRUE(server.Said("in the name of session " + victim.ToString()));
+  EXPECT_EQ(server.listener.gone, 0);
+  Publish("still here");
+  EXPECT_TRUE(Eventually([&] { return sink.count() == 1; }));
+  EXPECT_EQ(out->subscriber_count(), 1u);
+}
+
+TEST_F(ZmqCurveIdentity, AClientCannotSubscribeToWhatIsForAnotherSession) {
+  for (const std::string& topic : {zmq::ControlTopic(victim), PeerTopic("scan", victim)}) {
+    const std::uint64_t before = Refusals(server);
+    const Impostor impostor(ZMQ_XSUB, keys.stranger);
+    const test::RawSocket monitor(impostor.socket, "inproc://monitor", ZMQ_EVENT_DISCONNECTED);
+    impostor.Connect(server.transport->BoundEndpoints().front(), keys.server);
+    impostor.socket.Send({'\1' + topic});
+    EXPECT_TRUE(Eventually([&] { return Refusals(server) > before; }));
+    EXPECT_FALSE(monitor.Receive().empty()) << "its connection is closed";
+    EXPECT_TRUE(impostor.socket.Receive(100).empty());
+  }
+  Publish("to one");
+  EXPECT_TRUE(Eventually([&] { return sink.count() == 1; }));
+  EXPECT_EQ(server.listener.gone + client.listener.gone, 0);
+}
+
+TEST_F(ZmqCurveIdentity, APublisherCannotAnswerInTheNameOfAnotherSession) {
+  const Folder folder;
+  Impostor impostor(ZMQ_XPUB, keys.stranger);
+  const int on = 1;
+  zmq_setsockopt(impostor.socket.get(), ZMQ_CURVE_SERVER, &on, sizeof on);
+  ASSERT_EQ(zmq_bind(impostor.socket.get(), folder.Ipc().c_str()), 0);
+  client.transport->AddSubscribeEndpoint({folder.Ipc(), std::nullopt, keys.stranger.public_key});
+  const std::string topic = impostor.socket.Receive().front().substr(1);
+  auto welcome = zmq::ControlFrom(client.transport->Peers().at(0).id);
+  welcome.mutable_welcome()->mutable_facts()->set_wire_major(1);
+  welcome.mutable_welcome()->set_handshake(1);
+  impostor.socket.Send({topic, welcome.SerializeAsString()});
+  EXPECT_TRUE(Eventually([&] { return Refusals(client) == 1; }));
+  EXPECT_TRUE(impostor.socket.Receive(200).empty()) << "it gets no Hello";
+  Publish("from the right one");
+  EXPECT_TRUE(Eventually([&] { return sink.count() == 1; }));
+  EXPECT_EQ(client.listener.came, 1);
+}
+
+TEST_F(ZmqCurveIdentity, ASessionMayComeAgainWithItsKey) {
+  client.transport->RemoveSubscribeEndpoint(server.transport->BoundEndpoints().front());
+  EXPECT_TRUE(Eventually([&] { return out->subscriber_count() == 0; }));
+  client.transport->AddSubscribeEndpoint(
+      {server.transport->BoundEndpoints().front(), std::nullopt, keys.server.public_key});
+  EXPECT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+  EXPECT_EQ(Refusals(server), 0u);
 }
 
 TEST(ZmqCurve, RefusesAnInvalidKey) {

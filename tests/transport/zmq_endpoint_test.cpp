@@ -4,10 +4,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstring>
+#include <memory>
+#include <optional>
 
 #include "hgros/base/error.hpp"
 #include "support/await.hpp"
+#include "transport/zmq/endpoint.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {
@@ -111,6 +115,33 @@ TEST(ZmqEndpoint, EndpointsMayBeAddedAndRemovedWhileRunning) {
   EXPECT_FALSE(a.transport->RemovePublishEndpoint(folder.Ipc()));
 }
 
+TEST(ZmqEndpoint, ReportsItsEventsInsteadOfLoggingFailuresAndIsFreedWhenItIsRemoved) {
+  Folder folder;
+  Place b{ZmqOptions{}};
+  std::atomic<int> reached{0}, failed{0}, lost{0};
+  auto token = std::make_shared<int>();
+  const std::weak_ptr<int> alive = token;
+  SubscribeEndpoint endpoint{folder.Ipc(), std::nullopt, {}};
+  endpoint.on_event = [&reached, &failed, &lost, token](EndpointEvent event) {
+    ++(event == EndpointEvent::kReached ? reached : event == EndpointEvent::kFailed ? failed : lost);
+  };
+  token.reset();
+  b.transport->AddSubscribeEndpoint(endpoint);
+  endpoint.on_event = nullptr;
+  EXPECT_TRUE(Eventually([&] { return failed >= 2; }));
+  EXPECT_EQ(reached + lost, 0);
+  test::Linger(std::chrono::milliseconds(300));
+  EXPECT_FALSE(b.Said("No connection to"));
+  std::optional<Place> a(PublishAt(folder.Ipc()));
+  EXPECT_TRUE(Eventually([&] { return reached == 1; }));
+  EXPECT_EQ(lost, 0);
+  a.reset();
+  EXPECT_TRUE(Eventually([&] { return lost == 1; }));
+  EXPECT_TRUE(b.transport->RemoveSubscribeEndpoint(folder.Ipc()));
+  EXPECT_TRUE(Eventually([&] { return alive.expired(); }));
+  EXPECT_EQ(reached, 1);
+}
+
 TEST(ZmqEndpoint, MessagesThatARemovedEndpointHasReceivedAreStillDelivered) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
@@ -157,6 +188,20 @@ TEST(ZmqEndpoint, IsLoggedOncePerOutageIfItCannotBeReached) {
     EXPECT_EQ(subscriber.TimesSaid("No connection to"), outage);
     const Place publisher(PublishAt(folder.Ipc()));
     ASSERT_TRUE(Eventually([&] { return subscriber.listener.came == outage; }));
+  }
+}
+
+TEST(ZmqEndpoint, LogsThatTheHostHasNoAddress) {
+  Place subscriber(SubscribeAt("tcp://no-such-host.invalid:5553"));
+  EXPECT_TRUE(Eventually([&] { return subscriber.Said("the host \"no-such-host.invalid\" has no address ("); }));
+  EXPECT_FALSE(subscriber.Said("is the other program running"));
+}
+
+TEST(ZmqEndpoint, TellsHostNamesFromAddresses) {
+  EXPECT_EQ(zmq::HostNameOf("tcp://robot2:5553"), "robot2");
+  for (const char* other :
+       {"tcp://192.168.1.7:5553", "tcp://[fe80::1%eth0]:5553", "tcp://*:5553", "ipc:///run/robot"}) {
+    EXPECT_EQ(zmq::HostNameOf(other), "") << other;
   }
 }
 

@@ -151,6 +151,37 @@ TEST(PlainSubscriber, GetsThreeFramesAndCountsAsOne) {
   EXPECT_EQ(frames[2], std::string(5000, 'x'));
 }
 
+TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
+  constexpr int kMessages = 1000;
+  Folder folder;
+  for (const std::string& endpoint : {folder.Ipc(), std::string("tcp://127.0.0.1:*")}) {
+    ZmqOptions options = PublishAt(endpoint);
+    options.plain_queue_bytes = 16 << 20;
+    Place place(std::move(options));
+    conformance::Source source;
+    const auto out = place.transport->Advertise("cloud", TextType(), source);
+    const std::string bound = place.transport->BoundEndpoints().front();
+    RawSocket stuck(ZMQ_SUB), reader(ZMQ_SUB);
+    const int few = 1;
+    zmq_setsockopt(stuck.get(), ZMQ_RCVHWM, &few, sizeof few);
+    for (const auto* sub : {&stuck, &reader}) {
+      zmq_connect(sub->get(), bound.c_str());
+      zmq_setsockopt(sub->get(), ZMQ_SUBSCRIBE, "cloud", sizeof "cloud");
+    }
+    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+    PacketHead head;
+    head.channel = "cloud";
+    head.encoding = Encoding::kCustom;
+    int received = 0;
+    for (int i = 0; i < kMessages; ++i) {
+      out->Commit(head, Publication::PayloadOf(std::string(100'000, 'x')));
+      received += reader.Receive(20).empty() ? 0 : 1;
+    }
+    EXPECT_GT(received, kMessages * 9 / 10) << endpoint;
+    EXPECT_TRUE(place.Said("does not read fast enough")) << endpoint;
+  }
+}
+
 TEST(PlainSubscriber, HasALimitOfWaitingBytesIfItDoesNotRead) {
   Folder folder;
   ZmqOptions options = PublishAt(folder.Ipc());

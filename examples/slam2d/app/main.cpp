@@ -182,18 +182,20 @@ void ShowProgress(const Plan& plan, const Options& options, const hgros::Session
 }
 
 int Run(const Options& options) {
-  const Plan plan = ReadPlan(options.configs);
-  CheckAgainst(plan, options);
+  Plan plan = ReadPlan(options.configs);
   const std::vector<std::string> own_sections{kPlanSection};
   hgros::Config config = hgros::Config::Load(options.configs, own_sections);
   if (options.configs.empty()) config.simulated_time = true;  // Configuration files contain this setting.
   if (options.asks()) return AskRunningDemo(options, config);
+  const std::vector<std::string> left_to_others = LeaveToOthers(plan, config.closed_channels);
+  CheckAgainst(plan, options);
   const auto relations = options.relations ? ReadRelations(*options.relations) : std::vector<Relation>();
   ScanReader reader;
   if (plan.Runs("source")) reader = OpenSource(options);
   if (plan.Runs("writer")) MakeFolder(options.out);
 
   Console console(options.quiet);
+  for (const std::string& sentence : left_to_others) console.Say(sentence);
   Ending ending;
   const SignalWatch signals([&ending](int signal) { ending.Interrupt(signal); });
   Parameters parameters(plan, options.params, console);

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
+
+#include "channels.hpp"
 
 namespace slam2d {
 namespace {
@@ -69,6 +72,29 @@ Plan ReadPlan(const std::vector<std::filesystem::path>& files) {
     throw std::runtime_error("slam2d.standby is for a process that runs the mapper alone: nodes: [mapper].");
   }
   return plan;
+}
+
+std::vector<std::string> LeaveToOthers(Plan& plan, const std::vector<std::string>& closed_channels) {
+  struct Link {
+    const char* from;
+    std::string_view channel;
+    const char* to;
+  };
+  constexpr Link kLinks[] = {{"source", kScan, "matcher"},
+                             {"matcher", kPreChannel, "mapper"},
+                             {"mapper", kNextChannel, "matcher"},
+                             {"mapper", kNextChannel, "writer"}};
+  std::vector<std::string> sentences;
+  std::set<std::string> kept = plan.nodes;
+  for (const Link& link : kLinks) {
+    if (!plan.Runs(link.from) || std::ranges::find(closed_channels, link.channel) == closed_channels.end()) continue;
+    if (kept.erase(link.to) == 0) continue;
+    sentences.push_back("The channel " + std::string(link.channel) +
+                        " is closed here (data_graph: close_channels), so the " + link.to +
+                        " of another process is used.");
+  }
+  plan.nodes = std::move(kept);
+  return sentences;
 }
 
 std::string Enumerate(const std::vector<std::string>& names) {

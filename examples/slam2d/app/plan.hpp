@@ -25,6 +25,11 @@ inline constexpr const char* kPlanSection = "slam2d";
 /// Errors: throws std::runtime_error with file, line and the known names.
 [[nodiscard]] Plan ReadPlan(const std::vector<std::filesystem::path>& files);
 
+/// A node gets its input from the node that publishes it. If both run in this process, but the channel is closed here,
+/// it never gets any; then another process must run it. Removes such nodes from the plan. Returns one sentence for
+/// each.
+[[nodiscard]] std::vector<std::string> LeaveToOthers(Plan& plan, const std::vector<std::string>& closed_channels);
+
 /// "a, b and c".
 [[nodiscard]] std::string Enumerate(const std::vector<std::string>& names);
 

@@ -14,8 +14,9 @@ namespace hgros {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
-/// Receives the library's log messages: whole sentences without a line break. Called from any thread, one call at a
-/// time. It must not call back into the library and must not throw.
+/// Receives the library's log messages: whole sentences without a line break; control characters in names and in texts
+/// of exceptions are escaped. Called from any thread, one call at a time. It must not call back into the library and
+/// must not throw.
 using LogSink = std::function<void(LogLevel level, std::string_view text)>;
 
 /// Writes to standard error through spdlog; the default of every session.
@@ -28,18 +29,31 @@ class HGROS_EXPORT Log {
 
   void Write(LogLevel level, std::string_view text);
 
-  /// As Write, but at most once per `key` and `interval`; the next message that passes says how many were held back.
-  /// For faults that may repeat with every packet. Only the latest 1024 keys are remembered.
+  /// As Write, for lines that may repeat. `key` stands for lines that are alike. The first ten of them are written, but
+  /// the same line only once per `interval`. After that there is one line per interval, and each interval is twice as
+  /// long as the one before. A line says how many were held back before it. A key that was not used for an hour begins
+  /// again. Only the latest 1024 keys are remembered.
   void WriteLimited(LogLevel level, std::string_view key, std::string_view text,
                     std::chrono::milliseconds interval = std::chrono::seconds(10));
 
- private:
-  void Say(LogLevel level, std::string_view text) noexcept;
+  /// Says how many lines were held back, for each key. Call it at the end of a session.
+  void WriteHeldBack();
 
+ private:
+  using Clock = std::chrono::steady_clock;
   struct Held {
-    std::chrono::steady_clock::time_point last;
-    std::uint64_t count = 0;
+    Clock::time_point called;   // The last call.
+    Clock::time_point last;     // The last line,
+    Clock::duration pause{};    // and how long the next one had to wait at that time.
+    std::uint64_t written = 0;  // Number of lines.
+    std::uint64_t count = 0;    // Held back since the last line.
+    LogLevel level = LogLevel::kInfo;
+    std::string text = {};  // The last line.
   };
+  void Say(LogLevel level, std::string_view text) noexcept;
+  [[nodiscard]] Held& HeldOf(std::string_view key);
+  void SayHeldBack(Held& held);
+
   std::mutex mutex_;
   LogSink sink_;
   std::map<std::string, Held, std::less<>> held_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -28,8 +29,12 @@ class HGROS_EXPORT DynamicSchema {
   ~DynamicSchema();
 
   [[nodiscard]] const google::protobuf::Descriptor& descriptor() const noexcept;
-  /// The message in `bytes`, with reflection; null if they do not parse. It must not outlive this object.
-  [[nodiscard]] std::unique_ptr<google::protobuf::Message> Read(Bytes bytes) const;
+  static constexpr std::size_t kMostMemoryBytes = std::size_t{256} << 20;
+  /// The message in `bytes`, with reflection. It must not outlive this object. Null if they do not parse, or if the
+  /// message would take more than `most_memory_bytes` of memory beyond their own size. This is estimated before, rather
+  /// too high: two bytes may become an object of a hundred.
+  [[nodiscard]] std::unique_ptr<google::protobuf::Message> Read(Bytes bytes,
+                                                                std::size_t most_memory_bytes = kMostMemoryBytes) const;
 
  private:
   struct Parts;

@@ -22,6 +22,7 @@
 namespace hgros {
 
 class GraphCore;
+class GraphEnding;
 
 struct GraphOptions {
   int threads = 0;          ///< Workers of the tbb executor; 0: one less than the number of CPUs.
@@ -42,8 +43,9 @@ enum class ThreadUse {
 /// Typed channels inside one process and the nodes on them. Messages are passed by pointer; all nodes of the process
 /// get the same object.
 ///
-/// Thread-safe. The destructor refuses publishes, waits for running callbacks (so no callback may call it) and stops
-/// the executors. Errors: wiring throws Error and TypeMismatch; publishing never throws.
+/// Thread-safe. The destructor refuses publishes, waits for running callbacks and stops the executors. If a callback of
+/// the graph calls it, this is logged and the rest of the graph stays until the process ends.
+/// Errors: wiring throws Error and TypeMismatch; publishing never throws.
 class HGROS_EXPORT DataGraph {
  public:
   explicit DataGraph(GraphOptions options = {}, std::shared_ptr<Log> log = std::make_shared<Log>());
@@ -105,14 +107,12 @@ class HGROS_EXPORT DataGraph {
   [[nodiscard]] Subscription Subscribe(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
                                        NodeOptions options);
   void Latch(Channel& channel, std::size_t count);
-  /// Sets the way out of the process; null removes it. Running publishes may still use the old one, which is kept until
-  /// then.
+  /// Sets the way out of the process; null removes it. The old one is kept until no publish uses it any more.
   void SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet);
   [[nodiscard]] static bool HasOutlet(const Channel& channel) noexcept;
   /// Delivers a message from outside to the local nodes. `credit` is held until every lossless node has taken the
-  /// message out of its queue. `latched` is the number of messages that the publisher keeps for late subscribers; this
-  /// graph keeps as many for its own.
-  /// False: user code is refused but a node is inline; the message was not delivered.
+  /// message out of its queue. `latched` is the number of messages that the publisher, and so this graph, keeps for
+  /// late subscribers. False: user code is refused but a node is inline; the message was not delivered.
   static bool Inject(Channel& channel, const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                      std::shared_ptr<const void> credit, std::size_t latched,
                      UserCode user_code = UserCode::kAllowed) noexcept;
@@ -129,8 +129,7 @@ class HGROS_EXPORT DataGraph {
   /// Number of nodes on a channel; 0 if there is no such channel.
   [[nodiscard]] std::size_t NodeCount(std::string_view channel) const noexcept;
 
-  /// A remote publisher was lost: until it is back, new nodes get none of its latched messages. Only the last few lost
-  /// publishers are remembered.
+  /// The publisher is lost. Until it is back, new nodes get none of its latched messages. Only a few are remembered.
   void PublisherIsGone(std::uint64_t publisher);
   /// Nodes added meanwhile get its latched messages, inline nodes on this thread.
   void PublisherIsBack(std::uint64_t publisher);
@@ -144,6 +143,7 @@ class HGROS_EXPORT DataGraph {
   void Shutdown() noexcept;
 
  private:
+  friend class GraphEnding;
   std::shared_ptr<GraphCore> core_;
 };
 

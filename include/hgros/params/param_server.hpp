@@ -45,6 +45,12 @@ struct ParamChange {
   }
 };
 
+/// What happens to a change of a parameter that does not exist: neither declared nor in a file, never set.
+enum class IfMissing {
+  kRefuse,
+  kCreate,
+};
+
 /// The result of changing parameters: done, or the reason why nothing was changed.
 struct ParamResult {
   std::string refusal = {};
@@ -102,8 +108,10 @@ class HGROS_EXPORT ParamServer {
   }
   [[nodiscard]] std::vector<ParamDeclaration> Declarations() const;
 
-  /// Changes all of them at once, or none. A value that stays the same is not a change.
-  ParamResult Change(const std::vector<ParamChange>& changes);
+  /// Changes all of them at once, or none. A value that stays the same is not a change. The sections of a session
+  /// (`network`, `discovery`, `shared_memory`, `time`, `data_graph`, `channels`) are no parameters, even if they are in
+  /// the files: they are left out there, and refused here and in Declare.
+  ParamResult Change(const std::vector<ParamChange>& changes, IfMissing if_missing = IfMissing::kCreate);
   template <class T>
   ParamResult Set(std::string_view path, const T& value) {
     return Change({ParamChange::Of(path, value)});

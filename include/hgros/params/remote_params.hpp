@@ -58,13 +58,16 @@ class HGROS_EXPORT RemoteParams {
   /// The declarations at and below `path`.
   [[nodiscard]] RemoteParam<std::vector<ParamDeclaration>> Describe(std::string_view path = {});
 
-  /// Changes all of them at once, or none: then the result has the reason.
-  ParamResult Change(const std::vector<ParamChange>& changes);
+  /// Changes all of them at once, or none: then the result has the reason. A parameter that does not exist is a reason
+  /// to refuse, unless `if_missing` says otherwise.
+  ParamResult Change(const std::vector<ParamChange>& changes, IfMissing if_missing = IfMissing::kRefuse);
   template <class T>
-  ParamResult Set(std::string_view path, const T& value) {
-    return Change({ParamChange::Of(path, value)});
+  ParamResult Set(std::string_view path, const T& value, IfMissing if_missing = IfMissing::kRefuse) {
+    return Change({ParamChange::Of(path, value)}, if_missing);
   }
-  ParamResult Set(std::string_view path, const char* value) { return Set(path, std::string(value)); }
+  ParamResult Set(std::string_view path, const char* value, IfMissing if_missing = IfMissing::kRefuse) {
+    return Set(path, std::string(value), if_missing);
+  }
   ParamResult Remove(std::string_view path) { return Change({{std::string(path), std::nullopt}}); }
 
   /// Calls `listener` after each change at, below or above `path`. The first call, once the parameters are reached, has

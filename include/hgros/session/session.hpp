@@ -20,7 +20,7 @@
 namespace hgros {
 
 struct SessionOptions {
-  std::string name;  ///< For logs and other sessions' tables; empty: the program's name.
+  std::string name;  ///< For logs and other sessions' tables: visible UTF-8 text. Empty: the program's name.
   LogSink log = DefaultLogSink();
   std::shared_ptr<Clock> clock = nullptr;  ///< Null: the clock of the configuration, usually the system's.
   std::function<Time()> wall = {};         ///< The wall clock that stamps messages; empty: the system's. For tests.
@@ -34,7 +34,9 @@ struct SessionOptions {
 ///
 /// Threading: thread-safe, except for construction and destruction.
 /// Lifetime: the destructor refuses publishes, stops receiving, waits for running callbacks (after 2 s the log names
-/// those that hang), and says goodbye to its peers. It must not run inside one of the session's callbacks.
+/// those that hang), and says goodbye to its peers. Destroy it outside its callbacks: inside, it says
+///            goodbye, logs which callback it was, and the rest of it stays until the process ends. exit() may be
+///            called anywhere; inside a callback the session says goodbye and ends with the process.
 /// Errors: wiring (channels, types, endpoints) throws Error. So does publishing to other sessions on a channel named
 /// "hgros/...", because these belong to the library. Publishing never throws for another reason and never blocks.
 /// ToAny, FromAny and Advertise do not compile with a type that is not a Message.
@@ -43,10 +45,12 @@ class HGROS_EXPORT Session : public SessionPublishing,
                              public SessionServices,
                              public SessionNetwork {
  public:
-  /// A session with the default configuration: it finds sessions of this host, and other hosts once endpoints are
-  /// added.
+  /// A session with the default configuration and the program's name. With its first channel it finds the sessions of
+  /// this user on this host that are in the same domain: that of HGROS_DOMAIN, or else "default". AddPublisherEndpoint
+  /// and AddSubscriberEndpoint join it to other hosts.
+  /// Errors: throws Error if HGROS_DOMAIN is not a domain.
   Session();
-  /// Throws Error if an endpoint cannot be bound.
+  /// Throws Error if an endpoint cannot be bound, or if the name or HGROS_DOMAIN cannot be used.
   explicit Session(Config config, SessionOptions options = {});
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -76,6 +80,9 @@ class HGROS_EXPORT Session : public SessionPublishing,
   [[nodiscard]] Log& log() const noexcept;
   /// The current configuration, including endpoints and lists that were changed at run time.
   [[nodiscard]] Config config() const;
+  /// For code that is built on the session and may exist in it only once: reserves a name until the result is
+  /// destroyed. Null if it is taken.
+  [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name);
 
  private:
   explicit Session(std::unique_ptr<SessionCore> core);

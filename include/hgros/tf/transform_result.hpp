@@ -87,6 +87,7 @@ enum class SetFault : std::uint8_t {
   kTwoParents,     ///< The child already has another parent.
   kStatic,         ///< A static edge was set with a stamp, or a moving one without.
   kTooOld,         ///< Its stamp is before the range of the edge's buffer.
+  kTooNew,         ///< Its stamp is too far ahead of the session's clock: see TransformsOptions::max_ahead.
   kTooManyFrames,  ///< It would exceed TransformTreeOptions::max_frames.
 };
 

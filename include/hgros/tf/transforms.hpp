@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,6 +28,10 @@ struct TransformsOptions {
   /// The first transform is sent at once; transforms set within this time after it are sent together when it has
   /// passed. Zero: each one is sent at once.
   Duration batch = std::chrono::milliseconds(2);
+  /// Transforms with a stamp further ahead of the session's clock are refused: an edge that has one would take the
+  /// transforms after it for too old. Empty: 10 s; with `time: simulated` 1 h, because the clock may lag behind a fast
+  /// simulation. Not checked until such a clock was heard.
+  std::optional<Duration> max_ahead = {};
   /// Queue of the node "tf", which receives the transforms of other sessions.
   NodeOptions node = {.name = "tf", .queue = Queue::KeepLast(256)};
   /// Called after received transforms were put into the tree, so that a program can draw what changed. Runs on the
@@ -60,8 +65,9 @@ struct TransformsStats {
 /// (TransformTree::RestartTime): new transforms replace old ones, and pending waits continue.
 ///
 /// Thread safety: all functions except construction and destruction.
-/// Lifetime:  ends before its session, and not inside one of its callbacks.
-/// Errors:    the constructor throws Error if the session's clock cannot be watched for jumps. Setting returns a result
+/// Lifetime:  ends before its session, and not inside one of its callbacks. A session has at most one at a time.
+/// Errors:    the constructor throws Error if the session has a Transforms already, or if its clock cannot be watched
+/// for jumps. Setting returns a result
 /// that names the refused edge. Refused transforms of other sessions, and edges that two sessions set, are counted and
 /// logged.
 class HGROS_EXPORT Transforms {

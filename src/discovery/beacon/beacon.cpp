@@ -22,8 +22,8 @@ class Beacon final : public Discovery {
     }
     core_->Announce(own);
   }
-  std::vector<Announcement> List() const override {
-    return core_->in_forked_child() ? std::vector<Announcement>() : core_->List();
+  std::vector<Announcement> List(const Which& which) const override {
+    return core_->in_forked_child() ? std::vector<Announcement>() : core_->List(which);
   }
 
  private:

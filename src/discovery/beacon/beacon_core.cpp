@@ -16,8 +16,14 @@ namespace {
 constexpr auto kLeastPause = std::chrono::milliseconds(20);
 // Longest random delay of an answer, so that a hundred peers that hear a new one do not answer at the same time.
 constexpr int kLongestAnswerMs = 100;
-// Datagrams beyond this rate are left to the kernel, which drops them: a flood cannot keep this thread busy.
+// Datagrams beyond this rate are left to the kernel, which drops them: a flood cannot keep this thread busy. Rejecting
+// a datagram costs little, so that it counts as a tenth: garbage seldom displaces the others.
 constexpr int kDatagramsPerSecond = 2000;
+constexpr int kCostOfDatagram = 10;
+constexpr int kCostOfGarbage = 1;
+constexpr int kBudgetPerSecond = kDatagramsPerSecond * kCostOfDatagram;
+// Once the budget is used up, reading continues after this time. The kernel keeps about 250 datagrams until then.
+constexpr auto kRefill = std::chrono::milliseconds(10);
 
 }  // namespace
 
@@ -68,15 +74,12 @@ void BeaconCore::Loop() {
   pthread_setname_np(pthread_self(), "hgros-beacon");
   for (;;) {
     book_.Tell(listener_);
-    wake_.Wait(budget_ > 0 || Clock::now() >= budget_until_ ? socket_.fd() : -1, Deadline());
+    wake_.Wait(budget_ > 0 ? socket_.fd() : -1, Deadline());
     if (stopping_) return;
     const Clock::time_point now = Clock::now();
-    if (now >= budget_until_) {
-      budget_ = kDatagramsPerSecond;
-      budget_until_ = now + std::chrono::seconds(1);
-    }
+    RefillBudget(now);
     if (now >= next_refresh_) {
-      socket_.Refresh();
+      RefreshInterfaces();
       next_refresh_ = now + options_.period;
     }
     HearAll();
@@ -85,21 +88,37 @@ void BeaconCore::Loop() {
   }
 }
 
+void BeaconCore::RefreshInterfaces() {
+  for (std::string& fault : socket_.Refresh()) {
+    const auto [sentence, is_new] = said_.insert(std::move(fault));
+    if (is_new) log_.Write(LogLevel::kWarning, *sentence);
+  }
+}
+
+void BeaconCore::RefillBudget(Clock::time_point now) {
+  const auto added = std::min<Clock::duration>(now - refilled_, std::chrono::seconds(1)) * kBudgetPerSecond;
+  const auto whole = std::chrono::floor<std::chrono::seconds>(added).count();
+  if (whole == 0) return;
+  budget_ = std::min(budget_ + static_cast<int>(whole), kBudgetPerSecond);
+  refilled_ = now;
+}
+
 BeaconCore::Clock::time_point BeaconCore::Deadline() const {
   Clock::time_point first = next_refresh_;
   if (const auto expiry = peers_.next_expiry()) first = std::min(first, *expiry);
-  if (budget_ <= 0) first = std::min(first, budget_until_);
+  if (budget_ <= 0) first = std::min(first, refilled_ + kRefill);
   const std::scoped_lock lock(mutex_);
   return own_ ? std::min(first, next_send_) : first;
 }
 
 void BeaconCore::HearAll() {
   std::array<std::byte, kMaxDatagramBytes> buffer;
-  for (; budget_ > 0; --budget_) {
+  while (budget_ > 0) {
     const auto datagram = socket_.Receive(buffer);
     if (!datagram) return;
     const std::string sender = AddressText(datagram->sender);
     const auto heard = ParseDatagram(datagram->bytes, options_.domain, sender);
+    budget_ -= heard ? kCostOfDatagram : kCostOfGarbage;
     if (!heard) continue;
     {
       const std::scoped_lock lock(mutex_);
@@ -114,11 +133,11 @@ void BeaconCore::HearAll() {
                             "domains of their own, or find the sender that floods it.");
     }
   }
-  log_.WriteLimited(
-      LogLevel::kWarning, "beacon rate",
-      "More than " + std::to_string(kDatagramsPerSecond) +
-          " datagrams a second reach the beacon; the rest are dropped. Find the sender that floods UDP port " +
-          std::to_string(options_.port) + ".");
+  log_.WriteLimited(LogLevel::kWarning, "beacon rate",
+                    "More than " + std::to_string(kDatagramsPerSecond) +
+                        " datagrams a second reach the beacon, or more than " + std::to_string(kBudgetPerSecond) +
+                        " that are not of this domain; the rest are dropped. Find the sender that floods UDP port " +
+                        std::to_string(options_.port) + ".");
 }
 
 void BeaconCore::Answer() {

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <random>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -30,13 +31,15 @@ class BeaconCore {
   ~BeaconCore();
 
   void Announce(const Announcement& own);
-  [[nodiscard]] std::vector<Announcement> List() const { return book_.List(); }
+  [[nodiscard]] std::vector<Announcement> List(const Discovery::Which& which) const { return book_.List(which); }
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void Loop();
+  void RefreshInterfaces();
+  void RefillBudget(Clock::time_point now);
   [[nodiscard]] Clock::time_point Deadline() const;
   void HearAll();
   void Answer();
@@ -56,8 +59,9 @@ class BeaconCore {
   Clock::time_point next_send_;
   BeaconPeers peers_;  // Only the thread uses it and the members below.
   Clock::time_point next_refresh_;
-  Clock::time_point budget_until_;
-  int budget_ = 0;
+  std::set<std::string> said_;  // About interfaces.
+  Clock::time_point refilled_;
+  int budget_ = 0;  // What may be read before the next refill.
   std::minstd_rand random_;
   WakeEvent wake_;
   std::atomic<bool> stopping_ = false;

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "discovery/beacon/datagram.hpp"
 #include "discovery/peer_book.hpp"
@@ -14,7 +16,7 @@ namespace hgros::discovery {
 
 /// The peers known from datagrams: their addresses and when they fell silent. Limits the effect of forged datagrams:
 /// a session keeps the address at which it was first heard until it expires or says goodbye, and there are at most
-/// kMaxPeers.
+/// kMaxPeers. If there are more, those of the address with the most peers make room for those of others.
 ///
 /// Not thread-safe; only the book is.
 class BeaconPeers {
@@ -43,9 +45,14 @@ class BeaconPeers {
     Clock::time_point last_heard;
   };
 
+  using Peers = std::unordered_map<SessionId, Peer>;
+  Peers::iterator Remove(Peers::iterator entry, std::string_view reason);
+  [[nodiscard]] bool MakeRoomFor(const std::string& sender);
+
   PeerBook& book_;
   const std::chrono::milliseconds patience_;
-  std::unordered_map<SessionId, Peer> peers_;
+  Peers peers_;
+  std::unordered_map<std::string, std::unordered_set<SessionId>> by_sender_;
 };
 
 }  // namespace hgros::discovery

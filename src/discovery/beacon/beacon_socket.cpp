@@ -36,7 +36,6 @@ BeaconSocket::BeaconSocket(std::vector<std::string> interface_names, std::uint16
     : names_(std::move(interface_names)),
       port_(port),
       socket_([] { return socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0); }) {
-  RequireInterfaces(names_);
   inet_pton(AF_INET, std::string(kBeaconGroup).c_str(), &group_);
   const int fd = socket_.get();
   // All sessions of a host share the port: each gets every multicast and broadcast datagram.
@@ -54,15 +53,16 @@ BeaconSocket::BeaconSocket(std::vector<std::string> interface_names, std::uint16
     throw Error("The beacon cannot listen on UDP port " + std::to_string(port_) + ": " + std::strerror(errno) + ".", {},
                 "End the program that uses this port alone, or choose another port on every host.");
   }
-  Refresh();
+  (void)Refresh();
 }
 
-void BeaconSocket::Refresh() {
-  std::vector<NetworkInterface> now = FindInterfaces(names_, group_);
-  if (now == interfaces_) return;
-  for (const NetworkInterface& one : now) Join(one);
+std::vector<std::string> BeaconSocket::Refresh() {
+  FoundInterfaces now = FindInterfaces(names_, group_);
+  if (now.ready == interfaces_) return std::move(now.faults);
+  for (const NetworkInterface& one : now.ready) Join(one);
   const std::scoped_lock lock(mutex_);
-  interfaces_ = std::move(now);
+  interfaces_ = std::move(now.ready);
+  return std::move(now.faults);
 }
 
 void BeaconSocket::Join(const NetworkInterface& one) noexcept {

@@ -29,8 +29,8 @@ class BeaconSocket {
   /// Throws Error.
   BeaconSocket(std::vector<std::string> interface_names, std::uint16_t port);
 
-  /// Looks up the current interfaces.
-  void Refresh();
+  /// Looks up the current interfaces. Returns sentences about those that cannot be used.
+  std::vector<std::string> Refresh();
   /// Sends on every interface. Returns the error of one of them, or an empty text.
   [[nodiscard]] std::string Send(std::string_view datagram) const;
   /// The next datagram received on one of the interfaces; empty if there is none. Its bytes are empty if it was for

@@ -1,19 +1,20 @@
 #include "discovery/beacon/datagram.hpp"
 
+#include <arpa/inet.h>
+
 #include <cstdint>
 #include <utility>
 
-#include "discovery/readable_text.hpp"
 #include "discovery/registry/announcement_file.hpp"
 #include "hgros/announcement.pb.h"
 #include "hgros/base/error.hpp"
+#include "hgros/base/readable_text.hpp"
 
 namespace hgros::discovery {
 namespace {
 
 constexpr std::string_view kTcp = "tcp://";
 constexpr std::string_view kDigits = "0123456789";
-constexpr std::string_view kHostCharacters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.-_";
 constexpr std::size_t kMaxPortDigits = 5;
 
 struct Endpoint {
@@ -21,7 +22,8 @@ struct Endpoint {
   std::string_view port;
 };
 
-// The parts of "tcp://HOST:PORT" with a name, an address or "*" as host; nothing for any other text.
+// The parts of "tcp://HOST:PORT" with an IPv4 address or "*" as host; nothing for any other text. Names are refused:
+// ZeroMQ would look them up on the thread that serves all connections, which stop for as long as that takes.
 std::optional<Endpoint> SplitTcp(std::string_view text) {
   if (text.size() > kMaxTextBytes || !text.starts_with(kTcp)) return std::nullopt;
   text.remove_prefix(kTcp.size());
@@ -34,16 +36,12 @@ std::optional<Endpoint> SplitTcp(std::string_view text) {
   }
   const int port = std::stoi(std::string(parts.port));
   if (port == 0 || port > 0xffff) return std::nullopt;
-  if (parts.host != "*" &&
-      (parts.host.empty() || parts.host.find_first_not_of(kHostCharacters) != std::string_view::npos)) {
-    return std::nullopt;
-  }
+  in_addr address{};
+  if (parts.host != "*" && inet_pton(AF_INET, std::string(parts.host).c_str(), &address) != 1) return std::nullopt;
   return parts;
 }
 
-bool IsReachableFromElsewhere(const Endpoint& endpoint) {
-  return !endpoint.host.starts_with("127.") && endpoint.host != "localhost";
-}
+bool IsReachableFromElsewhere(const Endpoint& endpoint) { return !endpoint.host.starts_with("127."); }
 
 }  // namespace
 
@@ -54,8 +52,8 @@ std::string EncodeDatagram(const Announcement& own, std::string_view domain, boo
   datagram.set_domain(std::string(domain));
   datagram.set_session(own.session.value);
   datagram.set_incarnation(own.incarnation);
-  datagram.set_process(Readable(own.process));
-  datagram.set_host(Readable(own.host));
+  datagram.set_process(Readable(own.process, kMaxTextBytes));
+  datagram.set_host(Readable(own.host, kMaxTextBytes));
   datagram.set_pid(own.pid);
   datagram.set_ends(ends);
   for (std::string endpoint : own.endpoints) {
@@ -88,12 +86,13 @@ std::optional<Heard> ParseDatagram(Bytes bytes, std::string_view domain, const s
   heard.ends = datagram.ends();
   heard.peer.session = {datagram.session()};
   heard.peer.incarnation = datagram.incarnation();
-  heard.peer.process = Readable(datagram.process());
-  heard.peer.host = Readable(datagram.host());
+  heard.peer.process = Readable(datagram.process(), kMaxTextBytes);
+  heard.peer.host = Readable(datagram.host(), kMaxTextBytes);
   heard.peer.pid = datagram.pid();
+  heard.peer.sender = sender;
   for (const std::string& endpoint : datagram.endpoints()) {
     const auto parts = SplitTcp(endpoint);
-    if (!parts) continue;  // From a newer version, or invalid.
+    if (!parts || !IsReachableFromElsewhere(*parts)) continue;  // From a newer version, or invalid.
     const std::string host = parts->host == "*" ? sender : std::string(parts->host);
     heard.peer.endpoints.push_back(std::string(kTcp) + host + ":" + std::string(parts->port));
   }

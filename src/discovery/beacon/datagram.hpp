@@ -26,7 +26,7 @@ struct Heard {
 [[nodiscard]] std::string EncodeDatagram(const Announcement& own, std::string_view domain, bool ends);
 
 /// Empty if the bytes are not a valid datagram of this domain and version. Never throws on any bytes. `sender`
-/// ("192.168.1.7") replaces the host "*" of endpoints.
+/// ("192.168.1.7") is kept, and replaces the host "*" of endpoints.
 [[nodiscard]] std::optional<Heard> ParseDatagram(Bytes bytes, std::string_view domain, const std::string& sender);
 
 }  // namespace hgros::discovery

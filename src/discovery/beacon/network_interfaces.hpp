@@ -21,11 +21,13 @@ struct NetworkInterface {
   }
 };
 
-/// The interfaces in `names` that are ready; without names, all except the loopback. An interface without multicast and
-/// broadcast is left out, except a loopback that was named.
-[[nodiscard]] std::vector<NetworkInterface> FindInterfaces(const std::vector<std::string>& names, in_addr group);
+struct FoundInterfaces {
+  std::vector<NetworkInterface> ready;
+  std::vector<std::string> faults;  ///< Sentences about interfaces that do not exist or cannot be used.
+};
 
-/// Throws Error naming the first interface that does not exist, whether ready or not.
-void RequireInterfaces(const std::vector<std::string>& names);
+/// The interfaces in `names`; without names, all except the loopback. An interface without multicast and broadcast
+/// cannot be used, except a loopback that was named.
+[[nodiscard]] FoundInterfaces FindInterfaces(const std::vector<std::string>& names, in_addr group);
 
 }  // namespace hgros::discovery

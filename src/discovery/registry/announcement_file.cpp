@@ -5,10 +5,10 @@
 #include <string_view>
 #include <utility>
 
-#include "discovery/readable_text.hpp"
 #include "hgros/announcement.pb.h"
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -32,11 +32,12 @@ void Write(const Announcement& from, wire::AnnouncementFile& to) {
   to.set_version(kFileVersion);
   to.set_session(from.session.value);
   to.set_incarnation(from.incarnation);
-  to.set_process(Readable(from.process));
-  to.set_host(Readable(from.host));
+  to.set_process(Readable(from.process, kMaxTextBytes));
+  to.set_host(Readable(from.host, kMaxTextBytes));
   to.set_pid(from.pid);
   to.set_pid_start_time(from.pid_start_time);
   to.set_boot_id(from.boot_id);
+  to.set_network(from.network);
   for (const auto& [key, place] : from.places) {
     if (key == kSharedMemoryKey) {
       to.set_shared_memory(place);
@@ -60,16 +61,10 @@ void Write(const Announcement& from, wire::AnnouncementFile& to) {
     one.set_not_by_endpoints(!Allows(channel.transports, kZmqKey));
     for (const std::string& key : channel.transports.value_or(std::vector<std::string>())) one.add_transports(key);
   }
-  for (const std::string& process : from.only) to.add_only(Readable(process));
+  for (const std::string& process : from.only) to.add_only(Readable(process, kMaxTextBytes));
 }
 
-bool IsPrintable(std::string_view text, std::size_t max_bytes) {
-  if (text.size() > max_bytes) return false;
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == '\x7f') return false;
-  }
-  return true;
-}
+bool IsPrintable(std::string_view text, std::size_t max_bytes) { return text.size() <= max_bytes && IsReadable(text); }
 
 // The fault in the content of a file; empty if there is none.
 std::string Fault(const wire::AnnouncementFile& file) {
@@ -121,11 +116,12 @@ Announcement Read(const wire::AnnouncementFile& from) {
   Announcement to;
   to.session = {from.session()};
   to.incarnation = from.incarnation();
-  to.process = Readable(from.process());
-  to.host = Readable(from.host());
+  to.process = Readable(from.process(), kMaxTextBytes);
+  to.host = Readable(from.host(), kMaxTextBytes);
   to.pid = from.pid();
   to.pid_start_time = from.pid_start_time();
   to.boot_id = from.boot_id();
+  to.network = from.network();
   for (const wire::AnnouncedPlace& one : from.places()) to.places[one.key()] = one.place();
   if (!from.shared_memory().empty()) to.places[std::string(kSharedMemoryKey)] = from.shared_memory();
   to.endpoints.assign(from.endpoints().begin(), from.endpoints().end());
@@ -140,7 +136,7 @@ Announcement Read(const wire::AnnouncementFile& from) {
                                       .lossless = channel.lossless()},
                            TransportsOf(channel)});
   }
-  for (const std::string& process : from.only()) to.only.push_back(Readable(process));
+  for (const std::string& process : from.only()) to.only.push_back(Readable(process, kMaxTextBytes));
   return to;
 }
 

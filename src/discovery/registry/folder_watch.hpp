@@ -2,15 +2,21 @@
 
 #include <sys/types.h>
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hgros/base/log.hpp"
 #include "hgros/base/own_descriptor.hpp"
 
 namespace hgros::discovery {
 
-/// Watches one folder with inotify. Not thread-safe.
+/// Watches one folder with inotify. While the kernel has no inotify instance or watch left for this user, it looks at
+/// the folder now and then instead. Not thread-safe.
 class FolderWatch {
  public:
   enum class Event {
@@ -26,26 +32,41 @@ class FolderWatch {
   };
   struct News {
     std::vector<FileEvent> events;
-    bool missed = false;       ///< The kernel dropped events: check everything.
+    bool missed = false;       ///< There may be changes without an event: look for changed files.
+    bool deaths = false;       ///< There may be deaths without an event: look at the lock of each file.
     bool folder_lost = false;  ///< The folder was removed or moved away.
   };
 
-  /// Throws Error.
-  FolderWatch();
+  /// `log` outlives it.
+  explicit FolderWatch(Log& log) : log_(log) {}
   /// Watches this folder from now on, and no other. Throws Error if it does not exist.
   void Watch(const std::filesystem::path& folder);
   /// Whether `folder` is the watched folder, not another one of the same name.
   [[nodiscard]] bool Watches(const std::filesystem::path& folder) const noexcept;
-  /// All events so far, without waiting.
-  [[nodiscard]] News Read();
-  /// Readable when there are events.
-  [[nodiscard]] int fd() const noexcept { return inotify_.get(); }
+  /// All news so far, without waiting. With many `files`, it looks at the folder less often.
+  [[nodiscard]] News Read(std::size_t files);
+  /// Readable when there are events; negative while there is no inotify.
+  [[nodiscard]] int fd() const noexcept { return inotify_ && watch_ >= 0 ? inotify_.get() : -1; }
+  /// When Read() must be called even if there is no event.
+  [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> next_look() const noexcept { return next_look_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  // False, and errno is set, if there is no inotify.
+  [[nodiscard]] bool WatchByEvents();
+  void LookFromNowOn(int error);
+  [[nodiscard]] News Look(std::size_t files);
+  void ReadEvents(News& news);
+
+  Log& log_;
   OwnDescriptor inotify_;
+  std::filesystem::path folder_;
   int watch_ = -1;
   dev_t device_ = 0;
   ino_t inode_ = 0;
+  std::optional<Clock::time_point> next_look_;  // Set while there is no inotify.
+  Clock::time_point next_try_{};                // To get inotify again, and to look at all locks.
+  std::int64_t modified_ns_ = 0;                // The folder, when it was last looked at.
 };
 
 }  // namespace hgros::discovery

@@ -11,14 +11,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A program that advertises twenty channels in a row writes twice.
+// A program that advertises twenty channels in a row writes twice. Where many sessions read each change, there are
+// fewer.
 constexpr auto kBetweenWrites = std::chrono::milliseconds(5);
+constexpr auto kPauseForReader = std::chrono::microseconds(200);
+constexpr auto kLongestPause = std::chrono::milliseconds(100);
 constexpr auto kBetweenFailures = std::chrono::seconds(1);
 constexpr int kTries = 100;
 
 }  // namespace
 
-void OwnAnnouncement::Announce(const Announcement& own) {
+void OwnAnnouncement::Announce(const Announcement& own, std::size_t readers) {
   std::string content = EncodeFile(own);
   const std::scoped_lock lock(mutex_);
   if (file_) {
@@ -29,7 +32,8 @@ void OwnAnnouncement::Announce(const Announcement& own) {
     }
     if (content == content_) return;
     content_ = std::move(content);
-    next_write_ = std::max(Clock::now(), last_write_ + kBetweenWrites);
+    const Clock::duration pause = kPauseForReader * std::min<std::size_t>(readers, kLongestPause / kPauseForReader);
+    next_write_ = std::max(Clock::now(), last_write_ + std::max<Clock::duration>(pause, kBetweenWrites));
     return;
   }
   session_ = own.session;
@@ -62,6 +66,11 @@ void OwnAnnouncement::TryWrite() {
     log_.WriteLimited(LogLevel::kError, "registry write", error.what());
     next_write_ = Clock::now() + kBetweenFailures;
   }
+}
+
+bool OwnAnnouncement::announced() const {
+  const std::scoped_lock lock(mutex_);
+  return file_.has_value();
 }
 
 bool OwnAnnouncement::Owns(SessionId session) const {

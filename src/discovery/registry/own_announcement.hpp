@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -19,8 +20,11 @@ class OwnAnnouncement {
   /// `folder` and `log` outlive it.
   OwnAnnouncement(const RegistryFolder& folder, Log& log) : folder_(folder), log_(log) {}
 
-  /// The first call returns when the file is there; later changes wait for WriteIfDue(). Throws Error.
-  void Announce(const Announcement& own);
+  /// The first call returns when the file is there; later changes wait for WriteIfDue(). `readers`: number of other
+  /// sessions that read each change. Throws Error.
+  void Announce(const Announcement& own, std::size_t readers);
+  /// Whether the file was written.
+  [[nodiscard]] bool announced() const;
   /// Whether that is the name of our file.
   [[nodiscard]] bool Owns(SessionId session) const;
   /// The time at which WriteIfDue() must be called.

@@ -1,10 +1,11 @@
 #include "discovery/registry/registry_core.hpp"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
@@ -30,9 +31,9 @@ constexpr std::string_view kEnded = "Its process ended without a goodbye.";
 }  // namespace
 
 RegistryCore::RegistryCore(const RegistryOptions& options, DiscoveryListener& listener, Log& log)
-    : listener_(listener), log_(log), folder_(options), own_(folder_, log) {
+    : listener_(listener), log_(log), folder_(options), own_(folder_, log), watch_(log) {
   Open();
-  Scan();
+  Scan(true);
   book_.Tell(listener_);
   thread_ = std::thread([this] { Loop(); });
 }
@@ -46,7 +47,7 @@ RegistryCore::~RegistryCore() {
 }
 
 void RegistryCore::Announce(const Announcement& own) {
-  own_.Announce(own);
+  own_.Announce(own, book_.size());
   wake_.Signal();
 }
 
@@ -57,17 +58,21 @@ void RegistryCore::Loop() {
     book_.Tell(listener_);
     wake_.Wait(watch_.fd(), Deadline());
     if (stopping_) return;
-    const FolderWatch::News news = watch_.Read();
-    for (const FolderWatch::FileEvent& one : news.events) Examine(one.name, one.event);
+    const FolderWatch::News news = watch_.Read(read_.size());
+    ExamineAll(news.events);
     // The first announcement makes the folder if the last session that left has removed it.
     const bool mending_due = next_mending_ && *next_mending_ <= Clock::now();
     if (news.folder_lost || mending_due || (!next_mending_ && !watch_.Watches(folder_.path()))) {
       Mend();
     } else if (news.missed) {
-      Scan();
+      Scan(news.deaths);
     }
     LookAgain();
     own_.WriteIfDue();
+    if (!looked_elsewhere_ && own_.announced()) {
+      looked_elsewhere_ = true;
+      LookElsewhere();
+    }
   }
 }
 
@@ -75,6 +80,7 @@ std::optional<RegistryCore::Clock::time_point> RegistryCore::Deadline() const {
   std::optional<Clock::time_point> first = own_.next_write();
   const auto consider = [&](Clock::time_point time) { first = first ? std::min(*first, time) : time; };
   if (next_mending_) consider(*next_mending_);
+  if (watch_.next_look()) consider(*watch_.next_look());
   for (const auto& [name, doubt] : doubts_) consider(doubt.next_look);
   return first;
 }
@@ -100,21 +106,28 @@ void RegistryCore::Mend() {
     log_.WriteLimited(LogLevel::kError, "registry folder", error.what());
     next_mending_ = Clock::now() + kBetweenMendings;
   }
-  own_.RestoreIfLost();
-  Scan();
+  Scan(true);
 }
 
-void RegistryCore::Scan() {
-  std::error_code fault;
-  std::unordered_set<SessionId> here;
-  std::vector<std::string> names;
-  for (std::filesystem::directory_iterator entry(folder_.path(), fault), end; !fault && entry != end;
-       entry.increment(fault)) {
-    names.push_back(entry->path().filename().string());
+// A file that has changed several times since the last look is read once.
+void RegistryCore::ExamineAll(const std::vector<FolderWatch::FileEvent>& events) {
+  std::unordered_map<std::string_view, const FolderWatch::FileEvent*> last_put;
+  for (const FolderWatch::FileEvent& one : events) {
+    if (one.event == Event::kPut) last_put[one.name] = &one;
   }
-  for (const std::string& name : names) {
+  for (const FolderWatch::FileEvent& one : events) {
+    if (one.event != Event::kPut || last_put.at(one.name) == &one) Examine(one.name, one.event);
+  }
+}
+
+// `deaths`: the locks of files that have not changed are looked at, too.
+void RegistryCore::Scan(bool deaths) {
+  own_.RestoreIfLost();
+  std::unordered_set<SessionId> here;
+  for (const auto& [name, stamp] : FilesIn(folder_.path())) {
     here.insert(SessionOfFile(name));
-    Examine(name, std::nullopt);
+    const auto read = read_.find(name);
+    if (deaths || read == read_.end() || read->second != stamp) Examine(name, std::nullopt);
   }
   for (const SessionId session : book_.Sessions()) {
     if (!here.contains(session)) ExamineAbsent(FileName(session), session, Event::kRemoved);
@@ -134,26 +147,34 @@ void RegistryCore::Examine(const std::string& name, std::optional<Event> event) 
     own_.RestoreIfLost();
     return;
   }
-  const FileLook look = LookAtFile(folder_.path() / name);
-  if (look.state != FileLook::State::kStrange) strange_.erase(name);
+  const auto read = read_.find(name);
+  const FileLook look = LookAtFile(folder_.path() / name, read == read_.end() ? FileStamp() : read->second);
+  if (look.state != FileLook::State::kStrange && look.state != FileLook::State::kUnknown) strange_.erase(name);
   switch (look.state) {
     case FileLook::State::kAbsent: ExamineAbsent(name, session, event); return;
     case FileLook::State::kStale:
       RemoveStaleFile(folder_.path() / name);
       doubts_.erase(name);
-      book_.Remove(session, kEnded);
+      Forget(name, session, kEnded);
       return;
     case FileLook::State::kStrange:
       SayOnce(name, look.fault);
-      book_.Remove(session, "Its file cannot be trusted any more.");
+      Forget(name, session, "Its file cannot be trusted any more.");
+      return;
+    case FileLook::State::kUnknown:
+      log_.WriteLimited(LogLevel::kWarning, "registry open files",
+                        "This process does not see which sessions come and change: the limit of open files is reached. "
+                        "Raise it (ulimit -n).");
+      next_mending_ = Clock::now() + kBetweenMendings;
       return;
     case FileLook::State::kAlive:
+    case FileLook::State::kAsKnown:
       if (event == Event::kClosed) {
         doubts_.try_emplace(name, Doubt{Clock::now() + kFirstPause, kFirstPause, false});
       } else if (event == Event::kPut) {
         doubts_.erase(name);
       }
-      ExamineAlive(name, session, look.content);
+      if (look.state == FileLook::State::kAlive) ExamineAlive(name, session, look);
       return;
   }
 }
@@ -169,21 +190,28 @@ void RegistryCore::ExamineAbsent(const std::string& name, SessionId session, std
   if (removed && event == Event::kRemoved) return;
   if (doubt != doubts_.end()) doubts_.erase(doubt);
   if (event == Event::kMoved) {
-    book_.Remove(session, "It said goodbye.");
+    Forget(name, session, "It said goodbye.");
   } else {
-    book_.Remove(session, removed ? "Its file was removed, and it did not announce itself again." : kEnded);
+    Forget(name, session, removed ? "Its file was removed, and it did not announce itself again." : kEnded);
   }
 }
 
-void RegistryCore::ExamineAlive(const std::string& name, SessionId session, const std::string& content) {
-  const ParsedFile parsed = ParseFile(AsBytes(content));
+void RegistryCore::Forget(const std::string& name, SessionId session, std::string_view reason) {
+  read_.erase(name);
+  book_.Remove(session, reason);
+}
+
+void RegistryCore::ExamineAlive(const std::string& name, SessionId session, const FileLook& look) {
+  read_.erase(name);
+  ParsedFile parsed = ParseFile(AsBytes(look.content));
   if (!parsed.announcement) {
     SayOnce(name, parsed.fault);
   } else if (parsed.announcement->session != session) {
     SayOnce(name, "it announces session " + parsed.announcement->session.ToString());
   } else {
     strange_.erase(name);
-    book_.Put(*parsed.announcement);
+    read_[name] = look.stamp;
+    book_.Put(std::move(*parsed.announcement));
   }
 }
 
@@ -203,12 +231,25 @@ void RegistryCore::LookAgain() {
   }
 }
 
+// Two sessions that start at the same moment may choose two folders. After both have announced themselves, at least one
+// of them sees the other.
+void RegistryCore::LookElsewhere() {
+  for (const RegistryFolder::Elsewhere& other : folder_.FindElsewhere()) {
+    log_.WriteLimited(LogLevel::kWarning, "registry elsewhere",
+                      "Sessions of user " + std::to_string(other.user) + " in " + other.folder.string() +
+                          " and this one, of user " + std::to_string(geteuid()) + " in " + folder_.path().string() +
+                          ", do not find each other. " +
+                          (other.user == geteuid() ? "Give all programs the same XDG_RUNTIME_DIR, and start them again."
+                                                   : "Run all as one user, or connect them by endpoints."));
+  }
+}
+
 void RegistryCore::SayOnce(const std::string& name, const std::string& fault) {
   if (std::string& said = strange_[name]; std::exchange(said, fault) == fault) return;
-  log_.Write(LogLevel::kWarning, "A session's announcement is ignored (" + (folder_.path() / name).string() +
-                                     "): " + fault +
-                                     ". Remove it if no program uses it; sessions of other versions need a "
-                                     "domain of their own.");
+  log_.WriteLimited(LogLevel::kWarning, "strange announcement",
+                    "A session's announcement is ignored (" + (folder_.path() / name).string() + "): " + fault +
+                        ". Remove it if no program uses it; sessions of other versions need a "
+                        "domain of their own.");
 }
 
 }  // namespace hgros::discovery

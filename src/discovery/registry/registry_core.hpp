@@ -7,12 +7,14 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "discovery/peer_book.hpp"
 #include "discovery/registry/folder_watch.hpp"
 #include "discovery/registry/own_announcement.hpp"
 #include "discovery/registry/registry_folder.hpp"
+#include "discovery/registry/session_file.hpp"
 #include "discovery/wake_event.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
@@ -31,7 +33,7 @@ class RegistryCore {
   ~RegistryCore();
 
   void Announce(const Announcement& own);
-  [[nodiscard]] std::vector<Announcement> List() const { return book_.List(); }
+  [[nodiscard]] std::vector<Announcement> List(const Discovery::Which& which) const { return book_.List(which); }
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
 
  private:
@@ -48,10 +50,13 @@ class RegistryCore {
   [[nodiscard]] std::optional<Clock::time_point> Deadline() const;
   void Open();
   void Mend();
-  void Scan();
+  void Scan(bool deaths);
+  void ExamineAll(const std::vector<FolderWatch::FileEvent>& events);
   void Examine(const std::string& name, std::optional<Event> event);
   void ExamineAbsent(const std::string& name, SessionId session, std::optional<Event> event);
-  void ExamineAlive(const std::string& name, SessionId session, const std::string& content);
+  void ExamineAlive(const std::string& name, SessionId session, const FileLook& look);
+  void Forget(const std::string& name, SessionId session, std::string_view reason);
+  void LookElsewhere();
   void LookAgain();
   void SayOnce(const std::string& name, const std::string& fault);
 
@@ -61,8 +66,10 @@ class RegistryCore {
   const RegistryFolder folder_;
   OwnAnnouncement own_;
   PeerBook book_;
-  FolderWatch watch_;                           // Only the thread uses it and the members below.
-  std::map<std::string, Doubt> doubts_;         // By name.
+  FolderWatch watch_;                                // Only the thread uses it and the members below.
+  std::map<std::string, Doubt> doubts_;              // By name.
+  std::unordered_map<std::string, FileStamp> read_;  // The files whose content is in `book_`.
+  bool looked_elsewhere_ = false;
   std::map<std::string, std::string> strange_;  // Names and the faults that were logged for them.
   std::optional<Clock::time_point> next_mending_;
   WakeEvent wake_;

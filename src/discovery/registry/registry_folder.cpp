@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 
@@ -15,18 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 constexpr mode_t kOnlyMe = 0700;
 constexpr int kFolderTries = 100;
-
-fs::path UsersFolder() {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && fs::path(runtime).is_absolute() && FolderFault(runtime).empty() &&
-      access(runtime, W_OK) == 0) {
-    return fs::path(runtime) / "hgros";
-  }
-  return "/tmp/hgros-" + std::to_string(geteuid());
-}
 
 // False if the parent does not exist.
 bool MakeOne(const fs::path& path) {
@@ -41,21 +30,11 @@ bool MakeOne(const fs::path& path) {
 
 }  // namespace
 
-std::string FolderFault(const fs::path& path) {
-  struct stat status {};
-  // Does not follow a symbolic link: any user may have put one into /tmp.
-  if (lstat(path.c_str(), &status) != 0) return std::string("it cannot be read: ") + std::strerror(errno);
-  if (!S_ISDIR(status.st_mode)) return S_ISLNK(status.st_mode) ? "it is a symbolic link" : "it is not a folder";
-  if (status.st_uid != geteuid()) {
-    return "it belongs to user " + std::to_string(status.st_uid) + ", and this is user " + std::to_string(geteuid());
-  }
-  if ((status.st_mode & kOthersWrite) != 0) return "others may write to it";
-  return {};
-}
-
-RegistryFolder::RegistryFolder(const RegistryOptions& options) {
+RegistryFolder::RegistryFolder(const RegistryOptions& options, const RegistryPlaces::Roots& roots)
+    : domain_(options.domain) {
   RequireDomain(options.domain);
-  parent_ = options.folder.empty() ? UsersFolder() : options.folder;
+  if (options.folder.empty()) places_.emplace(roots);
+  parent_ = places_ ? places_->Choose(domain_) : options.folder;
   path_ = parent_ / options.domain;
 }
 
@@ -79,6 +58,10 @@ void RegistryFolder::Make() const {
   }
   throw Error("The folder in which sessions find each other is removed repeatedly.", path_.string(),
               "Stop the program that removes it.");
+}
+
+std::vector<RegistryFolder::Elsewhere> RegistryFolder::FindElsewhere() const {
+  return places_ ? places_->FindElsewhere(parent_, domain_) : std::vector<Elsewhere>();
 }
 
 void RegistryFolder::RemoveIfEmpty() const noexcept { rmdir(path_.c_str()); }

@@ -1,11 +1,14 @@
 #include "discovery/registry/session_file.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
+#include <system_error>
 
 #include "discovery/registry/announcement_file.hpp"
 #include "hgros/base/own_descriptor.hpp"
@@ -23,7 +26,7 @@ struct flock WholeFile() {
   return lock;
 }
 
-FileLook Strange(std::string fault) { return {FileLook::State::kStrange, {}, std::move(fault)}; }
+FileLook Strange(std::string fault) { return {FileLook::State::kStrange, {}, std::move(fault), {}}; }
 
 std::string Fault(const struct stat& status) {
   if (!S_ISREG(status.st_mode)) return "it is not a regular file";
@@ -32,16 +35,22 @@ std::string Fault(const struct stat& status) {
   return {};
 }
 
-// Reads to the end, or one byte more than allowed.
-bool ReadAll(int fd, std::string& content) {
-  constexpr std::size_t kPiece = 16 * 1024;
-  while (content.size() <= kMaxFileBytes) {
-    const std::size_t before = content.size();
-    content.resize(before + kPiece);
-    const ssize_t size = read(fd, content.data() + before, kPiece);
-    content.resize(before + static_cast<std::size_t>(size > 0 ? size : 0));
-    if (size == 0) return true;
-    if (size < 0 && errno != EINTR) return false;
+FileStamp StampIn(const struct stat& status) noexcept {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  return {status.st_ino, status.st_mtim.tv_sec * kSecond + status.st_mtim.tv_nsec, status.st_size};
+}
+
+// False, and errno is set, if the file cannot be read. A file is complete when it gets its name, and never grows.
+bool ReadAll(int fd, std::size_t size_bytes, std::string& content) {
+  content.resize(size_bytes);
+  for (std::size_t have = 0; have < size_bytes;) {
+    const ssize_t size = read(fd, content.data() + have, size_bytes - have);
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) {
+      content.resize(have);
+      return size == 0;
+    }
+    have += static_cast<std::size_t>(size);
   }
   return true;
 }
@@ -66,10 +75,26 @@ bool TakeLock(int fd) noexcept {
   return fcntl(fd, F_OFD_SETLK, &lock) == 0;
 }
 
-FileLook LookAtFile(const std::filesystem::path& path) {
+std::vector<std::pair<std::string, FileStamp>> FilesIn(const std::filesystem::path& folder) {
+  struct Close {
+    void operator()(DIR* opened) const noexcept { closedir(opened); }
+  };
+  const std::unique_ptr<DIR, Close> opened(opendir(folder.c_str()));
+  std::vector<std::pair<std::string, FileStamp>> files;
+  if (!opened) return files;
+  while (const dirent* const entry = readdir(opened.get())) {
+    struct stat status {};
+    const bool exists = fstatat(dirfd(opened.get()), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) == 0;
+    files.emplace_back(entry->d_name, exists ? StampIn(status) : FileStamp());
+  }
+  return files;
+}
+
+FileLook LookAtFile(const std::filesystem::path& path, const FileStamp& known) {
   const OwnDescriptor file([&] { return open(path.c_str(), O_RDONLY | kLookFlags); });
   if (!file) {
     if (errno == ENOENT) return {};
+    if (errno == EMFILE || errno == ENFILE || errno == ENOMEM) return {FileLook::State::kUnknown, {}, {}, {}};
     if (errno == ELOOP) return Strange("it is a symbolic link");
     return Strange(std::string("it cannot be opened: ") + std::strerror(errno));
   }
@@ -80,13 +105,34 @@ FileLook LookAtFile(const std::filesystem::path& path) {
   if (fcntl(file.get(), F_OFD_GETLK, &lock) != 0) {
     return Strange(std::string("its lock cannot be examined: ") + std::strerror(errno));
   }
-  if (lock.l_type == F_UNLCK) return {FileLook::State::kStale, {}, {}};
+  if (lock.l_type == F_UNLCK) return {FileLook::State::kStale, {}, {}, {}};
   if (status.st_size > static_cast<off_t>(kMaxFileBytes)) {
     return Strange("it has more than " + std::to_string(kMaxFileBytes) + " bytes");
   }
-  FileLook look{FileLook::State::kAlive, {}, {}};
-  if (!ReadAll(file.get(), look.content)) return Strange(std::string("it cannot be read: ") + std::strerror(errno));
+  FileLook look{FileLook::State::kAlive, {}, {}, StampIn(status)};
+  if (look.stamp == known) {
+    look.state = FileLook::State::kAsKnown;
+    return look;
+  }
+  if (!ReadAll(file.get(), static_cast<std::size_t>(status.st_size), look.content))
+    return Strange(std::string("it cannot be read: ") + std::strerror(errno));
   return look;
+}
+
+bool HoldsSessions(const std::filesystem::path& folder) noexcept {
+  try {
+    std::error_code fault;
+    for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end;
+         entry.increment(fault)) {
+      if (SessionOfFile(entry->path().filename().string()).value == 0) continue;
+      const OwnDescriptor file([&] { return open(entry->path().c_str(), O_RDONLY | kLookFlags); });
+      struct flock lock = WholeFile();
+      if (file && fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK) return true;
+    }
+  } catch (const std::exception&) {
+    return false;  // No memory.
+  }
+  return false;
 }
 
 void RemoveStaleFile(const std::filesystem::path& path) {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "hgros/base/ids.hpp"
 
@@ -29,20 +32,37 @@ namespace hgros::discovery {
 /// Locks an open file; sets errno on failure.
 [[nodiscard]] bool TakeLock(int fd) noexcept;
 
+/// Tells one content of a session's file from another: each content is in a file of its own.
+struct FileStamp {
+  std::uint64_t inode = 0;  ///< 0: no file.
+  std::int64_t modified_ns = 0;
+  std::int64_t size_bytes = 0;
+  bool operator==(const FileStamp&) const = default;
+};
+
+/// The names in a folder, and their stamps, without opening the files. Empty if the folder cannot be read.
+[[nodiscard]] std::vector<std::pair<std::string, FileStamp>> FilesIn(const std::filesystem::path& folder);
+
 struct FileLook {
   enum class State {
     kAbsent,
     kAlive,    ///< The owner lives; `content` is its announcement.
+    kAsKnown,  ///< The owner lives, and the file is the known one, which is not read again.
     kStale,    ///< The owner is dead.
     kStrange,  ///< Not trusted: `fault` says why.
+    kUnknown,  ///< This process can open no more files.
   };
   State state = State::kAbsent;
   std::string content;
   std::string fault;
-  bool operator==(const FileLook&) const = default;
+  FileStamp stamp = {};
 };
 
-[[nodiscard]] FileLook LookAtFile(const std::filesystem::path& path);
+/// `known`: the stamp of the file that was read before.
+[[nodiscard]] FileLook LookAtFile(const std::filesystem::path& path, const FileStamp& known = {});
+
+/// Whether a process holds the lock of a session's file in `folder`, whatever user it belongs to.
+[[nodiscard]] bool HoldsSessions(const std::filesystem::path& folder) noexcept;
 
 /// Removes the file if it is still stale.
 void RemoveStaleFile(const std::filesystem::path& path);

@@ -58,7 +58,7 @@ class Channel::Handover {
 };
 
 PublishStatus Channel::Try(const MessageOffer& offer, Reach reach) noexcept {
-  return several_forms_.load(std::memory_order_acquire) ? TryOneOfSeveral(offer, reach) : TryAs(offer, type(), reach);
+  return wrapping_.load(std::memory_order_acquire) != 0 ? TryOneOfSeveral(offer, reach) : TryAs(offer, type(), reach);
 }
 
 PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Reach reach) noexcept {
@@ -79,7 +79,7 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
   }
   if (reserved && !ReserveAll(fanout, bytes)) return PublishStatus::kFull;
   if (outlet != nullptr) {
-    if (const PublishStatus status = outlet->Reserve(); status != PublishStatus::kOk) {
+    if (const PublishStatus status = outlet->Reserve(offer.message, type); status != PublishStatus::kOk) {
       if (reserved) CancelAll(fanout, fanout.nodes.size(), bytes);
       return status;
     }
@@ -232,6 +232,9 @@ PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
 }
 
 void Channel::Replace(std::shared_ptr<const Fanout> fanout) {
+  const unsigned others = wrapping_.load(std::memory_order_relaxed) & ~kSharedRaw;
+  wrapping_.store(others | (fanout->raw > 1 ? kSharedRaw : 0), std::memory_order_release);
+  raw_.SetObserved(fanout->raw > 0);
   fanout_.store(fanout.get(), std::memory_order_seq_cst);
   std::swap(current_fanout_, fanout);
   epoch::Retire(std::move(fanout));
@@ -248,6 +251,7 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
     fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
     fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
     // A node that reads the bytes in place gets them without a copy; copies are made only for the other nodes.
+    fanout->raw += IsAnyType(*setting.type) ? 1 : 0;
     const bool raw =
         fanout->inbound != nullptr && IsAnyType(*fanout->inbound);  // Messages of other types are made from it.
     const bool better = setting.type->encode_in_place != nullptr || IsAnyType(*setting.type);
@@ -262,13 +266,8 @@ std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> node
 void Channel::Add(const std::shared_ptr<Node>& node) {
   const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
   std::vector<QueuedMessage> kept = latched_messages_.ForNewNode(node);
-  if (IsAnyType(*node->setting().type) && !raw_.load(std::memory_order_relaxed)) {
-    for (const std::shared_ptr<Node>& other : current_fanout_->nodes) other->ExpectTwoForms();
-    raw_.store(true, std::memory_order_release);
-  }
-  if (other_type_.load(std::memory_order_relaxed) != nullptr || raw_.load(std::memory_order_relaxed)) {
-    node->ExpectTwoForms();
-  }
+  if (IsAnyType(*node->setting().type)) raw_.Expect(current_fanout_->nodes);
+  if (other_type_.load(std::memory_order_relaxed) != nullptr || raw_.expected()) node->ExpectTwoForms();
   if (!kept.empty()) node->Preload(std::move(kept));
   std::vector<std::shared_ptr<Node>> nodes = current_fanout_->nodes;
   nodes.push_back(node);
@@ -308,7 +307,7 @@ ThreadUse Channel::UseOfThread() const noexcept {
 }
 
 const TypeInfo& Channel::InboundType() const noexcept {
-  if (other_type_.load(std::memory_order_acquire) == nullptr && !raw_.load(std::memory_order_acquire)) return type();
+  if (other_type_.load(std::memory_order_acquire) == nullptr && !raw_.expected()) return type();
   const epoch::Guard guard;
   const TypeInfo* const inbound = fanout_.load(std::memory_order_seq_cst)->inbound;
   if (inbound != nullptr) return *inbound;

@@ -8,6 +8,7 @@
 
 #include "graph/channel/latched_messages.hpp"
 #include "graph/channel/raw_forms.hpp"
+#include "graph/channel/raw_presence.hpp"
 #include "graph/channel/room_signal.hpp"
 #include "graph/nodes/node.hpp"
 #include "graph/nodes/node_stats.hpp"
@@ -27,6 +28,7 @@ struct Fanout {
   bool count_bytes = false;           // At least one node has a byte limit.
   bool has_inline = false;            // At least one node runs its callback in the delivering thread.
   const TypeInfo* inbound = nullptr;  // The type as which remote messages are decoded; null: no node.
+  std::size_t raw = 0;                // Number of nodes that take messages raw.
 };
 
 // A typed hyperedge.
@@ -90,7 +92,7 @@ class Channel {
   void AddRawForm();
   void AdoptType(const TypeInfo& type, const CallSite& where);
   // Adds a place for the other form if the channel has two types or the message is raw.
-  [[nodiscard]] AnyMessage Wrapped(AnyMessage message, const TypeInfo& type) const;
+  [[nodiscard]] AnyMessage Wrapped(AnyMessage message, const TypeInfo& type);
   [[nodiscard]] const TypeInfo& TypeOfMessage(const AnyMessage& message) const noexcept;
   // A local message with its number, on its way to all nodes. The pointers are valid as long as the epoch guard.
   struct Publication {
@@ -135,8 +137,11 @@ class Channel {
   std::atomic<const Fanout*> fanout_;
   std::atomic<Outlet*> outlet_{nullptr};
   std::atomic<const TypeInfo*> other_type_{nullptr};  // Set once, under wiring_mutex_.
-  std::atomic<bool> raw_{false};                      // Messages are, or were, subscribed to or published raw.
-  std::atomic<bool> several_forms_{false};            // Messages are published as other_type_, or raw.
+  RawPresence raw_;                                   // Written under wiring_mutex_.
+  // How local messages are wrapped, in bits.
+  static constexpr unsigned kSeveralForms = 1;  // Messages are published as other_type_, or raw.
+  static constexpr unsigned kSharedRaw = 2;     // Several nodes take them raw, so that they are encoded once for all.
+  std::atomic<unsigned> wrapping_{0};           // Written under wiring_mutex_.
   std::atomic<bool> closed_{false};
   std::atomic<std::size_t> latched_{0};
   alignas(64) std::atomic<std::uint64_t> sequence_{0};  // Number of the last local message.

@@ -66,16 +66,18 @@ void Channel::AddSecondType(const TypeInfo& other) {
     return two_forms::Wrap(std::move(message), type(), this);
   });
   other_type_.store(&other, std::memory_order_release);
-  several_forms_.store(true, std::memory_order_release);
+  raw_.Keep();
+  wrapping_.fetch_or(kSeveralForms, std::memory_order_release);
 }
 
 // Before the first raw message can be published, every node knows that one may come.
 void Channel::AddRawForm() {
-  if (raw_.load(std::memory_order_acquire) && several_forms_.load(std::memory_order_acquire)) return;
+  const bool several = (wrapping_.load(std::memory_order_acquire) & kSeveralForms) != 0;
+  if (several && raw_.expected()) return;
   const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
-  for (const std::shared_ptr<Node>& node : current_fanout_->nodes) node->ExpectTwoForms();
-  raw_.store(true, std::memory_order_release);
-  several_forms_.store(true, std::memory_order_release);
+  raw_.Keep();
+  raw_.Expect(current_fanout_->nodes);
+  wrapping_.fetch_or(kSeveralForms, std::memory_order_release);
 }
 
 PublishStatus Channel::TryOneOfSeveral(const MessageOffer& offer, Reach reach) noexcept {
@@ -83,13 +85,19 @@ PublishStatus Channel::TryOneOfSeveral(const MessageOffer& offer, Reach reach) n
   const TypeInfo& offered = offer.type();
   const TypeInfo& first = this->type();
   const TypeInfo* const other = other_type_.load(std::memory_order_acquire);
-  if (other == nullptr && !IsAnyType(offered)) return TryAs(offer, first, reach);
-  const TypeInfo& type = IsAnyType(offered) ? AnyType() : IsSameType(offered, first) ? first : *other;
+  const bool shared_raw = (wrapping_.load(std::memory_order_relaxed) & kSharedRaw) != 0;
+  if (other == nullptr && !IsAnyType(offered) && !shared_raw) return TryAs(offer, first, reach);
+  const bool as_first = other == nullptr || IsSameType(offered, first);
+  const TypeInfo& type = IsAnyType(offered) ? AnyType() : as_first ? first : *other;
   WrappingOffer wrapping{offer, type, *this};
   return TryAs({offer.message, WrappingOffer::Take, &wrapping, offer.type}, type, reach);
 }
 
 AnyMessage Channel::InForm(const AnyMessage& message, const TypeInfo& wanted) {
+  if (raw_.MayEnd()) {  // This is called for each message, so it does not wait.
+    const std::unique_lock lock(wiring_mutex_, std::try_to_lock);
+    if (lock) raw_.End(current_fanout_->nodes);
+  }
   return two_forms::As(message, wanted, type(), this, [&](const AnyMessage& one, const TypeInfo& from) {
     AnyMessage made;
     if (IsAnyType(wanted)) {
@@ -104,9 +112,17 @@ AnyMessage Channel::InForm(const AnyMessage& message, const TypeInfo& wanted) {
   });
 }
 
-AnyMessage Channel::Wrapped(AnyMessage message, const TypeInfo& type) const {
-  if (other_type_.load(std::memory_order_acquire) == nullptr && !IsAnyType(type)) return message;
-  return two_forms::Wrap(std::move(message), type, this);
+AnyMessage Channel::Wrapped(AnyMessage message, const TypeInfo& type) {
+  if (!IsAnyType(type)) {
+    return other_type_.load(std::memory_order_acquire) == nullptr ? message
+                                                                  : two_forms::Wrap(std::move(message), type, this);
+  }
+  AnyMessage raw = two_forms::Wrap(std::move(message), type, this, raw_.messages());
+  if (!raw_.expected()) {
+    const std::scoped_lock lock(wiring_mutex_);
+    raw_.Expect(current_fanout_->nodes);
+  }
+  return raw;
 }
 
 const TypeInfo& Channel::TypeOfMessage(const AnyMessage& message) const noexcept {

@@ -11,9 +11,17 @@ namespace hgros::two_forms {
 namespace {
 
 struct Forms {
-  Forms(AnyMessage one, const TypeInfo& its_type, const void* on)
-      : message(std::move(one)), type(its_type), channel(on) {}
+  Forms(AnyMessage one, const TypeInfo& its_type, const void* on, std::shared_ptr<Living> counted)
+      : living(std::move(counted)), message(std::move(one)), type(its_type), channel(on) {
+    if (living) living->fetch_add(1, std::memory_order_seq_cst);
+  }
+  Forms(const Forms&) = delete;
+  Forms& operator=(const Forms&) = delete;
+  ~Forms() {
+    if (living) living->fetch_sub(1, std::memory_order_seq_cst);
+  }
 
+  const std::shared_ptr<Living> living;
   const AnyMessage message;
   const TypeInfo& type;
   const void* const channel;
@@ -50,9 +58,9 @@ bool Fit(const TypeInfo& one, const TypeInfo& other) noexcept {
          one.fingerprint == other.fingerprint;
 }
 
-AnyMessage Wrap(AnyMessage message, const TypeInfo& type, const void* channel) {
+AnyMessage Wrap(AnyMessage message, const TypeInfo& type, const void* channel, std::shared_ptr<Living> living) {
   const void* const shown = message.get();
-  return AnyMessage(shown, FormsOwner{std::make_unique<Forms>(std::move(message), type, channel)});
+  return AnyMessage(shown, FormsOwner{std::make_unique<Forms>(std::move(message), type, channel, std::move(living))});
 }
 
 const TypeInfo* TypeOfWrapped(const AnyMessage& message, const void* channel) noexcept {

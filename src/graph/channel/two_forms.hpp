@@ -1,6 +1,9 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <functional>
+#include <memory>
 
 #include "hgros/codec/type_info.hpp"
 
@@ -15,8 +18,13 @@ namespace two_forms {
 // Whether messages of one type can be converted to the other.
 [[nodiscard]] bool Fit(const TypeInfo& one, const TypeInfo& other) noexcept;
 
-// `message` of `type`, wrapped with a place for its other form. The wrapping only counts on this `channel`.
-[[nodiscard]] AnyMessage Wrap(AnyMessage message, const TypeInfo& type, const void* channel);
+// Number of wrapped messages that still exist.
+using Living = std::atomic<std::size_t>;
+
+// `message` of `type`, wrapped with a place for its other form. The wrapping only counts on this `channel`. `living`
+// counts the message until it ends, unless it is null.
+[[nodiscard]] AnyMessage Wrap(AnyMessage message, const TypeInfo& type, const void* channel,
+                              std::shared_ptr<Living> living = nullptr);
 
 // The type of a message of `channel`, or null if it was not wrapped for it.
 [[nodiscard]] const TypeInfo* TypeOfWrapped(const AnyMessage& message, const void* channel) noexcept;

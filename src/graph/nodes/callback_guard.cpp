@@ -4,14 +4,14 @@
 
 namespace hgros {
 
-void CallbackGuard::DestroyOnce(const void* node, std::unique_lock<std::mutex>& lock,
+void CallbackGuard::DestroyOnce(GraphCore* graph, const Node* node, std::unique_lock<std::mutex>& lock,
                                 std::condition_variable& changed) noexcept {
   if (destroyed_) return;
   destroyed_ = true;
   destroying_ = true;
   lock.unlock();
   {
-    const CallbackScope scope(nullptr, node);
+    const CallbackScope scope(graph, node);
     callback_ = nullptr;
   }
   lock.lock();

@@ -8,6 +8,9 @@
 
 namespace hgros {
 
+class GraphCore;
+class Node;
+
 // A node's callback. It is destroyed once, after the node was closed, when no callback runs any more. Its captures
 // may include a Subscription of this very node. So it is destroyed outside the node's lock, and the thread is marked
 // as inside the node's callback: then this Subscription does not wait for itself.
@@ -21,8 +24,10 @@ class CallbackGuard {
   void operator()(const AnyMessage& message, const MessageInfo& info) { callback_(message, info); }
 
   // Destroys the callback unless that was done before. The caller has made sure that no callback of `node` runs and
-  // that none will. `lock` holds the node's mutex and is released meanwhile; `changed` is notified afterwards.
-  void DestroyOnce(const void* node, std::unique_lock<std::mutex>& lock, std::condition_variable& changed) noexcept;
+  // that none will. `lock` holds the node's mutex and is released meanwhile; `changed` is notified afterwards. `graph`
+  // is set on a thread that has just run the callback: what the captures end does not wait for that thread.
+  void DestroyOnce(GraphCore* graph, const Node* node, std::unique_lock<std::mutex>& lock,
+                   std::condition_variable& changed) noexcept;
   // A thread is in DestroyOnce(): threads that wait for the node must wait for this, too.
   [[nodiscard]] bool destroying() const noexcept { return destroying_; }
 

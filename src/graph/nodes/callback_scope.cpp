@@ -1,5 +1,7 @@
 #include "graph/nodes/callback_scope.hpp"
 
+#include "graph/graph_core.hpp"
+
 namespace hgros {
 namespace {
 
@@ -7,8 +9,23 @@ thread_local CallbackScope* innermost = nullptr;
 
 }  // namespace
 
-CallbackScope::CallbackScope(const void* graph, const void* node) noexcept
+// exit() destroys the calling thread's object before all static objects.
+struct CallbackScope::ExitWatch {
+  ~ExitWatch() {
+    for (const CallbackScope* scope = innermost; scope != nullptr; scope = scope->outer_) {
+      if (scope->graph_ != nullptr) scope->graph_->OnExitInside();
+    }
+  }
+  void Start() noexcept { started_ = true; }
+
+ private:
+  bool started_ = false;  // A thread's object exists from its first use on.
+};
+
+CallbackScope::CallbackScope(GraphCore* graph, const Node* node) noexcept
     : graph_(graph), node_(node), outer_(innermost) {
+  thread_local ExitWatch watch;
+  if (outer_ == nullptr) watch.Start();
   innermost = this;
 }
 
@@ -16,18 +33,31 @@ CallbackScope::~CallbackScope() { innermost = outer_; }
 
 bool CallbackScope::InAny() noexcept { return innermost != nullptr; }
 
-bool CallbackScope::InGraph(const void* graph) noexcept {
+bool CallbackScope::InGraph(const GraphCore* graph) noexcept {
   for (const CallbackScope* scope = innermost; scope != nullptr; scope = scope->outer_) {
     if (scope->graph_ == graph) return true;
   }
   return false;
 }
 
-bool CallbackScope::InNode(const void* node) noexcept {
+bool CallbackScope::InNode(const Node* node) noexcept {
   for (const CallbackScope* scope = innermost; scope != nullptr; scope = scope->outer_) {
     if (scope->node_ == node) return true;
   }
   return false;
+}
+
+const Node* CallbackScope::NodeOf(const GraphCore* graph) noexcept {
+  for (const CallbackScope* scope = innermost; scope != nullptr; scope = scope->outer_) {
+    if (scope->graph_ == graph && scope->node_ != nullptr) return scope->node_;
+  }
+  return nullptr;
+}
+
+std::vector<const Node*> CallbackScope::Nodes() {
+  std::vector<const Node*> nodes;
+  for (const CallbackScope* scope = innermost; scope != nullptr; scope = scope->outer_) nodes.push_back(scope->node_);
+  return nodes;
 }
 
 }  // namespace hgros

@@ -1,23 +1,34 @@
 #pragma once
 
+#include <vector>
+
 namespace hgros {
 
+class GraphCore;
+class Node;
+
 // Marks the calling thread as running a callback of `node` in `graph`. Scopes nest: an inline callback that publishes
-// runs other callbacks inside it.
+// runs other callbacks inside it. If exit() is called inside a scope, its graph ends before any static object does.
 class CallbackScope {
  public:
-  CallbackScope(const void* graph, const void* node) noexcept;
+  CallbackScope(GraphCore* graph, const Node* node) noexcept;
   CallbackScope(const CallbackScope&) = delete;
   CallbackScope& operator=(const CallbackScope&) = delete;
   ~CallbackScope();
 
   [[nodiscard]] static bool InAny() noexcept;
-  [[nodiscard]] static bool InGraph(const void* graph) noexcept;
-  [[nodiscard]] static bool InNode(const void* node) noexcept;
+  [[nodiscard]] static bool InGraph(const GraphCore* graph) noexcept;
+  [[nodiscard]] static bool InNode(const Node* node) noexcept;
+  // The innermost node of `graph` whose callback this thread runs; null if there is none.
+  [[nodiscard]] static const Node* NodeOf(const GraphCore* graph) noexcept;
+  // The nodes whose callbacks this thread runs, each as often as it does.
+  [[nodiscard]] static std::vector<const Node*> Nodes();
 
  private:
-  const void* graph_;
-  const void* node_;
+  struct ExitWatch;
+
+  GraphCore* graph_;
+  const Node* node_;
   CallbackScope* outer_;
 };
 

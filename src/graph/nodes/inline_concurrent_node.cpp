@@ -1,6 +1,5 @@
 #include "graph/nodes/inline_concurrent_node.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "hgros/clock/time.hpp"
@@ -20,7 +19,7 @@ void InlineConcurrentNode::Deliver(const Delivery& delivery, bool, std::int64_t&
   if (watchers_.load(std::memory_order_seq_cst) == 0 && !closed_.load(std::memory_order_seq_cst)) return;
   std::unique_lock lock(mutex_);
   idle_.notify_all();
-  if (closed_ && Idle()) DestroyCallbackOnce(lock, idle_);
+  if (closed_ && Idle()) DestroyCallbackOnce(true, lock, idle_);
 }
 
 void InlineConcurrentNode::Preload(std::vector<QueuedMessage> messages) { preloaded_ = std::move(messages); }
@@ -32,22 +31,23 @@ void InlineConcurrentNode::Start() {
   }
 }
 
-bool InlineConcurrentNode::Idle() const noexcept {
-  return std::all_of(shards_.begin(), shards_.end(),
-                     [](const Shard& shard) { return shard.running.load(std::memory_order_seq_cst) == 0; });
+int InlineConcurrentNode::Running() const noexcept {
+  int running = 0;
+  for (const Shard& shard : shards_) running += shard.running.load(std::memory_order_seq_cst);
+  return running;
 }
 
 void InlineConcurrentNode::Close(bool wait) {
   closed_.store(true, std::memory_order_seq_cst);
   std::unique_lock lock(mutex_);
   if (wait) idle_.wait(lock, [this] { return Idle() && !destroying_callback(); });
-  if (Idle()) DestroyCallbackOnce(lock, idle_);
+  if (Idle()) DestroyCallbackOnce(false, lock, idle_);
 }
 
-bool InlineConcurrentNode::WaitIdle(std::chrono::steady_clock::time_point deadline) {
+bool InlineConcurrentNode::WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) {
   watchers_.fetch_add(1, std::memory_order_seq_cst);
   std::unique_lock lock(mutex_);
-  const bool idle = idle_.wait_until(lock, deadline, [this] { return Idle(); });
+  const bool idle = idle_.wait_until(lock, deadline, [this, own] { return Running() <= own; });
   watchers_.fetch_sub(1, std::memory_order_seq_cst);
   return idle;
 }

@@ -24,7 +24,7 @@ class InlineConcurrentNode final : public Node {
   void Preload(std::vector<QueuedMessage> messages) override;
   void Start() override;
   void Close(bool wait) override;
-  bool WaitIdle(std::chrono::steady_clock::time_point deadline) override;
+  bool WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) override;
 
  protected:
   std::size_t QueuedNow() const override { return 0; }
@@ -36,7 +36,8 @@ class InlineConcurrentNode final : public Node {
     NodeStats stats;
   };
 
-  [[nodiscard]] bool Idle() const noexcept;
+  [[nodiscard]] int Running() const noexcept;
+  [[nodiscard]] bool Idle() const noexcept { return Running() == 0; }
 
   std::array<Shard, kShards> shards_;
   std::atomic<bool> closed_{false};

@@ -27,7 +27,7 @@ void InlineSerialNode::Deliver(const Delivery& delivery, bool reserved, std::int
 // True if the running thread will find the message in the ring; false if the caller has become the running thread.
 bool InlineSerialNode::LeaveInRing(const Delivery& delivery, bool reserved) {
   std::optional<QueuedMessage> dropped;  // Destroyed after the lock.
-  const std::scoped_lock lock(mutex_);
+  std::unique_lock lock(mutex_);
   if (reserved) ring_.Cancel(delivery.bytes);
   for (int state = state_.load(std::memory_order_seq_cst);;) {
     if (state == kIdle) {
@@ -39,6 +39,9 @@ bool InlineSerialNode::LeaveInRing(const Delivery& delivery, bool reserved) {
   left_in_ring_.fetch_add(1, std::memory_order_relaxed);
   dropped = ring_.Push(delivery);
   if (dropped) dropped_.fetch_add(1, std::memory_order_relaxed);
+  lock.unlock();
+  if (dropped) [[unlikely]]
+    SayDropped();
   return true;
 }
 
@@ -69,13 +72,13 @@ void InlineSerialNode::Finish() noexcept {
   if (watchers_.load(std::memory_order_seq_cst) == 0 && !closed_.load(std::memory_order_seq_cst)) return;
   std::unique_lock lock(mutex_);
   idle_.notify_all();
-  if (closed_) DestroyCallbackIfIdle(lock);
+  if (closed_) DestroyCallbackIfIdle(true, lock);
 }
 
 // Every thread that takes kRunning after closed_ was set leaves the callback alone, so no thread uses the callback of a
 // node that is closed and idle.
-void InlineSerialNode::DestroyCallbackIfIdle(std::unique_lock<std::mutex>& lock) noexcept {
-  if (state_.load(std::memory_order_seq_cst) == kIdle) DestroyCallbackOnce(lock, idle_);
+void InlineSerialNode::DestroyCallbackIfIdle(bool after_run, std::unique_lock<std::mutex>& lock) noexcept {
+  if (state_.load(std::memory_order_seq_cst) == kIdle) DestroyCallbackOnce(after_run, lock, idle_);
 }
 
 bool InlineSerialNode::Reserve(std::size_t bytes) noexcept {
@@ -116,14 +119,14 @@ void InlineSerialNode::Close(bool wait) {
   if (wait) {
     idle_.wait(lock, [this] { return state_.load(std::memory_order_seq_cst) == kIdle && !destroying_callback(); });
   }
-  DestroyCallbackIfIdle(lock);
+  DestroyCallbackIfIdle(false, lock);
 }
 
-bool InlineSerialNode::WaitIdle(std::chrono::steady_clock::time_point deadline) {
+bool InlineSerialNode::WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) {
   watchers_.fetch_add(1, std::memory_order_seq_cst);
   std::unique_lock lock(mutex_);
-  const bool idle =
-      idle_.wait_until(lock, deadline, [this] { return state_.load(std::memory_order_seq_cst) == kIdle; });
+  const bool idle = idle_.wait_until(
+      lock, deadline, [this, own] { return own > 0 || state_.load(std::memory_order_seq_cst) == kIdle; });
   watchers_.fetch_sub(1, std::memory_order_seq_cst);
   return idle;
 }

@@ -24,7 +24,7 @@ class InlineSerialNode final : public Node {
   void Preload(std::vector<QueuedMessage> messages) override;
   void Start() override;
   void Close(bool wait) override;
-  bool WaitIdle(std::chrono::steady_clock::time_point deadline) override;
+  bool WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) override;
 
  protected:
   std::size_t QueuedNow() const override;
@@ -37,7 +37,7 @@ class InlineSerialNode final : public Node {
   void RunOne(const AnyMessage& message, const MessageInfo& info, std::int64_t& now) noexcept;
   void Drain(std::int64_t& now) noexcept;
   void Finish() noexcept;
-  void DestroyCallbackIfIdle(std::unique_lock<std::mutex>& lock) noexcept;
+  void DestroyCallbackIfIdle(bool after_run, std::unique_lock<std::mutex>& lock) noexcept;
 
   std::atomic<int> state_{kIdle};
   std::atomic<bool> closed_{false};

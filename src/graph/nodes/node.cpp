@@ -64,6 +64,21 @@ void Node::NotifyRoom() const noexcept {
   if (setting_.on_room) setting_.on_room();
 }
 
+void Node::SayDropped() noexcept {
+  if (setting_.queue.depth() == 1 || said_dropped_.load(std::memory_order_relaxed) || said_dropped_.exchange(true)) {
+    return;
+  }
+  const NodeSnapshot now = Snapshot();
+  setting_.log->Write(
+      LogLevel::kWarning,
+      "Subscription \"" + now.name + "\" on channel \"" + now.channel + "\" has dropped " +
+          std::to_string(now.dropped) + " of " + std::to_string(now.received) +
+          " messages: they come faster than its callback handles them, and " + "its queue keeps only the last " +
+          std::to_string(now.queue.depth()) +
+          ". To change the queue, use NodeOptions::queue, or in the configuration data_graph: nodes: \"" + now.name +
+          "\": queue, with {keep_last: N}, {keep_all: N} or latest. Further drops are only counted.");
+}
+
 void Node::AddStats(NodeSnapshot& snapshot) const {
   snapshot.run += stats_.run.load(std::memory_order_relaxed);
   snapshot.failed += stats_.failed.load(std::memory_order_relaxed);

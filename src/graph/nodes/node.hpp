@@ -25,7 +25,7 @@ struct NodeSetting {
   Invoke invoke = Invoke::kSerial;
   Queue queue;
   Executor executor;
-  const void* graph = nullptr;
+  GraphCore* graph = nullptr;
   std::shared_ptr<Log> log;
   std::function<void()> on_room;
   const TypeInfo* type = nullptr;  // The type that the callback takes.
@@ -74,13 +74,18 @@ class Node : public std::enable_shared_from_this<Node> {
   // No callback starts after this. With `wait` it waits for the running ones.
   virtual void Close(bool wait) = 0;
   // Waits until no message is queued and no callback runs; false if the deadline came first.
-  virtual bool WaitIdle(std::chrono::steady_clock::time_point deadline) = 0;
+  bool WaitIdle(std::chrono::steady_clock::time_point deadline) { return WaitForOthers(0, deadline); }
+  // The same, except for `own` callbacks, which the calling thread itself runs.
+  virtual bool WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) = 0;
 
   // A delivery would have to wake a worker, so the delivering thread should run the node itself: see ReadyNodeSlot.
   [[nodiscard]] virtual bool WouldWakeWorker() const noexcept { return false; }
 
   // From now on messages may be of another type than the callback takes.
   void ExpectTwoForms() noexcept { two_forms_.store(true, std::memory_order_relaxed); }
+  // Messages of another type have ended, and none comes until ExpectTwoForms() is called again.
+  void ExpectOneForm() noexcept { two_forms_.store(false, std::memory_order_relaxed); }
+  [[nodiscard]] bool expects_two_forms() const noexcept { return two_forms_.load(std::memory_order_relaxed); }
 
   // Waits after Close() for the end of the node's own thread, if it has one; does nothing on that thread.
   virtual void JoinThread() {}
@@ -99,12 +104,15 @@ class Node : public std::enable_shared_from_this<Node> {
   // Runs the callback; counts and logs exceptions. `now` as in Deliver().
   void Run(const AnyMessage& message, const MessageInfo& info, NodeStats& stats, Writers writers,
            std::int64_t& now) noexcept;
-  // For a closed node without running callbacks: see CallbackGuard.
-  void DestroyCallbackOnce(std::unique_lock<std::mutex>& lock, std::condition_variable& changed) noexcept {
-    callback_.DestroyOnce(this, lock, changed);
+  // For a closed node without running callbacks: see CallbackGuard. `after_run`: this thread has just run one.
+  void DestroyCallbackOnce(bool after_run, std::unique_lock<std::mutex>& lock,
+                           std::condition_variable& changed) noexcept {
+    callback_.DestroyOnce(after_run ? setting_.graph : nullptr, this, lock, changed);
   }
   [[nodiscard]] bool destroying_callback() const noexcept { return callback_.destroying(); }
   void NotifyRoom() const noexcept;
+  // Logs the first drop of a node that wants more than the newest message. Call it without the node's lock.
+  void SayDropped() noexcept;
 
   // Delivering threads write the last group, running threads the one before it, and both read the first: each has
   // cache lines of its own.
@@ -112,6 +120,7 @@ class Node : public std::enable_shared_from_this<Node> {
   NodeSetting setting_;
   CallbackGuard callback_;
   std::atomic<bool> two_forms_{false};
+  std::atomic<bool> said_dropped_{false};
 
  protected:
   NodeStats stats_;

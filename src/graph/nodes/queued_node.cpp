@@ -28,6 +28,8 @@ void QueuedNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t&)
     wake = NeedsWake();
   }
   if (wake) Wake();
+  if (dropped) [[unlikely]]
+    SayDropped();
 }
 
 // One lock instead of two in Reserve() and Deliver().
@@ -128,7 +130,7 @@ void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, s
       RunUnlocked({&one, 1}, lock, now);
     }
     if (closed_ || watchers_ > 0) changed_.notify_all();
-    if (closed_ && running_ == 0) DestroyCallbackOnce(lock, changed_);
+    if (closed_ && running_ == 0) DestroyCallbackOnce(true, lock, changed_);
   }
 }
 
@@ -169,14 +171,15 @@ void QueuedNode::Close(bool wait) {
   NotifyRoom();  // Publishers must not wait for a closed node.
   lock.lock();
   if (wait) changed_.wait(lock, [this] { return running_ == 0 && !destroying_callback(); });
-  if (running_ == 0) DestroyCallbackOnce(lock, changed_);
+  if (running_ == 0) DestroyCallbackOnce(false, lock, changed_);
 }
 
-bool QueuedNode::WaitIdle(std::chrono::steady_clock::time_point deadline) {
+bool QueuedNode::WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   ++watchers_;
-  const bool idle = changed_.wait_until(
-      lock, deadline, [this] { return running_ == 0 && !destroying_callback() && (closed_ || !HasMessages()); });
+  const bool idle = changed_.wait_until(lock, deadline, [this, own] {
+    return running_ <= own && (own > 0 || !destroying_callback()) && (closed_ || !HasMessages());
+  });
   --watchers_;
   return idle;
 }

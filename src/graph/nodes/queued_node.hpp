@@ -26,7 +26,7 @@ class QueuedNode : public Node {
   void Preload(std::vector<QueuedMessage> messages) override;
   void Start() override;
   void Close(bool wait) override;
-  bool WaitIdle(std::chrono::steady_clock::time_point deadline) override;
+  bool WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) override;
 
  protected:
   // Called with the lock held when a message was queued. True: call Wake() after the lock is released.

@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "graph/nodes/exit_on_worker.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 
 namespace hgros {
@@ -63,6 +64,7 @@ struct TbbExecutor::Enqueued {
 };
 
 void TbbExecutor::Run(Activation& activation) const {
+  const OnWorker on_worker;
   if (!one_worker_) {
     activation.Activate();
     return;
@@ -77,6 +79,7 @@ TbbExecutor::TbbExecutor(int threads)
     : one_worker_(WorkerCount(threads) == 1),
       workers_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(WorkerCount(threads)) + 1),
       arena_(WorkerCount(threads), 0) {
+  PrepareForExitOnWorker();
   arena_.execute([this] { graph_ = std::make_unique<tbb::flow::graph>(); });
 }
 

@@ -149,6 +149,7 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
       why =
           "the tree has " + std::to_string(frames_.most()) + " frames, the limit of TransformTreeOptions::max_frames.";
       break;
+    case SetFault::kTooNew:  // Only Transforms knows a clock.
     case SetFault::kName:
     case SetFault::kNone: break;
   }

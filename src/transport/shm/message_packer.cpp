@@ -1,10 +1,17 @@
 #include "transport/shm/message_packer.hpp"
 
 #include <cstring>
+#include <new>
 #include <string>
 #include <utility>
 
 namespace hgros::shm {
+namespace {
+
+// Reading the limits of the control group costs as much as copying this much.
+constexpr std::size_t kLargeBytes = 1u << 20;
+
+}  // namespace
 
 std::shared_ptr<const ShmMessage> MessagePacker::Pack(const PacketHead& head, const Payload& data) {
   auto message = std::make_shared<ShmMessage>();
@@ -27,6 +34,14 @@ std::shared_ptr<const ShmMessage> MessagePacker::Pack(const PacketHead& head, co
     message->place = loan->place;
     message->data = {loan->bytes, std::move(loan->owner)};
     return message;
+  }
+  if (data.bytes.size() >= kLargeBytes && !pool_->HasRoomApart(BlockPool::kCopiesReceived * data.bytes.size())) {
+    session_.log.WriteLimited(LogLevel::kError, "shm no room",
+                              "A message of " + std::to_string(data.bytes.size()) + " bytes on channel \"" +
+                                  head.channel +
+                                  "\" is not sent: the memory limit of its control group leaves too little for its "
+                                  "receivers. Raise the limit, or publish smaller messages.");
+    throw std::bad_alloc();
   }
   session_.log.WriteLimited(LogLevel::kWarning, "shm apart",
                             "There is no shared memory for a message of " + std::to_string(data.bytes.size()) +

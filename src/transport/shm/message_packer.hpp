@@ -18,7 +18,8 @@ class MessagePacker {
   explicit MessagePacker(ShmSession& session)
       : session_(session), pool_(std::make_shared<BlockPool>(session.options.limit_bytes)) {}
 
-  /// The result has no place if there is no shared memory left; this is logged.
+  /// The result has no place if there is no shared memory left; this is logged. Throws std::bad_alloc if there is no
+  /// memory at all.
   [[nodiscard]] std::shared_ptr<const ShmMessage> Pack(const PacketHead& head, const Payload& data);
   /// Nothing if there is no shared memory left.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);

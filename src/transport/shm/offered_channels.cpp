@@ -5,6 +5,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -23,8 +24,8 @@ wire::PairMessage GrantedFrame(const OutChannel& core, const wire::Wish& asked, 
 
 }  // namespace
 
-Demand OfferedChannels::GrantedTo(const wire::Wish& asked) const {
-  return PeerChannel::Granted({.lossless = asked.lossless(),
+Demand OfferedChannels::GrantedTo(const OutboundCore& core, const wire::Wish& asked) const {
+  return PeerChannel::Granted({.lossless = asked.lossless() && core.may_promise,
                                .queue_depth = asked.queue_depth(),
                                .credit_messages = asked.credit_messages(),
                                .credit_bytes = asked.credit_bytes()},
@@ -86,7 +87,7 @@ void OfferedChannels::OnWish(Pair& pair, const wire::Wish& asked) {
     const bool change = wish.linked && wish.asked.link() == asked.link();
     wish.asked = asked;
     if (change) {
-      const Demand granted = GrantedTo(asked);
+      const Demand granted = GrantedTo(*wish.linked, asked);
       publisher_.ChangeDemand(*wish.linked, pair, granted, GrantedFrame(*wish.linked, asked, granted), actions);
     } else {
       EndLink(pair, wish, ShmPublisher::LinkEnd::kForGood, actions);
@@ -114,7 +115,7 @@ void OfferedChannels::Serve(Pair& pair, PeerWish& wish, Actions& actions) {
     });
     return;
   }
-  const Demand granted = GrantedTo(wish.asked);
+  const Demand granted = GrantedTo(*core, wish.asked);
   publisher_.AddLink(core, pair, wish.asked, granted, actions);
   wish.linked = core;
   wire::PairMessage said = GrantedFrame(*core, wish.asked, granted);
@@ -141,7 +142,7 @@ void OfferedChannels::OnUnwish(Pair& pair, const wire::Unwish& unwish) {
     EndLink(pair, wish->second, ShmPublisher::LinkEnd::kAsked, actions);
     pair.wishes.erase(wish);
     if (linked && !unwish.mismatch().empty()) {
-      actions.emplace_back([this, &pair, channel, what = Readable(unwish.mismatch())] {
+      actions.emplace_back([this, &pair, channel, what = Readable(unwish.mismatch(), kMaxTextBytes)] {
         ReportMismatch(session_.listener, pair, channel, what);
       });
     }

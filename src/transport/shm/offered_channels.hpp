@@ -36,7 +36,7 @@ class OfferedChannels {
  private:
   void Serve(Pair& pair, PeerWish& wish, Actions& actions);
   void EndLink(Pair& pair, PeerWish& wish, ShmPublisher::LinkEnd why, Actions& actions);
-  [[nodiscard]] Demand GrantedTo(const wire::Wish& asked) const;
+  [[nodiscard]] Demand GrantedTo(const OutboundCore& core, const wire::Wish& asked) const;
 
   ShmSession& session_;
   PairTable& pairs_;

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -62,7 +62,13 @@ struct OutSide {
   std::shared_ptr<const PeerBell> bell;
   std::unique_ptr<LaneWriter> lane;
   std::unordered_map<const OutChannel*, std::shared_ptr<OutLink>> links;
-  std::unordered_set<std::uint32_t> told_segments;
+  /// A segment that the peer knows, or has refused.
+  struct ToldSegment {
+    bool refused = false;
+    std::chrono::steady_clock::time_point next_try{};
+    std::chrono::milliseconds pause{0};
+  };
+  std::unordered_map<std::uint32_t, ToldSegment> told_segments;
   std::uint64_t max_message_bytes = 0;  ///< The largest message that the peer accepts.
   std::uint64_t waiting_bytes = 0;
 };

@@ -55,26 +55,20 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
   InLink& link = *found->second;
   // The segment or payload of the message comes over the socket, which may be slower.
   std::shared_ptr<Mapping> segment;
-  auto apart = apart_.end();
-  bool complete = link.granted;
-  if (descriptor.segment == kOnSocket) {
-    apart = apart_.find({descriptor.link, descriptor.number});
-    complete = complete && apart != apart_.end();
-  } else if (descriptor.segment != 0) {
-    const auto known = segments_.find(descriptor.segment);
-    complete = complete && known != segments_.end();
-    if (complete) segment = known->second;
-  }
-  if (!complete) {
+  if (const auto known = segments_.find(descriptor.segment); known != segments_.end()) segment = known->second;
+  // The payload of a message in a segment comes here if the segment could not be mapped.
+  const auto apart = apart_.empty() ? apart_.end() : apart_.find({descriptor.link, descriptor.number});
+  const bool by_socket = apart != apart_.end();
+  if (!link.granted || (!segment && !by_socket && descriptor.segment != 0)) {
     blocked_ = true;
     return Step::kNothing;
   }
   if (descriptor.number != link.receipt->received() + 1) return lie("its messages are not numbered consecutively");
   if (!link.receipt->HasRoom()) return lie("it sent more than it had credit for");
-  if (descriptor.segment == kOnSocket
-          ? descriptor.size_bytes != apart->second.size()
-          : descriptor.size_bytes > (segment ? segment->bytes().size() : 0) ||
-                descriptor.offset_bytes > (segment ? segment->bytes().size() : 0) - descriptor.size_bytes) {
+  const bool lost = by_socket && !apart->second.owner;
+  if (by_socket ? !lost && descriptor.size_bytes != apart->second.bytes.size()
+                : descriptor.size_bytes > (segment ? segment->bytes().size() : 0) ||
+                      descriptor.offset_bytes > (segment ? segment->bytes().size() : 0) - descriptor.size_bytes) {
     return lie("a message lies outside of its memory");
   }
   if (descriptor.size_bytes > max_message_bytes) return lie("a message is larger than it may send");
@@ -82,12 +76,13 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
   slip_->Hold();
   InboundMessage& message = arrival.message;
   message.credit = link.receipt->AdmitMessage(descriptor.size_bytes);
-  if (descriptor.segment == kOnSocket) {
+  arrival.link = found->second;
+  if (by_socket) {
     slip_->Return(descriptor.slot);
-    auto owner = std::make_shared<const std::string>(std::move(apart->second));
-    link.apart_bytes -= descriptor.size_bytes;
+    message.data = std::move(apart->second);
+    link.apart_bytes -= message.data.bytes.size();
     apart_.erase(apart);
-    message.data = {AsBytes(*owner), owner};
+    if (lost) return Step::kLost;
   } else {
     message.data = PayloadOf(slip_, descriptor, std::move(segment));
   }
@@ -102,7 +97,6 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
   message.head.publish_monotonic_ns = descriptor.publish_monotonic_ns;
   message.head.latched = descriptor.latched;
   arrival.ends = link.ends_after == link.receipt->received();
-  arrival.link = found->second;
   return Step::kMessage;
 }
 

@@ -14,6 +14,7 @@
 #include "hgros/pair.pb.h"
 #include "transport/inbound_core.hpp"
 #include "transport/shm/memory/lane_reader.hpp"
+#include "transport/shm/pair/pair_socket.hpp"
 #include "transport/shm/receipt.hpp"
 
 namespace hgros::shm {
@@ -80,7 +81,7 @@ class PairInbox {
   [[nodiscard]] bool AddSegment(std::uint32_t segment, std::shared_ptr<Mapping> mapping);
   void RemoveSegment(std::uint32_t segment);
   /// The payload of a message to come. False if no message may have it.
-  [[nodiscard]] bool AddPayload(wire::PayloadApart& payload);
+  [[nodiscard]] bool AddPayload(PairSocket::Apart&& payload);
   /// Whether the next message waits for something that comes over the socket.
   [[nodiscard]] bool blocked() const;
   /// Clears that mark and returns whether it was set. Called when something has come over the socket.
@@ -89,6 +90,7 @@ class PairInbox {
   enum class Step {
     kMessage,
     kSkipped,  ///< A message of a link that no longer exists.
+    kLost,     ///< There was no memory for the payload of a message of `link`.
     kNothing,  ///< Nothing to read now.
     kNotYet,   ///< An earlier inbox comes first.
     kLie,      ///< The peer has written what cannot be.
@@ -121,7 +123,7 @@ class PairInbox {
   std::unordered_map<std::uint64_t, std::shared_ptr<InLink>> links_;  // By number.
   std::unordered_map<std::string, std::uint64_t> channels_;           // Link numbers by channel.
   std::unordered_map<std::uint32_t, std::shared_ptr<Mapping>> segments_;
-  std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> apart_;  // Payloads by link and message number.
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Payload> apart_;  // Payloads by link and message number.
   std::uint64_t last_link_ = 0;
   std::vector<std::shared_ptr<const PairInbox>> earlier_;
   bool blocked_ = false;

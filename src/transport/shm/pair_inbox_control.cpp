@@ -126,18 +126,18 @@ void PairInbox::RemoveSegment(std::uint32_t segment) {
 }
 
 // A payload that comes before its message takes our memory: never more than the credit that the messages need.
-bool PairInbox::AddPayload(wire::PayloadApart& payload) {
+bool PairInbox::AddPayload(PairSocket::Apart&& payload) {
   const std::scoped_lock lock(mutex_);
-  const auto found = links_.find(payload.link());
+  const auto found = links_.find(payload.link);
   if (found == links_.end()) return true;  // Just unsubscribed.
   InLink& link = *found->second;
-  const std::uint64_t ahead = payload.number() - link.receipt->received();  // Wraps around for earlier messages.
+  const std::uint64_t ahead = payload.number - link.receipt->received();  // Wraps around for earlier messages.
   if (ahead == 0 || ahead > link.asked_messages || link.apart_bytes >= link.asked_bytes ||
-      apart_.contains({payload.link(), payload.number()})) {
+      apart_.contains({payload.link, payload.number})) {
     return false;
   }
-  link.apart_bytes += payload.data().size();
-  apart_.emplace(std::pair(payload.link(), payload.number()), std::move(*payload.mutable_data()));
+  link.apart_bytes += payload.data.bytes.size();
+  apart_.emplace(std::pair(payload.link, payload.number), std::move(payload.data));
   return true;
 }
 

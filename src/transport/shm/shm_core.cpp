@@ -27,6 +27,7 @@ ShmCore::ShmCore(ShmOptions options, TransportListener& listener, Log& log)
                               .wanted = wanted_,
                               .bell = receiver_.bell(),
                               .destinations = destinations_,
+                              .obstacles = obstacles_,
                               .registry = registry_}) {
   for (const std::string& place : session_.options.peers) (void)destinations_.Add(place);
 }

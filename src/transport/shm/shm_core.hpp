@@ -35,6 +35,9 @@ class ShmCore {
   void AddPeer(const std::string& place);
   void RemovePeer(const std::string& place) { destinations_.Remove(place); }
   void AskAgain() { wanted_.AskPairs(); }
+  [[nodiscard]] std::string Obstacle(SessionId peer, const std::string& place) const {
+    return obstacles_.Find(place, peer);
+  }
   [[nodiscard]] bool Asks(const InboundCore& core, SessionId publisher) const { return wanted_.Asks(core, publisher); }
 
   void Offer(const std::shared_ptr<OutChannel>& core) { offered_.Offer(core); }
@@ -49,6 +52,9 @@ class ShmCore {
     publisher_.Commit(core, head, data);
   }
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes) { return publisher_.Loan(size_bytes); }
+  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes) const {
+    return publisher_.pool().HasRoomApart(BlockPool::kCopiesWritten * size_bytes);
+  }
   void Receive(const Visit& visit) noexcept { receiver_.Receive(visit); }
 
   [[nodiscard]] ShmUsage usage() const;
@@ -62,6 +68,7 @@ class ShmCore {
   PeerRegistry registry_;
   PairTable pairs_;
   Destinations destinations_;
+  Obstacles obstacles_;
   SocketThread sockets_;
   ShmPublisher publisher_;
   OfferedChannels offered_;

@@ -69,6 +69,7 @@ void ShmPublisher::Cancel(const std::shared_ptr<OutChannel>& core) {
 
 void ShmPublisher::Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& head, const Payload& data) {
   if (closing_.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) return;
+  core->NoteCommit(session_.log, head.id.sequence);
   const auto message = packer_.Pack(head, data);
   if (!data.bytes.empty() && (!message->place || message->data.bytes.data() != data.bytes.data())) {
     core->copied.fetch_add(1, std::memory_order_relaxed);
@@ -186,6 +187,18 @@ void ShmPublisher::Drain(OutLink& link, Leavings& leavings, Bells& bells) {
   CountWaiting(link);
 }
 
+// Sends the segment first, if the peer does not have it.
+bool ShmPublisher::MayUse(Pair& pair, std::uint32_t segment) {
+  const auto [told, is_new] = pair.out.told_segments.try_emplace(segment);
+  if (!is_new && !told->second.refused) return true;
+  if (!is_new && std::chrono::steady_clock::now() < told->second.next_try) return false;
+  told->second.refused = false;
+  wire::PairMessage said;
+  said.mutable_segment_added()->set_segment(segment);
+  pair.socket.Send(said, {packer_.pool().HandleOf(segment)});
+  return true;
+}
+
 void ShmPublisher::Write(OutLink& link, const PendingMessage& queued) {
   const auto& message = static_cast<const ShmMessage&>(*queued.packed);
   Pair& pair = link.pair;
@@ -199,22 +212,13 @@ void ShmPublisher::Write(OutLink& link, const PendingMessage& queued) {
   descriptor.publish_time_ns = message.publish_time_ns;
   descriptor.publish_monotonic_ns = message.publish_monotonic_ns;
   descriptor.latched = message.latched;
-  if (message.place) {
-    const std::uint32_t segment = message.place->segment;
-    if (segment != 0 && pair.out.told_segments.insert(segment).second) {
-      wire::PairMessage said;
-      said.mutable_segment_added()->set_segment(segment);
-      pair.socket.Send(said, {packer_.pool().HandleOf(segment)});
-    }
-    descriptor.segment = segment;
+  if (message.place && (message.place->segment == 0 || MayUse(pair, message.place->segment))) {
+    descriptor.segment = message.place->segment;
     descriptor.offset_bytes = message.place->offset_bytes;
     pair.out.lane->Write(descriptor, queued.packed);
   } else {
-    wire::PairMessage said;
-    said.mutable_payload()->set_link(descriptor.link);
-    said.mutable_payload()->set_number(descriptor.number);
-    said.mutable_payload()->set_data(message.data.bytes.data(), message.data.bytes.size());
-    pair.socket.Send(said);
+    pair.socket.SendPayload(descriptor.link, descriptor.number, message.data);
+    sockets_.FlushSoon(pair);
     descriptor.segment = kOnSocket;
     pair.out.lane->Write(descriptor, nullptr);
     sent_apart_.fetch_add(1, std::memory_order_relaxed);

@@ -63,6 +63,8 @@ class ShmPublisher {
   /// Opens the peer's page. False, and `fault` is set, if it is none.
   [[nodiscard]] bool OpenPair(Pair& pair, const Handle& slip, std::shared_ptr<const PeerBell> bell,
                               std::uint64_t max_message_bytes, std::string& fault);
+  /// The peer cannot map that segment. Its messages go over the socket; later it is offered again, ever less often.
+  void ResendApart(Pair& pair, std::uint32_t segment);
   /// Once per heartbeat. `removed`: segments of the pool. Returns the peer's heartbeat.
   std::uint32_t Beat(Pair& pair, const std::vector<std::uint32_t>& removed);
   void RemoveAllLinks(Pair& pair, LinkEnd why, Actions& actions);
@@ -84,6 +86,7 @@ class ShmPublisher {
   void Drain(OutLink& link, Leavings& leavings, Bells& bells);
   [[nodiscard]] bool Send(OutLink& link, Leavings& leavings);
   void Write(OutLink& link, const PendingMessage& queued);
+  [[nodiscard]] bool MayUse(Pair& pair, std::uint32_t segment);
   void ReadCredit(OutLink& link, Leavings& leavings);
   void Collect(Pair& pair, Leavings& leavings);
   [[nodiscard]] bool FindRoom(const OutChannel& channel, Leavings& leavings);

@@ -1,6 +1,7 @@
 // The begin and the end of links and pairs, on the publisher's side.
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <utility>
 
 #include "transport/shm/shm_publisher.hpp"
@@ -60,8 +61,12 @@ void ShmPublisher::BeginLink(const std::shared_ptr<OutChannel>& core, Pair& pair
   const bool open = core->gate.Through([&] {
     messages = core->source.Latched(subscriber);
     for (const auto& message : messages) {
-      const auto packed = packer_.Pack(message.head, message.data);
-      latched.push_back({packed, packed->id, packed->data.bytes.size()});
+      try {
+        const auto packed = packer_.Pack(message.head, message.data);
+        latched.push_back({packed, packed->id, packed->data.bytes.size()});
+      } catch (const std::bad_alloc&) {
+        core->missed.fetch_add(1, std::memory_order_relaxed);
+      }
     }
   });
   if (!open) return;
@@ -135,7 +140,13 @@ void ShmPublisher::EndLink(std::shared_ptr<OutLink> link, LinkEnd why, Actions& 
     ReadCredit(*link, *ended);
     actions.emplace_back([ended] {});
     const bool misses = why == LinkEnd::kForGood || (why == LinkEnd::kPairLost && !KeepForLater(*link));
-    if (misses) link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
+    if (misses) {
+      link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
+      actions.emplace_back(
+          [this, pair = link->pair.shared_from_this(), core = link->core, messages = link->flow.unfinished()] {
+            core->TellMissed(session_.log, pair->facts.info.id, "Session " + pair->facts.info.name(), messages);
+          });
+    }
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);
   }
@@ -151,6 +162,25 @@ bool ShmPublisher::OpenPair(Pair& pair, const Handle& slip, std::shared_ptr<cons
   pair.out.bell = std::move(bell);
   pair.out.max_message_bytes = max_message_bytes;
   return true;
+}
+
+void ShmPublisher::ResendApart(Pair& pair, std::uint32_t segment) {
+  constexpr int kMostPauses = 64;  // Heartbeats.
+  Leavings leavings;
+  const std::scoped_lock lock(mutex_);
+  const auto told = pair.out.told_segments.find(segment);
+  if (!pair.out.lane || told == pair.out.told_segments.end() || told->second.refused) return;
+  const auto heartbeat = session_.options.heartbeat;
+  told->second.refused = true;
+  told->second.pause = std::clamp(2 * told->second.pause, heartbeat, kMostPauses * heartbeat);
+  told->second.next_try = std::chrono::steady_clock::now() + told->second.pause;
+  Collect(pair, leavings);
+  for (const LaneWriter::Held& held : pair.out.lane->TakeHeldIn(segment)) {
+    const auto* packed = static_cast<const Outgoing*>(held.owner.get());
+    pair.socket.SendPayload(held.descriptor.link, held.descriptor.number, static_cast<const ShmMessage*>(packed)->data);
+    sent_apart_.fetch_add(1, std::memory_order_relaxed);
+  }
+  sockets_.FlushSoon(pair);
 }
 
 std::uint32_t ShmPublisher::Beat(Pair& pair, const std::vector<std::uint32_t>& removed) {

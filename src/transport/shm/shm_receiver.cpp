@@ -61,6 +61,10 @@ LeaderPool::Task ShmReceiver::ReadFrom(const std::shared_ptr<Pair>& pair) {
       case Step::kNothing:
         if (pair->ending.load() && pair->in.MarkAllRead()) sockets_.FinishPair(pair);
         return {};
+      case Step::kLost:
+        session_.CountFault(PacketFault::kOverrun);
+        arrival.link->core->TellFault(PacketFault::kOverrun, "it came over a socket, and there is no memory for it");
+        continue;
       case Step::kMessage: break;
     }
     const auto& [link, message, ends, lie] = arrival;

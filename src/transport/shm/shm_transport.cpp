@@ -59,6 +59,7 @@ class SharedMemoryTransport final : public ShmTransport {
   void AskAgain() override {
     if (!core_->IsChild()) core_->AskAgain();
   }
+  std::string Obstacle(SessionId peer, const std::string& place) const override { return core_->Obstacle(peer, place); }
   const std::string& place() const noexcept override { return core_->options().place; }
   std::optional<Block> Loan(std::size_t size_bytes) override { return core_->Loan(size_bytes); }
   ShmUsage usage() const override { return core_->usage(); }

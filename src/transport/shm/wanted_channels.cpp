@@ -113,7 +113,7 @@ void WantedChannels::RemoveLink(Pair& pair, const std::string& channel, std::str
   said.mutable_unwish()->set_link(link->link);
   said.mutable_unwish()->set_mismatch(mismatch.data(), std::min(mismatch.size(), kMaxTextBytes));
   pair.socket.Send(said);
-  if (link->granted) InboundCore::CountPublisher(link->core, -1, actions);
+  if (link->granted) InboundCore::CountPublisher(link->core, pair.facts.info.id, -1, actions);
 }
 
 void WantedChannels::OnGranted(Pair& pair, const wire::Granted& granted) {
@@ -130,8 +130,9 @@ void WantedChannels::OnGranted(Pair& pair, const wire::Granted& granted) {
         case TypeFit::kEvolved:
           fault = SchemaFault(granted.descriptor_set(), type);
           if (!fault.empty()) break;
-          session_.log.Write(LogLevel::kInfo, "Channel " + link->core->name + ": " + pair.facts.info.process +
-                                                  " publishes another, compatible version of " + type.name + ".");
+          session_.log.WriteLimited(LogLevel::kDebug, "evolved " + link->core->name,
+                                    "Channel " + link->core->name + ": " + pair.facts.info.process +
+                                        " publishes another, compatible version of " + type.name + ".");
           break;
         case TypeFit::kDiffer: fault = "the types differ"; break;
       }
@@ -147,7 +148,9 @@ void WantedChannels::OnGranted(Pair& pair, const wire::Granted& granted) {
         schema = ReadSchema(granted.offered(), granted.descriptor_set());
         InboundCore::TellOffer(link->core, pair.facts.info, schema, actions);
       }
-      if (pair.in.Grant(*link, granted, std::move(schema))) InboundCore::CountPublisher(link->core, 1, actions);
+      if (pair.in.Grant(*link, granted, std::move(schema))) {
+        InboundCore::CountPublisher(link->core, pair.facts.info.id, 1, actions);
+      }
     }
   }
   for (const auto& action : actions) action();

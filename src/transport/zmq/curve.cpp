@@ -38,7 +38,15 @@ std::string DecodeKey(const std::string& text, std::string_view whose) {
   return std::string(reinterpret_cast<const char*>(key.data()), key.size());
 }
 
+std::string EncodeKey(std::string_view bytes) {
+  std::array<char, kKeyCharacters + 1> text{};
+  zmq_z85_encode(text.data(), reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  return text.data();
+}
+
 }  // namespace
+
+std::string KeyText(const std::string& key, std::string_view whose) { return EncodeKey(DecodeKey(key, whose)); }
 
 void SecureServer(Socket& socket, const ZmqSecurity& security) {
   socket.Set(ZMQ_CURVE_SERVER, 1);
@@ -91,7 +99,7 @@ void AdmissionDesk::Serve() {
     socket_.Send(request, true);
     socket_.Send(welcome ? "200" : "400", true);
     socket_.Send(welcome ? "OK" : "not allowed", true);
-    socket_.Send(std::string_view(), true);
+    socket_.Send(welcome ? EncodeKey(text(8)) : std::string(), true);
     socket_.Send(std::string_view(), false);
   }
 }

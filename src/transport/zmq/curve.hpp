@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "transport/zmq/socket.hpp"
 
@@ -18,9 +19,12 @@ namespace hgros::zmq {
 void SecureServer(Socket& socket, const ZmqSecurity& security);
 void SecureClient(Socket& socket, const ZmqSecurity& security, const std::string& server_key);
 
+/// The one way in which this public key is written. Throws Error for an invalid one, which tells `whose` key it is.
+[[nodiscard]] std::string KeyText(const std::string& key, std::string_view whose);
+
 /// Answers ZeroMQ's question whether a client may connect (https://rfc.zeromq.org/spec/27/): only clients whose public
-/// key is on the list may. It must be created before the first socket is bound.
-/// Thread safety: Serve() belongs to the leading thread; refused() is thread-safe.
+/// key is on the list may. Messages of that client have its KeyText() as Message::user_id(). It must be created before
+/// the first socket is bound. Thread safety: Serve() belongs to the leading thread; refused() is thread-safe.
 class AdmissionDesk {
  public:
   AdmissionDesk(Context& context, const ZmqSecurity& security, Log& log);

@@ -1,6 +1,8 @@
 #include "transport/zmq/endpoint.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -107,6 +109,26 @@ void BindOrThrow(Socket& socket, const std::string& endpoint) {
   }
 }
 
+std::string HostNameOf(std::string_view endpoint) {
+  if (!endpoint.starts_with(kTcp)) return {};
+  endpoint.remove_prefix(kTcp.size());
+  std::string host(endpoint.substr(0, endpoint.rfind(':')));
+  in_addr address{};
+  const bool is_name = !host.empty() && host.front() != '[' && host.find_first_of(":*;") == std::string::npos &&
+                       inet_pton(AF_INET, host.c_str(), &address) != 1;
+  return is_name ? host : std::string();
+}
+
+std::string ResolveFault(const std::string& host) {
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(host.c_str(), nullptr, &wanted, &found);
+  if (error != 0) return gai_strerror(error);
+  freeaddrinfo(found);
+  return {};
+}
+
 void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept {
   constexpr int kPatienceMs = 1000;
   // ZeroMQ closes the listening socket on its own thread, and reports that on a monitor.
@@ -122,16 +144,17 @@ void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept
   zmq_close(monitor);
 }
 
-void HangUp(Message& frame, std::string_view bound) noexcept {
-  const int named = zmq_msg_get(frame.raw(), ZMQ_SRCFD);
+void HangUp(Message& frame, std::string_view bound) noexcept { HangUp(zmq_msg_get(frame.raw(), ZMQ_SRCFD), bound); }
+
+void HangUp(int named, std::string_view bound) noexcept {
   if (named < 0) return;
   // ZeroMQ's thread may have closed the descriptor, and another file may have its number by now. So we check and shut
   // down a reference of our own. In the worst case this is another connection to the endpoint, which will be made
   // again.
-  const int fd = fcntl(named, F_DUPFD_CLOEXEC, 0);
-  if (fd < 0) return;
+  const int own = fcntl(named, F_DUPFD_CLOEXEC, 0);
+  const int fd = own >= 0 ? own : named;  // There may be no descriptor left.
   if (WasAcceptedAt(fd, bound)) shutdown(fd, SHUT_RDWR);
-  close(fd);
+  if (own >= 0) close(own);
 }
 
 }  // namespace hgros::zmq

@@ -16,6 +16,13 @@ namespace hgros::zmq {
 /// taken.
 void BindOrThrow(Socket& socket, const std::string& endpoint);
 
+/// The host of a tcp endpoint if that is a name; empty for an address and for other endpoints.
+[[nodiscard]] std::string HostNameOf(std::string_view endpoint);
+
+/// Why the system finds no address of the host, for example "Name or service not known"; empty if it finds one. May
+/// wait for a name server for several seconds.
+[[nodiscard]] std::string ResolveFault(const std::string& host);
+
 /// Stops accepting connections, and returns when another socket may bind the endpoint. Messages to connected peers
 /// may still be sent within the socket's linger time.
 void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept;
@@ -23,5 +30,7 @@ void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept
 /// Closes the connection that `frame` came over, if it is still a connection to the endpoint `bound`. The other side
 /// sees it end and may connect again.
 void HangUp(Message& frame, std::string_view bound) noexcept;
+/// The same for the connection with this descriptor of ZeroMQ.
+void HangUp(int named, std::string_view bound) noexcept;
 
 }  // namespace hgros::zmq

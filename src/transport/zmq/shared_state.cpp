@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "transport/zmq/curve.hpp"
+
 namespace hgros::zmq {
 namespace {
 
@@ -18,7 +20,16 @@ SharedState::SharedState(ZmqOptions given, TransportListener& told, Log& voice)
       self(OwnFacts(options.session, options.process)),
       listener(told),
       log(voice),
-      peers(told) {}
+      peers(told),
+      session_keys_(peers, options.session,
+                    options.security ? KeyText(options.security->own.public_key, "own public") : "") {}
+
+bool SharedState::MayClaim(SessionId session, std::string_view key, std::string_view where) {
+  if (!options.security || session_keys_.Claim(session, key)) return true;
+  CountFault(PacketFault::kHead, where,
+             "it is in the name of session " + session.ToString() + ", which belongs to another key");
+  return false;
+}
 
 void SharedState::CountFault(PacketFault fault, std::string_view where, std::string_view what) {
   faults[static_cast<std::size_t>(fault)].fetch_add(1, std::memory_order_relaxed);

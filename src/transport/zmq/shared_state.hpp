@@ -15,6 +15,8 @@
 #include "transport/agreement.hpp"
 #include "transport/peer_registry.hpp"
 #include "transport/waker.hpp"
+#include "transport/zmq/input_flags.hpp"
+#include "transport/zmq/session_keys.hpp"
 #include "transport/zmq/socket.hpp"
 
 namespace hgros::zmq {
@@ -26,6 +28,9 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 struct SharedState {
   SharedState(ZmqOptions given, TransportListener& told, Log& voice);
 
+  /// Whether what came over a connection with this key may be in the name of that session; counts and logs it if not.
+  /// Always true without keys. On the leading thread.
+  [[nodiscard]] bool MayClaim(SessionId session, std::string_view key, std::string_view where);
   /// Counts a packet that was dropped, and logs it at a limited rate. `where` is an endpoint or a peer.
   void CountFault(PacketFault fault, std::string_view where, std::string_view what);
   /// The time of this host's wall clock.
@@ -48,9 +53,11 @@ struct SharedState {
   std::array<std::atomic<std::uint64_t>, kPacketFaultCount> faults{};
   std::atomic<std::uint64_t> repeats{0};
   std::atomic<bool> closing{false};
+  InputFlags input_flags;
   Context context;
 
  private:
+  SessionKeys session_keys_;
   std::mutex posted_mutex_;
   Actions posted_;
 };

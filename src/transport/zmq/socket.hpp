@@ -52,10 +52,18 @@ class Message {
     auto* message = const_cast<zmq_msg_t*>(&raw_);
     return {static_cast<const std::byte*>(zmq_msg_data(message)), zmq_msg_size(message)};
   }
+  /// The user id that the ZAP handler gave to the sender's connection, and that connection's address; empty: none.
+  [[nodiscard]] std::string_view user_id() const noexcept { return Property("User-Id"); }
+  [[nodiscard]] std::string_view peer_address() const noexcept { return Property("Peer-Address"); }
   [[nodiscard]] bool more() const noexcept { return zmq_msg_more(&raw_) != 0; }
   [[nodiscard]] zmq_msg_t* raw() noexcept { return &raw_; }
 
  private:
+  [[nodiscard]] std::string_view Property(const char* name) const noexcept {
+    const char* const text = zmq_msg_gets(&raw_, name);
+    return text == nullptr ? std::string_view() : text;
+  }
+
   zmq_msg_t raw_;
 };
 

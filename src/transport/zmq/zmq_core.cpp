@@ -1,6 +1,7 @@
 #include "transport/zmq/zmq_core.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -100,6 +101,7 @@ void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
   auto added = std::make_shared<PublisherEndpoint>(shared_, endpoint);
   for (const auto& [name, core] : outbound_) added->Offer(core);
   poller_.Add(added->fd(), added->input());
+  poller_.Add(added->watch().fd(), added->watch().input());
   publishers_.push_back(std::move(added));
   ++version_;
   Wake();
@@ -248,6 +250,7 @@ void ZmqCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead
   if (shared_.closing.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) {
     return;
   }
+  core->NoteCommit(shared_.log, head.id.sequence);
   const auto message = std::make_shared<const WireMessage>(head, data);
   Leavings leavings;
   const std::shared_lock lock(mutex_);
@@ -256,12 +259,12 @@ void ZmqCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead
 
 void ZmqCore::UpdateWatch() {
   if (watch_.version == version_.load()) return;
-  const std::shared_lock lock(mutex_);
+  const std::unique_lock lock(mutex_);
   watch_.version = version_.load();
   watch_.publishers = publishers_;
   watch_.subscribers = subscribers_;
-  watch_.removed = old_subscribers_;
-  std::erase_if(watch_.removed, [](const auto& endpoint) { return !endpoint->pending(); });
+  std::ranges::move(old_subscribers_, std::back_inserter(watch_.removed));
+  old_subscribers_.clear();
 }
 
 void ZmqCore::Wait() noexcept {
@@ -316,7 +319,7 @@ LeaderPool::Task ZmqCore::Lead() noexcept {
 bool ZmqCore::Pending() const {
   const auto pending = [](const auto& endpoint) { return endpoint->pending(); };
   return std::ranges::any_of(watch_.subscribers, pending) || std::ranges::any_of(watch_.removed, pending) ||
-         std::ranges::any_of(watch_.publishers, [](const auto& endpoint) { return endpoint->input().load(); });
+         std::ranges::any_of(watch_.publishers, pending);
 }
 
 void ZmqCore::Tick(SteadyTime now) {

@@ -89,6 +89,7 @@ class ZmqCore : public LeaderPool::Input {
   std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers_;
   // Closed, but calls into them may still be active. They end with the transport.
   std::vector<std::shared_ptr<PublisherEndpoint>> old_publishers_;
+  // Closed, and not yet in the leading thread's list, where they end when they have delivered everything.
   std::vector<std::shared_ptr<SubscriberEndpoint>> old_subscribers_;
   std::map<std::string, std::shared_ptr<OutboundCore>> outbound_;  // By channel.
   std::map<std::string, std::shared_ptr<InboundCore>> inbound_;

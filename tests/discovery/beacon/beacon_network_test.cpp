@@ -85,6 +85,35 @@ TEST_F(BeaconNetwork, UsesInterfacesThatAppearLater) {
   }
 }
 
+TEST_F(BeaconNetwork, UsesANamedInterfaceThatAppearsLaterAndLogsOnceThatItIsMissing) {
+  ASSERT_TRUE(cable->Set("up"));
+  BeaconOptions named = options;
+  named.interfaces = {"late0"};
+  named.period = std::chrono::milliseconds(50);
+  const Participant one(cable->left, options, "tcp://*:5555");
+  const Participant two(cable->right, named, "tcp://*:6666");
+  EXPECT_TRUE(Await([&] { return two.log.Count({"There is no network interface \"late0\""}) == 1; }));
+  EXPECT_TRUE(one.beacon->List().empty());
+  const std::string right = "-n " + cable->right + " link set ";
+  ASSERT_TRUE(Ip(right + cable->right_interface + " down") && Ip(right + cable->right_interface + " name late0") &&
+              Ip(right + "late0 up"));
+  EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
+  EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
+  EXPECT_EQ(two.log.Count({"late0"}), 1U);
+}
+
+TEST_F(BeaconNetwork, LogsOnceThatAnInterfaceHasNeitherMulticastNorBroadcast) {
+  if (!Ip("-n " + cable->right + " tuntap add dev vpn0 mode tun")) GTEST_SKIP() << "no tunnels here";
+  ASSERT_TRUE(Ip("-n " + cable->right + " addr add 10.199.0.1/24 dev vpn0") &&
+              Ip("-n " + cable->right + " link set vpn0 multicast off up"));
+  BeaconOptions often = options;
+  often.period = std::chrono::milliseconds(50);
+  const Participant one(cable->right, often, "tcp://*:5555");
+  EXPECT_TRUE(Await([&] { return one.log.Count({"\"vpn0\""}) == 1; }));
+  test::Linger(std::chrono::milliseconds(300));
+  EXPECT_EQ(one.log.Count({"\"vpn0\""}), 1U);
+}
+
 TEST_F(BeaconNetwork, UsesOnlyTheChosenInterfaces) {
   ASSERT_TRUE(cable->Set("up"));
   ASSERT_TRUE(Ip("-n " + cable->right + " link set lo up"));

@@ -87,5 +87,21 @@ TEST_F(BeaconPeersTest, AreLimitedInNumber) {
   EXPECT_EQ(count(), 1U);
 }
 
+TEST_F(BeaconPeersTest, OfTheAddressWithTheMostMakeRoomForThoseOfOthers) {
+  for (std::size_t i = 1; i <= 2 * BeaconPeers::kMaxPeers; ++i) {
+    Announcement peer;
+    peer.session = {i};
+    (void)peers.Hear(From(peer), "flood", start);
+  }
+  EXPECT_EQ(peers.Hear(From(one), "a", start), Verdict::kNew);
+  EXPECT_EQ(peers.Hear(From(NewAnnouncement("two")), "a", start), Verdict::kNew);
+  EXPECT_EQ(peers.Hear(From(NewAnnouncement("three")), "flood", start), Verdict::kTooMany);
+  EXPECT_EQ(count(), BeaconPeers::kMaxPeers);
+  EXPECT_TRUE(listening.Sees(one));
+  EXPECT_EQ(peers.Hear(From(one), "a", start + milliseconds(50)), Verdict::kKnown);
+  peers.Expire(start + milliseconds(100));
+  EXPECT_EQ(count(), 1U);
+}
+
 }  // namespace
 }  // namespace hgros::discovery

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "discovery/listening.hpp"
-#include "discovery/readable_text.hpp"
 #include "hgros/announcement.pb.h"
 #include "hgros/base/error.hpp"
+#include "hgros/discovery/announcement.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -56,12 +56,12 @@ TEST(AnnouncementFile, SkipsUnknownFields) {
   EXPECT_EQ(ParseFile(AsBytes(EncodeFile(own) + unknown_field)).announcement, own);
 }
 
-TEST(AnnouncementFile, RemovesControlCharacters) {
+TEST(AnnouncementFile, EscapesControlCharacters) {
   Announcement own = NewAnnouncement("\x1b[2Jname\n");
   own.host = std::string(1000, 'h');
   const ParsedFile parsed = ParseFile(AsBytes(EncodeFile(own)));
   ASSERT_TRUE(parsed.announcement);
-  EXPECT_EQ(parsed.announcement->process, "?[2Jname?");
+  EXPECT_EQ(parsed.announcement->process, R"(\x1b[2Jname\n)");
   EXPECT_EQ(parsed.announcement->host, std::string(kMaxTextBytes, 'h'));
 }
 

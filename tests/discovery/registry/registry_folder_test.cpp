@@ -74,22 +74,6 @@ TEST_F(RegistryFolderTest, RefusesMissingParentFolder) {
   EXPECT_NE(MakeFault(options).find("parent does not exist"), std::string::npos);
 }
 
-TEST_F(RegistryFolderTest, DefaultFolderBelongsToTheUser) {
-  options.folder.clear();
-  ASSERT_EQ(setenv("XDG_RUNTIME_DIR", scratch.path().c_str(), 1), 0);
-  EXPECT_EQ(RegistryFolder(options).path(), scratch.path() / "hgros" / "robot");
-  const fs::path fallback = "/tmp/hgros-" + std::to_string(geteuid()) + "/robot";
-  ASSERT_EQ(setenv("XDG_RUNTIME_DIR", "relative", 1), 0);
-  EXPECT_EQ(RegistryFolder(options).path(), fallback);
-  ASSERT_EQ(setenv("XDG_RUNTIME_DIR", (scratch.path() / "missing").c_str(), 1), 0);
-  EXPECT_EQ(RegistryFolder(options).path(), fallback);
-  ASSERT_EQ(chmod(scratch.path().c_str(), 0777), 0);
-  ASSERT_EQ(setenv("XDG_RUNTIME_DIR", scratch.path().c_str(), 1), 0);
-  EXPECT_EQ(RegistryFolder(options).path(), fallback) << "others may write to it";
-  ASSERT_EQ(unsetenv("XDG_RUNTIME_DIR"), 0);
-  EXPECT_EQ(RegistryFolder(options).path(), fallback);
-}
-
 TEST(Domain, NameMustBeUsableAsAFolderName) {
   for (const char* const good : {"default", "Robot_1", "a", "1.2-x"}) EXPECT_NO_THROW(RequireDomain(good)) << good;
   for (const std::string& bad :

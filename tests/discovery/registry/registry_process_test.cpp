@@ -1,8 +1,11 @@
 // Registries whose processes are killed, or fork.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -55,6 +58,32 @@ TEST_F(RegistryProcess, KilledProcessIsReportedAndItsFilesAreRemoved) {
   registry.reset();
   EXPECT_FALSE(fs::exists(folder));
   EXPECT_EQ(listening.broken() + log.text(), "");
+}
+
+TEST_F(RegistryProcess, SessionsStayKnownWhileThisProcessCanOpenNoFiles) {
+  Listening listening;
+  auto registry = Open(listening);
+  const AnnouncingProcess worker = Start(3);
+  ASSERT_TRUE(listening.AwaitCount(3));
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  const rlimit none{0, limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  const pid_t child = fork();
+  if (child == 0) {  // Closing a file that is open for writing wakes the registry.
+    setrlimit(RLIMIT_NOFILE, &limit);
+    for (const std::string& file : files) close(open(file.c_str(), O_WRONLY | O_CLOEXEC));
+    _exit(0);
+  }
+  EXPECT_EQ(waitpid(child, nullptr, 0), child);
+  EXPECT_FALSE(Await([&] { return listening.here().size() != 3; }, std::chrono::milliseconds(300)));
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &limit), 0);
+  worker.Kill();
+  EXPECT_TRUE(listening.AwaitCount(0));
+  EXPECT_NE(log.text().find("the limit of open files is reached"), std::string::npos) << log.text();
+  EXPECT_EQ(listening.broken(), "");
 }
 
 TEST_F(RegistryProcess, ProcessThatEndsNormallySaysGoodbye) {

@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <thread>
 
 #include <foxglove/Point3.pb.h>
 #include <foxglove/RawImage.pb.h>
 #include <foxglove/Vector3.pb.h>
 
+#include "graph/graph_core.hpp"
 #include "graph/graph_fixture.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/codec/message.hpp"
@@ -80,6 +83,103 @@ TEST(RawForms, RawSubscriberGetsTheBytesThatWouldBeSent) {
     EXPECT_EQ(XOf(*raw.messages[1]), 2);
     EXPECT_EQ(*raw.messages[0]->schema, SchemaOf(TypeOf<Vector3>()));
     EXPECT_EQ(raw.messages[0]->schema, raw.messages[1]->schema) << "one object for all";
+  }
+}
+
+TEST(RawForms, EncodesALocalMessageOnceForAllRawNodes) {
+  for (const Executor& executor : AllExecutors()) {
+    DataGraph graph;
+    std::array<KeptRaw, 3> kept;
+    Kept<Vector3> typed;
+    std::vector<Subscription> subscriptions;
+    for (KeptRaw& one : kept) subscriptions.push_back(Raw(graph, "v", one, Options(executor)));
+    subscriptions.push_back(graph.FromGraph<Vector3>("v", kSerial, std::ref(typed), Options(executor)));
+    for (int i = 0; i < 5; ++i) graph.ToGraph("v", Sent(i));
+    ASSERT_TRUE(WaitIdle(graph));
+    EXPECT_EQ(graph.Snapshot().channels.at(0).converted, 5U);
+    for (const KeptRaw& one : kept) {
+      ASSERT_EQ(one.messages.size(), 5U);
+      EXPECT_EQ(one.messages[4], kept[0].messages[4]) << "the same object";
+      EXPECT_EQ(XOf(*one.messages[4]), 4);
+    }
+    ASSERT_EQ(typed.messages.size(), 5U);
+    EXPECT_EQ(typed.messages[4]->x(), 4);
+  }
+}
+
+TEST(RawForms, NodesExpectOneFormAgainWhenTheLastObserverHasGone) {
+  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
+  const auto core = std::make_shared<GraphCore>(GraphOptions{}, std::make_shared<hgros::Log>());
+  Channel& channel = core->Open("v", TypeOf<Vector3>(), CallSite::Current());
+  const auto add = [&](const TypeInfo& type) {
+    NodeOptions options;
+    options.executor = Executor::Inline();
+    return core->Subscribe(
+        channel, type, kSerial, [](const AnyMessage&, const MessageInfo&) {}, options);
+  };
+  const auto publish = [&] {
+    Publish(channel, OfferOf<Vector3>(std::make_shared<const Vector3>(Vector(1))), Reach::kGraph);
+  };
+  const auto typed = add(TypeOf<Vector3>());
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_FALSE(typed->expects_two_forms());
+    const auto raw = add(AnyType());
+    EXPECT_TRUE(typed->expects_two_forms());
+    AnyMessage arrived = Arrived(schema, Vector(2).SerializeAsString());
+    (void)channel.Inject(arrived, AnyType(), MessageInfo{}, nullptr, 0, UserCode::kAllowed);
+    publish();
+    EXPECT_TRUE(typed->expects_two_forms()) << "an observer is there";
+    channel.Remove(*raw);
+    publish();
+    EXPECT_FALSE(typed->expects_two_forms());
+    // A message that a transport has taken in raw before.
+    (void)channel.Inject(std::move(arrived), AnyType(), MessageInfo{}, nullptr, 0, UserCode::kAllowed);
+    EXPECT_TRUE(typed->expects_two_forms());
+    publish();
+  }
+  core->Shutdown();
+}
+
+TEST(RawForms, TypedNodesReadRawMessagesWhileObserversComeAndGo) {
+  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
+  for (const Executor& executor : AllExecutors()) {
+    DataGraph graph;
+    std::atomic<int> wrong{0};
+    std::atomic<int> typed{0};
+    const auto subscription = graph.FromGraph<Vector3>(
+        "v", kSerial,
+        [&](const Vector3& vector) {
+          wrong += vector.x() == 7 ? 0 : 1;
+          ++typed;
+        },
+        Options(executor, Queue::KeepAll(100'000)));
+    std::atomic<bool> stop{false};
+    std::jthread arriving([&] {
+      const std::string bytes = Vector(7).SerializeAsString();
+      while (!stop) Inject(graph, "v", Arrived(schema, bytes));
+    });
+    std::jthread publishing([&] {
+      while (!stop) graph.ToGraph("v", Sent(7));
+    });
+    const auto more_arrive = [&] {
+      const int before = typed;
+      return test::Await([&] { return typed > before + 10; });
+    };
+    for (int round = 0; round < 50; ++round) {
+      KeptRaw first;
+      KeptRaw second;
+      {
+        const auto one = Raw(graph, "v", first, Options(Executor::Inline()));
+        const auto two = Raw(graph, "v", second, Options(Executor::Inline()));
+        EXPECT_TRUE(more_arrive());
+      }
+      EXPECT_TRUE(more_arrive());
+    }
+    stop = true;
+    arriving.join();
+    publishing.join();
+    ASSERT_TRUE(WaitIdle(graph));
+    EXPECT_EQ(wrong, 0);
   }
 }
 

@@ -276,7 +276,7 @@ TEST(TwoForms, ThirdTypeIsATypeMismatch) {
 class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
-  PublishStatus Reserve() noexcept override { return PublishStatus::kOk; }
+  PublishStatus Reserve(const void*, const TypeInfo&) noexcept override { return PublishStatus::kOk; }
   void Commit(const AnyMessage& message, const TypeInfo& type) noexcept override {
     types.push_back(type.cpp_type);
     sent.push_back(message.get());

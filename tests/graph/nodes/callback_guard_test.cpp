@@ -10,28 +10,30 @@ namespace hgros {
 namespace {
 
 TEST(CallbackGuard, DestroysTheCallbackOnceOutsideTheLockAndInsideTheNode) {
-  const int node = 0;
+  const int object = 0;
+  const auto* const node = reinterpret_cast<const Node*>(&object);  // Only compared.
   std::mutex mutex;
   std::condition_variable changed;
   CallbackGuard* guarded = nullptr;
   int destroyed = 0;
   const auto on_destruction = [&](const int* /*object*/) {
     ++destroyed;
-    EXPECT_TRUE(CallbackScope::InNode(&node));
+    EXPECT_TRUE(CallbackScope::InNode(node));
     std::unique_lock lock(mutex, std::try_to_lock);
     ASSERT_TRUE(lock.owns_lock()) << "the callback is destroyed under the node's lock";
     EXPECT_TRUE(guarded->destroying());
-    guarded->DestroyOnce(&node, lock, changed);  // As if an object that the callback owns closed the node again.
+    guarded->DestroyOnce(nullptr, node, lock,
+                         changed);  // As if an object that the callback owns closed the node again.
     EXPECT_EQ(destroyed, 1);
   };
   CallbackGuard guard(
-      [captured = std::shared_ptr<const int>(&node, on_destruction)](const AnyMessage&, const MessageInfo&) {});
+      [captured = std::shared_ptr<const int>(&object, on_destruction)](const AnyMessage&, const MessageInfo&) {});
   guarded = &guard;
   std::unique_lock lock(mutex);
-  guard.DestroyOnce(&node, lock, changed);
+  guard.DestroyOnce(nullptr, node, lock, changed);
   EXPECT_TRUE(lock.owns_lock());
   EXPECT_FALSE(guard.destroying());
-  guard.DestroyOnce(&node, lock, changed);
+  guard.DestroyOnce(nullptr, node, lock, changed);
   EXPECT_EQ(destroyed, 1);
 }
 

@@ -173,7 +173,7 @@ TEST(Lossless, ByteLimitCountsQueuedMessages) {
 class CountingOutlet final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
-  PublishStatus Reserve() noexcept override {
+  PublishStatus Reserve(const void*, const TypeInfo&) noexcept override {
     ++reserved;
     return full ? PublishStatus::kFull : PublishStatus::kOk;
   }

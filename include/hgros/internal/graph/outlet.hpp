@@ -14,7 +14,8 @@ class Outlet {
   virtual ~Outlet() = default;
   /// Somebody outside wants the next message. Cheap: called for every one.
   [[nodiscard]] virtual bool wanted() const noexcept = 0;
-  virtual PublishStatus Reserve() noexcept = 0;
+  /// `message` is of `type`, as later for Commit().
+  virtual PublishStatus Reserve(const void* message, const TypeInfo& type) noexcept = 0;
   /// `message` is of `type`, which is one of those that the channel is used with.
   virtual void Commit(const AnyMessage& message, const TypeInfo& type) noexcept = 0;
   virtual void Cancel() noexcept = 0;

@@ -48,17 +48,20 @@ class ChannelInlet final : public InboundSink {
   void Join(NetworkBridge& bridge, const Demand& demand);
   void Detach();
   void SetDemand(const Demand& demand);
+  // The channel has got a type since Join() subscribed with any.
+  [[nodiscard]] bool AsksForTooMuch() const noexcept;
 
   Accepted Accept(InboundMessage&& message) noexcept override;
   void Run() noexcept override;
   void OnFault(PacketFault fault, std::string_view what) noexcept override;
   void OnPublishers(std::size_t count) noexcept override;
   void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override;
+  void OnOfferEnded(SessionId from) noexcept override;
 
   // Call it when the channel has got its type: reports publishers of another type that were subscribed to with any
   // type.
   void CompareOffers();
-  // The schema of the publisher that came last. Null if no schema is known yet, or the last publisher is gone.
+  // The schema of the publisher that came last and is not gone. Null if there is none.
   [[nodiscard]] std::shared_ptr<const MessageSchema> Schema() const;
   // The type of the channel here; AnyType() if it has none yet.
   [[nodiscard]] const TypeInfo& channel_type() const noexcept { return DataGraph::TypeOfChannel(channel_); }
@@ -105,10 +108,12 @@ class ChannelInlet final : public InboundSink {
   [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
   void ForgetOffers();
+  [[nodiscard]] const TypeInfo& TypeToAsk() const noexcept;
   struct Offer {
     PeerInfo from;
     std::shared_ptr<const MessageSchema> schema;
-    bool compared = false;  // True once it was compared with the channel's type.
+    bool compared = false;     // True once it was compared with the channel's type.
+    std::uint64_t number = 0;  // Counts the offers.
   };
 
   Channel& channel_;
@@ -130,11 +135,11 @@ class ChannelInlet final : public InboundSink {
   Runner runner_ = Runner::kNobody;
   std::optional<Decoded> handed_over_;  // Delivered before waiting_.
 
-  std::shared_ptr<const MessageSchema>
-      said_schema_;  // For messages whose link has no schema. Used by the delivering thread.
+  // The latest schemas for messages whose link has none, newest last. Used by the delivering thread.
+  std::vector<std::shared_ptr<const MessageSchema>> said_schemas_;
   mutable std::mutex offers_mutex_;
-  std::map<std::uint64_t, Offer> offers_;  // By session. Offers of gone sessions stay while others are there.
-  std::shared_ptr<const MessageSchema> newest_offer_;
+  std::map<std::uint64_t, Offer> offers_;  // By session.
+  std::uint64_t last_offer_ = 0;
 
   mutable std::mutex counts_mutex_;
   // By the sending session (0: none) and the publisher in the message, so that no session can disturb another's counts.

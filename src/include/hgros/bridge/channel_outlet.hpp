@@ -38,15 +38,18 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   // Leaves the transport. Later publishes stay inside the process.
   void Detach();
   void Latch(std::size_t count);
+  // From Join() on, subscribers that ask for lossless delivery are keep-last.
+  void PromiseNothing() noexcept { may_promise_ = false; }
   // Memory in which a message can be published without a copy, if a transport with subscribers has some.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
 
   [[nodiscard]] bool wanted() const noexcept override;
-  PublishStatus Reserve() noexcept override;
+  PublishStatus Reserve(const void* message, const TypeInfo& type) noexcept override;
   void Commit(const AnyMessage& message, const TypeInfo& type) noexcept override;
   void Cancel() noexcept override;
 
   std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
+  [[nodiscard]] bool may_promise() const noexcept override { return may_promise_; }
   void OnRoom() noexcept override;
   void OnSubscribers(std::size_t count) noexcept override;
 
@@ -70,9 +73,14 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept;
   // Encodes into the memory of `transports` if it is not null and has memory.
   [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) noexcept;
-  [[nodiscard]] static Payload EncodeInto(const AnyMessage& message, const TypeInfo& type,
-                                          JoinedOutbound& transports) noexcept;
+  [[nodiscard]] Payload EncodeInto(const AnyMessage& message, const TypeInfo& type, JoinedOutbound& transports);
+  [[nodiscard]] Payload TryEncode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports);
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
+  // Checks the size of the message, and reserves memory for it if it is large.
+  [[nodiscard]] PublishStatus ReserveMemory(const void* message, const TypeInfo& type) noexcept;
+  // The memory that was reserved for a message of this size; nothing if it is small.
+  [[nodiscard]] std::optional<Block> TakeMemory(std::size_t size_bytes) noexcept;
+  void ReleaseMemory(const void* message, const TypeInfo& type) noexcept;
 
   const std::string channel_;
   const TypeInfo&
@@ -82,6 +90,7 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   const OutletEvents events_;
   const std::shared_ptr<const HostClocks> clocks_;
 
+  bool may_promise_ = true;  // Constant from Join() on.
   std::atomic<std::size_t> subscribers_{0};
   // True once there was a subscriber. From then on messages are numbered even during a cut, so that lost ones count.
   std::atomic<bool> heard_{false};
@@ -96,6 +105,10 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   mutable std::mutex order_mutex_;
   std::shared_ptr<JoinedOutbound> transports_;
   std::uint64_t sequence_ = 0;
+
+  std::mutex memory_mutex_;
+  std::vector<Block> memory_;  // For large messages between Reserve() and Commit().
+  std::atomic<std::size_t> memory_count_{0};
 
   std::mutex latch_mutex_;
   std::deque<Kept> kept_;

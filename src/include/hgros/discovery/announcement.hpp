@@ -13,6 +13,10 @@
 
 namespace hgros {
 
+namespace discovery {
+inline constexpr std::size_t kMaxTextBytes = 256;  // Limit of displayed names, type names and endpoints.
+}  // namespace discovery
+
 /// A session's use of one channel, and the transports that may carry it.
 struct ChannelAnnouncement : ChannelUse {
   TransportKeys transports = {};  ///< The transports that it may use.
@@ -29,9 +33,11 @@ struct Announcement {
   std::int64_t pid = 0;
   std::uint64_t pid_start_time = 0;  ///< In clock ticks since the host started; 0: unknown.
   std::string boot_id;               ///< Equal for all processes of a host until it restarts; empty: unknown.
+  std::uint64_t network = 0;         ///< Equal for all processes of a host in one network namespace; 0: unknown.
   /// Where transports of its host find it, by their keys.
   std::map<std::string, std::string, std::less<>> places;
   std::vector<std::string> endpoints;  ///< ZeroMQ's: "ipc:///path", "tcp://host:port".
+  std::string sender;                  ///< The address that a beacon heard it from; empty: not from a beacon.
   std::vector<ChannelAnnouncement> channels;
   /// Processes of this host that the session wants to reach, by their names; empty: all.
   std::vector<std::string> only;

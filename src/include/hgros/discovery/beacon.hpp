@@ -18,8 +18,7 @@ inline constexpr std::uint16_t kBeaconPort = 17271;
 
 struct BeaconOptions {
   std::string domain = std::string(kDefaultDomain);
-  /// Names of network interfaces, such as "eth0". Empty: all except the loopback, including interfaces that appear
-  /// later.
+  /// Names of network interfaces, such as "eth0"; empty: all except the loopback. Interfaces may appear later.
   std::vector<std::string> interfaces = {};
   std::uint16_t port = kBeaconPort;
   std::chrono::milliseconds period = std::chrono::seconds(1);    ///< Time between two datagrams without news.
@@ -34,7 +33,7 @@ struct BeaconOptions {
 /// Anyone on the network can send such datagrams: they are a hint, not a proof. Sizes, rates and the number of peers
 /// are limited. docs/decisions/0010-discovery.md has the format.
 ///
-/// Errors: throws Error if the port cannot be opened or an interface in the options does not exist.
+/// Errors: throws Error if the port cannot be opened. Interfaces that are missing or cannot be used are logged once.
 [[nodiscard]] HGROS_EXPORT std::unique_ptr<Discovery> OpenBeacon(const BeaconOptions& options,
                                                                  DiscoveryListener& listener, Log& log);
 

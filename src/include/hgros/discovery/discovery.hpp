@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -46,8 +47,11 @@ class HGROS_EXPORT Discovery {
   /// call also if it cannot be made known. Later failures are logged.
   virtual void Announce(const Announcement& own) = 0;
 
-  /// All known sessions except the own one, ordered by session id. The listener may not have got the latest events yet.
-  [[nodiscard]] virtual std::vector<Announcement> List() const = 0;
+  /// All known sessions except the own one, ordered by session id; only those for which `which` returns true, if it is
+  /// set. `which` is called under a lock. The listener may not have got the latest events yet.
+  using Which = std::function<bool(const Announcement& peer)>;
+  [[nodiscard]] virtual std::vector<Announcement> List(const Which& which) const = 0;
+  [[nodiscard]] std::vector<Announcement> List() const { return List({}); }
 
  protected:
   Discovery() = default;

@@ -12,8 +12,8 @@
 namespace hgros {
 
 struct RegistryOptions {
-  /// The folder that holds the domains' folders. Empty: $XDG_RUNTIME_DIR/hgros, or /tmp/hgros-UID if that variable does
-  /// not name a folder that only this user can access. Created if its parent exists.
+  /// The folder that holds the domains' folders. Empty: that of this user, see docs/deployment.md. Created if its
+  /// parent exists.
   std::filesystem::path folder = {};
   std::string domain = std::string(kDefaultDomain);
 };

@@ -28,6 +28,8 @@ class ServicePlace {
   [[nodiscard]] virtual DataGraph& Graph() = 0;
   [[nodiscard]] virtual ChannelSearch Search(const std::string& channel) = 0;
   [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;
+  // The names of all services that this session and the sessions that it knows serve.
+  [[nodiscard]] virtual std::vector<std::string> KnownServices() = 0;
   // Tells the program that `other` serves a service that already has a server.
   virtual void ReportServedTwice(const PeerInfo& other, std::string channel, std::string sentence) noexcept = 0;
   // Receives messages from sessions of this host on the calling thread; see Visit.

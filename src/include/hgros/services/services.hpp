@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/clock/errand_thread.hpp"
 #include "hgros/graph/invoke.hpp"
@@ -83,6 +84,8 @@ class Services : public std::enable_shared_from_this<Services> {
   [[nodiscard]] std::vector<ServiceSnapshot> Snapshot() const;
   [[nodiscard]] std::shared_ptr<ServiceHost> HostOf(std::string_view name) const;
   [[nodiscard]] SessionId id() const noexcept { return id_; }
+  // In a forked child, services and calls may neither be waited for nor destroyed.
+  [[nodiscard]] const std::shared_ptr<const ForkGuard>& fork() const noexcept { return fork_; }
   [[nodiscard]] const std::shared_ptr<Log>& log() const noexcept { return log_; }
   [[nodiscard]] const std::shared_ptr<CallTable>& calls() const noexcept { return calls_; }
   [[nodiscard]] const std::shared_ptr<WaitingCallers>& waiting_callers() const noexcept { return waiting_callers_; }
@@ -96,6 +99,7 @@ class Services : public std::enable_shared_from_this<Services> {
   [[nodiscard]] std::vector<std::shared_ptr<ServiceHost>> Hosts() const;
   void LookForSecondServers();
 
+  const std::shared_ptr<const ForkGuard> fork_ = std::make_shared<const ForkGuard>();
   const SessionId id_;
   const std::shared_ptr<Log> log_;
   const std::shared_ptr<CallTable> calls_;

@@ -51,6 +51,8 @@ class InboundSink {
   /// That session sends messages of this type, or will. Called for each publisher if the channel is subscribed to with
   /// AnyType(); perhaps after the first message.
   virtual void OnOffer(const PeerInfo& /*from*/, const std::shared_ptr<const MessageSchema>& /*schema*/) noexcept {}
+  /// That session sends no more of them.
+  virtual void OnOfferEnded(SessionId /*from*/) noexcept {}
 };
 
 /// The subscribing end of one channel on one transport. Destroying it ends the subscription; the destructor waits for

@@ -38,6 +38,9 @@ class OutboundSource {
   }
   /// A lossless subscriber that had no credit has some again, or has gone.
   virtual void OnRoom() noexcept = 0;
+  /// Whether subscribers may be lossless. If not, those that ask for it are keep-last: they get no promise, and nobody
+  /// waits for them. Read once, by Advertise().
+  [[nodiscard]] virtual bool may_promise() const noexcept { return true; }
   /// The number of remote subscribers has changed.
   virtual void OnSubscribers(std::size_t count) noexcept = 0;
 };
@@ -72,6 +75,9 @@ class OutboundChannel {
   /// Memory of this transport. A message that is written into it is committed without a copy. Empty if the transport
   /// has no such memory, or none left.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t /*size_bytes*/) { return std::nullopt; }
+  /// False if writing a message of this size in ordinary memory, and receiving it, would exceed a limit that the system
+  /// enforces by killing a process.
+  [[nodiscard]] virtual bool HasMemoryFor(std::size_t /*size_bytes*/) const { return true; }
   [[nodiscard]] virtual OutboundStats stats() const = 0;
 };
 

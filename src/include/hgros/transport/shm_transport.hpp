@@ -32,7 +32,7 @@ struct ShmOptions {
   std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Maximum that waits for one slow keep-last peer.
   std::uint64_t max_credit_bytes = 256ULL << 20;  ///< Maximum in flight to one subscriber of a channel.
   /// The largest message that is received. Publishers know it and do not send larger ones; both sides count them.
-  std::uint64_t max_message_bytes = 1ULL << 30;
+  std::uint64_t max_message_bytes = kMaxMessageBytes;
   std::chrono::milliseconds linger{500};  ///< How long the destructor waits for messages to be sent.
   /// Whether to receive that session's messages on the channel here, and not over another transport. Empty: always.
   /// Must be quick, and must not call the transport.

@@ -73,6 +73,9 @@ class Transport {
   virtual void AddPeer(const std::string& /*place*/) {}
   /// Does not connect to `place` any more. A connection that exists stays until either side ends.
   virtual void RemovePeer(const std::string& /*place*/) {}
+  /// Why the session at `place` is not reached, as far as it is known here; completes a sentence after ": ". Empty: no
+  /// cause was found.
+  [[nodiscard]] virtual std::string Obstacle(SessionId /*peer*/, const std::string& /*place*/) const { return {}; }
   /// Receives on the calling thread, which then calls InboundSink::Accept(), and Run() after kRunHere. Returns at once
   /// if another thread receives, or if the transport does not support this.
   virtual void Receive(const Visit& visit) noexcept { visit.first(); }

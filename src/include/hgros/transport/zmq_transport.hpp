@@ -25,11 +25,20 @@ struct PublishEndpoint {
   ChannelList channels;
 };
 
+/// What happens at a subscribe endpoint.
+enum class EndpointEvent {
+  kReached,  ///< A session has answered.
+  kFailed,   ///< An attempt to connect has failed, and will be repeated.
+  kLost,     ///< The session that has answered is gone.
+};
+
 /// An endpoint that another session publishes on. This session connects, and retries until the other one is there.
 struct SubscribeEndpoint {
   std::string endpoint;
   ChannelList channels;
   std::string server_key;  ///< With ZmqSecurity: the public key of the other session.
+  /// Called on the transport's threads; must not block. If it is set, failed attempts are not logged.
+  std::function<void(EndpointEvent)> on_event = {};
 };
 
 /// Encrypts and authenticates every connection of a transport.
@@ -48,7 +57,8 @@ struct ZmqOptions {
   std::uint64_t peer_queue_bytes = 64ULL << 20;   ///< Maximum that waits for one slow keep-last peer.
   std::uint64_t plain_queue_bytes = 64ULL << 20;  ///< Maximum on its way to all plain subscribers of an endpoint.
   std::uint64_t max_credit_bytes = 256ULL << 20;  ///< Maximum in flight to one subscriber of a channel.
-  std::uint64_t max_message_bytes = 1ULL << 30;   ///< A larger message is refused and the connection is closed.
+  /// A larger message is refused and the connection is closed.
+  std::uint64_t max_message_bytes = kMaxMessageBytes;
   /// A publisher that has sent no welcome after being connected for this time is a plain one.
   std::chrono::milliseconds plain_after{1000};
   std::chrono::milliseconds unreachable_after{3000};  ///< A missing connection is logged after this time.

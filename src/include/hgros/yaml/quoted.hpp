@@ -5,7 +5,7 @@
 
 namespace hgros::yaml {
 
-/// `text` in quotes for an error: shortened, control characters replaced.
+/// `text` in quotes for an error: shortened, control characters escaped.
 [[nodiscard]] std::string Quoted(std::string_view text);
 
 }  // namespace hgros::yaml

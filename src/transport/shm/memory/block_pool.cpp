@@ -16,7 +16,7 @@ constexpr std::size_t kPage = 4096;
 // a descriptor or a mapping. A block larger than the largest segment has its own.
 constexpr std::size_t kFirstSegment = 256 * 1024;
 constexpr std::size_t kLargestSegment = 4 * 1024 * 1024;
-// A payload that goes over the socket is copied this many times on its way. There must be memory left for that.
+// Publisher and receivers may copy a payload this many times. There must be memory left for that.
 constexpr std::uint64_t kCopiesApart = 4;
 // More memory than any machine has. Sizes below it can be rounded up without overflow.
 constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 46;
@@ -74,6 +74,11 @@ std::optional<BlockPool::Loan> BlockPool::Allocate(std::size_t size_bytes, std::
   return Loan{.bytes = {block.begin, size_bytes},
               .owner = std::make_shared<const BlockOwner>(shared_from_this(), *block.segment, block.begin),
               .place = {block.segment->id, offset}};
+}
+
+bool BlockPool::HasRoomApart(std::size_t bytes) const {
+  const auto room = system_room_();
+  return !room || *room >= bytes;
 }
 
 bool BlockPool::Grow(std::size_t block_bytes, std::string* fault) {

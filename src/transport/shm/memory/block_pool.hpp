@@ -48,6 +48,11 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   /// does not own the memory. `fault` says which.
   [[nodiscard]] std::optional<Loan> Allocate(std::size_t size_bytes, std::string* fault = nullptr);
 
+  /// Copies of a payload that the program holds already: that of a receiver of the socket, and what it parses to.
+  static constexpr std::size_t kCopiesReceived = 2;
+  static constexpr std::size_t kCopiesWritten = 1 + kCopiesReceived;
+  /// Whether publisher and receivers can take this much ordinary memory.
+  [[nodiscard]] bool HasRoomApart(std::size_t bytes) const;
   /// No more blocks are allocated after this: receivers may still read blocks that are free here.
   void Close();
 

@@ -1,5 +1,6 @@
 #include "transport/shm/memory/lane_writer.hpp"
 
+#include <algorithm>
 #include <new>
 #include <utility>
 
@@ -42,6 +43,20 @@ void LaneWriter::Write(Descriptor descriptor, std::shared_ptr<const void> owner)
   owners_[descriptor.slot] = std::move(owner);
   page().descriptors[written_ % kSlots] = descriptor;
   page().written.store(++written_, std::memory_order_release);
+}
+
+std::vector<LaneWriter::Held> LaneWriter::TakeHeldIn(std::uint32_t segment) {
+  std::vector<Held> held;
+  std::array<bool, kSlots> seen{};
+  // From the last one on: an earlier descriptor of a slot has been returned.
+  for (std::uint64_t number = written_; number > 0 && number + kSlots > written_; --number) {
+    const Descriptor& one = page().descriptors[(number - 1) % kSlots];
+    if (std::exchange(seen[one.slot], true) || !used_[one.slot] || one.segment != segment) continue;
+    if (std::exchange(taken_[one.slot], number) == number) continue;
+    held.push_back({one, owners_[one.slot]});
+  }
+  std::ranges::reverse(held);
+  return held;
 }
 
 bool LaneWriter::Collect(std::vector<std::shared_ptr<const void>>& ended) {

@@ -29,6 +29,12 @@ class LaneWriter {
   [[nodiscard]] bool HasSlot() const noexcept { return slip_ && !free_.empty(); }
   /// Needs a free slot. Sets `descriptor.slot`.
   void Write(Descriptor descriptor, std::shared_ptr<const void> owner) noexcept;
+  struct Held {
+    Descriptor descriptor;
+    std::shared_ptr<const void> owner;
+  };
+  /// The messages in that segment that the peer has not returned, oldest first; each one once.
+  [[nodiscard]] std::vector<Held> TakeHeldIn(std::uint32_t segment);
   /// Frees the slots that the peer has returned, and moves their owners to `ended`. False if a returned slot was not
   /// in use, or more came back than were sent.
   [[nodiscard]] bool Collect(std::vector<std::shared_ptr<const void>>& ended);
@@ -62,6 +68,7 @@ class LaneWriter {
   std::vector<std::uint32_t> free_;
   std::array<std::shared_ptr<const void>, kSlots> owners_;
   std::array<bool, kSlots> used_{};
+  std::array<std::uint64_t, kSlots> taken_{};  // By slot, the last descriptor that TakeHeldIn() returned; 0: none.
 };
 
 }  // namespace hgros::shm

@@ -79,7 +79,8 @@ Segment MakeSegment(const char* name, std::size_t size_bytes, Access access, Pag
   return made;
 }
 
-std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes, bool writable, std::string& fault) {
+std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes, bool writable, std::string& fault,
+                                    bool* no_room) {
   const int seals = fcntl(handle.fd(), F_GET_SEALS);
   if (seals < 0 || (seals & (F_SEAL_SHRINK | F_SEAL_GROW)) != (F_SEAL_SHRINK | F_SEAL_GROW)) {
     fault = "it is not a memory file with a sealed size";
@@ -100,7 +101,9 @@ std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes
     fault = "it has holes";
     return nullptr;
   }
-  return Map(handle.fd(), size_bytes == 0 ? size : WholePages(size_bytes), writable, size_bytes == 0, fault);
+  auto mapping = Map(handle.fd(), size_bytes == 0 ? size : WholePages(size_bytes), writable, size_bytes == 0, fault);
+  if (no_room != nullptr) *no_room = !mapping && (errno == ENOMEM || errno == EAGAIN);
+  return mapping;
 }
 
 }  // namespace hgros::shm

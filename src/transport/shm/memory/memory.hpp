@@ -68,8 +68,9 @@ enum class Pages {
 
 /// Maps memory that a peer has sent. It must be a memfd that can neither shrink nor grow and has at least
 /// `size_bytes`, so that no access can fail later. Otherwise null, and `fault` is set. If `size_bytes` is 0, all of
-/// it is mapped, and all its pages must exist: reading a hole would allocate memory.
+/// it is mapped, and all its pages must exist: reading a hole would allocate memory. Sets `no_room` if the memory is
+/// right, and this process has no room for it.
 [[nodiscard]] std::shared_ptr<Mapping> MapForeign(const Handle& handle, std::size_t size_bytes, bool writable,
-                                                  std::string& fault);
+                                                  std::string& fault, bool* no_room = nullptr);
 
 }  // namespace hgros::shm

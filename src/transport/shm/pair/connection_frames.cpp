@@ -1,6 +1,7 @@
 // Reads frames from the sockets of pairs.
 #include <utility>
 
+#include "hgros/base/readable_text.hpp"
 #include "transport/shm/pair/connections.hpp"
 
 namespace hgros::shm {
@@ -11,7 +12,7 @@ constexpr int kFramesPerTurn = 256;  // From one peer, before others have their 
 }  // namespace
 
 void Connections::Read(const std::shared_ptr<Pair>& pair) {
-  pair->socket.Flush();
+  if (pair->socket.Flush()) sockets_.FlushSoon(*pair);
   PairSocket::Frame frame;
   const std::uint64_t before = pair->socket.received_bytes();
   int left = kFramesPerTurn;
@@ -34,7 +35,8 @@ void Connections::Read(const std::shared_ptr<Pair>& pair) {
         break;  // The peer may hold messages of ours until its socket ends.
       case PairSocket::Read::kClosed:
         pair->eof = true;
-        EndPair(pair, "its process has ended", false);
+        EndPair(pair, pair->greeted ? "its process has ended" : "it closed the connection, and may have logged why",
+                false);
         more = false;
         break;
     }
@@ -48,6 +50,12 @@ void Connections::Read(const std::shared_ptr<Pair>& pair) {
 }
 
 void Connections::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& frame) {
+  if (frame.payload) {
+    if (pair->alive && !pair->in.AddPayload(std::move(*frame.payload))) {
+      sockets_.Distrust(*pair, "it sends payloads that no message needs");
+    }
+    return;
+  }
   const wire::PairMessage& said = frame.message;
   if (said.has_hello()) {
     OnHello(pair, frame);
@@ -58,7 +66,11 @@ void Connections::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& 
     return;
   }
   if (said.has_bye()) {
-    EndPair(pair, "it said goodbye", false);
+    // Before the pair begins, the reason is why the other side refuses it.
+    EndPair(
+        pair,
+        pair->alive ? "it said goodbye" : "it refuses the connection: " + Readable(said.bye().reason(), kMaxTextBytes),
+        false);
     return;
   }
   if (!pair->alive) return;
@@ -70,12 +82,8 @@ void Connections::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& 
     case wire::PairMessage::kEnded: wanted_.OnEnded(*pair, said.ended()); break;
     case wire::PairMessage::kTooLarge: wanted_.OnTooLarge(*pair, said.too_large()); break;
     case wire::PairMessage::kSegmentAdded: OnSegment(*pair, said.segment_added().segment(), frame); break;
+    case wire::PairMessage::kSegmentRefused: publisher_.ResendApart(*pair, said.segment_refused().segment()); break;
     case wire::PairMessage::kSegmentRemoved: pair->in.RemoveSegment(said.segment_removed().segment()); break;
-    case wire::PairMessage::kPayload:
-      if (!pair->in.AddPayload(*frame.message.mutable_payload())) {
-        sockets_.Distrust(*pair, "it sends payloads that no message needs");
-      }
-      break;
     default: break;  // From a newer version.
   }
 }
@@ -103,6 +111,7 @@ void Connections::Follow(const std::shared_ptr<Pair>& pair, const Handshake::Out
 void Connections::BeginPair(const std::shared_ptr<Pair>& pair) {
   pair->announced = true;
   registry_.Came(pair->facts.info);
+  obstacles_.Clear(pair->place, pair->facts.info.id);
   destinations_.ResetPause(pair->place);
   for (const auto& other : pairs_.List()) {
     if (!other->ending || other->in.all_read() || other->facts.info.id != pair->facts.info.id) continue;
@@ -113,9 +122,20 @@ void Connections::BeginPair(const std::shared_ptr<Pair>& pair) {
 }
 
 void Connections::OnSegment(Pair& pair, std::uint32_t segment, PairSocket::Frame& frame) {
-  std::string fault = "it comes without a descriptor";
-  auto mapping = frame.handles.size() == 1 ? MapForeign(frame.handles[0], 0, false, fault) : nullptr;
-  if (!mapping) {
+  std::string fault = frame.handles_lost ? "the limit of open files is reached" : "it comes without a descriptor";
+  bool no_room = frame.handles_lost;
+  auto mapping = frame.handles.size() == 1 ? MapForeign(frame.handles[0], 0, false, fault, &no_room) : nullptr;
+  if (!mapping && no_room) {
+    wire::PairMessage said;
+    said.mutable_segment_refused()->set_segment(segment);
+    pair.socket.Send(said);
+    session_.log.WriteLimited(
+        LogLevel::kWarning, "shm map " + pair.facts.info.id.ToString(),
+        "This process cannot map the shared memory of " + NameOf(pair) + ": " + fault +
+            ". Messages in it come over a socket, which is slower, until it can. Raise the limits "
+            "of memory and open files of this process.",
+        std::chrono::hours(1));
+  } else if (!mapping) {
     sockets_.Distrust(pair, "a segment is wrong: " + fault);
   } else if (!pair.in.AddSegment(segment, std::move(mapping))) {
     sockets_.Distrust(pair, "it sends a segment twice, or too many segments");

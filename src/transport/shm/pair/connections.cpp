@@ -22,6 +22,7 @@ Connections::Connections(ShmSession& session, const Parts& parts)
       wanted_(parts.wanted),
       bell_(parts.bell),
       destinations_(parts.destinations),
+      obstacles_(parts.obstacles),
       registry_(parts.registry),
       handshake_(session, parts.pairs, parts.publisher, parts.bell),
       next_beat_(std::chrono::steady_clock::now() + session.options.heartbeat) {
@@ -59,7 +60,11 @@ void Connections::Connect(SteadyTime now) {
   for (const std::string& place : destinations_.Due(now, is_connected)) {
     std::string fault;
     Handle connection = ConnectTo(place, fault);
-    if (connection.valid()) destinations_.SetPair(place, AddPair(std::move(connection), true, place));
+    if (connection.valid()) {
+      destinations_.SetPair(place, AddPair(std::move(connection), true, place));
+    } else {
+      obstacles_.Set(place, {}, fault);
+    }
   }
 }
 
@@ -74,6 +79,7 @@ void Connections::Accept() {
     if (!out_of_descriptors) return;
     // The socket stays readable: waiting for it would use up a CPU.
     listens_ = !sockets_.Unwatch(listening_);
+    obstacles_.Set({}, {}, "this process can open no more files, so it cannot accept a connection (ulimit -n)");
     session_.log.WriteLimited(LogLevel::kWarning, "shm accept",
                               "Another session cannot connect: the limit of open files is reached. Raise it "
                               "(ulimit -n).");
@@ -87,8 +93,9 @@ void Connections::Refuse(const std::string& why) {
 
 // Null if the connection is refused.
 std::shared_ptr<Pair> Connections::AddPair(Handle connection, bool by_us, const std::string& place) {
-  const auto refuse = [this](const std::string& why) -> std::shared_ptr<Pair> {
+  const auto refuse = [&](const std::string& why) -> std::shared_ptr<Pair> {
     Refuse(why);
+    obstacles_.Set(place, {}, why);
     return nullptr;
   };
   auto handle = std::make_shared<const Handle>(std::move(connection));
@@ -126,6 +133,7 @@ void Connections::EndPair(const std::shared_ptr<Pair>& pair, const std::string& 
     return;
   }
   if (!pair->alive) pair->eof = true;  // It was never given anything.
+  obstacles_.Set(pair->place, pair->facts.info.id, reason);
   Actions actions;
   pair->alive = false;
   wanted_.StopAsking(*pair);
@@ -164,7 +172,7 @@ void Connections::OnAllRead(const std::shared_ptr<Pair>& pair) {
   Actions actions;
   const auto links = pair->in.Clear();
   for (const auto& link : links) {
-    if (link->granted) InboundCore::CountPublisher(link->core, -1, actions);
+    if (link->granted) InboundCore::CountPublisher(link->core, pair->facts.info.id, -1, actions);
   }
   for (const auto& action : actions) action();
   if (std::exchange(pair->announced, false)) registry_.Gone(pair->facts.info, pair->end_reason);
@@ -193,9 +201,12 @@ void Connections::Beat(SteadyTime now) {
   std::vector<std::pair<std::shared_ptr<Pair>, std::string>> silent;
   for (const auto& pair : pairs_.List()) {
     const std::uint32_t heartbeat = publisher_.Beat(*pair, removed);
-    const bool beats = std::exchange(pair->seen_heartbeat, heartbeat) != heartbeat || overslept;
+    // A peer that reads a large message from its socket may have no time for its heartbeat.
+    const std::uint64_t sent = pair->socket.sent_bytes();
+    const bool reads = std::exchange(pair->seen_sent_bytes, sent) != sent;
+    const bool beats = std::exchange(pair->seen_heartbeat, heartbeat) != heartbeat || reads || overslept;
     pair->in.Beat();
-    pair->socket.Flush();  // Sends what the socket did not accept before.
+    if (pair->socket.Flush()) sockets_.FlushSoon(*pair);  // Sends what the socket did not accept before.
     if (!pair->in.blocked() || overslept) pair->last_read = now;
     if (pair->ending) continue;
     if (beats) {

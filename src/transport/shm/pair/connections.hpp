@@ -8,6 +8,7 @@
 #include "transport/shm/offered_channels.hpp"
 #include "transport/shm/pair/destinations.hpp"
 #include "transport/shm/pair/handshake.hpp"
+#include "transport/shm/pair/obstacles.hpp"
 #include "transport/shm/pair/pair_table.hpp"
 #include "transport/shm/pair/socket_thread.hpp"
 #include "transport/shm/shm_publisher.hpp"
@@ -34,6 +35,7 @@ class Connections final : public SocketThread::Handler {
     WantedChannels& wanted;
     SessionBell& bell;
     Destinations& destinations;
+    Obstacles& obstacles;
     PeerRegistry& registry;
   };
   /// Throws Error if another session listens at our place.
@@ -77,6 +79,7 @@ class Connections final : public SocketThread::Handler {
   WantedChannels& wanted_;
   SessionBell& bell_;
   Destinations& destinations_;
+  Obstacles& obstacles_;
   PeerRegistry& registry_;
   Handshake handshake_;
   Handle listening_;

@@ -87,6 +87,7 @@ std::string Handshake::OpenPages(Pair& pair, const wire::PairHello& hello, PairS
            std::to_string(hello.layout()) + "; here " + std::to_string(kWireMajor) + ", " +
            std::to_string(kLayoutVersion) + "); use one version of the library";
   }
+  if (frame.handles_lost) return "the limit of open files is reached; raise it (ulimit -n)";
   if (frame.handles.size() != 3) return "it did not send its memory";
   std::string fault;
   std::shared_ptr<const PeerBell> bell = PeerBell::Open(frame.handles[0], hello.bell_number(), fault);

@@ -46,6 +46,7 @@ struct Pair : std::enable_shared_from_this<Pair> {
   SteadyTime last_heard{};  ///< Before the greeting: when the connection was made.
   SteadyTime last_read{};   ///< When the socket was last read from.
   std::uint32_t seen_heartbeat = 0;
+  std::uint64_t seen_sent_bytes = 0;
   std::unordered_set<std::string> reported_mismatches;
   bool greeted = false;    ///< Its pages are open.
   bool announced = false;  ///< The listener knows the peer.

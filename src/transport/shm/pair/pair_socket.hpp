@@ -2,13 +2,17 @@
 
 #include <sys/types.h>
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hgros/base/bytes.hpp"
 #include "hgros/pair.pb.h"
 #include "transport/shm/memory/memory.hpp"
 
@@ -19,8 +23,12 @@ namespace hgros::shm {
 /// A frame is a length (u32, in the host's byte order), a number of descriptors (u32), and a wire::PairMessage.
 /// Descriptors travel with the first byte of their frame.
 ///
-/// Thread safety: Send(), Flush() and all_sent() are thread-safe, and their mutex is a leaf. The rest: one thread.
-/// Invariants: frames leave in the order of Send(), each one whole.
+/// The payload of a message (wire::PayloadApart) may be large: it is sent from the message's own memory, and received
+/// into the memory in which it stays.
+///
+/// Thread safety: Send(), SendPayload(), Flush(), all_sent() and sent_bytes() are thread-safe, and their mutex is a
+/// leaf. The rest: one thread. Invariants: frames leave in the order of the calls, each one whole. Owners of payloads
+/// end in Flush() and the destructor only: their destructors are the user's code.
 class PairSocket {
  public:
   using Handles = std::vector<std::shared_ptr<const Handle>>;
@@ -38,15 +46,28 @@ class PairSocket {
 
   /// Sends, or keeps what the socket does not accept now for Flush(). Drops everything if the other side has gone.
   void Send(const wire::PairMessage& message, const Handles& handles = {});
-  void Flush() noexcept;
+  /// Sends the payload's begin. Flush() must be called soon: for the rest, and to release the payload.
+  void SendPayload(std::uint64_t link, std::uint64_t number, Payload data);
+  /// Sends what waits, but only some of it at once. True if the socket would accept more: call it again soon.
+  [[nodiscard]] bool Flush();
+  /// All bytes that the socket has accepted: the peer reads as long as this grows.
+  [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool all_sent() const noexcept {
     const std::scoped_lock lock(send_mutex_);
     return outgoing_.empty();
   }
 
+  /// The payload of one message. Without an owner: there was no memory for it.
+  struct Apart {
+    std::uint64_t link = 0;
+    std::uint64_t number = 0;
+    Payload data;
+  };
   struct Frame {
-    wire::PairMessage message;
+    wire::PairMessage message;  ///< Not set if `payload` is.
+    std::optional<Apart> payload;
     std::vector<Handle> handles;
+    bool handles_lost = false;  ///< This process had no room for its descriptors; `handles` is empty.
   };
   enum class Read { kNothing, kMore, kFrame, kClosed, kFault };
   /// The next frame. kNothing: nothing to read now. kMore: no whole frame yet, and there is more to read; other
@@ -60,10 +81,20 @@ class PairSocket {
  private:
   struct Piece {
     std::string bytes;
+    Payload payload;  // Follows `bytes`.
     std::size_t sent = 0;
     Handles handles;
   };
-  void SendQueued() noexcept;
+  // A large payload that is being received.
+  struct Large {
+    Apart apart;
+    std::shared_ptr<std::byte[]> memory;  // Null: it is skipped.
+    std::size_t size = 0;
+    std::size_t filled = 0;
+  };
+  bool SendQueued(std::size_t limit_bytes);
+  [[nodiscard]] bool BeginLarge(std::size_t length);
+  [[nodiscard]] Read ReadLarge();
   [[nodiscard]] Read ReadMore();
   [[nodiscard]] Read Fail(std::string what);
   [[nodiscard]] Read ThrowAway();
@@ -71,12 +102,20 @@ class PairSocket {
   const std::shared_ptr<const Handle> socket_;
   mutable std::mutex send_mutex_;
   std::deque<Piece> outgoing_;
+  std::vector<Payload> spent_;  // Sent, or never to be sent.
   bool broken_ = false;
+  std::atomic<std::uint64_t> sent_bytes_{0};
 
   std::size_t max_frame_bytes_;
   std::string incoming_;
   std::size_t parsed_ = 0;
-  std::deque<Handle> handles_;
+  std::optional<Large> large_;
+  // The descriptors of one frame, which the system delivers together.
+  struct HandleSet {
+    std::vector<Handle> handles;
+    bool lost = false;
+  };
+  std::deque<HandleSet> handles_;
   std::uint64_t received_bytes_ = 0;
   bool closed_ = false;
   std::string fault_;

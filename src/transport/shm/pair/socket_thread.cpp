@@ -104,6 +104,12 @@ void SocketThread::PostFor(Pair& pair, std::function<void(const std::shared_ptr<
   });
 }
 
+void SocketThread::FlushSoon(Pair& pair) {
+  PostFor(pair, [this](const auto& same) {
+    if (same->socket.Flush()) FlushSoon(*same);
+  });
+}
+
 void SocketThread::Distrust(Pair& liar, const std::string& what) {
   if (liar.ending.load()) return;
   PostFor(liar, [this, what](const auto& pair) { handler_->OnLie(pair, what); });

@@ -59,6 +59,8 @@ class SocketThread {
   }
   /// Runs the action unless the pair is forgotten by then. Its number may then belong to another pair.
   void PostFor(Pair& pair, std::function<void(const std::shared_ptr<Pair>&)> action);
+  /// Sends what waits for the pair's socket, as far as the socket accepts it.
+  void FlushSoon(Pair& pair);
   /// Ends the pair, because its peer has written something impossible.
   void Distrust(Pair& liar, const std::string& what);
   /// All was read of a pair that has ended.

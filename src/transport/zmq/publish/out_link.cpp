@@ -45,12 +45,10 @@ void OutLink::Pause(SteadyTime now) {
   paused_since_ = now;
 }
 
-void OutLink::LeaveSums(bool died) {
+void OutLink::LeaveSums() {
   peer_waiting_bytes_ -= counted_bytes_;
   core->queued_bytes.fetch_sub(counted_bytes_, std::memory_order_relaxed);
-  if (!flow.lossless()) return;
-  if (died) core->missed.fetch_add(flow.unfinished(), std::memory_order_relaxed);
-  core->lossless.fetch_sub(1);
+  if (flow.lossless()) core->lossless.fetch_sub(1);
 }
 
 }  // namespace hgros::zmq

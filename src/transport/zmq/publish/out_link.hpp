@@ -25,8 +25,8 @@ class OutLink {
   void SendWaiting(Socket& socket, std::uint64_t peer_limit_bytes, PeerChannel::Dropped& ended);
   void Pause(SteadyTime now);
   [[nodiscard]] bool IsPausedSince(SteadyTime when) const noexcept { return flow.paused() && paused_since_ < when; }
-  /// The link has ended: removes its bytes from the sums, and counts what a lossless subscriber that died misses.
-  void LeaveSums(bool died);
+  /// The link has ended: removes its bytes from the sums.
+  void LeaveSums();
 
   const SessionId subscriber;
   const std::shared_ptr<OutboundCore> core;

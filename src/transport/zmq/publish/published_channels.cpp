@@ -107,7 +107,18 @@ void PublishedChannels::RemoveLink(Wish& wish, bool died, Actions& actions) {
   if (!wish.link) return;
   const std::shared_ptr<OutLink> link = std::move(wish.link);
   if (Channel* channel = Find(link->core->name)) std::erase(channel->links, link.get());
-  link->LeaveSums(died);
+  link->LeaveSums();
+  if (died && link->flow.lossless()) {
+    link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
+    // The peer is still listed, because it is reported as gone later.
+    actions.emplace_back([this, link] {
+      std::string who = "Session " + link->subscriber.ToString();
+      for (const PeerInfo& peer : shared_.peers.List()) {
+        if (peer.id == link->subscriber) who = "Session " + peer.name();
+      }
+      link->core->TellMissed(shared_.log, link->subscriber, who, link->flow.unfinished());
+    });
+  }
   if (link->flow.lossless()) OutboundCore::TellRoom(link->core, actions);
   OutboundCore::CountSubscriber(link->core, link->subscriber, -1, actions);
   actions.emplace_back([link] {});  // Its messages are destroyed when no mutex is held: this runs user code.

@@ -59,6 +59,12 @@ class PublishedChannels {
   /// missed.
   void RemoveLink(Wish& wish, bool died, Actions& actions);
 
+  /// Whether plain subscribers may soon lose messages because one of them does not read.
+  [[nodiscard]] bool IsPlainSlow(const OutboundCore& core) const {
+    if (plain_bytes_->load(std::memory_order_relaxed) <= shared_.options.plain_queue_bytes / 2) return false;
+    const auto found = channels_.find(core.name);
+    return found != channels_.end() && found->second.plain;
+  }
   /// A plain subscriber has come to the channel, or the last one has gone.
   void SetPlainTopic(std::string_view channel, bool subscribed, std::string_view endpoint, Actions& actions);
   /// Counts the plain subscribers of the channel if that has changed.

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "hgros/base/readable_text.hpp"
 #include "transport/agreement.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/curve.hpp"
@@ -19,6 +20,7 @@ PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint&
     : shared_(shared),
       endpoint_(FullEndpoint(endpoint.endpoint)),
       socket_(shared.context, ZMQ_XPUB),
+      watch_(shared, socket_, bound_),
       channels_(shared, socket_, endpoint.channels),
       peers_(shared, socket_, channels_, bound_),
       subscriptions_(shared, channels_, peers_, [this](const auto& core, SessionId session, std::uint64_t link) {
@@ -36,6 +38,7 @@ PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint&
   if (shared.options.security) SecureServer(socket_, *shared.options.security);
   BindOrThrow(socket_, endpoint_);
   bound_ = socket_.LastEndpoint();
+  (void)watch_.Serve();
   fd_ = socket_.Fd();
 }
 
@@ -88,6 +91,7 @@ void PublisherEndpoint::Commit(const std::shared_ptr<OutboundCore>& core,
   Actions actions;
   const SocketUse use(mutex_, socket_, input_, *shared_.waker);
   channels_.Commit(core, message, ended, actions);
+  if (channels_.IsPlainSlow(*core)) watch_.CutStuckPlain(std::chrono::steady_clock::now());
   if (!actions.empty()) shared_.PostActions(std::move(actions));
 }
 
@@ -108,11 +112,13 @@ void PublisherEndpoint::FetchLatched(const std::shared_ptr<OutboundCore>& core, 
 }
 
 bool PublisherEndpoint::Serve(Actions& actions) {
-  if (!input_.load() || !input_.exchange(false)) return false;
+  if (!pending()) return false;
   const std::scoped_lock lock(mutex_);
+  const bool more = watch_.Serve();
+  if (!input_.exchange(false)) return more;
   Message frame;
   for (int i = 0; i < kFramesPerTurn; ++i) {
-    if (!socket_.Receive(frame)) return false;
+    if (!socket_.Receive(frame)) return more;
     if (!frame.more()) {
       OnFrame(frame, actions);
       continue;
@@ -133,7 +139,7 @@ void PublisherEndpoint::OnFrame(Message& frame, Actions& actions) {
   } else if (text[0] == '\0' || text[0] == '\1') {
     OnTopic(text[0] == '\1', text.substr(1), frame, actions);
   } else if (text[0] == kControlByte) {
-    OnUpstream(frame.bytes().subspan(1), actions);
+    OnUpstream(frame, actions);
   } else {
     shared_.CountFault(PacketFault::kHead, bound_, "not a control message");
   }
@@ -142,7 +148,11 @@ void PublisherEndpoint::OnFrame(Message& frame, Actions& actions) {
 void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions) {
   if (const auto session = ParseControlTopic(text)) {
     if (subscribed) {
-      peers_.Greet(*session, true);
+      if (MayClaim(*session, frame)) {
+        peers_.Greet(*session, true);
+      } else {
+        HangUp(frame, bound_);
+      }
     } else {
       peers_.OnDisconnected(*session, actions);
     }
@@ -154,7 +164,11 @@ void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message&
     return;
   }
   // A session sends a Subscribe for each peer topic that it wants.
-  if (topic->session.value != 0) return;
+  if (topic->session.value != 0) {
+    if (subscribed && !MayClaim(topic->session, frame)) HangUp(frame, bound_);
+    return;
+  }
+  if (subscribed) watch_.NotePlain(zmq_msg_get(frame.raw(), ZMQ_SRCFD));
   channels_.SetPlainTopic(topic->channel, subscribed, bound_, actions);
 }
 
@@ -164,19 +178,26 @@ void PublisherEndpoint::RefuseFilter(std::string_view filter, Message& frame) {
   HangUp(frame, bound_);
   shared_.log.WriteLimited(LogLevel::kWarning, "zmq filter " + bound_,
                            "A plain subscriber at " + bound_ + " asks for all topics that begin with \"" +
-                               Readable(std::string(filter.substr(0, kMaxTextBytes))) +
+                               Readable(filter, kMaxTextBytes) +
                                "\", which is not a whole topic: its connection is closed. Let it subscribe to the "
                                "name of a channel followed by a zero byte.",
                            std::chrono::hours(1));
 }
 
-void PublisherEndpoint::OnUpstream(Bytes bytes, Actions& actions) {
-  const auto control = ParseControl(bytes);
+bool PublisherEndpoint::MayClaim(SessionId session, const Message& frame) {
+  if (!shared_.options.security) return true;
+  const std::string_view from = frame.peer_address();  // Empty with ipc.
+  return shared_.MayClaim(session, frame.user_id(), from.empty() ? bound_ : std::string(from) + " at " + bound_);
+}
+
+void PublisherEndpoint::OnUpstream(const Message& frame, Actions& actions) {
+  const auto control = ParseControl(frame.bytes().subspan(1));
   if (!control) {
     shared_.CountFault(PacketFault::kHead, bound_, "a control message that does not parse");
     return;
   }
   const SessionId session{control->session()};
+  if (!MayClaim(session, frame)) return;
   if (control->has_hello()) {
     peers_.OnHello(session, control->hello(), actions);
     return;
@@ -201,6 +222,7 @@ void PublisherEndpoint::OnUpstream(Bytes bytes, Actions& actions) {
 void PublisherEndpoint::Tick(SteadyTime now, Actions& actions) {
   const SocketUse use(mutex_, socket_, input_, *shared_.waker);
   peers_.Tick(now, actions);
+  watch_.Tick();
 }
 
 void PublisherEndpoint::ForgiveSilence(SteadyTime now) {
@@ -222,6 +244,7 @@ void PublisherEndpoint::Close(int linger_ms, Actions& actions) {
   const std::scoped_lock lock(mutex_);
   peers_.DropAll("the endpoint was closed", actions);
   if (socket_.closed()) return;
+  watch_.Close();
   socket_.Set(ZMQ_LINGER, linger_ms);
   Unbind(shared_.context, socket_, bound_);
   socket_.Close(linger_ms);

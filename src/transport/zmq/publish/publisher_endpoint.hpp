@@ -9,6 +9,7 @@
 
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
+#include "transport/zmq/publish/connection_watch.hpp"
 #include "transport/zmq/publish/published_channels.hpp"
 #include "transport/zmq/publish/subscriber_peers.hpp"
 #include "transport/zmq/publish/subscriptions.hpp"
@@ -35,6 +36,7 @@ class PublisherEndpoint {
   /// The endpoint at which it is bound, with the port that the system chose.
   [[nodiscard]] const std::string& bound() const noexcept { return bound_; }
   [[nodiscard]] int fd() const noexcept { return fd_; }
+  [[nodiscard]] ConnectionWatch& watch() noexcept { return watch_; }
 
   void Offer(const std::shared_ptr<OutboundCore>& core);
   void Withdraw(const std::shared_ptr<OutboundCore>& core, Actions& actions);
@@ -50,7 +52,9 @@ class PublisherEndpoint {
 
   /// To be set when the descriptor has become readable.
   [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
-  /// Reads what has arrived, if input() is set. True if there may be more.
+  /// Whether Serve() has something to do.
+  [[nodiscard]] bool pending() noexcept { return input_.load() || watch_.input().load(); }
+  /// Reads what has arrived, if pending(). True if there may be more.
   bool Serve(Actions& actions);
   void Tick(SteadyTime now, Actions& actions);
   /// The waiting thread itself did not run for a while: counts all peers as heard now.
@@ -65,7 +69,8 @@ class PublisherEndpoint {
   void OnFrame(Message& frame, Actions& actions);
   void OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions);
   void RefuseFilter(std::string_view filter, Message& frame);
-  void OnUpstream(Bytes bytes, Actions& actions);
+  void OnUpstream(const Message& frame, Actions& actions);
+  [[nodiscard]] bool MayClaim(SessionId session, const Message& frame);
   void FetchLatched(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link);
 
   SharedState& shared_;
@@ -73,6 +78,7 @@ class PublisherEndpoint {
   std::string bound_;
   mutable std::mutex mutex_;
   Socket socket_;
+  ConnectionWatch watch_;
   int fd_ = -1;
   std::atomic<bool> input_{true};  // There may be input to read.
   PublishedChannels channels_;

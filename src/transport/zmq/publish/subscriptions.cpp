@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
 #include "transport/agreement.hpp"
 #include "transport/zmq/control.hpp"
 
@@ -16,8 +17,8 @@ void EndLater(PeerChannel::Dropped&& messages, Actions& actions) {
 
 }  // namespace
 
-Demand Subscriptions::GrantedTo(const wire::Subscribe& asked) const {
-  return PeerChannel::Granted({.lossless = asked.lossless(),
+Demand Subscriptions::GrantedTo(const OutboundCore& core, const wire::Subscribe& asked) const {
+  return PeerChannel::Granted({.lossless = asked.lossless() && core.may_promise,
                                .queue_depth = asked.queue_depth(),
                                .credit_messages = asked.credit_messages(),
                                .credit_bytes = asked.credit_bytes()},
@@ -61,7 +62,7 @@ void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& ask
 bool Subscriptions::UpdateLink(SubscriberPeer& peer, Wish& wish, Actions& actions) {
   OutLink& link = *wish.link;
   const wire::Subscribe& asked = wish.asked;
-  const Demand granted = GrantedTo(asked);
+  const Demand granted = GrantedTo(*link.core, asked);
   std::string descriptor_set;
   if (!asked.change_only()) {
     std::optional<std::uint64_t> lost;
@@ -112,7 +113,7 @@ void Subscriptions::MakeLink(SubscriberPeer& peer, Wish& wish, Actions& actions)
     return;
   }
   const SessionId session = peer.facts.info.id;
-  wish.link = std::make_unique<OutLink>(core, GrantedTo(wish.asked), session, peer.waiting_bytes);
+  wish.link = std::make_unique<OutLink>(core, GrantedTo(*core, wish.asked), session, peer.waiting_bytes);
   channel->links.push_back(wish.link.get());
   if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
   OutboundCore::CountSubscriber(core, session, 1, actions);
@@ -149,7 +150,7 @@ void Subscriptions::OnUnsubscribe(SubscriberPeer& peer, const wire::Unsubscribe&
   const bool linked = wish->second.link != nullptr;
   channels_.RemoveLink(wish->second, false, actions);
   if (linked && !unsubscribe.mismatch().empty()) {
-    peers_.ReportMismatch(peer, wish->first, Readable(unsubscribe.mismatch()), actions);
+    peers_.ReportMismatch(peer, wish->first, Readable(unsubscribe.mismatch(), kMaxTextBytes), actions);
   }
   peer.wishes.erase(wish);
   shared_.AddChannelsChanged(actions);

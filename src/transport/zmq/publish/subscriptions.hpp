@@ -44,7 +44,7 @@ class Subscriptions {
   [[nodiscard]] bool UpdateLink(SubscriberPeer& peer, Wish& wish, Actions& actions);
   void MakeLink(SubscriberPeer& peer, Wish& wish, Actions& actions);
   void SendSubscribed(const SubscriberPeer& peer, const OutLink& link, const std::string& descriptor_set);
-  [[nodiscard]] Demand GrantedTo(const wire::Subscribe& asked) const;
+  [[nodiscard]] Demand GrantedTo(const OutboundCore& core, const wire::Subscribe& asked) const;
 
   SharedState& shared_;
   PublishedChannels& channels_;

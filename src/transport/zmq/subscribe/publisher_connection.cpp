@@ -12,8 +12,10 @@
 namespace hgros::zmq {
 namespace {
 
+constexpr std::uint64_t kEncryptionBytes = 1024;  // More than CURVE adds to a frame.
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
+constexpr auto kBetweenReports = std::chrono::milliseconds(100);  // Each outage is reported.
 constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
 
 }  // namespace
@@ -21,13 +23,15 @@ constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
 PublisherConnection::PublisherConnection(SharedState& shared, const SubscribeEndpoint& endpoint)
     : shared_(shared),
       endpoint_(FullEndpoint(endpoint.endpoint)),
+      server_key_(shared.options.security ? KeyText(endpoint.server_key, "server") : std::string()),
       socket_(shared.context, ZMQ_XSUB),
-      monitor_(shared.context, ZMQ_PAIR) {
+      monitor_(shared.context, ZMQ_PAIR),
+      logs_(!endpoint.on_event) {
   socket_.Set(ZMQ_SNDHWM, 0);
   socket_.Set(ZMQ_RCVHWM, 0);
   socket_.Set(ZMQ_RECONNECT_IVL, kReconnectMs);
   socket_.Set(ZMQ_RECONNECT_IVL_MAX, kReconnectMaxMs);
-  socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(shared.options.max_message_bytes));
+  socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(shared.options.max_message_bytes + kEncryptionBytes));
   socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
   socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * shared.options.peer_timeout.count()));
   if (shared.options.security) SecureClient(socket_, *shared.options.security, endpoint.server_key);
@@ -78,9 +82,10 @@ bool PublisherConnection::ReadMonitor() {
       if (connected_) unreached_since_ = given_up_since_;
       connected_ = false;
       plain_ = false;
-      ended = true;
+      ended = failed_ = true;
     } else if (what == ZMQ_EVENT_CONNECT_RETRIED) {
       given_up_since_.reset();
+      failed_ = true;
     } else if (handshake_failure_ != ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
       handshake_failure_ = what;
     }
@@ -107,18 +112,24 @@ bool PublisherConnection::TurnPlain(SteadyTime now) {
 void PublisherConnection::Tick(SteadyTime now) {
   if (unreached_since_ && now - *unreached_since_ >= shared_.options.unreachable_after) {
     unreached_since_.reset();
-    LogUnreachable();
+    if (logs_) LogUnreachable();
   }
   if (given_up_since_ && now - *given_up_since_ >= kGivenUpAfter) {
     given_up_since_.reset();
     socket_.Disconnect(endpoint_);
     if (const int error = socket_.Connect(endpoint_); error != 0) {
-      shared_.log.Write(LogLevel::kError, "Cannot subscribe at " + endpoint_ + " again: " + zmq_strerror(error) + ".");
+      shared_.log.WriteLimited(LogLevel::kError, "zmq subscribe " + endpoint_,
+                               "Cannot subscribe at " + endpoint_ + " again: " + zmq_strerror(error) + ".");
     }
   }
 }
 
 void PublisherConnection::LogUnreachable() {
+  const auto say = [&log = shared_.log, endpoint = endpoint_,
+                    since = std::to_string(shared_.options.unreachable_after.count())](std::string_view why) {
+    log.WriteLimited(LogLevel::kWarning, "zmq unreached " + endpoint,
+                     "No connection to " + endpoint + " for " + since + " ms: " + std::string(why), kBetweenReports);
+  };
   std::string_view why = "is the other program running, is the port right, and does it bind that address?";
   if (handshake_failure_ == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
     why = "it refuses our key; add our public key to its `allowed_clients`.";
@@ -126,13 +137,18 @@ void PublisherConnection::LogUnreachable() {
     // A wrong key and a missing key look the same here: the event depends on which side notices it first.
     why =
         "the program there has another key than the one we have for it, or does not encrypt; set the publisher's "
-        "public key in `servers` (the endpoint's `server_key`), and give the publisher a `secret_key`.";
+        "public key for this endpoint in `network.security.servers`, and give the publisher a `secret_key`.";
   } else if (handshake_failure_ != 0) {
     why = "the program there asks for keys, or is not ZeroMQ; set a `secret_key` here, or check the port.";
   }
-  shared_.log.Write(LogLevel::kWarning, "No connection to " + endpoint_ + " for " +
-                                            std::to_string(shared_.options.unreachable_after.count()) +
-                                            " ms: " + std::string(why));
+  const std::string host = handshake_failure_ == 0 ? HostNameOf(endpoint_) : std::string();
+  if (host.empty()) return say(why);
+  lookup_ = std::jthread([say, why, host] {
+    const std::string fault = ResolveFault(host);
+    say(fault.empty() ? std::string(why)
+                      : "the host \"" + host + "\" has no address (" + fault +
+                            "). Check the spelling, or add it to /etc/hosts or the name server.");
+  });
 }
 
 std::optional<SteadyTime> PublisherConnection::Deadline() const {

@@ -2,6 +2,8 @@
 
 #include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "hgros/control.pb.h"
 #include "transport/zmq/shared_state.hpp"
@@ -20,6 +22,8 @@ class PublisherConnection {
   PublisherConnection(SharedState& shared, const SubscribeEndpoint& endpoint);
 
   [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
+  /// The KeyText() of the other side; empty without keys.
+  [[nodiscard]] const std::string& server_key() const noexcept { return server_key_; }
   [[nodiscard]] Socket& socket() noexcept { return socket_; }
   [[nodiscard]] int fd() const noexcept { return fd_; }
   [[nodiscard]] int monitor_fd() const noexcept { return monitor_fd_; }
@@ -34,6 +38,8 @@ class PublisherConnection {
 
   /// Reads the monitor's events. True if a connection has ended.
   [[nodiscard]] bool ReadMonitor();
+  /// Whether an attempt to connect has failed since the last call.
+  [[nodiscard]] bool CollectFailure() noexcept { return std::exchange(failed_, false); }
   /// The other side has sent a Welcome.
   void SetWelcomed() noexcept;
   /// The other side can be reached, even if the monitor has not reported it yet.
@@ -54,6 +60,7 @@ class PublisherConnection {
 
   SharedState& shared_;
   const std::string endpoint_;
+  const std::string server_key_;
   Socket socket_;
   Socket monitor_;
   int fd_ = -1;
@@ -68,6 +75,9 @@ class PublisherConnection {
   // The time since which there is no connection; none after that was logged.
   std::optional<SteadyTime> unreached_since_ = std::chrono::steady_clock::now();
   int handshake_failure_ = 0;  // The most specific failure event since the last connection.
+  const bool logs_;
+  bool failed_ = false;
+  std::jthread lookup_;  // Looks for the host's address: a name server may take long to answer.
 };
 
 }  // namespace hgros::zmq

@@ -182,10 +182,14 @@ void SubscribedChannels::OnSubscribed(const wire::Subscribed& subscribed, Action
   }
   if (link->id == subscribed.link()) {
     link->SetWindow(subscribed);
+    // It was told that the offer ended when the publisher was lost.
+    if (!link->active && link->schema) {
+      InboundCore::TellOffer(link->core, publisher_.facts.info, link->schema, actions);
+    }
   } else if (!BeginLink(*link, subscribed, actions)) {
     return;
   }
-  if (!std::exchange(link->active, true)) InboundCore::CountPublisher(link->core, 1, actions);
+  if (!std::exchange(link->active, true)) InboundCore::CountPublisher(link->core, publisher_.id(), 1, actions);
 }
 
 bool SubscribedChannels::BeginLink(InLink& link, const wire::Subscribed& subscribed, Actions& actions) {
@@ -197,8 +201,9 @@ bool SubscribedChannels::BeginLink(InLink& link, const wire::Subscribed& subscri
     case TypeFit::kEvolved:
       fault = SchemaFault(subscribed.descriptor_set(), type);
       if (fault.empty()) {
-        shared_.log.Write(LogLevel::kInfo, "Channel " + name + ": " + publisher_.facts.info.process +
-                                               " publishes another, compatible version of " + type.name + ".");
+        shared_.log.WriteLimited(LogLevel::kDebug, "evolved " + name,
+                                 "Channel " + name + ": " + publisher_.facts.info.process +
+                                     " publishes another, compatible version of " + type.name + ".");
       }
       break;
     case TypeFit::kDiffer: fault = "the types differ"; break;
@@ -251,7 +256,7 @@ void SubscribedChannels::ReportMismatch(const std::string& channel, const std::s
 
 void SubscribedChannels::EndLink(InLink& link, Actions& actions) {
   link.End();
-  if (std::exchange(link.active, false)) InboundCore::CountPublisher(link.core, -1, actions);
+  if (std::exchange(link.active, false)) InboundCore::CountPublisher(link.core, publisher_.id(), -1, actions);
 }
 
 void SubscribedChannels::StopAsking(InLink& link, std::string_view mismatch, Actions& actions) {
@@ -273,7 +278,7 @@ bool SubscribedChannels::OnPublisherLost(bool for_good, Actions& actions) {
     if (for_good) {
       EndLink(link, actions);
     } else if (std::exchange(link.active, false)) {
-      InboundCore::CountPublisher(link.core, -1, actions);
+      InboundCore::CountPublisher(link.core, publisher_.id(), -1, actions);
     }
   }
   return freed;

@@ -15,6 +15,7 @@ constexpr int kMessagesPerTurn = 32;  // Then other endpoints have their turn.
 
 SubscriberEndpoint::SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed)
     : shared_(shared),
+      on_event_(endpoint.on_event),
       connection_(shared, endpoint),
       channels_(shared, connection_, publisher_, endpoint.channels, std::move(claims_freed)) {}
 
@@ -104,9 +105,15 @@ bool SubscriberEndpoint::ReadBatch() {
 }
 
 void SubscriberEndpoint::ReadMonitor(Actions& actions) {
-  if (!connection_.ReadMonitor()) return;
+  const bool ended = connection_.ReadMonitor();
+  if (connection_.CollectFailure()) Report(EndpointEvent::kFailed, actions);
+  if (!ended) return;
   channels_.SetPlain(false);
   LosePublisher("the connection was closed", false, actions);
+}
+
+void SubscriberEndpoint::Report(EndpointEvent event, Actions& actions) const {
+  if (on_event_) actions.emplace_back([report = on_event_, event] { report(event); });
 }
 
 void SubscriberEndpoint::AbortConnection(Actions& actions) {
@@ -150,9 +157,10 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   ReadMonitor(actions);
   connection_.SetWelcomed();
   channels_.SetPlain(false);
+  if (!shared_.MayClaim(session, connection_.server_key(), endpoint())) return;
   if (session == shared_.self.info.id) {
     shared_.log.WriteLimited(
-        LogLevel::kInfo, "zmq self " + endpoint(),
+        LogLevel::kDebug, "zmq self " + endpoint(),
         "The subscribe endpoint " + endpoint() + " is this session's own: nothing is received there.",
         std::chrono::hours(24));
     return;
@@ -173,7 +181,10 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   publisher_.handshake = welcome.handshake();
   publisher_.last_heard = std::chrono::steady_clock::now();
   connection_.SetConnected();
-  if (came) actions.emplace_back([this, info = publisher_.facts.info] { shared_.peers.Came(info); });
+  if (came) {
+    actions.emplace_back([this, info = publisher_.facts.info] { shared_.peers.Came(info); });
+    Report(EndpointEvent::kReached, actions);
+  }
   SayHello(welcome.handshake());
   publisher_.offers.clear();
   for (const auto& offered : welcome.offers()) publisher_.AddOffer(offered);
@@ -208,6 +219,7 @@ void SubscriberEndpoint::LosePublisher(std::string_view reason, bool for_good, A
     actions.emplace_back(
         [this, info = publisher_.facts.info, text = std::string(reason)] { shared_.peers.Gone(info, text); });
     shared_.AddChannelsChanged(actions);
+    Report(EndpointEvent::kLost, actions);
   }
   if (freed) channels_.AddClaimsFreed(actions);
 }

@@ -78,13 +78,17 @@ class SubscriberEndpoint {
   /// connection.
   void AbortConnection(Actions& actions);
   void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
+  void Report(EndpointEvent event, Actions& actions) const;
   void SayHello(std::uint64_t handshake);
 
   SharedState& shared_;
+  const std::function<void(EndpointEvent)> on_event_;
   mutable std::mutex mutex_;
   PublisherConnection connection_;
-  std::atomic<bool> input_{true};  // There may be input to read.
-  std::atomic<bool> monitor_input_{true};
+  const LentFlag lent_input_{shared_.input_flags};
+  const LentFlag lent_monitor_input_{shared_.input_flags};
+  std::atomic<bool>& input_ = *lent_input_;  // There may be input to read.
+  std::atomic<bool>& monitor_input_ = *lent_monitor_input_;
   RemotePublisher publisher_;
   SubscribedChannels channels_;
   Actions last_;  // Called when the inbox of the closed endpoint is empty.

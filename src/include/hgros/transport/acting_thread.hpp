@@ -1,0 +1,27 @@
+#pragma once
+
+#include <thread>
+#include <utility>
+
+namespace hgros {
+
+/// While it lives, the calling thread closes channels and transports on behalf of another thread: calls and tasks that
+/// run on that thread are not waited for, as if it closed them itself.
+class ActingThread {
+ public:
+  explicit ActingThread(std::thread::id on_behalf_of) noexcept : outer_(std::exchange(self, on_behalf_of)) {}
+  ActingThread(const ActingThread&) = delete;
+  ActingThread& operator=(const ActingThread&) = delete;
+  ~ActingThread() { self = outer_; }
+
+  /// The thread on whose behalf the calling thread acts, usually the calling thread.
+  [[nodiscard]] static std::thread::id Id() noexcept {
+    return self == std::thread::id() ? std::this_thread::get_id() : self;
+  }
+
+ private:
+  static inline thread_local std::thread::id self;
+  const std::thread::id outer_;
+};
+
+}  // namespace hgros

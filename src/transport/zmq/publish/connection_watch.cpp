@@ -1,0 +1,206 @@
+#include "transport/zmq/publish/connection_watch.hpp"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <linux/sockios.h>
+#include <linux/tcp.h>  // The C library's tcp_info is older.
+#include <netinet/in.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/ids.hpp"
+#include "transport/zmq/endpoint.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+constexpr int kEventsPerTurn = 256;
+constexpr std::uint64_t kGreetingBytes = 64;  // Of ZMTP 3: https://rfc.zeromq.org/spec/23
+constexpr auto kLookAgainAfter = std::chrono::milliseconds(50);
+constexpr int kStuckAfterLooks = 4;
+constexpr auto kSayAgainAfter = std::chrono::hours(1);
+
+// The address of the other side, without its port; empty if it is not an IP connection.
+std::string AddressOf(int fd) {
+  sockaddr_storage name{};
+  socklen_t size = sizeof name;
+  if (getpeername(fd, reinterpret_cast<sockaddr*>(&name), &size) != 0) return {};
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  const void* address = nullptr;
+  if (name.ss_family == AF_INET) address = &reinterpret_cast<const sockaddr_in*>(&name)->sin_addr;
+  if (name.ss_family == AF_INET6) address = &reinterpret_cast<const sockaddr_in6*>(&name)->sin6_addr;
+  if (address == nullptr || inet_ntop(name.ss_family, address, text.data(), text.size()) == nullptr) return {};
+  return text.data();
+}
+
+bool HasGreeted(int fd) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return true;
+  return size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received ||
+         info.tcpi_bytes_received >= kGreetingBytes;
+}
+
+// Whether the other side has not read for so long that the send buffer is nearly full.
+bool IsFull(int fd) {
+  int waiting = 0;
+  int buffer = 0;
+  socklen_t size = sizeof buffer;
+  if (ioctl(fd, SIOCOUTQ, &waiting) != 0 || getsockopt(fd, SOL_SOCKET, SO_SNDBUF, &buffer, &size) != 0) return false;
+  return waiting >= buffer / 4;  // The system counts its own data structures as well.
+}
+
+}  // namespace
+
+ConnectionWatch::ConnectionWatch(SharedState& shared, Socket& socket, const std::string& bound)
+    : shared_(shared), socket_(socket), bound_(bound), monitor_(shared.context, ZMQ_PAIR) {
+  socket_.Set(ZMQ_HANDSHAKE_IVL, kHandshakeMs);
+  monitor_.Set(ZMQ_RCVHWM, 0);  // Otherwise ZeroMQ's thread would wait for us.
+  const std::string monitored = "inproc://accepting-" + std::to_string(RandomId());
+  constexpr int kEvents =
+      ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CLOSED;
+  if (zmq_socket_monitor(socket_.raw(), monitored.c_str(), kEvents) != 0 || monitor_.Connect(monitored) != 0) {
+    throw Error(std::string("Cannot watch the connections of an endpoint: ") + zmq_strerror(zmq_errno()) + ".");
+  }
+  KeepReserve();
+}
+
+ConnectionWatch::~ConnectionWatch() {
+  Close();
+  if (reserve_ >= 0) close(reserve_);
+}
+
+void ConnectionWatch::KeepReserve() noexcept {
+  if (!HasReserve()) reserve_ = open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
+void ConnectionWatch::Close() noexcept {
+  if (monitor_.closed()) return;
+  zmq_socket_monitor(socket_.raw(), nullptr, 0);
+  monitor_.Close(0);
+  listening_.clear();
+}
+
+void ConnectionWatch::Tick() {
+  KeepReserve();
+  if (HasReserve()) TurnAway();
+}
+
+bool ConnectionWatch::Serve() {
+  if (!input_.load() || !input_.exchange(false)) return false;
+  Message event;
+  Message address;
+  for (int i = 0; i < kEventsPerTurn; ++i) {
+    if (!monitor_.Receive(event)) return false;
+    if (event.more()) monitor_.Receive(address);
+    std::uint16_t what = 0;
+    std::int32_t value = 0;
+    if (event.bytes().size() < sizeof what + sizeof value) continue;
+    std::memcpy(&what, event.bytes().data(), sizeof what);
+    std::memcpy(&value, event.bytes().data() + sizeof what, sizeof value);
+    switch (what) {
+      case ZMQ_EVENT_LISTENING:
+        listening_.push_back(value);
+        (void)fcntl(value, F_SETFL, fcntl(value, F_GETFL) | O_NONBLOCK);  // ZeroMQ may be faster than TurnAway().
+        break;
+      case ZMQ_EVENT_CLOSED: std::erase(listening_, value); break;
+      case ZMQ_EVENT_DISCONNECTED:
+        silent_.erase(value);
+        plain_.erase(value);
+        break;
+      case ZMQ_EVENT_ACCEPTED: OnAccepted(value); break;
+      case ZMQ_EVENT_ACCEPT_FAILED: OnAcceptFailed(value); break;
+      default: break;
+    }
+  }
+  input_ = true;
+  return true;
+}
+
+void ConnectionWatch::OnAccepted(int fd) {
+  if (!HasReserve()) KeepReserve();
+  if (!HasReserve()) {  // It took the last descriptor.
+    HangUp(fd, bound_);
+    return;
+  }
+  std::string address = AddressOf(fd);
+  silent_.erase(fd);
+  if (address.empty()) return;
+  std::erase_if(silent_, [](const auto& entry) { return HasGreeted(entry.first); });
+  const auto count = std::ranges::count_if(silent_, [&](const auto& entry) { return entry.second == address; });
+  if (static_cast<std::size_t>(count) < kMostSilent) {
+    silent_.emplace(fd, std::move(address));
+    return;
+  }
+  HangUp(fd, bound_);
+  shared_.log.WriteLimited(LogLevel::kWarning, "zmq silent " + bound_,
+                           "More than " + std::to_string(kMostSilent) + " connections from " + address + " to " +
+                               bound_ + " say nothing: further ones are closed. Find the program that makes them.",
+                           kSayAgainAfter);
+}
+
+void ConnectionWatch::NotePlain(int fd) {
+  if (fd >= 0) plain_.try_emplace(fd, 0);
+}
+
+void ConnectionWatch::CutStuckPlain(SteadyTime now) {
+  if (now < next_look_) return;
+  if (now > next_look_ + kLookAgainAfter) {  // The first look for a while.
+    for (auto& [fd, full] : plain_) full = 0;
+  }
+  next_look_ = now + kLookAgainAfter;
+  std::size_t with_room = 0;
+  for (auto& [fd, full] : plain_) {
+    full = IsFull(fd) ? full + 1 : 0;
+    with_room += full == 0 ? 1 : 0;
+  }
+  if (with_room == 0) return;
+  for (auto& [fd, full] : plain_) {
+    if (full < kStuckAfterLooks) continue;
+    HangUp(fd, bound_);
+    full = 0;
+    shared_.log.WriteLimited(LogLevel::kWarning, "zmq stuck " + bound_,
+                             "A plain subscriber at " + bound_ +
+                                 " does not read fast enough: its connection is closed, so that others get their "
+                                 "messages. Let it read faster, or subscribe to less.");
+  }
+}
+
+void ConnectionWatch::OnAcceptFailed(int error) {
+  if (error != EMFILE && error != ENFILE) return;
+  shared_.log.WriteLimited(
+      LogLevel::kWarning, "zmq accept " + bound_,
+      "Another program cannot connect to " + bound_ + ": the limit of open files is reached. Raise it (ulimit -n).",
+      kSayAgainAfter);
+  TurnAway();
+}
+
+// A connection that waits cannot be accepted, so ZeroMQ tries again and again: it is accepted here and closed. Its
+// program connects again later.
+void ConnectionWatch::TurnAway() noexcept {
+  for (const int listening : listening_) {
+    // As long as no descriptor is free, the kept one is the only one that the system can give.
+    while (HasReserve()) {
+      const int probe = fcntl(reserve_, F_DUPFD_CLOEXEC, 0);
+      if (probe >= 0) {  // There are free ones: ZeroMQ can accept.
+        close(probe);
+        return;
+      }
+      close(reserve_);
+      reserve_ = -1;
+      const int waiting = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+      if (waiting >= 0) close(waiting);
+      KeepReserve();
+      if (waiting < 0) break;
+    }
+  }
+}
+
+}  // namespace hgros::zmq

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "transport/zmq/shared_state.hpp"
+#include "transport/zmq/socket.hpp"
+
+namespace hgros::zmq {
+
+/// Watches the connections that a publish endpoint accepts. ZeroMQ has no limit for them, and its thread uses up a CPU
+/// while a connection waits that it cannot accept.
+///
+/// - At most kMostSilent tcp connections of one address may exist that have not sent a whole greeting of ZMTP; further
+///   ones are closed. ZeroMQ itself closes each after kHandshakeMs.
+/// - A plain subscriber that does not read is cut off before it uses up the bytes that all plain subscribers share.
+/// - While the process has no file descriptors left, waiting connections are accepted and closed at once, with a
+///   descriptor that is kept for this.
+///
+/// Thread safety: none; the endpoint's mutex guards it. The descriptor of fd() may be polled without it.
+class ConnectionWatch {
+ public:
+  static constexpr int kHandshakeMs = 10'000;
+  static constexpr std::size_t kMostSilent = 64;
+
+  /// Call it before the socket is bound. `bound` is set later. Throws Error.
+  ConnectionWatch(SharedState& shared, Socket& socket, const std::string& bound);
+  ~ConnectionWatch();
+  ConnectionWatch(const ConnectionWatch&) = delete;
+  ConnectionWatch& operator=(const ConnectionWatch&) = delete;
+
+  [[nodiscard]] int fd() const { return monitor_.Fd(); }
+  /// To be set when the descriptor has become readable.
+  [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
+  /// Reads what has happened, if input() is set. True if there may be more.
+  bool Serve();
+  void Tick();
+  void Close() noexcept;
+
+  /// The connection with this descriptor is that of a plain subscriber; negative: not known.
+  void NotePlain(int fd);
+  /// To be called for each plain message while more than half of the shared bytes are in use. Closes the connections
+  /// whose send buffers have been full for a while, if there are others with room.
+  void CutStuckPlain(SteadyTime now);
+
+ private:
+  void OnAccepted(int fd);
+  void OnAcceptFailed(int error);
+  [[nodiscard]] bool HasReserve() const noexcept { return reserve_ >= 0; }
+  void KeepReserve() noexcept;
+  void TurnAway() noexcept;
+
+  SharedState& shared_;
+  Socket& socket_;
+  const std::string& bound_;
+  Socket monitor_;
+  std::atomic<bool> input_{true};
+  std::vector<int> listening_;  // ZeroMQ's own descriptors.
+  int reserve_ = -1;
+  std::unordered_map<int, int> plain_;  // How often in a row the send buffer was full.
+  SteadyTime next_look_{};
+  std::unordered_map<int, std::string> silent_;  // Addresses of connections that may not have sent a greeting.
+};
+
+}  // namespace hgros::zmq

@@ -1,0 +1,136 @@
+// Many sessions on one host, and sessions that cannot reach each other.
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "hgros/base/ids.hpp"
+#include "resilience/worker_process.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using test::Await;
+using Workers = std::vector<std::unique_ptr<WorkerProcess>>;
+
+constexpr std::uint64_t kMostFiles = 30;  // Of one session, beyond those of its partners.
+
+std::string Written(const WorkerProcess& worker) {
+  std::ostringstream out;
+  out << worker;
+  return out.str();
+}
+
+bool CanMakeNamespaces() {
+  const pid_t child = fork();
+  if (child == 0) _exit(unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 ? 0 : 1);
+  int status = 0;
+  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+class Crowd : public testing::Test {
+ protected:
+  Crowd() { setenv("HGROS_DOMAIN", ("crowd-" + SessionId::Random().ToString()).c_str(), 1); }
+  ~Crowd() override { setenv("HGROS_DOMAIN", "none", 1); }
+  static std::unique_ptr<WorkerProcess> Start(const std::vector<std::string>& arguments) {
+    return std::make_unique<WorkerProcess>(arguments);
+  }
+};
+
+TEST_F(Crowd, SessionsThatOnlyFollowDoNotPairAndWriteNothing) {
+  constexpr std::uint64_t kProcesses = 6;
+  constexpr std::uint64_t kSessions = 10;
+  constexpr std::uint64_t kAll = kProcesses * kSessions + 1;
+  Workers followers;
+  for (std::uint64_t i = 0; i < kProcesses; ++i)
+    followers.push_back(Start({"--sessions=" + std::to_string(kSessions)}));
+  const auto publisher = Start({"--sessions=1", "--publishers=1"});
+  for (const auto& one : followers) {
+    ASSERT_TRUE(one->Reaches({{"known", kAll}, {"received", 3}})) << *one;
+    EXPECT_EQ((*one)["peers"], 1U) << "only the publisher; " << *one;
+    EXPECT_LE((*one)["files"], kMostFiles) << *one;
+  }
+  ASSERT_TRUE(publisher->Reaches({{"known", kAll}, {"peers", kAll - 1}})) << *publisher;
+  EXPECT_EQ(publisher->Finish(), 0);
+  for (const auto& one : followers) {
+    EXPECT_TRUE(Await([&] { return (*one)["known"] == kAll - 1 && (*one)["peers"] == 0; })) << *one;
+  }
+  for (const auto& one : followers) {
+    EXPECT_EQ(one->Finish(), 0) << *one;
+    EXPECT_TRUE(one->Reaches({{"ended", 1}})) << *one;
+    EXPECT_EQ((*one)["lines"], 0U) << *one;
+  }
+}
+
+TEST_F(Crowd, DiscoveryWorksWithoutInotify) {
+  if (!CanMakeNamespaces()) GTEST_SKIP() << "no user namespaces here";
+  constexpr std::uint64_t kProcesses = 3;
+  constexpr std::uint64_t kSessions = 5;
+  constexpr std::uint64_t kAll = kProcesses * kSessions + 1;
+  Workers followers;
+  for (std::uint64_t i = 0; i < kProcesses; ++i) {
+    followers.push_back(Start({"--sessions=" + std::to_string(kSessions), "--inotify=1"}));
+    ASSERT_TRUE(followers.back()->Reaches({{"ready", 1}})) << *followers.back();
+  }
+  const auto last = Start({"--sessions=1", "--publishers=1", "--inotify=0"});
+  for (const auto& one : followers) {
+    EXPECT_TRUE(one->Reaches({{"known", kAll}, {"received", 3}, {"peers", 1}})) << *one;
+    EXPECT_EQ((*one)["lines"], kSessions - 1) << "one line for each session without inotify; " << *one;
+    EXPECT_NE(Written(*one).find("fs.inotify.max_user_instances"), std::string::npos) << *one;
+  }
+  EXPECT_TRUE(last->Reaches({{"known", kAll}, {"peers", kAll - 1}, {"lines", 1}})) << *last;
+  followers.pop_back();  // Killed: nobody says goodbye.
+  EXPECT_TRUE(Await([&] { return (*last)["known"] == kAll - kSessions; })) << *last;
+  EXPECT_TRUE(Await([&] { return (*followers.front())["known"] == kAll - kSessions; })) << *followers.front();
+}
+
+TEST_F(Crowd, SessionsAppearWhenTheFullDiskHasRoom) {
+  if (!CanMakeNamespaces()) GTEST_SKIP() << "no user and mount namespaces here";
+  const auto worker = Start({"--sessions=2", "--publishers=1", "--disk=full"});
+  EXPECT_TRUE(Await([&] { return Written(*worker).find("do not find this one") != std::string::npos; })) << *worker;
+  EXPECT_NE(Written(*worker).find("No space left on device"), std::string::npos) << *worker;
+  EXPECT_TRUE(worker->Reaches({{"known", 2}, {"peers", 1}, {"received", 3}})) << *worker;
+}
+
+TEST_F(Crowd, ReportNamesAStoppedProcess) {
+  const auto stopped = Start({"--sessions=1", "--publishers=1"});
+  ASSERT_TRUE(stopped->Reaches({{"received", 3}})) << *stopped;
+  stopped->Stop();
+  const auto follower = Start({"--sessions=1"});
+  EXPECT_TRUE(Await([&] { return Written(*follower).find("its process is stopped") != std::string::npos; }))
+      << *follower;
+  stopped->Continue();
+  EXPECT_TRUE(follower->Reaches({{"received", 3}})) << *follower;
+}
+
+TEST_F(Crowd, ReportNamesAnotherNetworkNamespace) {
+  if (!CanMakeNamespaces()) GTEST_SKIP() << "no user and network namespaces here";
+  const auto apart = Start({"--sessions=1", "--publishers=1", "--network=apart"});
+  const auto follower = Start({"--sessions=1"});
+  for (const WorkerProcess* const one : {apart.get(), follower.get()}) {
+    EXPECT_TRUE(Await([&] { return Written(*one).find("is in another network namespace") != std::string::npos; }))
+        << *one;
+  }
+}
+
+TEST_F(Crowd, ReportNamesTheLimitOfOpenFilesAndNotTheUser) {
+  const auto full = Start({"--sessions=1", "--publishers=1", "--files=1"});
+  ASSERT_TRUE(full->Reaches({{"received", 7}})) << *full;
+  const auto follower = Start({"--sessions=1"});
+  EXPECT_TRUE(Await([&] { return Written(*full).find("the limit of open files is reached") != std::string::npos; }))
+      << *full;
+  test::Linger(std::chrono::seconds(3));  // Longer than sessions are left to shared memory.
+  for (const WorkerProcess* const one : {full.get(), follower.get()}) {
+    EXPECT_EQ(Written(*one).find("one user"), std::string::npos) << *one;
+  }
+}
+
+}  // namespace
+}  // namespace hgros::resilience

@@ -1,0 +1,189 @@
+// Several sessions of one process that use the same channels, for tests of many sessions on one host. Each subscribes
+// to "tf" and "clock". Writes its counters to standard output: "status name=number ...", and the
+// lines of the sessions' logs that are no debug lines: "log ...". It ends in order on SIGTERM, and is killed when its
+// parent ends.
+//
+//   --sessions=N         number of sessions
+//   --publishers=N       so many of them publish "tf" too, ten times a second
+//   --total=N            number of all sessions; those that know so many do not count them again
+//   --every=N            writes the counters every N tenths of a second; 1 if it is missing
+//   --inotify=N          in a user namespace of its own with so many inotify instances
+//   --network=apart      in a network namespace of its own
+//   --disk=full          with a registry on a file system of its own, which is full for the first second
+//   --files=N            the limit of open files, set after half a second
+#include <dirent.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/hgros.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using Message = foxglove::Log;
+
+constexpr const char* kDisk = "/mnt";
+
+std::mutex writing;
+std::atomic<std::uint64_t> lines{0};  // Of all sessions, at the default level.
+
+void Say(const std::string& line) {
+  const std::scoped_lock lock(writing);
+  (void)std::fprintf(stdout, "%s\n", line.c_str());
+  (void)std::fflush(stdout);
+}
+
+/// One session and what it has seen.
+class Member {
+ public:
+  explicit Member(bool publishes)
+      : session_(Config(), SessionOptions{"member", [](LogLevel level, std::string_view text) {
+                                            if (level == LogLevel::kDebug) return;
+                                            ++lines;
+                                            Say("log " + std::string(text));
+                                          }}) {
+    tf_ = session_.FromAny<Message>("tf", Invoke::kSerial, [this](const Message& /*message*/) { ++received; });
+    clock_ = session_.FromAny<Message>("clock", Invoke::kSerial, [](const Message& /*message*/) {});
+    if (publishes) publish_.emplace(session_.Advertise<Message>("tf"));
+  }
+  void Publish() const {
+    if (publish_) (*publish_)(std::make_unique<Message>());
+  }
+  /// The number of sessions that it knows to subscribe to "tf", itself included. Not counted again once it was `total`.
+  [[nodiscard]] std::uint64_t Known(std::uint64_t total) {
+    if (total > 0 && known_ >= total) return known_;
+    for (const KnownChannel& channel : session_.Channels()) {
+      if (channel.name == "tf") return known_ = channel.subscribers.size();
+    }
+    return 0;
+  }
+  [[nodiscard]] std::uint64_t Peers() const { return session_.Peers().size(); }
+
+  std::atomic<std::uint64_t> received{0};
+
+ private:
+  std::uint64_t known_ = 0;
+  Session session_;
+  Subscription tf_;
+  Subscription clock_;
+  std::optional<Publisher<Message>> publish_;
+};
+
+void WriteTo(const std::string& path, const std::string& text) {
+  if (!(std::ofstream(path) << text << std::flush)) throw std::runtime_error("cannot write to " + path);
+}
+
+void Enter(int namespaces) {
+  const std::string user = std::to_string(geteuid());
+  const std::string group = std::to_string(getegid());
+  if (unshare(namespaces) != 0) throw std::runtime_error("no namespaces");
+  WriteTo("/proc/self/setgroups", "deny");
+  WriteTo("/proc/self/uid_map", user + " " + user + " 1");
+  WriteTo("/proc/self/gid_map", group + " " + group + " 1");
+}
+
+std::uint64_t OpenFiles() {
+  std::uint64_t count = 0;
+  DIR* const folder = opendir("/proc/self/fd");
+  if (folder == nullptr) return 0;  // The limit is reached.
+  while (readdir(folder) != nullptr) ++count;
+  closedir(folder);
+  return count - 3;  // ".", "..", and the folder itself.
+}
+
+int Run(std::map<std::string, std::string>& arguments, const sigset_t& end) {
+  const auto number = [&](const std::string& name) {
+    return arguments[name].empty() ? 0 : std::stoull(arguments[name]);
+  };
+  if (!arguments["inotify"].empty()) {
+    Enter(CLONE_NEWUSER);
+    WriteTo("/proc/sys/user/max_inotify_instances", arguments["inotify"]);
+  }
+  if (arguments["network"] == "apart") Enter(CLONE_NEWUSER | CLONE_NEWNET);
+  const bool full_disk = arguments["disk"] == "full";
+  if (full_disk) {
+    Enter(CLONE_NEWUSER | CLONE_NEWNS);
+    // An inode for the root, and for each of the two folders of the registry.
+    if (mount("tmpfs", kDisk, "tmpfs", 0, "mode=0700,nr_inodes=3") != 0) throw std::runtime_error("cannot mount");
+    setenv("XDG_RUNTIME_DIR", kDisk, 1);
+  }
+  std::vector<std::unique_ptr<Member>> members;
+  for (std::uint64_t i = 0; i < number("sessions"); ++i) {
+    members.push_back(std::make_unique<Member>(i < number("publishers")));
+  }
+  const std::uint64_t every = std::max<std::uint64_t>(number("every"), 1);
+  const timespec period{0, 100'000'000};
+  int signal = 0;
+  for (std::uint64_t round = 0; signal <= 0; ++round) {
+    for (const auto& member : members) member->Publish();
+    if (const std::uint64_t files = number("files"); files > 0 && round == 5) {
+      const rlimit limit{files, files};
+      setrlimit(RLIMIT_NOFILE, &limit);
+    }
+    if (full_disk && round == 10 && mount(nullptr, kDisk, nullptr, MS_REMOUNT, "nr_inodes=1000") != 0) {
+      throw std::runtime_error("cannot make room");
+    }
+    if (round % every == 0) {
+      std::uint64_t known = ~0ULL, received = ~0ULL, peers = 0;
+      for (const auto& member : members) {
+        known = std::min(known, member->Known(number("total")));
+        peers = std::max(peers, member->Peers());
+        received = std::min<std::uint64_t>(received, member->received);
+      }
+      timespec now{};
+      clock_gettime(CLOCK_MONOTONIC, &now);
+      Say("status ready=1 known=" + std::to_string(known) + " received=" + std::to_string(received) +
+          " peers=" + std::to_string(peers) + " lines=" + std::to_string(lines) +
+          " files=" + std::to_string(OpenFiles() / members.size()) +
+          " at_ms=" + std::to_string(now.tv_sec * 1000 + now.tv_nsec / 1'000'000));
+    }
+    signal = sigtimedwait(&end, nullptr, &period);
+  }
+  members.clear();
+  Say("status ended=1 lines=" + std::to_string(lines));
+  return 0;
+}
+
+}  // namespace
+}  // namespace hgros::resilience
+
+int main(int count, char** texts) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  sigset_t end;
+  sigemptyset(&end);
+  sigaddset(&end, SIGTERM);
+  sigprocmask(SIG_BLOCK, &end, nullptr);
+  std::map<std::string, std::string> arguments;
+  for (int i = 1; i < count; ++i) {
+    const std::string_view text = texts[i];
+    const std::size_t equals = text.find('=');
+    arguments.emplace(text.substr(2, equals - 2), text.substr(equals + 1));
+  }
+  try {
+    return hgros::resilience::Run(arguments, end);
+  } catch (const std::exception& error) {
+    hgros::resilience::Say(std::string("log ") + error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,164 @@
+// A program that ends inside a callback of its session: see ending_worker.cpp.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/hgros.hpp"
+#include "resilience/places.hpp"
+#include "support/await.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using foxglove::Log;
+using test::Await;
+using test::kPatience;
+
+constexpr int kStatus = 7;  // Of the worker.
+
+/// HGROS_ENDINGS=20 for a longer run.
+int Rounds() {
+  const char* const rounds = std::getenv("HGROS_ENDINGS");
+  return rounds == nullptr ? 2 : std::atoi(rounds);
+}
+
+struct Ending {
+  std::string owner;
+  std::string end;
+  std::string kind;
+};
+
+std::ostream& operator<<(std::ostream& out, const Ending& ending) {
+  return out << ending.owner << ' ' << ending.end << ' ' << ending.kind;
+}
+
+/// A running ending_worker. Killed when this object ends.
+class Worker {
+ public:
+  explicit Worker(const Ending& ending) {
+    std::vector<std::string> command = {HGROS_ENDING_WORKER, "--session=" + ending.owner, "--end=" + ending.end,
+                                        "--in=" + ending.kind, "--bus=" + folder.path()};
+    std::vector<char*> arguments;
+    for (std::string& argument : command) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, Place("out").c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, Place("log").c_str(), O_WRONLY | O_CREAT, 0600);
+    if (posix_spawn(&pid_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) pid_ = -1;
+    posix_spawn_file_actions_destroy(&actions);
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+  ~Worker() {
+    if (pid_ < 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+
+  /// Its exit status; what stopped it if it did not end by itself.
+  std::string Result() {
+    int status = 0;
+    if (!Await([&] { return waitpid(pid_, &status, WNOHANG) == pid_; })) return "it hangs";
+    pid_ = -1;
+    return WIFEXITED(status) ? std::to_string(WEXITSTATUS(status)) : "signal " + std::to_string(WTERMSIG(status));
+  }
+  [[nodiscard]] std::string Output() const { return Text("out"); }
+  [[nodiscard]] std::string Errors() const { return Text("log"); }
+
+  const ScratchFolder folder;
+
+ private:
+  [[nodiscard]] std::string Place(const std::string& name) const { return folder.path() + "/" + name; }
+  [[nodiscard]] std::string Text(const std::string& name) const {
+    std::ostringstream text;
+    text << std::ifstream(Place(name)).rdbuf();
+    return text.str();
+  }
+
+  pid_t pid_ = -1;
+};
+
+class EndingInACallback : public testing::TestWithParam<Ending> {};
+
+TEST_P(EndingInACallback, KeepsTheExitStatus) {
+  const Ending& ending = GetParam();
+  std::vector<std::unique_ptr<Worker>> workers;
+  for (int round = 0; round < Rounds(); ++round) workers.push_back(std::make_unique<Worker>(ending));
+  for (const auto& worker : workers) {
+    ASSERT_EQ(worker->Result(), std::to_string(kStatus)) << worker->Errors();
+    EXPECT_EQ(worker->Output(), "ending\nstatic object ended\n");
+    const std::string errors = worker->Errors();
+    const std::string said = "was destroyed inside the callback of its node \"fatal\" on channel";
+    EXPECT_EQ(errors.find(said) != std::string::npos, ending.end == "destroy") << errors;
+    EXPECT_EQ(errors.find("Shutting down waits"), std::string::npos) << errors;
+  }
+}
+
+std::vector<Ending> Endings() {
+  const std::vector<std::string> kinds = {"tbb",     "inline",     "dedicated", "timer",      "inline-timer",
+                                          "service", "peer-event", "remote",    "remote-tbb", "locked"};
+  std::vector<Ending> endings;
+  for (const std::string& kind : kinds) {
+    endings.push_back({"static", "exit", kind});
+    endings.push_back({"main", "exit", kind});
+    endings.push_back({"main", "destroy", kind});
+  }
+  for (const std::string kind : {"tbb", "inline"}) {
+    endings.push_back({"default", "exit", kind});
+    endings.push_back({"default", "destroy", kind});
+  }
+  return endings;
+}
+
+INSTANTIATE_TEST_SUITE_P(Ending, EndingInACallback, testing::ValuesIn(Endings()), [](const auto& one) {
+  std::string name = one.param.owner + "_" + one.param.end + "_" + one.param.kind;
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+class PeerOfAnEndingSession : public testing::TestWithParam<Ending> {};
+
+TEST_P(PeerOfAnEndingSession, HearsAGoodbye) {
+  Worker worker(GetParam());
+  std::mutex mutex;
+  std::vector<std::string> reasons;
+  Session peer(Config::Parse("network: {publisher: {ip: \"" + worker.folder.Endpoint("other") +
+                             "\"}, subscribers: [{ip: \"" + worker.folder.Endpoint("subject") + "\"}]}"),
+               {"peer", [](LogLevel, std::string_view) {}});
+  const auto events = peer.FromGraph<PeerEvent>(kPeerEventsChannel, Invoke::kSerial, [&](const PeerEvent& event) {
+    const std::scoped_lock lock(mutex);
+    if (event.kind == PeerEvent::Kind::kGone) reasons.push_back(event.reason);
+  });
+  const auto fatal = peer.Advertise<Log>("fatal");
+  ASSERT_TRUE(peer.WaitForSubscribers("fatal", 1, kPatience)) << worker.Errors();
+  (void)fatal(std::make_unique<Log>());
+  EXPECT_EQ(worker.Result(), std::to_string(kStatus)) << worker.Errors();
+  EXPECT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return !reasons.empty();
+  }));
+  const std::scoped_lock lock(mutex);
+  EXPECT_EQ(reasons, std::vector<std::string>{"it said goodbye"});
+}
+
+INSTANTIATE_TEST_SUITE_P(Ending, PeerOfAnEndingSession,
+                         testing::Values(Ending{"static", "exit", "outside"}, Ending{"main", "exit", "outside"},
+                                         Ending{"main", "destroy", "outside"}),
+                         [](const auto& one) { return one.param.owner + "_" + one.param.end; });
+
+}  // namespace
+}  // namespace hgros::resilience

@@ -1,0 +1,161 @@
+// A program that ends inside a callback of its session while other callbacks run.
+//
+//   --session=static|main|default  who owns the session
+//   --end=exit|destroy             what the callback does: exit(7), or destroy the session (then main returns 7)
+//   --in=KIND                      the callback: tbb, inline, dedicated, timer, inline-timer, service, peer-event,
+//   remote
+//                                  (inline, on a thread of the transport) or remote-tbb
+//                                  or outside (tbb; another process publishes on "fatal")
+//   --bus=FOLDER                   for ipc endpoints
+//
+// Writes "ending", and then "static object ended", to standard output.
+#include <sys/prctl.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/hgros.hpp"
+#include "support/await.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using foxglove::Log;
+using test::Await;
+
+constexpr int kStatus = 7;
+
+struct StaticObject {
+  ~StaticObject() { (void)std::printf("static object ended\n"); }
+};
+StaticObject static_object;
+std::unique_ptr<Session> static_session;
+std::atomic<bool> ended{false};
+std::mutex held;
+
+class Program {
+ public:
+  Program(std::string owner, std::string end, std::string kind, std::string bus)
+      : owner_(std::move(owner)), end_(std::move(end)), kind_(std::move(kind)), bus_(std::move(bus)) {}
+
+  int Run() {
+    Start();
+    Session& session = Subject();
+    const auto busy = session.Advertise<Log>("busy");
+    for (int i = 0; i < 3; ++i) {
+      nodes_.push_back(session.FromAny<Log>("busy", i == 0 ? Invoke::kConcurrent : Invoke::kSerial,
+                                            [](const Log& log) { Work(log); }));
+    }
+    Wire(session);
+    while (!ended) (void)busy(std::make_unique<Log>());
+    return kStatus;
+  }
+
+ private:
+  static void Work(const Log& log) {
+    const std::scoped_lock lock(held);
+    (void)log.SerializeAsString();
+  }
+
+  [[nodiscard]] Config ConfigOf(const std::string& mine, const std::string& theirs) const {
+    return Config::Parse("{data_graph: {threads: 4}, network: {publisher: {ip: \"ipc://" + bus_ + "/" + mine +
+                         "\"}, subscribers: [{ip: \"ipc://" + bus_ + "/" + theirs + "\"}]}}");
+  }
+
+  void Start() {
+    Config config = ConfigOf("subject", "other");
+    if (owner_ == "default") return Init(std::move(config), {"subject"});
+    auto session = std::make_unique<Session>(std::move(config), SessionOptions{"subject"});
+    (owner_ == "static" ? static_session : main_session_) = std::move(session);
+  }
+
+  [[nodiscard]] Session& Subject() const {
+    if (owner_ == "default") return DefaultSession();
+    return owner_ == "static" ? *static_session : *main_session_;
+  }
+
+  void End() {
+    const std::unique_lock lock = kind_ == "locked" ? std::unique_lock(held) : std::unique_lock<std::mutex>();
+    (void)std::printf("ending\n");
+    if (end_ == "exit") std::exit(kStatus);
+    if (owner_ == "default") {
+      Shutdown();
+    } else {
+      (owner_ == "static" ? static_session : main_session_).reset();
+    }
+    ended = true;
+  }
+
+  void Wire(Session& session) {
+    NodeOptions options{"fatal", {}, {}};
+    if (kind_ == "inline" || kind_ == "remote" || kind_ == "peer-event") options.executor = Executor::Inline();
+    if (kind_ == "dedicated") options.executor = Executor::Dedicated();
+    if (kind_ == "timer" || kind_ == "inline-timer") {
+      NodeTimerOptions timed;
+      if (kind_ == "inline-timer") timed.executor = Executor::Inline();
+      timer_.emplace(session.CreateTimer(
+          "fatal", std::chrono::milliseconds(20), [this](const Tick&) { End(); }, timed));
+    } else if (kind_ == "service") {
+      service_.emplace(session.Serve<Log, Log>("fatal", [this](const Log& log) {
+        End();
+        return log;
+      }));
+      (void)session.Call<Log, Log>("fatal", Log(), test::kPatience, [](const CallResult<Log>&) {});
+    } else if (kind_ == "peer-event") {
+      nodes_.push_back(session.FromGraph<PeerEvent>(
+          kPeerEventsChannel, Invoke::kSerial, [this](const PeerEvent&) { End(); }, options));
+      Connect();
+    } else {
+      nodes_.push_back(session.FromAny<Log>(
+          "fatal", Invoke::kSerial, [this](const Log&) { End(); }, options));
+      if (kind_ == "remote" || kind_ == "remote-tbb") {
+        Connect();
+        auto& other = *other_;
+        (void)other.Advertise<Log>("fatal");
+        thread_ = std::jthread([&other] {
+          if (!other.WaitForSubscribers("fatal", 1, test::kPatience)) return;
+          while (!ended) (void)other.ToAny("fatal", Log());
+        });
+      } else if (kind_ != "outside") {
+        thread_ = std::jthread([publish = session.Advertise<Log>("fatal")] { (void)publish(std::make_unique<Log>()); });
+      }
+    }
+  }
+
+  void Connect() { other_ = std::make_unique<Session>(ConfigOf("other", "subject"), SessionOptions{"other"}); }
+
+  const std::string owner_;
+  const std::string end_;
+  const std::string kind_;
+  const std::string bus_;
+  std::unique_ptr<Session> other_;
+  std::unique_ptr<Session> main_session_;
+  std::vector<Subscription> nodes_;
+  std::optional<NodeTimer> timer_;
+  std::optional<Service> service_;
+  std::jthread thread_;
+};
+
+}  // namespace
+}  // namespace hgros::resilience
+
+int main(int count, char** texts) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::vector<std::string> values;
+  for (int i = 1; i < count; ++i) {
+    const std::string text = texts[i];
+    values.push_back(text.substr(text.find('=') + 1));
+  }
+  return hgros::resilience::Program(values.at(0), values.at(1), values.at(2), values.at(3)).Run();
+}

@@ -1,0 +1,89 @@
+// Processes that run out of memory, or that others would make run out of descriptors.
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "hgros/base/ids.hpp"
+#include "resilience/places.hpp"
+#include "resilience/small_group.hpp"
+#include "resilience/worker_process.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+constexpr std::size_t kImageBytes = 48 << 20;
+constexpr const char* kSpare = "--spare-mb=80";  // One such message, but not two.
+
+std::vector<std::string> Talker(const std::string& config, const std::string& more) {
+  return {config, "--out=images", "--await=1", "--size=" + std::to_string(kImageBytes), "--period-us=20000", kSpare,
+          more};
+}
+
+TEST(PublisherWithoutMemory, GetsAStatusAndLives) {
+  const ScratchFolder folder;
+  const std::string bus = folder.Endpoint("bus");
+  WorkerProcess publisher(Talker(Publishing(bus), "--bulk=0"));
+  const WorkerProcess subscriber({Subscribing(bus), "--in=images", "--keep-all=4"});
+  EXPECT_TRUE(publisher.Reaches({{"no_memory", 3}})) << publisher;
+  EXPECT_GE(publisher["refused"], 3U) << publisher;
+  EXPECT_EQ(publisher.Finish(), 0) << publisher;
+}
+
+TEST(PublisherWithoutMemory, SendsBulkOverTheSocketWithoutACopy) {
+  setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1);
+  const std::string config = "--config=";
+  WorkerProcess publisher(Talker(config, "--bulk=1"));
+  const WorkerProcess subscriber({config, "--in=images", "--keep-all=4"});
+  EXPECT_TRUE(subscriber.Reaches({{"received", 3}})) << publisher << subscriber;
+  EXPECT_EQ(subscriber["gaps"] + subscriber["corrupt"], 0U) << subscriber;
+  EXPECT_EQ(publisher["refused"], 0U) << publisher;
+  EXPECT_EQ(publisher.Finish(), 0) << publisher;
+  setenv("HGROS_DOMAIN", "none", 1);
+}
+
+// The kernel would kill a process of the group.
+TEST(PublisherWithoutMemory, KeepsWhatReceiversOfItsControlGroupCopyFree) {
+  const SmallGroup group(std::uint64_t{200} << 20);
+  if (!group.why_not.empty()) GTEST_SKIP() << group.why_not;
+  setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1);
+  const std::string inside = "--group=" + group.folder;
+  for (const bool bulk : {false, true}) {
+    WorkerProcess publisher({"--config=", inside, "--out=images", "--await=1", "--size=" + std::to_string(90 << 20),
+                             "--period-us=20000", "--bulk=" + std::to_string(bulk ? 1 : 0)});
+    WorkerProcess subscriber({"--config=", inside, "--in=images", "--keep-all=4"});
+    EXPECT_TRUE(publisher.Reaches({{bulk ? "missed" : "no_memory", 10}})) << publisher << subscriber;
+    EXPECT_EQ(publisher.Finish(), 0) << publisher;
+    EXPECT_EQ(subscriber.Finish(), 0) << subscriber;
+  }
+  setenv("HGROS_DOMAIN", "none", 1);
+}
+
+TEST(SilentConnections, AreFewAndEndSoon) {
+  const std::uint16_t port = FreePort();
+  const WorkerProcess publisher({Publishing(TcpEndpoint(port)), "--out=images", "--size=64"});
+  ASSERT_TRUE(publisher.Reaches({{"published", 10}})) << publisher;
+  const std::size_t before = publisher.open_files();
+  std::vector<int> silent;
+  const auto began = std::chrono::steady_clock::now();
+  for (int i = 0; i < 600; ++i) {
+    silent.push_back(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    const sockaddr_in address = LoopbackAddress(port);
+    (void)connect(silent.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
+  const WorkerProcess subscriber({Subscribing(TcpEndpoint(port)), "--in=images"});
+  ASSERT_TRUE(subscriber.Reaches({{"received", 100}})) << publisher << subscriber;
+  EXPECT_TRUE(test::Await([&] { return publisher.open_files() < before + 80; })) << publisher.open_files();
+  EXPECT_TRUE(test::Await([&] { return publisher.open_files() <= before + 5; })) << publisher.open_files();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(16)) << "ZeroMQ's own limit is 30 s";
+  EXPECT_TRUE(publisher.alive());
+  for (const int one : silent) close(one);
+}
+
+}  // namespace
+}  // namespace hgros::resilience

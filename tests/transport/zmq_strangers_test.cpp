@@ -1,0 +1,108 @@
+// Connections at a publish endpoint that are of no use: too many, and more than there are descriptors for.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/await.hpp"
+#include "support/no_descriptors.hpp"
+#include "support/relay_port.hpp"
+#include "transport/zmq/publish/connection_watch.hpp"
+#include "transport/zmq_places.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::Place;
+using test::PublishAt;
+using test::SubscribeAt;
+
+/// A tcp connection that says nothing.
+class Silent {
+ public:
+  Silent() : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {}
+  Silent(const Silent&) = delete;
+  Silent& operator=(const Silent&) = delete;
+  ~Silent() { close(fd_); }
+  void Connect(const std::string& endpoint) const {
+    const auto port = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+    const sockaddr_in address = test::LoopbackAddress(port);
+    (void)connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
+  /// Reads all that the other side sends.
+  [[nodiscard]] bool WasClosed() const {
+    char bytes[256];
+    for (;;) {
+      const auto got = recv(fd_, bytes, sizeof bytes, 0);
+      if (got <= 0) return got == 0 || errno == ECONNRESET;
+    }
+  }
+
+ private:
+  const int fd_;
+};
+
+std::chrono::microseconds UsedCpu() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto of = [](const timeval& time) {
+    return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
+  };
+  return of(used.ru_utime) + of(used.ru_stime);
+}
+
+TEST(ZmqStrangers, WaitingConnectionsUseNoCpuWhileNoDescriptorIsFree) {
+  Place publisher(PublishAt("tcp://127.0.0.1:*"));
+  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  std::vector<std::unique_ptr<Silent>> waiting;
+  for (int i = 0; i < 5; ++i) waiting.push_back(std::make_unique<Silent>());
+  {
+    const test::NoDescriptors none;
+    for (const auto& one : waiting) one->Connect(endpoint);
+    EXPECT_TRUE(Await([&] { return publisher.Said("limit of open files"); }));
+    EXPECT_TRUE(Await([&] { return std::ranges::all_of(waiting, [](const auto& one) { return one->WasClosed(); }); }))
+        << "nothing waits";
+    const auto before = UsedCpu();
+    constexpr auto kTime = std::chrono::milliseconds(1000);
+    test::Linger(kTime);
+    EXPECT_LT(UsedCpu() - before, kTime / 5);
+  }
+  Place subscriber(SubscribeAt(endpoint));
+  EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
+  EXPECT_EQ(publisher.TimesSaid("limit of open files"), 1);
+}
+
+TEST(ZmqStrangers, OnlySomeConnectionsOfAnAddressMayBeSilent) {
+  Place publisher(PublishAt("tcp://127.0.0.1:*"));
+  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  constexpr std::size_t kCount = 3 * zmq::ConnectionWatch::kMostSilent;
+  std::vector<std::unique_ptr<Silent>> all;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    all.push_back(std::make_unique<Silent>());
+    all.back()->Connect(endpoint);
+  }
+  const auto closed = [&] {
+    return static_cast<std::size_t>(std::ranges::count_if(all, [](const auto& one) { return one->WasClosed(); }));
+  };
+  ASSERT_TRUE(Await([&] { return closed() >= kCount - zmq::ConnectionWatch::kMostSilent; }, std::chrono::seconds(8)))
+      << closed();
+  EXPECT_EQ(publisher.TimesSaid("say nothing"), 1);
+  // Sessions from the same address are none of these.
+  std::vector<std::unique_ptr<Place>> sessions;
+  for (int i = 0; i < 3; ++i) sessions.push_back(std::make_unique<Place>(SubscribeAt(endpoint)));
+  all.resize(zmq::ConnectionWatch::kMostSilent / 2);
+  EXPECT_TRUE(Await([&] { return publisher.listener.came == 3; }));
+  EXPECT_EQ(publisher.listener.gone, 0);
+}
+
+}  // namespace
+}  // namespace hgros
