@@ -34,9 +34,9 @@ struct SessionOptions {
 ///
 /// Threading: thread-safe, except for construction and destruction.
 /// Lifetime: the destructor refuses publishes, stops receiving, waits for running callbacks (after 2 s the log names
-/// those that hang), and says goodbye to its peers. Destroy it outside its callbacks: inside, it says
-///            goodbye, logs which callback it was, and the rest of it stays until the process ends. exit() may be
-///            called anywhere; inside a callback the session says goodbye and ends with the process.
+/// those that hang), and says goodbye to its peers. Destroy the session outside its callbacks: inside one, it says
+/// goodbye, logs which callback it was, and the rest of it stays until the process ends. exit() may be called anywhere:
+/// inside a callback the session says goodbye and ends with the process.
 /// Errors: wiring (channels, types, endpoints) throws Error. So does publishing to other sessions on a channel named
 /// "hgros/...", because these belong to the library. Publishing never throws for another reason and never blocks.
 /// ToAny, FromAny and Advertise do not compile with a type that is not a Message.
