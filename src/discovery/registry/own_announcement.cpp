@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 // fewer.
 constexpr auto kBetweenWrites = std::chrono::milliseconds(5);
 constexpr auto kPauseForReader = std::chrono::microseconds(200);
-constexpr auto kLongestPause = std::chrono::milliseconds(100);
+constexpr auto kLongestWritePause = std::chrono::milliseconds(100);
 constexpr auto kBetweenFailures = std::chrono::seconds(1);
 constexpr int kTries = 100;
 
@@ -32,7 +32,8 @@ void OwnAnnouncement::Announce(const Announcement& own, std::size_t readers) {
     }
     if (content == content_) return;
     content_ = std::move(content);
-    const Clock::duration pause = kPauseForReader * std::min<std::size_t>(readers, kLongestPause / kPauseForReader);
+    const Clock::duration pause =
+        kPauseForReader * std::min<std::size_t>(readers, kLongestWritePause / kPauseForReader);
     next_write_ = std::max(Clock::now(), last_write_ + std::max<Clock::duration>(pause, kBetweenWrites));
     return;
   }

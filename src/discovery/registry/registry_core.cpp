@@ -20,7 +20,7 @@ namespace {
 // The kernel reports that a file was closed a moment before it releases the lock.
 constexpr auto kFirstPause = std::chrono::milliseconds(1);
 constexpr int kPauseGrowth = 10;
-constexpr auto kLongestPause = std::chrono::seconds(1);
+constexpr auto kLongestDoubt = std::chrono::seconds(1);
 // A living session restores a removed file sooner.
 constexpr auto kGrace = std::chrono::milliseconds(500);
 constexpr auto kBetweenMendings = std::chrono::seconds(1);
@@ -227,7 +227,7 @@ void RegistryCore::LookAgain() {
     if (doubt == doubts_.end()) continue;
     doubt->second.pause *= kPauseGrowth;
     doubt->second.next_look = now + doubt->second.pause;
-    if (doubt->second.pause > kLongestPause) doubts_.erase(doubt);
+    if (doubt->second.pause > kLongestDoubt) doubts_.erase(doubt);
   }
 }
 

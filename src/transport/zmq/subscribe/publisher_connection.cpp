@@ -143,7 +143,7 @@ void PublisherConnection::LogUnreachable() {
   }
   const std::string host = handshake_failure_ == 0 ? HostNameOf(endpoint_) : std::string();
   if (host.empty()) return say(why);
-  lookup_ = std::jthread([say, why, host] {
+  lookup_ = std::async(std::launch::async, [say, why, host] {
     const std::string fault = ResolveFault(host);
     say(fault.empty() ? std::string(why)
                       : "the host \"" + host + "\" has no address (" + fault +

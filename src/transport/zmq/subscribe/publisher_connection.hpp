@@ -1,8 +1,8 @@
 #pragma once
 
+#include <future>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include "hgros/control.pb.h"
@@ -77,7 +77,7 @@ class PublisherConnection {
   int handshake_failure_ = 0;  // The most specific failure event since the last connection.
   const bool logs_;
   bool failed_ = false;
-  std::jthread lookup_;  // Looks for the host's address: a name server may take long to answer.
+  std::future<void> lookup_;  // Looks for the host's address: a name server may take long to answer.
 };
 
 }  // namespace hgros::zmq
