@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <optional>
 
@@ -39,6 +40,18 @@ TEST(ZmqEndpoint, AnIpcPathInUseIsNotStolen) {
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(folder.Ipc())); }), testing::HasSubstr(folder.Ipc()));
   Place subscriber(SubscribeAt(folder.Ipc()));
   EXPECT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
+}
+
+TEST(ZmqEndpoint, AFileAtAnIpcPathStays) {
+  Folder folder;
+  const std::string endpoint = folder.Ipc();
+  const std::string path = endpoint.substr(std::string("ipc://").size());
+  std::ofstream(path) << "precious";
+  EXPECT_THAT(ErrorOf([&] { const Place publisher(PublishAt(endpoint)); }), testing::HasSubstr("not a socket"));
+  std::ifstream file(path);
+  std::string text;
+  file >> text;
+  EXPECT_EQ(text, "precious");
 }
 
 TEST(ZmqEndpoint, AnIpcPathOfADeadProcessIsTakenOver) {

@@ -5,6 +5,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -61,6 +62,12 @@ bool WasAcceptedAt(int fd, std::string_view bound) {
   return port != 0 && bound.starts_with(kTcp) && bound.ends_with(":" + std::to_string(port));
 }
 
+/// Whether there is something that is not a socket. ZeroMQ would remove it.
+bool IsTakenByFile(const std::string& path) {
+  struct stat status {};
+  return path.front() != '@' && lstat(path.c_str(), &status) == 0 && !S_ISSOCK(status.st_mode);
+}
+
 std::string BindRemedy(int error, bool ipc) {
   switch (error) {
     case EADDRINUSE:
@@ -101,6 +108,10 @@ void BindOrThrow(Socket& socket, const std::string& endpoint) {
     if (IsListening(path)) {
       throw Error("Cannot publish at " + endpoint + ": another program listens there.", {},
                   "End the other program, or choose another path.");
+    }
+    if (IsTakenByFile(std::string(path))) {
+      throw Error("Cannot publish at " + endpoint + ": there is a file that is not a socket.", {},
+                  "Choose another path, or remove the file.");
     }
   }
   const int error = socket.Bind(endpoint);
