@@ -63,7 +63,7 @@ void PaintMeasured(const ImageView& view, const DepthColors& colors, ImagePictur
       picture);
 }
 
-// Returns false if the encoding is unknown here.
+// The view has pixels. Returns false if the encoding is unknown here.
 bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& picture) {
   const std::string& encoding = view.encoding();
   auto& rgba = picture.rgba;
@@ -112,7 +112,9 @@ bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& pictu
 std::string ReadImage(const Bulk<foxglove::RawImage>& image, const DepthColors& colors, ImagePicture& picture) {
   const auto view = ViewImage(image);
   if (!view) return view.fault();
-  if (view->height() > 0 && view->width() > kMaxImagePixels / view->height()) {
+  // Without pixels, the sizes may be any numbers: no data stands behind them.
+  const bool has_pixels = view->width() > 0 && view->height() > 0;
+  if (has_pixels && view->width() > kMaxImagePixels / view->height()) {
     return "The image has more than " + std::to_string(kMaxImagePixels) + " pixels.";
   }
   ImagePicture read;
@@ -121,7 +123,7 @@ std::string ReadImage(const Bulk<foxglove::RawImage>& image, const DepthColors& 
   read.width = view->width();
   read.height = view->height();
   read.encoding = view->encoding();
-  if (!Paint(*view, colors, read)) return "The encoding \"" + view->encoding() + "\" cannot be shown.";
+  if (has_pixels && !Paint(*view, colors, read)) return "The encoding \"" + view->encoding() + "\" cannot be shown.";
   picture = std::move(read);
   return {};
 }

@@ -140,6 +140,9 @@ class ImageDisplay : public Display {
   }
 
   void Upload() {
+    const bool gray = !picture_.gray.empty();
+    const std::vector<std::uint8_t>& pixels = gray ? picture_.gray : picture_.rgba;
+    if (pixels.empty()) return;
     GLint most = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
     if (std::max(picture_.width, picture_.height) > static_cast<std::size_t>(most)) {
@@ -149,9 +152,6 @@ class ImageDisplay : public Display {
       shown_.reset();
       return;
     }
-    const bool gray = !picture_.gray.empty();
-    const std::vector<std::uint8_t>& pixels = gray ? picture_.gray : picture_.rgba;
-    if (pixels.empty()) return;
     if (!texture_) texture_ = GlTexture::New();
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, texture_.name());

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <jpeglib.h>
 #include <png.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -125,6 +126,26 @@ TEST(ImageReader, ReportsInvalidImages) {
 TEST(ImageReader, AcceptsAnImageWithoutPixels) {
   EXPECT_TRUE(Shown(Raw("rgb8", 0, 0, 0, "")).rgba.empty());
   EXPECT_TRUE(Shown(Raw("bayer_rggb8", 0, 4, 0, "")).rgba.empty());
+}
+
+TEST(ImageReader, TakesNeitherMemoryNorTimeForAnImageWithoutPixels) {
+  const auto expect_unpainted = [](const RawImage& image) {
+    const ImagePicture picture = Shown(image);
+    EXPECT_TRUE(picture.rgba.empty() && picture.gray.empty());
+    EXPECT_FALSE(picture.least) << image.encoding() << " was painted";
+  };
+  const auto most_bytes = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss * 1024L;
+  };
+  const long before = most_bytes();
+  expect_unpainted(Raw("16UC1", 2'147'483'647, 0, 4'294'967'294, ""));
+  expect_unpainted(Raw("32FC1", 1'000'000'000, 0, 4'000'000'000, ""));
+  EXPECT_LT(most_bytes() - before, 1L << 30);
+  for (const char* encoding : {"16UC1", "32FC1", "mono8", "mono16", "rgb8", "yuyv", "bayer_rggb8"}) {
+    expect_unpainted(Raw(encoding, 0, 4'294'967'295, 0, ""));
+  }
 }
 
 CompressedImage File(const std::string& data, const std::string& format = "png") {

@@ -228,6 +228,25 @@ TEST_F(ImageDisplayTest, ReportsInvalidImages) {
   EXPECT_TRUE(display.Image());
 }
 
+TEST_F(ImageDisplayTest, ShowsNoImageWithoutPixels) {
+  Display& display = Add("Image", "camera");
+  for (const bool wide : {true, false}) {
+    Publish("camera", Colors());
+    Update();
+    EXPECT_TRUE(display.Image());
+    foxglove::RawImage image;
+    image.set_encoding("mono8");
+    image.set_width(wide ? 4'000'000'000 : 0);
+    image.set_step(image.width());
+    image.set_height(wide ? 0 : 4'000'000'000);
+    Publish("camera", image);
+    Update();
+    EXPECT_FALSE(display.Image());
+    EXPECT_THAT(display.Status().front(), HasSubstr("no pixels"));
+    EXPECT_EQ(display.PixelText(0, 0), "");
+  }
+}
+
 TEST_F(ImageDisplayTest, AppliesSettingsWhilePaused) {
   Display& display = Add("Image", "image");
   Publish("image", Depth());
