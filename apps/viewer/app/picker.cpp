@@ -25,12 +25,13 @@ std::string Picker::Click(const Surface& surface, const Eigen::Vector2d& pixel, 
   const auto seen = [&](int right) {
     return camera_.PointAt(x + right + 0.5, y + 0.5, static_cast<double>(depth), size);
   };
-  const Scene::Entry* const entry = scene_.EntryAt(view, surface.scale(), x, y, depth, seen(0));
-  const Eigen::Vector3d at = seen(0);
   if (!picks) {
-    camera_.SetAnchor(at);
-    return "anchor at " + MetersText(at);
+    scene_.CorrectDepth(view, surface.scale(), x, y, depth);
+    camera_.SetAnchor(seen(0));
+    return "anchor at " + MetersText(seen(0));
   }
+  const Scene::Entry* const entry = scene_.EntryAt(view, surface.scale(), x, y, depth);
+  const Eigen::Vector3d at = seen(0);
   PickedPoint point;
   point.at = at;
   if (entry != nullptr) {

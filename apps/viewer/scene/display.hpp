@@ -91,6 +91,8 @@ class Display {
   /// Called in every frame after everything opaque, if blends(). It must not change the depth unless the context has
   /// marks_depth.
   virtual void DrawBlended(const DrawContext& /*context*/) {}
+  /// It is drawn farther away than it is, unless the context has true_depth.
+  [[nodiscard]] virtual bool moves_back() const { return false; }
   /// A part of it is transparent.
   [[nodiscard]] virtual bool blends() const { return false; }
   /// Shows its state `back_s` before `newest_s`, the time of the last Update, as far as that is kept. 0: shows

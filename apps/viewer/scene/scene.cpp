@@ -113,24 +113,28 @@ float Scene::DepthAlone(Display& display, const DrawContext& context, Picture& p
   return probe.NearestDepth(x, y, 0);
 }
 
-const Scene::Entry* Scene::EntryAt(const ViewMatrices& view, float scale, int x, int y, float& depth,
-                                   const Eigen::Vector3d& at) {
+const Scene::Entry* Scene::FindAt(const ViewMatrices& view, float scale, int x, int y, float& depth,
+                                  bool only_moved_back) {
   constexpr float kSameDepth = 1e-6F;
-  constexpr double kOutside = 0.1;  // of the box: wide lines reach outside it
+  const auto may_be_there = [&](const Entry& entry) {
+    return entry.visible && (!only_moved_back || entry.display->moves_back());
+  };
+  if (std::ranges::none_of(entries_, may_be_there)) return nullptr;
   Picture probe;
   probe.Resize(view.viewport);
   DrawContext context{.view = view, .points = points_, .scale = scale, .marks_depth = true};
   const Entry* found = nullptr;
   glEnable(GL_SCISSOR_TEST);
   glScissor(x, view.viewport.height - 1 - y, 1, 1);
+  // Their bounds say nothing here: they leave out what is far from all else, which can be seen nevertheless.
   for (const Entry& entry : entries_) {
-    if (!entry.visible) continue;
-    const Eigen::AlignedBox3d box = entry.display->Bounds();
-    if (!box.isEmpty() && box.exteriorDistance(at) > kOutside * box.diagonal().norm() + 1) continue;
+    if (!may_be_there(entry)) continue;
     if (std::abs(DepthAlone(*entry.display, context, probe, x, y) - depth) < kSameDepth) found = &entry;
   }
-  context.true_depth = true;
-  if (found != nullptr) depth = std::min(depth, DepthAlone(*found->display, context, probe, x, y));
+  if (found != nullptr && found->display->moves_back()) {
+    context.true_depth = true;
+    depth = std::min(depth, DepthAlone(*found->display, context, probe, x, y));
+  }
   glDisable(GL_SCISSOR_TEST);
   if (pending()) Redraw();  // New data of a display may have been drawn into the probe.
   return found;

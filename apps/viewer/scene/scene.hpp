@@ -66,10 +66,15 @@ class Scene {
   /// pixel with that depth. 1 if there is nothing. Draws first if the view has changed since the last Draw.
   [[nodiscard]] float NearestDepth(const ViewMatrices& view, float scale, int& x, int& y, int radius);
   /// The display that is visible at a pixel, counted from the upper left corner, with that depth. Null if there is
-  /// none. Draws each candidate again, alone. `at` is the pixel's point in the fixed frame. Sets `depth` to the
-  /// display's own: in the picture, some are drawn farther away, so that others in the same plane cover them.
-  [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float& depth,
-                                     const Eigen::Vector3d& at);
+  /// none. Draws each display again, alone. Sets `depth` to the display's own: in the picture, some are drawn farther
+  /// away, so that others in the same plane cover them.
+  [[nodiscard]] const Entry* EntryAt(const ViewMatrices& view, float scale, int x, int y, float& depth) {
+    return FindAt(view, scale, x, y, depth, false);
+  }
+  /// Sets `depth` as EntryAt does. Draws only the displays that can change it.
+  void CorrectDepth(const ViewMatrices& view, float scale, int x, int y, float& depth) {
+    (void)FindAt(view, scale, x, y, depth, true);
+  }
   /// Starts the counter of dropped().
   void CountDropped();
   /// Messages that the current displays have dropped since CountDropped.
@@ -85,6 +90,9 @@ class Scene {
   [[nodiscard]] bool Moved(const ViewMatrices& view) const {
     return view.clip_from_eye != drawn_clip_ || view.eye != drawn_eye_;
   }
+  /// EntryAt; with `only_moved_back`, among those that move back.
+  [[nodiscard]] const Entry* FindAt(const ViewMatrices& view, float scale, int x, int y, float& depth,
+                                    bool only_moved_back);
   /// The depth of one display alone, at a pixel. Changes what is bound.
   [[nodiscard]] static float DepthAlone(Display& display, const DrawContext& context, Picture& probe, int x, int y);
   void DrawSlice(const DrawContext& context);

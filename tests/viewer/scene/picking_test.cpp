@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <memory>
 #include <string>
 
 #include "foxglove/Grid.pb.h"
@@ -40,7 +41,7 @@ class PickingTest : public SceneTest {
     float depth = scene_.NearestDepth(camera_.Matrices(kPictureSize), 1, x, y, 3);
     if (depth >= 1) return nullptr;
     const auto seen = [&] { return camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize); };
-    const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(kPictureSize), 1, x, y, depth, seen());
+    const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(kPictureSize), 1, x, y, depth);
     found = seen();
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     return entry;
@@ -162,6 +163,78 @@ TEST_F(PickingTest, ReturnsWhatLiesInThePlaneOfAGrid) {
   const Scene::Entry* const entry = EntryAt({2, 0, 0}, found);
   ASSERT_NE(entry, nullptr);
   EXPECT_EQ(entry->name, "cloud") << "the grid lets it cover itself";
+}
+
+/// Fills the picture at half the depth, if it is visible, and counts how often it is drawn.
+class Curtain : public Display {
+ public:
+  [[nodiscard]] Change Update(const UpdateContext& /*context*/) override { return Change::kNothing; }
+  void DrawMoving(const DrawContext& /*context*/) override {
+    ++drawn;
+    if (!closed) return;
+    glClearDepth(0.5);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glClearDepth(1);
+  }
+  bool closed = false;
+  int drawn = 0;
+};
+
+TEST_F(PickingTest, DrawsOnlyWhatItNeeds) {
+  const DisplayType type{
+      "Curtain", {}, [](const DisplayInputs&) -> std::unique_ptr<Display> { return std::make_unique<Curtain>(); }};
+  auto& curtain = static_cast<Curtain&>(*scene_.Add(type, {session_, "", [] {}}).display);
+  Add("Grid", "costs", {"palette", "map"});
+  Publish("costs", TwoCells());
+  Update();
+  Eigen::Vector3d found;
+  EXPECT_EQ(EntryAt({2, 0, 1}, found)->name, "costs");
+  const ViewMatrices view = camera_.Matrices(kPictureSize);
+  const auto pixel = camera_.PixelOf({2, 0, 1}, kPictureSize);
+  int x = static_cast<int>(pixel->x());
+  int y = static_cast<int>(pixel->y());
+  float depth = scene_.NearestDepth(view, 1, x, y, 3);
+  const float moved_back = depth;
+  curtain.drawn = 0;
+  scene_.CorrectDepth(view, 1, x, y, depth);
+  EXPECT_EQ(curtain.drawn, 0) << "it has its true depth anyway";
+  EXPECT_LT(depth, moved_back);
+  EXPECT_NEAR(camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize).z(), 1, 1e-3);
+  curtain.closed = true;
+  scene_.Redraw();
+  (void)Draw();
+  depth = scene_.NearestDepth(view, 1, x, y, 3);
+  curtain.drawn = 0;
+  const Scene::Entry* const entry = scene_.EntryAt(view, 1, x, y, depth);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->display.get(), &curtain);
+  EXPECT_EQ(curtain.drawn, 1);
+  scene_.Remove(0);
+}
+
+TEST_F(PickingTest, ReturnsWhatIsFarFromAllElse) {
+  Add("Scene", "things");
+  foxglove::SceneUpdate update;
+  for (int i = 0; i < 8; ++i) {
+    auto* const entity = update.add_entities();
+    entity->set_frame_id("map");
+    entity->set_id("thing " + std::to_string(i));
+    auto* const cube = entity->add_cubes();
+    cube->mutable_pose()->mutable_position()->set_x(i == 7 ? 3e6 : i);
+    const double side = i == 7 ? 1000 : 1;
+    SetXyz(*cube->mutable_size(), side, side, side);
+    cube->mutable_color()->set_a(1);
+  }
+  Publish("things", update);
+  Update();
+  const Eigen::Vector3d far(3e6, 0, 500);
+  camera_.Focus(Eigen::AlignedBox3d(far - Eigen::Vector3d::Constant(500), far + Eigen::Vector3d::Constant(500)),
+                kPictureSize);
+  Eigen::Vector3d found;
+  const Scene::Entry* const entry = EntryAt(far, found);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->name, "things");
+  EXPECT_LT((found - far).norm(), 50);
 }
 
 TEST_F(PickingTest, ReturnsTheNearestOfSeveralTransparentDisplays) {
@@ -327,7 +400,7 @@ TEST_F(PickingTest, DoesNotChangeThePicture) {
   Publish("cloud", PointAt(-4, 2, 0, 1));
   Update();
   float depth = 0.5F;
-  (void)scene_.EntryAt(camera_.Matrices(kPictureSize), 1, 160, 120, depth, {0, 0, 0});
+  (void)scene_.EntryAt(camera_.Matrices(kPictureSize), 1, 160, 120, depth);
   const Pixels after = Draw();
   scene_.Redraw();
   EXPECT_LT(DifferentShare(after, Draw()), 1e-9) << "the new message is drawn";

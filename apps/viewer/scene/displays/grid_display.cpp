@@ -55,6 +55,7 @@ class GridDisplay : public PlacedDisplay {
     };
   }
   [[nodiscard]] std::size_t gpu_bytes() const override { return tiles_.gpu_bytes(); }
+  [[nodiscard]] bool moves_back() const override { return true; }
   [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
     const auto from_corner = FromCorner(at);
     if (!from_corner || !shown_ || std::abs(from_corner->z()) > radius_m) return {};
