@@ -15,7 +15,10 @@ Change PlacedDisplay::Update(const UpdateContext& context) {
     fault_ = *std::move(fault);
     replaced = fault_.empty();
   }
-  if (empty()) return replaced ? std::max(change, settling_.Gone()) : change;
+  if (empty()) {
+    placement_.Forget();
+    return replaced ? std::max(change, settling_.Gone()) : change;
+  }
   replaced |= placement_.Follow(frame(), context);
   if (!placement_.known()) {
     return settling_.settled() || settling_.moves() ? std::max(change, settling_.Gone()) : change;
@@ -58,6 +61,7 @@ void PlacedDisplay::DrawBlended(const DrawContext& context) { Draw(context, T_fi
 
 void PlacedDisplay::Clear() {
   Forget();
+  placement_.Forget();
   (void)settling_.Gone();
 }
 

@@ -14,8 +14,11 @@ class Placement {
   /// Returns whether the frame has moved since the last call, or its place has become known. Without a newer transform,
   /// the last known place stays.
   [[nodiscard]] bool Follow(const std::string& frame, const UpdateContext& context);
-  /// The place must be looked up again.
-  void Forget() { known_ = false; }
+  /// The place must be looked up again, and a missing transform is waited for again.
+  void Forget() {
+    known_ = false;
+    wait_ = {};
+  }
 
   [[nodiscard]] bool known() const noexcept { return known_; }
   [[nodiscard]] const RigidTransform& T_fixed_frame() const noexcept { return placed_; }

@@ -18,7 +18,10 @@ Change PoseHistory::Rewritten(double now_s) {
 }
 
 Change PoseHistory::TakeTransform(const UpdateContext& context) {
-  if (poses_.poses().empty()) return Change::kNothing;
+  if (poses_.poses().empty()) {
+    placement_.Forget();
+    return Change::kNothing;
+  }
   const bool was_known = placement_.known();
   if (!placement_.Follow(frame_, context)) return Change::kNothing;
   return was_known ? Rewritten(context.now_s) : Change::kAppended;

@@ -46,6 +46,28 @@ TEST_F(PoseDisplaysTest, DrawsATrajectoryAsAxes) {
   ExpectAsKept("trajectory_axes");
 }
 
+TEST_F(PoseDisplaysTest, WaitsAgainForATransformAfterAnEmptyMessage) {
+  Display& display = Add("Trajectory", "way");
+  tree_.SetStatic("map", "other", RigidTransform());
+  foxglove::PosesInFrame way = Wave(3);
+  way.set_frame_id("lidar");
+  Publish("way", way);
+  Update(0);
+  Update(2);
+  EXPECT_TRUE(display.HasFault());
+  foxglove::PosesInFrame empty;
+  empty.set_frame_id("lidar");
+  Publish("way", empty);
+  Update(3);
+  EXPECT_FALSE(display.HasFault()) << display.Status().front();
+  Publish("way", way);
+  Update(10);
+  EXPECT_FALSE(display.HasFault()) << "the transform may still come";
+  EXPECT_THAT(display.WaitsFor(), ::testing::HasSubstr("lidar"));
+  Update(12);
+  EXPECT_TRUE(display.HasFault());
+}
+
 TEST_F(PoseDisplaysTest, PosesAddedOneByOneLookLikeAllAtOnce) {
   Add("Trajectory", "way", {"style", "both"});
   for (int i = 1; i <= 48; ++i) {

@@ -134,6 +134,28 @@ TEST_F(VoxelDisplayTest, CountsAllVoxelsAndDrawsNoneInside) {
   EXPECT_TRUE(display.HasFault());
 }
 
+TEST_F(VoxelDisplayTest, WaitsAgainForATransformAfterAnEmptyMessage) {
+  Display& display = Add("Voxels", "voxels");
+  tree_.SetStatic("map", "other", RigidTransform());
+  VoxelGrid full = Ball();
+  full.set_frame_id("lidar");
+  Publish("voxels", full);
+  Update(0);
+  Update(2);
+  EXPECT_TRUE(display.HasFault());
+  VoxelGrid empty = full;
+  empty.set_data(std::string(full.data().size(), '\0'));
+  Publish("voxels", empty);
+  Update(3);
+  EXPECT_FALSE(display.HasFault()) << display.Status().front();
+  Publish("voxels", full);
+  Update(10);
+  EXPECT_FALSE(display.HasFault()) << "the transform may still come";
+  EXPECT_THAT(display.WaitsFor(), HasSubstr("lidar"));
+  Update(12);
+  EXPECT_TRUE(display.HasFault());
+}
+
 TEST_F(VoxelDisplayTest, AppliesSettingsWhilePaused) {
   Display& display = Add("Voxels", "voxels");
   Publish("voxels", Ball());
