@@ -249,7 +249,7 @@ std::vector<std::string> PointsDisplay::Status() const {
 
 Eigen::AlignedBox3d PointsDisplay::Bounds() const {
   Eigen::AlignedBox3d bounds = recent_.Bounds();
-  if (kept_) bounds.extend(kept_->bounds());
+  if (kept_) bounds.extend(kept_->Bounds());
   return bounds;
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
+#include "viewer/data/bounds_of_most.hpp"
 #include "viewer/data/points/cell_code.hpp"
 #include "viewer/scene/gl/software_renderer.hpp"
 
@@ -89,7 +91,7 @@ void KeptPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const
   const PageBook::Added added = book_.Add(positions);
   BeginPages(first_page, added.new_pages);
 
-  for (const Eigen::Vector3d& at : positions) bounds_.extend(at);
+  AddToRegion(positions);
 
   std::vector<std::uint8_t> value_codes;
   if (with_values_) {
@@ -119,6 +121,28 @@ void KeptPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const
     slab.new_firsts.push_back(static_cast<GLint>(first));
     slab.new_counts.push_back(static_cast<GLsizei>(run.count));
   }
+}
+
+void KeptPoints::AddToRegion(std::span<const Eigen::Vector3d> positions) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& at : positions) box.extend(at);
+  const auto region = std::ranges::find_if(
+      regions_, [&](const Region& known) { return known.box.merged(box).sizes().maxCoeff() <= kFarFromOthersMeters; });
+  if (region == regions_.end()) {
+    regions_.push_back({box, 1});
+  } else {
+    region->box.extend(box);
+    ++region->messages;
+  }
+  ++messages_;
+}
+
+Eigen::AlignedBox3d KeptPoints::Bounds() const {
+  constexpr std::size_t kShares = 64;
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Region& region : regions_)
+    boxes.insert(boxes.end(), 1 + kShares * region.messages / messages_, region.box);
+  return BoundsOfMost(std::move(boxes));
 }
 
 void KeptPoints::Recode(const ValueRange& before) {

@@ -24,7 +24,8 @@ class KeptPoints {
   /// `cell_meters` is that of PageBook. Only the requested parts are stored.
   KeptPoints(double cell_meters, bool with_values, bool with_colors);
 
-  /// `values` and `colors` are as long as `positions`, or unused. Colors have red in the lowest byte.
+  /// Adds the points of a message. `values` and `colors` are as long as `positions`, or unused. Colors have red in the
+  /// lowest byte.
   void Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
            std::span<const std::uint32_t> colors);
 
@@ -36,7 +37,8 @@ class KeptPoints {
 
   [[nodiscard]] std::size_t points() const noexcept { return book_.points(); }
   [[nodiscard]] std::size_t gpu_bytes() const noexcept;
-  [[nodiscard]] const Eigen::AlignedBox3d& bounds() const noexcept { return bounds_; }
+  /// BoundsOfMost of the messages that were added.
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const;
   [[nodiscard]] const ValueRange& values() const noexcept { return range_; }
   [[nodiscard]] bool with_values() const noexcept { return with_values_; }
   [[nodiscard]] bool with_colors() const noexcept { return with_colors_; }
@@ -58,6 +60,13 @@ class KeptPoints {
     std::vector<GLsizei> new_counts;
   };
 
+  /// Messages that are near each other. One box for each message would need memory without end.
+  struct Region {
+    Eigen::AlignedBox3d box;
+    std::size_t messages = 0;
+  };
+
+  void AddToRegion(std::span<const Eigen::Vector3d> positions);
   void BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners);
   [[nodiscard]] Slab MakeSlab(const Eigen::Vector3d& origin) const;
   void Recode(const ValueRange& before);
@@ -69,7 +78,8 @@ class KeptPoints {
   const bool with_values_;
   const bool with_colors_;
   ValueRange range_;
-  Eigen::AlignedBox3d bounds_;
+  std::vector<Region> regions_;
+  std::size_t messages_ = 0;  ///< Of all regions.
   std::vector<Slab> slabs_;
   GlVertexArray vertices_;
 };

@@ -167,6 +167,25 @@ TEST_F(PointsDisplayTest, KeepsTheLastMessagesOrSeconds) {
   EXPECT_EQ(count.points(), 200U);
 }
 
+TEST_F(PointsDisplayTest, BoundsLeaveOutAMessageFarFromTheOthers) {
+  for (const char* keep : {"all", "time"}) {
+    SCOPED_TRACE(keep);
+    for (const Eigen::Vector3d& there : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(500'000, 5'400'000, 256)}) {
+      const Display& display = Add("Point cloud", "cloud", {"keep", keep});
+      const Eigen::Vector3d far = there.x() > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(4e7, 0, 0);
+      for (const Eigen::Vector3d& center : {there, far, there, there}) {
+        Publish("cloud", Spiral(center, 0, 100));
+        Update();
+      }
+      EXPECT_EQ(display.points(), 400U);
+      const Eigen::AlignedBox3d bounds = display.Bounds();
+      EXPECT_TRUE(bounds.contains(there + Eigen::Vector3d(3, 0, -2))) << bounds.min() << "\n" << bounds.max();
+      EXPECT_LT(bounds.sizes().maxCoeff(), 20);
+      scene_.Remove(0);
+    }
+  }
+}
+
 TEST_F(PointsDisplayTest, ReportsHowManyHadNoTransformAndNothingElse) {
   Display& display = AddWithoutTransform();
   Update(3);
