@@ -181,8 +181,10 @@ int Viewer::Run() {
   if (layout_file_.save_on_exit) WriteLayout();
   const bool unmet = PrintUnmetRequests({options_, scene_, channels_, displays_, frame_, view_panel_.follow()});
   if (unmet && options_.offscreen) notices_.SetFailed();
-  const std::string awaited = AwaitedText(scene_, channels_, displays_, frame_);
-  if (options_.offscreen && !awaited.empty()) Notices::Print("Nothing has arrived. " + awaited + " " + reach_);
+  const std::string awaited = AwaitedText(scene_, dock_, channels_, displays_, frame_);
+  if (options_.offscreen && !awaited.empty()) {
+    Notices::Print((awaited.starts_with("Waiting") ? "Nothing has arrived. " : "") + awaited + " " + reach_);
+  }
   return notices_.exit_code();
 }
 

@@ -42,7 +42,7 @@ void Viewer::DrawOverlaysAndPanels() {
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
   DrawPicks(picker_.picks(), camera_, surface_.size(), pixels_per_unit);
   if (show_panels_) {
-    const std::string awaited = AwaitedText(scene_, channels_, displays_, frame_);
+    const std::string awaited = AwaitedText(scene_, dock_, channels_, displays_, frame_);
     if (!awaited.empty()) DrawAwaited(awaited, reach_, PanelRoom());
   }
   const std::optional<std::size_t> remove = show_panels_ ? DrawPanels() : std::nullopt;

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string>
 
+#include "foxglove/Log.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/RawImage.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
@@ -369,6 +370,34 @@ TEST_F(ViewerTest, ReportsMissingChannelsWhenTheWindowCloses) {
     EXPECT_EQ(viewer.Run(), into_memory ? 1 : 0);
     EXPECT_NE(::testing::internal::GetCapturedStderr().find("The channel \"never\" was never published."),
               std::string::npos);
+  }
+}
+
+TEST_F(ViewerTest, DoesNotSayThatNothingHasArrivedIfAPanelShowsIt) {
+  options_.offscreen = Viewport{64, 64};
+  const MetOnThisHost met;
+  Session robot;
+  auto log = robot.Advertise<foxglove::Log>("log");
+  for (const bool shown : {false, true}) {
+    options_.opened_panels = {{"Channels", "", {}}};
+    if (shown) options_.opened_panels = {{"Message", "", {{"channel", "log"}}}};
+    // The table of a panel has a window of its own, as soon as it has rows.
+    const std::string table = shown ? "Message/fields" : "Channels/channels";
+    const ScriptedSurface::Step filled = [&, deadline = std::chrono::steady_clock::now() +
+                                                        std::chrono::seconds(20)](ScriptedSurface& at) {
+      log(foxglove::Log());
+      const bool done = std::ranges::any_of(ImGui::GetCurrentContext()->Windows, [&](const ImGuiWindow* window) {
+        return std::string(window->Name).starts_with(table);
+      });
+      if (!done && std::chrono::steady_clock::now() < deadline) at.Again();
+    };
+    ScriptedSurface surface({filled});
+    Viewer viewer(options_, std::nullopt, surface);
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(viewer.Run(), 0);
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_EQ(said.find("Nothing has arrived"), std::string::npos) << said;
+    EXPECT_EQ(said.find("No display shows what is published: \"log\"") == std::string::npos, shown) << said;
   }
 }
 

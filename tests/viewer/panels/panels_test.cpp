@@ -72,6 +72,33 @@ TEST_F(PanelsTest, PlotDrawsALineThroughItsNumbers) {
   EXPECT_GT(Draw(), empty);
 }
 
+TEST_F(PanelsTest, KnowWhetherAMessageHasArrived) {
+  auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
+  auto log = session_.Advertise<foxglove::Log>("log");
+  const std::vector<std::vector<std::string>> cases = {
+      {"Plot", "series", "odometry pose.position.x"}, {"Message", "channel", "odometry"}, {"Log"}};
+  for (const auto& panel : cases) {
+    SCOPED_TRACE(panel.front());
+    Panel& opened = Open(panel.front());
+    if (panel.size() > 1) {
+      ASSERT_EQ(opened.Set(panel[1], panel[2]), "");
+    }
+    Update();
+    EXPECT_FALSE(dock_.HasReceived());
+    foxglove::PoseInFrame pose;
+    pose.mutable_pose()->mutable_position()->set_x(1);
+    odometry(pose);
+    log(foxglove::Log());
+    Update();
+    EXPECT_TRUE(dock_.HasReceived());
+    Close(panel.front());
+  }
+  Open("Channels");
+  Open("Graph");
+  Update();
+  EXPECT_FALSE(dock_.HasReceived());
+}
+
 TEST_F(PanelsTest, PlotShowsTheErrorOfEachSeriesOnItsOwnLine) {
   auto odometry = session_.Advertise<foxglove::PoseInFrame>("odometry");
   Panel& plot = Open("Plot");

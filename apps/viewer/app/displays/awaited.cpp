@@ -33,8 +33,9 @@ std::string ReachText(const Config& config) {
          ". HGROS_DOMAIN sets another domain, --network FILE reaches other hosts.";
 }
 
-std::string AwaitedText(const Scene& scene, const ChannelList& channels, const DisplayOpener& displays,
-                        const FixedFrame& frame) {
+std::string AwaitedText(const Scene& scene, const PanelDock& dock, const ChannelList& channels,
+                        const DisplayOpener& displays, const FixedFrame& frame) {
+  if (dock.HasReceived()) return {};
   std::vector<std::string> names;
   for (const WantedDisplay& wanted : displays.awaited()) names.push_back(wanted.channel);
   for (const Scene::Entry& entry : scene.entries()) {

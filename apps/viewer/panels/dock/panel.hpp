@@ -48,6 +48,9 @@ class Panel {
   /// The next time when it changes without a message, on the clock of PanelContext.
   [[nodiscard]] virtual double next_change_s() const { return std::numeric_limits<double>::infinity(); }
 
+  /// Whether it shows, or cannot read, messages that have arrived.
+  [[nodiscard]] virtual bool has_received() const { return false; }
+
   [[nodiscard]] virtual State Settings() const { return {}; }
   /// Sets or adds one of the Settings. Returns what is wrong with it, or nothing.
   [[nodiscard]] virtual std::string Set(const std::string& name, const std::string& value) {

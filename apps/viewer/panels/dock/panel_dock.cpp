@@ -8,13 +8,6 @@
 #include "viewer/panels/dock/panel_tiles.hpp"
 
 namespace hgros::viewer {
-namespace {
-
-// Size of a panel, in heights of the font.
-constexpr float kNarrowest = 12;
-constexpr float kLowest = 6;
-
-}  // namespace
 
 PanelDock::PanelDock(Session& session, std::function<void()> wake) : session_(session), wake_(std::move(wake)) {}
 
@@ -70,11 +63,15 @@ bool PanelDock::Update(const PanelContext& context) {
   return true;
 }
 
+bool PanelDock::HasReceived() const {
+  return std::ranges::any_of(opened_, [](const Opened& opened) { return opened.panel->has_received(); });
+}
+
 bool PanelDock::NeedsRoom() const {
   return std::ranges::any_of(opened_, [](const Opened& opened) { return !opened.window.by_hand() && !opened.wanted; });
 }
 
-float PanelDock::NarrowestWidth() { return kNarrowest * ImGui::GetFontSize(); }
+float PanelDock::NarrowestWidth() { return kNarrowestPanel * ImGui::GetFontSize(); }
 
 std::vector<PanelPlace> PanelDock::Tiles(const PanelPlace& room) const {
   const float unit = ImGui::GetFontSize();
@@ -85,8 +82,8 @@ std::vector<PanelPlace> PanelDock::Tiles(const PanelPlace& room) const {
   }
   std::vector<PanelPlace> tiles = TilePanels(wanted, room, 0.4F * unit);
   for (PanelPlace& tile : tiles) {
-    tile.width = std::max(tile.width, kNarrowest * unit);
-    tile.height = std::max(tile.height, kLowest * unit);
+    tile.width = std::max(tile.width, kNarrowestPanel * unit);
+    tile.height = std::max(tile.height, kLowestPanel * unit);
   }
   return tiles;
 }
@@ -99,7 +96,7 @@ bool PanelDock::Draw(Opened& opened, const PanelPlace& tile, PanelWish& wish) {
   } else {
     opened.window.Place(tile);
   }
-  ImGui::SetNextWindowSizeConstraints({kNarrowest * unit, kLowest * unit}, {1e5F, 1e5F});
+  ImGui::SetNextWindowSizeConstraints({kNarrowestPanel * unit, kLowestPanel * unit}, {1e5F, 1e5F});
   ImGui::SetNextWindowBgAlpha(1);  // Panels that are read are opaque.
   bool stays = true;
   if (ImGui::Begin(opened.type->name.c_str(), &stays, ImGuiWindowFlags_NoSavedSettings)) opened.panel->Draw(wish);

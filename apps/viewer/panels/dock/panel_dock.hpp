@@ -43,6 +43,8 @@ class PanelDock {
   [[nodiscard]] double next_change_s() const;
   /// Makes the next Update due at once.
   void Refresh() { last_update_s_ = -kNever; }
+  /// Panel::has_received of any.
+  [[nodiscard]] bool HasReceived() const;
   /// Draws the open panels. Those that nobody has moved share `room`.
   void Draw(const PanelPlace& room);
   /// Whether some panels share the room.

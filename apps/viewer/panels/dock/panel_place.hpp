@@ -11,4 +11,8 @@ struct PanelPlace {
   bool operator==(const PanelPlace&) const = default;
 };
 
+// The least size of a panel, in heights of the font.
+inline constexpr float kNarrowestPanel = 12;
+inline constexpr float kLowestPanel = 6;
+
 }  // namespace hgros::viewer

@@ -69,6 +69,8 @@ class LogPanel : public Panel {
     FindShown();
   }
 
+  [[nodiscard]] bool has_received() const override { return unreadable_ > 0 || !store_.lines().empty(); }
+
   void Draw(PanelWish& /*wish*/) override {
     DrawFilters();
     if (unreadable_ > 0) DrawWarning(std::to_string(unreadable_) + " messages could not be read as foxglove.Log.");

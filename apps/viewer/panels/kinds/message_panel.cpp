@@ -52,6 +52,8 @@ class MessagePanel : public Panel {
     DrawRows(wish);
   }
 
+  [[nodiscard]] bool has_received() const override { return message_ != nullptr; }
+
   [[nodiscard]] State Settings() const override {
     State state;
     if (!channel_.empty()) state.emplace_back("channel", channel_);

@@ -54,6 +54,8 @@ class PlotPanel : public Panel {
     DrawPlot(lines, static_cast<double>(seconds_), Unit());
   }
 
+  [[nodiscard]] bool has_received() const override { return Newest() != Time{} || HasFault(); }
+
   [[nodiscard]] State Settings() const override {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%g", static_cast<double>(seconds_));
