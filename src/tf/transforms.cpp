@@ -66,9 +66,11 @@ class Transforms::Core {
 
  private:
   void Receive(const foxglove::FrameTransforms& message, const MessageInfo& info, bool is_static);
-  SetResult Store(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static, Time now);
-  // Refuses a stamp that is too far ahead of `now`.
-  [[nodiscard]] SetResult Check(std::string_view parent, std::string_view child, Time stamp, Time now) const;
+  SetResult Store(const foxglove::FrameTransform& transform, SessionId by, std::string_view publisher, bool is_static,
+                  Time now);
+  // Refuses a stamp that is too far ahead of `now`, even if the clock of `by` is known to be ahead.
+  [[nodiscard]] SetResult Check(std::string_view parent, std::string_view child, Time stamp, Time now,
+                                SessionId by) const;
   // The session's id while its name is unknown.
   std::string NameOf(SessionId session);
   // Empty if it is not there.
@@ -117,7 +119,7 @@ SetResult Transforms::Core::Set(std::span<const StampedEdge> edges, bool is_stat
   taken.reserve(edges.size());
   const Time now = session_.clock()->Now();
   for (const StampedEdge& edge : edges) {
-    SetResult result = is_static ? SetResult() : Check(edge.parent, edge.child, edge.stamp, now);
+    SetResult result = is_static ? SetResult() : Check(edge.parent, edge.child, edge.stamp, now, session_.id());
     if (result) {
       result = is_static ? tree_.SetStatic(edge.parent, edge.child, edge.T_parent_child, session_.name())
                          : tree_.Set(edge.parent, edge.child, edge.stamp, edge.T_parent_child, session_.name());
@@ -143,7 +145,7 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
   for (const foxglove::FrameTransform& transform : message.transforms()) {
     const std::string& parent = transform.parent_frame_id();
     const std::string& child = transform.child_frame_id();
-    if (const SetResult result = Store(transform, publisher, is_static, now)) {
+    if (const SetResult result = Store(transform, by, publisher, is_static, now)) {
       NoteOwner(parent, child, by, is_static);
       taken = true;
     } else if (++refused_; result.fault() == SetFault::kTooManyFrames) {
@@ -159,22 +161,26 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
   if (taken && options_.on_received) options_.on_received();
 }
 
-SetResult Transforms::Core::Store(const foxglove::FrameTransform& transform, std::string_view publisher, bool is_static,
-                                  Time now) {
+SetResult Transforms::Core::Store(const foxglove::FrameTransform& transform, SessionId by, std::string_view publisher,
+                                  bool is_static, Time now) {
   const std::string& parent = transform.parent_frame_id();
   const std::string& child = transform.child_frame_id();
   const RigidTransform T_parent_child = tf::TransformOf(transform);
   if (is_static) return tree_.SetStatic(parent, child, T_parent_child, publisher);
   if (const auto stamp = tf::StampOf(transform)) {
-    if (SetResult result = Check(parent, child, *stamp, now); !result) return result;
+    if (SetResult result = Check(parent, child, *stamp, now, by); !result) return result;
     return tree_.Set(parent, child, *stamp, T_parent_child, publisher);
   }
   return {SetFault::kTooOld, "The edge " + Edge(parent, child) + " was refused: its timestamp is invalid."};
 }
 
 // A clock that stands at 0 is a simulated one that was not heard yet.
-SetResult Transforms::Core::Check(std::string_view parent, std::string_view child, Time stamp, Time now) const {
-  if (now == Time{} || stamp <= Later(now, max_ahead_)) return {};
+SetResult Transforms::Core::Check(std::string_view parent, std::string_view child, Time stamp, Time now,
+                                  SessionId by) const {
+  const Time limit = Later(now, max_ahead_);
+  if (now == Time{} || stamp <= limit) return {};
+  const auto clock = session_.OffsetTo(by);
+  if (clock && clock->offset > Duration(0) && stamp <= Later(limit, clock->offset + clock->uncertainty)) return {};
   const auto seconds = [](double nanoseconds) { return std::to_string(std::llround(nanoseconds * 1e-9)) + " s"; };
   return {SetFault::kTooNew,
           "The transform " + Edge(parent, child) + " was refused: its stamp is " +

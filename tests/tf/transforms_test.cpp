@@ -216,6 +216,28 @@ TEST_F(TransformsOfTwo, LimitForStampsAheadOfTheClockCanBeSet) {
   EXPECT_TRUE(waiting.ToTF(At(5000), "map", "base", Shift(1))) << "no clock was heard so far";
 }
 
+TEST(TransformsOfAnotherHost, AreTakenIfItsClockIsKnownToBeAhead) {
+  const std::string quick = "heartbeat_ms: 5, peer_timeout_ms: 10000}\ndiscovery: {local: false}";
+  const LogSink quiet = [](LogLevel, std::string_view) {};
+  Session robot(Config::Parse("network: {publisher: {ip: 'tcp://127.0.0.1:*'}, " + quick),
+                {.name = "robot", .log = quiet, .wall = [] { return WallNow() + 100s; }});
+  Session desk(Config::Parse("network: {subscribers: [{ip: '" + robot.PublisherEndpoints().at(0) + "'}], " + quick),
+               {.name = "desk", .log = quiet});
+  Transforms looking(desk);
+  const auto publish = robot.Advertise<foxglove::FrameTransforms>(kTransformsChannel);
+  (void)looking.tree();
+  ASSERT_TRUE(robot.WaitForSubscribers(kTransformsChannel, 1, kPatience));
+  ASSERT_TRUE(Await([&] { return desk.OffsetTo(robot.id()).has_value(); }));
+  const std::int64_t now = WallNow().nanoseconds / 1'000'000'000;
+  ASSERT_EQ(publish(Message("map", "base", 1, now + 100)), PublishStatus::kOk);
+  ASSERT_EQ(publish(Message("map", "base", 1, now + 3600)), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return looking.stats().received_transforms == 2; }));
+  EXPECT_TRUE(Await([&] { return looking.stats().refused_transforms == 1; })) << looking.stats().refused_transforms;
+  const TransformResult found = looking.FromTF("map", "base");
+  ASSERT_TRUE(found) << found.text();
+  EXPECT_EQ(found->stamp, Time{(now + 100) * 1'000'000'000});
+}
+
 TEST_F(TransformsOfTwo, ReportsAnEdgeOfTwoSessionsOnce) {
   Transforms one(*a.session);
   Transforms two(*b.session);

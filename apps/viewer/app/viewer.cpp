@@ -35,7 +35,8 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
       reach_(ReachText(config)),
       surface_(surface),
       session_(config, {.name = "hgros-viewer"}),
-      transforms_(session_, {.on_received =
+      transforms_(session_, {.max_ahead = Duration::max(),  // Hosts with wrong clocks are shown, too.
+                             .on_received =
                                  [this] {
                                    if (!transforms_changed_.exchange(true)) WakeFromData();
                                  }}),
