@@ -35,6 +35,7 @@ void GraphCore::SetOnExit(std::function<void()> on_exit) {
 }
 
 void GraphCore::OnExitInside() noexcept {
+  if (in_forked_child()) return;
   std::function<void()> on_exit;
   {
     const std::scoped_lock lock(mutex_);
@@ -63,7 +64,7 @@ bool GraphCore::EndsInside() noexcept {
 
 // On another thread, because it may have to wait for somebody who waits for the callback on this thread.
 void GraphCore::EndInside(std::function<void()> leave) noexcept {
-  if (ended_inside_.exchange(true)) return;
+  if (in_forked_child() || ended_inside_.exchange(true)) return;
   const auto report = std::make_shared<Report>();
   try {
     std::thread([self = shared_from_this(), report, leave = std::move(leave), own = CallbackScope::Nodes()] {

@@ -204,6 +204,30 @@ TEST_F(Fork, AChildThatDestroysObjectsWithThreadsEnds) {
             0);
 }
 
+// Ends its process with another status if a child destroys it.
+struct OfThisProcess {
+  const pid_t owner = getpid();
+  ~OfThisProcess() {
+    if (getpid() != owner) _exit(99);
+  }
+};
+
+TEST_F(Fork, AChildThatACallbackForksKeepsItsExitStatus) {
+  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  const auto idle = talker->FromGraph<Log>(
+      "idle", Invoke::kSerial, [held = std::make_shared<OfThisProcess>()](const Log&) { EXPECT_TRUE(held); });
+  for (const Executor& executor : {Executor::Tbb(), Executor::Inline(), Executor::Dedicated()}) {
+    constexpr int kRuns = -2;
+    std::atomic<int> status{kRuns};
+    const auto forks = talker->FromGraph<Log>(
+        "forks", Invoke::kSerial, [&](const Log&) { status = InChild([] { return 5; }); }, {{}, {}, executor});
+    ASSERT_EQ(talker->ToGraph("forks", std::make_unique<Log>()), PublishStatus::kOk);
+    ASSERT_TRUE(Await([&] { return status != kRuns; }));
+    EXPECT_EQ(status, 5);
+  }
+  ExpectUndisturbed();
+}
+
 TEST(ForkOfADefaultSession, AChildThatExitsEnds) {
   const ScratchFolder folder;
   Init(Parse(Both(folder.Endpoint("a"), folder.Endpoint("b"))), Quiet());
