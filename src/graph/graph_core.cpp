@@ -96,6 +96,10 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& typ
       break;
   }
   channel.Add(node);
+  if (ended_inside()) {  // The process exits: threads that still wire get a node that never runs.
+    node->Close(false);
+    return node;
+  }
   try {
     node->Start();
   } catch (...) {  // No thread is available.

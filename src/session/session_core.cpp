@@ -135,9 +135,9 @@ SessionCore::~SessionCore() {
   clock_nodes_.clear();
   {
     const std::scoped_lock lock(mutex_);
+    ends_waits_ = true;
     closing_ = true;  // From here on no wiring changes.
   }
-  ends_waits_ = true;
   outbound_.Close();
   changes_.Notify();
   inbound_->Close();
@@ -152,8 +152,9 @@ SessionCore::~SessionCore() {
   log_->WriteHeldBack();
 }
 
-void SessionCore::RequireOpen() const {
-  if (closing_) throw Error("The session is shutting down.");
+bool SessionCore::TakesWiring() const {
+  if (closing_ && ends_waits_) throw Error("The session is shutting down.");
+  return !closing_;
 }
 
 Channel& SessionCore::OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where) {

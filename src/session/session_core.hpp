@@ -114,11 +114,11 @@ class SessionCore final : public TransportListener, private ServicePlace {
   void LeavePeers(std::thread::id on_behalf_of) noexcept;
   void LeaveAtExit() noexcept;
 
-  // Throws Error while the session shuts down.
-  void RequireOpen() const;
+  // Throws Error while the session shuts down. False after exit() in a callback: other threads may still wire then.
+  [[nodiscard]] bool TakesWiring() const;
   static constexpr std::chrono::milliseconds kLinger{500};
   static constexpr std::string_view kOwnChannels = "hgros/";
-  // Creates the bridge at the first call. Call it under mutex_.
+  // Creates the bridge at the first call. Call it under mutex_, and not once closing_ is set.
   NetworkBridge& EnsureTransports();
   // A function that runs its argument on the errand thread after a delay.
   std::function<void(std::chrono::nanoseconds, std::function<void()>)> Later();

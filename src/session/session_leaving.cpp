@@ -17,9 +17,9 @@ bool SessionCore::MayBeDestroyed() noexcept {
   graph_->Refuse();
   {
     const std::scoped_lock lock(mutex_);
+    ends_waits_ = true;
     closing_ = true;
   }
-  ends_waits_ = true;
   changes_.Notify();
   GraphEnding(*graph_).End([this, here = std::this_thread::get_id()] { LeavePeers(here); });
   return false;

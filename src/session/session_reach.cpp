@@ -9,7 +9,6 @@
 
 namespace hgros {
 NetworkBridge& SessionCore::EnsureTransports() {
-  RequireOpen();
   if (bridge_) return *bridge_;
   if (!errands_) errands_.emplace();
   BridgeOptions options = BridgeOptionsOf(config_, {id_, name_, domain_, kLinger}, host_clocks_);
@@ -45,7 +44,7 @@ void SessionCore::AllowPublishing(std::string_view channel, bool allowed) {
   RequireChannelName(channel);
   const std::scoped_lock lock(mutex_);
   for (EndpointConfig& endpoint : config_.publishers) {
-    if (!SetAllowed(endpoint, channel, allowed)) continue;
+    if (!SetAllowed(endpoint, channel, allowed) || !TakesWiring()) continue;
     EnsureTransports().SetPublishChannels(endpoint.endpoint, ListOf(endpoint));
   }
 }
@@ -54,19 +53,21 @@ void SessionCore::AllowSubscribing(std::string_view channel, bool allowed) {
   RequireChannelName(channel);
   const std::scoped_lock lock(mutex_);
   for (EndpointConfig& endpoint : config_.subscribers) {
-    if (!SetAllowed(endpoint, channel, allowed)) continue;
+    if (!SetAllowed(endpoint, channel, allowed) || !TakesWiring()) continue;
     EnsureTransports().SetSubscribeChannels(endpoint.endpoint, ListOf(endpoint));
   }
 }
 
 void SessionCore::AddPublisherEndpoint(const EndpointConfig& endpoint) {
   const std::scoped_lock lock(mutex_);
+  if (!TakesWiring()) return;
   EnsureTransports().AddPublishEndpoint({endpoint.endpoint, ListOf(endpoint)});
   config_.publishers.push_back(endpoint);
 }
 
 void SessionCore::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
   const std::scoped_lock lock(mutex_);
+  if (!TakesWiring()) return;
   const auto key = config_.security.servers.find(endpoint.endpoint);
   EnsureTransports().AddSubscribeEndpoint(
       {endpoint.endpoint, ListOf(endpoint), key == config_.security.servers.end() ? std::string() : key->second});

@@ -19,8 +19,7 @@ std::shared_ptr<SessionOutlet> SessionCore::OpenOutlet(const std::string& channe
                                                        OutletEvents events) {
   {
     const std::scoped_lock lock(mutex_);
-    RequireOpen();
-    if (domain_) EnsureTransports();
+    if (TakesWiring() && domain_) EnsureTransports();
   }
   return outbound_.OpenForService(channel, type, std::move(events));
 }

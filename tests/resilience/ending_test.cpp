@@ -121,6 +121,7 @@ std::vector<Ending> Endings() {
     endings.push_back({"default", "exit", kind});
     endings.push_back({"default", "destroy", kind});
   }
+  endings.push_back({"main", "exit", "wiring"});
   return endings;
 }
 

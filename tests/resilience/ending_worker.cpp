@@ -5,7 +5,8 @@
 //   --in=KIND                      the callback: tbb, inline, dedicated, timer, inline-timer, service, peer-event,
 //   remote
 //                                  (inline, on a thread of the transport) or remote-tbb
-//                                  or outside (tbb; another process publishes on "fatal")
+//                                  or outside (tbb; another process publishes on "fatal") or wiring (tbb; another
+//                                  thread subscribes and serves until the process has ended)
 //   --bus=FOLDER                   for ipc endpoints
 //
 // Writes "ending", and then "static object ended", to standard output.
@@ -35,9 +36,18 @@ using foxglove::Log;
 using test::Await;
 
 constexpr int kStatus = 7;
+constexpr int kLateStatus = 8;  // A callback has started after the end of the session.
+
+std::atomic<bool> wires{false};
+std::atomic<bool> exits{false};
 
 struct StaticObject {
-  ~StaticObject() { (void)std::printf("static object ended\n"); }
+  ~StaticObject() {
+    (void)std::printf("static object ended\n");
+    (void)std::fflush(stdout);
+    exits = true;
+    if (wires) test::Linger(std::chrono::milliseconds(100));
+  }
 };
 StaticObject static_object;
 std::unique_ptr<Session> static_session;
@@ -128,8 +138,24 @@ class Program {
           while (!ended) (void)other.ToAny("fatal", Log());
         });
       } else if (kind_ != "outside") {
+        if (kind_ == "wiring") {
+          std::thread([&session] { KeepWiring(session); }).detach();
+          if (!Await([] { return wires.load(); })) return;
+        }
         thread_ = std::jthread([publish = session.Advertise<Log>("fatal")] { (void)publish(std::make_unique<Log>()); });
       }
+    }
+  }
+
+  static void KeepWiring(Session& session) {
+    wires = true;
+    for (;;) {
+      if (exits) session.AddSubscriberEndpoint({"ipc:///tmp/nobody", {}, true});
+      const auto late = session.FromGraph<Log>("late", Invoke::kSerial, [](const Log&) {
+        if (exits) std::_Exit(kLateStatus);
+      });
+      (void)session.ToGraph("late", std::make_unique<Log>());
+      const auto service = session.Serve<Log, Log>("late", [](const Log& log) { return log; });
     }
   }
 
