@@ -16,16 +16,11 @@ struct CallbackScope::ExitWatch {
       if (scope->graph_ != nullptr) scope->graph_->OnExitInside();
     }
   }
-  void Start() noexcept { started_ = true; }
-
- private:
-  bool started_ = false;  // A thread's object exists from its first use on.
 };
 
 CallbackScope::CallbackScope(GraphCore* graph, const Node* node) noexcept
     : graph_(graph), node_(node), outer_(innermost) {
-  thread_local ExitWatch watch;
-  if (outer_ == nullptr) watch.Start();
+  thread_local ExitWatch watch;  // Made at the thread's first callback.
   innermost = this;
 }
 

@@ -73,7 +73,7 @@ void Node::SayDropped() noexcept {
       LogLevel::kWarning,
       "Subscription \"" + now.name + "\" on channel \"" + now.channel + "\" has dropped " +
           std::to_string(now.dropped) + " of " + std::to_string(now.received) +
-          " messages: they come faster than its callback handles them, and " + "its queue keeps only the last " +
+          " messages: they come faster than its callback handles them, and its queue keeps only the last " +
           std::to_string(now.queue.depth()) +
           ". To change the queue, use NodeOptions::queue, or in the configuration data_graph: nodes: \"" + now.name +
           "\": queue, with {keep_last: N}, {keep_all: N} or latest. Further drops are only counted.");
