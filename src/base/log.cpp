@@ -57,8 +57,10 @@ Log::Held& Log::HeldOf(std::string_view key) {
   const auto known = held_.find(key);
   if (known != held_.end()) return known->second;
   if (held_.size() >= kMaxKeys) {
-    held_.erase(std::min_element(held_.begin(), held_.end(),
-                                 [](const auto& a, const auto& b) { return a.second.called < b.second.called; }));
+    const auto oldest = std::min_element(
+        held_.begin(), held_.end(), [](const auto& a, const auto& b) { return a.second.called < b.second.called; });
+    SayHeldBack(oldest->second);
+    held_.erase(oldest);
   }
   return held_.emplace(std::string(key), Held{}).first->second;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/log_ending.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/base/readable_text.hpp"
 #include "hgros/base/session_name.hpp"
@@ -149,7 +150,7 @@ SessionCore::~SessionCore() {
   services_->Close();
   if (errands_) errands_->End();  // Not reset: errands in flight post others.
   inbound_->Drop();               // Subscriptions may keep it longer.
-  log_->WriteHeldBack();
+  LogEnding(*log_).WriteHeldBack();
 }
 
 bool SessionCore::TakesWiring() const {

@@ -1,6 +1,7 @@
 // The part of SessionCore for an end inside one of its own callbacks: the session is destroyed there, or exit() is
 // called there. The callback cannot be waited for, so the session leaves its peers and is then kept until the process
 // ends.
+#include "hgros/base/log_ending.hpp"
 #include "hgros/transport/acting_thread.hpp"
 #include "session/session_core.hpp"
 
@@ -41,6 +42,7 @@ void SessionCore::LeavePeers(std::thread::id on_behalf_of) noexcept {
   inbound_->Close();
   if (bridge != nullptr) bridge->Close(static_cast<int>(kLinger.count()));
   outbound_.Detach();
+  LogEnding(*log_).WriteHeldBack();
 }
 
 }  // namespace hgros

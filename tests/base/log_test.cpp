@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/base/log_ending.hpp"
 #include "support/await.hpp"
 
 namespace hgros {
@@ -79,8 +80,8 @@ TEST(Log, WritesTenAlikeLinesAndThenCounts) {
   for (int i = 1; i <= 50; ++i) log.WriteLimited(LogLevel::kWarning, "peers", "Peer " + std::to_string(i), hours(1));
   ASSERT_EQ(recorder.lines.size(), 10U);
   EXPECT_EQ(recorder.lines.back(), "Peer 10");
-  log.WriteHeldBack();
-  log.WriteHeldBack();
+  LogEnding(log).WriteHeldBack();
+  LogEnding(log).WriteHeldBack();
   ASSERT_EQ(recorder.lines.size(), 11U);
   EXPECT_EQ(recorder.lines.back(), "40 more lines like this one were not written: Peer 10");
   EXPECT_EQ(recorder.levels.back(), LogLevel::kWarning);
@@ -118,6 +119,16 @@ TEST(Log, ForgetsTheOldestKeyWhenThereAreTooMany) {
   EXPECT_THAT(recorder.lines, ElementsAre()) << "the keys are remembered";
   log.WriteLimited(LogLevel::kWarning, "0", "New.", hours(1));
   EXPECT_THAT(recorder.lines, ElementsAre("New.")) << "the key was forgotten";
+}
+
+TEST(Log, SaysWhatAForgottenKeyHeldBack) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  for (int i = 0; i < 3; ++i) log.WriteLimited(LogLevel::kWarning, "first", "First.", hours(1));
+  for (int i = 0; i < 1024; ++i) log.WriteLimited(LogLevel::kInfo, std::to_string(i), "New.", hours(1));
+  ASSERT_EQ(recorder.lines.size(), 1026U);
+  EXPECT_EQ(recorder.lines.at(1024), "2 more lines like this one were not written: First.");
+  EXPECT_EQ(recorder.levels.at(1024), LogLevel::kWarning);
 }
 
 TEST(Log, CallsTheSinkOneAtATimeAndLosesNoCount) {

@@ -32,14 +32,12 @@ class HGROS_EXPORT Log {
   /// As Write, for lines that may repeat. `key` stands for lines that are alike. The first ten of them are written, but
   /// the same line only once per `interval`. After that there is one line per interval, and each interval is twice as
   /// long as the one before. A line says how many were held back before it. A key that was not used for an hour begins
-  /// again. Only the latest 1024 keys are remembered.
+  /// again. Only the latest 1024 keys are remembered; what was held back for another is said when it is forgotten.
   void WriteLimited(LogLevel level, std::string_view key, std::string_view text,
                     std::chrono::milliseconds interval = std::chrono::seconds(10));
 
-  /// Says how many lines were held back, for each key. Call it at the end of a session.
-  void WriteHeldBack();
-
  private:
+  friend class LogEnding;
   using Clock = std::chrono::steady_clock;
   struct Held {
     Clock::time_point called;   // The last call.
@@ -53,6 +51,7 @@ class HGROS_EXPORT Log {
   void Say(LogLevel level, std::string_view text) noexcept;
   [[nodiscard]] Held& HeldOf(std::string_view key);
   void SayHeldBack(Held& held);
+  void WriteHeldBack();
 
   std::mutex mutex_;
   LogSink sink_;
