@@ -12,6 +12,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/session/session_parts.hpp"
 #include "tf/transform_messages.hpp"
 #include "tf/transform_sender.hpp"
 #include "tf/tree/edge_owners.hpp"
@@ -28,7 +29,7 @@ constexpr Duration kMaxAhead = std::chrono::seconds(10);
 constexpr Duration kMaxAheadOfSimulation = std::chrono::hours(1);
 
 std::shared_ptr<const void> Reserve(Session& session) {
-  if (auto reserved = session.TryReserve("transforms")) return reserved;
+  if (auto reserved = SessionParts(session).TryReserve("transforms")) return reserved;
   throw Error("The session \"" + session.name() + "\" has a Transforms already.", {},
               "Pass that one on by reference: with two, other sessions would get the static edges of only one. The "
               "default session's is hgros::DefaultTransforms().");

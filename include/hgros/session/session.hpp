@@ -21,7 +21,7 @@ namespace hgros {
 
 struct SessionOptions {
   std::string name;  ///< For logs and other sessions' tables: visible UTF-8 text. Empty: the program's name.
-  LogSink log = DefaultLogSink();
+  LogSink log = DefaultLogSink();          ///< Must live as long as the session; see its Lifetime.
   std::shared_ptr<Clock> clock = nullptr;  ///< Null: the clock of the configuration, usually the system's.
   std::function<Time()> wall = {};         ///< The wall clock that stamps messages; empty: the system's. For tests.
 };
@@ -34,9 +34,10 @@ struct SessionOptions {
 ///
 /// Threading: thread-safe, except for construction and destruction.
 /// Lifetime: the destructor refuses publishes, stops receiving, waits for running callbacks (after 2 s the log names
-/// those that hang), and says goodbye to its peers. Destroy the session outside its callbacks: inside one, it says
-/// goodbye, logs which callback it was, and the rest of it stays until the process ends. exit() may be called anywhere:
-/// inside a callback the session says goodbye and ends with the process.
+/// those that hang), and says goodbye to its peers. Destroy it outside its callbacks: inside one, it says goodbye, logs
+/// which callback it was, and the rest of it stays until the process ends. exit() may be called anywhere; inside a
+/// callback the session says goodbye and ends with the process. In both cases SessionOptions::log may be called until
+/// the process ends.
 /// Errors: wiring (channels, types, endpoints) throws Error. So does publishing to other sessions on a channel named
 /// "hgros/...", because these belong to the library. Publishing never throws for another reason and never blocks.
 /// ToAny, FromAny and Advertise do not compile with a type that is not a Message.
@@ -80,12 +81,11 @@ class HGROS_EXPORT Session : public SessionPublishing,
   [[nodiscard]] Log& log() const noexcept;
   /// The current configuration, including endpoints and lists that were changed at run time.
   [[nodiscard]] Config config() const;
-  /// For code that is built on the session and may exist in it only once: reserves a name until the result is
-  /// destroyed. Null if it is taken.
-  [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name);
 
  private:
+  friend class SessionParts;
   explicit Session(std::unique_ptr<SessionCore> core);
+  [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name);
 
   std::unique_ptr<SessionCore> core_;
 };

@@ -30,7 +30,8 @@ struct TransformsOptions {
   Duration batch = std::chrono::milliseconds(2);
   /// Transforms with a stamp further ahead of the session's clock are refused: an edge that has one would take the
   /// transforms after it for too old. Empty: 10 s; with `time: simulated` 1 h, because the clock may lag behind a fast
-  /// simulation. Not checked until such a clock was heard.
+  /// simulation. Not checked until such a clock was heard. Grows by what the clock of the publisher's host is known to
+  /// be ahead (Session::OffsetTo).
   std::optional<Duration> max_ahead = {};
   /// Queue of the node "tf", which receives the transforms of other sessions.
   NodeOptions node = {.name = "tf", .queue = Queue::KeepLast(256)};
@@ -65,11 +66,10 @@ struct TransformsStats {
 /// (TransformTree::RestartTime): new transforms replace old ones, and pending waits continue.
 ///
 /// Thread safety: all functions except construction and destruction.
-/// Lifetime:  ends before its session, and not inside one of its callbacks. A session has at most one at a time.
-/// Errors:    the constructor throws Error if the session has a Transforms already, or if its clock cannot be watched
-/// for jumps. Setting returns a result
-/// that names the refused edge. Refused transforms of other sessions, and edges that two sessions set, are counted and
-/// logged.
+/// Lifetime: ends before its session, and not inside one of its callbacks. A session has at most one at a time.
+/// Errors: the constructor throws Error if the session has a Transforms already, or if its clock cannot be watched for
+/// jumps. Setting returns a result that names the refused edge. Refused transforms of other sessions, and edges that
+/// two sessions set, are counted and logged.
 class HGROS_EXPORT Transforms {
  public:
   explicit Transforms(Session& session, const TransformsOptions& options = {});
