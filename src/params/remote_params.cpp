@@ -21,6 +21,15 @@ bool IsBelow(const ParamPath& path, const ParamPath& top) {
   return path.steps().size() >= top.steps().size() && path.Overlaps(top);
 }
 
+std::string CauseOf(PublishStatus status) {
+  switch (status) {
+    case PublishStatus::kClosed: return "this session is shutting down";
+    case PublishStatus::kNoMemory: return "there is no memory to write the question";
+    case PublishStatus::kTooLarge: return "the question is larger than 1 GiB";
+    default: return std::string(ToString(status));
+  }
+}
+
 }  // namespace
 
 class RemoteParams::Core {
@@ -47,10 +56,10 @@ class RemoteParams::Core {
     param_wire::WriteChanges(changes, question);
     question.set_create(if_missing == IfMissing::kCreate);
     RemoteMirror::Outcome outcome;
-    if (Say(question, deadline)) {
+    if (const PublishStatus status = Say(question, deadline); status == PublishStatus::kOk) {
       outcome = mirror_->Wait(question, deadline);
     } else {
-      outcome.refusal = "The session \"" + name_ + "\" could not be asked because this session is shutting down.";
+      outcome.refusal = "The session \"" + name_ + "\" could not be asked: " + CauseOf(status) + ".";
     }
     mirror_->Forget(question);
     return outcome;
@@ -75,13 +84,13 @@ class RemoteParams::Core {
 
  private:
   // Repeats the question until there is an answer, because the offering session may be starting or ending. A repeated
-  // question is carried out only once. False if it cannot be published.
-  bool Say(const ParamsQuestion& question, std::chrono::steady_clock::time_point deadline) {
+  // question is carried out only once. Returns kOk, or why the question cannot be published.
+  PublishStatus Say(const ParamsQuestion& question, std::chrono::steady_clock::time_point deadline) {
     for (std::chrono::nanoseconds pause = kFirstPause;; pause *= 2) {
       const PublishStatus status = ask_(question);
-      if (status != PublishStatus::kOk && status != PublishStatus::kFull) return false;
+      if (status != PublishStatus::kOk && status != PublishStatus::kFull) return status;
       const auto until = DeadlineIn(pause);
-      if (until >= deadline || mirror_->AwaitAnswer(question, until)) return true;
+      if (until >= deadline || mirror_->AwaitAnswer(question, until)) return PublishStatus::kOk;
     }
   }
   std::string NobodyThere() const {

@@ -1,15 +1,32 @@
 #include "services/reply_line.hpp"
 
+#include <string>
 #include <utility>
 
 #include "hgros/internal/codec/call_message.hpp"
 
 namespace hgros {
 
-bool ReplyLine::TrySend(const std::shared_ptr<const CallMessage>& reply) {
-  if (outlet_->subscriber_count() == 0 || outlet_->Reserve(reply.get(), type_) != PublishStatus::kOk) {
-    return false;
+namespace {
+
+std::shared_ptr<const CallMessage> RefusalOf(const CallMessage& reply, PublishStatus status) {
+  auto refusal = std::make_shared<CallMessage>(reply);
+  refusal->body = nullptr;
+  refusal->outcome = CallMessage::Outcome::kNotWritable;
+  refusal->text = "The reply could not be written: " + std::string(ToString(status)) + ".";
+  return refusal;
+}
+
+}  // namespace
+
+bool ReplyLine::TrySend(std::shared_ptr<const CallMessage>& reply) {
+  if (outlet_->subscriber_count() == 0) return false;
+  PublishStatus status = outlet_->Reserve(reply.get(), type_);
+  if (status != PublishStatus::kOk && status != PublishStatus::kFull) {
+    reply = RefusalOf(*reply, status);
+    status = outlet_->Reserve(reply.get(), type_);
   }
+  if (status != PublishStatus::kOk) return false;
   outlet_->Commit(reply, type_);
   return true;
 }
@@ -47,13 +64,13 @@ std::size_t ReplyLine::Close() {
 void ReplyLine::Flush() {
   std::unique_lock lock(mutex_);
   while (!waiting_.empty()) {
-    const std::shared_ptr<const CallMessage> next = std::move(waiting_.front());
+    std::shared_ptr<const CallMessage> next = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
     const bool sent = TrySend(next);
     lock.lock();
     if (sent) continue;
-    waiting_.push_front(next);
+    waiting_.push_front(std::move(next));
     return;
   }
 }

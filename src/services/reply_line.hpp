@@ -38,7 +38,8 @@ class ReplyLine {
   [[nodiscard]] const std::shared_ptr<SessionOutlet>& outlet() const noexcept { return outlet_; }
 
  private:
-  [[nodiscard]] bool TrySend(const std::shared_ptr<const CallMessage>& reply);
+  // False if the reply must wait. A reply that can never be written is replaced by a refusal.
+  [[nodiscard]] bool TrySend(std::shared_ptr<const CallMessage>& reply);
 
   const std::shared_ptr<SessionOutlet> outlet_;
   const TypeInfo& type_;

@@ -23,11 +23,16 @@ constexpr std::int64_t kSoonNs = 150'000;
 constexpr std::int64_t kMostCountedNs = 3 * kSoonNs;  // Limits the effect of one slow reply on the average.
 
 constexpr std::size_t kSmallBytes = 64 * 1024;
-// A call that waits this long for a server is logged once.
+// After this time, a call that waits for a server is logged.
 constexpr auto kTimeForServers = std::chrono::seconds(5);
 // Many calls may fail at a time, and looking for a similar name takes long.
 constexpr auto kSuggestionLasts = std::chrono::seconds(1);
 constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
+
+CallEnd NotWritten(const std::string& service, PublishStatus status) {
+  return Failed(Kind::kNotWritable, "The request of service \"" + service +
+                                        "\" could not be written: " + std::string(ToString(status)) + ".");
+}
 
 }  // namespace
 
@@ -92,8 +97,8 @@ void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
   services->EndCall(reply, name_);
 }
 
-bool ServiceClient::PostAndLook(const CallState& call, Services& services) {
-  std::optional<bool> sent;
+PublishStatus ServiceClient::PostAndLook(const CallState& call, Services& services) {
+  std::optional<PublishStatus> sent;
   const auto post = [&] { sent = Post(call.message); };
   // No other thread receives meanwhile, so a message that takes long to write is excluded.
   const auto is_small = [&] {
@@ -111,12 +116,11 @@ bool ServiceClient::PostAndLook(const CallState& call, Services& services) {
   return *sent;
 }
 
-bool ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
-  if (outlet_->subscriber_count() == 0 || outlet_->Reserve(message.get(), request_) != PublishStatus::kOk) {
-    return false;
-  }
-  outlet_->Commit(message, request_);
-  return true;
+PublishStatus ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
+  if (outlet_->subscriber_count() == 0) return PublishStatus::kFull;
+  const PublishStatus status = outlet_->Reserve(message.get(), request_);
+  if (status == PublishStatus::kOk) outlet_->Commit(message, request_);
+  return status;
 }
 
 void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
@@ -139,9 +143,14 @@ void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
       waiting_.push_back(call);
     }
   }
-  if (now && PostAndLook(*call, *services)) return;
-  if (now) {  // The server has no room at the moment.
-    const std::scoped_lock lock(mutex_);
+  if (now) {
+    const PublishStatus status = PostAndLook(*call, *services);
+    if (status == PublishStatus::kOk) return;
+    if (status != PublishStatus::kFull) {
+      services->calls()->End(call->number, NotWritten(name_, status));
+      return;
+    }
+    const std::scoped_lock lock(mutex_);  // The server has no room at the moment.
     call->AwaitsServerOf(shared_from_this());
     waiting_.push_back(call);
   } else if (const auto host = services->HostOf(name_)) {  // It was registered after Dispatch() looked for it.
@@ -187,7 +196,7 @@ void ServiceClient::Update() {
   const auto services = services_.lock();
   if (!services || !outlet_) return;
   UpdateServers(*services);
-  SendWaiting();
+  SendWaiting(*services);
   EndWithoutServer(*services);
 }
 
@@ -251,7 +260,7 @@ void ServiceClient::ReportTwo(Services& services, const std::vector<Server>& ser
   });
 }
 
-void ServiceClient::SendWaiting() {
+void ServiceClient::SendWaiting(Services& services) {
   for (;;) {
     std::shared_ptr<CallState> next;
     {
@@ -262,7 +271,12 @@ void ServiceClient::SendWaiting() {
       if (!next->GoesTo(shared_from_this(), servers_.front().id)) continue;
       next->message->server = servers_.front().id.value;
     }
-    if (Post(next->message)) continue;
+    const PublishStatus status = Post(next->message);
+    if (status == PublishStatus::kOk) continue;
+    if (status != PublishStatus::kFull) {
+      services.calls()->End(next->number, NotWritten(name_, status));
+      continue;
+    }
     const std::scoped_lock lock(mutex_);
     next->AwaitsServerOf(shared_from_this());
     waiting_.push_front(std::move(next));
@@ -292,7 +306,7 @@ void ServiceClient::EndWithoutServer(Services& services) {
       if (std::exchange(says_waiting_, true)) return;
     }
     return services.PostAt(std::chrono::steady_clock::now() + kTimeForServers, [weak = weak_from_this()] {
-      if (const auto client = weak.lock()) client->SayIfCallsWait();
+      if (const auto client = weak.lock()) client->SayIfCallsWait(false);
     });
   }
   services.PostAt(search.complete_at, [weak = weak_from_this()] {
@@ -300,9 +314,10 @@ void ServiceClient::EndWithoutServer(Services& services) {
   });
 }
 
-void ServiceClient::SayIfCallsWait() {
+void ServiceClient::SayIfCallsWait(bool said) {
   const auto services = services_.lock();
   if (!services) return;
+  std::chrono::nanoseconds longest{0};
   {
     const std::scoped_lock lock(mutex_);
     std::erase_if(waiting_, [](const auto& call) { return call->done(); });
@@ -310,9 +325,18 @@ void ServiceClient::SayIfCallsWait() {
       says_waiting_ = false;
       return;
     }
+    for (const auto& call : waiting_) longest = std::max(longest, call->Age());
   }
-  services->log()->Write(LogLevel::kWarning, "A call of service \"" + name_ +
-                                                 "\" waits: no session that is reached serves it." + Suggestion());
+  if (!said && longest >= kTimeForServers) {
+    services->log()->WriteLimited(
+        LogLevel::kWarning, "waits " + name_,
+        "A call of service \"" + name_ + "\" waits: no session that is reached serves it." + Suggestion());
+    said = true;
+  }
+  const std::chrono::nanoseconds pause = said ? kTimeForServers : kTimeForServers - longest;
+  services->PostAt(std::chrono::steady_clock::now() + pause, [weak = weak_from_this(), said] {
+    if (const auto client = weak.lock()) client->SayIfCallsWait(said);
+  });
 }
 
 std::string ServiceClient::Suggestion() {

@@ -60,12 +60,14 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   [[nodiscard]] AnyMessage AsCall(const AnyMessage& message) const;
   void OnReply(const CallMessage& reply, const MessageInfo& info);
   // Posts the call, and receives the reply at once if it is there already.
-  [[nodiscard]] bool PostAndLook(const CallState& call, Services& services);
-  [[nodiscard]] bool Post(const std::shared_ptr<const CallMessage>& message);
+  [[nodiscard]] PublishStatus PostAndLook(const CallState& call, Services& services);
+  // kFull if it must be tried again, also without a subscriber.
+  [[nodiscard]] PublishStatus Post(const std::shared_ptr<const CallMessage>& message);
   void UpdateServers(Services& services);
-  void SendWaiting();
+  void SendWaiting(Services& services);
   void EndWithoutServer(Services& services);
-  void SayIfCallsWait();
+  // Looks again until no call waits.
+  void SayIfCallsWait(bool said);
   void EndWaiting(const CallEnd& end);
   void EndCallsTo(Services& services, SessionId server, const CallEnd& end);
   struct Server {
@@ -90,7 +92,7 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   std::deque<std::shared_ptr<CallState>> waiting_;
   std::map<std::uint64_t, std::string> misfits_;  // Error texts of sessions whose types do not fit, by session id.
   bool said_two_ = false;
-  bool says_waiting_ = false;  // SayIfCallsWait() was called or will be.
+  bool says_waiting_ = false;  // SayIfCallsWait() will be called.
 
   std::mutex suggestion_mutex_;
   std::string suggestion_;  // Guarded by suggestion_mutex_, like the next one.

@@ -5,6 +5,8 @@
 #include "hgros/bridge/channel_outlet.hpp"
 #include "hgros/clock/host_clocks.hpp"
 #include "hgros/internal/codec/call_message.hpp"
+#include "hgros/services/service_place.hpp"
+#include "hgros/services/services.hpp"
 #include "services/services_fixture.hpp"
 
 namespace hgros {
@@ -27,6 +29,81 @@ TEST(ReplyLine, LogsDroppedRepliesWhenTooManyWaitForTheCaller) {
   EXPECT_EQ(line.Close(), ReplyLine::kMaxWaiting);
   EXPECT_FALSE(line.Send(reply));
   EXPECT_EQ(said, 1);
+}
+
+// A caller's subscription: small messages fit, large ones find no memory.
+class TightOutlet final : public SessionOutlet {
+ public:
+  [[nodiscard]] bool wanted() const noexcept override { return true; }
+  PublishStatus Reserve(const void* message, const TypeInfo&) noexcept override {
+    return static_cast<const CallMessage*>(message)->body ? PublishStatus::kNoMemory : PublishStatus::kOk;
+  }
+  void Commit(const AnyMessage& message, const TypeInfo&) noexcept override {
+    sent.push_back(*static_cast<const CallMessage*>(message.get()));
+  }
+  void Cancel() noexcept override {}
+  [[nodiscard]] std::size_t subscriber_count() const noexcept override { return 1; }
+  [[nodiscard]] std::vector<SessionId> Subscribers() const override { return {SessionId{2}}; }
+
+  std::vector<CallMessage> sent;
+};
+
+TEST(ReplyLine, SendsARefusalInsteadOfAReplyThatFindsNoMemory) {
+  const auto outlet = std::make_shared<TightOutlet>();
+  int soon = 0;
+  ReplyLine line(outlet, CallTypeOf<test::Total>(), std::make_shared<Log>([](LogLevel, std::string_view) {}), "add",
+                 [&] { ++soon; });
+  CallMessage reply;
+  reply.call = 5;
+  reply.body = std::make_shared<const test::Total>();
+  EXPECT_TRUE(line.Send(std::make_shared<const CallMessage>(reply)));
+  EXPECT_EQ(soon, 0);
+  EXPECT_EQ(line.Close(), 0U);
+  ASSERT_EQ(outlet->sent.size(), 1U);
+  EXPECT_EQ(outlet->sent[0].call, 5U);
+  EXPECT_EQ(outlet->sent[0].outcome, CallMessage::Outcome::kNotWritable);
+  EXPECT_EQ(outlet->sent[0].text, "The reply could not be written: no memory.");
+  EXPECT_EQ(outlet->sent[0].body, nullptr);
+}
+
+// One session that serves every name, reached through a TightOutlet.
+class TightPlace final : public ServicePlace {
+ public:
+  Subscription Listen(const std::string&, const TypeInfo&, AnyCallback, std::size_t) override { return {}; }
+  std::shared_ptr<SessionOutlet> OpenOutlet(const std::string&, const TypeInfo&, OutletEvents events) override {
+    events_ = std::move(events);
+    return std::make_shared<TightOutlet>();
+  }
+  void CloseOutlet(const std::string&, const std::shared_ptr<SessionOutlet>&) override {}
+  [[nodiscard]] DataGraph& Graph() override { return graph_; }
+  [[nodiscard]] ChannelSearch Search(const std::string&) override { return {}; }
+  [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
+  [[nodiscard]] std::vector<std::string> KnownServices() override { return {}; }
+  void ReportServedTwice(const PeerInfo&, std::string, std::string) noexcept override {}
+  void Receive(const Visit& visit) noexcept override { visit.first(); }
+
+ private:
+  DataGraph graph_;
+  OutletEvents events_;
+};
+
+TEST(ServiceClient, EndsACallWhoseRequestFindsNoMemory) {
+  TightPlace place;
+  const auto services =
+      std::make_shared<Services>(place, SessionId{1}, std::make_shared<Log>([](LogLevel, std::string_view) {}));
+  const auto call = [&] {
+    return services->Call("add",
+                          {CallTypeOf<test::Sum>(), CallTypeOf<test::Total>(), TypeOf<test::Sum>(),
+                           std::make_shared<const test::Sum>(), std::chrono::seconds(20)},
+                          {});
+  };
+  for (int i = 0; i < 2; ++i) {  // The first one waits until the server is known. The second one is sent at once.
+    const CallEnd end = call()->Wait();
+    EXPECT_EQ(end.failure.kind, CallFailure::Kind::kNotWritable);
+    EXPECT_EQ(end.failure.reason, "The request of service \"add\" could not be written: no memory.");
+  }
+  services->Refuse();
+  services->Close();
 }
 
 }  // namespace

@@ -112,6 +112,17 @@ TEST_F(Services, LogOnceThatACallWaitsForAServer) {
   EXPECT_EQ(robot.Count("A call of service"), 1U);
 }
 
+TEST_F(Services, LogThatACallWaitsOnlyAfterItHasWaitedForSeconds) {
+  Robot server("");
+  const Service service = server->Serve<Sum, Total>("add", Add);
+  Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}");
+  EXPECT_FALSE((robot->Call<Sum, Total>("/add", Sum{}, std::chrono::milliseconds(3500)).Wait()));
+  const auto begin = std::chrono::steady_clock::now();
+  const auto second = robot->Call<Sum, Total>("/add", Sum{}, kLong);
+  EXPECT_TRUE(Await([&] { return robot.Said("A call of service"); }));
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(4900));
+}
+
 TEST_F(Services, RefuseASecondServerInOneSession) {
   Session session;
   const Service first = session.Serve<Sum, Total>("add", Add);
