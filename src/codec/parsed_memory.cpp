@@ -28,6 +28,15 @@ bool IsPackable(const FieldDescriptor& field) {
          field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE;
 }
 
+// The fewest bytes that a number takes in a packed field.
+std::size_t PackedBytes(const FieldDescriptor& field) {
+  switch (WireFormatLite::WireTypeForFieldType(static_cast<WireFormatLite::FieldType>(field.type()))) {
+    case WireFormatLite::WIRETYPE_FIXED64: return 8;
+    case WireFormatLite::WIRETYPE_FIXED32: return 4;
+    default: return 1;
+  }
+}
+
 }  // namespace
 
 // One pass over the bytes of one message.
@@ -83,7 +92,7 @@ class ParsedMemory::Walk {
     }
     broken_ = !in_.Skip(static_cast<int>(size));
     if (field != nullptr && IsPackable(*field)) {
-      Add(std::size_t{size} * kNumber);  // At least one byte for each number.
+      Add(size / PackedBytes(*field) * kNumber);
     } else {
       Add(kString + kPointer);  // The bytes themselves are not counted.
     }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "codec/parsed_memory.hpp"
+#include "foxglove/CameraCalibration.pb.h"
 #include "foxglove/Log.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "hgros/codec/message.hpp"
@@ -63,6 +64,17 @@ TEST(DynamicSchema, RefusesAMessageThatTakesMuchMoreMemoryThanItsSize) {
   foxglove::PointCloud large;
   large.mutable_data()->resize(64 << 20);
   EXPECT_NE(schema->Read(AsBytes(large.SerializeAsString()), 1 << 20), nullptr) << "its bytes do not count";
+}
+
+TEST(DynamicSchema, ReadsLargeArraysOfFixedSizeNumbers) {
+  std::string fault;
+  const auto schema = DynamicSchema::Build(SchemaOf(TypeOf<foxglove::CameraCalibration>()), fault);
+  ASSERT_NE(schema, nullptr) << fault;
+  foxglove::CameraCalibration calibration;
+  calibration.mutable_d()->Resize(1 << 20, 1);  // 8 MiB.
+  const std::string bytes = calibration.SerializeAsString();
+  EXPECT_NE(schema->Read(AsBytes(bytes), 24 << 20), nullptr);
+  EXPECT_EQ(schema->Read(AsBytes(bytes), 8 << 20), nullptr);
 }
 
 TEST(ParsedMemory, IsNotLessThanWhatProtobufReports) {

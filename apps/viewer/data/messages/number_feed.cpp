@@ -21,8 +21,8 @@ void NumberFeed::Add(const RawMessage& message, Time at) {
   if (!type_ || watched_.empty()) return;
   const auto parsed = type_->Read(message.data.bytes);
   if (!parsed) {
-    fault_ =
-        "The last message does not match its publisher's type: its bytes are not a " + message.schema->type_name + ".";
+    fault_ = "The last message cannot be read: its bytes are not a " + message.schema->type_name +
+             ", or it needs too much memory.";
     return;
   }
   for (Watched& watched : watched_) {

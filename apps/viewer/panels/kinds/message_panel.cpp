@@ -110,8 +110,8 @@ class MessagePanel : public Panel {
     if (parsed_) {
       MakeRows();
     } else {
-      fault_ = "The last message does not match its publisher's type: its bytes are not a " +
-               message_->schema->type_name + ".";
+      fault_ = "The last message cannot be read: its bytes are not a " + message_->schema->type_name +
+               ", or it needs too much memory.";
     }
   }
 
