@@ -1,7 +1,9 @@
 #include "hgros/base/names.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "hgros/base/error.hpp"
@@ -11,18 +13,53 @@ namespace hgros {
 namespace {
 
 std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
+  std::vector<std::size_t> before;  // The row above `above`.
+  std::vector<std::size_t> above(b.size() + 1);
+  std::iota(above.begin(), above.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
+    std::vector<std::size_t> row = {i + 1};
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
+      row.push_back(std::min({above[j] + (a[i] == b[j] ? 0 : 1), row[j] + 1, above[j + 1] + 1}));
+      if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j]) row.back() = std::min(row.back(), before[j - 1] + 1);
+    }
+    before = std::exchange(above, std::move(row));
+  }
+  return above.back();
+}
+
+// Lower case, without slashes at the beginning.
+std::string Plain(std::string_view name) {
+  while (name.starts_with('/')) name.remove_prefix(1);
+  std::string plain(name);
+  std::ranges::transform(plain, plain.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return plain;
+}
+
+template <typename Unwanted>
+std::string Without(std::string text, Unwanted unwanted) {
+  std::erase_if(text, unwanted);
+  return text;
+}
+
+bool JoinsWords(char c) { return c == '_' || c == '-'; }
+
+std::vector<std::string> WordsOf(const std::string& name) {
+  std::vector<std::string> words(1);
+  for (const char c : name) {
+    if (JoinsWords(c) || c == '/') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
     }
   }
-  return row[b.size()];
+  return words;
+}
+
+bool IsMistyped(const std::string& a, const std::string& b) {
+  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  const std::size_t letters = std::min(a.size(), b.size());
+  if (letters < 4 || a.front() != b.front() || Without(a, is_digit) == Without(b, is_digit)) return false;
+  return EditDistance(a, b) <= (letters >= 8 && a.back() == b.back() ? 2U : 1U);
 }
 
 }  // namespace
@@ -63,6 +100,19 @@ std::string NearestName(std::string_view name, std::span<const std::string> cand
     }
   }
   return best;
+}
+
+bool DifferByATypingError(std::string_view a, std::string_view b) {
+  const std::string left = Plain(a);
+  const std::string right = Plain(b);
+  if (a == b) return false;
+  if (Without(left, JoinsWords) == Without(right, JoinsWords)) return true;
+  const std::vector<std::string> words = WordsOf(left);
+  const std::vector<std::string> others = WordsOf(right);
+  if (words.size() != others.size()) return false;
+  const auto [one, other] = std::ranges::mismatch(words, others);
+  if (one == words.end()) return false;  // Only the signs between the words differ.
+  return std::equal(one + 1, words.end(), other + 1) && IsMistyped(*one, *other);
 }
 
 }  // namespace hgros

@@ -170,12 +170,14 @@ void GraphCore::NameBusyNodes() const {
 }
 
 void GraphCore::LogUnmatchedOverrides() {
-  std::string sentence;
+  UnmatchedOverrides::Sentences report;
   {
     const std::scoped_lock lock(mutex_);
-    sentence = unmatched_overrides_.Report();
+    report = unmatched_overrides_.Report();
   }
-  if (!sentence.empty()) log_->Write(LogLevel::kInfo, sentence);
+  if (!report.misspelled.empty()) log_->Write(LogLevel::kWarning, report.misspelled);
+  // Nodes of other processes, if one file configures them all.
+  if (!report.others.empty()) log_->Write(LogLevel::kDebug, report.others);
 }
 
 void GraphCore::Shutdown() noexcept {

@@ -1,7 +1,7 @@
 #include "graph/unmatched_overrides.hpp"
 
+#include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "hgros/base/names.hpp"
 
@@ -20,16 +20,28 @@ void UnmatchedOverrides::MarkMatched(const std::string& name) {
   }
 }
 
-std::string UnmatchedOverrides::Report() {
-  if (unmatched_.empty()) return {};
-  const std::vector<std::string> others(others_.begin(), others_.end());
-  std::string list;
-  for (const std::string& name : std::exchange(unmatched_, {})) {
-    const std::string nearest = NearestName(name, others);
-    list += (list.empty() ? "\"" : ", \"") + name + "\"" +
-            (nearest.empty() ? std::string() : " (did you mean \"" + nearest + "\"?)");
+UnmatchedOverrides::Sentences UnmatchedOverrides::Report() {
+  std::string misspelled;
+  std::string others;
+  const auto add = [](std::string& list, const std::string& text) { list += (list.empty() ? "" : ", ") + text; };
+  for (auto name = unmatched_.begin(); name != unmatched_.end();) {
+    const auto similar =
+        std::ranges::find_if(others_, [&](const std::string& node) { return DifferByATypingError(node, *name); });
+    if (similar == others_.end()) {
+      if (said_.insert(*name).second) add(others, "\"" + *name + "\"");
+      ++name;
+      continue;
+    }
+    add(misspelled, "\"" + *name + "\" (did you mean \"" + *similar + "\"?)");
+    name = unmatched_.erase(name);
   }
-  return "The configuration sets data_graph: nodes for names that no node of this process has so far: " + list + ".";
+  const auto sentence = [](const std::string& list) {
+    return list.empty()
+               ? list
+               : "The configuration sets data_graph: nodes for names that no node of this process has so far: " + list +
+                     ".";
+  };
+  return {sentence(misspelled), sentence(others)};
 }
 
 }  // namespace hgros

@@ -294,7 +294,7 @@ void Services::LookForSecondServers() {
     }
     std::string sentence = "Service \"" + name + "\" is served here and by session " + other.name() +
                            ". Each caller uses the one that it found first. Give one of them another name.";
-    log_->WriteLimited(LogLevel::kWarning, "served twice", sentence);
+    log_->WriteLimited(LogLevel::kWarning, "served twice " + name, sentence);
     With([&](ServicePlace& place) { place.ReportServedTwice(other, RequestChannel(name), std::move(sentence)); });
   }
 }

@@ -13,62 +13,33 @@ namespace {
 
 constexpr std::string_view kOwnChannels = "hgros/";
 constexpr auto kTimeForOthers = std::chrono::seconds(5);
+constexpr auto kTimeForLateOnes = std::chrono::seconds(25);  // After kTimeForOthers.
 constexpr auto kBetweenLooks = std::chrono::seconds(1);
-constexpr std::string_view kRequests = "hgros/call/";
 
 using Names = std::set<std::string, std::less<>>;
 
-void Append(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
-
 std::string Quoted(const std::string& name) { return "\"" + name + "\""; }
 
-// For example "camera1" and "camera2": such names are similar on purpose.
-bool DifferInDigitsOnly(const std::string& a, const std::string& b) {
-  const auto without_digits = [](std::string text) {
-    std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
-    return text;
-  };
-  return without_digits(a) == without_digits(b);
-}
-
-std::vector<std::string> PartsOf(std::string_view name) {
-  std::vector<std::string> parts;
-  while (name.starts_with('/')) name.remove_prefix(1);
-  for (std::size_t end = name.find('/'); end != std::string_view::npos; end = name.find('/')) {
-    parts.emplace_back(name.substr(0, end));
-    name.remove_prefix(end + 1);
-  }
-  parts.emplace_back(name);
-  return parts;
-}
-
-// Stricter than NearestName(), because long names of different channels have much in common: at most one part between
-// slashes may differ, and it must be similar. A slash at the beginning does not count.
-bool AreProbablyOne(const std::string& a, const std::string& b) {
-  const std::vector<std::string> left = PartsOf(a);
-  const std::vector<std::string> right = PartsOf(b);
-  if (left.size() != right.size()) return false;
-  const auto [first, other] = std::ranges::mismatch(left, right);
-  if (first == left.end()) return true;
-  if (!std::equal(first + 1, left.end(), other + 1)) return false;
-  return !DifferInDigitsOnly(*first, *other) && !NearestName(*first, {&*other, 1}).empty();
-}
-
-// The most similar name of `used` that the configuration does not have in the same place.
-std::string NearestUnlisted(const std::string& name, const Names& used, const Names& listed) {
-  std::vector<std::string> candidates;
-  std::ranges::copy_if(used, std::back_inserter(candidates), [&](const auto& one) { return !listed.contains(one); });
-  return NearestName(name, candidates);
+// The most similar one of the candidates that are probably the same name. Empty if there is none.
+std::string NearestOf(const std::string& name, const std::vector<std::string>& candidates) {
+  std::vector<std::string> similar;
+  std::ranges::copy_if(candidates, std::back_inserter(similar),
+                       [&](const std::string& one) { return DifferByATypingError(one, name); });
+  if (similar.empty()) return {};
+  std::string nearest = NearestName(name, similar);
+  return nearest.empty() ? similar.front() : nearest;
 }
 
 // Without a similar name, an entry may well be meant for later or for another process, so nothing is said about it.
 void AddMisspelled(const Names& listed, const std::string& where, const Names& all, const Names& used,
-                   std::string& list) {
+                   std::vector<std::string>& found) {
   for (const std::string& name : listed) {
     if (all.contains(name) || name.starts_with(kOwnChannels)) continue;
-    const std::string nearest = NearestUnlisted(name, used, listed);
-    if (nearest.empty() || !AreProbablyOne(name, nearest)) continue;
-    Append(list, Quoted(name) + " in " + where + " (did you mean " + Quoted(nearest) + "?)");
+    std::vector<std::string> unlisted;
+    std::ranges::set_difference(used, listed, std::back_inserter(unlisted));
+    const std::string nearest = NearestOf(name, unlisted);
+    if (nearest.empty()) continue;
+    found.push_back(Quoted(name) + " in " + where + " (did you mean " + Quoted(nearest) + "?)");
   }
 }
 
@@ -87,10 +58,7 @@ bool MisspelledNames::AreIn(const Config& config) {
 }
 
 void MisspelledNames::SayUnused(const Config& config) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (std::exchange(said_unused_, true) || !AreIn(config)) return;
-  }
+  if (!AreIn(config)) return;
   Names all;
   Names published;
   Names subscribed;
@@ -102,12 +70,19 @@ void MisspelledNames::SayUnused(const Config& config) {
   for (const ChannelSnapshot& channel : means_.graph.Snapshot().channels) all.insert(channel.name);
   Names set;
   for (const auto& [name, settings] : config.channels) set.insert(name);
-  std::string list;
-  AddMisspelled(set, "channels", all, all, list);
-  AddMisspelled(ListedAt(config.publishers), "network.publisher", all, published, list);
-  AddMisspelled(ListedAt(config.subscribers), "network.subscribers", all, subscribed, list);
+  std::vector<std::string> found;
+  AddMisspelled(set, "channels", all, all, found);
+  AddMisspelled(ListedAt(config.publishers), "network.publisher", all, published, found);
+  AddMisspelled(ListedAt(config.subscribers), "network.subscribers", all, subscribed, found);
   AddMisspelled({config.closed_channels.begin(), config.closed_channels.end()}, "data_graph.close_channels", all, all,
-                list);
+                found);
+  std::string list;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const std::string& one : found) {
+      if (said_.insert(one).second) list += (list.empty() ? "" : ", ") + one;
+    }
+  }
   if (list.empty()) return;
   means_.log->Write(LogLevel::kWarning,
                     "The configuration names channels that this session has not used so far: " + list + ".");
@@ -118,7 +93,7 @@ void MisspelledNames::Note(const std::string& channel) {
   {
     const std::scoped_lock lock(mutex_);
     if (!noted_.insert(channel).second) return;
-    due_.emplace_back(std::chrono::steady_clock::now() + kTimeForOthers, channel);
+    due_.emplace(std::chrono::steady_clock::now() + kTimeForOthers, Due{channel});
     if (std::exchange(looks_, true)) return;
   }
   LookIn(kTimeForOthers);
@@ -130,47 +105,56 @@ void MisspelledNames::LookIn(std::chrono::nanoseconds delay) {
   });
 }
 
-// Listing all channels takes long, so it is done once for all that are due.
+// Listing all channels takes long, so it is done only at the second look, and once for all that are due.
 std::optional<std::chrono::nanoseconds> MisspelledNames::LookForOtherEnds() {
-  std::vector<std::string> alone;
-  std::optional<std::chrono::nanoseconds> again;
+  const auto now = std::chrono::steady_clock::now();
+  std::vector<Due> alone;
   {
     const std::scoped_lock lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
-    for (; !due_.empty() && due_.front().first <= now; due_.pop_front()) alone.push_back(due_.front().second);
-    looks_ = !due_.empty();
-    if (looks_) again = std::max<std::chrono::nanoseconds>(due_.front().first - now, kBetweenLooks);
+    for (; !due_.empty() && due_.begin()->first <= now; due_.erase(due_.begin())) alone.push_back(due_.begin()->second);
   }
-  std::erase_if(alone, [this](const std::string& channel) { return means_.connected(channel); });
-  if (alone.empty()) return again;
-  const std::vector<KnownChannel> known = means_.known();
-  const SessionId self = means_.own().session.id;
-  for (const std::string& channel : alone) SayIfAlone(channel, known, self);
-  return again;
+  std::erase_if(alone, [this](const Due& due) { return means_.connected(due.channel); });
+  const bool lists = std::ranges::any_of(alone, &Due::again);
+  const std::vector<KnownChannel> known = lists ? means_.known() : std::vector<KnownChannel>();
+  for (const Due& due : alone) {
+    if (due.again) SayIfAlone(due.channel, known);
+  }
+  const std::scoped_lock lock(mutex_);
+  for (const Due& due : alone) {
+    if (!due.again) due_.emplace(now + kTimeForLateOnes, Due{due.channel, true});
+  }
+  looks_ = !due_.empty();
+  if (!looks_) return std::nullopt;
+  return std::max<std::chrono::nanoseconds>(due_.begin()->first - now, kBetweenLooks);
 }
 
 bool MisspelledNames::HasSubscribers(const KnownChannel& channel) const {
   return !channel.subscribers.empty() || means_.graph.NodeCount(channel.name) > 0;
 }
 
+bool MisspelledNames::IsPublishedHere(const std::string& channel) const {
+  const GraphSnapshot graph = means_.graph.Snapshot();
+  const auto found = std::ranges::find(graph.channels, channel, &ChannelSnapshot::name);
+  return found != graph.channels.end() && found->published > 0;
+}
+
 // Says something only if both channels have one end each: then they are probably meant to be one.
-void MisspelledNames::SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known,
-                                 SessionId self) const {
+void MisspelledNames::SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known) const {
   const auto own = std::ranges::find(known, channel, &KnownChannel::name);
   if (own == known.end()) return;
-  const auto is_here = [self](const ChannelUser& user) { return user.session == self; };
-  const bool awaits = own->publishers.empty() && std::ranges::any_of(own->subscribers, is_here);
+  const auto is_here = [self = means_.own().session.id](const ChannelUser& user) { return user.session == self; };
+  const bool awaits =
+      own->publishers.empty() && !IsPublishedHere(channel) && std::ranges::any_of(own->subscribers, is_here);
   const bool calls = !HasSubscribers(*own) && std::ranges::any_of(own->publishers, is_here);
   if (!awaits && !calls) return;
   std::vector<std::string> others;
   for (const KnownChannel& one : known) {
     const bool fits =
         awaits ? !one.publishers.empty() && !HasSubscribers(one) : !one.subscribers.empty() && one.publishers.empty();
-    if (fits && !one.name.starts_with(kOwnChannels) && AreProbablyOne(one.name, channel)) others.push_back(one.name);
+    if (fits && !one.name.starts_with(kOwnChannels)) others.push_back(one.name);
   }
-  if (others.empty()) return;
-  std::string nearest = NearestName(channel, others);
-  if (nearest.empty()) nearest = others.front();
+  const std::string nearest = NearestOf(channel, others);
+  if (nearest.empty()) return;
   const KnownChannel& other = *std::ranges::find(known, nearest, &KnownChannel::name);
   const ChannelUser& user = (awaits ? other.publishers : other.subscribers).front();
   means_.log->Write(LogLevel::kWarning, Quoted(channel) +
@@ -179,15 +163,6 @@ void MisspelledNames::SayIfAlone(const std::string& channel, const std::vector<K
                                             "Did you mean " + Quoted(nearest) + ", which " + user.process +
                                             " (process " + std::to_string(user.pid) + ") " +
                                             (awaits ? "publishes" : "subscribes to") + "?");
-}
-
-std::vector<std::string> MisspelledNames::KnownServices() const {
-  std::vector<std::string> services;
-  for (const KnownChannel& one : means_.known()) {
-    if (one.subscribers.empty() || !one.name.starts_with(kRequests)) continue;
-    services.push_back(one.name.substr(kRequests.size()));
-  }
-  return services;
 }
 
 }  // namespace hgros

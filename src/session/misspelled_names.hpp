@@ -1,14 +1,13 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "hgros/base/log.hpp"
@@ -37,27 +36,31 @@ class MisspelledNames {
 
   // Whether the configuration names channels.
   [[nodiscard]] static bool AreIn(const Config& config);
-  // Reports channels of the configuration that the session has not used so far. Does nothing the second time.
+  // Reports channels of the configuration that the session has not used so far.
   void SayUnused(const Config& config);
-  // A channel of this session is open to others. If it has no other end when these had time to start, and another one
-  // of nearly the same name has none either, this is reported.
+  // A channel of this session is open to others. If it has no other end after 5 s and after 30 s, when these had time
+  // to start, and another one of nearly the same name has none either, this is reported.
   void Note(const std::string& channel);
-  // The services of all sessions that this one knows.
-  [[nodiscard]] std::vector<std::string> KnownServices() const;
 
  private:
+  // A channel to look for.
+  struct Due {
+    std::string channel;
+    bool again = false;  // The first look found no other end.
+  };
   void LookIn(std::chrono::nanoseconds delay);
   // Returns after what time it must be called again, if it must.
   [[nodiscard]] std::optional<std::chrono::nanoseconds> LookForOtherEnds();
   [[nodiscard]] bool HasSubscribers(const KnownChannel& channel) const;
-  void SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known, SessionId self) const;
+  void SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known) const;
+  [[nodiscard]] bool IsPublishedHere(const std::string& channel) const;
 
   const Means means_;
   std::mutex mutex_;
-  bool said_unused_ = false;  // Guarded by mutex_, like the rest.
+  std::set<std::string> said_;  // What SayUnused() has reported. Guarded by mutex_, like the rest.
   std::set<std::string> noted_;
-  bool looks_ = false;                                                             // LookForOtherEnds() will be called.
-  std::deque<std::pair<std::chrono::steady_clock::time_point, std::string>> due_;  // Noted, but not looked for yet.
+  bool looks_ = false;  // LookForOtherEnds() will be called.
+  std::multimap<std::chrono::steady_clock::time_point, Due> due_;
 };
 
 }  // namespace hgros

@@ -105,7 +105,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
     events_->PublishPeer(*errands_, {PeerEvent::Kind::kServedTwice, other, std::move(channel), std::move(sentence)});
   }
   void Receive(const Visit& visit) noexcept override;
-  [[nodiscard]] std::vector<std::string> KnownServices() override { return misspelled_->KnownServices(); }
+  [[nodiscard]] std::vector<std::string> KnownServices() override;
 
   // In session_channels.cpp. Call it under mutex_.
   [[nodiscard]] SessionChannels OwnChannels() const;

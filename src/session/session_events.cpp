@@ -48,7 +48,7 @@ std::string SessionEvents::ReportTypeMismatch(ErrandThread& thread, const PeerIn
   std::string sentence = "Nothing passes between session " + self_ + " and session " + peer.name() +
                          " on a channel that they use with different types, " + std::string(what) +
                          ". Build both programs with one type, or give one of them another channel name.";
-  log_->WriteLimited(LogLevel::kError, "type mismatch", sentence);
+  log_->WriteLimited(LogLevel::kError, "type mismatch " + std::string(channel), sentence);
   PublishPeer(thread, {PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), sentence});
   return sentence;
 }

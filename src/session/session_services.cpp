@@ -4,6 +4,19 @@
 #include "session/session_core.hpp"
 
 namespace hgros {
+namespace {
+
+std::vector<std::string> ServicesAmong(const std::vector<KnownChannel>& channels) {
+  const std::string requests = RequestChannel("");
+  std::vector<std::string> services;
+  for (const KnownChannel& one : channels) {
+    if (!one.subscribers.empty() && one.name.starts_with(requests))
+      services.push_back(one.name.substr(requests.size()));
+  }
+  return services;
+}
+
+}  // namespace
 
 Subscription SessionCore::Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
                                  std::size_t queue_depth) {
@@ -44,5 +57,7 @@ ChannelSearch SessionCore::Search(const std::string& channel) {
   nobody.complete = true;
   return nobody;
 }
+
+std::vector<std::string> SessionCore::KnownServices() { return ServicesAmong(Channels()); }
 
 }  // namespace hgros

@@ -89,6 +89,31 @@ TEST(NearestName, FindsTheMostSimilarName) {
   EXPECT_EQ(NearestName("closed_channels", keys), "close_channels");
 }
 
+TEST(NearestName, CountsSwappedLettersAsOneError) {
+  const std::vector<std::string> keys = {"can", "scan"};
+  EXPECT_EQ(NearestName("scna", keys), "scan");
+}
+
+TEST(TypingError, IsFoundOnlyInNamesThatAreNotSimilarOnPurpose) {
+  using Pair = std::pair<const char*, const char*>;
+  for (const auto& [a, b] : {Pair{"scna", "scan"}, Pair{"pre_chanel", "pre_channel"}, Pair{"/scan", "scan"},
+                             Pair{"lidar_pionts", "lidar_points"}, Pair{"Scan", "scan"},
+                             Pair{"lidarpoints", "lidar_points"}, Pair{"localisation", "localization"},
+                             Pair{"front/camrea/image", "front/camera/image"}, Pair{"diagonstcis", "diagnostics"}}) {
+    EXPECT_TRUE(DifferByATypingError(a, b)) << a << " and " << b;
+    EXPECT_TRUE(DifferByATypingError(b, a)) << b << " and " << a;
+  }
+  for (const auto& [a, b] :
+       {Pair{"image_raw", "image_rect"}, Pair{"wheel_speed_left", "wheel_speed_right"}, Pair{"cloud_in", "cloud_out"},
+        Pair{"scan", "scan_f"}, Pair{"arm_l", "arm_r"}, Pair{"points", "joints"}, Pair{"camera1", "camera2"},
+        Pair{"camera", "camera1"}, Pair{"camera/left/image", "camera/right/image"}, Pair{"map", "cap"},
+        Pair{"scan", "scan"}, Pair{"a/b", "a_b"}, Pair{"", "scan"}, Pair{"velocity_x", "velocity_y"},
+        Pair{"lidar_front", "lidar_rear"}, Pair{"transfroms_stautc", "transforms_static"}}) {
+    EXPECT_FALSE(DifferByATypingError(a, b)) << a << " and " << b;
+    EXPECT_FALSE(DifferByATypingError(b, a)) << b << " and " << a;
+  }
+}
+
 TEST(NearestName, IsEmptyWhenNothingIsSimilar) {
   const std::vector<std::string> keys = {"publisher", "ip"};
   EXPECT_EQ(NearestName("xy", keys), "");

@@ -242,6 +242,25 @@ TEST(Session, LogsAChannelThatNoEndpointListsOnceWithTheNearestName) {
   EXPECT_FALSE(listener.Said("\"wheel\" is subscribed to"));
 }
 
+struct Level {
+  int value = 0;
+};
+
+TEST(Session, LogsEachChannelThatHasDifferentTypes) {
+  constexpr std::size_t kChannels = 12;
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot listener(bus.Subscribing("a"));
+  std::vector<Subscription> subscriptions;
+  for (std::size_t i = 0; i < kChannels; ++i) {
+    const std::string channel = "channel" + std::to_string(i);
+    (void)talker->ToAny(channel, std::make_unique<Note>("x"));
+    subscriptions.push_back(listener->FromAny<Level>(channel, kSerial, [](const Level&) {}));
+  }
+  EXPECT_TRUE(
+      Await([&] { return std::max(talker.Count("different types"), listener.Count("different types")) == kChannels; }));
+}
+
 constexpr const char* kMisspelled = "data_graph: {nodes: {planner: {queue: latest}, localisation: {queue: latest}}}\n";
 
 TEST(Session, LogsUnusedConfiguredNodeNamesAtItsEndWithTheNearestName) {
@@ -258,10 +277,26 @@ TEST(Session, LogsUnusedConfiguredNodeNamesAtItsEndWithTheNearestName) {
   EXPECT_EQ(robot.lines.size(), 1U);
 }
 
+TEST(Session, LogsConfiguredNodeNamesWithoutASimilarOneForDebuggingOnly) {
+  std::vector<LogLevel> levels;
+  std::string said;
+  const auto log = [&](LogLevel level, std::string_view text) {
+    levels.push_back(level);
+    said = text;
+  };
+  {
+    Session session(Config::Parse(kMisspelled), {"robot", log});
+    const auto planner = session.FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "plan"});
+  }
+  EXPECT_EQ(levels, std::vector<LogLevel>{LogLevel::kDebug}) << said;
+  EXPECT_TRUE(said.ends_with("so far: \"localisation\", \"planner\".")) << said;
+}
+
 TEST(Session, LogsUnusedConfiguredNodeNamesOnceSomeSecondsAfterItsStart) {
   Robot robot(kMisspelled);
-  const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
-  EXPECT_TRUE(Await([&] { return robot.Said("has so far: \"localisation\"."); }));
+  const auto planner = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "planner"});
+  const auto localizer = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "localization"});
+  EXPECT_TRUE(Await([&] { return robot.Said("has so far: \"localisation\" (did you mean \"localization\"?)."); }));
   robot.session.reset();
   EXPECT_EQ(robot.lines.size(), 1U);
 }

@@ -24,4 +24,11 @@ HGROS_EXPORT void RequireChannelName(std::string_view name);
 /// differs, because then it is unlikely to be meant.
 [[nodiscard]] HGROS_EXPORT std::string NearestName(std::string_view name, std::span<const std::string> candidates);
 
+/// Whether two names of channels or nodes differ as by a typing error. Stricter than NearestName(), because names such
+/// as image_raw and image_rect, arm_l and arm_r or camera1 and camera2 are similar on purpose. Names that differ only
+/// in capitals, `_`, `-` or a slash at the beginning are one. Otherwise they must differ in one word: one of at least 4
+/// letters, that begins with the same letter, in one letter or two that are swapped; or one of at least 8, that also
+/// ends with the same letter, in two.
+[[nodiscard]] HGROS_EXPORT bool DifferByATypingError(std::string_view a, std::string_view b);
+
 }  // namespace hgros
