@@ -6,11 +6,20 @@
 namespace hgros {
 namespace {
 
+// "a map with network, discovery and time".
+std::string MapOfSections() {
+  std::string text = "a map with ";
+  for (std::size_t i = 0; i < kConfigSections.size(); ++i) {
+    if (i > 0) text += i + 1 == kConfigSections.size() ? " and " : ", ";
+    text += kConfigSections[i];
+  }
+  return text;
+}
+
 void ReadFile(const yaml::Document& document, std::span<const std::string> program_sections, ConfigDraft& draft) {
   std::vector<std::string_view> known(kConfigSections.begin(), kConfigSections.end());
   known.insert(known.end(), program_sections.begin(), program_sections.end());
-  const yaml::Section file(yaml::Value(document),
-                           "a map with network, discovery, shared_memory, time, data_graph and channels", known);
+  const yaml::Section file(yaml::Value(document), MapOfSections(), known);
   if (const auto network = file.Find("network")) ReadNetwork(*network, draft);
   if (const auto discovery = file.Find("discovery")) ReadDiscovery(*discovery, draft);
   if (const auto memory = file.Find("shared_memory")) ReadSharedMemory(*memory, draft);

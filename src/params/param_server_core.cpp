@@ -9,13 +9,14 @@
 namespace hgros {
 namespace {
 
-void RequireThere(const ParamNodePtr& root, const ParamPath& path) {
+// A step that removes a parameter has no value.
+void RequireThere(const ParamNodePtr& root, const ParamPath& path, bool removes) {
   if (param_tree::Find(root, path) != nullptr) return;
   const std::string name = path.ToString();
   const std::string nearest = NearestName(name, param_tree::ListBelow(ParamView(root)));
   throw ParamError(
       "There is no parameter " + name + "." + (nearest.empty() ? std::string() : " Did you mean " + nearest + "?"), {},
-      "To create it, pass IfMissing::kCreate.");
+      removes ? "" : "To create it, pass IfMissing::kCreate.");
 }
 
 }  // namespace
@@ -95,7 +96,7 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps, IfMissing 
     try {
       for (const Step& step : steps) {
         param_tree::RequireNotSession(step.path);
-        if (if_missing == IfMissing::kRefuse) RequireThere(after, step.path);
+        if (if_missing == IfMissing::kRefuse) RequireThere(after, step.path, step.value == nullptr);
         after = param_tree::With(after, step.path, step.value);
       }
       after = declared.WithFallbacks(after);
