@@ -53,9 +53,7 @@ void SessionCore::Receive(const Visit& visit) noexcept {
 ChannelSearch SessionCore::Search(const std::string& channel) {
   const std::scoped_lock lock(mutex_);
   if (bridge_) return bridge_->Search(channel);
-  ChannelSearch nobody;
-  nobody.complete = true;
-  return nobody;
+  return {.announced = {}, .complete = true, .complete_at = {}};
 }
 
 std::vector<std::string> SessionCore::KnownServices() { return ServicesAmong(Channels()); }
