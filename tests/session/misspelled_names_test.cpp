@@ -107,6 +107,7 @@ TEST_F(MisspelledNamesOfTwo, AChannelWithoutAnotherEndIsLoggedWithTheNearestOneO
     return driver.Said("\"/scan\" is published here, but nobody subscribes to it. Did you mean \"scan\", which mapper");
   }));
   const auto again = mapper->FromAny<Note>("scan", kSerial, ignore);
+  test::Linger(std::chrono::milliseconds(2500));  // Channels that were opened later are looked at 1 s later.
   driver.session.reset();
   mapper.session.reset();
   EXPECT_EQ(mapper.Count("Did you mean"), 1U) << "local_goal is published here";
