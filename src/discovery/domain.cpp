@@ -16,7 +16,7 @@ bool IsDomain(std::string_view name) noexcept {
 
 void RequireDomain(std::string_view name) {
   if (IsDomain(name)) return;
-  throw Error("The domain \"" + Readable(name, discovery::kMaxTextBytes) + "\" cannot be used.", {},
+  throw Error("The domain \"" + Readable(name, discovery::kMaxAnnouncedTextBytes) + "\" cannot be used.", {},
               "Use 1 to 64 letters, digits, '_', '-' and '.', not beginning with a '.', such as \"robot1\".");
 }
 

@@ -14,8 +14,7 @@ std::string ObstacleOf(const Announcement& peer) {
   const std::uint64_t network = AnnouncementOfThisProcess({}, 0).network;
   if (network != 0 && peer.network != 0 && network != peer.network) {
     return "it is in another network namespace (readlink /proc/PID/ns/net). Run both in one, or give the publishing "
-           "side "
-           "an endpoint";
+           "side an endpoint";
   }
   // In another pid namespace the number belongs to another process, or to none.
   const auto stat = discovery::ReadProcessStat("/proc/" + std::to_string(peer.pid) + "/stat");

@@ -1,10 +1,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <system_error>
 
@@ -12,22 +10,6 @@
 #include "hgros/discovery/announcement.hpp"
 
 namespace hgros {
-
-// The second field, the name, may contain spaces and parentheses.
-std::optional<discovery::ProcessStat> discovery::ReadProcessStat(const std::string& path) {
-  std::ifstream file(path);
-  std::string text;
-  std::getline(file, text);
-  const std::size_t name_end = text.rfind(')');
-  if (name_end == std::string::npos) return std::nullopt;
-  std::istringstream rest(text.substr(name_end + 1));
-  ProcessStat stat;
-  rest >> stat.state;
-  std::string skipped;
-  for (int field = 4; field < 22; ++field) rest >> skipped;
-  rest >> stat.start_time;
-  return stat;
-}
 
 Announcement AnnouncementOfThisProcess(SessionId session, std::uint64_t incarnation) {
   Announcement own;

@@ -25,7 +25,7 @@ struct Endpoint {
 // The parts of "tcp://HOST:PORT" with an IPv4 address or "*" as host; nothing for any other text. Names are refused:
 // ZeroMQ would look them up on the thread that serves all connections, which stop for as long as that takes.
 std::optional<Endpoint> SplitTcp(std::string_view text) {
-  if (text.size() > kMaxTextBytes || !text.starts_with(kTcp)) return std::nullopt;
+  if (text.size() > kMaxAnnouncedTextBytes || !text.starts_with(kTcp)) return std::nullopt;
   text.remove_prefix(kTcp.size());
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return std::nullopt;
@@ -52,8 +52,8 @@ std::string EncodeDatagram(const Announcement& own, std::string_view domain, boo
   datagram.set_domain(std::string(domain));
   datagram.set_session(own.session.value);
   datagram.set_incarnation(own.incarnation);
-  datagram.set_process(Readable(own.process, kMaxTextBytes));
-  datagram.set_host(Readable(own.host, kMaxTextBytes));
+  datagram.set_process(Readable(own.process, kMaxAnnouncedTextBytes));
+  datagram.set_host(Readable(own.host, kMaxAnnouncedTextBytes));
   datagram.set_pid(own.pid);
   datagram.set_ends(ends);
   for (std::string endpoint : own.endpoints) {
@@ -86,8 +86,8 @@ std::optional<Heard> ParseDatagram(Bytes bytes, std::string_view domain, const s
   heard.ends = datagram.ends();
   heard.peer.session = {datagram.session()};
   heard.peer.incarnation = datagram.incarnation();
-  heard.peer.process = Readable(datagram.process(), kMaxTextBytes);
-  heard.peer.host = Readable(datagram.host(), kMaxTextBytes);
+  heard.peer.process = Readable(datagram.process(), kMaxAnnouncedTextBytes);
+  heard.peer.host = Readable(datagram.host(), kMaxAnnouncedTextBytes);
   heard.peer.pid = datagram.pid();
   heard.peer.sender = sender;
   for (const std::string& endpoint : datagram.endpoints()) {

@@ -32,8 +32,8 @@ void Write(const Announcement& from, wire::AnnouncementFile& to) {
   to.set_version(kFileVersion);
   to.set_session(from.session.value);
   to.set_incarnation(from.incarnation);
-  to.set_process(Readable(from.process, kMaxTextBytes));
-  to.set_host(Readable(from.host, kMaxTextBytes));
+  to.set_process(Readable(from.process, kMaxAnnouncedTextBytes));
+  to.set_host(Readable(from.host, kMaxAnnouncedTextBytes));
   to.set_pid(from.pid);
   to.set_pid_start_time(from.pid_start_time);
   to.set_boot_id(from.boot_id);
@@ -61,7 +61,7 @@ void Write(const Announcement& from, wire::AnnouncementFile& to) {
     one.set_not_by_endpoints(!Allows(channel.transports, kZmqKey));
     for (const std::string& key : channel.transports.value_or(std::vector<std::string>())) one.add_transports(key);
   }
-  for (const std::string& process : from.only) to.add_only(Readable(process, kMaxTextBytes));
+  for (const std::string& process : from.only) to.add_only(Readable(process, kMaxAnnouncedTextBytes));
 }
 
 bool IsPrintable(std::string_view text, std::size_t max_bytes) { return text.size() <= max_bytes && IsReadable(text); }
@@ -73,13 +73,14 @@ std::string Fault(const wire::AnnouncementFile& file) {
            std::to_string(kFileVersion);
   }
   if (file.session() == 0) return "it names no session";
-  if (!IsPrintable(file.boot_id(), kMaxTextBytes)) return "its boot id is invalid";
+  if (!IsPrintable(file.boot_id(), kMaxAnnouncedTextBytes)) return "its boot id is invalid";
   if (!IsPrintable(file.shared_memory(), kMaxPathBytes)) return "its place of shared memory is invalid";
   if (file.places_size() > static_cast<int>(kMaxPlaces)) {
     return "it has more than " + std::to_string(kMaxPlaces) + " places of transports";
   }
   for (const wire::AnnouncedPlace& one : file.places()) {
-    if (one.key().empty() || !IsPrintable(one.key(), kMaxTextBytes) || !IsPrintable(one.place(), kMaxPathBytes)) {
+    if (one.key().empty() || !IsPrintable(one.key(), kMaxAnnouncedTextBytes) ||
+        !IsPrintable(one.place(), kMaxPathBytes)) {
       return "one of its places of transports is invalid";
     }
   }
@@ -87,7 +88,7 @@ std::string Fault(const wire::AnnouncementFile& file) {
     return "it has more than " + std::to_string(kMaxEndpoints) + " endpoints";
   }
   for (const std::string& endpoint : file.endpoints()) {
-    if (endpoint.empty() || !IsPrintable(endpoint, kMaxTextBytes)) return "one of its endpoints is invalid";
+    if (endpoint.empty() || !IsPrintable(endpoint, kMaxAnnouncedTextBytes)) return "one of its endpoints is invalid";
   }
   if (file.only_size() > static_cast<int>(kMaxOnly)) {
     return "it names more than " + std::to_string(kMaxOnly) + " processes that it connects with";
@@ -96,14 +97,15 @@ std::string Fault(const wire::AnnouncementFile& file) {
     if (const std::string fault = ChannelNameFault(channel.channel()); !fault.empty()) {
       return "one of its channel names cannot be used: " + fault;
     }
-    if (!IsPrintable(channel.type_name(), kMaxTextBytes)) {
+    if (!IsPrintable(channel.type_name(), kMaxAnnouncedTextBytes)) {
       return "the type name of channel " + channel.channel() + " is invalid";
     }
     if (channel.transports_size() > static_cast<int>(kMaxPlaces)) {
       return "channel " + channel.channel() + " names more than " + std::to_string(kMaxPlaces) + " transports";
     }
     for (const std::string& key : channel.transports()) {
-      if (!IsPrintable(key, kMaxTextBytes)) return "a transport of channel " + channel.channel() + " is invalid";
+      if (!IsPrintable(key, kMaxAnnouncedTextBytes))
+        return "a transport of channel " + channel.channel() + " is invalid";
     }
     if (channel.encoding() > static_cast<std::uint32_t>(Encoding::kPlain)) {
       return "the encoding of channel " + channel.channel() + " is unknown";
@@ -116,8 +118,8 @@ Announcement Read(const wire::AnnouncementFile& from) {
   Announcement to;
   to.session = {from.session()};
   to.incarnation = from.incarnation();
-  to.process = Readable(from.process(), kMaxTextBytes);
-  to.host = Readable(from.host(), kMaxTextBytes);
+  to.process = Readable(from.process(), kMaxAnnouncedTextBytes);
+  to.host = Readable(from.host(), kMaxAnnouncedTextBytes);
   to.pid = from.pid();
   to.pid_start_time = from.pid_start_time();
   to.boot_id = from.boot_id();
@@ -136,7 +138,7 @@ Announcement Read(const wire::AnnouncementFile& from) {
                                       .lossless = channel.lossless()},
                            TransportsOf(channel)});
   }
-  for (const std::string& process : from.only()) to.only.push_back(Readable(process, kMaxTextBytes));
+  for (const std::string& process : from.only()) to.only.push_back(Readable(process, kMaxAnnouncedTextBytes));
   return to;
 }
 

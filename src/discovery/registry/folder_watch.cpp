@@ -123,7 +123,7 @@ void FolderWatch::ReadEvents(News& news) {
       std::memcpy(&event, buffer + at, sizeof event);
       const char* const name = buffer + at + sizeof event;
       at += static_cast<ssize_t>(sizeof event + event.len);
-      if ((event.mask & IN_Q_OVERFLOW) != 0) news.missed = true;
+      if ((event.mask & IN_Q_OVERFLOW) != 0) news.missed = news.deaths = true;
       if (event.wd != watch_) continue;
       if ((event.mask & (IN_DELETE_SELF | IN_MOVE_SELF | IN_IGNORED | IN_UNMOUNT)) != 0) news.folder_lost = true;
       if (event.len == 0) continue;

@@ -30,6 +30,12 @@ bool CanUse(const fs::path& folder) {
   return folder.is_absolute() && FolderFault(folder).empty() && access(folder.c_str(), W_OK) == 0;
 }
 
+// One folder may have several paths: /var/run is often a link to /run.
+bool IsSameFolder(const fs::path& one, const fs::path& other) {
+  std::error_code fault;  // One of them does not exist.
+  return one == other || fs::equivalent(one, other, fault);
+}
+
 // Sessions in different network namespaces cannot share memory, so they do not follow each other's links.
 std::string LinksOfThisNetwork() {
   struct stat status {};
@@ -110,6 +116,7 @@ fs::path RegistryPlaces::Choose(const std::string& domain) const {
   }
   const auto joins = std::ranges::find_if(all, [&](const fs::path& place) { return HoldsSessions(place / domain); });
   const fs::path chosen = joins == all.end() ? all.front() : *joins;
+  (void)mkdir(chosen.c_str(), kForThisUser);  // Others remove a link to a folder that does not exist.
   Link(chosen);
   return chosen;
 }
@@ -126,7 +133,7 @@ std::vector<RegistryPlaces::Elsewhere> RegistryPlaces::FindElsewhere(const fs::p
                                                                      const std::string& domain) const {
   std::vector<Elsewhere> elsewhere;
   const auto look = [&](const fs::path& place, uid_t user) {
-    if (place != chosen && HoldsSessions(place / domain)) elsewhere.push_back({place / domain, user});
+    if (!IsSameFolder(place, chosen) && HoldsSessions(place / domain)) elsewhere.push_back({place / domain, user});
   };
   for (const fs::path& place : All()) look(place, geteuid());
   if (geteuid() != 0) return elsewhere;  // Others' folders cannot be read.

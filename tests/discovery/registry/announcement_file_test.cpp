@@ -62,7 +62,7 @@ TEST(AnnouncementFile, EscapesControlCharacters) {
   const ParsedFile parsed = ParseFile(AsBytes(EncodeFile(own)));
   ASSERT_TRUE(parsed.announcement);
   EXPECT_EQ(parsed.announcement->process, R"(\x1b[2Jname\n)");
-  EXPECT_EQ(parsed.announcement->host, std::string(kMaxTextBytes, 'h'));
+  EXPECT_EQ(parsed.announcement->host, std::string(kMaxAnnouncedTextBytes, 'h'));
 }
 
 TEST(AnnouncementFile, ReportsWhyAFileIsRefused) {
@@ -75,7 +75,7 @@ TEST(AnnouncementFile, ReportsWhyAFileIsRefused) {
       {"no session", [](auto& file) { file.set_session(0); }},
       {"endpoints", [](auto& file) { file.add_endpoints(""); }},
       {"endpoints", [](auto& file) { file.add_endpoints("tcp://\n"); }},
-      {"endpoints", [](auto& file) { file.add_endpoints(std::string(kMaxTextBytes + 1, 'x')); }},
+      {"endpoints", [](auto& file) { file.add_endpoints(std::string(kMaxAnnouncedTextBytes + 1, 'x')); }},
       {"more than 16 endpoints",
        [](auto& file) {
          for (int i = 0; i < 17; ++i) file.add_endpoints("tcp://a:1");

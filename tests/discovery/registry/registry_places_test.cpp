@@ -91,6 +91,24 @@ TEST_F(PlacesOfAHost, SessionsThatStartedInTwoFoldersAreReported) {
   EXPECT_EQ(elsewhere[0].user, geteuid());
 }
 
+TEST_F(PlacesOfAHost, OneFolderWithTwoPathsIsNotReported) {
+  MakeFolder(users / kUser);
+  const fs::path linked = scratch.path() / "linked";
+  fs::create_directory_symlink(users, linked);
+  const RegistryPlaces places = With(linked / kUser);
+  const fs::path chosen = places.Choose("robot");
+  EXPECT_EQ(chosen, linked / kUser / "hgros");
+  const auto living = Live(chosen);
+  EXPECT_TRUE(places.FindElsewhere(chosen, "robot").empty());
+}
+
+TEST_F(PlacesOfAHost, LinkStaysWhileItsFirstSessionStarts) {
+  EXPECT_EQ(With(custom).Choose("robot"), custom / "hgros");
+  (void)With({}).Choose("robot");  // It removes links to folders that do not exist.
+  const auto living = Live(custom / "hgros");
+  EXPECT_EQ(With({}).Choose("robot"), custom / "hgros");
+}
+
 TEST_F(PlacesOfAHost, NameThatAnotherUserHasTakenDoesNotDenyDiscovery) {
   std::ofstream(in_temporary.string()) << "taken";
   fs::create_directory_symlink(scratch.path(), in_temporary.string() + "-1");
