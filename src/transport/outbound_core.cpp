@@ -37,18 +37,22 @@ void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& 
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnRoom(); }); });
 }
 
-void OutboundCore::TellMissed(Log& log, SessionId session, const std::string& who, std::uint64_t messages) {
+void OutboundCore::TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session,
+                              const std::string& who, std::uint64_t messages, Actions& actions) {
   if (messages == 0) return;
   {
-    const std::scoped_lock lock(count_mutex_);
-    std::erase_if(losers_, [&](const Loser& loser) { return loser.session == session; });
-    if (losers_.size() >= kMostLosers) losers_.erase(losers_.begin());
-    losers_.push_back({session, who, messages, last_sequence_.load(std::memory_order_relaxed), false});
+    const std::scoped_lock lock(core->count_mutex_);
+    auto& losers = core->losers_;
+    std::erase_if(losers, [&](const Loser& loser) { return loser.session == session; });
+    if (losers.size() >= kMostLosers) losers.erase(losers.begin());
+    losers.push_back({session, who, messages, core->last_sequence_.load(std::memory_order_relaxed), false});
   }
-  log.WriteLimited(LogLevel::kWarning, "missed " + name + " " + session.ToString(),
-                   who + " has gone without confirming " + std::to_string(messages) +
-                       " messages of the lossless channel \"" + name +
-                       "\". It may miss these, and misses those that are published until it is back.");
+  actions.emplace_back([core, &log, session, who, messages] {
+    log.WriteLimited(LogLevel::kWarning, "missed " + core->name + " " + session.ToString(),
+                     who + " has gone without confirming " + std::to_string(messages) +
+                         " messages of the lossless channel \"" + core->name +
+                         "\". It may miss these, and misses those that are published until it is back.");
+  });
 }
 
 void OutboundCore::ReportThoseBack(Log& log, std::uint64_t sequence) {

@@ -31,8 +31,10 @@ struct OutboundCore {
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 
   /// A lossless subscriber has gone without confirming so many messages. Logs that; and the total, with the first
-  /// message after it has subscribed again. `who`: its name, for the log. Does not count them.
-  void TellMissed(Log& log, SessionId session, const std::string& who, std::uint64_t messages);
+  /// message after it has subscribed again. `who`: its name, for the log. Does not count them. Called under the
+  /// transport's mutex, before the session's next link begins. `log` outlives the actions.
+  static void TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session, const std::string& who,
+                         std::uint64_t messages, Actions& actions);
   /// To be called for each message. Cheap.
   void NoteCommit(Log& log, std::uint64_t sequence) {
     last_sequence_.store(sequence, std::memory_order_relaxed);

@@ -44,6 +44,13 @@ TEST(LinkCredit, WakesWhenAQuarterOfTheWindowWasConsumed) {
   EXPECT_FALSE(credit->CollectNews(totals));
 }
 
+TEST(LinkCredit, CountsWithoutAListOfDueCredits) {
+  const auto credit = std::make_shared<LinkCredit>(1, 1, "scan", nullptr);
+  (void)credit->AdmitMessage(1);
+  credit->OnReceived();
+  EXPECT_TRUE(credit->HasRoomNow());
+}
+
 TEST(LinkCredit, WakesForTheFirstMessageWhenThePublisherHasUsedUpItsCredit) {
   Link link(16, 1 << 20);
   const auto& credit = link.credit;

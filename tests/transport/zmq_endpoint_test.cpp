@@ -305,6 +305,8 @@ TEST(ZmqEndpoint, RemovingAPublishEndpointReportsRoomAndFewerSubscribers) {
   ASSERT_EQ(out->Reserve(), PublishStatus::kFull);
   EXPECT_TRUE(a.transport->RemovePublishEndpoint(folder.Ipc()));
   EXPECT_TRUE(Eventually([&] { return source.rooms > 0 && source.subscribers == 0; }));
+  EXPECT_EQ(out->stats().missed, 1U);
+  EXPECT_FALSE(a.Said("has gone without confirming")) << "the subscriber has not gone";
 }
 
 TEST(ZmqEndpoint, RefusesATypeNameTooLongForTheWire) {

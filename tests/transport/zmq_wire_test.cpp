@@ -5,6 +5,7 @@
 
 #include "hgros/control.pb.h"
 #include "hgros/internal/codec/packet.hpp"
+#include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {
@@ -180,6 +181,36 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
     EXPECT_GT(received, kMessages * 9 / 10) << endpoint;
     EXPECT_TRUE(place.Said("does not read fast enough")) << endpoint;
   }
+}
+
+TEST(PlainSubscriber, IsNotCutOffIfItsConnectionIsASessions) {
+  constexpr int kMessages = 300;
+  ZmqOptions options = PublishAt("tcp://127.0.0.1:*");
+  options.plain_queue_bytes = 16 << 20;
+  Place place(std::move(options));
+  conformance::Source source;
+  const auto out = place.transport->Advertise("cloud", TextType(), source);
+  const std::string bound = place.transport->BoundEndpoints().front();
+  RawSocket session(ZMQ_SUB), reader(ZMQ_SUB);
+  const int few = 1;
+  zmq_setsockopt(session.get(), ZMQ_RCVHWM, &few, sizeof few);
+  for (const auto* sub : {&session, &reader}) {
+    zmq_connect(sub->get(), bound.c_str());
+    zmq_setsockopt(sub->get(), ZMQ_SUBSCRIBE, "cloud", sizeof "cloud");
+  }
+  const std::string control = zmq::ControlTopic(SessionId::Random());
+  zmq_setsockopt(session.get(), ZMQ_SUBSCRIBE, control.data(), control.size());
+  ASSERT_FALSE(session.Receive().empty()) << "its Welcome";
+  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+  PacketHead head;
+  head.channel = "cloud";
+  head.encoding = Encoding::kCustom;
+  for (int i = 0; i < kMessages; ++i) {
+    out->Commit(head, Publication::PayloadOf(std::string(100'000, 'x')));
+    (void)reader.Receive(10);
+  }
+  EXPECT_GT(out->stats().dropped, 0U) << "the bytes of all plain subscribers were used up";
+  EXPECT_FALSE(place.Said("does not read fast enough"));
 }
 
 TEST(PlainSubscriber, HasALimitOfWaitingBytesIfItDoesNotRead) {

@@ -77,6 +77,7 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
   InboundMessage& message = arrival.message;
   message.credit = link.receipt->AdmitMessage(descriptor.size_bytes);
   arrival.link = found->second;
+  arrival.ends = link.ends_after == link.receipt->received();
   if (by_socket) {
     slip_->Return(descriptor.slot);
     message.data = std::move(apart->second);
@@ -96,7 +97,6 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
   message.head.publish_time_ns = descriptor.publish_time_ns;
   message.head.publish_monotonic_ns = descriptor.publish_monotonic_ns;
   message.head.latched = descriptor.latched;
-  arrival.ends = link.ends_after == link.receipt->received();
   return Step::kMessage;
 }
 

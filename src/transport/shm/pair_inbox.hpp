@@ -98,7 +98,7 @@ class PairInbox {
   struct Arrival {
     std::shared_ptr<InLink> link;
     InboundMessage message;
-    bool ends = false;          ///< It is the link's last message.
+    bool ends = false;          ///< It is the link's last message, which may be lost.
     const char* lie = nullptr;  ///< The impossible value, in words.
   };
   /// Takes the next message out of the lane.

@@ -150,9 +150,7 @@ bool ShmPublisher::Send(OutLink& link, Leavings& leavings) {
   while (link.pair.out.lane->HasSlot()) {
     auto message = link.flow.Pop();
     if (!message) break;
-    Write(link, *message);
-    // A message that has gone over the socket is no longer needed.
-    if (!static_cast<const ShmMessage&>(*message->packed).place) leavings.messages.push_back(std::move(*message));
+    if (!Write(link, *message)) leavings.messages.push_back(std::move(*message));
     any = true;
   }
   return any;
@@ -199,7 +197,7 @@ bool ShmPublisher::MayUse(Pair& pair, std::uint32_t segment) {
   return true;
 }
 
-void ShmPublisher::Write(OutLink& link, const PendingMessage& queued) {
+bool ShmPublisher::Write(OutLink& link, const PendingMessage& queued) {
   const auto& message = static_cast<const ShmMessage&>(*queued.packed);
   Pair& pair = link.pair;
   Descriptor descriptor{};
@@ -212,7 +210,8 @@ void ShmPublisher::Write(OutLink& link, const PendingMessage& queued) {
   descriptor.publish_time_ns = message.publish_time_ns;
   descriptor.publish_monotonic_ns = message.publish_monotonic_ns;
   descriptor.latched = message.latched;
-  if (message.place && (message.place->segment == 0 || MayUse(pair, message.place->segment))) {
+  const bool in_memory = message.place && (message.place->segment == 0 || MayUse(pair, message.place->segment));
+  if (in_memory) {
     descriptor.segment = message.place->segment;
     descriptor.offset_bytes = message.place->offset_bytes;
     pair.out.lane->Write(descriptor, queued.packed);
@@ -224,6 +223,7 @@ void ShmPublisher::Write(OutLink& link, const PendingMessage& queued) {
     sent_apart_.fetch_add(1, std::memory_order_relaxed);
   }
   link.core->sent.fetch_add(1, std::memory_order_relaxed);
+  return in_memory;
 }
 
 void ShmPublisher::SendWaiting(Pair& pair) {

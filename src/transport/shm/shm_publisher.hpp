@@ -43,9 +43,10 @@ class ShmPublisher {
   // Links: shm_publisher_links.cpp.
   /// Why a link ends. This decides what happens to messages that a lossless subscriber has not confirmed.
   enum class LinkEnd {
-    kAsked,     ///< The subscriber wants no more.
-    kForGood,   ///< The subscriber does not get the rest: it is counted as missed.
-    kPairLost,  ///< The subscriber may still be alive: its channel may keep the rest for it.
+    kAsked,      ///< The subscriber wants no more.
+    kForGood,    ///< The subscriber does not get the rest: it is counted as missed, and this is logged.
+    kWithdrawn,  ///< This session no longer offers the channel: the rest is counted as missed.
+    kPairLost,   ///< The subscriber may still be alive: its channel may keep the rest for it.
   };
   /// The link exists and waits for BeginLink().
   void AddLink(const std::shared_ptr<OutChannel>& core, Pair& pair, const wire::Wish& asked, const Demand& granted,
@@ -85,7 +86,8 @@ class ShmPublisher {
   static void ReportTooLarge(OutLink& link);
   void Drain(OutLink& link, Leavings& leavings, Bells& bells);
   [[nodiscard]] bool Send(OutLink& link, Leavings& leavings);
-  void Write(OutLink& link, const PendingMessage& queued);
+  // False if the payload goes over the socket: the message is no longer needed.
+  [[nodiscard]] bool Write(OutLink& link, const PendingMessage& queued);
   [[nodiscard]] bool MayUse(Pair& pair, std::uint32_t segment);
   void ReadCredit(OutLink& link, Leavings& leavings);
   void Collect(Pair& pair, Leavings& leavings);

@@ -123,7 +123,7 @@ void ShmPublisher::WithdrawLink(const OutChannel& core, Pair& pair, Actions& act
   said.mutable_ended()->set_link(node.mapped()->link);
   said.mutable_ended()->set_messages(node.mapped()->flow.sent());
   pair.socket.Send(said);
-  EndLink(std::move(node.mapped()), LinkEnd::kForGood, actions);
+  EndLink(std::move(node.mapped()), LinkEnd::kWithdrawn, actions);
 }
 
 void ShmPublisher::RemoveAllLinks(Pair& pair, LinkEnd why, Actions& actions) {
@@ -139,13 +139,15 @@ void ShmPublisher::EndLink(std::shared_ptr<OutLink> link, LinkEnd why, Actions& 
     const auto ended = std::make_shared<Leavings>();
     ReadCredit(*link, *ended);
     actions.emplace_back([ended] {});
-    const bool misses = why == LinkEnd::kForGood || (why == LinkEnd::kPairLost && !KeepForLater(*link));
+    const bool misses =
+        why == LinkEnd::kForGood || why == LinkEnd::kWithdrawn || (why == LinkEnd::kPairLost && !KeepForLater(*link));
     if (misses) {
       link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
-      actions.emplace_back(
-          [this, pair = link->pair.shared_from_this(), core = link->core, messages = link->flow.unfinished()] {
-            core->TellMissed(session_.log, pair->facts.info.id, "Session " + pair->facts.info.name(), messages);
-          });
+      if (why != LinkEnd::kWithdrawn) {
+        const PeerInfo& peer = link->pair.facts.info;
+        const std::string who = "Session " + peer.name();
+        OutboundCore::TellMissed(link->core, session_.log, peer.id, who, link->flow.unfinished(), actions);
+      }
     }
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);

@@ -54,6 +54,10 @@ LeaderPool::Task ShmReceiver::ReadFrom(const std::shared_ptr<Pair>& pair) {
     PairInbox::Arrival arrival;
     Step step = pair->in.Next(arrival, session_.options.max_message_bytes);
     if (step == Step::kLie && pair->ending.load()) step = Step::kNothing;  // It has ended for another reason.
+    if (arrival.ends) {
+      sockets_.PostFor(*pair,
+                       [this, number = arrival.link->link](const auto& same) { wanted_.EndLink(*same, number); });
+    }
     switch (step) {
       case Step::kSkipped: continue;
       case Step::kNotYet: return {};
@@ -67,10 +71,8 @@ LeaderPool::Task ShmReceiver::ReadFrom(const std::shared_ptr<Pair>& pair) {
         continue;
       case Step::kMessage: break;
     }
-    const auto& [link, message, ends, lie] = arrival;
-    if (ends) {
-      sockets_.PostFor(*pair, [this, number = link->link](const auto& same) { wanted_.EndLink(*same, number); });
-    }
+    const auto& link = arrival.link;
+    const InboundMessage& message = arrival.message;
     // The link's type is checked once.
     if (!link->checked || message.head.id.publisher != message.from.value) {
       if (const auto wrong = link->core->Check(message.head, message.from, message.head.fingerprint);

@@ -201,7 +201,8 @@ void Connections::Beat(SteadyTime now) {
   std::vector<std::pair<std::shared_ptr<Pair>, std::string>> silent;
   for (const auto& pair : pairs_.List()) {
     const std::uint32_t heartbeat = publisher_.Beat(*pair, removed);
-    // A peer that reads a large message from its socket may have no time for its heartbeat.
+    // A peer that reads a large message from its socket may have no time for its heartbeat. One that reads nothing
+    // seems to read until the socket is full.
     const std::uint64_t sent = pair->socket.sent_bytes();
     const bool reads = std::exchange(pair->seen_sent_bytes, sent) != sent;
     const bool beats = std::exchange(pair->seen_heartbeat, heartbeat) != heartbeat || reads || overslept;

@@ -50,7 +50,8 @@ class PairSocket {
   void SendPayload(std::uint64_t link, std::uint64_t number, Payload data);
   /// Sends what waits, but only some of it at once. True if the socket would accept more: call it again soon.
   [[nodiscard]] bool Flush();
-  /// All bytes that the socket has accepted: the peer reads as long as this grows.
+  /// All bytes that the socket has accepted. The system keeps a limited number of bytes for the peer: if this grows by
+  /// more than that, the peer reads.
   [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool all_sent() const noexcept {
     const std::scoped_lock lock(send_mutex_);

@@ -125,6 +125,7 @@ bool ConnectionWatch::Serve() {
 }
 
 void ConnectionWatch::OnAccepted(int fd) {
+  plain_.erase(fd);  // The earlier connection with this number.
   if (!HasReserve()) KeepReserve();
   if (!HasReserve()) {  // It took the last descriptor.
     HangUp(fd, bound_);
@@ -149,6 +150,8 @@ void ConnectionWatch::OnAccepted(int fd) {
 void ConnectionWatch::NotePlain(int fd) {
   if (fd >= 0) plain_.try_emplace(fd, 0);
 }
+
+void ConnectionWatch::NoteSession(int fd) { plain_.erase(fd); }
 
 void ConnectionWatch::CutStuckPlain(SteadyTime now) {
   if (now < next_look_) return;

@@ -42,6 +42,8 @@ class ConnectionWatch {
 
   /// The connection with this descriptor is that of a plain subscriber; negative: not known.
   void NotePlain(int fd);
+  /// It is that of a session, which has limits of its own.
+  void NoteSession(int fd);
   /// To be called for each plain message while more than half of the shared bytes are in use. Closes the connections
   /// whose send buffers have been full for a while, if there are others with room.
   void CutStuckPlain(SteadyTime now);

@@ -103,21 +103,17 @@ void PublishedChannels::Commit(const std::shared_ptr<OutboundCore>& core,
   core->sent.fetch_add(1, std::memory_order_relaxed);
 }
 
-void PublishedChannels::RemoveLink(Wish& wish, bool died, Actions& actions) {
+void PublishedChannels::RemoveLink(const SubscriberPeer& peer, Wish& wish, LinkEnd why, Actions& actions) {
   if (!wish.link) return;
   const std::shared_ptr<OutLink> link = std::move(wish.link);
   if (Channel* channel = Find(link->core->name)) std::erase(channel->links, link.get());
   link->LeaveSums();
-  if (died && link->flow.lossless()) {
+  if (why != LinkEnd::kUnsubscribed && link->flow.lossless()) {
     link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
-    // The peer is still listed, because it is reported as gone later.
-    actions.emplace_back([this, link] {
-      std::string who = "Session " + link->subscriber.ToString();
-      for (const PeerInfo& peer : shared_.peers.List()) {
-        if (peer.id == link->subscriber) who = "Session " + peer.name();
-      }
-      link->core->TellMissed(shared_.log, link->subscriber, who, link->flow.unfinished());
-    });
+    if (why == LinkEnd::kLost) {
+      const std::string who = "Session " + peer.facts.info.name();
+      OutboundCore::TellMissed(link->core, shared_.log, link->subscriber, who, link->flow.unfinished(), actions);
+    }
   }
   if (link->flow.lossless()) OutboundCore::TellRoom(link->core, actions);
   OutboundCore::CountSubscriber(link->core, link->subscriber, -1, actions);

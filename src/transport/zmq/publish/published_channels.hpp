@@ -55,9 +55,14 @@ class PublishedChannels {
   void SendWaiting(OutLink& link, PeerChannel::Dropped& ended) {
     link.SendWaiting(socket_, shared_.options.peer_queue_bytes, ended);
   }
-  /// Ends the wish's link, if it has one. `died`: messages that a lossless subscriber has not confirmed count as
-  /// missed.
-  void RemoveLink(Wish& wish, bool died, Actions& actions);
+  /// Why a link ends.
+  enum class LinkEnd {
+    kUnsubscribed,
+    kWithdrawn,  ///< This session no longer offers the channel. Messages that were not confirmed count as missed.
+    kLost,       ///< The subscriber has gone, or misses messages. They count as missed, and this is logged.
+  };
+  /// Ends the link of a wish of this peer, if it has one.
+  void RemoveLink(const SubscriberPeer& peer, Wish& wish, LinkEnd why, Actions& actions);
 
   /// Whether plain subscribers may soon lose messages because one of them does not read.
   [[nodiscard]] bool IsPlainSlow(const OutboundCore& core) const {

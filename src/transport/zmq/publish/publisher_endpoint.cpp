@@ -149,6 +149,7 @@ void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message&
   if (const auto session = ParseControlTopic(text)) {
     if (subscribed) {
       if (MayClaim(*session, frame)) {
+        watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD));
         peers_.Greet(*session, true);
       } else {
         HangUp(frame, bound_);
@@ -190,7 +191,7 @@ bool PublisherEndpoint::MayClaim(SessionId session, const Message& frame) {
   return shared_.MayClaim(session, frame.user_id(), from.empty() ? bound_ : std::string(from) + " at " + bound_);
 }
 
-void PublisherEndpoint::OnUpstream(const Message& frame, Actions& actions) {
+void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   const auto control = ParseControl(frame.bytes().subspan(1));
   if (!control) {
     shared_.CountFault(PacketFault::kHead, bound_, "a control message that does not parse");
@@ -199,6 +200,7 @@ void PublisherEndpoint::OnUpstream(const Message& frame, Actions& actions) {
   const SessionId session{control->session()};
   if (!MayClaim(session, frame)) return;
   if (control->has_hello()) {
+    watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD));
     peers_.OnHello(session, control->hello(), actions);
     return;
   }

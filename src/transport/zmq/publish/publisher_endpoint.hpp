@@ -69,7 +69,7 @@ class PublisherEndpoint {
   void OnFrame(Message& frame, Actions& actions);
   void OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions);
   void RefuseFilter(std::string_view filter, Message& frame);
-  void OnUpstream(const Message& frame, Actions& actions);
+  void OnUpstream(Message& frame, Actions& actions);
   [[nodiscard]] bool MayClaim(SessionId session, const Message& frame);
   void FetchLatched(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link);
 

@@ -163,10 +163,10 @@ void SubscriberPeers::PauseLinks(SubscriberPeer& peer) {
   }
 }
 
-void SubscriberPeers::Drop(SessionId session, std::string_view reason, Actions& actions) {
+void SubscriberPeers::Drop(SessionId session, std::string_view reason, Actions& actions, LinkEnd links) {
   const auto found = peers_.find(session);
   if (found == peers_.end()) return;
-  for (auto& [channel, wish] : found->second->wishes) channels_.RemoveLink(wish, true, actions);
+  for (auto& [channel, wish] : found->second->wishes) channels_.RemoveLink(*found->second, wish, links, actions);
   actions.emplace_back(
       [this, info = found->second->facts.info, text = std::string(reason)] { shared_.peers.Gone(info, text); });
   peers_.erase(found);
@@ -196,7 +196,8 @@ void SubscriberPeers::Tick(SteadyTime now, Actions& actions) {
     }
     for (auto& [channel, wish] : peer->wishes) {
       // It came back without asking for this channel again.
-      if (wish.link && wish.link->IsPausedSince(now - timeout)) channels_.RemoveLink(wish, true, actions);
+      if (wish.link && wish.link->IsPausedSince(now - timeout))
+        channels_.RemoveLink(*peer, wish, LinkEnd::kLost, actions);
     }
   }
   for (const auto session : silent) {
@@ -230,7 +231,7 @@ void SubscriberPeers::DropAll(std::string_view reason, Actions& actions) {
   bye.mutable_bye();
   while (!peers_.empty()) {
     Send(*peers_.begin()->second, bye);
-    Drop(peers_.begin()->first, reason, actions);
+    Drop(peers_.begin()->first, reason, actions, LinkEnd::kWithdrawn);
   }
 }
 

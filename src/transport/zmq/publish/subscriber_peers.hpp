@@ -24,6 +24,7 @@ namespace hgros::zmq {
 /// sent before it.
 class SubscriberPeers {
  public:
+  using LinkEnd = PublishedChannels::LinkEnd;
   /// `endpoint` is where it is bound, for the log.
   SubscriberPeers(SharedState& shared, Socket& socket, PublishedChannels& channels, const std::string& endpoint);
 
@@ -39,7 +40,7 @@ class SubscriberPeers {
   void OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& heartbeat, Actions& actions);
   /// The session has unsubscribed from its control topic, or its connection has ended.
   void OnDisconnected(SessionId session, Actions& actions);
-  void Drop(SessionId session, std::string_view reason, Actions& actions);
+  void Drop(SessionId session, std::string_view reason, Actions& actions, LinkEnd links = LinkEnd::kLost);
 
   /// Sends Offers to all peers: the channel is now offered, or no longer.
   void AnnounceOffer(const OutboundCore& core, bool came);

@@ -41,7 +41,7 @@ void Subscriptions::CloseChannel(PublishedChannels::Channel& channel, Actions& a
     auto message = ControlFrom(shared_.self.info.id);
     message.mutable_withdrawn()->set_channel(channel.core->name);
     peers_.Send(peer, message);
-    channels_.RemoveLink(peer.wishes.at(channel.core->name), true, actions);
+    channels_.RemoveLink(peer, peer.wishes.at(channel.core->name), PublishedChannels::LinkEnd::kWithdrawn, actions);
   }
 }
 
@@ -77,7 +77,7 @@ bool Subscriptions::UpdateLink(SubscriberPeer& peer, Wish& wish, Actions& action
       }
     }
     if (!lost) {
-      channels_.RemoveLink(wish, true, actions);
+      channels_.RemoveLink(peer, wish, PublishedChannels::LinkEnd::kLost, actions);
       return false;
     }
     link.core->dropped.fetch_add(*lost, std::memory_order_relaxed);
@@ -148,7 +148,7 @@ void Subscriptions::OnUnsubscribe(SubscriberPeer& peer, const wire::Unsubscribe&
   const auto wish = peer.wishes.find(unsubscribe.channel());
   if (wish == peer.wishes.end()) return;
   const bool linked = wish->second.link != nullptr;
-  channels_.RemoveLink(wish->second, false, actions);
+  channels_.RemoveLink(peer, wish->second, PublishedChannels::LinkEnd::kUnsubscribed, actions);
   if (linked && !unsubscribe.mismatch().empty()) {
     peers_.ReportMismatch(peer, wish->first, Readable(unsubscribe.mismatch(), kMaxTextBytes), actions);
   }

@@ -7,15 +7,17 @@ namespace hgros::zmq {
 LinkCredit::LinkCredit(std::uint64_t window_messages, std::uint64_t window_bytes, std::string channel,
                        std::shared_ptr<DueCredits> due)
     : TokenWindow(window_messages, window_bytes), channel_(std::move(channel)), due_(std::move(due)) {
-  due_->Join();
+  if (due_) due_->Join();
 }
 
-LinkCredit::~LinkCredit() { due_->Leave(); }
+LinkCredit::~LinkCredit() {
+  if (due_) due_->Leave();
+}
 
 void LinkCredit::OnConsumed(std::uint64_t /*bytes*/) noexcept { AddIfDue(true); }
 
 void LinkCredit::AddIfDue(bool wake) noexcept {
-  if (IsDue() && !listed_.exchange(true)) due_->Add(weak_from_this(), wake);
+  if (due_ && IsDue() && !listed_.exchange(true)) due_->Add(weak_from_this(), wake);
 }
 
 bool LinkCredit::IsDue() const noexcept {

@@ -19,7 +19,7 @@ namespace hgros::zmq {
 /// Thread safety: tokens may end anywhere; the rest is called under the endpoint's mutex.
 class LinkCredit : public TokenWindow<LinkCredit> {
  public:
-  /// Credit that is due is added to `due`.
+  /// Credit that is due is added to `due`; null if nobody is told of it.
   LinkCredit(std::uint64_t window_messages, std::uint64_t window_bytes, std::string channel,
              std::shared_ptr<DueCredits> due);
   ~LinkCredit();

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -143,12 +144,18 @@ void PublisherConnection::LogUnreachable() {
   }
   const std::string host = handshake_failure_ == 0 ? HostNameOf(endpoint_) : std::string();
   if (host.empty()) return say(why);
-  lookup_ = std::async(std::launch::async, [say, why, host] {
-    const std::string fault = ResolveFault(host);
-    say(fault.empty() ? std::string(why)
-                      : "the host \"" + host + "\" has no address (" + fault +
-                            "). Check the spelling, or add it to /etc/hosts or the name server.");
-  });
+  // An earlier look-up that still runs will report the fault.
+  if (lookup_.valid() && lookup_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  try {
+    lookup_ = std::async(std::launch::async, [say, why, host] {
+      const std::string fault = ResolveFault(host);
+      say(fault.empty() ? std::string(why)
+                        : "the host \"" + host + "\" has no address (" + fault +
+                              "). Check the spelling, or add it to /etc/hosts or the name server.");
+    });
+  } catch (const std::system_error&) {  // No thread can be made.
+    say(why);
+  }
 }
 
 std::optional<SteadyTime> PublisherConnection::Deadline() const {

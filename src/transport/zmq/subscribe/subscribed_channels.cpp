@@ -72,7 +72,7 @@ void SubscribedChannels::SetPlain(InLink& link, bool plain) {
   if (link.plain == plain) return;
   link.plain = plain;
   // One account for all connections: messages of an earlier connection are still in flight.
-  if (plain && !link.plain_credit) link.plain_credit = std::make_shared<LinkCredit>(0, 0, link.core->name, due_);
+  if (plain && !link.plain_credit) link.plain_credit = std::make_shared<LinkCredit>(0, 0, link.core->name, nullptr);
   link.SetPlainWindow();
   connection_.SubscribeTopic(link.core->plain_topic, plain);
 }

@@ -232,6 +232,10 @@ void SubscriberEndpoint::AddOffers(std::vector<SessionChannels>& known) const {
 void SubscriberEndpoint::SendCredit(bool all) {
   // Does not touch the socket unless the publisher waits for credit.
   if (!all && !channels_.IsCreditDue()) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!publisher_.alive) return;
+  }
   const SocketUse use(mutex_, connection_.socket(), input_, *shared_.waker);
   if (publisher_.alive && connection_.connected()) channels_.SendCredit(all);
 }
