@@ -185,7 +185,10 @@ std::shared_ptr<JoinedOutbound> BridgeCore::Advertise(const std::string& channel
                                                       OutboundSource& source) {
   auto joined = std::make_shared<JoinedOutbound>(
       channel, type, source, transports_.size(),
-      [this](SessionId subscriber, std::function<void()> give_up) { AwaitSubscriber(subscriber, std::move(give_up)); });
+      [this](SessionId subscriber, JoinedOutbound::Abandon give_up) {
+        AwaitSubscriber(subscriber, std::move(give_up));
+      },
+      log_);
   // Done before transports join: a partner on this host is left to the cheapest one.
   announcer_.Publishes(channel, type, KeysFor(channel));
   pairs_.OwnChanged(channel);

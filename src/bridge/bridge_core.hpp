@@ -109,8 +109,8 @@ class BridgeCore final : private DiscoveryListener {
   void EndMove(SessionId peer, TransportIndex gone);
   void MoveChannel(JoinedInbound& joined, SessionId peer);
   void ForgetForbiddenMoves(SessionId peer);
-  void AwaitSubscriber(SessionId subscriber, std::function<void()> give_up);
-  void GiveUpSubscriber(SessionId subscriber);
+  void AwaitSubscriber(SessionId subscriber, JoinedOutbound::Abandon give_up);
+  void GiveUpSubscriber(const PeerInfo& subscriber);
   template <class Joined>
   [[nodiscard]] std::vector<std::shared_ptr<Joined>> Listed(const std::vector<std::weak_ptr<Joined>>& list);
 

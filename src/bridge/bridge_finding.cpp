@@ -55,10 +55,9 @@ void BridgeCore::LookOnHost() {
     return;
   }
   // On another thread, our channels may have changed while the registry was opened.
-  for (const Announcement& peer : announcer_.PeersOnHost()) pairs_.Changed(peer);
-  std::size_t readers = 0;
-  (void)announcer_.PeersOnHost([&](const Announcement& /*peer*/) { return ++readers == 0; });
-  options_.later(std::clamp<std::chrono::nanoseconds>(readers * kTimeForReader, kShortestStart, kLongestStart),
+  const std::vector<Announcement> readers = announcer_.PeersOnHost();
+  for (const Announcement& peer : readers) pairs_.Changed(peer);
+  options_.later(std::clamp<std::chrono::nanoseconds>(readers.size() * kTimeForReader, kShortestStart, kLongestStart),
                  [this] { AppearOnHost(); });
 }
 
@@ -152,7 +151,7 @@ void BridgeCore::OnChanged(const Announcement& peer) {
 void BridgeCore::OnGone(const Announcement& last, std::string_view /*reason*/) {
   peers_.Lost(last.session);
   TellAnnouncements();
-  GiveUpSubscriber(last.session);
+  GiveUpSubscriber(InfoOf(last));
   AskAgain();  // A peer that another transport reaches is no longer left to transports of this host.
   pairs_.Lost(last);
 }

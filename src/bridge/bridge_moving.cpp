@@ -44,14 +44,15 @@ void BridgeCore::FinishMove(SessionId peer, PeerTransports::MoveNumber number) {
 
 // A living session of this host comes back over a transport of this host, or over another one after these were given
 // up.
-void BridgeCore::AwaitSubscriber(SessionId subscriber, std::function<void()> give_up) {
+void BridgeCore::AwaitSubscriber(SessionId subscriber, JoinedOutbound::Abandon give_up) {
   const bool lives = peers_.IsFound(subscriber);
+  // Later its name is not known any more.
   options_.later(lives ? HostPairs::kHostPatience + options_.zmq.peer_timeout : std::chrono::nanoseconds(0),
-                 std::move(give_up));
+                 [give_up = std::move(give_up), name = peers_.NameOf(subscriber)] { give_up(name); });
 }
 
-void BridgeCore::GiveUpSubscriber(SessionId subscriber) {
-  for (const auto& joined : Listed(outbound_)) joined->GiveUp(subscriber);
+void BridgeCore::GiveUpSubscriber(const PeerInfo& subscriber) {
+  for (const auto& joined : Listed(outbound_)) joined->GiveUp(subscriber.id, subscriber.name());
 }
 
 // If a channel may no longer use both transports of its move, its messages are delivered as they come.

@@ -75,6 +75,8 @@ void HostPairs::Connect(const Announcement& peer) {
   for (TransportIndex i = 0; i < means_.transports.size(); ++i) {
     if (expected.Has(i)) means_.open[i]->AddPeer(peer.places.at(means_.transports[i].key));
   }
+  // It may have been lost, on another thread, before it was added.
+  if (!means_.peers.IsPartner(peer.session)) Lost(peer);
 }
 
 void HostPairs::Lost(const Announcement& last) {

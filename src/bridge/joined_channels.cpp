@@ -35,11 +35,12 @@ class JoinedOutbound::Part final : public OutboundSource {
 };
 
 JoinedOutbound::JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source,
-                               std::size_t most_transports, Await await)
+                               std::size_t most_transports, Await await, Log& log)
     : channel_(std::move(channel)),
       type_(type),
       source_(source),
       await_(std::move(await)),
+      log_(log),
       parts_(most_transports),
       subscribers_(most_transports) {}
 
@@ -65,8 +66,8 @@ void JoinedOutbound::TellSubscribers() {
 
 void JoinedOutbound::Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished) {
   const std::uint64_t cut = cut_.Add(subscriber, demand, std::move(unfinished));
-  await_(subscriber, [weak = weak_from_this(), subscriber, cut] {
-    if (const auto joined = weak.lock()) joined->GiveUp(subscriber, cut);
+  await_(subscriber, [weak = weak_from_this(), subscriber, cut](const std::string& name) {
+    if (const auto joined = weak.lock()) joined->GiveUp(subscriber, name, cut);
   });
 }
 
@@ -87,7 +88,7 @@ std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
   return messages;
 }
 
-void JoinedOutbound::GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut) {
+void JoinedOutbound::GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut) {
   std::optional<CutSubscribers::Messages> missed;
   {
     const std::scoped_lock lock(committing_);
@@ -95,6 +96,12 @@ void JoinedOutbound::GiveUp(SessionId subscriber, std::optional<std::uint64_t> c
   }
   if (!missed) return;
   missed_.fetch_add(missed->size(), std::memory_order_relaxed);
+  if (!missed->empty()) {
+    log_.WriteLimited(LogLevel::kWarning, "missed " + channel_ + " " + subscriber.ToString(),
+                      "Session " + name + " has gone without confirming " + std::to_string(missed->size()) +
+                          " messages of the lossless channel \"" + channel_ +
+                          "\". It may miss these, and misses those that are published until it is back.");
+  }
   TellSubscribers();
   if (refused_.exchange(false)) source_.OnRoom();
 }

@@ -16,6 +16,7 @@
 
 #include "bridge/cut_subscribers.hpp"
 #include "bridge/transport_move.hpp"
+#include "hgros/base/log.hpp"
 #include "hgros/bridge/transport_list.hpp"
 #include "hgros/transport/transport.hpp"
 
@@ -28,13 +29,15 @@ namespace hgros {
 /// Thread safety: all functions. Invariants: a transport that was added stays until the end.
 class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
  public:
+  /// Stops waiting for a subscriber. `name`: its session's, for the log.
+  using Abandon = std::function<void(const std::string& name)>;
   /// A transport has lost the subscriber: `give_up` must be called later, after the time in which it could have come
   /// back. Called under that transport's lock.
-  using Await = std::function<void(SessionId subscriber, std::function<void()> give_up)>;
+  using Await = std::function<void(SessionId subscriber, Abandon give_up)>;
 
-  /// `most_transports`: how many can be added.
+  /// `most_transports`: how many can be added. `log` outlives it.
   JoinedOutbound(std::string channel, const TypeInfo& type, OutboundSource& source, std::size_t most_transports,
-                 Await await);
+                 Await await, Log& log);
   ~JoinedOutbound();
   JoinedOutbound(const JoinedOutbound&) = delete;
   JoinedOutbound& operator=(const JoinedOutbound&) = delete;
@@ -53,8 +56,8 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   /// See OutboundChannel.
   [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes) const;
   [[nodiscard]] OutboundStats stats() const;
-  /// Stops waiting for the subscriber. With a number, only if this is its latest cut.
-  void GiveUp(SessionId subscriber, std::optional<std::uint64_t> cut = std::nullopt);
+  /// Stops waiting for the subscriber, and logs what it misses. With a number, only if this is its latest cut.
+  void GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut = std::nullopt);
 
  private:
   class Part;
@@ -67,6 +70,7 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   const TypeInfo& type_;
   OutboundSource& source_;
   const Await await_;
+  Log& log_;
   CutSubscribers cut_;
   std::mutex committing_;             // A cut subscriber does not come back between a message's transports and cut_.
   std::atomic<bool> refused_{false};  // There was no room for subscribers that are cut off.

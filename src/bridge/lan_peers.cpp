@@ -177,7 +177,8 @@ void LanPeers::ReportUnanswered(Endpoints::value_type& entry) {
   if (unanswered_.empty()) unanswered_ = entry.first;
   log_.WriteLimited(LogLevel::kWarning, "lan unanswered",
                     "The beacon hears sessions that do not answer, the first one at " + unanswered_ +
-                        ": does a firewall of either host stop that port?",
+                        ": does a firewall of either host stop that port, are the keys (`network.security`) right, "
+                        "and do both run the same version?",
                     kReportPeriod);
 }
 

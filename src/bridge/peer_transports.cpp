@@ -289,6 +289,12 @@ bool PeerTransports::IsPartner(SessionId id) const {
   return peer != nullptr && peer->partner;
 }
 
+std::string PeerTransports::NameOf(SessionId id) const {
+  const std::scoped_lock lock(mutex_);
+  const Peer* const peer = Find(id);
+  return peer == nullptr || peer->reached.empty() ? id.ToString() : peer->reached.begin()->second.name();
+}
+
 bool PeerTransports::IsFound(SessionId id) const {
   const std::scoped_lock lock(mutex_);
   const Peer* const peer = Find(id);

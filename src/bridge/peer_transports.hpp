@@ -91,6 +91,8 @@ class PeerTransports {
   [[nodiscard]] TransportSet ReachedBy(SessionId peer) const;
   /// On this host, and not lost.
   [[nodiscard]] bool IsFound(SessionId peer) const;
+  /// For the log. Only its id if no transport reaches it.
+  [[nodiscard]] std::string NameOf(SessionId peer) const;
   /// Found, and exchanging messages with this session.
   [[nodiscard]] bool IsPartner(SessionId peer) const;
 

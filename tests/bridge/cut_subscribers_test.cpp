@@ -4,6 +4,10 @@
 #include <future>
 #include <memory>
 #include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "bridge/joined_channels.hpp"
 #include "session/domain_fixture.hpp"
@@ -122,8 +126,9 @@ struct NoLatched final : OutboundSource {
 TEST(CutSubscribers, ReturningDuringACommitGetTheCommittedMessage) {
   NoLatched source;
   OneChannel transport;
-  const auto joined = std::make_shared<JoinedOutbound>("notes", TypeOf<Note>(), source, 1,
-                                                       [](SessionId, const std::function<void()>&) {});
+  Log log;
+  const auto joined = std::make_shared<JoinedOutbound>(
+      "notes", TypeOf<Note>(), source, 1, [](SessionId, const JoinedOutbound::Abandon&) {}, log);
   joined->Add(transport);
   ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {Numbered(1)}));
   std::future<CutSubscribers::Messages> first;
@@ -134,6 +139,29 @@ TEST(CutSubscribers, ReturningDuringACommitGetTheCommittedMessage) {
   const OutboundMessage message = Numbered(2);
   joined->Commit(message.head, message.data);
   EXPECT_EQ(NumbersOf(first.get()), (std::vector<std::uint64_t>{1, 2}));
+}
+
+TEST(CutSubscribers, AreNamedOnceWithTheNumberOfMessagesThatTheyMiss) {
+  std::vector<std::string> lines;
+  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+  NoLatched source;
+  OneChannel transport;
+  JoinedOutbound::Abandon give_up;
+  const auto joined = std::make_shared<JoinedOutbound>(
+      "notes", TypeOf<Note>(), source, 1, [&](SessionId, JoinedOutbound::Abandon later) { give_up = std::move(later); },
+      log);
+  joined->Add(transport);
+  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {}));
+  give_up("1 (eye)");
+  EXPECT_TRUE(lines.empty()) << "it misses nothing: " << lines.front();
+  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {Numbered(1), Numbered(2)}));
+  give_up("1 (eye)");
+  give_up("1 (eye)");
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(
+      lines[0].starts_with("Session 1 (eye) has gone without confirming 2 messages of the lossless channel \"notes\"."))
+      << lines[0];
+  EXPECT_EQ(joined->stats().missed, 2U);
 }
 
 /// A subscriber whose shared memory can end while the session lives on. It keeps the messages that it receives.

@@ -161,5 +161,25 @@ TEST(LosslessSubscriber, LetsThePublisherContinueAndIsCountedIfItIsKilled) {
   EXPECT_EQ(publisher["refused"], 0U) << publisher;
 }
 
+TEST(LosslessSubscriber, IsNamedWithTheMessagesThatItMissesIfItIsKilledOnTheSameHost) {
+  setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1);
+  const WorkerProcess publisher({"--config=", "--out=images", "--await=1", "--size=4096", "--period-us=0"});
+  WorkerProcess slow({"--config=", "--in=images", "--keep-all=8", "--slow-ms=20"});
+  ASSERT_TRUE(slow.Reaches({{"received", 10}})) << publisher << slow;
+  ASSERT_TRUE(publisher.Reaches({{"waiting", 1}})) << publisher;
+  slow.Kill();
+  const std::regex line("has gone without confirming ([0-9]+) messages of the lossless channel \"images\"");
+  std::smatch found;
+  std::string text;
+  ASSERT_TRUE(Await([&] {
+    std::ostringstream all;
+    all << publisher;
+    text = all.str();
+    return publisher["missed"] > 0 && std::regex_search(text, found, line);
+  })) << publisher;
+  EXPECT_EQ(std::stoull(found[1]), publisher["missed"]) << publisher;
+  setenv("HGROS_DOMAIN", "none", 1);
+}
+
 }  // namespace
 }  // namespace hgros::resilience
