@@ -3,10 +3,9 @@
 //   --session=static|main|default  who owns the session
 //   --end=exit|destroy             what the callback does: exit(7), or destroy the session (then main returns 7)
 //   --in=KIND                      the callback: tbb, inline, dedicated, timer, inline-timer, service, peer-event,
-//   remote
-//                                  (inline, on a thread of the transport) or remote-tbb
-//                                  or outside (tbb; another process publishes on "fatal") or wiring (tbb; another
-//                                  thread subscribes and serves until the process has ended)
+//                                  remote (inline, on a thread of the transport), remote-tbb, outside (tbb; another
+//                                  process publishes on "fatal"), or wiring (tbb; another thread subscribes and serves
+//                                  until the process has ended)
 //   --bus=FOLDER                   for ipc endpoints
 //
 // Writes "ending", and then "static object ended", to standard output.
