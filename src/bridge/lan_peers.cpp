@@ -88,7 +88,8 @@ void LanPeers::FillTries(Time now) {
 }
 
 void LanPeers::Connect(Endpoints::value_type& entry, Time now) {
-  auto& [endpoint, state] = entry;
+  const std::string& endpoint = entry.first;
+  Endpoint& state = entry.second;
   SetState(state, State::kTried, now);
   state.tried = now;
   state.number = ++last_number_;

@@ -161,7 +161,8 @@ TEST_P(RawSubscription, LeavesPublishersOfOtherTypesWhenATypedOneTakesItsPlace) 
 TEST_P(RawSubscription, LosesNoMessageOfALosslessTypedOneWhenItEnds) {
   Begin();
   KeptRaw kept;
-  Subscription raw = observer->session->FromAnyRaw("v", kSerial, std::ref(kept));
+  // Lossless, too, so that the link is lossless from its start.
+  Subscription raw = observer->session->FromAnyRaw("v", kSerial, std::ref(kept), All());
   std::vector<double> typed;
   std::atomic<std::size_t> count{0};
   const auto subscription = observer->session->FromAny<Vector3>(

@@ -79,7 +79,8 @@ std::vector<PanelPlace> TileImages(std::span<const PanelSize> images, const Pane
     for (std::size_t i = 0; i < images.size(); ++i) {
       if (i % rows == 0) lower = room.y + room.height;
       const float height = shown[i].height + frame.height;
-      const auto column = static_cast<float>(i / rows);
+      const std::size_t columns_before = i / rows;
+      const auto column = static_cast<float>(columns_before);
       places[i] = {room.x + room.width - needed - column * (needed + gap), lower - height, needed, height};
       lower -= height + gap;
     }
