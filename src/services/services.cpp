@@ -1,6 +1,7 @@
 #include "hgros/services/services.hpp"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -77,16 +78,27 @@ void Services::With(const std::function<void(ServicePlace&)>& use) {
 
 void Services::Post(std::function<void()> errand) {
   const std::scoped_lock lock(thread_mutex_);
-  if (thread_ended_) return;
-  if (!thread_) thread_.emplace();
-  thread_->Post(std::move(errand));
+  if (MakeThread()) thread_->Post(std::move(errand));
 }
 
 void Services::PostAt(std::chrono::steady_clock::time_point when, std::function<void()> errand) {
   const std::scoped_lock lock(thread_mutex_);
-  if (thread_ended_) return;
-  if (!thread_) thread_.emplace();
-  thread_->PostIn(when - std::chrono::steady_clock::now(), std::move(errand));
+  if (MakeThread()) thread_->PostIn(when - std::chrono::steady_clock::now(), std::move(errand));
+}
+
+bool Services::MakeThread() {
+  if (thread_ended_) return false;
+  if (thread_) return true;
+  try {
+    thread_.emplace();
+  } catch (const std::system_error& error) {
+    thread_.reset();
+    log_->WriteLimited(
+        LogLevel::kError, "services thread",
+        std::string("Services and calls cannot react to other sessions, because no thread can be made: ") +
+            error.what() + ". Raise the limit of threads (ulimit -u, pids.max).");
+  }
+  return thread_.has_value();
 }
 
 std::shared_ptr<ServiceHost> Services::HostOf(std::string_view name) const {

@@ -41,7 +41,16 @@ std::optional<Endpoint> SplitTcp(std::string_view text) {
   return parts;
 }
 
-bool IsReachableFromElsewhere(const Endpoint& endpoint) { return !endpoint.host.starts_with("127."); }
+// Not an address of the own host (0.0.0.0/8, 127.0.0.0/8), of a group or of all: a forged datagram could lead a session
+// to endpoints that are meant for its host only.
+bool IsReachableFromElsewhere(const Endpoint& endpoint) {
+  in_addr address{};
+  if (endpoint.host == "*" || inet_pton(AF_INET, std::string(endpoint.host).c_str(), &address) != 1) return true;
+  constexpr std::uint32_t kLoopback = 127;
+  constexpr std::uint32_t kFirstGroup = 224;
+  const std::uint32_t first = ntohl(address.s_addr) >> 24U;
+  return first != 0 && first != kLoopback && first < kFirstGroup;
+}
 
 }  // namespace
 

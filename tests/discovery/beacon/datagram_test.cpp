@@ -82,7 +82,8 @@ TEST(Datagram, DropsEndpointsWithNamesOrAddressesOfThisHost) {
   wire::BeaconDatagram datagram;
   ASSERT_TRUE(datagram.ParseFromString(EncodeDatagram(NewAnnouncement(), "robot", false)));
   datagram.clear_endpoints();
-  for (const char* const host : {"a", "a.name", "localhost", "127.0.0.1", "192.0.2", "192.0.2.256", "1", "0x7f.1"}) {
+  for (const char* const host : {"a", "a.name", "localhost", "127.0.0.1", "0.0.0.0", "0.1.2.3", "224.0.0.1",
+                                 "255.255.255.255", "192.0.2", "192.0.2.256", "1", "0x7f.1"}) {
     datagram.add_endpoints(std::string("tcp://") + host + ":1");
   }
   datagram.add_endpoints("tcp://192.0.2.9:1");

@@ -98,6 +98,8 @@ class Services : public std::enable_shared_from_this<Services> {
   [[nodiscard]] std::vector<std::shared_ptr<ServiceClient>> Clients() const;
   [[nodiscard]] std::vector<std::shared_ptr<ServiceHost>> Hosts() const;
   void LookForSecondServers();
+  // Under thread_mutex_. False if there is no thread, because the services end or none can be made.
+  [[nodiscard]] bool MakeThread();
 
   const std::shared_ptr<const ForkGuard> fork_ = std::make_shared<const ForkGuard>();
   const SessionId id_;
