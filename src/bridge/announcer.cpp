@@ -167,4 +167,13 @@ Announcement Announcer::own() const {
   return own_;
 }
 
+PeerInfo InfoOf(const Announcement& peer) {
+  PeerInfo info;
+  info.id = peer.session;
+  info.process = peer.process;
+  info.host = peer.host;
+  info.pid = peer.pid;
+  return info;
+}
+
 }  // namespace hgros

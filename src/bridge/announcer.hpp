@@ -14,6 +14,7 @@
 #include "hgros/base/transport_keys.hpp"
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/discovery/discovery.hpp"
+#include "hgros/transport/transport.hpp"
 
 namespace hgros {
 
@@ -85,5 +86,8 @@ class Announcer {
   bool on_host_ = false;  // Others of this host can find this session.
   bool closed_ = false;
 };
+
+/// The session that announces itself, as peers are described.
+[[nodiscard]] PeerInfo InfoOf(const Announcement& peer);
 
 }  // namespace hgros

@@ -23,13 +23,9 @@ TransportRules RulesIn(const std::map<std::string, TransportKeys, std::less<>>& 
 }
 
 PeerInfo Self(const BridgeOptions& options) {
-  const Announcement own = AnnouncementOfThisProcess(options.zmq.session, 0);
-  PeerInfo self;
-  self.id = options.zmq.session;
-  self.process = options.zmq.process;
-  self.host = own.host;
-  self.pid = own.pid;
-  return self;
+  Announcement own = AnnouncementOfThisProcess(options.zmq.session, 0);
+  own.process = options.zmq.process;
+  return InfoOf(own);
 }
 
 }  // namespace

@@ -22,15 +22,6 @@ constexpr auto kLongestStart = std::chrono::milliseconds(100);
 
 std::string NameOf(const Announcement& peer) { return SessionName(peer.session, peer.process, peer.pid); }
 
-PeerInfo InfoOf(const Announcement& peer) {
-  PeerInfo info;
-  info.id = peer.session;
-  info.process = peer.process;
-  info.host = peer.host;
-  info.pid = peer.pid;
-  return info;
-}
-
 }  // namespace
 
 void BridgeCore::OpenOnHost() {

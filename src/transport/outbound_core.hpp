@@ -30,7 +30,7 @@ struct OutboundCore {
   /// Reports room to the source, if the source was refused. Called under the transport's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 
-  /// A lossless subscriber has gone without confirming so many messages. Logs that; and the total, with the first
+  /// A lossless subscriber has gone and has not confirmed `messages` messages. Logs that; and the total, with the first
   /// message after it has subscribed again. `who`: its name, for the log. Does not count them. Called under the
   /// transport's mutex, before the session's next link begins. `log` outlives the actions.
   static void TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session, const std::string& who,

@@ -51,7 +51,8 @@ class ManyChannels : public test::DomainFixture {
   }
 };
 
-// The CPU time of this process for a session that publishes on so many channels, and subscribes to as many others.
+// The CPU time of this process for a session that publishes on this number of channels and subscribes to as many
+// others.
 double SecondsFor(std::size_t channels, const std::string& yaml) {
   const auto now = [] {
     timespec time{};

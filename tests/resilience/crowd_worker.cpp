@@ -4,10 +4,10 @@
 // parent ends.
 //
 //   --sessions=N         number of sessions
-//   --publishers=N       so many of them publish "tf" too, ten times a second
-//   --total=N            number of all sessions; those that know so many do not count them again
+//   --publishers=N       number of sessions that also publish "tf", ten times a second
+//   --total=N            number of all sessions; a session that knows all does not count them again
 //   --every=N            writes the counters every N tenths of a second; 1 if it is missing
-//   --inotify=N          in a user namespace of its own with so many inotify instances
+//   --inotify=N          in a user namespace of its own with a limit of N inotify instances
 //   --network=apart      in a network namespace of its own
 //   --disk=full          with a registry on a file system of its own, which is full for the first second
 //   --files=N            the limit of open files, set after half a second

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -37,7 +36,7 @@ constexpr auto kLongerThanAnyPatience = std::chrono::milliseconds(6500);
 class Switch {
  public:
   Switch() {
-    RemoveLeftovers();
+    test::RemoveLeftNamespaces();
     ready = Ip("netns add " + bridge_) && Ip("-n " + bridge_ + " link add br0 type bridge mcast_snooping 0") &&
             Ip("-n " + bridge_ + " link set br0 up") && Attach(left, "left", "10.195.0.1/24") &&
             Attach(right, "right", "10.195.0.2/24") && Multicast(true);
@@ -58,14 +57,6 @@ class Switch {
   bool ready = false;
 
  private:
-  static void RemoveLeftovers() {
-    if (!std::filesystem::exists("/run/netns")) return;
-    for (const auto& entry : std::filesystem::directory_iterator("/run/netns")) {
-      const std::string name = entry.path().filename();
-      const bool ours = name.starts_with("hgra") || name.starts_with("hgrb") || name.starts_with("hgrs");
-      if (ours && !std::filesystem::exists("/proc/" + name.substr(4))) (void)Ip("netns del " + name);
-    }
-  }
   [[nodiscard]] bool Attach(const std::string& host, const std::string& port, const std::string& address) const {
     return Ip("netns add " + host) &&
            Ip("link add eth0 netns " + host + " type veth peer name " + port + " netns " + bridge_) &&

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <filesystem>
 #include <optional>
 
 #include "conformance/tcp_forwarder.hpp"
@@ -12,6 +11,7 @@
 #include "resilience/delay_line.hpp"
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
+#include "support/cable.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -25,7 +25,7 @@ using test::Linger;
 class GigabitCable {
  public:
   GigabitCable() : left("hgrl" + std::to_string(getpid())), right("hgrr" + std::to_string(getpid())) {
-    RemoveLeftovers();
+    test::RemoveLeftNamespaces();
     const std::string left_end = "vl" + std::to_string(getpid());
     const std::string right_end = "vr" + std::to_string(getpid());
     ready = RunCommand({"ip", "netns", "add", left}) == 0 && RunCommand({"ip", "netns", "add", right}) == 0 &&
@@ -45,14 +45,6 @@ class GigabitCable {
   bool ready = false;
 
  private:
-  static void RemoveLeftovers() {
-    if (!std::filesystem::exists("/run/netns")) return;
-    for (const auto& entry : std::filesystem::directory_iterator("/run/netns")) {
-      const std::string name = entry.path().filename();
-      const bool ours = name.starts_with("hgrl") || name.starts_with("hgrr");
-      if (ours && !std::filesystem::exists("/proc/" + name.substr(4))) (void)RunCommand({"ip", "netns", "del", name});
-    }
-  }
   static bool Configure(const std::string& where, const std::string& device, const std::string& address) {
     return RunCommand({"ip", "-n", where, "addr", "add", address, "dev", device}) == 0 &&
            RunCommand({"ip", "-n", where, "link", "set", device, "up"}) == 0 &&

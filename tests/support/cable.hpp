@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -17,12 +18,25 @@ inline bool Ip(const std::string& arguments) {
   return std::system(("ip " + arguments + " >/dev/null 2>&1").c_str()) == 0;
 }
 
+/// Removes the network namespaces of tests that were killed. Their names are "hg", two letters and the process.
+inline void RemoveLeftNamespaces() {
+  constexpr std::size_t kBeforeProcess = 4;
+  if (!std::filesystem::exists("/run/netns")) return;
+  for (const auto& entry : std::filesystem::directory_iterator("/run/netns")) {
+    const std::string name = entry.path().filename();
+    if (!name.starts_with("hg") || name.size() <= kBeforeProcess) continue;
+    const std::string process = name.substr(kBeforeProcess);
+    if (process.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (!std::filesystem::exists("/proc/" + process)) (void)Ip("netns del " + name);
+  }
+}
+
 /// Two hosts with a virtual cable between them: network namespaces named after this process, 10.198.0.1 and 10.198.0.2.
 /// The destructor removes them. The next test removes those of a killed process. Needs root.
 class Cable {
  public:
   Cable() {
-    RemoveLeftovers();
+    RemoveLeftNamespaces();
     ready = Ip("netns add " + left) && Ip("netns add " + right) &&
             Ip("link add " + left_interface + " netns " + left + " type veth peer name " + right_interface + " netns " +
                right) &&
@@ -46,16 +60,6 @@ class Cable {
   const std::string left_interface = "bl" + pid;
   const std::string right_interface = "br" + pid;
   bool ready = false;
-
- private:
-  static void RemoveLeftovers() {
-    if (!std::filesystem::exists("/run/netns")) return;
-    for (const auto& entry : std::filesystem::directory_iterator("/run/netns")) {
-      const std::string name = entry.path().filename();
-      const bool ours = name.starts_with("hgbl") || name.starts_with("hgbr");
-      if (ours && !std::filesystem::exists("/proc/" + name.substr(4))) (void)Ip("netns del " + name);
-    }
-  }
 };
 
 /// Runs `action` on that host. Threads that it starts stay there.
