@@ -158,7 +158,7 @@ void ChannelInlet::RunErrand() noexcept {
   run_apart_([this] { RunErrand(); });
 }
 
-bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
+bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost) {
   const MessageId& id = message.head.id;
   const std::scoped_lock lock(counts_mutex_);
   if (const std::int64_t then = message.head.publish_time_ns; then > 0) {
@@ -183,8 +183,8 @@ bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t& lost) {
     return false;
   }
   if (known && !life.away && id.sequence > life.last_sequence + 1) {
-    lost = id.sequence - life.last_sequence - 1;
-    life.traffic.lost += lost;
+    lost = {id.sequence - life.last_sequence - 1, std::exchange(life.cut, false)};
+    life.traffic.lost += lost.messages;
   }
   life.away = false;
   life.incarnation = id.incarnation;
@@ -203,9 +203,9 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
                 " here; build both programs with one type, or give one of them another channel name");
     return std::nullopt;
   }
-  std::uint64_t lost = 0;
+  Gap lost;
   if (!CountIn(message, lost)) return std::nullopt;
-  if (lost > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost);
+  if (lost.messages > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost, message.from);
   Decoded decoded;
   decoded.type = any ? &AnyType() : &DataGraph::InboundType(channel_);
   if (IsAnyType(*decoded.type)) {
@@ -256,6 +256,11 @@ void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const Mes
 }
 
 void ChannelInlet::OnOfferEnded(SessionId from) noexcept {
+  {
+    const std::scoped_lock lock(counts_mutex_);
+    const auto first = lives_.lower_bound({from.value, 0});
+    for (auto life = first; life != lives_.end() && life->first.first == from.value; ++life) life->second.cut = true;
+  }
   Offer ended;  // Destroyed after the lock.
   const std::scoped_lock lock(offers_mutex_);
   if (const auto found = offers_.find(from.value); found != offers_.end()) {
@@ -299,14 +304,19 @@ bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
                            user_code);
 }
 
-// Keep-last subscribers expect losses and find them counted. A lossless subscriber loses messages only if it was away
-// for too long.
-void ChannelInlet::SayLost(std::uint64_t count) {
+// Keep-last subscribers expect losses and find them counted. A lossless subscriber loses messages if it was cut off for
+// too long, or if their publisher had no memory to send them or found them too large. Only the publisher knows which.
+void ChannelInlet::SayLost(const Gap& lost, SessionId from) {
   const std::string& name = DataGraph::NameOf(channel_);
   log_->WriteLimited(LogLevel::kWarning, "inlet lost " + name,
-                     std::to_string(count) + " messages of the lossless channel \"" + name +
-                         "\" did not arrive: their publisher could not reach this process for longer than the peer "
-                         "timeout.");
+                     std::to_string(lost.messages) + " messages of the lossless channel \"" + name +
+                         "\" did not arrive: " +
+                         (from.value == 0 ? "their publisher is a plain program, which does not wait for subscribers."
+                          : lost.cut ? "the connection to their publisher was lost, and they were published before "
+                                       "it was back."
+                                     : "their publisher was connected, but could not send them. The log of "
+                                       "session " +
+                                           from.ToString() + " says why."));
 }
 
 void ChannelInlet::OnFault(PacketFault fault, std::string_view what) noexcept {

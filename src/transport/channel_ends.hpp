@@ -5,11 +5,13 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/base/log.hpp"
 #include "hgros/transport/transport.hpp"
 #include "transport/inbound_core.hpp"
 
@@ -48,7 +50,7 @@ class PublishingEnd final : public OutboundChannel {
     try {
       core_->Commit(channel_, head, data);
     } catch (const std::bad_alloc&) {
-      CommitFailed();
+      CommitFailed(data.bytes.size());
     }
   }
   void Cancel() noexcept override {
@@ -72,14 +74,19 @@ class PublishingEnd final : public OutboundChannel {
 
  private:
   // There was no memory, before or while the message was passed to the subscribers: counted as if none had got it.
-  void CommitFailed() noexcept {
+  void CommitFailed(std::size_t bytes) noexcept {
     const std::size_t lossless = channel_->lossless.load();
     const std::size_t all = subscriber_count();
     channel_->missed.fetch_add(lossless, std::memory_order_relaxed);
     channel_->dropped.fetch_add(all - std::min(all, lossless), std::memory_order_relaxed);
     try {
       core_->Cancel(channel_);
-    } catch (const std::bad_alloc&) {  // Its credit stays taken until the subscriber connects again.
+      core_->log().WriteLimited(LogLevel::kError, "no memory to send " + channel_->name,
+                                "There is no memory to send a message of " + std::to_string(bytes) +
+                                    " bytes on channel \"" + channel_->name +
+                                    "\" to other sessions; they do not get it. Publish smaller messages, or raise the "
+                                    "memory limit of the process or of its control group.");
+    } catch (const std::bad_alloc&) {  // Its credit may stay taken until the subscriber connects again.
     }
   }
 

@@ -1,12 +1,13 @@
 #include "transport/outbound_core.hpp"
 
 #include <algorithm>
-#include <iterator>
+#include <utility>
 
 namespace hgros {
 namespace {
 
 constexpr std::size_t kMostLosers = 64;  // Most sessions never come back.
+constexpr auto kRepeatsWithin = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -20,8 +21,8 @@ void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, Se
     } else if (change > 0) {
       sessions.push_back(who);
       for (Loser& loser : core->losers_) {
-        if (loser.session != who) continue;
-        loser.back = true;
+        if (loser.session != who || loser.state != Loser::State::kGone) continue;
+        loser.state = Loser::State::kBack;
         core->some_are_back_.store(true, std::memory_order_relaxed);
       }
     } else if (const auto place = std::ranges::find(sessions, who); place != sessions.end()) {
@@ -40,34 +41,47 @@ void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& 
 void OutboundCore::TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session,
                               const std::string& who, std::uint64_t messages, Actions& actions) {
   if (messages == 0) return;
+  core->missed.fetch_add(messages, std::memory_order_relaxed);
+  Loser lost{session, who};
+  lost.messages = messages;
+  lost.sequence = core->last_sequence_.load(std::memory_order_relaxed);
   {
     const std::scoped_lock lock(core->count_mutex_);
     auto& losers = core->losers_;
-    std::erase_if(losers, [&](const Loser& loser) { return loser.session == session; });
+    if (const auto known = std::ranges::find(losers, session, &Loser::session); known != losers.end()) {
+      lost.repeats = std::chrono::steady_clock::now() - known->reported < kRepeatsWithin;
+      losers.erase(known);
+    }
     if (losers.size() >= kMostLosers) losers.erase(losers.begin());
-    losers.push_back({session, who, messages, core->last_sequence_.load(std::memory_order_relaxed), false});
+    losers.push_back(lost);
   }
-  actions.emplace_back([core, &log, session, who, messages] {
-    log.WriteLimited(LogLevel::kWarning, "missed " + core->name + " " + session.ToString(),
-                     who + " has gone without confirming " + std::to_string(messages) +
-                         " messages of the lossless channel \"" + core->name +
-                         "\". It may miss these, and misses those that are published until it is back.");
+  std::string text = lost.repeats ? who + " misses messages of the lossless channel \"" + core->name +
+                                        "\" again and again. OutboundStats::missed counts them."
+                                  : who + " has gone without confirming " + std::to_string(messages) +
+                                        " messages of the lossless channel \"" + core->name +
+                                        "\". It may miss these, and misses those that are published until it is back.";
+  actions.emplace_back([core, &log, session, text = std::move(text)] {
+    log.WriteLimited(LogLevel::kWarning, "missed " + core->name + " " + session.ToString(), text);
   });
 }
 
 void OutboundCore::ReportThoseBack(Log& log, std::uint64_t sequence) {
-  std::vector<Loser> back;
+  std::vector<std::string> lines;
   {
     const std::scoped_lock lock(count_mutex_);
     some_are_back_.store(false, std::memory_order_relaxed);
-    std::ranges::copy_if(losers_, std::back_inserter(back), &Loser::back);
-    std::erase_if(losers_, [](const Loser& loser) { return loser.back; });
+    for (Loser& loser : losers_) {
+      if (loser.state != Loser::State::kBack) continue;
+      loser.state = Loser::State::kReported;
+      const std::uint64_t since = sequence > loser.sequence ? sequence - loser.sequence - 1 : 0;
+      missed.fetch_add(since, std::memory_order_relaxed);
+      loser.reported = std::chrono::steady_clock::now();
+      if (loser.repeats) continue;
+      lines.push_back(loser.name + " has missed up to " + std::to_string(loser.messages + since) +
+                      " messages of the lossless channel \"" + name + "\", and is back.");
+    }
   }
-  for (const Loser& loser : back) {
-    const std::uint64_t since = sequence > loser.sequence ? sequence - loser.sequence - 1 : 0;
-    log.Write(LogLevel::kWarning, loser.name + " has missed up to " + std::to_string(loser.messages + since) +
-                                      " messages of the lossless channel \"" + name + "\", and is back.");
-  }
+  for (const std::string& line : lines) log.Write(LogLevel::kWarning, line);
 }
 
 std::vector<SessionId> OutboundCore::Sessions() const {

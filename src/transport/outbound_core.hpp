@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -30,9 +31,10 @@ struct OutboundCore {
   /// Reports room to the source, if the source was refused. Called under the transport's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 
-  /// A lossless subscriber has gone and has not confirmed `messages` messages. Logs that; and the total, with the first
-  /// message after it has subscribed again. `who`: its name, for the log. Does not count them. Called under the
-  /// transport's mutex, before the session's next link begins. `log` outlives the actions.
+  /// A lossless subscriber has gone and has not confirmed `messages` messages. Counts them as missed and logs that.
+  /// Does both for the messages that are published until it has subscribed again, with the first one after that. If
+  /// this repeats within seconds, one line says so. `who`: its name, for the log. Called under the transport's mutex,
+  /// before the session's next link begins. `log` outlives the actions.
   static void TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session, const std::string& who,
                          std::uint64_t messages, Actions& actions);
   /// To be called for each message. Cheap.
@@ -65,9 +67,11 @@ struct OutboundCore {
   struct Loser {
     SessionId session;
     std::string name;
+    enum class State { kGone, kBack, kReported } state = State::kGone;
     std::uint64_t messages = 0;  // Not confirmed when it went.
     std::uint64_t sequence = 0;  // Of the last message then.
-    bool back = false;
+    bool repeats = false;        // It had only just been reported, so that no more lines name it.
+    std::chrono::steady_clock::time_point reported{};
   };
   void ReportThoseBack(Log& log, std::uint64_t sequence);
 

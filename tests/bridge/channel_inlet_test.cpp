@@ -42,6 +42,7 @@ struct Inflow {
     message.head.channel = "lines";
     message.head.id = {7, 1, ++sequence};
     message.head.latched = latched;
+    message.from = from;
     message.data = {AsBytes(*bytes), bytes};
     return inlet.Accept(std::move(message));
   }
@@ -54,12 +55,14 @@ struct Inflow {
   }
 
   std::vector<std::string> got;
+  std::vector<std::string> lines;  // Of the log.
   std::vector<ChannelInlet::Errand> errands;
   std::uint64_t sequence = 0;
+  SessionId from;
   DataGraph graph;
   ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()),
                      false,
-                     std::make_shared<Log>(),
+                     std::make_shared<Log>([this](LogLevel, std::string_view line) { lines.emplace_back(line); }),
                      [] {},
                      [this](ChannelInlet::Errand errand) { errands.push_back(std::move(errand)); },
                      [](const std::string&, const PeerInfo&, const std::string&) {},
@@ -151,6 +154,35 @@ TEST(ChannelInlet, MakesOneSchemaForEachOfSeveralPlainPublishers) {
   for (std::size_t i = 2; i < 100; ++i) EXPECT_EQ(got[i]->schema, got[i - 2]->schema);
   EXPECT_NE(got[0]->schema, got[1]->schema);
   EXPECT_EQ(got[199]->schema->type_name, "c.C199");
+}
+
+TEST(ChannelInlet, SaysThatAPublisherWasCutOffOnlyIfItsLinkHasEnded) {
+  for (const bool cut : {false, true}) {
+    Inflow<foxglove::Log> inflow;
+    inflow.from = SessionId{5};
+    inflow.inlet.SetDemand({.lossless = true});
+    const auto receive = [&] {
+      (void)inflow.Accept("x");
+      inflow.inlet.Run();
+      inflow.RunErrands();
+    };
+    receive();
+    if (cut) {
+      inflow.inlet.OnOfferEnded(SessionId{5});
+    } else {
+      inflow.inlet.OnOfferEnded(SessionId{6});
+    }
+    receive();  // It had arrived before.
+    EXPECT_TRUE(inflow.lines.empty());
+    inflow.sequence += 3;
+    receive();
+    ASSERT_EQ(inflow.lines.size(), 1U);
+    EXPECT_EQ(inflow.lines[0],
+              std::string("3 messages of the lossless channel \"lines\" did not arrive: ") +
+                  (cut ? "the connection to their publisher was lost, and they were published before it was back."
+                       : "their publisher was connected, but could not send them. The log of session "
+                         "0000000000000005 says why."));
+  }
 }
 
 TEST(ChannelInlet, RunsAUserCodecOffTheTransportsThreadEvenForProtobufBytes) {

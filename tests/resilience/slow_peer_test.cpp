@@ -107,6 +107,11 @@ TEST(StoppedSubscriber, IsNamedWithTheNumberOfLosslessMessagesThatItMissed) {
     const std::uint64_t missed = std::stoull(found[1]);
     EXPECT_GE(missed, stopped["gaps"]) << publisher << stopped;
     EXPECT_LE(missed, stopped["gaps"] + 16) << "its queue may have arrived unconfirmed" << publisher << stopped;
+    EXPECT_TRUE(Await([&] { return publisher["missed"] == missed; })) << publisher;
+    std::ostringstream said;
+    said << stopped;
+    EXPECT_NE(said.str().find(" did not arrive: the connection to their publisher was lost"), std::string::npos)
+        << stopped;
   }
   setenv("HGROS_DOMAIN", "none", 1);
 }

@@ -29,7 +29,35 @@ TEST(OutboundCore, SaysThatASubscriberIsBackIfItsNextLinkBeginsAtOnce) {
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_TRUE(lines[0].starts_with("Session 1 (eye) has gone without confirming 2 messages")) << lines[0];
   EXPECT_EQ(lines[1], "Session 1 (eye) has missed up to 4 messages of the lossless channel \"scan\", and is back.");
+  EXPECT_EQ(core->stats().missed, 4U) << "the counter and the log say the same";
   core->gate.Close();
+}
+
+TEST(OutboundCore, NamesASubscriberThatMissesMessagesAgainAndAgainInOneLine) {
+  std::vector<std::string> lines;
+  std::uint64_t missed = 0;
+  {
+    conformance::Source source;
+    Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    const auto core = std::make_shared<OutboundCore>("scan", conformance::TextType(), source);
+    const SessionId eye{1};
+    for (std::uint64_t i = 1; i <= 15; ++i) {
+      Actions actions;
+      OutboundCore::CountSubscriber(core, eye, 1, actions);
+      core->NoteCommit(log, 100 * i);
+      OutboundCore::TellMissed(core, log, eye, "Session 1 (eye)", i, actions);
+      OutboundCore::CountSubscriber(core, eye, -1, actions);
+      for (const auto& action : actions) action();
+    }
+    missed = core->stats().missed;
+    core->gate.Close();
+  }
+  ASSERT_EQ(lines.size(), 3U) << testing::PrintToString(lines);
+  EXPECT_EQ(lines[1], "Session 1 (eye) has missed up to 100 messages of the lossless channel \"scan\", and is back.");
+  EXPECT_EQ(lines[2],
+            "Session 1 (eye) misses messages of the lossless channel \"scan\" again and again. OutboundStats::missed "
+            "counts them.");
+  EXPECT_EQ(missed, 15 * 16 / 2 + 14 * 99U);
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ struct OutboundStats {
   std::uint64_t sent = 0;  ///< Messages handed to the network, one per subscriber.
   /// Dropped from the rings of slow keep-last or plain subscribers, or larger than a keep-last subscriber takes.
   std::uint64_t dropped = 0;
-  /// Not confirmed by lossless subscribers that died, or larger than a lossless subscriber takes.
+  /// Messages that lossless subscribers did not get, one per subscriber: not confirmed when it was lost, published
+  /// until it was back, larger than it takes, or without memory to send them.
   std::uint64_t missed = 0;
   std::uint64_t queued_bytes = 0;  ///< Waiting in rings now.
   /// Messages whose encoded bytes were copied once more: into memory that can be shared, because they were not in

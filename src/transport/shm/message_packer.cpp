@@ -36,11 +36,6 @@ std::shared_ptr<const ShmMessage> MessagePacker::Pack(const PacketHead& head, co
     return message;
   }
   if (data.bytes.size() >= kLargeBytes && !pool_->HasRoomApart(BlockPool::kCopiesReceived * data.bytes.size())) {
-    session_.log.WriteLimited(LogLevel::kError, "shm no room",
-                              "A message of " + std::to_string(data.bytes.size()) + " bytes on channel \"" +
-                                  head.channel +
-                                  "\" is not sent: the memory limit of its control group leaves too little for its "
-                                  "receivers. Raise the limit, or publish smaller messages.");
     throw std::bad_alloc();
   }
   session_.log.WriteLimited(LogLevel::kWarning, "shm apart",

@@ -61,6 +61,7 @@ class ShmCore {
   [[nodiscard]] TransportStats stats() const;
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return registry_.List(); }
   [[nodiscard]] const ShmOptions& options() const noexcept { return session_.options; }
+  [[nodiscard]] Log& log() const noexcept { return session_.log; }
   [[nodiscard]] bool IsChild() const noexcept { return session_.fork->IsChild(); }
 
  private:

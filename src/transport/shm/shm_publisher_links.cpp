@@ -141,13 +141,12 @@ void ShmPublisher::EndLink(std::shared_ptr<OutLink> link, LinkEnd why, Actions& 
     actions.emplace_back([ended] {});
     const bool misses =
         why == LinkEnd::kForGood || why == LinkEnd::kWithdrawn || (why == LinkEnd::kPairLost && !KeepForLater(*link));
-    if (misses) {
+    if (misses && why == LinkEnd::kWithdrawn) {
       link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
-      if (why != LinkEnd::kWithdrawn) {
-        const PeerInfo& peer = link->pair.facts.info;
-        const std::string who = "Session " + peer.name();
-        OutboundCore::TellMissed(link->core, session_.log, peer.id, who, link->flow.unfinished(), actions);
-      }
+    } else if (misses) {
+      const PeerInfo& peer = link->pair.facts.info;
+      const std::string who = "Session " + peer.name();
+      OutboundCore::TellMissed(link->core, session_.log, peer.id, who, link->flow.unfinished(), actions);
     }
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);

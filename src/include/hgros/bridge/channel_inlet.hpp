@@ -74,6 +74,7 @@ class ChannelInlet final : public InboundSink {
     std::uint64_t last_sequence = 0;
     std::int64_t last_heard_ns = 0;
     bool away = false;  // The session did not subscribe for a while.
+    bool cut = false;   // A link to the sender has ended since the last gap.
     PublisherTraffic traffic;
   };
 
@@ -102,9 +103,14 @@ class ChannelInlet final : public InboundSink {
   [[nodiscard]] std::optional<Decoded> Decode(InboundMessage&& message) noexcept;
   [[nodiscard]] bool Inject(const Decoded& decoded, UserCode user_code) noexcept;
   void RunErrand() noexcept;
-  void SayLost(std::uint64_t count);
-  // False for a repeat. Sets `lost` to the number of messages before it that did not arrive.
-  [[nodiscard]] bool CountIn(const InboundMessage& message, std::uint64_t& lost);
+  // Messages before one that has arrived.
+  struct Gap {
+    std::uint64_t messages = 0;
+    bool cut = false;  // A link to their sender has ended.
+  };
+  void SayLost(const Gap& lost, SessionId from);
+  // False for a repeat. Sets `lost` to the messages before it that did not arrive.
+  [[nodiscard]] bool CountIn(const InboundMessage& message, Gap& lost);
   [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
   void ForgetOffers();

@@ -108,12 +108,11 @@ void PublishedChannels::RemoveLink(const SubscriberPeer& peer, Wish& wish, LinkE
   const std::shared_ptr<OutLink> link = std::move(wish.link);
   if (Channel* channel = Find(link->core->name)) std::erase(channel->links, link.get());
   link->LeaveSums();
-  if (why != LinkEnd::kUnsubscribed && link->flow.lossless()) {
+  if (why == LinkEnd::kLost && link->flow.lossless()) {
+    const std::string who = "Session " + peer.facts.info.name();
+    OutboundCore::TellMissed(link->core, shared_.log, link->subscriber, who, link->flow.unfinished(), actions);
+  } else if (why != LinkEnd::kUnsubscribed && link->flow.lossless()) {
     link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
-    if (why == LinkEnd::kLost) {
-      const std::string who = "Session " + peer.facts.info.name();
-      OutboundCore::TellMissed(link->core, shared_.log, link->subscriber, who, link->flow.unfinished(), actions);
-    }
   }
   if (link->flow.lossless()) OutboundCore::TellRoom(link->core, actions);
   OutboundCore::CountSubscriber(link->core, link->subscriber, -1, actions);

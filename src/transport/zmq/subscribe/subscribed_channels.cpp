@@ -186,8 +186,10 @@ void SubscribedChannels::OnSubscribed(const wire::Subscribed& subscribed, Action
     if (!link->active && link->schema) {
       InboundCore::TellOffer(link->core, publisher_.facts.info, link->schema, actions);
     }
-  } else if (!BeginLink(*link, subscribed, actions)) {
-    return;
+  } else {
+    // The publisher had lost this session, which has not noticed it.
+    if (std::exchange(link->active, false)) InboundCore::CountPublisher(link->core, publisher_.id(), -1, actions);
+    if (!BeginLink(*link, subscribed, actions)) return;
   }
   if (!std::exchange(link->active, true)) InboundCore::CountPublisher(link->core, publisher_.id(), 1, actions);
 }
