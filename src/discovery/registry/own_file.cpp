@@ -58,7 +58,7 @@ bool OwnFile::Put(std::string_view content) {
     struct stat status {};
     if (fstat(file.get(), &status) != 0 || status.st_nlink == 0) continue;  // Likewise.
     try {
-      if (!WriteAll(file.get(), content)) Fail("its content cannot be written", unfinished);
+      if (!WriteAll(file.get(), content)) Fail("its content cannot be written", path_);
       if (!MoveIntoPlace(unfinished)) continue;
     } catch (const Error&) {
       unlink(unfinished.c_str());

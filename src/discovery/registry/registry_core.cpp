@@ -25,13 +25,20 @@ constexpr auto kLongestDoubt = std::chrono::seconds(1);
 constexpr auto kGrace = std::chrono::milliseconds(500);
 constexpr auto kBetweenMendings = std::chrono::seconds(1);
 constexpr int kOpenTries = 100;
+constexpr auto kFirstLookElsewhere = std::chrono::seconds(1);
+constexpr auto kLongestLookElsewhere = std::chrono::minutes(1);
 
 constexpr std::string_view kEnded = "Its process ended without a goodbye.";
 
 }  // namespace
 
 RegistryCore::RegistryCore(const RegistryOptions& options, DiscoveryListener& listener, Log& log)
-    : listener_(listener), log_(log), folder_(options), own_(folder_, log), watch_(log) {
+    : listener_(listener),
+      log_(log),
+      folder_(options),
+      own_(folder_, log),
+      watch_(log),
+      between_looks_elsewhere_(kFirstLookElsewhere) {
   Open();
   Scan(true);
   book_.Tell(listener_);
@@ -69,10 +76,7 @@ void RegistryCore::Loop() {
     }
     LookAgain();
     own_.WriteIfDue();
-    if (!looked_elsewhere_ && own_.announced()) {
-      looked_elsewhere_ = true;
-      LookElsewhere();
-    }
+    if (own_.announced() && next_look_elsewhere_ <= Clock::now()) LookElsewhere();
   }
 }
 
@@ -81,6 +85,7 @@ std::optional<RegistryCore::Clock::time_point> RegistryCore::Deadline() const {
   const auto consider = [&](Clock::time_point time) { first = first ? std::min(*first, time) : time; };
   if (next_mending_) consider(*next_mending_);
   if (watch_.next_look()) consider(*watch_.next_look());
+  if (own_.announced() && next_look_elsewhere_ != Clock::time_point::max()) consider(next_look_elsewhere_);
   for (const auto& [name, doubt] : doubts_) consider(doubt.next_look);
   return first;
 }
@@ -232,9 +237,12 @@ void RegistryCore::LookAgain() {
 }
 
 // Two sessions that start at the same moment may choose two folders. After both have announced themselves, at least one
-// of them sees the other.
+// of them sees the other. Only root sees the folders of others, and these sessions may start later.
 void RegistryCore::LookElsewhere() {
+  next_look_elsewhere_ = geteuid() == 0 ? Clock::now() + between_looks_elsewhere_ : Clock::time_point::max();
+  between_looks_elsewhere_ = std::min<Clock::duration>(2 * between_looks_elsewhere_, kLongestLookElsewhere);
   for (const RegistryFolder::Elsewhere& other : folder_.FindElsewhere()) {
+    if (!said_elsewhere_.insert(other.folder).second) continue;
     log_.WriteLimited(LogLevel::kWarning, "registry elsewhere",
                       "Sessions of user " + std::to_string(other.user) + " in " + other.folder.string() +
                           " and this one, of user " + std::to_string(geteuid()) + " in " + folder_.path().string() +

@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -22,7 +24,7 @@
 namespace hgros::discovery {
 
 /// The registry's thread and state. It waits for events of the folder and for a signal; it has a deadline only while
-/// the state of a session is uncertain or a write is due.
+/// the state of a session is uncertain or a write is due, and as root, which looks for sessions of others.
 ///
 /// Thread safety: Announce(), List() and in_forked_child().
 class RegistryCore {
@@ -69,7 +71,9 @@ class RegistryCore {
   FolderWatch watch_;                                // Only the thread uses it and the members below.
   std::map<std::string, Doubt> doubts_;              // By name.
   std::unordered_map<std::string, FileStamp> read_;  // The files whose content is in `book_`.
-  bool looked_elsewhere_ = false;
+  Clock::time_point next_look_elsewhere_{};          // Once the session is announced.
+  Clock::duration between_looks_elsewhere_;
+  std::set<std::filesystem::path> said_elsewhere_;
   std::map<std::string, std::string> strange_;  // Names and the faults that were logged for them.
   std::optional<Clock::time_point> next_mending_;
   WakeEvent wake_;

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <string>
 
 #include "hgros/base/error.hpp"
@@ -39,6 +40,7 @@ RegistryFolder::RegistryFolder(const RegistryOptions& options, const RegistryPla
 }
 
 void RegistryFolder::Make() const {
+  if (places_) places_->Link(parent_);
   // A session that leaves may remove a folder between two steps.
   for (int tries = 0; tries < kFolderTries; ++tries) {
     if (!MakeOne(parent_)) {
@@ -64,6 +66,13 @@ std::vector<RegistryFolder::Elsewhere> RegistryFolder::FindElsewhere() const {
   return places_ ? places_->FindElsewhere(parent_, domain_) : std::vector<Elsewhere>();
 }
 
-void RegistryFolder::RemoveIfEmpty() const noexcept { rmdir(path_.c_str()); }
+void RegistryFolder::RemoveIfEmpty() const noexcept {
+  rmdir(path_.c_str());
+  try {
+    if (places_) places_->RemoveStaleLinks();
+  } catch (const std::exception&) {
+    return;  // No memory: the next session does it.
+  }
+}
 
 }  // namespace hgros::discovery

@@ -22,7 +22,7 @@ class RegistryFolder {
   /// Creates the folder if it is missing and checks that it belongs to this user and others cannot write. Throws Error
   /// otherwise.
   void Make() const;
-  /// Removes the folder if it is empty; a session that starts just then creates it again.
+  /// Removes the folder if it is empty; a session that starts just then creates it again. Then removes stale links.
   void RemoveIfEmpty() const noexcept;
   /// See RegistryPlaces::FindElsewhere(); none if the options name a folder.
   [[nodiscard]] std::vector<Elsewhere> FindElsewhere() const;

@@ -1,12 +1,15 @@
 #include "discovery/registry/registry_places.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <functional>
 #include <string_view>
 #include <system_error>
@@ -23,6 +26,7 @@ constexpr mode_t kOthersMayWrite = S_IWGRP | S_IWOTH;
 constexpr mode_t kForThisUser = 0700;
 constexpr int kMostNames = 1000;  // Other users may take some.
 constexpr std::string_view kLink = ".place-";
+constexpr auto kFresh = std::chrono::seconds(10);
 
 fs::path InTemporary(const fs::path& temporary, const std::string& user) { return temporary / ("hgros-" + user); }
 
@@ -49,6 +53,16 @@ std::vector<fs::path> EntriesOf(const fs::path& folder) {
     entries.push_back(entry->path());
   }
   return entries;
+}
+
+bool HoldsSessionsOfAnyDomain(const fs::path& place) {
+  return std::ranges::any_of(EntriesOf(place), [](const fs::path& domain) { return HoldsSessions(domain); });
+}
+
+// Whether the session that made the link may not have announced itself yet.
+bool IsFresh(const fs::path& link) {
+  struct stat status {};
+  return lstat(link.c_str(), &status) == 0 && std::chrono::seconds(std::time(nullptr) - status.st_mtim.tv_sec) < kFresh;
 }
 
 }  // namespace
@@ -97,13 +111,21 @@ std::vector<fs::path> RegistryPlaces::All() const {
     if (!entry.filename().string().starts_with(link)) continue;
     std::error_code fault;
     const fs::path target = fs::read_symlink(entry, fault);
-    if (!fault && CanUse(target)) {
-      add(target);
-    } else if (!fault && !fs::exists(target, fault)) {
-      unlink(entry.c_str());
-    }
+    if (!fault && CanUse(target)) add(target);
   }
   return all;
+}
+
+// Also those of other networks: their sessions may have been killed, and their network may be gone.
+void RegistryPlaces::RemoveStaleLinks() const {
+  const auto temporary = Temporary();
+  if (!temporary) return;
+  for (const fs::path& entry : EntriesOf(*temporary)) {
+    if (!entry.filename().string().starts_with(kLink) || IsFresh(entry)) continue;
+    std::error_code fault;
+    const fs::path target = fs::read_symlink(entry, fault);
+    if (!fault && !HoldsSessionsOfAnyDomain(target)) unlink(entry.c_str());
+  }
 }
 
 fs::path RegistryPlaces::Choose(const std::string& domain) const {
@@ -116,8 +138,9 @@ fs::path RegistryPlaces::Choose(const std::string& domain) const {
   }
   const auto joins = std::ranges::find_if(all, [&](const fs::path& place) { return HoldsSessions(place / domain); });
   const fs::path chosen = joins == all.end() ? all.front() : *joins;
-  (void)mkdir(chosen.c_str(), kForThisUser);  // Others remove a link to a folder that does not exist.
+  (void)mkdir(chosen.c_str(), kForThisUser);  // Others follow a link only to a folder that exists.
   Link(chosen);
+  RemoveStaleLinks();
   return chosen;
 }
 
@@ -126,7 +149,8 @@ void RegistryPlaces::Link(const fs::path& chosen) const {
   const auto temporary = Temporary();
   if (!temporary || chosen == *temporary) return;
   const std::string name = LinksOfThisNetwork() + std::to_string(std::hash<std::string>()(chosen.string()));
-  (void)symlink(chosen.c_str(), (*temporary / name).c_str());  // Another session may have made it.
+  const fs::path link = *temporary / name;
+  if (symlink(chosen.c_str(), link.c_str()) != 0) utimensat(AT_FDCWD, link.c_str(), nullptr, AT_SYMLINK_NOFOLLOW);
 }
 
 std::vector<RegistryPlaces::Elsewhere> RegistryPlaces::FindElsewhere(const fs::path& chosen,

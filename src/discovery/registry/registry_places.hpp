@@ -18,7 +18,7 @@ namespace hgros::discovery {
 ///
 /// In this order: $XDG_RUNTIME_DIR/hgros, /run/user/UID/hgros, and /tmp/hgros-UID. The folder in /tmp has a number at
 /// its end if another user has taken the name. It also has links, ".place-...", to folders that only some programs
-/// know from their environment.
+/// know from their environment. A link is removed once no session lives in its folder.
 class RegistryPlaces {
  public:
   /// The folders above those of the users.
@@ -43,10 +43,15 @@ class RegistryPlaces {
   [[nodiscard]] std::vector<Elsewhere> FindElsewhere(const std::filesystem::path& chosen,
                                                      const std::string& domain) const;
 
+  /// Leaves or renews the link to the chosen folder, if others could not know it. To be called before a session is
+  /// announced there: a new link stays for some seconds without one.
+  void Link(const std::filesystem::path& chosen) const;
+  /// Removes the links to folders in which no session lives.
+  void RemoveStaleLinks() const;
+
  private:
   [[nodiscard]] std::vector<std::filesystem::path> All() const;
   [[nodiscard]] std::optional<std::filesystem::path> Temporary() const;
-  void Link(const std::filesystem::path& chosen) const;
 
   const Roots roots_;
 };

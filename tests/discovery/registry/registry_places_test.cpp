@@ -1,15 +1,22 @@
 #include "discovery/registry/registry_places.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <fstream>
 #include <memory>
 #include <string>
 
 #include "discovery/listening.hpp"
 #include "discovery/registry/own_file.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/discovery/registry.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -109,6 +116,33 @@ TEST_F(PlacesOfAHost, LinkStaysWhileItsFirstSessionStarts) {
   EXPECT_EQ(With({}).Choose("robot"), custom / "hgros");
 }
 
+TEST_F(PlacesOfAHost, LinksToFoldersWithoutSessionsAreRemoved) {
+  const auto links = [&] {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(in_temporary)) count += entry.is_symlink() ? 1 : 0;
+    return count;
+  };
+  const auto age = [&] {
+    const timespec times[2] = {{1000, 0}, {1000, 0}};
+    for (const auto& entry : fs::directory_iterator(in_temporary)) {
+      ASSERT_EQ(utimensat(AT_FDCWD, entry.path().c_str(), times, AT_SYMLINK_NOFOLLOW), 0);
+    }
+  };
+  EXPECT_EQ(With(custom).Choose("robot"), custom / "hgros");
+  auto living = Live(custom / "hgros");
+  fs::create_symlink(scratch.path() / "gone", in_temporary / ".place-1-2");  // Of another network.
+  age();
+  (void)With({}).Choose("other");
+  EXPECT_EQ(links(), 1U) << "a session lives there";
+  living.reset();
+  With(custom).Link(custom / "hgros");
+  With({}).RemoveStaleLinks();
+  EXPECT_EQ(links(), 1U) << "a session is starting";
+  age();
+  With({}).RemoveStaleLinks();
+  EXPECT_EQ(links(), 0U);
+}
+
 TEST_F(PlacesOfAHost, NameThatAnotherUserHasTakenDoesNotDenyDiscovery) {
   std::ofstream(in_temporary.string()) << "taken";
   fs::create_directory_symlink(scratch.path(), in_temporary.string() + "-1");
@@ -128,6 +162,58 @@ TEST_F(PlacesOfAHost, RootSeesSessionsOfOthers) {
   ASSERT_EQ(elsewhere.size(), 1U);
   EXPECT_EQ(elsewhere[0].user, 12345U);
   EXPECT_TRUE(With({}).FindElsewhere(in_temporary, "other").empty());
+}
+
+TEST_F(PlacesOfAHost, RootSaysOnceThatASessionOfAnotherUserHasStartedLater) {
+  if (geteuid() != 0) GTEST_SKIP() << "giving folders away needs root";
+  setenv("XDG_RUNTIME_DIR", custom.c_str(), 1);
+  const std::string domain = "test-" + SessionId::Random().ToString();
+  const std::string user = std::to_string(100'000 + RandomId() % 1'000'000);
+  const fs::path place = fs::path("/tmp") / ("hgros-" + user);
+  KeptLog log;
+  Listening listener;
+  auto registry = OpenRegistry({.domain = domain}, listener, log.log);
+  registry->Announce(NewAnnouncement("root"));
+  test::Linger(std::chrono::milliseconds(300));  // It looks once.
+  MakeFolder(place / domain);
+  auto living = std::make_unique<OwnFile>(place / domain, SessionId::Random());
+  EXPECT_TRUE(living->Put("x"));
+  for (const fs::path& path : {living->path(), place / domain, place}) {
+    EXPECT_EQ(chown(path.c_str(), static_cast<uid_t>(std::stoul(user)), 0), 0);
+  }
+  const std::vector<std::string> said{"Sessions of user " + user + " in " + place.string(), "do not find each other"};
+  EXPECT_TRUE(test::Await([&] { return log.Count(said) > 0; })) << log.text();
+  test::Linger(std::chrono::milliseconds(2500));  // It looks again.
+  EXPECT_EQ(log.Count(said), 1U) << log.text();
+  registry.reset();
+  living.reset();
+  fs::remove_all(place);
+  unsetenv("XDG_RUNTIME_DIR");
+}
+
+TEST_F(PlacesOfAHost, AFullDiskIsNamedWithTheSameFileEachTime) {
+  const auto error = [&](OwnFile& file) -> std::string {
+    try {
+      (void)file.Put(std::string(1 << 20, 'x'));
+    } catch (const Error& full) {
+      return full.what();
+    }
+    return {};
+  };
+  const fs::path place = custom / "robot";
+  MakeFolder(place);
+  OwnFile file(place, SessionId::Random());
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{4096, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);  // Writing fails as on a full disk.
+  const std::string first = error(file);
+  const std::string second = error(file);
+  setrlimit(RLIMIT_FSIZE, &before);
+  (void)std::signal(SIGXFSZ, handler);
+  EXPECT_NE(first.find(file.path().string() + ": "), std::string::npos) << first;
+  EXPECT_EQ(first, second);
 }
 
 }  // namespace

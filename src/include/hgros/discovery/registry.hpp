@@ -20,9 +20,10 @@ struct RegistryOptions {
 
 /// Finds the sessions of this user on this host. Each session has a file in the domain's folder and holds a lock on it,
 /// which the kernel releases when the process ends for any reason. A session that comes, changes, goes or dies is
-/// noticed at once; without events nothing runs. The first registry that sees the file of a dead session removes it.
-/// The next registry of this user removes the folders of other domains that contain only such files. When the
-/// constructor returns, the listener knows all sessions. See docs/decisions/0010-discovery.md.
+/// noticed at once; without events nothing runs, except that root looks for sessions of others once a minute. The first
+/// registry that sees the file of a dead session removes it. The next registry of this user removes the folders of
+/// other domains that contain only such files. When the constructor returns, the listener knows all sessions. See
+/// docs/decisions/0010-discovery.md.
 ///
 /// Errors: throws Error if the folder belongs to another user, if others may write to it, or if it cannot be created or
 /// watched. A folder that disappears later is created again.
