@@ -88,12 +88,12 @@ void MisspelledNames::SayUnused(const Config& config) {
                     "The configuration names channels that this session has not used so far: " + list + ".");
 }
 
-void MisspelledNames::Note(const std::string& channel) {
+void MisspelledNames::Note(const std::string& channel, Clock::time_point now) {
   if (channel.starts_with(kOwnChannels)) return;
   {
     const std::scoped_lock lock(mutex_);
     if (!noted_.insert(channel).second) return;
-    due_.emplace(std::chrono::steady_clock::now() + kTimeForOthers, Due{channel});
+    due_.emplace(now + kTimeForOthers, Due{channel});
     if (std::exchange(looks_, true)) return;
   }
   LookIn(kTimeForOthers);
@@ -101,13 +101,12 @@ void MisspelledNames::Note(const std::string& channel) {
 
 void MisspelledNames::LookIn(std::chrono::nanoseconds delay) {
   means_.later(delay, [this] {
-    if (const auto again = LookForOtherEnds()) LookIn(*again);
+    if (const auto again = LookForOtherEnds(Clock::now())) LookIn(*again);
   });
 }
 
 // Listing all channels takes long, so it is done only at the second look, and once for all that are due.
-std::optional<std::chrono::nanoseconds> MisspelledNames::LookForOtherEnds() {
-  const auto now = std::chrono::steady_clock::now();
+std::optional<std::chrono::nanoseconds> MisspelledNames::LookForOtherEnds(Clock::time_point now) {
   std::vector<Due> alone;
   {
     const std::scoped_lock lock(mutex_);

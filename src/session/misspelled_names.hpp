@@ -23,6 +23,7 @@ namespace hgros {
 // Thread safety: all functions. None is called under a lock of the session.
 class MisspelledNames {
  public:
+  using Clock = std::chrono::steady_clock;
   struct Means {
     const DataGraph& graph;
     std::shared_ptr<Log> log;
@@ -40,7 +41,9 @@ class MisspelledNames {
   void SayUnused(const Config& config);
   // A channel of this session is open to others. If it has no other end after 5 s and after 30 s, when these had time
   // to start, and another one of nearly the same name has none either, this is reported.
-  void Note(const std::string& channel);
+  void Note(const std::string& channel, Clock::time_point now = Clock::now());
+  // Looks at the channels that are due. Returns after what time it must be called again, if it must.
+  [[nodiscard]] std::optional<std::chrono::nanoseconds> LookForOtherEnds(Clock::time_point now);
 
  private:
   // A channel to look for.
@@ -49,8 +52,6 @@ class MisspelledNames {
     bool again = false;  // The first look found no other end.
   };
   void LookIn(std::chrono::nanoseconds delay);
-  // Returns after what time it must be called again, if it must.
-  [[nodiscard]] std::optional<std::chrono::nanoseconds> LookForOtherEnds();
   [[nodiscard]] bool HasSubscribers(const KnownChannel& channel) const;
   void SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known) const;
   [[nodiscard]] bool IsPublishedHere(const std::string& channel) const;
@@ -60,7 +61,7 @@ class MisspelledNames {
   std::set<std::string> said_;  // What SayUnused() has reported. Guarded by mutex_, like the rest.
   std::set<std::string> noted_;
   bool looks_ = false;  // LookForOtherEnds() will be called.
-  std::multimap<std::chrono::steady_clock::time_point, Due> due_;
+  std::multimap<Clock::time_point, Due> due_;
 };
 
 }  // namespace hgros
