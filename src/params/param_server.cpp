@@ -13,7 +13,9 @@ bool ParamEvent::Touches(const ParamPath& path) const {
 
 ParamServer::ParamServer(ParamSources sources, LogSink log)
     : core_(std::make_shared<Core>(std::move(sources), std::move(log))) {}
-ParamServer::~ParamServer() = default;
+ParamServer::~ParamServer() {
+  if (core_->fork.IsChild()) LeaveToParent(std::move(core_));
+}
 
 ParamView ParamServer::Snapshot() const { return ParamView(core_->root()); }
 

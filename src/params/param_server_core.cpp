@@ -1,6 +1,9 @@
 #include "params/param_server_core.hpp"
 
+#include <chrono>
+#include <condition_variable>
 #include <exception>
+#include <system_error>
 #include <utility>
 
 #include "hgros/base/names.hpp"
@@ -8,6 +11,8 @@
 
 namespace hgros {
 namespace {
+
+constexpr auto kTimeToDeclare = std::chrono::seconds(5);
 
 // A step that removes a parameter has no value.
 void RequireThere(const ParamNodePtr& root, const ParamPath& path, bool removes) {
@@ -22,20 +27,65 @@ void RequireThere(const ParamNodePtr& root, const ParamPath& path, bool removes)
 }  // namespace
 
 ParamServer::Core::Core(ParamSources sources, LogSink log)
-    : sources_(std::move(sources)), log_(std::move(log)), loaded_(ReadSources()), root_(loaded_) {}
+    : sources_(std::move(sources)), log_(std::move(log)), loaded_(ReadSources(&unknown_)), root_(loaded_) {
+  if (unknown_.empty()) return;
+  try {
+    waits_ = std::jthread([this](const std::stop_token& stop) {
+      std::mutex mutex;
+      std::condition_variable_any never;
+      std::unique_lock lock(mutex);
+      never.wait_for(lock, stop, kTimeToDeclare, [] { return false; });
+      SayUndeclared();
+    });
+  } catch (const std::system_error&) {  // There is no thread left: this is said at the end.
+  }
+}
 
-ParamNodePtr ParamServer::Core::ReadSources() const {
+ParamServer::Core::~Core() {
+  waits_ = {};
+  SayUndeclared();
+}
+
+ParamNodePtr ParamServer::Core::ReadSources(std::vector<ParamOverride>* unknown) const {
   ParamNodePtr root = param_tree::EmptyRoot();
   for (const std::filesystem::path& file : sources_.files) {
     root = param_tree::Merged(root, param_tree::WithoutSession(param_tree::FromDocument(yaml::Document::Load(file))));
   }
+  const ParamNodePtr in_files = root;
   for (const ParamOverride& said : sources_.overrides) {
     const ParamOrigin origin{std::make_shared<const std::string>(said.said)};
     const ParamPath path = ParamPath::Parse(said.path);
     param_tree::RequireNotSession(path);
+    if (unknown != nullptr && param_tree::Find(in_files, path) == nullptr) unknown->push_back(said);
     root = param_tree::With(root, path, param_tree::FromValue(said.value, origin));
   }
   return root;
+}
+
+// A program that declares nothing reads its parameters without declarations. Environment variables may be meant for
+// other programs, so one without a similar parameter is not reported.
+void ParamServer::Core::SayUndeclared() {
+  std::vector<ParamOverride> unknown;
+  std::vector<std::string> declared;
+  {
+    const std::scoped_lock lock(mutex_);
+    unknown.swap(unknown_);
+    for (const DeclaredParams::Entry& entry : declared_.entries()) {
+      declared.push_back(entry.path.ToString());
+      std::erase_if(unknown, [&](const ParamOverride& one) { return ParamPath::Parse(one.path).Overlaps(entry.path); });
+    }
+  }
+  if (declared.empty()) return;
+  std::string list;
+  for (const ParamOverride& one : unknown) {
+    const std::string nearest = NearestName(one.path, declared);
+    if (nearest.empty() && one.said.starts_with(kEnvironmentPrefix)) continue;
+    list += (list.empty() ? "" : ", ") + one.said;
+    if (!nearest.empty()) list += " (did you mean " + nearest + "?)";
+  }
+  if (!list.empty()) {
+    log_.Write(LogLevel::kWarning, "Parameters are set that this program has not declared so far: " + list + ".");
+  }
 }
 
 ParamNodePtr ParamServer::Core::root() const {

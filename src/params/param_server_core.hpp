@@ -6,8 +6,11 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
+#include <thread>
 #include <vector>
 
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/internal/base/listeners.hpp"
 #include "hgros/params/param_server.hpp"
@@ -16,13 +19,20 @@
 
 namespace hgros {
 
+// Variables of the environment that set parameters.
+inline constexpr std::string_view kEnvironmentPrefix = "HGROS_PARAM_";
+
 // Thread safety: all functions.
 // Invariants: root_ and declared_ fit together: every declared parameter exists and is valid. A change is computed and
 //   validated without a lock, on its own tree. It takes effect only if nothing else changed meanwhile (version_).
+//   An override that nobody declares is reported once, some seconds after the start or at the end.
 //   events_ holds events that listeners have not received yet; one thread at a time delivers them.
 class ParamServer::Core {
  public:
   Core(ParamSources sources, LogSink log);
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+  ~Core();
 
   [[nodiscard]] ParamNodePtr root() const;
   ParamNodePtr Declare(DeclaredParams::Entry entry);
@@ -42,6 +52,8 @@ class ParamServer::Core {
   ParamResult Reload();
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const noexcept { return sources_.files; }
 
+  const ForkGuard fork;  // A child does not have the thread.
+
  private:
   struct Question {
     const ParamEvent& event;
@@ -50,14 +62,16 @@ class ParamServer::Core {
 
   // Makes the change. Call TellListeners() afterwards.
   ParamResult Commit(const std::vector<Step>& steps, IfMissing if_missing);
-  // Reads the files and applies the overrides.
-  [[nodiscard]] ParamNodePtr ReadSources() const;
+  // Reads the files and applies the overrides. Sets `unknown` to those that are in no file, if it is not null.
+  [[nodiscard]] ParamNodePtr ReadSources(std::vector<ParamOverride>* unknown = nullptr) const;
   // The reason of the first validator that refuses; empty if none does.
   [[nodiscard]] std::string Ask(const ParamEvent& event) const;
   void TellListeners();
+  void SayUndeclared();
 
   const ParamSources sources_;
   Log log_;
+  std::vector<ParamOverride> unknown_;  // The overrides that are in no file, until SayUndeclared(). Guarded by mutex_.
   Listeners<Question> validators_;
   Listeners<ParamEvent> listeners_;
 
@@ -70,6 +84,7 @@ class ParamServer::Core {
   std::uint64_t version_ = 0;  // of root_ and declared_
   std::deque<ParamEvent> events_;
   bool telling_ = false;
+  std::jthread waits_;  // Waits for declarations, if there are unknown overrides.
 };
 
 }  // namespace hgros

@@ -7,17 +7,17 @@
 
 #include "hgros/params/param_error.hpp"
 #include "hgros/yaml/quoted.hpp"
+#include "params/param_server_core.hpp"
 
 namespace hgros {
 
 std::vector<ParamOverride> ParamOverridesOfEnvironment() {
-  constexpr std::string_view kPrefix = "HGROS_PARAM_";
   std::vector<ParamOverride> overrides;
   for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {
     const std::string_view text = *variable;
     const std::size_t equals = text.find('=');
-    if (!text.starts_with(kPrefix) || equals == std::string_view::npos) continue;
-    std::string path(text.substr(kPrefix.size(), equals - kPrefix.size()));
+    if (!text.starts_with(kEnvironmentPrefix) || equals == std::string_view::npos) continue;
+    std::string path(text.substr(kEnvironmentPrefix.size(), equals - kEnvironmentPrefix.size()));
     for (std::size_t at = path.find("__"); at != std::string::npos; at = path.find("__", at + 1)) {
       path.replace(at, 2, ".");
     }

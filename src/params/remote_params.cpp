@@ -21,6 +21,18 @@ bool IsBelow(const ParamPath& path, const ParamPath& top) {
   return path.steps().size() >= top.steps().size() && path.Overlaps(top);
 }
 
+// For a watch of a path that does not exist.
+std::string NothingAt(const ParamPath& path, const ParamNodePtr& root, const std::string& name) {
+  std::vector<std::string> existing;
+  for (const std::string& value : param_tree::ListBelow(ParamView(root))) {
+    std::vector<ParamPath::Step> steps = ParamPath::Parse(value).steps();
+    for (; !steps.empty(); steps.pop_back()) existing.push_back(ParamPath(steps).ToString());
+  }
+  const std::string nearest = NearestName(path.ToString(), existing);
+  return "A watch waits for the parameter " + path.ToString() + ", which the session \"" + name +
+         "\" does not have so far." + (nearest.empty() ? std::string() : " Did you mean " + nearest + "?");
+}
+
 std::string CauseOf(PublishStatus status) {
   switch (status) {
     case PublishStatus::kClosed: return "this session is shutting down";
@@ -34,8 +46,9 @@ std::string CauseOf(PublishStatus status) {
 
 class RemoteParams::Core {
  public:
-  Core(Session& session, std::string_view name, std::chrono::nanoseconds timeout)
+  Core(Session& session, std::string_view name, std::chrono::nanoseconds timeout, LogSink log)
       : session_(session),
+        log_(std::make_shared<Log>(std::move(log))),
         name_(name),
         timeout_(timeout),
         channels_(name),
@@ -68,10 +81,13 @@ class RemoteParams::Core {
   Subscription Watch(ParamPath path, ParamListener listener) {
     return session_.FromAny<ParamsState>(
         channels_.state, Invoke::kSerial,
-        [name = "parameters of " + name_, path = std::move(path), listener = std::move(listener),
-         before = param_tree::EmptyRoot()](const ParamsState& state) mutable {
+        [name = name_, log = log_, path = std::move(path), listener = std::move(listener),
+         before = param_tree::EmptyRoot(), first = true](const ParamsState& state) mutable {
           if (state.ended()) return;
-          const ParamNodePtr after = param_wire::ReadValues(state, name);
+          const ParamNodePtr after = param_wire::ReadValues(state, "parameters of " + name);
+          if (std::exchange(first, false) && param_tree::Find(after, path) == nullptr) {
+            log->Write(LogLevel::kWarning, NothingAt(path, after, name));
+          }
           ParamEvent event{ParamView(before), ParamView(after), {}};
           for (param_tree::Difference& difference : param_tree::Differences(before, after)) {
             event.paths.push_back(std::move(difference.path));
@@ -102,6 +118,7 @@ class RemoteParams::Core {
   }
 
   Session& session_;
+  const std::shared_ptr<Log> log_;  // A watch may outlive this object.
   const std::string name_;
   const std::chrono::nanoseconds timeout_;
   const param_wire::Channels channels_;
@@ -111,8 +128,8 @@ class RemoteParams::Core {
   const Subscription answers_;
 };
 
-RemoteParams::RemoteParams(Session& session, std::string_view name, std::chrono::nanoseconds timeout)
-    : core_(std::make_unique<Core>(session, name, timeout)) {}
+RemoteParams::RemoteParams(Session& session, std::string_view name, std::chrono::nanoseconds timeout, LogSink log)
+    : core_(std::make_unique<Core>(session, name, timeout, std::move(log))) {}
 RemoteParams::~RemoteParams() = default;
 
 RemoteParam<ParamView> RemoteParams::Snapshot() {

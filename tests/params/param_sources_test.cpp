@@ -2,7 +2,15 @@
 
 #include <stdlib.h>
 
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
 #include "params/params_fixture.hpp"
+#include "support/await.hpp"
 
 namespace hgros {
 namespace {
@@ -39,6 +47,60 @@ TEST_F(ParamSourcesTest, ErrorsNameTheSource) {
     (void)params.Get<int>("a.b");
   });
   EXPECT_EQ(wrong.find("--param a.b: a.b must be an integer"), 0U) << wrong;
+}
+
+/// The parameters of a program, and its log.
+struct Program {
+  explicit Program(ParamSources sources)
+      : params(std::make_unique<ParamServer>(std::move(sources),
+                                             [this](LogLevel, std::string_view line) { Keep(line); })) {}
+  void Keep(std::string_view line) {
+    const std::scoped_lock lock(mutex);
+    lines.emplace_back(line);
+  }
+  [[nodiscard]] std::size_t said() {
+    const std::scoped_lock lock(mutex);
+    return lines.size();
+  }
+  std::mutex mutex;
+  std::vector<std::string> lines;
+  std::unique_ptr<ParamServer> params;
+};
+
+TEST_F(ParamSourcesTest, OverridesThatNobodyDeclaresAreLoggedOnceWithTheNearestName) {
+  const auto file = Write("robot.yaml", "gains: [1, 2]\n");
+  const std::vector<ParamOverride> overrides{{"slam.speeed", "3", "--param slam.speeed"},
+                                             {"slam.range", "8", "--param slam.range"},
+                                             {"slam.late", "8", "--param slam.late"},
+                                             {"gains", "[3]", "--param gains"},
+                                             {"slam.matcher.depth", "1", "--param slam.matcher.depth"},
+                                             {"other", "1", "--param other"},
+                                             {"slam.rang", "8", "HGROS_PARAM_slam__rang"},
+                                             {"viewer.color", "red", "HGROS_PARAM_viewer__color"}};
+  Program program({{file}, overrides});
+  program.params->Declare("slam.speed", 1.0);
+  program.params->Declare("slam.range", 1.0);
+  program.params->Declare("slam.matcher", std::map<std::string, int>{});
+  test::Linger(std::chrono::seconds(1));
+  EXPECT_EQ(program.said(), 0U) << "parameters may be declared later";
+  program.params->Declare("slam.late", 1.0);
+  EXPECT_TRUE(test::Await([&] { return program.said() > 0; }));
+  program.params.reset();
+  ASSERT_EQ(program.said(), 1U);
+  EXPECT_EQ(program.lines[0],
+            "Parameters are set that this program has not declared so far: --param slam.speeed (did you mean "
+            "slam.speed?), --param other, HGROS_PARAM_slam__rang (did you mean slam.range?).");
+}
+
+TEST_F(ParamSourcesTest, OverridesThatNobodyDeclaresAreLoggedAtTheEndOfAShortProgram) {
+  Program program({{}, {{"spede", "3", "--param spede"}}});
+  program.params->Declare("speed", 1.0);
+  program.params.reset();
+  EXPECT_EQ(program.said(), 1U);
+  Program undeclared({{}, {{"spede", "3", "--param spede"}}});
+  EXPECT_EQ(undeclared.params->Get("spede", 1.0), 3.0);
+  undeclared.params.reset();
+  EXPECT_EQ(undeclared.said(), 0U) << "it declares nothing";
 }
 
 TEST(TakeParamArguments, RemovesParamArgumentsAndKeepsTheRest) {

@@ -137,6 +137,32 @@ class RemoteParamsTest : public test::DomainFixture {
   Robot other_{"", "other"};
 };
 
+TEST_F(RemoteParamsTest, AWatchOfAPathThatDoesNotExistIsLoggedOnceWithTheNearestOne) {
+  Offering offering(*robot_.session);
+  std::mutex mutex;
+  std::vector<std::string> lines;
+  RemoteParams params(*other_.session, "robot", kPatience, [&](LogLevel, std::string_view line) {
+    const std::scoped_lock lock(mutex);
+    lines.emplace_back(line);
+  });
+  const auto said = [&] {
+    const std::scoped_lock lock(mutex);
+    return lines.size();
+  };
+  std::atomic<int> changes{0};
+  const auto count = [&](const ParamEvent&) { ++changes; };
+  const auto everything = params.Watch("", count);
+  const auto map = params.Watch("slam.matcher", count);
+  const auto wrong = params.Watch("slam.macher", count);
+  EXPECT_TRUE(Await([&] { return changes == 3 && said() == 1; })) << "each watch begins with all values";
+  EXPECT_TRUE(params.Set("slam.matcher.range", 3.0).ok());
+  EXPECT_TRUE(Await([&] { return changes == 5; }));
+  ASSERT_EQ(said(), 1U);
+  EXPECT_EQ(lines[0],
+            "A watch waits for the parameter slam.macher, which the session \"robot\" does not have so far. Did you "
+            "mean slam.matcher?");
+}
+
 TEST_F(RemoteParamsTest, ReportsWhenNoSessionOffersThem) {
   const Offering offering(*robot_.session);
   RemoteParams known(*other_.session, "robot", kPatience);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hgros/base/export.hpp"
+#include "hgros/base/log.hpp"
 #include "hgros/params/param_server.hpp"
 #include "hgros/session/session.hpp"
 
@@ -36,7 +37,8 @@ struct RemoteParam {
 /// results: no session offers these parameters, no answer in time, or why a change was refused.
 class HGROS_EXPORT RemoteParams {
  public:
-  RemoteParams(Session& session, std::string_view name, std::chrono::nanoseconds timeout = std::chrono::seconds(2));
+  RemoteParams(Session& session, std::string_view name, std::chrono::nanoseconds timeout = std::chrono::seconds(2),
+               LogSink log = DefaultLogSink());
   RemoteParams(const RemoteParams&) = delete;
   RemoteParams& operator=(const RemoteParams&) = delete;
   ~RemoteParams();
@@ -72,7 +74,8 @@ class HGROS_EXPORT RemoteParams {
 
   /// Calls `listener` after each change at, below or above `path`. The first call, once the parameters are reached, has
   /// all current values, as if they had just been added. Changes that come faster than the listener returns may be
-  /// merged. Runs as a serial node of the session's graph and may make the other calls of this class.
+  /// merged. If nothing is at `path` when the parameters are reached, the log says so. Runs as a serial node of the
+  /// session's graph and may make the other calls of this class.
   [[nodiscard("the listener is called only while the Subscription lives")]] Subscription Watch(std::string_view path,
                                                                                                ParamListener listener);
 
