@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "clock/timer_plan.hpp"
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/fork_guard.hpp"
 
 namespace hgros {
@@ -108,6 +109,8 @@ class TimerQueue::Core {
       due.callback->Call(due.tick);
     } catch (const std::exception& e) {
       log_.WriteLimited(LogLevel::kError, "timer", std::string("A timer's callback threw: ") + e.what());
+    } catch (const ForcedUnwind&) {
+      EndAfterForcedUnwind(log_, "A timer's callback");
     } catch (...) {
       log_.WriteLimited(LogLevel::kError, "timer", "A timer's callback threw something that is not a std::exception.");
     }

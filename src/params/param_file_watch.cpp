@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/own_descriptor.hpp"
 
@@ -109,6 +110,8 @@ class ParamFileWatch::Core {
       done_(result);
     } catch (const std::exception& e) {
       log_.Write(LogLevel::kError, std::string("The callback for reloaded parameters threw: ") + e.what());
+    } catch (const ForcedUnwind&) {
+      EndAfterForcedUnwind(log_, "The callback for reloaded parameters");
     } catch (...) {
       log_.Write(LogLevel::kError,
                  "The callback for reloaded parameters threw something that is not a std::exception.");

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/yaml/document.hpp"
 
@@ -187,13 +188,15 @@ void ParamServer::Core::TellListeners() {
 }
 
 Listening ParamServer::Core::AddValidator(ParamPath path, ParamValidator validator) {
-  return validators_.Add([path = std::move(path), validator = std::move(validator)](const Question& question) {
+  return validators_.Add([this, path = std::move(path), validator = std::move(validator)](const Question& question) {
     if (!question.refusal.empty() || !question.event.Touches(path)) return;
     try {
       const std::optional<std::string> refusal = validator(question.event);
       if (refusal) question.refusal = refusal->empty() ? "A validator refused without a reason." : *refusal;
     } catch (const std::exception& e) {
       question.refusal = e.what();
+    } catch (const ForcedUnwind&) {
+      EndAfterForcedUnwind(log_, "A parameter validator");
     } catch (...) {
       question.refusal = "A validator threw something that is not a std::exception.";
     }
@@ -207,6 +210,8 @@ Listening ParamServer::Core::OnChange(ParamPath path, ParamListener listener) {
       listener(event);
     } catch (const std::exception& e) {
       log_.WriteLimited(LogLevel::kError, "listener", std::string("A parameter listener threw: ") + e.what());
+    } catch (const ForcedUnwind&) {
+      EndAfterForcedUnwind(log_, "A parameter listener");
     } catch (...) {
       log_.WriteLimited(LogLevel::kError, "listener",
                         "A parameter listener threw something that is not a std::exception.");

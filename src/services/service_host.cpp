@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 #include "services/waiting_callers.hpp"
@@ -193,6 +194,8 @@ void ServiceHost::Handle(const Waiting& waiting) {
     if (reply) outcome = Outcome::kOk;
   } catch (const std::exception& error) {
     text = error.what();
+  } catch (const ForcedUnwind&) {
+    throw;  // The node that runs the handler reports it.
   } catch (...) {
     text = "The handler threw something that is not a std::exception.";
   }

@@ -131,6 +131,23 @@ INSTANTIATE_TEST_SUITE_P(Ending, EndingInACallback, testing::ValuesIn(Endings())
   return name;
 });
 
+class EndingItsThread : public testing::TestWithParam<Ending> {};
+
+TEST_P(EndingItsThread, IsLoggedWithTheCallback) {
+  Worker worker(GetParam());
+  EXPECT_EQ(worker.Result(), "signal " + std::to_string(SIGABRT)) << worker.Errors();
+  const std::string errors = worker.Errors();
+  EXPECT_NE(errors.find("called pthread_exit()"), std::string::npos) << errors;
+  EXPECT_EQ(errors.find("the node continues"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("fatal\" on channel"), std::string::npos) << errors;
+}
+
+INSTANTIATE_TEST_SUITE_P(Ending, EndingItsThread,
+                         testing::Values(Ending{"main", "thread", "tbb"}, Ending{"main", "thread", "inline"},
+                                         Ending{"main", "thread", "dedicated"}, Ending{"main", "thread", "timer"},
+                                         Ending{"main", "thread", "service"}),
+                         [](const auto& one) { return one.param.kind; });
+
 class PeerOfAnEndingSession : public testing::TestWithParam<Ending> {};
 
 TEST_P(PeerOfAnEndingSession, HearsAGoodbye) {

@@ -1,7 +1,8 @@
 // A program that ends inside a callback of its session while other callbacks run.
 //
 //   --session=static|main|default  who owns the session
-//   --end=exit|destroy             what the callback does: exit(7), or destroy the session (then main returns 7)
+//   --end=exit|destroy|thread      what the callback does: exit(7), destroy the session (then main returns 7), or
+//                                  pthread_exit()
 //   --in=KIND                      the callback: tbb, inline, dedicated, timer, inline-timer, service, peer-event,
 //                                  remote (inline, on a thread of the transport), remote-tbb, outside (tbb; another
 //                                  process publishes on "fatal"), or wiring (tbb; another thread subscribes and serves
@@ -9,6 +10,7 @@
 //   --bus=FOLDER                   for ipc endpoints
 //
 // Writes "ending", and then "static object ended", to standard output.
+#include <pthread.h>
 #include <sys/prctl.h>
 
 #include <atomic>
@@ -98,6 +100,7 @@ class Program {
     const std::unique_lock lock = kind_ == "locked" ? std::unique_lock(held) : std::unique_lock<std::mutex>();
     (void)std::printf("ending\n");
     if (end_ == "exit") std::exit(kStatus);
+    if (end_ == "thread") pthread_exit(nullptr);
     if (owner_ == "default") {
       Shutdown();
     } else {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "graph/nodes/callback_scope.hpp"
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -27,11 +28,13 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
   const std::int64_t start = now;
   {
     const CallbackScope scope(setting_.graph, this);
+    const auto callback = [&] {
+      return "The callback of node \"" + setting_.name + "\" on channel \"" + setting_.channel + "\"";
+    };
     const auto failed = [&](const char* what) {
       Add(stats.failed, std::uint64_t{1}, writers);
       setting_.log->WriteLimited(LogLevel::kError, "callback " + setting_.name,
-                                 "The callback of node \"" + setting_.name + "\" on channel \"" + setting_.channel +
-                                     "\" threw: " + what + ". The message is skipped; the node continues.");
+                                 callback() + " threw: " + what + ". The message is skipped; the node continues.");
     };
     try {
       if (two_forms_.load(std::memory_order_relaxed)) [[unlikely]] {
@@ -41,6 +44,8 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
       }
     } catch (const std::exception& error) {
       failed(error.what());
+    } catch (const ForcedUnwind&) {
+      EndAfterForcedUnwind(*setting_.log, callback());
     } catch (...) {
       failed("something that is not a std::exception");
     }

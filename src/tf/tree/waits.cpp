@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/log.hpp"
 #include "tf/tree/tree_core.hpp"
 
@@ -34,6 +35,9 @@ void Waiter::Finish(const TransformResult& result) {
       callback_(result);
     } catch (const std::exception& error) {
       SayThrown(error.what());
+    } catch (const ForcedUnwind&) {
+      Log log;
+      EndAfterForcedUnwind(log, "A callback that waited for a transform");
     } catch (...) {
       SayThrown("something that is not a std::exception");
     }
