@@ -65,11 +65,11 @@ void BridgeCore::AppearOnHost() {
 
 // A session that hears this one connects to an endpoint here; if there is none, one is bound.
 void BridgeCore::LookOnNetwork() {
-  ZmqTransport& zmq = Zmq();
-  std::set<std::string> configured;
-  for (const SubscribeEndpoint& endpoint : options_.zmq.subscribe) configured.insert(endpoint.endpoint);
-  lan_ = std::make_unique<LanPeers>(zmq, log_, options_.zmq.peer_timeout, options_.later, std::move(configured));
   try {
+    ZmqTransport& zmq = Zmq();
+    std::set<std::string> configured;
+    for (const SubscribeEndpoint& endpoint : options_.zmq.subscribe) configured.insert(endpoint.endpoint);
+    lan_ = std::make_unique<LanPeers>(zmq, log_, options_.zmq.peer_timeout, options_.later, std::move(configured));
     const auto bound = zmq.BoundEndpoints();
     if (std::ranges::none_of(bound, [](const auto& endpoint) { return ReachesOtherHosts(endpoint); })) {
       zmq.AddPublishEndpoint({"tcp://*:*", std::nullopt});

@@ -2,9 +2,13 @@
 
 #include <utility>
 
+#include "hgros/base/system_limits.hpp"
+
 namespace hgros {
 
-ErrandThread::ErrandThread() : thread_([this](const std::stop_token& stop) { Loop(stop); }) {}
+ErrandThread::ErrandThread()
+    : thread_(
+          StartThread<std::jthread>("the thread for errands", [this](const std::stop_token& stop) { Loop(stop); })) {}
 
 ErrandThread::~ErrandThread() { End(); }
 

@@ -11,6 +11,7 @@
 #include "clock/timer_plan.hpp"
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros {
 
@@ -18,7 +19,9 @@ namespace hgros {
 class TimerQueue::Core {
  public:
   Core(std::shared_ptr<Clock> clock, LogSink log)
-      : clock_(std::move(clock)), log_(std::move(log)), thread_([this] { Loop(); }) {}
+      : clock_(std::move(clock)),
+        log_(std::move(log)),
+        thread_(StartThread<std::thread>("the thread of the timers", [this] { Loop(); })) {}
 
   // In a forked child nothing of a queue may be waited for or destroyed.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_->IsChild(); }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros {
 namespace {
@@ -44,7 +45,7 @@ WallJumpWatch::WallJumpWatch(OwnDescriptor timer, std::function<void()> on_set)
     : timer_(std::move(timer)),
       end_(Required(OwnDescriptor([] { return eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC); }))),
       on_set_(std::move(on_set)),
-      thread_([this] { Loop(); }) {}
+      thread_(StartThread<std::jthread>("the thread that watches the wall clock", [this] { Loop(); })) {}
 
 WallJumpWatch::~WallJumpWatch() {
   const std::uint64_t one = 1;

@@ -102,7 +102,7 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& typ
   }
   try {
     node->Start();
-  } catch (...) {  // No thread is available.
+  } catch (...) {  // No thread can be started.
     channel.Remove(*node);
     node->Close(true);
     throw;

@@ -21,6 +21,7 @@
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/own_descriptor.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros {
 
@@ -45,7 +46,7 @@ class ParamFileWatch::Core {
     // the thread: by then somebody may be writing again. A file that is half written is read when it is closed.
     const ParamNodePtr read = server_.Snapshot().node();
     if (const ParamResult result = server_.Reload(); !result.ok() || server_.Snapshot().node() != read) Say(result);
-    thread_ = std::thread([this] { Loop(); });
+    thread_ = StartThread<std::thread>("the thread that watches parameter files", [this] { Loop(); });
   }
   Core(const Core&) = delete;
   Core& operator=(const Core&) = delete;

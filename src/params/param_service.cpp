@@ -15,6 +15,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/ids.hpp"
+#include "hgros/base/system_limits.hpp"
 #include "params/param_wire.hpp"
 
 namespace hgros {
@@ -72,13 +73,24 @@ class ParamService::Core {
   // Publishes the state if it has changed. Returns its version.
   std::uint64_t Say() {
     const std::scoped_lock lock(mutex_);
-    if (!Look() || owed_) return version_;
-    if (say_(State()) == PublishStatus::kFull) {
-      owed_ = true;
-      if (!pays_.joinable()) pays_ = std::jthread([this](const std::stop_token& stop) { Pay(stop); });
-      owes_.notify_one();
-    }
+    const bool changed = Look();
+    const bool paying = owed_ && pays_.joinable();
+    if (paying || (!changed && !owed_)) return version_;
+    owed_ = say_(State()) == PublishStatus::kFull;
+    if (owed_) PayLater();
     return version_;
+  }
+
+  void PayLater() {
+    try {
+      if (!pays_.joinable()) {
+        pays_ = StartThread<std::jthread>("the thread that publishes parameters again",
+                                          [this](const std::stop_token& stop) { Pay(stop); });
+      }
+      owes_.notify_one();
+    } catch (const Error& e) {  // The next call of Say() tries again.
+      log_.WriteLimited(LogLevel::kError, "pay", std::string("A subscriber misses new parameters. ") + e.what());
+    }
   }
 
   // True if there is a newer state, which it then stores. Call it under mutex_, like State().

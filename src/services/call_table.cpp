@@ -1,5 +1,6 @@
 #include "services/call_table.hpp"
 
+#include "hgros/base/system_limits.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -13,6 +14,10 @@ bool CallTable::Begin(const std::shared_ptr<CallState>& call, std::chrono::nanos
   {
     const std::scoped_lock lock(mutex_);
     if (closed_ || calls_.size() + answering_.load(std::memory_order_relaxed) >= kMaxCalls) return false;
+    if (timeout != std::chrono::nanoseconds::max() && !thread_.joinable()) {
+      thread_ = StartThread<std::jthread>("the thread that ends calls in time",
+                                          [this](const std::stop_token& stop) { Loop(stop); });
+    }
     call->number = ++last_number_;
     call->message->call = call->number;
     calls_.emplace(call->number, call);
@@ -21,7 +26,6 @@ bool CallTable::Begin(const std::shared_ptr<CallState>& call, std::chrono::nanos
       due_.emplace(*call->due, call->number);
       sooner = *call->due < wakes_at_;
       if (sooner) wakes_at_ = *call->due;
-      if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { Loop(stop); });
     }
   }
   if (sooner) changed_.notify_one();

@@ -1,7 +1,6 @@
 #include "hgros/services/services.hpp"
 
 #include <algorithm>
-#include <system_error>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -91,12 +90,10 @@ bool Services::MakeThread() {
   if (thread_) return true;
   try {
     thread_.emplace();
-  } catch (const std::system_error& error) {
+  } catch (const Error& error) {
     thread_.reset();
-    log_->WriteLimited(
-        LogLevel::kError, "services thread",
-        std::string("Services and calls cannot react to other sessions, because no thread can be made: ") +
-            error.what() + ". Raise the limit of threads (ulimit -u, pids.max).");
+    log_->WriteLimited(LogLevel::kError, "services thread",
+                       std::string("Services and calls cannot react to other sessions. ") + error.what());
   }
   return thread_.has_value();
 }
@@ -198,16 +195,23 @@ std::shared_ptr<PendingCall> Services::Call(std::string_view name, Request reque
   call->message->type = &request.body_type;
   if (!call->message->body) {
     call->Refuse({Kind::kNotWritable, "The call of service \"" + std::string(name) + "\" has no request."});
-  } else if (!calls_->Begin(call, request.timeout)) {
-    call->Refuse(calls_->closed() ? CallFailure{Kind::kClosed, "The session is shutting down."}
-                                  : CallFailure{Kind::kFull, std::to_string(CallTable::kMaxCalls) +
-                                                                 " calls of this session are pending already."});
-  } else {
-    try {
-      Dispatch(call, request);
-    } catch (const Error& error) {  // The session is shutting down.
-      calls_->End(call->number, Failed(Kind::kClosed, error.what()));
+    return call;
+  }
+  try {
+    if (!calls_->Begin(call, request.timeout)) {
+      call->Refuse(calls_->closed() ? CallFailure{Kind::kClosed, "The session is shutting down."}
+                                    : CallFailure{Kind::kFull, std::to_string(CallTable::kMaxCalls) +
+                                                                   " calls of this session are pending already."});
+      return call;
     }
+  } catch (const Error& error) {  // No thread can be started.
+    call->Refuse({Kind::kFull, error.what()});
+    return call;
+  }
+  try {
+    Dispatch(call, request);
+  } catch (const Error& error) {  // The session is shutting down.
+    calls_->End(call->number, Failed(Kind::kClosed, error.what()));
   }
   return call;
 }

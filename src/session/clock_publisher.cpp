@@ -12,6 +12,7 @@
 
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/ids.hpp"
+#include "hgros/base/system_limits.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/discovery/announcement.hpp"
 
@@ -37,7 +38,8 @@ class ClockPublisher::Core {
       }
       woken_.notify_one();
     });
-    thread_ = std::jthread([this](const std::stop_token& stop) { Loop(stop); });
+    thread_ = StartThread<std::jthread>("the thread that publishes the clock",
+                                        [this](const std::stop_token& stop) { Loop(stop); });
   }
   Core(const Core&) = delete;
   Core& operator=(const Core&) = delete;

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/base/system_limits.hpp"
 #include "hgros/transport/acting_thread.hpp"
 
 namespace hgros {
@@ -55,7 +56,11 @@ LeaderPool::~LeaderPool() { Stop(); }
 void LeaderPool::Start() {
   const std::scoped_lock lock(state_->mutex);
   if (state_->stop || !state_->threads.empty()) return;
-  for (std::size_t i = 0; i < kStanding; ++i) Spawn(state_);
+  try {
+    for (std::size_t i = 0; i < kStanding; ++i) Spawn(state_);
+  } catch (const std::system_error&) {
+    ThrowNoThread("the threads that receive messages");
+  }
 }
 
 void LeaderPool::Spawn(const std::shared_ptr<State>& state) {

@@ -3,15 +3,20 @@
 #include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
+#include <fstream>
 #include <memory>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "hgros/base/system_limits.hpp"
 #include "support/await.hpp"
 #include "support/no_descriptors.hpp"
 #include "support/relay_port.hpp"
@@ -51,6 +56,23 @@ class Silent {
   const int fd_;
 };
 
+bool IsListeningAt(const std::string& path) {
+  std::ifstream sockets("/proc/net/unix");
+  const std::string accepts = " 00010000 ";
+  for (std::string line; std::getline(sockets, line);) {
+    if (line.ends_with(path) && line.find(accepts) != std::string::npos) return true;
+  }
+  return false;
+}
+
+// 0, or the errno.
+int ConnectTo(int socket, const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, path.size());
+  return connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? 0 : errno;
+}
+
 std::chrono::microseconds UsedCpu() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
@@ -79,6 +101,71 @@ TEST(ZmqStrangers, WaitingConnectionsUseNoCpuWhileNoDescriptorIsFree) {
   Place subscriber(SubscribeAt(endpoint));
   EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
   EXPECT_EQ(publisher.TimesSaid("limit of open files"), 1);
+}
+
+TEST(ZmqStrangers, ConnectionsUseNoCpuWhileAnotherThreadTakesEachFreeDescriptor) {
+  Place publisher(PublishAt("tcp://127.0.0.1:*"));
+  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  std::vector<std::unique_ptr<Silent>> waiting;
+  for (int i = 0; i < 50; ++i) waiting.push_back(std::make_unique<Silent>());
+  {
+    test::NoDescriptors none;
+    std::jthread greedy([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        none.Fill();
+        test::Linger(std::chrono::milliseconds(1));
+      }
+    });
+    const auto before = UsedCpu();
+    const auto began = std::chrono::steady_clock::now();
+    for (const auto& one : waiting) {
+      one->Connect(endpoint);
+      test::Linger(std::chrono::milliseconds(30));
+    }
+    // The other thread needs some, too.
+    EXPECT_LT(UsedCpu() - before, (std::chrono::steady_clock::now() - began) / 4);
+    EXPECT_EQ(publisher.TimesSaid("limit of open files"), 1);
+  }
+  const Place subscriber(SubscribeAt(endpoint));
+  EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
+}
+
+TEST(ZmqStrangers, AnIpcEndpointIsSafeFromConnectionsOnceFewDescriptorsAreFree) {
+  const test::Folder folder;
+  const std::string path = folder.path() + "/socket";
+  Place publisher(PublishAt("ipc://" + path));
+  const int knocking = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_TRUE(IsListeningAt(path));
+  {
+    test::NoDescriptors few(8);
+    ASSERT_TRUE(Await([&] { return !IsListeningAt(path); }));
+    few.Fill();
+    EXPECT_EQ(ConnectTo(knocking, path), ECONNREFUSED);
+    EXPECT_TRUE(Await([&] { return publisher.TimesSaid("limit of open files") == 1; }));
+  }
+  close(knocking);
+  const Place subscriber(SubscribeAt("ipc://" + path));
+  EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
+}
+
+TEST(ZmqStrangers, ManyConnectionsAtAnIpcEndpointDoNotUseUpAllDescriptors) {
+  const test::Folder folder;
+  const std::string path = folder.path() + "/socket";
+  Place publisher(PublishAt("ipc://" + path));
+  std::vector<int> all;
+  for (int i = 0; i < 300; ++i) all.push_back(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  {
+    const test::NoDescriptors few(100);
+    for (const int one : all) {
+      (void)ConnectTo(one, path);
+      test::Linger(std::chrono::milliseconds(1));
+    }
+    EXPECT_TRUE(Await([&] { return publisher.TimesSaid("limit of open files") == 1; }));
+    EXPECT_GT(FreeDescriptors(100), 0);
+  }
+  for (const int one : all) close(one);
+  const Place subscriber(SubscribeAt("ipc://" + path));
+  EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
 }
 
 TEST(ZmqStrangers, OnlySomeConnectionsOfAnAddressMayBeSilent) {

@@ -8,6 +8,7 @@
 
 #include "discovery/beacon/datagram.hpp"
 #include "hgros/base/error.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -40,7 +41,7 @@ BeaconCore::BeaconCore(const BeaconOptions& options, DiscoveryListener& listener
                     " ms and a patience of " + std::to_string(options_.patience.count()) + " ms.",
                 {}, "Use a period of at least 20 ms, and several times as much patience.");
   }
-  thread_ = std::thread([this] { Loop(); });
+  thread_ = StartThread<std::thread>("the thread of the beacon", [this] { Loop(); });
 }
 
 BeaconCore::~BeaconCore() {

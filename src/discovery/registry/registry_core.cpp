@@ -13,6 +13,7 @@
 #include "discovery/registry/session_file.hpp"
 #include "discovery/registry/stale_folders.hpp"
 #include "hgros/base/error.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -42,7 +43,7 @@ RegistryCore::RegistryCore(const RegistryOptions& options, DiscoveryListener& li
   Open();
   Scan(true);
   book_.Tell(listener_);
-  thread_ = std::thread([this] { Loop(); });
+  thread_ = StartThread<std::thread>("the thread of the registry", [this] { Loop(); });
 }
 
 RegistryCore::~RegistryCore() {

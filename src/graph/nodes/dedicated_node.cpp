@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hgros/base/system_limits.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -35,7 +36,7 @@ void DedicatedNode::Close(bool wait) {
 void DedicatedNode::Start() {
   const std::scoped_lock lock(mutex_);
   if (closed_) return;
-  thread_ = std::thread([this] {
+  thread_ = StartThread<std::thread>("the thread of node \"" + setting().name + "\"", [this] {
     ApplyScheduling();
     Loop();
   });

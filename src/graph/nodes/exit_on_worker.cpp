@@ -67,5 +67,6 @@ void PrepareForExitOnWorker() noexcept {
 
 OnWorker::OnWorker() noexcept { ++tasks; }
 OnWorker::~OnWorker() { --tasks; }
+bool OnWorker::Is() noexcept { return tasks > 0; }
 
 }  // namespace hgros

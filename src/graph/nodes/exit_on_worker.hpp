@@ -16,6 +16,9 @@ class OnWorker {
   OnWorker(const OnWorker&) = delete;
   OnWorker& operator=(const OnWorker&) = delete;
   ~OnWorker();
+
+  // Whether the calling thread runs such a task.
+  [[nodiscard]] static bool Is() noexcept;
 };
 
 }  // namespace hgros

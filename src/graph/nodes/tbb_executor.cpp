@@ -1,10 +1,14 @@
 #include "graph/nodes/tbb_executor.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "graph/nodes/exit_on_worker.hpp"
+#include "hgros/base/system_limits.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 
 namespace hgros {
@@ -74,13 +78,57 @@ void TbbExecutor::Run(Activation& activation) const {
   chain.Run();
 }
 
+// Keeps the worker on which it runs until all have come.
+class TbbExecutor::Arrival final : public Activation {
+ public:
+  struct Meeting {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::size_t missing = 0;
+  };
+  explicit Arrival(std::shared_ptr<Meeting> meeting) : meeting_(std::move(meeting)) {}
+  static void Wait(Meeting& meeting, std::unique_lock<std::mutex>& lock) {
+    meeting.changed.wait_for(lock, kPatience, [&] { return meeting.missing == 0; });
+    meeting.missing = 0;
+    meeting.changed.notify_all();
+  }
+  void Activate() noexcept override {
+    std::unique_lock lock(meeting_->mutex);
+    if (meeting_->missing == 0) return;
+    --meeting_->missing;
+    Wait(*meeting_, lock);
+  }
+  void HandToWorkers() noexcept override {}
+
+ private:
+  static constexpr auto kPatience = std::chrono::milliseconds(100);
+  const std::shared_ptr<Meeting> meeting_;
+};
+
+// TBB would start them with the first message; if it cannot, it throws there, or ends the process. Workers belong to
+// the process. Those of another session's executor may be busy, or may be all that TBB allows, so the wait is short.
+void TbbExecutor::StartWorkers() {
+  if (OnWorker::Is()) return;  // They run already, and this one cannot come.
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) - 1;
+  const auto count = std::min(allowed, static_cast<std::size_t>(arena_.max_concurrency()));
+  const auto meeting = std::make_shared<Arrival::Meeting>();
+  meeting->missing = count;
+  for (std::size_t i = 0; i < count; ++i) Enqueue(std::make_shared<Arrival>(meeting));
+  std::unique_lock lock(meeting->mutex);
+  Arrival::Wait(*meeting, lock);
+}
+
 // TBB starts one thread less than allowed, because the caller usually takes part; ours does not.
 TbbExecutor::TbbExecutor(int threads)
     : one_worker_(WorkerCount(threads) == 1),
       workers_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(WorkerCount(threads)) + 1),
       arena_(WorkerCount(threads), 0) {
+  const std::string count = std::to_string(WorkerCount(threads));
+  RequireThreads(static_cast<std::size_t>(WorkerCount(threads)),
+                 "the " + count + " workers of the data graph (data_graph: {threads: " + count + "})");
   PrepareForExitOnWorker();
   arena_.execute([this] { graph_ = std::make_unique<tbb::flow::graph>(); });
+  StartWorkers();
 }
 
 TbbExecutor::~TbbExecutor() {

@@ -40,6 +40,7 @@ class TbbExecutor {
   using Token = Ticket*;
   using FlowNode = tbb::flow::function_node<Token, tbb::flow::continue_msg>;
 
+  // Starts the workers. Throws Error if the system gives no threads for them.
   explicit TbbExecutor(int threads);
   ~TbbExecutor();
 
@@ -59,8 +60,10 @@ class TbbExecutor {
   [[nodiscard]] bool slot_taken() const noexcept { return slot_taken_->load(std::memory_order_relaxed); }
 
  private:
+  class Arrival;
   class Chain;
   struct Enqueued;
+  void StartWorkers();
   void Run(Activation& activation) const;
   void RunEnqueued(Ticket& ticket) const;
 

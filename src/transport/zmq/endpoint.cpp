@@ -16,6 +16,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/ids.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros::zmq {
 namespace {
@@ -102,6 +103,7 @@ std::string FullEndpoint(std::string_view endpoint) {
 }
 
 void BindOrThrow(Socket& socket, const std::string& endpoint) {
+  RequireDescriptors(kSpareDescriptors, "Cannot publish at " + endpoint);
   const bool ipc = endpoint.starts_with(kIpc);
   if (ipc && endpoint != "ipc://*") {
     const std::string_view path = std::string_view(endpoint).substr(kIpc.size());

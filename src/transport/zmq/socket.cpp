@@ -5,9 +5,12 @@
 #include <new>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros::zmq {
 namespace {
+
+constexpr std::size_t kThreads = 4;  // Two of ZeroMQ, and as many that receive.
 
 [[noreturn]] void ThrowZmq(std::string_view what) {
   throw Error(std::string(what) + ": " + zmq_strerror(zmq_errno()) + ".");
@@ -15,8 +18,21 @@ namespace {
 
 }  // namespace
 
-Context::Context() : raw_(zmq_ctx_new()) {
+Context::Context() : raw_(nullptr) {
+  RequireDescriptors(kSpareDescriptors, "Cannot use ZeroMQ");
+  RequireThreads(kThreads, "ZeroMQ and the threads that receive from it");
+  raw_ = zmq_ctx_new();
   if (raw_ == nullptr) ThrowZmq("Cannot create a ZeroMQ context");
+  // The first socket starts the threads.
+  void* const first = zmq_socket(raw_, ZMQ_PAIR);
+  const int error = zmq_errno();
+  if (first != nullptr) {
+    zmq_close(first);
+    return;
+  }
+  zmq_ctx_term(raw_);
+  errno = error;
+  ThrowZmq("Cannot start ZeroMQ");
 }
 
 Context::~Context() {
@@ -47,7 +63,9 @@ Message Message::View(Bytes bytes, void (*release)(void*, void*), void* hint) {
   return message;
 }
 
-Socket::Socket(Context& context, int type) : raw_(zmq_socket(context.raw(), type)) {
+Socket::Socket(Context& context, int type) : raw_(nullptr) {
+  RequireDescriptors(kSpareDescriptors, "Cannot create a ZeroMQ socket");
+  raw_ = zmq_socket(context.raw(), type);
   if (raw_ == nullptr) ThrowZmq("Cannot create a ZeroMQ socket");
 }
 

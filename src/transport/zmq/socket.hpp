@@ -12,9 +12,15 @@
 
 namespace hgros::zmq {
 
-/// Owns a ZeroMQ context. It is destroyed after its sockets, and waits for their linger.
+/// ZeroMQ ends the process if it lacks descriptors or threads in the wrong moment. So this many descriptors must be
+/// free before it gets something to do.
+inline constexpr std::size_t kSpareDescriptors = 16;
+
+/// Owns a ZeroMQ context, whose threads run from the beginning. It is destroyed after its sockets, and waits for their
+/// linger.
 class Context {
  public:
+  /// Throws Error.
   Context();
   ~Context();
   Context(const Context&) = delete;

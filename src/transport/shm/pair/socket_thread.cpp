@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/system_limits.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -40,7 +41,8 @@ SocketThread::SocketThread() : epoll_(epoll_create1(EPOLL_CLOEXEC)) {
 
 void SocketThread::Start(Handler& handler) {
   handler_ = &handler;
-  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+  thread_ = StartThread<std::jthread>("the thread of shared memory's sockets",
+                                      [this](const std::stop_token& stop) { Run(stop); });
 }
 
 void SocketThread::Stop() noexcept {

@@ -1,13 +1,11 @@
 #include "transport/zmq/publish/connection_watch.hpp"
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <linux/sockios.h>
 #include <linux/tcp.h>  // The C library's tcp_info is older.
 #include <netinet/in.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +14,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/ids.hpp"
+#include "hgros/base/system_limits.hpp"
 #include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
@@ -64,33 +63,30 @@ ConnectionWatch::ConnectionWatch(SharedState& shared, Socket& socket, const std:
   socket_.Set(ZMQ_HANDSHAKE_IVL, kHandshakeMs);
   monitor_.Set(ZMQ_RCVHWM, 0);  // Otherwise ZeroMQ's thread would wait for us.
   const std::string monitored = "inproc://accepting-" + std::to_string(RandomId());
-  constexpr int kEvents =
-      ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CLOSED;
+  constexpr int kEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED;
   if (zmq_socket_monitor(socket_.raw(), monitored.c_str(), kEvents) != 0 || monitor_.Connect(monitored) != 0) {
     throw Error(std::string("Cannot watch the connections of an endpoint: ") + zmq_strerror(zmq_errno()) + ".");
   }
-  KeepReserve();
 }
 
-ConnectionWatch::~ConnectionWatch() {
-  Close();
-  if (reserve_ >= 0) close(reserve_);
-}
-
-void ConnectionWatch::KeepReserve() noexcept {
-  if (!HasReserve()) reserve_ = open("/dev/null", O_RDONLY | O_CLOEXEC);
-}
+ConnectionWatch::~ConnectionWatch() { Close(); }
 
 void ConnectionWatch::Close() noexcept {
   if (monitor_.closed()) return;
   zmq_socket_monitor(socket_.raw(), nullptr, 0);
   monitor_.Close(0);
-  listening_.clear();
 }
 
 void ConnectionWatch::Tick() {
-  KeepReserve();
-  if (HasReserve()) TurnAway();
+  if (!listens_) {
+    ListenAgain();
+  } else {
+    StopIfIpcIsInDanger();
+  }
+}
+
+void ConnectionWatch::StopIfIpcIsInDanger() {
+  if (bound_.starts_with("ipc:") && FreeDescriptors(kSpareDescriptors) < kSpareDescriptors) StopListening();
 }
 
 bool ConnectionWatch::Serve() {
@@ -106,17 +102,14 @@ bool ConnectionWatch::Serve() {
     std::memcpy(&what, event.bytes().data(), sizeof what);
     std::memcpy(&value, event.bytes().data() + sizeof what, sizeof value);
     switch (what) {
-      case ZMQ_EVENT_LISTENING:
-        listening_.push_back(value);
-        (void)fcntl(value, F_SETFL, fcntl(value, F_GETFL) | O_NONBLOCK);  // ZeroMQ may be faster than TurnAway().
-        break;
-      case ZMQ_EVENT_CLOSED: std::erase(listening_, value); break;
       case ZMQ_EVENT_DISCONNECTED:
         silent_.erase(value);
         plain_.erase(value);
         break;
       case ZMQ_EVENT_ACCEPTED: OnAccepted(value); break;
-      case ZMQ_EVENT_ACCEPT_FAILED: OnAcceptFailed(value); break;
+      case ZMQ_EVENT_ACCEPT_FAILED:
+        if (value == ENFILE || (value == EMFILE && FreeDescriptors(1) == 0)) StopListening();
+        break;
       default: break;
     }
   }
@@ -126,11 +119,7 @@ bool ConnectionWatch::Serve() {
 
 void ConnectionWatch::OnAccepted(int fd) {
   plain_.erase(fd);  // The earlier connection with this number.
-  if (!HasReserve()) KeepReserve();
-  if (!HasReserve()) {  // It took the last descriptor.
-    HangUp(fd, bound_);
-    return;
-  }
+  StopIfIpcIsInDanger();
   std::string address = AddressOf(fd);
   silent_.erase(fd);
   if (address.empty()) return;
@@ -176,33 +165,27 @@ void ConnectionWatch::CutStuckPlain(SteadyTime now) {
   }
 }
 
-void ConnectionWatch::OnAcceptFailed(int error) {
-  if (error != EMFILE && error != ENFILE) return;
+// ZeroMQ's thread would try again and again to accept the connections that wait. The system ends them; their programs
+// connect again later.
+void ConnectionWatch::StopListening() {
+  if (!listens_) return;
+  listens_ = false;
+  zmq_unbind(socket_.raw(), bound_.c_str());
   shared_.log.WriteLimited(
       LogLevel::kWarning, "zmq accept " + bound_,
       "Another program cannot connect to " + bound_ + ": the limit of open files is reached. Raise it (ulimit -n).",
       kSayAgainAfter);
-  TurnAway();
 }
 
-// A connection that waits cannot be accepted, so ZeroMQ tries again and again: it is accepted here and closed. Its
-// program connects again later.
-void ConnectionWatch::TurnAway() noexcept {
-  for (const int listening : listening_) {
-    // As long as no descriptor is free, the kept one is the only one that the system can give.
-    while (HasReserve()) {
-      const int probe = fcntl(reserve_, F_DUPFD_CLOEXEC, 0);
-      if (probe >= 0) {  // There are free ones: ZeroMQ can accept.
-        close(probe);
-        return;
-      }
-      close(reserve_);
-      reserve_ = -1;
-      const int waiting = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-      if (waiting >= 0) close(waiting);
-      KeepReserve();
-      if (waiting < 0) break;
-    }
+void ConnectionWatch::ListenAgain() {
+  // Twice as many, so that it does not stop again at once.
+  if (FreeDescriptors(2 * kSpareDescriptors) < 2 * kSpareDescriptors) return;
+  try {
+    BindOrThrow(socket_, bound_);
+    listens_ = true;
+  } catch (const Error& error) {
+    shared_.log.WriteLimited(LogLevel::kError, "zmq listen " + bound_,
+                             std::string("Other programs still cannot connect. ") + error.what(), kSayAgainAfter);
   }
 }
 

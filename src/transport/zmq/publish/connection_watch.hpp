@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <unordered_map>
-#include <vector>
 
 #include "transport/zmq/shared_state.hpp"
 #include "transport/zmq/socket.hpp"
@@ -17,8 +16,8 @@ namespace hgros::zmq {
 /// - At most kMostSilent tcp connections of one address may exist that have not sent a whole greeting of ZMTP; further
 ///   ones are closed. ZeroMQ itself closes each after kHandshakeMs.
 /// - A plain subscriber that does not read is cut off before it uses up the bytes that all plain subscribers share.
-/// - While the process has no file descriptors left, waiting connections are accepted and closed at once, with a
-///   descriptor that is kept for this.
+/// - While the process has no file descriptors left, the endpoint does not listen. At an ipc path it stops while some
+///   are left: ZeroMQ 4.3 ends the process if it cannot accept a connection there.
 ///
 /// Thread safety: none; the endpoint's mutex guards it. The descriptor of fd() may be polled without it.
 class ConnectionWatch {
@@ -50,18 +49,16 @@ class ConnectionWatch {
 
  private:
   void OnAccepted(int fd);
-  void OnAcceptFailed(int error);
-  [[nodiscard]] bool HasReserve() const noexcept { return reserve_ >= 0; }
-  void KeepReserve() noexcept;
-  void TurnAway() noexcept;
+  void StopIfIpcIsInDanger();
+  void StopListening();
+  void ListenAgain();
 
   SharedState& shared_;
   Socket& socket_;
   const std::string& bound_;
   Socket monitor_;
   std::atomic<bool> input_{true};
-  std::vector<int> listening_;  // ZeroMQ's own descriptors.
-  int reserve_ = -1;
+  bool listens_ = true;
   std::unordered_map<int, int> plain_;  // How often in a row the send buffer was full.
   SteadyTime next_look_{};
   std::unordered_map<int, std::string> silent_;  // Addresses of connections that may not have sent a greeting.
