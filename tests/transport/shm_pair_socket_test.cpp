@@ -13,7 +13,9 @@
 #include <thread>
 
 #include "hgros/base/ids.hpp"
+#include "hgros/base/system_limits.hpp"
 #include "support/await.hpp"
+#include "support/no_descriptors.hpp"
 #include "transport/shm/pair/pair_socket.hpp"
 
 namespace hgros::shm {
@@ -53,6 +55,48 @@ wire::PairMessage Payload(std::uint64_t number, std::size_t size) {
 
 std::shared_ptr<const Handle> File() {
   return std::make_shared<const Handle>(MakeSegment("hgros-test", 4096, Access::kOwnerOnly, Pages::kOnTouch).handle);
+}
+
+/// Sends a frame without content that announces three descriptors, with `count` of them.
+void SendDescriptors(int socket, std::size_t count) {
+  std::string header = Header(0, 3);
+  iovec part{header.data(), header.size()};
+  std::vector<char> control(CMSG_SPACE(count * sizeof(int)));
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  cmsghdr* const rights = CMSG_FIRSTHDR(&message);
+  rights->cmsg_level = SOL_SOCKET;
+  rights->cmsg_type = SCM_RIGHTS;
+  rights->cmsg_len = CMSG_LEN(count * sizeof(int));
+  const int standard = STDIN_FILENO;
+  for (std::size_t i = 0; i < count; ++i) std::memcpy(CMSG_DATA(rights) + i * sizeof(int), &standard, sizeof(int));
+  ASSERT_EQ(sendmsg(socket, &message, 0), static_cast<ssize_t>(header.size()));
+}
+
+TEST(ShmPairSocket, BlamesAPeerThatSendsMoreDescriptorsThanAFrameMayHave) {
+  const Ends ends;
+  const std::size_t most = 1000;
+  const std::size_t before = FreeDescriptors(most);
+  SendDescriptors(ends.raw, 200);
+  PairSocket::Frame frame;
+  EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kFault);
+  EXPECT_EQ(ends.there->fault(), "it sends too many descriptors at once");
+  EXPECT_EQ(FreeDescriptors(most), before);
+}
+
+TEST(ShmPairSocket, TellsThatThisProcessHasNoRoomForDescriptors) {
+  const Ends ends;
+  PairSocket::Frame frame;
+  for (const std::size_t left : {0, 2}) {
+    SendDescriptors(ends.raw, 3);
+    const test::NoDescriptors few(left);
+    EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kFrame);
+    EXPECT_TRUE(frame.handles_lost);
+    EXPECT_TRUE(frame.handles.empty());
+  }
 }
 
 TEST(ShmPairSocket, FramesOfAllSizesArriveInOrderWithTheirDescriptors) {

@@ -168,6 +168,36 @@ TEST(ZmqStrangers, ManyConnectionsAtAnIpcEndpointDoNotUseUpAllDescriptors) {
   EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
 }
 
+TEST(ZmqStrangers, SubscriberNamesAllReasonsForWhichItsConnectionMayBeClosedAtOnce) {
+  const int listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = test::LoopbackAddress(0);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(listening, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  ASSERT_EQ(getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  ASSERT_EQ(listen(listening, 8), 0);
+  std::jthread closes([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) close(accept(listening, nullptr, nullptr));
+  });
+  {
+    Place subscriber(SubscribeAt("tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port))));
+    EXPECT_TRUE(Await([&] { return subscriber.Said("can open no more files, asks for keys, or is not ZeroMQ"); }));
+  }
+  closes.request_stop();
+  shutdown(listening, SHUT_RDWR);
+  closes.join();
+  close(listening);
+}
+
+TEST(ZmqStrangers, SubscriberSaysThatItsOwnProcessCanOpenNoFiles) {
+  Place subscriber(SubscribeAt("tcp://localhost:9"));
+  test::NoDescriptors none;
+  EXPECT_TRUE(Await([&] {
+    none.Fill();  // ZeroMQ may have closed one.
+    return subscriber.Said("No connection to tcp://localhost:9");
+  }));
+  EXPECT_TRUE(subscriber.Said("this process can open no more files"));
+}
+
 TEST(ZmqStrangers, OnlySomeConnectionsOfAnAddressMayBeSilent) {
   Place publisher(PublishAt("tcp://127.0.0.1:*"));
   const std::string endpoint = publisher.transport->BoundEndpoints().front();

@@ -209,6 +209,8 @@ PairSocket::Read PairSocket::ReadMore() {
     }
   }
   set.lost = (header.msg_flags & MSG_CTRUNC) != 0;
+  // The system gave as many as a frame may have, and the peer sent more. Otherwise this process can open no more.
+  if (set.lost && set.handles.size() == kMaxHandles) return Fail("it sends too many descriptors at once");
   if (set.lost || !set.handles.empty()) handles_.push_back(std::move(set));
   if (got == 0) {
     closed_ = true;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "hgros/base/system_limits.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/curve.hpp"
 #include "transport/zmq/endpoint.hpp"
@@ -18,6 +19,14 @@ constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
 constexpr auto kBetweenReports = std::chrono::milliseconds(100);  // Each outage is reported.
 constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
+
+// The failure of a handshake that says more about its cause; 0: none.
+int MoreSpecific(int one, int other) {
+  for (const int failure : {ZMQ_EVENT_HANDSHAKE_FAILED_AUTH, ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL}) {
+    if (one == failure || other == failure) return failure;
+  }
+  return other;
+}
 
 }  // namespace
 
@@ -87,8 +96,8 @@ bool PublisherConnection::ReadMonitor() {
     } else if (what == ZMQ_EVENT_CONNECT_RETRIED) {
       given_up_since_.reset();
       failed_ = true;
-    } else if (handshake_failure_ != ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
-      handshake_failure_ = what;
+    } else {
+      handshake_failure_ = MoreSpecific(handshake_failure_, what);
     }
   }
   return ended;
@@ -131,9 +140,18 @@ void PublisherConnection::LogUnreachable() {
     log.WriteLimited(LogLevel::kWarning, "zmq unreached " + endpoint,
                      "No connection to " + endpoint + " for " + since + " ms: " + std::string(why), kBetweenReports);
   };
+  if (handshake_failure_ == 0 && FreeDescriptors(1) == 0) {
+    return say("this process can open no more files. Raise the limit (ulimit -n).");
+  }
   std::string_view why = "is the other program running, is the port right, and does it bind that address?";
   if (handshake_failure_ == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
     why = "it refuses our key; add our public key to its `allowed_clients`.";
+  } else if (handshake_failure_ == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) {
+    why = shared_.options.security
+              ? "the program there closes the connection at once: it has another key than the one we have for it (see "
+                "`network.security.servers`), does not encrypt, or can open no more files."
+              : "the program there closes the connection at once: it can open no more files, asks for keys, or is not "
+                "ZeroMQ. Its log may say more.";
   } else if (handshake_failure_ != 0 && shared_.options.security) {
     // A wrong key and a missing key look the same here: the event depends on which side notices it first.
     why =
