@@ -25,14 +25,39 @@ TransportSet HostPairs::Expected(const Announcement& peer) const {
   return IsOfThisBoot(peer) ? expected : TransportSet();
 }
 
+HostPairs::Use HostPairs::UseOf(SessionId session, const ChannelAnnouncement& channel) const {
+  return {session, channel.publishes, channel.subscribes, means_.transports.SetOf(channel.transports)};
+}
+
 // A channel that may not use a transport of this host needs no pair.
-bool HostPairs::Exchange(const ChannelAnnouncement& ours, const ChannelAnnouncement& theirs) const {
+bool HostPairs::Exchange(const ChannelAnnouncement& ours, const Use& theirs) const {
   const bool used = (ours.publishes && theirs.subscribes) || (ours.subscribes && theirs.publishes);
-  return used && ours.channel == theirs.channel &&
-         !means_.transports.SetOf(ours.transports)
-              .In(means_.transports.SetOf(theirs.transports))
-              .In(means_.transports.on_host())
-              .empty();
+  return used &&
+         !means_.transports.SetOf(ours.transports).In(theirs.transports).In(means_.transports.on_host()).empty();
+}
+
+void HostPairs::Remember(const Announcement& stranger) {
+  Forget(stranger.session);
+  const std::scoped_lock lock(mutex_);
+  std::vector<std::string>& channels = channels_[stranger.session];
+  channels.reserve(stranger.channels.size());
+  for (const ChannelAnnouncement& one : stranger.channels) {
+    strangers_[one.channel].push_back(UseOf(stranger.session, one));
+    channels.push_back(one.channel);
+  }
+}
+
+void HostPairs::Forget(SessionId stranger) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = channels_.find(stranger);
+  if (known == channels_.end()) return;
+  for (const std::string& channel : known->second) {
+    const auto uses = strangers_.find(channel);
+    if (uses == strangers_.end()) continue;  // It was announced twice.
+    std::erase_if(uses->second, [&](const Use& use) { return use.session == stranger; });
+    if (uses->second.empty()) strangers_.erase(uses);
+  }
+  channels_.erase(known);
 }
 
 void HostPairs::Found(const Announcement& peer, TransportRules rules) {
@@ -49,9 +74,10 @@ void HostPairs::Found(const Announcement& peer, TransportRules rules) {
 // one of the two sees both.
 void HostPairs::Changed(const Announcement& peer) {
   if (means_.peers.IsPartner(peer.session)) return;
+  Remember(peer);
   const bool exchange = std::ranges::any_of(peer.channels, [&](const ChannelAnnouncement& theirs) {
     const auto ours = means_.announcer.OwnChannel(theirs.channel);
-    return ours && Exchange(*ours, theirs);
+    return ours && Exchange(*ours, UseOf(peer.session, theirs));
   });
   if (exchange) Connect(peer);
 }
@@ -59,9 +85,18 @@ void HostPairs::Changed(const Announcement& peer) {
 void HostPairs::OwnChanged(const std::string& channel) {
   const auto ours = means_.announcer.OwnChannel(channel);
   if (!ours) return;
+  std::vector<SessionId> found;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto uses = strangers_.find(channel);
+    if (uses == strangers_.end()) return;
+    for (const Use& theirs : uses->second) {
+      if (Exchange(*ours, theirs)) found.push_back(theirs.session);
+    }
+  }
+  if (found.empty()) return;
   const auto partners = means_.announcer.PeersOnHost([&](const Announcement& peer) {
-    return !means_.peers.IsPartner(peer.session) &&
-           std::ranges::any_of(peer.channels, [&](const auto& theirs) { return Exchange(*ours, theirs); });
+    return std::ranges::find(found, peer.session) != found.end() && !means_.peers.IsPartner(peer.session);
   });
   for (const Announcement& peer : partners) Connect(peer);
 }
@@ -69,7 +104,9 @@ void HostPairs::OwnChanged(const std::string& channel) {
 // The session with the smaller id connects; the other one decides in the same way, and waits.
 void HostPairs::Connect(const Announcement& peer) {
   const TransportSet expected = Expected(peer);
-  if (!means_.peers.MakePartner(peer.session, expected) || expected.empty()) return;
+  if (!means_.peers.MakePartner(peer.session, expected)) return;
+  Forget(peer.session);
+  if (expected.empty()) return;
   Await(peer.session);
   if (means_.options.zmq.session.value > peer.session.value) return;
   for (TransportIndex i = 0; i < means_.transports.size(); ++i) {
@@ -80,6 +117,7 @@ void HostPairs::Connect(const Announcement& peer) {
 }
 
 void HostPairs::Lost(const Announcement& last) {
+  Forget(last.session);
   for (TransportIndex i = 0; i < means_.transports.size(); ++i) {
     const auto place = last.places.find(means_.transports[i].key);
     if (means_.open[i] != nullptr && place != last.places.end()) means_.open[i]->RemovePeer(place->second);
