@@ -79,9 +79,14 @@ std::unique_ptr<RunTimeTypes> MakeRunTimeTypes(const MessageSchema& named) {
   return made;
 }
 
-// Types are never destroyed, because channels keep pointers to them and may outlive sessions.
+std::size_t BytesOf(const MessageSchema& schema) { return schema.type_name.size() + schema.descriptor_set.size(); }
+
+// Types are never destroyed, because channels keep pointers to them and may outlive sessions. Therefore the number of
+// types is limited, and the bytes of their descriptions, of which each takes several times its size.
 const RunTimeTypes& TypesOf(const MessageSchema& schema) {
   static std::mutex mutex;
+  static std::size_t count = 0;
+  static std::size_t bytes = 0;
   static auto& by_name = *new std::map<std::string, std::vector<std::unique_ptr<RunTimeTypes>>, std::less<>>();
   const std::scoped_lock lock(mutex);
   if (const auto named = by_name.find(schema.type_name); named != by_name.end()) {
@@ -94,6 +99,15 @@ const RunTimeTypes& TypesOf(const MessageSchema& schema) {
   for (const auto& one : of_name) {  // The same type, but named with another fingerprint or with none.
     if (*one->schema.schema == *made->schema.schema) return *one;
   }
+  if (count >= kMostRunTimeTypes || bytes + BytesOf(schema) > kMostRunTimeTypeBytes) {
+    throw Error("Type " + schema.type_name + " is refused: this process has named " + std::to_string(count) +
+                    " types at run time, with descriptions of " + std::to_string(bytes) + " bytes. At most " +
+                    std::to_string(kMostRunTimeTypes) + " types with " + std::to_string(kMostRunTimeTypeBytes) +
+                    " bytes can be named, because they are kept until the process ends.",
+                {}, "Use one schema for each type, or pass on messages of unknown types in another process.");
+  }
+  ++count;
+  bytes += BytesOf(schema);
   return *of_name.emplace_back(std::move(made));
 }
 

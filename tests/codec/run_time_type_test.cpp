@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include <foxglove/Vector3.pb.h>
@@ -39,6 +42,27 @@ TEST(RunTimeType, RefusesSchemasWithoutTypeOrWithBrokenDescriptors) {
   MessageSchema missing = SchemaOfVector();
   missing.type_name = "robot.Missing";
   EXPECT_THROW((void)RunTimeType(missing), Error);
+}
+
+// Named in a process of its own, because types are never forgotten. Returns how many it could name.
+std::size_t Named(std::size_t count, const std::string& description) {
+  for (std::size_t i = 0; i < count; ++i) {
+    try {
+      (void)RunTimeType({"type" + std::to_string(i), Encoding::kCustom, 0, description});
+    } catch (const Error& error) {
+      std::fputs(error.what(), stderr);
+      (void)RunTimeType({"type0", Encoding::kCustom, 0, description});
+      return i;
+    }
+  }
+  return count;
+}
+
+TEST(RunTimeType, AreLimitedInNumberAndBytes) {
+  EXPECT_EXIT(std::exit(Named(2 * kMostRunTimeTypes, "") <= kMostRunTimeTypes ? 0 : 1), testing::ExitedWithCode(0),
+              "is refused: this process has named 4[0-9]+ types at run time");
+  EXPECT_EXIT(std::exit(Named(200, std::string(1 << 20, 'x')) < 64 ? 0 : 1), testing::ExitedWithCode(0),
+              "descriptions of 6[0-9]+ bytes");
 }
 
 TEST(RunTimeType, IsInterchangeableWithTheClassOfItsSchemaOnly) {

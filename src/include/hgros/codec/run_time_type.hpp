@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -21,14 +22,19 @@ struct RunTimeSchema {
   std::shared_ptr<const DynamicSchema> described;  ///< For a protobuf type with a descriptor set; else null.
 };
 
+/// Types that a process can name at run time, and the bytes of their names and descriptor sets.
+inline constexpr std::size_t kMostRunTimeTypes = 4096;
+inline constexpr std::size_t kMostRunTimeTypeBytes = std::size_t{64} << 20;
+
 /// The type that `schema` names. Its messages are RawMessages. One object per schema, which lives as long as the
-/// program: a program that names types from outside should name a bounded number of them.
+/// program.
 ///
 /// A protobuf type with a descriptor set gets its fingerprint from that, whatever `schema` says. Without a fingerprint
 /// a type is compared by name and encoding alone.
 ///
 /// Threading: thread-safe. The first call for a protobuf type takes from 0.1 ms up, later ones below 1 us.
-/// Errors:    throws Error if `schema` has no name or no encoding, or if its descriptor set does not describe the type.
+/// Errors:    throws Error if `schema` has no name or no encoding, if its descriptor set does not describe the type, or
+///            if the process has named too many types.
 [[nodiscard]] HGROS_EXPORT const TypeInfo& RunTimeType(const MessageSchema& schema);
 
 /// The type of a channel that carries calls with bodies of that type, as CallTypeOf<T>() is for T. Errors: the same.
