@@ -12,17 +12,8 @@
 namespace hgros {
 namespace {
 
-// A message of this size gets its memory before it is promised to anybody, because that is where a lack of memory
-// shows.
+// Reading the limits of the control group costs as much as copying this much.
 constexpr std::size_t kLargeBytes = 1u << 20;
-
-// The encoded size; none if it is only known once the message is encoded.
-std::optional<std::size_t> EncodedBytes(const void* message, const TypeInfo& type) {
-  if (type.encoded_bytes != nullptr) return type.encoded_bytes(message);
-  // The user's codec: a message that needs little memory is not encoded twice.
-  if (type.encode == nullptr || type.memory_bytes(message) <= kMaxMessageBytes) return std::nullopt;
-  return type.encode(AnyMessage(AnyMessage(), message)).bytes.size();
-}
 
 }  // namespace
 
@@ -40,7 +31,7 @@ void ChannelOutlet::Join(NetworkBridge& bridge) {
     const std::scoped_lock lock(order_mutex_, latch_mutex_);
     joined_ = true;
     for (Kept& one : kept_) {
-      if (one.type->users_codec) one.data = Encode(one.message, *one.type, nullptr);
+      if (one.type->users_codec) one.data = Encode(one.message, *one.type, {}, nullptr);
     }
   }
   std::shared_ptr<JoinedOutbound> transports = bridge.Advertise(channel_, type_, *this);
@@ -54,7 +45,7 @@ void ChannelOutlet::Detach() {
     const std::scoped_lock lock(order_mutex_);
     transports = std::move(transports_);
   }
-  transports.reset();
+  if (transports) transports->Close();
   subscribers_.store(0, std::memory_order_release);
 }
 
@@ -63,15 +54,19 @@ void ChannelOutlet::Latch(std::size_t count) {
 }
 
 std::optional<Block> ChannelOutlet::Loan(std::size_t size_bytes) {
-  std::shared_ptr<JoinedOutbound> transports;
-  {
-    const std::scoped_lock lock(order_mutex_);
-    transports = transports_;
-  }
   loans_.fetch_add(1, std::memory_order_relaxed);
-  std::optional<Block> block = transports ? transports->Loan(size_bytes) : std::nullopt;
+  std::optional<Block> block = LendUnlocked(size_bytes);
   if (!block) heap_loans_.fetch_add(1, std::memory_order_relaxed);
   return block;
+}
+
+std::optional<Block> ChannelOutlet::LendLocked(std::size_t size_bytes) {
+  return transports_ ? transports_->Loan(size_bytes) : std::nullopt;
+}
+
+std::optional<Block> ChannelOutlet::LendUnlocked(std::size_t size_bytes) {
+  const std::scoped_lock lock(order_mutex_);
+  return LendLocked(size_bytes);
 }
 
 bool ChannelOutlet::wanted() const noexcept {
@@ -81,61 +76,76 @@ bool ChannelOutlet::wanted() const noexcept {
   return heard_.load(std::memory_order_relaxed) || latched_.load(std::memory_order_relaxed) > 0;
 }
 
-PublishStatus ChannelOutlet::Reserve(const void* message, const TypeInfo& type) noexcept {
-  if (subscriber_count() > 0) {
-    if (const PublishStatus status = ReserveMemory(message, type); status != PublishStatus::kOk) return status;
-  }
-  PublishStatus status = PublishStatus::kOk;
+// Memory is taken here, before the message is promised to anybody, because that is where a lack of memory shows. The
+// size is computed once, for Commit() as well.
+PublishStatus ChannelOutlet::Reserve(const void* message, const TypeInfo& type, PreparedMessage& prepared) noexcept {
+  const bool listened = subscriber_count() > 0;
+  std::optional<std::size_t> size;
+  if (listened && type.encoded_bytes != nullptr) size = type.encoded_bytes(message);
+  if (size.value_or(0) > kMaxMessageBytes) return PublishStatus::kTooLarge;
+  std::optional<Block> loan;
+  bool memory = true;
   {
     const EndsLater after_the_lock;
     const std::scoped_lock lock(order_mutex_);
-    if (transports_) status = transports_->Reserve();
+    if (transports_) {
+      if (const PublishStatus status = transports_->Reserve(); status != PublishStatus::kOk) return status;
+      memory = !size || FindMemory(message, type, *size, loan);
+      if (!memory) transports_->Cancel();
+    }
   }
-  if (status != PublishStatus::kOk) ReleaseMemory(message, type);
+  if (!memory) return RefuseForMemory();
+  if (loan) {
+    prepared = {PreparedMessage::State::kMemory, std::move(*loan)};
+    return PublishStatus::kOk;
+  }
+  const PublishStatus status = Prepare(message, type, size, listened, prepared);
+  if (status != PublishStatus::kOk) Cancel();
   return status;
 }
 
-PublishStatus ChannelOutlet::ReserveMemory(const void* message, const TypeInfo& type) noexcept {
+bool ChannelOutlet::FindMemory(const void* message, const TypeInfo& type, std::size_t size_bytes,
+                               std::optional<Block>& loan) noexcept {
+  const bool in_place = type.encode_in_place != nullptr;
   try {
-    const auto size = EncodedBytes(message, type);
-    if (!size || *size < kLargeBytes) return PublishStatus::kOk;
-    if (*size > kMaxMessageBytes) return PublishStatus::kTooLarge;
-    if (type.encode_into == nullptr || type.encode_in_place != nullptr) return PublishStatus::kOk;
-    std::shared_ptr<JoinedOutbound> transports;
-    {
-      const std::scoped_lock lock(order_mutex_);
-      transports = transports_;
+    if (!in_place) loan = transports_->Loan(size_bytes);
+    return loan || size_bytes < kLargeBytes ||
+           transports_->HasMemoryFor(size_bytes, in_place ? type.large_part(message) : Bytes());
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+}
+
+PublishStatus ChannelOutlet::Prepare(const void* message, const TypeInfo& type, std::optional<std::size_t> size_bytes,
+                                     bool listened, PreparedMessage& prepared) noexcept {
+  using State = PreparedMessage::State;
+  try {
+    if (size_bytes && type.encode_in_place == nullptr) {
+      prepared = {State::kMemory, Block::Allocate(*size_bytes)};
+    } else if (type.encode_copy != nullptr && (listened || (latched_ > 0 && WritesWhenLatched(type)))) {
+      Payload data = type.encode_copy(message);
+      if (listened && data.bytes.size() > kMaxMessageBytes) return PublishStatus::kTooLarge;
+      prepared = {State::kEncoded, data.owner == nullptr ? Block() : Block(std::move(data))};
+    } else if (listened && !size_bytes && type.encode != nullptr && type.memory_bytes(message) > kMaxMessageBytes) {
+      // A codec that shares the message: only the size is kept.
+      const std::size_t size = type.encode(AnyMessage(AnyMessage(), message)).bytes.size();
+      if (size > kMaxMessageBytes) return PublishStatus::kTooLarge;
     }
-    std::optional<Block> block = transports ? transports->Loan(*size) : std::nullopt;
-    if (!block && transports && !transports->HasMemoryFor(*size)) throw std::bad_alloc();
-    if (!block) block = Block::Allocate(*size);
-    const std::scoped_lock lock(memory_mutex_);
-    memory_.push_back(std::move(*block));
-    memory_count_.store(memory_.size(), std::memory_order_relaxed);
     return PublishStatus::kOk;
   } catch (const std::bad_alloc&) {
+    return RefuseForMemory();
+  }
+}
+
+PublishStatus ChannelOutlet::RefuseForMemory() noexcept {
+  try {
     log_->WriteLimited(LogLevel::kError, "memory " + channel_,
                        "There is no memory to write a message on channel \"" + channel_ +
                            "\" for other sessions; it was not published. Publish smaller messages, or raise the memory "
                            "limit of the process or of its control group.");
-    return PublishStatus::kNoMemory;
+  } catch (const std::bad_alloc&) {  // The status says it.
   }
-}
-
-std::optional<Block> ChannelOutlet::TakeMemory(std::size_t size_bytes) noexcept {
-  if (memory_count_.load(std::memory_order_relaxed) == 0) return std::nullopt;
-  const std::scoped_lock lock(memory_mutex_);
-  const auto found = std::ranges::find(memory_, size_bytes, &Block::size);
-  if (found == memory_.end()) return std::nullopt;
-  Block block = std::move(*found);
-  memory_.erase(found);
-  memory_count_.store(memory_.size(), std::memory_order_relaxed);
-  return block;
-}
-
-void ChannelOutlet::ReleaseMemory(const void* message, const TypeInfo& type) noexcept {
-  if (memory_count_.load(std::memory_order_relaxed) == 0 || type.encoded_bytes == nullptr) return;
-  (void)TakeMemory(type.encoded_bytes(message));
+  return PublishStatus::kNoMemory;
 }
 
 void ChannelOutlet::Cancel() noexcept {
@@ -144,67 +154,65 @@ void ChannelOutlet::Cancel() noexcept {
   if (transports_) transports_->Cancel();
 }
 
-Payload ChannelOutlet::EncodeInto(const AnyMessage& message, const TypeInfo& type, JoinedOutbound& transports) {
-  if (type.encode_into == nullptr) return {};
-  const std::size_t size = type.encoded_bytes(message.get());
-  std::optional<Block> block = TakeMemory(size);
-  if (!block) block = transports.Loan(size);
-  if (!block || !type.encode_into(message.get(), block->writable())) return {};
-  return block->payload();
-}
-
-Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) {
-  Payload payload;
+// A message of which nothing is prepared needs no memory, or its first subscriber came after Reserve().
+Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                                 Lend lend) {
+  using State = PreparedMessage::State;
+  if (prepared.state == State::kEncoded) return prepared.block.payload();
   if (type.encode_in_place != nullptr) {
-    payload = type.encode_in_place(message.get());
-    if (payload.owner == nullptr) copied_.fetch_add(1, std::memory_order_relaxed);
+    Payload payload = type.encode_in_place(message.get());
+    if (payload.owner != nullptr) return payload;
+    copied_.fetch_add(1, std::memory_order_relaxed);
   }
-  if (payload.owner == nullptr && transports != nullptr) payload = EncodeInto(message, type, *transports);
-  if (payload.owner == nullptr) payload = type.encode(message);
-  return payload;
+  if (prepared.state == State::kNothing && type.encode_into != nullptr && lend != nullptr) {
+    if (auto loan = (this->*lend)(type.encoded_bytes(message.get()))) prepared = {State::kMemory, std::move(*loan)};
+  }
+  if (prepared.state == State::kMemory && type.encode_into(message.get(), prepared.block.writable())) {
+    return prepared.block.payload();
+  }
+  return type.encode(message);
 }
 
-Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) noexcept {
+Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                              Lend lend) noexcept {
   Payload payload;
   bool memory = true;
   try {
-    payload = TryEncode(message, type, transports);
+    payload = TryEncode(message, type, std::move(prepared), lend);
   } catch (const std::bad_alloc&) {
     memory = false;
   }
   const std::size_t size = payload.bytes.size();
-  // Reserve() has not found a size above the limit in two cases: the user's codec, and a subscriber that came later.
+  // Reserve() has not found a size above the limit in two cases: a codec that shares a message of little memory, and a
+  // subscriber that came later.
   if (payload.owner != nullptr && size <= kMaxMessageBytes) return payload;
   not_encodable_.fetch_add(1, std::memory_order_relaxed);
-  log_->WriteLimited(LogLevel::kError, "encode " + channel_,
-                     "A message on channel \"" + channel_ + "\" " +
-                         (size > kMaxMessageBytes ? "has " + std::to_string(size) + " bytes; sessions send at most " +
-                                                        std::to_string(kMaxMessageBytes)
-                          : memory ? "could not be written as " + type_.name
-                                   : std::string("was not written, because there is no memory for it")) +
-                         "; other sessions do not get it.");
+  try {
+    log_->WriteLimited(LogLevel::kError, "encode " + channel_,
+                       "A message on channel \"" + channel_ + "\" " +
+                           (size > kMaxMessageBytes ? "has " + std::to_string(size) + " bytes; sessions send at most " +
+                                                          std::to_string(kMaxMessageBytes)
+                            : memory ? "could not be written as " + type_.name
+                                     : std::string("was not written, because there is no memory for it")) +
+                           "; other sessions do not get it.");
+  } catch (const std::bad_alloc&) {  // It is said with a later message.
+  }
   return {};
 }
 
-void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noexcept {
+bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept {
   const std::size_t depth = latched_.load(std::memory_order_relaxed);
   const bool listened = subscriber_count() > 0;
   if (!listened && depth == 0) {
-    ReleaseMemory(message.get(), type);
     const std::scoped_lock lock(order_mutex_);
     ++sequence_;
     if (transports_) transports_->Cancel();
-    return;
+    return true;
   }
   // Outside the lock: encoding a large message takes as long as sending it.
   std::optional<Payload> data;
   if (listened || WritesWhenLatched(type)) {
-    std::shared_ptr<JoinedOutbound> transports;
-    {
-      const std::scoped_lock lock(order_mutex_);
-      transports = transports_;
-    }
-    data = Encode(message, type, WritesWhenLatched(type) ? nullptr : transports.get());
+    data = Encode(message, type, std::move(prepared), &ChannelOutlet::LendUnlocked);
   }
   PacketHead head;
   head.channel = channel_;
@@ -222,22 +230,20 @@ void ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type) noex
   bool counted = listened;
   if (depth > 0) {
     head.id.sequence = ++sequence_;
-    if (!data && WritesWhenLatched(type)) data = Encode(message, type, nullptr);  // A subscriber has joined meanwhile.
+    // The bridge has come meanwhile.
+    if (!data && WritesWhenLatched(type)) data = Encode(message, type, {}, nullptr);
     Keep({message, &type, head, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
     // A subscriber is counted before it asks for latched messages. So either it found this message there, or it is
     // counted now.
     counted = listened || (transports_ && transports_->subscriber_count() > 0);
-    if (counted && !data) data = Encode(message, type, transports_.get());
+    if (counted && !data) data = Encode(message, type, {}, &ChannelOutlet::LendLocked);
   } else if (data->owner != nullptr) {
     head.id.sequence = ++sequence_;
   }
-  if (!data) ReleaseMemory(message.get(), type);
-  if (!transports_) return;
-  if (counted && data->owner != nullptr) {
-    transports_->Commit(head, *data);
-  } else {
-    transports_->Cancel();
-  }
+  if (!transports_) return true;
+  if (counted && data->owner != nullptr) return transports_->Commit(head, *data);
+  transports_->Cancel();
+  return !counted;
 }
 
 bool ChannelOutlet::WritesWhenLatched(const TypeInfo& type) const noexcept {
@@ -261,7 +267,7 @@ std::vector<OutboundMessage> ChannelOutlet::Latched(SessionId /*subscriber*/) no
   }
   std::vector<OutboundMessage> messages;
   for (Kept& one : kept) {
-    if (!one.data) one.data = Encode(one.message, *one.type, nullptr);
+    if (!one.data) one.data = Encode(one.message, *one.type, {}, nullptr);
     if (one.data->owner != nullptr) messages.push_back({one.head, std::move(*one.data)});
   }
   return messages;
@@ -277,12 +283,8 @@ void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
 }
 
 std::vector<SessionId> ChannelOutlet::Subscribers() const {
-  std::shared_ptr<JoinedOutbound> transports;
-  {
-    const std::scoped_lock lock(order_mutex_);
-    transports = transports_;
-  }
-  return transports ? transports->Subscribers() : std::vector<SessionId>();
+  const std::scoped_lock lock(order_mutex_);
+  return transports_ ? transports_->Subscribers() : std::vector<SessionId>();
 }
 
 void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {

@@ -1,6 +1,7 @@
 #include "bridge/cut_subscribers.hpp"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 namespace hgros {
@@ -38,9 +39,17 @@ bool CutSubscribers::HasRoom() const {
   });
 }
 
-void CutSubscribers::Push(const PacketHead& head, const Payload& data) {
+std::size_t CutSubscribers::Push(const PacketHead& head, const Payload& data) noexcept {
+  std::size_t missed = 0;
   const std::scoped_lock lock(mutex_);
-  for (auto& [subscriber, cut] : cuts_) Keep(cut, {head, data});
+  for (auto& [subscriber, cut] : cuts_) {
+    try {
+      Keep(cut, {head, data});
+    } catch (const std::bad_alloc&) {
+      ++missed;
+    }
+  }
+  return missed;
 }
 
 CutSubscribers::Messages CutSubscribers::TakeMessages(SessionId subscriber) {

@@ -29,7 +29,8 @@ class CutSubscribers {
   [[nodiscard]] std::size_t count() const noexcept { return count_.load(std::memory_order_acquire); }
   /// Whether one more message can be kept for each cut subscriber.
   [[nodiscard]] bool HasRoom() const;
-  void Push(const PacketHead& head, const Payload& data);
+  /// Returns the number of subscribers for which there was no memory to keep it.
+  std::size_t Push(const PacketHead& head, const Payload& data) noexcept;
   /// The subscriber is back. Returns the messages that it must get first, oldest first, and keeps none of them.
   [[nodiscard]] Messages TakeMessages(SessionId subscriber);
   /// It does not come back. Returns the messages that it misses; the caller counts and destroys them. Returns nothing

@@ -1,6 +1,7 @@
 #include "bridge/joined_channels.hpp"
 
 #include <algorithm>
+#include <new>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -44,8 +45,19 @@ JoinedOutbound::JoinedOutbound(std::string channel, const TypeInfo& type, Outbou
       parts_(most_transports),
       subscribers_(most_transports) {}
 
-// Each part's channel waits for the active calls into the source.
-JoinedOutbound::~JoinedOutbound() {
+JoinedOutbound::~JoinedOutbound() { Close(); }
+
+// Whoever has found it in the bridge's list may still hold it.
+void JoinedOutbound::Close() {
+  {
+    const std::scoped_lock lock(adding_);
+    no_more_parts_ = true;
+  }
+  {
+    const std::scoped_lock lock(giving_up_);
+    closed_ = true;
+  }
+  // Each part's channel waits for the active calls into the source.
   for (const auto& part : parts_) {
     if (part) part->channel.reset();
   }
@@ -53,6 +65,7 @@ JoinedOutbound::~JoinedOutbound() {
 
 void JoinedOutbound::Add(Transport& transport) {
   const std::scoped_lock lock(adding_);
+  if (no_more_parts_) return;
   const std::size_t index = count_.load();
   parts_.at(index) = std::make_unique<Part>(*this, index);
   parts_[index]->channel = transport.Advertise(channel_, type_, *parts_[index]);
@@ -90,6 +103,8 @@ std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
 
 void JoinedOutbound::GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut) {
   std::optional<CutSubscribers::Messages> missed;
+  const std::scoped_lock giving_up(giving_up_);
+  if (closed_) return;
   {
     const std::scoped_lock lock(committing_);
     missed = cut_.Drop(subscriber, cut);
@@ -139,11 +154,30 @@ PublishStatus JoinedOutbound::Reserve() noexcept {
   return PublishStatus::kOk;
 }
 
-void JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcept {
-  const std::scoped_lock lock(committing_);
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Commit(head, data);
-  if (cut_.count() > 0) cut_.Push(head, data);  // Last, for subscribers that are cut off meanwhile.
+bool JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcept {
+  bool all = true;
+  {
+    const std::scoped_lock lock(committing_);
+    const std::size_t count = count_.load(std::memory_order_acquire);
+    for (std::size_t i = 0; i < count; ++i) all = parts_[i]->channel->Commit(head, data) && all;
+    if (cut_.count() > 0) {  // Last, for subscribers that are cut off meanwhile.
+      const std::size_t missed = cut_.Push(head, data);
+      missed_.fetch_add(missed, std::memory_order_relaxed);
+      all = all && missed == 0;
+    }
+  }
+  if (!all) SayNoMemory();
+  return all;
+}
+
+void JoinedOutbound::SayNoMemory() noexcept {
+  try {
+    log_.WriteLimited(LogLevel::kError, "commit " + channel_,
+                      "There was no memory to hand a message on channel \"" + channel_ +
+                          "\" to all of its subscribers in other sessions: some miss it. Publish smaller messages, or "
+                          "raise the memory limit of the process or of its control group.");
+  } catch (const std::bad_alloc&) {  // It is said with a later message.
+  }
 }
 
 void JoinedOutbound::Cancel() noexcept {
@@ -161,10 +195,10 @@ std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
   return std::nullopt;
 }
 
-bool JoinedOutbound::HasMemoryFor(std::size_t size_bytes) const {
+bool JoinedOutbound::HasMemoryFor(std::size_t size_bytes, Bytes written) const {
   const std::size_t count = count_.load(std::memory_order_acquire);
   return std::all_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(count), [&](const auto& part) {
-    return part->channel->subscriber_count() == 0 || part->channel->HasMemoryFor(size_bytes);
+    return part->channel->subscriber_count() == 0 || part->channel->HasMemoryFor(size_bytes, written);
   });
 }
 

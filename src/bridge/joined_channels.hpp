@@ -49,18 +49,23 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   /// The sessions that subscribe now, each once; without those that were lost and may come back.
   [[nodiscard]] std::vector<SessionId> Subscribers() const;
   PublishStatus Reserve() noexcept;
-  void Commit(const PacketHead& head, const Payload& data) noexcept;
+  /// See OutboundChannel. A lack of memory is logged.
+  bool Commit(const PacketHead& head, const Payload& data) noexcept;
   void Cancel() noexcept;
   /// Memory of a transport that has subscribers.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
   /// See OutboundChannel.
-  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes) const;
+  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes, Bytes written) const;
   [[nodiscard]] OutboundStats stats() const;
   /// Stops waiting for the subscriber, and logs what it misses. With a number, only if this is its latest cut.
   void GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut = std::nullopt);
+  /// Leaves the transports and waits for active calls into the source, which may end afterwards. No other function but
+  /// Add() and GiveUp() may run meanwhile or later; these two do nothing then.
+  void Close();
 
  private:
   class Part;
+  void SayNoMemory() noexcept;
   void Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished);
   // The messages that a subscriber gets first.
   [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
@@ -76,8 +81,11 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   std::atomic<bool> refused_{false};  // There was no room for subscribers that are cut off.
   std::atomic<std::uint64_t> missed_{0};
   std::mutex adding_;
+  bool no_more_parts_ = false;                // Guarded by adding_.
   std::vector<std::unique_ptr<Part>> parts_;  // Never resized: it is read while a part is added.
   std::atomic<std::size_t> count_{0};
+  std::mutex giving_up_;
+  bool closed_ = false;  // Guarded by giving_up_: the source is not called any more.
   // The sum is computed and reported under one lock, so that the last reported value is right.
   std::mutex telling_;
   std::vector<std::size_t> subscribers_;  // By part.

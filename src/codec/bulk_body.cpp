@@ -83,6 +83,8 @@ std::size_t BulkWireBytes(const Message& head, const FieldDescriptor& field, Byt
 
 bool WriteBulk(const Message& head, const FieldDescriptor& field, Bytes bulk, std::span<std::byte> wire) {
   if (wire.size() > kMaxBytes || !head.IsInitialized()) return false;
+  const std::size_t rest = bulk.empty() ? 0 : PrefixBytes(field, bulk.size()) + bulk.size();
+  if (static_cast<std::size_t>(head.GetCachedSize()) + rest != wire.size()) return false;
   std::byte* const at = WriteBefore(head, field, bulk.size(), wire.data());
   if (!bulk.empty()) std::memcpy(at, bulk.data(), bulk.size());
   return true;

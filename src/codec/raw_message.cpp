@@ -21,6 +21,7 @@ TypeInfo MakeAnyType() {
   info.memory_bytes = [](const void* message) { return sizeof(RawMessage) + DataOf(message).bytes.size(); };
   info.encode = [](const AnyMessage& message) { return DataOf(message.get()); };
   info.encode_in_place = [](const void* message) { return DataOf(message); };
+  info.large_part = [](const void* message) { return DataOf(message).bytes; };
   info.encoded_bytes = [](const void* message) { return DataOf(message).bytes.size(); };
   info.encode_into = [](const void* message, std::span<std::byte> bytes) {
     const Bytes data = DataOf(message).bytes;

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <string>
 #include <string_view>
 #include <typeindex>
@@ -51,6 +52,7 @@ TypeInfo RawCallTypeOf(const TypeInfo& message) {
   type.encoded_bytes = &codec::EncodedCallBytes;
   type.encode_into = &codec::EncodeCallInto;
   type.encode_in_place = nullptr;
+  type.large_part = nullptr;
   type.decode = [](const Payload& payload) { return codec::DecodeCall(payload, AnyType()); };
   return type;
 }
@@ -153,7 +155,12 @@ AnyMessage ConvertMessage(const AnyMessage& message, const TypeInfo& from, const
   if (IsSameType(from, to)) return message;
   if (IsRaw(from)) return to.decode(static_cast<const RawMessage*>(message.get())->data);
   if (!IsRaw(to)) return nullptr;
-  Payload data = from.encode(message);
+  Payload data;
+  try {
+    data = from.encode(message);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
   if (data.owner == nullptr) return nullptr;
   return std::make_shared<const RawMessage>(RawMessage{SharedSchemaOf(from), std::move(data)});
 }

@@ -19,16 +19,21 @@ std::shared_ptr<const CallMessage> RefusalOf(const CallMessage& reply, PublishSt
 
 }  // namespace
 
+PublishStatus ReplyLine::Pass(const std::shared_ptr<const CallMessage>& reply) {
+  PreparedMessage prepared;
+  const PublishStatus status = outlet_->Reserve(reply.get(), type_, prepared);
+  if (status != PublishStatus::kOk) return status;
+  return outlet_->Commit(reply, type_, std::move(prepared)) ? PublishStatus::kOk : PublishStatus::kNoMemory;
+}
+
 bool ReplyLine::TrySend(std::shared_ptr<const CallMessage>& reply) {
   if (outlet_->subscriber_count() == 0) return false;
-  PublishStatus status = outlet_->Reserve(reply.get(), type_);
+  PublishStatus status = Pass(reply);
   if (status != PublishStatus::kOk && status != PublishStatus::kFull) {
     reply = RefusalOf(*reply, status);
-    status = outlet_->Reserve(reply.get(), type_);
+    status = Pass(reply);
   }
-  if (status != PublishStatus::kOk) return false;
-  outlet_->Commit(reply, type_);
-  return true;
+  return status == PublishStatus::kOk;
 }
 
 bool ReplyLine::Send(std::shared_ptr<const CallMessage> reply) {

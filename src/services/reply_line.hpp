@@ -38,6 +38,7 @@ class ReplyLine {
   [[nodiscard]] const std::shared_ptr<SessionOutlet>& outlet() const noexcept { return outlet_; }
 
  private:
+  [[nodiscard]] PublishStatus Pass(const std::shared_ptr<const CallMessage>& reply);
   // False if the reply must wait. A reply that can never be written is replaced by a refusal.
   [[nodiscard]] bool TrySend(std::shared_ptr<const CallMessage>& reply);
 

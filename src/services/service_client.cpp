@@ -118,9 +118,10 @@ PublishStatus ServiceClient::PostAndLook(const CallState& call, Services& servic
 
 PublishStatus ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
   if (outlet_->subscriber_count() == 0) return PublishStatus::kFull;
-  const PublishStatus status = outlet_->Reserve(message.get(), request_);
-  if (status == PublishStatus::kOk) outlet_->Commit(message, request_);
-  return status;
+  PreparedMessage prepared;
+  const PublishStatus status = outlet_->Reserve(message.get(), request_, prepared);
+  if (status != PublishStatus::kOk) return status;
+  return outlet_->Commit(message, request_, std::move(prepared)) ? PublishStatus::kOk : PublishStatus::kNoMemory;
 }
 
 void ServiceClient::Send(const std::shared_ptr<CallState>& call) {

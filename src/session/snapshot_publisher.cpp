@@ -47,7 +47,10 @@ void SnapshotPublisher::Tell() {
   if (outlet_->subscriber_count() > 0) {
     const auto snapshot = std::make_shared<Snapshot>(ToMessage(means_.count()));
     const TypeInfo& type = TypeOf<Snapshot>();
-    if (outlet_->Reserve(snapshot.get(), type) == PublishStatus::kOk) outlet_->Commit(snapshot, type);
+    PreparedMessage prepared;
+    if (outlet_->Reserve(snapshot.get(), type, prepared) == PublishStatus::kOk) {
+      (void)outlet_->Commit(snapshot, type, std::move(prepared));
+    }
   }
   (void)telling_.exchange(
       false);  // An exchange, as in TellSoon(), so that the two are ordered: one of them sees a new subscriber.

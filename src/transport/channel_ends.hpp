@@ -5,13 +5,11 @@
 #include <memory>
 #include <new>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "hgros/base/fork_guard.hpp"
-#include "hgros/base/log.hpp"
 #include "hgros/transport/transport.hpp"
 #include "transport/inbound_core.hpp"
 
@@ -43,14 +41,20 @@ class PublishingEnd final : public OutboundChannel {
     return core_->IsChild() ? std::vector<SessionId>() : channel_->Sessions();
   }
   PublishStatus Reserve() noexcept override {
-    return core_->IsChild() ? PublishStatus::kClosed : core_->Reserve(*channel_);
+    try {
+      return core_->IsChild() ? PublishStatus::kClosed : core_->Reserve(*channel_);
+    } catch (const std::bad_alloc&) {  // Thrown before any credit was taken.
+      return PublishStatus::kNoMemory;
+    }
   }
-  void Commit(const PacketHead& head, const Payload& data) noexcept override {
-    if (core_->IsChild()) return;
+  bool Commit(const PacketHead& head, const Payload& data) noexcept override {
+    if (core_->IsChild()) return true;
     try {
       core_->Commit(channel_, head, data);
+      return true;
     } catch (const std::bad_alloc&) {
-      CommitFailed(data.bytes.size());
+      CommitFailed();
+      return false;
     }
   }
   void Cancel() noexcept override {
@@ -63,9 +67,9 @@ class PublishingEnd final : public OutboundChannel {
       return std::nullopt;
     }
   }
-  bool HasMemoryFor(std::size_t size_bytes) const override {
-    if constexpr (requires(const Core& core) { core.HasMemoryFor(size_bytes); }) {
-      return core_->HasMemoryFor(size_bytes);
+  bool HasMemoryFor(std::size_t size_bytes, Bytes written) const override {
+    if constexpr (requires(Core & core) { core.HasMemoryFor(size_bytes, written); }) {
+      return core_->HasMemoryFor(size_bytes, written);
     } else {
       return true;
     }
@@ -74,18 +78,13 @@ class PublishingEnd final : public OutboundChannel {
 
  private:
   // There was no memory, before or while the message was passed to the subscribers: counted as if none had got it.
-  void CommitFailed(std::size_t bytes) noexcept {
+  void CommitFailed() noexcept {
     const std::size_t lossless = channel_->lossless.load();
     const std::size_t all = subscriber_count();
     channel_->missed.fetch_add(lossless, std::memory_order_relaxed);
     channel_->dropped.fetch_add(all - std::min(all, lossless), std::memory_order_relaxed);
     try {
       core_->Cancel(channel_);
-      core_->log().WriteLimited(LogLevel::kError, "no memory to send " + channel_->name,
-                                "There is no memory to send a message of " + std::to_string(bytes) +
-                                    " bytes on channel \"" + channel_->name +
-                                    "\" to other sessions; they do not get it. Publish smaller messages, or raise the "
-                                    "memory limit of the process or of its control group.");
     } catch (const std::bad_alloc&) {  // Its credit may stay taken until the subscriber connects again.
     }
   }

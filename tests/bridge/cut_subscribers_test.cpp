@@ -40,7 +40,7 @@ std::vector<std::uint64_t> NumbersOf(const CutSubscribers::Messages& messages) {
 
 void Push(CutSubscribers& cut, std::uint64_t sequence) {
   const OutboundMessage message = Numbered(sequence);
-  cut.Push(message.head, message.data);
+  EXPECT_EQ(cut.Push(message.head, message.data), 0U);
 }
 
 TEST(CutSubscribers, GetUnconfirmedAndNewMessagesOnce) {
@@ -100,14 +100,20 @@ class OneChannel final : public Transport {
 
   OutboundSource* source = nullptr;
   std::function<void()> on_commit = [] {};
+  bool has_memory = true;
+  int channels = 0;
 
  private:
   class Outbound final : public OutboundChannel {
    public:
-    explicit Outbound(OneChannel& transport) : transport_(transport) {}
+    explicit Outbound(OneChannel& transport) : transport_(transport) { ++transport_.channels; }
+    ~Outbound() override { --transport_.channels; }
     std::size_t subscriber_count() const noexcept override { return 0; }
     PublishStatus Reserve() noexcept override { return PublishStatus::kOk; }
-    void Commit(const PacketHead& /*head*/, const Payload& /*data*/) noexcept override { transport_.on_commit(); }
+    bool Commit(const PacketHead& /*head*/, const Payload& /*data*/) noexcept override {
+      transport_.on_commit();
+      return transport_.has_memory;
+    }
     void Cancel() noexcept override {}
     OutboundStats stats() const override { return {}; }
 
@@ -119,7 +125,8 @@ class OneChannel final : public Transport {
 struct NoLatched final : OutboundSource {
   std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
   void OnRoom() noexcept override {}
-  void OnSubscribers(std::size_t /*count*/) noexcept override {}
+  void OnSubscribers(std::size_t /*count*/) noexcept override { ++told; }
+  int told = 0;
 };
 
 // The transport has passed the message to its links, and the returning subscriber's is not among them.
@@ -137,7 +144,7 @@ TEST(CutSubscribers, ReturningDuringACommitGetTheCommittedMessage) {
     (void)first.wait_for(std::chrono::milliseconds(100));
   };
   const OutboundMessage message = Numbered(2);
-  joined->Commit(message.head, message.data);
+  EXPECT_TRUE(joined->Commit(message.head, message.data));
   EXPECT_EQ(NumbersOf(first.get()), (std::vector<std::uint64_t>{1, 2}));
 }
 
@@ -162,6 +169,43 @@ TEST(CutSubscribers, AreNamedOnceWithTheNumberOfMessagesThatTheyMiss) {
       lines[0].starts_with("Session 1 (eye) has gone without confirming 2 messages of the lossless channel \"notes\"."))
       << lines[0];
   EXPECT_EQ(joined->stats().missed, 2U);
+}
+
+// The bridge holds what it has found in its list until it has called it.
+TEST(CutSubscribers, SourceMayEndWhileTheBridgeStillHoldsItsChannel) {
+  Log log([](LogLevel, std::string_view) {});
+  auto source = std::make_unique<NoLatched>();
+  OneChannel transport;
+  JoinedOutbound::Abandon give_up;
+  const auto joined = std::make_shared<JoinedOutbound>(
+      "notes", TypeOf<Note>(), *source, 2,
+      [&](SessionId, JoinedOutbound::Abandon later) { give_up = std::move(later); }, log);
+  joined->Add(transport);
+  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {Numbered(1)}));
+  joined->Close();
+  EXPECT_EQ(transport.channels, 0) << "the channel can be advertised again";
+  EXPECT_EQ(source->told, 0);
+  source.reset();
+  give_up("1 (eye)");
+  joined->GiveUp(kOne, "1 (eye)");
+  joined->Add(transport);
+  EXPECT_EQ(transport.channels, 0);
+}
+
+TEST(CutSubscribers, LackOfMemoryOfATransportIsSaidOnce) {
+  std::vector<std::string> lines;
+  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+  NoLatched source;
+  OneChannel transport;
+  const auto joined = std::make_shared<JoinedOutbound>(
+      "notes", TypeOf<Note>(), source, 1, [](SessionId, const JoinedOutbound::Abandon&) {}, log);
+  joined->Add(transport);
+  const OutboundMessage message = Numbered(1);
+  EXPECT_TRUE(joined->Commit(message.head, message.data));
+  transport.has_memory = false;
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(joined->Commit(message.head, message.data));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(lines[0].starts_with("There was no memory to hand a message on channel \"notes\"")) << lines[0];
 }
 
 /// A subscriber whose shared memory can end while the session lives on. It keeps the messages that it receives.

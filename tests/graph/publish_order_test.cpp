@@ -17,9 +17,10 @@ using test::Options;
 class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
-  PublishStatus Reserve(const void*, const TypeInfo&) noexcept override { return PublishStatus::kOk; }
-  void Commit(const AnyMessage& message, const TypeInfo&) noexcept override {
+  PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override { return PublishStatus::kOk; }
+  bool Commit(const AnyMessage& message, const TypeInfo&, PreparedMessage&&) noexcept override {
     left.Add(*static_cast<const int*>(message.get()));
+    return true;
   }
   void Cancel() noexcept override {}
 

@@ -34,22 +34,32 @@ TEST(ReplyLine, LogsDroppedRepliesWhenTooManyWaitForTheCaller) {
 // A caller's subscription: small messages fit, large ones find no memory.
 class TightOutlet final : public SessionOutlet {
  public:
+  // `late`: the lack shows only when the message is handed over.
+  explicit TightOutlet(bool late) : late_(late) {}
   [[nodiscard]] bool wanted() const noexcept override { return true; }
-  PublishStatus Reserve(const void* message, const TypeInfo&) noexcept override {
-    return static_cast<const CallMessage*>(message)->body ? PublishStatus::kNoMemory : PublishStatus::kOk;
+  PublishStatus Reserve(const void* message, const TypeInfo&, PreparedMessage&) noexcept override {
+    return late_ || Fits(message) ? PublishStatus::kOk : PublishStatus::kNoMemory;
   }
-  void Commit(const AnyMessage& message, const TypeInfo&) noexcept override {
+  bool Commit(const AnyMessage& message, const TypeInfo&, PreparedMessage&&) noexcept override {
+    if (!Fits(message.get())) return false;
     sent.push_back(*static_cast<const CallMessage*>(message.get()));
+    return true;
   }
   void Cancel() noexcept override {}
   [[nodiscard]] std::size_t subscriber_count() const noexcept override { return 1; }
   [[nodiscard]] std::vector<SessionId> Subscribers() const override { return {SessionId{2}}; }
 
   std::vector<CallMessage> sent;
+
+ private:
+  static bool Fits(const void* message) noexcept { return !static_cast<const CallMessage*>(message)->body; }
+  const bool late_;
 };
 
-TEST(ReplyLine, SendsARefusalInsteadOfAReplyThatFindsNoMemory) {
-  const auto outlet = std::make_shared<TightOutlet>();
+class NoMemory : public testing::TestWithParam<bool> {};
+
+TEST_P(NoMemory, ForAReplyIsARefusal) {
+  const auto outlet = std::make_shared<TightOutlet>(GetParam());
   int soon = 0;
   ReplyLine line(outlet, CallTypeOf<test::Total>(), std::make_shared<Log>([](LogLevel, std::string_view) {}), "add",
                  [&] { ++soon; });
@@ -69,10 +79,11 @@ TEST(ReplyLine, SendsARefusalInsteadOfAReplyThatFindsNoMemory) {
 // One session that serves every name, reached through a TightOutlet.
 class TightPlace final : public ServicePlace {
  public:
+  explicit TightPlace(bool late) : late_(late) {}
   Subscription Listen(const std::string&, const TypeInfo&, AnyCallback, std::size_t) override { return {}; }
   std::shared_ptr<SessionOutlet> OpenOutlet(const std::string&, const TypeInfo&, OutletEvents events) override {
     events_ = std::move(events);
-    return std::make_shared<TightOutlet>();
+    return std::make_shared<TightOutlet>(late_);
   }
   void CloseOutlet(const std::string&, const std::shared_ptr<SessionOutlet>&) override {}
   [[nodiscard]] DataGraph& Graph() override { return graph_; }
@@ -83,12 +94,13 @@ class TightPlace final : public ServicePlace {
   void Receive(const Visit& visit) noexcept override { visit.first(); }
 
  private:
+  const bool late_;
   DataGraph graph_;
   OutletEvents events_;
 };
 
-TEST(ServiceClient, EndsACallWhoseRequestFindsNoMemory) {
-  TightPlace place;
+TEST_P(NoMemory, ForARequestEndsTheCall) {
+  TightPlace place(GetParam());
   const auto services =
       std::make_shared<Services>(place, SessionId{1}, std::make_shared<Log>([](LogLevel, std::string_view) {}));
   const auto call = [&] {
@@ -105,6 +117,9 @@ TEST(ServiceClient, EndsACallWhoseRequestFindsNoMemory) {
   services->Refuse();
   services->Close();
 }
+
+INSTANTIATE_TEST_SUITE_P(Shows, NoMemory, testing::Bool(),
+                         [](const auto& late) { return late.param ? "WhenHandedOver" : "WhenReserved"; });
 
 }  // namespace
 }  // namespace hgros

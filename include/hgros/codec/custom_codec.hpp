@@ -34,7 +34,9 @@ namespace hgros {
 /// MemoryBytes(const Scan&)` (default: sizeof), and `using Schema = SomeProtobufMessage;` if the bytes are that
 /// protobuf message: name, fingerprint and schema are then those of the message, and the encoding is kProtobuf.
 ///
-/// Threading: all functions may be called from any thread. An exception counts as failure.
+/// Threading: all functions may be called from any thread. An exception counts as failure. If Serialize throws
+/// std::bad_alloc, publishing returns kNoMemory. If Encode does, the message stays in its session, and this is counted
+/// and logged.
 template <class T>
 struct CustomCodec;
 
@@ -106,13 +108,16 @@ struct CustomTraits {
     }
   }
 
+  static Payload EncodeCopy(const T& message) requires(!SharingCustomCodec<T>) {
+    auto text = std::make_shared<std::string>();
+    if (!Codec::Serialize(message, *text)) return {};
+    return OwnString(std::move(text));
+  }
   static Payload Encode(const std::shared_ptr<const T>& message) {
     if constexpr (SharingCustomCodec<T>) {
       return Codec::Encode(message);
     } else {
-      auto text = std::make_shared<std::string>();
-      if (!Codec::Serialize(*message, *text)) return {};
-      return OwnString(std::move(text));
+      return EncodeCopy(*message);
     }
   }
 

@@ -31,7 +31,8 @@ enum class Encoding : std::uint8_t {
 
 /// The graph's and the transports' description of one C++ type. Lives as long as the program. A shared library may have
 /// its own copy for the same type: compare cpp_type, never addresses. Thread-safe: every function may be called from
-/// any thread. None throws.
+/// any thread. None throws, except that `encode` and `encode_copy` throw
+/// std::bad_alloc if there is no memory.
 struct TypeInfo {
   std::string name;  ///< The name on the wire: the protobuf full name, or the name of the custom or C++ type.
   Encoding encoding = Encoding::kNone;
@@ -58,6 +59,11 @@ struct TypeInfo {
   /// Returns the bytes of the whole message in the memory of its large part. Without an owner: they are not contiguous
   /// there, and the other functions copy them. Null if the type has no large part.
   Payload (*encode_in_place)(const void* message) = nullptr;
+  /// The large part itself. Null if the type has none.
+  Bytes (*large_part)(const void* message) = nullptr;
+  /// As `encode`, into memory of its own: for a user's codec that gets no pointer to the message that it could keep.
+  /// Null for other types.
+  Payload (*encode_copy)(const void* message) = nullptr;
   /// Reads a message. It may share the payload instead of copying it. Returns null if the bytes are not such a message.
   /// Null for kNone.
   AnyMessage (*decode)(const Payload& payload) = nullptr;

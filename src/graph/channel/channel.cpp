@@ -78,14 +78,16 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
     return PublishToSole(fanout, offer, bytes);
   }
   if (reserved && !ReserveAll(fanout, bytes)) return PublishStatus::kFull;
+  PreparedMessage prepared;
   if (outlet != nullptr) {
-    if (const PublishStatus status = outlet->Reserve(offer.message, type); status != PublishStatus::kOk) {
+    if (const PublishStatus status = outlet->Reserve(offer.message, type, prepared); status != PublishStatus::kOk) {
       if (reserved) CancelAll(fanout, fanout.nodes.size(), bytes);
       return status;
     }
   }
 
-  Publication publication{offer.take(offer.context), &type, {}, &fanout, &fanout, outlet, bytes, reserved, local};
+  Publication publication{offer.take(offer.context), &type, {}, &fanout, &fanout, outlet, bytes, reserved, local,
+                          std::move(prepared)};
   MessageInfo& info = publication.info;
   info.id = core_.publisher();
   info.publish_monotonic_ns = MonotonicNow();
@@ -109,13 +111,13 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
 }
 
 void Channel::HandOver(Publication& publication, std::int64_t now) noexcept {
-  const auto& [message, type, info, fanout, after, outlet, bytes, reserved, local] = publication;
+  auto& [message, type, info, fanout, after, outlet, bytes, reserved, local, prepared] = publication;
   if (local) {
     const bool last = outlet == nullptr && after == fanout;
     Deliver(*fanout, publication.message, info, nullptr, {bytes, reserved, last, nullptr, now});
     if (after != fanout) DeliverToNewcomers(*fanout, *after, publication.message, info, bytes);
   }
-  if (outlet != nullptr) outlet->Commit(message, *type);
+  if (outlet != nullptr) (void)outlet->Commit(message, *type, std::move(prepared));
 }
 
 // With only one lossless node no reservation has to be undone, so room and message are taken in one step.

@@ -105,6 +105,7 @@ class Channel {
     std::size_t bytes;
     bool reserved;
     bool local;
+    PreparedMessage prepared;  // By the outlet.
   };
   class Handover;
   void HandOver(Publication& publication, std::int64_t now) noexcept;

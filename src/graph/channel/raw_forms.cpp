@@ -1,6 +1,7 @@
 #include "graph/channel/raw_forms.hpp"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 namespace hgros {
@@ -16,7 +17,11 @@ AnyMessage RawForms::ToRaw(const AnyMessage& message, const TypeInfo& type) {
   if (type.encode == nullptr) return nullptr;
   Payload data;
   if (type.encode_in_place != nullptr) data = type.encode_in_place(message.get());
-  if (data.owner == nullptr) data = type.encode(message);
+  try {
+    if (data.owner == nullptr) data = type.encode(message);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
   if (data.owner == nullptr) return nullptr;
   return std::make_shared<const RawMessage>(RawMessage{OwnSchema(type), std::move(data)});
 }

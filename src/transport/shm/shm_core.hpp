@@ -52,8 +52,11 @@ class ShmCore {
     publisher_.Commit(core, head, data);
   }
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes) { return publisher_.Loan(size_bytes); }
-  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes) const {
-    return publisher_.pool().HasRoomApart(BlockPool::kCopiesWritten * size_bytes);
+  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes, Bytes written) {
+    BlockPool& pool = publisher_.pool();
+    if (written.empty()) return pool.HasRoomApart(BlockPool::kCopiesWritten * size_bytes);
+    return pool.Find(written) || pool.Allocate(size_bytes) ||
+           pool.HasRoomApart(BlockPool::kCopiesReceived * size_bytes);
   }
   void Receive(const Visit& visit) noexcept { receiver_.Receive(visit); }
 
@@ -61,7 +64,6 @@ class ShmCore {
   [[nodiscard]] TransportStats stats() const;
   [[nodiscard]] std::vector<PeerInfo> Peers() const { return registry_.List(); }
   [[nodiscard]] const ShmOptions& options() const noexcept { return session_.options; }
-  [[nodiscard]] Log& log() const noexcept { return session_.log; }
   [[nodiscard]] bool IsChild() const noexcept { return session_.fork->IsChild(); }
 
  private:

@@ -58,7 +58,6 @@ class ZmqCore : public LeaderPool::Input {
   void Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data);
 
   [[nodiscard]] SharedState& shared() noexcept { return shared_; }
-  [[nodiscard]] Log& log() const noexcept { return shared_.log; }
   /// Whether this is a forked child, which must leave everything here alone.
   [[nodiscard]] bool IsChild() const noexcept { return shared_.fork.IsChild(); }
 

@@ -276,10 +276,11 @@ TEST(TwoForms, ThirdTypeIsATypeMismatch) {
 class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
-  PublishStatus Reserve(const void*, const TypeInfo&) noexcept override { return PublishStatus::kOk; }
-  void Commit(const AnyMessage& message, const TypeInfo& type) noexcept override {
+  PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override { return PublishStatus::kOk; }
+  bool Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&&) noexcept override {
     types.push_back(type.cpp_type);
     sent.push_back(message.get());
+    return true;
   }
   void Cancel() noexcept override {}
   std::vector<std::type_index> types;

@@ -173,11 +173,14 @@ TEST(Lossless, ByteLimitCountsQueuedMessages) {
 class CountingOutlet final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
-  PublishStatus Reserve(const void*, const TypeInfo&) noexcept override {
+  PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override {
     ++reserved;
     return full ? PublishStatus::kFull : PublishStatus::kOk;
   }
-  void Commit(const AnyMessage&, const TypeInfo&) noexcept override { ++committed; }
+  bool Commit(const AnyMessage&, const TypeInfo&, PreparedMessage&&) noexcept override {
+    ++committed;
+    return true;
+  }
   void Cancel() noexcept override { ++cancelled; }
 
   std::atomic<bool> full{false};

@@ -39,6 +39,7 @@ struct BulkTraits {
   static Payload EncodeInPlace(const M& message) {
     return message.contradicts_itself() ? Payload{} : message.body().Encoded(message.head(), M::Field());
   }
+  static Bytes LargePart(const M& message) { return message.body().bytes(); }
   static std::size_t EncodedBytes(const M& message) {
     return BulkWireBytes(message.head(), M::Field(), message.body().bytes());
   }

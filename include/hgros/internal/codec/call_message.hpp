@@ -60,6 +60,8 @@ template <class T>
     call.encoded_bytes = TypeOf<T>().encode_into == nullptr ? nullptr : &codec::EncodedCallBytes;
     call.encode_into = TypeOf<T>().encode_into == nullptr ? nullptr : &codec::EncodeCallInto;
     call.encode_in_place = nullptr;
+    call.large_part = nullptr;
+    call.encode_copy = nullptr;
     call.decode = [](const Payload& payload) { return codec::DecodeCall(payload, TypeOf<T>()); };
     call.other_cpp_type = typeid(void);
     call.to_other = nullptr;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -76,9 +77,22 @@ TypeInfo MakeTypeInfo() {
   info.memory_bytes = [](const void* message) { return TraitsOfT::MemoryBytes(*static_cast<const T*>(message)); };
   if constexpr (TraitsOfT::kEncoding != Encoding::kNone) {
     // A codec that throws has failed to write or read one message, which the caller counts.
+    if constexpr (requires(const T& message) { TraitsOfT::EncodeCopy(message); }) {
+      info.encode_copy = [](const void* message) -> Payload {
+        try {
+          return TraitsOfT::EncodeCopy(*static_cast<const T*>(message));
+        } catch (const std::bad_alloc&) {
+          throw;
+        } catch (...) {
+          return {};
+        }
+      };
+    }
     info.encode = [](const AnyMessage& message) -> Payload {
       try {
         return TraitsOfT::Encode(std::static_pointer_cast<const T>(message));
+      } catch (const std::bad_alloc&) {
+        throw;
       } catch (...) {
         return {};
       }
@@ -96,6 +110,9 @@ TypeInfo MakeTypeInfo() {
       info.encode_in_place = [](const void* message) -> Payload {
         return TraitsOfT::EncodeInPlace(*static_cast<const T*>(message));
       };
+    }
+    if constexpr (requires(const T& message) { TraitsOfT::LargePart(message); }) {
+      info.large_part = [](const void* message) { return TraitsOfT::LargePart(*static_cast<const T*>(message)); };
     }
     info.decode = [](const Payload& payload) -> AnyMessage {
       try {

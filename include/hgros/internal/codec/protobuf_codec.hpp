@@ -37,9 +37,11 @@ struct ProtobufTraits {
   static std::size_t MemoryBytes(const T& message) { return message.SpaceUsedLong(); }
 
   static std::size_t EncodedBytes(const T& message) { return message.ByteSizeLong(); }
-  /// Call EncodedBytes() first: it computes the sizes of nested messages.
+  /// Call EncodedBytes() first: it computes the sizes of nested messages. The message must not change in between; if
+  /// its size has changed, it is not written.
   static bool EncodeInto(const T& message, std::span<std::byte> bytes) {
     if (bytes.size() > kMaxBytes || !message.IsInitialized()) return false;
+    if (static_cast<std::size_t>(message.GetCachedSize()) != bytes.size()) return false;
     message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data()));
     return true;
   }

@@ -41,11 +41,12 @@ struct SelfTraits {
   static std::uint64_t LayoutFingerprint() { return 0; }
   static std::size_t MemoryBytes(const T&) { return sizeof(T); }
 
-  static Payload Encode(const std::shared_ptr<const T>& message) {
+  static Payload EncodeCopy(const T& message) {
     auto text = std::make_shared<std::string>();
-    if (!message->SerializeToString(text.get())) return {};
+    if (!message.SerializeToString(text.get())) return {};
     return OwnString(std::move(text));
   }
+  static Payload Encode(const std::shared_ptr<const T>& message) { return EncodeCopy(*message); }
 
   static std::shared_ptr<const T> Decode(const Payload& payload) {
     auto message = std::make_shared<T>();

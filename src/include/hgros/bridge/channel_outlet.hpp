@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hgros/base/log.hpp"
@@ -44,8 +45,8 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
 
   [[nodiscard]] bool wanted() const noexcept override;
-  PublishStatus Reserve(const void* message, const TypeInfo& type) noexcept override;
-  void Commit(const AnyMessage& message, const TypeInfo& type) noexcept override;
+  PublishStatus Reserve(const void* message, const TypeInfo& type, PreparedMessage& prepared) noexcept override;
+  bool Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept override;
   void Cancel() noexcept override;
 
   std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
@@ -71,16 +72,23 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
 
   // True for a user's codec, which must not run on the thread on which a transport requests latched messages.
   [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept;
-  // Encodes into the memory of `transports` if it is not null and has memory.
-  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports) noexcept;
-  [[nodiscard]] Payload EncodeInto(const AnyMessage& message, const TypeInfo& type, JoinedOutbound& transports);
-  [[nodiscard]] Payload TryEncode(const AnyMessage& message, const TypeInfo& type, JoinedOutbound* transports);
+  // Takes memory of a transport, if there is some. False if there is no memory. Called under order_mutex_.
+  [[nodiscard]] bool FindMemory(const void* message, const TypeInfo& type, std::size_t size_bytes,
+                                std::optional<Block>& loan) noexcept;
+  // Takes other memory, or encodes the message if its size is known only then. Not under the lock: both take time.
+  [[nodiscard]] PublishStatus Prepare(const void* message, const TypeInfo& type, std::optional<std::size_t> size_bytes,
+                                      bool listened, PreparedMessage& prepared) noexcept;
+  // A payload without an owner if the message cannot be written; this is counted and logged.
+  // `lend`: how to get memory of a transport, if at all.
+  using Lend = std::optional<Block> (ChannelOutlet::*)(std::size_t size_bytes);
+  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                               Lend lend) noexcept;
+  [[nodiscard]] Payload TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                                  Lend lend);
+  [[nodiscard]] std::optional<Block> LendLocked(std::size_t size_bytes);  // Called under order_mutex_.
+  [[nodiscard]] std::optional<Block> LendUnlocked(std::size_t size_bytes);
+  [[nodiscard]] PublishStatus RefuseForMemory() noexcept;
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
-  // Checks the size of the message, and reserves memory for it if it is large.
-  [[nodiscard]] PublishStatus ReserveMemory(const void* message, const TypeInfo& type) noexcept;
-  // The memory that was reserved for a message of this size; nothing if it is small.
-  [[nodiscard]] std::optional<Block> TakeMemory(std::size_t size_bytes) noexcept;
-  void ReleaseMemory(const void* message, const TypeInfo& type) noexcept;
 
   const std::string channel_;
   const TypeInfo&
@@ -105,10 +113,6 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   mutable std::mutex order_mutex_;
   std::shared_ptr<JoinedOutbound> transports_;
   std::uint64_t sequence_ = 0;
-
-  std::mutex memory_mutex_;
-  std::vector<Block> memory_;  // For large messages between Reserve() and Commit().
-  std::atomic<std::size_t> memory_count_{0};
 
   std::mutex latch_mutex_;
   std::deque<Kept> kept_;

@@ -70,14 +70,15 @@ class OutboundChannel {
   /// The sessions that subscribe, in the order in which they came.
   [[nodiscard]] virtual std::vector<SessionId> Subscribers() const { return {}; }
   virtual PublishStatus Reserve() noexcept = 0;
-  virtual void Commit(const PacketHead& head, const Payload& data) noexcept = 0;
+  /// False: there was no memory to hand the message to all subscribers; those who miss it are counted.
+  virtual bool Commit(const PacketHead& head, const Payload& data) noexcept = 0;
   virtual void Cancel() noexcept = 0;
   /// Memory of this transport. A message that is written into it is committed without a copy. Empty if the transport
   /// has no such memory, or none left.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t /*size_bytes*/) { return std::nullopt; }
-  /// False if writing a message of this size in ordinary memory, and receiving it, would exceed a limit that the system
-  /// enforces by killing a process.
-  [[nodiscard]] virtual bool HasMemoryFor(std::size_t /*size_bytes*/) const { return true; }
+  /// False if handing over a message of this size would exceed a limit that the system enforces by killing a process.
+  /// `written`: the bytes of its large part, if it is in memory already; else it would be written in ordinary memory.
+  [[nodiscard]] virtual bool HasMemoryFor(std::size_t /*size_bytes*/, Bytes /*written*/) const { return true; }
   [[nodiscard]] virtual OutboundStats stats() const = 0;
 };
 
