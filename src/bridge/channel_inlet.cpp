@@ -59,8 +59,8 @@ void ChannelInlet::Detach() {
     const std::scoped_lock lock(transports_mutex_);
     transports = std::move(transports_);
   }
-  transports.reset();
-  // No thread of the transport is inside any more. A requested Run() may not have been called, but a requested errand
+  if (transports) transports->Close();
+  // No thread of the transport or the bridge is inside any more. A requested Run() may not have been called, but a requested errand
   // is.
   Fifo<InboundMessage> left;  // Destroyed after the lock, because this returns credit.
   std::optional<Decoded> undelivered;

@@ -269,7 +269,15 @@ JoinedInbound::JoinedInbound(std::string channel, const TypeInfo& type, const De
       parts_(most_transports),
       publishers_(most_transports) {}
 
-JoinedInbound::~JoinedInbound() {
+JoinedInbound::~JoinedInbound() { Close(); }
+
+// Whoever has found it in the bridge's list may still hold it.
+void JoinedInbound::Close() {
+  {
+    const std::scoped_lock lock(adding_);
+    no_more_parts_ = true;
+  }
+  gate_.Close();
   for (const auto& part : parts_) {
     if (part) part->channel.reset();
   }
@@ -294,12 +302,18 @@ Accepted JoinedInbound::Accept(InboundMessage&& message, TransportIndex transpor
   return PassOn(std::move(on));
 }
 
-bool JoinedInbound::Move(SessionId publisher, MoveWay way) {
+bool JoinedInbound::Comes(SessionId publisher, TransportIndex over) const {
   const std::size_t count = count_.load(std::memory_order_acquire);
   bool comes = false;
   for (std::size_t i = 0; i < count; ++i) {
-    comes = comes || (parts_[i]->transport == way.from && parts_[i]->channel->Asks(publisher));
+    comes = comes || (parts_[i]->transport == over && parts_[i]->channel->Asks(publisher));
   }
+  return comes;
+}
+
+bool JoinedInbound::Move(SessionId publisher, MoveWay way) {
+  bool comes = false;
+  gate_.Through([&] { comes = Comes(publisher, way.from); });
   const std::scoped_lock lock(accepting_);
   moves_.erase(publisher);  // A finished move, which holds no message.
   if (comes) moves_.try_emplace(publisher, way);
@@ -307,14 +321,16 @@ bool JoinedInbound::Move(SessionId publisher, MoveWay way) {
 }
 
 void JoinedInbound::FinishMove(SessionId publisher, const Which& which) {
-  Accepted accepted = Accepted::kNothing;
-  {
-    const std::scoped_lock lock(accepting_);
-    const auto move = moves_.find(publisher);
-    if (move == moves_.end() || !which(move->second.way())) return;
-    accepted = PassOn(move->second.Finish());
-  }
-  if (accepted != Accepted::kNothing) sink_.Run();
+  gate_.Through([&] {
+    Accepted accepted = Accepted::kNothing;
+    {
+      const std::scoped_lock lock(accepting_);
+      const auto move = moves_.find(publisher);
+      if (move == moves_.end() || !which(move->second.way())) return;
+      accepted = PassOn(move->second.Finish());
+    }
+    if (accepted != Accepted::kNothing) sink_.Run();
+  });
 }
 
 void JoinedInbound::ForgetMove(SessionId publisher, const Which& which) {
@@ -326,6 +342,7 @@ void JoinedInbound::ForgetMove(SessionId publisher, const Which& which) {
 
 void JoinedInbound::Add(Transport& transport, TransportIndex over) {
   const std::scoped_lock lock(adding_);
+  if (no_more_parts_) return;
   const std::size_t index = count_.load();
   parts_.at(index) = std::make_unique<Part>(*this, index, over);
   parts_[index]->channel = transport.Subscribe(channel_, type_, demand_, *parts_[index]);

@@ -18,6 +18,7 @@
 #include "bridge/transport_move.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/transport_list.hpp"
+#include "hgros/transport/call_gate.hpp"
 #include "hgros/transport/transport.hpp"
 
 namespace hgros {
@@ -122,9 +123,13 @@ class JoinedInbound {
 
   [[nodiscard]] std::size_t publisher_count() const noexcept;
   void SetDemand(const Demand& demand);
+  /// Leaves the transports and waits for active calls into the sink, which may end afterwards. publisher_count() and
+  /// SetDemand() may not run meanwhile or later; the other functions do nothing then.
+  void Close();
 
  private:
   class Part;
+  [[nodiscard]] bool Comes(SessionId publisher, TransportIndex over) const;
   // Under accepting_.
   [[nodiscard]] Accepted Accept(InboundMessage&& message, TransportIndex transport);
   [[nodiscard]] Accepted PassOn(std::vector<InboundMessage>&& messages);
@@ -133,7 +138,9 @@ class JoinedInbound {
   const TypeInfo& type_;
   InboundSink& sink_;
   const OnMoved on_moved_;
+  CallGate gate_;      // For calls of the bridge into the transports' channels and the sink.
   std::mutex adding_;  // Guards demand_, too.
+  bool no_more_parts_ = false;
   Demand demand_;
   std::vector<std::unique_ptr<Part>> parts_;  // Never resized: it is read while a part is added.
   std::atomic<std::size_t> count_{0};

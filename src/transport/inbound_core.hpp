@@ -7,9 +7,9 @@
 #include <string>
 #include <unordered_map>
 
+#include "hgros/transport/call_gate.hpp"
 #include "hgros/transport/transport.hpp"
 #include "transport/actions.hpp"
-#include "transport/call_gate.hpp"
 #include "transport/leader_pool.hpp"
 #include "transport/repeat_filter.hpp"
 

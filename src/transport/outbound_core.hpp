@@ -10,9 +10,9 @@
 
 #include "hgros/base/log.hpp"
 #include "hgros/internal/codec/packet.hpp"
+#include "hgros/transport/call_gate.hpp"
 #include "hgros/transport/transport.hpp"
 #include "transport/actions.hpp"
-#include "transport/call_gate.hpp"
 
 namespace hgros {
 

@@ -91,14 +91,16 @@ class OneChannel final : public Transport {
     return std::make_unique<Outbound>(*this);
   }
   std::unique_ptr<InboundChannel> Subscribe(std::string_view /*channel*/, const TypeInfo& /*type*/,
-                                            const Demand& /*demand*/, InboundSink& /*sink*/) override {
-    return nullptr;
+                                            const Demand& /*demand*/, InboundSink& of) override {
+    sink = &of;
+    return std::make_unique<Inbound>(*this);
   }
   std::vector<PeerInfo> Peers() const override { return {}; }
   TransportStats stats() const override { return {}; }
   void Close(int /*linger_ms*/) noexcept override {}
 
   OutboundSource* source = nullptr;
+  InboundSink* sink = nullptr;
   std::function<void()> on_commit = [] {};
   bool has_memory = true;
   int channels = 0;
@@ -116,6 +118,17 @@ class OneChannel final : public Transport {
     }
     void Cancel() noexcept override {}
     OutboundStats stats() const override { return {}; }
+
+   private:
+    OneChannel& transport_;
+  };
+  class Inbound final : public InboundChannel {
+   public:
+    explicit Inbound(OneChannel& transport) : transport_(transport) { ++transport_.channels; }
+    ~Inbound() override { --transport_.channels; }
+    std::size_t publisher_count() const noexcept override { return 1; }
+    bool Asks(SessionId /*publisher*/) const override { return true; }
+    void SetDemand(const Demand& /*demand*/) override {}
 
    private:
     OneChannel& transport_;
@@ -190,6 +203,37 @@ TEST(CutSubscribers, SourceMayEndWhileTheBridgeStillHoldsItsChannel) {
   joined->GiveUp(kOne, "1 (eye)");
   joined->Add(transport);
   EXPECT_EQ(transport.channels, 0);
+}
+
+struct CountingSink final : InboundSink {
+  Accepted Accept(InboundMessage&& /*message*/) noexcept override {
+    ++accepted;
+    return Accepted::kNothing;
+  }
+  void Run() noexcept override {}
+  void OnFault(PacketFault /*fault*/, std::string_view /*what*/) noexcept override {}
+  void OnPublishers(std::size_t /*count*/) noexcept override {}
+  int accepted = 0;
+};
+
+TEST(MovingPublishers, SinkMayEndWhileTheBridgeStillHoldsItsChannel) {
+  CountingSink sink;
+  OneChannel old_way, new_way;
+  JoinedInbound joined("notes", TypeOf<Note>(), {}, sink, 3, [](SessionId, TransportIndex) {});
+  joined.Add(old_way, 0);
+  joined.Add(new_way, 1);
+  ASSERT_TRUE(joined.Move(kOne, {0, 1}));
+  InboundMessage message;
+  message.from = kOne;
+  message.head.id.sequence = 2;
+  (void)new_way.sink->Accept(std::move(message));
+  ASSERT_EQ(sink.accepted, 0) << "it waits for the old way";
+  joined.Close();
+  EXPECT_EQ(old_way.channels + new_way.channels, 0) << "the channel can be subscribed to again";
+  joined.FinishMove(kOne);
+  joined.Add(old_way, 0);
+  EXPECT_FALSE(joined.Move(kOne, {0, 1}));
+  EXPECT_EQ(old_way.channels + sink.accepted, 0);
 }
 
 TEST(CutSubscribers, LackOfMemoryOfATransportIsSaidOnce) {
