@@ -9,6 +9,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -166,7 +167,13 @@ void HangUp(int named, std::string_view bound) noexcept {
   // again.
   const int own = fcntl(named, F_DUPFD_CLOEXEC, 0);
   const int fd = own >= 0 ? own : named;  // There may be no descriptor left.
-  if (WasAcceptedAt(fd, bound)) shutdown(fd, SHUT_RDWR);
+  if (WasAcceptedAt(fd, bound)) {
+    shutdown(fd, SHUT_RDWR);
+    // ZeroMQ would still read and keep what has arrived.
+    std::array<char, 16384> unread;
+    while (recv(fd, unread.data(), unread.size(), MSG_DONTWAIT) > 0) {
+    }
+  }
   if (own >= 0) close(own);
 }
 

@@ -52,6 +52,7 @@ struct SharedState {
   PeerRegistry peers;
   std::array<std::atomic<std::uint64_t>, kPacketFaultCount> faults{};
   std::atomic<std::uint64_t> repeats{0};
+  std::atomic<std::uint64_t> refused_handshakes{0};  ///< Besides those that the AdmissionDesk has refused.
   std::atomic<bool> closing{false};
   InputFlags input_flags;
   Context context;

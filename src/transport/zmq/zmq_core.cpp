@@ -102,6 +102,7 @@ void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
   for (const auto& [name, core] : outbound_) added->Offer(core);
   poller_.Add(added->fd(), added->input());
   poller_.Add(added->watch().fd(), added->watch().input());
+  poller_.Add(added->watch().unfinished().fd(), added->watch().unfinished().input());
   publishers_.push_back(std::move(added));
   ++version_;
   Wake();

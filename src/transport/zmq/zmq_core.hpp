@@ -42,7 +42,9 @@ class ZmqCore : public LeaderPool::Input {
   void SetSubscribeChannels(const std::string& endpoint, const ChannelList& channels);
   [[nodiscard]] std::vector<std::string> BoundEndpoints() const;
   [[nodiscard]] std::vector<SessionChannels> KnownChannels() const;
-  [[nodiscard]] std::uint64_t refused_handshakes() const { return desk_ ? desk_->refused() : 0; }
+  [[nodiscard]] std::uint64_t refused_handshakes() const {
+    return shared_.refused_handshakes.load() + (desk_ ? desk_->refused() : 0);
+  }
 
   void Offer(const std::shared_ptr<OutboundCore>& core);
   void Withdraw(const std::shared_ptr<OutboundCore>& core);

@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/ids.hpp"
@@ -59,11 +60,12 @@ bool IsFull(int fd) {
 }  // namespace
 
 ConnectionWatch::ConnectionWatch(SharedState& shared, Socket& socket, const std::string& bound)
-    : shared_(shared), socket_(socket), bound_(bound), monitor_(shared.context, ZMQ_PAIR) {
+    : shared_(shared), socket_(socket), bound_(bound), monitor_(shared.context, ZMQ_PAIR), connections_(shared, bound) {
   socket_.Set(ZMQ_HANDSHAKE_IVL, kHandshakeMs);
   monitor_.Set(ZMQ_RCVHWM, 0);  // Otherwise ZeroMQ's thread would wait for us.
   const std::string monitored = "inproc://accepting-" + std::to_string(RandomId());
-  constexpr int kEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED;
+  constexpr int kEvents =
+      ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
   if (zmq_socket_monitor(socket_.raw(), monitored.c_str(), kEvents) != 0 || monitor_.Connect(monitored) != 0) {
     throw Error(std::string("Cannot watch the connections of an endpoint: ") + zmq_strerror(zmq_errno()) + ".");
   }
@@ -78,6 +80,8 @@ void ConnectionWatch::Close() noexcept {
 }
 
 void ConnectionWatch::Tick() {
+  (void)Update();
+  connections_.CloseUseless(std::chrono::steady_clock::now());
   if (!listens_) {
     ListenAgain();
   } else {
@@ -89,8 +93,9 @@ void ConnectionWatch::StopIfIpcIsInDanger() {
   if (bound_.starts_with("ipc:") && FreeDescriptors(kSpareDescriptors) < kSpareDescriptors) StopListening();
 }
 
-bool ConnectionWatch::Serve() {
-  if (!input_.load() || !input_.exchange(false)) return false;
+bool ConnectionWatch::Serve() { return input_.load() && input_.exchange(false) && Update(); }
+
+bool ConnectionWatch::Update() {
   Message event;
   Message address;
   for (int i = 0; i < kEventsPerTurn; ++i) {
@@ -103,9 +108,14 @@ bool ConnectionWatch::Serve() {
     std::memcpy(&value, event.bytes().data() + sizeof what, sizeof value);
     switch (what) {
       case ZMQ_EVENT_DISCONNECTED:
+        if (const auto failure = std::exchange(handshake_failure_, 0)) OnHandshakeFailed(value, failure);
         silent_.erase(value);
         plain_.erase(value);
+        connections_.Remove(value);
+        unfinished_.Remove(value);
         break;
+      // ZeroMQ does not say of which connection, but reports the end of that one next.
+      case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL: handshake_failure_ = value; break;
       case ZMQ_EVENT_ACCEPTED: OnAccepted(value); break;
       case ZMQ_EVENT_ACCEPT_FAILED:
         if (value == ENFILE || (value == EMFILE && FreeDescriptors(1) == 0)) StopListening();
@@ -122,7 +132,9 @@ void ConnectionWatch::OnAccepted(int fd) {
   StopIfIpcIsInDanger();
   std::string address = AddressOf(fd);
   silent_.erase(fd);
-  if (address.empty()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (!connections_.Add(fd, address, now) || address.empty()) return;
+  unfinished_.Add(fd, now);
   std::erase_if(silent_, [](const auto& entry) { return HasGreeted(entry.first); });
   const auto count = std::ranges::count_if(silent_, [&](const auto& entry) { return entry.second == address; });
   if (static_cast<std::size_t>(count) < kMostSilent) {
@@ -136,11 +148,47 @@ void ConnectionWatch::OnAccepted(int fd) {
                            kSayAgainAfter);
 }
 
+// ZeroMQ's own faults are many. These two are what a client without the right key looks like.
+void ConnectionWatch::OnHandshakeFailed(int fd, std::int32_t failure) {
+  std::string_view why;
+  const bool keys = shared_.options.security.has_value();
+  if (failure == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) {
+    why = keys ? "it has no keys; set `network.security` there, or do not let it connect"
+               : "it encrypts, and this session has no keys; set `network.security` here, or remove it there";
+  } else if (failure == ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC && keys) {
+    why = "it has another public key of ours than the right one; correct it in `network.security.servers` there";
+  } else {
+    return;
+  }
+  shared_.refused_handshakes.fetch_add(1, std::memory_order_relaxed);
+  const std::string from = connections_.OriginOf(fd);
+  shared_.log.WriteLimited(LogLevel::kWarning, "zmq keys " + bound_,
+                           "A program on " + from + " cannot connect to " + bound_ + ": " + std::string(why) + ".",
+                           kSayAgainAfter);
+}
+
+bool ConnectionWatch::CountTopic(int fd, std::string_view topic, bool subscribed) {
+  (void)Update();  // The descriptor may be that of a new connection.
+  return connections_.CountTopic(fd, topic, subscribed);
+}
+
 void ConnectionWatch::NotePlain(int fd) {
   if (fd >= 0) plain_.try_emplace(fd, 0);
 }
 
-void ConnectionWatch::NoteSession(int fd) { plain_.erase(fd); }
+void ConnectionWatch::NoteSession(int fd) {
+  (void)Update();
+  plain_.erase(fd);
+  connections_.NoteSession(fd);
+}
+
+void ConnectionWatch::CutUnfinished() {
+  for (const int fd : unfinished_.Look(std::chrono::steady_clock::now())) {
+    connections_.Cut(fd, "unfinished",
+                     "has sent more than " + std::to_string(UnfinishedMessages::kMostBytes >> 10) +
+                         " KiB of a message that does not end: the connection is closed. Find the program.");
+  }
+}
 
 void ConnectionWatch::CutStuckPlain(SteadyTime now) {
   if (now < next_look_) return;

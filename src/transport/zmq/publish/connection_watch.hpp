@@ -3,8 +3,11 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 
+#include "transport/zmq/publish/accepted_connections.hpp"
+#include "transport/zmq/publish/unfinished_messages.hpp"
 #include "transport/zmq/shared_state.hpp"
 #include "transport/zmq/socket.hpp"
 
@@ -15,6 +18,7 @@ namespace hgros::zmq {
 ///
 /// - At most kMostSilent tcp connections of one address may exist that have not sent a whole greeting of ZMTP; further
 ///   ones are closed. ZeroMQ itself closes each after kHandshakeMs.
+/// - AcceptedConnections and UnfinishedMessages have further limits.
 /// - A plain subscriber that does not read is cut off before it uses up the bytes that all plain subscribers share.
 /// - While the process has no file descriptors left, the endpoint does not listen. At an ipc path it stops while some
 ///   are left: ZeroMQ 4.3 ends the process if it cannot accept a connection there.
@@ -36,10 +40,19 @@ class ConnectionWatch {
   [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
   /// Reads what has happened, if input() is set. True if there may be more.
   bool Serve();
+  /// Reads what has happened, whether input() is set or not.
+  bool Update();
   void Tick();
   void Close() noexcept;
 
-  /// The connection with this descriptor is that of a plain subscriber; negative: not known.
+  [[nodiscard]] UnfinishedMessages& unfinished() noexcept { return unfinished_; }
+  /// To be called when UnfinishedMessages::IsLookDue() and everything that was delivered has been read.
+  void CutUnfinished();
+
+  /// The connection with this descriptor has subscribed to `topic`, or no longer; negative: not known. False if it has
+  /// subscribed to too much and was closed.
+  [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
+  /// It is that of a plain subscriber.
   void NotePlain(int fd);
   /// It is that of a session, which has limits of its own.
   void NoteSession(int fd);
@@ -49,6 +62,7 @@ class ConnectionWatch {
 
  private:
   void OnAccepted(int fd);
+  void OnHandshakeFailed(int fd, std::int32_t failure);
   void StopIfIpcIsInDanger();
   void StopListening();
   void ListenAgain();
@@ -61,6 +75,9 @@ class ConnectionWatch {
   bool listens_ = true;
   std::unordered_map<int, int> plain_;  // How often in a row the send buffer was full.
   SteadyTime next_look_{};
+  AcceptedConnections connections_;
+  UnfinishedMessages unfinished_;
+  std::int32_t handshake_failure_ = 0;           // Of the connection whose end is reported next.
   std::unordered_map<int, std::string> silent_;  // Addresses of connections that may not have sent a greeting.
 };
 

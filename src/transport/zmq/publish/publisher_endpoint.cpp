@@ -12,6 +12,7 @@
 namespace hgros::zmq {
 namespace {
 
+constexpr int kWaitingUpstream = 4;
 constexpr int kFramesPerTurn = 64;  // Then other endpoints have their turn.
 
 }  // namespace
@@ -28,7 +29,9 @@ PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint&
       }) {
   // Credit limits the messages in flight. ZeroMQ's own limits would silently drop the newest messages.
   socket_.Set(ZMQ_SNDHWM, 0);
-  socket_.Set(ZMQ_RCVHWM, 0);
+  // ZeroMQ takes all subscriptions of a connection that wait before it returns the first one. With this limit its
+  // thread stops reading meanwhile, so the subscriber waits and its limits are seen in time.
+  socket_.Set(ZMQ_RCVHWM, kWaitingUpstream);
   // Reports every subscription, even if another connection already has it: after a reconnect the old connection may
   // end after the new one has begun. An unsubscription is reported when the last connection has unsubscribed.
   socket_.Set(ZMQ_XPUB_VERBOSE, 1);
@@ -115,10 +118,15 @@ bool PublisherEndpoint::Serve(Actions& actions) {
   if (!pending()) return false;
   const std::scoped_lock lock(mutex_);
   const bool more = watch_.Serve();
-  if (!input_.exchange(false)) return more;
+  const bool looks = watch_.unfinished().IsLookDue();
+  if (!input_.exchange(false) && !looks) return more;
   Message frame;
   for (int i = 0; i < kFramesPerTurn; ++i) {
-    if (!socket_.Receive(frame)) return more;
+    if (!socket_.Receive(frame)) {
+      if (looks) watch_.CutUnfinished();
+      return more;
+    }
+    watch_.unfinished().NoteMessage(zmq_msg_get(frame.raw(), ZMQ_SRCFD));
     if (!frame.more()) {
       OnFrame(frame, actions);
       continue;
@@ -146,6 +154,7 @@ void PublisherEndpoint::OnFrame(Message& frame, Actions& actions) {
 }
 
 void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions) {
+  if (!watch_.CountTopic(zmq_msg_get(frame.raw(), ZMQ_SRCFD), text, subscribed)) return;
   if (const auto session = ParseControlTopic(text)) {
     if (subscribed) {
       if (MayClaim(*session, frame)) {

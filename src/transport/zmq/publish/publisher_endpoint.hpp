@@ -53,7 +53,9 @@ class PublisherEndpoint {
   /// To be set when the descriptor has become readable.
   [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
   /// Whether Serve() has something to do.
-  [[nodiscard]] bool pending() noexcept { return input_.load() || watch_.input().load(); }
+  [[nodiscard]] bool pending() noexcept {
+    return input_.load() || watch_.input().load() || watch_.unfinished().input().load();
+  }
   /// Reads what has arrived, if pending(). True if there may be more.
   bool Serve(Actions& actions);
   void Tick(SteadyTime now, Actions& actions);

@@ -1,0 +1,135 @@
+#include "transport/zmq/publish/unfinished_messages.hpp"
+
+#include <linux/sockios.h>
+#include <linux/tcp.h>  // The C library's tcp_info is older.
+#include <netinet/in.h>
+#include <sys/epoll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::zmq {
+namespace {
+
+/// The bytes that ZeroMQ has read from a tcp connection; none if that is not known.
+std::optional<std::uint64_t> BytesRead(int fd) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  int waiting = 0;
+  // In this order: what comes between the two calls makes the result smaller.
+  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || ioctl(fd, SIOCINQ, &waiting) != 0) return {};
+  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return {};
+  const auto left = static_cast<std::uint64_t>(waiting);
+  return info.tcpi_bytes_received > left ? info.tcpi_bytes_received - left : 0;
+}
+
+}  // namespace
+
+UnfinishedMessages::UnfinishedMessages()
+    : epoll_(epoll_create1(EPOLL_CLOEXEC)), timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
+  epoll_event event{};
+  event.events = EPOLLIN;
+  event.data.fd = timer_;
+  if (epoll_ >= 0 && timer_ >= 0 && epoll_ctl(epoll_, EPOLL_CTL_ADD, timer_, &event) == 0) return;
+  const int error = errno;
+  if (epoll_ >= 0) close(epoll_);
+  if (timer_ >= 0) close(timer_);
+  throw Error(std::string("Cannot watch the connections of an endpoint: ") + std::strerror(error) + ".", {},
+              "Raise the limit of open files (ulimit -n).");
+}
+
+UnfinishedMessages::~UnfinishedMessages() {
+  close(epoll_);
+  close(timer_);
+}
+
+void UnfinishedMessages::Add(int connection, SteadyTime now) {
+  connections_[connection] = {.settled_at = now};
+  WaitForBytes(connection);
+}
+
+// Once: then the timer takes over. A closed descriptor leaves the epoll set by itself.
+void UnfinishedMessages::WaitForBytes(int connection) {
+  epoll_event event{};
+  event.events = EPOLLIN | EPOLLONESHOT;
+  event.data.fd = connection;
+  if (epoll_ctl(epoll_, EPOLL_CTL_ADD, connection, &event) != 0 && errno == EEXIST) {
+    (void)epoll_ctl(epoll_, EPOLL_CTL_MOD, connection, &event);
+  }
+}
+
+void UnfinishedMessages::NoteMessage(int connection) {
+  const auto found = connections_.find(connection);
+  if (found != connections_.end()) found->second.delivered = true;
+}
+
+void UnfinishedMessages::SetTimer() {
+  if (timer_runs_) return;
+  itimerspec time{};
+  time.it_value.tv_nsec = std::chrono::nanoseconds(kLookEvery).count();
+  timer_runs_ = timerfd_settime(timer_, 0, &time, nullptr) == 0;
+}
+
+bool UnfinishedMessages::IsLookDue() {
+  if (!input_.exchange(false)) return due_;
+  std::array<epoll_event, 64> events;
+  for (int count = 64; count == static_cast<int>(events.size());) {
+    count = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), 0);
+    for (int i = 0; i < count; ++i) {
+      const int fd = events[static_cast<std::size_t>(i)].data.fd;
+      if (fd == timer_) {
+        std::uint64_t times = 0;
+        due_ = read(timer_, &times, sizeof times) > 0 || due_;
+        timer_runs_ = false;
+      } else if (const auto found = connections_.find(fd); found != connections_.end()) {
+        found->second.moving = true;
+        SetTimer();
+      }
+    }
+  }
+  return due_;
+}
+
+std::vector<int> UnfinishedMessages::Look(SteadyTime now) {
+  due_ = false;
+  std::vector<int> too_long;
+  bool moving = false;
+  for (auto& [fd, connection] : connections_) {
+    if (!connection.moving) continue;
+    const auto read = BytesRead(fd);
+    if (!read || *read == connection.seen || connection.delivered || *read < connection.settled) {
+      if (read && (connection.delivered || *read < connection.settled)) {
+        connection.settled = *read;
+        connection.settled_at = now;
+      }
+      connection.seen = read.value_or(0);
+      connection.moving = connection.delivered = false;
+      if (read) WaitForBytes(fd);
+      continue;
+    }
+    // Whole messages among the bytes of the last look would have been delivered by now.
+    const auto quiet = std::chrono::duration_cast<std::chrono::seconds>(now - connection.settled_at).count();
+    const std::uint64_t most = kMostBytes + kPingBytesPerSecond * static_cast<std::uint64_t>(quiet);
+    if (connection.seen > connection.settled + most) {
+      too_long.push_back(fd);
+      connection.settled = *read;
+      connection.settled_at = now;
+    }
+    connection.seen = *read;
+    moving = true;
+  }
+  if (moving) SetTimer();
+  return too_long;
+}
+
+}  // namespace hgros::zmq

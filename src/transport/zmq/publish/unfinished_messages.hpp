@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "transport/zmq/shared_state.hpp"
+
+namespace hgros::zmq {
+
+/// Finds tcp connections that send a message without an end. ZeroMQ keeps the frames of a message until the last one
+/// has come, without a limit, and reports nothing (docs/decisions/0030).
+///
+/// The first bytes after a silence wake the owner's poller. From then on the bytes that ZeroMQ has read are compared
+/// every kLookEvery with the messages that it has delivered, until the connection is silent or has delivered one.
+///
+/// Thread safety: none; the endpoint's mutex guards it. The descriptor of fd() may be polled without it.
+class UnfinishedMessages {
+ public:
+  /// The longest message of a subscriber has a quarter of that.
+  static constexpr std::uint64_t kMostBytes = 256u << 10;
+  /// Pings of ZeroMQ are no messages.
+  static constexpr std::uint64_t kPingBytesPerSecond = 128;
+  static constexpr auto kLookEvery = std::chrono::milliseconds(20);
+
+  /// Throws Error.
+  UnfinishedMessages();
+  ~UnfinishedMessages();
+  UnfinishedMessages(const UnfinishedMessages&) = delete;
+  UnfinishedMessages& operator=(const UnfinishedMessages&) = delete;
+
+  void Add(int connection, SteadyTime now);
+  void Remove(int connection) { connections_.erase(connection); }
+  /// ZeroMQ has delivered a whole message of this connection.
+  void NoteMessage(int connection);
+
+  [[nodiscard]] int fd() const noexcept { return epoll_; }
+  /// To be set when the descriptor has become readable.
+  [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
+  /// Whether Look() is to be called as soon as all delivered messages have been read.
+  [[nodiscard]] bool IsLookDue();
+  /// The connections whose message has become too long.
+  [[nodiscard]] std::vector<int> Look(SteadyTime now);
+
+ private:
+  struct Connection {
+    std::uint64_t settled = 0;  // Bytes that ZeroMQ had read when it delivered the last message,
+    SteadyTime settled_at{};    // and when that was noticed.
+    std::uint64_t seen = 0;     // Bytes that it had read at the last look.
+    bool moving = false;        // It is looked at.
+    bool delivered = false;     // Since the last look.
+  };
+  void WaitForBytes(int connection);
+  void SetTimer();
+
+  const int epoll_;
+  const int timer_;
+  std::atomic<bool> input_{true};
+  bool timer_runs_ = false;
+  bool due_ = false;
+  std::unordered_map<int, Connection> connections_;
+};
+
+}  // namespace hgros::zmq

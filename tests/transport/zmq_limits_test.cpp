@@ -1,0 +1,295 @@
+// Programs that speak ZeroMQ and take more than their share at a publish endpoint.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/await.hpp"
+#include "support/relay_port.hpp"
+#include "transport/zmq/publish/accepted_connections.hpp"
+#include "transport/zmq_places.hpp"
+
+namespace hgros {
+namespace {
+
+using conformance::Eventually;
+using conformance::TextType;
+using test::Await;
+using test::Place;
+using test::PublishAt;
+using test::SubscribeAt;
+
+/// A frame of ZMTP 3 (https://rfc.zeromq.org/spec/23).
+std::string Frame(const std::string& body, bool more = false) {
+  std::string frame;
+  if (body.size() < 256) {
+    frame += static_cast<char>(more ? 1 : 0);
+    frame += static_cast<char>(body.size());
+  } else {
+    frame += static_cast<char>(more ? 3 : 2);
+    for (int shift = 56; shift >= 0; shift -= 8) frame += static_cast<char>(body.size() >> shift & 0xff);
+  }
+  return frame + body;
+}
+
+/// A tcp client that speaks ZMTP as an XSUB socket does, but sends any bytes as fast as it can.
+class Client {
+ public:
+  explicit Client(const std::string& endpoint, const char* from = "127.0.0.1")
+      : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in own = test::LoopbackAddress(0);
+    inet_pton(AF_INET, from, &own.sin_addr);
+    EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
+    const auto port = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+    const sockaddr_in address = test::LoopbackAddress(port);
+    if (connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return;
+    std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
+    greeting.resize(64);
+    (void)Send(greeting + std::string("\4\x1a\5READY\13Socket-Type\0\0\0\4XSUB", 28));
+    // ZeroMQ takes messages only after it has sent its own READY.
+    const timeval patience{5, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    std::array<char, 256> theirs{};
+    if (recv(fd_, theirs.data(), 66, MSG_WAITALL) == 66) {
+      (void)recv(fd_, theirs.data(), static_cast<unsigned char>(theirs[65]), MSG_WAITALL);
+    }
+  }
+  Client(Client&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+  Client& operator=(Client&&) = delete;
+  ~Client() { close(fd_); }
+
+  /// False if the connection was closed, or the other side has read nothing for 1 s.
+  [[nodiscard]] bool Send(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      pollfd ready{fd_, POLLOUT, 0};
+      if (poll(&ready, 1, 1000) <= 0) return false;
+      const auto sent = send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent < 0 && errno != EAGAIN) return false;
+      if (sent > 0) bytes.remove_prefix(static_cast<std::size_t>(sent));
+    }
+    return true;
+  }
+  /// Reads all that the other side sends.
+  [[nodiscard]] bool WasClosed() const {
+    char bytes[256];
+    for (;;) {
+      const auto got = recv(fd_, bytes, sizeof bytes, MSG_DONTWAIT);
+      if (got <= 0) return got == 0 || errno != EAGAIN;
+    }
+  }
+
+ private:
+  int fd_;
+};
+
+/// The memory of this process, in MiB.
+std::int64_t UsedMiB() {
+  std::int64_t all = 0;
+  std::int64_t resident = 0;
+  std::ifstream("/proc/self/statm") >> all >> resident;
+  return resident * sysconf(_SC_PAGESIZE) >> 20;
+}
+
+std::uint64_t Overruns(const Place& place) {
+  return place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)];
+}
+
+class ZmqLimits : public testing::Test {
+ protected:
+  ZmqLimits() {
+    out = publisher.transport->Advertise("scan", TextType(), source);
+    in = session.transport->Subscribe("scan", TextType(), {}, sink);
+    plain_ = std::make_unique<test::RawSocket>(ZMQ_SUB);
+    zmq_setsockopt(plain_->get(), ZMQ_SUBSCRIBE, "scan", 5);
+    zmq_connect(plain_->get(), endpoint.c_str());
+    EXPECT_TRUE(Eventually([&] { return out->subscriber_count() == 2; }));
+  }
+  ~ZmqLimits() override {
+    const std::scoped_lock lock(publisher.mutex);
+    if (HasFailure()) std::ranges::copy(publisher.lines, std::ostream_iterator<std::string>(std::cout, "\n"));
+  }
+  /// The session and the plain subscriber get what is published.
+  void ExpectOthersGoOn() {
+    PacketHead head;
+    head.channel = "scan";
+    head.encoding = Encoding::kCustom;
+    const std::size_t before = sink.count();
+    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+    out->Commit(head, conformance::Publication::PayloadOf("go on"));
+    EXPECT_TRUE(Eventually([&] { return sink.count() > before; }));
+    EXPECT_EQ(plain_->Receive().size(), 3u);
+    EXPECT_EQ(session.listener.gone, 0);
+  }
+
+  Place publisher{PublishAt("tcp://127.0.0.1:*")};
+  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  /// At another address than the clients.
+  Place session{SubscribeAt("tcp://127.0.0.9:0;" + endpoint.substr(6))};
+  conformance::Source source;
+  conformance::Sink sink;
+  std::unique_ptr<OutboundChannel> out;
+  std::unique_ptr<InboundChannel> in;
+
+ private:
+  std::unique_ptr<test::RawSocket> plain_;
+};
+
+constexpr std::int64_t kMostMiB = 50;
+
+TEST_F(ZmqLimits, AConnectionThatSubscribesWithoutAnEndIsClosed) {
+  const std::int64_t before = UsedMiB();
+  const Client client(endpoint);
+  std::string frames;
+  for (int i = 0; i < 200'000; ++i) {
+    std::string topic = std::to_string(1'000'000 + i);
+    topic.resize(190, 'x');
+    frames += Frame('\1' + PlainTopic(topic));
+    if (i % 1000 != 999) continue;
+    if (!client.Send(frames)) break;
+    frames.clear();
+  }
+  EXPECT_TRUE(Eventually([&] { return client.WasClosed(); }));
+  EXPECT_TRUE(Eventually([&] { return publisher.Said("subscribes to too much"); }));
+  EXPECT_LT(UsedMiB() - before, kMostMiB);
+  ExpectOthersGoOn();
+  EXPECT_EQ(publisher.TimesSaid("subscribes to too much"), 1);
+  EXPECT_EQ(Overruns(publisher), 1u);
+}
+
+TEST_F(ZmqLimits, AConnectionMaySubscribeToAsManyChannelsAsThereMayBe) {
+  const Client client(endpoint);
+  std::string frames;
+  for (int i = 0; i < 16'000; ++i) frames += Frame('\1' + PlainTopic("robot/sensors/camera/" + std::to_string(i)));
+  // Again and again the same one.
+  for (int i = 0; i < 50'000; ++i) {
+    const std::string topic = PlainTopic("flapping");
+    frames += Frame('\1' + topic) + Frame('\0' + topic);
+  }
+  ASSERT_TRUE(client.Send(frames + Frame('\1' + PlainTopic("last"))));
+  conformance::Source other;
+  const auto last = publisher.transport->Advertise("last", TextType(), other);
+  EXPECT_TRUE(Eventually([&] { return last->subscriber_count() == 1; }));
+  EXPECT_FALSE(client.WasClosed());
+  ExpectOthersGoOn();
+  EXPECT_EQ(Overruns(publisher), 0u);
+}
+
+TEST_F(ZmqLimits, AConnectionWhoseMessageDoesNotEndIsClosed) {
+  for (const std::size_t bytes : {0u, 200u}) {
+    const std::int64_t before = UsedMiB();
+    const std::uint64_t overruns = Overruns(publisher);
+    const Client client(endpoint);
+    std::string frames = Frame("\2a", true);
+    ASSERT_TRUE(client.Send(frames));
+    frames.clear();
+    for (int i = 0; i < 10'000; ++i) frames += Frame(std::string(bytes, 'x'), true);
+    for (int i = 0; i < 100 && client.Send(frames); ++i) {
+    }
+    EXPECT_TRUE(Eventually([&] { return client.WasClosed(); })) << bytes;
+    EXPECT_LT(UsedMiB() - before, kMostMiB) << bytes;
+    EXPECT_TRUE(Eventually([&] { return Overruns(publisher) == overruns + 1; }));
+  }
+  ExpectOthersGoOn();
+  EXPECT_EQ(publisher.TimesSaid("a message that does not end"), 1);
+}
+
+TEST_F(ZmqLimits, AConnectionThatSendsManyWholeMessagesStays) {
+  const Client client(endpoint);
+  std::string frames;
+  for (int i = 0; i < 100; ++i) frames += Frame("\2" + std::string(60'000, 'x'));
+  ASSERT_TRUE(client.Send(frames + Frame('\1' + PlainTopic("last"))));
+  conformance::Source other;
+  const auto last = publisher.transport->Advertise("last", TextType(), other);
+  EXPECT_TRUE(Eventually([&] { return last->subscriber_count() == 1; }));
+  test::Linger(std::chrono::milliseconds(200));
+  EXPECT_FALSE(client.WasClosed());
+}
+
+TEST_F(ZmqLimits, AnAddressMayHaveAQuarterOfTheDescriptors) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit few = before;
+  few.rlim_cur = 400;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  std::vector<Client> clients;
+  for (int i = 0; i < 150; ++i) {
+    const Client& client = clients.emplace_back(endpoint, "127.0.0.2");
+    (void)client.Send(Frame('\1' + PlainTopic("mine")));
+  }
+  const auto closed = [&] { return std::ranges::count_if(clients, &Client::WasClosed); };
+  EXPECT_TRUE(Eventually([&] { return closed() == 50; })) << closed();
+  ExpectOthersGoOn();
+  EXPECT_EQ(publisher.TimesSaid("127.0.0.2"), 1);
+  EXPECT_EQ(Overruns(publisher), 50u);
+  const Client other(endpoint, "127.0.0.3");
+  test::Linger(std::chrono::milliseconds(100));
+  EXPECT_FALSE(other.WasClosed());
+  EXPECT_EQ(closed(), 50);
+  clients.clear();
+  EXPECT_TRUE(Eventually([&] {
+    const Client again(endpoint, "127.0.0.2");
+    test::Linger(std::chrono::milliseconds(50));
+    return !again.WasClosed();
+  })) << "an ended connection makes room for another";
+  EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+}
+
+TEST(ZmqAcceptedConnections, AConnectionThatSubscribesToNothingIsClosed) {
+  const int listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = test::LoopbackAddress(0);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(listening, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(listen(listening, 8), 0);
+  ASSERT_EQ(getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const std::string bound = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+
+  std::vector<std::string> lines;
+  Log log{[&](LogLevel, std::string_view text) { lines.emplace_back(text); }};
+  conformance::Listener listener;
+  zmq::SharedState shared({}, listener, log);
+  zmq::AcceptedConnections accepted(shared, bound);
+  const auto start = std::chrono::steady_clock::now();
+  enum { kIdle, kPlain, kSession, kCount };
+  std::array<int, kCount> theirs{};
+  std::array<int, kCount> ours{};
+  for (std::size_t i = 0; i < kCount; ++i) {
+    theirs[i] = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    ASSERT_EQ(connect(theirs[i], reinterpret_cast<const sockaddr*>(&address), size), 0);
+    ours[i] = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC);
+    ASSERT_TRUE(accepted.Add(ours[i], "127.0.0.1", start));
+  }
+  EXPECT_TRUE(accepted.CountTopic(ours[kPlain], PlainTopic("scan"), true));
+  accepted.NoteSession(ours[kSession]);
+  const auto closed = [&](std::size_t i) {
+    char byte = 0;
+    return recv(theirs[i], &byte, 1, MSG_DONTWAIT) == 0;
+  };
+  accepted.CloseUseless(start + zmq::AcceptedConnections::kUselessAfter - std::chrono::seconds(1));
+  EXPECT_FALSE(closed(kIdle));
+  accepted.CloseUseless(start + zmq::AcceptedConnections::kUselessAfter);
+  EXPECT_TRUE(Eventually([&] { return closed(kIdle); }));
+  accepted.CloseUseless(start + std::chrono::hours(100));
+  EXPECT_FALSE(closed(kPlain));
+  EXPECT_FALSE(closed(kSession));
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("127.0.0.1"), std::string::npos) << lines[0];
+  for (const int fd : {listening, theirs[0], theirs[1], theirs[2], ours[0], ours[1], ours[2]}) close(fd);
+}
+
+}  // namespace
+}  // namespace hgros
