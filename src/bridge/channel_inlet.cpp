@@ -60,8 +60,8 @@ void ChannelInlet::Detach() {
     transports = std::move(transports_);
   }
   if (transports) transports->Close();
-  // No thread of the transport or the bridge is inside any more. A requested Run() may not have been called, but a requested errand
-  // is.
+  // No thread of the transport or the bridge is inside any more. A requested Run() may not have been called, but a
+  // requested errand is.
   Fifo<InboundMessage> left;  // Destroyed after the lock, because this returns credit.
   std::optional<Decoded> undelivered;
   {

@@ -112,7 +112,7 @@ void JoinedOutbound::GiveUp(SessionId subscriber, const std::string& name, std::
   if (!missed) return;
   missed_.fetch_add(missed->size(), std::memory_order_relaxed);
   if (!missed->empty()) {
-    log_.WriteLimited(LogLevel::kWarning, "missed " + channel_ + " " + subscriber.ToString(),
+    log_.WriteLimited(LogLevel::kWarning, "missed " + channel_,
                       "Session " + name + " has gone without confirming " + std::to_string(missed->size()) +
                           " messages of the lossless channel \"" + channel_ +
                           "\". It may miss these, and misses those that are published until it is back.");

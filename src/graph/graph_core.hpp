@@ -55,6 +55,7 @@ class GraphCore : public std::enable_shared_from_this<GraphCore> {
   [[nodiscard]] bool refusing() const noexcept { return refusing_.load(std::memory_order_relaxed) || fork_.IsChild(); }
   // In a forked child nothing of the graph may be waited for or destroyed.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
+  [[nodiscard]] Log& log() const noexcept { return *log_; }
   [[nodiscard]] const MessageId& publisher() const noexcept { return options_.publisher; }
   [[nodiscard]] const Channel* Find(std::string_view name) const noexcept { return channels_.Find(name); }
   [[nodiscard]] std::vector<Channel*> Channels() const { return channels_.All(); }

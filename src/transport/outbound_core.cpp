@@ -60,9 +60,8 @@ void OutboundCore::TellMissed(const std::shared_ptr<OutboundCore>& core, Log& lo
                                   : who + " has gone without confirming " + std::to_string(messages) +
                                         " messages of the lossless channel \"" + core->name +
                                         "\". It may miss these, and misses those that are published until it is back.";
-  actions.emplace_back([core, &log, session, text = std::move(text)] {
-    log.WriteLimited(LogLevel::kWarning, "missed " + core->name + " " + session.ToString(), text);
-  });
+  actions.emplace_back(
+      [core, &log, text = std::move(text)] { log.WriteLimited(LogLevel::kWarning, "missed " + core->name, text); });
 }
 
 void OutboundCore::ReportThoseBack(Log& log, std::uint64_t sequence) {
@@ -81,7 +80,7 @@ void OutboundCore::ReportThoseBack(Log& log, std::uint64_t sequence) {
                       " messages of the lossless channel \"" + name + "\", and is back.");
     }
   }
-  for (const std::string& line : lines) log.Write(LogLevel::kWarning, line);
+  for (const std::string& line : lines) log.WriteLimited(LogLevel::kWarning, "back " + name, line);
 }
 
 std::vector<SessionId> OutboundCore::Sessions() const {

@@ -60,5 +60,26 @@ TEST(OutboundCore, NamesASubscriberThatMissesMessagesAgainAndAgainInOneLine) {
   EXPECT_EQ(missed, 15 * 16 / 2 + 14 * 99U);
 }
 
+TEST(OutboundCore, InventedSubscribersDoNotFillTheLog) {
+  std::vector<std::string> lines;
+  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+  conformance::Source source;
+  const auto core = std::make_shared<OutboundCore>("scan", conformance::TextType(), source);
+  for (std::uint64_t i = 1; i <= 400; ++i) {
+    const SessionId invented{i};
+    const std::string name = "Session " + std::to_string(i);
+    Actions actions;
+    OutboundCore::CountSubscriber(core, invented, 1, actions);
+    OutboundCore::TellMissed(core, log, invented, name, i, actions);
+    OutboundCore::CountSubscriber(core, invented, -1, actions);
+    OutboundCore::CountSubscriber(core, invented, 1, actions);
+    for (const auto& action : actions) action();
+    core->NoteCommit(log, i);
+  }
+  // Ten of each kind.
+  EXPECT_EQ(lines.size(), 20U);
+  core->gate.Close();
+}
+
 }  // namespace
 }  // namespace hgros

@@ -389,6 +389,36 @@ TEST_F(HostilePeer, BlocksHeldByALyingPeerStayUntilItsSocketEnds) {
   EXPECT_TRUE(Await([&] { return victim_transport->usage().blocks_in_use == 0; }));
 }
 
+TEST_F(HostilePeer, FalseReportsOfTooLargeMessagesEndThePair) {
+  const auto overruns = [&] {
+    return victim->transport->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)];
+  };
+  const std::uint64_t large = ShmOptions().max_message_bytes + 1;
+  const auto report = [](FalsePeer& peer, std::uint64_t messages, std::uint64_t bytes) {
+    wire::PairMessage said;
+    said.mutable_too_large()->set_link(peer.wish.link());
+    said.mutable_too_large()->set_messages(messages);
+    said.mutable_too_large()->set_bytes(bytes);
+    peer.Say(said);
+  };
+  const std::uint64_t before = overruns();
+  ExpectLie(
+      [&](FalsePeer& peer) {
+        report(peer, 3, large);
+        EXPECT_TRUE(Await([&] { return overruns() == before + 3; })) << "true reports are counted";
+        report(peer, std::uint64_t{1} << 63, large);
+      },
+      "messages that cannot be too large");
+  EXPECT_EQ(overruns(), before + 3);
+  {
+    FalsePeer peer(place);
+    ASSERT_TRUE(peer.Publish());
+    report(peer, 1, 10);
+    EXPECT_TRUE(peer.IsEnded());
+  }
+  EXPECT_EQ(overruns(), before + 3);
+}
+
 TEST_F(HostilePeer, InvalidFramesEndThePair) {
   ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string(8, '\xff')); }, "a frame of");
   ExpectLie([](FalsePeer& peer) { peer.SayRaw(std::string("\x00\x00\x00\x00\x09\x00\x00\x00", 8)); },

@@ -35,6 +35,7 @@ struct ChannelSnapshot {
   std::uint64_t received = 0;   ///< From outside.
   bool closed = false;          ///< Messages are not delivered to this process' own nodes.
   std::size_t latched = 0;
+  std::uint64_t not_latched = 0;  ///< Latched messages of other sessions that were not kept, because of the limits.
   /// For a channel with two C++ types, such as T and Bulk<T>: messages converted to the other type because a node here
   /// needs it, each at most once, and failed conversions.
   std::uint64_t converted = 0;

@@ -27,7 +27,7 @@ Channel::~Channel() {
 
 PublishStatus Channel::Publish(const MessageOffer& offer, Reach reach) noexcept {
   const PublishStatus status = Try(offer, reach);
-  if (status != PublishStatus::kOk) refused_.fetch_add(1, std::memory_order_relaxed);
+  if (status != PublishStatus::kOk) counts_.refused.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
 
@@ -92,7 +92,7 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
   info.id = core_.publisher();
   info.publish_monotonic_ns = MonotonicNow();
   if (const std::size_t depth = latched_.load(std::memory_order_relaxed); depth > 0 && local) {
-    publication.after = Store(publication.message, info, depth, UserCode::kAllowed);
+    publication.after = Store(publication.message, info, depth, 0, UserCode::kAllowed);
   } else {
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   }
@@ -172,8 +172,9 @@ void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyM
   }
 }
 
-const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, UserCode user_code) {
-  LatchedMessages::Messages dropped;  // Destroyed after the lock: a message's destructor is user code.
+const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, std::size_t bytes,
+                             UserCode user_code) {
+  LatchedMessages::Stored stored;  // Destroyed after the lock: a message's destructor is user code.
   const std::scoped_lock lock(latch_mutex_);
   const Fanout* fanout = fanout_.load(std::memory_order_seq_cst);
   if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
@@ -181,7 +182,16 @@ const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
     info.publish_monotonic_ns = MonotonicNow();
   }
-  dropped = latched_messages_.Store(message, info, depth);
+  stored = latched_messages_.Store(message, info, depth, bytes);
+  if (stored.beyond_limit > 0) {
+    counts_.not_latched.fetch_add(stored.beyond_limit, std::memory_order_relaxed);
+    core_.log().WriteLimited(LogLevel::kWarning, "not latched " + name_,
+                             "Other sessions latch more on channel \"" + name_ + "\" than is kept here (" +
+                                 std::to_string(LatchedMessages::kMostRemoteMessages) + " messages, " +
+                                 std::to_string(LatchedMessages::kMostRemoteBytes >> 20) +
+                                 " MiB): nodes that are added later do not get the rest. Latch less.",
+                             std::chrono::hours(1));
+  }
   return fanout;
 }
 
@@ -213,10 +223,10 @@ bool Channel::Inject(AnyMessage message, const TypeInfo& type, const MessageInfo
   const epoch::Guard guard;
   MessageInfo info = from;
   info.remote = true;
-  const Fanout* fanout =
-      latched > 0 ? Store(message, info, latched, user_code) : fanout_.load(std::memory_order_seq_cst);
+  const Fanout* fanout = latched > 0 ? Store(message, info, latched, type.memory_bytes(message.get()), user_code)
+                                     : fanout_.load(std::memory_order_seq_cst);
   if (fanout == nullptr || (user_code == UserCode::kRefused && fanout->has_inline)) return false;
-  received_.fetch_add(1, std::memory_order_relaxed);
+  counts_.received.fetch_add(1, std::memory_order_relaxed);
   const std::size_t bytes = fanout->count_bytes ? type.memory_bytes(message.get()) : 0;
   Deliver(*fanout, message, info, credit, {bytes, false, true, nullptr, MonotonicNow()});
   return true;
@@ -229,7 +239,7 @@ PublishStatus Channel::PublishWait(const MessageOffer& offer, Reach reach,
     status = CallbackScope::InAny() ? PublishStatus::kWouldDeadlock
                                     : room_.Retry([&] { return Try(offer, reach); }, deadline, stop);
   }
-  if (status != PublishStatus::kOk) refused_.fetch_add(1, std::memory_order_relaxed);
+  if (status != PublishStatus::kOk) counts_.refused.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
 
@@ -321,12 +331,9 @@ ChannelSnapshot Channel::Snapshot() const {
   snapshot.name = name_;
   snapshot.type = IsAnyType(type()) ? std::string() : type().name;
   snapshot.published = sequence_.load(std::memory_order_relaxed);
-  snapshot.refused = refused_.load(std::memory_order_relaxed);
-  snapshot.received = received_.load(std::memory_order_relaxed);
   snapshot.closed = closed_.load(std::memory_order_relaxed);
   snapshot.latched = latched_.load(std::memory_order_relaxed);
-  snapshot.converted = converted_.load(std::memory_order_relaxed);
-  snapshot.not_converted = not_converted_.load(std::memory_order_relaxed);
+  counts_.Fill(snapshot);
   for (const std::shared_ptr<Node>& node : Nodes()) snapshot.nodes.push_back(node->Snapshot());
   return snapshot;
 }

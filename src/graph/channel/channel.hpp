@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "graph/channel/channel_counts.hpp"
 #include "graph/channel/latched_messages.hpp"
 #include "graph/channel/raw_forms.hpp"
 #include "graph/channel/raw_presence.hpp"
@@ -122,7 +123,8 @@ class Channel {
   PublishStatus PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept;
   // Latches the message and returns the current nodes. Returns null without latching if one of them is inline and user
   // code is refused.
-  const Fanout* Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, UserCode user_code);
+  const Fanout* Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, std::size_t bytes,
+                      UserCode user_code);
   void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message, const MessageInfo& info,
                           std::size_t bytes) noexcept;
   // Reserves room in all lossless nodes, or in none of them.
@@ -158,10 +160,7 @@ class Channel {
 
   RoomSignal room_;
 
-  std::atomic<std::uint64_t> refused_{0};
-  std::atomic<std::uint64_t> received_{0};
-  std::atomic<std::uint64_t> converted_{0};
-  std::atomic<std::uint64_t> not_converted_{0};
+  ChannelCounts counts_;
 };
 
 }  // namespace hgros

@@ -107,7 +107,7 @@ AnyMessage Channel::InForm(const AnyMessage& message, const TypeInfo& wanted) {
     } else {
       made = two_forms::Convert(one, from, wanted);
     }
-    (made != nullptr ? converted_ : not_converted_).fetch_add(1, std::memory_order_relaxed);
+    (made != nullptr ? counts_.converted : counts_.not_converted).fetch_add(1, std::memory_order_relaxed);
     return made;
   });
 }

@@ -7,21 +7,58 @@
 
 namespace hgros {
 
-LatchedMessages::Messages LatchedMessages::Store(const AnyMessage& message, const MessageInfo& info,
-                                                 std::size_t depth) {
-  Messages dropped;
+void LatchedMessages::RemoveOldest(Messages& from, Messages& removed) {
+  if (from.front().info.remote) {
+    --remote_messages_;
+    remote_bytes_ -= from.front().bytes;
+  }
+  removed.push_back(std::move(from.front()));
+  from.pop_front();
+}
+
+void LatchedMessages::RemoveAll(Messages& from, Messages& removed) {
+  while (!from.empty()) RemoveOldest(from, removed);
+}
+
+LatchedMessages::Entries::iterator LatchedMessages::LongestAbsent() {
+  auto longest = entries_.end();
+  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+    if (entry->second.absent_since == 0) continue;
+    if (longest == entries_.end() || entry->second.absent_since < longest->second.absent_since) longest = entry;
+  }
+  return longest;
+}
+
+LatchedMessages::Stored LatchedMessages::Store(const AnyMessage& message, const MessageInfo& info, std::size_t depth,
+                                               std::size_t bytes) {
+  Stored stored;
   Entry& entry = entries_[info.id.publisher];
   entry.absent_since = 0;  // A publisher that sends is present; nodes that missed older messages get this one.
   entry.missed.clear();
   Messages& kept = entry.messages;
   // A restarted publisher has sent its latched messages again.
-  if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) dropped.swap(kept);
-  kept.push_back({message, info, nullptr, 0});
-  while (kept.size() > depth) {
-    dropped.push_back(std::move(kept.front()));
-    kept.pop_front();
+  if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) {
+    RemoveAll(kept, stored.removed);
   }
-  return dropped;
+  kept.push_back({message, info, nullptr, bytes});
+  if (info.remote) {
+    ++remote_messages_;
+    remote_bytes_ += bytes;
+  }
+  while (kept.size() > depth) RemoveOldest(kept, stored.removed);
+  if (!info.remote) return stored;
+  while (IsBeyondLimit()) {
+    const auto absent = LongestAbsent();
+    if (absent == entries_.end()) break;
+    RemoveAll(absent->second.messages, stored.removed);
+    entries_.erase(absent);
+  }
+  while (IsBeyondLimit() && !kept.empty()) {
+    RemoveOldest(kept, stored.removed);
+    ++stored.beyond_limit;
+  }
+  if (kept.empty()) entries_.erase(info.id.publisher);
+  return stored;
 }
 
 void LatchedMessages::Replace(const std::function<AnyMessage(AnyMessage)>& make) {
@@ -40,6 +77,7 @@ std::vector<QueuedMessage> LatchedMessages::ForNewNode(const std::shared_ptr<Nod
       messages.insert(messages.end(), entry.messages.begin(), entry.messages.end());
     }
   }
+  for (QueuedMessage& one : messages) one.bytes = 0;  // It is not the size that a queue counts.
   std::stable_sort(messages.begin(), messages.end(), [](const QueuedMessage& a, const QueuedMessage& b) {
     return a.info.publish_monotonic_ns < b.info.publish_monotonic_ns;
   });
@@ -51,15 +89,10 @@ LatchedMessages::Messages LatchedMessages::MarkGone(std::uint64_t publisher) {
   const auto gone = entries_.find(publisher);
   if (gone == entries_.end()) return dropped;
   gone->second.absent_since = ++leaves_;
-  auto longest = entries_.end();
-  std::size_t absent = 0;
-  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-    if (entry->second.absent_since == 0) continue;
-    ++absent;
-    if (longest == entries_.end() || entry->second.absent_since < longest->second.absent_since) longest = entry;
-  }
-  if (absent > kMostAbsent) {
-    dropped.swap(longest->second.messages);
+  const auto absent = std::ranges::count_if(entries_, [](const auto& one) { return one.second.absent_since > 0; });
+  if (static_cast<std::size_t>(absent) > kMostAbsent) {
+    const auto longest = LongestAbsent();
+    RemoveAll(longest->second.messages, dropped);
     entries_.erase(longest);
   }
   return dropped;

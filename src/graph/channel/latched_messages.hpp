@@ -22,8 +22,18 @@ class LatchedMessages {
  public:
   using Messages = std::deque<QueuedMessage>;
 
-  // Keeps the newest `depth` messages of the publisher and returns the ones that it removed.
-  [[nodiscard]] Messages Store(const AnyMessage& message, const MessageInfo& info, std::size_t depth);
+  // Limits of the messages of other sessions, which name the depth themselves. A single message may be larger.
+  static constexpr std::size_t kMostRemoteBytes = 64u << 20;
+  static constexpr std::size_t kMostRemoteMessages = 16384;
+
+  // Keeps the newest `depth` messages of the publisher. `bytes` is the message's size, for messages of other sessions.
+  // At their limit, those of publishers that are gone make room, then older ones of the same publisher. If that is not
+  // enough, the message is not kept: so no publisher can remove another's.
+  struct Stored {
+    Messages removed;
+    std::size_t beyond_limit = 0;  // Messages of this publisher that were removed because of the limits.
+  };
+  [[nodiscard]] Stored Store(const AnyMessage& message, const MessageInfo& info, std::size_t depth, std::size_t bytes);
   // Replaces each message by the result of `make`.
   void Replace(const std::function<AnyMessage(AnyMessage)>& make);
   // The messages for a new node, in the order of publishing.
@@ -41,13 +51,24 @@ class LatchedMessages {
  private:
   static constexpr std::size_t kMostAbsent = 4;
 
+  struct Entry;
+  using Entries = std::map<std::uint64_t, Entry>;  // By publisher id.
+  [[nodiscard]] bool IsBeyondLimit() const noexcept {
+    return remote_messages_ > 1 && (remote_messages_ > kMostRemoteMessages || remote_bytes_ > kMostRemoteBytes);
+  }
+  void RemoveOldest(Messages& from, Messages& removed);
+  void RemoveAll(Messages& from, Messages& removed);
+  [[nodiscard]] Entries::iterator LongestAbsent();
+
   struct Entry {
     Messages messages;
     std::uint64_t absent_since = 0;  // 0: present.
     std::vector<std::weak_ptr<Node>> missed;
   };
 
-  std::map<std::uint64_t, Entry> entries_;  // By publisher id.
+  Entries entries_;
+  std::size_t remote_messages_ = 0;
+  std::size_t remote_bytes_ = 0;
   std::uint64_t leaves_ = 0;
 };
 

@@ -111,7 +111,7 @@ bool ShmPublisher::RefuseIfTooLarge(OutLink& link, const ShmMessage& message, Ac
   (link.flow.lossless() ? link.core->missed : link.core->dropped).fetch_add(1, std::memory_order_relaxed);
   if (link.too_large++ == 0) {
     actions.emplace_back([this, to = link.pair.shared_from_this(), channel = link.core->name, size, limit] {
-      session_.log.WriteLimited(LogLevel::kWarning, "shm large " + channel + " " + to->facts.info.id.ToString(),
+      session_.log.WriteLimited(LogLevel::kWarning, "shm large " + channel,
                                 "A message of " + std::to_string(size) + " bytes on channel \"" + channel +
                                     "\" is not sent to " + NameOf(*to) + ", which accepts at most " +
                                     std::to_string(limit) +

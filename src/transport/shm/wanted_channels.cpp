@@ -182,14 +182,18 @@ void WantedChannels::EndLink(Pair& pair, std::uint64_t number) {
 }
 
 // Each message counts as one fault; those that the peer reports together are logged once.
-void WantedChannels::OnTooLarge(Pair& pair, const wire::TooLarge& said) {
+bool WantedChannels::OnTooLarge(Pair& pair, const wire::TooLarge& said) {
+  constexpr std::uint64_t kMostAtOnce = 1u << 16;
   const auto link = pair.in.LinkAt(said.link());
-  if (!link || said.messages() <= link->too_large) return;
-  const std::uint64_t more = said.messages() - std::exchange(link->too_large, said.messages());
+  if (!link || said.messages() <= link->too_large) return true;
+  const std::uint64_t more = said.messages() - link->too_large;
+  if (more > kMostAtOnce || said.bytes() <= session_.options.max_message_bytes) return false;
+  link->too_large = said.messages();
   session_.CountFault(PacketFault::kOverrun, more);
   link->core->TellFault(PacketFault::kOverrun, "it has " + std::to_string(said.bytes()) + " bytes, and " +
                                                    NameOf(pair) + " may send at most " +
                                                    std::to_string(session_.options.max_message_bytes));
+  return true;
 }
 
 }  // namespace hgros::shm

@@ -40,7 +40,8 @@ class WantedChannels {
   void OnGranted(Pair& pair, const wire::Granted& granted);
   void OnMisfit(Pair& pair, const wire::Misfit& misfit);
   void OnEnded(Pair& pair, const wire::Ended& ended);
-  void OnTooLarge(Pair& pair, const wire::TooLarge& said);
+  /// False if the report cannot be true.
+  [[nodiscard]] bool OnTooLarge(Pair& pair, const wire::TooLarge& said);
   /// The publisher has withdrawn the channel, and everything was read: asks again.
   void EndLink(Pair& pair, std::uint64_t number);
 

@@ -88,7 +88,7 @@ void AdmissionDesk::Serve() {
     if (!welcome) {
       refused_.fetch_add(1, std::memory_order_relaxed);
       const std::string address(text(5).substr(0, 64));
-      log_.WriteLimited(LogLevel::kWarning, "zmq refused " + address,
+      log_.WriteLimited(LogLevel::kWarning, "zmq refused",
                         "Refused a connection from " + address + ": its key is not among the allowed ones.");
     }
     const std::string version(text(2));

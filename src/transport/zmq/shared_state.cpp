@@ -32,9 +32,19 @@ bool SharedState::MayClaim(SessionId session, std::string_view key, std::string_
 }
 
 void SharedState::CountFault(PacketFault fault, std::string_view where, std::string_view what) {
+  CountFaultLike(where, fault, where, what);
+}
+
+void SharedState::CountPeerFault(PacketFault fault, std::string_view peer, std::string_view what) {
+  CountFaultLike("of a peer", fault, peer, what);
+}
+
+// `alike`: how the log recognizes lines that are limited together.
+void SharedState::CountFaultLike(std::string_view alike, PacketFault fault, std::string_view where,
+                                 std::string_view what) {
   faults[static_cast<std::size_t>(fault)].fetch_add(1, std::memory_order_relaxed);
   std::string key = "zmq fault ";
-  key.append(where).append(" ").append(ToString(fault));
+  key.append(alike).append(" ").append(ToString(fault));
   std::string text = "Dropped a packet from ";
   text.append(where).append(" (").append(ToString(fault)).append("): ").append(what);
   log.WriteLimited(LogLevel::kWarning, key, text);

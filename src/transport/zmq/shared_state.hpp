@@ -33,6 +33,8 @@ struct SharedState {
   [[nodiscard]] bool MayClaim(SessionId session, std::string_view key, std::string_view where);
   /// Counts a packet that was dropped, and logs it at a limited rate. `where` is an endpoint or a peer.
   void CountFault(PacketFault fault, std::string_view where, std::string_view what);
+  /// The same for a peer: peers can invent names, so the lines about all of them are limited together.
+  void CountPeerFault(PacketFault fault, std::string_view peer, std::string_view what);
   /// The time of this host's wall clock.
   [[nodiscard]] Time Wall() const { return options.wall ? options.wall() : WallNow(); }
   /// Passes these calls to the leading thread, which makes them.
@@ -58,6 +60,8 @@ struct SharedState {
   Context context;
 
  private:
+  void CountFaultLike(std::string_view alike, PacketFault fault, std::string_view where, std::string_view what);
+
   SessionKeys session_keys_;
   std::mutex posted_mutex_;
   Actions posted_;

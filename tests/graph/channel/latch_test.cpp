@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <memory>
+#include <string_view>
 #include <thread>
 
 #include "graph/graph_fixture.hpp"
@@ -93,6 +96,84 @@ TEST(Latch, RemembersOnlyAFewLostPublishers) {
   }
   EXPECT_EQ(std::count_if(kept.begin(), kept.end(), [](const auto& one) { return !one.expired(); }), 4);
   EXPECT_FALSE(kept.back().expired());
+}
+
+struct Large {
+  std::array<char, 1 << 20> bytes{};
+};
+
+/// A channel that gets latched messages of other sessions.
+class RemoteLatch : public testing::Test {
+ protected:
+  template <class T>
+  void Inject(std::uint64_t publisher, std::shared_ptr<const T> message, std::size_t latched) {
+    Channel& channel = graph.Open("map", TypeOf<T>(), CallSite::Current());
+    MessageInfo info;
+    info.id = {publisher, 1, ++sequence};
+    EXPECT_TRUE(DataGraph::Inject(channel, message, TypeOf<T>(), info, nullptr, latched));
+    kept.emplace_back(std::move(message));
+  }
+  [[nodiscard]] std::vector<std::size_t> Kept() const {
+    std::vector<std::size_t> numbers;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      if (!kept[i].expired()) numbers.push_back(i);
+    }
+    return numbers;
+  }
+  [[nodiscard]] std::uint64_t NotLatched() const { return graph.Snapshot().channels.at(0).not_latched; }
+
+  int lines = 0;
+  DataGraph graph{{}, std::make_shared<Log>([this](LogLevel, std::string_view) { ++lines; })};
+  std::uint64_t sequence = 0;
+  std::vector<std::weak_ptr<const void>> kept;
+};
+
+TEST_F(RemoteLatch, KeepsTheNewestBytesOfAPublisherThatLatchesEverything) {
+  for (int i = 0; i < 100; ++i) Inject(7, std::make_shared<const Large>(), ~std::size_t{0} >> 1);
+  EXPECT_EQ(Kept().size(), 64U);
+  EXPECT_EQ(Kept().front(), 36U);
+  EXPECT_EQ(NotLatched(), 36U);
+  EXPECT_EQ(lines, 1);
+}
+
+TEST_F(RemoteLatch, InventedPublishersRemoveNothingOfOthers) {
+  for (std::uint64_t publisher = 1; publisher <= 100; ++publisher) {
+    Inject(publisher, std::make_shared<const Large>(), 1);
+  }
+  EXPECT_EQ(Kept().size(), 64U);
+  EXPECT_EQ(Kept().front(), 0U);
+  // A publisher that has its place replaces its message.
+  Inject(1, std::make_shared<const Large>(), 1);
+  EXPECT_EQ(Kept().back(), 100U);
+  EXPECT_EQ(NotLatched(), 36U);
+  EXPECT_EQ(lines, 1);
+}
+
+TEST_F(RemoteLatch, KeepsSomeThousandSmallMessages) {
+  for (std::uint64_t publisher = 1; publisher <= 20'000; ++publisher) {
+    Inject(publisher, std::make_shared<const int>(1), 1);
+  }
+  EXPECT_EQ(Kept().size(), 16384U);
+}
+
+TEST_F(RemoteLatch, PublishersThatAreGoneMakeRoom) {
+  for (std::uint64_t publisher = 1; publisher <= 64; ++publisher) {
+    Inject(publisher, std::make_shared<const Large>(), 1);
+  }
+  graph.PublisherIsGone(3);
+  Inject(65, std::make_shared<const Large>(), 1);
+  EXPECT_EQ(Kept().size(), 64U);
+  EXPECT_EQ(Kept().back(), 64U);
+  EXPECT_EQ(NotLatched(), 0U);
+}
+
+TEST_F(RemoteLatch, ASingleMessageMayBeLargerThanTheLimit) {
+  struct Huge {
+    std::array<char, (64 << 20) + 1> bytes;
+  };
+  Inject(7, std::make_shared<const Huge>(), 1);
+  Inject(7, std::make_shared<const Huge>(), 1);
+  EXPECT_EQ(Kept(), std::vector<std::size_t>{1});
 }
 
 TEST(Latch, ConcurrentNodeGetsLatchedMessages) {

@@ -80,7 +80,11 @@ void Connections::OnFrame(const std::shared_ptr<Pair>& pair, PairSocket::Frame& 
     case wire::PairMessage::kGranted: wanted_.OnGranted(*pair, said.granted()); break;
     case wire::PairMessage::kMisfit: wanted_.OnMisfit(*pair, said.misfit()); break;
     case wire::PairMessage::kEnded: wanted_.OnEnded(*pair, said.ended()); break;
-    case wire::PairMessage::kTooLarge: wanted_.OnTooLarge(*pair, said.too_large()); break;
+    case wire::PairMessage::kTooLarge:
+      if (!wanted_.OnTooLarge(*pair, said.too_large())) {
+        sockets_.Distrust(*pair, "it reports messages that cannot be too large");
+      }
+      break;
     case wire::PairMessage::kSegmentAdded: OnSegment(*pair, said.segment_added().segment(), frame); break;
     case wire::PairMessage::kSegmentRefused: publisher_.ResendApart(*pair, said.segment_refused().segment()); break;
     case wire::PairMessage::kSegmentRemoved: pair->in.RemoveSegment(said.segment_removed().segment()); break;
@@ -130,7 +134,7 @@ void Connections::OnSegment(Pair& pair, std::uint32_t segment, PairSocket::Frame
     said.mutable_segment_refused()->set_segment(segment);
     pair.socket.Send(said);
     session_.log.WriteLimited(
-        LogLevel::kWarning, "shm map " + pair.facts.info.id.ToString(),
+        LogLevel::kWarning, "shm map",
         "This process cannot map the shared memory of " + NameOf(pair) + ": " + fault +
             ". Messages in it come over a socket, which is slower, until it can. Raise the limits "
             "of memory and open files of this process.",

@@ -153,7 +153,7 @@ void Connections::OnLie(const std::shared_ptr<Pair>& liar, const std::string& wh
   if (liar->ending.load()) return;
   session_.CountFault(PacketFault::kHead);
   session_.log.WriteLimited(
-      LogLevel::kWarning, "shm lie " + liar->facts.info.id.ToString(),
+      LogLevel::kWarning, "shm lie " + what,
       "The shared memory of " + NameOf(*liar) + " is invalid: " + what + ". The connection ends and is made again.");
   liar->in.StopReading();
   EndPair(liar, "its shared memory is invalid", true);

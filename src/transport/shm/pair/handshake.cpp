@@ -26,7 +26,7 @@ Handshake::Outcome Handshake::OnHello(Pair& pair, PairSocket::Frame& frame) {
   if (outcome.step == Outcome::Step::kRefuse) return outcome;
   if (std::string fault = OpenPages(pair, hello, frame); !fault.empty()) {
     session_.CountFault(PacketFault::kVersion);
-    session_.log.WriteLimited(LogLevel::kWarning, "shm hello " + pair.facts.info.id.ToString(),
+    session_.log.WriteLimited(LogLevel::kWarning, "shm hello " + fault,
                               "No memory is shared with " + NameOf(pair) + ": " + fault + ".");
     outcome.step = Outcome::Step::kRefuse;
     outcome.reason = std::move(fault);
@@ -68,7 +68,7 @@ Handshake::Outcome Handshake::CompareWithOthers(const Pair& pair) const {
   for (const auto& other : pairs_.List()) {
     if (other.get() == &pair || !other->alive || other->facts.info.id != peer) continue;
     if (other->process != pair.process && other->process_end.valid() && !HasEnded(other->process_end)) {
-      session_.log.WriteLimited(LogLevel::kWarning, "shm id " + peer.ToString(),
+      session_.log.WriteLimited(LogLevel::kWarning, "shm id",
                                 "Another process uses the id of " + NameOf(*other) +
                                     ": no memory is shared with it. Give each session its own id, or none.");
       return refuse("another process has its id");

@@ -226,7 +226,7 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
     case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;
     case wire::Control::kHeartbeat: peers_.OnHeartbeat(*peer, control->heartbeat(), actions); break;
     case wire::Control::kBye: peers_.Drop(session, "it said goodbye", actions); break;
-    default: shared_.CountFault(PacketFault::kHead, peer->name(), "a publisher's control message");
+    default: shared_.CountPeerFault(PacketFault::kHead, peer->name(), "a publisher's control message");
   }
 }
 

@@ -50,7 +50,7 @@ void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& ask
   const std::string& name = asked.wanted().channel();
   if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
       (peer.wishes.size() >= kMaxChannels && !peer.wishes.contains(name))) {
-    shared_.CountFault(PacketFault::kHead, peer.name(), "an invalid subscription");
+    shared_.CountPeerFault(PacketFault::kHead, peer.name(), "an invalid subscription");
     return;
   }
   if (!peer.wishes.contains(name)) shared_.AddChannelsChanged(actions);
@@ -162,7 +162,7 @@ void Subscriptions::OnCredit(SubscriberPeer& peer, const wire::Credit& credit, A
   OutLink& link = *wish->second.link;
   PeerChannel::Dropped ended;
   if (!link.flow.Confirm(credit.consumed_messages(), credit.consumed_bytes(), ended)) {
-    shared_.CountFault(PacketFault::kHead, peer.name(), "it confirms more than it was sent");
+    shared_.CountPeerFault(PacketFault::kHead, peer.name(), "it confirms more than it was sent");
     return;
   }
   channels_.SendWaiting(link, ended);
