@@ -1,6 +1,10 @@
 #include "hgros/session/snapshot_message.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <ctime>
+#include <fstream>
 #include <numeric>
 
 #include "hgros/clock/time.hpp"
@@ -11,6 +15,23 @@ namespace {
 
 constexpr double kMiddle = 0.5;
 constexpr double kAlmostAll = 0.99;
+
+const char* NameOf(Executor::Kind kind) {
+  return kind == Executor::Kind::kInline ? "inline" : kind == Executor::Kind::kDedicated ? "dedicated" : "tbb";
+}
+
+// The second number of /proc/self/statm is the number of resident pages.
+std::int64_t ResidentBytes() {
+  std::ifstream file("/proc/self/statm");
+  std::int64_t all = 0;
+  std::int64_t resident = 0;
+  return file >> all >> resident ? resident * sysconf(_SC_PAGESIZE) : 0;
+}
+
+std::int64_t ProcessCpuTime() {
+  timespec time{};
+  return clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) == 0 ? time.tv_sec * 1'000'000'000 + time.tv_nsec : 0;
+}
 
 void Fill(Snapshot::Node& message, const NodeSnapshot& node) {
   message.set_name(node.name);
@@ -26,6 +47,9 @@ void Fill(Snapshot::Node& message, const NodeSnapshot& node) {
   message.set_wait_p99_ns(node.queue_wait.Quantile(kAlmostAll));
   message.set_run_p50_ns(node.run_time.Quantile(kMiddle));
   message.set_run_p99_ns(node.run_time.Quantile(kAlmostAll));
+  message.set_run_sum_ns(
+      static_cast<std::uint64_t>(node.run_time.mean_ns() * static_cast<double>(node.run_time.count())));
+  message.set_executor(NameOf(node.executor.kind()));
 }
 
 void Fill(Snapshot::Channel& message, const ChannelTraffic& traffic) {
@@ -57,6 +81,9 @@ Snapshot ToMessage(const SessionSnapshot& snapshot) {
     one.set_published(channel.published);
     one.set_refused(channel.refused);
     one.set_received(channel.received);
+    one.set_rate_hz(channel.rate_hz);
+    one.set_latched(channel.latched);
+    one.set_closed(channel.closed);
     for (const NodeSnapshot& node : channel.nodes) Fill(*one.add_nodes(), node);
     const auto traffic = std::ranges::lower_bound(snapshot.traffic, channel.name, {}, &ChannelTraffic::channel);
     if (traffic != snapshot.traffic.end() && traffic->channel == channel.name) Fill(one, *traffic);
@@ -67,6 +94,15 @@ Snapshot ToMessage(const SessionSnapshot& snapshot) {
     one.set_unhandled_requests(service.unhandled_requests);
     one.set_dropped_replies(service.dropped_replies);
   }
+  for (const PeerInfo& peer : snapshot.peers) {
+    Snapshot::Peer& one = *message.add_peers();
+    one.set_session(peer.id.value);
+    one.set_transport(peer.transport);
+    one.set_why(peer.why);
+  }
+  message.set_cpu_ns(ProcessCpuTime());
+  message.set_memory_bytes(ResidentBytes());
+  message.set_version(HGROS_VERSION);
   return message;
 }
 

@@ -1,9 +1,11 @@
 #include "session/snapshot_publisher.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include "hgros/clock/time.hpp"
 #include "hgros/codec/message.hpp"
 #include "hgros/session/snapshot_message.hpp"
 
@@ -11,6 +13,8 @@ namespace hgros {
 namespace {
 
 constexpr auto kSnapshotPeriod = std::chrono::seconds(1);
+// Subscribers that come and go quickly get no more than this.
+constexpr auto kShortestPause = std::chrono::milliseconds(20);
 
 // The announced type. It has no fingerprint: that is computed from the schema, and building the schema would cost half
 // a megabyte in a process that nobody observes.
@@ -33,28 +37,39 @@ SnapshotPublisher::SnapshotPublisher(MessageId publisher, const std::shared_ptr<
                                      const std::shared_ptr<const HostClocks>& clocks, Means means)
     : means_(std::move(means)),
       outlet_(std::make_shared<ChannelOutlet>(std::string(kSnapshotsChannel), AnnouncedType(), publisher, log,
-                                              OutletEvents{[] {}, [this] { TellSoon({}); }, [] { return true; }},
+                                              OutletEvents{[] {}, [this] { TellNewSubscriber(); }, [] { return true; }},
                                               clocks)) {
   outlet_->PromiseNothing();
 }
 
-void SnapshotPublisher::TellSoon(std::chrono::nanoseconds delay) {
-  if (outlet_->subscriber_count() == 0 || telling_.exchange(true)) return;
-  means_.later(delay, [this] { Tell(); });
+void SnapshotPublisher::TellNewSubscriber() {
+  if (outlet_->subscriber_count() == 0 || newcomer_waits_.exchange(true)) return;
+  const auto wait = kShortestPause - std::chrono::nanoseconds(MonotonicNow() - told_ns_.load());
+  means_.later(std::max(std::chrono::nanoseconds(wait), std::chrono::nanoseconds(0)), [this] {
+    (void)newcomer_waits_.exchange(false);  // Before the subscribers are counted: a later one asks again.
+    Tell();
+    TellEverySecond();
+  });
 }
 
 void SnapshotPublisher::Tell() {
-  if (outlet_->subscriber_count() > 0) {
-    const auto snapshot = std::make_shared<Snapshot>(ToMessage(means_.count()));
-    const TypeInfo& type = TypeOf<Snapshot>();
-    PreparedMessage prepared;
-    if (outlet_->Reserve(snapshot.get(), type, prepared) == PublishStatus::kOk) {
-      (void)outlet_->Commit(snapshot, type, std::move(prepared));
-    }
+  if (outlet_->subscriber_count() == 0) return;
+  told_ns_.store(MonotonicNow());
+  const auto snapshot = std::make_shared<Snapshot>(ToMessage(means_.count()));
+  const TypeInfo& type = TypeOf<Snapshot>();
+  PreparedMessage prepared;
+  if (outlet_->Reserve(snapshot.get(), type, prepared) == PublishStatus::kOk) {
+    (void)outlet_->Commit(snapshot, type, std::move(prepared));
   }
-  (void)telling_.exchange(
-      false);  // An exchange, as in TellSoon(), so that the two are ordered: one of them sees a new subscriber.
-  TellSoon(kSnapshotPeriod);
+}
+
+void SnapshotPublisher::TellEverySecond() {
+  if (outlet_->subscriber_count() == 0 || next_is_planned_.exchange(true)) return;
+  means_.later(kSnapshotPeriod, [this] {
+    (void)next_is_planned_.exchange(false);
+    Tell();
+    TellEverySecond();
+  });
 }
 
 }  // namespace hgros

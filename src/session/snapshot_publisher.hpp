@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -10,8 +11,9 @@
 
 namespace hgros {
 
-// Publishes the counters of this session once per second while another session subscribes to them. Otherwise it costs
-// only an entry in the session's announcement. A lossless subscriber without room loses messages, so that others still
+// Publishes the counters of this session while another session subscribes to them: once per second, and when a new one
+// subscribes, so that a program that only looks once need not wait. Otherwise it costs only an entry in the session's
+// announcement. A lossless subscriber without room loses messages, so that others still
 // get them.
 //
 // Thread safety: all functions from any thread.
@@ -29,11 +31,14 @@ class SnapshotPublisher {
   [[nodiscard]] const std::shared_ptr<ChannelOutlet>& outlet() const noexcept { return outlet_; }
 
  private:
-  void TellSoon(std::chrono::nanoseconds delay);
+  void TellNewSubscriber();
   void Tell();
+  void TellEverySecond();
 
   const Means means_;
-  std::atomic<bool> telling_{false};
+  std::atomic<bool> newcomer_waits_{false};
+  std::atomic<bool> next_is_planned_{false};
+  std::atomic<std::int64_t> told_ns_{0};
   std::shared_ptr<ChannelOutlet> outlet_;
 };
 

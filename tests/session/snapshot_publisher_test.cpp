@@ -87,6 +87,22 @@ TEST_P(SnapshotPublishers, PublishRepeatedlyAndToLateSubscribers) {
   EXPECT_TRUE(Await([&] { return ChannelOf(*robot->session, "v").published() == 1; }));
 }
 
+// A program that looks once must not wait for the next second.
+TEST_P(SnapshotPublishers, TellEachNewSubscriberAtOnce) {
+  Begin();
+  const auto publish = robot->session->Advertise<Vector3>("v");
+  constexpr int kRounds = 6;
+  const auto begin = std::chrono::steady_clock::now();
+  for (int round = 0; round < kRounds; ++round) {
+    observer.emplace(ObserverYaml(), "observer");
+    Connect(*observer->session, *robot->session);
+    const int before = Of(*robot->session).times;
+    const auto listening = Listen();
+    ASSERT_TRUE(Await([&] { return Of(*robot->session).times > before; })) << round;
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(900) * (kRounds - 1));
+}
+
 TEST_P(SnapshotPublishers, ReachOthersWhileALosslessSubscriberStandsStill) {
   Begin();
   const auto publish = robot->session->Advertise<Vector3>("v");  // So that other sessions find it.

@@ -31,6 +31,7 @@ struct ChannelSnapshot {
   std::string name;
   std::string type;
   std::uint64_t published = 0;  ///< By this process.
+  double rate_hz = 0;           ///< Published by this process: over the last one to two seconds, or 8 to 16 messages.
   std::uint64_t refused = 0;    ///< Publishes with a status other than kOk.
   std::uint64_t received = 0;   ///< From outside.
   bool closed = false;          ///< Messages are not delivered to this process' own nodes.

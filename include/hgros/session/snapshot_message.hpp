@@ -9,12 +9,12 @@
 
 namespace hgros {
 
-/// On this channel each session that others can reach publishes its statistics, once a second while another session
-/// subscribes: session.FromAny<Snapshot>(kSnapshotsChannel, ...). MessageInfo::id.publisher is the sending session; the
-/// message's own fields about its sender are not checked. A session does not get its own statistics; use
-/// Session::Snapshot(). Without subscribers nothing is counted, encoded or sent for it. Subscribe with keep-last: while
-/// a lossless subscriber has no room, no subscriber gets statistics. An endpoint with a list of channels needs this
-/// channel in its list.
+/// On this channel each session that others can reach publishes its statistics while another session subscribes:
+/// session.FromAny<Snapshot>(kSnapshotsChannel, ...). It does so once a second, and at once when a new session
+/// subscribes. MessageInfo::id.publisher is the sending session; the message's own fields about its sender are not
+/// checked. A session does not get its own statistics; use Session::Snapshot(). Without subscribers nothing is counted,
+/// encoded or sent for it. Subscribe with keep-last: while a lossless subscriber has no room, no subscriber gets
+/// statistics. An endpoint with a list of channels needs this channel in its list.
 inline constexpr std::string_view kSnapshotsChannel = "hgros/snapshots";
 
 /// The snapshot as a message, with the name and id of this process and the current time.

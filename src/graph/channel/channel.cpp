@@ -96,6 +96,7 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
   } else {
     info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   }
+  rate_.Note(info.id.sequence, info.publish_monotonic_ns);
   if (outer != nullptr) {
     outer->waiting.push_back(std::move(publication));
   } else if (local && (fanout.has_inline || publication.after->has_inline)) {
@@ -131,6 +132,7 @@ PublishStatus Channel::PublishToSole(const Fanout& fanout, const MessageOffer& o
   if (!fanout.sole_lossless->TryDeliverSole({offer, sequence_, bytes, alone}, message, info, now)) {
     return PublishStatus::kFull;
   }
+  rate_.Note(info.id.sequence, info.publish_monotonic_ns);
   if (!alone) Deliver(fanout, message, info, nullptr, {bytes, false, true, fanout.sole_lossless, now});
   return PublishStatus::kOk;
 }
@@ -331,6 +333,7 @@ ChannelSnapshot Channel::Snapshot() const {
   snapshot.name = name_;
   snapshot.type = IsAnyType(type()) ? std::string() : type().name;
   snapshot.published = sequence_.load(std::memory_order_relaxed);
+  snapshot.rate_hz = rate_.Hertz(snapshot.published, MonotonicNow());
   snapshot.closed = closed_.load(std::memory_order_relaxed);
   snapshot.latched = latched_.load(std::memory_order_relaxed);
   counts_.Fill(snapshot);

@@ -8,6 +8,8 @@
 
 #include "graph/channel/channel_counts.hpp"
 #include "graph/channel/latched_messages.hpp"
+#include "graph/channel/publication.hpp"
+#include "graph/channel/publish_rate.hpp"
 #include "graph/channel/raw_forms.hpp"
 #include "graph/channel/raw_presence.hpp"
 #include "graph/channel/room_signal.hpp"
@@ -20,17 +22,6 @@
 namespace hgros {
 
 class GraphCore;
-
-// The nodes of a channel at one moment. It never changes; a new one replaces it.
-struct Fanout {
-  std::vector<std::shared_ptr<Node>> nodes;
-  bool lossless = false;              // At least one node is lossless.
-  Node* sole_lossless = nullptr;      // The lossless node, if there is exactly one.
-  bool count_bytes = false;           // At least one node has a byte limit.
-  bool has_inline = false;            // At least one node runs its callback in the delivering thread.
-  const TypeInfo* inbound = nullptr;  // The type as which remote messages are decoded; null: no node.
-  std::size_t raw = 0;                // Number of nodes that take messages raw.
-};
 
 // A typed hyperedge.
 //
@@ -95,19 +86,6 @@ class Channel {
   // Adds a place for the other form if the channel has two types or the message is raw.
   [[nodiscard]] AnyMessage Wrapped(AnyMessage message, const TypeInfo& type);
   [[nodiscard]] const TypeInfo& TypeOfMessage(const AnyMessage& message) const noexcept;
-  // A local message with its number, on its way to all nodes. The pointers are valid as long as the epoch guard.
-  struct Publication {
-    AnyMessage message;
-    const TypeInfo* type;
-    MessageInfo info;
-    const Fanout* fanout;
-    const Fanout* after;  // The nodes when the message was latched.
-    Outlet* outlet;       // Null: the message stays in the process.
-    std::size_t bytes;
-    bool reserved;
-    bool local;
-    PreparedMessage prepared;  // By the outlet.
-  };
   class Handover;
   void HandOver(Publication& publication, std::int64_t now) noexcept;
   // Delivers the message to all nodes except `except`. `last`: the message is not needed afterwards.
@@ -148,6 +126,7 @@ class Channel {
   std::atomic<bool> closed_{false};
   std::atomic<std::size_t> latched_{0};
   alignas(64) std::atomic<std::uint64_t> sequence_{0};  // Number of the last local message.
+  PublishRate rate_;                                    // In the same line of the cache.
 
   alignas(64) mutable std::mutex wiring_mutex_;
   std::shared_ptr<const Fanout> current_fanout_;

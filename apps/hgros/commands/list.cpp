@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands/commands.hpp"
+#include "hgros/params/remote_params.hpp"
+#include "robot/overview.hpp"
+#include "robot/param_text.hpp"
+#include "robot/robot.hpp"
+#include "terminal/records.hpp"
+#include "terminal/units.hpp"
+
+namespace hgros::cli {
+namespace {
+
+class List final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Choice("WHAT", what_, {"channels", "sessions", "nodes", "services", "params", "frames"},
+                     "What to list; without it the channels");
+    arguments.Flag("-a,--all", all_,
+                   "Also what belongs to the library itself: channels that begin with hgros/ or params/");
+    options_.Declare(arguments);
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Lists what this command can reach: the sessions of this user on this host in the same domain, and those "
+           "behind "
+           "--connect. Rates come from the counters of the publishers; no message is received.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros list", "Lists all channels with type, publishers, subscribers and rate."},
+            {"hgros list nodes --json", "Lists all nodes, one JSON object per line."}};
+  }
+  int Run(Surroundings& surroundings) override;
+
+ private:
+  void ListChannels(Robot& robot) const;
+  void ListSessions(Robot& robot) const;
+  void ListNodes(Robot& robot) const;
+  void ListServices(Robot& robot) const;
+  static void ListParams(Robot& robot, const RobotOptions& options);
+  static void ListFrames(Robot& robot, const RobotOptions& options);
+
+  std::string what_ = "channels";
+  bool all_ = false;
+  RobotOptions options_;
+};
+
+Cell RateOf(const PublishedTotals& totals, const OutputStyle& style) {
+  if (!totals.known) return {};
+  return {totals.rate_hz, totals.rate_hz == 0 ? "-" : RateText(totals.rate_hz, style.exact)};
+}
+
+void List::ListChannels(Robot& robot) const {
+  const AllCounters counters = robot.Counters();
+  Records records(robot.surroundings().console, options_.style,
+                  {{"channel", "CHANNEL"},
+                   {"type", "TYPE"},
+                   {"publishers", "PUB", true},
+                   {"subscribers", "SUB", true},
+                   {"rate_hz", "RATE", true},
+                   {"latched", "LATCHED", true}});
+  for (const KnownChannel& channel : robot.Channels(all_)) {
+    if (!all_ && channel.name.starts_with("params/")) continue;
+    const PublishedTotals totals = TotalsOf(counters, channel);
+    records.Add({channel.name, channel.type_name, std::uint64_t{channel.publishers.size()},
+                 std::uint64_t{channel.subscribers.size()}, RateOf(totals, options_.style),
+                 totals.latched == 0 ? Cell(totals.latched, "-") : Cell(totals.latched)});
+  }
+  records.End();
+}
+
+void List::ListSessions(Robot& robot) const {
+  struct Row {
+    ChannelUser user;
+    std::uint64_t publishes = 0;
+    std::uint64_t subscribes = 0;
+  };
+  std::map<SessionId, Row> rows;
+  for (const KnownChannel& channel : robot.Channels(true)) {
+    const bool counts = all_ || !channel.name.starts_with("hgros/");
+    for (const ChannelUser& user : channel.publishers) {
+      Row& row = rows[user.session];
+      row.user = user;
+      row.publishes += counts ? 1 : 0;
+    }
+    for (const ChannelUser& user : channel.subscribers) {
+      Row& row = rows[user.session];
+      row.user = user;
+      row.subscribes += counts ? 1 : 0;
+    }
+  }
+  const std::vector<PeerInfo> peers = robot.session().Peers();
+  Records records(robot.surroundings().console, options_.style,
+                  {{"session", "SESSION"},
+                   {"process", "PROCESS"},
+                   {"pid", "PID", true},
+                   {"host", "HOST"},
+                   {"publishes", "PUBLISHES", true},
+                   {"subscribes", "SUBSCRIBES", true},
+                   {"reached_by", "REACHED BY"}});
+  std::vector<Row> sorted;
+  for (auto& [id, row] : rows) sorted.push_back(std::move(row));
+  std::ranges::stable_sort(sorted, {}, [](const Row& row) { return std::pair(row.user.host, row.user.process); });
+  for (const Row& row : sorted) {
+    const auto peer = std::ranges::find(peers, row.user.session, &PeerInfo::id);
+    records.Add({row.user.session.ToString(), row.user.process, row.user.pid, row.user.host, row.publishes,
+                 row.subscribes, peer == peers.end() ? Cell() : Cell(peer->transport)});
+  }
+  records.End();
+}
+
+void List::ListNodes(Robot& robot) const {
+  Records records(robot.surroundings().console, options_.style,
+                  {{"node", "NODE"},
+                   {"channel", "CHANNEL"},
+                   {"process", "PROCESS"},
+                   {"session", ""},
+                   {"received", "RECEIVED", true},
+                   {"dropped", "DROPPED", true},
+                   {"failed", "FAILED", true},
+                   {"run_p50_ns", "RUN P50", true},
+                   {"wait_p99_ns", "WAIT P99", true}});
+  const auto duration = [this](std::int64_t ns) {
+    return Cell(ns, ns == 0 ? "-" : DurationText(ns, options_.style.exact));
+  };
+  const auto fault = [](std::uint64_t count) { return count == 0 ? Cell(count, "-") : Cell(count).In(Style::kYellow); };
+  for (const auto& [id, snapshot] : robot.Counters()) {
+    for (const Snapshot::Channel& channel : snapshot->channels()) {
+      if (!all_ && channel.name().starts_with("hgros/")) continue;
+      for (const Snapshot::Node& node : channel.nodes()) {
+        records.Add({node.name(), channel.name(), snapshot->process() + ":" + std::to_string(snapshot->pid()),
+                     id.ToString(), std::uint64_t{node.received()}, fault(node.dropped()), fault(node.failed()),
+                     duration(node.run_p50_ns()), duration(node.wait_p99_ns())});
+      }
+    }
+  }
+  records.End();
+}
+
+void List::ListServices(Robot& robot) const {
+  Records records(
+      robot.surroundings().console, options_.style,
+      {{"service", "SERVICE"}, {"request_type", "REQUEST"}, {"servers", "SERVED BY"}, {"callers", "CALLED BY"}});
+  for (const KnownChannel& channel : robot.Channels(true)) {
+    const std::string_view service = ServiceOf(channel.name);
+    if (service.empty()) continue;
+    std::vector<std::string> servers;
+    std::vector<std::string> callers;
+    for (const ChannelUser& user : channel.subscribers) servers.push_back(ShortName(user, false));
+    for (const ChannelUser& user : channel.publishers) callers.push_back(ShortName(user, false));
+    records.Add({std::string(service), channel.type_name, servers, callers});
+  }
+  records.End();
+}
+
+void List::ListParams(Robot& robot, const RobotOptions& options) {
+  Records records(robot.surroundings().console, options.style,
+                  {{"session", "SESSION"}, {"path", "PARAMETER"}, {"value", "VALUE"}});
+  for (const KnownChannel& channel : robot.Channels(true)) {
+    const std::string name(ParamsOf(channel.name));
+    if (name.empty() || channel.publishers.empty()) continue;
+    RemoteParams params(robot.session(), name, options.Timeout(std::chrono::seconds(1)));
+    const RemoteParam<ParamView> all = params.Snapshot();
+    if (!all.ok()) {
+      robot.surroundings().console.Say(all.refusal);
+      continue;
+    }
+    const RemoteParam<std::vector<std::string>> paths = params.List();
+    if (!paths.ok()) continue;
+    for (const std::string& path : *paths) {
+      const ParamNodePtr value = all->At(path).node();
+      records.Add({name, path, value == nullptr ? Cell() : Cell(FlowText(*value))});
+    }
+  }
+  records.End();
+}
+
+void List::ListFrames(Robot& /*robot*/, const RobotOptions& /*options*/) {}
+
+int List::Run(Surroundings& surroundings) {
+  Robot robot(options_, surroundings);
+  if (what_ == "channels") ListChannels(robot);
+  if (what_ == "sessions") ListSessions(robot);
+  if (what_ == "nodes") ListNodes(robot);
+  if (what_ == "services") ListServices(robot);
+  if (what_ == "params") ListParams(robot, options_);
+  if (what_ == "frames") ListFrames(robot, options_);
+  return kDone;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> MakeList() { return std::make_unique<List>(); }
+
+}  // namespace hgros::cli

@@ -1,0 +1,65 @@
+// hgros: one command to see, check, measure and steer a running robot. commands/ has one file per command.
+#include <csignal>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "arguments/help.hpp"
+#include "commands/commands.hpp"
+#include "hgros/base/error.hpp"
+#include "terminal/console.hpp"
+#include "terminal/pause.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+int Run(const CommandEntry& entry, const std::vector<std::string>& words, Surroundings& surroundings) {
+  for (const std::string& word : words) {
+    if (word == "--") break;
+    if (word != "-h" && word != "--help") continue;
+    surroundings.console.Write(HelpOf(surroundings.console, entry));
+    return kDone;
+  }
+  const std::unique_ptr<Command> command = entry.make();
+  Arguments arguments;
+  command->Declare(arguments);
+  arguments.Parse(words);
+  return command->Run(surroundings);
+}
+
+int Main(std::vector<std::string> words) {
+  (void)std::signal(SIGPIPE, SIG_IGN);  // Writing fails instead, so that the session says goodbye.
+  Console console;
+  try {
+    if (words.empty() || words.front() == "-h" || words.front() == "--help") {
+      console.Write(HelpOfAll(console, Commands()));
+      return words.empty() ? kWrongUsage : kDone;
+    }
+    const std::string name = words.front();
+    words.erase(words.begin());
+    const CommandEntry* entry = FindCommand(name);
+    if (entry == nullptr) throw UsageError(UnknownCommand(name));
+    Pause pause;
+    Surroundings surroundings{console, pause};
+    const int code = Run(*entry, words, surroundings);
+    pause.EndBySignal();
+    return code;
+  } catch (const OutputClosed&) {
+    return kDone;
+  } catch (const UsageError& error) {
+    console.Say(Visible(error.what()));
+    return kWrongUsage;
+  } catch (const ConfigError& error) {
+    console.Say(Visible(error.what()));
+    return kWrongUsage;
+  } catch (const std::exception& error) {
+    console.Say(Visible(error.what()));
+    return kFailed;
+  }
+}
+
+}  // namespace
+}  // namespace hgros::cli
+
+int main(int argc, char** argv) { return hgros::cli::Main(std::vector<std::string>(argv + 1, argv + argc)); }

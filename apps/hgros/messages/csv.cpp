@@ -1,0 +1,59 @@
+#include "messages/csv.hpp"
+
+#include <google/protobuf/descriptor.h>
+
+#include <optional>
+
+#include "messages/known_types.hpp"
+#include "messages/message_text.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr int kDeepest = 6;  // A type may contain itself; deeper parts are cells of JSON.
+
+}  // namespace
+
+Csv::Csv(const google::protobuf::Descriptor& type, const std::vector<std::string>& paths) {
+  if (paths.empty()) AddColumns(type, "", 0);
+  for (const std::string& path : paths) AddColumns(type, path, 0);
+}
+
+void Csv::AddColumns(const google::protobuf::Descriptor& root, const std::string& path, int depth) {
+  FieldPath place = FieldPath::Parse(path, root);
+  const google::protobuf::FieldDescriptor* field = place.field();
+  const google::protobuf::Descriptor* type = field == nullptr ? &root : place.list() ? nullptr : field->message_type();
+  if (type == nullptr || depth == kDeepest || KnownTypeOf(*type) != KnownType::kNone) {
+    names_.push_back(path);
+    columns_.push_back(std::move(place));
+    return;
+  }
+  for (int i = 0; i < type->field_count(); ++i) {
+    AddColumns(root, (path.empty() ? "" : path + ".") + type->field(i)->name(), depth + 1);
+  }
+}
+
+std::string Csv::Header() const {
+  std::string header;
+  for (const std::string& name : names_) header += (header.empty() ? "" : ",") + CsvCell(name);
+  return header;
+}
+
+std::string Csv::Row(const google::protobuf::Message& message) const {
+  std::string row;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (i > 0) row += ',';
+    if (const std::optional<FieldRef> place = columns_[i].Find(message)) row += CsvCell(Visible(PlainText(*place)));
+  }
+  return row;
+}
+
+std::string CsvCell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace hgros::cli

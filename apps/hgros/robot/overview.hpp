@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <hgros/Snapshot.pb.h>
+
+#include "hgros/base/ids.hpp"
+#include "hgros/bridge/known_channel.hpp"
+
+namespace hgros::cli {
+
+using AllCounters = std::map<SessionId, std::shared_ptr<const Snapshot>>;
+
+/// The counters of a session on one channel; null if it has none.
+[[nodiscard]] const Snapshot::Channel* CountersOf(const AllCounters& counters, SessionId session,
+                                                  std::string_view channel);
+
+/// What the publishers of a channel count, together.
+struct PublishedTotals {
+  bool known = false;  ///< At least one publisher's counters are known.
+  double rate_hz = 0;
+  std::uint64_t published = 0;
+  std::uint64_t latched = 0;
+};
+[[nodiscard]] PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel);
+
+/// The name of a service if the channel carries its calls, or empty.
+[[nodiscard]] std::string_view ServiceOf(std::string_view channel) noexcept;
+/// The name under which parameters are offered if the channel carries their state, or empty.
+[[nodiscard]] std::string_view ParamsOf(std::string_view channel) noexcept;
+
+/// "talker:4711", with "@host" if `with_host`.
+[[nodiscard]] std::string ShortName(const ChannelUser& user, bool with_host);
+
+}  // namespace hgros::cli

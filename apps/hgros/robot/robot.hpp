@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <hgros/Snapshot.pb.h>
+
+#include "arguments/command.hpp"
+#include "hgros/hgros.hpp"
+#include "robot/robot_options.hpp"
+
+namespace hgros::cli {
+
+/// The running robot as a command sees it: a session of its own among those of the robot.
+///
+/// Threading: the thread of the command.
+class Robot {
+ public:
+  /// Waits for the sessions behind --connect. Throws Error or UsageError.
+  Robot(const RobotOptions& options, const Surroundings& surroundings);
+
+  [[nodiscard]] Session& session() noexcept { return *session_; }
+  [[nodiscard]] const Surroundings& surroundings() const noexcept { return surroundings_; }
+  /// All channels that other sessions use, sorted by name. `own`: also those of the library itself.
+  [[nodiscard]] std::vector<KnownChannel> Channels(bool own) const;
+  /// The newest counters of each session that answers, by session. The first call waits for all of them. Says which
+  /// sessions did not answer within a second, or within --timeout.
+  [[nodiscard]] std::map<SessionId, std::shared_ptr<const Snapshot>> Counters();
+  /// Waits for the next counters of any session. False if the time is over or the user ended the command.
+  [[nodiscard]] bool AwaitCounters(std::chrono::steady_clock::time_point deadline);
+
+ private:
+  void AwaitEndpoints(const RobotOptions& options);
+  [[nodiscard]] std::vector<ChannelUser> Unheard() const;
+
+  const Surroundings surroundings_;
+  const RobotOptions& options_;
+  std::unique_ptr<Session> session_;
+  mutable std::mutex mutex_;  // Guards the next.
+  std::map<SessionId, std::shared_ptr<const Snapshot>> counters_;
+  bool waited_ = false;
+  Subscription subscription_;  // Ends first.
+};
+
+}  // namespace hgros::cli

@@ -1,0 +1,25 @@
+#include "robot/robot_options.hpp"
+
+#include <algorithm>
+
+namespace hgros::cli {
+
+void RobotOptions::Declare(Arguments& arguments) {
+  arguments.Flag("--json", style.json, "One JSON object per line");
+  arguments.Flag("--exact", style.exact, "Numbers with all digits, without units");
+  arguments.Option("--timeout", "SECONDS", timeout_s, "End with code 3 if this takes longer");
+  arguments.Option("--domain", "NAME", domain,
+                   "Meet the sessions of this domain; without it HGROS_DOMAIN or \"default\"");
+  arguments.Option("--connect", "ENDPOINT", connect,
+                   "Also meet the session at this endpoint, such as tcp://robot:5553");
+  arguments.Option("--config", "FILE", config, "Take endpoints to connect to, keys and discovery from this YAML file",
+                   ValueKind::kFile);
+}
+
+std::chrono::nanoseconds RobotOptions::Timeout(std::chrono::nanoseconds otherwise) const {
+  if (!timeout_s) return otherwise;
+  constexpr double kMostSeconds = 1e9;
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(*timeout_s, kMostSeconds) * 1e9));
+}
+
+}  // namespace hgros::cli

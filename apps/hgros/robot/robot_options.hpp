@@ -1,0 +1,26 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arguments/arguments.hpp"
+#include "terminal/console.hpp"
+
+namespace hgros::cli {
+
+/// What all commands that meet a robot have in common.
+struct RobotOptions {
+  std::string domain;
+  std::vector<std::string> config;
+  std::vector<std::string> connect;
+  std::optional<double> timeout_s;
+  OutputStyle style;
+
+  void Declare(Arguments& arguments);
+  /// `otherwise` if there is no --timeout.
+  [[nodiscard]] std::chrono::nanoseconds Timeout(std::chrono::nanoseconds otherwise) const;
+};
+
+}  // namespace hgros::cli

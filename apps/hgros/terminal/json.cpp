@@ -1,0 +1,102 @@
+#include "terminal/json.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+const char* NameOf(double value) { return std::isnan(value) ? "NaN" : value > 0 ? "Infinity" : "-Infinity"; }
+
+rapidjson::SizeType SizeOf(std::string_view text) { return static_cast<rapidjson::SizeType>(text.size()); }
+
+}  // namespace
+
+// RapidJSON escapes the control characters below U+0020; for the others the whole text is written in ASCII.
+void Json::WriteText(std::string_view text, bool key) {
+  std::string written = ValidUtf8(text);
+  if (Visible(written).size() > written.size()) {
+    rapidjson::StringBuffer buffer;
+    rapidjson::Writer<rapidjson::StringBuffer, rapidjson::UTF8<>, rapidjson::ASCII<>> ascii(buffer);
+    ascii.String(written.data(), SizeOf(written));
+    writer_.RawValue(buffer.GetString(), buffer.GetSize(), rapidjson::kStringType);
+  } else if (key) {
+    writer_.Key(written.data(), SizeOf(written));
+  } else {
+    writer_.String(written.data(), SizeOf(written));
+  }
+}
+
+Json& Json::Key(std::string_view name) {
+  WriteText(name, true);
+  return *this;
+}
+
+Json& Json::Value(std::string_view text) {
+  WriteText(text, false);
+  return *this;
+}
+
+Json& Json::Value(bool value) {
+  writer_.Bool(value);
+  return *this;
+}
+
+Json& Json::Value(double value) {
+  if (!std::isfinite(value)) return Value(NameOf(value));
+  const std::string digits = fmt::format("{}", value);
+  writer_.RawValue(digits.data(), digits.size(), rapidjson::kNumberType);
+  return *this;
+}
+
+Json& Json::Value(float value) {
+  if (!std::isfinite(value)) return Value(NameOf(value));
+  const std::string digits = fmt::format("{}", value);
+  writer_.RawValue(digits.data(), digits.size(), rapidjson::kNumberType);
+  return *this;
+}
+
+Json& Json::Value(std::int64_t value) {
+  writer_.Int64(value);
+  return *this;
+}
+
+Json& Json::Value(std::uint64_t value) {
+  writer_.Uint64(value);
+  return *this;
+}
+
+Json& Json::Null() {
+  writer_.Null();
+  return *this;
+}
+
+Json& Json::BeginObject() {
+  writer_.StartObject();
+  return *this;
+}
+
+Json& Json::EndObject() {
+  writer_.EndObject();
+  return *this;
+}
+
+Json& Json::BeginList() {
+  writer_.StartArray();
+  return *this;
+}
+
+Json& Json::EndList() {
+  writer_.EndArray();
+  return *this;
+}
+
+void Json::Clear() {
+  buffer_.Clear();
+  writer_.Reset(buffer_);
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+#include <csignal>
+
+namespace hgros::cli {
+
+/// Where a command waits: until another thread wakes it, a deadline comes, or the user ends the command (SIGINT,
+/// SIGTERM, SIGHUP). Make it before any thread, because it blocks these signals for all.
+///
+/// Thread safety: Wake() from any thread; the rest on the thread of the command.
+class Pause {
+ public:
+  enum class End { kWoken, kDeadline, kInterrupted };
+
+  Pause();
+  Pause(const Pause&) = delete;
+  Pause& operator=(const Pause&) = delete;
+  ~Pause();
+
+  void Wake() noexcept;
+  /// Returns kInterrupted at once if the user has ended the command before.
+  [[nodiscard]] End Until(std::chrono::steady_clock::time_point deadline);
+  [[nodiscard]] End For(std::chrono::nanoseconds time) { return Until(std::chrono::steady_clock::now() + time); }
+  /// The signal that ended the command; 0: none.
+  [[nodiscard]] int signal() const noexcept { return signal_; }
+  /// Ends this process by the signal that ended the command, as its caller expects. Returns if there was none.
+  void EndBySignal() const;
+
+ private:
+  sigset_t before_{};
+  int signals_ = -1;
+  int wakes_ = -1;
+  int signal_ = 0;
+};
+
+}  // namespace hgros::cli

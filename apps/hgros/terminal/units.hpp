@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace hgros::cli {
+
+/// Numbers for people, with three digits: "10.0 Hz", "1.5 MB" (powers of 1000), "2.3 ms". `exact`: all digits, without
+/// a unit: Hz, bytes or bytes per second, ns.
+[[nodiscard]] std::string RateText(double hertz, bool exact);
+[[nodiscard]] std::string BytesText(double bytes, bool exact);
+[[nodiscard]] std::string BandwidthText(double bytes_per_second, bool exact);
+[[nodiscard]] std::string DurationText(std::int64_t nanoseconds, bool exact);
+
+}  // namespace hgros::cli

@@ -1,0 +1,129 @@
+#include "hgros/command_run.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+#include <utility>
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
+
+namespace hgros::cli {
+
+CommandRun::CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment) {
+  int out[2];
+  int err[2];
+  if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw Error("no pipe");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
+  arguments.insert(arguments.begin(), HGROS_COMMAND);
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  std::vector<std::string> settings;
+  for (char** one = environ; *one != nullptr; ++one) {
+    const std::string text(*one);
+    if (!environment.contains(text.substr(0, text.find('=')))) settings.push_back(text);
+  }
+  for (const auto& [name, value] : environment) settings.push_back(name + "=" + value);
+  std::vector<char*> all;
+  for (std::string& setting : settings) all.push_back(setting.data());
+  all.push_back(nullptr);
+  const int failed = posix_spawn(&pid_, HGROS_COMMAND, &actions, nullptr, words.data(), all.data());
+  posix_spawn_file_actions_destroy(&actions);
+  close(out[1]);
+  close(err[1]);
+  if (failed != 0) throw Error("the command cannot be started");
+  out_end_ = out[0];
+  out_reader_ = std::thread([this, end = out[0]] { Read(end, out_); });
+  err_reader_ = std::thread([this, end = err[0]] {
+    Read(end, err_);
+    close(end);
+  });
+}
+
+CommandRun::~CommandRun() {
+  if (!ended_) {
+    (void)kill(pid_, SIGKILL);
+    (void)Wait();
+  }
+  out_reader_.join();
+  err_reader_.join();
+  close(out_end_);
+}
+
+void CommandRun::Read(int descriptor, std::string& text) {
+  char buffer[4096];
+  for (ssize_t count = 0; (count = read(descriptor, buffer, sizeof buffer)) > 0;) {
+    const std::scoped_lock lock(mutex_);
+    text.append(buffer, static_cast<std::size_t>(count));
+  }
+}
+
+void CommandRun::Signal(int number) const { (void)kill(pid_, number); }
+
+int CommandRun::Wait(std::chrono::nanoseconds patience) {
+  const bool in_time = test::Await(
+      [this] {
+        int status = 0;
+        if (waitpid(pid_, &status, WNOHANG) != pid_) return false;
+        status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        return true;
+      },
+      patience);
+  ended_ = in_time;
+  if (!in_time) return -1;
+  if (out_reader_.joinable()) out_reader_.join();
+  if (err_reader_.joinable()) err_reader_.join();
+  out_reader_ = std::thread([] {});
+  err_reader_ = std::thread([] {});
+  return status_;
+}
+
+bool CommandRun::Prints(const std::string& text) const {
+  return test::Await([&] { return out().find(text) != std::string::npos; });
+}
+
+std::string CommandRun::out() const {
+  const std::scoped_lock lock(mutex_);
+  return out_;
+}
+
+std::string CommandRun::err() const {
+  const std::scoped_lock lock(mutex_);
+  return err_;
+}
+
+CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment) {
+  CommandRun run(std::move(arguments), environment);
+  const int status = run.Wait();
+  return {status, run.out(), run.err()};
+}
+
+RobotForCommands::RobotForCommands(const std::string& name) : domain_("cli" + std::to_string(RandomId())) {
+  const char* before = std::getenv("HGROS_DOMAIN");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("HGROS_DOMAIN", domain_.c_str(), 1);
+  session_ = std::make_unique<Session>(Config(), SessionOptions{name, [](LogLevel, std::string_view) {}});
+  if (before != nullptr) setenv("HGROS_DOMAIN", kept.c_str(), 1);
+}
+
+CommandEnd RobotForCommands::Run(std::vector<std::string> arguments) const {
+  return RunToEnd(std::move(arguments), environment());
+}
+
+std::vector<std::string> LinesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hgros/hgros.hpp"
+#include "support/await.hpp"
+
+namespace hgros::cli {
+
+/// The command hgros as a process. Killed when this object ends.
+class CommandRun {
+ public:
+  /// `environment`: in addition to that of the test.
+  explicit CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
+  CommandRun(const CommandRun&) = delete;
+  CommandRun& operator=(const CommandRun&) = delete;
+  ~CommandRun();
+
+  void Signal(int number) const;
+  /// Waits for its end. The exit status, 128 and the signal that ended it, or -1 if it did not end in time.
+  int Wait(std::chrono::nanoseconds patience = test::kPatience);
+  /// Waits until the output contains `text`.
+  [[nodiscard]] bool Prints(const std::string& text) const;
+  [[nodiscard]] std::string out() const;
+  [[nodiscard]] std::string err() const;
+
+ private:
+  void Read(int descriptor, std::string& text);
+
+  pid_t pid_ = -1;
+  int status_ = -1;
+  bool ended_ = false;
+  mutable std::mutex mutex_;
+  std::string out_;  // Guarded by mutex_.
+  std::string err_;  // Guarded by mutex_.
+  int out_end_ = -1;
+  std::thread out_reader_;
+  std::thread err_reader_;
+};
+
+/// The end of a command that ends by itself.
+struct CommandEnd {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
+
+/// A robot in this process, and commands that find it: a domain of their own.
+class RobotForCommands {
+ public:
+  explicit RobotForCommands(const std::string& name = "robot");
+
+  [[nodiscard]] Session& session() noexcept { return *session_; }
+  [[nodiscard]] CommandEnd Run(std::vector<std::string> arguments) const;
+  /// HGROS_DOMAIN, for other processes.
+  [[nodiscard]] std::map<std::string, std::string> environment() const { return {{"HGROS_DOMAIN", domain_}}; }
+
+ private:
+  std::string domain_;
+  std::unique_ptr<Session> session_;
+};
+
+/// The lines of a text.
+std::vector<std::string> LinesOf(const std::string& text);
+
+}  // namespace hgros::cli
