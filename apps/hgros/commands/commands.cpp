@@ -13,6 +13,7 @@ constexpr std::array kCommands{
     CommandEntry{"list", "List channels, sessions, nodes, services, parameters or frames", kSee, MakeList},
     CommandEntry{"echo", "Show the messages of channels", kSee, MakeEcho},
 
+    CommandEntry{"graph", "Draw the hypergraph: processes, nodes and the channels between them", kSee, MakeGraph},
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
 };
 

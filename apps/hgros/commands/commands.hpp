@@ -19,6 +19,7 @@ namespace hgros::cli {
 
 // One for each file of this folder.
 std::unique_ptr<Command> MakeEcho();
+std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();
 std::unique_ptr<Command> MakeList();
 
