@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <sstream>
@@ -13,6 +14,20 @@
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
 
 namespace hgros::cli {
+
+namespace {
+
+// The tests run without a domain, which hides the others.
+std::unique_ptr<Session> MakeSession(const std::string& name, const std::string& domain) {
+  const char* before = std::getenv("HGROS_DOMAIN");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("HGROS_DOMAIN", domain.c_str(), 1);
+  auto session = std::make_unique<Session>(Config(), SessionOptions{name, [](LogLevel, std::string_view) {}});
+  setenv("HGROS_DOMAIN", kept.c_str(), 1);
+  return session;
+}
+
+}  // namespace
 
 CommandRun::CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment) {
   int out[2];
@@ -107,16 +122,29 @@ CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::stri
   return {status, run.out(), run.err()};
 }
 
-RobotForCommands::RobotForCommands(const std::string& name) : domain_("cli" + std::to_string(RandomId())) {
-  const char* before = std::getenv("HGROS_DOMAIN");
-  const std::string kept = before == nullptr ? "" : before;
-  setenv("HGROS_DOMAIN", domain_.c_str(), 1);
-  session_ = std::make_unique<Session>(Config(), SessionOptions{name, [](LogLevel, std::string_view) {}});
-  if (before != nullptr) setenv("HGROS_DOMAIN", kept.c_str(), 1);
-}
+RobotForCommands::RobotForCommands(const std::string& name, const std::string& domain)
+    : domain_(domain.empty() ? "cli" + std::to_string(RandomId()) : domain), session_(MakeSession(name, domain_)) {}
 
 CommandEnd RobotForCommands::Run(std::vector<std::string> arguments) const {
+  AwaitAnnounced();
   return RunToEnd(std::move(arguments), environment());
+}
+
+void RobotForCommands::AwaitAnnounced() const {
+  const std::unique_ptr<Session> observer = MakeSession("observer", domain_);
+  const Subscription any = observer->FromAnyRaw("observed", Invoke::kSerial, [](const RawMessage&) {});
+  const auto uses = [](const Session& session, SessionId who) {
+    std::size_t count = 0;
+    for (const KnownChannel& channel : session.Channels()) {
+      for (const auto* users : {&channel.publishers, &channel.subscribers}) {
+        count += static_cast<std::size_t>(std::ranges::count(*users, who, &ChannelUser::session));
+      }
+    }
+    return count;
+  };
+  if (!test::Await([&] { return uses(*observer, session_->id()) >= uses(*session_, session_->id()); })) {
+    throw Error("the robot is not announced");
+  }
 }
 
 std::vector<std::string> LinesOf(const std::string& text) {

@@ -56,10 +56,13 @@ CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::stri
 /// A robot in this process, and commands that find it: a domain of their own.
 class RobotForCommands {
  public:
-  explicit RobotForCommands(const std::string& name = "robot");
+  /// Without a domain it gets one of its own.
+  explicit RobotForCommands(const std::string& name = "robot", const std::string& domain = {});
 
   [[nodiscard]] Session& session() noexcept { return *session_; }
+  /// Waits until others can find all channels of the robot, then runs the command.
   [[nodiscard]] CommandEnd Run(std::vector<std::string> arguments) const;
+  void AwaitAnnounced() const;
   /// HGROS_DOMAIN, for other processes.
   [[nodiscard]] std::map<std::string, std::string> environment() const { return {{"HGROS_DOMAIN", domain_}}; }
 

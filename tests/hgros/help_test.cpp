@@ -18,7 +18,7 @@ TEST(HgrosHelp, ListsAllCommandsAndEndsWithZero) {
 }
 
 TEST(HgrosHelp, ExplainsACommandWithTwoExamples) {
-  for (const char* command : {"list", "echo", "graph", "help"}) {
+  for (const char* command : {"list", "echo", "doctor", "graph", "help"}) {
     const CommandEnd end = RunToEnd({"help", command});
     EXPECT_EQ(end.status, 0);
     const std::string examples = end.out.substr(end.out.find("Examples:"));

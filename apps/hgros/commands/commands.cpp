@@ -7,6 +7,7 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::string_view kSee = "See";
+constexpr std::string_view kCheck = "Check";
 constexpr std::string_view kThis = "This program";
 
 constexpr std::array kCommands{
@@ -14,6 +15,7 @@ constexpr std::array kCommands{
     CommandEntry{"echo", "Show the messages of channels", kSee, MakeEcho},
 
     CommandEntry{"graph", "Draw the hypergraph: processes, nodes and the channels between them", kSee, MakeGraph},
+    CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to mend it", kCheck, MakeDoctor},
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
 };
 

@@ -18,6 +18,7 @@ namespace hgros::cli {
 [[nodiscard]] std::string UnknownCommand(std::string_view name);
 
 // One for each file of this folder.
+std::unique_ptr<Command> MakeDoctor();
 std::unique_ptr<Command> MakeEcho();
 std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();

@@ -1,0 +1,101 @@
+// Callbacks that are too slow, queues that are full, callbacks that fail.
+#include <fmt/format.h>
+
+#include <string>
+
+#include "doctor/evidence.hpp"
+#include "terminal/units.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr double kBusy = 0.9;  // Share of the time.
+
+// What a node did between the two readings.
+struct NodeWork {
+  std::string name;  // "mapper:12 match"
+  std::string channel;
+  double seconds = 0;
+  std::uint64_t received = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t run = 0;
+  std::uint64_t failed = 0;
+  double busy = 0;  // Share of the time in its callbacks; above 1 if several run at once.
+  const Snapshot::Node* node = nullptr;
+  const Snapshot::Node* before = nullptr;
+};
+
+const Snapshot::Node* FindNode(const Snapshot::Channel* channel, const std::string& name) {
+  if (channel == nullptr) return nullptr;
+  for (const Snapshot::Node& node : channel->nodes()) {
+    if (node.name() == name) return &node;
+  }
+  return nullptr;
+}
+
+void Check(const NodeWork& work, Findings& findings) {
+  const Snapshot::Node& node = *work.node;
+  const std::int64_t mean_ns =
+      work.run == 0 ? node.run_p50_ns()
+                    : static_cast<std::int64_t>(work.busy * work.seconds * 1e9 / static_cast<double>(work.run));
+  const double period_ns = work.received == 0 ? 0 : work.seconds * 1e9 / static_cast<double>(work.received);
+  const bool slow = node.serial() && work.busy > kBusy && work.received > 0;
+  const std::string how =
+      fmt::format("its callback takes {} and a message comes every {}", DurationText(mean_ns, false),
+                  DurationText(static_cast<std::int64_t>(period_ns), false));
+  if (work.dropped > 0) {
+    findings.push_back(
+        {Severity::kFault, "queue",
+         fmt::format("{} drops {:.0f} of {:.0f} messages per second of \"{}\", because its queue of {} is full: {}.",
+                     work.name, static_cast<double>(work.dropped) / work.seconds,
+                     static_cast<double>(work.received) / work.seconds, work.channel, node.queue_depth(), how),
+         slow ? "Make the callback faster or the publisher slower. A larger queue only helps with bursts."
+              : "Give it a larger queue, or its executor more threads."});
+  } else if (slow) {
+    findings.push_back(
+        {Severity::kWarning, "callback",
+         fmt::format("{} is busy for {:.0f} % of the time: {}.", work.name, 100 * work.busy, how),
+         "Make the callback faster, the publisher slower, or the node concurrent, before messages pile up."});
+  } else if (node.queue_depth() > 1 && work.before != nullptr && node.queued() >= node.queue_depth() &&
+             work.before->queued() >= work.before->queue_depth()) {
+    findings.push_back({Severity::kWarning, "queue",
+                        fmt::format("The queue of {} on \"{}\" is always full ({} messages): {}.", work.name,
+                                    work.channel, node.queue_depth(), how),
+                        "Make the callback faster; messages are as old as the queue is long."});
+  }
+  if (work.failed > 0) {
+    findings.push_back({Severity::kFault, "callback",
+                        fmt::format("The callback of {} on \"{}\" ended with an exception {} times in the last second.",
+                                    work.name, work.channel, work.failed),
+                        "The log of its process has the text of the exception."});
+  }
+}
+
+}  // namespace
+
+void CheckNodes(const Evidence& evidence, Findings& findings) {
+  for (const auto& [session, after] : evidence.after) {
+    const auto before = evidence.before.find(session);
+    if (before == evidence.before.end() || after->steady_ns() <= before->second->steady_ns()) continue;
+    for (const Snapshot::Channel& channel : after->channels()) {
+      const Snapshot::Channel* earlier = CountersOf(evidence.before, session, channel.name());
+      for (const Snapshot::Node& node : channel.nodes()) {
+        const Snapshot::Node* was = FindNode(earlier, node.name());
+        if (was == nullptr || node.received() < was->received() || node.run() < was->run()) continue;
+        NodeWork work{.name = evidence.NameOf(session) + " " + node.name(),
+                      .channel = channel.name(),
+                      .node = &node,
+                      .before = was};
+        work.seconds = static_cast<double>(after->steady_ns() - before->second->steady_ns()) / 1e9;
+        work.received = node.received() - was->received();
+        work.dropped = node.dropped() - was->dropped();
+        work.run = node.run() - was->run();
+        work.failed = node.failed() - was->failed();
+        work.busy = static_cast<double>(node.run_sum_ns() - was->run_sum_ns()) / 1e9 / work.seconds;
+        Check(work, findings);
+      }
+    }
+  }
+}
+
+}  // namespace hgros::cli

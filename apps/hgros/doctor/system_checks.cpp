@@ -1,0 +1,154 @@
+// Limits of this host and of the processes on it, and other sessions that this command does not meet.
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "doctor/evidence.hpp"
+#include "terminal/units.hpp"
+
+namespace hgros::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kFewFiles = 1024;
+constexpr std::uint64_t kSmallBuffer = 1 << 20;
+constexpr double kNearlyFull = 0.9;
+
+std::string TextOf(const fs::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::optional<std::uint64_t> NumberIn(const std::string& text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() ? std::optional(number) : std::nullopt;
+}
+
+std::size_t CountFiles(const fs::path& folder) {
+  std::error_code error;
+  const auto files = fs::directory_iterator(folder, error);
+  return error ? 0 : static_cast<std::size_t>(std::distance(files, fs::directory_iterator()));
+}
+
+void CheckDescriptors(const std::string& name, std::int64_t pid, Findings& findings) {
+  const fs::path folder = fmt::format("/proc/{}", pid);
+  const std::string limits = TextOf(folder / "limits");
+  const std::size_t line = limits.find("Max open files");
+  if (line == std::string::npos) return;
+  const std::size_t digits = limits.find_first_of("0123456789", line);
+  const std::optional<std::uint64_t> limit =
+      digits == std::string::npos ? std::nullopt : NumberIn(limits.substr(digits, 20));
+  const std::size_t open = CountFiles(folder / "fd");
+  if (!limit || open == 0) return;
+  if (static_cast<double>(open) > kNearlyFull * static_cast<double>(*limit)) {
+    findings.push_back({Severity::kWarning, "files", fmt::format("{} has {} of its {} open files.", name, open, *limit),
+                        "Raise the limit (ulimit -n, or LimitNOFILE= of its systemd unit)."});
+  } else if (*limit < kFewFiles) {
+    findings.push_back({Severity::kNote, "files", fmt::format("{} may open only {} files.", name, *limit),
+                        "A session that meets many others needs more: ulimit -n 4096."});
+  }
+}
+
+// The control group of a process, version 2: "0::/path".
+void CheckMemoryGroup(const std::string& name, std::int64_t pid, std::set<std::string>& seen, Findings& findings) {
+  std::string group = TextOf(fmt::format("/proc/{}/cgroup", pid));
+  const std::size_t begin = group.find("0::/");
+  if (begin == std::string::npos) return;
+  group = group.substr(begin + 3, group.find('\n', begin) - begin - 3);
+  for (fs::path at = group; !seen.contains(at.string()); at = at.parent_path()) {
+    seen.insert(at.string());
+    const fs::path folder = "/sys/fs/cgroup" + at.string();
+    const std::optional<std::uint64_t> most = NumberIn(TextOf(folder / "memory.max"));
+    const std::optional<std::uint64_t> now = NumberIn(TextOf(folder / "memory.current"));
+    if (!most || !now || static_cast<double>(*now) < kNearlyFull * static_cast<double>(*most)) continue;
+    findings.push_back(
+        {Severity::kWarning, "memory",
+         fmt::format("The control group {} of {} uses {} of {}.", at.string(), name,
+                     BytesText(static_cast<double>(*now), false), BytesText(static_cast<double>(*most), false)),
+         "Raise its memory limit (MemoryMax=), or lower shared_memory: limit and the queues of its nodes."});
+  }
+}
+
+void CheckBuffers(const Evidence& evidence, Findings& findings) {
+  std::set<std::string> hosts;
+  for (const auto& [session, snapshot] : evidence.after) hosts.insert(snapshot->host());
+  const std::optional<std::uint64_t> most = NumberIn(TextOf("/proc/sys/net/core/rmem_max"));
+  if (hosts.size() < 2 || !most || *most >= kSmallBuffer) return;
+  findings.push_back({Severity::kNote, "buffers",
+                      fmt::format("Sockets of this host may buffer only {} (net.core.rmem_max).",
+                                  BytesText(static_cast<double>(*most), false)),
+                      "For large messages from other hosts: sysctl -w net.core.rmem_max=8388608."});
+}
+
+void CheckGovernor(Findings& findings) {
+  const std::string governor = TextOf("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  if (!governor.starts_with("powersave")) return;
+  findings.push_back({Severity::kNote, "governor", "The CPU's governor is powersave, which makes short callbacks slow.",
+                      "cpupower frequency-set -g performance, or schedutil."});
+}
+
+// Folders of the registry as docs/deployment.md names them: FOLDER/DOMAIN/SESSION.
+void CheckOtherDomains(Findings& findings) {
+  std::set<fs::path> folders;
+  if (const char* runtime = std::getenv("XDG_RUNTIME_DIR")) folders.insert(fs::path(runtime) / "hgros");
+  std::error_code error;
+  for (const auto& user : fs::directory_iterator("/run/user", error)) folders.insert(user.path() / "hgros");
+  for (const auto& entry : fs::directory_iterator("/tmp", error)) {
+    if (entry.path().filename().string().starts_with("hgros-")) folders.insert(entry.path());
+  }
+  const char* chosen = std::getenv("HGROS_DOMAIN");
+  const std::string own = chosen == nullptr || *chosen == '\0' ? "default" : chosen;
+  for (const fs::path& folder : folders) {
+    for (const auto& domain : fs::directory_iterator(folder, error)) {
+      const std::string name = domain.path().filename().string();
+      if (name.starts_with('.') || !domain.is_directory(error) || domain.is_symlink(error)) continue;
+      std::size_t sessions = 0;
+      for (const auto& file : fs::directory_iterator(domain.path(), error)) {
+        sessions += file.path().filename().string().find_first_not_of("0123456789abcdef") == std::string::npos ? 1 : 0;
+      }
+      struct stat status {};
+      const bool foreign = stat(folder.c_str(), &status) == 0 && status.st_uid != geteuid();
+      if (sessions == 0 || (name == own && !foreign)) continue;
+      findings.push_back({Severity::kNote, "domain",
+                          foreign
+                              ? fmt::format("Sessions of user {} are in {} ({}); this command does not meet them.",
+                                            status.st_uid, domain.path().string(), sessions)
+                              : fmt::format("Sessions are in the domain \"{}\" ({}); this command looked at \"{}\".",
+                                            name, sessions, own),
+                          foreign ? "Run the command as that user." : "hgros doctor --domain " + name});
+    }
+  }
+}
+
+}  // namespace
+
+void CheckSystem(const Evidence& evidence, Findings& findings) {
+  std::set<std::string> groups;
+  std::set<std::int64_t> processes;
+  for (const auto& [session, snapshot] : evidence.after) {
+    if (snapshot->host() != evidence.host || !processes.insert(snapshot->pid()).second) continue;
+    CheckDescriptors(evidence.NameOf(session), snapshot->pid(), findings);
+    CheckMemoryGroup(evidence.NameOf(session), snapshot->pid(), groups, findings);
+  }
+  CheckBuffers(evidence, findings);
+  CheckGovernor(findings);
+  CheckOtherDomains(findings);
+}
+
+}  // namespace hgros::cli

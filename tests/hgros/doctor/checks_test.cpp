@@ -1,0 +1,172 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "doctor/evidence.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+ChannelUser UserOf(std::uint64_t session, const std::string& process, const std::string& type = "T") {
+  ChannelUser user;
+  user.session = {session};
+  user.process = process;
+  user.host = "robot";
+  user.pid = static_cast<std::int64_t>(session);
+  user.type_name = type;
+  return user;
+}
+
+// A talker (1) and a listener (2), and their counters one second apart.
+class DoctorChecks : public testing::Test {
+ protected:
+  DoctorChecks() {
+    for (auto* counters : {&evidence.before, &evidence.after}) {
+      for (std::uint64_t session = 1; session <= 2; ++session) {
+        auto snapshot = std::make_shared<Snapshot>();
+        snapshot->set_host("robot");
+        snapshot->set_version("1");
+        snapshot->set_steady_ns(counters == &evidence.before ? 0 : 1'000'000'000);
+        (*counters)[SessionId{session}] = snapshot;
+      }
+    }
+  }
+  KnownChannel& AddChannel(const std::string& name, bool published, bool subscribed) {
+    KnownChannel& channel = evidence.channels.emplace_back();
+    channel.name = name;
+    if (published) channel.publishers.push_back(UserOf(1, "talker"));
+    if (subscribed) channel.subscribers.push_back(UserOf(2, "listener"));
+    return channel;
+  }
+  // Of both readings; the counters begin at zero.
+  std::pair<Snapshot::Channel*, Snapshot::Channel*> Count(std::uint64_t session, const std::string& channel) {
+    const auto add = [&](AllCounters& counters) {
+      Snapshot::Channel* one = const_cast<Snapshot&>(*counters[SessionId{session}]).add_channels();
+      one->set_name(channel);
+      return one;
+    };
+    return {add(evidence.before), add(evidence.after)};
+  }
+  [[nodiscard]] std::vector<std::string> Say(void (*check)(const Evidence&, Findings&),
+                                             Severity from = Severity::kWarning) const {
+    Findings findings;
+    check(evidence, findings);
+    std::vector<std::string> said;
+    for (const Finding& finding : findings) {
+      if (finding.severity > from) continue;
+      EXPECT_NE(finding.mend, "") << finding.what;
+      said.push_back(finding.what);
+    }
+    return said;
+  }
+
+  Evidence evidence;
+};
+
+TEST_F(DoctorChecks, SayNothingWhenNothingIsWrong) {
+  AddChannel("scan", true, true);
+  AddChannel("map", true, false);
+  Count(1, "scan").second->set_published(100);
+  EXPECT_THAT(Say(CheckChannels), IsEmpty());
+  EXPECT_THAT(Say(CheckNodes), IsEmpty());
+  EXPECT_THAT(Say(CheckSessions), IsEmpty());
+}
+
+TEST_F(DoctorChecks, NameTypesThatDoNotFit) {
+  AddChannel("scan", true, true).subscribers[0].type_name = "Other";
+  EXPECT_THAT(
+      Say(CheckChannels),
+      ElementsAre("talker:1 publishes T on \"scan\", but listener:2 subscribes to Other: no message gets there."));
+  evidence.channels[0].subscribers[0].type_name = "";  // Any type.
+  EXPECT_THAT(Say(CheckChannels), IsEmpty());
+}
+
+TEST_F(DoctorChecks, NameMisspelledAndMissingChannels) {
+  AddChannel("scan_front", true, false);
+  AddChannel("scan_frotn", false, true);
+  AddChannel("goal", false, true);
+  AddChannel("hgros/call/plan", false, true);  // A service that nobody calls.
+  EXPECT_THAT(Say(CheckChannels), ElementsAre(AllOf(HasSubstr("listener:2 subscribes to \"scan_frotn\""),
+                                                    HasSubstr("talker:1 publishes \"scan_front\"")),
+                                              "Nobody publishes \"goal\", to which listener:2 subscribes."));
+}
+
+TEST_F(DoctorChecks, NameWhoLosesMessagesNow) {
+  AddChannel("scan", true, true).subscribers[0].lossless = true;
+  const auto [before, after] = Count(1, "scan");
+  before->set_send_dropped(50);
+  after->set_send_dropped(57);
+  after->set_refused(3);
+  const auto [earlier, later] = Count(2, "scan");
+  earlier->set_lost(1);
+  later->set_lost(3);
+  EXPECT_THAT(Say(CheckChannels), ElementsAre(HasSubstr("talker:1 dropped 7 messages of \"scan\""),
+                                              HasSubstr("talker:1 could not publish 3 messages on \"scan\""),
+                                              HasSubstr("listener:2 lost 2 messages of \"scan\"")));
+}
+
+TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
+  AddChannel("scan", true, true);
+  const auto [before, after] = Count(2, "scan");
+  for (Snapshot::Channel* channel : {before, after}) {
+    Snapshot::Node& node = *channel->add_nodes();
+    node.set_name("match");
+    node.set_serial(true);
+    node.set_queue_depth(4);
+    node.set_queued(4);
+  }
+  Snapshot::Node& node = *after->mutable_nodes(0);
+  node.set_received(100);
+  node.set_run(20);
+  node.set_run_sum_ns(980'000'000);
+  EXPECT_THAT(Say(CheckNodes),
+              ElementsAre("listener:2 match is busy for 98 % of the time: its callback takes 49.0 ms and a message "
+                          "comes every 10.0 ms."));
+  node.set_dropped(80);
+  EXPECT_THAT(Say(CheckNodes),
+              ElementsAre(HasSubstr(
+                  "listener:2 match drops 80 of 100 messages per second of \"scan\", because its queue of 4 is full")));
+  node.set_dropped(0);
+  node.set_run_sum_ns(10'000'000);
+  EXPECT_THAT(Say(CheckNodes),
+              ElementsAre(HasSubstr("The queue of listener:2 match on \"scan\" is always full (4 messages)")));
+  node.set_queued(0);
+  node.set_failed(2);
+  EXPECT_THAT(Say(CheckNodes), ElementsAre(HasSubstr("ended with an exception 2 times")));
+}
+
+TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
+  AddChannel("scan", true, true);
+  Snapshot& talker = const_cast<Snapshot&>(*evidence.after[SessionId{1}]);
+  Snapshot::Peer& peer = *talker.add_peers();
+  peer.set_session(2);
+  peer.set_transport("ZeroMQ");
+  peer.set_why("another user");
+  talker.set_version("2");
+  evidence.offsets[SessionId{2}].offset = std::chrono::milliseconds(-30);
+  EXPECT_THAT(Say(CheckSessions, Severity::kNote),
+              ElementsAre("talker:1 and listener:2 are on one host, but exchange messages over ZeroMQ: another user.",
+                          "The clock of listener:2 is 30.0 ms behind this host's.",
+                          "Sessions use different versions of the library: 1 in listener:2; 2 in talker:1."));
+}
+
+TEST_F(DoctorChecks, BearCountersThatAreMissingOrRunBackwards) {
+  AddChannel("scan", true, true);
+  const auto [before, after] = Count(2, "scan");
+  before->add_nodes()->set_name("match");
+  before->mutable_nodes(0)->set_received(10);
+  after->add_nodes()->set_name("match");
+  before->set_lost(10);
+  evidence.before.erase(SessionId{1});
+  EXPECT_THAT(Say(CheckNodes), IsEmpty());
+  EXPECT_THAT(Say(CheckChannels), IsEmpty());
+  evidence.after.clear();
+  EXPECT_THAT(Say(CheckSessions), IsEmpty());
+}
+
+}  // namespace
+}  // namespace hgros::cli

@@ -1,0 +1,63 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <foxglove/LaserScan.pb.h>
+#include <foxglove/Log.pb.h>
+
+#include "hgros/command_run.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using foxglove::LaserScan;
+using foxglove::Log;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(HgrosDoctor, SaysThatNothingIsWrong) {
+  RobotForCommands robot("patrol");
+  const auto publish = robot.session().Advertise<Log>("status");
+  const CommandEnd end = robot.Run({"doctor"});
+  EXPECT_EQ(end.status, 0) << end.out;
+  EXPECT_THAT(end.out, StartsWith("Nothing is wrong. Sessions: 1, channels: 1."));
+  EXPECT_EQ(end.err, "");
+}
+
+TEST(HgrosDoctor, FindsAMisspelledChannelASlowCallbackAndAFullQueue) {
+  RobotForCommands robot("patrol");
+  Session& session = robot.session();
+  const auto publish = session.Advertise<Log>("status");
+  const auto front = session.Advertise<Log>("scan_front");
+  const Subscription misspelled = session.FromAny<Log>("scan_frotn", Invoke::kSerial, [](const Log&) {});
+  const Subscription slow =
+      session.FromAny<Log>("status", Invoke::kSerial, [](const Log&) { test::Linger(std::chrono::milliseconds(40)); },
+                           {.name = "slow", .queue = Queue::KeepLast(3), .executor = Executor::Dedicated()});
+  const NodeTimer timer = session.CreateTimer("tick", std::chrono::milliseconds(10),
+                                              [&](const Tick&) { publish(std::make_unique<Log>()); });
+  const CommandEnd end = robot.Run({"doctor", "--json"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, HasSubstr("\"check\":\"name\""));
+  EXPECT_THAT(end.out, HasSubstr("\\\"scan_frotn\\\", which nobody publishes."));
+  EXPECT_THAT(end.out, HasSubstr("\"check\":\"queue\""));
+  EXPECT_THAT(end.out, HasSubstr("because its queue of 3 is full"));
+}
+
+TEST(HgrosDoctor, FindsTypesThatDoNotFit) {
+  RobotForCommands robot("patrol");
+  RobotForCommands other("desk", robot.environment().at("HGROS_DOMAIN"));
+  const auto publish = robot.session().Advertise<Log>("odd");
+  const Subscription wrong = other.session().FromAny<LaserScan>("odd", Invoke::kSerial, [](const LaserScan&) {});
+  other.AwaitAnnounced();
+  const CommandEnd end = robot.Run({"doctor"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, HasSubstr("publishes foxglove.Log on \"odd\", but desk:"));
+}
+
+TEST(HgrosDoctor, SaysThatNobodyIsThere) {
+  const CommandEnd end = RunToEnd({"doctor"}, {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  EXPECT_EQ(end.status, 0);
+  EXPECT_THAT(end.out, StartsWith("No session is there to look at."));
+}
+
+}  // namespace
+}  // namespace hgros::cli
