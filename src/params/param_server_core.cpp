@@ -36,7 +36,7 @@ ParamServer::Core::Core(ParamSources sources, LogSink log)
       std::condition_variable_any never;
       std::unique_lock lock(mutex);
       never.wait_for(lock, stop, kTimeToDeclare, [] { return false; });
-      SayUndeclared();
+      if (!stop.stop_requested()) SayUndeclared();
     });
   } catch (const std::system_error&) {  // There is no thread left: this is said at the end.
   }
@@ -44,7 +44,7 @@ ParamServer::Core::Core(ParamSources sources, LogSink log)
 
 ParamServer::Core::~Core() {
   waits_ = {};
-  SayUndeclared();
+  if (std::uncaught_exceptions() == 0) SayUndeclared();  // Otherwise the program had no time to declare all.
 }
 
 ParamNodePtr ParamServer::Core::ReadSources(std::vector<ParamOverride>* unknown) const {
@@ -73,7 +73,6 @@ void ParamServer::Core::SayUndeclared() {
     unknown.swap(unknown_);
     for (const DeclaredParams::Entry& entry : declared_.entries()) {
       declared.push_back(entry.path.ToString());
-      std::erase_if(unknown, [&](const ParamOverride& one) { return ParamPath::Parse(one.path).Overlaps(entry.path); });
     }
   }
   if (declared.empty()) return;
@@ -98,6 +97,7 @@ ParamNodePtr ParamServer::Core::Declare(DeclaredParams::Entry entry) {
   param_tree::RequireNotSession(entry.path);
   DeclaredParams::RequireGood(entry, ParamView(entry.fallback, entry.path));
   const std::scoped_lock lock(mutex_);
+  std::erase_if(unknown_, [&](const ParamOverride& one) { return ParamPath::Parse(one.path).Overlaps(entry.path); });
   if (const DeclaredParams::Entry* const known = declared_.Find(entry.path)) {
     entry.check(ParamView(root_).At(entry.path));
     if (known->info == entry.info && known->fallback->SameValue(*entry.fallback)) return root_;
