@@ -18,8 +18,12 @@ int Run(const CommandEntry& entry, const std::vector<std::string>& words, Surrou
   for (const std::string& word : words) {
     if (word == "--") break;
     if (word != "-h" && word != "--help") continue;
-    surroundings.console.Write(HelpOf(surroundings.console, entry));
+    surroundings.console.Write(HelpOf(surroundings.console, entry, Commands()));
     return kDone;
+  }
+  if (entry.family()) {
+    surroundings.console.Write(HelpOf(surroundings.console, entry, Commands()));
+    return kWrongUsage;
   }
   const std::unique_ptr<Command> command = entry.make();
   Arguments arguments;
@@ -36,13 +40,14 @@ int Main(std::vector<std::string> words) {
       console.Write(HelpOfAll(console, Commands()));
       return words.empty() ? kWrongUsage : kDone;
     }
-    const std::string name = words.front();
-    words.erase(words.begin());
-    const CommandEntry* entry = FindCommand(name);
-    if (entry == nullptr) throw UsageError(UnknownCommand(name));
+    if (words.front() == "--version") {
+      console.Line("hgros " HGROS_VERSION);
+      return kDone;
+    }
+    const CommandEntry& entry = TakeCommand(words);
     Pause pause;
     Surroundings surroundings{console, pause};
-    const int code = Run(*entry, words, surroundings);
+    const int code = Run(entry, words, surroundings);
     pause.EndBySignal();
     return code;
   } catch (const OutputClosed&) {

@@ -5,6 +5,8 @@
 
 #include "hgros/base/names.hpp"
 #include "hgros/yaml/quoted.hpp"
+#include "params/yaml_edit.hpp"
+#include "params/yaml_writing.hpp"
 
 namespace hgros {
 namespace {
@@ -47,6 +49,14 @@ std::vector<std::string> ParamView::keys() const {
   if (node_ == nullptr) return keys;
   for (const auto& [key, value] : node_->entries) keys.push_back(key);
   return keys;
+}
+
+std::string ParamView::ToYaml() const {
+  if (node_ == nullptr) throw ParamError("The parameter " + path_.ToString() + " is not set.");
+  if (node_->kind == ParamNode::Kind::kMap && !node_->entries.empty()) return WrittenYaml(node_, path_.ToString());
+  const ParamNodePtr file = std::make_shared<ParamNode>(ParamNode::Map({{"value", *node_}}));
+  (void)WrittenYaml(file, path_.ToString());
+  return yaml_writing::Inline(*node_);
 }
 
 void ParamView::FailType(std::string_view wanted, std::string_view mend) const {

@@ -220,6 +220,14 @@ TEST_F(ParamServerTest, BrokenFileKeepsTheOldValuesAndIsReported) {
   EXPECT_EQ(params.Get<double>("range"), 6);
 }
 
+TEST_F(ParamServerTest, ValuesCanBeWrittenAsYaml) {
+  const ParamServer params({{Write("robot.yaml", "a: {b: 1, c: [x, \"5\"]}\ne: {}\n")}});
+  EXPECT_EQ(params.Snapshot().ToYaml(), "a:\n  b: 1\n  c: [x, \"5\"]\ne: {}\n");
+  EXPECT_EQ(params.Snapshot().At("a").ToYaml(), "b: 1\nc: [x, \"5\"]\n");
+  EXPECT_EQ(params.Snapshot().At("a.c[1]").ToYaml(), "\"5\"");
+  EXPECT_EQ(test::ErrorOf([&] { (void)params.Snapshot().At("a.d").ToYaml(); }), "The parameter a.d is not set.");
+}
+
 TEST_F(ParamServerTest, AgreesWithANaiveMapUnderRandomChanges) {
   for (const unsigned seed : {21U, 22U, 23U}) {
     std::mt19937 random(seed);

@@ -33,15 +33,37 @@ void RequireKnownOptions(std::span<const std::string> words, const std::vector<A
   }
 }
 
+// CLI11 takes [1, 2] apart and takes -1.5 for an option, but both are values here. This character in front hides them.
+constexpr char kHidden = '\x01';
+
+bool NeedsHiding(const std::string& word) {
+  const bool number = word.size() > 1 && word[0] == '-' && (word[1] == '.' || (word[1] >= '0' && word[1] <= '9'));
+  return word.starts_with('[') || number;
+}
+
+std::vector<std::string> Hidden(std::span<const std::string> words) {
+  std::vector<std::string> hidden;
+  for (const std::string& word : words) hidden.push_back(NeedsHiding(word) ? kHidden + word : word);
+  return hidden;
+}
+
+std::vector<std::string> Shown(std::vector<std::string> words) {
+  for (std::string& word : words) {
+    if (word.starts_with(kHidden)) word.erase(0, 1);
+  }
+  return words;
+}
+
 // CLI11's errors as sentences of ours.
 std::string SentenceFor(const CLI::Error& error) {
   std::string text = error.what();
+  std::erase(text, kHidden);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::string word = text.substr(text.rfind(' ') + 1);
     return word.starts_with('-') ? word + " is not an option." : Quoted(word) + " is one argument too many.";
   }
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
-    return text.substr(0, text.find(' ')) + " is missing.";
+    return text.substr(0, text.rfind(" is ")) + " is missing.";
   }
   return text + (text.ends_with('.') ? "" : ".");
 }
@@ -143,7 +165,7 @@ void Arguments::Parse(std::span<const std::string> words) const {
     }
     CLI::Option* option = app.add_option_function<std::vector<std::string>>(
         argument.names, [&setter, &argument](const std::vector<std::string>& given) {
-          const std::string fault = setter(given);
+          const std::string fault = setter(Shown(given));
           if (!fault.empty()) throw UsageError(argument.names + ": " + fault);
         });
     option->required(argument.required);
@@ -151,11 +173,14 @@ void Arguments::Parse(std::span<const std::string> words) const {
       option->expected(argument.required ? 1 : 0, CLI::detail::expected_max_vector_size);
       if (!argument.positional()) option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     } else {
-      option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+      option->expected(1)->allow_extra_args(false);
+      if (!argument.positional()) option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     }
   }
   try {
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    std::vector<std::string> hidden = Hidden(words);
+    std::ranges::reverse(hidden);
+    app.parse(std::move(hidden));
   } catch (const CLI::Error& error) {
     throw UsageError(SentenceFor(error));
   }

@@ -17,8 +17,20 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a value names, so that shells can complete it.
-enum class ValueKind { kText, kChannel, kSession, kNode, kService, kParam, kFrame, kType, kFile, kCommand };
+/// What a value names, so that shells can complete it. kParamSession: a session that offers parameters.
+enum class ValueKind {
+  kText,
+  kChannel,
+  kSession,
+  kParamSession,
+  kNode,
+  kService,
+  kParam,
+  kFrame,
+  kType,
+  kFile,
+  kCommand
+};
 
 /// An option, a flag or a positional argument.
 struct Argument {

@@ -46,12 +46,22 @@ class Command {
   virtual int Run(Surroundings& surroundings) = 0;
 };
 
-/// A command in the list of all.
+/// A command in the list of all. "param" is a family of commands: it has no `make`, and "param get" is one of its
+/// commands. Scripts call the hidden commands; their names begin with "__".
 struct CommandEntry {
   std::string_view name;
   std::string_view summary;  ///< One line without a period.
   std::string_view group;    ///< The heading in `hgros help`.
   std::unique_ptr<Command> (*make)();
+
+  [[nodiscard]] bool family() const noexcept { return make == nullptr; }
+  [[nodiscard]] bool hidden() const noexcept { return name.starts_with("__"); }
+  /// Whether it is a command of this family.
+  [[nodiscard]] bool IsIn(const CommandEntry& other) const noexcept {
+    return other.family() && name.size() > other.name.size() && name.starts_with(other.name) &&
+           name[other.name.size()] == ' ';
+  }
+  [[nodiscard]] bool IsInAny() const noexcept { return name.find(' ') != std::string_view::npos; }
 };
 
 }  // namespace hgros::cli

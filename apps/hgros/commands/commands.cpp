@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+
+#include "hgros/base/names.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -13,11 +16,34 @@ constexpr std::string_view kThis = "This program";
 constexpr std::array kCommands{
     CommandEntry{"list", "List channels, sessions, nodes, services, parameters or frames", kSee, MakeList},
     CommandEntry{"echo", "Show the messages of channels", kSee, MakeEcho},
+    CommandEntry{"param", "Show and change the parameters of sessions", kSee, nullptr},
+    CommandEntry{"param list", "List parameters with their values", kSee, MakeParamList},
+    CommandEntry{"param get", "Show the value of a parameter, or of all below a path", kSee, MakeParamGet},
+    CommandEntry{"param describe", "Show what a parameter means and which values it can have", kSee, MakeParamDescribe},
+    CommandEntry{"param watch", "Show parameters as they change", kSee, MakeParamWatch},
+    CommandEntry{"param set", "Change parameters, all or none", kSee, MakeParamSet},
+    CommandEntry{"param save", "Write all parameters of a session as YAML", kSee, MakeParamSave},
+    CommandEntry{"param load", "Set parameters to the values of a YAML file, all or none", kSee, MakeParamLoad},
+    CommandEntry{"tf", "Show the frames of a robot and their transforms", kSee, nullptr},
+    CommandEntry{"tf tree", "Show the tree of all frames", kSee, MakeTfTree},
+    CommandEntry{"tf echo", "Show the pose of one frame in another", kSee, MakeTfEcho},
+    CommandEntry{"tf watch", "Say when transforms appear, are late or disappear", kSee, MakeTfWatch},
+    CommandEntry{"tf svg", "Draw the tree of frames as an image", kSee, MakeTfSvg},
 
     CommandEntry{"graph", "Draw the hypergraph: processes, nodes and the channels between them", kSee, MakeGraph},
     CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to mend it", kCheck, MakeDoctor},
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
 };
+
+std::string UnknownCommand(std::string_view name) {
+  std::vector<std::string> names;
+  for (const CommandEntry& entry : kCommands) {
+    if (!entry.hidden()) names.emplace_back(entry.name);
+  }
+  const std::string nearest = NearestName(name, names);
+  return "There is no command \"" + std::string(name) + "\"." +
+         (nearest.empty() ? " `hgros help` lists all." : " Did you mean " + nearest + "?");
+}
 
 }  // namespace
 
@@ -26,6 +52,18 @@ std::span<const CommandEntry> Commands() noexcept { return kCommands; }
 const CommandEntry* FindCommand(std::string_view name) noexcept {
   const auto found = std::ranges::find(kCommands, name, &CommandEntry::name);
   return found == kCommands.end() ? nullptr : &*found;
+}
+
+const CommandEntry& TakeCommand(std::vector<std::string>& words) {
+  const auto take = [&words](std::string_view name, std::ptrdiff_t count) -> const CommandEntry& {
+    const CommandEntry* entry = FindCommand(name);
+    if (entry == nullptr) throw UsageError(UnknownCommand(name));
+    words.erase(words.begin(), words.begin() + count);
+    return *entry;
+  };
+  const CommandEntry* first = FindCommand(words.front());
+  const bool member = first != nullptr && first->family() && words.size() > 1 && !words[1].starts_with('-');
+  return member ? take(words[0] + " " + words[1], 2) : take(std::string(words.front()), 1);
 }
 
 }  // namespace hgros::cli

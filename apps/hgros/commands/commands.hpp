@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "arguments/command.hpp"
 
@@ -13,9 +14,9 @@ namespace hgros::cli {
 [[nodiscard]] std::span<const CommandEntry> Commands() noexcept;
 /// Null if there is none.
 [[nodiscard]] const CommandEntry* FindCommand(std::string_view name) noexcept;
-
-/// The error for a command that there is not, with the nearest one.
-[[nodiscard]] std::string UnknownCommand(std::string_view name);
+/// Takes the name of a command or a family, one word or two, from the beginning of the words of a command line. Throws
+/// UsageError with the nearest name.
+[[nodiscard]] const CommandEntry& TakeCommand(std::vector<std::string>& words);
 
 // One for each file of this folder.
 std::unique_ptr<Command> MakeDoctor();
@@ -23,5 +24,16 @@ std::unique_ptr<Command> MakeEcho();
 std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();
 std::unique_ptr<Command> MakeList();
+std::unique_ptr<Command> MakeParamDescribe();
+std::unique_ptr<Command> MakeParamGet();
+std::unique_ptr<Command> MakeParamList();
+std::unique_ptr<Command> MakeParamLoad();
+std::unique_ptr<Command> MakeParamSave();
+std::unique_ptr<Command> MakeParamSet();
+std::unique_ptr<Command> MakeParamWatch();
+std::unique_ptr<Command> MakeTfEcho();
+std::unique_ptr<Command> MakeTfSvg();
+std::unique_ptr<Command> MakeTfTree();
+std::unique_ptr<Command> MakeTfWatch();
 
 }  // namespace hgros::cli

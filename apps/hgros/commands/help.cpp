@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "commands/commands.hpp"
-#include "hgros/base/names.hpp"
 #include "terminal/console.hpp"
 
 namespace hgros::cli {
@@ -29,25 +28,17 @@ class Help final : public Command {
       console.Write(HelpOfAll(console, Commands()));
       return kDone;
     }
-    const CommandEntry* entry = FindCommand(name_);
-    if (entry == nullptr) throw UsageError(UnknownCommand(name_));
-    console.Write(HelpOf(console, *entry));
+    const CommandEntry& entry = TakeCommand(name_);
+    if (!name_.empty()) throw UsageError("\"" + name_.front() + "\" is one argument too many.");
+    console.Write(HelpOf(console, entry, Commands()));
     return kDone;
   }
 
  private:
-  std::string name_;
+  std::vector<std::string> name_;
 };
 
 }  // namespace
-
-std::string UnknownCommand(std::string_view name) {
-  std::vector<std::string> names;
-  for (const CommandEntry& entry : Commands()) names.emplace_back(entry.name);
-  const std::string nearest = NearestName(name, names);
-  return "There is no command \"" + std::string(name) + "\"." +
-         (nearest.empty() ? " `hgros help` lists all." : " Did you mean " + nearest + "?");
-}
 
 std::unique_ptr<Command> MakeHelp() { return std::make_unique<Help>(); }
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "commands/commands.hpp"
-#include "hgros/params/remote_params.hpp"
+#include "robot/frames.hpp"
+#include "robot/offered_params.hpp"
 #include "robot/overview.hpp"
-#include "robot/param_text.hpp"
 #include "robot/robot.hpp"
 #include "terminal/records.hpp"
 #include "terminal/units.hpp"
@@ -40,8 +40,6 @@ class List final : public Command {
   void ListSessions(Robot& robot) const;
   void ListNodes(Robot& robot) const;
   void ListServices(Robot& robot) const;
-  static void ListParams(Robot& robot, const RobotOptions& options);
-  static void ListFrames(Robot& robot, const RobotOptions& options);
 
   std::string what_ = "channels";
   bool all_ = false;
@@ -156,38 +154,14 @@ void List::ListServices(Robot& robot) const {
   records.End();
 }
 
-void List::ListParams(Robot& robot, const RobotOptions& options) {
-  Records records(robot.surroundings().console, options.style,
-                  {{"session", "SESSION"}, {"path", "PARAMETER"}, {"value", "VALUE"}});
-  for (const KnownChannel& channel : robot.Channels(true)) {
-    const std::string name(ParamsOf(channel.name));
-    if (name.empty() || channel.publishers.empty()) continue;
-    RemoteParams params(robot.session(), name, options.Timeout(std::chrono::seconds(1)));
-    const RemoteParam<ParamView> all = params.Snapshot();
-    if (!all.ok()) {
-      robot.surroundings().console.Say(all.refusal);
-      continue;
-    }
-    const RemoteParam<std::vector<std::string>> paths = params.List();
-    if (!paths.ok()) continue;
-    for (const std::string& path : *paths) {
-      const ParamNodePtr value = all->At(path).node();
-      records.Add({name, path, value == nullptr ? Cell() : Cell(FlowText(*value))});
-    }
-  }
-  records.End();
-}
-
-void List::ListFrames(Robot& /*robot*/, const RobotOptions& /*options*/) {}
-
 int List::Run(Surroundings& surroundings) {
   Robot robot(options_, surroundings);
   if (what_ == "channels") ListChannels(robot);
   if (what_ == "sessions") ListSessions(robot);
   if (what_ == "nodes") ListNodes(robot);
   if (what_ == "services") ListServices(robot);
-  if (what_ == "params") ListParams(robot, options_);
-  if (what_ == "frames") ListFrames(robot, options_);
+  if (what_ == "params") return WriteParams(robot, options_, ParamSessions(robot));
+  if (what_ == "frames") WriteFrames(robot, options_);
   return kDone;
 }
 

@@ -74,6 +74,11 @@ Json& Json::Null() {
   return *this;
 }
 
+Json& Json::Raw(std::string_view json) {
+  writer_.RawValue(json.data(), json.size(), rapidjson::kObjectType);
+  return *this;
+}
+
 Json& Json::BeginObject() {
   writer_.StartObject();
   return *this;

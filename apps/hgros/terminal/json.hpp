@@ -25,6 +25,7 @@ class Json {
   Json& Value(std::uint64_t value);
   Json& Value(int value) { return Value(static_cast<std::int64_t>(value)); }
   Json& Null();
+  Json& Raw(std::string_view json);  ///< A value that is JSON already.
   Json& BeginObject();
   Json& EndObject();
   Json& BeginList();

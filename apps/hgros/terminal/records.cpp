@@ -23,6 +23,8 @@ void Write(Json& json, const Cell::Value& value) {
           json.BeginList();
           for (const std::string& text : one) json.Value(text);
           json.EndList();
+        } else if constexpr (std::is_same_v<T, JsonText>) {
+          json.Raw(one.text);
         } else {
           json.Value(one);
         }
@@ -43,6 +45,8 @@ std::string Cell::Shown() const {
           return one ? "yes" : "no";
         } else if constexpr (std::is_same_v<T, std::string>) {
           return Visible(one);
+        } else if constexpr (std::is_same_v<T, JsonText>) {
+          return Visible(one.text);
         } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
           std::string joined;
           for (const std::string& text : one) joined += (joined.empty() ? "" : ", ") + Visible(text);
@@ -66,7 +70,9 @@ void Records::Add(std::vector<Cell> cells) {
 void Records::WriteJson(const std::vector<Cell>& cells) {
   Json json;
   json.BeginObject();
-  for (std::size_t i = 0; i < columns_.size(); ++i) Write(json.Key(columns_[i].key), cells[i].value());
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (!columns_[i].key.empty()) Write(json.Key(columns_[i].key), cells[i].value());
+  }
   json.EndObject();
   console_.Line(json.text());
 }

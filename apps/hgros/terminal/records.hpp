@@ -10,11 +10,16 @@
 
 namespace hgros::cli {
 
+/// A value that is JSON already.
+struct JsonText {
+  std::string text;
+};
+
 /// A value of a record: what JSON gets, and what people see.
 class Cell {
  public:
-  using Value =
-      std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, std::vector<std::string>>;
+  using Value = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string,
+                             std::vector<std::string>, JsonText>;
 
   Cell() = default;                                                 // NOLINT: an empty cell; null in JSON
   Cell(std::string text) : value_(std::move(text)) {}               // NOLINT(google-explicit-constructor)
@@ -27,6 +32,10 @@ class Cell {
   Cell(double value, std::string shown) : value_(value), shown_(std::move(shown)) {}
   Cell(std::uint64_t value, std::string shown) : value_(value), shown_(std::move(shown)) {}
   Cell(std::int64_t value, std::string shown) : value_(value), shown_(std::move(shown)) {}
+
+  /// `shown` is visible.
+  Cell(std::string value, std::string shown) : value_(std::move(value)), shown_(std::move(shown)) {}
+  Cell(JsonText value, std::string shown) : value_(std::move(value)), shown_(std::move(shown)) {}
 
   [[nodiscard]] Cell In(Style style) && {
     style_ = style;
@@ -44,7 +53,7 @@ class Cell {
 };
 
 struct Column {
-  std::string key;      ///< In JSON, with its unit, such as rate_hz.
+  std::string key;      ///< In JSON, with its unit, such as rate_hz; empty: only in the table.
   std::string heading;  ///< Of the table; empty: only in JSON.
   bool right = false;   ///< Numbers are aligned on the right.
 };

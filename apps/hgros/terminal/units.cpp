@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <ctime>
 #include <span>
 
 namespace hgros::cli {
@@ -51,6 +52,14 @@ std::string DurationText(std::int64_t nanoseconds, bool exact) {
   constexpr const char* kUnits[] = {"ns", "us", "ms", "s"};
   if (std::abs(nanoseconds) < 1000) return fmt::format("{} ns", nanoseconds);
   return InUnits(static_cast<double>(nanoseconds), 1000, kUnits);
+}
+
+std::string TimeOfDay(std::int64_t nanoseconds) {
+  const std::time_t seconds = nanoseconds / 1'000'000'000;
+  tm local{};
+  localtime_r(&seconds, &local);
+  return fmt::format("{:02}:{:02}:{:02}.{:03}", local.tm_hour, local.tm_min, local.tm_sec,
+                     nanoseconds / 1'000'000 % 1000);
 }
 
 }  // namespace hgros::cli

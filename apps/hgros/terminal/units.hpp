@@ -11,5 +11,7 @@ namespace hgros::cli {
 [[nodiscard]] std::string BytesText(double bytes, bool exact);
 [[nodiscard]] std::string BandwidthText(double bytes_per_second, bool exact);
 [[nodiscard]] std::string DurationText(std::int64_t nanoseconds, bool exact);
+/// The time of day here, such as "14:05:33.125", from nanoseconds since 1970.
+[[nodiscard]] std::string TimeOfDay(std::int64_t nanoseconds);
 
 }  // namespace hgros::cli

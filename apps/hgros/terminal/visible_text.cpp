@@ -67,6 +67,18 @@ std::string Visible(std::string_view text) {
   return shown;
 }
 
+std::string VisibleLines(std::string_view text) {
+  std::string visible;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    visible += Visible(text.substr(0, end));
+    if (end == std::string_view::npos) break;
+    visible += '\n';
+    text.remove_prefix(end + 1);
+  }
+  return visible;
+}
+
 std::string ValidUtf8(std::string_view text) {
   const auto ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
   if (std::ranges::all_of(text, ascii)) return std::string(text);

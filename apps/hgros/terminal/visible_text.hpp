@@ -10,6 +10,9 @@ namespace hgros::cli {
 /// text and bytes that are not UTF-8 are written as \n, \t, \xNN or \u{NNNN}. Line breaks, too.
 [[nodiscard]] std::string Visible(std::string_view text);
 
+/// The same for several lines; their ends stay.
+[[nodiscard]] std::string VisibleLines(std::string_view text);
+
 /// `text` with bytes that are not UTF-8 replaced by U+FFFD.
 [[nodiscard]] std::string ValidUtf8(std::string_view text);
 

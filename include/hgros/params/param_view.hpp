@@ -42,6 +42,9 @@ class HGROS_EXPORT ParamView {
   [[nodiscard]] const ParamNodePtr& node() const noexcept { return node_; }
   [[nodiscard]] const ParamPath& path() const noexcept { return path_; }
 
+  /// A map as the text of a file, anything else on one line. Throws ParamError or ConfigError if a text is not UTF-8.
+  [[nodiscard]] std::string ToYaml() const;
+
   template <class T>
   [[nodiscard]] T as() const {
     return ParamCodec<T>::Read(*this);

@@ -21,4 +21,7 @@ namespace hgros {
 /// The same for Graphviz: `dot -Tsvg tree.dot`.
 [[nodiscard]] HGROS_EXPORT std::string DrawGraphviz(std::span<const EdgeSnapshot> edges, Time now);
 
+/// The same as an SVG image: a box for each frame, with what is known about the edge to its parent below the name.
+[[nodiscard]] HGROS_EXPORT std::string DrawSvg(std::span<const EdgeSnapshot> edges, Time now);
+
 }  // namespace hgros

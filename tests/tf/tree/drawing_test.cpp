@@ -39,6 +39,25 @@ TEST(Drawing, CanBeWrittenForGraphviz) {
             "}\n");
 }
 
+TEST(Drawing, IsAnImageWithABoxForEachFrame) {
+  TransformTree tree;
+  SetSmallTree(tree);
+  ASSERT_TRUE(tree.SetStatic("<other>", "a&b", Shift(1)));
+  const std::string svg = DrawSvg(tree.Edges(), Time{1'250'000'000});
+  for (const char* part : {">map<", ">base<", ">50.0 Hz<", ">0.250 s old<", ">by localizer<", ">laser<", ">static<",
+                           ">&lt;other&gt;<", ">a&amp;b<"}) {
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
+  }
+  const auto count = [&svg](std::string_view part) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = svg.find(part, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("<rect x="), 6U);
+  EXPECT_EQ(count("<path "), 4U);
+  EXPECT_EQ(count("stroke-dasharray"), 2U);
+}
+
 TEST(Drawing, OfAnEmptyTreeIsEmpty) {
   EXPECT_EQ(DrawText({}, Time{}), "");
   EXPECT_EQ(DrawGraphviz({}, Time{}), "digraph transforms {\n  node [shape=box];\n}\n");

@@ -1,0 +1,146 @@
+#include "robot/offered_params.hpp"
+
+#include <algorithm>
+
+#include "hgros/base/names.hpp"
+#include "robot/overview.hpp"
+#include "robot/param_text.hpp"
+#include "terminal/pause.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::chrono::seconds kAnswerTime{1};
+constexpr std::chrono::milliseconds kPoll{20};
+
+std::string AwaitSession(const Robot& robot, const RobotOptions& options, std::string name) {
+  const auto deadline = DeadlineIn(options.Timeout(kAnswerTime));
+  for (;;) {
+    const std::vector<std::string> names = ParamSessions(robot);
+    if (std::ranges::find(names, name) != names.end()) return name;
+    const auto next = std::min(deadline, DeadlineIn(kPoll));
+    if (robot.surroundings().pause.Until(next) != Pause::End::kInterrupted && next != deadline) continue;
+    const std::string nearest = NearestName(name, names);
+    throw ParamRefusal(
+        "No session \"" + name + "\" offers parameters." +
+        (nearest.empty() ? " `hgros param list` shows all that are offered." : " Did you mean \"" + nearest + "\"?"));
+  }
+}
+
+template <class T>
+T Required(RemoteParam<T> answer) {
+  if (!answer.ok()) throw ParamRefusal(answer.refusal);
+  return *std::move(answer);
+}
+
+void AppendValues(const ParamView& view, std::vector<std::pair<std::string, ParamNodePtr>>& values) {
+  if (!view.exists()) return;
+  if (view.node()->kind != ParamNode::Kind::kMap || (view.size() == 0 && !view.path().empty())) {
+    values.emplace_back(view.path().ToString(), view.node());
+    return;
+  }
+  for (const std::string& key : view.keys()) AppendValues(view[key], values);
+}
+
+std::string Cut(std::string text, std::size_t most) {
+  if (ColumnsOf(text) <= most) return text;
+  std::size_t end = 0;
+  for (std::size_t columns = 0; columns + 3 < most; ++columns) {
+    do ++end;
+    while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U);
+  }
+  return text.substr(0, end) + "...";
+}
+
+}  // namespace
+
+std::vector<std::string> ParamSessions(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const KnownChannel& channel : robot.Channels(true)) {
+    const std::string_view name = ParamsOf(channel.name);
+    if (!name.empty() && !channel.publishers.empty()) names.emplace_back(name);
+  }
+  return names;
+}
+
+std::string OnlyParamSession(const Robot& robot) {
+  const std::vector<std::string> names = ParamSessions(robot);
+  if (names.size() == 1) return names.front();
+  if (names.empty()) throw ParamRefusal("No session offers parameters.");
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  throw ParamRefusal("Several sessions offer parameters: " + all + ". Name one of them first.");
+}
+
+OfferedParams::OfferedParams(Robot& robot, const RobotOptions& options, std::string name)
+    : name_(AwaitSession(robot, options, std::move(name))),
+      params_(robot.session(), name_, options.Timeout(kAnswerTime)) {}
+
+ParamView OfferedParams::Snapshot() { return Required(params_.Snapshot()); }
+
+ParamView OfferedParams::At(const std::string& path) { return Existing(Snapshot(), path, ""); }
+
+std::vector<ParamDeclaration> OfferedParams::Declarations(const std::string& path) {
+  return Required(params_.Describe(path));
+}
+
+void OfferedParams::Change(const std::vector<ParamChange>& changes, IfMissing if_missing) {
+  const ParamResult result = params_.Change(changes, if_missing);
+  if (!result.ok()) throw ParamRefusal(result.refusal);
+}
+
+Subscription OfferedParams::Watch(const std::string& path, ParamListener listener) {
+  return params_.Watch(path, std::move(listener));
+}
+
+ParamView Existing(const ParamView& all, const std::string& path, const std::string& mend) {
+  const ParamPath wanted = ParamPath::Parse(path);
+  const ParamView view = all.At(wanted);
+  if (view.exists()) return view;
+  std::vector<std::string> paths;
+  for (const auto& [known, value] : ValuesOf(all)) {
+    for (std::size_t dot = known.find('.'); dot != std::string::npos; dot = known.find('.', dot + 1)) {
+      paths.push_back(known.substr(0, dot));
+    }
+    paths.push_back(known);
+  }
+  const std::string nearest = NearestName(path, paths);
+  throw ParamRefusal("There is no parameter " + wanted.ToString() + "." +
+                     (nearest.empty() ? "" : " Did you mean " + nearest + "?") + mend);
+}
+
+std::vector<std::pair<std::string, ParamNodePtr>> ValuesOf(const ParamView& view) {
+  std::vector<std::pair<std::string, ParamNodePtr>> values;
+  AppendValues(view, values);
+  return values;
+}
+
+Cell CellOf(const ParamNodePtr& value, std::size_t most_characters) {
+  if (value == nullptr) return {};
+  Json json;
+  WriteJson(json, *value);
+  return {JsonText{std::string(json.text())}, Cut(FlowText(*value), most_characters)};
+}
+
+int WriteParams(Robot& robot, const RobotOptions& options, const std::vector<std::string>& sessions) {
+  constexpr std::size_t kMostCharacters = 60;
+  Records records(robot.surroundings().console, options.style,
+                  {{"session", "SESSION"}, {"path", "PARAMETER"}, {"value", "VALUE"}});
+  int code = kDone;
+  for (const std::string& name : sessions) {
+    try {
+      OfferedParams params(robot, options, name);
+      for (const auto& [path, value] : ValuesOf(params.Snapshot())) {
+        records.Add({name, path, CellOf(value, options.style.exact ? std::size_t(-1) : kMostCharacters)});
+      }
+    } catch (const ParamRefusal& refusal) {
+      robot.surroundings().console.Say(Visible(refusal.what()));
+      code = kFailed;
+    }
+  }
+  records.End();
+  return code;
+}
+
+}  // namespace hgros::cli

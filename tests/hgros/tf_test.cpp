@@ -1,0 +1,140 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "hgros/command_run.hpp"
+#include "hgros/tf/transforms.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+
+RigidTransform Shift(double x) { return {RigidTransform::Rotation::Identity(), Eigen::Vector3d(x, 0, 0)}; }
+
+// A robot with the tree map, base, laser, where base turns and moves, and world, dock.
+class HgrosTf : public testing::Test {
+ protected:
+  HgrosTf() {
+    transforms_->ToStaticTF("base", "laser", Shift(0.5));
+    transforms_->ToStaticTF("world", "dock", Shift(1));
+    Move();
+  }
+  void Move() {
+    const Eigen::AngleAxisd quarter(std::numbers::pi / 2, Eigen::Vector3d::UnitZ());
+    timer_ = robot_->session().CreateTimer("base", std::chrono::milliseconds(20), [this, quarter](const Tick&) {
+      transforms_->ToTF(WallNow(), "map", "base", {RigidTransform::Rotation(quarter), Eigen::Vector3d(2, 0, 0)});
+    });
+  }
+  [[nodiscard]] CommandEnd Run(std::vector<std::string> arguments) const { return robot_->Run(std::move(arguments)); }
+
+  std::unique_ptr<RobotForCommands> robot_ = std::make_unique<RobotForCommands>("robot");
+  std::unique_ptr<Transforms> transforms_ = std::make_unique<Transforms>(robot_->session());
+  std::optional<NodeTimer> timer_;
+};
+
+TEST_F(HgrosTf, ShowsTheTreeWithRatesAndPublishers) {
+  const CommandEnd end = Run({"tf", "tree"});
+  EXPECT_EQ(end.status, 0) << end.err;
+  const std::vector<std::string> lines = LinesOf(end.out);
+  ASSERT_EQ(lines.size(), 6U) << end.out;
+  EXPECT_EQ(lines[1], "map");
+  EXPECT_THAT(lines[2], MatchesRegex("  base +moving +[0-9.]+ Hz +[0-9.]+ [mu]?s +robot"));
+  EXPECT_THAT(lines[3], MatchesRegex("    laser +static +robot"));
+  EXPECT_EQ(lines[4], "world");
+  const std::vector<std::string> json = LinesOf(Run({"list", "frames", "--json"}).out);
+  ASSERT_EQ(json.size(), 5U);
+  EXPECT_EQ(json[2],
+            R"({"frame":"laser","parent":"base","kind":"static","rate_hz":null,"age_ns":null,"publisher":"robot"})");
+}
+
+TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnother) {
+  const CommandEnd end = Run({"tf", "echo", "map", "laser", "--once"});
+  EXPECT_EQ(end.status, 0) << end.err;
+  const std::vector<std::string> lines = LinesOf(end.out);
+  ASSERT_EQ(lines.size(), 5U) << end.out;
+  EXPECT_EQ(lines[1], "position: {x: 2.0000, y: 0.5000, z: 0.0000}");
+  EXPECT_EQ(lines[2], "quaternion: {x: 0.000000, y: 0.000000, z: 0.707107, w: 0.707107}");
+  EXPECT_EQ(lines[3], "rpy_degrees: {roll: 0.00, pitch: 0.00, yaw: 90.00}");
+  const std::vector<std::string> json =
+      LinesOf(Run({"tf", "echo", "base", "laser", "-n", "2", "--rate", "50", "--json"}).out);
+  ASSERT_EQ(json.size(), 2U);
+  EXPECT_EQ(json[1],
+            R"({"parent":"base","child":"laser","time_ns":null,"age_ns":null,"position":{"x":0.5,"y":0,"z":0},)"
+            R"("quaternion":{"x":0,"y":0,"z":0,"w":1},"rpy_degrees":{"roll":0,"pitch":0,"yaw":0}})");
+}
+
+TEST_F(HgrosTf, EchoesThePoseAtATime) {
+  const CommandEnd now = Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "20"});
+  EXPECT_EQ(now.status, 0) << now.err;
+  EXPECT_THAT(now.out, HasSubstr("yaw: 90.00"));
+  const CommandEnd past = Run({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"});
+  EXPECT_EQ(past.status, 1);
+  EXPECT_THAT(past.err, HasSubstr("which is too old"));
+  EXPECT_EQ(Run({"tf", "echo", "map", "base", "--at", "noon"}).status, 2);
+}
+
+TEST_F(HgrosTf, SaysWhyThereIsNoTransform) {
+  const CommandEnd unknown = Run({"tf", "echo", "map", "lasr"});
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_EQ(unknown.err, "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
+  const CommandEnd apart = Run({"tf", "echo", "map", "dock"});
+  EXPECT_EQ(apart.status, 1);
+  EXPECT_THAT(apart.err, HasSubstr("No edges lead from \"dock\" to \"map\""));
+}
+
+TEST_F(HgrosTf, WatchSaysOnceWhatIsLateAndWhatHasEnded) {
+  CommandRun watch({"tf", "watch", "map", "laser"}, robot_->environment());
+  EXPECT_TRUE(watch.Prints("map -> base appears: moving, by robot\n"));
+  EXPECT_TRUE(watch.Prints("base -> laser appears: static, by robot\n"));
+  EXPECT_TRUE(watch.Prints("map -> laser is there\n"));
+  const std::uint64_t sent = transforms_->stats().sent_transforms;  // A rate needs several.
+  ASSERT_TRUE(test::Await([&] { return transforms_->stats().sent_transforms > sent + 10; }));
+  timer_.reset();
+  EXPECT_TRUE(watch.Prints("map -> base is late: none for "));
+  Move();
+  EXPECT_TRUE(watch.Prints("map -> base is back: after "));
+  timer_.reset();
+  transforms_.reset();
+  robot_.reset();
+  EXPECT_TRUE(watch.Prints("map -> base disappears: robot has ended or no longer sends transforms\n"));
+  watch.Signal(SIGINT);
+  EXPECT_EQ(watch.Wait(), 128 + SIGINT);
+  EXPECT_EQ(watch.out().find("world"), std::string::npos);
+}
+
+TEST_F(HgrosTf, DrawsAnImage) {
+  const std::string file = testing::TempDir() + "hgros_tf_" + std::to_string(RandomId()) + ".svg";
+  const CommandEnd end = Run({"tf", "svg", "-o", file, "--timeout", "0.4"});
+  EXPECT_EQ(end.status, 0) << end.err;
+  std::ifstream in(file);
+  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(svg, testing::StartsWith("<svg "));
+  EXPECT_THAT(svg, HasSubstr(">laser<"));
+  std::filesystem::remove(file);
+}
+
+TEST(HgrosTfAlone, EndsAtOnceWhenNothingRuns) {
+  const RobotForCommands robot;
+  const CommandEnd tree = robot.Run({"tf", "tree"});
+  EXPECT_EQ(tree.status, 0);
+  EXPECT_EQ(tree.out + tree.err, "");
+  const CommandEnd echo = robot.Run({"tf", "echo", "a", "b", "--timeout", "0.1"});
+  EXPECT_EQ(echo.status, 3);
+  EXPECT_EQ(echo.err, "hgros: No session sends transforms.\n");
+  EXPECT_EQ(robot.Run({"tf", "svg"}).status, 1);
+  EXPECT_EQ(robot.Run({"tf", "watch", "--timeout", "0.1"}).status, 3);
+}
+
+}  // namespace
+}  // namespace hgros::cli
