@@ -98,7 +98,7 @@ std::string HelpOfAll(const Console& console, std::span<const CommandEntry> comm
     }
     help += "\n" + console.Styled(Style::kBold, group) + "\n" + Listed(console, members);
   }
-  return help + "\n`hgros help COMMAND` explains a command, with examples. `hgros --version` tells the version.\n";
+  return help + "\n`hgros help COMMAND` explains a command, with examples.\n`hgros --version` tells the version.\n";
 }
 
 std::string HelpOf(const Console& console, const CommandEntry& entry, std::span<const CommandEntry> commands) {

@@ -33,6 +33,9 @@ constexpr std::array kCommands{
     CommandEntry{"graph", "Draw the hypergraph: processes, nodes and the channels between them", kSee, MakeGraph},
     CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to mend it", kCheck, MakeDoctor},
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
+    CommandEntry{"completion", "Print a script that completes commands in a shell", kThis, MakeCompletion},
+    CommandEntry{"__complete", "Complete a command line", kThis, MakeComplete},
+    CommandEntry{"__man", "Write manual pages", kThis, MakeManual},
 };
 
 std::string UnknownCommand(std::string_view name) {

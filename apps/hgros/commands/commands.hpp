@@ -19,11 +19,14 @@ namespace hgros::cli {
 [[nodiscard]] const CommandEntry& TakeCommand(std::vector<std::string>& words);
 
 // One for each file of this folder.
+std::unique_ptr<Command> MakeComplete();
+std::unique_ptr<Command> MakeCompletion();
 std::unique_ptr<Command> MakeDoctor();
 std::unique_ptr<Command> MakeEcho();
 std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();
 std::unique_ptr<Command> MakeList();
+std::unique_ptr<Command> MakeManual();
 std::unique_ptr<Command> MakeParamDescribe();
 std::unique_ptr<Command> MakeParamGet();
 std::unique_ptr<Command> MakeParamList();

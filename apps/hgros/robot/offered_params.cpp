@@ -11,11 +11,11 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::chrono::seconds kAnswerTime{1};
+constexpr std::chrono::seconds kParamAnswerTime{1};
 constexpr std::chrono::milliseconds kPoll{20};
 
 std::string AwaitSession(const Robot& robot, const RobotOptions& options, std::string name) {
-  const auto deadline = DeadlineIn(options.Timeout(kAnswerTime));
+  const auto deadline = DeadlineIn(options.Timeout(kParamAnswerTime));
   for (;;) {
     const std::vector<std::string> names = ParamSessions(robot);
     if (std::ranges::find(names, name) != names.end()) return name;
@@ -75,7 +75,7 @@ std::string OnlyParamSession(const Robot& robot) {
 
 OfferedParams::OfferedParams(Robot& robot, const RobotOptions& options, std::string name)
     : name_(AwaitSession(robot, options, std::move(name))),
-      params_(robot.session(), name_, options.Timeout(kAnswerTime)) {}
+      params_(robot.session(), name_, options.Timeout(kParamAnswerTime)) {}
 
 ParamView OfferedParams::Snapshot() { return Required(params_.Snapshot()); }
 

@@ -1,0 +1,100 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/command_run.hpp"
+#include "hgros/params/param_codec.hpp"
+#include "hgros/params/param_service.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using foxglove::Log;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class HgrosCompletion : public testing::Test {
+ protected:
+  // What bash offers for the words, where the last one is unfinished. `words` are quoted as bash needs it.
+  [[nodiscard]] std::vector<std::string> InBash(const std::string& words, const std::string& options = "") const {
+    const std::string script = "source <(\"$HGROS\" completion bash) || exit 1; COMP_WORDS=(\"$HGROS\" " + words +
+                               "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); " + options +
+                               " _hgros \"$HGROS\"; ((${#COMPREPLY[@]})) && printf \"%s\\n\" \"${COMPREPLY[@]}\"";
+    setenv("HGROS", HGROS_COMMAND, 1);
+    setenv("COMPLETION_SCRIPT", script.c_str(), 1);
+    setenv("HGROS_DOMAIN", robot_.environment().at("HGROS_DOMAIN").c_str(), 1);
+    FILE* bash = popen("bash -c \"$COMPLETION_SCRIPT\" 2>&1", "r");
+    unsetenv("HGROS_DOMAIN");
+    std::string out;
+    for (int c = 0; (c = std::fgetc(bash)) != EOF;) out += static_cast<char>(c);
+    (void)pclose(bash);
+    return LinesOf(out);
+  }
+
+  RobotForCommands robot_{"robot"};
+};
+
+TEST_F(HgrosCompletion, OffersCommandsAndOptionsInBash) {
+  EXPECT_THAT(InBash("par"), ElementsAre("param"));
+  EXPECT_THAT(InBash("param ge"), ElementsAre("get"));
+  EXPECT_THAT(InBash("list --js"), ElementsAre("--json"));
+  EXPECT_THAT(InBash("list se"), ElementsAre("sessions", "services"));
+}
+
+TEST_F(HgrosCompletion, OffersLiveNamesInBash) {
+  const auto scan = robot_.session().Advertise<Log>("scan/front");
+  const auto scans = robot_.session().Advertise<Log>("scan/rear");
+  const Service service = robot_.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
+  ParamServer server;
+  (void)server.Declare("matcher.method", std::string("icp"), {.choices = {"icp", "ndt"}});
+  const ParamService params(robot_.session(), server);
+  EXPECT_THAT(InBash("echo sc"), ElementsAre("scan/front", "scan/rear"));
+  EXPECT_THAT(InBash("param get \"\""), ElementsAre("matcher.method", "robot"));
+  EXPECT_THAT(InBash("param get robot ma"), ElementsAre("matcher.method"));
+  EXPECT_THAT(InBash("param set robot matcher.method \"\""), ElementsAre("icp", "ndt"));
+}
+
+TEST_F(HgrosCompletion, LeavesFilesToTheShell) {
+  EXPECT_THAT(InBash("list --config fi", "compopt() { printf \"%s\\n\" \"$*\"; };"), ElementsAre("-o default"));
+  EXPECT_THAT(InBash("list --config = fi", "compopt() { printf \"%s\\n\" \"$*\"; };"), ElementsAre("-o default"));
+}
+
+TEST_F(HgrosCompletion, NamesOfARobotAreNeverRunByTheShell) {
+  const std::string trap = testing::TempDir() + "hgros_trap_" + std::to_string(RandomId());
+  const auto hostile = robot_.session().Advertise<Log>("x$(touch${IFS}" + trap + ")");
+  const std::vector<std::string> offered = InBash("echo x");
+  ASSERT_EQ(offered.size(), 1U);
+  EXPECT_THAT(offered[0], testing::StartsWith("x\\$\\(touch\\$\\{IFS\\}"));
+  EXPECT_FALSE(std::filesystem::exists(trap));
+}
+
+TEST_F(HgrosCompletion, SaysNothingWhenSomethingIsWrong) {
+  EXPECT_THAT(InBash("nothing \"\""), IsEmpty());
+  EXPECT_THAT(InBash("param get nobody x"), IsEmpty());
+  EXPECT_THAT(InBash("echo --connect nowhere \"\""), IsEmpty());
+  const CommandEnd end = robot_.Run({"__complete", "--", "echo", "--domain", "no good", ""});
+  EXPECT_EQ(end.out + end.err, "");
+}
+
+TEST_F(HgrosCompletion, HasAScriptForEachShell) {
+  for (const char* shell : {"bash", "zsh", "fish"}) {
+    const CommandEnd end = RunToEnd({"completion", shell});
+    EXPECT_EQ(end.status, 0);
+    EXPECT_THAT(end.out, testing::HasSubstr("__complete -- "));
+  }
+  EXPECT_EQ(RunToEnd({"completion"}).status, 2);
+  EXPECT_EQ(RunToEnd({"completion", "tcsh"}).status, 2);
+}
+
+TEST(HgrosVersion, IsThatOfTheProject) {
+  EXPECT_THAT(RunToEnd({"--version"}).out, testing::MatchesRegex("hgros [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+}  // namespace
+}  // namespace hgros::cli
