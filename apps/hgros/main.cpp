@@ -58,6 +58,9 @@ int Main(std::vector<std::string> words) {
   } catch (const ConfigError& error) {
     console.Say(Visible(error.what()));
     return kWrongUsage;
+  } catch (const TimedOut& error) {
+    console.Say(Visible(error.what()));
+    return kTimedOut;
   } catch (const std::exception& error) {
     console.Say(Visible(error.what()));
     return kFailed;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -145,6 +146,20 @@ void RobotForCommands::AwaitAnnounced() const {
   if (!test::Await([&] { return uses(*observer, session_->id()) >= uses(*session_, session_->id()); })) {
     throw Error("the robot is not announced");
   }
+}
+
+std::vector<std::vector<std::string>> ExamplesOf(const std::string& command) {
+  std::vector<std::vector<std::string>> examples;
+  bool begun = false;
+  std::istringstream name("help " + command);
+  const std::vector<std::string> help{std::istream_iterator<std::string>(name), std::istream_iterator<std::string>()};
+  for (const std::string& line : LinesOf(RunToEnd(help).out)) {
+    if (line == "Examples:") begun = true;
+    if (!begun || !line.starts_with("  hgros ") || line.find_first_of("'\"|>") != std::string::npos) continue;
+    std::istringstream words(line.substr(8));
+    examples.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
+  }
+  return examples;
 }
 
 std::vector<std::string> LinesOf(const std::string& text) {

@@ -71,6 +71,9 @@ class RobotForCommands {
   std::unique_ptr<Session> session_;
 };
 
+/// The examples in the help of a command, as arguments. Those with quotes, pipes or files of a shell are left out.
+std::vector<std::vector<std::string>> ExamplesOf(const std::string& command);
+
 /// The lines of a text.
 std::vector<std::string> LinesOf(const std::string& text);
 

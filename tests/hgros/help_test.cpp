@@ -18,7 +18,7 @@ TEST(HgrosHelp, ListsAllCommandsAndEndsWithZero) {
 }
 
 TEST(HgrosHelp, ExplainsACommandWithTwoExamples) {
-  for (const char* command : {"list", "echo", "doctor", "graph", "help"}) {
+  for (const char* command : {"list", "echo", "doctor", "graph", "help", "completion"}) {
     const CommandEnd end = RunToEnd({"help", command});
     EXPECT_EQ(end.status, 0);
     const std::string examples = end.out.substr(end.out.find("Examples:"));
@@ -35,6 +35,21 @@ TEST(HgrosHelp, NamesTheNearestCommandAndOption) {
   const CommandEnd option = RunToEnd({"list", "--domian", "x"});
   EXPECT_EQ(option.status, 2);
   EXPECT_EQ(option.err, "hgros: --domian is not an option. Did you mean --domain?\n");
+}
+
+TEST(HgrosHelp, ExplainsACommandOfAFamily) {
+  const CommandEnd end = RunToEnd({"help", "param", "get"});
+  EXPECT_EQ(end.status, 0);
+  EXPECT_THAT(end.out, HasSubstr("Usage: hgros param get [SESSION] [PATH] [OPTIONS]\n"));
+  EXPECT_EQ(RunToEnd({"param", "get", "--help"}).out, end.out);
+  EXPECT_EQ(RunToEnd({"param", "--help"}).status, 0);
+  EXPECT_EQ(RunToEnd({"help", "list", "all"}).err, "hgros: \"all\" is one argument too many.\n");
+}
+
+TEST(HgrosHelp, TakesListsAndNegativeNumbersAsValues) {
+  EXPECT_THAT(RunToEnd({"list", "[a,b]"}).err, HasSubstr("WHAT: \"[a,b]\" is not one of:"));
+  EXPECT_THAT(RunToEnd({"echo", "scan", "--rate", "-1.5"}).err, HasSubstr("\"-1.5\" is not a number above zero."));
+  EXPECT_EQ(RunToEnd({"list", "nodes", "-1"}).err, "hgros: -1 is not an option.\n");
 }
 
 TEST(HgrosHelp, RefusesValuesThatAreNoNumbers) {

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -27,7 +28,7 @@ class HgrosParam : public testing::Test {
     (void)server_.Declare("gains", std::vector<int>{1, 2});
     service_.emplace(robot_.session(), server_);
   }
-  ~HgrosParam() override { std::filesystem::remove(file_); }
+  ~HgrosParam() override { std::filesystem::remove_all(file_); }
 
   RobotForCommands robot_{"robot"};
   ParamServer server_;
@@ -149,6 +150,35 @@ TEST_F(HgrosParam, LoadsAllOrNothingAndNamesThePlaceOfAFault) {
   const CommandEnd broken = robot_.Run({"param", "load", "robot", file_});
   EXPECT_EQ(broken.status, 2);
   EXPECT_THAT(broken.err, HasSubstr(file_ + ":"));
+}
+
+TEST_F(HgrosParam, EndsWithCode3WhenTheAnswerIsLate) {
+  std::promise<void> release;
+  const auto blocked = server_.AddValidator("gains", [&](const ParamEvent&) -> std::optional<std::string> {
+    release.get_future().wait();
+    return std::nullopt;
+  });
+  const CommandEnd end = robot_.Run({"param", "set", "robot", "gains", "[7]", "--timeout", "0.3"});
+  release.set_value();
+  EXPECT_EQ(end.status, 3);
+  EXPECT_EQ(end.err, "hgros: The session \"robot\" did not answer in time, but it may still do so.\n");
+}
+
+TEST_F(HgrosParam, RunsItsExamples) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::create_directory(file_);
+  std::filesystem::current_path(file_);
+  std::ofstream("new.yaml") << "wheels: {radius: 0.1}\n";
+  for (const char* command : {"list", "get", "describe", "set", "save", "load"}) {
+    const auto examples = ExamplesOf("param " + std::string(command));
+    EXPECT_GE(examples.size(), 2U) << command;
+    for (const std::vector<std::string>& example : examples) {
+      const CommandEnd end = robot_.Run(example);
+      EXPECT_EQ(end.status, 0) << testing::PrintToString(example) << end.err;
+    }
+  }
+  EXPECT_EQ(server_.Get<double>("wheels.radius"), 0.1);
+  std::filesystem::current_path(before);
 }
 
 TEST_F(HgrosParam, EscapesWhatATerminalWouldObey) {

@@ -124,6 +124,20 @@ TEST_F(HgrosTf, DrawsAnImage) {
   std::filesystem::remove(file);
 }
 
+TEST_F(HgrosTf, RunsItsExamples) {
+  for (const char* command : {"tf tree", "tf echo"}) {
+    const auto examples = ExamplesOf(command);
+    EXPECT_GE(examples.size(), 2U) << command;
+    for (std::vector<std::string> example : examples) {
+      if (example[1] == "echo") example.emplace_back("--once");
+      if (example[1] == "tree") example.insert(example.end(), {"--timeout", "0.5"});
+      const CommandEnd end = Run(example);
+      EXPECT_EQ(end.status, 0) << testing::PrintToString(example) << end.err;
+      EXPECT_NE(end.out, "");
+    }
+  }
+}
+
 TEST(HgrosTfAlone, EndsAtOnceWhenNothingRuns) {
   const RobotForCommands robot;
   const CommandEnd tree = robot.Run({"tf", "tree"});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "arguments/arguments.hpp"
+#include "hgros/base/error.hpp"
 
 namespace hgros::cli {
 
@@ -16,6 +17,12 @@ enum ExitCode : int {
   kFailed = 1,      ///< What was asked for is not there, was refused, or something is wrong.
   kWrongUsage = 2,  ///< The command line, or a file that it names.
   kTimedOut = 3,    ///< --timeout came first.
+};
+
+/// --timeout came first; what() says for what the command has waited.
+class TimedOut : public Error {
+ public:
+  using Error::Error;
 };
 
 class Console;

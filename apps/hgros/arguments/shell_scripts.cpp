@@ -68,7 +68,8 @@ function __hgros_complete
     set -q last[1]; or set last ''
     for line in ($before[1] __complete -- $before[2..-1] $last 2>/dev/null)
         if test "$line" = ':file'
-            __fish_complete_path $last
+            set -l option (string match -r -- '^--[^=]*=' $last; or echo '')
+            printf '%s\n' $option(__fish_complete_path (string replace -r -- '^--[^=]*=' '' $last))
         else
             printf '%s\n' $line
         end

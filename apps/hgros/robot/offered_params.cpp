@@ -28,12 +28,6 @@ std::string AwaitSession(const Robot& robot, const RobotOptions& options, std::s
   }
 }
 
-template <class T>
-T Required(RemoteParam<T> answer) {
-  if (!answer.ok()) throw ParamRefusal(answer.refusal);
-  return *std::move(answer);
-}
-
 void AppendValues(const ParamView& view, std::vector<std::pair<std::string, ParamNodePtr>>& values) {
   if (!view.exists()) return;
   if (view.node()->kind != ParamNode::Kind::kMap || (view.size() == 0 && !view.path().empty())) {
@@ -74,20 +68,32 @@ std::string OnlyParamSession(const Robot& robot) {
 }
 
 OfferedParams::OfferedParams(Robot& robot, const RobotOptions& options, std::string name)
-    : name_(AwaitSession(robot, options, std::move(name))),
+    : options_(options),
+      name_(AwaitSession(robot, options, std::move(name))),
       params_(robot.session(), name_, options.Timeout(kParamAnswerTime)) {}
 
-ParamView OfferedParams::Snapshot() { return Required(params_.Snapshot()); }
+template <class Ask>
+auto OfferedParams::Asked(const Ask& ask) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto answer = ask();
+  if (answer.ok()) return answer;
+  const bool late = options_.timeout_s && std::chrono::steady_clock::now() >= begin + options_.Timeout({});
+  if (late) throw TimedOut(answer.refusal);
+  throw ParamRefusal(answer.refusal);
+}
+
+ParamView OfferedParams::Snapshot() {
+  return *Asked([this] { return params_.Snapshot(); });
+}
 
 ParamView OfferedParams::At(const std::string& path) { return Existing(Snapshot(), path, ""); }
 
 std::vector<ParamDeclaration> OfferedParams::Declarations(const std::string& path) {
-  return Required(params_.Describe(path));
+  return *Asked([&] { return params_.Describe(path); });
 }
 
 void OfferedParams::Change(const std::vector<ParamChange>& changes, IfMissing if_missing) {
-  const ParamResult result = params_.Change(changes, if_missing);
-  if (!result.ok()) throw ParamRefusal(result.refusal);
+  (void)Asked([&] { return params_.Change(changes, if_missing); });
 }
 
 Subscription OfferedParams::Watch(const std::string& path, ParamListener listener) {
@@ -137,6 +143,9 @@ int WriteParams(Robot& robot, const RobotOptions& options, const std::vector<std
     } catch (const ParamRefusal& refusal) {
       robot.surroundings().console.Say(Visible(refusal.what()));
       code = kFailed;
+    } catch (const TimedOut& late) {
+      robot.surroundings().console.Say(Visible(late.what()));
+      code = kTimedOut;
     }
   }
   records.End();

@@ -21,10 +21,10 @@ class ParamRefusal : public Error {
   using Error::Error;
 };
 
-/// The parameters that a session offers. Failures are thrown as ParamRefusal.
+/// The parameters that a session offers. Failures are thrown as ParamRefusal, or as TimedOut if there is a --timeout.
 class OfferedParams {
  public:
-  /// Waits a second for the session, or --timeout. Throws ParamRefusal with the nearest name if it does not come.
+  /// Waits a second for the session, or --timeout. Throws with the nearest name if it does not come.
   OfferedParams(Robot& robot, const RobotOptions& options, std::string name);
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -36,6 +36,10 @@ class OfferedParams {
   [[nodiscard]] Subscription Watch(const std::string& path, ParamListener listener);
 
  private:
+  template <class Ask>
+  auto Asked(const Ask& ask);
+
+  const RobotOptions& options_;
   const std::string name_;
   RemoteParams params_;
 };
