@@ -185,7 +185,11 @@ Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, P
   const std::size_t size = payload.bytes.size();
   // Reserve() has not found a size above the limit in two cases: a codec that shares a message of little memory, and a
   // subscriber that came later.
-  if (payload.owner != nullptr && size <= kMaxMessageBytes) return payload;
+  if (payload.owner != nullptr && size <= kMaxMessageBytes) {
+    encoded_.fetch_add(1, std::memory_order_relaxed);
+    encoded_bytes_.fetch_add(size, std::memory_order_relaxed);
+    return payload;
+  }
   not_encodable_.fetch_add(1, std::memory_order_relaxed);
   try {
     log_->WriteLimited(LogLevel::kError, "encode " + channel_,
@@ -288,6 +292,8 @@ std::vector<SessionId> ChannelOutlet::Subscribers() const {
 }
 
 void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
+  traffic.encoded = encoded_.load(std::memory_order_relaxed);
+  traffic.encoded_bytes = encoded_bytes_.load(std::memory_order_relaxed);
   traffic.not_encodable = not_encodable_.load(std::memory_order_relaxed);
   traffic.loans = loans_.load(std::memory_order_relaxed);
   traffic.heap_loans = heap_loans_.load(std::memory_order_relaxed);

@@ -53,6 +53,8 @@ void Fill(Snapshot::Node& message, const NodeSnapshot& node) {
 }
 
 void Fill(Snapshot::Channel& message, const ChannelTraffic& traffic) {
+  message.set_encoded(traffic.encoded);
+  message.set_encoded_bytes(traffic.encoded_bytes);
   message.set_sent(traffic.out.sent);
   message.set_send_dropped(traffic.out.dropped + traffic.out.missed);
   std::uint64_t lost = 0;

@@ -48,6 +48,26 @@ TEST(ChannelTraffic, CountsMessagesThatASlowKeepLastSubscriberMisses) {
   EXPECT_EQ(TrafficOf(talker, "notes").out.dropped, TrafficOf(listener, "notes").in[0].lost);
 }
 
+TEST(ChannelTraffic, CountsTheBytesOfAMessageOnceForAllSubscribers) {
+  const Bus bus;
+  Robot talker(bus.Publishing("a"));
+  Robot one(bus.Subscribing("a"));
+  Robot other(bus.Subscribing("a"));
+  Notes heard;
+  Notes also;
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_EQ(publish(std::make_unique<Note>("nobody listens")), PublishStatus::kOk);
+  EXPECT_EQ(TrafficOf(talker, "notes").encoded, 0U);
+  const auto first = one->FromAny<Note>("notes", Invoke::kSerial, std::ref(heard));
+  const auto second = other->FromAny<Note>("notes", Invoke::kSerial, std::ref(also));
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 2, kPatience));
+  ASSERT_EQ(publish(std::make_unique<Note>("four")), PublishStatus::kOk);
+  ASSERT_EQ(publish(std::make_unique<Note>("sevenup")), PublishStatus::kOk);
+  const ChannelTraffic traffic = TrafficOf(talker, "notes");
+  EXPECT_EQ(traffic.encoded, 2U);
+  EXPECT_EQ(traffic.encoded_bytes, 11U);
+}
+
 TEST(ChannelTraffic, CountsMessagesThatCannotBeEncodedOrDecoded) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));

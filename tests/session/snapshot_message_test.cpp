@@ -26,6 +26,8 @@ TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   counted.graph.channels.push_back({.name = "inside", .type = "U", .published = 1, .nodes = {}});
   ChannelTraffic traffic;
   traffic.channel = "a";
+  traffic.encoded = 41;
+  traffic.encoded_bytes = 4200;
   traffic.out.sent = 21;
   traffic.out.dropped = 22;
   traffic.out.missed = 1;
@@ -50,6 +52,8 @@ TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   EXPECT_EQ(a.published(), 11U);
   EXPECT_EQ(a.refused(), 12U);
   EXPECT_EQ(a.received(), 13U);
+  EXPECT_EQ(a.encoded(), 41U);
+  EXPECT_EQ(a.encoded_bytes(), 4200U);
   EXPECT_EQ(a.sent(), 21U);
   EXPECT_EQ(a.send_dropped(), 23U);
   EXPECT_EQ(a.lost(), 7U);

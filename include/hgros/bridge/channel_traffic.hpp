@@ -25,6 +25,8 @@ struct PublisherTraffic {
 struct ChannelTraffic {
   std::string channel;
   OutboundStats out;                ///< Summed over the transports.
+  std::uint64_t encoded = 0;        ///< Messages written for other sessions, once for all of them.
+  std::uint64_t encoded_bytes = 0;  ///< The bytes of these.
   std::uint64_t not_encodable = 0;  ///< Messages whose codec refused to write them.
   std::uint64_t loans = 0;          ///< Blocks that Session::Loan returned.
   std::uint64_t heap_loans = 0;     ///< Loans in ordinary memory: no subscriber on this host, or no shared memory left.

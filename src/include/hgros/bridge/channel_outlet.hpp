@@ -113,6 +113,9 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   mutable std::mutex order_mutex_;
   std::shared_ptr<JoinedOutbound> transports_;
   std::uint64_t sequence_ = 0;
+  // Each message writes the members above, too, so that these cost no further cache line.
+  std::atomic<std::uint64_t> encoded_{0};
+  std::atomic<std::uint64_t> encoded_bytes_{0};
 
   std::mutex latch_mutex_;
   std::deque<Kept> kept_;
