@@ -18,7 +18,7 @@ TEST(HgrosHelp, ListsAllCommandsAndEndsWithZero) {
 }
 
 TEST(HgrosHelp, ExplainsACommandWithTwoExamples) {
-  for (const char* command : {"list", "echo", "doctor", "graph", "help", "completion"}) {
+  for (const char* command : {"list", "info", "echo", "hz", "bw", "delay", "doctor", "graph", "help", "completion"}) {
     const CommandEnd end = RunToEnd({"help", command});
     EXPECT_EQ(end.status, 0);
     const std::string examples = end.out.substr(end.out.find("Examples:"));

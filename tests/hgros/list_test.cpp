@@ -4,6 +4,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -19,14 +20,43 @@ TEST(HgrosList, ShowsChannelsWithTypeUsersAndLatchedMessages) {
   const CommandEnd end = robot.Run({"list"});
   EXPECT_EQ(end.status, 0);
   EXPECT_EQ(end.err, "");
-  EXPECT_THAT(LinesOf(end.out), testing::ElementsAre("CHANNEL  TYPE          PUB  SUB  RATE  LATCHED",
+  EXPECT_THAT(LinesOf(end.out), testing::ElementsAre("CHANNEL  TYPE          PUB  SUB  RATE  LATCHED  VIA",
                                                      "status   foxglove.Log    1    0     -        2",
                                                      "wish     foxglove.Log    0    1              -"));
   const std::vector<std::string> json = LinesOf(robot.Run({"list", "--json"}).out);
   ASSERT_EQ(json.size(), 2U);
   EXPECT_EQ(json[0],
             "{\"channel\":\"status\",\"type\":\"foxglove.Log\",\"publishers\":1,\"subscribers\":0,\"rate_hz\":0,"
-            "\"latched\":2}");
+            "\"latched\":2,\"via\":[]}");
+}
+
+TEST(HgrosList, ShowsOverWhichTransportsMessagesGo) {
+  RobotForCommands robot;
+  const auto publish = robot.session().Advertise<Log>("status");
+  const Subscription own = robot.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {});
+  EXPECT_THAT(robot.Run({"list", "--json"}).out, HasSubstr("\"via\":[\"process\"]"));
+  CommandRun other({"echo", "status"}, robot.environment());
+  ASSERT_TRUE(robot.session().WaitForSubscribers("status", 1, test::kPatience));
+  const auto line = [&] { return robot.Run({"list", "--json"}).out; };
+  EXPECT_TRUE(test::Await([&] { return line().find("\"via\":[\"process\",\"shared memory\"]") != std::string::npos; }))
+      << line();
+}
+
+TEST(HgrosList, ShowsFramesWithParentAgeAndPublisher) {
+  RobotForCommands robot("patrol");
+  Transforms transforms(robot.session());
+  transforms.ToStaticTF("base", "laser", RigidTransform());
+  EXPECT_THAT(
+      LinesOf(robot.Run({"list", "frames"}).out),
+      testing::ElementsAre("FRAME  PARENT  STATIC  AGE  PUBLISHER", "base", "laser  base    yes          patrol"));
+  const NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(20), [&](const Tick&) {
+    transforms.ToTF(WallNow(), "map", "base", RigidTransform());
+  });
+  const std::vector<std::string> lines = LinesOf(robot.Run({"list", "frames", "--json"}).out);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0], "{\"frame\":\"map\",\"parent\":null,\"static\":null,\"age_ns\":null,\"publisher\":null}");
+  EXPECT_THAT(lines[1], testing::StartsWith("{\"frame\":\"base\",\"parent\":\"map\",\"static\":false,\"age_ns\":"));
+  EXPECT_THAT(lines[2], HasSubstr("\"frame\":\"laser\",\"parent\":\"base\",\"static\":true"));
 }
 
 TEST(HgrosList, ShowsTheRateThatThePublisherCounts) {
@@ -55,7 +85,7 @@ TEST(HgrosList, ShowsSessionsNodesAndServices) {
 }
 
 TEST(HgrosList, WritesNothingWhenNothingRuns) {
-  for (const char* what : {"channels", "sessions", "nodes", "services", "params"}) {
+  for (const char* what : {"channels", "sessions", "nodes", "services", "params", "frames"}) {
     const CommandEnd end = RunToEnd({"list", what}, {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
     EXPECT_EQ(end.status, 0) << what;
     EXPECT_EQ(end.out, "") << what;

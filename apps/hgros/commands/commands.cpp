@@ -15,7 +15,11 @@ constexpr std::string_view kThis = "This program";
 
 constexpr std::array kCommands{
     CommandEntry{"list", "List channels, sessions, nodes, services, parameters or frames", kSee, MakeList},
+    CommandEntry{"info", "Show everything about a channel, session, node or service", kSee, MakeInfo},
     CommandEntry{"echo", "Show the messages of channels", kSee, MakeEcho},
+    CommandEntry{"hz", "Show how often messages are published", kSee, MakeHz},
+    CommandEntry{"bw", "Show how many bytes per second are published", kSee, MakeBw},
+    CommandEntry{"delay", "Show how long messages take to their receivers", kSee, MakeDelay},
     CommandEntry{"param", "Show and change the parameters of sessions", kSee, nullptr},
     CommandEntry{"param list", "List parameters with their values", kSee, MakeParamList},
     CommandEntry{"param get", "Show the value of a parameter, or of all below a path", kSee, MakeParamGet},

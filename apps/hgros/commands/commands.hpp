@@ -19,12 +19,16 @@ namespace hgros::cli {
 [[nodiscard]] const CommandEntry& TakeCommand(std::vector<std::string>& words);
 
 // One for each file of this folder.
+std::unique_ptr<Command> MakeBw();
 std::unique_ptr<Command> MakeComplete();
 std::unique_ptr<Command> MakeCompletion();
+std::unique_ptr<Command> MakeDelay();
 std::unique_ptr<Command> MakeDoctor();
 std::unique_ptr<Command> MakeEcho();
 std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();
+std::unique_ptr<Command> MakeHz();
+std::unique_ptr<Command> MakeInfo();
 std::unique_ptr<Command> MakeList();
 std::unique_ptr<Command> MakeManual();
 std::unique_ptr<Command> MakeParamDescribe();

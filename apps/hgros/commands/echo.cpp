@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "commands/commands.hpp"
-#include "hgros/base/names.hpp"
 #include "hgros/codec/dynamic_schema.hpp"
 #include "messages/csv.hpp"
 #include "messages/filter.hpp"
 #include "messages/message_text.hpp"
+#include "robot/measuring.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
 #include "terminal/pause.hpp"
@@ -262,25 +262,9 @@ class Echo final : public Command {
   int Run(Surroundings& surroundings) override;
 
  private:
-  void WarnOfChannels(Robot& robot) const;
-
   EchoOptions options_;
   RobotOptions robot_options_;
 };
-
-// Nobody may publish yet, so this is no error.
-void Echo::WarnOfChannels(Robot& robot) const {
-  std::vector<std::string> published;
-  for (const KnownChannel& channel : robot.Channels(true)) {
-    if (!channel.publishers.empty()) published.push_back(channel.name);
-  }
-  for (const std::string& name : options_.channels) {
-    if (std::ranges::find(published, name) != published.end()) continue;
-    const std::string nearest = NearestName(name, published);
-    robot.surroundings().console.Say("Nobody publishes on " + Visible(name) + " yet." +
-                                     (nearest.empty() ? "" : " Did you mean " + Visible(nearest) + "?"));
-  }
-}
 
 int Echo::Run(Surroundings& surroundings) {
   if (options_.csv + options_.raw + robot_options_.style.json > 1) {
@@ -305,7 +289,7 @@ int Echo::Run(Surroundings& surroundings) {
         },
         {.name = "echo " + channel, .queue = queue}));
   }
-  WarnOfChannels(robot);
+  WarnOfUnpublished(robot, options_.channels);
   const auto deadline = std::chrono::steady_clock::now() + robot_options_.Timeout(std::chrono::hours(24 * 365));
   Pause::End end = Pause::End::kWoken;
   while (!printer.done() && end == Pause::End::kWoken) end = surroundings.pause.Until(deadline);

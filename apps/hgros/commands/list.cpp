@@ -59,13 +59,15 @@ void List::ListChannels(Robot& robot) const {
                    {"publishers", "PUB", true},
                    {"subscribers", "SUB", true},
                    {"rate_hz", "RATE", true},
-                   {"latched", "LATCHED", true}});
+                   {"latched", "LATCHED", true},
+                   {"via", "VIA"}});
   for (const KnownChannel& channel : robot.Channels(all_)) {
     if (!all_ && channel.name.starts_with("params/")) continue;
     const PublishedTotals totals = TotalsOf(counters, channel);
     records.Add({channel.name, channel.type_name, std::uint64_t{channel.publishers.size()},
                  std::uint64_t{channel.subscribers.size()}, RateOf(totals, options_.style),
-                 totals.latched == 0 ? Cell(totals.latched, "-") : Cell(totals.latched)});
+                 totals.latched == 0 ? Cell(totals.latched, "-") : Cell(totals.latched),
+                 TransportsOf(counters, channel)});
   }
   records.End();
 }

@@ -1,6 +1,7 @@
 #include "robot/overview.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace hgros::cli {
 
@@ -8,8 +9,8 @@ const Snapshot::Channel* CountersOf(const AllCounters& counters, SessionId sessi
   const auto found = counters.find(session);
   if (found == counters.end()) return nullptr;
   const auto& channels = found->second->channels();
-  const auto one = std::ranges::find(channels, channel, &Snapshot::Channel::name);
-  return one == channels.end() ? nullptr : &*one;
+  const auto one = std::ranges::lower_bound(channels, channel, {}, &Snapshot::Channel::name);
+  return one == channels.end() || one->name() != channel ? nullptr : &*one;
 }
 
 PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel) {
@@ -19,10 +20,36 @@ PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channe
     if (one == nullptr) continue;
     totals.known = true;
     totals.published += one->published();
+    totals.encoded += one->encoded();
+    totals.encoded_bytes += one->encoded_bytes();
     totals.rate_hz += one->rate_hz();
     totals.latched = std::max<std::uint64_t>(totals.latched, one->latched());
   }
   return totals;
+}
+
+Way WayBetween(const AllCounters& counters, SessionId publisher, SessionId subscriber) {
+  if (publisher == subscriber) return {"process", ""};
+  for (const auto& [from, to] : {std::pair(publisher, subscriber), std::pair(subscriber, publisher)}) {
+    const auto found = counters.find(from);
+    if (found == counters.end()) continue;
+    const auto& peers = found->second->peers();
+    const auto peer = std::ranges::find(peers, to.value, &Snapshot::Peer::session);
+    if (peer != peers.end()) return {peer->transport(), peer->why()};
+  }
+  return {};
+}
+
+std::vector<std::string> TransportsOf(const AllCounters& counters, const KnownChannel& channel) {
+  std::vector<std::string> all;
+  for (const ChannelUser& from : channel.publishers) {
+    for (const ChannelUser& to : channel.subscribers) {
+      std::string transport = WayBetween(counters, from.session, to.session).transport;
+      if (!transport.empty() && std::ranges::find(all, transport) == all.end()) all.push_back(std::move(transport));
+    }
+  }
+  std::ranges::sort(all);
+  return all;
 }
 
 std::string_view ServiceOf(std::string_view channel) noexcept {

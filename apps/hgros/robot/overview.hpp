@@ -26,8 +26,19 @@ struct PublishedTotals {
   double rate_hz = 0;
   std::uint64_t published = 0;
   std::uint64_t latched = 0;
+  std::uint64_t encoded = 0;        ///< Messages written for other sessions.
+  std::uint64_t encoded_bytes = 0;  ///< The bytes of these.
 };
 [[nodiscard]] PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel);
+
+/// How the messages of one session come to another.
+struct Way {
+  std::string transport;  ///< "process", "shared memory" or "ZeroMQ"; empty: unknown.
+  std::string why;        ///< Why that transport was chosen; may be empty.
+};
+[[nodiscard]] Way WayBetween(const AllCounters& counters, SessionId publisher, SessionId subscriber);
+/// The transports over which a channel's messages go, each once.
+[[nodiscard]] std::vector<std::string> TransportsOf(const AllCounters& counters, const KnownChannel& channel);
 
 /// The name of a service if the channel carries its calls, or empty.
 [[nodiscard]] std::string_view ServiceOf(std::string_view channel) noexcept;

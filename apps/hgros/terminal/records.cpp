@@ -58,33 +58,35 @@ std::string Cell::Shown() const {
       value_);
 }
 
+void WriteMembers(Json& json, const std::vector<Column>& columns, const std::vector<Cell>& cells) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (!columns[i].key.empty()) Write(json.Key(columns[i].key), cells[i].value());
+  }
+}
+
 Records::Records(Console& console, OutputStyle style, std::vector<Column> columns)
     : console_(console), style_(style), columns_(std::move(columns)) {}
 
 void Records::Add(std::vector<Cell> cells) {
   ++count_;
-  if (style_.json) return WriteJson(cells);
-  rows_.push_back(std::move(cells));
-}
-
-void Records::WriteJson(const std::vector<Cell>& cells) {
-  Json json;
-  json.BeginObject();
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (!columns_[i].key.empty()) Write(json.Key(columns_[i].key), cells[i].value());
+  if (style_.json) {
+    Json json;
+    WriteMembers(json.BeginObject(), columns_, cells);
+    json.EndObject();
+    return console_.Line(json.text());
   }
-  json.EndObject();
-  console_.Line(json.text());
+  rows_.push_back(std::move(cells));
 }
 
 void Records::End() {
   if (rows_.empty()) return;
   std::vector<std::vector<std::string>> shown(rows_.size());
-  std::vector<std::size_t> widths(columns_.size());
+  const bool first = widths_.empty();
+  widths_.resize(columns_.size());
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    widths[c] = ColumnsOf(columns_[c].heading);
+    if (first) widths_[c] = std::max(columns_[c].least, ColumnsOf(columns_[c].heading));
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-      widths[c] = std::max(widths[c], ColumnsOf(shown[r].emplace_back(rows_[r][c].Shown())));
+      widths_[c] = std::max(widths_[c], ColumnsOf(shown[r].emplace_back(rows_[r][c].Shown())));
     }
   }
   const auto line = [&](const auto& text_of, const auto& style_of) {
@@ -93,19 +95,22 @@ void Records::End() {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       if (columns_[c].heading.empty()) continue;
       const std::string& cell = text_of(c);
-      const std::size_t space = widths[c] - ColumnsOf(cell);
+      const std::size_t space = widths_[c] - ColumnsOf(cell);
       if (!cell.empty()) {
         text.append(behind + (columns_[c].right ? space : 0), ' ');
         text += console_.Styled(style_of(c), cell);
         behind = columns_[c].right ? kGap : space + kGap;
       } else {
-        behind += widths[c] + kGap;
+        behind += widths_[c] + kGap;
       }
     }
     return text + "\n";
   };
-  std::string table = line([&](std::size_t c) -> const std::string& { return columns_[c].heading; },
-                           [](std::size_t) { return Style::kBold; });
+  std::string table;
+  if (first) {
+    table = line([&](std::size_t c) -> const std::string& { return columns_[c].heading; },
+                 [](std::size_t) { return Style::kBold; });
+  }
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     table += line([&](std::size_t c) -> const std::string& { return shown[r][c]; },
                   [&](std::size_t c) { return rows_[r][c].style(); });

@@ -10,6 +10,8 @@
 
 namespace hgros::cli {
 
+class Json;
+
 /// A value that is JSON already.
 struct JsonText {
   std::string text;
@@ -30,6 +32,7 @@ class Cell {
   Cell(std::vector<std::string> list) : value_(std::move(list)) {}  // NOLINT(google-explicit-constructor)
   /// A number with its text for people, such as "10.0 Hz".
   Cell(double value, std::string shown) : value_(value), shown_(std::move(shown)) {}
+  Cell(bool value, std::string shown) : value_(value), shown_(std::move(shown)) {}
   Cell(std::uint64_t value, std::string shown) : value_(value), shown_(std::move(shown)) {}
   Cell(std::int64_t value, std::string shown) : value_(value), shown_(std::move(shown)) {}
 
@@ -53,10 +56,14 @@ class Cell {
 };
 
 struct Column {
-  std::string key;      ///< In JSON, with its unit, such as rate_hz; empty: only in the table.
-  std::string heading;  ///< Of the table; empty: only in JSON.
-  bool right = false;   ///< Numbers are aligned on the right.
+  std::string key;        ///< In JSON, with its unit, such as rate_hz; empty: only in the table.
+  std::string heading;    ///< Of the table; empty: only in JSON.
+  bool right = false;     ///< Numbers are aligned on the right.
+  std::size_t least = 0;  ///< Its width in characters at least, for records that are added after End().
 };
+
+/// The cells as members of the JSON object that was begun.
+void WriteMembers(Json& json, const std::vector<Column>& columns, const std::vector<Cell>& cells);
 
 /// Records with the same columns: an aligned table when all are known, or one JSON object per line at once.
 ///
@@ -67,17 +74,16 @@ class Records {
 
   /// One cell per column.
   void Add(std::vector<Cell> cells);
-  /// Writes the table. Without records: nothing.
+  /// Writes the table. Without records: nothing. More records may follow, and another End(): they continue the table.
   void End();
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
 
  private:
-  void WriteJson(const std::vector<Cell>& cells);
-
   Console& console_;
   const OutputStyle style_;
   const std::vector<Column> columns_;
   std::vector<std::vector<Cell>> rows_;
+  std::vector<std::size_t> widths_;  // Of the table so far; empty: it has not begun.
   std::size_t count_ = 0;
 };
 

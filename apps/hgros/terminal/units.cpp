@@ -9,6 +9,9 @@
 namespace hgros::cli {
 namespace {
 
+constexpr const char* kBytes[] = {"B", "kB", "MB", "GB", "TB"};
+constexpr const char* kTimes[] = {"ns", "us", "ms", "s"};
+
 std::string ThreeDigits(double value) {
   const double size = std::abs(value);
   if (value == 0) return "0";
@@ -37,9 +40,8 @@ std::string RateText(double hertz, bool exact) {
 
 std::string BytesText(double bytes, bool exact) {
   if (exact) return fmt::format("{:.0f}", bytes);
-  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB"};
   if (std::abs(bytes) < 1000 && bytes == std::floor(bytes)) return fmt::format("{:.0f} B", bytes);
-  return InUnits(bytes, 1000, kUnits);
+  return InUnits(bytes, 1000, kBytes);
 }
 
 std::string BandwidthText(double bytes_per_second, bool exact) {
@@ -49,9 +51,22 @@ std::string BandwidthText(double bytes_per_second, bool exact) {
 
 std::string DurationText(std::int64_t nanoseconds, bool exact) {
   if (exact) return fmt::format("{}", nanoseconds);
-  constexpr const char* kUnits[] = {"ns", "us", "ms", "s"};
   if (std::abs(nanoseconds) < 1000) return fmt::format("{} ns", nanoseconds);
-  return InUnits(static_cast<double>(nanoseconds), 1000, kUnits);
+  return InUnits(static_cast<double>(nanoseconds), 1000, kTimes);
+}
+
+std::string BoundText(double value, double step, double largest, Unit unit, bool exact) {
+  if (exact) return fmt::format("{:.0f}", value);
+  const std::span<const char* const> names =
+      unit == Unit::kBytes ? std::span<const char* const>(kBytes) : std::span<const char* const>(kTimes);
+  std::size_t chosen = 0;
+  for (; chosen + 1 < names.size() && largest >= 1000; ++chosen) {
+    value /= 1000;
+    step /= 1000;
+    largest /= 1000;
+  }
+  const int digits = step >= 1 || step <= 0 ? 0 : static_cast<int>(std::ceil(-std::log10(step) - 1e-9));
+  return fmt::format("{:.{}f} {}", value, digits, names[chosen]);
 }
 
 std::string TimeOfDay(std::int64_t nanoseconds) {

@@ -14,4 +14,8 @@ namespace hgros::cli {
 /// The time of day here, such as "14:05:33.125", from nanoseconds since 1970.
 [[nodiscard]] std::string TimeOfDay(std::int64_t nanoseconds);
 
+enum class Unit { kNanoseconds, kBytes };
+/// A bound of a histogram, in the unit that suits `largest` and with the digits that tell bounds `step` apart.
+[[nodiscard]] std::string BoundText(double value, double step, double largest, Unit unit, bool exact);
+
 }  // namespace hgros::cli

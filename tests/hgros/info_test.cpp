@@ -1,0 +1,83 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/command_run.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using foxglove::Log;
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A session that publishes on "status", receives it and serves "ask".
+struct PatrolRobot {
+  RobotForCommands robot{"patrol"};
+  Publisher<Log> publish = robot.session().Advertise<Log>("status", {.latched = 2});
+  Subscription heard = robot.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {},
+                                                    {.name = "hearing", .queue = Queue::KeepLast(3)});
+  Service service = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
+};
+
+TEST(HgrosInfo, DescribesAChannelWithItsUsersNodesAndTransports) {
+  PatrolRobot patrol;
+  patrol.publish(Log());
+  const CommandEnd text = patrol.robot.Run({"info", "status"});
+  EXPECT_EQ(text.status, 0);
+  EXPECT_EQ(text.err, "");
+  EXPECT_THAT(text.out, AllOf(HasSubstr("channel status\n  Type         foxglove.Log\n"),
+                              HasSubstr("  Latched      2\n"), HasSubstr("\nPUBLISHER "), HasSubstr("\nSUBSCRIBER "),
+                              HasSubstr("\nhearing  patrol:"), HasSubstr("  keep last 3  "), HasSubstr("  process\n")));
+  const std::string json = patrol.robot.Run({"info", "status", "--json"}).out;
+  EXPECT_EQ(LinesOf(json).size(), 1U);
+  EXPECT_THAT(
+      json, AllOf(HasSubstr("{\"kind\":\"channel\",\"name\":\"status\",\"type\":\"foxglove.Log\","),
+                  HasSubstr("\"publishers\":[{\"process\":\"patrol\",\"pid\":" + std::to_string(getpid())),
+                  HasSubstr("\"node\":\"hearing\""), HasSubstr("\"queue_depth\":3"), HasSubstr("\"via\":\"process\"")));
+}
+
+TEST(HgrosInfo, DescribesASessionByEachOfItsNames) {
+  PatrolRobot patrol;
+  for (const std::string& name :
+       {std::string("patrol"), "patrol:" + std::to_string(getpid()), patrol.robot.session().id().ToString()}) {
+    const CommandEnd end = patrol.robot.Run({"info", name});
+    EXPECT_EQ(end.status, 0) << name;
+    EXPECT_THAT(end.out, AllOf(HasSubstr("session patrol\n"), HasSubstr("  Memory "), HasSubstr("\nSERVES\nask\n"),
+                               HasSubstr("\nhearing  status ")))
+        << name;
+  }
+}
+
+TEST(HgrosInfo, DescribesNodesAndServices) {
+  PatrolRobot patrol;
+  EXPECT_THAT(patrol.robot.Run({"info", "hearing"}).out,
+              AllOf(HasSubstr("node hearing\n"), HasSubstr("  Queue        keep last 3\n")));
+  EXPECT_THAT(patrol.robot.Run({"info", "ask"}).out,
+              AllOf(HasSubstr("service ask\n  Request  foxglove.Log\n"), HasSubstr("\nSERVED BY\npatrol:")));
+}
+
+TEST(HgrosInfo, DescribesEverythingThatHasTheName) {
+  RobotForCommands robot("tick");
+  const auto publish = robot.session().Advertise<Log>("tick");
+  const Subscription heard = robot.session().FromAny<Log>("tick", Invoke::kSerial, [](const Log&) {}, {.name = "tick"});
+  EXPECT_THAT(robot.Run({"info", "tick"}).out,
+              AllOf(HasSubstr("channel tick\n"), HasSubstr("session tick\n"), HasSubstr("node tick\n")));
+}
+
+TEST(HgrosInfo, NamesTheNearestIfNothingHasTheName) {
+  PatrolRobot patrol;
+  const CommandEnd end = patrol.robot.Run({"info", "statsu", "patrol"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.err, "hgros: No channel, session, node or service is called statsu. Did you mean status?\n");
+  EXPECT_THAT(end.out, HasSubstr("session patrol\n"));
+  const CommandEnd nothing = RunToEnd({"info", "x"}, {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  EXPECT_EQ(nothing.status, 1);
+  EXPECT_EQ(nothing.err,
+            "hgros: No channel, session, node or service is called x. `hgros list` shows what there is.\n");
+}
+
+}  // namespace
+}  // namespace hgros::cli
