@@ -134,14 +134,14 @@ bool MessagePrinter::IsTooSoon(const std::string& channel) {
 }
 
 void MessagePrinter::AppendHead(const std::string& channel, const MessageInfo& info) {
-  constexpr std::int64_t kNanosPerSecond = 1'000'000'000;
+  constexpr std::int64_t kPerSecond = 1'000'000'000;
   if (options_.channels.size() == 1) return;
-  const std::time_t seconds = info.publish_time_ns / kNanosPerSecond;
+  const std::time_t seconds = info.publish_time_ns / kPerSecond;
   tm local{};
   localtime_r(&seconds, &local);
   out_ += surroundings_.console.Styled(
               Style::kDim, fmt::format("# {}  {:02}:{:02}:{:02}.{:06}", Visible(channel), local.tm_hour, local.tm_min,
-                                       local.tm_sec, info.publish_time_ns % kNanosPerSecond / 1000)) +
+                                       local.tm_sec, info.publish_time_ns % kPerSecond / 1000)) +
           "\n";
 }
 
