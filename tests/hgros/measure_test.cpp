@@ -84,6 +84,16 @@ TEST(HgrosHz, EndsSilentlyOnCtrlC) {
   EXPECT_EQ(run.err(), "");
 }
 
+TEST(HgrosHz, WritesTheHistogramOnCtrlC) {
+  TickingRobot ticking;
+  CommandRun run({"hz", "tick", "--receive"}, ticking.robot.environment());
+  ASSERT_TRUE(run.Prints("tick "));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  EXPECT_THAT(run.out(), HasSubstr("HISTOGRAM"));
+  EXPECT_EQ(run.err(), "");
+}
+
 TEST(HgrosHz, GoesOnWhenTheRobotHasGone) {
   auto ticking = std::make_unique<TickingRobot>();
   const auto environment = ticking->robot.environment();

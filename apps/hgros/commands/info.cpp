@@ -30,7 +30,7 @@ class Info final : public Command {
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros info scan", "Shows type, publishers, subscribers, nodes and transports of a channel."},
-            {"hgros info talker:4711 --json", "Writes all about a session as one JSON object."}};
+            {"hgros info talker --json", "Writes all about a session as one JSON object."}};
   }
   int Run(Surroundings& surroundings) override;
 

@@ -9,7 +9,7 @@ constexpr int kMostUnchanged = 3;
 
 void ChannelRates::Take(Known& known, const Snapshot& snapshot, const Snapshot::Channel& channel) {
   const bool first = known.steady_ns == 0 || channel.published() < known.published;
-  const double seconds = static_cast<double>(snapshot.steady_ns() - known.steady_ns) / 1e9;
+  const double seconds = (static_cast<double>(snapshot.steady_ns()) - static_cast<double>(known.steady_ns)) / 1e9;
   known.rate_hz = first ? channel.rate_hz() : static_cast<double>(channel.published() - known.published) / seconds;
   const bool none_new = first || channel.encoded() <= known.encoded;
   known.new_encoded = none_new ? channel.encoded() : channel.encoded() - known.encoded;

@@ -51,7 +51,7 @@ std::string BandwidthText(double bytes_per_second, bool exact) {
 
 std::string DurationText(std::int64_t nanoseconds, bool exact) {
   if (exact) return fmt::format("{}", nanoseconds);
-  if (std::abs(nanoseconds) < 1000) return fmt::format("{} ns", nanoseconds);
+  if (nanoseconds > -1000 && nanoseconds < 1000) return fmt::format("{} ns", nanoseconds);
   return InUnits(static_cast<double>(nanoseconds), 1000, kTimes);
 }
 

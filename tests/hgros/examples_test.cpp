@@ -1,0 +1,69 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <foxglove/CompressedImage.pb.h>
+#include <foxglove/LaserScan.pb.h>
+#include <foxglove/PoseInFrame.pb.h>
+
+#include "hgros/command_run.hpp"
+
+namespace hgros::cli {
+namespace {
+
+// The examples in the help of a command, without the word hgros.
+std::vector<std::vector<std::string>> ExamplesOf(const std::string& command) {
+  const std::string help = RunToEnd({"help", command}).out;
+  std::vector<std::vector<std::string>> examples;
+  for (const std::string& line : LinesOf(help.substr(help.find("Examples:")))) {
+    if (!line.starts_with("  hgros ")) continue;
+    std::istringstream in(line.substr(8));
+    std::vector<std::string>& words = examples.emplace_back();
+    for (std::string word; in >> word;) words.push_back(word);
+  }
+  return examples;
+}
+
+TEST(HgrosExamples, RunBesideARobot) {
+  RobotForCommands robot("talker");
+  const auto scan = robot.session().Advertise<foxglove::LaserScan>("scan");
+  const auto odometry = robot.session().Advertise<foxglove::PoseInFrame>("odometry");
+  const auto camera = robot.session().Advertise<foxglove::CompressedImage>("camera");
+  const Subscription heard =
+      robot.session().FromAny<foxglove::LaserScan>("scan", Invoke::kSerial, [](const foxglove::LaserScan&) {});
+  const NodeTimer timer = robot.session().CreateTimer("all", std::chrono::milliseconds(5), [&](const Tick&) {
+    scan(std::make_unique<foxglove::LaserScan>());
+    odometry(std::make_unique<foxglove::PoseInFrame>());
+    camera(std::make_unique<foxglove::CompressedImage>());
+  });
+  std::map<std::string, std::unique_ptr<CommandRun>> runs;  // By line; all at the same time.
+  for (const char* command : {"bw", "delay", "echo", "help", "hz", "info", "list"}) {
+    const auto examples = ExamplesOf(command);
+    EXPECT_GE(examples.size(), 2U) << command;
+    for (const std::vector<std::string>& words : examples) {
+      EXPECT_EQ(words.front(), command);
+      runs[testing::PrintToString(words)] = std::make_unique<CommandRun>(words, robot.environment());
+    }
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(2500);
+  for (const auto& [line, run] : runs) {
+    EXPECT_TRUE(test::Await([&run = *run] { return !run.out().empty(); })) << line << run->err();
+    const int status = run->Wait(std::max(end - std::chrono::steady_clock::now(), std::chrono::nanoseconds(1)));
+    if (status == -1) {  // Such as hz, which goes on until Ctrl-C.
+      run->Signal(SIGINT);
+      EXPECT_EQ(run->Wait(), 128 + SIGINT) << line;
+    } else {
+      EXPECT_EQ(status, 0) << line << run->err();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hgros::cli
