@@ -22,7 +22,8 @@ namespace hgros::yaml {
 // be checked before more of a hostile file is read.
 class DocumentBuilder : public YAML::EventHandler {
  public:
-  DocumentBuilder(std::string_view text, std::string name) : document_(std::move(name)), places_(text) {}
+  DocumentBuilder(std::string_view text, std::string name, Tags tags)
+      : document_(std::move(name)), places_(text), tags_(tags) {}
 
   Document Build() {
     RequireCleanText(places_, document_.name());
@@ -63,8 +64,9 @@ class DocumentBuilder : public YAML::EventHandler {
     Node& node = Add(Node::Kind::kText, mark);
     node.text = value;
     node.weight += value.size() / 64;
-    node.quoted = tag == "!" || tag == "tag:yaml.org,2002:str";
-    RequireKnownTag(tag, mark);
+    const bool binary = tags_ == Tags::kCoreAndBinary && tag == "tag:yaml.org,2002:binary";
+    node.quoted = tag == "!" || tag == "tag:yaml.org,2002:str" || binary;
+    if (!binary) RequireKnownTag(tag, mark);
     last_quoted_.reset();
     if (tag != "?") last_quoted_ = mark;
     Complete(node, anchor, mark);
@@ -236,19 +238,20 @@ class DocumentBuilder : public YAML::EventHandler {
 
   Document document_;
   TextPlaces places_;
+  const Tags tags_;
   std::vector<Frame> frames_;
   std::unordered_map<YAML::anchor_t, const Node*> anchors_;
   std::optional<YAML::Mark> last_quoted_;  // the newest value, if it may be quoted
   std::optional<YAML::Mark> closed_list_;
 };
 
-Document Document::Parse(std::string_view text, std::string name) {
+Document Document::Parse(std::string_view text, std::string name, Tags tags) {
   if (text.size() > kMaxFileBytes) {
     throw ConfigError("The configuration has more than 1 MiB.", {name, 0, 0},
                       "Split it, or check that it is the right file.");
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return DocumentBuilder(text, std::move(name)).Build();
+  return DocumentBuilder(text, std::move(name), tags).Build();
 }
 
 Document Document::Load(const std::filesystem::path& file) {

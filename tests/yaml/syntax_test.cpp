@@ -1,6 +1,7 @@
 #include <random>
 
 #include "config/config_fixture.hpp"
+#include "hgros/yaml/document.hpp"
 
 namespace hgros {
 namespace {
@@ -153,6 +154,14 @@ TEST(YamlMutations, ThrowOnlyConfigErrors) {
       FAIL() << error.what() << "\n" << yaml;
     }
   }
+}
+
+TEST(YamlSyntax, BinaryIsATextOnlyIfItIsAskedFor) {
+  const auto document = yaml::Document::Parse("{a: !!binary aGk=, b: !!binary 12}", "x", yaml::Tags::kCoreAndBinary);
+  EXPECT_EQ(document.root().entries[0].value->text, "aGk=");
+  EXPECT_TRUE(document.root().entries[1].value->quoted);
+  EXPECT_THROW((void)yaml::Document::Parse("{a: !!binary aGk=}", "x"), ConfigError);
+  EXPECT_THROW((void)yaml::Document::Parse("{a: !!omap aGk=}", "x", yaml::Tags::kCoreAndBinary), ConfigError);
 }
 
 }  // namespace

@@ -17,6 +17,12 @@ inline constexpr std::size_t kMaxFileBytes = 1024 * 1024;
 inline constexpr int kMaxDepth = 64;                  ///< Lists and maps nested within each other.
 inline constexpr std::uint64_t kMaxWeight = 200'000;  ///< Number of values; an alias counts each time it is used.
 
+/// The tags that a text may have.
+enum class Tags : std::uint8_t {
+  kCore,           ///< Those of YAML's core schema.
+  kCoreAndBinary,  ///< Also !!binary: a text that is base64.
+};
+
 /// A value as written in the text; the reader decides its type.
 struct Node {
   enum class Kind : std::uint8_t { kNull, kText, kList, kMap };
@@ -26,7 +32,7 @@ struct Node {
   };
 
   Kind kind = Kind::kNull;
-  bool quoted = false;  ///< For kText: quoted, a block or tagged !!str, so never a number or a boolean.
+  bool quoted = false;  ///< For kText: quoted, a block or tagged !!str or !!binary, so never a number or a boolean.
   int line = 0;
   int column = 0;
   std::uint64_t weight = 1;
@@ -39,7 +45,7 @@ struct Node {
 class HGROS_EXPORT Document {
  public:
   /// Throws ConfigError unless the text is one YAML document in UTF-8 within the limits above, without repeated keys.
-  [[nodiscard]] static Document Parse(std::string_view text, std::string name);
+  [[nodiscard]] static Document Parse(std::string_view text, std::string name, Tags tags = Tags::kCore);
   /// The same from a file.
   [[nodiscard]] static Document Load(const std::filesystem::path& file);
 
