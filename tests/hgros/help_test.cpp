@@ -18,7 +18,8 @@ TEST(HgrosHelp, ListsAllCommandsAndEndsWithZero) {
 }
 
 TEST(HgrosHelp, ExplainsACommandWithTwoExamples) {
-  for (const char* command : {"list", "info", "echo", "hz", "bw", "delay", "doctor", "graph", "help", "completion"}) {
+  for (const char* command : {"list", "info", "echo", "hz", "bw", "delay", "schema", "graph", "doctor", "pub", "call",
+                              "help", "completion"}) {
     const CommandEnd end = RunToEnd({"help", command});
     EXPECT_EQ(end.status, 0);
     const std::string examples = end.out.substr(end.out.find("Examples:"));

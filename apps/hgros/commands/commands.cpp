@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::string_view kSee = "See";
 constexpr std::string_view kCheck = "Check";
+constexpr std::string_view kSteer = "Steer";
 constexpr std::string_view kThis = "This program";
 
 constexpr std::array kCommands{
@@ -20,22 +21,28 @@ constexpr std::array kCommands{
     CommandEntry{"hz", "Show how often messages are published", kSee, MakeHz},
     CommandEntry{"bw", "Show how many bytes per second are published", kSee, MakeBw},
     CommandEntry{"delay", "Show how long messages take to their receivers", kSee, MakeDelay},
-    CommandEntry{"param", "Show and change the parameters of sessions", kSee, nullptr},
-    CommandEntry{"param list", "List parameters with their values", kSee, MakeParamList},
-    CommandEntry{"param get", "Show the value of a parameter, or of all below a path", kSee, MakeParamGet},
-    CommandEntry{"param describe", "Show what a parameter means and which values it can have", kSee, MakeParamDescribe},
-    CommandEntry{"param watch", "Show parameters as they change", kSee, MakeParamWatch},
-    CommandEntry{"param set", "Change parameters, all or none", kSee, MakeParamSet},
-    CommandEntry{"param save", "Write all parameters of a session as YAML", kSee, MakeParamSave},
-    CommandEntry{"param load", "Set parameters to the values of a YAML file, all or none", kSee, MakeParamLoad},
+    CommandEntry{"schema", "Show the fields of a type", kSee, MakeSchema},
+    CommandEntry{"graph", "Draw the hypergraph: processes, nodes and the channels between them", kSee, MakeGraph},
     CommandEntry{"tf", "Show the frames of a robot and their transforms", kSee, nullptr},
     CommandEntry{"tf tree", "Show the tree of all frames", kSee, MakeTfTree},
     CommandEntry{"tf echo", "Show the pose of one frame in another", kSee, MakeTfEcho},
     CommandEntry{"tf watch", "Say when transforms appear, are late or disappear", kSee, MakeTfWatch},
     CommandEntry{"tf svg", "Draw the tree of frames as an image", kSee, MakeTfSvg},
 
-    CommandEntry{"graph", "Draw the hypergraph: processes, nodes and the channels between them", kSee, MakeGraph},
     CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to mend it", kCheck, MakeDoctor},
+
+    CommandEntry{"pub", "Publish messages on a channel", kSteer, MakePub},
+    CommandEntry{"call", "Call a service", kSteer, MakeCall},
+    CommandEntry{"param", "Show and change the parameters of sessions", kSteer, nullptr},
+    CommandEntry{"param list", "List parameters with their values", kSteer, MakeParamList},
+    CommandEntry{"param get", "Show the value of a parameter, or of all below a path", kSteer, MakeParamGet},
+    CommandEntry{"param describe", "Show what a parameter means and which values it can have", kSteer,
+                 MakeParamDescribe},
+    CommandEntry{"param watch", "Show parameters as they change", kSteer, MakeParamWatch},
+    CommandEntry{"param set", "Change parameters, all or none", kSteer, MakeParamSet},
+    CommandEntry{"param save", "Write all parameters of a session as YAML", kSteer, MakeParamSave},
+    CommandEntry{"param load", "Set parameters to the values of a YAML file, all or none", kSteer, MakeParamLoad},
+
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
     CommandEntry{"completion", "Print a script that completes commands in a shell", kThis, MakeCompletion},
     CommandEntry{"__complete", "Complete a command line", kThis, MakeComplete},

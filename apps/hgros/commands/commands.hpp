@@ -20,6 +20,7 @@ namespace hgros::cli {
 
 // One for each file of this folder.
 std::unique_ptr<Command> MakeBw();
+std::unique_ptr<Command> MakeCall();
 std::unique_ptr<Command> MakeComplete();
 std::unique_ptr<Command> MakeCompletion();
 std::unique_ptr<Command> MakeDelay();
@@ -38,6 +39,8 @@ std::unique_ptr<Command> MakeParamLoad();
 std::unique_ptr<Command> MakeParamSave();
 std::unique_ptr<Command> MakeParamSet();
 std::unique_ptr<Command> MakeParamWatch();
+std::unique_ptr<Command> MakePub();
+std::unique_ptr<Command> MakeSchema();
 std::unique_ptr<Command> MakeTfEcho();
 std::unique_ptr<Command> MakeTfSvg();
 std::unique_ptr<Command> MakeTfTree();

@@ -4,6 +4,7 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -58,15 +59,35 @@ std::optional<SecondsAndNanos> ReadSeconds(std::string_view text) {
   if (negative) text.remove_prefix(1);
   const std::size_t dot = text.find('.');
   const std::string_view whole = text.substr(0, dot);
+  if (whole.starts_with('-')) return std::nullopt;
   SecondsAndNanos time;
-  const auto [stopped, error] = std::from_chars(whole.data(), whole.data() + whole.size(), time.seconds);
-  if (error != std::errc() || stopped != whole.data() + whole.size() || time.seconds < 0) return std::nullopt;
+  const std::string with_sign = (negative ? "-" : "") + std::string(whole);  // The smallest has no positive form.
+  const char* end = with_sign.data() + with_sign.size();
+  const auto [stopped, error] = std::from_chars(with_sign.data(), end, time.seconds);
+  if (error != std::errc() || stopped != end) return std::nullopt;
   if (dot != std::string_view::npos) {
     const std::optional<std::int32_t> nanos = NanosOf(text.substr(dot + 1));
     if (!nanos) return std::nullopt;
-    time.nanos = *nanos;
+    time.nanos = negative ? -*nanos : *nanos;
   }
-  if (negative) time = {-time.seconds, -time.nanos};
+  return time;
+}
+
+// "5 s -1 ns", as values are written that are neither a time nor a duration.
+std::optional<SecondsAndNanos> ReadParts(std::string_view text) {
+  constexpr std::string_view kBetween = " s ";
+  constexpr std::string_view kEnd = " ns";
+  const std::size_t between = text.find(kBetween);
+  if (between == std::string_view::npos || !text.ends_with(kEnd)) return std::nullopt;
+  const std::string_view first = text.substr(0, between);
+  std::string_view second = text.substr(between + kBetween.size());
+  second.remove_suffix(std::min(second.size(), kEnd.size()));
+  SecondsAndNanos time;
+  const auto reads = [](std::string_view digits, auto& number) {
+    const auto [stopped, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    return error == std::errc() && stopped == digits.data() + digits.size();
+  };
+  if (!reads(first, time.seconds) || !reads(second, time.nanos)) return std::nullopt;
   return time;
 }
 
@@ -120,6 +141,7 @@ std::string TextOfKnown(KnownType kind, const google::protobuf::Message& message
 }
 
 std::optional<SecondsAndNanos> ReadKnown(KnownType kind, std::string_view text) {
+  if (const std::optional<SecondsAndNanos> parts = ReadParts(text)) return parts;
   if (kind == KnownType::kDuration) {
     if (text.ends_with('s')) text.remove_suffix(1);
     return ReadSeconds(text);
@@ -129,7 +151,11 @@ std::optional<SecondsAndNanos> ReadKnown(KnownType kind, std::string_view text) 
     return SecondsAndNanos{now / kNanosPerSecond, static_cast<std::int32_t>(now % kNanosPerSecond)};
   }
   const std::optional<SecondsAndNanos> date = ReadDate(text);
-  return date ? date : ReadSeconds(text);
+  if (date) return date;
+  std::optional<SecondsAndNanos> time = ReadSeconds(text);
+  if (time && (time->seconds <= kFirstSecond || time->seconds > kLastSecond)) return std::nullopt;
+  if (time && time->nanos < 0) *time = {time->seconds - 1, time->nanos + static_cast<std::int32_t>(kNanosPerSecond)};
+  return time;
 }
 
 }  // namespace hgros::cli

@@ -22,4 +22,10 @@ std::chrono::nanoseconds RobotOptions::Timeout(std::chrono::nanoseconds otherwis
   return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(*timeout_s, kMostSeconds) * 1e9));
 }
 
+std::string RobotOptions::SendingHint() const {
+  if (connect.empty()) return {};
+  return " Sessions behind --connect are heard, but they get messages only from endpoints that they connect to. Use "
+         "discovery on both sides instead, such as lan in --config.";
+}
+
 }  // namespace hgros::cli

@@ -21,6 +21,8 @@ struct RobotOptions {
   void Declare(Arguments& arguments);
   /// `otherwise` if there is no --timeout.
   [[nodiscard]] std::chrono::nanoseconds Timeout(std::chrono::nanoseconds otherwise) const;
+  /// A sentence after a space for a command whose messages arrive nowhere; empty without --connect.
+  [[nodiscard]] std::string SendingHint() const;
 };
 
 }  // namespace hgros::cli

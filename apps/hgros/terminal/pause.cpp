@@ -38,9 +38,12 @@ void Pause::Wake() noexcept {
   (void)!write(wakes_, &one, sizeof one);
 }
 
-Pause::End Pause::Until(std::chrono::steady_clock::time_point deadline) {
+Pause::End Pause::Until(std::chrono::steady_clock::time_point deadline) { return UntilReadable(-1, deadline); }
+
+// poll() ignores a negative descriptor.
+Pause::End Pause::UntilReadable(int descriptor, std::chrono::steady_clock::time_point deadline) {
   using std::chrono::nanoseconds;
-  std::array<pollfd, 2> watched{pollfd{signals_, POLLIN, 0}, pollfd{wakes_, POLLIN, 0}};
+  std::array<pollfd, 3> watched{pollfd{signals_, POLLIN, 0}, pollfd{wakes_, POLLIN, 0}, pollfd{descriptor, POLLIN, 0}};
   while (signal_ == 0) {
     const auto left =
         std::max(deadline - std::chrono::steady_clock::now(), std::chrono::steady_clock::duration::zero());
@@ -53,7 +56,7 @@ Pause::End Pause::Until(std::chrono::steady_clock::time_point deadline) {
       break;
     }
     std::uint64_t wakes = 0;
-    if (read(wakes_, &wakes, sizeof wakes) == sizeof wakes) return End::kWoken;
+    if (read(wakes_, &wakes, sizeof wakes) == sizeof wakes || watched[2].revents != 0) return End::kWoken;
     if (std::chrono::steady_clock::now() >= deadline) return End::kDeadline;
   }
   return End::kInterrupted;

@@ -21,6 +21,8 @@ class Pause {
   void Wake() noexcept;
   /// Returns kInterrupted at once if the user has ended the command before.
   [[nodiscard]] End Until(std::chrono::steady_clock::time_point deadline);
+  /// The same, and also kWoken when `descriptor` can be read.
+  [[nodiscard]] End UntilReadable(int descriptor, std::chrono::steady_clock::time_point deadline);
   [[nodiscard]] End For(std::chrono::nanoseconds time) { return Until(std::chrono::steady_clock::now() + time); }
   /// The signal that ended the command; 0: none.
   [[nodiscard]] int signal() const noexcept { return signal_; }

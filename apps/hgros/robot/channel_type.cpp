@@ -1,0 +1,86 @@
+#include "robot/channel_type.hpp"
+
+#include <google/protobuf/descriptor.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/base/names.hpp"
+#include "hgros/codec/schema.hpp"
+#include "robot/overview.hpp"
+#include "terminal/pause.hpp"
+
+namespace hgros::cli {
+namespace {
+
+// The schema that the channel's publishers send. Null if it does not come. Never asked of a channel with the calls of a
+// service, because a subscriber of that is a server.
+std::shared_ptr<const MessageSchema> PublishedSchema(Robot& robot, const RobotOptions& options,
+                                                     const KnownChannel& channel) {
+  if (channel.publishers.empty() || !ServiceOf(channel.name).empty()) return nullptr;
+  const auto deadline = std::chrono::steady_clock::now() + options.Timeout(std::chrono::seconds(1));
+  constexpr auto kSlice = std::chrono::milliseconds(50);  // Ctrl-C must not wait longer.
+  while (robot.surroundings().pause.For({}) != Pause::End::kInterrupted) {
+    const auto left = deadline - std::chrono::steady_clock::now();
+    if (left <= left.zero()) break;
+    auto schema = robot.session().AwaitSchema(channel.name, std::min<std::chrono::nanoseconds>(left, kSlice));
+    if (schema != nullptr && !schema->descriptor_set.empty()) return schema;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+ChannelType TypeFrom(MessageSchema schema) {
+  std::string fault;
+  ChannelType type{std::move(schema), nullptr};
+  type.type = DynamicSchema::Build(type.schema, fault);
+  if (type.type == nullptr) throw Error("Messages of " + type.schema.type_name + " cannot be written: " + fault);
+  return type;
+}
+
+KnownChannel ChannelNamed(const Robot& robot, const std::string& name) {
+  std::vector<KnownChannel> channels = robot.Channels(true);
+  const auto found = std::ranges::find(channels, name, &KnownChannel::name);
+  if (found != channels.end()) return std::move(*found);
+  KnownChannel none;
+  none.name = name;
+  return none;
+}
+
+std::string NearestChannel(const Robot& robot, const std::string& name) {
+  std::vector<std::string> names;
+  for (const KnownChannel& channel : robot.Channels(false)) names.push_back(channel.name);
+  return NearestName(name, names);
+}
+
+ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
+                          const std::string& channel, const std::string& given) {
+  const KnownChannel known = ChannelNamed(robot, channel);
+  const std::string_view service = ServiceOf(channel);
+  const std::string shown = service.empty() ? channel : "The service " + std::string(service);
+  if (known.type_name.empty()) {
+    if (!given.empty()) return TypeFrom(SchemaFor(finder.Require(given)));
+    const std::string nearest = NearestChannel(robot, channel);
+    throw Error("No session has a type for " + shown + ". " +
+                (nearest.empty() ? "Name it with --type, such as --type foxglove.Log."
+                                 : "Did you mean " + nearest + "? Otherwise name the type with --type."));
+  }
+  if (known.encoding != Encoding::kProtobuf) {
+    throw Error(shown + " has the type " + known.type_name + ", which is not protobuf, so it has no known fields.");
+  }
+  if (!given.empty()) {
+    const google::protobuf::Descriptor& wanted = finder.Require(given);
+    if (wanted.full_name() != known.type_name) {
+      throw Error(shown + " has the type " + known.type_name + ", not " + wanted.full_name() + ". Leave out --type.");
+    }
+  }
+  const google::protobuf::Descriptor* local = finder.Find(known.type_name);
+  if (local != nullptr && SchemaFingerprint(*local) == known.fingerprint) return TypeFrom(SchemaFor(*local));
+  if (const auto schema = PublishedSchema(robot, options, known)) return TypeFrom(*schema);
+  if (local != nullptr) return TypeFrom(SchemaFor(*local));
+  throw Error("The type " + known.type_name + " of " + channel +
+              " is not known here. Give its file with --proto, or the folder of its file with -I.");
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "hgros/codec/dynamic_schema.hpp"
+#include "hgros/codec/raw_message.hpp"
+#include "messages/type_finder.hpp"
+#include "robot/robot.hpp"
+
+namespace hgros::cli {
+
+/// A protobuf type that messages are written with.
+struct ChannelType {
+  MessageSchema schema;
+  std::shared_ptr<const DynamicSchema> type;
+};
+
+/// Throws Error if the schema is not that of a protobuf type.
+[[nodiscard]] ChannelType TypeFrom(MessageSchema schema);
+
+/// The type of a channel that other sessions use, from its publishers or by its name from the files; without such
+/// sessions `given`. Waits for a publisher's description at most a second, or --timeout. Throws Error or UsageError if
+/// the type is not known, or if it is not `given`.
+[[nodiscard]] ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
+                                        const std::string& channel, const std::string& given);
+
+/// The channel `name` as the robot uses it; without sessions if it is not used.
+[[nodiscard]] KnownChannel ChannelNamed(const Robot& robot, const std::string& name);
+
+/// The name that is nearest to `name` among the channels that are shown by `hgros list`, or empty.
+[[nodiscard]] std::string NearestChannel(const Robot& robot, const std::string& name);
+
+}  // namespace hgros::cli

@@ -1,0 +1,95 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <stdexcept>
+
+#include <foxglove/Log.pb.h>
+#include <foxglove/Vector3.pb.h>
+
+#include "hgros/command_run.hpp"
+#include "hgros/proto_folder.hpp"
+#include "hgros/run_time_types.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using foxglove::Log;
+using foxglove::Vector3;
+using testing::HasSubstr;
+
+TEST(HgrosCall, ShowsTheReply) {
+  RobotForCommands robot;
+  const Service service = robot.session().Serve<Log, Vector3>("size", [](const Log& log) {
+    Vector3 size;
+    size.set_x(static_cast<double>(log.message().size()));
+    return size;
+  });
+  const CommandEnd end = robot.Run({"call", "size", "{message: hello}"});
+  EXPECT_EQ(end.status, 0);
+  EXPECT_EQ(end.err, "");
+  EXPECT_EQ(end.out, "x: 5\ny: 0\nz: 0\n");
+  const CommandEnd json = robot.Run({"call", "size", "{message: hello}", "--json", "--reply-type", "foxglove.Vector3"});
+  EXPECT_THAT(json.out, testing::StartsWith(R"({"service":"size","type":"foxglove.Vector3","duration_ns":)"));
+  EXPECT_THAT(json.out, HasSubstr(R"("message":{"x":5,"y":0,"z":0}})"));
+}
+
+TEST(HgrosCall, CallsAServiceWhoseTypesAreInAFile) {
+  RobotForCommands robot;
+  const Service service = robot.session().ServeRaw("grip", GripSchema(), GripSchema(),
+                                                   [](const RawMessage& request) { return request.data; });
+  const ProtoFolder folder;
+  const std::string file = folder.Write(
+      "grip.proto", "syntax = \"proto3\"; package robot; message Grip { double width = 1; string name = 2; }");
+  const CommandEnd end = robot.Run({"call", "grip", "{width: 2, name: \"a\\x1b\"}", "--proto", file});
+  EXPECT_EQ(end.err, "");
+  EXPECT_EQ(end.out, "width: 2\nname: \"a\\x1b\"\n");
+  const CommandEnd unknown = robot.Run({"call", "grip", "{}"});
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("The type robot.Grip of "));
+}
+
+TEST(HgrosCall, NamesTheNearestServiceAndField) {
+  RobotForCommands robot;
+  const Service service = robot.session().Serve<Log, Log>("ask_name", [](const Log& log) { return log; });
+  const CommandEnd end = robot.Run({"call", "ask_nmae", "{}"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.err, "hgros: No session serves ask_nmae. Did you mean ask_name?\n");
+  const CommandEnd field = robot.Run({"call", "ask_name", "{lin: 1}"});
+  EXPECT_EQ(field.status, 2);
+  EXPECT_EQ(field.err, "hgros: request:1:2: foxglove.Log has no field \"lin\". Did you mean line?\n");
+  const CommandEnd type = robot.Run({"call", "ask_name", "{}", "--reply-type", "foxglove.Pose"});
+  EXPECT_EQ(type.status, 1);
+  EXPECT_THAT(type.err, HasSubstr("foxglove.Pose"));
+}
+
+TEST(HgrosCall, TellsWhyTheHandlerFailed) {
+  RobotForCommands robot;
+  const Service service = robot.session().Serve<Log, Log>(
+      "ask", [](const Log&) -> Log { throw std::runtime_error("there is \x1b[31m no name"); });
+  const CommandEnd end = robot.Run({"call", "ask"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.out, "");
+  EXPECT_EQ(end.err, "hgros: there is \\x1b[31m no name\n");
+}
+
+TEST(HgrosCall, EndsWithThreeWhenNoReplyComes) {
+  RobotForCommands robot;
+  test::Door door;
+  const Service service = robot.session().Serve<Log, Log>("ask", [&](const Log& log) {
+    door.Pass();
+    return log;
+  });
+  const CommandEnd end = robot.Run({"call", "ask", "--timeout", "0.2"});
+  EXPECT_EQ(end.status, 3);
+  EXPECT_THAT(end.err, HasSubstr("ask"));
+  CommandRun run({"call", "ask"}, robot.environment());
+  test::Linger(std::chrono::milliseconds(300));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  EXPECT_EQ(run.err(), "");
+  door.Open();
+}
+
+}  // namespace
+}  // namespace hgros::cli

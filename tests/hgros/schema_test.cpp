@@ -1,0 +1,66 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/command_run.hpp"
+#include "hgros/proto_folder.hpp"
+#include "hgros/run_time_types.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(HgrosSchema, ShowsATypeWithoutARobot) {
+  const CommandEnd end = RunToEnd({"schema", "foxglove.Pose"});
+  EXPECT_EQ(end.status, 0);
+  EXPECT_EQ(end.err, "");
+  EXPECT_THAT(end.out, HasSubstr("message Pose {\n  Vector3 position = 1;\n  Quaternion orientation = 2;\n}\n"));
+  EXPECT_EQ(RunToEnd({"schema", "foxglove.Vector3", "--template"}).out, "x: 0.0\ny: 0.0\nz: 0.0\n");
+}
+
+TEST(HgrosSchema, ShowsTheTypeOfAChannel) {
+  RobotForCommands robot;
+  const auto publish = robot.session().Advertise<foxglove::Log>("status");
+  EXPECT_EQ(robot.Run({"schema", "status"}).out, RunToEnd({"schema", "foxglove.Log"}).out);
+}
+
+TEST(HgrosSchema, ShowsATypeThatOnlyThePublisherKnows) {
+  RobotForCommands robot;
+  const RawPublisher publish = robot.session().AdvertiseRaw("grip", GripSchema(), {.latched = 1});
+  const CommandEnd end = robot.Run({"schema", "grip"});
+  EXPECT_EQ(end.err, "");
+  EXPECT_THAT(end.out, HasSubstr("message Grip {\n  double width = 1;\n  string name = 2;\n}\n"));
+}
+
+TEST(HgrosSchema, WritesFieldsAsJson) {
+  const std::vector<std::string> lines = LinesOf(RunToEnd({"schema", "foxglove.LaserScan", "--json"}).out);
+  EXPECT_THAT(lines,
+              testing::Contains(
+                  R"({"type":"foxglove.LaserScan","field":"ranges","number":6,"kind":"double","repeated":true})"));
+  EXPECT_THAT(
+      lines,
+      testing::Contains(
+          R"({"type":"foxglove.Pose","field":"position","number":1,"kind":"foxglove.Vector3","repeated":false})"));
+}
+
+TEST(HgrosSchema, ReadsFilesAndTellsTheirFaults) {
+  const ProtoFolder folder;
+  const std::string file = folder.Write("arm.proto", "syntax = \"proto3\"; package arm; message Arm { bool on = 1; }");
+  EXPECT_THAT(RunToEnd({"schema", "arm.Arm", "--proto", file}).out, HasSubstr("  bool on = 1;\n"));
+  const std::string broken = folder.Write("broken.proto", "syntax = \"proto3\";\nmessage \n");
+  const CommandEnd end = RunToEnd({"schema", "arm.Arm", "--proto", broken});
+  EXPECT_EQ(end.status, 2);
+  EXPECT_THAT(end.err, HasSubstr("broken.proto:3:1: Expected message name."));
+}
+
+TEST(HgrosSchema, NamesTheNearestType) {
+  RobotForCommands robot;
+  const CommandEnd end = robot.Run({"schema", "foxglove.Lgo"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.err, "hgros: There is no channel and no known type foxglove.Lgo. Did you mean foxglove.Log?\n");
+}
+
+}  // namespace
+}  // namespace hgros::cli
