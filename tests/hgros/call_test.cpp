@@ -8,6 +8,7 @@
 #include <foxglove/Vector3.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
 #include "hgros/proto_folder.hpp"
 #include "hgros/run_time_types.hpp"
 
@@ -47,6 +48,16 @@ TEST(HgrosCall, CallsAServiceWhoseTypesAreInAFile) {
   const CommandEnd unknown = robot.Run({"call", "grip", "{}"});
   EXPECT_EQ(unknown.status, 1);
   EXPECT_THAT(unknown.err, HasSubstr("The type robot.Grip of "));
+}
+
+TEST(HgrosCall, ItsExamplesWork) {
+  RobotForCommands robot;
+  const Service service = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
+  for (const std::vector<std::string>& example : ExamplesOf("call")) {
+    const CommandEnd end = robot.Run(example);
+    EXPECT_EQ(end.status, 0) << end.err;
+    EXPECT_THAT(end.out, HasSubstr("hello"));
+  }
 }
 
 TEST(HgrosCall, NamesTheNearestServiceAndField) {

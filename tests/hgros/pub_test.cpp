@@ -11,6 +11,7 @@
 #include <foxglove/PoseInFrame.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
 #include "hgros/proto_folder.hpp"
 #include "hgros/run_time_types.hpp"
 
@@ -75,7 +76,7 @@ TEST(HgrosPub, SaysThatNobodySubscribes) {
   EXPECT_EQ(end.err, "hgros: Nobody subscribes to wish, so nobody gets the message.\n");
   const CommandEnd untyped = robot.Run({"pub", "wish", "{message: a}"});
   EXPECT_EQ(untyped.status, 1);
-  EXPECT_THAT(untyped.err, HasSubstr("No session has a type for wish. Name it with --type"));
+  EXPECT_THAT(untyped.err, HasSubstr("The type of wish is not known, because no session uses it. Name it with --type"));
 }
 
 TEST(HgrosPub, NamesTheNearestChannelFieldAndType) {
@@ -170,7 +171,15 @@ TEST(HgrosPub, PublishesTheLinesOfAFileAndWhatEchoWrote) {
   EXPECT_THAT(heard.texts(), ElementsAre("first", "sec\nond \x1b \U0001F600", "bare"));
   const CommandEnd broken = robot.Run({"pub", "wish", "--file", folder.Write("y.jsonl", "{}\n{\"line\": -1}\n")});
   EXPECT_EQ(broken.status, 2);
+  EXPECT_THAT(broken.err, HasSubstr("hgros: Published 1 message of foxglove.Log on wish to 1 subscriber.\nhgros: "));
   EXPECT_THAT(broken.err, HasSubstr("y.jsonl:2:10: \"-1\" is out of range for line"));
+  const CommandEnd other =
+      robot.Run({"pub", "wish", "--file",
+                 folder.Write("z.jsonl", R"({"type":"foxglove.Pose","publish_time_ns":1,"message":{}})")});
+  EXPECT_THAT(other.err, HasSubstr("z.jsonl:1:9: This message is of the type foxglove.Pose, not foxglove.Log."));
+  const std::string parts = robot.Run({"echo", "status", "--json", "--field", "message", "--once"}).out;
+  EXPECT_THAT(robot.Run({"pub", "wish", "--file", folder.Write("parts.jsonl", parts)}).err,
+              HasSubstr("parts.jsonl:1:1: This line of `hgros echo` has no whole message."));
 }
 
 TEST(HgrosPub, PublishesAsRecorded) {
@@ -210,6 +219,32 @@ TEST(HgrosPub, TellsThatALosslessSubscriberHasNoRoom) {
   door.Open();
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.err, HasSubstr("was not published on wish: a lossless subscriber has no room for it."));
+}
+
+struct Number {
+  double value = 0;
+};
+
+TEST(HgrosPub, RefusesAChannelThatIsNotProtobuf) {
+  RobotForCommands robot;
+  const auto publish = robot.session().Advertise<Number>("number");
+  for (const char* command : {"pub", "schema"}) {
+    const CommandEnd end = robot.Run({command, "number"});
+    EXPECT_EQ(end.status, 1) << command;
+    EXPECT_THAT(end.err, HasSubstr("which is not protobuf, so it has no known fields.")) << command;
+  }
+}
+
+TEST(HgrosPub, ItsExamplesWork) {
+  RobotForCommands robot;
+  const Heard heard(robot.session(), "wish");
+  const std::vector<std::vector<std::string>> examples = ExamplesOf("pub");
+  ASSERT_GE(examples.size(), 2U);
+  for (const std::vector<std::string>& example : examples) {
+    const CommandEnd end = robot.Run(example);
+    EXPECT_EQ(end.status, 0) << end.err;
+  }
+  ASSERT_TRUE(heard.Await(6));
 }
 
 TEST(HgrosPub, EscapesTheNamesThatItIsGiven) {

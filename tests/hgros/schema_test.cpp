@@ -4,6 +4,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
 #include "hgros/proto_folder.hpp"
 #include "hgros/run_time_types.hpp"
 
@@ -53,6 +54,10 @@ TEST(HgrosSchema, ReadsFilesAndTellsTheirFaults) {
   const CommandEnd end = RunToEnd({"schema", "arm.Arm", "--proto", broken});
   EXPECT_EQ(end.status, 2);
   EXPECT_THAT(end.err, HasSubstr("broken.proto:3:1: Expected message name."));
+}
+
+TEST(HgrosSchema, ItsExamplesWork) {
+  for (const std::vector<std::string>& example : ExamplesOf("schema")) EXPECT_EQ(RunToEnd(example).status, 0);
 }
 
 TEST(HgrosSchema, NamesTheNearestType) {

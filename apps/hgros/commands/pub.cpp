@@ -70,10 +70,13 @@ class Publishing {
     while (end == Pause::End::kWoken) end = pause.Until(time);
     return end == Pause::End::kDeadline;
   }
+  [[nodiscard]] const std::string& type_name() const noexcept { return type_.schema.type_name; }
   [[nodiscard]] std::uint64_t published() const noexcept { return published_; }
   [[nodiscard]] bool enough() const noexcept { return options_.count && published_ >= *options_.count; }
   [[nodiscard]] std::size_t Subscribers() const;
-  void Report();
+  // What was published, in one sentence.
+  [[nodiscard]] std::string Sentence() const;
+  void Report() const;
 
  private:
   const PubOptions& options_;
@@ -127,7 +130,13 @@ void Publishing::Publish(const MessageDocument& document, const yaml::Node& valu
   }
 }
 
-void Publishing::Report() {
+std::string Publishing::Sentence() const {
+  return fmt::format("Published {} {} of {} on {} to {} {}.", published_, published_ == 1 ? "message" : "messages",
+                     type_.schema.type_name, Visible(options_.channel), most_subscribers_,
+                     most_subscribers_ == 1 ? "subscriber" : "subscribers");
+}
+
+void Publishing::Report() const {
   Console& console = robot_.surroundings().console;
   if (options_.robot.style.json) {
     Json json;
@@ -136,10 +145,7 @@ void Publishing::Report() {
     json.Member("subscribers", std::uint64_t{most_subscribers_}).EndObject();
     console.Line(json.text());
   } else if (console.interactive() && robot_.surroundings().pause.signal() == 0) {
-    console.Line(fmt::format("Published {} {} of {} on {} to {} {}.", published_,
-                             published_ == 1 ? "message" : "messages", type_.schema.type_name,
-                             Visible(options_.channel), most_subscribers_,
-                             most_subscribers_ == 1 ? "subscriber" : "subscribers"));
+    console.Line(Sentence() + (options_.latched ? " Late subscribers get the last one until Ctrl-C." : ""));
   }
 }
 
@@ -222,6 +228,24 @@ std::optional<std::int64_t> RecordedTime(const yaml::Node& line) {
   return time_ns;
 }
 
+// The message of a line: all of it, or a member of what `hgros echo --json` wrote.
+const yaml::Node& MessageIn(const MessageDocument& line, const std::string& type) {
+  const yaml::Node& root = line.root();
+  if (!RecordedTime(root)) {
+    if (MemberOf(root, "publish_time_ns") != nullptr && MemberOf(root, "publisher") != nullptr) {
+      throw ConfigError("This line of `hgros echo` has no whole message.", line.PositionOf(root),
+                        "Record without --field, and a type that is known.");
+    }
+    return root;
+  }
+  const yaml::Node* recorded_type = MemberOf(root, "type");
+  if (recorded_type != nullptr && recorded_type->text != type) {
+    throw ConfigError("This message is of the type " + recorded_type->text + ", not " + type + ".",
+                      line.PositionOf(*recorded_type), "Record each channel in a file of its own.");
+  }
+  return *MemberOf(root, "message");
+}
+
 void Pub::PublishFile(Publishing& publishing, Pause& pause) const {
   LineReader lines(options_.file, MessageDocument::kMostJsonBytes);
   std::optional<SteadyTime> begin;
@@ -248,7 +272,7 @@ void Pub::PublishFile(Publishing& publishing, Pause& pause) const {
           static_cast<std::int64_t>(std::min(static_cast<double>(publishing.published()) / *options_.rate, 9e9) * 1e9));
     }
     if (due > due.zero() && !publishing.SleepUntil(*begin + due)) return;
-    publishing.Publish(document, recorded ? *MemberOf(document.root(), "message") : document.root());
+    publishing.Publish(document, MessageIn(document, publishing.type_name()));
   }
 }
 
@@ -269,10 +293,15 @@ int Pub::Run(Surroundings& surroundings) {
                              (once ? ", so nobody gets the message." : " yet.") + options_.robot.SendingHint());
     if (once) return options_.robot.timeout_s ? kTimedOut : kFailed;
   }
-  if (document) {
-    PublishMessage(publishing, *document);
-  } else {
-    PublishFile(publishing, surroundings.pause);
+  try {
+    if (document) {
+      PublishMessage(publishing, *document);
+    } else {
+      PublishFile(publishing, surroundings.pause);
+    }
+  } catch (const Error&) {  // Its sentence is the last.
+    if (publishing.published() > 0) surroundings.console.Say(publishing.Sentence());
+    throw;
   }
   publishing.Report();
   if (options_.latched && surroundings.pause.signal() == 0) {

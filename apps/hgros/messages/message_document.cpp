@@ -94,7 +94,7 @@ class JsonNodes : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, JsonNod
       fault_ = "Lists and objects are nested more than " + std::to_string(yaml::kMaxDepth) + " deep.";
       return false;
     }
-    open_.push_back({&Add(kind, stream_.Tell() - 1), nullptr});
+    open_.push_back({&Add(kind, stream_.Tell()), nullptr});  // The bracket is taken after this call.
     return true;
   }
   bool Close() {

@@ -258,6 +258,11 @@ TEST(MessageReader, NamesTheNearestFieldWithItsPlace) {
   EXPECT_THAT(FaultOf<foxglove::PoseInFrame>("pose:\n  position:\n    xx: 1"),
               StartsWith("message:3:5: foxglove.Vector3 has no field \"xx\"."));
   EXPECT_THAT(FaultOf<foxglove::PoseInFrame>(R"({"pose":{"position":{"q":1}}})"), StartsWith("message:1:22: "));
+  EXPECT_THAT(FaultOf<foxglove::PoseInFrame>("{\n \"pose\": [1]}"), StartsWith("message:2:10: "));
+  EXPECT_THAT(FaultOf<foxglove::PoseInFrame>(R"({"frame_id": {}})"), StartsWith("message:1:14: "));
+  EXPECT_THAT(FaultOf<foxglove::PoseInFrame>(R"({"frame_id": "\"\\", "pose": -12})"), StartsWith("message:1:30: "));
+  EXPECT_THAT(FaultOf<foxglove::PoseInFrame>(R"({"pose": "\"\\\" "})"), StartsWith("message:1:10: "));
+  EXPECT_THAT(FaultOf<foxglove::PoseInFrame>(R"({"pose": false})"), StartsWith("message:1:10: "));
 }
 
 TEST(MessageReader, RefusesValuesOfAnotherKind) {
