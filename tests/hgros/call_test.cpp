@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <memory>
 #include <stdexcept>
+#include <thread>
 
 #include <foxglove/Log.pb.h>
 #include <foxglove/Vector3.pb.h>
@@ -100,6 +102,32 @@ TEST(HgrosCall, EndsWithThreeWhenNoReplyComes) {
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
   EXPECT_EQ(run.err(), "");
   door.Open();
+}
+
+TEST(HgrosCall, TellsThatTheServiceEnded) {
+  RobotForCommands robot;
+  test::Door door;
+  auto service = std::make_unique<Service>(robot.session().Serve<Log, Log>("ask", [&](const Log& log) {
+    door.Pass();
+    return log;
+  }));
+  const auto requests = [&] {
+    std::uint64_t received = 0;
+    for (const ChannelSnapshot& channel : robot.session().Snapshot().graph.channels) {
+      for (const NodeSnapshot& node : channel.nodes) received += node.name == "ask" ? node.received : 0;
+    }
+    return received;
+  };
+  CommandRun running({"call", "ask"}, robot.environment());
+  ASSERT_TRUE(test::Await([&] { return requests() >= 1; }));
+  CommandRun waiting({"call", "ask"}, robot.environment());
+  ASSERT_TRUE(test::Await([&] { return requests() >= 2; }));
+  std::thread ender([&] { service.reset(); });  // Waits for the running handler.
+  EXPECT_EQ(waiting.Wait(), 1);
+  EXPECT_THAT(waiting.err(), testing::StartsWith("hgros: "));
+  door.Open();
+  ender.join();
+  EXPECT_NE(running.Wait(), -1);
 }
 
 }  // namespace

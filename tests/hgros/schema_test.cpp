@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <filesystem>
+
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
@@ -54,6 +57,21 @@ TEST(HgrosSchema, ReadsFilesAndTellsTheirFaults) {
   const CommandEnd end = RunToEnd({"schema", "arm.Arm", "--proto", broken});
   EXPECT_EQ(end.status, 2);
   EXPECT_THAT(end.err, HasSubstr("broken.proto:3:1: Expected message name."));
+}
+
+// Its folder is known from the place of the program.
+TEST(HgrosSchema, FindsInstalledFiles) {
+  const ProtoFolder prefix;
+  (void)prefix.Write("share/hgros/proto/robot/Claw.proto", "syntax = \"proto3\"; package robot; message Claw {}");
+  const std::string program = prefix.Write("bin/hgros", "");
+  std::filesystem::copy_file(HGROS_COMMAND, program, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  FILE* run = popen((program + " schema robot.Claw").c_str(), "r");
+  ASSERT_NE(run, nullptr);
+  char text[200] = {};
+  (void)!fread(text, 1, sizeof text - 1, run);
+  EXPECT_EQ(pclose(run), 0);
+  EXPECT_STREQ(text, "// robot.Claw, from robot/Claw.proto\nmessage Claw {\n}\n");
 }
 
 TEST(HgrosSchema, ItsExamplesWork) {

@@ -73,26 +73,34 @@ class Publishing {
   [[nodiscard]] const std::string& type_name() const noexcept { return type_.schema.type_name; }
   [[nodiscard]] std::uint64_t published() const noexcept { return published_; }
   [[nodiscard]] bool enough() const noexcept { return options_.count && published_ >= *options_.count; }
-  [[nodiscard]] std::size_t Subscribers() const;
+  // The most that had joined when they were counted: before the first message, and then every 100 ms.
+  [[nodiscard]] std::size_t subscribers() const noexcept { return subscribers_; }
   // What was published, in one sentence.
   [[nodiscard]] std::string Sentence() const;
   void Report() const;
 
  private:
+  void CountSubscribers();
+
   const PubOptions& options_;
   Robot& robot_;
   const ChannelType& type_;
   const RawPublisher publish_;
   std::uint64_t published_ = 0;
   std::uint64_t bytes_ = 0;
-  std::size_t most_subscribers_ = 0;
+  std::size_t subscribers_ = 0;
+  SteadyTime counted_;
 };
 
-std::size_t Publishing::Subscribers() const {
+// Takes longer than publishing a small message.
+void Publishing::CountSubscribers() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < counted_ + std::chrono::milliseconds(100)) return;
+  counted_ = now;
   constexpr std::size_t kMost = 10'000;
   std::size_t count = 0;
   while (count < kMost && robot_.session().WaitForSubscribers(options_.channel, count + 1, {})) ++count;
-  return count;
+  subscribers_ = std::max(subscribers_, count);
 }
 
 bool Publishing::AwaitSubscribers() {
@@ -104,6 +112,7 @@ bool Publishing::AwaitSubscribers() {
          std::chrono::steady_clock::now() < deadline) {
     if (robot_.surroundings().pause.For({}) == Pause::End::kInterrupted) return false;
   }
+  CountSubscribers();
   return true;
 }
 
@@ -120,7 +129,7 @@ void Publishing::Publish(const MessageDocument& document, const yaml::Node& valu
          robot_.surroundings().pause.For({}) != Pause::End::kInterrupted) {
     status = publish_.Wait(payload, std::min(deadline, std::chrono::steady_clock::now() + kSlice));
   }
-  most_subscribers_ = std::max(most_subscribers_, Subscribers());
+  CountSubscribers();
   if (status == PublishStatus::kOk) {
     ++published_;
     bytes_ += bytes->size();
@@ -132,8 +141,8 @@ void Publishing::Publish(const MessageDocument& document, const yaml::Node& valu
 
 std::string Publishing::Sentence() const {
   return fmt::format("Published {} {} of {} on {} to {} {}.", published_, published_ == 1 ? "message" : "messages",
-                     type_.schema.type_name, Visible(options_.channel), most_subscribers_,
-                     most_subscribers_ == 1 ? "subscriber" : "subscribers");
+                     type_.schema.type_name, Visible(options_.channel), subscribers_,
+                     subscribers_ == 1 ? "subscriber" : "subscribers");
 }
 
 void Publishing::Report() const {
@@ -142,7 +151,7 @@ void Publishing::Report() const {
     Json json;
     json.BeginObject().Member("channel", options_.channel).Member("type", type_.schema.type_name);
     json.Member("messages", published_).Member("bytes", bytes_);
-    json.Member("subscribers", std::uint64_t{most_subscribers_}).EndObject();
+    json.Member("subscribers", std::uint64_t{subscribers_}).EndObject();
     console.Line(json.text());
   } else if (console.interactive() && robot_.surroundings().pause.signal() == 0) {
     console.Line(Sentence() + (options_.latched ? " Late subscribers get the last one until Ctrl-C." : ""));
@@ -286,7 +295,7 @@ int Pub::Run(Surroundings& surroundings) {
   if (document) ReadMessage(*document, *type.type->Read({}));  // Its faults come before the channel is announced.
   Publishing publishing(options_, robot, type);
   if (!publishing.AwaitSubscribers()) return kDone;
-  const bool heard = publishing.Subscribers() > 0;
+  const bool heard = publishing.subscribers() > 0;
   const bool once = document && !options_.rate && !options_.count;
   if (!heard && !options_.latched) {
     surroundings.console.Say("Nobody subscribes to " + Visible(options_.channel) +

@@ -18,6 +18,9 @@ namespace {
 std::shared_ptr<const MessageSchema> PublishedSchema(Robot& robot, const RobotOptions& options,
                                                      const KnownChannel& channel) {
   if (channel.publishers.empty() || !ServiceOf(channel.name).empty()) return nullptr;
+  // Keeps the connection between the slices.
+  const Subscription connected = robot.session().FromAnyRaw(channel.name, Invoke::kConcurrent, [](const RawMessage&) {},
+                                                            {.queue = Queue::Latest()});
   const auto deadline = std::chrono::steady_clock::now() + options.Timeout(std::chrono::seconds(1));
   constexpr auto kSlice = std::chrono::milliseconds(50);  // Ctrl-C must not wait longer.
   while (robot.surroundings().pause.For({}) != Pause::End::kInterrupted) {

@@ -287,6 +287,21 @@ TEST(MessageReader, RefusesNumbersOutOfRange) {
   EXPECT_EQ(FaultOf<foxglove::Log>("line: 0xFF"), "");
   EXPECT_THAT(FaultOf<foxglove::LaserScan>("start_angle: 1e400"), HasSubstr("is too large for start_angle"));
   EXPECT_EQ(FaultOf<foxglove::LaserScan>("start_angle: 1e-400"), "");
+  const ProtoFolder folder;
+  const TypeOptions options{{folder.Write("all.proto", kAllKinds)}, {}};
+  const TypeFinder finder(options);
+  const google::protobuf::Descriptor& all = finder.Require("kinds.All");
+  EXPECT_THAT(FaultOf("a_float: 3.5e38", all), HasSubstr("is too large for a_float, which is a float."));
+  EXPECT_THAT(FaultOf("a_float: -3.5e38", all), HasSubstr("is too large for a_float, which is a float."));
+  EXPECT_EQ(FaultOf("a_float: 1e-60", all), "");
+  for (const char* text : {"a_int32: 2147483648", "a_int32: -2147483649", "a_int64: 9223372036854775808",
+                           "a_uint64: 18446744073709551616", "a_uint64: -1", "a_sint64: -9223372036854775809"}) {
+    EXPECT_THAT(FaultOf(text, all), HasSubstr("is out of range for a_")) << text;
+  }
+  for (const char* text : {"a_int32: 1e3", "a_int32: +-1", "a_int32: 0x", "a_int32: true", "a_double: 1.2.3",
+                           "a_double: 0x10", "a_double: --1", "a_double: '1'", "a_bool: yes", "a_bool: 1"}) {
+    EXPECT_THAT(FaultOf(text, all), HasSubstr(" must be ")) << text;
+  }
 }
 
 TEST(MessageReader, ReadsEnumsByNameAndNumberAndNamesTheNearest) {
