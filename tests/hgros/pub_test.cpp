@@ -69,6 +69,15 @@ TEST(HgrosPub, DoesNotLoseASingleMessage) {
   ASSERT_TRUE(again.Await(2));
 }
 
+TEST(HgrosPub, WaitsForASubscriberThatStartsLater) {
+  RobotForCommands robot;
+  CommandRun run({"pub", "wish", "{message: a}", "--timeout", "20"}, robot.environment());
+  test::Linger(std::chrono::milliseconds(100));
+  const Heard heard(robot.session(), "wish");
+  EXPECT_EQ(run.Wait(), 0) << run.err();
+  ASSERT_TRUE(heard.Await(1));
+}
+
 TEST(HgrosPub, SaysThatNobodySubscribes) {
   RobotForCommands robot;
   const CommandEnd end = robot.Run({"pub", "wish", "{message: a}", "--type", "foxglove.Log", "--timeout", "0.1"});

@@ -57,7 +57,7 @@ class Call final : public Command {
   int Run(Surroundings& surroundings) override;
 
  private:
-  void RequireServer(const Robot& robot) const;
+  void RequireServer(Robot& robot) const;
   void Show(Console& console, const TypeFinder& finder, const RawMessage& reply, std::chrono::nanoseconds took) const;
 
   std::string service_;
@@ -68,12 +68,13 @@ class Call final : public Command {
   RobotOptions options_;
 };
 
-void Call::RequireServer(const Robot& robot) const {
+void Call::RequireServer(Robot& robot) const {
+  const auto is_served = [&] { return !ChannelNamed(robot, "hgros/call/" + service_).subscribers.empty(); };
+  if (AwaitChannels(robot, options_, is_served)) return;
   std::vector<std::string> served;
   for (const KnownChannel& channel : robot.Channels(true)) {
-    const std::string name(ServiceOf(channel.name));
-    if (!name.empty() && !channel.subscribers.empty()) served.push_back(name);
-    if (name == service_ && !channel.subscribers.empty()) return;
+    const std::string_view name = ServiceOf(channel.name);
+    if (!name.empty() && !channel.subscribers.empty()) served.emplace_back(name);
   }
   const std::string nearest = NearestName(service_, served);
   throw Error("No session serves " + service_ + "." +

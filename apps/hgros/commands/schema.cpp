@@ -62,7 +62,7 @@ int Schema::Run(Surroundings& surroundings) {
     return kDone;
   }
   Robot robot(options_, surroundings);
-  if (ChannelNamed(robot, name_).type_name.empty()) {
+  if (!AwaitChannels(robot, options_, [&] { return !ChannelNamed(robot, name_).type_name.empty(); })) {
     std::string nearest = finder.Nearest(name_);
     if (nearest.empty()) nearest = NearestChannel(robot, name_);
     throw Error("There is no channel and no known type " + name_ + "." +

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "messages/known_types.hpp"
 #include "messages/message_reader.hpp"
@@ -25,7 +26,9 @@ struct Declared {
   const Descriptor* message = nullptr;
   const EnumDescriptor* values = nullptr;
 
-  auto operator<=>(const Declared&) const = default;
+  friend bool operator<(const Declared& a, const Declared& b) {
+    return std::pair(a.message, a.values) < std::pair(b.message, b.values);
+  }
 };
 
 const Descriptor* OutermostOf(const Descriptor* type) {

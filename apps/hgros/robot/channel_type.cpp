@@ -42,6 +42,18 @@ ChannelType TypeFrom(MessageSchema schema) {
   return type;
 }
 
+bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::function<bool()>& ready) {
+  if (ready()) return true;
+  Pause& pause = robot.surroundings().pause;
+  const Subscription changes = robot.session().FromGraph<ChannelsChanged>(
+      kChannelEventsChannel, Invoke::kSerial, [&pause](const ChannelsChanged&) { pause.Wake(); });
+  const auto deadline = std::chrono::steady_clock::now() + options.Timeout(std::chrono::milliseconds(500));
+  while (!ready()) {
+    if (pause.Until(deadline) != Pause::End::kWoken) return ready();
+  }
+  return true;
+}
+
 KnownChannel ChannelNamed(const Robot& robot, const std::string& name) {
   std::vector<KnownChannel> channels = robot.Channels(true);
   const auto found = std::ranges::find(channels, name, &KnownChannel::name);
@@ -59,7 +71,12 @@ std::string NearestChannel(const Robot& robot, const std::string& name) {
 
 ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
                           const std::string& channel, const std::string& given) {
-  const KnownChannel known = ChannelNamed(robot, channel);
+  KnownChannel known;
+  const auto has_type = [&] {
+    known = ChannelNamed(robot, channel);
+    return !known.type_name.empty();
+  };
+  if (!has_type() && given.empty()) (void)AwaitChannels(robot, options, has_type);
   const std::string_view service = ServiceOf(channel);
   const std::string shown = service.empty() ? channel : "The service " + std::string(service);
   if (known.type_name.empty()) {

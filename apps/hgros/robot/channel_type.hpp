@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -24,6 +25,10 @@ struct ChannelType {
 /// the type is not known, or if it is not `given`.
 [[nodiscard]] ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
                                         const std::string& channel, const std::string& given);
+
+/// Waits until `ready` is true, at most half a second or --timeout. A session that has just started is not found at
+/// once.
+[[nodiscard]] bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::function<bool()>& ready);
 
 /// The channel `name` as the robot uses it; without sessions if it is not used.
 [[nodiscard]] KnownChannel ChannelNamed(const Robot& robot, const std::string& name);
