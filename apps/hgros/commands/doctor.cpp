@@ -16,7 +16,7 @@
 namespace hgros::cli {
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(2200);  // Two snapshots of every session.
+constexpr auto kLookTime = std::chrono::milliseconds(2200);  // Two snapshots of every session.
 
 class Doctor final : public Command {
  public:
@@ -46,7 +46,7 @@ class Doctor final : public Command {
 Evidence Doctor::Look(Robot& robot) const {
   Evidence evidence;
   evidence.before = robot.Counters();
-  const auto deadline = std::chrono::steady_clock::now() + kLook;
+  const auto deadline = std::chrono::steady_clock::now() + kLookTime;
   while (std::chrono::steady_clock::now() < deadline) {
     if (!robot.AwaitCounters(deadline) && robot.surroundings().pause.signal() != 0) break;
   }

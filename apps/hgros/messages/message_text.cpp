@@ -176,8 +176,8 @@ std::string AppendScalar(std::string& out, const FieldRef& place, const TextLimi
   return shown.size() == text.size() ? "" : fmt::format("  # {} of {} bytes", shown.size(), text.size());
 }
 
-KnownType KnownTypeOf(const FieldDescriptor& field) {
-  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE ? cli::KnownTypeOf(*field.message_type())
+KnownType KnownTypeOfField(const FieldDescriptor& field) {
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE ? KnownTypeOf(*field.message_type())
                                                               : KnownType::kNone;
 }
 
@@ -186,7 +186,7 @@ void AppendMessage(std::string& out, const Message& message, const TextLimits& l
 // What follows "name:" or "-", up to and with the line break.
 void AppendValue(std::string& out, const FieldRef& place, const TextLimits& limits, std::size_t indent) {
   if (const Message* message = place.AsMessage()) {
-    if (const KnownType known = cli::KnownTypeOf(*message->GetDescriptor()); known != KnownType::kNone) {
+    if (const KnownType known = KnownTypeOf(*message->GetDescriptor()); known != KnownType::kNone) {
       out += " " + TextOfKnown(known, *message) + "\n";
     } else if (ShownFields(*message).empty()) {
       out += " {}\n";
@@ -203,7 +203,7 @@ void AppendValue(std::string& out, const FieldRef& place, const TextLimits& limi
 void AppendList(std::string& out, const FieldRef& place, const TextLimits& limits, std::size_t indent) {
   const auto size = static_cast<std::size_t>(place.message->GetReflection()->FieldSize(*place.message, place.field));
   const bool messages = place.field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-  const bool flow = (!messages && !IsText(*place.field)) || KnownTypeOf(*place.field) != KnownType::kNone;
+  const bool flow = (!messages && !IsText(*place.field)) || KnownTypeOfField(*place.field) != KnownType::kNone;
   const std::size_t most = messages ? limits.messages : limits.items;
   const std::size_t shown = size > most ? most : size;
   if (flow || size == 0) {
@@ -212,7 +212,7 @@ void AppendList(std::string& out, const FieldRef& place, const TextLimits& limit
       const FieldRef item{place.message, place.field, static_cast<int>(i)};
       if (i > 0) out += ", ";
       if (const Message* message = item.AsMessage()) {
-        out += TextOfKnown(KnownTypeOf(*place.field), *message);
+        out += TextOfKnown(KnownTypeOfField(*place.field), *message);
       } else {
         AppendScalar(out, item, limits);
       }
@@ -254,7 +254,7 @@ void AppendMessage(std::string& out, const Message& message, const TextLimits& l
 
 void AppendYaml(std::string& out, const FieldRef& place, const TextLimits& limits, std::size_t indent) {
   const Message* message = place.AsMessage();
-  if (message != nullptr && cli::KnownTypeOf(*message->GetDescriptor()) == KnownType::kNone) {
+  if (message != nullptr && KnownTypeOf(*message->GetDescriptor()) == KnownType::kNone) {
     if (ShownFields(*message).empty()) {
       out += std::string(indent, ' ') + "{}\n";
     } else {
@@ -279,7 +279,7 @@ void WriteJson(Json& json, const FieldRef& place) {
     for (int i = 0; i < size; ++i) WriteJson(json, {place.message, place.field, i});
     json.EndList();
   } else if (const Message* message = place.AsMessage()) {
-    if (const KnownType known = cli::KnownTypeOf(*message->GetDescriptor()); known != KnownType::kNone) {
+    if (const KnownType known = KnownTypeOf(*message->GetDescriptor()); known != KnownType::kNone) {
       json.Value(TextOfKnown(known, *message));
       return;
     }
@@ -300,8 +300,8 @@ void WriteJson(Json& json, const FieldRef& place) {
 
 std::string PlainText(const FieldRef& place) {
   const Message* message = place.AsMessage();
-  if (message != nullptr && cli::KnownTypeOf(*message->GetDescriptor()) != KnownType::kNone) {
-    return TextOfKnown(cli::KnownTypeOf(*message->GetDescriptor()), *message);
+  if (message != nullptr && KnownTypeOf(*message->GetDescriptor()) != KnownType::kNone) {
+    return TextOfKnown(KnownTypeOf(*message->GetDescriptor()), *message);
   }
   if (message != nullptr || place.list()) {
     Json json;
