@@ -64,6 +64,16 @@ void Announcer::Subscribes(const std::string& channel, const TypeInfo& type, con
   entry.lossless = lossless;
 }
 
+bool Announcer::SetLossless(const std::string& channel, bool lossless) {
+  const std::scoped_lock lock(mutex_);
+  const auto place = places_.find(channel);
+  if (place == places_.end()) return false;
+  ChannelAnnouncement& entry = own_.channels[place->second];
+  if (!entry.subscribes || entry.lossless == lossless) return false;
+  entry.lossless = lossless;
+  return true;
+}
+
 void Announcer::EndPublishing(const std::string& channel) { EndUse(channel, &ChannelAnnouncement::publishes); }
 
 void Announcer::EndSubscribing(const std::string& channel) { EndUse(channel, &ChannelAnnouncement::subscribes); }

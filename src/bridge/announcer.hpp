@@ -36,6 +36,8 @@ class Announcer {
   /// The session publishes or subscribes to the channel, over these transports only.
   void Publishes(const std::string& channel, const TypeInfo& type, const TransportKeys& transports);
   void Subscribes(const std::string& channel, const TypeInfo& type, const TransportKeys& transports, bool lossless);
+  /// Whether the subscribing session asks for lossless delivery now. Returns true if that is new.
+  [[nodiscard]] bool SetLossless(const std::string& channel, bool lossless);
   /// The session no longer publishes or subscribes to the channel.
   void EndPublishing(const std::string& channel);
   void EndSubscribing(const std::string& channel);

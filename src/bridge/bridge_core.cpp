@@ -210,6 +210,10 @@ std::shared_ptr<JoinedInbound> BridgeCore::Subscribe(const std::string& channel,
   return joined;
 }
 
+void BridgeCore::SetLossless(const std::string& channel, bool lossless) {
+  if (announcer_.SetLossless(channel, lossless)) Announce();
+}
+
 void BridgeCore::EndSubscribing(const std::string& channel) {
   announcer_.EndSubscribing(channel);
   Announce();

@@ -22,6 +22,7 @@ std::shared_ptr<JoinedInbound> NetworkBridge::Subscribe(const std::string& chann
   return core_->Subscribe(channel, type, demand, sink);
 }
 
+void NetworkBridge::SetLossless(const std::string& channel, bool lossless) { core_->SetLossless(channel, lossless); }
 void NetworkBridge::EndSubscribing(const std::string& channel) { core_->EndSubscribing(channel); }
 
 void NetworkBridge::EndPublishing(const std::string& channel) { core_->EndPublishing(channel); }

@@ -47,7 +47,7 @@ std::shared_ptr<const void> InboundChannels::Add(const std::shared_ptr<InboundCh
     } else if (inflow.joined && !IsAnyType(type)) {
       means.post([inlet = inflow.inlet] { inlet->CompareOffers(); });
     }
-    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
+    if (inflow.joined) self->TellDemand(name, inflow);
   }
   self->Reconcile(name, false);
   return ticket;
@@ -60,11 +60,17 @@ void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::it
   inflow.wanted.erase(demand);
   inflow.raw -= raw ? 1 : 0;
   if (!inflow.wanted.empty()) {
-    if (inflow.joined) inflow.inlet->SetDemand(Combine(inflow.wanted));
+    if (inflow.joined) TellDemand(channel, inflow);
     if (!AsksForTooMuch(inflow)) return;
   }
   // Posted, because ending the inbound channel waits for its callbacks, and a callback may be ending this subscription.
   if (inflow.joined) means_.post([this, channel] { Reconcile(channel, true); });
+}
+
+void InboundChannels::TellDemand(const std::string& channel, const Inflow& inflow) const {
+  const Demand demand = Combine(inflow.wanted);
+  inflow.inlet->SetDemand(demand);
+  bridge_->SetLossless(channel, demand.lossless);
 }
 
 bool InboundChannels::AsksForTooMuch(const Inflow& inflow) {

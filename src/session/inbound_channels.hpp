@@ -70,6 +70,8 @@ class InboundChannels {
   class DemandTicket;
 
   void Withdraw(const std::string& channel, std::list<Demand>::iterator demand, bool raw);
+  // Passes what all demands together ask for to the publishers and to the announcement.
+  void TellDemand(const std::string& channel, const Inflow& inflow) const;
   // Joins or ends the inbound channel, so that it fits the demands. Only with `may_wait` it also subscribes again.
   void Reconcile(const std::string& channel, bool may_wait);
   // Whether the channel is subscribed to with any type for raw subscriptions that have ended. A lossless one then stays

@@ -65,6 +65,26 @@ TEST_P(KnownChannels, ShowAPublisherItsSubscribers) {
   EXPECT_TRUE(Await([&] { return subscribers().empty(); }));
 }
 
+TEST_P(KnownChannels, ShowWhetherASubscriberIsLosslessNow) {
+  Begin();
+  const auto publish = robot->session->Advertise<Vector3>("v");
+  const auto ignore = [](const Vector3&) {};
+  const Subscription first = observer->session->FromAny<Vector3>("v", kSerial, ignore);
+  const auto lossless = [&]() -> std::optional<bool> {
+    for (const KnownChannel& channel : robot->session->Channels()) {
+      if (channel.name == "v" && channel.subscribers.size() == 1) return channel.subscribers[0].lossless;
+    }
+    return std::nullopt;
+  };
+  ASSERT_TRUE(Await([&] { return lossless() == false; }));
+  std::optional<Subscription> second =
+      observer->session->FromAny<Vector3>("v", kSerial, ignore, {.queue = Queue::KeepAll(4)});
+  if (GetParam() != "sharedmemory") return;  // Over an endpoint, the publisher learns this when they connect.
+  EXPECT_TRUE(Await([&] { return lossless() == true; }));
+  second.reset();
+  EXPECT_TRUE(Await([&] { return lossless() == false; }));
+}
+
 TEST_P(KnownChannels, DisappearWithTheirSession) {
   Begin();
   std::optional<Publisher<Vector3>> publish = robot->session->Advertise<Vector3>("v");

@@ -73,11 +73,6 @@ std::vector<Cell> TypeCells(const KnownChannel& channel, const ChannelUser& user
           fingerprint};
 }
 
-// A session announces what its first subscription of the channel asks for; a later one may ask for more.
-bool IsLossless(const ChannelUser& user, const Snapshot::Channel* counts) {
-  return user.lossless || (counts != nullptr && std::ranges::any_of(counts->nodes(), &Snapshot::Node::lossless));
-}
-
 std::string QueueText(const Snapshot::Node& node) {
   return fmt::format("{} {}", node.lossless() ? "lossless" : "keep last", node.queue_depth());
 }
@@ -181,7 +176,7 @@ void AddSubscribers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, c
                      {}};
   for (const ChannelUser& user : channel.subscribers) {
     const Snapshot::Channel* counts = CountersOf(robot.counters, user.session, channel.name);
-    std::vector<Cell> row = cells.User(user) + TypeCells(channel, user) + std::vector<Cell>{IsLossless(user, counts)};
+    std::vector<Cell> row = cells.User(user) + TypeCells(channel, user) + std::vector<Cell>{user.lossless};
     row = row + (counts == nullptr
                      ? std::vector<Cell>(6)
                      : std::vector<Cell>{std::uint64_t{counts->received()}, Cells::Fault(counts->lost()),

@@ -55,6 +55,8 @@ class NetworkBridge {
                                                           OutboundSource& source);
   [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
                                                          const Demand& demand, InboundSink& sink);
+  /// Tells others whether the session, which subscribes to the channel, asks for lossless delivery now.
+  void SetLossless(const std::string& channel, bool lossless);
   /// Tells others that the session no longer subscribes to the channel.
   void EndSubscribing(const std::string& channel);
   /// Tells others that the session no longer publishes on the channel.
