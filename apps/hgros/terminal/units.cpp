@@ -57,6 +57,7 @@ std::string DurationText(std::int64_t nanoseconds, bool exact) {
 
 std::string BoundText(double value, double step, double largest, Unit unit, bool exact) {
   if (exact) return fmt::format("{:.0f}", value);
+  if (step <= 0) return unit == Unit::kBytes ? BytesText(value, false) : DurationText(std::llround(value), false);
   const std::span<const char* const> names =
       unit == Unit::kBytes ? std::span<const char* const>(kBytes) : std::span<const char* const>(kTimes);
   std::size_t chosen = 0;
@@ -65,7 +66,7 @@ std::string BoundText(double value, double step, double largest, Unit unit, bool
     step /= 1000;
     largest /= 1000;
   }
-  const int digits = step >= 1 || step <= 0 ? 0 : static_cast<int>(std::ceil(-std::log10(step) - 1e-9));
+  const int digits = step >= 1 ? 0 : static_cast<int>(std::ceil(-std::log10(step) - 1e-9));
   return fmt::format("{:.{}f} {}", value, digits, names[chosen]);
 }
 

@@ -94,8 +94,8 @@ TEST(KnownTypes, ReadTheTimesThatTheyWrite) {
     EXPECT_EQ(time->nanos, nanos);
   }
   for (const auto& [seconds, nanos] : {std::pair{0L, 0}, {-1L, -500000000}, {0L, -1}, {7L, 250000000}}) {
-    const auto time = ReadKnown(KnownType::kDuration, DurationText(seconds, nanos));
-    ASSERT_TRUE(time) << DurationText(seconds, nanos);
+    const auto time = ReadKnown(KnownType::kDuration, DurationText(seconds, std::int64_t{nanos}));
+    ASSERT_TRUE(time) << DurationText(seconds, std::int64_t{nanos});
     EXPECT_EQ(time->seconds, seconds);
     EXPECT_EQ(time->nanos, nanos);
   }
