@@ -37,6 +37,13 @@ class HgrosCompletion : public testing::Test {
     return LinesOf(out);
   }
 
+  // A session announces its channels a moment after they were made.
+  [[nodiscard]] std::vector<std::string> NamesInBash(const std::string& words) const {
+    std::vector<std::string> names;
+    (void)test::Await([&] { return !(names = InBash(words)).empty(); });
+    return names;
+  }
+
   RobotForCommands robot_{"robot"};
 };
 
@@ -54,9 +61,9 @@ TEST_F(HgrosCompletion, OffersLiveNamesInBash) {
   ParamServer server;
   (void)server.Declare("matcher.method", std::string("icp"), {.choices = {"icp", "ndt"}});
   const ParamService params(robot_.session(), server);
+  ASSERT_THAT(NamesInBash("param get robot ma"), ElementsAre("matcher.method"));
   EXPECT_THAT(InBash("echo sc"), ElementsAre("scan/front", "scan/rear"));
   EXPECT_THAT(InBash("param get \"\""), ElementsAre("matcher.method", "robot"));
-  EXPECT_THAT(InBash("param get robot ma"), ElementsAre("matcher.method"));
   EXPECT_THAT(InBash("param set robot matcher.method \"\""), ElementsAre("icp", "ndt"));
 }
 
@@ -68,7 +75,7 @@ TEST_F(HgrosCompletion, LeavesFilesToTheShell) {
 TEST_F(HgrosCompletion, NamesOfARobotAreNeverRunByTheShell) {
   const std::string trap = testing::TempDir() + "hgros_trap_" + std::to_string(RandomId());
   const auto hostile = robot_.session().Advertise<Log>("x$(touch${IFS}" + trap + ")");
-  const std::vector<std::string> offered = InBash("echo x");
+  const std::vector<std::string> offered = NamesInBash("echo x");
   ASSERT_EQ(offered.size(), 1U);
   EXPECT_THAT(offered[0], testing::StartsWith("x\\$\\(touch\\$\\{IFS\\}"));
   EXPECT_FALSE(std::filesystem::exists(trap));

@@ -27,6 +27,8 @@ class HgrosParam : public testing::Test {
     (void)server_.Declare("matcher.method", std::string("icp"), {.choices = {"icp", "ndt"}});
     (void)server_.Declare("gains", std::vector<int>{1, 2});
     service_.emplace(robot_.session(), server_);
+    // A session announces its channels a moment after they were made.
+    EXPECT_TRUE(test::Await([this] { return !robot_.Run({"param", "list"}).out.empty(); }));
   }
   ~HgrosParam() override { std::filesystem::remove_all(file_); }
 
@@ -67,8 +69,11 @@ TEST_F(HgrosParam, NamesTheNearestSessionAndPath) {
 
 TEST_F(HgrosParam, AsksForTheSessionIfSeveralOfferParameters) {
   const ParamService second(robot_.session(), server_, "left");
-  const CommandEnd end = robot_.Run({"param", "get", "gains"});
-  EXPECT_EQ(end.status, 1);
+  CommandEnd end;
+  EXPECT_TRUE(test::Await([&] {
+    end = robot_.Run({"param", "get", "gains"});
+    return end.status == 1;
+  }));
   EXPECT_EQ(end.err, "hgros: Several sessions offer parameters: left, robot. Name one of them first.\n");
 }
 
@@ -202,6 +207,7 @@ TEST(HgrosParamAlone, SaysWhenTheWatchedSessionEnds) {
 TEST(HgrosParamAlone, SaysThatNoSessionOffersParameters) {
   RobotForCommands robot;
   EXPECT_EQ(robot.Run({"param", "list"}).out, "");
+  EXPECT_EQ(robot.Run({"param", "get", "gains"}).err, "hgros: No session offers parameters.\n");
   const CommandEnd end = robot.Run({"param", "save"});
   EXPECT_EQ(end.status, 1);
   EXPECT_EQ(end.err, "hgros: No session offers parameters.\n");

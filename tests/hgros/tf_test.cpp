@@ -29,6 +29,8 @@ class HgrosTf : public testing::Test {
     transforms_->ToStaticTF("base", "laser", Shift(0.5));
     transforms_->ToStaticTF("world", "dock", Shift(1));
     Move();
+    // A session announces its channels a moment after they were made.
+    EXPECT_TRUE(test::Await([this] { return LinesOf(Run({"list"}).out).size() == 3; }));
   }
   void Move() {
     const Eigen::AngleAxisd quarter(std::numbers::pi / 2, Eigen::Vector3d::UnitZ());

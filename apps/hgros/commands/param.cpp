@@ -30,7 +30,6 @@ Place PlaceOf(const Robot& robot, const std::string& first, const std::string& s
   if (!second.empty()) return {first, second};
   const std::vector<std::string> sessions = ParamSessions(robot);
   if (std::ranges::find(sessions, first) != sessions.end()) return {first, {}};
-  if (sessions.empty() && !first.empty()) return {first, {}};  // Waits for it.
   return {OnlyParamSession(robot), first};
 }
 
