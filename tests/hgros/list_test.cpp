@@ -17,7 +17,11 @@ TEST(HgrosList, ShowsChannelsWithTypeUsersAndLatchedMessages) {
   RobotForCommands robot;
   const auto publish = robot.session().Advertise<Log>("status", {.latched = 2});
   const Subscription heard = robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {});
-  const CommandEnd end = robot.Run({"list"});
+  CommandEnd end;  // A session announces its channels a moment after they were made.
+  (void)test::Await([&] {
+    end = robot.Run({"list"});
+    return LinesOf(end.out).size() == 3;
+  });
   EXPECT_EQ(end.status, 0);
   EXPECT_EQ(end.err, "");
   EXPECT_THAT(LinesOf(end.out), testing::ElementsAre("CHANNEL  TYPE          PUB  SUB  RATE  LATCHED  VIA",
@@ -77,6 +81,7 @@ TEST(HgrosList, ShowsSessionsNodesAndServices) {
   const Subscription heard =
       robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {}, {.name = "granting"});
   const Service service = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
+  EXPECT_TRUE(test::Await([&] { return robot.Run({"list", "services"}).out.find("ask") != std::string::npos; }));
   EXPECT_THAT(robot.Run({"list", "sessions"}).out, HasSubstr("patrol"));
   EXPECT_THAT(robot.Run({"list", "nodes"}).out, HasSubstr("granting"));
   EXPECT_THAT(robot.Run({"list", "services"}).out, HasSubstr("ask      foxglove.Log  patrol:"));
