@@ -32,6 +32,21 @@ int Run(const CommandEntry& entry, const std::vector<std::string>& words, Surrou
   return command->Run(surroundings);
 }
 
+// A command that the user has ended has nothing more to say.
+int RunUntilItEnds(const CommandEntry& entry, const std::vector<std::string>& words, Console& console) {
+  Pause pause;
+  console.GiveUpWhen(pause.ended());
+  Surroundings surroundings{console, pause};
+  try {
+    const int code = Run(entry, words, surroundings);
+    pause.EndBySignal();
+    return code;
+  } catch (...) {
+    pause.EndBySignal();
+    throw;
+  }
+}
+
 int Main(std::vector<std::string> words) {
   (void)std::signal(SIGPIPE, SIG_IGN);  // Writing fails instead, so that the session says goodbye.
   Console console;
@@ -45,11 +60,7 @@ int Main(std::vector<std::string> words) {
       return kDone;
     }
     const CommandEntry& entry = TakeCommand(words);
-    Pause pause;
-    Surroundings surroundings{console, pause};
-    const int code = Run(entry, words, surroundings);
-    pause.EndBySignal();
-    return code;
+    return RunUntilItEnds(entry, words, console);
   } catch (const OutputClosed&) {
     return kDone;
   } catch (const UsageError& error) {

@@ -100,7 +100,7 @@ Snapshot ToMessage(const SessionSnapshot& snapshot) {
     Snapshot::Peer& one = *message.add_peers();
     one.set_session(peer.id.value);
     one.set_transport(peer.transport);
-    one.set_why(peer.why);
+    if (peer.transport != "shared memory") one.set_why(peer.why);  // Of the cheapest one nobody asks why.
   }
   message.set_cpu_ns(ProcessCpuTime());
   message.set_memory_bytes(ResidentBytes());

@@ -13,8 +13,9 @@ namespace hgros {
 namespace {
 
 constexpr auto kSnapshotPeriod = std::chrono::seconds(1);
-// Subscribers that come and go quickly get no more than this.
+// Subscribers that come and go quickly get no more than this, and take no more of the time than a tenth.
 constexpr auto kShortestPause = std::chrono::milliseconds(20);
+constexpr int kShareOfTime = 10;
 
 // The announced type. It has no fingerprint: that is computed from the schema, and building the schema would cost half
 // a megabyte in a process that nobody observes.
@@ -44,7 +45,9 @@ SnapshotPublisher::SnapshotPublisher(MessageId publisher, const std::shared_ptr<
 
 void SnapshotPublisher::TellNewSubscriber() {
   if (outlet_->subscriber_count() == 0 || newcomer_waits_.exchange(true)) return;
-  const auto wait = kShortestPause - std::chrono::nanoseconds(MonotonicNow() - told_ns_.load());
+  const std::chrono::nanoseconds pause = std::max<std::chrono::nanoseconds>(
+      kShortestPause, kShareOfTime * std::chrono::nanoseconds(telling_took_ns_.load()));
+  const auto wait = pause - std::chrono::nanoseconds(MonotonicNow() - told_ns_.load());
   means_.later(std::max(std::chrono::nanoseconds(wait), std::chrono::nanoseconds(0)), [this] {
     (void)newcomer_waits_.exchange(false);  // Before the subscribers are counted: a later one asks again.
     Tell();
@@ -54,13 +57,15 @@ void SnapshotPublisher::TellNewSubscriber() {
 
 void SnapshotPublisher::Tell() {
   if (outlet_->subscriber_count() == 0) return;
-  told_ns_.store(MonotonicNow());
+  const std::int64_t begin = MonotonicNow();
   const auto snapshot = std::make_shared<Snapshot>(ToMessage(means_.count()));
   const TypeInfo& type = TypeOf<Snapshot>();
   PreparedMessage prepared;
   if (outlet_->Reserve(snapshot.get(), type, prepared) == PublishStatus::kOk) {
     (void)outlet_->Commit(snapshot, type, std::move(prepared));
   }
+  told_ns_.store(MonotonicNow());
+  telling_took_ns_.store(told_ns_.load() - begin);
 }
 
 void SnapshotPublisher::TellEverySecond() {

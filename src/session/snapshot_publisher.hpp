@@ -39,6 +39,7 @@ class SnapshotPublisher {
   std::atomic<bool> newcomer_waits_{false};
   std::atomic<bool> next_is_planned_{false};
   std::atomic<std::int64_t> told_ns_{0};
+  std::atomic<std::int64_t> telling_took_ns_{0};
   std::shared_ptr<ChannelOutlet> outlet_;
 };
 

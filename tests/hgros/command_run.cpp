@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -30,14 +29,15 @@ std::unique_ptr<Session> MakeSession(const std::string& name, const std::string&
 
 }  // namespace
 
-CommandRun::CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment) {
+CommandRun::CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment,
+                       int output) {
   int out[2];
   int err[2];
   if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw Error("no pipe");
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output >= 0 ? output : out[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
   arguments.insert(arguments.begin(), HGROS_COMMAND);
   std::vector<char*> words;
@@ -146,20 +146,6 @@ void RobotForCommands::AwaitAnnounced() const {
   if (!test::Await([&] { return uses(*observer, session_->id()) >= uses(*session_, session_->id()); })) {
     throw Error("the robot is not announced");
   }
-}
-
-std::vector<std::vector<std::string>> ExamplesOf(const std::string& command) {
-  std::vector<std::vector<std::string>> examples;
-  bool begun = false;
-  std::istringstream name("help " + command);
-  const std::vector<std::string> help{std::istream_iterator<std::string>(name), std::istream_iterator<std::string>()};
-  for (const std::string& line : LinesOf(RunToEnd(help).out)) {
-    if (line == "Examples:") begun = true;
-    if (!begun || !line.starts_with("  hgros ") || line.find_first_of("'\"|>") != std::string::npos) continue;
-    std::istringstream words(line.substr(8));
-    examples.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
-  }
-  return examples;
 }
 
 std::vector<std::string> LinesOf(const std::string& text) {

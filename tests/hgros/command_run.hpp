@@ -17,8 +17,10 @@ namespace hgros::cli {
 /// The command hgros as a process. Killed when this object ends.
 class CommandRun {
  public:
-  /// `environment`: in addition to that of the test.
-  explicit CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
+  /// `environment`: in addition to that of the test. `output`: a descriptor for its standard output, which is then not
+  /// read; negative: out() has it.
+  explicit CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {},
+                      int output = -1);
   CommandRun(const CommandRun&) = delete;
   CommandRun& operator=(const CommandRun&) = delete;
   ~CommandRun();
@@ -70,9 +72,6 @@ class RobotForCommands {
   std::string domain_;
   std::unique_ptr<Session> session_;
 };
-
-/// The examples in the help of a command, as arguments. Those with quotes, pipes or files of a shell are left out.
-std::vector<std::vector<std::string>> ExamplesOf(const std::string& command);
 
 /// The lines of a text.
 std::vector<std::string> LinesOf(const std::string& text);

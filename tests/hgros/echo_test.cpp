@@ -1,5 +1,8 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <csignal>
 
@@ -98,6 +101,41 @@ TEST(HgrosEcho, EndsSilentlyOnCtrlC) {
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
   EXPECT_EQ(run.err(), "");
+}
+
+TEST(HgrosEcho, TakesOptionsBeforeTheChannels) {
+  RobotForCommands robot;
+  const auto one = robot.session().Advertise<Log>("one", {.latched = 1});
+  const auto two = robot.session().Advertise<Log>("two", {.latched = 1});
+  one(Line("first"));
+  two(Line("second"));
+  const CommandEnd end = robot.Run({"echo", "--field", "message", "-n", "2", "one", "two"});
+  EXPECT_EQ(end.status, 0) << end.err;
+  EXPECT_THAT(end.out, HasSubstr("first\n"));
+  EXPECT_THAT(end.out, HasSubstr("second\n"));
+}
+
+TEST(HgrosEcho, EndsWhenItsReaderGoesOrStandsStill) {
+  RobotForCommands robot;
+  const auto publish = robot.session().Advertise<LaserScan>("scan");
+  const NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(2), [&](const Tick&) {
+    auto scan = std::make_unique<LaserScan>();
+    for (int i = 0; i < 2000; ++i) scan->add_ranges(i);
+    publish(std::move(scan));
+  });
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  CommandRun stuck({"echo", "scan", "--json"}, robot.environment(), ends[1]);
+  int waiting = 0;
+  ASSERT_TRUE(test::Await([&] { return ioctl(ends[0], FIONREAD, &waiting) == 0 && waiting > 30000; }));
+  stuck.Signal(SIGINT);
+  EXPECT_EQ(stuck.Wait(), 128 + SIGINT);
+  EXPECT_EQ(stuck.err(), "");
+  CommandRun left({"echo", "nothing"}, robot.environment(), ends[1]);
+  close(ends[1]);
+  ASSERT_TRUE(test::Await([&] { return left.err().find("Nobody publishes") != std::string::npos; }));
+  close(ends[0]);
+  EXPECT_EQ(left.Wait(), 0);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <csignal>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,22 +13,10 @@
 #include <foxglove/PoseInFrame.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
 
 namespace hgros::cli {
 namespace {
-
-// The examples in the help of a command, without the word hgros.
-std::vector<std::vector<std::string>> ExamplesOf(const std::string& command) {
-  const std::string help = RunToEnd({"help", command}).out;
-  std::vector<std::vector<std::string>> examples;
-  for (const std::string& line : LinesOf(help.substr(help.find("Examples:")))) {
-    if (!line.starts_with("  hgros ")) continue;
-    std::istringstream in(line.substr(8));
-    std::vector<std::string>& words = examples.emplace_back();
-    for (std::string word; in >> word;) words.push_back(word);
-  }
-  return examples;
-}
 
 TEST(HgrosExamples, RunBesideARobot) {
   RobotForCommands robot("talker");

@@ -1,12 +1,17 @@
 #include "hgros/help_examples.hpp"
 
+#include <sstream>
+
 #include "hgros/command_run.hpp"
 
 namespace hgros::cli {
 
 std::vector<std::vector<std::string>> ExamplesOf(const std::string& command) {
   constexpr std::string_view kBefore = "  hgros ";
-  const std::string help = RunToEnd({"help", command}).out;
+  std::vector<std::string> line_of_help{"help"};
+  std::istringstream names(command);
+  for (std::string name; names >> name;) line_of_help.push_back(name);
+  const std::string help = RunToEnd(line_of_help).out;
   std::vector<std::vector<std::string>> examples;
   for (const std::string& line : LinesOf(help.substr(help.find("Examples:")))) {
     if (!line.starts_with(kBefore)) continue;

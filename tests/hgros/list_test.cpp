@@ -52,15 +52,15 @@ TEST(HgrosList, ShowsFramesWithParentAgeAndPublisher) {
   transforms.ToStaticTF("base", "laser", RigidTransform());
   EXPECT_THAT(
       LinesOf(robot.Run({"list", "frames"}).out),
-      testing::ElementsAre("FRAME  PARENT  STATIC  AGE  PUBLISHER", "base", "laser  base    yes          patrol"));
+      testing::ElementsAre("FRAME    KIND    RATE  AGE  PUBLISHER", "base", "  laser  static             patrol"));
   const NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(20), [&](const Tick&) {
     transforms.ToTF(WallNow(), "map", "base", RigidTransform());
   });
   const std::vector<std::string> lines = LinesOf(robot.Run({"list", "frames", "--json"}).out);
   ASSERT_EQ(lines.size(), 3U);
-  EXPECT_EQ(lines[0], "{\"frame\":\"map\",\"parent\":null,\"static\":null,\"age_ns\":null,\"publisher\":null}");
-  EXPECT_THAT(lines[1], testing::StartsWith("{\"frame\":\"base\",\"parent\":\"map\",\"static\":false,\"age_ns\":"));
-  EXPECT_THAT(lines[2], HasSubstr("\"frame\":\"laser\",\"parent\":\"base\",\"static\":true"));
+  EXPECT_THAT(lines[0], testing::StartsWith("{\"frame\":\"map\",\"parent\":null,\"kind\":null,"));
+  EXPECT_THAT(lines[1], testing::StartsWith("{\"frame\":\"base\",\"parent\":\"map\",\"kind\":\"moving\","));
+  EXPECT_THAT(lines[2], HasSubstr("\"frame\":\"laser\",\"parent\":\"base\",\"kind\":\"static\""));
 }
 
 TEST(HgrosList, ShowsTheRateThatThePublisherCounts) {
@@ -98,9 +98,19 @@ TEST(HgrosList, WritesNothingWhenNothingRuns) {
   }
 }
 
+TEST(HgrosList, MeetsASessionBehindAnEndpoint) {
+  Session robot(Config::Parse("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}\n"),
+                SessionOptions{"far", [](LogLevel, std::string_view) {}});
+  const auto publish = robot.Advertise<Log>("status");
+  const CommandEnd end = RunToEnd({"list", "--connect", robot.PublisherEndpoints().front(), "channels"},
+                                  {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  EXPECT_EQ(end.status, 0) << end.err;
+  EXPECT_THAT(end.out, HasSubstr("status   foxglove.Log"));
+}
+
 TEST(HgrosList, EndsWithAnErrorWhenNothingAnswersAtAnEndpoint) {
   const CommandEnd end = RunToEnd({"list", "--connect", "127.0.0.1:1", "--timeout", "0.2"});
-  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.status, 3);
   EXPECT_THAT(end.err, HasSubstr("No session answers at tcp://127.0.0.1:1."));
 }
 

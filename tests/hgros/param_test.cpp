@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
 #include "hgros/params/param_codec.hpp"
 #include "hgros/params/param_service.hpp"
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
 #include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {

@@ -171,7 +171,10 @@ void Arguments::Parse(std::span<const std::string> words) const {
     option->required(argument.required);
     if (argument.many) {
       option->expected(argument.required ? 1 : 0, CLI::detail::expected_max_vector_size);
-      if (!argument.positional()) option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      // An option takes one value each time; otherwise it would take the positional arguments behind it.
+      if (!argument.positional()) {
+        option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+      }
     } else {
       option->expected(1)->allow_extra_args(false);
       if (!argument.positional()) option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);

@@ -29,7 +29,7 @@ constexpr std::array kCommands{
     CommandEntry{"tf watch", "Say when transforms appear, are late or disappear", kSee, MakeTfWatch},
     CommandEntry{"tf svg", "Draw the tree of frames as an image", kSee, MakeTfSvg},
 
-    CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to mend it", kCheck, MakeDoctor},
+    CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to fix it", kCheck, MakeDoctor},
 
     CommandEntry{"pub", "Publish messages on a channel", kSteer, MakePub},
     CommandEntry{"call", "Call a service", kSteer, MakeCall},

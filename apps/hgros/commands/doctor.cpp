@@ -1,8 +1,6 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <string>
 
@@ -27,7 +25,7 @@ class Doctor final : public Command {
   [[nodiscard]] std::string Description() const override {
     return "Looks at the running robot for two seconds and says in sentences what is wrong or soon will be, worst "
            "first, each with "
-           "its mend. Ends with code 1 if there is a fault or a warning.";
+           "its fix. Ends with code 1 if there is a fault or a warning.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros doctor", "Says what is wrong."},
@@ -46,17 +44,23 @@ class Doctor final : public Command {
 Evidence Doctor::Look(Robot& robot) const {
   Evidence evidence;
   evidence.before = robot.Counters();
+  evidence.channels_before = robot.Channels(true);
   const auto deadline = std::chrono::steady_clock::now() + kLookTime;
   while (std::chrono::steady_clock::now() < deadline) {
-    if (!robot.AwaitCounters(deadline) && robot.surroundings().pause.signal() != 0) break;
+    if (!robot.AwaitCounters(deadline) && robot.surroundings().pause.signal() != 0) throw OutputClosed();
   }
   evidence.after = robot.Counters();
+  evidence.silent = robot.silent();
   evidence.channels = robot.Channels(true);
-  std::array<char, 256> host{};
-  if (gethostname(host.data(), host.size() - 1) == 0) evidence.host = host.data();
+  for (const KnownChannel& channel : evidence.channels) {
+    for (const auto* users : {&channel.publishers, &channel.subscribers}) {
+      for (const ChannelUser& user : *users) evidence.names.emplace(user.session, ShortName(user, false));
+    }
+  }
   for (const PeerInfo& peer : robot.session().Peers()) {
-    if (const std::optional<ClockOffset> offset = robot.session().OffsetTo(peer.id);
-        offset && peer.host != evidence.host) {
+    if (peer.transport == "shared memory") {
+      evidence.here.insert(peer.id);
+    } else if (const std::optional<ClockOffset> offset = robot.session().OffsetTo(peer.id)) {
       evidence.offsets[peer.id] = *offset;
     }
   }
@@ -71,7 +75,7 @@ void Doctor::Write(Console& console, const Findings& findings, const Evidence& e
       if (finding.severity == Severity::kNote && !verbose_) continue;
       Json json;
       json.BeginObject().Member("severity", NameOf(finding.severity)).Member("check", finding.check);
-      json.Member("what", finding.what).Member("mend", finding.mend).EndObject();
+      json.Member("what", finding.what).Member("fix", finding.fix).EndObject();
       console.Line(json.text());
       continue;
     }
@@ -84,12 +88,12 @@ void Doctor::Write(Console& console, const Findings& findings, const Evidence& e
                         : finding.severity == Severity::kWarning ? Style::kYellow
                                                                  : Style::kDim;
     console.Line(console.Styled(style, fmt::format("{:<8}", NameOf(finding.severity))) + Visible(finding.what));
-    if (!finding.mend.empty()) console.Line("        " + console.Styled(Style::kDim, Visible(finding.mend)));
+    if (!finding.fix.empty()) console.Line("        " + console.Styled(Style::kDim, Visible(finding.fix)));
   }
   if (options_.style.json) return;
   const auto sessions = evidence.after.size();
   const auto channels =
-      std::ranges::count_if(evidence.channels, [](const KnownChannel& one) { return !one.name.starts_with("hgros/"); });
+      std::ranges::count_if(evidence.channels, [](const KnownChannel& one) { return !IsInternal(one.name); });
   std::string end = shown > 0       ? ""
                     : sessions == 0 ? "No session is there to look at."
                                     : fmt::format("Nothing is wrong. Sessions: {}, channels: {}.", sessions, channels);
@@ -100,7 +104,6 @@ void Doctor::Write(Console& console, const Findings& findings, const Evidence& e
 int Doctor::Run(Surroundings& surroundings) {
   Robot robot(options_, surroundings);
   const Evidence evidence = Look(robot);
-  if (surroundings.pause.signal() != 0) return kDone;
   Findings findings;
   CheckChannels(evidence, findings);
   CheckNodes(evidence, findings);

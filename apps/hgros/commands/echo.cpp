@@ -27,7 +27,7 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::size_t kQueue = 256;  // Messages that wait for the terminal.
+constexpr std::size_t kQueue = 64;  // Messages that wait for the terminal; they may be images.
 
 enum class Form { kYaml, kJson, kCsv, kRaw };
 
@@ -60,6 +60,8 @@ class MessagePrinter {
 
   void Print(const std::string& channel, const RawMessage& message, const MessageInfo& info);
   [[nodiscard]] bool done() const noexcept { return done_; }
+  // After the last message.
+  [[nodiscard]] std::uint64_t unreadable() const noexcept { return unreadable_; }
   // Throws what went wrong while a message was printed.
   void Rethrow() const {
     if (fault_) std::rethrow_exception(fault_);
@@ -85,6 +87,7 @@ class MessagePrinter {
   std::string csv_header_;
   Json json_;
   std::uint64_t printed_ = 0;
+  std::uint64_t unreadable_ = 0;
   std::exception_ptr fault_;
   std::atomic<bool> done_{false};
 };
@@ -200,6 +203,7 @@ void MessagePrinter::PrintOne(const std::string& channel, const RawMessage& raw,
   if (reading.type != nullptr) {
     message = reading.type->Read(raw.data.bytes);
     if (message == nullptr) {
+      if (unreadable_++ > 0) return;
       surroundings_.console.Say("A message of " + Visible(channel) + " cannot be read as " +
                                 Visible(raw.schema->type_name) + ".");
       return;
@@ -302,6 +306,9 @@ int Echo::Run(Surroundings& surroundings) {
   if (dropped > 0)
     surroundings.console.Say(
         fmt::format("{} messages came faster than they could be written, and are missing.", dropped));
+  if (printer.unreadable() > 1) {
+    surroundings.console.Say(fmt::format("{} messages could not be read.", printer.unreadable()));
+  }
   return end == Pause::End::kDeadline && !printer.done() ? kTimedOut : kDone;
 }
 

@@ -53,9 +53,7 @@ class Graph final : public Command {
 
 Hypergraph Graph::Look(Robot& robot) const {
   const AllCounters counters = robot.Counters();
-  std::vector<KnownChannel> channels = robot.Channels(all_);
-  if (!all_) std::erase_if(channels, [](const KnownChannel& channel) { return channel.name.starts_with("params/"); });
-  Hypergraph graph = Hypergraph::Of(channels, counters);
+  Hypergraph graph = Hypergraph::Of(robot.Channels(all_), counters);
   if (around_.empty()) return graph;
   if (std::optional<Hypergraph> part = graph.Around(around_, depth_.value_or(1))) return *std::move(part);
   const std::string nearest = NearestName(around_, graph.Names());

@@ -62,7 +62,6 @@ void List::ListChannels(Robot& robot) const {
                    {"latched", "LATCHED", true},
                    {"via", "VIA"}});
   for (const KnownChannel& channel : robot.Channels(all_)) {
-    if (!all_ && channel.name.starts_with("params/")) continue;
     const PublishedTotals totals = TotalsOf(counters, channel);
     records.Add({channel.name, channel.type_name, std::uint64_t{channel.publishers.size()},
                  std::uint64_t{channel.subscribers.size()}, RateOf(totals, options_.style),
@@ -73,6 +72,7 @@ void List::ListChannels(Robot& robot) const {
 }
 
 void List::ListSessions(Robot& robot) const {
+  (void)robot.Counters();  // Afterwards it is known how each session is reached.
   struct Row {
     ChannelUser user;
     std::uint64_t publishes = 0;
@@ -80,7 +80,7 @@ void List::ListSessions(Robot& robot) const {
   };
   std::map<SessionId, Row> rows;
   for (const KnownChannel& channel : robot.Channels(true)) {
-    const bool counts = all_ || !channel.name.starts_with("hgros/");
+    const bool counts = all_ || !IsInternal(channel.name);
     for (const ChannelUser& user : channel.publishers) {
       Row& row = rows[user.session];
       row.user = user;
@@ -129,7 +129,7 @@ void List::ListNodes(Robot& robot) const {
   const auto fault = [](std::uint64_t count) { return count == 0 ? Cell(count, "-") : Cell(count).In(Style::kYellow); };
   for (const auto& [id, snapshot] : robot.Counters()) {
     for (const Snapshot::Channel& channel : snapshot->channels()) {
-      if (!all_ && channel.name().starts_with("hgros/")) continue;
+      if (!all_ && IsInternal(channel.name())) continue;
       for (const Snapshot::Node& node : channel.nodes()) {
         records.Add({node.name(), channel.name(), snapshot->process() + ":" + std::to_string(snapshot->pid()),
                      id.ToString(), std::uint64_t{node.received()}, fault(node.dropped()), fault(node.failed()),

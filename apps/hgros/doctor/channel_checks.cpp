@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,10 @@ std::string Names(const std::vector<ChannelUser>& users) {
   return users.size() <= kMost ? names : names + fmt::format(" and {} more", users.size() - kMost);
 }
 
-bool IsInternal(const KnownChannel& channel) {
-  return channel.name.starts_with("hgros/") || channel.name.starts_with("params/");
+// The type, and the encoding if only that differs.
+std::string TypeOf(const ChannelUser& user, const ChannelUser& other) {
+  if (user.type_name != other.type_name) return user.type_name;
+  return user.type_name + (user.encoding == Encoding::kProtobuf ? " as protobuf" : " in another encoding");
 }
 
 void CheckTypes(const KnownChannel& channel, Findings& findings) {
@@ -32,11 +35,11 @@ void CheckTypes(const KnownChannel& channel, Findings& findings) {
       const std::string both = from.type_name + " " + to.type_name;
       if (from.type_name != to.type_name || from.encoding != to.encoding) {
         if (!said.insert(both).second) continue;
-        findings.push_back(
-            {Severity::kFault, "type",
-             fmt::format("{} publishes {} on \"{}\", but {} subscribes to {}: no message gets there.",
-                         ShortName(from, false), from.type_name, channel.name, ShortName(to, false), to.type_name),
-             "Use one type in both programs, or give one of the two another channel."});
+        findings.push_back({Severity::kFault, "type",
+                            fmt::format("{} publishes {} on \"{}\", but {} subscribes to {}: no message gets there.",
+                                        ShortName(from, false), TypeOf(from, to), channel.name, ShortName(to, false),
+                                        TypeOf(to, from)),
+                            "Use one type in both programs, or give one of the two another channel."});
       } else if (from.fingerprint != 0 && to.fingerprint != 0 && from.fingerprint != to.fingerprint &&
                  said.insert(both).second) {
         findings.push_back({Severity::kNote, "type",
@@ -52,17 +55,24 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
   const auto without = [&](auto KnownChannel::*missing, auto KnownChannel::*present) {
     std::vector<const KnownChannel*> found;
     for (const KnownChannel& channel : evidence.channels) {
-      if (!IsInternal(channel) && (channel.*missing).empty() && !(channel.*present).empty()) found.push_back(&channel);
+      if (!IsInternal(channel.name) && (channel.*missing).empty() && !(channel.*present).empty())
+        found.push_back(&channel);
     }
     return found;
   };
+  // A program that is starting may lack the other end for a moment.
+  const auto was_so = [&](const KnownChannel& now, auto KnownChannel::*missing) {
+    const auto before = std::ranges::lower_bound(evidence.channels_before, now.name, {}, &KnownChannel::name);
+    return before != evidence.channels_before.end() && before->name == now.name && ((*before).*missing).empty();
+  };
+  constexpr std::size_t kMostCompared = 200;  // Each is compared with each.
   const auto unheard = without(&KnownChannel::subscribers, &KnownChannel::publishers);
   for (const KnownChannel* wanted : without(&KnownChannel::publishers, &KnownChannel::subscribers)) {
+    if (!was_so(*wanted, &KnownChannel::publishers)) continue;
+    const auto compared = std::span(unheard).first(std::min(unheard.size(), kMostCompared));
     const auto like = std::ranges::find_if(
-        unheard, [&](const KnownChannel* other) { return DifferByATypingError(wanted->name, other->name); });
-    const std::string_view service = ServiceOf(wanted->name);
-    if (!service.empty()) continue;
-    if (like != unheard.end()) {
+        compared, [&](const KnownChannel* other) { return DifferByATypingError(wanted->name, other->name); });
+    if (like != compared.end()) {
       findings.push_back(
           {Severity::kFault, "name",
            fmt::format(
@@ -84,57 +94,56 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
   }
 }
 
-// Differences of one counter of one session between the two readings.
+// How fast a counter of a session grows, per second.
 template <class F>
-std::uint64_t Growth(const Evidence& evidence, SessionId session, const std::string& channel, const F& counter) {
+double Growth(const Evidence& evidence, SessionId session, const std::string& channel, const F& counter) {
   const Snapshot::Channel* before = CountersOf(evidence.before, session, channel);
   const Snapshot::Channel* after = CountersOf(evidence.after, session, channel);
   if (before == nullptr || after == nullptr || counter(*after) < counter(*before)) return 0;
-  return counter(*after) - counter(*before);
+  const double seconds = evidence.SecondsOf(session);
+  return seconds > 0 ? static_cast<double>(counter(*after) - counter(*before)) / seconds : 0;
 }
 
 void CheckLosses(const Evidence& evidence, const KnownChannel& channel, Findings& findings) {
   for (const ChannelUser& user : channel.publishers) {
-    const std::uint64_t dropped =
+    const double dropped =
         Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.send_dropped(); });
     if (dropped > 0) {
       findings.push_back(
           {Severity::kFault, "dropped",
-           fmt::format(
-               "{} dropped {} messages of \"{}\" in the last second, because a subscriber in another process is too "
-               "slow or was cut off.",
-               ShortName(user, false), dropped, channel.name),
+           fmt::format("{} drops {:.1f} messages per second of \"{}\", because a subscriber in another process is too "
+                       "slow or was cut off.",
+                       ShortName(user, false), dropped, channel.name),
            "Look for a slow callback or a weak network below, or raise peer_queue_bytes."});
     }
-    const std::uint64_t refused =
+    const double refused =
         Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.refused(); });
     if (refused > 0) {
       findings.push_back(
-          {Severity::kFault, "refused",
+          {Severity::kWarning, "refused",
            fmt::format(
-               "{} could not publish {} messages on \"{}\" in the last second: a lossless queue is full, or there "
-               "is no memory.",
+               "{} cannot publish {:.1f} messages per second on \"{}\": a lossless queue is full, or there is no "
+               "memory. Unless the program tries again, they are lost.",
                ShortName(user, false), refused, channel.name),
            "Make the lossless subscriber faster, give it a larger queue, or let it drop messages (keep-last)."});
     }
   }
   for (const ChannelUser& user : channel.subscribers) {
-    const std::uint64_t faults =
+    const double faults =
         Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.faults(); });
     if (faults > 0) {
       findings.push_back({Severity::kFault, "unreadable",
-                          fmt::format("{} received {} packets on \"{}\" in the last second that it cannot read.",
+                          fmt::format("{} receives {:.1f} packets per second on \"{}\" that it cannot read.",
                                       ShortName(user, false), faults, channel.name),
                           "Its log says why."});
     }
-    const std::uint64_t lost =
+    const double lost =
         Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.lost(); });
     if (lost > 0 && user.lossless) {
-      findings.push_back(
-          {Severity::kFault, "lost",
-           fmt::format("{} lost {} messages of \"{}\" in the last second, although it subscribes lossless.",
-                       ShortName(user, false), lost, channel.name),
-           "Its log, and that of the publisher, say why."});
+      findings.push_back({Severity::kFault, "lost",
+                          fmt::format("{} loses {:.1f} messages per second of \"{}\", although its queue is lossless.",
+                                      ShortName(user, false), lost, channel.name),
+                          "Its log, and that of the publisher, say why."});
     }
   }
 }

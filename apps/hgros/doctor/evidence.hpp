@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,18 @@ namespace hgros::cli {
 /// What the checks look at. Counters are read twice, so that only what happens now is reported.
 struct Evidence {
   std::vector<KnownChannel> channels;
+  std::vector<KnownChannel> channels_before;
   AllCounters before;
   AllCounters after;
   std::map<SessionId, ClockOffset> offsets;  ///< Of sessions on other hosts.
-  std::string host;                          ///< Of this command.
+  std::set<SessionId> here;                  ///< On this host, as far as is known for sure: reached by shared memory.
+  std::map<SessionId, std::string> names;    ///< "talker:4711"
+  std::map<SessionId, ChannelUser> silent;   ///< Did not answer.
 
-  /// The user of a channel who is that session, as "talker:4711"; its id if it is not known.
+  /// The name of a session; its id if it is not known.
   [[nodiscard]] std::string NameOf(SessionId session) const;
+  /// Between the two readings of a session; 0 if there are not two.
+  [[nodiscard]] double SecondsOf(SessionId session) const;
 };
 
 // One for each subject; each adds what it finds.

@@ -17,7 +17,7 @@ struct Finding {
   Severity severity = Severity::kNote;
   std::string check;  ///< The name of the check, for JSON: "type", "queue", ...
   std::string what;   ///< One or two sentences, with names as the robot gives them.
-  std::string mend;   ///< What to do about it.
+  std::string fix;    ///< What to do about it.
 };
 
 using Findings = std::vector<Finding>;

@@ -1,6 +1,8 @@
 // Callbacks that are too slow, queues that are full, callbacks that fail.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <string>
 
 #include "doctor/evidence.hpp"
@@ -25,25 +27,30 @@ struct NodeWork {
   const Snapshot::Node* before = nullptr;
 };
 
-const Snapshot::Node* FindNode(const Snapshot::Channel* channel, const std::string& name) {
+// Several nodes of a channel may have one name: the one with that name and this place among them.
+const Snapshot::Node* FindNode(const Snapshot::Channel* channel, const std::string& name, std::size_t place) {
   if (channel == nullptr) return nullptr;
   for (const Snapshot::Node& node : channel->nodes()) {
-    if (node.name() == name) return &node;
+    if (node.name() == name && place-- == 0) return &node;
   }
   return nullptr;
 }
 
+// A session that was replaced may count less than before.
+std::uint64_t Growth(std::uint64_t before, std::uint64_t after) { return after > before ? after - before : 0; }
+
 void Check(const NodeWork& work, Findings& findings) {
   const Snapshot::Node& node = *work.node;
   const std::int64_t mean_ns =
-      work.run == 0 ? node.run_p50_ns()
-                    : static_cast<std::int64_t>(work.busy * work.seconds * 1e9 / static_cast<double>(work.run));
+      work.run == 0
+          ? node.run_p50_ns()
+          : static_cast<std::int64_t>(std::min(work.busy, 1e6) * work.seconds * 1e9 / static_cast<double>(work.run));
   const double period_ns = work.received == 0 ? 0 : work.seconds * 1e9 / static_cast<double>(work.received);
   const bool slow = node.serial() && work.busy > kBusy && work.received > 0;
   const std::string how =
       fmt::format("its callback takes {} and a message comes every {}", DurationText(mean_ns, false),
                   DurationText(static_cast<std::int64_t>(period_ns), false));
-  if (work.dropped > 0) {
+  if (work.dropped > 0 && node.queue_depth() > 1) {  // A queue of one drops by design.
     findings.push_back(
         {Severity::kFault, "queue",
          fmt::format("{} drops {:.0f} of {:.0f} messages per second of \"{}\", because its queue of {} is full: {}.",
@@ -65,7 +72,7 @@ void Check(const NodeWork& work, Findings& findings) {
   }
   if (work.failed > 0) {
     findings.push_back({Severity::kFault, "callback",
-                        fmt::format("The callback of {} on \"{}\" ended with an exception {} times in the last second.",
+                        fmt::format("The callback of {} on \"{}\" ends with exceptions ({} since the last look).",
                                     work.name, work.channel, work.failed),
                         "The log of its process has the text of the exception."});
   }
@@ -75,23 +82,24 @@ void Check(const NodeWork& work, Findings& findings) {
 
 void CheckNodes(const Evidence& evidence, Findings& findings) {
   for (const auto& [session, after] : evidence.after) {
-    const auto before = evidence.before.find(session);
-    if (before == evidence.before.end() || after->steady_ns() <= before->second->steady_ns()) continue;
+    const double seconds = evidence.SecondsOf(session);
+    if (seconds <= 0) continue;
     for (const Snapshot::Channel& channel : after->channels()) {
       const Snapshot::Channel* earlier = CountersOf(evidence.before, session, channel.name());
+      std::map<std::string, std::size_t> places;
       for (const Snapshot::Node& node : channel.nodes()) {
-        const Snapshot::Node* was = FindNode(earlier, node.name());
-        if (was == nullptr || node.received() < was->received() || node.run() < was->run()) continue;
+        const Snapshot::Node* was = FindNode(earlier, node.name(), places[node.name()]++);
+        if (was == nullptr) continue;
         NodeWork work{.name = evidence.NameOf(session) + " " + node.name(),
                       .channel = channel.name(),
+                      .seconds = seconds,
                       .node = &node,
                       .before = was};
-        work.seconds = static_cast<double>(after->steady_ns() - before->second->steady_ns()) / 1e9;
-        work.received = node.received() - was->received();
-        work.dropped = node.dropped() - was->dropped();
-        work.run = node.run() - was->run();
-        work.failed = node.failed() - was->failed();
-        work.busy = static_cast<double>(node.run_sum_ns() - was->run_sum_ns()) / 1e9 / work.seconds;
+        work.received = Growth(was->received(), node.received());
+        work.dropped = Growth(was->dropped(), node.dropped());
+        work.run = Growth(was->run(), node.run());
+        work.failed = Growth(was->failed(), node.failed());
+        work.busy = static_cast<double>(Growth(was->run_sum_ns(), node.run_sum_ns())) / 1e9 / seconds;
         Check(work, findings);
       }
     }

@@ -1,11 +1,12 @@
 // How sessions reach each other: transports, clocks, versions.
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstdlib>
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "doctor/evidence.hpp"
@@ -15,15 +16,22 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::int64_t kLargeOffsetNs = 1'000'000;
+constexpr std::string_view kSharedMemory = "shared memory";  // As PeerInfo::transport has it.
 
 void CheckTransports(const Evidence& evidence, Findings& findings) {
   std::set<std::pair<SessionId, SessionId>> said;
   for (const auto& [session, snapshot] : evidence.after) {
+    if (!evidence.here.contains(session)) continue;
     for (const Snapshot::Peer& peer : snapshot->peers()) {
       const SessionId other{peer.session()};
-      const auto counters = evidence.after.find(other);
-      if (peer.transport() == "shared memory" || counters == evidence.after.end()) continue;
-      if (counters->second->host() != snapshot->host() || !said.insert(std::minmax(session, other)).second) continue;
+      if (peer.transport() == kSharedMemory || !evidence.here.contains(other)) continue;
+      // Two that move to shared memory just now were otherwise before.
+      const auto before = evidence.before.find(session);
+      const bool lasting = before != evidence.before.end() &&
+                           std::ranges::any_of(before->second->peers(), [&](const Snapshot::Peer& one) {
+                             return one.session() == peer.session() && one.transport() == peer.transport();
+                           });
+      if (!lasting || !said.insert(std::minmax(session, other)).second) continue;
       findings.push_back({Severity::kWarning, "transport",
                           fmt::format("{} and {} are on one host, but exchange messages over {}: {}.",
                                       evidence.NameOf(session), evidence.NameOf(other), peer.transport(), peer.why()),
@@ -34,14 +42,27 @@ void CheckTransports(const Evidence& evidence, Findings& findings) {
 }
 
 void CheckClocks(const Evidence& evidence, Findings& findings) {
+  std::set<std::string> said;  // One of each host.
   for (const auto& [session, offset] : evidence.offsets) {
-    if (std::abs(offset.offset.count()) <= kLargeOffsetNs + offset.uncertainty.count()) continue;
-    const std::int64_t size = std::abs(offset.offset.count());
-    findings.push_back(
-        {Severity::kWarning, "clock",
-         fmt::format("The clock of {} is {} {} this host's.", evidence.NameOf(session), DurationText(size, false),
-                     offset.offset.count() > 0 ? "ahead of" : "behind"),
-         "Synchronize the clocks (chrony, systemd-timesyncd, PTP); stamps and ages are wrong by as much."});
+    const std::int64_t nanoseconds = offset.offset.count();
+    const std::int64_t size = nanoseconds < 0 ? -std::max(nanoseconds, -INT64_MAX) : nanoseconds;
+    if (size <= kLargeOffsetNs || size - kLargeOffsetNs <= offset.uncertainty.count()) continue;
+    const auto counters = evidence.after.find(session);
+    const std::string host = counters == evidence.after.end() ? evidence.NameOf(session) : counters->second->host();
+    if (!said.insert(host).second) continue;
+    findings.push_back({Severity::kWarning, "clock",
+                        fmt::format("The clock of {} is {} {} this host's.", host, DurationText(size, false),
+                                    nanoseconds > 0 ? "ahead of" : "behind"),
+                        "Synchronize the clocks (chrony, systemd-timesyncd, PTP); stamps and ages are wrong by that "
+                        "much."});
+  }
+}
+
+void CheckSilent(const Evidence& evidence, Findings& findings) {
+  for (const auto& [session, user] : evidence.silent) {
+    findings.push_back({Severity::kFault, "silent",
+                        fmt::format("{} does not answer. It is stopped, overloaded, or hangs.", ShortName(user, false)),
+                        "Look at its process with top or gdb; continue it if it was stopped (kill -CONT)."});
   }
 }
 
@@ -61,6 +82,7 @@ void CheckVersions(const Evidence& evidence, Findings& findings) {
 }  // namespace
 
 void CheckSessions(const Evidence& evidence, Findings& findings) {
+  CheckSilent(evidence, findings);
   CheckTransports(evidence, findings);
   CheckClocks(evidence, findings);
   CheckVersions(evidence, findings);

@@ -65,6 +65,14 @@ void CheckDescriptors(const std::string& name, std::int64_t pid, Findings& findi
   }
 }
 
+// Of files, which the system gives up first.
+std::uint64_t CachedBytes(const fs::path& group) {
+  const std::string stat = TextOf(group / "memory.stat");
+  constexpr std::string_view kKey = "inactive_file ";
+  const std::size_t line = stat.find(kKey);
+  return line == std::string::npos ? 0 : NumberIn(stat.substr(line + kKey.size(), 20)).value_or(0);
+}
+
 // The control group of a process, version 2: "0::/path".
 void CheckMemoryGroup(const std::string& name, std::int64_t pid, std::set<std::string>& seen, Findings& findings) {
   std::string group = TextOf(fmt::format("/proc/{}/cgroup", pid));
@@ -75,7 +83,8 @@ void CheckMemoryGroup(const std::string& name, std::int64_t pid, std::set<std::s
     seen.insert(at.string());
     const fs::path folder = "/sys/fs/cgroup" + at.string();
     const std::optional<std::uint64_t> most = NumberIn(TextOf(folder / "memory.max"));
-    const std::optional<std::uint64_t> now = NumberIn(TextOf(folder / "memory.current"));
+    std::optional<std::uint64_t> now = NumberIn(TextOf(folder / "memory.current"));
+    if (now) *now -= std::min(*now, CachedBytes(folder));
     if (!most || !now || static_cast<double>(*now) < kNearlyFull * static_cast<double>(*most)) continue;
     findings.push_back(
         {Severity::kWarning, "memory",
@@ -97,8 +106,10 @@ void CheckBuffers(const Evidence& evidence, Findings& findings) {
 }
 
 void CheckGovernor(Findings& findings) {
-  const std::string governor = TextOf("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
-  if (!governor.starts_with("powersave")) return;
+  const fs::path folder = "/sys/devices/system/cpu/cpu0/cpufreq";
+  const std::string driver = TextOf(folder / "scaling_driver");
+  const bool scales_itself = driver.starts_with("intel_pstate") || driver.starts_with("amd-pstate");
+  if (scales_itself || !TextOf(folder / "scaling_governor").starts_with("powersave")) return;
   findings.push_back({Severity::kNote, "governor", "The CPU's governor is powersave, which makes short callbacks slow.",
                       "cpupower frequency-set -g performance, or schedutil."});
 }
@@ -142,7 +153,7 @@ void CheckSystem(const Evidence& evidence, Findings& findings) {
   std::set<std::string> groups;
   std::set<std::int64_t> processes;
   for (const auto& [session, snapshot] : evidence.after) {
-    if (snapshot->host() != evidence.host || !processes.insert(snapshot->pid()).second) continue;
+    if (!evidence.here.contains(session) || !processes.insert(snapshot->pid()).second) continue;
     CheckDescriptors(evidence.NameOf(session), snapshot->pid(), findings);
     CheckMemoryGroup(evidence.NameOf(session), snapshot->pid(), groups, findings);
   }

@@ -2,6 +2,7 @@
 
 #include <google/protobuf/descriptor.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "messages/known_types.hpp"
@@ -11,26 +12,31 @@
 namespace hgros::cli {
 namespace {
 
-constexpr int kDeepest = 6;  // A type may contain itself; deeper parts are cells of JSON.
+constexpr std::size_t kMostCsvColumns = 1000;  // More are one cell of JSON.
 
 }  // namespace
 
 Csv::Csv(const google::protobuf::Descriptor& type, const std::vector<std::string>& paths) {
-  if (paths.empty()) AddColumns(type, "", 0);
-  for (const std::string& path : paths) AddColumns(type, path, 0);
+  if (paths.empty()) AddColumns(type, "", {});
+  for (const std::string& path : paths) AddColumns(type, path, {});
 }
 
-void Csv::AddColumns(const google::protobuf::Descriptor& root, const std::string& path, int depth) {
+void Csv::AddColumns(const google::protobuf::Descriptor& root, const std::string& path,
+                     std::vector<const google::protobuf::Descriptor*> around) {
   FieldPath place = FieldPath::Parse(path, root);
   const google::protobuf::FieldDescriptor* field = place.field();
   const google::protobuf::Descriptor* type = field == nullptr ? &root : place.list() ? nullptr : field->message_type();
-  if (type == nullptr || depth == kDeepest || KnownTypeOf(*type) != KnownType::kNone) {
+  const bool contains_itself = std::ranges::find(around, type) != around.end();
+  if (type == nullptr || contains_itself ||
+      names_.size() + static_cast<std::size_t>(type->field_count()) > kMostCsvColumns ||
+      KnownTypeOf(*type) != KnownType::kNone) {
     names_.push_back(path);
     columns_.push_back(std::move(place));
     return;
   }
+  around.push_back(type);
   for (int i = 0; i < type->field_count(); ++i) {
-    AddColumns(root, (path.empty() ? "" : path + ".") + type->field(i)->name(), depth + 1);
+    AddColumns(root, (path.empty() ? "" : path + ".") + type->field(i)->name(), around);
   }
 }
 

@@ -18,7 +18,9 @@ class Csv {
   [[nodiscard]] std::string Row(const google::protobuf::Message& message) const;
 
  private:
-  void AddColumns(const google::protobuf::Descriptor& root, const std::string& path, int depth);
+  // `around`: the types that contain this field.
+  void AddColumns(const google::protobuf::Descriptor& root, const std::string& path,
+                  std::vector<const google::protobuf::Descriptor*> around);
 
   std::vector<std::string> names_;
   std::vector<FieldPath> columns_;

@@ -2,52 +2,114 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <regex.h>
 
+#include <array>
 #include <cctype>
 #include <charconv>
-#include <cmath>
 #include <optional>
-#include <regex>
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "arguments/arguments.hpp"
+#include "hgros/base/names.hpp"
 #include "messages/field_path.hpp"
+#include "messages/known_types.hpp"
 #include "messages/message_text.hpp"
 
 namespace hgros::cli {
 namespace {
 
-// What an operand is for one message; monostate: not there.
-using Operand = std::variant<std::monostate, double, std::string>;
+using google::protobuf::FieldDescriptor;
 
-Operand ValueAt(const FieldRef& place) {
-  using google::protobuf::FieldDescriptor;
-  if (place.field == nullptr || place.list() || place.AsMessage() != nullptr) return PlainText(place);
-  const FieldDescriptor::CppType type = place.field->cpp_type();
-  std::string text = PlainText(place);
-  if (type == FieldDescriptor::CPPTYPE_STRING || type == FieldDescriptor::CPPTYPE_ENUM) return text;
-  if (type == FieldDescriptor::CPPTYPE_BOOL) return text == "true" ? 1.0 : 0.0;
-  if (text == ".nan") return std::nan("");
-  if (text.ends_with(".inf")) return text.front() == '-' ? -HUGE_VAL : HUGE_VAL;
-  double number = 0;
-  (void)std::from_chars(text.data(), text.data() + text.size(), number);
-  return number;
-}
+// What an operand is for one message; monostate: not there. A long double has the digits of every 64-bit integer.
+using Operand = std::variant<std::monostate, long double, std::string>;
 
-double SizeAt(const FieldRef& place) {
-  if (place.list()) return place.message->GetReflection()->FieldSize(*place.message, place.field);
-  return static_cast<double>(PlainText(place).size());
-}
+long double Seconds(const SecondsAndNanos& time) { return static_cast<long double>(time.seconds) + time.nanos * 1e-9L; }
+
+// Times are seconds, enums their numbers.
+class OperandReader {
+ public:
+  explicit OperandReader(const FieldRef& place) : place_(place), reflection_(*place.message->GetReflection()) {}
+
+  [[nodiscard]] Operand Read() const {
+    if (place_.list()) return PlainText(place_);
+    if (const google::protobuf::Message* message = place_.AsMessage()) {
+      const KnownType known = KnownTypeOf(*message->GetDescriptor());
+      if (known == KnownType::kNone) return PlainText(place_);
+      const auto time = ReadKnown(known, TextOfKnown(known, *message));
+      return time ? Operand(Seconds(*time)) : Operand();
+    }
+    using google::protobuf::Reflection;
+    switch (place_.field->cpp_type()) {
+      case FieldDescriptor::CPPTYPE_BOOL: return Number(&Reflection::GetBool, &Reflection::GetRepeatedBool);
+      case FieldDescriptor::CPPTYPE_INT32: return Number(&Reflection::GetInt32, &Reflection::GetRepeatedInt32);
+      case FieldDescriptor::CPPTYPE_INT64: return Number(&Reflection::GetInt64, &Reflection::GetRepeatedInt64);
+      case FieldDescriptor::CPPTYPE_UINT32: return Number(&Reflection::GetUInt32, &Reflection::GetRepeatedUInt32);
+      case FieldDescriptor::CPPTYPE_UINT64: return Number(&Reflection::GetUInt64, &Reflection::GetRepeatedUInt64);
+      case FieldDescriptor::CPPTYPE_FLOAT: return Number(&Reflection::GetFloat, &Reflection::GetRepeatedFloat);
+      case FieldDescriptor::CPPTYPE_DOUBLE: return Number(&Reflection::GetDouble, &Reflection::GetRepeatedDouble);
+      case FieldDescriptor::CPPTYPE_ENUM: return Number(&Reflection::GetEnumValue, &Reflection::GetRepeatedEnumValue);
+      default: return Text();
+    }
+  }
+  // Of a list its items, of a text or bytes their bytes.
+  [[nodiscard]] long double Size() const {
+    if (place_.list()) return reflection_.FieldSize(*place_.message, place_.field);
+    return static_cast<long double>(Text().size());
+  }
+
+ private:
+  template <class One, class Repeated>
+  [[nodiscard]] Operand Number(One one, Repeated repeated) const {
+    return static_cast<long double>(place_.index < 0
+                                        ? (reflection_.*one)(*place_.message, place_.field)
+                                        : (reflection_.*repeated)(*place_.message, place_.field, place_.index));
+  }
+  [[nodiscard]] std::string Text() const {
+    return place_.index < 0 ? reflection_.GetString(*place_.message, place_.field)
+                            : reflection_.GetRepeatedString(*place_.message, place_.field, place_.index);
+  }
+
+  const FieldRef place_;
+  const google::protobuf::Reflection& reflection_;
+};
 
 bool IsTrue(const Operand& value) {
-  if (const double* number = std::get_if<double>(&value)) return *number != 0;
+  if (const long double* number = std::get_if<long double>(&value)) return *number != 0;
   const std::string* text = std::get_if<std::string>(&value);
   return text != nullptr && !text->empty() && *text != "{}" && *text != "[]";
 }
 
 }  // namespace
+
+// A POSIX extended regular expression. Its memory does not depend on the text, as that of std::regex does.
+class Pattern {
+ public:
+  // Throws UsageError.
+  explicit Pattern(const std::string& text) {
+    const int error = regcomp(&compiled_, text.c_str(), REG_EXTENDED | REG_NOSUB);
+    if (error == 0) return;
+    std::array<char, 128> why{};
+    (void)regerror(error, &compiled_, why.data(), why.size());
+    throw UsageError("--filter: \"" + text + "\" is not a regular expression: " + why.data() + ".");
+  }
+  Pattern(const Pattern&) = delete;
+  Pattern& operator=(const Pattern&) = delete;
+  ~Pattern() { regfree(&compiled_); }
+
+  // Looks at the beginning of a long text only: the time grows with the square of its length.
+  [[nodiscard]] bool Matches(const std::string& text) const {
+    constexpr std::size_t kMostBytes = 4096;
+    const std::string beginning = text.substr(0, kMostBytes);
+    return regexec(&compiled_, beginning.c_str(), 0, nullptr, 0) == 0;
+  }
+
+ private:
+  regex_t compiled_{};
+};
 
 class Filter::Term {
  public:
@@ -77,10 +139,11 @@ class Filter::Term {
 
   [[nodiscard]] Operand Value(const google::protobuf::Message& message) const {
     if (kind_ == Kind::kConstant) return constant_;
-    if (kind_ != Kind::kField && kind_ != Kind::kSize) return IsTrueFor(message) ? 1.0 : 0.0;
+    if (kind_ != Kind::kField && kind_ != Kind::kSize) return IsTrueFor(message) ? 1.0L : 0.0L;
     const std::optional<FieldRef> place = path_->Find(message);
     if (!place) return {};
-    return kind_ == Kind::kSize ? Operand(SizeAt(*place)) : ValueAt(*place);
+    const OperandReader reader(*place);
+    return kind_ == Kind::kSize ? Operand(reader.Size()) : reader.Read();
   }
 
   [[nodiscard]] bool IsTrueFor(const google::protobuf::Message& message) const {
@@ -98,7 +161,7 @@ class Filter::Term {
   Kind kind_;
   Operand constant_;
   std::optional<FieldPath> path_;
-  std::optional<std::regex> pattern_;
+  std::optional<Pattern> pattern_;
   std::unique_ptr<Term> left_;
   std::unique_ptr<Term> right_;
 
@@ -107,7 +170,7 @@ class Filter::Term {
     if (left.index() == 0 || right.index() == 0) return false;
     if (kind_ == Kind::kMatches) {
       const std::string* text = std::get_if<std::string>(&left);
-      return text != nullptr && std::regex_search(*text, *pattern_);
+      return text != nullptr && pattern_->Matches(*text);
     }
     if (left.index() != right.index()) return kind_ == Kind::kUnequal;
     switch (kind_) {
@@ -170,19 +233,41 @@ class FilterReader {
       if (!Take(sign)) continue;
       std::unique_ptr<Term> term = Term::Of(kind, std::move(left), ReadOperand());
       if (kind == Kind::kMatches) SetPattern(*term);
+      FitConstant(*term->left_, *term->right_);
+      FitConstant(*term->right_, *term->left_);
       return term;
     }
     if (Skip(); text_.substr(at_).starts_with('=')) Fail("\"=\" is not a comparison; write \"==\"");
     return left;
   }
+  // A text that is compared with an enum or a time becomes its number.
+  void FitConstant(const Term& field, Term& constant) const {
+    const std::string* text = std::get_if<std::string>(&constant.constant_);
+    if (field.kind_ != Kind::kField || text == nullptr || field.path_->list()) return;
+    const FieldDescriptor* type = field.path_->field();
+    if (type->cpp_type() == FieldDescriptor::CPPTYPE_ENUM) {
+      const google::protobuf::EnumValueDescriptor* value = type->enum_type()->FindValueByName(*text);
+      if (value == nullptr) FailEnum(*type->enum_type(), *text);
+      constant.constant_ = static_cast<long double>(value->number());
+    } else if (type->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      const KnownType known = KnownTypeOf(*type->message_type());
+      if (known == KnownType::kNone) return;
+      const auto time = ReadKnown(known, *text);
+      if (!time) Fail("\"" + *text + "\" is not a time");
+      constant.constant_ = Seconds(*time);
+    }
+  }
+  [[noreturn]] void FailEnum(const google::protobuf::EnumDescriptor& type, const std::string& name) const {
+    std::vector<std::string> names;
+    for (int i = 0; i < type.value_count(); ++i) names.push_back(type.value(i)->name());
+    const std::string nearest = NearestName(name, names);
+    Fail(type.full_name() + " has no value \"" + name + "\"" +
+         (nearest.empty() ? std::string() : " (did you mean " + nearest + "?)"));
+  }
   void SetPattern(Term& term) const {
     const std::string* pattern = std::get_if<std::string>(&term.right_->constant_);
     if (pattern == nullptr) Fail("=~ needs a text in quotes");
-    try {
-      term.pattern_.emplace(*pattern, std::regex::ECMAScript | std::regex::optimize);
-    } catch (const std::regex_error& error) {
-      Fail("\"" + *pattern + "\" is not a regular expression (" + error.what() + ")");
-    }
+    term.pattern_.emplace(*pattern);
   }
 
   std::unique_ptr<Term> ReadOperand() {
@@ -218,7 +303,7 @@ class FilterReader {
   }
   std::unique_ptr<Term> ReadNumber() {
     if (text_[at_] == '+') ++at_;
-    double number = 0;
+    long double number = 0;
     const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), number);
     if (error != std::errc()) Fail("this is not a number");
     at_ = static_cast<std::size_t>(end - text_.data());
@@ -244,7 +329,7 @@ class FilterReader {
     }
     auto term = std::make_unique<Term>(word == "true" || word == "false" ? Kind::kConstant : Kind::kField);
     if (term->kind_ == Kind::kConstant) {
-      term->constant_ = word == "true" ? 1.0 : 0.0;
+      term->constant_ = word == "true" ? 1.0L : 0.0L;
     } else {
       term->path_ = FieldPath::Parse(word, type_);
     }

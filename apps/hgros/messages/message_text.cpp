@@ -135,14 +135,8 @@ void AppendQuoted(std::string& out, std::string_view text) {
     if (c == '"' || c == '\\') quoted += '\\';
     quoted += c;
   }
-  // What Visible() writes for control characters is what YAML reads in double quotes, except \u{...}.
-  std::string visible = Visible(quoted);
-  for (std::size_t at = visible.find("\\u{"); at != std::string::npos; at = visible.find("\\u{", at + 1)) {
-    const std::size_t end = visible.find('}', at);
-    const std::string digits = visible.substr(at + 3, end - at - 3);
-    visible.replace(at, end + 1 - at, "\\u" + std::string(4 - std::min<std::size_t>(digits.size(), 4), '0') + digits);
-  }
-  out += '"' + visible + '"';
+  // YAML reads what Visible() writes for other characters as these characters.
+  out += '"' + Visible(quoted) + '"';
 }
 
 // The beginning of `text` with whole characters.
@@ -177,8 +171,7 @@ std::string AppendScalar(std::string& out, const FieldRef& place, const TextLimi
 }
 
 KnownType KnownTypeOfField(const FieldDescriptor& field) {
-  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE ? KnownTypeOf(*field.message_type())
-                                                              : KnownType::kNone;
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE ? KnownTypeOf(*field.message_type()) : KnownType::kNone;
 }
 
 void AppendMessage(std::string& out, const Message& message, const TextLimits& limits, std::size_t indent);

@@ -68,22 +68,53 @@ Hypergraph Hypergraph::Of(const std::vector<KnownChannel>& channels, const AllCo
   return graph;
 }
 
-// Longest paths from the sources, found in as many rounds as there are processes at most: in a cycle ranks would grow
-// for ever.
+// Longest paths from the sources. An edge that leads back to a process on the way to it, which closes a cycle, counts
+// for nothing.
 void Hypergraph::Rank() {
-  bool grows = true;
-  for (std::size_t round = 0; grows && round < processes.size(); ++round) {
-    grows = false;
-    for (const Channel& channel : channels) {
-      for (const Publisher& publisher : channel.publishers) {
-        for (const Subscriber& subscriber : channel.subscribers) {
-          const std::size_t after = processes[publisher.process].rank + 1;
-          std::size_t& rank = processes[subscriber.process].rank;
-          if (subscriber.process == publisher.process || rank >= after || after >= processes.size()) continue;
-          rank = after;
-          grows = true;
-        }
+  std::vector<std::set<std::size_t>> next(processes.size());
+  std::vector<bool> is_heard_by_none(processes.size(), true);
+  std::vector<std::size_t> sources;
+  for (const Channel& channel : channels) {
+    for (const Publisher& publisher : channel.publishers) {
+      for (const Subscriber& subscriber : channel.subscribers) {
+        if (subscriber.process == publisher.process) continue;
+        next[publisher.process].insert(subscriber.process);
+        is_heard_by_none[subscriber.process] = false;
       }
+    }
+  }
+  for (const bool first : {true, false}) {  // Then those that are only in cycles.
+    for (std::size_t i = 0; i < processes.size(); ++i) {
+      if (is_heard_by_none[i] == first) sources.push_back(i);
+    }
+  }
+  // Depth first without recursion: `order` gets a process after all that it reaches.
+  enum class State : unsigned char { kNew, kOpen, kDone };
+  std::vector<State> states(processes.size(), State::kNew);
+  std::vector<std::size_t> order;
+  for (const std::size_t source : sources) {
+    if (states[source] != State::kNew) continue;
+    std::vector<std::pair<std::size_t, std::set<std::size_t>::iterator>> way{{source, next[source].begin()}};
+    states[source] = State::kOpen;
+    while (!way.empty()) {
+      auto& [process, edge] = way.back();
+      if (edge == next[process].end()) {
+        states[process] = State::kDone;
+        order.push_back(process);
+        way.pop_back();
+      } else if (states[*edge] == State::kOpen) {
+        edge = next[process].erase(edge);  // Closes a cycle.
+      } else {
+        const std::size_t to = *edge++;
+        if (states[to] != State::kNew) continue;
+        states[to] = State::kOpen;
+        way.emplace_back(to, next[to].begin());
+      }
+    }
+  }
+  for (auto process = order.rbegin(); process != order.rend(); ++process) {
+    for (const std::size_t to : next[*process]) {
+      processes[to].rank = std::max(processes[to].rank, processes[*process].rank + 1);
     }
   }
 }

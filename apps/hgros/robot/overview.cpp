@@ -52,6 +52,10 @@ std::vector<std::string> TransportsOf(const AllCounters& counters, const KnownCh
   return all;
 }
 
+bool IsInternal(std::string_view channel) noexcept {
+  return channel.starts_with("hgros/") || channel.starts_with("params/");
+}
+
 std::string_view ServiceOf(std::string_view channel) noexcept {
   constexpr std::string_view kBegin = "hgros/call/";
   return channel.starts_with(kBegin) ? channel.substr(kBegin.size()) : std::string_view();

@@ -40,6 +40,9 @@ struct Way {
 /// The transports over which a channel's messages go, each once.
 [[nodiscard]] std::vector<std::string> TransportsOf(const AllCounters& counters, const KnownChannel& channel);
 
+/// Whether the channel belongs to the library itself: services, counters, parameters.
+[[nodiscard]] bool IsInternal(std::string_view channel) noexcept;
+
 /// The name of a service if the channel carries its calls, or empty.
 [[nodiscard]] std::string_view ServiceOf(std::string_view channel) noexcept;
 /// The name under which parameters are offered if the channel carries their state, or empty.

@@ -1,13 +1,21 @@
 #include "robot/robot.hpp"
 
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
 
 #include "hgros/session/snapshot_message.hpp"
+#include "robot/overview.hpp"
 #include "terminal/console.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -38,7 +46,29 @@ Config ConfigOf(const RobotOptions& options) {
   return config;
 }
 
-bool IsOwn(std::string_view channel) { return channel.starts_with("hgros/"); }
+// Whether a connection to "tcp://HOST:PORT" is accepted now.
+bool SomebodyListensAt(const std::string& endpoint) {
+  constexpr std::string_view kTcp = "tcp://";
+  const std::size_t colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon <= kTcp.size()) return false;
+  const std::string host = endpoint.substr(kTcp.size(), colon - kTcp.size());
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), endpoint.c_str() + colon + 1, &hints, &found) != 0) return false;
+  bool accepted = false;
+  for (const addrinfo* one = found; one != nullptr && !accepted; one = one->ai_next) {
+    const int fd = socket(one->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0) continue;
+    if (connect(fd, one->ai_addr, one->ai_addrlen) == 0 || errno == EINPROGRESS) {
+      pollfd connected{fd, POLLOUT, 0};
+      accepted = poll(&connected, 1, 200) == 1 && (connected.revents & (POLLERR | POLLHUP)) == 0;
+    }
+    close(fd);
+  }
+  freeaddrinfo(found);
+  return accepted;
+}
 
 }  // namespace
 
@@ -58,25 +88,39 @@ Robot::Robot(const RobotOptions& options, const Surroundings& surroundings)
                                     surroundings_.pause.Wake();
                                   },
                                   {.executor = Executor::Inline()});
-  AwaitEndpoints(options);
+  AwaitEndpoints();
 }
 
-void Robot::AwaitEndpoints(const RobotOptions& options) {
-  const auto deadline = std::chrono::steady_clock::now() + options.Timeout(kConnectTime);
-  for (const EndpointConfig& endpoint : session_->config().subscribers) {
-    const auto answers = [&] {
-      return std::ranges::any_of(session_->Peers(),
-                                 [&](const PeerInfo& peer) { return peer.endpoint == endpoint.endpoint; });
-    };
-    while (!answers()) {
-      const auto end = surroundings_.pause.Until(
-          std::min(deadline, std::chrono::steady_clock::now() + std::chrono::milliseconds(20)));
-      if (end == Pause::End::kInterrupted) return;
-      if (std::chrono::steady_clock::now() < deadline) continue;
-      throw Error("No session answers at " + endpoint.endpoint +
-                  ". Is the program running, and is this the address of one of its "
-                  "publisher endpoints?");
+// A session that is met in shared memory, too, is not listed with its endpoint. Then it is enough that something
+// listens there.
+void Robot::AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock::time_point deadline, bool required) {
+  const auto answers = [&] {
+    return std::ranges::any_of(session_->Peers(), [&](const PeerInfo& peer) { return peer.endpoint == endpoint; });
+  };
+  const auto second = std::min(deadline, std::chrono::steady_clock::now() + std::chrono::seconds(1));
+  while (!answers()) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= second && now < deadline && SomebodyListensAt(endpoint)) return;
+    if (now >= deadline) break;
+    if (surroundings_.pause.Until(std::min(now >= second ? deadline : second, now + std::chrono::milliseconds(20))) ==
+        Pause::End::kInterrupted) {
+      throw OutputClosed();
     }
+  }
+  if (answers() || SomebodyListensAt(endpoint)) return;
+  const std::string what = "No session answers at " + endpoint +
+                           ". Is the program running, and is this the address of one of its publisher endpoints?";
+  if (!required) return surroundings_.console.Say(what);
+  if (options_.timeout_s) throw TimedOut(what);
+  throw Error(what);
+}
+
+void Robot::AwaitEndpoints() {
+  const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(kConnectTime);
+  for (const EndpointConfig& endpoint : session_->config().subscribers) {
+    const bool required =
+        std::ranges::any_of(options_.connect, [&](const std::string& one) { return endpoint.endpoint.ends_with(one); });
+    AwaitEndpoint(endpoint.endpoint, deadline, required);
   }
 }
 
@@ -88,36 +132,41 @@ std::vector<KnownChannel> Robot::Channels(bool own) const {
     std::erase_if(channel.subscribers, is_ours);
   }
   std::erase_if(channels, [own](const KnownChannel& channel) {
-    return (channel.publishers.empty() && channel.subscribers.empty()) || (!own && IsOwn(channel.name));
+    return (channel.publishers.empty() && channel.subscribers.empty()) || (!own && IsInternal(channel.name));
   });
   return channels;
 }
 
-std::vector<ChannelUser> Robot::Unheard() const {
-  std::vector<ChannelUser> unheard;
-  for (const KnownChannel& channel : Channels(true)) {
+std::map<SessionId, ChannelUser> Robot::Countable() const {
+  std::map<SessionId, ChannelUser> countable;
+  for (const KnownChannel& channel : session_->Channels()) {
     if (channel.name != kSnapshotsChannel) continue;
-    const std::scoped_lock lock(mutex_);
     for (const ChannelUser& user : channel.publishers) {
-      if (!counters_.contains(user.session)) unheard.push_back(user);
+      if (user.session != session_->id()) countable.emplace(user.session, user);
     }
   }
-  return unheard;
+  return countable;
 }
 
 std::map<SessionId, std::shared_ptr<const Snapshot>> Robot::Counters() {
   const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(kAnswerTime);
-  std::vector<ChannelUser> unheard;
-  while (!waited_ && !(unheard = Unheard()).empty() && AwaitCounters(deadline)) {
+  std::map<SessionId, ChannelUser> countable = Countable();
+  const auto unheard = [&] {
+    const std::scoped_lock lock(mutex_);
+    return std::ranges::any_of(countable, [this](const auto& one) { return !counters_.contains(one.first); });
+  };
+  while (!waited_ && unheard() && AwaitCounters(deadline)) {
   }
-  if (!waited_) {
-    for (const ChannelUser& user : Unheard()) {
-      surroundings_.console.Say("Session " + SessionName(user.session, user.process, user.pid, user.host) +
+  const std::scoped_lock lock(mutex_);
+  // Of sessions that have ended.
+  std::erase_if(counters_, [&](const auto& one) { return !countable.contains(one.first); });
+  for (const auto& [session, user] : countable) {
+    if (!counters_.contains(session) && silent_.emplace(session, user).second) {
+      surroundings_.console.Say("Session " + Visible(SessionName(session, user.process, user.pid, user.host)) +
                                 " does not answer; its counters are missing.");
     }
   }
   waited_ = true;
-  const std::scoped_lock lock(mutex_);
   return counters_;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -33,18 +32,23 @@ class Robot {
   /// The newest counters of each session that answers, by session. The first call waits for all of them. Says which
   /// sessions did not answer within a second, or within --timeout.
   [[nodiscard]] std::map<SessionId, std::shared_ptr<const Snapshot>> Counters();
+  /// The sessions that did not answer.
+  [[nodiscard]] const std::map<SessionId, ChannelUser>& silent() const noexcept { return silent_; }
   /// Waits for the next counters of any session. False if the time is over or the user ended the command.
   [[nodiscard]] bool AwaitCounters(std::chrono::steady_clock::time_point deadline);
 
  private:
-  void AwaitEndpoints(const RobotOptions& options);
-  [[nodiscard]] std::vector<ChannelUser> Unheard() const;
+  void AwaitEndpoints();
+  void AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock::time_point deadline, bool required);
+  // The sessions that publish counters.
+  [[nodiscard]] std::map<SessionId, ChannelUser> Countable() const;
 
   const Surroundings surroundings_;
   const RobotOptions& options_;
   std::unique_ptr<Session> session_;
   mutable std::mutex mutex_;  // Guards the next.
   std::map<SessionId, std::shared_ptr<const Snapshot>> counters_;
+  std::map<SessionId, ChannelUser> silent_;
   bool waited_ = false;
   Subscription subscription_;  // Ends first.
 };

@@ -1,8 +1,11 @@
 #include "terminal/console.hpp"
 
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -32,17 +35,19 @@ const char* CodeOf(Style style) {
   return "0";
 }
 
-// 0 or the error.
-int WriteAll(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = write(descriptor, text.data(), text.size());
-    if (written >= 0) {
-      text.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno != EINTR) {
-      return errno;
-    }
+// A pipe that can be written takes at least this much without blocking.
+constexpr std::size_t kWithoutBlocking = 4096;
+
+// Waits until standard output can be written. False if `ended` can be read first.
+bool AwaitOutput(int ended) {
+  std::array<pollfd, 2> watched{pollfd{STDOUT_FILENO, POLLOUT, 0}, pollfd{ended, POLLIN, 0}};
+  for (;;) {
+    const int ready = poll(watched.data(), watched.size(), -1);
+    if (ready < 0 && errno != EINTR) return true;  // The write will say what is wrong.
+    if (ready <= 0) continue;
+    if (watched[0].revents != 0) return true;
+    if (watched[1].revents != 0) return false;
   }
-  return 0;
 }
 
 }  // namespace
@@ -62,16 +67,24 @@ std::string Console::Styled(Style style, std::string_view text) const {
 
 void Console::Write(std::string_view text) {
   const std::scoped_lock lock(mutex_);
-  const int error = WriteAll(STDOUT_FILENO, text);
-  if (error == EPIPE) throw OutputClosed();
-  if (error != 0) throw Error("Standard output cannot be written: " + std::string(std::strerror(error)) + ".");
+  while (!text.empty()) {
+    if (!AwaitOutput(ended_)) throw OutputClosed();
+    const ssize_t written = write(STDOUT_FILENO, text.data(), std::min(text.size(), kWithoutBlocking));
+    if (written >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno == EPIPE) {
+      throw OutputClosed();
+    } else if (errno != EINTR && errno != EAGAIN) {
+      throw Error("Standard output cannot be written: " + std::string(std::strerror(errno)) + ".");
+    }
+  }
 }
 
 void Console::Line(std::string_view text) { Write(std::string(text) + "\n"); }
 
 void Console::Say(std::string_view sentence) {
-  const std::scoped_lock lock(mutex_);
-  (void)WriteAll(STDERR_FILENO, "hgros: " + std::string(sentence) + "\n");
+  const std::string line = "hgros: " + std::string(sentence) + "\n";
+  (void)!write(STDERR_FILENO, line.data(), line.size());
 }
 
 }  // namespace hgros::cli

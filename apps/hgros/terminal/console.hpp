@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -13,10 +14,11 @@ struct OutputStyle {
   bool exact = false;  ///< Numbers with all digits, without units.
 };
 
-/// The reader of the output has gone: the command ends without a word.
+/// Nobody reads standard output any more, or the user has ended the command while it could not be written: the command
+/// ends without a word.
 class OutputClosed : public std::runtime_error {
  public:
-  OutputClosed() : std::runtime_error("the reader of the output has gone") {}
+  OutputClosed() : std::runtime_error("nobody reads the output") {}
 };
 
 enum class Style { kPlain, kBold, kDim, kRed, kGreen, kYellow, kCyan };
@@ -35,6 +37,8 @@ class Console {
   /// The text with its style, or without if standard output is no terminal or NO_COLOR is set. `text` is visible.
   [[nodiscard]] std::string Styled(Style style, std::string_view text) const;
 
+  /// From now on Write() gives up when this descriptor can be read.
+  void GiveUpWhen(int descriptor) noexcept { ended_ = descriptor; }
   /// Writes to standard output, at once. Throws OutputClosed, or Error if it cannot be written, for example because the
   /// disk is full.
   void Write(std::string_view text);
@@ -45,7 +49,8 @@ class Console {
  private:
   const bool interactive_;
   const bool color_;
-  std::mutex mutex_;
+  std::atomic<int> ended_{-1};
+  std::mutex mutex_;  // Standard output. Each sentence to standard error is one write.
 };
 
 }  // namespace hgros::cli

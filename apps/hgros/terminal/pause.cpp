@@ -2,36 +2,57 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <string>
 
 #include "hgros/base/error.hpp"
+#include "terminal/console.hpp"
 
 namespace hgros::cli {
 
-Pause::Pause() {
-  sigset_t ending;
-  sigemptyset(&ending);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ending, signal);
-  pthread_sigmask(SIG_BLOCK, &ending, &before_);
-  signals_ = signalfd(-1, &ending, SFD_CLOEXEC | SFD_NONBLOCK);
-  wakes_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  if (signals_ < 0 || wakes_ < 0) {
-    throw Error("The command cannot wait for signals: " + std::string(std::strerror(errno)) + ".");
+namespace {
+
+// What the handler needs; it may do little.
+std::atomic<int> caught{0};
+std::atomic<int> told{-1};
+
+extern "C" void OnEndingSignal(int number) {
+  caught = number;
+  const std::uint64_t one = 1;
+  const int error = errno;
+  (void)!write(told, &one, sizeof one);
+  errno = error;
+}
+
+}  // namespace
+
+Pause::Pause() : ended_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), wakes_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (ended_ < 0 || wakes_ < 0) throw Error("The command cannot wait: " + std::string(std::strerror(errno)) + ".");
+  told = ended_;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    struct sigaction once {};
+    once.sa_handler = OnEndingSignal;
+    once.sa_flags = static_cast<int>(SA_RESETHAND);
+    if (sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(number, &once, nullptr);
   }
 }
 
 Pause::~Pause() {
-  close(signals_);
+  told = -1;
+  close(ended_);
   close(wakes_);
 }
+
+int Pause::signal() const noexcept { return caught; }
 
 void Pause::Wake() noexcept {
   const std::uint64_t one = 1;
@@ -40,33 +61,32 @@ void Pause::Wake() noexcept {
 
 Pause::End Pause::Until(std::chrono::steady_clock::time_point deadline) { return UntilReadable(-1, deadline); }
 
-// poll() ignores a negative descriptor.
+// poll() ignores a negative descriptor. Of standard output it only reports that its reader has gone.
 Pause::End Pause::UntilReadable(int descriptor, std::chrono::steady_clock::time_point deadline) {
   using std::chrono::nanoseconds;
-  std::array<pollfd, 3> watched{pollfd{signals_, POLLIN, 0}, pollfd{wakes_, POLLIN, 0}, pollfd{descriptor, POLLIN, 0}};
-  while (signal_ == 0) {
+  std::array<pollfd, 4> watched{pollfd{ended_, POLLIN, 0}, pollfd{wakes_, POLLIN, 0}, pollfd{descriptor, POLLIN, 0},
+                                pollfd{STDOUT_FILENO, 0, 0}};
+  while (signal() == 0) {
     const auto left =
         std::max(deadline - std::chrono::steady_clock::now(), std::chrono::steady_clock::duration::zero());
     const auto seconds = std::min(std::chrono::duration_cast<std::chrono::seconds>(left), std::chrono::seconds(3600));
-    timespec time{seconds.count(), seconds.count() == 3600 ? 0 : nanoseconds(left - seconds).count()};
-    if (ppoll(watched.data(), watched.size(), &time, nullptr) < 0 && errno != EINTR) return End::kDeadline;
-    signalfd_siginfo caught{};
-    if (read(signals_, &caught, sizeof caught) == sizeof caught) {
-      signal_ = static_cast<int>(caught.ssi_signo);
-      break;
-    }
+    const timespec time{seconds.count(), seconds.count() == 3600 ? 0 : nanoseconds(left - seconds).count()};
+    const int ready = ppoll(watched.data(), watched.size(), &time, nullptr);
+    if (ready < 0 && errno != EINTR) return End::kDeadline;
+    if (signal() != 0) break;
+    if (ready > 0 && (watched[3].revents & (POLLERR | POLLHUP)) != 0) throw OutputClosed();
     std::uint64_t wakes = 0;
-    if (read(wakes_, &wakes, sizeof wakes) == sizeof wakes || watched[2].revents != 0) return End::kWoken;
+    const bool woken = read(wakes_, &wakes, sizeof wakes) == sizeof wakes || (ready > 0 && watched[2].revents != 0);
     if (std::chrono::steady_clock::now() >= deadline) return End::kDeadline;
+    if (woken) return End::kWoken;
   }
   return End::kInterrupted;
 }
 
 void Pause::EndBySignal() const {
-  if (signal_ == 0) return;
-  (void)std::signal(signal_, SIG_DFL);
-  pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  (void)raise(signal_);
+  if (signal() == 0) return;
+  (void)std::signal(signal(), SIG_DFL);
+  (void)raise(signal());
 }
 
 }  // namespace hgros::cli

@@ -60,7 +60,7 @@ std::string Visible(std::string_view text) {
     } else if (first.code < 0x100) {
       fmt::format_to(std::back_inserter(shown), "\\x{:02x}", first.code);
     } else {
-      fmt::format_to(std::back_inserter(shown), "\\u{{{:x}}}", first.code);
+      fmt::format_to(std::back_inserter(shown), "\\u{:04x}", first.code);
     }
     text.remove_prefix(std::max<std::size_t>(first.bytes, 1));
   }

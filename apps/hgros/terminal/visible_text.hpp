@@ -7,7 +7,7 @@
 namespace hgros::cli {
 
 /// `text` from a robot as it may be shown in a terminal: control characters, characters that change the direction of
-/// text and bytes that are not UTF-8 are written as \n, \t, \xNN or \u{NNNN}. Line breaks, too.
+/// text and bytes that are not UTF-8 are written as \n, \t, \xNN or \uNNNN. Line breaks, too.
 [[nodiscard]] std::string Visible(std::string_view text);
 
 /// The same for several lines; their ends stay.

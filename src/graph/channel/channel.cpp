@@ -177,22 +177,20 @@ void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyM
 const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, std::size_t bytes,
                              UserCode user_code) {
   LatchedMessages::Stored stored;  // Destroyed after the lock: a message's destructor is user code.
-  const std::scoped_lock lock(latch_mutex_);
-  const Fanout* fanout = fanout_.load(std::memory_order_seq_cst);
-  if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
-  if (!info.remote) {  // So that numbers and times have the same order.
-    info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
-    info.publish_monotonic_ns = MonotonicNow();
+  const Fanout* fanout = nullptr;
+  {
+    const std::scoped_lock lock(latch_mutex_);
+    fanout = fanout_.load(std::memory_order_seq_cst);
+    if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
+    if (!info.remote) {  // So that numbers and times have the same order.
+      info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+      info.publish_monotonic_ns = MonotonicNow();
+    }
+    stored = latched_messages_.Store(message, info, depth, bytes);
   }
-  stored = latched_messages_.Store(message, info, depth, bytes);
   if (stored.beyond_limit > 0) {
     counts_.not_latched.fetch_add(stored.beyond_limit, std::memory_order_relaxed);
-    core_.log().WriteLimited(LogLevel::kWarning, "not latched " + name_,
-                             "Other sessions latch more on channel \"" + name_ + "\" than is kept here (" +
-                                 std::to_string(LatchedMessages::kMostRemoteMessages) + " messages, " +
-                                 std::to_string(LatchedMessages::kMostRemoteBytes >> 20) +
-                                 " MiB): nodes that are added later do not get the rest. Latch less.",
-                             std::chrono::hours(1));
+    LatchedMessages::SayBeyondLimit(core_.log(), name_);
   }
   return fanout;
 }

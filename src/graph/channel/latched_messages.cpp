@@ -1,6 +1,8 @@
 #include "graph/channel/latched_messages.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <string>
 #include <utility>
 
 #include "graph/nodes/node.hpp"
@@ -109,6 +111,14 @@ LatchedMessages::Return LatchedMessages::MarkBack(std::uint64_t publisher) {
   }
   if (!back.nodes.empty()) back.messages.assign(entry.messages.begin(), entry.messages.end());
   return back;
+}
+
+void LatchedMessages::SayBeyondLimit(Log& log, const std::string& channel) {
+  log.WriteLimited(LogLevel::kWarning, "not latched " + channel,
+                   "Other sessions latch more on channel \"" + channel + "\" than is kept here (" +
+                       std::to_string(kMostRemoteMessages) + " messages, " + std::to_string(kMostRemoteBytes >> 20) +
+                       " MiB): nodes that are added later do not get the rest. Latch less.",
+                   std::chrono::hours(1));
 }
 
 }  // namespace hgros

@@ -5,9 +5,11 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "graph/nodes/queued_message.hpp"
+#include "hgros/base/log.hpp"
 
 namespace hgros {
 
@@ -34,6 +36,8 @@ class LatchedMessages {
     std::size_t beyond_limit = 0;  // Messages of this publisher that were removed because of the limits.
   };
   [[nodiscard]] Stored Store(const AnyMessage& message, const MessageInfo& info, std::size_t depth, std::size_t bytes);
+  // Logs that messages were not kept; not to be called under the channel's lock, because the log is user code.
+  static void SayBeyondLimit(Log& log, const std::string& channel);
   // Replaces each message by the result of `make`.
   void Replace(const std::function<AnyMessage(AnyMessage)>& make);
   // The messages for a new node, in the order of publishing.

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "doctor/evidence.hpp"
 
 namespace hgros::cli {
@@ -25,6 +27,8 @@ ChannelUser UserOf(std::uint64_t session, const std::string& process, const std:
 class DoctorChecks : public testing::Test {
  protected:
   DoctorChecks() {
+    evidence.names = {{SessionId{1}, "talker:1"}, {SessionId{2}, "listener:2"}};
+    evidence.here = {SessionId{1}, SessionId{2}};
     for (auto* counters : {&evidence.before, &evidence.after}) {
       for (std::uint64_t session = 1; session <= 2; ++session) {
         auto snapshot = std::make_shared<Snapshot>();
@@ -36,11 +40,13 @@ class DoctorChecks : public testing::Test {
     }
   }
   KnownChannel& AddChannel(const std::string& name, bool published, bool subscribed) {
-    KnownChannel& channel = evidence.channels.emplace_back();
+    KnownChannel channel;
     channel.name = name;
     if (published) channel.publishers.push_back(UserOf(1, "talker"));
     if (subscribed) channel.subscribers.push_back(UserOf(2, "listener"));
-    return channel;
+    evidence.channels_before.push_back(channel);
+    std::ranges::sort(evidence.channels_before, {}, &KnownChannel::name);
+    return evidence.channels.emplace_back(channel);
   }
   // Of both readings; the counters begin at zero.
   std::pair<Snapshot::Channel*, Snapshot::Channel*> Count(std::uint64_t session, const std::string& channel) {
@@ -58,7 +64,7 @@ class DoctorChecks : public testing::Test {
     std::vector<std::string> said;
     for (const Finding& finding : findings) {
       if (finding.severity > from) continue;
-      EXPECT_NE(finding.mend, "") << finding.what;
+      EXPECT_NE(finding.fix, "") << finding.what;
       said.push_back(finding.what);
     }
     return said;
@@ -104,9 +110,9 @@ TEST_F(DoctorChecks, NameWhoLosesMessagesNow) {
   const auto [earlier, later] = Count(2, "scan");
   earlier->set_lost(1);
   later->set_lost(3);
-  EXPECT_THAT(Say(CheckChannels), ElementsAre(HasSubstr("talker:1 dropped 7 messages of \"scan\""),
-                                              HasSubstr("talker:1 could not publish 3 messages on \"scan\""),
-                                              HasSubstr("listener:2 lost 2 messages of \"scan\"")));
+  EXPECT_THAT(Say(CheckChannels), ElementsAre(HasSubstr("talker:1 drops 7.0 messages per second of \"scan\""),
+                                              HasSubstr("talker:1 cannot publish 3.0 messages per second on \"scan\""),
+                                              HasSubstr("listener:2 loses 2.0 messages per second of \"scan\"")));
 }
 
 TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
@@ -136,7 +142,7 @@ TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
               ElementsAre(HasSubstr("The queue of listener:2 match on \"scan\" is always full (4 messages)")));
   node.set_queued(0);
   node.set_failed(2);
-  EXPECT_THAT(Say(CheckNodes), ElementsAre(HasSubstr("ended with an exception 2 times")));
+  EXPECT_THAT(Say(CheckNodes), ElementsAre(HasSubstr("ends with exceptions (2 since the last look)")));
 }
 
 TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
@@ -146,11 +152,12 @@ TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
   peer.set_session(2);
   peer.set_transport("ZeroMQ");
   peer.set_why("another user");
+  *const_cast<Snapshot&>(*evidence.before[SessionId{1}]).add_peers() = peer;
   talker.set_version("2");
   evidence.offsets[SessionId{2}].offset = std::chrono::milliseconds(-30);
   EXPECT_THAT(Say(CheckSessions, Severity::kNote),
               ElementsAre("talker:1 and listener:2 are on one host, but exchange messages over ZeroMQ: another user.",
-                          "The clock of listener:2 is 30.0 ms behind this host's.",
+                          "The clock of robot is 30.0 ms behind this host's.",
                           "Sessions use different versions of the library: 1 in listener:2; 2 in talker:1."));
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <foxglove/LaserScan.pb.h>
+#include <foxglove/Log.pb.h>
 
 #include "arguments/arguments.hpp"
 
@@ -30,6 +31,23 @@ TEST(Filter, ComparesFieldsWithNumbersAndTexts) {
   EXPECT_TRUE(Accepts("frame_id =~ \"^laser_[0-9]$\""));
   EXPECT_TRUE(Accepts("ranges[2] > ranges[1]"));
   EXPECT_TRUE(Accepts("size(ranges) == 3 && size(frame_id) == 7"));
+}
+
+TEST(Filter, ComparesEnumsAndTimesByValue) {
+  foxglove::Log log;
+  log.set_level(foxglove::Log::ERROR);
+  log.mutable_timestamp()->set_seconds(1700000000);
+  log.mutable_timestamp()->set_nanos(250000000);
+  const auto accepts = [&](const std::string& text) { return Filter(text, *foxglove::Log::descriptor()).Accepts(log); };
+  EXPECT_TRUE(accepts("level >= 'WARNING'"));
+  EXPECT_TRUE(accepts("level == 4 && level == 'ERROR' && 'FATAL' > level"));
+  EXPECT_TRUE(accepts("timestamp > '2023-11-14T22:13:20Z' && timestamp < '2023-11-14T22:13:20.5Z'"));
+  EXPECT_TRUE(accepts("timestamp > 1700000000"));
+  EXPECT_THROW(accepts("level == 'EROR'"), UsageError);
+  EXPECT_THROW(accepts("timestamp > 'tomorrow'"), UsageError);
+  log.set_message(std::string(1'000'000, 'a'));
+  EXPECT_FALSE(accepts("message =~ 'a.*b'"));
+  EXPECT_TRUE(accepts("size(message) == 1000000"));
 }
 
 TEST(Filter, JoinsConditions) {

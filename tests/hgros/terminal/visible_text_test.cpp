@@ -8,9 +8,9 @@ namespace {
 TEST(VisibleText, EscapesWhatATerminalWouldObey) {
   EXPECT_EQ(Visible("plain"), "plain");
   EXPECT_EQ(Visible("\x1b[2J\n\t\r\x7f"), "\\x1b[2J\\n\\t\\r\\x7f");
-  EXPECT_EQ(Visible("\xC2\x9B"), "\\x9b");          // CSI as one character.
-  EXPECT_EQ(Visible("\xE2\x80\xAE"), "\\u{202e}");  // Turns the direction of text.
-  EXPECT_EQ(Visible("\xEF\xBB\xBF"), "\\u{feff}");  // Takes no space.
+  EXPECT_EQ(Visible("\xC2\x9B"), "\\x9b");        // CSI as one character.
+  EXPECT_EQ(Visible("\xE2\x80\xAE"), "\\u202e");  // Turns the direction of text.
+  EXPECT_EQ(Visible("\xEF\xBB\xBF"), "\\ufeff");  // Takes no space.
   EXPECT_EQ(Visible("gr\xC3\xBC\xC3\x9F"), "gr\xC3\xBC\xC3\x9F");
 }
 
