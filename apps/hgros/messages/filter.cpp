@@ -129,51 +129,51 @@ class Filter::Term {
     kMatches
   };
 
-  explicit Term(Kind kind) : kind_(kind) {}
-  static std::unique_ptr<Term> Of(Kind kind, std::unique_ptr<Term> left, std::unique_ptr<Term> right = nullptr) {
-    auto term = std::make_unique<Term>(kind);
-    term->left_ = std::move(left);
-    term->right_ = std::move(right);
+  explicit Term(Kind is) : kind(is) {}
+  static std::unique_ptr<Term> Of(Kind is, std::unique_ptr<Term> first, std::unique_ptr<Term> second = nullptr) {
+    auto term = std::make_unique<Term>(is);
+    term->left = std::move(first);
+    term->right = std::move(second);
     return term;
   }
 
   [[nodiscard]] Operand Value(const google::protobuf::Message& message) const {
-    if (kind_ == Kind::kConstant) return constant_;
-    if (kind_ != Kind::kField && kind_ != Kind::kSize) return IsTrueFor(message) ? 1.0L : 0.0L;
-    const std::optional<FieldRef> place = path_->Find(message);
+    if (kind == Kind::kConstant) return constant;
+    if (kind != Kind::kField && kind != Kind::kSize) return IsTrueFor(message) ? 1.0L : 0.0L;
+    const std::optional<FieldRef> place = path->Find(message);
     if (!place) return {};
     const OperandReader reader(*place);
-    return kind_ == Kind::kSize ? Operand(reader.Size()) : reader.Read();
+    return kind == Kind::kSize ? Operand(reader.Size()) : reader.Read();
   }
 
   [[nodiscard]] bool IsTrueFor(const google::protobuf::Message& message) const {
-    switch (kind_) {
-      case Kind::kNot: return !left_->IsTrueFor(message);
-      case Kind::kAnd: return left_->IsTrueFor(message) && right_->IsTrueFor(message);
-      case Kind::kOr: return left_->IsTrueFor(message) || right_->IsTrueFor(message);
+    switch (kind) {
+      case Kind::kNot: return !left->IsTrueFor(message);
+      case Kind::kAnd: return left->IsTrueFor(message) && right->IsTrueFor(message);
+      case Kind::kOr: return left->IsTrueFor(message) || right->IsTrueFor(message);
       case Kind::kConstant:
       case Kind::kField:
       case Kind::kSize: return IsTrue(Value(message));
-      default: return Compares(left_->Value(message), right_->Value(message));
+      default: return Compares(left->Value(message), right->Value(message));
     }
   }
 
-  Kind kind_;
-  Operand constant_;
-  std::optional<FieldPath> path_;
-  std::optional<Pattern> pattern_;
-  std::unique_ptr<Term> left_;
-  std::unique_ptr<Term> right_;
+  Kind kind;
+  Operand constant;
+  std::optional<FieldPath> path;
+  std::optional<Pattern> pattern;
+  std::unique_ptr<Term> left;
+  std::unique_ptr<Term> right;
 
  private:
   [[nodiscard]] bool Compares(const Operand& left, const Operand& right) const {
     if (left.index() == 0 || right.index() == 0) return false;
-    if (kind_ == Kind::kMatches) {
+    if (kind == Kind::kMatches) {
       const std::string* text = std::get_if<std::string>(&left);
-      return text != nullptr && pattern_->Matches(*text);
+      return text != nullptr && pattern->Matches(*text);
     }
-    if (left.index() != right.index()) return kind_ == Kind::kUnequal;
-    switch (kind_) {
+    if (left.index() != right.index()) return kind == Kind::kUnequal;
+    switch (kind) {
       case Kind::kEqual: return left == right;
       case Kind::kUnequal: return left != right;
       case Kind::kLess: return left < right;
@@ -233,8 +233,8 @@ class FilterReader {
       if (!Take(sign)) continue;
       std::unique_ptr<Term> term = Term::Of(kind, std::move(left), ReadOperand());
       if (kind == Kind::kMatches) SetPattern(*term);
-      FitConstant(*term->left_, *term->right_);
-      FitConstant(*term->right_, *term->left_);
+      FitConstant(*term->left, *term->right);
+      FitConstant(*term->right, *term->left);
       return term;
     }
     if (Skip(); text_.substr(at_).starts_with('=')) Fail("\"=\" is not a comparison; write \"==\"");
@@ -242,19 +242,19 @@ class FilterReader {
   }
   // A text that is compared with an enum or a time becomes its number.
   void FitConstant(const Term& field, Term& constant) const {
-    const std::string* text = std::get_if<std::string>(&constant.constant_);
-    if (field.kind_ != Kind::kField || text == nullptr || field.path_->list()) return;
-    const FieldDescriptor* type = field.path_->field();
+    const std::string* text = std::get_if<std::string>(&constant.constant);
+    if (field.kind != Kind::kField || text == nullptr || field.path->list()) return;
+    const FieldDescriptor* type = field.path->field();
     if (type->cpp_type() == FieldDescriptor::CPPTYPE_ENUM) {
       const google::protobuf::EnumValueDescriptor* value = type->enum_type()->FindValueByName(*text);
       if (value == nullptr) FailEnum(*type->enum_type(), *text);
-      constant.constant_ = static_cast<long double>(value->number());
+      constant.constant = static_cast<long double>(value->number());
     } else if (type->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
       const KnownType known = KnownTypeOf(*type->message_type());
       if (known == KnownType::kNone) return;
       const auto time = ReadKnown(known, *text);
       if (!time) Fail("\"" + *text + "\" is not a time");
-      constant.constant_ = Seconds(*time);
+      constant.constant = Seconds(*time);
     }
   }
   [[noreturn]] void FailEnum(const google::protobuf::EnumDescriptor& type, const std::string& name) const {
@@ -265,9 +265,9 @@ class FilterReader {
          (nearest.empty() ? std::string() : " (did you mean " + nearest + "?)"));
   }
   void SetPattern(Term& term) const {
-    const std::string* pattern = std::get_if<std::string>(&term.right_->constant_);
+    const std::string* pattern = std::get_if<std::string>(&term.right->constant);
     if (pattern == nullptr) Fail("=~ needs a text in quotes");
-    term.pattern_.emplace(*pattern);
+    term.pattern.emplace(*pattern);
   }
 
   std::unique_ptr<Term> ReadOperand() {
@@ -297,7 +297,7 @@ class FilterReader {
     const std::size_t end = text_.find(quote, at_ + 1);
     if (end == std::string_view::npos) Fail("the text does not end");
     auto term = std::make_unique<Term>(Kind::kConstant);
-    term->constant_ = std::string(text_.substr(at_ + 1, end - at_ - 1));
+    term->constant = std::string(text_.substr(at_ + 1, end - at_ - 1));
     at_ = end + 1;
     return term;
   }
@@ -308,7 +308,7 @@ class FilterReader {
     if (error != std::errc()) Fail("this is not a number");
     at_ = static_cast<std::size_t>(end - text_.data());
     auto term = std::make_unique<Term>(Kind::kConstant);
-    term->constant_ = number;
+    term->constant = number;
     return term;
   }
   std::unique_ptr<Term> ReadField() {
@@ -322,16 +322,16 @@ class FilterReader {
     if (word == "size" && text_.substr(end).starts_with('(')) {
       at_ = end + 1;
       std::unique_ptr<Term> term = ReadField();
-      if (term->kind_ != Kind::kField) Fail("size() needs a field");
+      if (term->kind != Kind::kField) Fail("size() needs a field");
       if (!Take(")")) Fail("\")\" is missing");
-      term->kind_ = Kind::kSize;
+      term->kind = Kind::kSize;
       return term;
     }
     auto term = std::make_unique<Term>(word == "true" || word == "false" ? Kind::kConstant : Kind::kField);
-    if (term->kind_ == Kind::kConstant) {
-      term->constant_ = word == "true" ? 1.0L : 0.0L;
+    if (term->kind == Kind::kConstant) {
+      term->constant = word == "true" ? 1.0L : 0.0L;
     } else {
-      term->path_ = FieldPath::Parse(word, type_);
+      term->path = FieldPath::Parse(word, type_);
     }
     at_ = end;
     return term;

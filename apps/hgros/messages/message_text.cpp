@@ -23,6 +23,12 @@ constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmn
 
 // One value: reads a field or one item of it.
 class ScalarReader {
+ private:
+  template <class One, class Repeated>
+  [[nodiscard]] auto Item(One one, Repeated repeated) const {
+    return index_ < 0 ? (reflection_.*one)(message_, field_) : (reflection_.*repeated)(message_, field_, index_);
+  }
+
  public:
   explicit ScalarReader(const FieldRef& place)
       : message_(*place.message), reflection_(*message_.GetReflection()), field_(place.field), index_(place.index) {}
@@ -57,11 +63,6 @@ class ScalarReader {
   }
 
  private:
-  template <class One, class Repeated>
-  [[nodiscard]] auto Item(One one, Repeated repeated) const {
-    return index_ < 0 ? (reflection_.*one)(message_, field_) : (reflection_.*repeated)(message_, field_, index_);
-  }
-
   const Message& message_;
   const Reflection& reflection_;
   const FieldDescriptor* field_;

@@ -19,6 +19,7 @@ struct HGROS_EXPORT SessionId {
   [[nodiscard]] std::string ToString() const;
   /// Reads the output of ToString(); zero for any other text.
   [[nodiscard]] static SessionId FromString(std::string_view text) noexcept;
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 takes its 0 for one
   auto operator<=>(const SessionId&) const = default;
 };
 
