@@ -26,11 +26,47 @@ rlim_t DescriptorLimit() noexcept {
   return std::min(limit.rlim_cur, static_cast<rlim_t>(std::numeric_limits<int>::max()));
 }
 
-// The system counts a thread for a moment longer than join() waits for it.
+// The system counts a thread for some microseconds longer than join() waits for it. It has no event for the end of that
+// (a pidfd of a thread needs Linux 6.9), so this asks. The limit is for a machine that does not run the thread at all.
 void WaitUntilGone(pid_t thread) noexcept {
   constexpr int kTries = 10'000;
   for (int i = 0; i < kTries && syscall(SYS_tgkill, getpid(), thread, 0) == 0; ++i) sched_yield();
 }
+
+// Threads that wait for their end.
+class WaitingThreads {
+ public:
+  explicit WaitingThreads(std::size_t most) {
+    ids_.reserve(most);
+    threads_.reserve(most);
+  }
+  ~WaitingThreads() {
+    {
+      const std::scoped_lock lock(mutex_);
+      end_ = true;
+    }
+    ending_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+    for (const pid_t id : ids_) WaitUntilGone(id);
+  }
+  WaitingThreads(const WaitingThreads&) = delete;
+  WaitingThreads& operator=(const WaitingThreads&) = delete;
+
+  void StartOne(std::string_view what) {
+    threads_.push_back(StartThread<std::thread>(what, [this] {
+      std::unique_lock lock(mutex_);
+      ids_.push_back(gettid());
+      ending_.wait(lock, [this] { return end_; });
+    }));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable ending_;
+  bool end_ = false;
+  std::vector<pid_t> ids_;
+  std::vector<std::thread> threads_;
+};
 
 }  // namespace
 
@@ -52,37 +88,13 @@ void RequireDescriptors(std::size_t count, std::string_view what) {
 }
 
 void RequireThreads(std::size_t count, std::string_view what) {
-  std::mutex mutex;
-  std::condition_variable ending;
-  bool end = false;
-  std::vector<pid_t> ids;
-  std::vector<std::thread> threads;
-  threads.reserve(count);
-  bool all = true;
-  try {
-    while (threads.size() < count) {
-      threads.emplace_back([&] {
-        std::unique_lock lock(mutex);
-        ids.push_back(gettid());
-        ending.wait(lock, [&] { return end; });
-      });
-    }
-  } catch (const std::system_error&) {
-    all = false;
-  }
-  {
-    const std::scoped_lock lock(mutex);
-    end = true;
-  }
-  ending.notify_all();
-  for (std::thread& thread : threads) thread.join();
-  for (const pid_t id : ids) WaitUntilGone(id);
-  if (!all) ThrowNoThread(what);
+  WaitingThreads threads(count);
+  for (std::size_t i = 0; i < count; ++i) threads.StartOne(what);
 }
 
 void ThrowNoThread(std::string_view what) {
-  throw Error("Cannot start " + std::string(what) + ": the system gives this process no more threads.", {},
-              "Raise the limit of threads (ulimit -u, or pids.max of the control group).");
+  throw Error("Cannot start " + std::string(what) + ": the system gives this process no more threads or memory.", {},
+              "Raise the limit of threads (ulimit -u, or pids.max of the control group) or of memory (ulimit -v).");
 }
 
 }  // namespace hgros

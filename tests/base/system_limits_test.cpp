@@ -50,7 +50,8 @@ TEST(SystemLimits, AThreadStartsOrIsAnError) {
   StartThread<std::thread>("a test", [&] { ran = true; }).join();
   EXPECT_TRUE(ran);
   const std::string error = ErrorOf([] { (void)StartThread<NoThread>("a test", 0); });
-  EXPECT_NE(error.find("Cannot start a test: the system gives this process no more threads."), std::string::npos)
+  EXPECT_NE(error.find("Cannot start a test: the system gives this process no more threads or memory."),
+            std::string::npos)
       << error;
   EXPECT_NE(error.find("ulimit -u"), std::string::npos) << error;
 }
