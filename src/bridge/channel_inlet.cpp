@@ -183,8 +183,13 @@ bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost) {
     return false;
   }
   if (known && !life.away && id.sequence > life.last_sequence + 1) {
-    lost = {id.sequence - life.last_sequence - 1, std::exchange(life.cut, false)};
+    lost = {id.sequence - life.last_sequence - 1, life.cut_ns.has_value()};
     life.traffic.lost += lost.messages;
+    life.cut_ns.reset();
+  }
+  if (life.cut_ns && message.head.publish_time_ns > 0) {
+    const std::int64_t age_ns = clocks_->Since(message.head.publish_time_ns, message.from).count();
+    if (MonotonicNow() - age_ns > *life.cut_ns) life.cut_ns.reset();
   }
   life.away = false;
   life.incarnation = id.incarnation;
@@ -259,7 +264,9 @@ void ChannelInlet::OnOfferEnded(SessionId from) noexcept {
   {
     const std::scoped_lock lock(counts_mutex_);
     const auto first = lives_.lower_bound({from.value, 0});
-    for (auto life = first; life != lives_.end() && life->first.first == from.value; ++life) life->second.cut = true;
+    for (auto life = first; life != lives_.end() && life->first.first == from.value; ++life) {
+      life->second.cut_ns = MonotonicNow();
+    }
   }
   Offer ended;  // Destroyed after the lock.
   const std::scoped_lock lock(offers_mutex_);

@@ -42,6 +42,7 @@ struct Inflow {
     message.head.channel = "lines";
     message.head.id = {7, 1, ++sequence};
     message.head.latched = latched;
+    message.head.publish_time_ns = publish_time_ns;
     message.from = from;
     message.data = {AsBytes(*bytes), bytes};
     return inlet.Accept(std::move(message));
@@ -58,6 +59,7 @@ struct Inflow {
   std::vector<std::string> lines;  // Of the log.
   std::vector<ChannelInlet::Errand> errands;
   std::uint64_t sequence = 0;
+  std::int64_t publish_time_ns = 0;
   SessionId from;
   DataGraph graph;
   ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()),
@@ -182,6 +184,30 @@ TEST(ChannelInlet, SaysThatAPublisherWasCutOffOnlyIfItsLinkHasEnded) {
                   (cut ? "the connection to their publisher was lost, and they were published before it was back."
                        : "their publisher was connected, but could not send them. The log of session "
                          "0000000000000005 says why."));
+  }
+}
+
+TEST(ChannelInlet, ForgetsTheEndOfALinkWhenALaterMessageArrivesWithoutAGap) {
+  for (const bool later : {false, true}) {
+    Inflow<foxglove::Log> inflow;
+    inflow.from = SessionId{5};
+    inflow.inlet.SetDemand({.lossless = true});
+    const auto receive = [&](std::int64_t publish_time_ns) {
+      inflow.publish_time_ns = publish_time_ns;
+      (void)inflow.Accept("x");
+      inflow.inlet.Run();
+      inflow.RunErrands();
+    };
+    constexpr std::int64_t kMinute = 60'000'000'000;
+    const std::int64_t now = WallNow().nanoseconds;
+    receive(now - 2 * kMinute);
+    inflow.inlet.OnOfferEnded(SessionId{5});
+    receive(later ? now + kMinute : now - kMinute);
+    inflow.sequence += 3;
+    receive(now + 2 * kMinute);
+    ASSERT_EQ(inflow.lines.size(), 1U);
+    EXPECT_EQ(inflow.lines[0].find("was connected, but could not send them") != std::string::npos, later)
+        << inflow.lines[0];
   }
 }
 

@@ -74,7 +74,8 @@ class ChannelInlet final : public InboundSink {
     std::uint64_t last_sequence = 0;
     std::int64_t last_heard_ns = 0;
     bool away = false;  // The session did not subscribe for a while.
-    bool cut = false;   // A link to the sender has ended since the last gap.
+    // When a link to the sender has ended, unless a message that was published later has arrived, or a gap was found.
+    std::optional<std::int64_t> cut_ns;
     PublisherTraffic traffic;
   };
 
