@@ -3,11 +3,12 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
-#include <system_error>
 #include <utility>
 
+#include "hgros/base/error.hpp"
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/system_limits.hpp"
 #include "hgros/yaml/document.hpp"
 
 namespace hgros {
@@ -31,14 +32,14 @@ ParamServer::Core::Core(ParamSources sources, LogSink log)
     : sources_(std::move(sources)), log_(std::move(log)), loaded_(ReadSources(&unknown_)), root_(loaded_) {
   if (unknown_.empty()) return;
   try {
-    waits_ = std::jthread([this](const std::stop_token& stop) {
+    waits_ = StartThread<std::jthread>("the thread that waits for declarations", [this](const std::stop_token& stop) {
       std::mutex mutex;
       std::condition_variable_any never;
       std::unique_lock lock(mutex);
       never.wait_for(lock, stop, kTimeToDeclare, [] { return false; });
       if (!stop.stop_requested()) SayUndeclared();
     });
-  } catch (const std::system_error&) {  // There is no thread left: this is said at the end.
+  } catch (const Error&) {  // There is no thread left: this is said at the end.
   }
 }
 
