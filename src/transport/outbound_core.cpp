@@ -34,8 +34,9 @@ void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, Se
 }
 
 void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions) {
-  if (!core->refused.exchange(false)) return;
+  if (!core->refused.load()) return;
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnRoom(); }); });
+  core->refused.store(false);  // Last: without memory for the action, the next call reports the room.
 }
 
 void OutboundCore::TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session,
@@ -49,7 +50,13 @@ void OutboundCore::TellMissed(const std::shared_ptr<OutboundCore>& core, Log& lo
     const std::scoped_lock lock(core->count_mutex_);
     auto& losers = core->losers_;
     if (const auto known = std::ranges::find(losers, session, &Loser::session); known != losers.end()) {
-      lost.repeats = std::chrono::steady_clock::now() - known->reported < kRepeatsWithin;
+      if (known->state == Loser::State::kReported) {
+        lost.repeats = std::chrono::steady_clock::now() - known->reported < kRepeatsWithin;
+      } else {  // It was back for so short a time that no message came: the whole time is reported at once.
+        lost.messages += known->messages;
+        lost.sequence = std::min(lost.sequence, known->sequence);
+        lost.repeats = known->repeats;
+      }
       losers.erase(known);
     }
     if (losers.size() >= kMostLosers) losers.erase(losers.begin());

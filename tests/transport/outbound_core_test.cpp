@@ -33,6 +33,28 @@ TEST(OutboundCore, SaysThatASubscriberIsBackIfItsNextLinkBeginsAtOnce) {
   core->gate.Close();
 }
 
+TEST(OutboundCore, CountsAllThatASubscriberMissesThatWasBackForNoMessage) {
+  std::vector<std::string> lines;
+  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+  conformance::Source source;
+  const auto core = std::make_shared<OutboundCore>("scan", conformance::TextType(), source);
+  const SessionId eye{1};
+  Actions actions;
+  OutboundCore::CountSubscriber(core, eye, 1, actions);
+  core->NoteCommit(log, 10);
+  for (const std::uint64_t unconfirmed : {2, 3}) {
+    OutboundCore::TellMissed(core, log, eye, "Session 1 (eye)", unconfirmed, actions);
+    OutboundCore::CountSubscriber(core, eye, -1, actions);
+    core->NoteCommit(log, unconfirmed == 2 ? 20 : 30);
+    OutboundCore::CountSubscriber(core, eye, 1, actions);
+  }
+  core->NoteCommit(log, 31);
+  ASSERT_EQ(lines.size(), 1U) << "the actions have not run";
+  EXPECT_EQ(lines[0], "Session 1 (eye) has missed up to 25 messages of the lossless channel \"scan\", and is back.");
+  EXPECT_EQ(core->stats().missed, 25U);
+  core->gate.Close();
+}
+
 TEST(OutboundCore, NamesASubscriberThatMissesMessagesAgainAndAgainInOneLine) {
   std::vector<std::string> lines;
   std::uint64_t missed = 0;
