@@ -12,8 +12,7 @@
 namespace hgros {
 namespace {
 
-// Reading the limits of the control group costs as much as copying this much.
-constexpr std::size_t kLargeBytes = 1u << 20;
+constexpr std::string_view kNoMemory = "was not written, because there is no memory for it";
 
 }  // namespace
 
@@ -31,18 +30,18 @@ void ChannelOutlet::Join(NetworkBridge& bridge) {
     const std::scoped_lock lock(order_mutex_, latch_mutex_);
     joined_ = true;
     for (Kept& one : kept_) {
-      if (one.type->users_codec) one.data = Encode(one.message, *one.type, {}, nullptr);
+      if (one.type->users_codec) one.data = Encode(one.message, *one.type, {});
     }
   }
   std::shared_ptr<JoinedOutbound> transports = bridge.Advertise(channel_, type_, *this);
-  const std::scoped_lock lock(order_mutex_);
+  const std::scoped_lock lock(transports_mutex_, order_mutex_);
   transports_ = std::move(transports);
 }
 
 void ChannelOutlet::Detach() {
   std::shared_ptr<JoinedOutbound> transports;
   {
-    const std::scoped_lock lock(order_mutex_);
+    const std::scoped_lock lock(transports_mutex_, order_mutex_);
     transports = std::move(transports_);
   }
   if (transports) transports->Close();
@@ -55,18 +54,11 @@ void ChannelOutlet::Latch(std::size_t count) {
 
 std::optional<Block> ChannelOutlet::Loan(std::size_t size_bytes) {
   loans_.fetch_add(1, std::memory_order_relaxed);
-  std::optional<Block> block = LendUnlocked(size_bytes);
+  const std::shared_lock lock(transports_mutex_);
+  std::optional<Block> block;
+  if (transports_) block = transports_->Loan(size_bytes);
   if (!block) heap_loans_.fetch_add(1, std::memory_order_relaxed);
   return block;
-}
-
-std::optional<Block> ChannelOutlet::LendLocked(std::size_t size_bytes) {
-  return transports_ ? transports_->Loan(size_bytes) : std::nullopt;
-}
-
-std::optional<Block> ChannelOutlet::LendUnlocked(std::size_t size_bytes) {
-  const std::scoped_lock lock(order_mutex_);
-  return LendLocked(size_bytes);
 }
 
 bool ChannelOutlet::wanted() const noexcept {
@@ -76,65 +68,54 @@ bool ChannelOutlet::wanted() const noexcept {
   return heard_.load(std::memory_order_relaxed) || latched_.load(std::memory_order_relaxed) > 0;
 }
 
-// Memory is taken here, before the message is promised to anybody, because that is where a lack of memory shows. The
-// size is computed once, for Commit() as well.
+// Memory is taken here, before the message is promised to anybody, because that is where a lack of memory shows. Not
+// under order_mutex_, because this may take long. The size is computed once, for Commit() as well.
 PublishStatus ChannelOutlet::Reserve(const void* message, const TypeInfo& type, PreparedMessage& prepared) noexcept {
   const bool listened = subscriber_count() > 0;
   std::optional<std::size_t> size;
   if (listened && type.encoded_bytes != nullptr) size = type.encoded_bytes(message);
   if (size.value_or(0) > kMaxMessageBytes) return PublishStatus::kTooLarge;
-  std::optional<Block> loan;
-  bool memory = true;
+  PublishStatus status = PublishStatus::kNoMemory;
   {
-    const EndsLater after_the_lock;
-    const std::scoped_lock lock(order_mutex_);
-    if (transports_) {
-      if (const PublishStatus status = transports_->Reserve(); status != PublishStatus::kOk) return status;
-      memory = !size || FindMemory(message, type, *size, loan);
-      if (!memory) transports_->Cancel();
+    std::shared_lock transports_stay(transports_mutex_, std::defer_lock);
+    if (size) transports_stay.lock();
+    {
+      const EndsLater after_the_lock;
+      const std::scoped_lock lock(order_mutex_);
+      if (transports_) {
+        if (const PublishStatus promise = transports_->Reserve(); promise != PublishStatus::kOk) return promise;
+      }
+    }
+    try {
+      status = Prepare(message, type, size, listened, prepared);
+    } catch (const std::bad_alloc&) {  // The status says it.
     }
   }
-  if (!memory) return RefuseForMemory();
-  if (loan) {
-    prepared = {PreparedMessage::State::kMemory, std::move(*loan)};
-    return PublishStatus::kOk;
-  }
-  const PublishStatus status = Prepare(message, type, size, listened, prepared);
   if (status != PublishStatus::kOk) Cancel();
-  return status;
-}
-
-bool ChannelOutlet::FindMemory(const void* message, const TypeInfo& type, std::size_t size_bytes,
-                               std::optional<Block>& loan) noexcept {
-  const bool in_place = type.encode_in_place != nullptr;
-  try {
-    if (!in_place) loan = transports_->Loan(size_bytes);
-    return loan || size_bytes < kLargeBytes ||
-           transports_->HasMemoryFor(size_bytes, in_place ? type.large_part(message) : Bytes());
-  } catch (const std::bad_alloc&) {
-    return false;
-  }
+  return status == PublishStatus::kNoMemory ? RefuseForMemory() : status;
 }
 
 PublishStatus ChannelOutlet::Prepare(const void* message, const TypeInfo& type, std::optional<std::size_t> size_bytes,
-                                     bool listened, PreparedMessage& prepared) noexcept {
+                                     bool listened, PreparedMessage& prepared) {
   using State = PreparedMessage::State;
-  try {
-    if (size_bytes && type.encode_in_place == nullptr) {
-      prepared = {State::kMemory, Block::Allocate(*size_bytes)};
-    } else if (type.encode_copy != nullptr && (listened || (latched_ > 0 && WritesWhenLatched(type)))) {
-      Payload data = type.encode_copy(message);
-      if (listened && data.bytes.size() > kMaxMessageBytes) return PublishStatus::kTooLarge;
-      prepared = {State::kEncoded, data.owner == nullptr ? Block() : Block(std::move(data))};
-    } else if (listened && !size_bytes && type.encode != nullptr && type.memory_bytes(message) > kMaxMessageBytes) {
-      // A codec that shares the message: only the size is kept.
-      const std::size_t size = type.encode(AnyMessage(AnyMessage(), message)).bytes.size();
-      if (size > kMaxMessageBytes) return PublishStatus::kTooLarge;
+  if (size_bytes) {
+    const bool in_place = type.encode_in_place != nullptr;
+    std::optional<Block> loan;
+    if (transports_ && !transports_->FindMemory(*size_bytes, in_place ? type.large_part(message) : Bytes(), loan)) {
+      return PublishStatus::kNoMemory;
     }
-    return PublishStatus::kOk;
-  } catch (const std::bad_alloc&) {
-    return RefuseForMemory();
+    if (!loan && !in_place) loan = Block::Allocate(*size_bytes);
+    if (loan) prepared = {State::kMemory, std::move(*loan)};
+  } else if (type.encode_copy != nullptr && (listened || (latched_ > 0 && WritesWhenLatched(type)))) {
+    Payload data = type.encode_copy(message);
+    if (listened && data.bytes.size() > kMaxMessageBytes) return PublishStatus::kTooLarge;
+    prepared = {State::kEncoded, data.owner == nullptr ? Block() : Block(std::move(data))};
+  } else if (listened && type.encode != nullptr && type.memory_bytes(message) > kMaxMessageBytes) {
+    // A codec that shares the message: only the size is kept.
+    const std::size_t size = type.encode(AnyMessage(AnyMessage(), message)).bytes.size();
+    if (size > kMaxMessageBytes) return PublishStatus::kTooLarge;
   }
+  return PublishStatus::kOk;
 }
 
 PublishStatus ChannelOutlet::RefuseForMemory() noexcept {
@@ -154,18 +135,14 @@ void ChannelOutlet::Cancel() noexcept {
   if (transports_) transports_->Cancel();
 }
 
-// A message of which nothing is prepared needs no memory, or its first subscriber came after Reserve().
-Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
-                                 Lend lend) {
+// A message of which nothing is prepared is in memory already, or its first subscriber came after Reserve().
+Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) {
   using State = PreparedMessage::State;
   if (prepared.state == State::kEncoded) return prepared.block.payload();
   if (type.encode_in_place != nullptr) {
-    Payload payload = type.encode_in_place(message.get());
+    Payload payload = prepared.state == State::kNothing ? type.encode_in_place(message.get()) : Payload();
     if (payload.owner != nullptr) return payload;
     copied_.fetch_add(1, std::memory_order_relaxed);
-  }
-  if (prepared.state == State::kNothing && type.encode_into != nullptr && lend != nullptr) {
-    if (auto loan = (this->*lend)(type.encoded_bytes(message.get()))) prepared = {State::kMemory, std::move(*loan)};
   }
   if (prepared.state == State::kMemory && type.encode_into(message.get(), prepared.block.writable())) {
     return prepared.block.payload();
@@ -173,12 +150,11 @@ Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type
   return type.encode(message);
 }
 
-Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
-                              Lend lend) noexcept {
+Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept {
   Payload payload;
   bool memory = true;
   try {
-    payload = TryEncode(message, type, std::move(prepared), lend);
+    payload = TryEncode(message, type, std::move(prepared));
   } catch (const std::bad_alloc&) {
     memory = false;
   }
@@ -190,21 +166,35 @@ Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, P
     encoded_bytes_.fetch_add(size, std::memory_order_relaxed);
     return payload;
   }
-  not_encodable_.fetch_add(1, std::memory_order_relaxed);
-  try {
-    log_->WriteLimited(LogLevel::kError, "encode " + channel_,
-                       "A message on channel \"" + channel_ + "\" " +
-                           (size > kMaxMessageBytes ? "has " + std::to_string(size) + " bytes; sessions send at most " +
-                                                          std::to_string(kMaxMessageBytes)
-                            : memory ? "could not be written as " + type_.name
-                                     : std::string("was not written, because there is no memory for it")) +
-                           "; other sessions do not get it.");
-  } catch (const std::bad_alloc&) {  // It is said with a later message.
-  }
+  CountNotEncodable([&] {
+    if (!memory) return std::string(kNoMemory);
+    if (size <= kMaxMessageBytes) return "could not be written as " + type_.name;
+    return "has " + std::to_string(size) + " bytes; sessions send at most " + std::to_string(kMaxMessageBytes);
+  });
   return {};
 }
 
+template <typename Why>
+void ChannelOutlet::CountNotEncodable(const Why& why) noexcept {
+  not_encodable_.fetch_add(1, std::memory_order_relaxed);
+  try {
+    log_->WriteLimited(LogLevel::kError, "encode " + channel_,
+                       "A message on channel \"" + channel_ + "\" " + why() + "; other sessions do not get it.");
+  } catch (const std::bad_alloc&) {  // It is said with a later message.
+  }
+}
+
 bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept {
+  try {
+    return TryCommit(message, type, std::move(prepared));
+  } catch (const std::bad_alloc&) {
+    Cancel();
+    CountNotEncodable([] { return std::string(kNoMemory); });
+    return false;
+  }
+}
+
+bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) {
   const std::size_t depth = latched_.load(std::memory_order_relaxed);
   const bool listened = subscriber_count() > 0;
   if (!listened && depth == 0) {
@@ -215,9 +205,7 @@ bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, Prep
   }
   // Outside the lock: encoding a large message takes as long as sending it.
   std::optional<Payload> data;
-  if (listened || WritesWhenLatched(type)) {
-    data = Encode(message, type, std::move(prepared), &ChannelOutlet::LendUnlocked);
-  }
+  if (listened || WritesWhenLatched(type)) data = Encode(message, type, std::move(prepared));
   PacketHead head;
   head.channel = channel_;
   head.type_name = type_.name;
@@ -235,12 +223,12 @@ bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, Prep
   if (depth > 0) {
     head.id.sequence = ++sequence_;
     // The bridge has come meanwhile.
-    if (!data && WritesWhenLatched(type)) data = Encode(message, type, {}, nullptr);
+    if (!data && WritesWhenLatched(type)) data = Encode(message, type, {});
     Keep({message, &type, head, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
     // A subscriber is counted before it asks for latched messages. So either it found this message there, or it is
     // counted now.
     counted = listened || (transports_ && transports_->subscriber_count() > 0);
-    if (counted && !data) data = Encode(message, type, {}, &ChannelOutlet::LendLocked);
+    if (counted && !data) data = Encode(message, type, {});
   } else if (data->owner != nullptr) {
     head.id.sequence = ++sequence_;
   }
@@ -264,15 +252,25 @@ void ChannelOutlet::Keep(Kept&& message, std::size_t depth, std::vector<Kept>& d
 }
 
 std::vector<OutboundMessage> ChannelOutlet::Latched(SessionId /*subscriber*/) noexcept {
+  try {
+    return TryLatched();
+  } catch (const std::bad_alloc&) {
+    CountNotEncodable([] { return std::string(kNoMemory); });
+    return {};
+  }
+}
+
+std::vector<OutboundMessage> ChannelOutlet::TryLatched() {
   std::deque<Kept> kept;
   {
     const std::scoped_lock lock(latch_mutex_);
     kept = kept_;
   }
   std::vector<OutboundMessage> messages;
+  messages.reserve(kept.size());
   for (Kept& one : kept) {
-    if (!one.data) one.data = Encode(one.message, *one.type, {}, nullptr);
-    if (one.data->owner != nullptr) messages.push_back({one.head, std::move(*one.data)});
+    if (!one.data) one.data = Encode(one.message, *one.type, {});
+    if (one.data->owner != nullptr) messages.push_back({std::move(one.head), std::move(*one.data)});
   }
   return messages;
 }
@@ -300,8 +298,8 @@ void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
   const std::scoped_lock lock(order_mutex_);
   if (transports_) {
     traffic.out = transports_->stats();
-    traffic.out.subscribers =
-        subscriber_count();  // Commit uses this number; it is updated a moment after the transport's own count.
+    // Commit uses this number. It is updated a moment after the transport's own count.
+    traffic.out.subscribers = subscriber_count();
   }
   traffic.out.copied += copied_.load(std::memory_order_relaxed);
 }

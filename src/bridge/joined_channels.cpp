@@ -53,10 +53,7 @@ void JoinedOutbound::Close() {
     const std::scoped_lock lock(adding_);
     no_more_parts_ = true;
   }
-  {
-    const std::scoped_lock lock(giving_up_);
-    closed_ = true;
-  }
+  gate_.Close();
   // Each part's channel waits for the active calls into the source.
   for (const auto& part : parts_) {
     if (part) part->channel.reset();
@@ -102,23 +99,23 @@ std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
 }
 
 void JoinedOutbound::GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut) {
-  std::optional<CutSubscribers::Messages> missed;
-  const std::scoped_lock giving_up(giving_up_);
-  if (closed_) return;
-  {
-    const std::scoped_lock lock(committing_);
-    missed = cut_.Drop(subscriber, cut);
-  }
-  if (!missed) return;
-  missed_.fetch_add(missed->size(), std::memory_order_relaxed);
-  if (!missed->empty()) {
-    log_.WriteLimited(LogLevel::kWarning, "missed " + channel_,
-                      "Session " + name + " has gone without confirming " + std::to_string(missed->size()) +
-                          " messages of the lossless channel \"" + channel_ +
-                          "\". It may miss these, and misses those that are published until it is back.");
-  }
-  TellSubscribers();
-  if (refused_.exchange(false)) source_.OnRoom();
+  std::optional<CutSubscribers::Messages> missed;  // Destroyed outside the gate.
+  gate_.Through([&] {
+    {
+      const std::scoped_lock lock(committing_);
+      missed = cut_.Drop(subscriber, cut);
+    }
+    if (!missed) return;
+    missed_.fetch_add(missed->size(), std::memory_order_relaxed);
+    if (!missed->empty()) {
+      log_.WriteLimited(LogLevel::kWarning, "missed " + channel_,
+                        "Session " + name + " has gone without confirming " + std::to_string(missed->size()) +
+                            " messages of the lossless channel \"" + channel_ +
+                            "\". It may miss these, and misses those that are published until it is back.");
+    }
+    TellSubscribers();
+    if (refused_.exchange(false)) source_.OnRoom();
+  });
 }
 
 std::size_t JoinedOutbound::subscriber_count() const noexcept {
@@ -185,21 +182,30 @@ void JoinedOutbound::Cancel() noexcept {
   for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Cancel();
 }
 
-std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
+template <typename Holds>
+bool JoinedOutbound::AnyListened(const Holds& holds) const {
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) {
     OutboundChannel& channel = *parts_[i]->channel;
-    if (channel.subscriber_count() == 0) continue;
-    if (auto block = channel.Loan(size_bytes)) return block;
+    if (channel.subscriber_count() > 0 && holds(channel)) return true;
   }
-  return std::nullopt;
+  return false;
 }
 
-bool JoinedOutbound::HasMemoryFor(std::size_t size_bytes, Bytes written) const {
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  return std::all_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(count), [&](const auto& part) {
-    return part->channel->subscriber_count() == 0 || part->channel->HasMemoryFor(size_bytes, written);
-  });
+std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
+  std::optional<Block> loan;
+  (void)AnyListened([&](OutboundChannel& channel) { return (loan = channel.Loan(size_bytes)).has_value(); });
+  return loan;
+}
+
+bool JoinedOutbound::FindMemory(std::size_t size_bytes, Bytes written, std::optional<Block>& loan) {
+  const auto holds = [&](const OutboundChannel& channel) { return channel.Holds(written); };
+  const auto lacks = [&](const OutboundChannel& channel) {
+    return !channel.HasMemoryFor(size_bytes, !written.empty());
+  };
+  if (!written.empty() && AnyListened(holds)) return true;
+  return AnyListened([&](OutboundChannel& channel) { return (loan = channel.Loan(size_bytes)).has_value(); }) ||
+         !AnyListened(lacks);
 }
 
 OutboundStats JoinedOutbound::stats() const {

@@ -53,10 +53,11 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   /// See OutboundChannel. A lack of memory is logged.
   bool Commit(const PacketHead& head, const Payload& data) noexcept;
   void Cancel() noexcept;
-  /// Memory of a transport that has subscribers.
+  /// Memory of a transport that has subscribers. Takes long if the transport must get it from the system.
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes);
-  /// See OutboundChannel.
-  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes, Bytes written) const;
+  /// The same for a message of which `written` is its large part, in memory already. No loan is needed if this is in
+  /// memory of a transport. False if there is no loan, and not enough ordinary memory.
+  [[nodiscard]] bool FindMemory(std::size_t size_bytes, Bytes written, std::optional<Block>& loan);
   [[nodiscard]] OutboundStats stats() const;
   /// Stops waiting for the subscriber, and logs what it misses. With a number, only if this is its latest cut.
   void GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut = std::nullopt);
@@ -71,6 +72,9 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   // The messages that a subscriber gets first.
   [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
   void TellSubscribers();
+  // Whether `holds` is true for the channel of a transport that has subscribers.
+  template <typename Holds>
+  [[nodiscard]] bool AnyListened(const Holds& holds) const;
 
   const std::string channel_;
   const TypeInfo& type_;
@@ -85,8 +89,7 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   bool no_more_parts_ = false;                // Guarded by adding_.
   std::vector<std::unique_ptr<Part>> parts_;  // Never resized: it is read while a part is added.
   std::atomic<std::size_t> count_{0};
-  std::mutex giving_up_;
-  bool closed_ = false;  // Guarded by giving_up_: the source is not called any more.
+  CallGate gate_;  // For calls of the bridge into the source.
   // The sum is computed and reported under one lock, so that the last reported value is right.
   std::mutex telling_;
   std::vector<std::size_t> subscribers_;  // By part.

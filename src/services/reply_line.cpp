@@ -26,6 +26,7 @@ PublishStatus ReplyLine::Pass(const std::shared_ptr<const CallMessage>& reply) {
   return outlet_->Commit(reply, type_, std::move(prepared)) ? PublishStatus::kOk : PublishStatus::kNoMemory;
 }
 
+// After Commit() has failed, the caller may have got the reply. Then it ignores the refusal: its call has ended.
 bool ReplyLine::TrySend(std::shared_ptr<const CallMessage>& reply) {
   if (outlet_->subscriber_count() == 0) return false;
   PublishStatus status = Pass(reply);

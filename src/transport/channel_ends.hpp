@@ -58,7 +58,11 @@ class PublishingEnd final : public OutboundChannel {
     }
   }
   void Cancel() noexcept override {
-    if (!core_->IsChild()) core_->Cancel(channel_);
+    if (core_->IsChild()) return;
+    try {
+      core_->Cancel(channel_);
+    } catch (const std::bad_alloc&) {  // Its credit may stay taken until the subscriber connects again.
+    }
   }
   std::optional<Block> Loan(std::size_t size_bytes) override {
     if constexpr (requires(Core & core) { core.Loan(size_bytes); }) {
@@ -67,7 +71,14 @@ class PublishingEnd final : public OutboundChannel {
       return std::nullopt;
     }
   }
-  bool HasMemoryFor(std::size_t size_bytes, Bytes written) const override {
+  bool Holds(Bytes bytes) const override {
+    if constexpr (requires(Core & core) { core.Holds(bytes); }) {
+      return core_->Holds(bytes);
+    } else {
+      return false;
+    }
+  }
+  bool HasMemoryFor(std::size_t size_bytes, bool written) const override {
     if constexpr (requires(Core & core) { core.HasMemoryFor(size_bytes, written); }) {
       return core_->HasMemoryFor(size_bytes, written);
     } else {
@@ -83,10 +94,7 @@ class PublishingEnd final : public OutboundChannel {
     const std::size_t all = subscriber_count();
     channel_->missed.fetch_add(lossless, std::memory_order_relaxed);
     channel_->dropped.fetch_add(all - std::min(all, lossless), std::memory_order_relaxed);
-    try {
-      core_->Cancel(channel_);
-    } catch (const std::bad_alloc&) {  // Its credit may stay taken until the subscriber connects again.
-    }
+    Cancel();
   }
 
   std::shared_ptr<Core> core_;

@@ -55,20 +55,21 @@ bool PeerChannel::IsLatched(const MessageId& id) const {
 bool PeerChannel::Push(PendingMessage message) {
   CancelReservation();
   if (IsLatched(message.id)) return false;
-  waiting_bytes_ += message.bytes;
+  const std::uint64_t bytes = message.bytes;
   ring_.push_back(std::move(message));
+  waiting_bytes_ += bytes;  // Last, because push_back() may throw.
   return true;
 }
 
 std::optional<PendingMessage> PeerChannel::Pop() {
   if (!begun_ || paused_ || ring_.empty() || !HasCredit()) return std::nullopt;
+  if (demand_.lossless) unconfirmed_.push_back(ring_.front());  // First, because it may throw.
   PendingMessage message = std::move(ring_.front());
   ring_.pop_front();
   if (latched_waiting_ > 0) --latched_waiting_;
   waiting_bytes_ -= message.bytes;
   ++sent_messages_;
   sent_bytes_ += message.bytes;
-  if (demand_.lossless) unconfirmed_.push_back(message);
   return message;
 }
 
@@ -137,8 +138,9 @@ std::optional<std::uint64_t> PeerChannel::Resume(std::uint64_t received_messages
   if (received_bytes < confirmed_bytes_ || received_bytes > sent_bytes_) return std::nullopt;
   std::uint64_t lost = sent_messages_ - received_messages;
   while (demand_.lossless && lost > 0 && !unconfirmed_.empty()) {
-    waiting_bytes_ += unconfirmed_.back().bytes;
+    const std::uint64_t bytes = unconfirmed_.back().bytes;
     ring_.push_front(std::move(unconfirmed_.back()));
+    waiting_bytes_ += bytes;
     unconfirmed_.pop_back();
     --lost;
   }

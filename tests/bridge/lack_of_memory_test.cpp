@@ -3,39 +3,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <string>
 
 #include <foxglove/RawImage.pb.h>
 
+#include "hgros/internal/codec/call_message.hpp"
 #include "session/domain_fixture.hpp"
-
-namespace hgros::test {
-
-/// While one exists, this program can allocate no more than this many bytes at once.
-class SmallMemory {
- public:
-  explicit SmallMemory(std::size_t most_bytes) { most_bytes_ = most_bytes; }
-  SmallMemory(const SmallMemory&) = delete;
-  SmallMemory& operator=(const SmallMemory&) = delete;
-  ~SmallMemory() { most_bytes_ = SIZE_MAX; }
-  static bool Allows(std::size_t bytes) noexcept { return bytes <= most_bytes_.load(std::memory_order_relaxed); }
-
- private:
-  static inline std::atomic<std::size_t> most_bytes_{SIZE_MAX};
-};
-
-}  // namespace hgros::test
-
-void* operator new(std::size_t bytes) {
-  void* const memory = hgros::test::SmallMemory::Allows(bytes) ? std::malloc(bytes == 0 ? 1 : bytes) : nullptr;
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t /*bytes*/) noexcept { std::free(memory); }
+#include "support/small_memory.hpp"
 
 namespace hgros {
 namespace {
@@ -174,8 +149,14 @@ TEST_P(LackOfMemory, OfACodecThatSharesTheMessageIsCountedAndSaid) {
 TEST_P(LackOfMemory, OfARequestEndsItsCall) {
   const Service service = listener->Serve<RawImage, RawImage>("turn", [](const RawImage& image) { return image; });
   ASSERT_TRUE(static_cast<bool>(Turn(Image(8), kPatience)));
-  // There is no memory for the image; or there is, but not for the image with the head of the call.
-  for (const std::size_t most : {kMost, kImageBytes + 52}) {
+  // There is no memory for the image; or there is, but not for the image with the head of the call, which has at least
+  // these fields.
+  CallMessage call{.caller = 1, .server = 1, .call = 1};
+  call.body = Image(kImageBytes);
+  call.type = &TypeOf<RawImage>();
+  const std::size_t with_head = CallTypeOf<RawImage>().encoded_bytes(&call);
+  ASSERT_GT(with_head, call.type->encoded_bytes(call.body.get()));
+  for (const std::size_t most : {kMost, with_head - 1}) {
     auto image = Image(kImageBytes);
     const SmallMemory small(most);
     const auto result = Turn(std::move(image), std::chrono::seconds(5));

@@ -166,20 +166,20 @@ class Filter::Term {
   std::unique_ptr<Term> right;
 
  private:
-  [[nodiscard]] bool Compares(const Operand& left, const Operand& right) const {
-    if (left.index() == 0 || right.index() == 0) return false;
+  [[nodiscard]] bool Compares(const Operand& a, const Operand& b) const {
+    if (a.index() == 0 || b.index() == 0) return false;
     if (kind == Kind::kMatches) {
-      const std::string* text = std::get_if<std::string>(&left);
+      const std::string* text = std::get_if<std::string>(&a);
       return text != nullptr && pattern->Matches(*text);
     }
-    if (left.index() != right.index()) return kind == Kind::kUnequal;
+    if (a.index() != b.index()) return kind == Kind::kUnequal;
     switch (kind) {
-      case Kind::kEqual: return left == right;
-      case Kind::kUnequal: return left != right;
-      case Kind::kLess: return left < right;
-      case Kind::kMost: return left <= right;
-      case Kind::kMore: return left > right;
-      default: return left >= right;
+      case Kind::kEqual: return a == b;
+      case Kind::kUnequal: return a != b;
+      case Kind::kLess: return a < b;
+      case Kind::kMost: return a <= b;
+      case Kind::kMore: return a > b;
+      default: return a >= b;
     }
   }
 };

@@ -6,12 +6,6 @@
 #include <utility>
 
 namespace hgros::shm {
-namespace {
-
-// Reading the limits of the control group costs as much as copying this much.
-constexpr std::size_t kLargeBytes = 1u << 20;
-
-}  // namespace
 
 std::shared_ptr<const ShmMessage> MessagePacker::Pack(const PacketHead& head, const Payload& data) {
   auto message = std::make_shared<ShmMessage>();
@@ -35,9 +29,7 @@ std::shared_ptr<const ShmMessage> MessagePacker::Pack(const PacketHead& head, co
     message->data = {loan->bytes, std::move(loan->owner)};
     return message;
   }
-  if (data.bytes.size() >= kLargeBytes && !pool_->HasRoomApart(BlockPool::kCopiesReceived * data.bytes.size())) {
-    throw std::bad_alloc();
-  }
+  if (!pool_->HasRoomApart(data.bytes.size(), BlockPool::kCopiesReceived)) throw std::bad_alloc();
   session_.log.WriteLimited(LogLevel::kWarning, "shm apart",
                             "There is no shared memory for a message of " + std::to_string(data.bytes.size()) +
                                 " bytes on channel \"" + head.channel + "\": " + fault +

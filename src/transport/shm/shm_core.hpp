@@ -52,11 +52,9 @@ class ShmCore {
     publisher_.Commit(core, head, data);
   }
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes) { return publisher_.Loan(size_bytes); }
-  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes, Bytes written) {
-    BlockPool& pool = publisher_.pool();
-    if (written.empty()) return pool.HasRoomApart(BlockPool::kCopiesWritten * size_bytes);
-    return pool.Find(written) || pool.Allocate(size_bytes) ||
-           pool.HasRoomApart(BlockPool::kCopiesReceived * size_bytes);
+  [[nodiscard]] bool Holds(Bytes bytes) const { return publisher_.pool().Find(bytes).has_value(); }
+  [[nodiscard]] bool HasMemoryFor(std::size_t size_bytes, bool written) const {
+    return publisher_.pool().HasRoomApart(size_bytes, written ? BlockPool::kCopiesReceived : BlockPool::kCopiesWritten);
   }
   void Receive(const Visit& visit) noexcept { receiver_.Receive(visit); }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,27 +73,25 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
 
   // True for a user's codec, which must not run on the thread on which a transport requests latched messages.
   [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept;
-  // Takes memory of a transport, if there is some. False if there is no memory. Called under order_mutex_.
-  [[nodiscard]] bool FindMemory(const void* message, const TypeInfo& type, std::size_t size_bytes,
-                                std::optional<Block>& loan) noexcept;
-  // Takes other memory, or encodes the message if its size is known only then. Not under the lock: both take time.
+  // Takes memory, of one of the transports if possible, or encodes the message if its size is known only then.
+  // With a size, under transports_mutex_. Not under order_mutex_: all this takes time. Throws std::bad_alloc.
   [[nodiscard]] PublishStatus Prepare(const void* message, const TypeInfo& type, std::optional<std::size_t> size_bytes,
-                                      bool listened, PreparedMessage& prepared) noexcept;
+                                      bool listened, PreparedMessage& prepared);
   // A payload without an owner if the message cannot be written; this is counted and logged.
-  // `lend`: how to get memory of a transport, if at all.
-  using Lend = std::optional<Block> (ChannelOutlet::*)(std::size_t size_bytes);
-  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
-                               Lend lend) noexcept;
-  [[nodiscard]] Payload TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
-                                  Lend lend);
-  [[nodiscard]] std::optional<Block> LendLocked(std::size_t size_bytes);  // Called under order_mutex_.
-  [[nodiscard]] std::optional<Block> LendUnlocked(std::size_t size_bytes);
+  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept;
+  [[nodiscard]] Payload TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared);
+  // Logs the sentence "A message on channel ...", in which `why` returns the middle.
+  template <typename Why>
+  void CountNotEncodable(const Why& why) noexcept;
   [[nodiscard]] PublishStatus RefuseForMemory() noexcept;
+  // As Commit(). Throws before it calls the transports.
+  [[nodiscard]] bool TryCommit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared);
+  [[nodiscard]] std::vector<OutboundMessage> TryLatched();
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
 
   const std::string channel_;
-  const TypeInfo&
-      type_;  // The type of the first user. A message may be raw, or of another C++ type with the same wire form.
+  // The type of the first user. A message may be raw, or of another C++ type with the same wire form.
+  const TypeInfo& type_;
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const OutletEvents events_;
@@ -110,7 +109,9 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   std::atomic<std::uint64_t> loans_{0};
   std::atomic<std::uint64_t> heap_loans_{0};
 
+  std::shared_mutex transports_mutex_;  // Locked before order_mutex_. Shared: transports_ does not change.
   mutable std::mutex order_mutex_;
+  // Changed under both mutexes.
   std::shared_ptr<JoinedOutbound> transports_;
   std::uint64_t sequence_ = 0;
   // Each message writes the members above, too, so that these cost no further cache line.

@@ -52,12 +52,17 @@ class CallGate {
   template <typename Call>
   bool Through(Call&& call) {
     if (!Enter()) return false;
+    const Inside inside{*this};
     call();
-    Leave();
     return true;
   }
 
  private:
+  struct Inside {
+    CallGate& gate;
+    ~Inside() { gate.Leave(); }  // Also after an exception.
+  };
+
   std::mutex mutex_;
   std::condition_variable left_;
   std::vector<std::thread::id> inside_;

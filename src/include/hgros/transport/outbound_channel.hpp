@@ -76,9 +76,12 @@ class OutboundChannel {
   /// Memory of this transport. A message that is written into it is committed without a copy. Empty if the transport
   /// has no such memory, or none left.
   [[nodiscard]] virtual std::optional<Block> Loan(std::size_t /*size_bytes*/) { return std::nullopt; }
+  /// Whether these bytes are in memory of this transport, so that they are committed without a copy.
+  [[nodiscard]] virtual bool Holds(Bytes /*bytes*/) const { return false; }
   /// False if handing over a message of this size would exceed a limit that the system enforces by killing a process.
-  /// `written`: the bytes of its large part, if it is in memory already; else it would be written in ordinary memory.
-  [[nodiscard]] virtual bool HasMemoryFor(std::size_t /*size_bytes*/, Bytes /*written*/) const { return true; }
+  /// For a message that is in ordinary memory, or, if not `written` yet, will be. It is true now: another thread may
+  /// take the memory before Commit(), which then returns false.
+  [[nodiscard]] virtual bool HasMemoryFor(std::size_t /*size_bytes*/, bool /*written*/) const { return true; }
   [[nodiscard]] virtual OutboundStats stats() const = 0;
 };
 

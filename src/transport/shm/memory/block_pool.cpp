@@ -16,8 +16,8 @@ constexpr std::size_t kPage = 4096;
 // a descriptor or a mapping. A block larger than the largest segment has its own.
 constexpr std::size_t kFirstSegment = 256 * 1024;
 constexpr std::size_t kLargestSegment = 4 * 1024 * 1024;
-// Publisher and receivers may copy a payload this many times. There must be memory left for that.
-constexpr std::uint64_t kCopiesApart = 4;
+// Reading the limits of the control group costs as much as copying this much.
+constexpr std::size_t kLargeBytes = 1u << 20;
 // More memory than any machine has. Sizes below it can be rounded up without overflow.
 constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 46;
 
@@ -76,16 +76,17 @@ std::optional<BlockPool::Loan> BlockPool::Allocate(std::size_t size_bytes, std::
               .place = {block.segment->id, offset}};
 }
 
-bool BlockPool::HasRoomApart(std::size_t bytes) const {
+bool BlockPool::HasRoomApart(std::size_t size_bytes, std::size_t copies) const {
+  if (size_bytes < kLargeBytes) return true;
   const auto room = system_room_();
-  return !room || *room >= bytes;
+  return !room || *room >= copies * size_bytes;
 }
 
 bool BlockPool::Grow(std::size_t block_bytes, std::string* fault) {
   const auto room_left = [&]() -> std::optional<std::uint64_t> {
     const auto room = system_room_();
     if (!room) return std::nullopt;
-    return *room - std::min<std::uint64_t>(*room, kCopiesApart * block_bytes);
+    return *room - std::min<std::uint64_t>(*room, std::uint64_t{kCopiesBesideSegment} * block_bytes);
   };
   const auto left = room_left();
   const std::uint64_t limit = left ? std::min(limit_bytes_, segment_bytes_ + *left) : limit_bytes_;

@@ -48,11 +48,16 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   /// does not own the memory. `fault` says which.
   [[nodiscard]] std::optional<Loan> Allocate(std::size_t size_bytes, std::string* fault = nullptr);
 
-  /// Copies of a payload that the program holds already: that of a receiver of the socket, and what it parses to.
+  /// Copies of a payload in ordinary memory for which there must be room before it is sent. A receiver takes it from
+  /// the socket and parses it.
   static constexpr std::size_t kCopiesReceived = 2;
-  static constexpr std::size_t kCopiesWritten = 1 + kCopiesReceived;
-  /// Whether publisher and receivers can take this much ordinary memory.
-  [[nodiscard]] bool HasRoomApart(std::size_t bytes) const;
+  /// The publisher has yet to write it.
+  static constexpr std::size_t kCopiesWritten = kCopiesReceived + 1;
+  /// It gets a block of a new segment. One to spare, because the segment is kept when the block is free.
+  static constexpr std::size_t kCopiesBesideSegment = kCopiesWritten + 1;
+  /// Whether publisher and receivers can take this much ordinary memory. Not asked for payloads that cost less to copy
+  /// than the question.
+  [[nodiscard]] bool HasRoomApart(std::size_t size_bytes, std::size_t copies) const;
   /// No more blocks are allocated after this: receivers may still read blocks that are free here.
   void Close();
 

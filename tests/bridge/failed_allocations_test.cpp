@@ -1,0 +1,132 @@
+// The parts of the way of a message, of which each allocation fails once.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "hgros/base/system_limits.hpp"
+#include "hgros/bridge/channel_outlet.hpp"
+#include "hgros/codec/custom_codec.hpp"
+#include "support/small_memory.hpp"
+#include "transport/channel_ends.hpp"
+#include "transport/outbound_core.hpp"
+#include "transport/peer_channel.hpp"
+
+namespace hgros {
+namespace {
+
+using test::FewAllocations;
+
+/// Calls `action` with ever more allocations, until none fails. Returns how often it threw std::bad_alloc.
+template <typename Action>
+int CountThrows(const Action& action) {
+  int thrown = 0;
+  for (std::size_t allocations = 0; allocations < 500; ++allocations) {
+    const FewAllocations few(allocations);
+    try {
+      action();
+    } catch (const std::bad_alloc&) {
+      ++thrown;
+    }
+    if (!FewAllocations::UsedUp()) return thrown;
+  }
+  ADD_FAILURE() << "more allocations than expected";
+  return thrown;
+}
+
+TEST(FailedAllocations, OfRequiredThreadsEndTheThreadsThatHaveStarted) {
+  EXPECT_GT(CountThrows([] { RequireThreads(5, "a test"); }), 5);
+}
+
+TEST(FailedAllocations, OfAWaitingMessageLeaveItsBytesUncounted) {
+  PeerChannel channel(PeerChannel::Granted({.lossless = true, .credit_messages = 10'000}, 1 << 30));
+  channel.Begin({});
+  std::uint64_t sequence = 0;
+  for (int i = 0; i < 200; ++i) {
+    try {
+      const FewAllocations none(0);
+      channel.Push({nullptr, {1, 1, ++sequence}, 10});
+    } catch (const std::bad_alloc&) {
+    }
+    EXPECT_EQ(channel.waiting_bytes(), 10 * channel.waiting());
+  }
+  ASSERT_LT(channel.waiting(), 200U);
+  const std::size_t waiting = channel.waiting();
+  std::size_t popped = 0;
+  for (int i = 0; i < 1000 && channel.waiting() > 0; ++i) {
+    try {
+      const FewAllocations few(static_cast<std::size_t>(i % 2));
+      popped += channel.Pop() ? 1 : 0;
+    } catch (const std::bad_alloc&) {
+    }
+    EXPECT_EQ(channel.waiting_bytes(), 10 * channel.waiting());
+    EXPECT_EQ(channel.unfinished(), waiting) << "nothing is lost";
+  }
+  EXPECT_EQ(popped, waiting);
+}
+
+/// A transport without any memory.
+struct BareCore {
+  void Offer(const std::shared_ptr<OutboundCore>&) {}
+  void Withdraw(const std::shared_ptr<OutboundCore>& core) { core->gate.Close(); }
+  [[nodiscard]] bool IsChild() const { return false; }
+  [[nodiscard]] PublishStatus Reserve(OutboundCore&) { return PublishStatus::kOk; }
+  void Commit(const std::shared_ptr<OutboundCore>&, const PacketHead&, const Payload&) { throw std::bad_alloc(); }
+  void Cancel(const std::shared_ptr<OutboundCore>&) { throw std::bad_alloc(); }
+};
+
+struct Source final : OutboundSource {
+  std::vector<OutboundMessage> Latched(SessionId) noexcept override { return {}; }
+  void OnRoom() noexcept override { ++rooms; }
+  void OnSubscribers(std::size_t) noexcept override {}
+  int rooms = 0;
+};
+
+TEST(FailedAllocations, OfACancelledMessageEndNothing) {
+  Source source;
+  PublishingEnd<BareCore, OutboundCore> end(std::make_shared<BareCore>(), "scan", AnyType(), source);
+  OutboundChannel& channel = end;
+  channel.Cancel();
+  EXPECT_FALSE(channel.Commit({}, {}));
+}
+
+TEST(FailedAllocations, OfRoomAreMadeUpForByTheNextReport) {
+  Source source;
+  const auto core = std::make_shared<OutboundCore>("scan", AnyType(), source);
+  core->refused = true;
+  Actions actions;
+  EXPECT_GT(CountThrows([&] { OutboundCore::TellRoom(core, actions); }), 0);
+  ASSERT_EQ(actions.size(), 1U);
+  actions[0]();
+  EXPECT_EQ(source.rooms, 1);
+  core->gate.Close();
+}
+
+TEST(FailedAllocations, OfALatchedMessageAreCounted) {
+  const TypeInfo& type = AnyType();
+  ChannelOutlet outlet("robot/front_camera/images", type, MessageId{1, 1, 0}, std::make_shared<Log>(), OutletEvents{},
+                       std::make_shared<HostClocks>());
+  outlet.Latch(200);
+  const Block block = Block::Allocate(8);
+  const AnyMessage message = std::make_shared<const RawMessage>(RawMessage{nullptr, block.payload()});
+  std::size_t refused = 0;
+  EXPECT_EQ(CountThrows([&] {
+              PreparedMessage prepared;
+              ASSERT_EQ(outlet.Reserve(message.get(), type, prepared), PublishStatus::kOk);
+              if (!outlet.Commit(message, type, std::move(prepared))) ++refused;
+            }),
+            0);
+  EXPECT_GT(refused, 0U);
+  ChannelTraffic traffic;
+  outlet.AddTo(traffic);
+  EXPECT_EQ(traffic.not_encodable, refused);
+  std::size_t latched = 0;
+  EXPECT_EQ(CountThrows([&] { latched = outlet.Latched(SessionId{2}).size(); }), 0);
+  EXPECT_EQ(latched, 1U) << "the one that had memory";
+}
+
+}  // namespace
+}  // namespace hgros
