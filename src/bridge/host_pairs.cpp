@@ -37,27 +37,10 @@ bool HostPairs::Exchange(const ChannelAnnouncement& ours, const Use& theirs) con
 }
 
 void HostPairs::Remember(const Announcement& stranger) {
-  Forget(stranger.session);
-  const std::scoped_lock lock(mutex_);
-  std::vector<std::string>& channels = channels_[stranger.session];
-  channels.reserve(stranger.channels.size());
-  for (const ChannelAnnouncement& one : stranger.channels) {
-    strangers_[one.channel].push_back(UseOf(stranger.session, one));
-    channels.push_back(one.channel);
-  }
-}
-
-void HostPairs::Forget(SessionId stranger) {
-  const std::scoped_lock lock(mutex_);
-  const auto known = channels_.find(stranger);
-  if (known == channels_.end()) return;
-  for (const std::string& channel : known->second) {
-    const auto uses = strangers_.find(channel);
-    if (uses == strangers_.end()) continue;  // It was announced twice.
-    std::erase_if(uses->second, [&](const Use& use) { return use.session == stranger; });
-    if (uses->second.empty()) strangers_.erase(uses);
-  }
-  channels_.erase(known);
+  std::vector<std::pair<std::string, Use>> uses;
+  uses.reserve(stranger.channels.size());
+  for (const ChannelAnnouncement& one : stranger.channels) uses.emplace_back(one.channel, UseOf(stranger.session, one));
+  strangers_.Remember(stranger.session, std::move(uses));
 }
 
 void HostPairs::Found(const Announcement& peer, TransportRules rules) {
@@ -86,13 +69,8 @@ void HostPairs::OwnChanged(const std::string& channel) {
   const auto ours = means_.announcer.OwnChannel(channel);
   if (!ours) return;
   std::vector<SessionId> found;
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto uses = strangers_.find(channel);
-    if (uses == strangers_.end()) return;
-    for (const Use& theirs : uses->second) {
-      if (Exchange(*ours, theirs)) found.push_back(theirs.session);
-    }
+  for (const Use& theirs : strangers_.UsesOf(channel)) {
+    if (Exchange(*ours, theirs)) found.push_back(theirs.session);
   }
   if (found.empty()) return;
   const auto partners = means_.announcer.PeersOnHost([&](const Announcement& peer) {
@@ -105,7 +83,7 @@ void HostPairs::OwnChanged(const std::string& channel) {
 void HostPairs::Connect(const Announcement& peer) {
   const TransportSet expected = Expected(peer);
   if (!means_.peers.MakePartner(peer.session, expected)) return;
-  Forget(peer.session);
+  strangers_.Forget(peer.session);
   if (expected.empty()) return;
   Await(peer.session);
   if (means_.options.zmq.session.value > peer.session.value) return;
@@ -117,7 +95,7 @@ void HostPairs::Connect(const Announcement& peer) {
 }
 
 void HostPairs::Lost(const Announcement& last) {
-  Forget(last.session);
+  strangers_.Forget(last.session);
   for (TransportIndex i = 0; i < means_.transports.size(); ++i) {
     const auto place = last.places.find(means_.transports[i].key);
     if (means_.open[i] != nullptr && place != last.places.end()) means_.open[i]->RemovePeer(place->second);

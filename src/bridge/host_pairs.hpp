@@ -3,14 +3,13 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
-#include <mutex>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "bridge/announcer.hpp"
 #include "bridge/open_transports.hpp"
 #include "bridge/peer_transports.hpp"
+#include "bridge/stranger_channels.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 
@@ -56,17 +55,10 @@ class HostPairs {
   static constexpr auto kLongPatience = std::chrono::seconds(8);
 
   [[nodiscard]] TransportSet Expected(const Announcement& peer) const;
-  // How a session announces one channel.
-  struct Use {
-    SessionId session;
-    bool publishes = false;
-    bool subscribes = false;
-    TransportSet transports;
-  };
+  using Use = StrangerChannels::Use;
   [[nodiscard]] Use UseOf(SessionId session, const ChannelAnnouncement& channel) const;
   [[nodiscard]] bool Exchange(const ChannelAnnouncement& ours, const Use& theirs) const;
   void Remember(const Announcement& stranger);
-  void Forget(SessionId stranger);
   void Connect(const Announcement& peer);
   void GiveUp(SessionId peer);
   void ReportIfUnreached(SessionId peer, const PeerTransports::GivenUp& given_up, bool finally);
@@ -75,11 +67,7 @@ class HostPairs {
   void Later(std::chrono::nanoseconds delay, std::function<void()> errand);
 
   const Means means_;
-  std::mutex mutex_;
-  // By channel, what sessions announce that are not connected with this one. So a new channel is compared with its
-  // namesakes only, and thousands of channels are wired in linear time. With the channels of each, to forget them.
-  std::unordered_map<std::string, std::vector<Use>> strangers_;
-  std::unordered_map<SessionId, std::vector<std::string>> channels_;
+  StrangerChannels strangers_;
   std::atomic<bool> giving_up_{false};  // An errand gives up sessions that exchange nothing with this one.
 };
 

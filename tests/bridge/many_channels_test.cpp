@@ -80,25 +80,6 @@ TEST_F(ManyChannels, WiringTakesTimeInProportionToTheirNumber) {
   EXPECT_LT(many, 40 * few) << few << " s for 1000, " << many << " s for 8000";
 }
 
-// A stranger exchanges nothing with it: both publish the same channels.
-TEST_F(ManyChannels, WiringDoesNotDependOnTheChannelsOfStrangers) {
-  (void)SecondsFor(100, "");
-  const auto beside = [](std::size_t channels) {
-    std::vector<std::unique_ptr<Robot>> strangers;
-    for (int i = 0; i < 4; ++i) {
-      strangers.push_back(std::make_unique<Robot>(""));
-      for (std::size_t c = 0; c < channels; ++c) (void)(*strangers.back())->Advertise<Note>("out" + Name(c));
-    }
-    Robot witness("");
-    const auto known = [&] { return witness->Channels().size() >= channels; };
-    EXPECT_TRUE(Await(known));
-    return SecondsFor(4000, "");
-  };
-  const double few = beside(10);
-  const double many = beside(12000);
-  EXPECT_LT(many, 3 * few) << few << " s beside 10, " << many << " s beside 12000";
-}
-
 TEST_F(ManyChannels, TenThousandChannelsAreReceivedOverSharedMemory) {
   Robot talker(""), listener("");
   Pass(talker, listener, 10000);

@@ -83,7 +83,8 @@ TEST_P(LackOfThreads, IsAnErrorOfARunningSession) {
   int errors = 0;
   for (int left = 0; left < 12; ++left) {
     const Outcome outcome = RunLimited("threads", left, "after", GetParam());
-    if (outcome.status == kForbidden) GTEST_SKIP() << "this machine has no user namespaces";
+    if (outcome.status == kForbidden)
+      GTEST_SKIP() << "The limit of threads needs a user namespace, and this machine forbids them.";
     ASSERT_EQ(outcome.status, 0) << left << " left\n" << outcome.output;
     ExpectWords(outcome, "threads", "ulimit -u");
     errors += outcome.Says("error: ") ? 1 : 0;
@@ -98,7 +99,8 @@ INSTANTIATE_TEST_SUITE_P(What, LackOfThreads, testing::Values("node", "publisher
 TEST_F(LackLater, DoesNotStopMessages) {
   for (const std::string lack : {"threads", "files"}) {
     const Outcome outcome = RunLimited(lack, 0, "wired", "node");
-    if (outcome.status == kForbidden) GTEST_SKIP() << "this machine has no user namespaces";
+    if (outcome.status == kForbidden)
+      GTEST_SKIP() << "The limit of threads needs a user namespace, and this machine forbids them.";
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_TRUE(outcome.Says("got 3")) << outcome.output;
   }
@@ -110,7 +112,8 @@ TEST_P(LackWithLan, IsAWarningAndTheSessionGoesOn) {
   int warnings = 0;
   for (const int left : {4, 6, 8, 9, 10, 11, 12, 14, 18, 22, 26, 30}) {
     const Outcome outcome = RunLimited(GetParam(), left, "before", "lan");
-    if (outcome.status == kForbidden) GTEST_SKIP() << "this machine has no user namespaces";
+    if (outcome.status == kForbidden)
+      GTEST_SKIP() << "The limit of threads needs a user namespace, and this machine forbids them.";
     ASSERT_EQ(outcome.status, 0) << left << " left\n" << outcome.output;
     ExpectWords(outcome, GetParam(), "ulimit");
     EXPECT_TRUE(outcome.Says("got 3")) << left << " left\n" << outcome.output;

@@ -118,6 +118,74 @@ TEST_P(NoMemory, ForARequestEndsTheCall) {
   services->Close();
 }
 
+/// A caller's place. Its requests arrive, and the test sends the replies.
+class OpenPlace final : public ServicePlace {
+ public:
+  struct TakingOutlet final : SessionOutlet {
+    [[nodiscard]] bool wanted() const noexcept override { return true; }
+    PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override {
+      return PublishStatus::kOk;
+    }
+    bool Commit(const AnyMessage& message, const TypeInfo&, PreparedMessage&&) noexcept override {
+      sent.push_back(*static_cast<const CallMessage*>(message.get()));
+      ++count;
+      return true;
+    }
+    void Cancel() noexcept override {}
+    [[nodiscard]] std::size_t subscriber_count() const noexcept override { return 1; }
+    [[nodiscard]] std::vector<SessionId> Subscribers() const override { return {SessionId{2}}; }
+    std::vector<CallMessage> sent;  // Read after `count` says so.
+    std::atomic<int> count{0};
+  };
+  Subscription Listen(const std::string&, const TypeInfo&, AnyCallback callback, std::size_t) override {
+    on_reply = std::move(callback);
+    return {};
+  }
+  std::shared_ptr<SessionOutlet> OpenOutlet(const std::string&, const TypeInfo&, OutletEvents) override {
+    return outlet;
+  }
+  void CloseOutlet(const std::string&, const std::shared_ptr<SessionOutlet>&) override {}
+  [[nodiscard]] DataGraph& Graph() override { return graph_; }
+  [[nodiscard]] ChannelSearch Search(const std::string&) override { return {}; }
+  [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
+  [[nodiscard]] std::vector<std::string> KnownServices() override { return {}; }
+  void ReportServedTwice(const PeerInfo&, std::string, std::string) noexcept override {}
+  void Receive(const Visit& visit) noexcept override { visit.first(); }
+
+  const std::shared_ptr<TakingOutlet> outlet = std::make_shared<TakingOutlet>();
+  AnyCallback on_reply;
+
+ private:
+  DataGraph graph_;
+};
+
+// Commit() says false if only some of the transports had memory. Then the caller gets the reply and the refusal.
+TEST(ReplyLine, RefusalAfterItsReplyIsIgnored) {
+  OpenPlace place;
+  const auto services =
+      std::make_shared<Services>(place, SessionId{1}, std::make_shared<Log>([](LogLevel, std::string_view) {}));
+  const auto call = services->Call("add",
+                                   {CallTypeOf<test::Sum>(), CallTypeOf<test::Total>(), TypeOf<test::Sum>(),
+                                    std::make_shared<const test::Sum>(), std::chrono::seconds(20)},
+                                   {});
+  ASSERT_TRUE(test::Await([&] { return place.outlet->count == 1; }));
+  CallMessage reply = place.outlet->sent[0];
+  MessageInfo info;
+  info.id.publisher = reply.server;
+  info.remote = true;
+  reply.body = std::make_shared<const test::Total>(test::Total{5});
+  reply.type = &TypeOf<test::Total>();
+  place.on_reply(std::make_shared<const CallMessage>(reply), info);
+  reply.body = nullptr;
+  reply.outcome = CallMessage::Outcome::kNotWritable;
+  place.on_reply(std::make_shared<const CallMessage>(reply), info);
+  const CallEnd end = call->Wait();
+  ASSERT_NE(end.reply, nullptr) << end.failure.reason;
+  EXPECT_EQ(static_cast<const test::Total*>(end.reply.get())->value, 5);
+  services->Refuse();
+  services->Close();
+}
+
 INSTANTIATE_TEST_SUITE_P(Shows, NoMemory, testing::Bool(),
                          [](const auto& late) { return late.param ? "WhenHandedOver" : "WhenReserved"; });
 
