@@ -136,7 +136,8 @@ void ChannelOutlet::Cancel() noexcept {
 }
 
 // A message of which nothing is prepared is in memory already, or its first subscriber came after Reserve().
-Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) {
+Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                                 Lend lend) {
   using State = PreparedMessage::State;
   if (prepared.state == State::kEncoded) return prepared.block.payload();
   if (type.encode_in_place != nullptr) {
@@ -144,17 +145,23 @@ Payload ChannelOutlet::TryEncode(const AnyMessage& message, const TypeInfo& type
     if (payload.owner != nullptr) return payload;
     copied_.fetch_add(1, std::memory_order_relaxed);
   }
+  if (prepared.state == State::kNothing && type.encode_into != nullptr && lend == Lend::kYes) {
+    const std::shared_lock lock(transports_mutex_);
+    auto loan = transports_ ? transports_->Loan(type.encoded_bytes(message.get())) : std::nullopt;
+    if (loan) prepared = {State::kMemory, std::move(*loan)};
+  }
   if (prepared.state == State::kMemory && type.encode_into(message.get(), prepared.block.writable())) {
     return prepared.block.payload();
   }
   return type.encode(message);
 }
 
-Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept {
+Payload ChannelOutlet::Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                              Lend lend) noexcept {
   Payload payload;
   bool memory = true;
   try {
-    payload = TryEncode(message, type, std::move(prepared));
+    payload = TryEncode(message, type, std::move(prepared), lend);
   } catch (const std::bad_alloc&) {
     memory = false;
   }
@@ -205,7 +212,7 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, P
   }
   // Outside the lock: encoding a large message takes as long as sending it.
   std::optional<Payload> data;
-  if (listened || WritesWhenLatched(type)) data = Encode(message, type, std::move(prepared));
+  if (listened || WritesWhenLatched(type)) data = Encode(message, type, std::move(prepared), Lend::kYes);
   PacketHead head;
   head.channel = channel_;
   head.type_name = type_.name;

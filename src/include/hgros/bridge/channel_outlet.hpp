@@ -78,8 +78,12 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   [[nodiscard]] PublishStatus Prepare(const void* message, const TypeInfo& type, std::optional<std::size_t> size_bytes,
                                       bool listened, PreparedMessage& prepared);
   // A payload without an owner if the message cannot be written; this is counted and logged.
-  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept;
-  [[nodiscard]] Payload TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared);
+  // `lend`: whether a transport may be asked for memory. Not under a lock.
+  enum class Lend { kNo, kYes };
+  [[nodiscard]] Payload Encode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                               Lend lend = Lend::kNo) noexcept;
+  [[nodiscard]] Payload TryEncode(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared,
+                                  Lend lend);
   // Logs the sentence "A message on channel ...", in which `why` returns the middle.
   template <typename Why>
   void CountNotEncodable(const Why& why) noexcept;
