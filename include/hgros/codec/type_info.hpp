@@ -31,8 +31,7 @@ enum class Encoding : std::uint8_t {
 
 /// The graph's and the transports' description of one C++ type. Lives as long as the program. A shared library may have
 /// its own copy for the same type: compare cpp_type, never addresses. Thread-safe: every function may be called from
-/// any thread. None throws, except that `encode` and `encode_copy` throw
-/// std::bad_alloc if there is no memory.
+/// any thread. None throws, except that `encode` and `encode_copy` throw std::bad_alloc if there is no memory.
 struct TypeInfo {
   std::string name;  ///< The name on the wire: the protobuf full name, or the name of the custom or C++ type.
   Encoding encoding = Encoding::kNone;

@@ -30,7 +30,8 @@ class Outlet {
   /// `message` is of `type`, as later for Commit().
   virtual PublishStatus Reserve(const void* message, const TypeInfo& type, PreparedMessage& prepared) noexcept = 0;
   /// `message` is of `type`, which is one of those that the channel is used with. False: the message could not be
-  /// written, or there was no memory to hand it to all subscribers. This is counted and logged.
+  /// written, or there was no memory to hand it to all subscribers, of which some may have got it. This is counted and
+  /// logged.
   virtual bool Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept = 0;
   virtual void Cancel() noexcept = 0;
 };
