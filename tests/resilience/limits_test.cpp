@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <sstream>
 #include <string>
 
@@ -24,12 +25,17 @@ struct Outcome {
 
 Outcome RunLimited(const std::string& lack, int left, const std::string& when, const std::string& what) {
   Outcome outcome;
-  const std::string command = std::string("timeout 60 ") + HGROS_LIMITS_WORKER + " --lack=" + lack +
+  std::string folder = std::filesystem::temp_directory_path() / "hgros_limits_XXXXXX";
+  EXPECT_NE(mkdtemp(folder.data()), nullptr);
+  // For any user: the worker may become another one.
+  std::filesystem::permissions(folder, std::filesystem::perms::all);
+  const std::string command = "XDG_RUNTIME_DIR=" + folder + " timeout 60 " + HGROS_LIMITS_WORKER + " --lack=" + lack +
                               " --left=" + std::to_string(left) + " --when=" + when + " --do=" + what + " 2>&1";
   FILE* const out = popen(command.c_str(), "r");
   std::array<char, 4096> bytes;
   while (const std::size_t size = fread(bytes.data(), 1, bytes.size(), out)) outcome.output.append(bytes.data(), size);
   const int status = pclose(out);
+  std::filesystem::remove_all(folder);
   if (WIFEXITED(status)) outcome.status = WEXITSTATUS(status);
   return outcome;
 }

@@ -3,9 +3,8 @@
 //   --lack=files|threads  what it lacks
 //   --left=N              how many more it may have
 //   --when=before|after|wired  whether the limit comes before the session, after it, or after the subscription
-//   --do=WHAT             publisher, subscriber (an endpoint; with --when=before it is in the configuration), lan, or
-//   node (a
-//                         subscription on the workers, which then gets three messages)
+//   --do=WHAT             publisher or subscriber (an endpoint; with --when=before it is in the configuration), lan, or
+//                         node (a subscription on the workers, which then gets three messages)
 //
 // Writes "log: LINE" for each line of the session's log, "error: WHAT" for an Error, "got N" messages, and at the end
 // "done". Exit status 77: this machine has no user namespaces.
@@ -17,7 +16,6 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <string>
@@ -63,16 +61,12 @@ class Program {
 
   int Run() {
     if (lack_ == "threads" && !BecomeSomebody()) return kForbidden;
-    std::string folder = (std::filesystem::temp_directory_path() / "hgros_limits_XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr) return 1;
-    setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
     try {
       Live();
     } catch (const Error& error) {
       Say(std::string("error: ") + error.what());
     }
     Say("done");
-    std::filesystem::remove_all(folder);
     return 0;
   }
 
