@@ -2,17 +2,23 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <linux/tcp.h>  // The C library's tcp_info is older.
 #include <netdb.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 
 #include "hgros/base/error.hpp"
@@ -70,6 +76,45 @@ bool IsTakenByFile(const std::string& path) {
   return path.front() != '@' && lstat(path.c_str(), &status) == 0 && !S_ISSOCK(status.st_mode);
 }
 
+/// Throws Error if the file of an ipc endpoint may not be replaced.
+void RequireFreePath(const std::string& endpoint) {
+  const std::string path = endpoint.substr(kIpc.size());
+  if (IsListening(path)) {
+    throw Error("Cannot publish at " + endpoint + ": another program listens there.", {},
+                "End the other program, or choose another path.");
+  }
+  if (IsTakenByFile(path)) {
+    throw Error("Cannot publish at " + endpoint + ": there is a file that is not a socket.", {},
+                "Choose another path, or remove the file.");
+  }
+}
+
+std::string HiddenPath(std::string_view bound) { return std::string(bound.substr(kIpc.size())) + ".paused"; }
+
+struct Turning {
+  int listening;
+  bool done;
+};
+
+// Runs as a process that shares this one's memory, but has a copy of its descriptors. So it may close one there. It
+// makes system calls only.
+int TurnAway(void* argument) {
+  auto& turning = *static_cast<Turning*>(argument);
+  constexpr int kMost = 1 << 20;
+  for (int fd = 0; fd < kMost && (fd == turning.listening || syscall(SYS_close, fd) != 0); ++fd) {
+  }
+  for (int i = 0; i < kMost; ++i) {
+    const auto fd = syscall(SYS_accept4, turning.listening, nullptr, nullptr, SOCK_CLOEXEC);
+    if (fd >= 0) {
+      syscall(SYS_close, fd);
+    } else if (errno != ECONNABORTED && errno != EPROTO) {
+      turning.done = errno == EAGAIN;
+      break;
+    }
+  }
+  return 0;
+}
+
 std::string BindRemedy(int error, bool ipc) {
   switch (error) {
     case EADDRINUSE:
@@ -106,17 +151,7 @@ std::string FullEndpoint(std::string_view endpoint) {
 void BindOrThrow(Socket& socket, const std::string& endpoint) {
   RequireDescriptors(kSpareDescriptors, "Cannot publish at " + endpoint);
   const bool ipc = endpoint.starts_with(kIpc);
-  if (ipc && endpoint != "ipc://*") {
-    const std::string_view path = std::string_view(endpoint).substr(kIpc.size());
-    if (IsListening(path)) {
-      throw Error("Cannot publish at " + endpoint + ": another program listens there.", {},
-                  "End the other program, or choose another path.");
-    }
-    if (IsTakenByFile(std::string(path))) {
-      throw Error("Cannot publish at " + endpoint + ": there is a file that is not a socket.", {},
-                  "Choose another path, or remove the file.");
-    }
-  }
+  if (ipc && endpoint != "ipc://*") RequireFreePath(endpoint);
   const int error = socket.Bind(endpoint);
   if (error != 0) {
     throw Error("Cannot publish at " + endpoint + ": " + zmq_strerror(error) + ".", {}, BindRemedy(error, ipc));
@@ -158,6 +193,44 @@ void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept
   zmq_close(monitor);
 }
 
+bool HidePath(const std::string& bound) {
+  if (!bound.starts_with(kIpc) || bound[kIpc.size()] == '@') return false;
+  const std::string hidden = HiddenPath(bound);
+  // Without its file the socket cannot be reached anyway.
+  return !IsTakenByFile(hidden) && (std::rename(bound.c_str() + kIpc.size(), hidden.c_str()) == 0 || errno == ENOENT);
+}
+
+void ShowPath(const std::string& bound) {
+  RequireFreePath(bound);
+  if (std::rename(HiddenPath(bound).c_str(), bound.c_str() + kIpc.size()) == 0 || errno == ENOENT) return;
+  throw Error("Cannot publish at " + bound + ": " + std::strerror(errno) + ".", {},
+              "Let this user write to the folder.");
+}
+
+bool TurnAwayWaiting(int listening) noexcept {
+  if (fcntl(listening, F_SETFL, fcntl(listening, F_GETFL) | O_NONBLOCK) != 0) return false;
+  Turning turning{listening, false};
+  alignas(16) std::array<std::byte, 32768> stack;
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // Handlers would run on the memory of this process.
+  const pid_t turner = clone(TurnAway, stack.data() + stack.size(), CLONE_VM | CLONE_VFORK, &turning);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (turner < 0) return false;
+  while (waitpid(turner, nullptr, __WCLONE) < 0 && errno == EINTR) {
+  }
+  return turning.done;
+}
+
+std::optional<std::uint64_t> BytesReceived(int fd) noexcept {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
+  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return {};
+  return info.tcpi_bytes_received;
+}
+
 void HangUp(Message& frame, std::string_view bound) noexcept { HangUp(zmq_msg_get(frame.raw(), ZMQ_SRCFD), bound); }
 
 void HangUp(int named, std::string_view bound) noexcept {
@@ -169,9 +242,9 @@ void HangUp(int named, std::string_view bound) noexcept {
   const int fd = own >= 0 ? own : named;  // There may be no descriptor left.
   if (WasAcceptedAt(fd, bound)) {
     shutdown(fd, SHUT_RDWR);
-    // ZeroMQ would still read and keep what has arrived.
+    // ZeroMQ would still read and keep what has arrived. Without a reference of our own that might be another's.
     std::array<char, 16384> unread;
-    while (recv(fd, unread.data(), unread.size(), MSG_DONTWAIT) > 0) {
+    while (own >= 0 && recv(own, unread.data(), unread.size(), MSG_DONTWAIT) > 0) {
     }
   }
   if (own >= 0) close(own);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -7,13 +9,12 @@
 
 namespace hgros::zmq {
 
-/// `endpoint` with its scheme: "*:5556" means "tcp://*:5556". Throws Error for a scheme other than tcp and ipc and
-/// for an ipc path longer than the 107 bytes a unix socket's name may have.
+/// `endpoint` with its scheme: "*:5556" means "tcp://*:5556". Throws Error for a scheme other than tcp and ipc and for
+/// an ipc path longer than the 107 bytes a unix socket's name may have.
 [[nodiscard]] std::string FullEndpoint(std::string_view endpoint);
 
-/// Binds. If that fails it throws Error, which names the endpoint and what to do. ZeroMQ itself would silently take
-/// an ipc path away from a process that listens there. Here this is refused: only the path of a dead process is
-/// taken.
+/// Binds. If that fails it throws Error, which names the endpoint and what to do. ZeroMQ itself would silently take an
+/// ipc path away from a process that listens there. Here this is refused: only the path of a dead process is taken.
 void BindOrThrow(Socket& socket, const std::string& endpoint);
 
 /// The host of a tcp endpoint if that is a name; empty for an address and for other endpoints.
@@ -23,9 +24,22 @@ void BindOrThrow(Socket& socket, const std::string& endpoint);
 /// wait for a name server for several seconds.
 [[nodiscard]] std::string ResolveFault(const std::string& host);
 
-/// Stops accepting connections, and returns when another socket may bind the endpoint. Messages to connected peers
-/// may still be sent within the socket's linger time.
+/// Stops accepting connections, and returns when another socket may bind the endpoint. Messages to connected peers may
+/// still be sent within the socket's linger time.
 void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept;
+
+/// Keeps new connections away from an ipc endpoint and leaves the others alone: the socket's file gets another name.
+/// False if that is impossible, for example in the abstract namespace.
+[[nodiscard]] bool HidePath(const std::string& bound);
+/// Ends that. Throws Error.
+void ShowPath(const std::string& bound);
+
+/// Accepts and closes all connections that wait at a listening socket, even if this process can open no more files.
+/// Their programs connect again later. False if that is impossible.
+[[nodiscard]] bool TurnAwayWaiting(int listening) noexcept;
+
+/// How many bytes have come over a tcp connection; none if the system does not say.
+[[nodiscard]] std::optional<std::uint64_t> BytesReceived(int fd) noexcept;
 
 /// Closes the connection that `frame` came over, if it is still a connection to the endpoint `bound`. The other side
 /// sees it end and may connect again.

@@ -12,7 +12,7 @@
 
 namespace hgros::zmq {
 
-/// ZeroMQ ends the process if it lacks descriptors or threads in the wrong moment. So this many descriptors must be
+/// ZeroMQ ends the process if it lacks descriptors or threads at the wrong moment. So this many descriptors must be
 /// free before it gets something to do.
 inline constexpr std::size_t kSpareDescriptors = 16;
 

@@ -1,9 +1,13 @@
 #include "transport/zmq/publish/accepted_connections.hpp"
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 
 #include "transport/zmq/endpoint.hpp"
@@ -13,6 +17,20 @@ namespace {
 
 constexpr std::size_t kMostOfAny = 1024;  // As many sessions as an endpoint serves.
 constexpr auto kSayCutAgainAfter = std::chrono::hours(1);
+constexpr std::uint64_t kGreetingBytes = 64;  // Of ZMTP 3: https://rfc.zeromq.org/spec/23
+constexpr auto kLookAgainAfter = std::chrono::milliseconds(50);
+constexpr int kStuckAfterLooks = 4;
+
+bool HasGreeted(int fd) { return BytesReceived(fd).value_or(kGreetingBytes) >= kGreetingBytes; }
+
+// Whether the other side has not read for so long that the send buffer is nearly full.
+bool IsFull(int fd) {
+  int waiting = 0;
+  int buffer = 0;
+  socklen_t size = sizeof buffer;
+  if (ioctl(fd, SIOCOUTQ, &waiting) != 0 || getsockopt(fd, SOL_SOCKET, SO_SNDBUF, &buffer, &size) != 0) return false;
+  return waiting >= buffer / 4;  // The system counts its own data structures as well.
+}
 
 }  // namespace
 
@@ -27,67 +45,161 @@ std::string AcceptedConnections::OriginOf(int fd) const {
   return found == connections_.end() || found->second.address.empty() ? "this host" : found->second.address;
 }
 
-void AcceptedConnections::Cut(int fd, std::string_view limit, std::string_view what) {
-  HangUp(fd, bound_);
+void AcceptedConnections::Report(int fd, std::string_view limit, std::string_view what) {
   shared_.faults[static_cast<std::size_t>(PacketFault::kOverrun)].fetch_add(1, std::memory_order_relaxed);
   shared_.log.WriteLimited(LogLevel::kWarning, "zmq cut " + std::string(limit) + " " + bound_,
                            "A program on " + OriginOf(fd) + " that connects to " + bound_ + " " + std::string(what),
                            kSayCutAgainAfter);
 }
 
+void AcceptedConnections::Cut(int fd, std::string_view limit, std::string_view what) {
+  HangUp(fd, bound_);
+  Report(fd, limit, what);
+}
+
 bool AcceptedConnections::Add(int fd, std::string address, SteadyTime now) {
+  Remove(fd);  // The earlier connection with this number.
   const std::size_t most = MostOfOneAddress();
   const auto count = std::ranges::count_if(
       connections_, [&](const auto& entry) { return !address.empty() && entry.second.address == address; });
   const bool too_many = static_cast<std::size_t>(count) >= most;
-  connections_[fd] = {.address = std::move(address), .since = now, .cut = too_many, .topics = {}};
-  if (!too_many) return true;
-  Cut(fd, "many",
-      "has " + std::to_string(most) +
-          " connections: further ones are closed, so that descriptors are left for others. Find the program, or raise "
-          "the limit of open files (ulimit -n).");
+  Connection& added = connections_[fd];
+  added.address = std::move(address);
+  added.since = now;
+  added.cut = too_many;
+  if (too_many) {
+    Cut(fd, "many",
+        "has " + std::to_string(most) +
+            " connections: further ones are closed, so that descriptors are left for others. Find the program, or "
+            "raise the limit of open files (ulimit -n).");
+    return false;
+  }
+  if (added.address.empty() || MayBeSilent(added)) {
+    added.silent = !added.address.empty();
+    return true;
+  }
+  HangUp(fd, bound_);
+  shared_.log.WriteLimited(LogLevel::kWarning, "zmq silent " + bound_,
+                           "More than " + std::to_string(kMostSilent) + " connections from " + added.address + " to " +
+                               bound_ + " say nothing: further ones are closed. Find the program that makes them.",
+                           kSayCutAgainAfter);
   return false;
+}
+
+bool AcceptedConnections::MayBeSilent(const Connection& added) {
+  std::size_t count = 0;
+  for (auto& [fd, connection] : connections_) {
+    if (!connection.silent) continue;
+    connection.silent = !HasGreeted(fd);
+    count += connection.silent && connection.address == added.address ? 1 : 0;
+  }
+  return count < kMostSilent;
+}
+
+void AcceptedConnections::Remove(int fd) {
+  const auto found = connections_.find(fd);
+  if (found == connections_.end()) return;
+  for (const std::string& topic : found->second.topics) Release(topic);
+  connections_.erase(found);
+}
+
+void AcceptedConnections::Clear() {
+  connections_.clear();
+  holders_.clear();
 }
 
 void AcceptedConnections::NoteSession(int fd) {
   const auto found = connections_.find(fd);
-  if (found != connections_.end()) found->second.useful = true;
+  if (found == connections_.end()) return;
+  found->second.idle = false;
+  found->second.plain = false;
+}
+
+void AcceptedConnections::NotePlain(int fd) {
+  const auto found = connections_.find(fd);
+  if (found != connections_.end()) found->second.plain = true;
 }
 
 bool AcceptedConnections::CountTopic(int fd, std::string_view topic, bool subscribed) {
-  const auto found = connections_.find(fd);
-  if (found == connections_.end()) return true;  // It has ended. ZeroMQ unsubscribes for it.
-  Connection& connection = found->second;
-  if (connection.cut) return false;
-  connection.useful = true;
-  const auto known = connection.topics.find(topic);
-  if (subscribed == (known != connection.topics.end())) return true;
-  const std::size_t bytes = topic.size() + kBesidesTopicBytes;
-  if (!subscribed) {
-    connection.topics.erase(known);
-    connection.topic_bytes -= bytes;
-    return true;
+  const auto found = connections_.find(fd);  // If it has ended, ZeroMQ unsubscribes for it.
+  if (found != connections_.end() && !found->second.cut) {
+    Connection& connection = found->second;
+    connection.idle = false;
+    if (subscribed) return Hold(fd, connection, topic);
+    if (const auto known = connection.topics.find(topic); known != connection.topics.end()) {
+      connection.topic_bytes -= topic.size() + kBesidesTopicBytes;
+      connection.topics.erase(known);
+      Release(topic);
+    }
+  } else if (subscribed) {
+    return found == connections_.end();
   }
-  if (connection.topic_bytes + bytes <= kMostTopicBytes) {
-    connection.topics.emplace(topic);
-    connection.topic_bytes += bytes;
-    return true;
-  }
-  connection.cut = true;
-  Cut(fd, "topics",
-      "subscribes to too much over one connection: after " + std::to_string(connection.topics.size()) +
-          " topics it is closed. Let it subscribe to the channels that it needs.");
-  connection.topics.clear();
-  return false;
+  // A connection may also unsubscribe from what it has not subscribed to.
+  return !holders_.contains(topic);
 }
 
-void AcceptedConnections::CloseUseless(SteadyTime now) {
+bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view topic) {
+  if (connection.topics.contains(topic)) return true;
+  const std::size_t before = connection.topic_bytes;
+  connection.topic_bytes += topic.size() + kBesidesTopicBytes;
+  if (connection.topic_bytes > 2 * kMostTopicBytes) {
+    connection.cut = true;
+    Cut(fd, "twice too many topics",
+        "subscribes to twice as much as one connection may: after " + std::to_string(connection.topics.size()) +
+            " topics it is closed. Let it subscribe to the channels that it needs.");
+    for (const std::string& held : connection.topics) Release(held);
+    connection.topics.clear();
+    return false;
+  }
+  if (before <= kMostTopicBytes && connection.topic_bytes > kMostTopicBytes) {
+    Report(fd, "topics",
+           "subscribes to too much over one connection, which has " + std::to_string(connection.topics.size()) +
+               " topics now. At twice as much it is closed. Let it subscribe to the channels that it needs.");
+  }
+  connection.topics.emplace(topic);
+  const auto held = holders_.find(topic);
+  if (held == holders_.end()) {
+    holders_.emplace(topic, 1);
+  } else {
+    ++held->second;
+  }
+  return true;
+}
+
+void AcceptedConnections::Release(std::string_view topic) {
+  const auto held = holders_.find(topic);
+  if (held != holders_.end() && --held->second == 0) holders_.erase(held);
+}
+
+void AcceptedConnections::CloseIdle(SteadyTime now) {
   for (auto& [fd, connection] : connections_) {
-    if (connection.useful || connection.address.empty() || now - connection.since < kUselessAfter) continue;
+    if (!connection.idle || connection.address.empty() || now - connection.since < kIdleAfter) continue;
     connection.since = now;
-    Cut(fd, "useless",
-        "has not subscribed to anything for " + std::to_string(kUselessAfter.count()) +
+    Cut(fd, "idle",
+        "has not subscribed to anything for " + std::to_string(kIdleAfter.count()) +
             " s: the connection is closed. Let it connect when it subscribes.");
+  }
+}
+
+void AcceptedConnections::CutStuckPlain(SteadyTime now) {
+  if (now < next_look_) return;
+  const bool first = now > next_look_ + kLookAgainAfter;  // For a while.
+  next_look_ = now + kLookAgainAfter;
+  std::size_t with_room = 0;
+  for (auto& [fd, connection] : connections_) {
+    if (!connection.plain) continue;
+    connection.full_looks = IsFull(fd) ? (first ? 0 : connection.full_looks) + 1 : 0;
+    with_room += connection.full_looks == 0 ? 1 : 0;
+  }
+  if (with_room == 0) return;
+  for (auto& [fd, connection] : connections_) {
+    if (!connection.plain || connection.full_looks < kStuckAfterLooks) continue;
+    HangUp(fd, bound_);
+    connection.full_looks = 0;
+    shared_.log.WriteLimited(LogLevel::kWarning, "zmq stuck " + bound_,
+                             "A plain subscriber at " + bound_ +
+                                 " does not read fast enough: its connection is closed, so that others get their "
+                                 "messages. Let it read faster, or subscribe to less.");
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <set>
@@ -11,21 +12,25 @@
 
 namespace hgros::zmq {
 
-/// Limits of the connections that a publish endpoint has accepted. What exceeds one is closed, counted as
-/// PacketFault::kOverrun and logged.
+/// Limits of the connections that a publish endpoint has accepted. What exceeds one is closed, and logged once an hour.
+/// What has an asterisk is counted as PacketFault::kOverrun.
 ///
-/// - One address may have MostOfOneAddress() tcp connections.
-/// - A tcp connection that has neither subscribed to anything nor said Hello is closed after kUselessAfter.
-/// - The topics that one connection subscribes to may have kMostTopicBytes. ZeroMQ takes up to 32 bytes for each of
-/// them.
+/// - At most kMostSilent tcp connections of one address may exist that have not sent a whole greeting of ZMTP. ZeroMQ
+///   itself closes each after ConnectionWatch::kHandshakeMs.
+/// - One address may have MostOfOneAddress() tcp connections.*
+/// - A tcp connection that has neither subscribed to anything nor said Hello is closed after kIdleAfter.*
+/// - A connection whose topics have more than kMostTopicBytes is named*, and closed at twice as many*. ZeroMQ takes up
+///   to 32 bytes for each of them.
+/// - A plain subscriber that does not read is closed before it uses up the bytes that all plain subscribers share.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
 class AcceptedConnections {
  public:
+  static constexpr std::size_t kMostSilent = 64;
   /// Enough for 16384 channels of a session, with names of 30 characters.
   static constexpr std::size_t kMostTopicBytes = 1u << 20;
   static constexpr std::size_t kBesidesTopicBytes = 16;  // Counted for each topic.
-  static constexpr auto kUselessAfter = std::chrono::seconds(30);
+  static constexpr auto kIdleAfter = std::chrono::seconds(30);
 
   /// `bound` may be set later.
   AcceptedConnections(SharedState& shared, const std::string& bound) : shared_(shared), bound_(bound) {}
@@ -35,14 +40,21 @@ class AcceptedConnections {
 
   /// `address` is empty if it is not an IP connection. False if the connection was closed.
   [[nodiscard]] bool Add(int fd, std::string address, SteadyTime now);
-  void Remove(int fd) { connections_.erase(fd); }
+  void Remove(int fd);
+  void Clear();
   /// Where it comes from, for the log.
   [[nodiscard]] std::string OriginOf(int fd) const;
   /// It is that of a session.
   void NoteSession(int fd);
-  /// False if the connection was closed, because it subscribes to too much.
+  /// It is that of a plain subscriber.
+  void NotePlain(int fd);
+  /// The connection with this descriptor has subscribed to `topic`, or no longer; negative: ZeroMQ says so of one that
+  /// has ended. False if that is to be ignored: the connection was closed, or another one holds the topic.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
-  void CloseUseless(SteadyTime now);
+  void CloseIdle(SteadyTime now);
+  /// To be called for each plain message while more than half of the shared bytes are in use. Closes the connections
+  /// whose send buffers have been full for a while, if there are others with room.
+  void CutStuckPlain(SteadyTime now);
   /// Closes the connection, counts this, and logs it once an hour. `what` begins with a verb.
   void Cut(int fd, std::string_view limit, std::string_view what);
 
@@ -50,15 +62,31 @@ class AcceptedConnections {
   struct Connection {
     std::string address;
     SteadyTime since{};
-    bool useful = false;
+    bool silent = false;  // It may not have sent a greeting.
+    bool idle = true;
+    bool plain = false;
     bool cut = false;
+    int full_looks = 0;  // How often in a row the send buffer was full.
     std::size_t topic_bytes = 0;
     std::set<std::string, std::less<>> topics;
   };
+  struct Hash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view text) const noexcept { return std::hash<std::string_view>()(text); }
+  };
+
+  void Report(int fd, std::string_view limit, std::string_view what);
+  [[nodiscard]] bool MayBeSilent(const Connection& added);
+  /// False if the connection was closed.
+  [[nodiscard]] bool Hold(int fd, Connection& connection, std::string_view topic);
+  void Release(std::string_view topic);
 
   SharedState& shared_;
   const std::string& bound_;
   std::unordered_map<int, Connection> connections_;  // By descriptor.
+  // How many connections hold a topic.
+  std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> holders_;
+  SteadyTime next_look_{};
 };
 
 }  // namespace hgros::zmq

@@ -1,13 +1,9 @@
 #include "transport/zmq/publish/connection_watch.hpp"
 
 #include <arpa/inet.h>
-#include <linux/sockios.h>
-#include <linux/tcp.h>  // The C library's tcp_info is older.
 #include <netinet/in.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -22,9 +18,8 @@ namespace hgros::zmq {
 namespace {
 
 constexpr int kEventsPerTurn = 256;
-constexpr std::uint64_t kGreetingBytes = 64;  // Of ZMTP 3: https://rfc.zeromq.org/spec/23
-constexpr auto kLookAgainAfter = std::chrono::milliseconds(50);
-constexpr int kStuckAfterLooks = 4;
+constexpr int kMostTurns = 64;
+constexpr auto kClosedFor = std::chrono::seconds(10);  // Other processes may free descriptors meanwhile.
 constexpr auto kSayAgainAfter = std::chrono::hours(1);
 
 // The address of the other side, without its port; empty if it is not an IP connection.
@@ -40,23 +35,6 @@ std::string AddressOf(int fd) {
   return text.data();
 }
 
-bool HasGreeted(int fd) {
-  tcp_info info{};
-  socklen_t size = sizeof info;
-  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return true;
-  return size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received ||
-         info.tcpi_bytes_received >= kGreetingBytes;
-}
-
-// Whether the other side has not read for so long that the send buffer is nearly full.
-bool IsFull(int fd) {
-  int waiting = 0;
-  int buffer = 0;
-  socklen_t size = sizeof buffer;
-  if (ioctl(fd, SIOCOUTQ, &waiting) != 0 || getsockopt(fd, SOL_SOCKET, SO_SNDBUF, &buffer, &size) != 0) return false;
-  return waiting >= buffer / 4;  // The system counts its own data structures as well.
-}
-
 }  // namespace
 
 ConnectionWatch::ConnectionWatch(SharedState& shared, Socket& socket, const std::string& bound)
@@ -64,8 +42,8 @@ ConnectionWatch::ConnectionWatch(SharedState& shared, Socket& socket, const std:
   socket_.Set(ZMQ_HANDSHAKE_IVL, kHandshakeMs);
   monitor_.Set(ZMQ_RCVHWM, 0);  // Otherwise ZeroMQ's thread would wait for us.
   const std::string monitored = "inproc://accepting-" + std::to_string(RandomId());
-  constexpr int kEvents =
-      ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+  constexpr int kEvents = ZMQ_EVENT_LISTENING | ZMQ_EVENT_CLOSED | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED |
+                          ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
   if (zmq_socket_monitor(socket_.raw(), monitored.c_str(), kEvents) != 0 || monitor_.Connect(monitored) != 0) {
     throw Error(std::string("Cannot watch the connections of an endpoint: ") + zmq_strerror(zmq_errno()) + ".");
   }
@@ -77,25 +55,57 @@ void ConnectionWatch::Close() noexcept {
   if (monitor_.closed()) return;
   zmq_socket_monitor(socket_.raw(), nullptr, 0);
   monitor_.Close(0);
+  unfinished_.Close();
+  if (std::exchange(listening_, Listening::kOpen) != Listening::kHidden) return;
+  try {
+    ShowPath(bound_);  // ZeroMQ may want to remove the file.
+  } catch (const Error&) {
+    // Another program listens there now.
+  }
 }
 
 void ConnectionWatch::Tick() {
   (void)Update();
-  connections_.CloseUseless(std::chrono::steady_clock::now());
-  if (!listens_) {
-    ListenAgain();
-  } else {
+  const auto now = std::chrono::steady_clock::now();
+  connections_.CloseIdle(now);
+  if (listening_ == Listening::kOpen) {
     StopIfIpcIsInDanger();
+  } else {
+    ListenAgain(now);
   }
 }
 
 void ConnectionWatch::StopIfIpcIsInDanger() {
-  if (bound_.starts_with("ipc:") && FreeDescriptors(kSpareDescriptors) < kSpareDescriptors) StopListening();
+  if (listening_ != Listening::kOpen || !bound_.starts_with("ipc:")) return;
+  const std::size_t free = FreeDescriptors(kSpareDescriptors);
+  if (free >= kSpareDescriptors) return;
+  const std::string why =
+      "because only " + std::to_string(free) + " more files can be opened. Raise the limit of open files (ulimit -n).";
+  if (!HidePath(bound_)) {
+    Unbind(why);
+    return;
+  }
+  listening_ = Listening::kHidden;
+  (void)TurnAwayWaiting(listening_fd_);
+  Warn("Other programs cannot connect to " + bound_ + " for now, " + why);
 }
 
 bool ConnectionWatch::Serve() { return input_.load() && input_.exchange(false) && Update(); }
 
 bool ConnectionWatch::Update() {
+  std::int32_t accept_failure = 0;
+  const bool more = ReadEvents(accept_failure);
+  if (accept_failure != 0) OnAcceptFailed(accept_failure);
+  return more;
+}
+
+// The connections of the messages that are read next must be known.
+void ConnectionWatch::UpdateAll() {
+  for (int i = 0; i < kMostTurns && Update(); ++i) {
+  }
+}
+
+bool ConnectionWatch::ReadEvents(std::int32_t& accept_failure) {
   Message event;
   Message address;
   for (int i = 0; i < kEventsPerTurn; ++i) {
@@ -109,8 +119,6 @@ bool ConnectionWatch::Update() {
     switch (what) {
       case ZMQ_EVENT_DISCONNECTED:
         if (const auto failure = std::exchange(handshake_failure_, 0)) OnHandshakeFailed(value, failure);
-        silent_.erase(value);
-        plain_.erase(value);
         connections_.Remove(value);
         unfinished_.Remove(value);
         break;
@@ -118,7 +126,13 @@ bool ConnectionWatch::Update() {
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL: handshake_failure_ = value; break;
       case ZMQ_EVENT_ACCEPTED: OnAccepted(value); break;
       case ZMQ_EVENT_ACCEPT_FAILED:
-        if (value == ENFILE || (value == EMFILE && FreeDescriptors(1) == 0)) StopListening();
+        if (value == EMFILE || value == ENFILE) accept_failure = value;
+        break;
+      case ZMQ_EVENT_LISTENING: listening_fd_ = value; break;
+      case ZMQ_EVENT_CLOSED:  // With all connections: their ends are not reported.
+        listening_fd_ = -1;
+        connections_.Clear();
+        unfinished_.Clear();
         break;
       default: break;
     }
@@ -128,24 +142,10 @@ bool ConnectionWatch::Update() {
 }
 
 void ConnectionWatch::OnAccepted(int fd) {
-  plain_.erase(fd);  // The earlier connection with this number.
   StopIfIpcIsInDanger();
-  std::string address = AddressOf(fd);
-  silent_.erase(fd);
+  const std::string address = AddressOf(fd);
   const auto now = std::chrono::steady_clock::now();
-  if (!connections_.Add(fd, address, now) || address.empty()) return;
-  unfinished_.Add(fd, now);
-  std::erase_if(silent_, [](const auto& entry) { return HasGreeted(entry.first); });
-  const auto count = std::ranges::count_if(silent_, [&](const auto& entry) { return entry.second == address; });
-  if (static_cast<std::size_t>(count) < kMostSilent) {
-    silent_.emplace(fd, std::move(address));
-    return;
-  }
-  HangUp(fd, bound_);
-  shared_.log.WriteLimited(LogLevel::kWarning, "zmq silent " + bound_,
-                           "More than " + std::to_string(kMostSilent) + " connections from " + address + " to " +
-                               bound_ + " say nothing: further ones are closed. Find the program that makes them.",
-                           kSayAgainAfter);
+  if (connections_.Add(fd, address, now) && !address.empty()) unfinished_.Add(fd, now);
 }
 
 // ZeroMQ's own faults are many. These two are what a client without the right key looks like.
@@ -156,7 +156,7 @@ void ConnectionWatch::OnHandshakeFailed(int fd, std::int32_t failure) {
     why = keys ? "it has no keys; set `network.security` there, or do not let it connect"
                : "it encrypts, and this session has no keys; set `network.security` here, or remove it there";
   } else if (failure == ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC && keys) {
-    why = "it has another public key of ours than the right one; correct it in `network.security.servers` there";
+    why = "it has a wrong public key for this session; correct it in `network.security.servers` there";
   } else {
     return;
   }
@@ -168,17 +168,12 @@ void ConnectionWatch::OnHandshakeFailed(int fd, std::int32_t failure) {
 }
 
 bool ConnectionWatch::CountTopic(int fd, std::string_view topic, bool subscribed) {
-  (void)Update();  // The descriptor may be that of a new connection.
+  UpdateAll();
   return connections_.CountTopic(fd, topic, subscribed);
 }
 
-void ConnectionWatch::NotePlain(int fd) {
-  if (fd >= 0) plain_.try_emplace(fd, 0);
-}
-
 void ConnectionWatch::NoteSession(int fd) {
-  (void)Update();
-  plain_.erase(fd);
+  UpdateAll();
   connections_.NoteSession(fd);
 }
 
@@ -190,47 +185,41 @@ void ConnectionWatch::CutUnfinished() {
   }
 }
 
-void ConnectionWatch::CutStuckPlain(SteadyTime now) {
-  if (now < next_look_) return;
-  if (now > next_look_ + kLookAgainAfter) {  // The first look for a while.
-    for (auto& [fd, full] : plain_) full = 0;
+// ZeroMQ's thread would try again and again to accept the connections that wait.
+void ConnectionWatch::OnAcceptFailed(std::int32_t error) {
+  if (listening_ == Listening::kClosed) return;
+  const bool own = error == EMFILE;
+  if (TurnAwayWaiting(listening_fd_) || bound_.starts_with("ipc:")) {
+    Warn("Another program cannot connect to " + bound_ +
+         (own ? ": the limit of open files is reached. Raise it (ulimit -n)."
+              : ": the system's limit of open files is reached. Raise it (sysctl fs.file-max)."));
+    return;
   }
-  next_look_ = now + kLookAgainAfter;
-  std::size_t with_room = 0;
-  for (auto& [fd, full] : plain_) {
-    full = IsFull(fd) ? full + 1 : 0;
-    with_room += full == 0 ? 1 : 0;
-  }
-  if (with_room == 0) return;
-  for (auto& [fd, full] : plain_) {
-    if (full < kStuckAfterLooks) continue;
-    HangUp(fd, bound_);
-    full = 0;
-    shared_.log.WriteLimited(LogLevel::kWarning, "zmq stuck " + bound_,
-                             "A plain subscriber at " + bound_ +
-                                 " does not read fast enough: its connection is closed, so that others get their "
-                                 "messages. Let it read faster, or subscribe to less.");
-  }
+  closed_until_ = std::chrono::steady_clock::now() + kClosedFor;
+  Unbind(own ? "because the limit of open files is reached. Raise it (ulimit -n)."
+             : "because the system's limit of open files is reached. Raise it (sysctl fs.file-max).");
 }
 
-// ZeroMQ's thread would try again and again to accept the connections that wait. The system ends them; their programs
-// connect again later.
-void ConnectionWatch::StopListening() {
-  if (!listens_) return;
-  listens_ = false;
+void ConnectionWatch::Unbind(const std::string& why) {
+  listening_ = Listening::kClosed;
   zmq_unbind(socket_.raw(), bound_.c_str());
-  shared_.log.WriteLimited(
-      LogLevel::kWarning, "zmq accept " + bound_,
-      "Another program cannot connect to " + bound_ + ": the limit of open files is reached. Raise it (ulimit -n).",
-      kSayAgainAfter);
+  Warn(bound_ + " stops listening, and its connections are closed, " + why);
 }
 
-void ConnectionWatch::ListenAgain() {
+void ConnectionWatch::Warn(const std::string& text) {
+  shared_.log.WriteLimited(LogLevel::kWarning, "zmq accept " + bound_, text, kSayAgainAfter);
+}
+
+void ConnectionWatch::ListenAgain(SteadyTime now) {
   // Twice as many, so that it does not stop again at once.
-  if (FreeDescriptors(2 * kSpareDescriptors) < 2 * kSpareDescriptors) return;
+  if (now < closed_until_ || FreeDescriptors(2 * kSpareDescriptors) < 2 * kSpareDescriptors) return;
   try {
-    BindOrThrow(socket_, bound_);
-    listens_ = true;
+    if (listening_ == Listening::kHidden) {
+      ShowPath(bound_);
+    } else {
+      BindOrThrow(socket_, bound_);
+    }
+    listening_ = Listening::kOpen;
   } catch (const Error& error) {
     shared_.log.WriteLimited(LogLevel::kError, "zmq listen " + bound_,
                              std::string("Other programs still cannot connect. ") + error.what(), kSayAgainAfter);

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 
 #include "transport/zmq/publish/accepted_connections.hpp"
 #include "transport/zmq/publish/unfinished_messages.hpp"
@@ -16,18 +15,16 @@ namespace hgros::zmq {
 /// Watches the connections that a publish endpoint accepts. ZeroMQ has no limit for them, and its thread uses up a CPU
 /// while a connection waits that it cannot accept.
 ///
-/// - At most kMostSilent tcp connections of one address may exist that have not sent a whole greeting of ZMTP; further
-///   ones are closed. ZeroMQ itself closes each after kHandshakeMs.
-/// - AcceptedConnections and UnfinishedMessages have further limits.
-/// - A plain subscriber that does not read is cut off before it uses up the bytes that all plain subscribers share.
-/// - While the process has no file descriptors left, the endpoint does not listen. At an ipc path it stops while some
-///   are left: ZeroMQ 4.3 ends the process if it cannot accept a connection there.
+/// - AcceptedConnections and UnfinishedMessages have limits.
+/// - While the process has no file descriptors left, connections that wait at a tcp endpoint are closed.
+/// - ZeroMQ 4.3 ends the process if it cannot accept a connection at an ipc endpoint. So while few descriptors are
+///   left, the socket's file has another name, and nobody finds it.
+/// - An endpoint where that is impossible stops listening. ZeroMQ then ends all its connections.
 ///
 /// Thread safety: none; the endpoint's mutex guards it. The descriptor of fd() may be polled without it.
 class ConnectionWatch {
  public:
   static constexpr int kHandshakeMs = 10'000;
-  static constexpr std::size_t kMostSilent = 64;
 
   /// Call it before the socket is bound. `bound` is set later. Throws Error.
   ConnectionWatch(SharedState& shared, Socket& socket, const std::string& bound);
@@ -49,36 +46,37 @@ class ConnectionWatch {
   /// To be called when UnfinishedMessages::IsLookDue() and everything that was delivered has been read.
   void CutUnfinished();
 
-  /// The connection with this descriptor has subscribed to `topic`, or no longer; negative: not known. False if it has
-  /// subscribed to too much and was closed.
+  /// See AcceptedConnections.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
-  /// It is that of a plain subscriber.
-  void NotePlain(int fd);
-  /// It is that of a session, which has limits of its own.
+  void NotePlain(int fd) { connections_.NotePlain(fd); }
   void NoteSession(int fd);
-  /// To be called for each plain message while more than half of the shared bytes are in use. Closes the connections
-  /// whose send buffers have been full for a while, if there are others with room.
-  void CutStuckPlain(SteadyTime now);
+  void CutStuckPlain(SteadyTime now) { connections_.CutStuckPlain(now); }
 
  private:
+  /// Whether others can connect: not while the socket's file is hidden, or after zmq_unbind.
+  enum class Listening { kOpen, kHidden, kClosed };
+
+  bool ReadEvents(std::int32_t& accept_failure);
+  void UpdateAll();
   void OnAccepted(int fd);
+  void OnAcceptFailed(std::int32_t error);
   void OnHandshakeFailed(int fd, std::int32_t failure);
   void StopIfIpcIsInDanger();
-  void StopListening();
-  void ListenAgain();
+  void Unbind(const std::string& why);
+  void ListenAgain(SteadyTime now);
+  void Warn(const std::string& text);
 
   SharedState& shared_;
   Socket& socket_;
   const std::string& bound_;
   Socket monitor_;
   std::atomic<bool> input_{true};
-  bool listens_ = true;
-  std::unordered_map<int, int> plain_;  // How often in a row the send buffer was full.
-  SteadyTime next_look_{};
+  Listening listening_ = Listening::kOpen;
+  int listening_fd_ = -1;
+  SteadyTime closed_until_{};
   AcceptedConnections connections_;
   UnfinishedMessages unfinished_;
-  std::int32_t handshake_failure_ = 0;           // Of the connection whose end is reported next.
-  std::unordered_map<int, std::string> silent_;  // Addresses of connections that may not have sent a greeting.
+  std::int32_t handshake_failure_ = 0;  // Of the connection whose end is reported next.
 };
 
 }  // namespace hgros::zmq

@@ -32,9 +32,9 @@ PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint&
   // ZeroMQ takes all subscriptions of a connection that wait before it returns the first one. With this limit its
   // thread stops reading meanwhile, so the subscriber waits and its limits are seen in time.
   socket_.Set(ZMQ_RCVHWM, kWaitingUpstream);
-  // Reports every subscription, even if another connection already has it: after a reconnect the old connection may
-  // end after the new one has begun. An unsubscription is reported when the last connection has unsubscribed.
-  socket_.Set(ZMQ_XPUB_VERBOSE, 1);
+  // Reports every subscription and unsubscription, even if another connection has it: AcceptedConnections counts them.
+  // After a reconnect the old connection may end after the new one has begun.
+  socket_.Set(ZMQ_XPUB_VERBOSER, 1);
   socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxUpstreamBytes));
   socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
   socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * shared.options.peer_timeout.count()));
@@ -117,9 +117,11 @@ void PublisherEndpoint::FetchLatched(const std::shared_ptr<OutboundCore>& core, 
 bool PublisherEndpoint::Serve(Actions& actions) {
   if (!pending()) return false;
   const std::scoped_lock lock(mutex_);
+  // Watching may use the socket, and with it the signal that input has arrived.
+  const bool watched = watch_.input().load();
   const bool more = watch_.Serve();
   const bool looks = watch_.unfinished().IsLookDue();
-  if (!input_.exchange(false) && !looks) return more;
+  if (!input_.exchange(false) && !looks && !watched) return more;
   Message frame;
   for (int i = 0; i < kFramesPerTurn; ++i) {
     if (!socket_.Receive(frame)) {

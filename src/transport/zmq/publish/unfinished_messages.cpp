@@ -1,36 +1,32 @@
 #include "transport/zmq/publish/unfinished_messages.hpp"
 
 #include <linux/sockios.h>
-#include <linux/tcp.h>  // The C library's tcp_info is older.
-#include <netinet/in.h>
 #include <sys/epoll.h>
 #include <sys/ioctl.h>
-#include <sys/socket.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <cstddef>
 #include <cstring>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "hgros/base/error.hpp"
+#include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
 namespace {
 
 /// The bytes that ZeroMQ has read from a tcp connection; none if that is not known.
 std::optional<std::uint64_t> BytesRead(int fd) {
-  tcp_info info{};
-  socklen_t size = sizeof info;
-  int waiting = 0;
   // In this order: what comes between the two calls makes the result smaller.
-  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || ioctl(fd, SIOCINQ, &waiting) != 0) return {};
-  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return {};
+  const auto received = BytesReceived(fd);
+  int waiting = 0;
+  if (!received || ioctl(fd, SIOCINQ, &waiting) != 0) return {};
   const auto left = static_cast<std::uint64_t>(waiting);
-  return info.tcpi_bytes_received > left ? info.tcpi_bytes_received - left : 0;
+  return *received > left ? *received - left : 0;
 }
 
 }  // namespace
@@ -42,15 +38,15 @@ UnfinishedMessages::UnfinishedMessages()
   event.data.fd = timer_;
   if (epoll_ >= 0 && timer_ >= 0 && epoll_ctl(epoll_, EPOLL_CTL_ADD, timer_, &event) == 0) return;
   const int error = errno;
-  if (epoll_ >= 0) close(epoll_);
-  if (timer_ >= 0) close(timer_);
+  Close();
   throw Error(std::string("Cannot watch the connections of an endpoint: ") + std::strerror(error) + ".", {},
               "Raise the limit of open files (ulimit -n).");
 }
 
-UnfinishedMessages::~UnfinishedMessages() {
-  close(epoll_);
-  close(timer_);
+void UnfinishedMessages::Close() noexcept {
+  connections_.clear();
+  if (epoll_ >= 0) close(std::exchange(epoll_, -1));
+  if (timer_ >= 0) close(std::exchange(timer_, -1));
 }
 
 void UnfinishedMessages::Add(int connection, SteadyTime now) {

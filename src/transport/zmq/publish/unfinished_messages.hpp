@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "transport/zmq/control.hpp"
 #include "transport/zmq/shared_state.hpp"
 
 namespace hgros::zmq {
@@ -19,20 +20,23 @@ namespace hgros::zmq {
 /// Thread safety: none; the endpoint's mutex guards it. The descriptor of fd() may be polled without it.
 class UnfinishedMessages {
  public:
-  /// The longest message of a subscriber has a quarter of that.
-  static constexpr std::uint64_t kMostBytes = 256u << 10;
-  /// Pings of ZeroMQ are no messages.
-  static constexpr std::uint64_t kPingBytesPerSecond = 128;
+  /// Four times the longest message of a subscriber.
+  static constexpr std::uint64_t kMostBytes = 4 * kMaxUpstreamBytes;
+  /// Pings of ZeroMQ are no messages: encrypted, and one every 100 ms, they have 420 bytes per second.
+  static constexpr std::uint64_t kPingBytesPerSecond = 1024;
   static constexpr auto kLookEvery = std::chrono::milliseconds(20);
 
   /// Throws Error.
   UnfinishedMessages();
-  ~UnfinishedMessages();
+  ~UnfinishedMessages() { Close(); }
   UnfinishedMessages(const UnfinishedMessages&) = delete;
   UnfinishedMessages& operator=(const UnfinishedMessages&) = delete;
 
   void Add(int connection, SteadyTime now);
   void Remove(int connection) { connections_.erase(connection); }
+  void Clear() { connections_.clear(); }
+  /// Closes its descriptors.
+  void Close() noexcept;
   /// ZeroMQ has delivered a whole message of this connection.
   void NoteMessage(int connection);
 
@@ -55,8 +59,8 @@ class UnfinishedMessages {
   void WaitForBytes(int connection);
   void SetTimer();
 
-  const int epoll_;
-  const int timer_;
+  int epoll_;
+  int timer_;
   std::atomic<bool> input_{true};
   bool timer_runs_ = false;
   bool due_ = false;
