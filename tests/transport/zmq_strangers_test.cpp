@@ -221,6 +221,25 @@ TEST(ZmqStrangers, AnIpcEndpointIsSafeFromConnectionsOnceFewDescriptorsAreFree) 
   }
 }
 
+TEST(ZmqStrangers, AnEndpointThatStopsListeningForgetsItsConnections) {
+  const test::Folder folder;
+  Place publisher(PublishAt("ipc://@" + folder.path()));
+  conformance::Source source;
+  const auto out = publisher.transport->Advertise("scan", conformance::TextType(), source);
+  const test::RawSocket plain(ZMQ_SUB);
+  zmq_setsockopt(plain.get(), ZMQ_SUBSCRIBE, "scan", 5);
+  zmq_connect(plain.get(), publisher.transport->BoundEndpoints().front().c_str());
+  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 1; }));
+  {
+    const test::NoDescriptors few(8);
+    EXPECT_TRUE(Await([&] { return out->subscriber_count() == 0; }));
+  }
+  EXPECT_TRUE(Await([&] {
+    (void)plain.Receive(1);  // ZeroMQ subscribes again in there.
+    return out->subscriber_count() == 1;
+  })) << "it recovers";
+}
+
 TEST(ZmqStrangers, ManyConnectionsAtAnIpcEndpointDoNotUseUpAllDescriptors) {
   const test::Folder folder;
   const std::string path = folder.path() + "/socket";
