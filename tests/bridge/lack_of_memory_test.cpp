@@ -151,7 +151,10 @@ TEST_P(LackOfMemory, OfARequestEndsItsCall) {
   ASSERT_TRUE(static_cast<bool>(Turn(Image(8), kPatience)));
   // There is no memory for the image; or there is, but not for the image with the head of the call, which has at least
   // these fields.
-  CallMessage call{.caller = 1, .server = 1, .call = 1};
+  CallMessage call;
+  call.caller = 1;
+  call.server = 1;
+  call.call = 1;
   call.body = Image(kImageBytes);
   call.type = &TypeOf<RawImage>();
   const std::size_t with_head = CallTypeOf<RawImage>().encoded_bytes(&call);
