@@ -22,7 +22,7 @@ constexpr std::array kCommands{
     CommandEntry{"bw", "Show how many bytes per second are published", kSee, MakeBw},
     CommandEntry{"delay", "Show how long messages take to their receivers", kSee, MakeDelay},
     CommandEntry{"schema", "Show the fields of a type", kSee, MakeSchema},
-    CommandEntry{"graph", "Draw the hypergraph: processes, nodes and the channels between them", kSee, MakeGraph},
+    CommandEntry{"graph", "Draw the hypergraph: processes, nodes and their channels", kSee, MakeGraph},
     CommandEntry{"tf", "Show the frames of a robot and their transforms", kSee, nullptr},
     CommandEntry{"tf tree", "Show the tree of all frames", kSee, MakeTfTree},
     CommandEntry{"tf echo", "Show the pose of one frame in another", kSee, MakeTfEcho},
