@@ -21,7 +21,7 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::int64_t kNanosPerSecond = 1'000'000'000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::chrono::seconds kArrival{1};  // How long transforms may take to arrive.
 
 class TfTree final : public Command {
@@ -115,12 +115,12 @@ class TfEcho final : public Command {
 std::optional<Time> TfEcho::WantedTime() const {
   if (at_.empty()) return std::nullopt;
   const std::optional<SecondsAndNanos> time = ReadKnown(KnownType::kTimestamp, at_);
-  constexpr std::int64_t kLast = Time::Never().nanoseconds / kNanosPerSecond;
+  constexpr std::int64_t kLast = Time::Never().nanoseconds / kSecondNs;
   if (!time || std::abs(time->seconds) >= kLast) {
     throw UsageError("--at: \"" + at_ +
                      "\" is not a time such as 2026-11-23T11:50:33.25Z, now, or a number of seconds.");
   }
-  return Time{time->seconds * kNanosPerSecond + time->nanos};
+  return Time{time->seconds * kSecondNs + time->nanos};
 }
 
 struct RollPitchYaw {
@@ -168,9 +168,8 @@ void TfEcho::Print(Console& console, const StampedTransform& found, Time now) co
   if (is_static) {
     text = "time: static\n";
   } else {
-    text =
-        "time: " + TimestampText(found.stamp.nanoseconds / kNanosPerSecond, found.stamp.nanoseconds % kNanosPerSecond) +
-        "  # " + DurationText(age, options_.style.exact) + " ago\n";
+    text = "time: " + TimestampText(found.stamp.nanoseconds / kSecondNs, found.stamp.nanoseconds % kSecondNs) + "  # " +
+           DurationText(age, options_.style.exact) + " ago\n";
   }
   text += "position: {x: " + number(p.x(), 4) + ", y: " + number(p.y(), 4) + ", z: " + number(p.z(), 4) + "}\n";
   text += "quaternion: {x: " + number(q.x(), 6) + ", y: " + number(q.y(), 6) + ", z: " + number(q.z(), 6) +
