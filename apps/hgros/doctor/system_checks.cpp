@@ -52,15 +52,14 @@ void CheckDescriptors(const std::string& name, std::int64_t pid, Findings& findi
   const std::size_t line = limits.find("Max open files");
   if (line == std::string::npos) return;
   const std::size_t digits = limits.find_first_of("0123456789", line);
-  const std::optional<std::uint64_t> limit =
-      digits == std::string::npos ? std::nullopt : NumberIn(limits.substr(digits, 20));
+  const std::uint64_t limit = digits == std::string::npos ? 0 : NumberIn(limits.substr(digits, 20)).value_or(0);
   const std::size_t open = CountFiles(folder / "fd");
-  if (!limit || open == 0) return;
-  if (static_cast<double>(open) > kNearlyFull * static_cast<double>(*limit)) {
-    findings.push_back({Severity::kWarning, "files", fmt::format("{} has {} of its {} open files.", name, open, *limit),
+  if (limit == 0 || open == 0) return;
+  if (static_cast<double>(open) > kNearlyFull * static_cast<double>(limit)) {
+    findings.push_back({Severity::kWarning, "files", fmt::format("{} has {} of its {} open files.", name, open, limit),
                         "Raise the limit (ulimit -n, or LimitNOFILE= of its systemd unit)."});
-  } else if (*limit < kFewFiles) {
-    findings.push_back({Severity::kNote, "files", fmt::format("{} may open only {} files.", name, *limit),
+  } else if (limit < kFewFiles) {
+    findings.push_back({Severity::kNote, "files", fmt::format("{} may open only {} files.", name, limit),
                         "A session that meets many others needs more: ulimit -n 4096."});
   }
 }
