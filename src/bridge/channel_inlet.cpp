@@ -6,6 +6,7 @@
 #include "bridge/joined_channels.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/codec/protobuf_log.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 #include "hgros/transport/transport.hpp"
@@ -33,7 +34,9 @@ ChannelInlet::ChannelInlet(Channel& channel, bool brings_replies, std::shared_pt
       on_publishers_(std::move(on_publishers)),
       run_apart_(std::move(run_apart)),
       tell_misfit_(std::move(tell_misfit)),
-      clocks_(std::move(clocks)) {}
+      clocks_(std::move(clocks)) {
+  [[maybe_unused]] static const bool limited = (LimitProtobufLog(), true);
+}
 
 void ChannelInlet::Join(NetworkBridge& bridge, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);

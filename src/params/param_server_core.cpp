@@ -10,6 +10,7 @@
 #include "hgros/base/names.hpp"
 #include "hgros/base/system_limits.hpp"
 #include "hgros/yaml/document.hpp"
+#include "params/yaml_edit.hpp"
 
 namespace hgros {
 namespace {
@@ -156,9 +157,14 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps, IfMissing 
       for (param_tree::Difference& difference : param_tree::Differences(before, after)) {
         event.paths.push_back(std::move(difference.path));
       }
-      if (!event.paths.empty()) declared.RequireAllowed(event);
+      if (!event.paths.empty()) {
+        declared.RequireAllowed(event);
+        if (!after->entries.empty()) (void)WrittenYaml(after, "parameters");
+      }
     } catch (const ParamError& e) {
       return {e.what()};
+    } catch (const ConfigError& e) {  // Nobody could read or save them any more.
+      return {"All parameters together would be no YAML that can be read: " + std::string(e.what())};
     }
     // If only the source of a value differs, it is stored without calling validators or listeners.
     if (!event.paths.empty()) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include <foxglove/RawImage.pb.h>
@@ -170,14 +171,19 @@ TEST_P(LackOfMemory, OfARequestEndsItsCall) {
 
 TEST_P(LackOfMemory, OfAReplyEndsItsCall) {
   const std::shared_ptr<const RawImage> reply = Image(kImageBytes);
+  std::mutex mutex;
   std::unique_ptr<SmallMemory> small;
   const Service service = listener->Serve<RawImage, RawImage>("turn", [&](const RawImage& request) {
+    const std::scoped_lock lock(mutex);
     if (request.data().empty()) small = std::make_unique<SmallMemory>(kMost);
     return reply;
   });
   ASSERT_TRUE(static_cast<bool>(Turn(Image(8), kPatience)));
   const auto result = Turn(Image(0), std::chrono::seconds(5));
-  small.reset();
+  {
+    const std::scoped_lock lock(mutex);
+    small.reset();
+  }
   ASSERT_FALSE(static_cast<bool>(result));
   EXPECT_EQ(result.failure().kind, CallFailure::Kind::kNotWritable) << result.failure().reason;
 }

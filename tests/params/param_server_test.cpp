@@ -77,6 +77,17 @@ TEST_F(ParamServerTest, ChangesSeveralAtOnceOrNone) {
   EXPECT_EQ(params.Get<double>("most"), 6.0);
 }
 
+// Otherwise nobody could read them any more, or save them.
+TEST_F(ParamServerTest, RefusesAChangeThatMakesAllParametersTooLarge) {
+  ParamServer params;
+  const std::string half(600'000, 'x');
+  ASSERT_TRUE(params.Set("a", half).ok());
+  const ParamResult refused = params.Set("b", half);
+  EXPECT_TRUE(Contains(refused.refusal, "more than 1 MiB")) << refused.refusal;
+  EXPECT_THROW((void)params.Get<std::string>("b"), ParamError);
+  EXPECT_TRUE(params.Set("c", 5).ok());
+}
+
 TEST_F(ParamServerTest, ThrowingValidatorRefusesTheChange) {
   ParamServer params;
   Listening validator = params.AddValidator(

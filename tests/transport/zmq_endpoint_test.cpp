@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -40,6 +41,24 @@ TEST(ZmqEndpoint, AnIpcPathInUseIsNotStolen) {
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(folder.Ipc())); }), testing::HasSubstr(folder.Ipc()));
   Place subscriber(SubscribeAt(folder.Ipc()));
   EXPECT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
+}
+
+TEST(ZmqEndpoint, ASocketOfAnotherKindAtAnIpcPathStays) {
+  for (const int kind : {SOCK_DGRAM, SOCK_SEQPACKET}) {
+    Folder folder;
+    const std::string endpoint = folder.Ipc();
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, endpoint.c_str() + 6, sizeof address.sun_path - 1);
+    const int other = socket(AF_UNIX, kind | SOCK_CLOEXEC, 0);
+    ASSERT_EQ(bind(other, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    if (kind == SOCK_SEQPACKET) {
+      ASSERT_EQ(listen(other, 1), 0);
+    }
+    EXPECT_THAT(ErrorOf([&] { const Place publisher(PublishAt(endpoint)); }), testing::HasSubstr("another program"));
+    EXPECT_TRUE(std::filesystem::is_socket(address.sun_path));
+    close(other);
+  }
 }
 
 TEST(ZmqEndpoint, AFileAtAnIpcPathStays) {

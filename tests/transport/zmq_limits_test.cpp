@@ -178,6 +178,16 @@ class ZmqLimits : public testing::Test {
 
 constexpr std::int64_t kMostMiB = 150;
 
+// Each would get a Welcome with all channels, and need not read it.
+TEST_F(ZmqLimits, AConnectionThatNamesSeveralSessionsIsClosed) {
+  const Client client(endpoint);
+  ASSERT_TRUE(client.Send(Frame('\1' + zmq::ControlTopic(SessionId{1}))));
+  ASSERT_TRUE(client.Send(Frame('\1' + zmq::ControlTopic(SessionId{2}))));
+  EXPECT_TRUE(Eventually([&] { return client.WasClosed(); }));
+  EXPECT_TRUE(Eventually([&] { return publisher.Said("names several sessions"); }));
+  ExpectOthersGoOn();
+}
+
 TEST_F(ZmqLimits, AConnectionThatSubscribesWithoutAnEndIsClosed) {
   const std::int64_t before = UsedMiB();
   const Client client(endpoint);
@@ -403,7 +413,7 @@ TEST(ZmqAcceptedConnections, AConnectionThatSubscribesToNothingIsClosed) {
     ASSERT_TRUE(accepted.Add(ours[i], "127.0.0.1", start));
   }
   EXPECT_TRUE(accepted.CountTopic(ours[kPlain], PlainTopic("scan"), true));
-  accepted.NoteSession(ours[kSession]);
+  EXPECT_TRUE(accepted.NoteSession(ours[kSession], SessionId{1}));
   const auto closed = [&](std::size_t i) {
     char byte = 0;
     return recv(theirs[i], &byte, 1, MSG_DONTWAIT) == 0;

@@ -8,9 +8,7 @@
 #include <sched.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/un.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -20,6 +18,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <exception>
+#include <thread>
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/ids.hpp"
@@ -32,7 +32,7 @@ constexpr std::string_view kIpc = "ipc://";
 constexpr std::string_view kTcp = "tcp://";
 constexpr std::size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
 
-/// Whether a process accepts connections on the unix socket. '@' stands for the abstract namespace.
+/// Whether a process uses the unix socket, of any kind. '@' stands for the abstract namespace.
 bool IsListening(std::string_view path) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return false;
@@ -43,8 +43,8 @@ bool IsListening(std::string_view path) {
   const auto size =
       static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() + (path.front() == '@' ? 0 : 1));
   const int rc = connect(fd, reinterpret_cast<const sockaddr*>(&address), size);
-  // A full backlog means that a process listens, even if slowly.
-  const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS;
+  // A full backlog means that a process listens, even if slowly; another protocol, that it is a socket of another kind.
+  const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS || errno == EPROTOTYPE;
   close(fd);
   return listens;
 }
@@ -91,28 +91,22 @@ void RequireFreePath(const std::string& endpoint) {
 
 std::string HiddenPath(std::string_view bound) { return std::string(bound.substr(kIpc.size())) + ".paused"; }
 
-struct Turning {
-  int listening;
-  bool done;
-};
-
-// Runs as a process that shares this one's memory, but has a copy of its descriptors. So it may close one there. It
-// makes system calls only.
-int TurnAway(void* argument) {
-  auto& turning = *static_cast<Turning*>(argument);
+// Takes the connections that wait, and closes them. Runs on a thread with a copy of the descriptors of its own, so that
+// it may close one there; other threads keep theirs, and cannot take it. True if none waits any more.
+bool TurnAway(int listening) noexcept {
   constexpr int kMost = 1 << 20;
-  for (int fd = 0; fd < kMost && (fd == turning.listening || syscall(SYS_close, fd) != 0); ++fd) {
+  if (unshare(CLONE_FILES) != 0) return false;
+  for (int fd = 0; fd < kMost && (fd == listening || close(fd) != 0); ++fd) {
   }
   for (int i = 0; i < kMost; ++i) {
-    const auto fd = syscall(SYS_accept4, turning.listening, nullptr, nullptr, SOCK_CLOEXEC);
+    const int fd = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC);
     if (fd >= 0) {
-      syscall(SYS_close, fd);
+      close(fd);
     } else if (errno != ECONNABORTED && errno != EPROTO) {
-      turning.done = errno == EAGAIN;
-      break;
+      return errno == EAGAIN;
     }
   }
-  return 0;
+  return false;
 }
 
 std::string BindRemedy(int error, bool ipc) {
@@ -209,18 +203,19 @@ void ShowPath(const std::string& bound) {
 
 bool TurnAwayWaiting(int listening) noexcept {
   if (fcntl(listening, F_SETFL, fcntl(listening, F_GETFL) | O_NONBLOCK) != 0) return false;
-  Turning turning{listening, false};
-  alignas(16) std::array<std::byte, 32768> stack;
+  bool done = false;
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // Handlers would run on the memory of this process.
-  const pid_t turner = clone(TurnAway, stack.data() + stack.size(), CLONE_VM | CLONE_VFORK, &turning);
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  if (turner < 0) return false;
-  while (waitpid(turner, nullptr, __WCLONE) < 0 && errno == EINTR) {
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // A handler of the program would run with other descriptors.
+  try {
+    StartThread<std::thread>("the thread that turns connections away", [&done, listening] {
+      done = TurnAway(listening);
+    }).join();
+  } catch (const std::exception&) {  // There is no thread, either.
   }
-  return turning.done;
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return done;
 }
 
 std::optional<std::uint64_t> BytesReceived(int fd) noexcept {

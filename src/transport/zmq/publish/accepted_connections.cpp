@@ -108,11 +108,20 @@ void AcceptedConnections::Clear() {
   holders_.clear();
 }
 
-void AcceptedConnections::NoteSession(int fd) {
+bool AcceptedConnections::NoteSession(int fd, SessionId session) {
   const auto found = connections_.find(fd);
-  if (found == connections_.end()) return;
-  found->second.idle = false;
-  found->second.plain = false;
+  if (found == connections_.end()) return true;
+  Connection& connection = found->second;
+  if (connection.cut) return false;
+  if (connection.session.value != 0 && connection.session != session) {
+    connection.cut = true;
+    Cut(fd, "sessions", "names several sessions over one connection: it is closed. Find the program.");
+    return false;
+  }
+  connection.session = session;
+  connection.idle = false;
+  connection.plain = false;
+  return true;
 }
 
 void AcceptedConnections::NotePlain(int fd) {

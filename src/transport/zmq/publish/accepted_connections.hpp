@@ -8,6 +8,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "hgros/base/ids.hpp"
 #include "transport/zmq/shared_state.hpp"
 
 namespace hgros::zmq {
@@ -21,6 +22,7 @@ namespace hgros::zmq {
 /// - A tcp connection that has neither subscribed to anything nor said Hello is closed after kIdleAfter.*
 /// - A connection whose topics have more than kMostTopicBytes is named*, and closed at twice as many*. ZeroMQ takes up
 ///   to 32 bytes for each of them.
+/// - A connection belongs to one session. Each that it names would get a Welcome, which it need not read.*
 /// - A plain subscriber that does not read is closed before it uses up the bytes that all plain subscribers share.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
@@ -44,8 +46,8 @@ class AcceptedConnections {
   void Clear();
   /// Where it comes from, for the log.
   [[nodiscard]] std::string OriginOf(int fd) const;
-  /// It is that of a session.
-  void NoteSession(int fd);
+  /// It is that of a session. False if it is that of another one: then the connection was closed.
+  [[nodiscard]] bool NoteSession(int fd, SessionId session);
   /// It is that of a plain subscriber.
   void NotePlain(int fd);
   /// The connection with this descriptor has subscribed to `topic`, or no longer; negative: ZeroMQ says so of one that
@@ -66,7 +68,8 @@ class AcceptedConnections {
     bool idle = true;
     bool plain = false;
     bool cut = false;
-    int full_looks = 0;  // How often in a row the send buffer was full.
+    SessionId session = {};  // Zero: not that of a session, so far.
+    int full_looks = 0;      // How often in a row the send buffer was full.
     std::size_t topic_bytes = 0;
     std::set<std::string, std::less<>> topics;
   };

@@ -172,9 +172,9 @@ bool ConnectionWatch::CountTopic(int fd, std::string_view topic, bool subscribed
   return connections_.CountTopic(fd, topic, subscribed);
 }
 
-void ConnectionWatch::NoteSession(int fd) {
+bool ConnectionWatch::NoteSession(int fd, SessionId session) {
   UpdateAll();
-  connections_.NoteSession(fd);
+  return connections_.NoteSession(fd, session);
 }
 
 void ConnectionWatch::CutUnfinished() {

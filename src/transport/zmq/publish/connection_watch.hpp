@@ -49,7 +49,7 @@ class ConnectionWatch {
   /// See AcceptedConnections.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
   void NotePlain(int fd) { connections_.NotePlain(fd); }
-  void NoteSession(int fd);
+  [[nodiscard]] bool NoteSession(int fd, SessionId session);
   void CutStuckPlain(SteadyTime now) { connections_.CutStuckPlain(now); }
 
  private:

@@ -159,11 +159,10 @@ void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message&
   if (!watch_.CountTopic(zmq_msg_get(frame.raw(), ZMQ_SRCFD), text, subscribed)) return;
   if (const auto session = ParseControlTopic(text)) {
     if (subscribed) {
-      if (MayClaim(*session, frame)) {
-        watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD));
-        peers_.Greet(*session, true);
-      } else {
+      if (!MayClaim(*session, frame)) {
         HangUp(frame, bound_);
+      } else if (watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD), *session)) {
+        peers_.Greet(*session, true);
       }
     } else {
       peers_.OnDisconnected(*session, actions);
@@ -211,8 +210,9 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   const SessionId session{control->session()};
   if (!MayClaim(session, frame)) return;
   if (control->has_hello()) {
-    watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD));
-    peers_.OnHello(session, control->hello(), actions);
+    if (watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD), session)) {
+      peers_.OnHello(session, control->hello(), actions);
+    }
     return;
   }
   SubscriberPeer* peer = peers_.Find(session);
