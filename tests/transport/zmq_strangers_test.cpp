@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -130,6 +131,7 @@ TEST_P(ZmqLackOfDescriptors, LeavesConnectionsAlone) {
       if (tcp) waiting.Connect(endpoint);
       ASSERT_TRUE(Await([&] { return publisher.Said("limit of open files"); }));
       test::Linger(std::chrono::milliseconds(300));  // Some heartbeats.
+      ASSERT_TRUE(tcp || Await([&] { return !std::filesystem::exists(endpoint.substr(6)); })) << "it is hidden";
       few.Fill();
       EXPECT_TRUE(tcp || ConnectTo(knocking, endpoint.substr(6)) != 0);
       ExpectMessages();
