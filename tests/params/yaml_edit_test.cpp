@@ -205,8 +205,8 @@ TEST_F(SaveTest, ReportsWhyItCannotSave) {
   EXPECT_NE(error.find("all.yaml: The parameters cannot be saved: No such file"), std::string::npos) << error;
   const auto file = Write("robot.yaml", "a: 1 # one\n");
   ParamServer with_file({{file}});
-  ASSERT_TRUE(with_file.Set("a", "\xFF").ok());
-  EXPECT_THROW(with_file.Save(), Error);
+  EXPECT_FALSE(with_file.Set("a", "\xFF").ok()) << "it could not be saved";
+  with_file.Save();
   EXPECT_EQ(Read(file), "a: 1 # one\n");
 }
 
