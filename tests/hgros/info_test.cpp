@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <csignal>
+
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
@@ -77,6 +79,22 @@ TEST(HgrosInfo, NamesTheNearestIfNothingHasTheName) {
   EXPECT_EQ(nothing.status, 1);
   EXPECT_EQ(nothing.err,
             "hgros: No channel, session, node or service is called x. `hgros list` shows what there is.\n");
+}
+
+TEST(HgrosInfo, DescribesAChannelWhosePublisherDoesNotAnswer) {
+  RobotForCommands robot("patrol");
+  const Subscription heard = robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {});
+  CommandRun stopped({"pub", "wish", "{message: a}", "--latched"}, robot.environment());
+  ASSERT_TRUE(test::Await([&] {
+    return robot.Run({"list", "--json"}).out.find("\"publishers\":1") != std::string::npos;  // It is announced.
+  }));
+  stopped.Signal(SIGSTOP);
+  for (const char* form : {"--exact", "--json"}) {
+    const CommandEnd end = robot.Run({"info", "wish", form});
+    EXPECT_EQ(end.status, 0);
+    EXPECT_THAT(end.err, HasSubstr("does not answer; its counters are missing."));
+    EXPECT_THAT(end.out, HasSubstr("hgros"));
+  }
 }
 
 }  // namespace

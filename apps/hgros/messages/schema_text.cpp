@@ -21,7 +21,7 @@ using google::protobuf::OneofDescriptor;
 
 namespace {
 
-// What is written at the top of a file: a message or an enum with all that is declared in it.
+// A declaration at the top of a file: a message or an enum, with all that is declared in it.
 struct Declared {
   const Descriptor* message = nullptr;
   const EnumDescriptor* values = nullptr;

@@ -133,58 +133,53 @@ Sheet::Table NodesOf(const KnownRobot& robot, const Cells& cells, const KnownCha
   return table;
 }
 
-void AddPublishers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, const KnownChannel& channel) {
-  Sheet::Table table{"publishers",
-                     Cells::UserColumns("PUBLISHER") + TypeColumns() +
-                         std::vector<Column>{
-
-                             {"rate_hz", "RATE", true},
-                             {"published", "PUBLISHED", true},
-                             {"refused", "REFUSED", true},
-                             {"sent", "SENT", true},
-                             {"send_dropped", "DROPPED", true},
-                             {"mean_bytes", "MEAN SIZE", true},
-                             {"latched", "LATCHED", true},
-                             {"closed", "CLOSED"}},
-                     {}};
-  for (const ChannelUser& user : channel.publishers) {
-    const Snapshot::Channel* counts = CountersOf(robot.counters, user.session, channel.name);
-    std::vector<Cell> row = cells.User(user) + TypeCells(channel, user);
-    row =
-        row + (counts == nullptr ? std::vector<Cell>(6)
-                                 : std::vector<Cell>{cells.Rate(counts->rate_hz()), std::uint64_t{counts->published()},
-                                                     Cells::Fault(counts->refused()), Cells::Count(counts->sent()),
-                                                     Cells::Fault(counts->send_dropped()), cells.Mean(*counts),
-                                                     Cells::Count(counts->latched()), Cells::Closed(*counts)});
-    table.rows.push_back(std::move(row));
+// A table of the users of a channel. `row` makes the cells behind those that say who it is and with which type; the
+// counts are null if they are not known.
+template <class Row>
+void AddUsers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, const KnownChannel& channel,
+              Sheet::Table table, const std::vector<ChannelUser>& users, const Row& row) {
+  for (const ChannelUser& user : users) {
+    table.rows.push_back(cells.User(user) + TypeCells(channel, user) +
+                         row(user, CountersOf(robot.counters, user.session, channel.name)));
   }
   sheet.Add(std::move(table));
 }
 
-void AddSubscribers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, const KnownChannel& channel) {
-  Sheet::Table table{"subscribers",
-                     Cells::UserColumns("SUBSCRIBER") + TypeColumns() +
-                         std::vector<Column>{
+void AddPublishers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, const KnownChannel& channel) {
+  const std::vector<Column> counted{{"rate_hz", "RATE", true},         {"published", "PUBLISHED", true},
+                                    {"refused", "REFUSED", true},      {"sent", "SENT", true},
+                                    {"send_dropped", "DROPPED", true}, {"mean_bytes", "MEAN SIZE", true},
+                                    {"latched", "LATCHED", true},      {"closed", "CLOSED"}};
+  AddUsers(sheet, robot, cells, channel, {"publishers", Cells::UserColumns("PUBLISHER") + TypeColumns() + counted, {}},
+           channel.publishers, [&](const ChannelUser&, const Snapshot::Channel* counts) -> std::vector<Cell> {
+             if (counts == nullptr) return {};
+             return {cells.Rate(counts->rate_hz()),        std::uint64_t{counts->published()},
+                     Cells::Fault(counts->refused()),      Cells::Count(counts->sent()),
+                     Cells::Fault(counts->send_dropped()), cells.Mean(*counts),
+                     Cells::Count(counts->latched()),      Cells::Closed(*counts)};
+           });
+}
 
-                             {"lossless", "LOSSLESS"},
-                             {"received", "RECEIVED", true},
-                             {"lost", "LOST", true},
-                             {"faults", "FAULTS", true},
-                             {"transport_p50_ns", "TRANSPORT P50", true},
-                             {"transport_p99_ns", "P99", true},
-                             {"closed", "CLOSED"}},
-                     {}};
-  for (const ChannelUser& user : channel.subscribers) {
-    const Snapshot::Channel* counts = CountersOf(robot.counters, user.session, channel.name);
-    std::vector<Cell> row = cells.User(user) + TypeCells(channel, user) + std::vector<Cell>{user.lossless};
-    row = row + (counts == nullptr
-                     ? std::vector<Cell>(6)
-                     : std::vector<Cell>{std::uint64_t{counts->received()}, Cells::Fault(counts->lost()),
-                                         Cells::Fault(counts->faults()), cells.Time(counts->transport_p50_ns()),
-                                         cells.Time(counts->transport_p99_ns()), Cells::Closed(*counts)});
-    table.rows.push_back(std::move(row));
-  }
-  sheet.Add(std::move(table));
+void AddSubscribers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, const KnownChannel& channel) {
+  const std::vector<Column> counted{{"lossless", "LOSSLESS"},
+                                    {"received", "RECEIVED", true},
+                                    {"lost", "LOST", true},
+                                    {"faults", "FAULTS", true},
+                                    {"transport_p50_ns", "TRANSPORT P50", true},
+                                    {"transport_p99_ns", "P99", true},
+                                    {"closed", "CLOSED"}};
+  AddUsers(sheet, robot, cells, channel,
+           {"subscribers", Cells::UserColumns("SUBSCRIBER") + TypeColumns() + counted, {}}, channel.subscribers,
+           [&](const ChannelUser& user, const Snapshot::Channel* counts) -> std::vector<Cell> {
+             if (counts == nullptr) return {user.lossless};
+             return {user.lossless,
+                     std::uint64_t{counts->received()},
+                     Cells::Fault(counts->lost()),
+                     Cells::Fault(counts->faults()),
+                     cells.Time(counts->transport_p50_ns()),
+                     cells.Time(counts->transport_p99_ns()),
+                     Cells::Closed(*counts)};
+           });
 }
 
 void AddPairs(Sheet& sheet, const KnownRobot& robot, const KnownChannel& channel) {

@@ -9,7 +9,7 @@
 
 namespace hgros::cli {
 
-/// What is known about a robot at one moment.
+/// A robot at one moment, as far as this command knows it.
 struct KnownRobot {
   AllCounters counters;
   std::vector<KnownChannel> channels;  ///< With those of the library.

@@ -69,6 +69,7 @@ Records::Records(Console& console, OutputStyle style, std::vector<Column> column
 
 void Records::Add(std::vector<Cell> cells) {
   ++count_;
+  cells.resize(columns_.size());
   if (style_.json) {
     Json json;
     WriteMembers(json.BeginObject(), columns_, cells);

@@ -72,7 +72,7 @@ class Records {
  public:
   Records(Console& console, OutputStyle style, std::vector<Column> columns);
 
-  /// One cell per column.
+  /// One cell per column; those that are lacking at the end are empty.
   void Add(std::vector<Cell> cells);
   /// Writes the table. Without records: nothing. More records may follow, and another End(): they continue the table.
   void End();

@@ -15,6 +15,11 @@ void Sheet::Fact(std::string key, std::string label, Cell cell) {
   cells_.push_back(std::move(cell));
 }
 
+void Sheet::Add(Table table) {
+  for (std::vector<Cell>& row : table.rows) row.resize(table.columns.size());
+  tables_.push_back(std::move(table));
+}
+
 void Sheet::WriteJson(Console& console) const {
   Json json;
   json.BeginObject().Member("kind", kind_).Member("name", name_);

@@ -22,8 +22,9 @@ class Sheet {
     std::vector<Column> columns;
     std::vector<std::vector<Cell>> rows;
   };
-  /// Tables without rows are shown in JSON only, as are columns that are empty or "-" in every row.
-  void Add(Table table) { tables_.push_back(std::move(table)); }
+  /// Tables without rows are shown in JSON only, as are columns that are empty or "-" in every row. Cells that a row
+  /// lacks at its end are empty.
+  void Add(Table table);
 
   void Write(Console& console, OutputStyle style) const;
 
