@@ -18,7 +18,6 @@
 #include "messages/csv.hpp"
 #include "messages/filter.hpp"
 #include "messages/message_text.hpp"
-#include "robot/measuring.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
 #include "terminal/pause.hpp"
@@ -293,7 +292,7 @@ int Echo::Run(Surroundings& surroundings) {
         },
         {.name = "echo " + channel, .queue = queue}));
   }
-  WarnOfUnpublished(robot, options_.channels);
+  robot.SayUnpublished(options_.channels);
   const auto deadline = std::chrono::steady_clock::now() + robot_options_.Timeout(std::chrono::hours(24 * 365));
   Pause::End end = Pause::End::kWoken;
   while (!printer.done() && end == Pause::End::kWoken) end = surroundings.pause.Until(deadline);

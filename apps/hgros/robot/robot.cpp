@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "hgros/base/names.hpp"
 #include "hgros/session/snapshot_message.hpp"
 #include "robot/overview.hpp"
 #include "terminal/console.hpp"
@@ -135,6 +136,19 @@ std::vector<KnownChannel> Robot::Channels(bool own) const {
     return (channel.publishers.empty() && channel.subscribers.empty()) || (!own && IsInternal(channel.name));
   });
   return channels;
+}
+
+void Robot::SayUnpublished(const std::vector<std::string>& channels) const {
+  std::vector<std::string> published;
+  for (const KnownChannel& channel : Channels(true)) {
+    if (!channel.publishers.empty()) published.push_back(channel.name);
+  }
+  for (const std::string& name : channels) {
+    if (std::ranges::find(published, name) != published.end()) continue;
+    const std::string nearest = NearestName(name, published);
+    surroundings_.console.Say("Nobody publishes on " + Visible(name) + " yet." +
+                              (nearest.empty() ? "" : " Did you mean " + Visible(nearest) + "?"));
+  }
 }
 
 std::map<SessionId, ChannelUser> Robot::Countable() const {

@@ -29,6 +29,9 @@ class Robot {
   [[nodiscard]] const Surroundings& surroundings() const noexcept { return surroundings_; }
   /// All channels that other sessions use, sorted by name. `own`: also those of the library itself.
   [[nodiscard]] std::vector<KnownChannel> Channels(bool own) const;
+  /// Says which of the channels nobody publishes on, with the nearest name. Somebody may begin later, so it is no
+  /// error.
+  void SayUnpublished(const std::vector<std::string>& channels) const;
   /// The newest counters of each session that answers, by session. The first call waits for all of them. Says which
   /// sessions did not answer within a second, or within --timeout.
   [[nodiscard]] std::map<SessionId, std::shared_ptr<const Snapshot>> Counters();

@@ -1,0 +1,108 @@
+#include "commands/measure_command.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <memory>
+
+#include "terminal/pause.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kPeriod{1};
+// The counters come once a second, the first ones when this command subscribes.
+constexpr std::chrono::milliseconds kLate{100};
+
+// Calls `report` every second from `next` on, `count` times if it is not 0. It returns whether there was anything to
+// show.
+int EverySecond(Pause& pause, std::uint64_t count, steady_clock::time_point next, steady_clock::time_point end,
+                const std::function<bool()>& report) {
+  bool shown = false;
+  for (std::uint64_t reports = 0; count == 0 || reports < count; ++reports, next += kPeriod) {
+    while (steady_clock::now() < std::min(next, end)) {
+      if (pause.Until(std::min(next, end)) == Pause::End::kInterrupted) return kDone;
+    }
+    if (next >= end) return kTimedOut;
+    shown = report() || shown;
+    if (reports == 0) next += kLate;
+  }
+  return shown ? kDone : kFailed;
+}
+
+// The channel with its users now; without users if nobody uses it.
+KnownChannel FindChannel(const std::vector<KnownChannel>& channels, const std::string& name) {
+  const auto found = std::ranges::find(channels, name, &KnownChannel::name);
+  if (found != channels.end()) return *found;
+  KnownChannel none;
+  none.name = name;
+  return none;
+}
+
+}  // namespace
+
+void MeasureCommand::Declare(Arguments& arguments) {
+  arguments.Positional({"CHANNEL", "", "Channels to measure", ValueKind::kChannel, {}, true}, channels_);
+  arguments.Flag("--once", once_, "End after the first report");
+  arguments.Option("-n,--count", "N", count_, "End after N reports");
+  arguments.Flag("--receive", receive_,
+                 "Receive the messages and measure what arrives here, with a histogram at the end");
+  robot_options_.Declare(arguments);
+}
+
+int MeasureCommand::Run(Surroundings& surroundings) {
+  Robot robot(robot_options_, surroundings);
+  return receive_ ? Receive(robot) : Count(robot);
+}
+
+int MeasureCommand::Count(Robot& robot) {
+  Console& console = robot.surroundings().console;
+  Records records(console, robot_options_.style, CountedColumns());
+  (void)robot.Counters();
+  robot.SayUnpublished(channels_);
+  const auto start = steady_clock::now();
+  const auto end = start + robot_options_.Timeout(std::chrono::hours(24 * 365));
+  return EverySecond(robot.surroundings().pause, once_ ? 1 : count_.value_or(0), start, end, [&] {
+    const AllCounters counters = robot.Counters();
+    const std::vector<KnownChannel> channels = robot.Channels(true);
+    const std::size_t before = records.size();
+    for (const std::string& name : channels_) AddCounted(console, records, counters, FindChannel(channels, name));
+    records.End();
+    return records.size() > before;
+  });
+}
+
+int MeasureCommand::Receive(Robot& robot) const {
+  Console& console = robot.surroundings().console;
+  std::vector<Column> columns = ArrivedColumns();
+  columns.insert(columns.begin(), {"channel", "CHANNEL"});
+  Records records(console, robot_options_.style, std::move(columns));
+  std::vector<std::unique_ptr<Arrivals>> arrivals;
+  for (const std::string& name : channels_) arrivals.push_back(std::make_unique<Arrivals>(robot, name));
+  robot.SayUnpublished(channels_);
+  const auto start = steady_clock::now();
+  const auto end = start + robot_options_.Timeout(std::chrono::hours(24 * 365));
+  const std::uint64_t count = once_ ? 1 : count_.value_or(0);
+  const int code = EverySecond(robot.surroundings().pause, count, start + kPeriod, end, [&] {
+    bool any = false;
+    for (const auto& channel : arrivals) {
+      const Arrived arrived = channel->Report();
+      any = any || arrived.sizes_bytes.count() > 0;
+      std::vector<Cell> cells = ArrivedCells(arrived);
+      cells.insert(cells.begin(), channel->channel());
+      records.Add(std::move(cells));
+    }
+    records.End();
+    return any;
+  });
+  const Quantity quantity = Distribution();
+  for (const auto& channel : arrivals) {
+    WriteHistogram(console, robot_options_.style, channel->channel(), quantity.name, quantity.unit,
+                   channel->Report().*quantity.values);
+  }
+  return code;
+}
+
+}  // namespace hgros::cli
