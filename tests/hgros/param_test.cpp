@@ -121,7 +121,7 @@ TEST_F(HgrosParam, DescribesWhatIsDeclared) {
 
 TEST_F(HgrosParam, WatchesOneLinePerChange) {
   CommandRun watch({"param", "watch", "robot", "matcher", "-n", "2"}, robot_.environment());
-  ASSERT_TRUE(test::Await([&] { return watch.err().find("Watching") != std::string::npos; }));
+  ASSERT_TRUE(test::Await([&] { return watch.err().find("Watching") != std::string::npos; })) << watch.err();
   ASSERT_TRUE(server_.Set("gains", std::vector{9}).ok());
   ASSERT_TRUE(
       server_.Change({ParamChange::Of("matcher.range", 4.0), ParamChange::Of("matcher.method", std::string("ndt"))})
@@ -196,8 +196,9 @@ TEST(HgrosParamAlone, SaysWhenTheWatchedSessionEnds) {
   auto robot = std::make_unique<RobotForCommands>();
   ParamServer server;
   auto service = std::make_unique<ParamService>(robot->session(), server);
+  robot->AwaitAnnounced();
   CommandRun watch({"param", "watch", "robot"}, robot->environment());
-  ASSERT_TRUE(test::Await([&] { return watch.err().find("Watching") != std::string::npos; }));
+  ASSERT_TRUE(test::Await([&] { return watch.err().find("Watching") != std::string::npos; })) << watch.err();
   service.reset();
   robot.reset();
   EXPECT_TRUE(test::Await([&] { return watch.err().find("no longer offers its parameters") != std::string::npos; }));
