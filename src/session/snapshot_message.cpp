@@ -1,12 +1,10 @@
 #include "hgros/session/snapshot_message.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <ctime>
-#include <fstream>
 #include <numeric>
 
+#include "hgros/base/memory_room.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/discovery/announcement.hpp"
 
@@ -18,14 +16,6 @@ constexpr double kAlmostAll = 0.99;
 
 const char* NameOf(Executor::Kind kind) {
   return kind == Executor::Kind::kInline ? "inline" : kind == Executor::Kind::kDedicated ? "dedicated" : "tbb";
-}
-
-// The second number of /proc/self/statm is the number of resident pages.
-std::int64_t ResidentBytes() {
-  std::ifstream file("/proc/self/statm");
-  std::int64_t all = 0;
-  std::int64_t resident = 0;
-  return file >> all >> resident ? resident * sysconf(_SC_PAGESIZE) : 0;
 }
 
 std::int64_t ProcessCpuTime() {
@@ -103,7 +93,7 @@ Snapshot ToMessage(const SessionSnapshot& snapshot) {
     if (peer.transport != "shared memory") one.set_why(peer.why);  // Of the cheapest one nobody asks why.
   }
   message.set_cpu_ns(ProcessCpuTime());
-  message.set_memory_bytes(ResidentBytes());
+  message.set_memory_bytes(static_cast<std::int64_t>(ResidentBytes()));
   message.set_version(HGROS_VERSION);
   return message;
 }

@@ -30,6 +30,14 @@ void Poller::Add(int fd, std::atomic<bool>& flag) {
   }
 }
 
+bool Poller::AddOnce(int fd, std::atomic<bool>& flag) noexcept {
+  epoll_event event{};
+  event.events = EPOLLIN | EPOLLONESHOT;
+  event.data.ptr = &flag;
+  return epoll_ctl(fd_, EPOLL_CTL_ADD, fd, &event) == 0 ||
+         (errno == EEXIST && epoll_ctl(fd_, EPOLL_CTL_MOD, fd, &event) == 0);
+}
+
 void Poller::Wait(int timeout_ms) noexcept {
   std::array<epoll_event, 16> events;
   const int count = epoll_wait(fd_, events.data(), static_cast<int>(events.size()), timeout_ms);

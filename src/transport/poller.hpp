@@ -17,6 +17,8 @@ class Poller {
   /// From now on Wait() sets `flag` when `fd` has become readable, or is readable already. `flag` outlives the
   /// poller: it may still be set after the descriptor was closed, which removes it. Throws Error.
   void Add(int fd, std::atomic<bool>& flag);
+  /// The same, but only the first time. Then the next call waits for it again. False if `fd` cannot be waited for.
+  bool AddOnce(int fd, std::atomic<bool>& flag) noexcept;
   /// Returns after setting at least one flag, or after `timeout_ms`, or spuriously.
   void Wait(int timeout_ms) noexcept;
 

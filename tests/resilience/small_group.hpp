@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include "hgros/base/memory_room.hpp"
 #include "support/await.hpp"
-#include "transport/shm/memory/memory_group.hpp"
 
 namespace hgros::resilience {
 
@@ -16,7 +16,7 @@ namespace hgros::resilience {
 class SmallGroup {
  public:
   explicit SmallGroup(std::uint64_t limit_bytes) {
-    const auto place = shm::FindMemoryGroup();
+    const auto place = FindMemoryGroup();
     if (place.folder.empty()) {
       why_not = "no memory control group is mounted";
       return;

@@ -24,6 +24,7 @@
 #include "transport/zmq/publish/accepted_connections.hpp"
 #include "transport/zmq/publish/unfinished_messages.hpp"
 #include "transport/zmq_places.hpp"
+#include "transport/zmtp.hpp"
 
 namespace hgros {
 namespace {
@@ -31,22 +32,11 @@ namespace {
 using conformance::Eventually;
 using conformance::TextType;
 using test::Await;
+using test::Frame;
+using test::Overruns;
 using test::Place;
 using test::PublishAt;
 using test::SubscribeAt;
-
-/// A frame of ZMTP 3 (https://rfc.zeromq.org/spec/23).
-std::string Frame(const std::string& body, bool more = false) {
-  std::string frame;
-  if (body.size() < 256) {
-    frame += static_cast<char>(more ? 1 : 0);
-    frame += static_cast<char>(body.size());
-  } else {
-    frame += static_cast<char>(more ? 3 : 2);
-    for (int shift = 56; shift >= 0; shift -= 8) frame += static_cast<char>(body.size() >> shift & 0xff);
-  }
-  return frame + body;
-}
 
 /// A tcp client that speaks ZMTP as an XSUB socket does, but sends any bytes as fast as it can.
 class Client {
@@ -59,9 +49,7 @@ class Client {
     const auto port = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
     const sockaddr_in address = test::LoopbackAddress(port);
     if (connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return;
-    std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
-    greeting.resize(64);
-    (void)Send(greeting + std::string("\4\x1a\5READY\13Socket-Type\0\0\0\4XSUB", 28));
+    (void)Send(test::Greeting("XSUB"));
     // ZeroMQ takes messages only after it has sent its own READY.
     const timeval patience{5, 0};
     setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
@@ -127,10 +115,6 @@ class FewDescriptors {
  private:
   rlimit before_{};
 };
-
-std::uint64_t Overruns(const Place& place) {
-  return place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)];
-}
 
 class ZmqLimits : public testing::Test {
  protected:

@@ -57,6 +57,11 @@ struct Place {
   std::unique_ptr<ZmqTransport> transport;
 };
 
+/// How often a limit was exceeded.
+inline std::uint64_t Overruns(const Place& place) {
+  return place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)];
+}
+
 inline ZmqOptions PublishAt(const std::string& endpoint) {
   ZmqOptions options;
   options.publish = {{endpoint, std::nullopt}};

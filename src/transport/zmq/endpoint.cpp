@@ -2,10 +2,12 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <linux/sockios.h>
 #include <linux/tcp.h>  // The C library's tcp_info is older.
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sched.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -224,6 +226,15 @@ std::optional<std::uint64_t> BytesReceived(int fd) noexcept {
   if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
   if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return {};
   return info.tcpi_bytes_received;
+}
+
+std::optional<std::uint64_t> BytesRead(int fd) noexcept {
+  // In this order: what comes between the two calls makes the result smaller.
+  const auto received = BytesReceived(fd);
+  int waiting = 0;
+  if (!received || ioctl(fd, SIOCINQ, &waiting) != 0) return {};
+  const auto left = static_cast<std::uint64_t>(waiting);
+  return *received > left ? *received - left : 0;
 }
 
 void HangUp(Message& frame, std::string_view bound) noexcept { HangUp(zmq_msg_get(frame.raw(), ZMQ_SRCFD), bound); }

@@ -115,8 +115,8 @@ void ZmqCore::AddSubscriber(const SubscribeEndpoint& endpoint) {
     throw Error("This session subscribes at " + endpoint.endpoint + " already.", {},
                 "Name it once, with all channels.");
   }
-  auto added =
-      std::make_shared<SubscriberEndpoint>(shared_, endpoint, [this](const InboundCore* core) { AskAgain(core); });
+  auto added = std::make_shared<SubscriberEndpoint>(shared_, poller_, endpoint,
+                                                    [this](const InboundCore* core) { AskAgain(core); });
   for (const auto& [name, core] : inbound_) added->Subscribe(core);
   poller_.Add(added->fd(), added->input());
   poller_.Add(added->monitor_fd(), added->monitor_input());
@@ -277,7 +277,9 @@ void ZmqCore::Wait() noexcept {
 LeaderPool::Task ZmqCore::Lead() noexcept {
   for (;;) {
     UpdateWatch();
-    if (const auto now = std::chrono::steady_clock::now(); now >= next_tick_) Tick(now);
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= next_tick_) Tick(now);
+    if (now >= next_look_) Look(now);
     if (desk_ && desk_input_.exchange(false)) desk_->Serve();
 
     Actions actions = shared_.CollectPosted();
@@ -339,11 +341,19 @@ void ZmqCore::Tick(SteadyTime now) {
   }
 }
 
+void ZmqCore::Look(SteadyTime now) {
+  for (const auto& endpoint : watch_.subscribers) {
+    if (const auto next = endpoint->NextLook(); next && *next <= now) endpoint->Look(now);
+  }
+}
+
 void ZmqCore::SetDeadline() {
+  next_look_ = SteadyTime::max();
   for (const auto& endpoint : watch_.subscribers) {
     if (const auto deadline = endpoint->Deadline(); deadline && *deadline < next_tick_) next_tick_ = *deadline;
+    if (const auto next = endpoint->NextLook()) next_look_ = std::min(next_look_, *next);
   }
-  deadline_.store(next_tick_, std::memory_order_relaxed);
+  deadline_.store(std::min(next_tick_, next_look_), std::memory_order_relaxed);
 }
 
 }  // namespace hgros::zmq

@@ -77,6 +77,7 @@ class ZmqCore : public LeaderPool::Input {
   };
   void UpdateWatch();
   void Tick(SteadyTime now);
+  void Look(SteadyTime now);
   void SetDeadline();
   [[nodiscard]] bool Pending() const;
   void WaitUntilSent(int linger_ms);
@@ -100,6 +101,7 @@ class ZmqCore : public LeaderPool::Input {
   // Belong to the leading thread.
   Watch watch_;
   SteadyTime next_tick_;
+  SteadyTime next_look_ = SteadyTime::max();
   // The latest time at which waiting ends. The leading thread sets it, the waiting ones read it.
   std::atomic<SteadyTime> deadline_;
   // Close() waits here until all rings are empty.

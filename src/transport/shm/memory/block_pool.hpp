@@ -13,8 +13,8 @@
 
 #include "hgros/base/bytes.hpp"
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/base/memory_room.hpp"
 #include "transport/shm/memory/memory.hpp"
-#include "transport/shm/memory/memory_group.hpp"
 
 namespace hgros::shm {
 

@@ -1,15 +1,12 @@
 #include "transport/zmq/publish/unfinished_messages.hpp"
 
-#include <linux/sockios.h>
 #include <sys/epoll.h>
-#include <sys/ioctl.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,20 +14,6 @@
 #include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
-namespace {
-
-/// The bytes that ZeroMQ has read from a tcp connection; none if that is not known.
-std::optional<std::uint64_t> BytesRead(int fd) {
-  // In this order: what comes between the two calls makes the result smaller.
-  const auto received = BytesReceived(fd);
-  int waiting = 0;
-  if (!received || ioctl(fd, SIOCINQ, &waiting) != 0) return {};
-  const auto left = static_cast<std::uint64_t>(waiting);
-  return *received > left ? *received - left : 0;
-}
-
-}  // namespace
-
 UnfinishedMessages::UnfinishedMessages()
     : epoll_(epoll_create1(EPOLL_CLOEXEC)), timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
   epoll_event event{};

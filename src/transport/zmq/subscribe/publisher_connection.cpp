@@ -48,9 +48,9 @@ PublisherConnection::PublisherConnection(SharedState& shared, const SubscribeEnd
 
   const std::string monitored = "inproc://monitor-" + std::to_string(RandomId());
   if (zmq_socket_monitor(socket_.raw(), monitored.c_str(),
-                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED |
-                             ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                             ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) != 0) {
+                         ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
+                             ZMQ_EVENT_CONNECT_RETRIED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) != 0) {
     throw Error(std::string("Cannot watch the connection to ") + endpoint_ + ": " + zmq_strerror(zmq_errno()) + ".");
   }
   if (const int error = monitor_.Connect(monitored); error != 0) {
@@ -79,15 +79,20 @@ bool PublisherConnection::ReadMonitor() {
   while (monitor_.Receive(event)) {
     if (event.more()) monitor_.Receive(address);
     std::uint16_t what = 0;
-    if (event.bytes().size() < sizeof what) continue;
+    std::int32_t value = 0;
+    if (event.bytes().size() < sizeof what + sizeof value) continue;
     std::memcpy(&what, event.bytes().data(), sizeof what);
-    if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+    std::memcpy(&value, event.bytes().data() + sizeof what, sizeof value);
+    if (what == ZMQ_EVENT_CONNECTED) {
+      new_connection_ = value;
+    } else if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
       connected_ = true;
       welcomed_ = false;
       connected_since_ = std::chrono::steady_clock::now();
       unreached_since_.reset();
       handshake_failure_ = 0;
     } else if (what == ZMQ_EVENT_DISCONNECTED) {
+      new_connection_ = -1;
       given_up_since_ = std::chrono::steady_clock::now();
       if (connected_) unreached_since_ = given_up_since_;
       connected_ = false;
@@ -124,7 +129,7 @@ void PublisherConnection::Tick(SteadyTime now) {
     unreached_since_.reset();
     if (logs_) LogUnreachable();
   }
-  if (given_up_since_ && now - *given_up_since_ >= kGivenUpAfter) {
+  if (given_up_since_ && now - *given_up_since_ >= kGivenUpAfter && now >= paused_until_) {
     given_up_since_.reset();
     socket_.Disconnect(endpoint_);
     if (const int error = socket_.Connect(endpoint_); error != 0) {
@@ -182,10 +187,12 @@ std::optional<SteadyTime> PublisherConnection::Deadline() const {
   return connected_since_ + shared_.options.plain_after;
 }
 
-void PublisherConnection::Abort() {
+void PublisherConnection::Abort(std::chrono::milliseconds pause) {
   socket_.Disconnect(endpoint_);
   connected_ = false;
+  new_connection_ = -1;
   given_up_since_ = unreached_since_ = std::chrono::steady_clock::now();
+  paused_until_ = *given_up_since_ + pause;
 }
 
 void PublisherConnection::Close(int linger_ms) {

@@ -40,6 +40,8 @@ class PublisherConnection {
   [[nodiscard]] bool ReadMonitor();
   /// Whether an attempt to connect has failed since the last call.
   [[nodiscard]] bool CollectFailure() noexcept { return std::exchange(failed_, false); }
+  /// The descriptor of a new connection since the last call; -1 if it has ended again.
+  [[nodiscard]] std::optional<int> CollectConnection() noexcept { return std::exchange(new_connection_, {}); }
   /// The other side has sent a Welcome.
   void SetWelcomed() noexcept;
   /// The other side can be reached, even if the monitor has not reported it yet.
@@ -51,8 +53,8 @@ class PublisherConnection {
   void Tick(SteadyTime now);
   /// When Tick() or TurnPlain() must be called next.
   [[nodiscard]] std::optional<SteadyTime> Deadline() const;
-  /// Ends the connection; Tick() makes a new one.
-  void Abort();
+  /// Ends the connection; Tick() makes a new one after `pause`.
+  void Abort(std::chrono::milliseconds pause = {});
   void Close(int linger_ms);
 
  private:
@@ -72,11 +74,13 @@ class PublisherConnection {
   // Disconnected, and ZeroMQ has not reported that it will try again. It never does after a breach of its protocol,
   // for example if another program had the publisher's port.
   std::optional<SteadyTime> given_up_since_;
+  SteadyTime paused_until_{};
   // The time since which there is no connection; none after that was logged.
   std::optional<SteadyTime> unreached_since_ = std::chrono::steady_clock::now();
   int handshake_failure_ = 0;  // The most specific failure event since the last connection.
   const bool logs_;
   bool failed_ = false;
+  std::optional<int> new_connection_;
   std::future<void> lookup_;  // Looks for the host's address: a name server may take long to answer.
 };
 

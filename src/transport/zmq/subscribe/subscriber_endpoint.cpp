@@ -10,11 +10,14 @@ namespace hgros::zmq {
 namespace {
 
 constexpr int kMessagesPerTurn = 32;  // Then other endpoints have their turn.
+constexpr auto kPauseAfterUnfinished = std::chrono::seconds(5);
 
 }  // namespace
 
-SubscriberEndpoint::SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed)
+SubscriberEndpoint::SubscriberEndpoint(SharedState& shared, Poller& poller, const SubscribeEndpoint& endpoint,
+                                       ClaimsFreed claims_freed)
     : shared_(shared),
+      poller_(poller),
       on_event_(endpoint.on_event),
       connection_(shared, endpoint),
       channels_(shared, connection_, publisher_, endpoint.channels, std::move(claims_freed)) {}
@@ -55,6 +58,7 @@ void SubscriberEndpoint::AskAgain(const InboundCore* core) {
 }
 
 LeaderPool::Task SubscriberEndpoint::Serve(bool& busy) {
+  if (bytes_.load() && bytes_.exchange(false)) unfinished_.NoteBytes(std::chrono::steady_clock::now());
   if (inbox_.empty() && (input_.load() || monitor_input_.load())) {
     input_ = false;
     if (ReadBatch()) {
@@ -88,6 +92,7 @@ bool SubscriberEndpoint::ReadBatch() {
       more = frame.more();
       if (frames.size() < 3) frames.push_back(std::move(frame));
     }
+    unfinished_.NoteMessage();
     publisher_.last_heard = std::chrono::steady_clock::now();
     const std::string_view text = AsText(topic.bytes());
     if (!text.empty() && text[0] == kControlByte) {
@@ -106,6 +111,10 @@ bool SubscriberEndpoint::ReadBatch() {
 
 void SubscriberEndpoint::ReadMonitor(Actions& actions) {
   const bool ended = connection_.ReadMonitor();
+  if (const auto connection = connection_.CollectConnection()) {
+    unfinished_.Watch(*connection);
+    WaitForBytes();
+  }
   if (connection_.CollectFailure()) Report(EndpointEvent::kFailed, actions);
   if (!ended) return;
   channels_.SetPlain(false);
@@ -119,6 +128,30 @@ void SubscriberEndpoint::Report(EndpointEvent event, Actions& actions) const {
 void SubscriberEndpoint::AbortConnection(Actions& actions) {
   LosePublisher("it sent more than it had credit for", true, actions);
   connection_.Abort();
+}
+
+// Once: then the looks begin. A closed descriptor leaves the poller by itself.
+void SubscriberEndpoint::WaitForBytes() noexcept {
+  if (unfinished_.connection() >= 0) (void)poller_.AddOnce(unfinished_.connection(), bytes_);
+}
+
+void SubscriberEndpoint::Look(SteadyTime now) {
+  Actions actions;
+  {
+    const SocketUse use(mutex_, connection_.socket(), input_, *shared_.waker);
+    const auto fault = unfinished_.Look(now, !connection_.socket().HasInput());
+    if (fault) {
+      shared_.CountPeerFault(
+          PacketFault::kOverrun, endpoint(),
+          "the message " + *fault + ". The connection is closed, and tried again after 5 s. Find the program.");
+      LosePublisher("it sent a message that does not end", true, actions);
+      connection_.Abort(kPauseAfterUnfinished);
+      unfinished_.Watch(-1);
+    } else if (!unfinished_.NextLook()) {
+      WaitForBytes();
+    }
+  }
+  inbox_.AddActions(actions);
 }
 
 void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& actions) {
@@ -246,6 +279,7 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
     const SocketUse use(mutex_, connection_.socket(), input_, *shared_.waker);
     if (connection_.TurnPlain(now)) channels_.SetPlain(true);
     connection_.Tick(now);
+    if (unfinished_.HasReceived()) publisher_.last_heard = now;
     const auto timeout = shared_.options.peer_timeout;
     if (publisher_.alive && now - publisher_.last_heard > timeout) {
       LosePublisher("it was silent for " + std::to_string(timeout.count()) + " ms", false, actions);

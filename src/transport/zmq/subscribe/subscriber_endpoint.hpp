@@ -11,25 +11,27 @@
 
 #include "transport/inbound_core.hpp"
 #include "transport/leader_pool.hpp"
+#include "transport/poller.hpp"
 #include "transport/zmq/shared_state.hpp"
 #include "transport/zmq/subscribe/inbox.hpp"
 #include "transport/zmq/subscribe/packet_reader.hpp"
 #include "transport/zmq/subscribe/publisher_connection.hpp"
 #include "transport/zmq/subscribe/remote_publisher.hpp"
 #include "transport/zmq/subscribe/subscribed_channels.hpp"
+#include "transport/zmq/subscribe/unfinished_message.hpp"
 
 namespace hgros::zmq {
 
 /// Receives from one publish endpoint of another session: reads the publisher's messages, and passes them to the
 /// connection, the channels and the inbox.
 ///
-/// Thread safety: thread-safe. `mutex_` guards the socket and everything that uses it. Serve() and Tick() belong to
-/// the leading thread; so does `inbox_`, from which it delivers without the mutex.
+/// Thread safety: thread-safe. `mutex_` guards the socket and everything that uses it. Serve(), Look() and Tick()
+/// belong to the leading thread; so do `unfinished_`, and `inbox_`, from which it delivers without the mutex.
 class SubscriberEndpoint {
  public:
   /// Connects. `claims_freed` is called without a lock when channels may be asked for at another endpoint.
   /// Throws Error.
-  SubscriberEndpoint(SharedState& shared, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed);
+  SubscriberEndpoint(SharedState& shared, Poller& poller, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed);
   ~SubscriberEndpoint();
 
   /// Adds what is published there.
@@ -56,6 +58,9 @@ class SubscriberEndpoint {
   /// Sends credit to the publisher if it waits for that, or always if `all`.
   void SendCredit(bool all);
   void Tick(SteadyTime now);
+  /// Closes the connection if the publisher sends a message without an end. To be called at NextLook().
+  void Look(SteadyTime now);
+  [[nodiscard]] std::optional<SteadyTime> NextLook() const noexcept { return unfinished_.NextLook(); }
   /// The waiting thread itself did not run for a while: the publisher's silence does not count.
   void ForgiveSilence(SteadyTime now);
   /// When Tick() must be called next besides the heartbeats.
@@ -77,20 +82,25 @@ class SubscriberEndpoint {
   /// The publisher exceeds its credit, or is not the session that it claims to be: nothing more is read from this
   /// connection.
   void AbortConnection(Actions& actions);
+  void WaitForBytes() noexcept;
   void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
   void Report(EndpointEvent event, Actions& actions) const;
   void SayHello(std::uint64_t handshake);
 
   SharedState& shared_;
+  Poller& poller_;
   const std::function<void(EndpointEvent)> on_event_;
   mutable std::mutex mutex_;
   PublisherConnection connection_;
   const LentFlag lent_input_{shared_.input_flags};
   const LentFlag lent_monitor_input_{shared_.input_flags};
+  const LentFlag lent_bytes_{shared_.input_flags};
   std::atomic<bool>& input_ = *lent_input_;  // There may be input to read.
   std::atomic<bool>& monitor_input_ = *lent_monitor_input_;
+  std::atomic<bool>& bytes_ = *lent_bytes_;  // Bytes have come after a silence.
   RemotePublisher publisher_;
   SubscribedChannels channels_;
+  UnfinishedMessage unfinished_{shared_.options.max_message_bytes};
   Actions last_;  // Called when the inbox of the closed endpoint is empty.
   Inbox inbox_;
   PacketReader packets_{shared_, connection_, publisher_, channels_, inbox_};

@@ -1,4 +1,7 @@
-#include "transport/shm/memory/memory_group.hpp"
+#include "hgros/base/memory_room.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -6,7 +9,7 @@
 #include <sstream>
 #include <vector>
 
-namespace hgros::shm {
+namespace hgros {
 namespace {
 
 // The part of a group's limit that stays free for other needs of its processes: an eighth, within these bounds.
@@ -45,6 +48,18 @@ std::optional<std::uint64_t> RoomOf(const std::string& folder, bool unified) {
   const std::uint64_t cached = CachedBytes(folder + "/memory.stat", unified ? "" : "total_");
   const std::uint64_t taken = *usage - std::min(*usage, cached) + std::clamp(*limit / 8, kLeastMargin, kLargestMargin);
   return *limit - std::min(*limit, taken);
+}
+
+std::uint64_t PageBytes() { return static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)); }
+
+struct Pages {
+  std::uint64_t all = 0;
+  std::uint64_t resident = 0;
+};
+Pages PagesOfThisProcess() {
+  Pages pages;
+  std::ifstream file("/proc/self/statm");
+  return file >> pages.all >> pages.resident ? pages : Pages();
 }
 
 // The path of the process's group in the hierarchy of that version.
@@ -96,4 +111,22 @@ std::optional<std::uint64_t> MemoryGroupRoom(const std::string& process) {
   return room;
 }
 
-}  // namespace hgros::shm
+std::uint64_t ResidentBytes() { return PagesOfThisProcess().resident * PageBytes(); }
+
+std::optional<std::uint64_t> FreeMemory() {
+  std::optional<std::uint64_t> room = MemoryGroupRoom();
+  const auto at_most = [&room](std::uint64_t bytes) { room = std::min(room.value_or(bytes), bytes); };
+  std::ifstream file("/proc/meminfo");
+  std::string name;
+  std::string unit;
+  std::uint64_t kilobytes = 0;
+  while (file >> name >> kilobytes && name != "MemAvailable:") std::getline(file, unit);
+  if (file) at_most(kilobytes * 1024);
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    at_most(limit.rlim_cur - std::min<std::uint64_t>(limit.rlim_cur, PagesOfThisProcess().all * PageBytes()));
+  }
+  return room;
+}
+
+}  // namespace hgros

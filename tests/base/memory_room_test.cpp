@@ -1,26 +1,28 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
-#include "transport/shm/memory/memory_group.hpp"
+#include "hgros/base/memory_room.hpp"
 
-namespace hgros::shm {
+namespace hgros {
 namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
 
 /// The kernel's files about a process and its groups, written by hand.
-class ShmMemoryGroup : public testing::Test {
+class MemoryGroup : public testing::Test {
  protected:
-  ShmMemoryGroup() {
+  MemoryGroup() {
     std::string name = (std::filesystem::temp_directory_path() / "hgros_group_XXXXXX").string();
     folder = mkdtemp(name.data());
   }
-  ~ShmMemoryGroup() override { std::filesystem::remove_all(folder); }
+  ~MemoryGroup() override { std::filesystem::remove_all(folder); }
   void Write(const std::string& path, const std::string& text) const {
     std::filesystem::create_directories((folder / path).parent_path());
     std::ofstream(folder / path) << text;
@@ -39,7 +41,7 @@ class ShmMemoryGroup : public testing::Test {
   std::filesystem::path folder;
 };
 
-TEST_F(ShmMemoryGroup, ReturnsNothingWithoutALimit) {
+TEST_F(MemoryGroup, ReturnsNothingWithoutALimit) {
   EXPECT_EQ(Room(), std::nullopt);
   Write("cgroup", "0::/robot\n");
   Mounted("/", "cgroup2", "nsdelegate");
@@ -48,7 +50,7 @@ TEST_F(ShmMemoryGroup, ReturnsNothingWithoutALimit) {
   EXPECT_EQ(Room(), std::nullopt);
 }
 
-TEST_F(ShmMemoryGroup, ReturnsTheRoomOfTheFullestGroup) {
+TEST_F(MemoryGroup, ReturnsTheRoomOfTheFullestGroup) {
   Write("cgroup", "0::/robots/robot\n");
   Mounted("/", "cgroup2", "nsdelegate");
   Unified("top/robots/robot", "max", 10 * kMega, 0);
@@ -60,14 +62,14 @@ TEST_F(ShmMemoryGroup, ReturnsTheRoomOfTheFullestGroup) {
   EXPECT_EQ(Room(), 0u);
 }
 
-TEST_F(ShmMemoryGroup, CachedFilesCountAsFree) {
+TEST_F(MemoryGroup, CachedFilesCountAsFree) {
   Write("cgroup", "0::/robot\n");
   Mounted("/", "cgroup2", "nsdelegate");
   Unified("top/robot", std::to_string(160 * kMega), 160 * kMega, 100 * kMega);
   EXPECT_EQ(Room(), 80 * kMega);
 }
 
-TEST_F(ShmMemoryGroup, ReadsGroupsOfCgroupVersionOne) {
+TEST_F(MemoryGroup, ReadsGroupsOfCgroupVersionOne) {
   Write("cgroup", "9:cpu:/other\n4:hugetlb,memory:/docker/robot\n0::/\n");
   Mounted("/docker", "cgroup", "memory,hugetlb");
   Write("top/robot/memory.limit_in_bytes", std::to_string(160 * kMega));
@@ -79,7 +81,7 @@ TEST_F(ShmMemoryGroup, ReadsGroupsOfCgroupVersionOne) {
   EXPECT_EQ(Room(), 70 * kMega);
 }
 
-TEST_F(ShmMemoryGroup, ReadsAContainersOwnGroup) {
+TEST_F(MemoryGroup, ReadsAContainersOwnGroup) {
   Write("cgroup", "0::/docker/robot\n");
   Mounted("/docker/robot", "cgroup2", "nsdelegate");
   Unified("top", std::to_string(160 * kMega), 100 * kMega, 0);
@@ -89,5 +91,27 @@ TEST_F(ShmMemoryGroup, ReadsAContainersOwnGroup) {
   EXPECT_EQ(Room(), 40 * kMega);
 }
 
+TEST(MemoryRoom, ALimitOfTheAddressSpaceCounts) {
+  const std::optional<std::uint64_t> before = FreeMemory();
+  ASSERT_TRUE(before);
+  EXPECT_GT(*before, kMega);
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &limit), 0);
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlimit small{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + 32 * kMega, limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &small), 0);
+  const std::optional<std::uint64_t> after = FreeMemory();
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+  EXPECT_LE(after, 32 * kMega);
+}
+
+TEST(MemoryRoom, WhatIsWrittenToIsResident) {
+  const std::uint64_t before = ResidentBytes();
+  EXPECT_GT(before, 0U);
+  const std::vector<char> written(64 * kMega, 'x');
+  EXPECT_GE(ResidentBytes(), before + 60 * kMega) << written.size();
+}
+
 }  // namespace
-}  // namespace hgros::shm
+}  // namespace hgros
