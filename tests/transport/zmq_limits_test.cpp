@@ -210,6 +210,28 @@ TEST_F(ZmqLimits, AConnectionThatSubscribesToMoreThanTheLimitIsNamedAndStays) {
   EXPECT_EQ(Overruns(publisher), 1u);
 }
 
+TEST_F(ZmqLimits, OfConnectionsWithTooManyTopicsTogetherTheLargestAreClosed) {
+  const std::int64_t before = UsedMiB();
+  std::vector<Client> clients;
+  for (int number = 0; number < 8; ++number) {
+    const Client& client = clients.emplace_back(endpoint);
+    std::string frames;
+    for (int i = 0; i < 9'500; ++i) {  // 1.9 MiB.
+      std::string topic = std::to_string(10'000'000 + number * 10'000 + i);
+      topic.resize(190, 'x');
+      frames += Frame('\1' + PlainTopic(topic));
+      if (i % 500 != 499) continue;
+      (void)client.Send(frames);
+      frames.clear();
+    }
+  }
+  const auto closed = [&] { return std::ranges::count_if(clients, &Client::WasClosed); };
+  EXPECT_TRUE(Eventually([&] { return closed() >= 3; })) << closed();
+  EXPECT_LT(UsedMiB() - before, 800);
+  EXPECT_EQ(publisher.TimesSaid("are too many together"), 1);
+  ExpectOthersGoOn();
+}
+
 TEST_F(ZmqLimits, AConnectionMayWalkThroughTheChannelsThatAnotherOneHolds) {
   const Client recorder(endpoint);
   const Client walker(endpoint, "127.0.0.2");

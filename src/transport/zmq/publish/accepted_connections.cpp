@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "hgros/base/memory_room.hpp"
 #include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
@@ -20,6 +21,9 @@ constexpr auto kSayCutAgainAfter = std::chrono::hours(1);
 constexpr std::uint64_t kGreetingBytes = 64;  // Of ZMTP 3: https://rfc.zeromq.org/spec/23
 constexpr auto kLookAgainAfter = std::chrono::milliseconds(50);
 constexpr int kStuckAfterLooks = 4;
+
+constexpr std::size_t kMemoryPerTopicByte = 40;
+constexpr std::size_t kMostPartOfFreeMemory = 8;
 
 bool HasGreeted(int fd) { return BytesReceived(fd).value_or(kGreetingBytes) >= kGreetingBytes; }
 
@@ -33,6 +37,13 @@ bool IsFull(int fd) {
 }
 
 }  // namespace
+
+std::size_t AcceptedConnections::MostTopicBytes() {
+  const auto free = FreeMemory();
+  if (!free) return kMostTopicBytesOfAll;
+  return std::clamp<std::size_t>(*free / kMostPartOfFreeMemory / kMemoryPerTopicByte, 2 * kMostTopicBytes,
+                                 kMostTopicBytesOfAll);
+}
 
 std::size_t AcceptedConnections::MostOfOneAddress() noexcept {
   rlimit files{};
@@ -99,13 +110,14 @@ bool AcceptedConnections::MayBeSilent(const Connection& added) {
 void AcceptedConnections::Remove(int fd) {
   const auto found = connections_.find(fd);
   if (found == connections_.end()) return;
-  for (const std::string& topic : found->second.topics) Release(topic);
+  ReleaseAll(found->second);
   connections_.erase(found);
 }
 
 void AcceptedConnections::Clear() {
   connections_.clear();
   holders_.clear();
+  topic_bytes_ = 0;
 }
 
 bool AcceptedConnections::NoteSession(int fd, SessionId session) {
@@ -156,8 +168,7 @@ bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view 
     Cut(fd, "twice too many topics",
         "subscribes to twice as much as one connection may: after " + std::to_string(connection.topics.size()) +
             " topics it is closed. Let it subscribe to the channels that it needs.");
-    for (const std::string& held : connection.topics) Release(held);
-    connection.topics.clear();
+    ReleaseAll(connection);
     return false;
   }
   if (before <= kMostTopicBytes && connection.topic_bytes > kMostTopicBytes) {
@@ -169,15 +180,37 @@ bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view 
   const auto held = holders_.find(topic);
   if (held == holders_.end()) {
     holders_.emplace(topic, 1);
+    topic_bytes_ += topic.size() + kBesidesTopicBytes;
+    if (topic_bytes_ > most_topic_bytes_) CutLargest();
   } else {
     ++held->second;
   }
-  return true;
+  return !connection.cut;
+}
+
+void AcceptedConnections::CutLargest() {
+  const auto largest = std::ranges::max_element(
+      connections_, {}, [](const auto& entry) { return entry.second.cut ? 0 : entry.second.topic_bytes; });
+  auto& [fd, connection] = *largest;
+  connection.cut = true;
+  Cut(fd, "topics of all",
+      "subscribes to most of all connections, whose topics are too many together: with " +
+          std::to_string(connection.topics.size()) +
+          " topics it is closed. Let each subscribe to the channels that it needs.");
+  ReleaseAll(connection);
+}
+
+void AcceptedConnections::ReleaseAll(Connection& connection) {
+  for (const std::string& topic : connection.topics) Release(topic);
+  connection.topics.clear();
+  connection.topic_bytes = 0;
 }
 
 void AcceptedConnections::Release(std::string_view topic) {
   const auto held = holders_.find(topic);
-  if (held != holders_.end() && --held->second == 0) holders_.erase(held);
+  if (held == holders_.end() || --held->second > 0) return;
+  topic_bytes_ -= held->first.size() + kBesidesTopicBytes;
+  holders_.erase(held);
 }
 
 void AcceptedConnections::CloseIdle(SteadyTime now) {

@@ -22,6 +22,7 @@ namespace hgros::zmq {
 /// - A tcp connection that has neither subscribed to anything nor said Hello is closed after kIdleAfter.*
 /// - A connection whose topics have more than kMostTopicBytes is named*, and closed at twice as many*. ZeroMQ takes up
 ///   to 32 bytes for each of them.
+/// - If the topics of all connections together have more than MostTopicBytes(), the connection with most is closed.*
 /// - A connection belongs to one session. Each that it names would get a Welcome, which it need not read.*
 /// - A plain subscriber that does not read is closed before it uses up the bytes that all plain subscribers share.
 ///
@@ -32,11 +33,15 @@ class AcceptedConnections {
   /// Enough for 16384 channels of a session, with names of 30 characters.
   static constexpr std::size_t kMostTopicBytes = 1u << 20;
   static constexpr std::size_t kBesidesTopicBytes = 16;  // Counted for each topic.
+  /// Each of them takes about 40 bytes of memory.
+  static constexpr std::size_t kMostTopicBytesOfAll = 8 * kMostTopicBytes;
   static constexpr auto kIdleAfter = std::chrono::seconds(30);
 
   /// `bound` may be set later.
   AcceptedConnections(SharedState& shared, const std::string& bound) : shared_(shared), bound_(bound) {}
 
+  /// kMostTopicBytesOfAll, or less if they would take more than an eighth of the free memory.
+  [[nodiscard]] static std::size_t MostTopicBytes();
   /// A quarter of the descriptors that this process may have.
   [[nodiscard]] static std::size_t MostOfOneAddress() noexcept;
 
@@ -83,10 +88,14 @@ class AcceptedConnections {
   /// False if the connection was closed.
   [[nodiscard]] bool Hold(int fd, Connection& connection, std::string_view topic);
   void Release(std::string_view topic);
+  void ReleaseAll(Connection& connection);
+  void CutLargest();
 
   SharedState& shared_;
   const std::string& bound_;
   std::unordered_map<int, Connection> connections_;  // By descriptor.
+  std::size_t most_topic_bytes_ = MostTopicBytes();
+  std::size_t topic_bytes_ = 0;  // Of all topics in `holders_`.
   // How many connections hold a topic.
   std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> holders_;
   SteadyTime next_look_{};
