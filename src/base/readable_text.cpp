@@ -17,8 +17,9 @@ std::uint32_t CodePoint(std::string_view character, std::size_t length) {
 
 bool IsReadable(std::uint32_t code) {
   const bool control = code < 0x20 || (code >= 0x7f && code < 0xa0);
-  const bool direction = (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
-  return !control && !direction;
+  // Separators of lines and paragraphs, and what changes the direction of text.
+  const bool layout = (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+  return !control && !layout;
 }
 
 std::string Escaped(std::uint32_t code) {

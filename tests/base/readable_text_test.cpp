@@ -29,6 +29,11 @@ TEST(ReadableText, EscapesCharactersThatChangeTheDirectionOfText) {
   EXPECT_TRUE(IsReadable("\xe2\x80\xaf\xe2\x81\xaa")) << "their neighbors U+202F and U+206A";
 }
 
+TEST(ReadableText, EscapesSeparatorsOfLinesAndParagraphs) {
+  EXPECT_EQ(Readable("a\xe2\x80\xa8\xe2\x80\xa9"), R"(a\u2028\u2029)");
+  EXPECT_TRUE(IsReadable("\xe2\x80\xa7")) << "their neighbor U+2027";
+}
+
 TEST(ReadableText, EscapesBytesThatAreNoUtf8) {
   EXPECT_EQ(Readable("a\xff\xc3"), R"(a\xff\xc3)");
   EXPECT_EQ(Readable("\xed\xa0\x80"), R"(\xed\xa0\x80)");

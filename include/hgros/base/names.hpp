@@ -13,7 +13,7 @@ namespace hgros {
 inline constexpr std::size_t kMaxChannelNameLength = 200;
 
 /// Checks a channel name: 1 to kMaxChannelNameLength bytes of valid UTF-8 (packets carry names in protobuf strings)
-/// without spaces, control characters and characters that change the direction of text (U+202A to U+202E, U+2066 to
+/// without spaces, control characters and what ends lines or changes the direction of text (U+2028 to U+202E, U+2066 to
 /// U+2069). Slashes are allowed. Returns an empty text, or what is wrong.
 [[nodiscard]] HGROS_EXPORT std::string ChannelNameFault(std::string_view name);
 

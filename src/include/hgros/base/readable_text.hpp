@@ -13,8 +13,8 @@ namespace hgros {
 [[nodiscard]] HGROS_EXPORT std::size_t Utf8Length(std::string_view text) noexcept;
 
 /// True if `text` can be shown as it is: UTF-8 without control characters (U+0000 to U+001F, U+007F to U+009F) and
-/// without characters that change the direction of text (U+202A to U+202E, U+2066 to U+2069). With these, a name or a
-/// line of a log can look like another one (CVE-2021-42574).
+/// without characters that end lines or change the direction of text (U+2028 to U+202E, U+2066 to U+2069). With these,
+/// a name or a line of a log can look like another one (CVE-2021-42574).
 [[nodiscard]] HGROS_EXPORT bool IsReadable(std::string_view text) noexcept;
 
 /// `text` with everything that IsReadable() refuses escaped: "\n", "\x1b", "\u202e". At most `most_bytes` long; what is
