@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bridge/joined_channels.hpp"
+#include "hgros/base/message_key.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/protobuf_log.hpp"
@@ -21,6 +22,8 @@ constexpr std::size_t kMaxPublishers = 4096;
 constexpr int kMessagesPerErrand = 16;
 // A limit against plain publishers that name a new type in each message.
 constexpr std::size_t kMostSaidSchemas = 32;
+// Chains older than a day count as a day old.
+constexpr std::int64_t kMostAgeNs = 24 * 3600 * std::int64_t{1'000'000'000};
 
 }  // namespace
 
@@ -34,6 +37,7 @@ ChannelInlet::ChannelInlet(Channel& channel, bool brings_replies, std::shared_pt
       on_publishers_(std::move(on_publishers)),
       run_apart_(std::move(run_apart)),
       tell_misfit_(std::move(tell_misfit)),
+      origin_(Cause::OriginOf(DataGraph::NameOf(channel))),
       clocks_(std::move(clocks)) {
   [[maybe_unused]] static const bool limited = (LimitProtobufLog(), true);
 }
@@ -161,11 +165,12 @@ void ChannelInlet::RunErrand() noexcept {
   run_apart_([this] { RunErrand(); });
 }
 
-bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost) {
+bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost, std::int64_t& way_ns) {
   const MessageId& id = message.head.id;
   const std::scoped_lock lock(counts_mutex_);
   if (const std::int64_t then = message.head.publish_time_ns; then > 0) {
-    transport_.Record(clocks_->Since(then, message.from).count());
+    way_ns = clocks_->Since(then, message.from).count();
+    transport_.Record(way_ns);
   }
   const std::pair who{message.from.value, id.publisher};
   if (lives_.size() >= kMaxPublishers && !lives_.contains(who)) {
@@ -191,8 +196,7 @@ bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost) {
     life.cut_ns.reset();
   }
   if (life.cut_ns && message.head.publish_time_ns > 0) {
-    const std::int64_t age_ns = clocks_->Since(message.head.publish_time_ns, message.from).count();
-    if (MonotonicNow() - age_ns > *life.cut_ns) life.cut_ns.reset();
+    if (MonotonicNow() - way_ns > *life.cut_ns) life.cut_ns.reset();
   }
   life.away = false;
   life.incarnation = id.incarnation;
@@ -212,7 +216,8 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
     return std::nullopt;
   }
   Gap lost;
-  if (!CountIn(message, lost)) return std::nullopt;
+  std::int64_t way_ns = 0;
+  if (!CountIn(message, lost, way_ns)) return std::nullopt;
   if (lost.messages > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost, message.from);
   Decoded decoded;
   decoded.type = any ? &AnyType() : &DataGraph::InboundType(channel_);
@@ -225,12 +230,30 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
     OnFault(PacketFault::kData, "its data does not parse as " + asked.name);
     return std::nullopt;
   }
-  decoded.info.id = head.id;
-  decoded.info.publish_monotonic_ns = MonotonicNow();
-  decoded.info.publish_time_ns = head.publish_time_ns;
+  decoded.info = InfoOf(message, way_ns);
   decoded.credit = std::move(message.credit);
   decoded.latched = head.latched;
   return decoded;
+}
+
+// The sender may write any cause. Its numbers only name things, and the age is limited.
+MessageInfo ChannelInlet::InfoOf(const InboundMessage& message, std::int64_t way_ns) const noexcept {
+  const PacketHead& head = message.head;
+  MessageInfo info;
+  info.id = head.id;
+  info.publish_monotonic_ns = MonotonicNow();
+  info.publish_time_ns = head.publish_time_ns;
+  const std::uint64_t age = std::min<std::uint64_t>(head.cause.chain_age_ns, kMostAgeNs) +
+                            static_cast<std::uint64_t>(std::clamp<std::int64_t>(way_ns, 0, kMostAgeNs));
+  info.cause.message = head.cause.message;
+  info.cause.began_ns = info.publish_monotonic_ns - static_cast<std::int64_t>(std::min<std::uint64_t>(age, kMostAgeNs));
+  info.cause.origin = head.cause.chain_origin == 0 ? origin_ : head.cause.chain_origin;
+  // A sender that does not count its messages: the time tells them apart.
+  const std::uint64_t number = head.id.publisher == 0
+                                   ? static_cast<std::uint64_t>(info.publish_monotonic_ns)
+                                   : head.id.sequence + static_cast<std::uint64_t>(head.cause.unsent);
+  info.key = MessageKey(KeySeed(head.id.publisher, head.id.incarnation, origin_), number);
+  return info;
 }
 
 // Plain programs name the type in each message. Sessions with our own type send no schema.

@@ -14,6 +14,15 @@ namespace {
 
 constexpr std::string_view kNoMemory = "was not written, because there is no memory for it";
 
+CauseHead CauseOf(const MessageInfo& info, std::int64_t now) {
+  CauseHead cause;
+  cause.message = info.cause.message;
+  if (info.cause.message != 0) cause.chain_origin = info.cause.origin;
+  if (info.cause.began_ns != 0)
+    cause.chain_age_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(now - info.cause.began_ns, 0));
+  return cause;
+}
+
 }  // namespace
 
 ChannelOutlet::ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
@@ -191,9 +200,10 @@ void ChannelOutlet::CountNotEncodable(const Why& why) noexcept {
   }
 }
 
-bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept {
+bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
+                           PreparedMessage&& prepared) noexcept {
   try {
-    return TryCommit(message, type, std::move(prepared));
+    return TryCommit(message, type, info, std::move(prepared));
   } catch (const std::bad_alloc&) {
     Cancel();
     CountNotEncodable([] { return std::string(kNoMemory); });
@@ -201,7 +211,8 @@ bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, Prep
   }
 }
 
-bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) {
+bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
+                              PreparedMessage&& prepared) {
   const std::size_t depth = latched_.load(std::memory_order_relaxed);
   const bool listened = subscriber_count() > 0;
   if (!listened && depth == 0) {
@@ -222,13 +233,19 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, P
   head.publish_time_ns = clocks_->Now().nanoseconds;
   head.publish_monotonic_ns = MonotonicNow();
   head.latched = static_cast<std::uint32_t>(depth);
+  head.cause = CauseOf(info, head.publish_monotonic_ns);
+  // The two numbers differ: not every message was sent, and two threads may come here in another order.
+  const auto number = [&] {
+    head.id.sequence = ++sequence_;
+    if (info.id.sequence != 0) head.cause.unsent = static_cast<std::int64_t>(info.id.sequence - head.id.sequence);
+  };
 
   std::vector<Kept> dropped;  // Destroyed after the locks: a message's destructor is the user's code.
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
   bool counted = listened;
   if (depth > 0) {
-    head.id.sequence = ++sequence_;
+    number();
     // The bridge has come meanwhile.
     if (!data && WritesWhenLatched(type)) data = Encode(message, type, {});
     Keep({message, &type, head, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
@@ -237,7 +254,7 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, P
     counted = listened || (transports_ && transports_->subscriber_count() > 0);
     if (counted && !data) data = Encode(message, type, {});
   } else if (data->owner != nullptr) {
-    head.id.sequence = ++sequence_;
+    number();
   }
   if (!transports_) return true;
   if (counted && data->owner != nullptr) return transports_->Commit(head, *data);

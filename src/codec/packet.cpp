@@ -27,6 +27,10 @@ enum Field : std::uint32_t {
   kPublishTime = 10,
   kPublishMonotonic = 11,
   kLatched = 12,
+  kCause = 13,
+  kChainAge = 14,
+  kChainOrigin = 15,
+  kUnsent = 16,
 };
 
 constexpr std::uint32_t Tag(Field field, codec::FieldForm form) { return codec::FieldTag(field, form); }
@@ -36,6 +40,27 @@ struct Preamble {
   std::uint32_t version = 0;
   std::uint32_t encoding = 0;
 };
+
+// The encoding of protobuf's sint64.
+constexpr std::uint64_t ZigZag(std::int64_t value) {
+  return (static_cast<std::uint64_t>(value) << 1U) ^ (value < 0 ? ~std::uint64_t{0} : 0);
+}
+constexpr std::int64_t UnZigZag(std::uint64_t value) {
+  return static_cast<std::int64_t>((value >> 1U) ^ (~(value & 1U) + 1));
+}
+
+char* PutCause(char* at, const CauseHead& cause) {
+  using enum codec::FieldForm;
+  at = codec::PutFixed64(at, kCause, cause.message);
+  at = codec::PutNumber(at, kChainAge, cause.chain_age_ns);
+  if (cause.chain_origin != 0) {
+    *at++ = static_cast<char>(Tag(kChainOrigin, kFixed32));
+    at = codec::PutLittleEndian(at, cause.chain_origin);
+  }
+  if (cause.unsent == 0) return at;
+  at = codec::PutVarint(at, Tag(kUnsent, kVarint));
+  return codec::PutVarint(at, ZigZag(cause.unsent));
+}
 
 void ReadField(codec::FieldReader& in, PacketHead& head, Preamble& preamble) {
   using enum codec::FieldForm;
@@ -56,6 +81,10 @@ void ReadField(codec::FieldReader& in, PacketHead& head, Preamble& preamble) {
       head.publish_monotonic_ns = static_cast<std::int64_t>(in.ReadFixed<std::uint64_t>());
       break;
     case Tag(kLatched, kVarint): head.latched = static_cast<std::uint32_t>(in.ReadVarint()); break;
+    case Tag(kCause, kFixed64): head.cause.message = in.ReadFixed<std::uint64_t>(); break;
+    case Tag(kChainAge, kVarint): head.cause.chain_age_ns = in.ReadVarint(); break;
+    case Tag(kChainOrigin, kFixed32): head.cause.chain_origin = in.ReadFixed<std::uint32_t>(); break;
+    case Tag(kUnsent, kVarint): head.cause.unsent = UnZigZag(in.ReadVarint()); break;
     default: in.Skip(tag);
   }
 }
@@ -81,6 +110,7 @@ void Clear(PacketHead& head) {
   head.publish_time_ns = 0;
   head.publish_monotonic_ns = 0;
   head.latched = 0;
+  head.cause = {};
 }
 
 /// The id that 16 lower-case hexadecimal digits stand for. Other spellings are invalid: they would be other topics.
@@ -108,8 +138,8 @@ std::string_view ToString(PacketFault fault) noexcept {
 }
 
 void EncodeHeadFrame(const PacketHead& head, std::string& frame) {
-  // Tags, a fixed32, five fixed64, three varints and two text lengths take less than this.
-  constexpr std::size_t kMaxFixedPart = 128;
+  // Tags, two fixed32, six fixed64, five varints and two text lengths take less than this.
+  constexpr std::size_t kMaxFixedPart = 160;
   frame.resize(kPrefixBytes + kMaxFixedPart + head.channel.size() + head.type_name.size());
   char* const begin = frame.data();
   char* at = begin + kPrefixBytes;
@@ -125,6 +155,7 @@ void EncodeHeadFrame(const PacketHead& head, std::string& frame) {
   at = codec::PutFixed64(at, kPublishTime, static_cast<std::uint64_t>(head.publish_time_ns));
   at = codec::PutFixed64(at, kPublishMonotonic, static_cast<std::uint64_t>(head.publish_monotonic_ns));
   at = codec::PutNumber(at, kLatched, head.latched);
+  at = PutCause(at, head.cause);
   const auto size = static_cast<std::size_t>(at - begin);
   codec::PutLittleEndian(begin, static_cast<std::uint32_t>(size - kPrefixBytes));
   codec::PutLittleEndian(begin + 4, kHeaderSeparator);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hgros/internal/codec/call_message.hpp"
+#include "hgros/services/service_place.hpp"
 
 namespace hgros {
 
@@ -19,11 +20,17 @@ std::shared_ptr<const CallMessage> RefusalOf(const CallMessage& reply, PublishSt
 
 }  // namespace
 
-PublishStatus ReplyLine::Pass(const std::shared_ptr<const CallMessage>& reply) {
+PublishStatus SendCall(SessionOutlet& outlet, const std::shared_ptr<const CallMessage>& call, const TypeInfo& type) {
   PreparedMessage prepared;
-  const PublishStatus status = outlet_->Reserve(reply.get(), type_, prepared);
+  const PublishStatus status = outlet.Reserve(call.get(), type, prepared);
   if (status != PublishStatus::kOk) return status;
-  return outlet_->Commit(reply, type_, std::move(prepared)) ? PublishStatus::kOk : PublishStatus::kNoMemory;
+  MessageInfo info;
+  info.cause = call->cause;
+  return outlet.Commit(call, type, info, std::move(prepared)) ? PublishStatus::kOk : PublishStatus::kNoMemory;
+}
+
+PublishStatus ReplyLine::Pass(const std::shared_ptr<const CallMessage>& reply) {
+  return SendCall(*outlet_, reply, type_);
 }
 
 // After Commit() has failed, the caller may have got the reply. Then it ignores the refusal: its call has ended.

@@ -118,10 +118,7 @@ PublishStatus ServiceClient::PostAndLook(const CallState& call, Services& servic
 
 PublishStatus ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
   if (outlet_->subscriber_count() == 0) return PublishStatus::kFull;
-  PreparedMessage prepared;
-  const PublishStatus status = outlet_->Reserve(message.get(), request_, prepared);
-  if (status != PublishStatus::kOk) return status;
-  return outlet_->Commit(message, request_, std::move(prepared)) ? PublishStatus::kOk : PublishStatus::kNoMemory;
+  return SendCall(*outlet_, message, request_);
 }
 
 void ServiceClient::Send(const std::shared_ptr<CallState>& call) {

@@ -92,7 +92,8 @@ void ServiceHost::Arrive(std::shared_ptr<const CallMessage> request) {
                   "Service \"" + setting_.name + "\" replies with " + setting_.reply->name + ", not with " +
                       request->reply_type + ".");
   }
-  Waiting waiting{request, std::nullopt};
+  // A request of this session has come directly, perhaps from another thread than the caller's.
+  Waiting waiting{request, std::nullopt, request->cause.message == 0 ? Cause::Here() : request->cause};
   if (request->patience_ns > 0) waiting.due = DeadlineIn(std::chrono::nanoseconds(request->patience_ns));
   bool ended = false;
   bool full = false;
@@ -176,6 +177,7 @@ bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
 void ServiceHost::Handle(const Waiting& waiting) {
   using Outcome = CallMessage::Outcome;
   const CallMessage& request = *waiting.request;
+  const CauseScope cause(waiting.cause);
   if (waiting.due && *waiting.due <= std::chrono::steady_clock::now()) {  // The caller has reported the timeout.
     ++unhandled_;
     return;
@@ -212,6 +214,7 @@ void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcom
   answer->text = std::move(text);
   answer->body = std::move(reply);
   answer->type = setting_.reply_body;
+  answer->cause = Cause::Here();
   if (request.caller == session_.value) {
     if (const auto services = services_.lock()) services->EndCall(*answer, setting_.name);
     return;

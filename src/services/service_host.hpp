@@ -68,6 +68,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   struct Waiting {
     std::shared_ptr<const CallMessage> request;
     std::optional<std::chrono::steady_clock::time_point> due;
+    Cause cause;
   };
   class Running;  // Marks a thread that runs a handler.
 

@@ -193,6 +193,7 @@ std::shared_ptr<PendingCall> Services::Call(std::string_view name, Request reque
       request.timeout == std::chrono::nanoseconds::max() ? 0 : std::max<std::int64_t>(request.timeout.count(), 1);
   call->message->body = std::move(request.body);
   call->message->type = &request.body_type;
+  call->message->cause = Cause::Here();
   if (!call->message->body) {
     call->Refuse({Kind::kNotWritable, "The call of service \"" + std::string(name) + "\" has no request."});
     return call;

@@ -40,6 +40,14 @@ void Fill(Snapshot::Node& message, const NodeSnapshot& node) {
   message.set_run_sum_ns(
       static_cast<std::uint64_t>(node.run_time.mean_ns() * static_cast<double>(node.run_time.count())));
   message.set_executor(NameOf(node.executor.kind()));
+  for (const ChainAges& ages : node.ages) {
+    Snapshot::ChainAge& one = *message.add_ages();
+    one.set_origin(ages.origin);
+    one.set_count(ages.age.count());
+    one.set_p50_ns(ages.age.Quantile(kMiddle));
+    one.set_p99_ns(ages.age.Quantile(kAlmostAll));
+    one.set_max_ns(ages.age.max_ns());
+  }
 }
 
 void Fill(Snapshot::Channel& message, const ChannelTraffic& traffic) {

@@ -62,7 +62,7 @@ void SnapshotPublisher::Tell() {
   const TypeInfo& type = TypeOf<Snapshot>();
   PreparedMessage prepared;
   if (outlet_->Reserve(snapshot.get(), type, prepared) == PublishStatus::kOk) {
-    (void)outlet_->Commit(snapshot, type, std::move(prepared));
+    (void)outlet_->Commit(snapshot, type, {}, std::move(prepared));
   }
   told_ns_.store(MonotonicNow());
   telling_took_ns_.store(told_ns_.load() - begin);

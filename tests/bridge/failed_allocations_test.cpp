@@ -116,7 +116,7 @@ TEST(FailedAllocations, OfALatchedMessageAreCounted) {
   EXPECT_EQ(CountThrows([&] {
               PreparedMessage prepared;
               ASSERT_EQ(outlet.Reserve(message.get(), type, prepared), PublishStatus::kOk);
-              if (!outlet.Commit(message, type, std::move(prepared))) ++refused;
+              if (!outlet.Commit(message, type, {}, std::move(prepared))) ++refused;
             }),
             0);
   EXPECT_GT(refused, 0U);

@@ -109,7 +109,7 @@ TEST_F(SlowLoan, DelaysNobodyElse) {
     const AnyMessage message = std::make_shared<const RawMessage>(RawMessage{nullptr, Block::Allocate(8).payload()});
     PreparedMessage prepared;
     EXPECT_EQ(outlet->Reserve(message.get(), AnyType(), prepared), PublishStatus::kOk);
-    EXPECT_TRUE(outlet->Commit(message, AnyType(), std::move(prepared)));
+    EXPECT_TRUE(outlet->Commit(message, AnyType(), {}, std::move(prepared)));
     EXPECT_EQ(outlet->Subscribers().size(), 1U);
     ChannelTraffic traffic;
     outlet->AddTo(traffic);

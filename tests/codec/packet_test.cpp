@@ -24,6 +24,7 @@ PacketHead FullHead() {
   head.publish_time_ns = 1'700'000'000'123'456'789;
   head.publish_monotonic_ns = 42;
   head.latched = 3;
+  head.cause = {0x123456789abcdef0, 250'000'000, 0xfedcba98, -2};
   return head;
 }
 
@@ -49,6 +50,7 @@ void ExpectEqual(const PacketHead& a, const PacketHead& b) {
   EXPECT_EQ(a.publish_time_ns, b.publish_time_ns);
   EXPECT_EQ(a.publish_monotonic_ns, b.publish_monotonic_ns);
   EXPECT_EQ(a.latched, b.latched);
+  EXPECT_EQ(a.cause, b.cause);
 }
 
 void ExpectEqual(const PacketHead& ours, const wire::Head& theirs) {
@@ -60,6 +62,7 @@ void ExpectEqual(const PacketHead& ours, const wire::Head& theirs) {
   EXPECT_EQ(ours.publish_time_ns, theirs.publish_time_ns());
   EXPECT_EQ(ours.publish_monotonic_ns, theirs.publish_monotonic_ns());
   EXPECT_EQ(ours.latched, theirs.latched());
+  EXPECT_EQ(ours.cause, (CauseHead{theirs.cause(), theirs.chain_age_ns(), theirs.chain_origin(), theirs.unsent()}));
 }
 
 bool IsAscii(const std::string& text) {
@@ -77,6 +80,8 @@ PacketHead RandomHead(std::mt19937_64& random) {
   head.publish_time_ns = static_cast<std::int64_t>(number());
   head.publish_monotonic_ns = -static_cast<std::int64_t>(number() >> 1U);
   head.latched = static_cast<std::uint32_t>(number());
+  head.cause = {number(), number(), static_cast<std::uint32_t>(number()), static_cast<std::int64_t>(number())};
+  if (random() % 2 == 0) head.cause.unsent = ~head.cause.unsent;
   return head;
 }
 
@@ -119,10 +124,21 @@ TEST(HeadFrame, HasRoomForTheLargestValues) {
   head.id = {kMax, kMax, kMax};
   head.publish_time_ns = std::numeric_limits<std::int64_t>::min();
   head.publish_monotonic_ns = -1;
+  head.latched = std::numeric_limits<std::uint32_t>::max();
+  head.cause = {kMax, kMax, std::numeric_limits<std::uint32_t>::max(), std::numeric_limits<std::int64_t>::min()};
   head.type_name.assign(100'000, 't');
   PacketHead back;
   EXPECT_EQ(DecodeHeadFrame(AsBytes(FrameOf(head)), back), PacketFault::kNone);
   ExpectEqual(back, head);
+}
+
+// A published message of a chain that began a quarter of a second ago, and of which some were not sent before.
+TEST(HeadFrame, ACauseTakesAtMost24Bytes) {
+  PacketHead head = FullHead();
+  head.cause = {0x123456789abcdef0, 250'000'000, 0xfedcba98, 100};
+  const std::size_t with = FrameOf(head).size();
+  head.cause = {};
+  EXPECT_LE(with - FrameOf(head).size(), 24U);
 }
 
 TEST(HeadFrame, ReadingClearsAnEarlierHead) {

@@ -13,6 +13,8 @@
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/Quaternion.pb.h"
 #include "foxglove/Vector3.pb.h"
+#include "hgros/base/cause.hpp"
+#include "hgros/base/message_key.hpp"
 #include "hgros/codec/message.hpp"
 #include "hgros/internal/codec/packet.hpp"
 
@@ -75,6 +77,12 @@ void AddHead(const PacketHead& head, std::map<std::string, std::string>& found) 
   found["publish_time_ns"] = std::to_string(head.publish_time_ns);
   found["publish_monotonic_ns"] = std::to_string(head.publish_monotonic_ns);
   found["latched"] = std::to_string(head.latched);
+  found["cause"] = Hex(head.cause.message);
+  found["chain_age_ns"] = std::to_string(head.cause.chain_age_ns);
+  found["chain_origin"] = std::to_string(head.cause.chain_origin);
+  found["unsent"] = std::to_string(head.cause.unsent);
+  const std::uint64_t seed = KeySeed(head.id.publisher, head.id.incarnation, Cause::OriginOf(head.channel));
+  found["key"] = Hex(MessageKey(seed, head.id.sequence + static_cast<std::uint64_t>(head.cause.unsent)));
 }
 
 /// Reads a message with the generated class and in place. Both must find the same values.

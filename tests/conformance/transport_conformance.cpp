@@ -80,6 +80,7 @@ Accepted Sink::Accept(InboundMessage&& message) noexcept {
     const std::scoped_lock lock(mutex_);
     texts_.emplace_back(AsText(message.data.bytes));
     ids.push_back(message.head.id);
+    causes.push_back(message.head.cause);
     schemas.push_back(message.schema);
     if (hold_credit) credits_.push_back(std::move(message.credit));
   }

@@ -134,7 +134,9 @@ class Sink : public InboundSink {
   std::atomic<bool> overlapped{false};  ///< Two calls of Accept() ran at the same time.
   std::atomic<int> faults{0};
   std::atomic<std::size_t> publishers{0};
-  std::vector<MessageId> ids;  // This and the next two: guarded by mutex_ until the subscription has ended.
+  std::vector<CauseHead> causes;
+  std::vector<MessageId>
+      ids;  // This, the one above and the next two: guarded by mutex_ until the subscription has ended.
   std::vector<std::shared_ptr<const MessageSchema>> schemas;  // One for each message.
   std::map<std::uint64_t, std::shared_ptr<const MessageSchema>> offers;
   std::atomic<std::size_t> offered{0};

@@ -144,6 +144,27 @@ TEST_P(TransportConformance, AReservationNotNeededByALatchedMessageIsReportedToA
   EXPECT_EQ(out.Publish("2"), PublishStatus::kOk);
 }
 
+TEST_P(TransportConformance, CarriesTheCauseOfEachMessageLatchedOrNot) {
+  const std::vector<CauseHead> causes = {{}, {1, 2, 3, -4}, {~0ULL, ~0ULL, ~0U, 1}, {5, 0, 0, 0}};
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Publication out(a, "map", TextType());
+  PacketHead latched = out.NextHead();
+  latched.cause = causes[1];
+  out.source.Latch({latched, Publication::PayloadOf("1")});
+  Reception in(b, "map", TextType(), kRoomy);
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
+  for (const CauseHead& cause : causes) {
+    ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
+    PacketHead head = out.NextHead();
+    head.cause = cause;
+    out.channel->Commit(head, Publication::PayloadOf("x"));
+  }
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1 + causes.size(); }));
+  in.channel.reset();
+  EXPECT_EQ(in.sink.causes.at(0), causes[1]);
+  EXPECT_EQ(std::vector<CauseHead>(in.sink.causes.begin() + 1, in.sink.causes.end()), causes);
+}
+
 TEST_P(TransportConformance, OneMessageLargerThanTheWindowIsSent) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   Publication out(a, "cloud", TextType());

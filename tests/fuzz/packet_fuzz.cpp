@@ -36,7 +36,7 @@ void CheckHead(hgros::Bytes frame) {
   Require(hgros::DecodeHeadFrame(hgros::AsBytes(again), back) == hgros::PacketFault::kNone);
   Require(back.channel == head.channel && back.type_name == head.type_name && back.encoding == head.encoding &&
           back.fingerprint == head.fingerprint && back.id == head.id && back.publish_time_ns == head.publish_time_ns &&
-          back.publish_monotonic_ns == head.publish_monotonic_ns);
+          back.publish_monotonic_ns == head.publish_monotonic_ns && back.cause == head.cause);
 }
 
 void CheckTopic(hgros::Bytes frame) {

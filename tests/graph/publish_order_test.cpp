@@ -18,7 +18,7 @@ class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
   PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override { return PublishStatus::kOk; }
-  bool Commit(const AnyMessage& message, const TypeInfo&, PreparedMessage&&) noexcept override {
+  bool Commit(const AnyMessage& message, const TypeInfo&, const MessageInfo&, PreparedMessage&&) noexcept override {
     left.Add(*static_cast<const int*>(message.get()));
     return true;
   }

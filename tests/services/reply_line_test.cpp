@@ -40,7 +40,7 @@ class TightOutlet final : public SessionOutlet {
   PublishStatus Reserve(const void* message, const TypeInfo&, PreparedMessage&) noexcept override {
     return late_ || Fits(message) ? PublishStatus::kOk : PublishStatus::kNoMemory;
   }
-  bool Commit(const AnyMessage& message, const TypeInfo&, PreparedMessage&&) noexcept override {
+  bool Commit(const AnyMessage& message, const TypeInfo&, const MessageInfo&, PreparedMessage&&) noexcept override {
     if (!Fits(message.get())) return false;
     sent.push_back(*static_cast<const CallMessage*>(message.get()));
     return true;
@@ -126,7 +126,7 @@ class OpenPlace final : public ServicePlace {
     PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override {
       return PublishStatus::kOk;
     }
-    bool Commit(const AnyMessage& message, const TypeInfo&, PreparedMessage&&) noexcept override {
+    bool Commit(const AnyMessage& message, const TypeInfo&, const MessageInfo&, PreparedMessage&&) noexcept override {
       sent.push_back(*static_cast<const CallMessage*>(message.get()));
       ++count;
       return true;

@@ -21,6 +21,9 @@ TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   node.queued = 4;
   node.queue_wait.Record(1000);
   node.run_time.Record(2000);
+  node.ages.push_back({9, {}});
+  node.ages[0].age.Record(5000);
+  node.ages[0].age.Record(7000);
   counted.graph.channels.push_back(
       {.name = "a", .type = "T", .published = 11, .refused = 12, .received = 13, .nodes = {node}});
   counted.graph.channels.push_back({.name = "inside", .type = "U", .published = 1, .nodes = {}});
@@ -46,6 +49,14 @@ TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   EXPECT_GT(told.time_ns(), 0);
   EXPECT_GT(told.steady_ns(), 0);
   ASSERT_EQ(told.channels_size(), 2);
+  ASSERT_EQ(told.channels(0).nodes(0).ages_size(), 1);
+  const Snapshot::ChainAge& ages = told.channels(0).nodes(0).ages(0);
+  EXPECT_EQ(ages.origin(), 9U);
+  EXPECT_EQ(ages.count(), 2U);
+  EXPECT_GE(ages.p50_ns(), 5000);
+  EXPECT_LE(ages.p50_ns(), 5625);
+  EXPECT_EQ(ages.p99_ns(), 7000);
+  EXPECT_EQ(ages.max_ns(), 7000);
   const Snapshot::Channel& a = told.channels(0);
   EXPECT_EQ(a.name(), "a");
   EXPECT_EQ(a.type(), "T");

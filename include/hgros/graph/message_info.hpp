@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "hgros/base/cause.hpp"
 #include "hgros/base/ids.hpp"
 
 namespace hgros {
@@ -12,7 +13,10 @@ struct MessageInfo {
   MessageId id;
   std::int64_t publish_monotonic_ns = 0;  ///< CLOCK_MONOTONIC when published, or when received from another host.
   std::int64_t publish_time_ns = 0;       ///< Remote messages: the sender's wall clock, ns since 1970; 0: unknown.
-  bool remote = false;                    ///< Received over a transport.
+  /// Identifies the message in all processes; for Cause::message. Almost surely unique.
+  std::uint64_t key = 0;
+  Cause cause;          ///< What led to the message. `began_ns` is at most one day before the message came.
+  bool remote = false;  ///< Received over a transport.
 };
 
 }  // namespace hgros

@@ -11,6 +11,13 @@
 
 namespace hgros {
 
+/// How old chains were when a node began to handle their messages: since the message that began the chain was
+/// published.
+struct ChainAges {
+  std::uint32_t origin = 0;  ///< Cause::OriginOf() the channel where they began; 0: all origins beyond the first 16.
+  LogHistogram age;          ///< ns
+};
+
 /// Counters of one node since its creation. All only grow, except `queued` and `running`.
 struct NodeSnapshot {
   std::string name;
@@ -18,13 +25,14 @@ struct NodeSnapshot {
   Invoke invoke = Invoke::kSerial;
   Queue queue;
   Executor executor;
-  std::uint64_t received = 0;  ///< Messages that reached the node, including those dropped later.
-  std::uint64_t dropped = 0;   ///< Removed from a full keep-last queue.
-  std::uint64_t run = 0;       ///< Callbacks that returned or threw.
-  std::uint64_t failed = 0;    ///< Callbacks that threw.
-  std::uint64_t queued = 0;    ///< Waiting now.
-  LogHistogram queue_wait;     ///< From publish to start of the callback, ns.
-  LogHistogram run_time;       ///< Time in the callback, ns.
+  std::uint64_t received = 0;   ///< Messages that reached the node, including those dropped later.
+  std::uint64_t dropped = 0;    ///< Removed from a full keep-last queue.
+  std::uint64_t run = 0;        ///< Callbacks that returned or threw.
+  std::uint64_t failed = 0;     ///< Callbacks that threw.
+  std::uint64_t queued = 0;     ///< Waiting now.
+  LogHistogram queue_wait;      ///< From publish to start of the callback, ns.
+  LogHistogram run_time;        ///< Time in the callback, ns.
+  std::vector<ChainAges> ages;  ///< By origin, in the order of their first messages.
 };
 
 struct ChannelSnapshot {

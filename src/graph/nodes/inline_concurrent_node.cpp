@@ -58,6 +58,7 @@ void InlineConcurrentNode::AddStats(NodeSnapshot& snapshot) const {
     snapshot.failed += shard.stats.failed.load(std::memory_order_relaxed);
     shard.stats.queue_wait.AddTo(snapshot.queue_wait);
     shard.stats.run_time.AddTo(snapshot.run_time);
+    shard.stats.ages.AddTo(snapshot.ages);
   }
   snapshot.received = snapshot.run;
 }

@@ -5,6 +5,7 @@
 
 #include "graph/nodes/callback_scope.hpp"
 #include "hgros/base/forced_unwind.hpp"
+#include "hgros/base/message_key.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -28,6 +29,7 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
   const std::int64_t start = now;
   {
     const CallbackScope scope(setting_.graph, this);
+    const CauseScope cause({info.key, info.cause.began_ns, info.cause.origin});
     const auto callback = [&] {
       return "The callback of node \"" + setting_.name + "\" on channel \"" + setting_.channel + "\"";
     };
@@ -54,12 +56,14 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
   Add(stats.run, std::uint64_t{1}, writers);
   stats.queue_wait.Record(start - info.publish_monotonic_ns, writers);
   stats.run_time.Record(now - start, writers);
+  stats.ages.Record(info.cause.origin, start - info.cause.began_ns, writers);
 }
 
 bool Node::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t& now) noexcept {
   if (!Reserve(sole.bytes)) return false;
   message = sole.offer.take(sole.offer.context);
   info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+  info.key = MessageKey(sole.key_seed, info.id.sequence);
   const std::shared_ptr<const void> no_credit;
   Deliver({message, info, no_credit, sole.bytes, sole.last}, true, now);
   return true;
@@ -89,6 +93,7 @@ void Node::AddStats(NodeSnapshot& snapshot) const {
   snapshot.failed += stats_.failed.load(std::memory_order_relaxed);
   stats_.queue_wait.AddTo(snapshot.queue_wait);
   stats_.run_time.AddTo(snapshot.run_time);
+  stats_.ages.AddTo(snapshot.ages);
 }
 
 NodeSnapshot Node::Snapshot() const {

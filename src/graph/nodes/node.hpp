@@ -54,6 +54,7 @@ class Node : public std::enable_shared_from_this<Node> {
   struct SoleOffer {
     const MessageOffer& offer;
     std::atomic<std::uint64_t>& sequence;
+    std::uint64_t key_seed;
     std::size_t bytes;
     bool last;  // The same as in Delivery.
   };

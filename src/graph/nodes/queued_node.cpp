@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "graph/nodes/spin_then_lock.hpp"
+#include "hgros/base/message_key.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -42,6 +43,7 @@ bool QueuedNode::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, Mess
     if (!closed_ && !ReserveHere(sole.bytes)) return false;
     message = sole.offer.take(sole.offer.context);
     info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
+    info.key = MessageKey(sole.key_seed, info.id.sequence);
     if (closed_) return true;
     ring_.Cancel(sole.bytes);
     Add(received_, std::uint64_t{1}, Writers::kOne);

@@ -13,6 +13,7 @@ std::shared_ptr<const ShmMessage> MessagePacker::Pack(const PacketHead& head, co
   message->publish_time_ns = head.publish_time_ns;
   message->publish_monotonic_ns = head.publish_monotonic_ns;
   message->latched = head.latched;
+  message->cause = head.cause;
   if (data.bytes.empty()) {
     message->place = Place{};
     return message;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hgros/base/bytes.hpp"
+#include "hgros/internal/codec/packet.hpp"
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
 #include "transport/shm/memory/bell.hpp"
@@ -26,6 +27,7 @@ struct ShmMessage final : Outgoing {
   std::int64_t publish_time_ns = 0;
   std::int64_t publish_monotonic_ns = 0;
   std::uint32_t latched = 0;
+  CauseHead cause;
   Payload data;
   /// The payload's place in shared memory. None: there was no room, and it goes over the socket. An empty payload has
   /// segment 0, which does not exist.

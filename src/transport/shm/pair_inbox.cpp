@@ -97,6 +97,7 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
   message.head.publish_time_ns = descriptor.publish_time_ns;
   message.head.publish_monotonic_ns = descriptor.publish_monotonic_ns;
   message.head.latched = descriptor.latched;
+  message.head.cause = {descriptor.cause, descriptor.chain_age_ns, descriptor.chain_origin, descriptor.unsent};
   return Step::kMessage;
 }
 

@@ -210,6 +210,10 @@ bool ShmPublisher::Write(OutLink& link, const PendingMessage& queued) {
   descriptor.publish_time_ns = message.publish_time_ns;
   descriptor.publish_monotonic_ns = message.publish_monotonic_ns;
   descriptor.latched = message.latched;
+  descriptor.chain_origin = message.cause.chain_origin;
+  descriptor.cause = message.cause.message;
+  descriptor.chain_age_ns = message.cause.chain_age_ns;
+  descriptor.unsent = message.cause.unsent;
   const bool in_memory = message.place && (message.place->segment == 0 || MayUse(pair, message.place->segment));
   if (in_memory) {
     descriptor.segment = message.place->segment;

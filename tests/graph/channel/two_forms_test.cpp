@@ -277,7 +277,8 @@ class Border final : public Outlet {
  public:
   [[nodiscard]] bool wanted() const noexcept override { return true; }
   PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override { return PublishStatus::kOk; }
-  bool Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&&) noexcept override {
+  bool Commit(const AnyMessage& message, const TypeInfo& type, const MessageInfo&,
+              PreparedMessage&&) noexcept override {
     types.push_back(type.cpp_type);
     sent.push_back(message.get());
     return true;

@@ -177,7 +177,7 @@ class CountingOutlet final : public Outlet {
     ++reserved;
     return full ? PublishStatus::kFull : PublishStatus::kOk;
   }
-  bool Commit(const AnyMessage&, const TypeInfo&, PreparedMessage&&) noexcept override {
+  bool Commit(const AnyMessage&, const TypeInfo&, const MessageInfo&, PreparedMessage&&) noexcept override {
     ++committed;
     return true;
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <typeinfo>
 
+#include "hgros/base/cause.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/codec/message.hpp"
 
@@ -31,6 +32,7 @@ struct CallMessage {
   std::string text;
   AnyMessage body;
   const TypeInfo* type = nullptr;  ///< Type of the body.
+  Cause cause;                     ///< Goes with the packet; not in the data.
 };
 
 namespace codec {

@@ -13,6 +13,15 @@
 
 namespace hgros {
 
+/// What a packet says about its cause; see Cause.
+struct CauseHead {
+  std::uint64_t message = 0;       ///< The key of the message that caused it; 0: it begins a chain.
+  std::uint64_t chain_age_ns = 0;  ///< From the beginning of the chain to publish_time_ns.
+  std::uint32_t chain_origin = 0;  ///< 0: its own channel.
+  std::int64_t unsent = 0;         ///< Its number inside the publishing process less its sequence; for its own key.
+  bool operator==(const CauseHead&) const = default;
+};
+
 /// The metadata of a packet. docs/wire-protocol.md is the specification.
 struct PacketHead {
   std::string channel;
@@ -23,6 +32,7 @@ struct PacketHead {
   std::int64_t publish_time_ns = 0;  ///< Wall clock, ns since the Unix epoch; 0: unknown.
   std::uint32_t latched = 0;  ///< Number of messages that the publisher keeps on this channel for late subscribers.
   std::int64_t publish_monotonic_ns = 0;  ///< The sender's CLOCK_MONOTONIC; only meaningful on the same host.
+  CauseHead cause;
 };
 
 /// Why a packet was refused. Each reason has its own counter.
@@ -47,7 +57,7 @@ inline constexpr std::size_t kPacketFaultCount = 10;
 
 inline constexpr std::uint16_t kHeaderSeparator = 0x2424;
 inline constexpr std::uint32_t kWireMajor = 1;  ///< Incremented when an older reader would misread.
-inline constexpr std::uint32_t kWireMinor = 1;  ///< Incremented when fields are added that an older reader may skip.
+inline constexpr std::uint32_t kWireMinor = 2;  ///< Incremented when fields are added that an older reader may skip.
 
 /// Writes the head frame: header_length (u32 LE), header_separator (u16 LE), head_str.
 /// Errors: none. `frame` is cleared first; its capacity is reused.

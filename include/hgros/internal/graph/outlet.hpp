@@ -3,6 +3,7 @@
 #include "hgros/base/publish_status.hpp"
 #include "hgros/codec/block.hpp"
 #include "hgros/codec/type_info.hpp"
+#include "hgros/graph/message_info.hpp"
 
 namespace hgros {
 
@@ -29,10 +30,12 @@ class Outlet {
   [[nodiscard]] virtual bool wanted() const noexcept = 0;
   /// `message` is of `type`, as later for Commit().
   virtual PublishStatus Reserve(const void* message, const TypeInfo& type, PreparedMessage& prepared) noexcept = 0;
-  /// `message` is of `type`, which is one of those that the channel is used with. False: the message could not be
+  /// `message` is of `type`, which is one of those that the channel is used with. `info` has its cause and its number
+  /// in this process (0: none of its own). False: the message could not be
   /// written, or there was no memory to hand it to all subscribers, of which some may have got it. This is counted and
   /// logged.
-  virtual bool Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept = 0;
+  virtual bool Commit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
+                      PreparedMessage&& prepared) noexcept = 0;
   virtual void Cancel() noexcept = 0;
 };
 

@@ -110,8 +110,10 @@ class ChannelInlet final : public InboundSink {
     bool cut = false;  // A link to their sender has ended.
   };
   void SayLost(const Gap& lost, SessionId from);
-  // False for a repeat. Sets `lost` to the messages before it that did not arrive.
-  [[nodiscard]] bool CountIn(const InboundMessage& message, Gap& lost);
+  // False for a repeat. Sets `lost` to the messages before it that did not arrive, and `way_ns` to the time since it
+  // was published.
+  [[nodiscard]] bool CountIn(const InboundMessage& message, Gap& lost, std::int64_t& way_ns);
+  [[nodiscard]] MessageInfo InfoOf(const InboundMessage& message, std::int64_t way_ns) const noexcept;
   [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
   void ForgetOffers();
@@ -130,6 +132,7 @@ class ChannelInlet final : public InboundSink {
   const std::function<void()> on_publishers_;
   const std::function<void(Errand)> run_apart_;
   const TellMisfit tell_misfit_;
+  const std::uint32_t origin_;  // OriginOf() the channel, for Cause.
   const std::shared_ptr<const HostClocks> clocks_;
 
   std::mutex transports_mutex_;

@@ -47,7 +47,8 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
 
   [[nodiscard]] bool wanted() const noexcept override;
   PublishStatus Reserve(const void* message, const TypeInfo& type, PreparedMessage& prepared) noexcept override;
-  bool Commit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared) noexcept override;
+  bool Commit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
+              PreparedMessage&& prepared) noexcept override;
   void Cancel() noexcept override;
 
   std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
@@ -89,7 +90,8 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   void CountNotEncodable(const Why& why) noexcept;
   [[nodiscard]] PublishStatus RefuseForMemory() noexcept;
   // As Commit(). Throws before it calls the transports.
-  [[nodiscard]] bool TryCommit(const AnyMessage& message, const TypeInfo& type, PreparedMessage&& prepared);
+  [[nodiscard]] bool TryCommit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
+                               PreparedMessage&& prepared);
   [[nodiscard]] std::vector<OutboundMessage> TryLatched();
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
 

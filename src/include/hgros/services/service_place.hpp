@@ -8,6 +8,7 @@
 #include "hgros/base/log.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/graph/session_outlet.hpp"
+#include "hgros/internal/codec/call_message.hpp"
 #include "hgros/transport/channel_search.hpp"
 
 namespace hgros {
@@ -35,6 +36,9 @@ class ServicePlace {
   // Receives messages from sessions of this host on the calling thread; see Visit.
   virtual void Receive(const Visit& visit) noexcept = 0;
 };
+
+// Sends a request or a reply with its cause to the other session.
+PublishStatus SendCall(SessionOutlet& outlet, const std::shared_ptr<const CallMessage>& call, const TypeInfo& type);
 
 // The channels of a service.
 [[nodiscard]] std::string RequestChannel(std::string_view service);

@@ -55,7 +55,11 @@ struct Descriptor {
   std::int64_t publish_time_ns;
   std::int64_t publish_monotonic_ns;
   std::uint32_t latched;
-  std::uint32_t reserved[11];
+  std::uint32_t chain_origin;  ///< This and the next three: see CauseHead. Older publishers leave zeros.
+  std::uint64_t cause;
+  std::uint64_t chain_age_ns;
+  std::int64_t unsent;
+  std::uint64_t reserved[2];
 };
 static_assert(sizeof(Descriptor) == 2 * kCacheLine);
 
@@ -99,7 +103,9 @@ static_assert(offsetof(Descriptor, segment) == 20 && offsetof(Descriptor, offset
 static_assert(offsetof(Descriptor, size_bytes) == 32 && offsetof(Descriptor, publisher) == 40);
 static_assert(offsetof(Descriptor, incarnation) == 48 && offsetof(Descriptor, sequence) == 56);
 static_assert(offsetof(Descriptor, publish_time_ns) == 64 && offsetof(Descriptor, publish_monotonic_ns) == 72);
-static_assert(offsetof(Descriptor, latched) == 80 && offsetof(Descriptor, reserved) == 84);
+static_assert(offsetof(Descriptor, latched) == 80 && offsetof(Descriptor, chain_origin) == 84);
+static_assert(offsetof(Descriptor, cause) == 88 && offsetof(Descriptor, chain_age_ns) == 96);
+static_assert(offsetof(Descriptor, unsent) == 104 && offsetof(Descriptor, reserved) == 112);
 static_assert(sizeof(LanePage) == 65728 && offsetof(LanePage, written) == 64 && offsetof(LanePage, hungry) == 128);
 static_assert(offsetof(LanePage, heartbeat) == 132 && offsetof(LanePage, descriptors) == 192);
 static_assert(sizeof(SlipPage) == 264320 && offsetof(SlipPage, returned) == 64 && offsetof(SlipPage, heartbeat) == 72);
