@@ -28,14 +28,17 @@ spdlog::level::level_enum ToSpdlog(LogLevel level) {
   return spdlog::level::err;
 }
 
+struct DefaultSink {
+  std::shared_ptr<spdlog::logger> logger =
+      std::make_shared<spdlog::logger>("hgros", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  void operator()(LogLevel level, std::string_view text) const {
+    logger->log(ToSpdlog(level), "{}", spdlog::string_view_t(text.data(), text.size()));
+  }
+};
+
 }  // namespace
 
-LogSink DefaultLogSink() {
-  auto logger = std::make_shared<spdlog::logger>("hgros", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-  return [logger](LogLevel level, std::string_view text) {
-    logger->log(ToSpdlog(level), "{}", spdlog::string_view_t(text.data(), text.size()));
-  };
-}
+LogSink DefaultLogSink() { return DefaultSink(); }
 
 Log::Log(LogSink sink) : sink_(std::move(sink)) {}
 
@@ -50,7 +53,17 @@ void Log::Say(LogLevel level, std::string_view text) noexcept {
 
 void Log::Write(LogLevel level, std::string_view text) {
   const std::scoped_lock lock(mutex_);
-  if (sink_) Say(level, text);
+  if (sink_ && level >= least_) Say(level, text);
+}
+
+// The default sink has a level of its own, and other logs may share it.
+void Log::SetLevel(LogLevel least) {
+  const std::scoped_lock lock(mutex_);
+  least_ = least;
+  if (sink_.target<DefaultSink>() == nullptr) return;
+  const DefaultSink own;
+  own.logger->set_level(spdlog::level::debug);
+  sink_ = own;
 }
 
 Log::Held& Log::HeldOf(std::string_view key) {
@@ -75,7 +88,7 @@ void Log::WriteLimited(LogLevel level, std::string_view key, std::string_view te
                        std::chrono::milliseconds interval) {
   const Clock::time_point now = Clock::now();
   const std::scoped_lock lock(mutex_);
-  if (!sink_) return;
+  if (!sink_ || level < least_) return;
   Held& held = HeldOf(key);
   if (now - std::exchange(held.called, now) > kForgetAfter) held.written = 0;
   const bool waits = held.written >= kAlikeLines || (held.written > 0 && held.text == text);

@@ -195,6 +195,15 @@ std::shared_ptr<JoinedOutbound> BridgeCore::Advertise(const std::string& channel
 
 std::shared_ptr<JoinedInbound> BridgeCore::Subscribe(const std::string& channel, const TypeInfo& type,
                                                      const Demand& demand, InboundSink& sink) {
+  announcer_.Subscribes(channel, type, KeysFor(channel), demand.lossless);
+  pairs_.OwnChanged(channel);
+  auto joined = JoinInbound(channel, type, demand, sink);
+  Announce();
+  return joined;
+}
+
+std::shared_ptr<JoinedInbound> BridgeCore::JoinInbound(const std::string& channel, const TypeInfo& type,
+                                                       const Demand& demand, InboundSink& sink) {
   auto joined = std::make_shared<JoinedInbound>(channel, type, demand, sink, transports_.size(),
                                                 [this, channel](SessionId peer, TransportIndex from) {
                                                   options_.later({}, [this, channel, peer, from] {
@@ -203,10 +212,7 @@ std::shared_ptr<JoinedInbound> BridgeCore::Subscribe(const std::string& channel,
                                                       open_[from]->AskAgain();  // It drops the channel.
                                                   });
                                                 });
-  announcer_.Subscribes(channel, type, KeysFor(channel), demand.lossless);
-  pairs_.OwnChanged(channel);
   Join(inbound_, joined);
-  Announce();
   return joined;
 }
 

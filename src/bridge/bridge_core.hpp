@@ -40,6 +40,9 @@ class BridgeCore final : private DiscoveryListener {
                                                           OutboundSource& source);
   [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
                                                          const Demand& demand, InboundSink& sink);
+  /// As Subscribe(), without telling others of the host.
+  [[nodiscard]] std::shared_ptr<JoinedInbound> JoinInbound(const std::string& channel, const TypeInfo& type,
+                                                           const Demand& demand, InboundSink& sink);
   /// Tells others whether the session, which subscribes to the channel, asks for lossless delivery now.
   void SetLossless(const std::string& channel, bool lossless);
   /// Tells others that the session no longer subscribes to the channel, or no longer publishes there.

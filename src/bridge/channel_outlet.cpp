@@ -52,9 +52,25 @@ void ChannelOutlet::Detach() {
   {
     const std::scoped_lock lock(transports_mutex_, order_mutex_);
     transports = std::move(transports_);
+    promised_ = 0;
   }
   if (transports) transports->Close();
   subscribers_.store(0, std::memory_order_release);
+}
+
+// The numbers of messages that have stayed inside are missing outside. A new incarnation keeps subscribers from
+// counting them as lost.
+void ChannelOutlet::SetStays(bool stays) {
+  const std::scoped_lock lock(order_mutex_, latch_mutex_);
+  if (std::exchange(stays_, stays) == stays || stays) return;
+  publisher_.incarnation = std::max(publisher_.incarnation + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
+  for (Kept& one : kept_) one.head.id.incarnation = publisher_.incarnation;
+}
+
+bool ChannelOutlet::HasUnfinished() const {
+  const EndsLater after_the_lock;
+  const std::scoped_lock lock(order_mutex_);
+  return transports_ && (promised_ > 0 || transports_->Unfinished() > 0 || transports_->stats().queued_bytes > 0);
 }
 
 void ChannelOutlet::Latch(std::size_t count) {
@@ -91,8 +107,13 @@ PublishStatus ChannelOutlet::Reserve(const void* message, const TypeInfo& type, 
     {
       const EndsLater after_the_lock;
       const std::scoped_lock lock(order_mutex_);
+      if (stays_) {
+        prepared.state = PreparedMessage::State::kStays;
+        return PublishStatus::kOk;
+      }
       if (transports_) {
         if (const PublishStatus promise = transports_->Reserve(); promise != PublishStatus::kOk) return promise;
+        ++promised_;
       }
     }
     try {
@@ -141,6 +162,12 @@ PublishStatus ChannelOutlet::RefuseForMemory() noexcept {
 void ChannelOutlet::Cancel() noexcept {
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
+  CancelPromise();
+}
+
+// Under order_mutex_. A message may have been reserved before there were transports.
+void ChannelOutlet::CancelPromise() noexcept {
+  promised_ -= promised_ > 0 ? 1 : 0;
   if (transports_) transports_->Cancel();
 }
 
@@ -214,11 +241,12 @@ bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, cons
 bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                               PreparedMessage&& prepared) {
   const std::size_t depth = latched_.load(std::memory_order_relaxed);
-  const bool listened = subscriber_count() > 0;
+  const bool stays = prepared.state == PreparedMessage::State::kStays;
+  const bool listened = !stays && subscriber_count() > 0;
   if (!listened && depth == 0) {
     const std::scoped_lock lock(order_mutex_);
     ++sequence_;
-    if (transports_) transports_->Cancel();
+    if (!stays) CancelPromise();
     return true;
   }
   // Outside the lock: encoding a large message takes as long as sending it.
@@ -229,7 +257,6 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   head.type_name = type_.name;
   head.encoding = type_.encoding;
   head.fingerprint = type_.fingerprint;
-  head.id = publisher_;
   head.publish_time_ns = clocks_->Now().nanoseconds;
   head.publish_monotonic_ns = MonotonicNow();
   head.latched = static_cast<std::uint32_t>(depth);
@@ -243,6 +270,7 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   std::vector<Kept> dropped;  // Destroyed after the locks: a message's destructor is the user's code.
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
+  head.id = publisher_;
   bool counted = listened;
   if (depth > 0) {
     number();
@@ -251,15 +279,18 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
     Keep({message, &type, head, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
     // A subscriber is counted before it asks for latched messages. So either it found this message there, or it is
     // counted now.
-    counted = listened || (transports_ && transports_->subscriber_count() > 0);
+    counted = listened || (!stays && transports_ && transports_->subscriber_count() > 0);
     if (counted && !data) data = Encode(message, type, {});
   } else if (data->owner != nullptr) {
     number();
   }
-  if (!transports_) return true;
-  if (counted && data->owner != nullptr) return transports_->Commit(head, *data);
-  transports_->Cancel();
-  return !counted;
+  if (!transports_ || stays) return true;
+  if (!counted || data->owner == nullptr) {
+    CancelPromise();
+    return !counted;
+  }
+  promised_ -= promised_ > 0 ? 1 : 0;
+  return transports_->Commit(head, *data);
 }
 
 bool ChannelOutlet::WritesWhenLatched(const TypeInfo& type) const noexcept {

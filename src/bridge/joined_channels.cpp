@@ -225,6 +225,13 @@ OutboundStats JoinedOutbound::stats() const {
   return sum;
 }
 
+std::size_t JoinedOutbound::Unfinished() const {
+  std::size_t sum = 0;
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->Unfinished();
+  return sum;
+}
+
 // The sink, as one transport sees it.
 class JoinedInbound::Part final : public InboundSink {
  public:

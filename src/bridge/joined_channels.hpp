@@ -59,6 +59,8 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   /// memory of a transport. False if there is no loan, and not enough ordinary memory.
   [[nodiscard]] bool FindMemory(std::size_t size_bytes, Bytes written, std::optional<Block>& loan);
   [[nodiscard]] OutboundStats stats() const;
+  /// Number of messages that are on their way to lossless subscribers.
+  [[nodiscard]] std::size_t Unfinished() const;
   /// Stops waiting for the subscriber, and logs what it misses. With a number, only if this is its latest cut.
   void GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut = std::nullopt);
   /// Leaves the transports and waits for active calls into the source, which may end afterwards. No other function but

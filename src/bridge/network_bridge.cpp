@@ -22,6 +22,12 @@ std::shared_ptr<JoinedInbound> NetworkBridge::Subscribe(const std::string& chann
   return core_->Subscribe(channel, type, demand, sink);
 }
 
+std::shared_ptr<const void> NetworkBridge::SubscribeUnannounced(const std::string& channel, const TypeInfo& type,
+                                                                const Demand& demand, InboundSink& sink) {
+  const auto joined = core_->JoinInbound(channel, type, demand, sink);
+  return {joined.get(), [joined](const void* /*joined*/) { joined->Close(); }};
+}
+
 void NetworkBridge::SetLossless(const std::string& channel, bool lossless) { core_->SetLossless(channel, lossless); }
 void NetworkBridge::EndSubscribing(const std::string& channel) { core_->EndSubscribing(channel); }
 

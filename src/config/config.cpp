@@ -26,6 +26,9 @@ void ReadFile(const yaml::Document& document, std::span<const std::string> progr
   if (const auto time = file.Find("time")) {
     yaml::Settle(draft.simulated_time, time->Choice({"system", "simulated"}) == 1, *time);
   }
+  if (const auto control = file.Find("control")) {
+    yaml::Settle(draft.control, control->Choice({"off", "on"}) == 1, *control);
+  }
   if (const auto data_graph = file.Find("data_graph")) ReadDataGraph(*data_graph, draft);
   if (const auto channels = file.Find("channels")) ReadChannels(*channels, draft);
 }
@@ -86,6 +89,7 @@ Config ConfigDraft::Finish() const {
   Apply(shared_memory_wait, config.shared_memory.wait);
   Apply(shared_memory_spin_us, config.shared_memory.spin_us);
   Apply(simulated_time, config.simulated_time);
+  Apply(control, config.control);
   config.closed_channels.assign(closed_channels.begin(), closed_channels.end());
   Apply(threads, config.threads);
   for (const auto& [name, node] : nodes) config.nodes[name] = {ValueOf(node.queue), ValueOf(node.executor)};

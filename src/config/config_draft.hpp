@@ -59,6 +59,7 @@ struct ConfigDraft {
   std::map<std::string, yaml::Setting<std::string>> servers;
 
   Maybe<bool> simulated_time;
+  Maybe<bool> control;
   std::set<std::string> closed_channels;
   Maybe<int> threads;
   std::map<std::string, Node> nodes;

@@ -84,8 +84,12 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
   if (entry == inflows_.end() || entry->second.busy) return;
   Inflow& inflow = entry->second;
   inflow.busy = true;
-  const auto fits = [&] { return inflow.joined != inflow.wanted.empty() && !(may_wait && AsksForTooMuch(inflow)); };
+  const auto fits = [&] { return inflow.joined == IsWanted(channel, inflow) && !(may_wait && AsksForTooMuch(inflow)); };
   while (bridge_ != nullptr && !closed_ && !fits()) {
+    if (inflow.joined && !may_wait) {  // Forbidden meanwhile.
+      means_.post([this, channel] { Reconcile(channel, true); });
+      break;
+    }
     if (inflow.joined) {
       lock.unlock();
       inflow.inlet->Detach();
@@ -101,11 +105,20 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
   if (!may_wait && AsksForTooMuch(inflow)) means_.post([this, channel] { Reconcile(channel, true); });
 }
 
+void InboundChannels::SetForbidden(const std::string& channel, bool forbidden) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (forbidden) forbidden_.insert(channel);
+    if (!forbidden) forbidden_.erase(channel);
+  }
+  Reconcile(channel, true);
+}
+
 void InboundChannels::Join(NetworkBridge& bridge) {
   const std::scoped_lock lock(mutex_);
   bridge_ = &bridge;
   for (auto& [name, inflow] : inflows_) {
-    if (inflow.wanted.empty() || inflow.joined || inflow.busy) continue;
+    if (!IsWanted(name, inflow) || inflow.joined || inflow.busy) continue;
     inflow.inlet->Join(bridge, Combine(inflow.wanted));
     inflow.joined = true;
   }

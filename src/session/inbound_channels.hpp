@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +46,8 @@ class InboundChannels {
                                                        const TypeInfo& type, const Demand& demand);
   // From now on, channels with subscriptions are received through `bridge`.
   void Join(NetworkBridge& bridge);
+  // A forbidden channel is not received. Call it on a thread that may wait.
+  void SetForbidden(const std::string& channel, bool forbidden);
   // Stops receiving. No wiring changes afterwards.
   void Close();
   // Destroys all inlets. Call it when none is in use any more.
@@ -77,6 +80,10 @@ class InboundChannels {
   // Whether the channel is subscribed to with any type for raw subscriptions that have ended. A lossless one then stays
   // as it is, because messages get lost while it is subscribed to again.
   [[nodiscard]] static bool AsksForTooMuch(const Inflow& inflow);
+  // Whether the bridge has to receive the channel.
+  [[nodiscard]] bool IsWanted(const std::string& channel, const Inflow& inflow) const {
+    return !inflow.wanted.empty() && !forbidden_.contains(channel);
+  }
   [[nodiscard]] static Demand Combine(const std::list<Demand>& wanted);
 
   const Means means_;
@@ -84,6 +91,7 @@ class InboundChannels {
   NetworkBridge* bridge_ = nullptr;
   bool closed_ = false;
   std::map<std::string, Inflow, std::less<>> inflows_;
+  std::set<std::string> forbidden_;
 };
 
 }  // namespace hgros

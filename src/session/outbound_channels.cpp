@@ -7,6 +7,13 @@
 #include "session/channel_uses.hpp"
 
 namespace hgros {
+namespace {
+
+// For messages of a forbidden channel that were accepted before: slow subscribers may take the rest of them for lost.
+constexpr auto kTimeToLeave = std::chrono::seconds(5);
+constexpr auto kPauseInLeaving = std::chrono::milliseconds(20);
+
+}  // namespace
 
 OutboundChannels::OutboundChannels(MessageId publisher, std::shared_ptr<Log> log, std::shared_ptr<HostClocks> clocks)
     : publisher_(publisher), log_(std::move(log)), clocks_(std::move(clocks)) {}
@@ -18,7 +25,9 @@ std::shared_ptr<ChannelOutlet> OutboundChannels::Open(
   if (const auto known = outlets_.find(channel); known != outlets_.end()) return known->second;
   if (closed_) return nullptr;
   auto outlet = std::make_shared<ChannelOutlet>(channel, type, publisher_, log_, events(), clocks_);
-  if (bridge_ != nullptr) outlet->Join(*bridge_);
+  const bool stays = forbidden_.contains(channel);
+  outlet->SetStays(stays);
+  if (bridge_ != nullptr && !stays) outlet->Join(*bridge_);
   outlets_.emplace(channel, outlet);
   wire(outlet);
   return outlet;
@@ -54,8 +63,50 @@ void OutboundChannels::CloseForService(const std::string& channel, const std::sh
 void OutboundChannels::Join(NetworkBridge& bridge) {
   const std::scoped_lock lock(mutex_);
   bridge_ = &bridge;
-  for (const auto& [name, outlet] : outlets_) outlet->Join(bridge);
+  for (const auto& [name, outlet] : outlets_) {
+    if (!forbidden_.contains(name)) outlet->Join(bridge);
+  }
   for (const auto& outlet : service_outlets_) outlet->Join(bridge);
+}
+
+void OutboundChannels::SetForbidden(const std::string& channel, bool forbidden, const Later& later) {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto outlet = outlets_.find(channel);
+    const bool exists = outlet != outlets_.end();
+    if (forbidden == forbidden_.contains(channel)) return;
+    if (exists) outlet->second->SetStays(forbidden);
+    if (!forbidden) {
+      const bool apart = forbidden_.extract(channel).mapped();
+      if (exists && apart && bridge_ != nullptr && !closed_) outlet->second->Join(*bridge_);
+      return;
+    }
+    const bool joined = exists && bridge_ != nullptr;
+    forbidden_.emplace(channel, !joined);
+    if (!joined) return;
+  }
+  Withdraw(channel, DeadlineIn(kTimeToLeave), later);
+}
+
+void OutboundChannels::Withdraw(const std::string& channel, std::chrono::steady_clock::time_point deadline,
+                                const Later& later) {
+  std::shared_ptr<ChannelOutlet> outlet;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto forbidden = forbidden_.find(channel);
+    // Allowed again meanwhile, maybe more than once.
+    if (closed_ || forbidden == forbidden_.end() || forbidden->second) return;
+    outlet = outlets_.at(channel);
+  }
+  if (outlet->HasUnfinished() && std::chrono::steady_clock::now() < deadline) {
+    later(kPauseInLeaving, [this, channel, deadline, later] { Withdraw(channel, deadline, later); });
+    return;
+  }
+  outlet->Detach();  // Waits for events in flight.
+  const std::scoped_lock lock(mutex_);
+  if (closed_) return;
+  forbidden_.find(channel)->second = true;
+  bridge_->EndPublishing(channel);
 }
 
 void OutboundChannels::Close() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -36,6 +37,11 @@ class OutboundChannels {
 
   // From now on, channels are published through `bridge`.
   void Join(NetworkBridge& bridge);
+  // A forbidden channel does not leave the session: what is published from now on stays inside. What was accepted still
+  // leaves, but only for a limited time; then it is withdrawn from others. One thread at a time; `later` runs an errand
+  // on that thread.
+  using Later = std::function<void(std::chrono::nanoseconds, std::function<void()>)>;
+  void SetForbidden(const std::string& channel, bool forbidden, const Later& later);
   // Creates no more outlets.
   void Close();
   // Later publishes stay inside the process.
@@ -47,6 +53,8 @@ class OutboundChannels {
   void AddTo(std::vector<ChannelTraffic>& traffic) const;
 
  private:
+  void Withdraw(const std::string& channel, std::chrono::steady_clock::time_point deadline, const Later& later);
+
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const std::shared_ptr<HostClocks> clocks_;
@@ -55,6 +63,8 @@ class OutboundChannels {
   NetworkBridge* bridge_ = nullptr;
   bool closed_ = false;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
+  // Forbidden channels. True: its outlet, if there is one, is not joined; false: accepted messages still leave it.
+  std::map<std::string, bool, std::less<>> forbidden_;
   std::vector<std::shared_ptr<ChannelOutlet>> service_outlets_;
   std::uint64_t last_incarnation_ = 0;  // The largest incarnation in service_outlets_ so far.
 };

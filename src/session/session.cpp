@@ -127,10 +127,10 @@ std::shared_ptr<PendingCall> SessionServices::CallAny(std::string_view name, con
 }
 
 void SessionNetwork::AllowPublishing(std::string_view channel, bool allowed) {
-  network_core_.AllowPublishing(channel, allowed);
+  network_core_.Allow(Way::kOut, channel, allowed);
 }
 void SessionNetwork::AllowSubscribing(std::string_view channel, bool allowed) {
-  network_core_.AllowSubscribing(channel, allowed);
+  network_core_.Allow(Way::kIn, channel, allowed);
 }
 void SessionNetwork::AddPublisherEndpoint(const EndpointConfig& endpoint) {
   network_core_.AddPublisherEndpoint(endpoint);

@@ -39,11 +39,9 @@ std::shared_ptr<const MessageSchema> SessionCore::AwaitSchema(std::string_view c
   Channel& opened = graph_->Open(channel, AnyType(), CallSite::Current());
   const TypeInfo& type = DataGraph::TypeOfChannel(opened);
   if (type.encoding != Encoding::kNone) return std::make_shared<const MessageSchema>(SchemaOf(type));
-  NodeOptions options;
-  options.queue = Queue::Latest();
-  options.executor = Executor::Inline();
-  const Subscription asking = SubscribeAny(
-      opened, AnyType(), Invoke::kConcurrent, [](const AnyMessage&, const MessageInfo&) {}, options);
+  const Subscription asking =
+      SubscribeAny(opened, AnyType(), Invoke::kConcurrent, [](const AnyMessage&, const MessageInfo&) {},
+                   {{}, Queue::Latest(), Executor::Inline()});
   std::shared_ptr<const MessageSchema> schema;
   (void)WaitUntil(timeout, [&] {
     schema = inbound_->SchemaOf(channel);

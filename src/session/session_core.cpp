@@ -142,6 +142,7 @@ SessionCore::~SessionCore() {
   outbound_.Close();
   changes_.Notify();
   inbound_->Close();
+  if (steering_) steering_->Close();
   if (bridge_) bridge_->Close(static_cast<int>(kLinger.count()));  // May still post errands: events of peers that go.
   outbound_.Detach();
   if (snapshots_) snapshots_->outlet()->Detach();
@@ -275,6 +276,7 @@ SessionSnapshot SessionCore::Snapshot() const {
     snapshot.peers = bridge_->Peers();
     snapshot.transport = bridge_->stats();
   }
+  Steering::AddTo(snapshot, steering_, config_, domain_.has_value(), OwnChannels().channels);
   return snapshot;
 }
 

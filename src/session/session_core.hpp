@@ -24,6 +24,7 @@
 #include "hgros/services/services.hpp"
 #include "hgros/session/session.hpp"
 #include "session/change_signal.hpp"
+#include "session/control/steering.hpp"
 #include "session/endpoint_lists.hpp"
 #include "session/inbound_channels.hpp"
 #include "session/misspelled_names.hpp"
@@ -57,8 +58,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   bool WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout);
   bool WaitForPublishers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) const;
 
-  void AllowPublishing(std::string_view channel, bool allowed);
-  void AllowSubscribing(std::string_view channel, bool allowed);
+  void Allow(Way way, std::string_view channel, bool allowed);
   void AddPublisherEndpoint(const EndpointConfig& endpoint);
   void AddSubscriberEndpoint(const EndpointConfig& endpoint);
   void RemoveSubscriberEndpoint(std::string_view endpoint);
@@ -78,6 +78,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
     host_clocks_->Add(peer.id, exchange);
   }
 
+  [[nodiscard]] ServicePlace& place() noexcept { return *this; }
   [[nodiscard]] Services& services() noexcept { return *services_; }
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
@@ -152,6 +153,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::optional<SnapshotPublisher> snapshots_;  // Created with the bridge.
   OutboundChannels outbound_;
   const std::shared_ptr<InboundChannels> inbound_;  // Shared with subscriptions, which may outlive the session.
+  std::optional<Steering> steering_;                // Created with the bridge, unless the configuration says no.
   std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the endpoints' lists.
   std::optional<MisspelledNames> misspelled_;
   ReservedNames reserved_;

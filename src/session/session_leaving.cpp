@@ -40,6 +40,7 @@ void SessionCore::LeavePeers(std::thread::id on_behalf_of) noexcept {
   }
   outbound_.Close();
   inbound_->Close();
+  if (bridge != nullptr && steering_) steering_->Close();
   if (bridge != nullptr) bridge->Close(static_cast<int>(kLinger.count()));
   outbound_.Detach();
   LogEnding(*log_).WriteHeldBack();

@@ -19,6 +19,12 @@ NetworkBridge& SessionCore::EnsureTransports() {
   snapshots_.emplace(publisher_, log_, host_clocks_, SnapshotPublisher::Means{[this] { return Snapshot(); }, Later()});
   snapshots_->outlet()->Join(*bridge_);
   inbound_->Join(*bridge_);
+  if (!config_.control) return *bridge_;
+  const auto list = [this](const std::string& channel) {
+    for (const Way way : {Way::kOut, Way::kIn}) Allow(way, channel, true);
+  };
+  steering_.emplace(
+      *bridge_, Steering::Means{id_, log_, *graph_, outbound_, *inbound_, [this] { return Peers(); }, list, Later()});
   return *bridge_;
 }
 
@@ -40,21 +46,13 @@ bool SessionCore::SayIfItCannotLeave(const std::string& channel) {
   return true;
 }
 
-void SessionCore::AllowPublishing(std::string_view channel, bool allowed) {
+void SessionCore::Allow(Way way, std::string_view channel, bool allowed) {
   RequireChannelName(channel);
   const std::scoped_lock lock(mutex_);
-  for (EndpointConfig& endpoint : config_.publishers) {
+  for (EndpointConfig& endpoint : way == Way::kOut ? config_.publishers : config_.subscribers) {
     if (!SetAllowed(endpoint, channel, allowed) || !TakesWiring()) continue;
-    EnsureTransports().SetPublishChannels(endpoint.endpoint, ListOf(endpoint));
-  }
-}
-
-void SessionCore::AllowSubscribing(std::string_view channel, bool allowed) {
-  RequireChannelName(channel);
-  const std::scoped_lock lock(mutex_);
-  for (EndpointConfig& endpoint : config_.subscribers) {
-    if (!SetAllowed(endpoint, channel, allowed) || !TakesWiring()) continue;
-    EnsureTransports().SetSubscribeChannels(endpoint.endpoint, ListOf(endpoint));
+    const auto set = way == Way::kOut ? &NetworkBridge::SetPublishChannels : &NetworkBridge::SetSubscribeChannels;
+    (EnsureTransports().*set)(endpoint.endpoint, ListOf(endpoint));
   }
 }
 

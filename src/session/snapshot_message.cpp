@@ -7,6 +7,7 @@
 #include "hgros/base/memory_room.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/discovery/announcement.hpp"
+#include "session/control/control_desk.hpp"
 
 namespace hgros {
 namespace {
@@ -84,6 +85,12 @@ Snapshot ToMessage(const SessionSnapshot& snapshot) {
     one.set_rate_hz(channel.rate_hz);
     one.set_latched(channel.latched);
     one.set_closed(channel.closed);
+    const auto why = [&](const auto& reasons) {
+      const auto found = reasons.find(channel.name);
+      return found == reasons.end() ? std::string() : found->second;
+    };
+    one.set_not_leaving(why(snapshot.not_leaving));
+    one.set_not_entering(why(snapshot.not_entering));
     for (const NodeSnapshot& node : channel.nodes) Fill(*one.add_nodes(), node);
     const auto traffic = std::ranges::lower_bound(snapshot.traffic, channel.name, {}, &ChannelTraffic::channel);
     if (traffic != snapshot.traffic.end() && traffic->channel == channel.name) Fill(one, *traffic);
@@ -103,6 +110,8 @@ Snapshot ToMessage(const SessionSnapshot& snapshot) {
   message.set_cpu_ns(ProcessCpuTime());
   message.set_memory_bytes(static_cast<std::int64_t>(ResidentBytes()));
   message.set_version(HGROS_VERSION);
+  message.set_control(snapshot.steerable ? kControlVersion : 0);
+  message.set_refused_orders(snapshot.refused_orders);
   return message;
 }
 

@@ -86,6 +86,7 @@ class PublishingEnd final : public OutboundChannel {
     }
   }
   OutboundStats stats() const override { return channel_->stats(); }
+  std::size_t Unfinished() const override { return core_->IsChild() ? 0 : core_->Unfinished(*channel_); }
 
  private:
   // There was no memory, before or while the message was passed to the subscribers: counted as if none had got it.

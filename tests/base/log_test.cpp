@@ -32,6 +32,34 @@ struct Recorder {
   }
 };
 
+TEST(Log, LeavesOutLinesBelowItsLevel) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  log.Write(LogLevel::kDebug, "One.");
+  log.SetLevel(LogLevel::kWarning);
+  log.Write(LogLevel::kInfo, "Two.");
+  log.WriteLimited(LogLevel::kInfo, "key", "Three.");
+  log.Write(LogLevel::kWarning, "Four.");
+  log.SetLevel(LogLevel::kDebug);
+  log.WriteLimited(LogLevel::kDebug, "key", "Five.");
+  EXPECT_THAT(recorder.lines, ElementsAre("One.", "Four.", "Five."));
+}
+
+TEST(Log, DefaultSinkShowsDebugLinesOnceThisIsTheLevel) {
+  const LogSink shared = DefaultLogSink();
+  Log log(shared);
+  Log other(shared);
+  testing::internal::CaptureStderr();
+  log.Write(LogLevel::kDebug, "One.");
+  log.SetLevel(LogLevel::kDebug);
+  log.Write(LogLevel::kDebug, "Two.");
+  other.Write(LogLevel::kDebug, "Three.");
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("Two."));
+  EXPECT_EQ(said.find("One."), std::string::npos);
+  EXPECT_EQ(said.find("Three."), std::string::npos);
+}
+
 TEST(Log, PassesLevelAndTextToTheSink) {
   Recorder recorder;
   Log log(recorder.Sink());

@@ -22,7 +22,7 @@ void ExpectSubscriberFault(const std::string& ip, const std::vector<std::string>
 TEST(ConfigKeys, UnknownKeyErrorNamesTheNearestAndAllKnownKeys) {
   ExpectFault("netwrok:\n", "1:1",
               {"Unknown key \"netwrok\" at the top level.", "Did you mean \"network\"?",
-               "Known keys: channels, data_graph, discovery, network, shared_memory, time."});
+               "Known keys: channels, control, data_graph, discovery, network, shared_memory, time."});
   ExpectFault("network:\n  publishers:\n", "2:3", {"Unknown key \"publishers\" in network.", "\"publisher\"?"});
   ExpectFault(
       "network:\n  publisher: {ip: x, chanels: []}\n", "2:22",
@@ -93,10 +93,11 @@ TEST(ConfigTypes, ErrorNamesTheWantedAndTheActualType) {
   ExpectFault("data_graph: {threads: 1.5}", "1:23", {"but is the number 1.5."});
   ExpectFault("data_graph: {close_channels: [[a]]}", "1:31",
               {"close_channels[0] must be a channel name, but is a list."});
+  ExpectFault("control: offf", "1:10", {"off"});
   ExpectFault("channels: {a: {lossless: yes}}", "1:26", {"must be true or false, but is the text \"yes\"."});
-  ExpectFault(
-      "- network", "1:1",
-      {"The file must be a map with network, discovery, shared_memory, time, data_graph and channels, but is a list."});
+  ExpectFault("- network", "1:1",
+              {"The file must be a map with network, discovery, shared_memory, time, control, data_graph and channels, "
+               "but is a list."});
   ExpectFault("network:x", "1:1", {"The file must be a map", "Put a space after the colon"});
 }
 

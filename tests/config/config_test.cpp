@@ -114,6 +114,12 @@ TEST(Config, OverviewInTheDocumentationLoads) {
   EXPECT_EQ(config.nodes.at("localization").executor, Executor::Dedicated({2, 3}, 20));
 }
 
+TEST(Config, ControlIsOnUnlessItIsTurnedOff) {
+  EXPECT_TRUE(Config().control);
+  EXPECT_TRUE(Config::Parse("control: on").control);
+  EXPECT_FALSE(Config::Parse("control: off").control);
+}
+
 TEST(ConfigEndpoint, EqualEndpointsGetOneSpelling) {
   EXPECT_EQ(PublisherOf("tcp://*:5553"), "tcp://*:5553");
   EXPECT_EQ(PublisherOf("*:5556"), "tcp://*:5556");

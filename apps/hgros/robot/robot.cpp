@@ -28,16 +28,20 @@ constexpr std::chrono::seconds kConnectTime{3};
 // endpoints belongs to the sessions of the robot.
 Config ConfigOf(const RobotOptions& options) {
   Config config;
+  config.control = false;
   if (!options.config.empty()) {
     const std::vector<std::filesystem::path> files(options.config.begin(), options.config.end());
     Config read = Config::Load(files);
     config.subscribers = std::move(read.subscribers);
+    if (options.sends) config.publishers = std::move(read.publishers);
     config.security = std::move(read.security);
     config.discovery = std::move(read.discovery);
     config.heartbeat_ms = read.heartbeat_ms;
     config.peer_timeout_ms = read.peer_timeout_ms;
   }
-  for (EndpointConfig& endpoint : config.subscribers) endpoint.all_channels = true;
+  for (auto* endpoints : {&config.publishers, &config.subscribers}) {
+    for (EndpointConfig& endpoint : *endpoints) endpoint.all_channels = true;
+  }
   for (const std::string& endpoint : options.connect) {
     const std::string with_scheme = endpoint.find("://") == std::string::npos ? "tcp://" + endpoint : endpoint;
     const auto known = [&](const EndpointConfig& one) { return one.endpoint == with_scheme; };

@@ -17,6 +17,7 @@ struct RobotOptions {
   std::vector<std::string> connect;
   std::optional<double> timeout_s;
   OutputStyle style;
+  bool sends = false;  ///< The command also sends to other hosts: through the publisher endpoints of --config.
 
   void Declare(Arguments& arguments);
   /// `otherwise` if there is no --timeout.

@@ -36,6 +36,9 @@ class HGROS_EXPORT Log {
   void WriteLimited(LogLevel level, std::string_view key, std::string_view text,
                     std::chrono::milliseconds interval = std::chrono::seconds(10));
 
+  /// From now on lines below `least` are not written. Before, all are, except that the default sink leaves out kDebug.
+  void SetLevel(LogLevel least);
+
  private:
   friend class LogEnding;
   using Clock = std::chrono::steady_clock;
@@ -55,6 +58,7 @@ class HGROS_EXPORT Log {
 
   std::mutex mutex_;
   LogSink sink_;
+  LogLevel least_ = LogLevel::kDebug;
   std::map<std::string, Held, std::less<>> held_;
 };
 

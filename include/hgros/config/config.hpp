@@ -79,6 +79,7 @@ struct HGROS_EXPORT Config {
   int heartbeat_ms = 1000;
   int peer_timeout_ms = 5000;  ///< A peer that is silent for longer is gone.
 
+  bool control = true;          ///< Others of the same user, or with an allowed key, may steer it: `hgros control`.
   bool simulated_time = false;  ///< The session's clock follows the channel "clock" (ClockPublisher).
 
   std::vector<std::string> closed_channels;  ///< Not delivered to this process' own nodes.

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,6 +24,11 @@ struct SessionSnapshot {
   std::vector<ServiceSnapshot> services;  ///< Sorted by name.
   std::vector<PeerInfo> peers;
   TransportStats transport;
+  /// By channel: a sentence that says why no message of it leaves the session, or enters it. Channels without one may.
+  std::map<std::string, std::string, std::less<>> not_leaving;
+  std::map<std::string, std::string, std::less<>> not_entering;
+  bool steerable = false;  ///< Others may ask it to change something: AskSessions().
+  std::uint64_t refused_orders = 0;
 };
 
 }  // namespace hgros

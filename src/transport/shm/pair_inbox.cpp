@@ -88,6 +88,7 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
     message.data = PayloadOf(slip_, descriptor, std::move(segment));
   }
   message.from = from_;
+  message.trusted = true;  // A pair is only made with a process of the same user.
   message.head.channel = link.core->name;
   message.head.type_name = link.type_name;
   message.head.encoding = link.encoding;

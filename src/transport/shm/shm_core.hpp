@@ -48,6 +48,7 @@ class ShmCore {
 
   [[nodiscard]] PublishStatus Reserve(OutChannel& channel) { return publisher_.Reserve(channel); }
   void Cancel(const std::shared_ptr<OutChannel>& core) { publisher_.Cancel(core); }
+  [[nodiscard]] std::size_t Unfinished(const OutChannel& channel) { return publisher_.Unfinished(channel); }
   void Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& head, const Payload& data) {
     publisher_.Commit(core, head, data);
   }

@@ -56,6 +56,18 @@ PublishStatus ShmPublisher::Reserve(OutChannel& channel) {
   return PublishStatus::kOk;
 }
 
+std::size_t ShmPublisher::Unfinished(const OutChannel& channel) {
+  Leavings leavings;
+  const std::scoped_lock lock(mutex_);
+  std::size_t unfinished = 0;
+  for (OutLink* link : channel.links) {
+    if (!link->flow.lossless()) continue;
+    ReadCredit(*link, leavings);
+    unfinished += link->flow.unfinished();
+  }
+  return unfinished;
+}
+
 void ShmPublisher::Cancel(const std::shared_ptr<OutChannel>& core) {
   if (core->lossless.load() == 0) return;
   Actions actions;

@@ -35,6 +35,7 @@ class ShmPublisher {
   [[nodiscard]] PublishStatus Reserve(OutChannel& channel);
   void Cancel(const std::shared_ptr<OutChannel>& core);
   void Commit(const std::shared_ptr<OutChannel>& core, const PacketHead& head, const Payload& data);
+  [[nodiscard]] std::size_t Unfinished(const OutChannel& channel);
   [[nodiscard]] std::optional<Block> Loan(std::size_t size_bytes) { return packer_.Loan(size_bytes); }
   [[nodiscard]] BlockPool& pool() const noexcept { return packer_.pool(); }
   /// Sends the messages that have waited for slots or credit of this peer.

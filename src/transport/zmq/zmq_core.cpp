@@ -247,6 +247,13 @@ void ZmqCore::Cancel(const std::shared_ptr<OutboundCore>& core) {
   for (const auto& endpoint : publishers_) endpoint->CancelReservation(core);
 }
 
+std::size_t ZmqCore::Unfinished(const OutboundCore& core) const {
+  const std::shared_lock lock(mutex_);
+  std::size_t unfinished = 0;
+  for (const auto& endpoint : publishers_) unfinished += endpoint->Unfinished(core);
+  return unfinished;
+}
+
 void ZmqCore::Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data) {
   if (shared_.closing.load(std::memory_order_relaxed) || core->subscribers.load(std::memory_order_relaxed) == 0) {
     return;

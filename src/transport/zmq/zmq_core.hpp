@@ -57,6 +57,7 @@ class ZmqCore : public LeaderPool::Input {
 
   [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
   void Cancel(const std::shared_ptr<OutboundCore>& core);
+  [[nodiscard]] std::size_t Unfinished(const OutboundCore& core) const;
   void Commit(const std::shared_ptr<OutboundCore>& core, const PacketHead& head, const Payload& data);
 
   [[nodiscard]] SharedState& shared() noexcept { return shared_; }

@@ -13,6 +13,7 @@ struct PreparedMessage {
     kNothing,
     kMemory,   ///< `block` has the size of the encoded message and is to be filled.
     kEncoded,  ///< `block` is the encoded message.
+    kStays,    ///< The message does not leave the session.
   };
   State state = State::kNothing;
   Block block;

@@ -39,6 +39,10 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   void Join(NetworkBridge& bridge);
   // Leaves the transport. Later publishes stay inside the process.
   void Detach();
+  // If `stays`, later publishes stay inside the process. Those that were accepted still leave until Detach().
+  void SetStays(bool stays);
+  // Whether accepted messages have not left, or lossless subscribers have not consumed them.
+  [[nodiscard]] bool HasUnfinished() const;
   void Latch(std::size_t count);
   // From Join() on, subscribers that ask for lossless delivery are keep-last.
   void PromiseNothing() noexcept { may_promise_ = false; }
@@ -93,12 +97,13 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   [[nodiscard]] bool TryCommit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                                PreparedMessage&& prepared);
   [[nodiscard]] std::vector<OutboundMessage> TryLatched();
+  void CancelPromise() noexcept;
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
 
   const std::string channel_;
   // The type of the first user. A message may be raw, or of another C++ type with the same wire form.
   const TypeInfo& type_;
-  const MessageId publisher_;
+  MessageId publisher_;  // Its incarnation changes, under order_mutex_.
   const std::shared_ptr<Log> log_;
   const OutletEvents events_;
   const std::shared_ptr<const HostClocks> clocks_;
@@ -120,6 +125,8 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   // Changed under both mutexes.
   std::shared_ptr<JoinedOutbound> transports_;
   std::uint64_t sequence_ = 0;
+  bool stays_ = false;          // Under order_mutex_, as the next.
+  std::uint64_t promised_ = 0;  // Number of messages between Reserve() and Commit() or Cancel().
   // Each message writes the members above, too, so that these cost no further cache line.
   std::atomic<std::uint64_t> encoded_{0};
   std::atomic<std::uint64_t> encoded_bytes_{0};

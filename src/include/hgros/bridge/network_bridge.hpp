@@ -55,6 +55,10 @@ class NetworkBridge {
                                                           OutboundSource& source);
   [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
                                                          const Demand& demand, InboundSink& sink);
+  /// The same without an announcement: the channel connects no sessions, and only those that are connected for another
+  /// channel are asked for it. It ends with the result, which waits for active calls into the sink.
+  [[nodiscard]] std::shared_ptr<const void> SubscribeUnannounced(const std::string& channel, const TypeInfo& type,
+                                                                 const Demand& demand, InboundSink& sink);
   /// Tells others whether the session, which subscribes to the channel, asks for lossless delivery now.
   void SetLossless(const std::string& channel, bool lossless);
   /// Tells others that the session no longer subscribes to the channel.

@@ -16,6 +16,7 @@ class SessionParts {
 
   // Reserves a name until the result is destroyed. Null if it is taken.
   [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name) { return session_.TryReserve(name); }
+  [[nodiscard]] SessionCore& core() noexcept { return *session_.core_; }
 
  private:
   Session& session_;

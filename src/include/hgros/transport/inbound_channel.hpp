@@ -18,6 +18,9 @@ struct InboundMessage {
   PacketHead head;
   Payload data;
   SessionId from;  ///< None if the sender is not a HyperGraph ROS session.
+  /// The sender is a session of the same user on this host, as its kernel says, or has a CURVE key that may subscribe
+  /// here, too. So it may steer this session.
+  bool trusted = false;
   /// The sender's type, as announced when the link was made, if it is not the type that was subscribed to.
   std::shared_ptr<const MessageSchema> schema;
   /// While any copy of this lives, the message counts as in flight and uses the sender's credit. Messages of a sender

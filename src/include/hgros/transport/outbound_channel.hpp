@@ -83,6 +83,8 @@ class OutboundChannel {
   /// take the memory before Commit(), which then returns false.
   [[nodiscard]] virtual bool HasMemoryFor(std::size_t /*size_bytes*/, bool /*written*/) const { return true; }
   [[nodiscard]] virtual OutboundStats stats() const = 0;
+  /// Number of messages that wait for lossless subscribers, or that these have not consumed.
+  [[nodiscard]] virtual std::size_t Unfinished() const { return 0; }
 };
 
 }  // namespace hgros

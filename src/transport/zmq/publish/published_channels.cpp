@@ -67,6 +67,16 @@ bool PublishedChannels::HasRoom(const OutboundCore& core) const {
                              [](const OutLink* link) { return !link->flow.lossless() || link->flow.HasRoom(); });
 }
 
+std::size_t PublishedChannels::Unfinished(const OutboundCore& core) const {
+  const auto found = channels_.find(core.name);
+  if (found == channels_.end()) return 0;
+  std::size_t unfinished = 0;
+  for (const OutLink* link : found->second.links) {
+    if (link->flow.lossless()) unfinished += link->flow.unfinished();
+  }
+  return unfinished;
+}
+
 void PublishedChannels::Reserve(const OutboundCore& core) {
   const auto found = channels_.find(core.name);
   if (found == channels_.end()) return;

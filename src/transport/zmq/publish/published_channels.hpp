@@ -47,6 +47,8 @@ class PublishedChannels {
   void AddOffers(google::protobuf::RepeatedPtrField<wire::ChannelType>& offers) const;
 
   [[nodiscard]] bool HasRoom(const OutboundCore& core) const;
+  /// Number of messages that lossless subscribers have not consumed.
+  [[nodiscard]] std::size_t Unfinished(const OutboundCore& core) const;
   void Reserve(const OutboundCore& core);
   void CancelReservation(const std::shared_ptr<OutboundCore>& core, Actions& actions);
   void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message,

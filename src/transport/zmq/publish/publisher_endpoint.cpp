@@ -243,6 +243,11 @@ void PublisherEndpoint::ForgiveSilence(SteadyTime now) {
   peers_.ForgiveSilence(now);
 }
 
+std::size_t PublisherEndpoint::Unfinished(const OutboundCore& core) const {
+  const std::scoped_lock lock(mutex_);
+  return channels_.Unfinished(core);
+}
+
 bool PublisherEndpoint::AllSent() const {
   const std::scoped_lock lock(mutex_);
   return peers_.AllSent();

@@ -62,6 +62,7 @@ class PublisherEndpoint {
   /// The waiting thread itself did not run for a while: counts all peers as heard now.
   void ForgiveSilence(SteadyTime now);
   [[nodiscard]] bool AllSent() const;
+  [[nodiscard]] std::size_t Unfinished(const OutboundCore& core) const;
   /// Adds the sessions that subscribe here, with their channels.
   void AddWishes(std::vector<SessionChannels>& known) const;
   /// Sends Bye to all peers.

@@ -43,6 +43,7 @@ LeaderPool::Task DeliverPacket(const std::shared_ptr<InboundCore>& core, Inbound
   }
   message.data = PayloadOf(std::move(packet.data));
   message.from = packet.from;
+  message.trusted = packet.trusted;
   message.schema = std::move(packet.schema);
   message.credit = std::move(packet.credit);
   return InboundCore::Deliver(core, std::move(message), shared.repeats);

@@ -16,7 +16,8 @@ namespace hgros::zmq {
 struct InboundPacket {
   Message head;
   Message data;
-  SessionId from;  ///< Zero if it is from a plain publisher.
+  SessionId from;        ///< Zero if it is from a plain publisher.
+  bool trusted = false;  ///< See InboundMessage.
   std::shared_ptr<const void> credit;
   std::uint64_t fingerprint = 0;  ///< Identifies the type that the publisher named for the link; compared with ours.
   std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is not ours.

@@ -34,6 +34,7 @@ bool PacketReader::Read(const Message& topic_frame, std::vector<Message>& frames
     packet.credit = link.credit->AdmitMessage(bytes);
     link.credit->OnReceived();
     packet.from = publisher_.id();
+    packet.trusted = connection_.trusted();
     packet.fingerprint = link.fingerprint;
     packet.schema = link.schema;
   } else if (!link.plain) {

@@ -1,5 +1,6 @@
 #include "transport/zmq/subscribe/publisher_connection.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <string_view>
 #include <system_error>
@@ -28,12 +29,18 @@ int MoreSpecific(int one, int other) {
   return other;
 }
 
+bool IsAllowed(const ZmqSecurity& security, const std::string& key) {
+  return std::ranges::any_of(security.allowed_clients,
+                             [&](const auto& one) { return KeyText(one, "allowed client's") == key; });
+}
+
 }  // namespace
 
 PublisherConnection::PublisherConnection(SharedState& shared, const SubscribeEndpoint& endpoint)
     : shared_(shared),
       endpoint_(FullEndpoint(endpoint.endpoint)),
       server_key_(shared.options.security ? KeyText(endpoint.server_key, "server") : std::string()),
+      trusted_(shared.options.security && IsAllowed(*shared.options.security, server_key_)),
       socket_(shared.context, ZMQ_XSUB),
       monitor_(shared.context, ZMQ_PAIR),
       logs_(!endpoint.on_event) {

@@ -24,6 +24,8 @@ class PublisherConnection {
   [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
   /// The KeyText() of the other side; empty without keys.
   [[nodiscard]] const std::string& server_key() const noexcept { return server_key_; }
+  /// With keys, and the other side's is one of those that may subscribe here.
+  [[nodiscard]] bool trusted() const noexcept { return trusted_; }
   [[nodiscard]] Socket& socket() noexcept { return socket_; }
   [[nodiscard]] int fd() const noexcept { return fd_; }
   [[nodiscard]] int monitor_fd() const noexcept { return monitor_fd_; }
@@ -63,6 +65,7 @@ class PublisherConnection {
   SharedState& shared_;
   const std::string endpoint_;
   const std::string server_key_;
+  const bool trusted_;
   Socket socket_;
   Socket monitor_;
   int fd_ = -1;

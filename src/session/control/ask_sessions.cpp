@@ -1,0 +1,113 @@
+#include "session/control/ask_sessions.hpp"
+
+#include <algorithm>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <hgros/SessionControl.pb.h>
+
+#include "hgros/clock/time.hpp"
+#include "hgros/session/session_parts.hpp"
+#include "hgros/session/snapshot_message.hpp"
+#include "session/control/control_desk.hpp"
+#include "session/session_core.hpp"
+
+namespace hgros {
+namespace {
+
+// Requests are repeated, because sessions connect one after the other. The pause grows.
+constexpr auto kFirstRepetition = std::chrono::milliseconds(20);
+constexpr auto kLongestPause = std::chrono::milliseconds(500);
+constexpr std::size_t kQueue = 1024;
+
+// Shared with subscriptions, whose last callbacks may come later.
+struct Answers {
+  std::mutex mutex;
+  std::condition_variable came;
+  std::map<std::uint64_t, ControlAnswer> all;  // By session.
+  std::size_t missing = 0;
+
+  void Take(const ControlReply& reply, std::uint64_t from) {
+    const std::scoped_lock lock(mutex);
+    const auto asked = all.find(from);
+    if (asked == all.end() || std::exchange(asked->second.answered, true)) return;
+    asked->second.refusal = reply.refusal();
+    asked->second.done = reply.done();
+    --missing;
+    came.notify_all();
+  }
+};
+
+void Publish(SessionOutlet& outlet, const ControlRequest& request) {
+  const auto message = std::make_shared<const ControlRequest>(request);
+  const TypeInfo& type = TypeOf<ControlRequest>();
+  PreparedMessage prepared;
+  if (outlet.Reserve(message.get(), type, prepared) != PublishStatus::kOk) return;
+  (void)outlet.Commit(message, type, std::move(prepared));
+}
+
+void AskUntilAnswered(SessionOutlet& outlet, ControlRequest& request, Answers& answers,
+                      std::chrono::steady_clock::time_point deadline) {
+  std::unique_lock lock(answers.mutex);
+  std::chrono::nanoseconds pause = kFirstRepetition;
+  while (answers.missing > 0 && std::chrono::steady_clock::now() < deadline) {
+    request.clear_sessions();
+    for (const auto& [session, answer] : answers.all) {
+      if (!answer.answered) request.add_sessions(session);
+    }
+    lock.unlock();
+    const std::size_t subscribers = outlet.subscriber_count();
+    if (subscribers > 0) {
+      Publish(outlet, request);
+      pause = std::min<std::chrono::nanoseconds>(2 * pause, kLongestPause);
+    }
+    lock.lock();
+    (void)answers.came.wait_until(lock, std::min(deadline, DeadlineIn(pause)),
+                                  [&] { return answers.missing == 0 || outlet.subscriber_count() > subscribers; });
+  }
+}
+
+}  // namespace
+
+std::vector<ControlAnswer> AskSessions(ServicePlace& place, SessionId self, std::span<const SessionId> sessions,
+                                       const ControlOrder& order, std::chrono::nanoseconds timeout) {
+  const auto deadline = DeadlineIn(timeout);
+  const auto answers = std::make_shared<Answers>();
+  for (const SessionId one : sessions) answers->all[one.value].session = one;
+  answers->missing = answers->all.size();
+  ControlRequest request;
+  request.set_version(kControlVersion);
+  request.set_number(RandomId());
+  request.set_action(static_cast<ControlRequest::Action>(order.action));
+  request.set_channel(order.channel);
+  request.set_level(static_cast<std::uint32_t>(order.level));
+
+  const auto take = [answers, self = self.value, number = request.number()](const AnyMessage& message,
+                                                                            const MessageInfo& info) {
+    const auto& reply = *static_cast<const ControlReply*>(message.get());
+    if (reply.asker() == self && reply.number() == number) answers->Take(reply, info.id.publisher);
+  };
+  const Subscription replies = place.Listen(std::string(kControlRepliesChannel), TypeOf<ControlReply>(), take, kQueue);
+  // Sessions of this host connect with those that subscribe to this.
+  const Subscription snapshots = place.Listen(
+      std::string(kSnapshotsChannel), TypeOf<Snapshot>(), [](const AnyMessage&, const MessageInfo&) {}, kQueue);
+  const std::string channel(kControlChannel);
+  const auto outlet = place.OpenOutlet(channel, TypeOf<ControlRequest>(),
+                                       {[] {}, [answers] { answers->came.notify_all(); }, [] { return true; }});
+  AskUntilAnswered(*outlet, request, *answers, deadline);
+  place.CloseOutlet(channel, outlet);
+  std::vector<ControlAnswer> result;
+  const std::scoped_lock lock(answers->mutex);
+  for (const SessionId one : sessions) result.push_back(answers->all.at(one.value));
+  return result;
+}
+
+std::vector<ControlAnswer> AskSessions(Session& session, std::span<const SessionId> sessions, const ControlOrder& order,
+                                       std::chrono::nanoseconds timeout) {
+  SessionCore& core = SessionParts(session).core();
+  return AskSessions(core.place(), core.id(), sessions, order, timeout);
+}
+
+}  // namespace hgros

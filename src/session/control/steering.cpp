@@ -1,0 +1,146 @@
+#include "session/control/steering.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
+#include "hgros/codec/message.hpp"
+
+namespace hgros {
+namespace {
+
+// The answer leaves before the process gets the signal.
+constexpr auto kTimeToAnswer = std::chrono::milliseconds(100);
+constexpr std::string_view kOfTheLibrary = "hgros/";
+constexpr std::array<const char*, 4> kLevels{"debug", "info", "warning", "error"};  // By LogLevel.
+
+// Why SIGTERM does not end the process; null: it does, or the program handles it.
+const char* WhyNotStopped() {
+  struct sigaction action {};
+  if (sigaction(SIGTERM, nullptr, &action) != 0) return nullptr;
+  if (action.sa_handler == SIG_IGN) return "The process ignores SIGTERM, so it can only be killed.";
+  if (action.sa_handler == SIG_DFL && getpid() == 1) {
+    return "The process is number 1 of its container and does not handle SIGTERM, so it can only be killed. Run the "
+           "container with --init.";
+  }
+  return nullptr;
+}
+
+// The channels that the session uses itself.
+std::vector<std::string> NamesIn(const DataGraph& graph) {
+  std::vector<std::string> names;
+  for (const ChannelSnapshot& channel : graph.Snapshot().channels) {
+    if (!channel.name.starts_with(kOfTheLibrary) && !channel.type.empty()) names.push_back(channel.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+Steering::Steering(NetworkBridge& bridge, Means means) : means_(std::move(means)), desk_(bridge, MeansOfDesk()) {}
+
+ControlDesk::Means Steering::MeansOfDesk() {
+  return {
+      .self = means_.self,
+      .log = means_.log,
+      .name_of =
+          [this](SessionId id) {
+            const std::vector<PeerInfo> peers = means_.peers();
+            const auto found = std::ranges::find(peers, id, &PeerInfo::id);
+            return found == peers.end() ? id.ToString() : found->name();
+          },
+      .obey = [this](const ControlRequest& request) { return Obey(request); },
+      .open_replies =
+          [this] {
+            return means_.outbound.OpenForService(std::string(kControlRepliesChannel), TypeOf<ControlReply>(),
+                                                  {[] {}, [] {}, [] { return true; }});
+          },
+      .post = [this](std::function<void()> errand) { means_.later({}, std::move(errand)); },
+  };
+}
+
+bool Steering::Forbids(const std::string& channel) const {
+  const std::scoped_lock lock(mutex_);
+  return forbidden_.contains(channel);
+}
+
+void Steering::AddTo(SessionSnapshot& snapshot, const std::optional<Steering>& steering, const Config& config,
+                     bool has_domain, const std::vector<ChannelUse>& uses) {
+  if (steering) {
+    snapshot.steerable = true;
+    snapshot.refused_orders = steering->desk_.refused();
+  }
+  const auto add = [&](auto& reasons, const ChannelUse& use, const std::vector<EndpointConfig>& endpoints, Way way) {
+    std::string why = "Channel \"" + use.channel + "\" is forbidden in this session: it neither leaves nor enters it.";
+    if (!steering || !steering->Forbids(use.channel)) {
+      why = DescribeConfined(use.channel, endpoints, way, OutermostPlace(config, has_domain));
+    }
+    if (!why.empty()) reasons[use.channel] = std::move(why);
+  };
+  for (const ChannelUse& use : uses) {
+    if (use.channel.starts_with(kOfTheLibrary)) continue;
+    if (use.publishes) add(snapshot.not_leaving, use, config.publishers, Way::kOut);
+    if (use.subscribes) add(snapshot.not_entering, use, config.subscribers, Way::kIn);
+  }
+}
+
+std::string Steering::Obey(const ControlRequest& request) {
+  switch (request.action()) {
+    case ControlRequest::CLOSE:
+    case ControlRequest::OPEN:
+    case ControlRequest::ALLOW:
+    case ControlRequest::FORBID: return ChangeChannel(request);
+    case ControlRequest::LOG: return SetLogLevel(request.level());
+    case ControlRequest::STOP: return Stop();
+    default: throw Error("The session does not know action " + std::to_string(request.action()) + ".");
+  }
+}
+
+std::string Steering::ChangeChannel(const ControlRequest& request) {
+  const std::string& channel = request.channel();
+  std::string done = "Channel \"" + channel + "\" ";
+  RequireChannelName(channel);
+  if (channel.starts_with(kOfTheLibrary)) throw Error(done + "belongs to the library: it cannot be changed.");
+  if (request.action() == ControlRequest::CLOSE || request.action() == ControlRequest::OPEN) {
+    const bool close = request.action() == ControlRequest::CLOSE;
+    means_.graph.SetClosed(channel, close);
+    done += close ? "is closed: what this session publishes there does not reach its own nodes."
+                  : "is open: what this session publishes there reaches its own nodes.";
+  } else {
+    const bool forbid = request.action() == ControlRequest::FORBID;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (forbid) forbidden_.insert(channel);
+      if (!forbid) forbidden_.erase(channel);
+    }
+    means_.outbound.SetForbidden(channel, forbid, means_.later);
+    means_.inbound.SetForbidden(channel, forbid);
+    if (!forbid) means_.list(channel);
+    done += forbid ? "is forbidden: it neither leaves nor enters this session."
+                   : "is allowed to leave and to enter this session.";
+  }
+  const std::vector<std::string> used = NamesIn(means_.graph);
+  if (std::ranges::find(used, channel) != used.end()) return done;
+  const std::string nearest = NearestName(channel, used);
+  return done + " So far this session does not use a channel of that name." +
+         (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?");
+}
+
+std::string Steering::SetLogLevel(std::uint32_t level) {
+  if (level >= kLevels.size()) throw Error("There is no log level " + std::to_string(level) + ".");
+  means_.log->SetLevel(static_cast<LogLevel>(level));
+  return std::string("Log lines below the level ") + kLevels.at(level) + " are not written.";
+}
+
+std::string Steering::Stop() {
+  if (const char* why = WhyNotStopped(); why != nullptr) throw Error(why);
+  means_.later(kTimeToAnswer, [] { (void)kill(getpid(), SIGTERM); });
+  return "Its process " + std::to_string(getpid()) + " gets SIGTERM.";
+}
+
+}  // namespace hgros

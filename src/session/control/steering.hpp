@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hgros/graph/data_graph.hpp"
+#include "hgros/session/snapshot.hpp"
+#include "session/control/control_desk.hpp"
+#include "session/endpoint_lists.hpp"
+#include "session/inbound_channels.hpp"
+#include "session/outbound_channels.hpp"
+
+namespace hgros {
+
+// What other sessions may change in this one while it runs.
+//
+// Thread safety: all functions.
+class Steering {
+ public:
+  // All outlive it.
+  struct Means {
+    SessionId self;
+    std::shared_ptr<Log> log;
+    DataGraph& graph;
+    OutboundChannels& outbound;
+    InboundChannels& inbound;
+    std::function<std::vector<PeerInfo>()> peers;
+    std::function<void(const std::string& channel)> list;  // Adds the channel to the lists of all endpoints.
+    OutboundChannels::Later later;                         // Runs an errand on the errand thread.
+  };
+  Steering(NetworkBridge& bridge, Means means);
+
+  // Takes no more requests. Call it before the bridge ends.
+  void Close() { desk_.Close(); }
+  // Adds what it counts, and why channels that the session uses do not leave or enter it: they are forbidden, or no
+  // endpoint lists them. `steering`: of the session, if others may change it.
+  static void AddTo(SessionSnapshot& snapshot, const std::optional<Steering>& steering, const Config& config,
+                    bool has_domain, const std::vector<ChannelUse>& uses);
+
+ private:
+  [[nodiscard]] ControlDesk::Means MeansOfDesk();
+  [[nodiscard]] bool Forbids(const std::string& channel) const;
+  // On the errand thread. Throws Error if it cannot be done; otherwise returns a sentence that says what was done.
+  [[nodiscard]] std::string Obey(const ControlRequest& request);
+  [[nodiscard]] std::string ChangeChannel(const ControlRequest& request);
+  [[nodiscard]] std::string SetLogLevel(std::uint32_t level);
+  [[nodiscard]] std::string Stop();
+
+  const Means means_;
+  mutable std::mutex mutex_;
+  std::set<std::string, std::less<>> forbidden_;  // Guarded by mutex_.
+  ControlDesk desk_;                              // Ends first.
+};
+
+}  // namespace hgros

@@ -1,0 +1,235 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
+
+namespace hgros::cli {
+namespace {
+
+using foxglove::Log;
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+bool IsClosed(RobotForCommands& robot, const std::string& channel) {
+  for (const ChannelSnapshot& one : robot.session().Snapshot().graph.channels) {
+    if (one.name == channel) return one.closed;
+  }
+  return false;
+}
+
+TEST(HgrosControl, ClosesAndOpensAChannelWhereItIsUsed) {
+  RobotForCommands robot("talker");
+  RobotForCommands other("other", robot.environment().at("HGROS_DOMAIN"));
+  const auto scan = robot.session().Advertise<Log>("scan");
+  const auto map = other.session().Advertise<Log>("map");
+  other.AwaitAnnounced();
+  const CommandEnd closed = robot.Run({"control", "close", "scan"});
+  EXPECT_EQ(closed.status, 0) << closed.err;
+  EXPECT_THAT(closed.out, AllOf(StartsWith("SESSION"), HasSubstr("talker:"), HasSubstr("Channel \"scan\" is closed"),
+                                Not(HasSubstr("other:"))));
+  EXPECT_TRUE(IsClosed(robot, "scan"));
+  const CommandEnd open = robot.Run({"control", "open", "scan", "--json"});
+  EXPECT_THAT(open.out, AllOf(StartsWith("{\"process\":\"talker\",\"pid\":"), HasSubstr("\"done\":true"),
+                              HasSubstr("\"answer\":\"Channel \\\"scan\\\" is open")));
+  EXPECT_FALSE(IsClosed(robot, "scan"));
+  const CommandEnd unknown = robot.Run({"control", "close", "scna"});
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_THAT(unknown.err, EndsWith("hgros: No session uses scna. Did you mean scan?\n"));
+}
+
+TEST(HgrosControl, AsksAllSessionsThatAPatternMatches) {
+  RobotForCommands left("left_arm");
+  const std::string domain = left.environment().at("HGROS_DOMAIN");
+  RobotForCommands right("right_arm", domain);
+  RobotForCommands base("base", domain);
+  std::vector<Publisher<Log>> publishers;
+  for (RobotForCommands* robot : {&left, &right, &base}) {
+    publishers.push_back(robot->session().Advertise<Log>("status"));
+    robot->AwaitAnnounced();
+  }
+  const CommandEnd arms = RunToEnd({"control", "forbid", "status", "--session", "*_arm", "--json"}, left.environment());
+  EXPECT_EQ(arms.status, 0) << arms.err;
+  EXPECT_EQ(LinesOf(arms.out).size(), 2U) << arms.out;
+  EXPECT_THAT(arms.out, Not(HasSubstr("base")));
+  const CommandEnd one =
+      RunToEnd({"control", "allow", "status", "--session", base.session().id().ToString()}, left.environment());
+  EXPECT_THAT(one.out, AllOf(HasSubstr("base:"), Not(HasSubstr("_arm:"))));
+  const CommandEnd all = RunToEnd({"control", "log", "error", "--json"}, left.environment());
+  EXPECT_EQ(LinesOf(all.out).size(), 3U) << all.out;
+  const CommandEnd nobody = RunToEnd({"control", "log", "error", "--session", "bsae"}, left.environment());
+  EXPECT_EQ(nobody.status, 1);
+  EXPECT_THAT(nobody.err, EndsWith("hgros: No session is called bsae. Did you mean base?\n"));
+}
+
+TEST(HgrosControl, SaysWhoDoesNotTakeOrders) {
+  RobotForCommands robot("talker");
+  const auto scan = robot.session().Advertise<Log>("scan");
+  setenv("HGROS_DOMAIN", robot.environment().at("HGROS_DOMAIN").c_str(), 1);
+  Session off(Config::Parse("control: off\n"), {.name = "off", .log = [](LogLevel, std::string_view) {}});
+  setenv("HGROS_DOMAIN", "none", 1);
+  const auto other = off.Advertise<Log>("scan");
+  ASSERT_TRUE(test::Await([&] { return robot.session().Channels().size() >= 2; }));
+  ASSERT_TRUE(test::Await([&] {
+    for (const KnownChannel& channel : robot.session().Channels()) {
+      if (channel.name == "scan") return channel.publishers.size() == 2;
+    }
+    return false;
+  }));
+  const CommandEnd end = robot.Run({"control", "close", "scan"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("is closed"), HasSubstr("its configuration says `control: off`")));
+}
+
+TEST(HgrosControl, RefusesWrongArguments) {
+  EXPECT_EQ(RunToEnd({"control", "stop"}).status, 2);
+  EXPECT_THAT(RunToEnd({"control", "stop"}).err, HasSubstr("--session '*'"));
+  EXPECT_EQ(RunToEnd({"control", "log"}).status, 2);
+  EXPECT_THAT(RunToEnd({"control", "log", "wraning"}).err, HasSubstr("warning"));
+  EXPECT_EQ(RunToEnd({"control", "close", "a b"}).status, 2);
+  RobotForCommands nobody;
+  const CommandEnd end = RunToEnd({"control", "log", "info"}, nobody.environment());
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.err, EndsWith("hgros: No session is there to be asked.\n"));
+}
+
+TEST(HgrosControl, ItsExamplesWork) {
+  RobotForCommands robot("talker");
+  const auto scan = robot.session().Advertise<Log>("scan");
+  robot.AwaitAnnounced();  // Not while a channel is forbidden, which is not announced.
+  for (const char* command : {"control close", "control open", "control forbid", "control allow", "control log"}) {
+    for (const std::vector<std::string>& example : ExamplesOf(command)) {
+      const CommandEnd end = RunToEnd(example, robot.environment());
+      EXPECT_EQ(end.status, 0) << testing::PrintToString(example) << end.err;
+      EXPECT_THAT(end.out, HasSubstr("talker:"));
+    }
+  }
+}
+
+#ifdef HGROS_EXAMPLE_PUBLISHER
+
+// The example publisher as a process, which handles SIGTERM.
+class ExamplePublisher {
+ public:
+  explicit ExamplePublisher(const std::string& domain) {
+    std::string program = HGROS_EXAMPLE_PUBLISHER;
+    std::string setting = "HGROS_DOMAIN=" + domain;
+    std::array<char*, 2> words{program.data(), nullptr};
+    std::array<char*, 2> settings{setting.data(), nullptr};
+    if (posix_spawn(&pid_, program.c_str(), nullptr, nullptr, words.data(), settings.data()) != 0) pid_ = -1;
+  }
+  ExamplePublisher(const ExamplePublisher&) = delete;
+  ExamplePublisher& operator=(const ExamplePublisher&) = delete;
+  ~ExamplePublisher() {
+    if (pid_ <= 0 || status_) return;
+    (void)kill(pid_, SIGCONT);
+    (void)kill(pid_, SIGKILL);
+    (void)waitpid(pid_, nullptr, 0);
+  }
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  void Signal(int number) const { (void)kill(pid_, number); }
+  // The exit status, once it has ended.
+  [[nodiscard]] std::optional<int> Status() {
+    int status = 0;
+    if (!status_ && waitpid(pid_, &status, WNOHANG) == pid_) status_ = status;
+    return status_;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::optional<int> status_;
+};
+
+class HgrosControlProcess : public testing::Test {
+ protected:
+  HgrosControlProcess() {
+    publisher.emplace(domain);
+    EXPECT_TRUE(test::Await([&] {
+      const CommandEnd end = RunToEnd({"list", "--json"}, environment);
+      return end.out.find("greetings") != std::string::npos;
+    }));
+  }
+
+  const std::string domain = "cli" + std::to_string(RandomId());
+  const std::map<std::string, std::string> environment{{"HGROS_DOMAIN", domain}};
+  std::optional<ExamplePublisher> publisher;
+};
+
+TEST_F(HgrosControlProcess, IsStoppedAsByTheSystem) {
+  const CommandEnd end = RunToEnd({"control", "stop", "--session", "pub*"}, environment);
+  EXPECT_EQ(end.status, 0) << end.err;
+  EXPECT_THAT(end.out, HasSubstr("gets SIGTERM"));
+  ASSERT_TRUE(test::Await([&] { return publisher->Status().has_value(); }));
+  EXPECT_TRUE(WIFEXITED(*publisher->Status()));
+  EXPECT_EQ(WEXITSTATUS(*publisher->Status()), 0);
+}
+
+TEST_F(HgrosControlProcess, ThatHangsDoesNotHoldUpOthers) {
+  RobotForCommands robot("talker", domain);
+  const auto scan = robot.session().Advertise<Log>("greetings");
+  robot.AwaitAnnounced();
+  publisher->Signal(SIGSTOP);
+  const CommandEnd end = robot.Run({"control", "log", "error", "--session", "*"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("Log lines below the level error"), HasSubstr("It does not answer")));
+  const CommandEnd in_time = robot.Run({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"});
+  EXPECT_EQ(in_time.status, 3);
+}
+
+TEST_F(HgrosControlProcess, ThatDiesWhileItIsAskedIsNamed) {
+  publisher->Signal(SIGSTOP);
+  CommandRun run({"control", "log", "error", "--session", "publisher", "--timeout", "3"}, environment);
+  test::Linger(std::chrono::milliseconds(300));
+  publisher->Signal(SIGKILL);
+  EXPECT_THAT(run.Wait(), testing::AnyOf(1, 3));
+  EXPECT_THAT(run.out() + run.err(), HasSubstr("ublisher"));
+}
+
+// What the output of a shell command is.
+std::string OutputOf(const std::string& line) {
+  std::string text;
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(line.c_str(), "r"), pclose);
+  std::array<char, 256> part{};
+  while (pipe && fgets(part.data(), part.size(), pipe.get()) != nullptr) text += part.data();
+  return text;
+}
+
+TEST_F(HgrosControlProcess, TakesNoOrdersFromAnotherUser) {
+  const std::string as_nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
+  if (OutputOf(as_nobody + HGROS_COMMAND + " --version 2>/dev/null; echo $?").find("0\n") == std::string::npos) {
+    GTEST_SKIP() << "The command cannot be run as another user.";
+  }
+  const std::string runtime = std::getenv("XDG_RUNTIME_DIR") == nullptr ? "" : std::getenv("XDG_RUNTIME_DIR");
+  for (const std::string& folder : {std::string(), "XDG_RUNTIME_DIR=" + runtime + " "}) {
+    const std::string said = OutputOf("env -u XDG_RUNTIME_DIR HGROS_DOMAIN=" + domain + " " + folder + as_nobody +
+                                      HGROS_COMMAND + " control stop --session '*' 2>&1; echo status $?");
+    EXPECT_THAT(said, HasSubstr("status 1")) << said;
+  }
+  test::Linger(std::chrono::milliseconds(300));
+  EXPECT_FALSE(publisher->Status());
+}
+
+#endif
+
+}  // namespace
+}  // namespace hgros::cli

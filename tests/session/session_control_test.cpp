@@ -1,0 +1,395 @@
+// Sessions change others while these run.
+#include "hgros/session/session_control.hpp"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <array>
+#include <atomic>
+#include <thread>
+
+#include <foxglove/Vector3.pb.h>
+#include <hgros/SessionControl.pb.h>
+
+#include "hgros/transport/curve_key_pair.hpp"
+#include "session/domain_fixture.hpp"
+#include "session/hand_made_session.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::kPatience;
+using test::kSerial;
+using test::Note;
+using test::Notes;
+using test::Robot;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+constexpr auto kShort = std::chrono::milliseconds(300);
+
+ControlOrder ForChannel(ControlAction action, const std::string& channel) { return {action, channel, {}}; }
+
+// The answer of one session.
+ControlAnswer Ask(Robot& desk, const Robot& robot, const ControlOrder& order,
+                  std::chrono::nanoseconds timeout = kPatience) {
+  const std::array asked{robot.session->id()};
+  return AskSessions(*desk.session, asked, order, timeout).at(0);
+}
+
+class SessionControl : public test::DomainFixture {};
+
+TEST_F(SessionControl, ClosesAndOpensAChannel) {
+  Robot robot("");
+  Robot desk("", "desk");
+  Notes notes;
+  const Subscription own = robot->FromAny<Note>("notes", kSerial, std::ref(notes), test::Inline());
+  const auto publish = robot->Advertise<Note>("notes");
+  publish(Note("open"));
+  const ControlAnswer closed = Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"));
+  EXPECT_TRUE(closed.answered);
+  EXPECT_EQ(closed.refusal, "");
+  EXPECT_THAT(closed.done, StartsWith("Channel \"notes\" is closed"));
+  publish(Note("closed"));
+  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kOpen, "notes")).refusal, "");
+  publish(Note("again"));
+  EXPECT_THAT(notes.texts(), ElementsAre("open", "again"));
+  EXPECT_TRUE(robot.Said("(desk, process "));
+  EXPECT_TRUE(robot.Said("has steered this session. Channel \"notes\" is closed"));
+}
+
+TEST_F(SessionControl, NamesTheNearestChannelIfThereIsNone) {
+  Robot robot("");
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<Note>("notes");
+  EXPECT_THAT(Ask(desk, robot, ForChannel(ControlAction::kClose, "ntoes")).done,
+              HasSubstr("does not use a channel of that name. Did you mean \"notes\"?"));
+}
+
+TEST_F(SessionControl, ForbiddenChannelLeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
+  Robot robot("");
+  Robot listener("", "listener");
+  Robot desk("", "desk");
+  Notes notes;
+  test::Door door;
+  NodeOptions all;
+  all.queue = Queue::KeepAll(10);
+  all.executor = Executor::Dedicated();
+  const Subscription heard = listener->FromAny<Note>(
+      "notes", kSerial,
+      [&](const Note& note) {
+        door.Pass();
+        notes(note);
+      },
+      all);
+  const auto publish = robot->Advertise<Note>("notes");
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  std::size_t accepted = 0;
+  while (publish(Note("before")) == PublishStatus::kOk) ++accepted;
+  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
+  // The queue is full, but messages that stay inside need no room there.
+  EXPECT_EQ(publish(Note("inside")), PublishStatus::kOk);
+  door.Open();
+  EXPECT_TRUE(Await([&] { return notes.size() == accepted; })) << notes.size() << " of " << accepted;
+  EXPECT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+  EXPECT_FALSE(listener->WaitForPublishers("notes", 1, std::chrono::nanoseconds(0)));
+  EXPECT_EQ(publish(Note("inside")), PublishStatus::kOk);
+  const SessionSnapshot counted = robot->Snapshot();
+  EXPECT_EQ(counted.traffic.at(0).out.missed, 0U);
+  EXPECT_THAT(counted.not_leaving.at("notes"), HasSubstr("forbidden"));
+  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_EQ(publish(Note("after")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return notes.size() == accepted + 1; }));
+  EXPECT_EQ(notes.texts().back(), "after");
+  EXPECT_THAT(robot->Snapshot().not_leaving, IsEmpty());
+}
+
+TEST_F(SessionControl, NoAcceptedMessageIsLostWhileAChannelIsForbiddenAndAllowedUnderTraffic) {
+  Robot robot("");
+  Robot listener("", "listener");
+  Robot desk("", "desk");
+  Notes notes;
+  NodeOptions all;
+  all.queue = Queue::KeepAll(50);
+  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes), all);
+  const auto publish = robot->Advertise<Note>("notes");
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  std::atomic<bool> ends{false};
+  std::atomic<std::uint64_t> published{0};
+  std::thread talker([&] {
+    while (!ends) published += publish(Note("x")) == PublishStatus::kOk ? 1 : 0;
+  });
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
+    EXPECT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+    const std::size_t before = notes.size();
+    EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
+    EXPECT_TRUE(Await([&] { return notes.size() > before; }));
+  }
+  ends = true;
+  talker.join();
+  const auto sent = [&] { return robot->Snapshot().traffic.at(0).out; };
+  EXPECT_EQ(sent().missed, 0U);
+  EXPECT_GT(published, notes.size());
+  EXPECT_FALSE(listener.Said("did not arrive"));
+}
+
+TEST_F(SessionControl, ForbiddenChannelEntersNoSession) {
+  Robot robot("");
+  Robot listener("", "listener");
+  Robot desk("", "desk");
+  Notes notes;
+  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = robot->Advertise<Note>("notes");
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_EQ(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
+  ASSERT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+  // A later subscription does not enter, either.
+  const Subscription second = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  publish(Note("secret"));
+  EXPECT_THAT(listener->Snapshot().not_entering.at("notes"), HasSubstr("forbidden"));
+  EXPECT_EQ(Ask(desk, listener, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  publish(Note("told"));
+  ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
+  EXPECT_THAT(notes.texts(), ElementsAre("told", "told"));
+}
+
+TEST_F(SessionControl, ChannelIsForbiddenBeforeItIsUsed) {
+  Robot robot("");
+  Robot listener("", "listener");
+  Robot desk("", "desk");
+  const auto other = robot->Advertise<Note>("other");
+  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
+  Notes notes;
+  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto publish = robot->Advertise<Note>("notes", {.latched = 1});
+  publish(Note("latched"));
+  EXPECT_FALSE(robot->WaitForSubscribers("notes", 1, kShort));
+  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
+  EXPECT_TRUE(Await([&] { return notes.texts() == std::vector<std::string>{"latched"}; }));
+}
+
+TEST_F(SessionControl, AllowAddsAChannelToTheListsOfEndpoints) {
+  const test::Bus bus;
+  Robot robot(bus.Publishing("a", "other"));
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<Note>("notes");
+  EXPECT_THAT(robot->Snapshot().not_leaving.at("notes"), HasSubstr("no publisher endpoint has it in its list"));
+  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
+  EXPECT_THAT(robot->config().publishers.at(0).channels, ElementsAre("notes", "other"));
+  EXPECT_THAT(robot->Snapshot().not_leaving, IsEmpty());
+}
+
+TEST_F(SessionControl, SetsTheLevelOfTheLog) {
+  Robot robot("");
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<Note>("notes");
+  EXPECT_EQ(Ask(desk, robot, {ControlAction::kLog, {}, LogLevel::kError}).done,
+            "Log lines below the level error are not written.");
+  robot->log().Write(LogLevel::kWarning, "left out");
+  EXPECT_EQ(Ask(desk, robot, {ControlAction::kLog, {}, LogLevel::kDebug}).refusal, "");
+  robot->log().Write(LogLevel::kDebug, "written");
+  EXPECT_FALSE(robot.Said("left out"));
+  EXPECT_TRUE(robot.Said("written"));
+}
+
+std::atomic<int> terminations{0};
+
+TEST_F(SessionControl, StopSendsSigterm) {
+  Robot robot("");
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<Note>("notes");
+  struct sigaction before {};
+  struct sigaction ignores {};
+  ignores.sa_handler = SIG_IGN;
+  ASSERT_EQ(sigaction(SIGTERM, &ignores, &before), 0);
+  EXPECT_THAT(Ask(desk, robot, {ControlAction::kStop, {}, {}}).refusal, StartsWith("The process ignores SIGTERM"));
+  struct sigaction counts {};
+  counts.sa_handler = [](int) { ++terminations; };
+  ASSERT_EQ(sigaction(SIGTERM, &counts, nullptr), 0);
+  EXPECT_THAT(Ask(desk, robot, {ControlAction::kStop, {}, {}}).done, HasSubstr("gets SIGTERM"));
+  EXPECT_TRUE(Await([] { return terminations == 1; }));
+  EXPECT_EQ(sigaction(SIGTERM, &before, nullptr), 0);
+}
+
+TEST_F(SessionControl, RefusesWhatItDoesNotKnow) {
+  Robot robot("");
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<Note>("notes");
+  EXPECT_THAT(Ask(desk, robot, {static_cast<ControlAction>(99), {}, {}}).refusal, HasSubstr("action 99"));
+  EXPECT_NE(Ask(desk, robot, ForChannel(ControlAction::kForbid, "")).refusal, "");
+  EXPECT_THAT(Ask(desk, robot, ForChannel(ControlAction::kForbid, "hgros/snapshots")).refusal,
+              HasSubstr("belongs to the library"));
+  EXPECT_NE(Ask(desk, robot, {ControlAction::kLog, {}, static_cast<LogLevel>(7)}).refusal, "");
+  EXPECT_EQ(robot->Snapshot().refused_orders, 4U);
+}
+
+TEST_F(SessionControl, IsOffIfTheConfigurationSaysSo) {
+  Robot robot("control: off\n");
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<Note>("notes");
+  EXPECT_FALSE(robot->Snapshot().steerable);
+  EXPECT_FALSE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"), kShort).answered);
+}
+
+TEST_F(SessionControl, AnswersOfOthersComeIfOneSessionIsGone) {
+  Robot first("", "first");
+  Robot second("", "second");
+  Robot desk("", "desk");
+  const auto one = first->Advertise<Note>("notes");
+  const auto two = second->Advertise<Note>("notes");
+  const std::array asked{first->id(), SessionId{1}, second->id()};
+  const auto answers =
+      AskSessions(*desk.session, asked, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(2));
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_TRUE(answers[0].answered);
+  EXPECT_FALSE(answers[1].answered);
+  EXPECT_TRUE(answers[2].answered);
+  EXPECT_EQ(answers[2].session, second->id());
+}
+
+TEST_F(SessionControl, ConnectsNoSessions) {
+  Robot first("", "first");
+  Robot second("", "second");
+  const auto one = first->Advertise<Note>("one");
+  const auto two = second->Advertise<Note>("two");
+  ASSERT_TRUE(Await([&] {
+    return std::ranges::any_of(first->Channels(), [](const KnownChannel& channel) { return channel.name == "two"; });
+  }));
+  test::Linger(kShort);
+  EXPECT_THAT(first->Peers(), IsEmpty());
+  for (const KnownChannel& channel : first->Channels()) EXPECT_NE(channel.name, "hgros/control");
+}
+
+// Endpoints that others can connect to.
+std::string Tcp(const std::string& subscribers, const std::string& security) {
+  return "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, subscribers: [" + subscribers + "]" +
+         (security.empty() ? "" : ", security: {" + security + "}") + "}\ndiscovery: {local: false}\n";
+}
+
+TEST_F(SessionControl, RefusesTcpWithoutKeysAndSaysSoOnce) {
+  Robot robot(Tcp("", ""));
+  Robot desk(Tcp("{ip: '" + robot->PublisherEndpoints().at(0) + "'}", ""), "desk");
+  robot->AddSubscriberEndpoint({desk->PublisherEndpoints().at(0), {}, true});
+  for (int i = 0; i < 2; ++i) {
+    const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"));
+    EXPECT_TRUE(answer.answered);
+    EXPECT_THAT(answer.refusal, StartsWith("Only sessions of the same user on the same host"));
+  }
+  EXPECT_GE(robot->Snapshot().refused_orders, 2U);
+  EXPECT_EQ(robot.Count("A request to change something in this session was refused"), 1U);
+  EXPECT_FALSE(robot.Said("has steered"));
+}
+
+std::string KeyText(const std::string& key) { return "'" + key + "'"; }
+
+TEST_F(SessionControl, TakesOrdersOverTcpFromAnAllowedKeyOnly) {
+  const CurveKeyPair robots = GenerateCurveKeyPair();
+  const CurveKeyPair desks = GenerateCurveKeyPair();
+  const CurveKeyPair others = GenerateCurveKeyPair();
+  const auto keys = [](const CurveKeyPair& own, const std::string& allowed, const std::string& servers) {
+    return "public_key: " + KeyText(own.public_key) + ", secret_key: " + KeyText(own.secret_key) +
+           ", allowed_clients: [" + KeyText(allowed) + "], servers: {" + servers + "}";
+  };
+  // The endpoints are ipc, so that their names are known before.
+  const test::Bus bus;
+  const auto yaml = [&](const std::string& own, const std::string& other, const std::string& security) {
+    return "network: {" + bus.Publisher(own) + ", subscribers: [" + bus.Subscriber(other) + "], security: {" +
+           security + "}}\ndiscovery: {local: false}\n";
+  };
+  const auto server = [&](const std::string& name, const CurveKeyPair& key) {
+    return "'" + bus.Endpoint(name) + "': " + KeyText(key.public_key);
+  };
+  Robot desk(yaml("desk", "robot", keys(desks, robots.public_key, server("robot", robots))), "desk");
+  {
+    Robot robot(yaml("robot", "desk", keys(robots, desks.public_key, server("desk", desks))));
+    const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"));
+    EXPECT_TRUE(answer.answered);
+    EXPECT_EQ(answer.refusal, "");
+    EXPECT_TRUE(robot.Said("has steered this session"));
+  }
+  // The robot receives from the desk, but the desk may not subscribe to it.
+  Robot robot(yaml("robot", "desk", keys(robots, others.public_key, server("desk", desks))));
+  std::thread asking([&] {
+    EXPECT_FALSE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(3)).answered);
+  });
+  EXPECT_TRUE(Await([&] { return robot->Snapshot().refused_orders > 0; }));
+  EXPECT_TRUE(robot.Said("nor is its CURVE key in allowed_clients"));
+  EXPECT_FALSE(robot.Said("has steered"));
+  asking.join();
+}
+
+// A session of the same user that does not keep to the protocol.
+class Forger final : public test::HandMadeSession, private OutboundSource {
+ public:
+  Forger(const std::string& domain, SessionId peer) : HandMadeSession("forger") {
+    ChannelAnnouncement use;
+    use.channel = "hgros/snapshots";
+    use.subscribes = true;
+    Enlist(domain, use);
+    OpenShm(peer);
+    type_.name = "hgros.ControlRequest";
+    type_.encoding = Encoding::kProtobuf;
+    channel_ = shm_->Advertise("hgros/control", type_, *this);
+  }
+  ~Forger() { channel_.reset(); }
+  [[nodiscard]] bool IsHeard() const { return channel_->subscriber_count() > 0; }
+  void Send(const std::string& bytes, std::uint64_t publisher = 0) {
+    PacketHead head;
+    head.channel = "hgros/control";
+    head.type_name = type_.name;
+    head.encoding = type_.encoding;
+    head.id = {publisher == 0 ? id().value : publisher, 1, ++sequence_};
+    ASSERT_EQ(channel_->Reserve(), PublishStatus::kOk);
+    auto owner = std::make_shared<const std::string>(bytes);
+    channel_->Commit(head, {AsBytes(*owner), owner});
+  }
+
+ private:
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
+  void OnRoom() noexcept override {}
+  void OnSubscribers(std::size_t /*count*/) noexcept override {}
+
+  TypeInfo type_;
+  std::uint64_t sequence_ = 0;
+  std::unique_ptr<OutboundChannel> channel_;
+};
+
+TEST_F(SessionControl, CountsMalformedRequestsAndUnknownVersionsAndForgedPublishers) {
+  Robot robot("");
+  const auto publish = robot->Advertise<Note>("notes");
+  Forger forger(std::getenv("HGROS_DOMAIN"), robot->id());
+  ASSERT_TRUE(Await([&] { return forger.IsHeard(); }));
+  const auto refused = [&](std::uint64_t count) {
+    return Await([&] { return robot->Snapshot().refused_orders == count; });
+  };
+  forger.Send("\xff\xff\xff");
+  EXPECT_TRUE(refused(1));
+  forger.Send("");
+  EXPECT_TRUE(refused(2));
+  forger.Send(std::string(100'000, 'x'));
+  EXPECT_TRUE(refused(3));
+  ControlRequest request;
+  request.set_action(ControlRequest::CLOSE);
+  request.set_channel("notes");
+  request.set_version(1);
+  forger.Send(request.SerializeAsString());  // For nobody.
+  request.add_sessions(robot->id().value);
+  request.set_version(2);
+  forger.Send(request.SerializeAsString());
+  EXPECT_TRUE(refused(4));
+  EXPECT_TRUE(robot.Said("version 1 of such requests, not version 2"));
+  request.set_version(1);
+  forger.Send(request.SerializeAsString(), 77);  // In the name of another session.
+  test::Linger(kShort);
+  EXPECT_FALSE(robot.Said("Session 000000000000004d"));
+  EXPECT_FALSE(robot.Said("(desk"));
+}
+
+}  // namespace
+}  // namespace hgros
