@@ -1,6 +1,7 @@
 #include "hgros/config/config.hpp"
 
 #include "config/config_draft.hpp"
+#include "hgros/config/check.hpp"
 #include "hgros/config/config_sections.hpp"
 
 namespace hgros {
@@ -19,18 +20,18 @@ std::string MapOfSections() {
 void ReadFile(const yaml::Document& document, std::span<const std::string> program_sections, ConfigDraft& draft) {
   std::vector<std::string_view> known(kConfigSections.begin(), kConfigSections.end());
   known.insert(known.end(), program_sections.begin(), program_sections.end());
-  const yaml::Section file(yaml::Value(document), MapOfSections(), known);
-  if (const auto network = file.Find("network")) ReadNetwork(*network, draft);
-  if (const auto discovery = file.Find("discovery")) ReadDiscovery(*discovery, draft);
-  if (const auto memory = file.Find("shared_memory")) ReadSharedMemory(*memory, draft);
-  if (const auto time = file.Find("time")) {
-    yaml::Settle(draft.simulated_time, time->Choice({"system", "simulated"}) == 1, *time);
-  }
-  if (const auto control = file.Find("control")) {
-    yaml::Settle(draft.control, control->Choice({"off", "on"}) == 1, *control);
-  }
-  if (const auto data_graph = file.Find("data_graph")) ReadDataGraph(*data_graph, draft);
-  if (const auto channels = file.Find("channels")) ReadChannels(*channels, draft);
+  const yaml::Section file(yaml::Value(document, draft.faults), MapOfSections(), known);
+  file.Read("network", [&](const yaml::Value& network) { ReadNetwork(network, draft); });
+  file.Read("discovery", [&](const yaml::Value& discovery) { ReadDiscovery(discovery, draft); });
+  file.Read("shared_memory", [&](const yaml::Value& memory) { ReadSharedMemory(memory, draft); });
+  file.Read("time", [&](const yaml::Value& time) {
+    yaml::Settle(draft.simulated_time, time.Choice({"system", "simulated"}) == 1, time);
+  });
+  file.Read("control", [&](const yaml::Value& control) {
+    yaml::Settle(draft.control, control.Choice({"off", "on"}) == 1, control);
+  });
+  file.Read("data_graph", [&](const yaml::Value& data_graph) { ReadDataGraph(data_graph, draft); });
+  file.Read("channels", [&](const yaml::Value& channels) { ReadChannels(channels, draft); });
 }
 
 std::vector<EndpointConfig> WhiteLists(const std::map<std::string, ConfigDraft::Endpoint>& endpoints) {
@@ -70,11 +71,11 @@ Config ConfigDraft::Finish() const {
   Apply(heartbeat_ms, config.heartbeat_ms);
   Apply(peer_timeout_ms, config.peer_timeout_ms);
   if (config.peer_timeout_ms <= config.heartbeat_ms) {
-    throw ConfigError("network.peer_timeout_ms is " + std::to_string(config.peer_timeout_ms) +
-                          ", not more than network.heartbeat_ms, which is " + std::to_string(config.heartbeat_ms) +
-                          ": every peer would be declared gone.",
-                      peer_timeout_ms ? peer_timeout_ms->position : heartbeat_ms->position,
-                      "Set the timeout to several heartbeats.");
+    faults.Report(ConfigError("network.peer_timeout_ms is " + std::to_string(config.peer_timeout_ms) +
+                                  ", not more than network.heartbeat_ms, which is " +
+                                  std::to_string(config.heartbeat_ms) + ": every peer would be declared gone.",
+                              peer_timeout_ms ? peer_timeout_ms->position : heartbeat_ms->position,
+                              "Set the timeout to several heartbeats."));
   }
   if (discovery_local) {
     config.discovery.local = discovery_local->value.on;
@@ -103,6 +104,18 @@ Config Config::Load(std::span<const std::filesystem::path> files, std::span<cons
   ConfigDraft draft;
   for (const std::filesystem::path& file : files) ReadFile(yaml::Document::Load(file), program_sections, draft);
   return draft.Finish();
+}
+
+CheckedConfig CheckConfig(std::span<const std::filesystem::path> files, const ConfigCheckOptions& options) {
+  CheckedConfig checked;
+  ConfigDraft draft;
+  draft.faults = yaml::Faults(checked.faults);
+  draft.read_key_files = options.read_key_files;
+  for (const std::filesystem::path& file : files) {
+    draft.faults.Attempt([&] { ReadFile(yaml::Document::Load(file), options.program_sections, draft); });
+  }
+  checked.config = draft.Finish();
+  return checked;
 }
 
 Config Config::Load(const std::filesystem::path& file) { return Load(std::span(&file, 1)); }

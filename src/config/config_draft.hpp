@@ -40,6 +40,9 @@ struct ConfigDraft {
     bool operator==(const NamedSwitch&) const = default;
   };
 
+  yaml::Faults faults;         ///< For the checks of settings against each other.
+  bool read_key_files = true;  ///< Otherwise a key file counts as a key that is not known.
+
   std::map<std::string, Endpoint> publishers;  ///< By endpoint, like the subscribers.
   std::map<std::string, Endpoint> subscribers;
   Maybe<std::uint64_t> peer_queue_bytes;
@@ -65,11 +68,11 @@ struct ConfigDraft {
   std::map<std::string, Node> nodes;
   std::map<std::string, Channel> channels;
 
-  /// Checks the settings against each other. Throws ConfigError.
+  /// Checks the settings against each other. Reports ConfigErrors.
   [[nodiscard]] Config Finish() const;
 };
 
-/// Each function reads one section into the draft. Throws ConfigError.
+/// Each function reads one section into the draft. Reports ConfigErrors, and throws them if nothing can be read.
 void ReadNetwork(const yaml::Value& section, ConfigDraft& draft);
 void ReadSecurity(const yaml::Value& section, ConfigDraft& draft);
 void ReadDiscovery(const yaml::Value& section, ConfigDraft& draft);
@@ -77,12 +80,12 @@ void ReadSharedMemory(const yaml::Value& section, ConfigDraft& draft);
 void ReadDataGraph(const yaml::Value& section, ConfigDraft& draft);
 void ReadChannels(const yaml::Value& section, ConfigDraft& draft);
 
-/// Throws ConfigError if a setting has no effect together with others.
+/// Reports settings that have no effect together with others.
 void CheckHost(const ConfigDraft& draft);
-/// Throws ConfigError if encryption is on or partly configured, but could not protect every connection.
+/// Reports if encryption is on or partly configured, but could not protect every connection.
 void CheckSecurity(const ConfigDraft& draft);
 
-/// Reads a list of distinct channel names. Throws ConfigError.
+/// Reads a list of distinct channel names. Reports ConfigErrors.
 [[nodiscard]] std::set<std::string> ReadChannelNames(const yaml::Value& list);
 /// Throws ConfigError if `name`, which is at `position`, is not a channel name.
 void CheckChannelName(const std::string& name, const FilePosition& position);

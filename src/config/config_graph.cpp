@@ -53,11 +53,13 @@ Queue ReadQueue(const Value& value) {
 
 std::vector<int> ReadCpus(const Value& list) {
   std::map<int, FilePosition> cpus;
-  for (const Value& item : list.List("a list of CPU numbers")) {
+  const auto read = [&](const Value& item) {
     const int cpu = static_cast<int>(item.Integer(0, kLastCpu));
     const auto [first, fresh] = cpus.emplace(cpu, item.position());
     if (!fresh) item.Fail("is a CPU that the list already has at " + first->second.ToString(), "Keep one of them.");
-  }
+  };
+  const std::vector<Value> items = list.List("a list of CPU numbers");
+  for (const Value& item : items) item.faults().Attempt([&] { read(item); });
   std::vector<int> out;
   for (const auto& [cpu, position] : cpus) out.push_back(cpu);
   return out;
@@ -115,51 +117,57 @@ void RefuseOldKeys(const Value& channel) {
 }
 
 void ReadNodes(const Value& map, ConfigDraft& draft) {
-  for (const Field& field : map.Map("a map from node names to their settings")) {
+  const auto read = [&draft](const Field& field) {
     if (field.key.empty()) throw ConfigError("The name of the node is empty.", field.key_position, "Write its name.");
     const Section section(field.value, "a map with executor and queue", {"executor", "queue"});
     ConfigDraft::Node& node = draft.nodes[field.key];
-    if (const auto executor = section.Find("executor")) Settle(node.executor, ReadExecutor(*executor), *executor);
-    if (const auto queue = section.Find("queue")) Settle(node.queue, ReadQueue(*queue), *queue);
-  }
+    section.Read("executor", [&](const Value& executor) { Settle(node.executor, ReadExecutor(executor), executor); });
+    section.Read("queue", [&](const Value& queue) { Settle(node.queue, ReadQueue(queue), queue); });
+  };
+  const std::vector<Field> fields = map.Map("a map from node names to their settings");
+  for (const Field& field : fields) field.value.faults().Attempt([&] { read(field); });
+}
+
+void ReadChannel(const Field& field, ConfigDraft& draft) {
+  CheckChannelName(field.key, field.key_position);
+  RefuseOldKeys(field.value);
+  const Section section(field.value, "a map with queue, lossless, latched and transports",
+                        {"queue", "lossless", "latched", "transports"});
+  ConfigDraft::Channel& channel = draft.channels[field.key];
+  std::optional<Queue> wanted;
+  section.Read("queue", [&](const Value& queue) { wanted = ReadQueue(queue); });
+  section.Read("lossless", [&](const Value& lossless) {
+    const bool all = lossless.Boolean();
+    if (wanted && wanted->lossless() != all) {
+      lossless.Fail("contradicts the queue at " + section.Require("queue").position().ToString(),
+                    "Remove it; keep_all is lossless.");
+    }
+    if (!wanted && all) wanted = Queue::KeepAll(kLosslessMessages, kLosslessBytes);
+  });
+  const auto queue = section.Find("queue");
+  if (wanted) Settle(channel.queue, *wanted, queue ? *queue : section.Require("lossless"));
+  section.Read("latched",
+               [&](const Value& latched) { Settle(channel.latched, ReadMessageCount(latched, 0), latched); });
+  section.Read("transports",
+               [&](const Value& transports) { Settle(channel.transports, ReadTransports(transports), transports); });
 }
 
 }  // namespace
 
 void ReadDataGraph(const Value& value, ConfigDraft& draft) {
   const Section section(value, "a map", {"close_channels", "threads", "nodes"});
-  const auto closed = section.Find("close_channels");
-  if (closed && closed->kind() != yaml::Node::Kind::kNull) draft.closed_channels.merge(ReadChannelNames(*closed));
-  if (const auto threads = section.Find("threads")) {
-    Settle(draft.threads, static_cast<int>(threads->Integer(0, kMostThreads)), *threads);
-  }
-  if (const auto nodes = section.Find("nodes")) ReadNodes(*nodes, draft);
+  section.Read("close_channels", [&](const Value& closed) {
+    if (closed.kind() != yaml::Node::Kind::kNull) draft.closed_channels.merge(ReadChannelNames(closed));
+  });
+  section.Read("threads", [&](const Value& threads) {
+    Settle(draft.threads, static_cast<int>(threads.Integer(0, kMostThreads)), threads);
+  });
+  section.Read("nodes", [&](const Value& nodes) { ReadNodes(nodes, draft); });
 }
 
 void ReadChannels(const Value& value, ConfigDraft& draft) {
-  for (const Field& field : value.Map("a map from channel names to their settings")) {
-    CheckChannelName(field.key, field.key_position);
-    RefuseOldKeys(field.value);
-    const Section section(field.value, "a map with queue, lossless, latched and transports",
-                          {"queue", "lossless", "latched", "transports"});
-    ConfigDraft::Channel& channel = draft.channels[field.key];
-    const auto queue = section.Find("queue");
-    const auto lossless = section.Find("lossless");
-    std::optional<Queue> wanted;
-    if (queue) wanted = ReadQueue(*queue);
-    if (lossless) {
-      const bool all = lossless->Boolean();
-      if (wanted && wanted->lossless() != all) {
-        lossless->Fail("contradicts the queue at " + queue->position().ToString(), "Remove it; keep_all is lossless.");
-      }
-      if (!wanted && all) wanted = Queue::KeepAll(kLosslessMessages, kLosslessBytes);
-    }
-    if (wanted) Settle(channel.queue, *wanted, queue ? *queue : *lossless);
-    if (const auto latched = section.Find("latched")) Settle(channel.latched, ReadMessageCount(*latched, 0), *latched);
-    if (const auto transports = section.Find("transports")) {
-      Settle(channel.transports, ReadTransports(*transports), *transports);
-    }
-  }
+  const std::vector<Field> fields = value.Map("a map from channel names to their settings");
+  for (const Field& field : fields) field.value.faults().Attempt([&] { ReadChannel(field, draft); });
 }
 
 }  // namespace hgros

@@ -30,29 +30,35 @@ void RequireOwnPort(const std::string& text, int port, const Value& ip, const Co
 std::optional<std::pair<std::string, FilePosition>> ReadWhiteList(const Value& value, EndpointSide side,
                                                                   ConfigDraft& draft) {
   const Section section(value, "a map with ip and channels", {"ip", "channels"});
-  const Value ip = section.Require("ip");
-  const std::optional<Endpoint> endpoint = ReadEndpoint(ip, side);
+  std::optional<Value> ip;
+  std::optional<Endpoint> endpoint;
+  value.faults().Attempt([&] {
+    ip = section.Require("ip");
+    endpoint = ReadEndpoint(*ip, side);
+  });
   const std::optional<Value> list = section.Find("channels");
   std::set<std::string> channels;
-  if (list) channels = ReadChannelNames(*list);
+  section.Read("channels", [&](const Value& names) { channels = ReadChannelNames(names); });
   if (!endpoint) return std::nullopt;
 
   auto& known = side == EndpointSide::kPublisher ? draft.publishers : draft.subscribers;
   if (!known.contains(endpoint->text)) {
     if (side == EndpointSide::kPublisher && endpoint->tcp_port) {
-      RequireOwnPort(endpoint->text, *endpoint->tcp_port, ip, draft);
+      RequireOwnPort(endpoint->text, *endpoint->tcp_port, *ip, draft);
     }
-    known[endpoint->text] = {ip.position(), endpoint->tcp_port, {}, false};
+    known[endpoint->text] = {ip->position(), endpoint->tcp_port, {}, false};
   }
   ConfigDraft::Endpoint& entry = known[endpoint->text];
   entry.channels.merge(channels);
   entry.all_channels = entry.all_channels || !list;
-  return std::pair(endpoint->text, ip.position());
+  return std::pair(endpoint->text, ip->position());
 }
 
 void ReadPublishers(const Value& value, ConfigDraft& draft) {
   if (value.kind() == yaml::Node::Kind::kList) {
-    for (const Value& item : value.List("")) ReadWhiteList(item, EndpointSide::kPublisher, draft);
+    for (const Value& item : value.List("")) {
+      item.faults().Attempt([&] { ReadWhiteList(item, EndpointSide::kPublisher, draft); });
+    }
   } else {
     ReadWhiteList(value, EndpointSide::kPublisher, draft);
   }
@@ -61,15 +67,17 @@ void ReadPublishers(const Value& value, ConfigDraft& draft) {
 void ReadSubscribers(const Value& value, ConfigDraft& draft) {
   if (value.kind() == yaml::Node::Kind::kNull) return;
   std::map<std::string, FilePosition> in_this_list;
-  for (const Value& item : value.List("a list of endpoints, each beginning with a dash")) {
+  const auto read_item = [&](const Value& item) {
     const auto read = ReadWhiteList(item, EndpointSide::kSubscriber, draft);
-    if (!read) continue;
+    if (!read) return;
     const auto [first, fresh] = in_this_list.insert(*read);
-    if (fresh) continue;
+    if (fresh) return;
     throw ConfigError("The subscriber endpoint \"" + read->first + "\" appears twice in one list; first at " +
                           first->second.ToString() + ".",
                       read->second, "Keep one of them, with the channels of both.");
-  }
+  };
+  const std::vector<Value> items = value.List("a list of endpoints, each beginning with a dash");
+  for (const Value& item : items) item.faults().Attempt([&] { read_item(item); });
 }
 
 }  // namespace
@@ -83,14 +91,16 @@ void CheckChannelName(const std::string& name, const FilePosition& position) {
 
 std::set<std::string> ReadChannelNames(const Value& list) {
   std::map<std::string, FilePosition> names;
-  for (const Value& item : list.List("a list of names")) {
+  const auto read = [&](const Value& item) {
     const std::string& name = item.Text("a channel name");
     CheckChannelName(name, item.position());
     const auto [first, fresh] = names.emplace(name, item.position());
-    if (fresh) continue;
+    if (fresh) return;
     item.Fail("is " + yaml::Quoted(name) + ", which the list already has at " + first->second.ToString(),
               "Keep one of them.");
-  }
+  };
+  const std::vector<Value> items = list.List("a list of names");
+  for (const Value& item : items) item.faults().Attempt([&] { read(item); });
   std::set<std::string> out;
   for (const auto& [name, position] : names) out.insert(out.end(), name);
   return out;
@@ -99,18 +109,17 @@ std::set<std::string> ReadChannelNames(const Value& list) {
 void ReadNetwork(const Value& value, ConfigDraft& draft) {
   const Section section(
       value, "a map", {"publisher", "subscribers", "security", "peer_queue_bytes", "heartbeat_ms", "peer_timeout_ms"});
-  if (const auto publisher = section.Find("publisher")) ReadPublishers(*publisher, draft);
-  if (const auto subscribers = section.Find("subscribers")) ReadSubscribers(*subscribers, draft);
-  if (const auto security = section.Find("security")) ReadSecurity(*security, draft);
-  if (const auto bytes = section.Find("peer_queue_bytes")) {
-    Settle(draft.peer_queue_bytes, bytes->SizeBytes(1, kMostQueueBytes), *bytes);
-  }
-  if (const auto heartbeat = section.Find("heartbeat_ms")) {
-    Settle(draft.heartbeat_ms, static_cast<int>(heartbeat->Integer(1, kLongestMs)), *heartbeat);
-  }
-  if (const auto timeout = section.Find("peer_timeout_ms")) {
-    Settle(draft.peer_timeout_ms, static_cast<int>(timeout->Integer(1, kLongestMs)), *timeout);
-  }
+  section.Read("publisher", [&](const Value& publisher) { ReadPublishers(publisher, draft); });
+  section.Read("subscribers", [&](const Value& subscribers) { ReadSubscribers(subscribers, draft); });
+  section.Read("security", [&](const Value& security) { ReadSecurity(security, draft); });
+  section.Read("peer_queue_bytes",
+               [&](const Value& bytes) { Settle(draft.peer_queue_bytes, bytes.SizeBytes(1, kMostQueueBytes), bytes); });
+  section.Read("heartbeat_ms", [&](const Value& heartbeat) {
+    Settle(draft.heartbeat_ms, static_cast<int>(heartbeat.Integer(1, kLongestMs)), heartbeat);
+  });
+  section.Read("peer_timeout_ms", [&](const Value& timeout) {
+    Settle(draft.peer_timeout_ms, static_cast<int>(timeout.Integer(1, kLongestMs)), timeout);
+  });
 }
 
 }  // namespace hgros

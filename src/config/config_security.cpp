@@ -94,27 +94,44 @@ std::string ReadKeyFile(const Value& value) {
 void ReadAllowedClients(const Value& list, ConfigDraft& draft) {
   if (list.kind() == yaml::Node::Kind::kNull) return;
   std::map<std::string, FilePosition> in_this_list;
-  for (const Value& item : list.List("a list of public keys")) {
+  const auto read = [&in_this_list](const Value& item) {
     const auto [first, fresh] = in_this_list.emplace(ReadKey(item), item.position());
     if (!fresh) item.Fail("is a key that the list already has at " + first->second.ToString(), "Keep one of them.");
-  }
+  };
+  const std::vector<Value> items = list.List("a list of public keys");
+  for (const Value& item : items) item.faults().Attempt([&] { read(item); });
   draft.allowed_clients.merge(in_this_list);
 }
 
 void ReadServers(const Value& map, ConfigDraft& draft) {
   std::map<std::string, FilePosition> in_this_map;
-  for (const yaml::Field& field : map.Map("a map from subscriber endpoints to public keys")) {
+  const auto read = [&](const yaml::Field& field) {
     const std::optional<Endpoint> endpoint = ReadEndpoint(field.key, field.value, EndpointSide::kSubscriber);
-    const std::string key = ReadKey(field.value);
-    if (!endpoint) continue;
+    std::string key;  // Stays empty if it is told as a fault.
+    field.value.faults().Attempt([&] { key = ReadKey(field.value); });
+    if (!endpoint) return;
     const auto [first, fresh] = in_this_map.emplace(endpoint->text, field.key_position);
     if (!fresh) field.value.Fail("already has a key at " + first->second.ToString(), "Keep one of them.");
     const auto [known, added] =
         draft.servers.try_emplace(endpoint->text, yaml::Setting<std::string>{key, field.value.position()});
-    if (!added && known->second.value != key) {
+    if (!added && !key.empty() && known->second.value != key) {
       field.value.Fail("contradicts " + known->second.position.ToString(), "Keep one of the two.");
     }
-  }
+  };
+  const std::vector<yaml::Field> fields = map.Map("a map from subscriber endpoints to public keys");
+  for (const yaml::Field& field : fields) field.value.faults().Attempt([&] { read(field); });
+}
+
+std::string ReadNoKeyFile(const Value& value) {
+  if (value.Text("the path of a file").empty()) value.FailType("the path of a file");
+  return {};
+}
+
+// A key that cannot be read is told once: the empty one in its place is no further fault.
+void ReadKeyInto(ConfigDraft::Maybe<std::string>& setting, const Value& value, std::string (*read)(const Value&)) {
+  std::string key;
+  value.faults().Attempt([&] { key = read(value); });
+  Settle(setting, std::move(key), value);
 }
 
 }  // namespace
@@ -126,35 +143,38 @@ void ReadSecurity(const Value& value, ConfigDraft& draft) {
   if (secret_key && secret_key_file) {
     secret_key_file->Fail("stands beside secret_key at " + secret_key->position().ToString(), "Keep one of the two.");
   }
-  if (const auto public_key = section.Find("public_key")) Settle(draft.public_key, ReadKey(*public_key), *public_key);
-  if (secret_key) Settle(draft.secret_key, ReadKey(*secret_key), *secret_key);
-  if (secret_key_file) Settle(draft.secret_key, ReadKeyFile(*secret_key_file), *secret_key_file);
-  if (const auto clients = section.Find("allowed_clients")) ReadAllowedClients(*clients, draft);
-  if (const auto servers = section.Find("servers")) ReadServers(*servers, draft);
+  section.Read("public_key", [&](const Value& key) { ReadKeyInto(draft.public_key, key, ReadKey); });
+  section.Read("secret_key", [&](const Value& key) { ReadKeyInto(draft.secret_key, key, ReadKey); });
+  section.Read("secret_key_file", [&](const Value& file) {
+    ReadKeyInto(draft.secret_key, file, draft.read_key_files ? ReadKeyFile : ReadNoKeyFile);
+  });
+  section.Read("allowed_clients", [&](const Value& clients) { ReadAllowedClients(clients, draft); });
+  section.Read("servers", [&](const Value& servers) { ReadServers(servers, draft); });
 }
 
 void CheckSecurity(const ConfigDraft& draft) {
   if (!draft.secret_key) {
     constexpr std::string_view kWhat = "There is no secret key, so nothing would be encrypted.";
     constexpr std::string_view kMend = "Add network.security.secret_key_file, or remove this.";
-    if (draft.public_key) throw ConfigError(kWhat, draft.public_key->position, kMend);
-    if (!draft.allowed_clients.empty()) throw ConfigError(kWhat, draft.allowed_clients.begin()->second, kMend);
-    if (!draft.servers.empty()) throw ConfigError(kWhat, draft.servers.begin()->second.position, kMend);
+    const auto report = [&draft](const FilePosition& at) { draft.faults.Report(ConfigError(kWhat, at, kMend)); };
+    if (draft.public_key) return report(draft.public_key->position);
+    if (!draft.allowed_clients.empty()) return report(draft.allowed_clients.begin()->second);
+    if (!draft.servers.empty()) return report(draft.servers.begin()->second.position);
     return;
   }
   if (!draft.public_key) {
-    throw ConfigError("The secret key has no public key beside it.", draft.secret_key->position,
-                      "Add network.security.public_key.");
+    draft.faults.Report(ConfigError("The secret key has no public key beside it.", draft.secret_key->position,
+                                    "Add network.security.public_key."));
   }
   std::vector<std::string> known;
   for (const auto& [endpoint, key] : draft.servers) known.push_back(endpoint);
   for (const auto& [endpoint, subscriber] : draft.subscribers) {
     if (draft.servers.contains(endpoint)) continue;
     const std::string nearest = NearestName(endpoint, known);
-    throw ConfigError("Encryption is on, but network.security.servers has no key for \"" + endpoint + "\".",
-                      subscriber.position,
-                      "Add the public key of the publisher." +
-                          (nearest.empty() ? std::string() : " The nearest endpoint there is \"" + nearest + "\"."));
+    draft.faults.Report(ConfigError(
+        "Encryption is on, but network.security.servers has no key for \"" + endpoint + "\".", subscriber.position,
+        "Add the public key of the publisher." +
+            (nearest.empty() ? std::string() : " The nearest endpoint there is \"" + nearest + "\".")));
   }
 }
 

@@ -70,7 +70,7 @@ std::string Value::Found() const {
 
 Value Value::Child(const Node& node, std::string_view key) const {
   const bool plain = !key.empty() && key.size() <= 40 && key.find_first_of(" .\"\t\n\r") == std::string_view::npos;
-  return {*document_, node, path_ + (path_.empty() ? "" : ".") + (plain ? std::string(key) : Quoted(key))};
+  return {*document_, node, path_ + (path_.empty() ? "" : ".") + (plain ? std::string(key) : Quoted(key)), faults_};
 }
 
 const std::string& Value::Text(std::string_view wanted) const {
@@ -137,7 +137,7 @@ std::vector<Value> Value::List(std::string_view wanted) const {
   std::vector<Value> items;
   items.reserve(node_->items.size());
   for (const Node* item : node_->items) {
-    items.push_back({*document_, *item, path_ + "[" + std::to_string(items.size()) + "]"});
+    items.push_back({*document_, *item, path_ + "[" + std::to_string(items.size()) + "]", faults_});
   }
   return items;
 }
@@ -168,9 +168,9 @@ Section::Section(const Value& map, std::string_view shape, std::span<const std::
       if (before != nullptr && before->kind == Node::Kind::kList && before->column == entry.key->column) {
         mend += " If it belongs to the list item above, indent it as far as the text after the dash.";
       }
-      throw ConfigError(
+      map.faults_.Report(ConfigError(
           "Unknown key " + Quoted(key) + (map.path_.empty() ? " at the top level." : " in " + map.path_ + "."),
-          map.document_->PositionOf(*entry.key), mend);
+          map.document_->PositionOf(*entry.key), mend));
     }
     before = entry.value;
   }

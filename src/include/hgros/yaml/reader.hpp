@@ -10,6 +10,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/yaml/document.hpp"
+#include "hgros/yaml/faults.hpp"
 
 namespace hgros::yaml {
 
@@ -19,12 +20,14 @@ struct Field;
 /// position, the path, the wanted and the actual value. Borrows the document.
 class Value {
  public:
-  explicit Value(const Document& document) : Value(document, document.root(), {}) {}
+  explicit Value(const Document& document, Faults faults = {}) : Value(document, document.root(), {}, faults) {}
 
   /// For example "network.subscribers[0].ip"; empty for the whole file.
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   [[nodiscard]] FilePosition position() const { return document_->PositionOf(*node_); }
   [[nodiscard]] Node::Kind kind() const noexcept { return node_->kind; }
+  /// Of the reader. Getters throw; Attempt() reads on.
+  [[nodiscard]] const Faults& faults() const noexcept { return faults_; }
 
   /// `wanted` completes "must be ...", here and below: "a list of names".
   /// The characters as written, also if they look like a number or a boolean.
@@ -48,14 +51,15 @@ class Value {
 
  private:
   friend class Section;
-  Value(const Document& document, const Node& node, std::string path)
-      : document_(&document), node_(&node), path_(std::move(path)) {}
+  Value(const Document& document, const Node& node, std::string path, Faults faults)
+      : document_(&document), node_(&node), path_(std::move(path)), faults_(faults) {}
   [[nodiscard]] Value Child(const Node& node, std::string_view key) const;
   [[nodiscard]] std::string Found() const;
 
   const Document* document_;
   const Node* node_;
   std::string path_;
+  Faults faults_;
 };
 
 /// An entry of a map with keys that the user chooses.
@@ -65,7 +69,7 @@ struct Field {
   Value value;
 };
 
-/// A map with fixed keys: an unknown key is an error that names the nearest known one. An empty value counts as an
+/// A map with fixed keys: each unknown key is a fault that names the nearest known one. An empty value counts as an
 /// empty map. `shape` completes "must be ...": "a map with ip and channels".
 class Section {
  public:
@@ -74,6 +78,11 @@ class Section {
       : Section(map, shape, std::span(known_keys.begin(), known_keys.size())) {}
 
   [[nodiscard]] std::optional<Value> Find(std::string_view key) const;
+  /// Calls `read` with the value of the key, if there is one, and reports the ConfigError that it throws.
+  template <typename ReadValue>
+  void Read(std::string_view key, ReadValue read) const {
+    if (const std::optional<Value> value = Find(key)) value->faults().Attempt([&] { read(*value); });
+  }
   /// Throws ConfigError if the key is missing.
   [[nodiscard]] Value Require(std::string_view key) const;
   [[nodiscard]] const Value& value() const noexcept { return map_; }
