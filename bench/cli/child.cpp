@@ -1,12 +1,14 @@
 #include "cli/child.hpp"
 
 #include <fcntl.h>
+#include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 
 #include "hgros/base/error.hpp"
@@ -14,16 +16,33 @@
 
 namespace hgros::bench {
 
-Child::Child(std::vector<std::string> words) {
+Child::Child(std::vector<std::string> words, Place place) {
   std::array<int, 2> in{};
   std::array<int, 2> out{};
-  if (pipe2(in.data(), O_CLOEXEC) != 0 || pipe2(out.data(), O_CLOEXEC) != 0) throw Error("There is no pipe.");
+  const bool terminal = place == Place::kTerminal;
+  std::string slave;
+  if (terminal) {  // Both ends of both "pipes" are the two ends of the terminal.
+    const winsize size{40, 120, 0, 0};
+    out[0] = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (out[0] < 0 || grantpt(out[0]) != 0 || unlockpt(out[0]) != 0) throw Error("There is no terminal.");
+    (void)ioctl(out[0], TIOCSWINSZ, &size);
+    slave = ptsname(out[0]);
+    in[1] = dup(out[0]);
+    in[0] = open(slave.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    out[1] = dup(in[0]);
+  } else if (pipe2(in.data(), O_CLOEXEC) != 0 || pipe2(out.data(), O_CLOEXEC) != 0) {
+    throw Error("There is no pipe.");
+  }
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   pid_ = vfork();  // As fast as posix_spawn; the child only makes system calls.
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (terminal) {
+      setsid();
+      ioctl(in[0], TIOCSCTTY, 0);
+    }
     dup2(in[0], STDIN_FILENO);
     dup2(out[1], STDOUT_FILENO);
     execv(pointers[0], pointers.data());

@@ -8,12 +8,13 @@
 
 namespace hgros::bench {
 
-/// Another program that runs beside the benchmark, with pipes to its standard input and output. Killed when this object
-/// ends, and with the benchmark.
+/// Another program that runs beside the benchmark, with pipes to its standard input and output, or in a terminal of its
+/// own. Killed when this object ends, and with the benchmark.
 class Child {
  public:
+  enum class Place { kPipes, kTerminal };
   /// The first word is the program. Throws Error if it cannot be started.
-  explicit Child(std::vector<std::string> words);
+  explicit Child(std::vector<std::string> words, Place place = Place::kPipes);
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   ~Child();

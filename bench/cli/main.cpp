@@ -1,4 +1,5 @@
-// The cost of the command hgros: alone, beside a robot of 20 processes, with messages at 1 kHz, and to the robot.
+// The cost of the command hgros: alone, beside a robot of 20 processes, with messages at 1 kHz, its full
+// screen beside 50 sessions, and to the robot.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -47,6 +48,16 @@ int RobotMain(int index) {
   const NodeTimer timer = session.CreateTimer("publish", milliseconds(100), [&](const Tick&) {
     for (auto& one : publish) one(Kilobyte());
   });
+  for (;;) pause();
+}
+
+// A small process of a large robot: it publishes at 10 Hz to itself.
+int PartMain(int index) {
+  const std::string name = "part" + std::to_string(index);
+  Session session(Config(), SessionOptions{name});
+  const auto publish = session.Advertise<foxglove::Log>(name);
+  const Subscription heard = session.FromAny<foxglove::Log>(name, Invoke::kSerial, [](const foxglove::Log&) {});
+  const NodeTimer timer = session.CreateTimer("publish", milliseconds(100), [&](const Tick&) { publish(Kilobyte()); });
   for (;;) pause();
 }
 
@@ -109,6 +120,27 @@ Load MeasureLoad(Child& child, std::chrono::nanoseconds time) {
   const auto taken = static_cast<double>(MonotonicNow() - start);
   load.cpu_percent = 100 * static_cast<double>(child.CpuTime() - cpu) / taken;
   return load;
+}
+
+// The full screen with as many sessions as a large robot has, each of one channel and one node.
+void MeasureTop(const std::string& hgros, std::chrono::nanoseconds time) {
+  setenv("HGROS_DOMAIN", ("bench-cli-top-" + std::to_string(getpid())).c_str(), 1);
+  setenv("TERM", "xterm-256color", 1);
+  constexpr int kTopSessions = 50;
+  std::vector<std::unique_ptr<Child>> robot;
+  for (int i = 0; i < kTopSessions; ++i) {
+    robot.push_back(std::make_unique<Child>(std::vector<std::string>{kSelf, "part", std::to_string(i)}));
+  }
+  AwaitLines(hgros, kTopSessions + 1);
+  for (const char* list : {"sessions", "nodes"}) {
+    Child top({hgros, "top", list}, Child::Place::kTerminal);
+    const std::int64_t start = MonotonicNow();
+    while (MonotonicNow() - start < 3'000'000'000) (void)top.Read();  // All have answered, and were drawn.
+    const Load load = MeasureLoad(top, time);
+    const std::string name = list == std::string("sessions") ? "top" : "top_nodes";
+    Report(name + "_cpu_percent", load.cpu_percent, "%");
+    Report(name + "_kb_per_s", static_cast<double>(load.bytes) / static_cast<double>(time.count()) * 1e6, "KB/s");
+  }
 }
 
 void MeasureEcho(const std::string& hgros, std::chrono::nanoseconds time) {
@@ -221,12 +253,14 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.empty()) return 2;
   if (words[0] == "robot" && words.size() > 1) return RobotMain(std::stoi(words[1]));
+  if (words[0] == "part" && words.size() > 1) return PartMain(std::stoi(words[1]));
   if (words[0] == "talker") return TalkerMain();
   const bool quick = words.size() > 1 && words[1] == "--quick";
   const std::string hgros = words[0];
   MeasureStarts(hgros, quick ? 10 : 30);
   MeasureList(hgros, quick ? 10 : 30);
   MeasureEcho(hgros, std::chrono::seconds(quick ? 2 : 10));
+  MeasureTop(hgros, std::chrono::seconds(quick ? 3 : 10));
   MeasureObserver(hgros, quick ? 4 : 20);
   MeasureSize(hgros);
   return 0;

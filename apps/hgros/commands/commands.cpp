@@ -23,6 +23,7 @@ constexpr std::array kCommands{
     CommandEntry{"delay", "Show how long messages take to their receivers", kSee, MakeDelay},
     CommandEntry{"schema", "Show the fields of a type", kSee, MakeSchema},
     CommandEntry{"graph", "Draw the hypergraph: processes, nodes and their channels", kSee, MakeGraph},
+    CommandEntry{"top", "Show what sessions, nodes and channels do now, once a second", kSee, MakeTop},
     CommandEntry{"tf", "Show the frames of a robot and their transforms", kSee, nullptr},
     CommandEntry{"tf tree", "Show the tree of all frames", kSee, MakeTfTree},
     CommandEntry{"tf echo", "Show the pose of one frame in another", kSee, MakeTfEcho},

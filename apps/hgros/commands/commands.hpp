@@ -51,5 +51,6 @@ std::unique_ptr<Command> MakeTfEcho();
 std::unique_ptr<Command> MakeTfSvg();
 std::unique_ptr<Command> MakeTfTree();
 std::unique_ptr<Command> MakeTfWatch();
+std::unique_ptr<Command> MakeTop();
 
 }  // namespace hgros::cli

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "hgros/base/error.hpp"
 
@@ -54,6 +55,8 @@ bool AwaitOutput(int ended) {
 
 Console::Console() : interactive_(isatty(STDOUT_FILENO) == 1), color_(interactive_ && WantsColor()) {}
 
+Console::Console(std::string& text) : interactive_(false), color_(false), text_(&text) {}
+
 int Console::Columns() const noexcept {
   winsize size{};
   if (!interactive_ || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) return 0;
@@ -67,6 +70,10 @@ std::string Console::Styled(Style style, std::string_view text) const {
 
 void Console::Write(std::string_view text) {
   const std::scoped_lock lock(mutex_);
+  if (text_ != nullptr) {
+    *text_ += text;
+    return;
+  }
   while (!text.empty()) {
     if (!AwaitOutput(ended_)) throw OutputClosed();
     const ssize_t written = write(STDOUT_FILENO, text.data(), std::min(text.size(), kWithoutBlocking));
@@ -82,7 +89,14 @@ void Console::Write(std::string_view text) {
 
 void Console::Line(std::string_view text) { Write(std::string(text) + "\n"); }
 
+void Console::SayTo(std::function<void(std::string_view)> hear) {
+  const std::scoped_lock lock(hear_mutex_);
+  hear_ = std::move(hear);
+}
+
 void Console::Say(std::string_view sentence) {
+  const std::scoped_lock lock(hear_mutex_);
+  if (hear_) return hear_(sentence);
   const std::string line = "hgros: " + std::string(sentence) + "\n";
   (void)!write(STDERR_FILENO, line.data(), line.size());
 }

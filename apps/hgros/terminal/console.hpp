@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -29,6 +30,8 @@ enum class Style { kPlain, kBold, kDim, kRed, kGreen, kYellow, kCyan };
 class Console {
  public:
   Console();
+  /// Its standard output is appended to this text, without styles.
+  explicit Console(std::string& text);
 
   /// Whether standard output is a terminal.
   [[nodiscard]] bool interactive() const noexcept { return interactive_; }
@@ -45,12 +48,19 @@ class Console {
   void Line(std::string_view text);
   /// One sentence to standard error, after "hgros: ".
   void Say(std::string_view sentence);
+  /// From now on sentences go to this function instead, which is thread-safe. Empty: to standard error again.
+  void SayTo(std::function<void(std::string_view)> hear);
+  /// Whether texts may have colors.
+  [[nodiscard]] bool color() const noexcept { return color_; }
 
  private:
   const bool interactive_;
   const bool color_;
+  std::string* const text_ = nullptr;  // In place of standard output, or null.
   std::atomic<int> ended_{-1};
-  std::mutex mutex_;  // Standard output. Each sentence to standard error is one write.
+  std::mutex mutex_;                            // Standard output. Each sentence to standard error is one write.
+  std::mutex hear_mutex_;                       // Guards the next.
+  std::function<void(std::string_view)> hear_;  // In place of standard error, or empty.
 };
 
 }  // namespace hgros::cli

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cwchar>
 
 namespace hgros::cli {
 namespace {
@@ -36,6 +37,14 @@ bool IsShown(std::uint32_t code) {
   // Marks that change the direction of text, and separators of lines and paragraphs.
   return !(code == 0x061C || code == 0x200E || code == 0x200F || (code >= 0x2028 && code <= 0x202E) ||
            (code >= 0x2066 && code <= 0x2069) || code == 0xFEFF);
+}
+
+// Takes the first character from visible text. Returns its columns.
+std::size_t TakeCharacter(std::string_view& visible) noexcept {
+  const Character first = FirstOf(visible);
+  visible.remove_prefix(std::max<std::size_t>(first.bytes, 1));
+  const int width = first.code < 0x80 ? 1 : wcwidth(static_cast<wchar_t>(first.code));  // -1: the locale has none.
+  return width < 0 ? 1 : static_cast<std::size_t>(width);
 }
 
 }  // namespace
@@ -93,7 +102,27 @@ std::string ValidUtf8(std::string_view text) {
 }
 
 std::size_t ColumnsOf(std::string_view visible) noexcept {
-  return static_cast<std::size_t>(std::ranges::count_if(visible, [](char byte) { return !Continues(byte); }));
+  std::size_t columns = 0;
+  while (!visible.empty()) columns += TakeCharacter(visible);
+  return columns;
+}
+
+std::string_view FirstColumns(std::string_view visible, std::size_t columns) noexcept {
+  std::string_view rest = visible;
+  for (std::string_view next = rest; !rest.empty(); rest = next) {
+    const std::size_t width = TakeCharacter(next);
+    if (width > columns) break;
+    columns -= width;
+  }
+  return visible.substr(0, visible.size() - rest.size());
+}
+
+std::string Shortened(std::string_view visible, std::size_t columns) {
+  constexpr std::string_view kDots = "...";
+  // No character takes less than a byte for each of its columns.
+  if (visible.size() <= columns || FirstColumns(visible, columns).size() == visible.size()) return std::string(visible);
+  if (columns <= kDots.size()) return std::string(FirstColumns(visible, columns));
+  return std::string(FirstColumns(visible, columns - kDots.size())) + std::string(kDots);
 }
 
 }  // namespace hgros::cli
