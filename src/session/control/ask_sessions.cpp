@@ -45,7 +45,7 @@ void Publish(SessionOutlet& outlet, const ControlRequest& request) {
   const TypeInfo& type = TypeOf<ControlRequest>();
   PreparedMessage prepared;
   if (outlet.Reserve(message.get(), type, prepared) != PublishStatus::kOk) return;
-  (void)outlet.Commit(message, type, std::move(prepared));
+  (void)outlet.Commit(message, type, {}, std::move(prepared));
 }
 
 void AskUntilAnswered(SessionOutlet& outlet, ControlRequest& request, Answers& answers,

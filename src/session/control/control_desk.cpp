@@ -141,7 +141,7 @@ void ControlDesk::Send(const std::shared_ptr<const ControlReply>& reply) {
   const TypeInfo& type = TypeOf<ControlReply>();
   PreparedMessage prepared;
   if (replies_->Reserve(reply.get(), type, prepared) == PublishStatus::kOk) {
-    (void)replies_->Commit(reply, type, std::move(prepared));
+    (void)replies_->Commit(reply, type, {}, std::move(prepared));
   }
 }
 
