@@ -30,7 +30,7 @@ std::unique_ptr<Session> MakeSession(const std::string& name, const std::string&
 }  // namespace
 
 CommandRun::CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment,
-                       int output) {
+                       int output, const std::string& program) {
   int out[2];
   int err[2];
   if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw Error("no pipe");
@@ -39,7 +39,7 @@ CommandRun::CommandRun(std::vector<std::string> arguments, const std::map<std::s
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, output >= 0 ? output : out[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
-  arguments.insert(arguments.begin(), HGROS_COMMAND);
+  arguments.insert(arguments.begin(), program);
   std::vector<char*> words;
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
@@ -52,7 +52,7 @@ CommandRun::CommandRun(std::vector<std::string> arguments, const std::map<std::s
   std::vector<char*> all;
   for (std::string& setting : settings) all.push_back(setting.data());
   all.push_back(nullptr);
-  const int failed = posix_spawn(&pid_, HGROS_COMMAND, &actions, nullptr, words.data(), all.data());
+  const int failed = posix_spawn(&pid_, program.c_str(), &actions, nullptr, words.data(), all.data());
   posix_spawn_file_actions_destroy(&actions);
   close(out[1]);
   close(err[1]);
@@ -115,6 +115,13 @@ std::string CommandRun::out() const {
 std::string CommandRun::err() const {
   const std::scoped_lock lock(mutex_);
   return err_;
+}
+
+CommandEnd RunInShell(const std::string& script, std::map<std::string, std::string> environment) {
+  environment["HGROS"] = HGROS_COMMAND;
+  CommandRun run({"-c", script}, environment, -1, "/bin/sh");
+  const int status = run.Wait();
+  return {status, run.out(), run.err()};
 }
 
 CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment) {

@@ -18,9 +18,9 @@ namespace hgros::cli {
 class CommandRun {
  public:
   /// `environment`: in addition to that of the test. `output`: a descriptor for its standard output, which is then not
-  /// read; negative: out() has it.
+  /// read; negative: out() has it. `program`: another one, which runs the command.
   explicit CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {},
-                      int output = -1);
+                      int output = -1, const std::string& program = HGROS_COMMAND);
   CommandRun(const CommandRun&) = delete;
   CommandRun& operator=(const CommandRun&) = delete;
   ~CommandRun();
@@ -54,6 +54,8 @@ struct CommandEnd {
   std::string err;
 };
 CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
+/// A script for /bin/sh, which finds the command in $HGROS.
+CommandEnd RunInShell(const std::string& script, std::map<std::string, std::string> environment = {});
 
 /// A robot in this process, and commands that find it: a domain of their own.
 class RobotForCommands {

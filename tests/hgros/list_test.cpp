@@ -117,5 +117,19 @@ TEST(HgrosList, EndsWithAnErrorWhenNothingAnswersAtAnEndpoint) {
   EXPECT_THAT(end.err, HasSubstr("No session answers at tcp://127.0.0.1:1."));
 }
 
+TEST(HgrosList, SaysSoWhenItCanOpenTooFewFiles) {
+  RobotForCommands robot;
+  const auto publish = robot.session().Advertise<Log>("status");
+  robot.AwaitAnnounced();
+  for (int files = 8; files < 20; ++files) {
+    const CommandEnd end =
+        RunInShell("ulimit -n " + std::to_string(files) + "; $HGROS list --timeout 0.1", robot.environment());
+    const bool listed = end.out.find("status") != std::string::npos;
+    EXPECT_TRUE(listed || end.err.find("Too many open files") != std::string::npos ||
+                end.err.find("limit of open files") != std::string::npos)
+        << files << end.out << end.err;
+  }
+}
+
 }  // namespace
 }  // namespace hgros::cli

@@ -129,8 +129,10 @@ void RegistryCore::ExamineAll(const std::vector<FolderWatch::FileEvent>& events)
 // `deaths`: the locks of files that have not changed are looked at, too.
 void RegistryCore::Scan(bool deaths) {
   own_.RestoreIfLost();
+  const auto files = FilesIn(folder_.path());
+  if (!files) return SayBlind();
   std::unordered_set<SessionId> here;
-  for (const auto& [name, stamp] : FilesIn(folder_.path())) {
+  for (const auto& [name, stamp] : *files) {
     here.insert(SessionOfFile(name));
     const auto read = read_.find(name);
     if (deaths || read == read_.end() || read->second != stamp) Examine(name, std::nullopt);
@@ -138,6 +140,13 @@ void RegistryCore::Scan(bool deaths) {
   for (const SessionId session : book_.Sessions()) {
     if (!here.contains(session)) ExamineAbsent(FileName(session), session, Event::kRemoved);
   }
+}
+
+void RegistryCore::SayBlind() {
+  log_.WriteLimited(LogLevel::kWarning, "registry open files",
+                    "This process does not see which sessions come and change: the limit of open files is reached. "
+                    "Raise it (ulimit -n).");
+  next_mending_ = Clock::now() + kBetweenMendings;
 }
 
 void RegistryCore::Examine(const std::string& name, std::optional<Event> event) {
@@ -167,12 +176,7 @@ void RegistryCore::Examine(const std::string& name, std::optional<Event> event) 
       SayOnce(name, look.fault);
       Forget(name, session, "Its file cannot be trusted any more.");
       return;
-    case FileLook::State::kUnknown:
-      log_.WriteLimited(LogLevel::kWarning, "registry open files",
-                        "This process does not see which sessions come and change: the limit of open files is reached. "
-                        "Raise it (ulimit -n).");
-      next_mending_ = Clock::now() + kBetweenMendings;
-      return;
+    case FileLook::State::kUnknown: SayBlind(); return;
     case FileLook::State::kAlive:
     case FileLook::State::kAsKnown:
       if (event == Event::kClosed) {

@@ -55,6 +55,7 @@ class RegistryCore {
   void Scan(bool deaths);
   void ExamineAll(const std::vector<FolderWatch::FileEvent>& events);
   void Examine(const std::string& name, std::optional<Event> event);
+  void SayBlind();  // This process can open no more files. Tries again later.
   void ExamineAbsent(const std::string& name, SessionId session, std::optional<Event> event);
   void ExamineAlive(const std::string& name, SessionId session, const FileLook& look);
   void Forget(const std::string& name, SessionId session, std::string_view reason);

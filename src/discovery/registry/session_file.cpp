@@ -26,6 +26,9 @@ struct flock WholeFile() {
   return lock;
 }
 
+// The error says that this process or this host has run out of something, not that something is wrong with a file.
+bool IsShortage(int error) noexcept { return error == EMFILE || error == ENFILE || error == ENOMEM; }
+
 FileLook Strange(std::string fault) { return {FileLook::State::kStrange, {}, std::move(fault), {}}; }
 
 std::string Fault(const struct stat& status) {
@@ -75,13 +78,16 @@ bool TakeLock(int fd) noexcept {
   return fcntl(fd, F_OFD_SETLK, &lock) == 0;
 }
 
-std::vector<std::pair<std::string, FileStamp>> FilesIn(const std::filesystem::path& folder) {
+std::optional<std::vector<std::pair<std::string, FileStamp>>> FilesIn(const std::filesystem::path& folder) {
   struct Close {
     void operator()(DIR* opened) const noexcept { closedir(opened); }
   };
   const std::unique_ptr<DIR, Close> opened(opendir(folder.c_str()));
   std::vector<std::pair<std::string, FileStamp>> files;
-  if (!opened) return files;
+  if (!opened) {
+    if (IsShortage(errno)) return std::nullopt;
+    return files;
+  }
   while (const dirent* const entry = readdir(opened.get())) {
     struct stat status {};
     const bool exists = fstatat(dirfd(opened.get()), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) == 0;
@@ -94,7 +100,7 @@ FileLook LookAtFile(const std::filesystem::path& path, const FileStamp& known) {
   const OwnDescriptor file([&] { return open(path.c_str(), O_RDONLY | kLookFlags); });
   if (!file) {
     if (errno == ENOENT) return {};
-    if (errno == EMFILE || errno == ENFILE || errno == ENOMEM) return {FileLook::State::kUnknown, {}, {}, {}};
+    if (IsShortage(errno)) return {FileLook::State::kUnknown, {}, {}, {}};
     if (errno == ELOOP) return Strange("it is a symbolic link");
     return Strange(std::string("it cannot be opened: ") + std::strerror(errno));
   }

@@ -40,8 +40,10 @@ struct FileStamp {
   bool operator==(const FileStamp&) const = default;
 };
 
-/// The names in a folder, and their stamps, without opening the files. Empty if the folder cannot be read.
-[[nodiscard]] std::vector<std::pair<std::string, FileStamp>> FilesIn(const std::filesystem::path& folder);
+/// The names in a folder, and their stamps, without opening the files. No names if the folder cannot be read; nullopt
+/// if that is because this process can open no more files.
+[[nodiscard]] std::optional<std::vector<std::pair<std::string, FileStamp>>> FilesIn(
+    const std::filesystem::path& folder);
 
 struct FileLook {
   enum class State {
