@@ -138,5 +138,16 @@ TEST(HgrosEcho, EndsWhenItsReaderGoesOrStandsStill) {
   EXPECT_EQ(left.Wait(), 0);
 }
 
+TEST(HgrosEcho, SaysThatNoMessageCameInTime) {
+  RobotForCommands robot("talker");
+  const auto publish = robot.session().Advertise<foxglove::Log>("status");
+  const CommandEnd end = robot.Run({"echo", "status", "--timeout", "0.3"});
+  EXPECT_EQ(end.status, 3);
+  EXPECT_THAT(end.err, testing::HasSubstr("No message of status came within 0.3 s. talker:"));
+  EXPECT_THAT(end.err, testing::EndsWith(" publishes, but sent none.\n"));
+  EXPECT_THAT(robot.Run({"echo", "nothing", "--timeout", "0.1"}).err,
+              testing::EndsWith("hgros: No message of nothing came within 0.1 s.\n"));
+}
+
 }  // namespace
 }  // namespace hgros::cli

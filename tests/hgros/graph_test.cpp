@@ -4,6 +4,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/proto_folder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -34,6 +35,39 @@ TEST(HgrosGraph, NamesTheNearestName) {
   EXPECT_EQ(end.err, "hgros: No process, node or channel has the name \"patrl\". Did you mean patrol?\n");
   EXPECT_EQ(robot.Run({"graph", "--depth", "2"}).status, 2);
   EXPECT_EQ(robot.Run({"graph", "--svg", "--dot"}).status, 2);
+}
+
+TEST(HgrosGraph, WritesAWholeFileOrNone) {
+  const RobotForCommands robot("patrol");
+  const ProtoFolder folder;
+  auto environment = robot.environment();
+  environment["FOLDER"] = folder.path();
+  const auto run = [&](const std::string& script) { return RunInShell("cd \"$FOLDER\"; " + script, environment); };
+  EXPECT_EQ(run("$HGROS graph --dot -o a.dot && ls && tail -1 a.dot").out, "a.dot\n}\n");
+  const CommandEnd full = run("trap '' XFSZ; ulimit -f 0; $HGROS graph --dot -o a.dot");
+  EXPECT_EQ(full.status, 1);
+  EXPECT_THAT(full.err, HasSubstr("hgros: The file "));
+  EXPECT_THAT(full.err, HasSubstr("a.dot cannot be written: File too large.\n"));
+  EXPECT_EQ(run("ls; tail -1 a.dot").out, "a.dot\n}\n") << "The file is as it was before.";
+  EXPECT_EQ(run("$HGROS graph --dot -o /dev/full").err,
+            "hgros: The file /dev/full cannot be written: No space left on device.\n");
+  EXPECT_EQ(
+      run("ln -s a.dot b.dot; chmod 640 a.dot; $HGROS graph --dot -o b.dot; stat -c %a a.dot; readlink b.dot").out,
+      "640\na.dot\n");
+  EXPECT_THAT(run("$HGROS graph --dot -o /dev/stdout").out, HasSubstr("digraph"));
+  EXPECT_THAT(run("$HGROS graph -o .").err, HasSubstr(". is a folder."));
+}
+
+TEST(HgrosGraph, DoesNotWaitForTheReaderOfAPipe) {
+  const RobotForCommands robot("patrol");
+  const ProtoFolder folder;
+  auto environment = robot.environment();
+  environment["FOLDER"] = folder.path();
+  const CommandEnd nobody = RunInShell("mkfifo $FOLDER/pipe; $HGROS graph -o $FOLDER/pipe", environment);
+  EXPECT_EQ(nobody.status, 1);
+  EXPECT_THAT(nobody.err, HasSubstr("Nobody reads the pipe "));
+  EXPECT_THAT(RunInShell("exec 3<>$FOLDER/pipe; $HGROS graph --dot -o $FOLDER/pipe; head -1 <&3", environment).out,
+              HasSubstr("digraph"));
 }
 
 }  // namespace

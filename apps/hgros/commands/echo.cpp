@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "messages/csv.hpp"
 #include "messages/filter.hpp"
 #include "messages/message_text.hpp"
+#include "robot/overview.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
 #include "terminal/pause.hpp"
@@ -61,6 +63,8 @@ class MessagePrinter {
   [[nodiscard]] bool done() const noexcept { return done_; }
   // After the last message.
   [[nodiscard]] std::uint64_t unreadable() const noexcept { return unreadable_; }
+  // With those that the filter refuses.
+  [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
   // Throws what went wrong while a message was printed.
   void Rethrow() const {
     if (fault_) std::rethrow_exception(fault_);
@@ -87,6 +91,7 @@ class MessagePrinter {
   Json json_;
   std::uint64_t printed_ = 0;
   std::uint64_t unreadable_ = 0;
+  std::uint64_t received_ = 0;
   std::exception_ptr fault_;
   std::atomic<bool> done_{false};
 };
@@ -94,6 +99,7 @@ class MessagePrinter {
 void MessagePrinter::Print(const std::string& channel, const RawMessage& message, const MessageInfo& info) {
   const std::scoped_lock lock(mutex_);
   if (done_) return;
+  ++received_;
   try {
     PrintOne(channel, message, info);
   } catch (...) {
@@ -265,9 +271,26 @@ class Echo final : public Command {
   int Run(Surroundings& surroundings) override;
 
  private:
+  [[nodiscard]] std::string NoMessage(const Robot& robot) const;
+
   EchoOptions options_;
   RobotOptions robot_options_;
 };
+
+// Although somebody may publish.
+std::string Echo::NoMessage(const Robot& robot) const {
+  std::string text;
+  for (const std::string& channel : options_.channels) text += (text.empty() ? "" : ", ") + Visible(channel);
+  std::set<std::string> publishers;
+  for (const KnownChannel& known : robot.Channels(true)) {
+    if (std::ranges::find(options_.channels, known.name) == options_.channels.end()) continue;
+    for (const ChannelUser& user : known.publishers) publishers.insert(Visible(ShortName(user, true)));
+  }
+  text = fmt::format("No message of {} came within {} s.", text, robot_options_.timeout_s.value_or(0));
+  if (publishers.empty()) return text;
+  return text + " " + fmt::format("{}", fmt::join(publishers, ", ")) +
+         (publishers.size() == 1 ? " publishes" : " publish") + ", but sent none.";
+}
 
 int Echo::Run(Surroundings& surroundings) {
   if (options_.csv + options_.raw + robot_options_.style.json > 1) {
@@ -308,7 +331,9 @@ int Echo::Run(Surroundings& surroundings) {
   if (printer.unreadable() > 1) {
     surroundings.console.Say(fmt::format("{} messages could not be read.", printer.unreadable()));
   }
-  return end == Pause::End::kDeadline && !printer.done() ? kTimedOut : kDone;
+  if (end != Pause::End::kDeadline || printer.done()) return kDone;
+  if (printer.received() == 0) surroundings.console.Say(NoMessage(robot));
+  return kTimedOut;
 }
 
 }  // namespace

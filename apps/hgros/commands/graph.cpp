@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "robot/hypergraph.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
+#include "terminal/output_file.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -40,7 +40,6 @@ class Graph final : public Command {
  private:
   [[nodiscard]] Hypergraph Look(Robot& robot) const;
   [[nodiscard]] static std::string JsonOf(const Hypergraph& graph);
-  void Write(Console& console, const std::string& drawing) const;
 
   bool svg_ = false;
   bool dot_ = false;
@@ -103,22 +102,21 @@ std::string Graph::JsonOf(const Hypergraph& graph) {
   return lines;
 }
 
-void Graph::Write(Console& console, const std::string& drawing) const {
-  if (file_.empty()) return console.Write(drawing);
-  std::ofstream out(file_, std::ios::binary);
-  if (!(out << drawing) || !out.flush()) throw Error(file_ + " cannot be written.");
-}
-
 int Graph::Run(Surroundings& surroundings) {
   if (svg_ + dot_ + options_.style.json > 1) throw UsageError("--svg, --dot and --json exclude each other.");
   if (depth_ && around_.empty()) throw UsageError("--depth needs --around.");
   Robot robot(options_, surroundings);
   const Hypergraph graph = Look(robot);
   Console& console = surroundings.console;
-  Write(console, svg_                  ? DrawSvg(graph, options_.style)
-                 : dot_                ? DrawDot(graph, options_.style)
-                 : options_.style.json ? JsonOf(graph)
-                                       : DrawText(graph, console, options_.style));
+  const std::string drawing = svg_                  ? DrawSvg(graph, options_.style)
+                              : dot_                ? DrawDot(graph, options_.style)
+                              : options_.style.json ? JsonOf(graph)
+                                                    : DrawText(graph, console, options_.style);
+  if (file_.empty()) {
+    console.Write(drawing);  // With the colors of the terminal.
+  } else {
+    WriteTo(console, file_, drawing);
+  }
   return kDone;
 }
 

@@ -132,7 +132,7 @@ std::optional<Sheet> Top::Describe(const TopRow& row) const {
     return DescribeSession(known_, session->second);
   }
   const Snapshot::Channel* channel = CountersOf(known_.counters, row.session, row.channel);
-  const Snapshot::Node* node = NodeIn(channel, row.node, row.same_named);
+  const Snapshot::Node* node = FindNode(channel, row.node, row.same_named);
   if (node == nullptr) return std::nullopt;
   return DescribeNode(known_, row.session, *channel, *node);
 }

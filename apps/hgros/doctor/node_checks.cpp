@@ -27,29 +27,23 @@ struct NodeWork {
   const Snapshot::Node* before = nullptr;
 };
 
-// Several nodes of a channel may have one name: the one with that name and this place among them.
-const Snapshot::Node* FindNode(const Snapshot::Channel* channel, const std::string& name, std::size_t place) {
-  if (channel == nullptr) return nullptr;
-  for (const Snapshot::Node& node : channel->nodes()) {
-    if (node.name() == name && place-- == 0) return &node;
-  }
-  return nullptr;
-}
-
 // A session that was replaced may count less than before.
 std::uint64_t Growth(std::uint64_t before, std::uint64_t after) { return after > before ? after - before : 0; }
 
 void Check(const NodeWork& work, Findings& findings) {
   const Snapshot::Node& node = *work.node;
-  const std::int64_t mean_ns =
-      work.run == 0
-          ? node.run_p50_ns()
-          : static_cast<std::int64_t>(std::min(work.busy, 1e6) * work.seconds * 1e9 / static_cast<double>(work.run));
+  const auto mean_ns = static_cast<std::int64_t>(std::min(work.busy, 1e6) * work.seconds * 1e9 /
+                                                 static_cast<double>(std::max<std::uint64_t>(work.run, 1)));
   const double period_ns = work.received == 0 ? 0 : work.seconds * 1e9 / static_cast<double>(work.received);
   const bool slow = node.serial() && work.busy > kBusy && work.received > 0;
+  // Its callbacks have not ended since the first look, or ever.
+  const std::string taken = work.run > 0 ? fmt::format("its callback takes {}", DurationText(mean_ns, false))
+                            : node.run() == 0
+                                ? "its callback has never returned"
+                                : fmt::format("its callback has not returned for {}",
+                                              DurationText(static_cast<std::int64_t>(work.seconds * 1e9), false));
   const std::string how =
-      fmt::format("its callback takes {} and a message comes every {}", DurationText(mean_ns, false),
-                  DurationText(static_cast<std::int64_t>(period_ns), false));
+      fmt::format("{} and a message comes every {}", taken, DurationText(static_cast<std::int64_t>(period_ns), false));
   if (work.dropped > 0 && node.queue_depth() > 1) {  // A queue of one drops by design.
     findings.push_back(
         {Severity::kFault, "queue",

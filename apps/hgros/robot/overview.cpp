@@ -13,6 +13,14 @@ const Snapshot::Channel* CountersOf(const AllCounters& counters, SessionId sessi
   return one == channels.end() || one->name() != channel ? nullptr : &*one;
 }
 
+const Snapshot::Node* FindNode(const Snapshot::Channel* channel, std::string_view name, std::size_t place) {
+  if (channel == nullptr) return nullptr;
+  for (const Snapshot::Node& node : channel->nodes()) {
+    if (node.name() == name && place-- == 0) return &node;
+  }
+  return nullptr;
+}
+
 PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel) {
   PublishedTotals totals;
   for (const ChannelUser& user : channel.publishers) {

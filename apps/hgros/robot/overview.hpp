@@ -20,6 +20,11 @@ using AllCounters = std::map<SessionId, std::shared_ptr<const Snapshot>>;
 [[nodiscard]] const Snapshot::Channel* CountersOf(const AllCounters& counters, SessionId session,
                                                   std::string_view channel);
 
+/// Several nodes of a channel may have one name: the one with that name and this place among them. Null if there is
+/// none, or no channel.
+[[nodiscard]] const Snapshot::Node* FindNode(const Snapshot::Channel* channel, std::string_view name,
+                                             std::size_t place);
+
 /// What the publishers of a channel count, together.
 struct PublishedTotals {
   bool known = false;  ///< At least one publisher's counters are known.

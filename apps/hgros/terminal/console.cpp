@@ -39,9 +39,9 @@ const char* CodeOf(Style style) {
 // A pipe that can be written takes at least this much without blocking.
 constexpr std::size_t kWithoutBlocking = 4096;
 
-// Waits until standard output can be written. False if `ended` can be read first.
-bool AwaitOutput(int ended) {
-  std::array<pollfd, 2> watched{pollfd{STDOUT_FILENO, POLLOUT, 0}, pollfd{ended, POLLIN, 0}};
+// Waits until `descriptor` can be written. False if `ended` can be read first.
+bool AwaitOutput(int descriptor, int ended) {
+  std::array<pollfd, 2> watched{pollfd{descriptor, POLLOUT, 0}, pollfd{ended, POLLIN, 0}};
   for (;;) {
     const int ready = poll(watched.data(), watched.size(), -1);
     if (ready < 0 && errno != EINTR) return true;  // The write will say what is wrong.
@@ -74,15 +74,19 @@ void Console::Write(std::string_view text) {
     *text_ += text;
     return;
   }
+  WriteTo(STDOUT_FILENO, "Standard output", text);
+}
+
+void Console::WriteTo(int descriptor, const std::string& name, std::string_view text) const {
   while (!text.empty()) {
-    if (!AwaitOutput(ended_)) throw OutputClosed();
-    const ssize_t written = write(STDOUT_FILENO, text.data(), std::min(text.size(), kWithoutBlocking));
+    if (!AwaitOutput(descriptor, ended_)) throw OutputClosed();
+    const ssize_t written = write(descriptor, text.data(), std::min(text.size(), kWithoutBlocking));
     if (written >= 0) {
       text.remove_prefix(static_cast<std::size_t>(written));
     } else if (errno == EPIPE) {
       throw OutputClosed();
     } else if (errno != EINTR && errno != EAGAIN) {
-      throw Error("Standard output cannot be written: " + std::string(std::strerror(errno)) + ".");
+      throw Error(name + " cannot be written: " + std::string(std::strerror(errno)) + ".");
     }
   }
 }

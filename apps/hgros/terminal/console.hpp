@@ -46,6 +46,8 @@ class Console {
   /// disk is full.
   void Write(std::string_view text);
   void Line(std::string_view text);
+  /// The same for another file that is open for writing; `name` is its name for the error.
+  void WriteTo(int descriptor, const std::string& name, std::string_view text) const;
   /// One sentence to standard error, after "hgros: ".
   void Say(std::string_view sentence);
   /// From now on sentences go to this function instead, which is thread-safe. Empty: to standard error again.

@@ -8,7 +8,8 @@ namespace hgros::cli {
 class Console;
 
 /// Writes lines into a file that the user named, or to standard output if `file` is empty; there they are visible if it
-/// is a terminal. Throws Error naming the file.
+/// is a terminal. The file is there with all lines, or as it was before: they are written beside it first. Does not
+/// wait for the reader of a named pipe. Throws Error naming the file.
 void WriteTo(Console& console, const std::string& file, std::string_view text);
 
 }  // namespace hgros::cli

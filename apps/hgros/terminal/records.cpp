@@ -12,6 +12,7 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::size_t kGap = 2;
+constexpr std::size_t kMostCellColumns = 80;  // Of a cell that others follow.
 
 void Write(Json& json, const Cell::Value& value) {
   std::visit(
@@ -84,10 +85,16 @@ void Records::End() {
   std::vector<std::vector<std::string>> shown(rows_.size());
   const bool first = widths_.empty();
   widths_.resize(columns_.size());
+  const auto last = std::ranges::find_if(columns_.rbegin(), columns_.rend(),
+                                         [](const Column& column) { return !column.heading.empty(); });
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (first) widths_[c] = std::max(columns_[c].least, ColumnsOf(columns_[c].heading));
+    const bool any_length = style_.exact || (last != columns_.rend() && &columns_[c] == &*last);
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-      widths_[c] = std::max(widths_[c], ColumnsOf(shown[r].emplace_back(rows_[r][c].Shown())));
+      std::string text = rows_[r][c].Shown();
+      if (!any_length) text = Shortened(text, kMostCellColumns);
+      widths_[c] = std::max(widths_[c], ColumnsOf(text));
+      shown[r].push_back(std::move(text));
     }
   }
   const auto line = [&](const auto& text_of, const auto& style_of) {

@@ -65,7 +65,8 @@ struct Column {
 /// The cells as members of the JSON object that was begun.
 void WriteMembers(Json& json, const std::vector<Column>& columns, const std::vector<Cell>& cells);
 
-/// Records with the same columns: an aligned table when all are known, or one JSON object per line at once.
+/// Records with the same columns: an aligned table when all are known, or one JSON object per line at once. Except in
+/// the last column and with --exact, long texts of a table are shortened.
 ///
 /// Threading: one thread.
 class Records {

@@ -53,14 +53,6 @@ const Snapshot::Channel* ChannelIn(const Snapshot* snapshot, std::string_view na
 
 }  // namespace
 
-const Snapshot::Node* NodeIn(const Snapshot::Channel* channel, std::string_view name, std::size_t index) noexcept {
-  if (channel == nullptr) return nullptr;
-  for (const Snapshot::Node& node : channel->nodes()) {
-    if (node.name() == name && index-- == 0) return &node;
-  }
-  return nullptr;
-}
-
 const std::vector<Column>& TopColumns(TopKind kind) {
   static const std::vector<Column> sessions{{"process", "SESSION"},
                                             {"session", ""},
@@ -182,7 +174,7 @@ void Activity::AddNodes(const std::string& session, const Known& known, const Sn
     std::optional<double> run;
     std::optional<double> rate;
     std::optional<double> drops;
-    const Snapshot::Node* old = NodeIn(before, node.name(), row.same_named);
+    const Snapshot::Node* old = FindNode(before, node.name(), row.same_named);
     if (old != nullptr && !silent) {
       rate = per_second(old->run(), node.run());
       drops = per_second(old->dropped(), node.dropped());

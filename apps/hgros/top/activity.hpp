@@ -33,10 +33,6 @@ struct TopRow {
   std::vector<Cell> cells;     ///< One for each column.
 };
 
-/// The `index`-th node of that name on a channel; null if there is none, or no channel.
-[[nodiscard]] const Snapshot::Node* NodeIn(const Snapshot::Channel* channel, std::string_view name,
-                                           std::size_t index) noexcept;
-
 /// What sessions, nodes and channels do now: the differences between the last two snapshots of each session.
 ///
 /// Threading: one thread.

@@ -115,6 +115,25 @@ TEST_F(DoctorChecks, NameWhoLosesMessagesNow) {
                                               HasSubstr("listener:2 loses 2.0 messages per second of \"scan\"")));
 }
 
+TEST_F(DoctorChecks, SayThatACallbackDoesNotReturn) {
+  AddChannel("scan", true, true);
+  const auto [before, after] = Count(2, "scan");
+  for (Snapshot::Channel* channel : {before, after}) {
+    Snapshot::Node& node = *channel->add_nodes();
+    node.set_name("match");
+    node.set_serial(true);
+    node.set_queue_depth(4);
+    node.set_queued(4);
+  }
+  after->mutable_nodes(0)->set_received(100);
+  EXPECT_THAT(
+      Say(CheckNodes),
+      ElementsAre("The queue of listener:2 match on \"scan\" is always full (4 messages): its callback has never "
+                  "returned and a message comes every 10.0 ms."));
+  for (Snapshot::Channel* channel : {before, after}) channel->mutable_nodes(0)->set_run(5);
+  EXPECT_THAT(Say(CheckNodes), ElementsAre(HasSubstr("its callback has not returned for 1.00 s and")));
+}
+
 TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
   AddChannel("scan", true, true);
   const auto [before, after] = Count(2, "scan");
