@@ -156,7 +156,7 @@ void CheckSecurity(const ConfigDraft& draft) {
   if (!draft.secret_key) {
     constexpr std::string_view kWhat = "There is no secret key, so nothing would be encrypted.";
     constexpr std::string_view kMend = "Add network.security.secret_key_file, or remove this.";
-    const auto report = [&draft](const FilePosition& at) { draft.faults.Report(ConfigError(kWhat, at, kMend)); };
+    const auto report = [&](const FilePosition& at) { draft.faults.Report(ConfigError(kWhat, at, kMend)); };
     if (draft.public_key) return report(draft.public_key->position);
     if (!draft.allowed_clients.empty()) return report(draft.allowed_clients.begin()->second);
     if (!draft.servers.empty()) return report(draft.servers.begin()->second.position);

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "config/config_fixture.hpp"
+#include "hgros/yaml/document.hpp"
 #include "hgros/config/check.hpp"
 
 namespace hgros {
@@ -74,6 +75,18 @@ TEST(ConfigCheck, GoesOnAfterAFileThatCannotBeRead) {
   EXPECT_THAT(checked.faults[1].where(), HasSubstr("broken.yaml:1:"));
   EXPECT_THAT(checked.faults[2].where(), HasSubstr("robot.yaml:2:1"));
   EXPECT_TRUE(checked.config.simulated_time);
+}
+
+TEST(YamlDocument, KeepsItsNodesWhenAVectorGrows) {
+  std::vector<yaml::Document> documents;
+  for (int i = 0; i < 20; ++i) {
+    documents.push_back(yaml::Document::Parse("key: value" + std::to_string(i), "robot.yaml"));
+  }
+  for (int i = 0; i < 20; ++i) {
+    const auto& root = documents[static_cast<std::size_t>(i)].root();
+    ASSERT_EQ(root.entries.size(), 1U);
+    EXPECT_EQ(root.entries[0].value->text, "value" + std::to_string(i));
+  }
 }
 
 TEST(ConfigCheck, AcceptsWhatLoadAccepts) {

@@ -30,6 +30,12 @@ struct Keys {
   }
 };
 
+TEST(ZmqCurve, PublicKeyBelongsToTheSecretKey) {
+  const Keys keys;
+  EXPECT_EQ(PublicCurveKeyOf(keys.server.secret_key), keys.server.public_key);
+  EXPECT_THROW((void)PublicCurveKeyOf("short"), Error);
+}
+
 TEST(ZmqCurve, SessionsWithTheRightKeysExchangeMessages) {
   const Keys keys;
   Place server(keys.Server());

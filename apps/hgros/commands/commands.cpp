@@ -31,6 +31,7 @@ constexpr std::array kCommands{
     CommandEntry{"tf svg", "Draw the tree of frames as an image", kSee, MakeTfSvg},
 
     CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to fix it", kCheck, MakeDoctor},
+    CommandEntry{"check", "Check configuration files before anything runs", kCheck, MakeCheck},
 
     CommandEntry{"pub", "Publish messages on a channel", kSteer, MakePub},
     CommandEntry{"call", "Call a service", kSteer, MakeCall},

@@ -21,6 +21,7 @@ namespace hgros::cli {
 // One for each file of this folder.
 std::unique_ptr<Command> MakeBw();
 std::unique_ptr<Command> MakeCall();
+std::unique_ptr<Command> MakeCheck();
 std::unique_ptr<Command> MakeComplete();
 std::unique_ptr<Command> MakeCompletion();
 std::unique_ptr<Command> MakeControlAllow();

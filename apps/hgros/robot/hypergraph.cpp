@@ -63,9 +63,13 @@ Hypergraph Hypergraph::Of(const std::vector<KnownChannel>& channels, const AllCo
       if (!subscriber.node) channel.subscribers.push_back(subscriber);
     }
   }
-  graph.Rank();
-  graph.Sort();
+  graph.Arrange();
   return graph;
+}
+
+void Hypergraph::Arrange() {
+  Rank();
+  Sort();
 }
 
 // Longest paths from the sources. An edge that leads back to a process on the way to it, which closes a cycle, counts

@@ -58,6 +58,8 @@ struct Hypergraph {
   /// All names that Around() knows.
   [[nodiscard]] std::vector<std::string> Names() const;
   [[nodiscard]] const Node* NodeOf(const Subscriber& subscriber) const;
+  /// Sets the ranks and the order, once processes and channels are there.
+  void Arrange();
 
  private:
   void Rank();

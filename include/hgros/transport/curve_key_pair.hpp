@@ -14,5 +14,7 @@ struct CurveKeyPair {
 
 /// A new key pair. Errors: throws Error if ZeroMQ was built without CURVE.
 [[nodiscard]] HGROS_EXPORT CurveKeyPair GenerateCurveKeyPair();
+/// The public key that belongs to a secret key. Errors: throws Error if that is not a key, or without CURVE.
+[[nodiscard]] HGROS_EXPORT std::string PublicCurveKeyOf(const std::string& secret_key);
 
 }  // namespace hgros

@@ -49,6 +49,12 @@ class HGROS_EXPORT Document {
   /// The same from a file.
   [[nodiscard]] static Document Load(const std::filesystem::path& file);
 
+  Document(const Document&) = delete;  // Nodes point at each other.
+  Document& operator=(const Document&) = delete;
+  Document(Document&&) noexcept = default;
+  Document& operator=(Document&&) noexcept = default;
+  ~Document() = default;
+
   [[nodiscard]] const Node& root() const noexcept { return *root_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] FilePosition PositionOf(const Node& node) const { return {name_, node.line, node.column}; }

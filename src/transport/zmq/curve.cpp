@@ -18,6 +18,14 @@ CurveKeyPair GenerateCurveKeyPair() {
   return {public_key.data(), secret_key.data()};
 }
 
+std::string PublicCurveKeyOf(const std::string& secret_key) {
+  std::array<char, 41> public_key{};
+  if (secret_key.size() + 1 != public_key.size() || zmq_curve_public(public_key.data(), secret_key.c_str()) != 0) {
+    throw Error("The secret key is not a CURVE key, or ZeroMQ was built without CURVE.");
+  }
+  return public_key.data();
+}
+
 }  // namespace hgros
 
 namespace hgros::zmq {

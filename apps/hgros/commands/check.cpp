@@ -1,0 +1,148 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "check/config_schema.hpp"
+#include "check/deployment.hpp"
+#include "check/ignored_findings.hpp"
+#include "commands/commands.hpp"
+#include "drawing/graph_drawing.hpp"
+#include "terminal/console.hpp"
+#include "terminal/output_file.hpp"
+#include "terminal/records.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+class CheckCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional({"FILE",
+                          "",
+                          "The file of a session, or FILE+FILE for a session that loads several",
+                          ValueKind::kFile,
+                          {},
+                          false,
+                          true},
+                         files_);
+    arguments.Option("--section", "NAME", sections_, "A section of the program's own; others are refused then");
+    arguments.Flag("-v,--verbose", verbose_, "Also notes: what is worth knowing although nothing is wrong");
+    arguments.Flag("--json", style_.json, "One JSON object per line");
+    arguments.Flag("--svg", svg_, "Draw the graph that the files describe");
+    arguments.Flag("--schema", schema_, "Print the JSON Schema of these files, for editors");
+    arguments.Option("-o,--output", "FILE", output_, "Write the picture or the schema to this file", ValueKind::kFile);
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Checks configuration files before anything runs: each file as strictly as a session reads it, but with all "
+           "of its faults, and the files of several sessions against each other: endpoints, lists of channels, keys, "
+           "time, heartbeats. Ends with code 1 if something is wrong. The comment `# hgros check: ignore CHANNEL` in "
+           "a line, or in the line above, ignores what is said about this channel there.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros check robot.yaml desk.yaml", "Checks the files of two sessions, and against each other."},
+            {"hgros check common.yaml+lidar.yaml desk.yaml --svg -o robot.svg",
+             "Draws a session that loads two files, and one that loads a third."},
+            {"hgros check --schema --section gripper -o hgros.schema.json",
+             "Writes a schema that also allows a section of the program."}};
+  }
+  int Run(Surroundings& surroundings) override;
+
+ private:
+  void CheckUsage() const;
+  void Write(Console& console, const FileFindings& findings) const;
+
+  std::vector<std::string> files_;
+  std::vector<std::string> sections_;
+  std::string output_;
+  bool verbose_ = false;
+  bool svg_ = false;
+  bool schema_ = false;
+  OutputStyle style_;
+};
+
+void CheckCommand::CheckUsage() const {
+  if (style_.json + svg_ + schema_ > 1) throw UsageError("--json, --svg and --schema exclude each other.");
+  if (!output_.empty() && !svg_ && !schema_) throw UsageError("--output needs --svg or --schema.");
+  if (schema_ && !files_.empty()) throw UsageError("--schema takes no files.");
+  if (!schema_ && files_.empty()) throw UsageError("FILE is missing: name the configuration files of each session.");
+  for (const std::string& files : files_) {
+    for (const std::filesystem::path& file : FilesOf(files)) {
+      std::error_code error;
+      if (!std::filesystem::exists(file, error)) throw UsageError("There is no file \"" + file.string() + "\".");
+    }
+  }
+}
+
+std::string TextOf(const Console& console, const FileFinding& finding) {
+  const Style style = finding.severity == Severity::kFault     ? Style::kRed
+                      : finding.severity == Severity::kWarning ? Style::kYellow
+                                                               : Style::kDim;
+  const std::string fix = finding.fix.empty() ? "" : " " + console.Styled(Style::kDim, Visible(finding.fix));
+  return console.Styled(Style::kBold, Visible(finding.at.ToString())) + ": " +
+         console.Styled(style, NameOf(finding.severity)) + ": " + Visible(finding.what) + fix;
+}
+
+void CheckCommand::Write(Console& console, const FileFindings& findings) const {
+  std::size_t shown = 0;
+  Records records(
+      console, style_,
+      {{"severity", ""}, {"check", ""}, {"file", ""}, {"line", ""}, {"column", ""}, {"what", ""}, {"fix", ""}});
+  const auto number = [](int value) { return value > 0 ? Cell(std::int64_t{value}) : Cell(); };
+  for (const FileFinding& one : findings) {
+    if (one.severity == Severity::kNote && !verbose_) continue;
+    ++shown;
+    if (style_.json) {
+      records.Add({NameOf(one.severity), one.check, one.at.file, number(one.at.line), number(one.at.column), one.what,
+                   one.fix});
+    } else {
+      console.Line(TextOf(console, one));
+    }
+  }
+  const std::size_t hidden = findings.size() - shown;
+  if (style_.json || !console.interactive()) return;
+  const std::string end = std::string(shown > 0 ? "" : "Nothing is wrong.") + (shown > 0 || hidden == 0 ? "" : " ") +
+                          (hidden == 0 ? "" : "Notes: " + std::to_string(hidden) + " with --verbose.");
+  if (!end.empty()) console.Line(console.Styled(Style::kDim, end));
+}
+
+int CheckCommand::Run(Surroundings& surroundings) {
+  CheckUsage();
+  Console& console = surroundings.console;
+  if (schema_) {
+    WriteTo(console, output_, ConfigSchemaWith(sections_));
+    return kDone;
+  }
+  FileFindings findings;
+  std::vector<DescribedProcess> processes;
+  for (const std::string& files : files_) {
+    if (std::optional<DescribedProcess> process = ReadProcess(files, sections_, findings)) {
+      processes.push_back(*std::move(process));
+    }
+  }
+  const Deployment deployment(processes);
+  if (svg_) {
+    const auto fault = std::ranges::find(findings, Severity::kFault, &FileFinding::severity);
+    if (fault != findings.end()) throw Error(fault->what, fault->at.ToString(), fault->fix);
+    WriteTo(console, output_, DrawSvg(deployment.Graph(), style_));
+    return kDone;
+  }
+  CheckEndpoints(deployment, findings);
+  CheckChannelLists(deployment, findings);
+  CheckKeys(deployment, findings);
+  CheckSettings(deployment, findings);
+  RemoveIgnored(findings);
+  std::ranges::stable_sort(findings, {}, &FileFinding::severity);
+  Write(console, findings);
+  const bool wrong =
+      std::ranges::any_of(findings, [](const FileFinding& one) { return one.severity != Severity::kNote; });
+  return wrong ? kFailed : kDone;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> MakeCheck() { return std::make_unique<CheckCommand>(); }
+
+}  // namespace hgros::cli

@@ -1,0 +1,330 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hgros/check/documented_files.hpp"
+#include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
+#include "hgros/proto_folder.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Files of a test.
+class ConfigFiles {
+ public:
+  std::string Add(const std::string& name, const std::string& yaml) {
+    std::string file = folder_.Write(name, yaml);
+    prefix_ = file.substr(0, file.size() - name.size());
+    return file;
+  }
+  // Runs `hgros check` with the arguments; those that end in .yaml are names of Add().
+  [[nodiscard]] CommandEnd Run(std::vector<std::string> arguments) const {
+    for (std::string& one : arguments) {
+      if (!one.ends_with(".yaml")) continue;
+      for (std::size_t plus = 0; plus != std::string::npos; plus = one.find('+', plus)) {
+        if (plus > 0) ++plus;
+        one.insert(plus, prefix_);
+        plus += prefix_.size();
+      }
+    }
+    arguments.insert(arguments.begin(), "check");
+    CommandEnd end = RunToEnd(arguments);
+    for (std::string* text : {&end.out, &end.err}) {
+      for (std::size_t at = 0; (at = text->find(prefix_, at)) != std::string::npos;) text->erase(at, prefix_.size());
+    }
+    return end;
+  }
+  // Its lines; the status tells whether there are any.
+  [[nodiscard]] std::vector<std::string> Findings(std::vector<std::string> arguments) const {
+    const CommandEnd end = Run(std::move(arguments));
+    EXPECT_EQ(end.err, "");
+    EXPECT_EQ(end.status, end.out.empty() ? 0 : 1);
+    return LinesOf(end.out);
+  }
+
+ private:
+  ProtoFolder folder_;
+  std::string prefix_;
+};
+
+TEST(HgrosCheck, TellsAllFaultsOfAFileWithTheirPlaces) {
+  ConfigFiles files;
+  files.Add("bad.yaml", "network:\n  publisher: {ip: 'tcp://*', chanels: [a]}\n  heartbeat_ms: 0\nslam: {}\n");
+  EXPECT_THAT(files.Findings({"bad.yaml"}),
+              ElementsAre("bad.yaml:2:30: fault: Unknown key \"chanels\" in network.publisher. Did you mean "
+                          "\"channels\"? Known keys: channels, ip.",
+                          HasSubstr("bad.yaml:2:19: fault: network.publisher.ip is \"tcp://*\", which has no port."),
+                          HasSubstr("bad.yaml:3:17: fault: network.heartbeat_ms must be an integer")));
+  EXPECT_THAT(files.Findings({"bad.yaml", "--section", "grip"}), testing::Contains(HasSubstr("bad.yaml:4:1: fault:")));
+}
+
+TEST(HgrosCheck, TellsWhichListLacksAChannel) {
+  ConfigFiles files;
+  files.Add("robot1.yaml", "network:\n  publisher: {ip: 'tcp://*:5553', channels: [pose, scan]}\n");
+  files.Add("desk.yaml", "network:\n  subscribers:\n    - ip: 'tcp://robot1:5553'\n      channels: [pose]\n");
+  EXPECT_THAT(files.Findings({"robot1.yaml", "desk.yaml"}),
+              ElementsAre("desk.yaml:4:17: warning: scan leaves robot1.yaml at tcp://robot1:5553, but desk.yaml does "
+                          "not let it enter. Add it at desk.yaml:4."));
+  EXPECT_THAT(files.Findings({"robot1.yaml"}), IsEmpty());
+  EXPECT_THAT(files.Findings({"desk.yaml"}), IsEmpty());
+
+  files.Add("viewer.yaml", "network: {subscribers: [{ip: 'robot1:5553', channels: [scan]}]}");
+  EXPECT_THAT(files.Findings({"robot1.yaml", "desk.yaml", "viewer.yaml"}), IsEmpty());
+
+  files.Add("desk.yaml",
+            "network: {subscribers: [{ip: 'robot1:5553', channels: [pose]}]}\nchannels: {scan: {queue: latest}}\n");
+  EXPECT_THAT(files.Findings({"robot1.yaml", "desk.yaml", "viewer.yaml"}),
+              ElementsAre(HasSubstr("fault: scan leaves robot1.yaml at tcp://robot1:5553, but desk.yaml, which uses "
+                                    "it, does not let it enter.")));
+}
+
+TEST(HgrosCheck, TellsWhatMayEnterButDoesNotLeave) {
+  ConfigFiles files;
+  files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://*:5553', channels: [pose, scan]}}");
+  files.Add("desk.yaml", "network: {subscribers: [{ip: 'tcp://10.0.0.7:5553', channels: [pose, scna]}]}");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre("desk.yaml:1:70: fault: scna may enter desk.yaml from tcp://10.0.0.7:5553, but robot.yaml "
+                          "does not let it leave there. Did you mean scan?"));
+  files.Add("desk.yaml", "network: {subscribers: [{ip: 'tcp://10.0.0.7:5553', channels: [pose, scan, goal]}]}");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("Add it at robot.yaml:1, or remove it here.")));
+}
+
+TEST(HgrosCheck, TellsHostsApartByTheNamesOfTheirFiles) {
+  ConfigFiles files;
+  files.Add("robot1.yaml", "network: {publisher: {ip: '*:5553', channels: [a]}}");
+  files.Add("robot2.yaml", "network: {publisher: {ip: '*:5553', channels: [b]}}");
+  files.Add("desk.yaml",
+            "network: {subscribers: [{ip: 'robot1:5553', channels: [a]}, {ip: 'robot2:5553', channels: [b]}]}");
+  EXPECT_THAT(files.Findings({"robot1.yaml", "robot2.yaml", "desk.yaml"}), IsEmpty());
+  files.Add("desk.yaml",
+            "network: {subscribers: [{ip: 'robot1:5553', channels: [b]}, {ip: 'robot2:5553', channels: [b]}]}");
+  EXPECT_THAT(files.Findings({"robot1.yaml", "robot2.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("but robot1.yaml does not let it leave"), HasSubstr("a leaves robot1.yaml")));
+}
+
+TEST(HgrosCheck, TellsEndpointsThatAreBoundTwiceOnOneHost) {
+  ConfigFiles files;
+  files.Add("a.yaml", "network: {publisher: {ip: 'tcp://*:5601', channels: [a]}}");
+  files.Add("b.yaml", "network: {publisher: {ip: 'tcp://*:5601', channels: [a]}}");
+  EXPECT_THAT(files.Findings({"a.yaml", "b.yaml"}), IsEmpty());  // They can be for two hosts.
+  EXPECT_THAT(files.Run({"-v", "a.yaml", "b.yaml"}).out, HasSubstr("note: a.yaml and b.yaml both bind tcp://*:5601"));
+  EXPECT_THAT(files.Findings({"-v", "a.yaml+b.yaml"}), IsEmpty());
+  files.Add("a.yaml", "network: {publisher: [{ip: 'tcp://10.0.0.1:5601', channels: []}]}");
+  files.Add("b.yaml", "network: {publisher: [{ip: 'tcp://10.0.0.1:5601', channels: []}]}");
+  EXPECT_THAT(
+      files.Findings({"a.yaml", "b.yaml"}),
+      ElementsAre(HasSubstr("b.yaml:1:28: fault: a.yaml and b.yaml both bind tcp://10.0.0.1:5601 on one host")));
+  files.Add("a.yaml", "network: {publisher: [{ip: 'tcp://*:5601', channels: []}, {ip: 'ipc://@a', channels: []}]}");
+  files.Add("b.yaml",
+            "network: {publisher: {ip: 'tcp://127.0.0.1:5601', channels: []}, subscribers: [{ip: 'ipc://@a'}]}");
+  EXPECT_THAT(files.Findings({"a.yaml", "b.yaml"}),
+              ElementsAre(HasSubstr("both bind tcp://127.0.0.1:5601 (one as tcp://*:5601) on one host")));
+}
+
+TEST(HgrosCheck, TellsEndpointsThatLeadNowhere) {
+  ConfigFiles files;
+  files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://127.0.0.1:5601', channels: [map]}}");
+  files.Add("desk.yaml", "network: {subscribers: [{ip: 'tcp://robot:5601', channels: [map]}]}");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("robot.yaml:1:27: warning: desk.yaml connects to tcp://robot:5601, but robot.yaml "
+                                    "offers this port only to its own host, at tcp://127.0.0.1:5601. Write "
+                                    "tcp://*:5601.")));
+  files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://*:5602', channels: [map]}}");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("desk.yaml:1:30: warning: desk.yaml connects to tcp://robot:5601 for map")));
+  files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://*:5602', channels: [other]}}");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}), IsEmpty());
+}
+
+TEST(HgrosCheck, TellsKeysThatDoNotMatch) {
+  const CurveKeyPair robot = GenerateCurveKeyPair();
+  const CurveKeyPair desk = GenerateCurveKeyPair();
+  ConfigFiles files;
+  const auto keys = [](const CurveKeyPair& own, const std::string& more) {
+    return "  security:\n    public_key: '" + own.public_key + "'\n    secret_key: '" + own.secret_key + "'\n" + more;
+  };
+  const auto robot_file = [&](const CurveKeyPair& own, const std::string& client) {
+    files.Add("robot.yaml", "network:\n  publisher: {ip: 'tcp://*:5601', channels: [a]}\n" +
+                                keys(own, "    allowed_clients: ['" + client + "']\n"));
+  };
+  const auto desk_file = [&](const std::string& server) {
+    files.Add("desk.yaml", "network:\n  subscribers: [{ip: 'robot:5601', channels: [a]}]\n" +
+                               keys(desk, "    servers: {'robot:5601': '" + server + "'}\n"));
+  };
+  robot_file(robot, desk.public_key);
+  desk_file(robot.public_key);
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}), IsEmpty());
+  desk_file(desk.public_key);
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("desk.yaml:6:14: fault: desk.yaml connects to robot.yaml at tcp://robot:5601, but "
+                                    "the key under servers is not the public key of robot.yaml.")));
+  desk_file(robot.public_key);
+  robot_file(robot, robot.public_key);
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("robot.yaml:6:22: fault: desk.yaml connects to robot.yaml at tcp://robot:5601, but "
+                                    "the public key of desk.yaml is not under allowed_clients. Add it.")));
+  robot_file({robot.public_key, desk.secret_key}, desk.public_key);
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("robot.yaml:4:17: fault: The public key of robot.yaml does not belong to its "
+                                    "secret key.")));
+  files.Add("robot.yaml", "network:\n  publisher: {ip: 'tcp://*:5601', channels: [a]}\n");
+  const CommandEnd end = files.Run({"robot.yaml", "desk.yaml"});
+  EXPECT_THAT(end.out, HasSubstr("but robot.yaml has no keys, and desk.yaml has."));
+  EXPECT_THAT(end.out, testing::Not(HasSubstr(desk.public_key)));
+}
+
+TEST(HgrosCheck, TellsSettingsThatDoNotFit) {
+  ConfigFiles files;
+  files.Add("robot.yaml",
+            "network: {publisher: {ip: 'tcp://*:5601', channels: [a]}, heartbeat_ms: 4000}\n"
+            "discovery: {domain: robot_left}\n");
+  files.Add("desk.yaml",
+            "network:\n  subscribers: [{ip: 'robot:5601', channels: [a]}]\n  heartbeat_ms: 500\n"
+            "  peer_timeout_ms: 2000\ndiscovery: {domain: robot_letf}\n");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("robot.yaml:1:73: fault: robot.yaml sends a heartbeat every 4000 ms, but desk.yaml "
+                                    "declares it gone after 2000 ms."),
+                          HasSubstr("desk.yaml:5:21: warning: desk.yaml is in the domain robot_letf and robot.yaml in "
+                                    "robot_left")));
+  files.Add("desk.yaml",
+            "time: simulated\ndiscovery: {local: false}\n"
+            "network: {subscribers: [{ip: 'robot:5601', channels: [a]}]}\n");
+  EXPECT_THAT(files.Findings({"desk.yaml"}),
+              ElementsAre("desk.yaml:1:7: fault: desk.yaml follows simulated time, but the channel clock can enter "
+                          "nowhere. Add clock at desk.yaml:3."));
+  files.Add("robot.yaml",
+            "network: {publisher: {ip: 'tcp://*:5601', channels: [a]}}\n"
+            "channels: {a: {transports: shared_memory}}\n");
+  EXPECT_THAT(files.Findings({"robot.yaml"}),
+              ElementsAre(HasSubstr("robot.yaml:1:54: fault: a is listed at tcp://*:5601, but channels.a.transports "
+                                    "does not allow zmq.")));
+}
+
+TEST(HgrosCheck, TellsServicesThatPassInOneDirection) {
+  ConfigFiles files;
+  files.Add("robot.yaml",
+            "network:\n  publisher: {ip: 'tcp://*:5601', channels: [hgros/call/stop]}\n"
+            "  subscribers: [{ip: 'desk:5610', channels: [goal]}]\n");
+  files.Add("desk.yaml",
+            "network:\n  publisher: {ip: 'tcp://*:5610', channels: [goal, hgros/call/stop]}\n"
+            "  subscribers: [{ip: 'robot:5601', channels: [hgros/call/stop]}]\n");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("robot.yaml:2:46: warning: The service stop needs both directions")));
+}
+
+TEST(HgrosCheck, IgnoresWhatACommentIgnores) {
+  ConfigFiles files;
+  files.Add("desk.yaml", "network: {subscribers: [{ip: 'robot:5553', channels: [a]}]}\n");
+  const auto robot = [&](const std::string& above, const std::string& behind) {
+    files.Add("robot.yaml",
+              "network:\n" + above + "  publisher: {ip: 'tcp://*:5553', channels: [a, b]}" + behind + "\n");
+    return files.Findings({"robot.yaml", "desk.yaml"}).size();
+  };
+  EXPECT_EQ(robot("", ""), 1U);
+  EXPECT_EQ(robot("", "  # hgros check: ignore b"), 0U);
+  EXPECT_EQ(robot("", "  # hgros check: ignore"), 0U);
+  EXPECT_EQ(robot("", "  # hgros check: ignore a, bb"), 1U);
+  EXPECT_EQ(robot("  # For the viewer. hgros check: ignore a, b\n", ""), 0U);
+  EXPECT_EQ(robot("  heartbeat_ms: 900  # hgros check: ignore\n", ""), 1U);
+}
+
+// Each group of files that belong together is right.
+TEST(HgrosCheck, IsSilentAboutDocumentedFiles) {
+  for (const char* page : {"README.md", "docs/deployment.md", "docs/configuration.md"}) {
+    ConfigFiles files;
+    std::vector<std::string> names;
+    std::map<std::string, int> count;
+    for (const DocumentedFile& file : FilesOfPage(page)) {
+      const std::string name = file.name.empty() ? "file.yaml" : file.name;
+      names.push_back(count[name]++ == 0 ? name : std::to_string(count[name]) + name);
+      files.Add(names.back(), file.yaml);
+      EXPECT_THAT(files.Findings({names.back()}), IsEmpty()) << file.where;
+    }
+    if (page == std::string("README.md")) {
+      EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}), IsEmpty());
+    }
+    if (page != std::string("docs/deployment.md")) continue;
+    EXPECT_THAT(names, ElementsAre("common.yaml", "lidar.yaml", "slam.yaml", "planner.yaml", "robot1.yaml",
+                                   "monitor.yaml", "2lidar.yaml", "2robot1.yaml"));
+    EXPECT_THAT(files.Findings({"common.yaml+lidar.yaml", "common.yaml+slam.yaml", "common.yaml+planner.yaml",
+                                "robot1.yaml", "robot1.yaml+monitor.yaml"}),
+                IsEmpty());
+    EXPECT_THAT(files.Findings({"lidar.yaml+2lidar.yaml", "robot1.yaml+2robot1.yaml"}), IsEmpty());
+  }
+  std::vector<std::string> examples{"check"};
+  for (const DocumentedFile& file : DocumentedFiles()) {
+    if (file.where.starts_with("/")) examples.push_back(file.where);
+  }
+  examples.push_back((RepositoryFolder() / "examples/slam2d/config/viewer.yaml").string());
+  EXPECT_GE(examples.size(), 10U);
+  const CommandEnd end = RunToEnd(examples);
+  EXPECT_EQ(end.status, 0);
+  EXPECT_EQ(end.out + end.err, "");
+}
+
+TEST(HgrosCheck, WritesJson) {
+  ConfigFiles files;
+  files.Add("robot.yaml", "time: simulation\n");
+  EXPECT_THAT(files.Findings({"--json", "robot.yaml"}),
+              ElementsAre("{\"severity\":\"fault\",\"check\":\"file\",\"file\":\"robot.yaml\",\"line\":1,\"column\":7,"
+                          "\"what\":\"time must be one of system, simulated, but is the text \\\"simulation\\\".\","
+                          "\"fix\":\"Did you mean \\\"simulated\\\"?\"}"));
+}
+
+TEST(HgrosCheck, DrawsWhatPasses) {
+  ConfigFiles files;
+  files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://*:5553', channels: [pose, scan]}}");
+  files.Add("desk.yaml", "network: {subscribers: [{ip: 'tcp://robot:5553', channels: [pose, odom]}]}");
+  const CommandEnd end = files.Run({"--svg", "robot.yaml", "desk.yaml"});
+  EXPECT_EQ(end.status, 0);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("<svg "), HasSubstr(">robot.yaml  on robot<"), HasSubstr(">desk.yaml<"),
+                             HasSubstr("<title>pose over ZeroMQ</title>"), HasSubstr(">scan<"), HasSubstr(">odom<")));
+  EXPECT_EQ(end.out.find("scan over"), std::string::npos);
+  files.Add("desk.yaml", "network: 5");
+  EXPECT_EQ(files.Run({"--svg", "robot.yaml", "desk.yaml"}).status, 1);
+}
+
+TEST(HgrosCheck, PrintsTheSchema) {
+  const CommandEnd end = RunToEnd({"check", "--schema"});
+  EXPECT_EQ(end.status, 0);
+  EXPECT_THAT(end.out, HasSubstr("\"$schema\": \"http://json-schema.org/draft-07/schema#\""));
+  EXPECT_THAT(RunToEnd({"check", "--schema", "--section", "gripper"}).out, HasSubstr("\"gripper\": {"));
+}
+
+TEST(HgrosCheck, RefusesWrongUse) {
+  EXPECT_EQ(RunToEnd({"check"}).status, 2);
+  EXPECT_EQ(RunToEnd({"check", "--schema", "--json"}).status, 2);
+  const CommandEnd end = RunToEnd({"check", "/no/such.yaml"});
+  EXPECT_EQ(end.status, 2);
+  EXPECT_EQ(end.err, "hgros: There is no file \"/no/such.yaml\".\n");
+}
+
+TEST(HgrosCheck, ItsExamplesWork) {
+  ConfigFiles files;
+  files.Add("robot.yaml", "");
+  files.Add("desk.yaml", "");
+  files.Add("common.yaml", "");
+  files.Add("lidar.yaml", "");
+  const auto examples = ExamplesOf("check");
+  EXPECT_GE(examples.size(), 2U);
+  for (std::vector<std::string> words : examples) {
+    if (std::ranges::find(words, "-o") != words.end()) words.resize(words.size() - 2);  // Leaves no file behind.
+    words.erase(words.begin());
+    EXPECT_EQ(files.Run(words).status, 0) << testing::PrintToString(words);
+  }
+}
+
+}  // namespace
+}  // namespace hgros::cli
