@@ -75,6 +75,31 @@ class Client {
     }
     return true;
   }
+  /// The next frame.
+  [[nodiscard]] std::string Receive() const {
+    std::array<unsigned char, 9> head{};
+    if (recv(fd_, head.data(), 2, MSG_WAITALL) != 2) return {};
+    std::size_t size = head[1];
+    if ((head[0] & 2U) != 0) {
+      if (recv(fd_, head.data() + 2, 7, MSG_WAITALL) != 7) return {};
+      size = 0;
+      for (std::size_t i = 1; i < head.size(); ++i) size = size << 8U | head[i];
+    }
+    std::string frame(size, '\0');
+    return recv(fd_, frame.data(), size, MSG_WAITALL) == static_cast<ssize_t>(size) ? frame : std::string();
+  }
+  /// Becomes a peer of the endpoint. The handshake's number.
+  [[nodiscard]] std::uint64_t Greet(SessionId session) const {
+    (void)Send(Frame('\1' + zmq::ControlTopic(session)));
+    (void)Receive();
+    const auto welcome = zmq::ParseControl(AsBytes(Receive()));
+    if (!welcome || !welcome->has_welcome()) return 0;
+    auto hello = zmq::ControlFrom(session);
+    WriteFacts(OwnFacts(session, "greedy"), *hello.mutable_hello()->mutable_facts());
+    hello.mutable_hello()->set_handshake(welcome->welcome().handshake());
+    (void)Send(Frame(zmq::UpstreamFrame(hello)));
+    return welcome->welcome().handshake();
+  }
   /// Reads all that the other side sends.
   [[nodiscard]] bool WasClosed() const {
     char bytes[256];
@@ -208,6 +233,31 @@ TEST_F(ZmqLimits, AConnectionThatSubscribesToMoreThanTheLimitIsNamedAndStays) {
   EXPECT_FALSE(client.WasClosed());
   EXPECT_EQ(publisher.TimesSaid("subscribes to too much"), 1);
   EXPECT_EQ(Overruns(publisher), 1u);
+}
+
+TEST_F(ZmqLimits, AConnectionWhoseSessionAsksForTooMuchIsClosed) {
+  const std::int64_t before = UsedMiB();
+  const Client client(endpoint);
+  const SessionId session{99};
+  const std::uint64_t handshake = client.Greet(session);
+  ASSERT_NE(handshake, 0U);
+  std::string frames;
+  for (int i = 0; i < 16'000; ++i) {
+    auto message = zmq::ControlFrom(session);
+    auto& asked = *message.mutable_subscribe();
+    asked.set_handshake(handshake);
+    asked.mutable_wanted()->set_channel(std::to_string(1'000'000 + i) + std::string(190, 'x'));
+    asked.mutable_wanted()->set_type_name(std::string(1000, 't'));
+    frames += Frame(zmq::UpstreamFrame(message));
+    if (i % 100 != 99) continue;
+    if (!client.Send(frames)) break;
+    frames.clear();
+  }
+  EXPECT_TRUE(Eventually([&] { return client.WasClosed(); }));
+  EXPECT_TRUE(Eventually([&] { return publisher.Said("subscribes to twice"); }));
+  EXPECT_TRUE(Eventually([&] { return publisher.listener.gone == 1; }));
+  EXPECT_LT(UsedMiB() - before, kMostMiB);
+  ExpectOthersGoOn();
 }
 
 TEST_F(ZmqLimits, OfConnectionsWithTooManyTopicsTogetherTheLargestAreClosed) {

@@ -163,12 +163,8 @@ bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view 
   if (connection.topics.contains(topic)) return true;
   const std::size_t before = connection.topic_bytes;
   connection.topic_bytes += topic.size() + kBesidesTopicBytes;
-  if (connection.topic_bytes > 2 * kMostTopicBytes) {
-    connection.cut = true;
-    Cut(fd, "twice too many topics",
-        "subscribes to twice as much as one connection may: after " + std::to_string(connection.topics.size()) +
-            " topics it is closed. Let it subscribe to the channels that it needs.");
-    ReleaseAll(connection);
+  if (connection.topic_bytes + connection.wish_bytes > 2 * kMostTopicBytes) {
+    CutTooLarge(fd, connection);
     return false;
   }
   if (before <= kMostTopicBytes && connection.topic_bytes > kMostTopicBytes) {
@@ -188,9 +184,33 @@ bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view 
   return !connection.cut;
 }
 
+bool AcceptedConnections::CountWishes(int fd, std::size_t bytes) {
+  const auto found = connections_.find(fd);
+  if (found == connections_.end()) return true;
+  Connection& connection = found->second;
+  if (connection.cut) return false;
+  topic_bytes_ += bytes - std::exchange(connection.wish_bytes, bytes);
+  if (connection.topic_bytes + connection.wish_bytes > 2 * kMostTopicBytes) {
+    CutTooLarge(fd, connection);
+  } else if (topic_bytes_ > most_topic_bytes_) {
+    CutLargest();
+  }
+  return !connection.cut;
+}
+
+void AcceptedConnections::CutTooLarge(int fd, Connection& connection) {
+  connection.cut = true;
+  Cut(fd, "twice too many topics",
+      "subscribes to twice as much as one connection may: after " + std::to_string(connection.topics.size()) +
+          " topics it is closed. Let it subscribe to the channels that it needs.");
+  ReleaseAll(connection);
+}
+
 void AcceptedConnections::CutLargest() {
-  const auto largest = std::ranges::max_element(
-      connections_, {}, [](const auto& entry) { return entry.second.cut ? 0 : entry.second.topic_bytes; });
+  const auto size = [](const auto& entry) {
+    return entry.second.cut ? 0 : entry.second.topic_bytes + entry.second.wish_bytes;
+  };
+  const auto largest = std::ranges::max_element(connections_, {}, size);
   auto& [fd, connection] = *largest;
   connection.cut = true;
   Cut(fd, "topics of all",
@@ -204,6 +224,7 @@ void AcceptedConnections::ReleaseAll(Connection& connection) {
   for (const std::string& topic : connection.topics) Release(topic);
   connection.topics.clear();
   connection.topic_bytes = 0;
+  topic_bytes_ -= std::exchange(connection.wish_bytes, 0);
 }
 
 void AcceptedConnections::Release(std::string_view topic) {

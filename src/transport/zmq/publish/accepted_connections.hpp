@@ -22,7 +22,8 @@ namespace hgros::zmq {
 /// - A tcp connection that has neither subscribed to anything nor said Hello is closed after kIdleAfter.*
 /// - A connection whose topics have more than kMostTopicBytes is named*, and closed at twice as many*. ZeroMQ takes up
 ///   to 32 bytes for each of them.
-/// - If the topics of all connections together have more than MostTopicBytes(), the connection with most is closed.*
+/// - The same for the channels that its session asks for. Each of their bytes counts as an eighth of one.
+/// - If these bytes of all connections are more than MostTopicBytes(), the connection with most is closed.*
 /// - A connection belongs to one session. Each that it names would get a Welcome, which it need not read.*
 /// - A plain subscriber that does not read is closed before it uses up the bytes that all plain subscribers share.
 ///
@@ -58,6 +59,8 @@ class AcceptedConnections {
   /// The connection with this descriptor has subscribed to `topic`, or no longer; negative: ZeroMQ says so of one that
   /// has ended. False if that is to be ignored: the connection was closed, or another one holds the topic.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
+  /// The channels that the session of this connection asks for have this size now. False if the connection was closed.
+  [[nodiscard]] bool CountWishes(int fd, std::size_t bytes);
   void CloseIdle(SteadyTime now);
   /// To be called for each plain message while more than half of the shared bytes are in use. Closes the connections
   /// whose send buffers have been full for a while, if there are others with room.
@@ -76,6 +79,7 @@ class AcceptedConnections {
     SessionId session = {};  // Zero: not that of a session, so far.
     int full_looks = 0;      // How often in a row the send buffer was full.
     std::size_t topic_bytes = 0;
+    std::size_t wish_bytes = 0;
     std::set<std::string, std::less<>> topics;
   };
   struct Hash {
@@ -90,12 +94,13 @@ class AcceptedConnections {
   void Release(std::string_view topic);
   void ReleaseAll(Connection& connection);
   void CutLargest();
+  void CutTooLarge(int fd, Connection& connection);
 
   SharedState& shared_;
   const std::string& bound_;
   std::unordered_map<int, Connection> connections_;  // By descriptor.
   std::size_t most_topic_bytes_ = MostTopicBytes();
-  std::size_t topic_bytes_ = 0;  // Of all topics in `holders_`.
+  std::size_t topic_bytes_ = 0;  // Of all topics in `holders_`, and of all wishes.
   // How many connections hold a topic.
   std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> holders_;
   SteadyTime next_look_{};

@@ -48,6 +48,7 @@ class ConnectionWatch {
 
   /// See AcceptedConnections.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
+  [[nodiscard]] bool CountWishes(int fd, std::size_t bytes) { return connections_.CountWishes(fd, bytes); }
   void NotePlain(int fd) { connections_.NotePlain(fd); }
   [[nodiscard]] bool NoteSession(int fd, SessionId session);
   void CutStuckPlain(SteadyTime now) { connections_.CutStuckPlain(now); }

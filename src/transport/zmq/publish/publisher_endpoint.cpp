@@ -223,7 +223,12 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   }
   peer->last_heard = std::chrono::steady_clock::now();
   switch (control->what_case()) {
-    case wire::Control::kSubscribe: subscriptions_.OnSubscribe(*peer, control->subscribe(), actions); break;
+    case wire::Control::kSubscribe:
+      subscriptions_.OnSubscribe(*peer, control->subscribe(), actions);
+      if (!watch_.CountWishes(zmq_msg_get(frame.raw(), ZMQ_SRCFD), peer->wish_bytes)) {
+        peers_.Drop(session, "it asked for too many channels", actions);
+      }
+      break;
     case wire::Control::kUnsubscribe: subscriptions_.OnUnsubscribe(*peer, control->unsubscribe(), actions); break;
     case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;
     case wire::Control::kHeartbeat: peers_.OnHeartbeat(*peer, control->heartbeat(), actions); break;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -16,6 +17,10 @@ namespace hgros::zmq {
 struct Wish {
   wire::Subscribe asked;
   std::unique_ptr<OutLink> link;
+  /// Like the bytes of topics (AcceptedConnections), each of which takes about 40 bytes of memory.
+  [[nodiscard]] std::size_t size() const noexcept {
+    return 8 + (asked.wanted().channel().size() + asked.wanted().type_name().size()) / 8;
+  }
 };
 
 /// A session that subscribes at a publish endpoint.
@@ -32,6 +37,7 @@ struct SubscriberPeer {
   ClockQuestion clock;
   std::uint64_t waiting_bytes = 0;                      ///< The sum of all its links.
   std::unordered_map<std::string, Wish> wishes;         ///< By channel.
+  std::size_t wish_bytes = 0;                           ///< Wish::size() of all.
   std::unordered_set<std::string> reported_mismatches;  ///< Channels.
 };
 

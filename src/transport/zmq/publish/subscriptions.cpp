@@ -54,8 +54,13 @@ void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& ask
     return;
   }
   if (!peer.wishes.contains(name)) shared_.AddChannelsChanged(actions);
-  Wish& wish = peer.wishes[name];
+  const auto [place, added] = peer.wishes.try_emplace(name);
+  Wish& wish = place->second;
+  if (!added) peer.wish_bytes -= wish.size();
   wish.asked = asked;
+  wish.asked.DiscardUnknownFields();
+  wish.asked.mutable_wanted()->DiscardUnknownFields();
+  peer.wish_bytes += wish.size();
   if (!wish.link || !UpdateLink(peer, wish, actions)) MakeLink(peer, wish, actions);
 }
 
@@ -152,6 +157,7 @@ void Subscriptions::OnUnsubscribe(SubscriberPeer& peer, const wire::Unsubscribe&
   if (linked && !unsubscribe.mismatch().empty()) {
     peers_.ReportMismatch(peer, wish->first, Readable(unsubscribe.mismatch(), kMaxTextBytes), actions);
   }
+  peer.wish_bytes -= wish->second.size();
   peer.wishes.erase(wish);
   shared_.AddChannelsChanged(actions);
 }
