@@ -76,6 +76,7 @@ struct BareCore {
   [[nodiscard]] PublishStatus Reserve(OutboundCore&) { return PublishStatus::kOk; }
   void Commit(const std::shared_ptr<OutboundCore>&, const PacketHead&, const Payload&) { throw std::bad_alloc(); }
   void Cancel(const std::shared_ptr<OutboundCore>&) { throw std::bad_alloc(); }
+  [[nodiscard]] std::size_t Unfinished(const OutboundCore&) const { return 0; }
 };
 
 struct Source final : OutboundSource {

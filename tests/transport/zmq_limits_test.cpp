@@ -238,12 +238,12 @@ TEST_F(ZmqLimits, AConnectionThatSubscribesToMoreThanTheLimitIsNamedAndStays) {
 TEST_F(ZmqLimits, AConnectionWhoseSessionAsksForTooMuchIsClosed) {
   const std::int64_t before = UsedMiB();
   const Client client(endpoint);
-  const SessionId session{99};
-  const std::uint64_t handshake = client.Greet(session);
+  const SessionId greedy{99};
+  const std::uint64_t handshake = client.Greet(greedy);
   ASSERT_NE(handshake, 0U);
   std::string frames;
   for (int i = 0; i < 16'000; ++i) {
-    auto message = zmq::ControlFrom(session);
+    auto message = zmq::ControlFrom(greedy);
     auto& asked = *message.mutable_subscribe();
     asked.set_handshake(handshake);
     asked.mutable_wanted()->set_channel(std::to_string(1'000'000 + i) + std::string(190, 'x'));
