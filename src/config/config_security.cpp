@@ -9,6 +9,7 @@
 #include "config/config_draft.hpp"
 #include "config/config_endpoint.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 #include "hgros/yaml/quoted.hpp"
 
 namespace hgros {
@@ -165,6 +166,14 @@ void CheckSecurity(const ConfigDraft& draft) {
   if (!draft.public_key) {
     draft.faults.Report(ConfigError("The secret key has no public key beside it.", draft.secret_key->position,
                                     "Add network.security.public_key."));
+  }
+  // Empty: the key could not be read, which is told already.
+  if (draft.public_key && !draft.public_key->value.empty() && !draft.secret_key->value.empty()) {
+    const std::string own = PublicCurveKeyOf(draft.secret_key->value);
+    if (own != draft.public_key->value) {
+      draft.faults.Report(ConfigError("The public key does not belong to the secret key.", draft.public_key->position,
+                                      "The public key of that secret key is " + own));
+    }
   }
   std::vector<std::string> known;
   for (const auto& [endpoint, key] : draft.servers) known.push_back(endpoint);

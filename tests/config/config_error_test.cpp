@@ -9,7 +9,9 @@ using test::ExpectConfigError;
 using test::ExpectFault;
 using test::ScratchFolder;
 
-constexpr const char* kKey = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
+// https://rfc.zeromq.org/spec/26/ has pairs such as this one.
+constexpr const char* kKey = "Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID";
+constexpr const char* kSecret = "D:)Q[IlAW!ahhC2ac:9*A}h:p?([4%wOTJ%JR%cs";
 
 void ExpectPublisherFault(const std::string& ip, const std::vector<std::string>& parts) {
   ExpectFault("network:\n  publisher:\n    ip: '" + ip + "'\n", "3:9", parts);
@@ -51,7 +53,7 @@ TEST(ConfigHost, ErrorsInDiscoveryAndSharedMemoryNameTheProblem) {
   ExpectFault("discovery: {lan: {interfaces: []}}", "1:18", {"lists no interface"});
   ExpectFault("discovery: {lan: {interfaces: [a-name-of-16-byt]}}", "1:32", {"cannot be a network interface name"});
   ExpectFault(std::string("discovery: {lan: true}\nnetwork: {security: {public_key: '") + kKey + "', secret_key: '" +
-                  kKey + "'}}",
+                  kSecret + "'}}",
               "1:18", {"encrypted, as network.security at robot.yaml:2:", "a beacon does not carry keys"});
   ExpectFault("shared_memory: {wait: nap}", "1:23", {"shared_memory.wait", "sleep"});
   ExpectFault("shared_memory: {limit_bytes: -1}", "1:30", {"shared_memory.limit_bytes"});
@@ -222,7 +224,7 @@ TEST(ConfigSecurity, InvalidKeysAreRefusedAndNeverShown) {
     (void)Config::Parse(std::string("network: {security: {secret_key_file: '") + kKey + "'}}");
     FAIL();
   } catch (const ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()).find("rq:rM"), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("Yne@$"), std::string::npos) << error.what();
   }
 }
 
@@ -232,8 +234,8 @@ TEST(ConfigSecurity, IncompleteSettingsAreRefused) {
   ExpectFault("network: {security: {allowed_clients: [" + key + "]}}", "1:40", {"no secret key"});
   ExpectFault("network: {security: {servers: {'h:1': " + key + "}}}", "1:39", {"no secret key"});
   ExpectFault("network: {security: {secret_key: " + key + "}}", "1:34", {"no public key"});
-  ExpectFault("network:\n  subscribers: [{ip: 'robot2:1'}]\n  security:\n    secret_key: " + key +
-                  "\n    public_key: " + key + "\n    servers: {'robot3:1': " + key + "}\n",
+  ExpectFault("network:\n  subscribers: [{ip: 'robot2:1'}]\n  security:\n    secret_key: '" + kSecret +
+                  "'\n    public_key: " + key + "\n    servers: {'robot3:1': " + key + "}\n",
               "2:22", {"no key for \"tcp://robot2:1\"", "nearest endpoint there is \"tcp://robot3:1\""});
   ExpectFault("network:\n  security:\n    secret_key: " + key + "\n    secret_key_file: k\n", "4:22",
               {"stands beside secret_key at robot.yaml:3:17"});
@@ -241,9 +243,15 @@ TEST(ConfigSecurity, IncompleteSettingsAreRefused) {
               {"already has a key at robot.yaml:1:32"});
 }
 
+TEST(ConfigSecurity, APublicKeyMustBelongToTheSecretKey) {
+  const std::string other = "'rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7'";
+  ExpectFault("network: {security: {public_key: " + other + ", secret_key: '" + kSecret + "'}}", "1:34",
+              {"does not belong to the secret key", std::string("The public key of that secret key is ") + kKey});
+}
+
 TEST(ConfigSecurity, KeyFilePathIsRelativeToTheConfigurationAndMustBePrivate) {
   const ScratchFolder folder;
-  const auto key_file = folder.Write("secret", std::string(kKey) + "\n");
+  const auto key_file = folder.Write("secret", std::string(kSecret) + "\n");
   const auto file = folder.Write(
       "robot.yaml", std::string("network: {security: {secret_key_file: secret, public_key: '") + kKey + "'}}");
   const auto load = [&] { return Config::Load(file); };
@@ -252,7 +260,7 @@ TEST(ConfigSecurity, KeyFilePathIsRelativeToTheConfigurationAndMustBePrivate) {
   ASSERT_EQ(chmod(key_file.c_str(), 0640), 0);
   ExpectConfigError(load, where, {"others than the owner may read", "chmod 600 " + key_file.string()});
   ASSERT_EQ(chmod(key_file.c_str(), 0600), 0);
-  EXPECT_EQ(load().security.secret_key, kKey);
+  EXPECT_EQ(load().security.secret_key, kSecret);
 
   folder.Write("secret", "short\n");
   ExpectConfigError(load, where, {"names a file that has 5 characters"});

@@ -235,6 +235,41 @@ TEST_F(ZmqLimits, AConnectionThatSubscribesToMoreThanTheLimitIsNamedAndStays) {
   EXPECT_EQ(Overruns(publisher), 1u);
 }
 
+TEST_F(ZmqLimits, AStrangerCannotSpeakInTheNameOfASession) {
+  auto unsubscribe = zmq::ControlFrom(SessionId{7});
+  unsubscribe.mutable_unsubscribe()->set_channel("scan");
+  auto bye = zmq::ControlFrom(SessionId{7});
+  bye.mutable_bye();
+  const std::string forged = Frame(zmq::UpstreamFrame(unsubscribe)) + Frame(zmq::UpstreamFrame(bye));
+  const Client stranger(endpoint);
+  ASSERT_TRUE(stranger.Send(forged));
+  EXPECT_TRUE(Eventually([&] { return publisher.Said("in the name of session 0000000000000007, which has another"); }));
+  ExpectOthersGoOn();
+  ASSERT_NE(stranger.Greet(SessionId{7}), 0U);
+  EXPECT_TRUE(Eventually([&] { return publisher.Said("in the name of session 0000000000000007, which another"); }));
+  ASSERT_TRUE(stranger.Send(forged));
+  test::Linger(std::chrono::milliseconds(100));
+  for (int i = 0; i < 10; ++i) ExpectOthersGoOn();
+  EXPECT_EQ(publisher.listener.gone, 0);
+}
+
+TEST_F(ZmqLimits, AConnectionThatDoesNotReadTheAnswersToItsMessagesIsClosed) {
+  const std::int64_t before = UsedMiB();
+  const Client client(endpoint);
+  const SessionId greedy{99};
+  ASSERT_NE(client.Greet(greedy), 0U);
+  auto message = zmq::ControlFrom(greedy);
+  message.mutable_heartbeat()->set_asked_ns(1);
+  std::string frames;
+  for (int i = 0; i < 1000; ++i) frames += Frame(zmq::UpstreamFrame(message));
+  for (int i = 0; i < 10'000 && client.Send(frames); ++i) {
+  }
+  EXPECT_TRUE(Eventually([&] { return publisher.Said("it does not read the answers to its messages"); }));
+  EXPECT_TRUE(Eventually([&] { return publisher.listener.gone == 1; }));
+  EXPECT_LT(UsedMiB() - before, 600);
+  ExpectOthersGoOn();
+}
+
 TEST_F(ZmqLimits, AConnectionWhoseSessionAsksForTooMuchIsClosed) {
   const std::int64_t before = UsedMiB();
   const Client client(endpoint);

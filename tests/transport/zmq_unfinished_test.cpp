@@ -16,6 +16,8 @@
 #include "hgros/base/memory_room.hpp"
 #include "support/await.hpp"
 #include "support/relay_port.hpp"
+#include "transport/agreement.hpp"
+#include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
 #include "transport/zmtp.hpp"
 
@@ -131,6 +133,29 @@ TEST(ZmqUnfinishedMessage, AConnectionWithManyWholeMessagesStays) {
   test::Linger(std::chrono::milliseconds(200));
   EXPECT_TRUE(server.Send(messages));
   EXPECT_EQ(Overruns(subscriber), 0U);
+}
+
+TEST(ZmqUnreadAnswers, EndTheConnectionToAPublisher) {
+  Server server;
+  ZmqOptions options = SubscribeAt(server.endpoint);
+  options.session = SessionId{7};
+  Place subscriber{options};
+  ASSERT_TRUE(server.Accept());
+  auto welcome = zmq::ControlFrom(SessionId{9});
+  WriteFacts(OwnFacts(SessionId{9}, "greedy"), *welcome.mutable_welcome()->mutable_facts());
+  welcome.mutable_welcome()->set_handshake(1);
+  const std::string topic = Frame(zmq::ControlTopic(SessionId{7}), true);
+  ASSERT_TRUE(server.Send(topic + Frame(welcome.SerializeAsString())));
+  ASSERT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
+  auto heartbeat = zmq::ControlFrom(SessionId{9});
+  heartbeat.mutable_heartbeat()->set_asked_ns(1);
+  std::string messages;
+  for (int i = 0; i < 1000; ++i) messages += topic + Frame(heartbeat.SerializeAsString());
+  for (int i = 0; i < 10'000 && server.Send(messages); ++i) {
+  }
+  EXPECT_TRUE(Eventually([&] { return subscriber.Said("it does not read the answers to its messages"); }));
+  EXPECT_EQ(subscriber.listener.gone, 1);
+  EXPECT_FALSE(server.Accept(2000)) << "it is not tried again at once";
 }
 
 /// Passes one connection on, in one direction slowly.

@@ -4,7 +4,6 @@
 
 #include "check/deployment.hpp"
 #include "hgros/base/error.hpp"
-#include "hgros/transport/curve_key_pair.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -12,14 +11,6 @@ namespace {
 bool IsEncrypted(const DescribedProcess& process) { return !process.config.security.public_key.empty(); }
 
 FilePosition KeysOf(const DescribedProcess& process) { return process.PlaceOf({"network", "security"}); }
-
-void CheckPair(const DescribedProcess& process, FileFindings& findings) {
-  const SecurityConfig& security = process.config.security;
-  if (security.secret_key.empty() || PublicCurveKeyOf(security.secret_key) == security.public_key) return;
-  findings.push_back({Severity::kFault, "key", process.PlaceOf({"network", "security", "public_key"}),
-                      "The public key of " + process.name + " does not belong to its secret key.",
-                      "Make a new pair with hgros-keygen, or write the public key that it has printed."});
-}
 
 void CheckLink(const DescribedLink& link, FileFindings& findings) {
   if (link.publishers.size() != 1) return;
@@ -66,7 +57,6 @@ void CheckLink(const DescribedLink& link, FileFindings& findings) {
 }  // namespace
 
 void CheckKeys(const Deployment& deployment, FileFindings& findings) {
-  for (const DescribedProcess& process : deployment.processes) CheckPair(process, findings);
   for (const DescribedLink& link : deployment.links) CheckLink(link, findings);
 }
 

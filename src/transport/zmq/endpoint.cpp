@@ -34,6 +34,15 @@ constexpr std::string_view kIpc = "ipc://";
 constexpr std::string_view kTcp = "tcp://";
 constexpr std::size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
 
+// None if the kernel does not count bytes (before 4.1), or it is no tcp connection.
+std::optional<tcp_info> TcpInfo(int fd) noexcept {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
+  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return {};
+  return info;
+}
+
 /// Whether a process uses the unix socket, of any kind. '@' stands for the abstract namespace.
 bool IsListening(std::string_view path) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -221,11 +230,13 @@ bool TurnAwayWaiting(int listening) noexcept {
 }
 
 std::optional<std::uint64_t> BytesReceived(int fd) noexcept {
-  tcp_info info{};
-  socklen_t size = sizeof info;
-  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
-  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return {};
-  return info.tcpi_bytes_received;
+  const auto info = TcpInfo(fd);
+  return info ? std::optional(info->tcpi_bytes_received) : std::nullopt;
+}
+
+std::optional<std::uint64_t> BytesAcknowledged(int fd) noexcept {
+  const auto info = TcpInfo(fd);
+  return info ? std::optional(info->tcpi_bytes_acked) : std::nullopt;
 }
 
 std::optional<std::uint64_t> BytesRead(int fd) noexcept {

@@ -41,6 +41,9 @@ void ShowPath(const std::string& bound);
 /// How many bytes have come over a tcp connection; none if the system does not say.
 [[nodiscard]] std::optional<std::uint64_t> BytesReceived(int fd) noexcept;
 
+/// The bytes that the other side of a tcp connection has acknowledged; none if that is not known.
+[[nodiscard]] std::optional<std::uint64_t> BytesAcknowledged(int fd) noexcept;
+
 /// The bytes that ZeroMQ has read from a tcp connection; none if that is not known.
 [[nodiscard]] std::optional<std::uint64_t> BytesRead(int fd) noexcept;
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string_view>
@@ -37,6 +38,8 @@ struct SharedState {
   void CountPeerFault(PacketFault fault, std::string_view peer, std::string_view what);
   /// The time of this host's wall clock.
   [[nodiscard]] Time Wall() const { return options.wall ? options.wall() : WallNow(); }
+  /// What proves to this publisher that a Hello is from this session.
+  [[nodiscard]] std::uint64_t ProofFor(SessionId publisher);
   /// Passes these calls to the leading thread, which makes them.
   void PostActions(Actions&& actions);
   [[nodiscard]] Actions CollectPosted();
@@ -63,6 +66,8 @@ struct SharedState {
   void CountFaultLike(std::string_view alike, PacketFault fault, std::string_view where, std::string_view what);
 
   SessionKeys session_keys_;
+  std::mutex proofs_mutex_;
+  std::map<SessionId, std::uint64_t> proofs_;  // By publisher.
   std::mutex posted_mutex_;
   Actions posted_;
 };

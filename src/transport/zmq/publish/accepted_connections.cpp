@@ -70,6 +70,7 @@ void AcceptedConnections::Cut(int fd, std::string_view limit, std::string_view w
 
 bool AcceptedConnections::Add(int fd, std::string address, SteadyTime now) {
   Remove(fd);  // The earlier connection with this number.
+  ended_.erase(fd);
   const std::size_t most = MostOfOneAddress();
   const auto count = std::ranges::count_if(
       connections_, [&](const auto& entry) { return !address.empty() && entry.second.address == address; });
@@ -111,11 +112,13 @@ void AcceptedConnections::Remove(int fd) {
   const auto found = connections_.find(fd);
   if (found == connections_.end()) return;
   ReleaseAll(found->second);
+  if (found->second.speaker.proof) ended_[fd] = found->second.speaker;
   connections_.erase(found);
 }
 
 void AcceptedConnections::Clear() {
   connections_.clear();
+  ended_.clear();
   holders_.clear();
   topic_bytes_ = 0;
 }
@@ -125,15 +128,28 @@ bool AcceptedConnections::NoteSession(int fd, SessionId session) {
   if (found == connections_.end()) return true;
   Connection& connection = found->second;
   if (connection.cut) return false;
-  if (connection.session.value != 0 && connection.session != session) {
+  if (connection.speaker.session.value != 0 && connection.speaker.session != session) {
     connection.cut = true;
     Cut(fd, "sessions", "names several sessions over one connection: it is closed. Find the program.");
     return false;
   }
-  connection.session = session;
+  connection.speaker.session = session;
   connection.idle = false;
   connection.plain = false;
   return true;
+}
+
+void AcceptedConnections::NoteProof(int fd, std::uint64_t proof) {
+  const auto found = connections_.find(fd);
+  if (found != connections_.end()) found->second.speaker.proof = proof;
+}
+
+bool AcceptedConnections::MaySpeakFor(int fd, SessionId session, std::uint64_t proof) const {
+  const auto may = [&](const Speaker& speaker) { return speaker.session == session && speaker.proof == proof; };
+  const auto found = connections_.find(fd);
+  if (found != connections_.end()) return may(found->second.speaker);
+  const auto ended = ended_.find(fd);
+  return ended != ended_.end() && may(ended->second);
 }
 
 void AcceptedConnections::NotePlain(int fd) {

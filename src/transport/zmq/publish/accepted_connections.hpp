@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -54,6 +56,11 @@ class AcceptedConnections {
   [[nodiscard]] std::string OriginOf(int fd) const;
   /// It is that of a session. False if it is that of another one: then the connection was closed.
   [[nodiscard]] bool NoteSession(int fd, SessionId session);
+  /// A Hello with this proof was accepted from it.
+  void NoteProof(int fd, std::uint64_t proof);
+  /// Whether a message over this connection may be from that session, whose Hellos have this proof. It may be read
+  /// after its connection has ended.
+  [[nodiscard]] bool MaySpeakFor(int fd, SessionId session, std::uint64_t proof) const;
   /// It is that of a plain subscriber.
   void NotePlain(int fd);
   /// The connection with this descriptor has subscribed to `topic`, or no longer; negative: ZeroMQ says so of one that
@@ -69,6 +76,10 @@ class AcceptedConnections {
   void Cut(int fd, std::string_view limit, std::string_view what);
 
  private:
+  struct Speaker {
+    SessionId session = {};              // Zero: not that of a session, so far.
+    std::optional<std::uint64_t> proof;  // Of the Hello that was accepted.
+  };
   struct Connection {
     std::string address;
     SteadyTime since{};
@@ -76,8 +87,8 @@ class AcceptedConnections {
     bool idle = true;
     bool plain = false;
     bool cut = false;
-    SessionId session = {};  // Zero: not that of a session, so far.
-    int full_looks = 0;      // How often in a row the send buffer was full.
+    Speaker speaker;
+    int full_looks = 0;  // How often in a row the send buffer was full.
     std::size_t topic_bytes = 0;
     std::size_t wish_bytes = 0;
     std::set<std::string, std::less<>> topics;
@@ -99,6 +110,8 @@ class AcceptedConnections {
   SharedState& shared_;
   const std::string& bound_;
   std::unordered_map<int, Connection> connections_;  // By descriptor.
+  // The sessions of connections that have ended, until another one has their descriptor.
+  std::unordered_map<int, Speaker> ended_;
   std::size_t most_topic_bytes_ = MostTopicBytes();
   std::size_t topic_bytes_ = 0;  // Of all topics in `holders_`, and of all wishes.
   // How many connections hold a topic.

@@ -177,6 +177,11 @@ bool ConnectionWatch::NoteSession(int fd, SessionId session) {
   return connections_.NoteSession(fd, session);
 }
 
+bool ConnectionWatch::MaySpeakFor(int fd, SessionId session, std::uint64_t proof) {
+  UpdateAll();
+  return connections_.MaySpeakFor(fd, session, proof);
+}
+
 void ConnectionWatch::CutUnfinished() {
   for (const int fd : unfinished_.Look(std::chrono::steady_clock::now())) {
     connections_.Cut(fd, "unfinished",

@@ -48,6 +48,8 @@ class ConnectionWatch {
 
   /// See AcceptedConnections.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
+  void NoteProof(int fd, std::uint64_t proof) { connections_.NoteProof(fd, proof); }
+  [[nodiscard]] bool MaySpeakFor(int fd, SessionId session, std::uint64_t proof);
   [[nodiscard]] bool CountWishes(int fd, std::size_t bytes) { return connections_.CountWishes(fd, bytes); }
   void NotePlain(int fd) { connections_.NotePlain(fd); }
   [[nodiscard]] bool NoteSession(int fd, SessionId session);

@@ -209,13 +209,18 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   }
   const SessionId session{control->session()};
   if (!MayClaim(session, frame)) return;
+  const int fd = zmq_msg_get(frame.raw(), ZMQ_SRCFD);
   if (control->has_hello()) {
-    if (watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD), session)) {
-      peers_.OnHello(session, control->hello(), actions);
-    }
+    if (!watch_.NoteSession(fd, session)) return;
+    if (peers_.OnHello(session, control->hello(), fd, actions)) watch_.NoteProof(fd, control->hello().proof());
     return;
   }
   SubscriberPeer* peer = peers_.Find(session);
+  if (peer != nullptr && !watch_.MaySpeakFor(fd, session, peer->proof)) {
+    shared_.CountFault(PacketFault::kHead, bound_,
+                       "a message in the name of session " + session.ToString() + ", which has another connection");
+    return;
+  }
   if (peer == nullptr) {
     // We have dropped this session, and it does not know that.
     if (!control->has_bye()) peers_.Greet(session, false);
@@ -225,7 +230,7 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   switch (control->what_case()) {
     case wire::Control::kSubscribe:
       subscriptions_.OnSubscribe(*peer, control->subscribe(), actions);
-      if (!watch_.CountWishes(zmq_msg_get(frame.raw(), ZMQ_SRCFD), peer->wish_bytes)) {
+      if (!watch_.CountWishes(fd, peer->wish_bytes)) {
         peers_.Drop(session, "it asked for too many channels", actions);
       }
       break;

@@ -10,6 +10,7 @@
 #include "hgros/control.pb.h"
 #include "transport/zmq/clock_question.hpp"
 #include "transport/zmq/publish/out_link.hpp"
+#include "transport/zmq/unread_bytes.hpp"
 
 namespace hgros::zmq {
 
@@ -32,12 +33,14 @@ struct SubscriberPeer {
   SessionFacts facts;
   std::string topic;  ///< Its control topic.
   std::uint64_t handshake = 0;
+  std::uint64_t proof = 0;  ///< Of all its Hellos; 0: of none.
   SteadyTime last_heard{};
   bool cut = false;  ///< Its connection has ended, and it gets some time to come back.
   ClockQuestion clock;
   std::uint64_t waiting_bytes = 0;                      ///< The sum of all its links.
   std::unordered_map<std::string, Wish> wishes;         ///< By channel.
   std::size_t wish_bytes = 0;                           ///< Wish::size() of all.
+  UnreadBytes unread;                                   ///< Control messages.
   std::unordered_set<std::string> reported_mismatches;  ///< Channels.
 };
 

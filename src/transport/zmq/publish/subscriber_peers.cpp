@@ -5,6 +5,7 @@
 
 #include "transport/agreement.hpp"
 #include "transport/zmq/control.hpp"
+#include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
 namespace {
@@ -21,9 +22,19 @@ SubscriberPeers::SubscriberPeers(SharedState& shared, Socket& socket, PublishedC
                                  const std::string& endpoint)
     : shared_(shared), socket_(socket), channels_(channels), endpoint_(endpoint), last_handshake_(RandomId()) {}
 
-void SubscriberPeers::Send(const std::string& topic, const wire::Control& control) {
+std::size_t SubscriberPeers::Send(const std::string& topic, const wire::Control& control) {
+  const std::string text = control.SerializeAsString();
   socket_.Send(topic, true);
-  socket_.Send(control.SerializeAsString(), false);
+  socket_.Send(text, false);
+  return topic.size() + text.size();
+}
+
+void SubscriberPeers::Send(SubscriberPeer& peer, const wire::Control& control) {
+  const int connection = peer.unread.connection();
+  if (!peer.unread.Add(Send(peer.topic, control))) return;
+  HangUp(connection, endpoint_);
+  shared_.CountPeerFault(PacketFault::kOverrun, peer.name(),
+                         "it does not read the answers to its messages, so the connection is closed. Find the program");
 }
 
 SubscriberPeer* SubscriberPeers::Find(SessionId session) {
@@ -60,22 +71,27 @@ void SubscriberPeers::Greet(SessionId session, bool at_once) {
   Send(ControlTopic(session), message);
 }
 
-void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, Actions& actions) {
+bool SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions) {
   if (hello.handshake() == 0) {
     Greet(session, false);
-    return;
+    return false;
   }
   const auto greeting = greetings_.find(session);
   // Ignores an answer to an older Welcome: the answer to the newer one is on its way.
-  if (greeting == greetings_.end() || greeting->second.handshake != hello.handshake()) return;
-  if (session == shared_.self.info.id) return;
+  if (greeting == greetings_.end() || greeting->second.handshake != hello.handshake()) return false;
+  if (session == shared_.self.info.id) return false;
   if (hello.facts().wire_major() != kWireMajor) {
     shared_.CountFault(PacketFault::kVersion, endpoint_,
                        "a subscriber speaks version " + std::to_string(hello.facts().wire_major()));
-    return;
+    return false;
   }
   SessionFacts facts = ReadFacts(session, hello.facts());
   SubscriberPeer* peer = Find(session);
+  if (peer != nullptr && !peer->cut && peer->proof != hello.proof()) {
+    shared_.CountFault(PacketFault::kHead, endpoint_,
+                       "a Hello in the name of session " + session.ToString() + ", which another program has");
+    return false;
+  }
   if (peer != nullptr && peer->facts.incarnation != facts.incarnation) {
     Drop(session, "it was restarted", actions);
     peer = nullptr;
@@ -85,7 +101,7 @@ void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, Actio
       shared_.log.WriteLimited(LogLevel::kWarning, "zmq peers " + endpoint_,
                                "More than " + std::to_string(kMaxPeers) + " sessions subscribe at " + endpoint_ +
                                    "; further ones are ignored.");
-      return;
+      return false;
     }
     peer = peers_.emplace(session, std::make_unique<SubscriberPeer>()).first->second.get();
     actions.emplace_back([this, info = facts.info] { shared_.peers.Came(info); });
@@ -94,13 +110,16 @@ void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, Actio
   peer->facts = std::move(facts);
   peer->topic = ControlTopic(session);
   peer->handshake = hello.handshake();
+  peer->proof = hello.proof();
+  peer->unread.Watch(connection);
   peer->last_heard = std::chrono::steady_clock::now();
   peer->cut = false;
   RepeatOffers(*peer, greeting->second);
+  return true;
 }
 
 // For a peer that has just sent Hello: the Welcome that it answers may be out of date.
-void SubscriberPeers::RepeatOffers(const SubscriberPeer& peer, Greeting& greeting) {
+void SubscriberPeers::RepeatOffers(SubscriberPeer& peer, Greeting& greeting) {
   if (!std::exchange(greeting.stale, false) || peer.facts.wire_minor < kOffersSinceMinor) return;
   auto message = ControlFrom(shared_.self.info.id);
   auto& offers = *message.mutable_offers();

@@ -32,11 +32,14 @@ class SubscriberPeers {
   [[nodiscard]] SubscriberPeer* Find(SessionId session);
   /// The peers that wait for a link to this channel.
   [[nodiscard]] std::vector<SubscriberPeer*> FindWaiting(const std::string& channel);
-  void Send(const SubscriberPeer& peer, const wire::Control& control) { Send(peer.topic, control); }
+  /// Closes the connection of a peer that does not read.
+  void Send(SubscriberPeer& peer, const wire::Control& control);
 
   /// Sends a Welcome, which begins a new handshake. Does not repeat it within a short time, unless `at_once` is set.
   void Greet(SessionId session, bool at_once);
-  void OnHello(SessionId session, const wire::Hello& hello, Actions& actions);
+  /// False if it is ignored: it answers an older Welcome, or is not from the session that it names.
+  /// `connection`: the descriptor that it came over.
+  [[nodiscard]] bool OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions);
   void OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& heartbeat, Actions& actions);
   /// The session has unsubscribed from its control topic, or its connection has ended.
   void OnDisconnected(SessionId session, Actions& actions);
@@ -64,8 +67,9 @@ class SubscriberPeers {
     bool stale = false;
     std::set<std::string> gone;
   };
-  void Send(const std::string& topic, const wire::Control& control);
-  void RepeatOffers(const SubscriberPeer& peer, Greeting& greeting);
+  /// Returns the bytes.
+  std::size_t Send(const std::string& topic, const wire::Control& control);
+  void RepeatOffers(SubscriberPeer& peer, Greeting& greeting);
   static void PauseLinks(SubscriberPeer& peer);
 
   SharedState& shared_;

@@ -77,7 +77,11 @@ void PublisherConnection::SubscribeTopic(std::string topic, bool subscribe) {
   socket_.Send(topic, false);
 }
 
-void PublisherConnection::Send(const wire::Control& control) { socket_.Send(UpstreamFrame(control), false); }
+void PublisherConnection::Send(const wire::Control& control) {
+  const std::string frame = UpstreamFrame(control);
+  socket_.Send(frame, false);
+  too_much_unread_ = unread_.Add(frame.size()) || too_much_unread_;
+}
 
 bool PublisherConnection::ReadMonitor() {
   bool ended = false;
@@ -92,6 +96,7 @@ bool PublisherConnection::ReadMonitor() {
     std::memcpy(&value, event.bytes().data() + sizeof what, sizeof value);
     if (what == ZMQ_EVENT_CONNECTED) {
       new_connection_ = value;
+      unread_.Watch(value);
     } else if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
       connected_ = true;
       welcomed_ = false;
@@ -100,6 +105,7 @@ bool PublisherConnection::ReadMonitor() {
       handshake_failure_ = 0;
     } else if (what == ZMQ_EVENT_DISCONNECTED) {
       new_connection_ = -1;
+      unread_.Watch(-1);
       given_up_since_ = std::chrono::steady_clock::now();
       if (connected_) unreached_since_ = given_up_since_;
       connected_ = false;
@@ -198,6 +204,7 @@ void PublisherConnection::Abort(std::chrono::milliseconds pause) {
   socket_.Disconnect(endpoint_);
   connected_ = false;
   new_connection_ = -1;
+  unread_.Watch(-1);
   given_up_since_ = unreached_since_ = std::chrono::steady_clock::now();
   paused_until_ = *given_up_since_ + pause;
 }

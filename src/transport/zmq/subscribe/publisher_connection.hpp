@@ -8,6 +8,7 @@
 #include "hgros/control.pb.h"
 #include "transport/zmq/shared_state.hpp"
 #include "transport/zmq/socket.hpp"
+#include "transport/zmq/unread_bytes.hpp"
 
 namespace hgros::zmq {
 
@@ -37,6 +38,8 @@ class PublisherConnection {
 
   void SubscribeTopic(std::string topic, bool subscribe);
   void Send(const wire::Control& control);
+  /// Whether the other side has not read for long what was sent, since the last call.
+  [[nodiscard]] bool CollectUnread() noexcept { return std::exchange(too_much_unread_, false); }
 
   /// Reads the monitor's events. True if a connection has ended.
   [[nodiscard]] bool ReadMonitor();
@@ -84,6 +87,8 @@ class PublisherConnection {
   const bool logs_;
   bool failed_ = false;
   std::optional<int> new_connection_;
+  UnreadBytes unread_;
+  bool too_much_unread_ = false;
   std::future<void> lookup_;  // Looks for the host's address: a name server may take long to answer.
 };
 

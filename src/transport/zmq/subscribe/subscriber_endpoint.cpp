@@ -10,7 +10,7 @@ namespace hgros::zmq {
 namespace {
 
 constexpr int kMessagesPerTurn = 32;  // Then other endpoints have their turn.
-constexpr auto kPauseAfterUnfinished = std::chrono::seconds(5);
+constexpr auto kPauseAfterFault = std::chrono::seconds(5);
 
 }  // namespace
 
@@ -104,6 +104,13 @@ bool SubscriberEndpoint::ReadBatch() {
     } else if (!packets_.Read(topic, frames)) {
       AbortConnection(actions);
     }
+    if (connection_.CollectUnread()) {
+      shared_.CountPeerFault(PacketFault::kOverrun, endpoint(),
+                             "it does not read the answers to its messages, so the connection is closed for 5 s. Find "
+                             "the program");
+      LosePublisher("it does not read", true, actions);
+      connection_.Abort(kPauseAfterFault);
+    }
     if (!actions.empty()) inbox_.AddActions(actions);
   }
   return true;
@@ -145,7 +152,7 @@ void SubscriberEndpoint::Look(SteadyTime now) {
           PacketFault::kOverrun, endpoint(),
           "the message " + *fault + ". The connection is closed, and tried again after 5 s. Find the program.");
       LosePublisher("it sent a message that does not end", true, actions);
-      connection_.Abort(kPauseAfterUnfinished);
+      connection_.Abort(kPauseAfterFault);
       unfinished_.Watch(-1);
     } else if (!unfinished_.NextLook()) {
       WaitForBytes();
@@ -242,6 +249,7 @@ void SubscriberEndpoint::SayHello(std::uint64_t handshake) {
   auto message = ControlFrom(shared_.self.info.id);
   WriteFacts(shared_.self, *message.mutable_hello()->mutable_facts());
   message.mutable_hello()->set_handshake(handshake);
+  if (handshake != 0) message.mutable_hello()->set_proof(shared_.ProofFor(publisher_.id()));
   connection_.Send(message);
 }
 
