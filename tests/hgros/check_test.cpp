@@ -177,7 +177,7 @@ TEST(HgrosCheck, TellsKeysThatDoNotMatch) {
                                     "the public key of desk.yaml is not under allowed_clients. Add it.")));
   robot_file({robot.public_key, desk.secret_key}, desk.public_key);
   EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
-              Contains(HasSubstr("robot.yaml:4:17: fault: The public key does not belong to the secret key.")));
+              testing::Contains(HasSubstr("robot.yaml:4:17: fault: The public key does not belong to the secret key.")));
   files.Add("robot.yaml", "network:\n  publisher: {ip: 'tcp://*:5601', channels: [a]}\n");
   const CommandEnd end = files.Run({"robot.yaml", "desk.yaml"});
   EXPECT_THAT(end.out, HasSubstr("but robot.yaml has no keys, and desk.yaml has."));
