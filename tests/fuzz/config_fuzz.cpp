@@ -1,10 +1,18 @@
-// For any text, the configuration reader returns a configuration or throws ConfigError, in bounded time.
+// For any text, the configuration reader returns a configuration or throws ConfigError, in bounded time. The reader
+// that keeps all faults finds one if and only if the other one throws.
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "hgros/base/error.hpp"
+#include "hgros/config/check.hpp"
 #include "hgros/config/config.hpp"
 
 namespace {
@@ -19,10 +27,18 @@ bool SortedWithoutRepeats(const List& list) {
          list.end();
 }
 
+bool HasFaults(std::string_view text) {
+  static const int file = memfd_create("fuzz", MFD_CLOEXEC);
+  Require(ftruncate(file, 0) == 0 && pwrite(file, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()));
+  const std::filesystem::path path = "/proc/self/fd/" + std::to_string(file);
+  return !hgros::CheckConfig(std::span(&path, 1)).faults.empty();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
+  bool accepted = true;
   try {
     const hgros::Config config = hgros::Config::Parse(text, "fuzz");
     Require(SortedWithoutRepeats(config.closed_channels));
@@ -36,6 +52,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   } catch (const hgros::ConfigError& error) {
     Require(error.where().starts_with("fuzz"));
+    accepted = false;
   }
+  Require(accepted != HasFaults(text));
   return 0;
 }

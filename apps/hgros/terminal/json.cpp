@@ -15,14 +15,17 @@ rapidjson::SizeType SizeOf(std::string_view text) { return static_cast<rapidjson
 
 }  // namespace
 
-// RapidJSON escapes the control characters below U+0020; for the others the whole text is written in ASCII.
+// RapidJSON escapes the control characters below U+0020; for the others the whole text is written in ASCII, which keeps
+// U+007F.
 void Json::WriteText(std::string_view text, bool key) {
   std::string written = ValidUtf8(text);
   if (Visible(written).size() > written.size()) {
     rapidjson::StringBuffer buffer;
     rapidjson::Writer<rapidjson::StringBuffer, rapidjson::UTF8<>, rapidjson::ASCII<>> ascii(buffer);
     ascii.String(written.data(), SizeOf(written));
-    writer_.RawValue(buffer.GetString(), buffer.GetSize(), rapidjson::kStringType);
+    std::string escaped(buffer.GetString(), buffer.GetSize());
+    for (std::size_t at = 0; (at = escaped.find('\x7f', at)) != std::string::npos;) escaped.replace(at, 1, "\\u007f");
+    writer_.RawValue(escaped.data(), escaped.size(), rapidjson::kStringType);
   } else if (key) {
     writer_.Key(written.data(), SizeOf(written));
   } else {

@@ -50,6 +50,12 @@ TEST(MessageText, WritesNestedMessagesAndLists) {
       R"("translation":{"x":0.1,"y":0,"z":0}},{"parent_frame_id":"","child_frame_id":""}]})");
 }
 
+TEST(MessageText, JsonHasNoControlCharacters) {
+  Json json;
+  json.Value("a\x1b\x7f\xc2\x9b\xe2\x80\xae\n");
+  EXPECT_EQ(json.text(), R"("a\u001B\u007f\u009B\u202E\n")");
+}
+
 TEST(MessageText, QuotesTextsThatYamlWouldReadAsSomethingElse) {
   foxglove::LaserScan scan;
   for (const char* text : {"true", "Null", "1.5", "-", "a: b", "", "~", "yes", " a"}) {
