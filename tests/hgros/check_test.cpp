@@ -89,6 +89,18 @@ TEST(HgrosCheck, TellsWhichListLacksAChannel) {
                                     "it, does not let it enter.")));
 }
 
+TEST(HgrosCheck, DoesNotTakeAPublisherForASubscriber) {
+  ConfigFiles files;
+  files.Add("robot1.yaml", "network: {publisher: {ip: '*:1', channels: [a, scan]}}");
+  files.Add("viewer.yaml", "network: {subscribers: [{ip: 'robot1:1', channels: [a, scan]}]}");
+  files.Add("desk.yaml",
+            "network: {publisher: {ip: '*:2', channels: [scan]}, subscribers: [{ip: 'robot1:1', channels: [a]}]}\n"
+            "channels: {scan: {queue: latest}}\n");
+  EXPECT_THAT(files.Findings({"robot1.yaml", "viewer.yaml", "desk.yaml"}), IsEmpty());
+  files.Add("desk.yaml", "network: {subscribers: [{ip: 'robot1:1', channels: [a]}]}\nchannels: {scan: {latched: 1}}\n");
+  EXPECT_THAT(files.Findings({"robot1.yaml", "viewer.yaml", "desk.yaml"}), IsEmpty());
+}
+
 TEST(HgrosCheck, TellsWhatMayEnterButDoesNotLeave) {
   ConfigFiles files;
   files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://*:5553', channels: [pose, scan]}}");
@@ -177,7 +189,8 @@ TEST(HgrosCheck, TellsKeysThatDoNotMatch) {
                                     "the public key of desk.yaml is not under allowed_clients. Add it.")));
   robot_file({robot.public_key, desk.secret_key}, desk.public_key);
   EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
-              testing::Contains(HasSubstr("robot.yaml:4:17: fault: The public key does not belong to the secret key.")));
+              testing::Contains(HasSubstr("robot.yaml:4:17: fault: The public key does not belong to the secret "
+                                          "key.")));
   files.Add("robot.yaml", "network:\n  publisher: {ip: 'tcp://*:5601', channels: [a]}\n");
   const CommandEnd end = files.Run({"robot.yaml", "desk.yaml"});
   EXPECT_THAT(end.out, HasSubstr("but robot.yaml has no keys, and desk.yaml has."));
@@ -220,7 +233,28 @@ TEST(HgrosCheck, TellsServicesThatPassInOneDirection) {
             "network:\n  publisher: {ip: 'tcp://*:5610', channels: [goal, hgros/call/stop]}\n"
             "  subscribers: [{ip: 'robot:5601', channels: [hgros/call/stop]}]\n");
   EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
-              ElementsAre(HasSubstr("robot.yaml:2:46: warning: The service stop needs both directions")));
+              ElementsAre(HasSubstr(
+                  "robot.yaml:2:46: warning: hgros/call/stop leaves robot.yaml, but cannot enter it: a service ")));
+}
+
+TEST(HgrosCheck, TellsParametersThatCannotBeAskedFor) {
+  ConfigFiles files;
+  files.Add("robot.yaml",
+            "network:\n  publisher: {ip: 'tcp://*:5601', channels: [params/slam/answer, params/slam/state]}\n");
+  files.Add("desk.yaml",
+            "network:\n  publisher: {ip: 'tcp://*:5610', channels: [params/slam/ask]}\n"
+            "  subscribers: [{ip: 'robot:5601', channels: [params/slam/answer, params/slam/state]}]\n");
+  EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}),
+              ElementsAre(HasSubstr("params/slam/answer leaves robot.yaml, but params/slam/ask cannot enter it")));
+}
+
+TEST(HgrosCheck, TellsSettingsOfAMisspelledChannel) {
+  ConfigFiles files;
+  files.Add("robot.yaml",
+            "network: {publisher: {ip: 'tcp://*:5601', channels: [scan]}}\nchannels:\n  /scan: {latched: 1}\n");
+  EXPECT_THAT(
+      files.Findings({"robot.yaml"}),
+      ElementsAre("robot.yaml:3:10: warning: No list of channels has /scan, but one has scan. Did you mean scan?"));
 }
 
 TEST(HgrosCheck, IgnoresWhatACommentIgnores) {

@@ -1,5 +1,6 @@
 // Lists of channels at the two ends of a connection.
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -51,14 +52,14 @@ void CheckEntering(const DescribedLink& link, FileFindings& findings) {
   }
 }
 
-// Whether the files of the process mention a channel that none of its endpoints lets enter.
+// Whether the process subscribes to the channel, as its settings show, but none of its endpoints lets it enter.
 bool Wants(const DescribedProcess& process, const std::string& channel) {
-  if (std::ranges::any_of(process.subscribers, [&](const DescribedEndpoint& one) { return one.Passes(channel); })) {
-    return false;
-  }
+  if (PassesAny(process.subscribers, channel) || PassesAny(process.publishers, channel)) return false;
   const auto first_node = process.config.nodes.lower_bound(channel + "#");
   const bool has_node = first_node != process.config.nodes.end() && first_node->first.starts_with(channel + "#");
-  return has_node || process.config.channels.contains(channel) || (process.config.simulated_time && channel == "clock");
+  const auto settings = process.config.channels.find(channel);
+  const bool has_queue = settings != process.config.channels.end() && settings->second.queue;
+  return has_node || has_queue || (process.config.simulated_time && channel == "clock");
 }
 
 // Channels that leave at an endpoint to which processes connect, but that none of these lets enter.
@@ -99,31 +100,66 @@ void CheckLeaving(const Deployment& deployment, const DescribedProcess& process,
   }
 }
 
+// The channel of the other direction, if the channel is useless without it.
+std::string BackChannelOf(const std::string& channel) {
+  constexpr std::string_view kParams = "params/";
+  constexpr std::string_view kAnswer = "/answer";
+  if (!ServiceOf(channel).empty()) return channel;
+  if (!channel.starts_with(kParams) || !channel.ends_with(kAnswer)) return {};
+  return channel.substr(0, channel.size() - kAnswer.size()) + "/ask";
+}
+
 // A service or parameters that pass in one direction only.
 void CheckAnswers(const Deployment& deployment, const DescribedLink& link, FileFindings& findings) {
-  for (const auto& entry : link.subscriber.endpoint->channels) {
-    const std::string& channel = entry.first;
-    const std::string_view service = ServiceOf(channel);
-    if (service.empty() || link.publishers.size() != 1) continue;
-    const DescribedLink::End& publisher = link.publishers.front();
-    if (!publisher.endpoint->channels.contains(channel)) continue;
-    const bool comes_back = std::ranges::any_of(publisher.process->subscribers,
-                                                [&](const DescribedEndpoint& one) { return one.Passes(channel); });
-    const bool is_sent = std::ranges::any_of(deployment.processes, [&](const DescribedProcess& process) {
-      return &process != publisher.process &&
-             std::ranges::any_of(process.publishers, [&](const DescribedEndpoint& one) { return one.Passes(channel); });
-    });
-    if (comes_back || !is_sent) continue;
-    findings.push_back({Severity::kWarning, "service", publisher.endpoint->channels.find(channel)->second,
-                        "The service " + std::string(service) + " needs both directions, but " + channel +
-                            " only leaves " + publisher.process->name + ".",
-                        "Add it to a list under network.subscribers there.", channel, entry.second});
+  if (link.publishers.size() != 1) return;
+  const DescribedProcess& process = *link.publishers.front().process;
+  const DescribedEndpoint& endpoint = *link.publishers.front().endpoint;
+  for (const auto& [channel, position] : link.subscriber.endpoint->channels) {
+    const std::string back = BackChannelOf(channel);
+    if (back.empty() || !endpoint.channels.contains(channel) || PassesAny(process.subscribers, back)) continue;
+    const bool is_sent = std::any_of(
+        deployment.processes.begin(), deployment.processes.end(),
+        [&](const DescribedProcess& other) { return &other != &process && PassesAny(other.publishers, back); });
+    if (!is_sent) continue;
+    const std::string leaves = channel + " leaves " + process.name + ", but ";
+    findings.push_back({Severity::kWarning, "service", endpoint.channels.find(channel)->second,
+                        back == channel ? leaves + "cannot enter it: a service needs both directions."
+                                        : leaves + back + " cannot enter it: parameters need both.",
+                        "Add " + back + " to a list under network.subscribers there.", channel, position});
+  }
+}
+
+// Settings of channels that no list has, if a list has nearly the same name.
+void CheckNames(const Deployment& deployment, FileFindings& findings) {
+  std::set<std::string> listed;
+  for (const DescribedProcess& process : deployment.processes) {
+    for (const auto* side : {&process.publishers, &process.subscribers}) {
+      for (const DescribedEndpoint& endpoint : *side) {
+        for (const auto& [channel, position] : endpoint.channels) listed.insert(channel);
+      }
+    }
+  }
+  for (const DescribedProcess& process : deployment.processes) {
+    const auto check = [&](const std::string& name, const FilePosition& at) {
+      if (listed.contains(name)) return;
+      const auto near = std::find_if(listed.begin(), listed.end(),
+                                     [&name](const std::string& one) { return DifferByATypingError(name, one); });
+      if (near == listed.end()) return;
+      findings.push_back({Severity::kWarning, "name", at,
+                          "No list of channels has " + name + ", but one has " + *near + ".",
+                          "Did you mean " + *near + "?", name});
+    };
+    for (const auto& [name, settings] : process.config.channels) check(name, process.PlaceOf({"channels", name}));
+    for (const std::string& name : process.config.closed_channels) {
+      check(name, process.PlaceOf({"data_graph", "close_channels"}));
+    }
   }
 }
 
 }  // namespace
 
 void CheckChannelLists(const Deployment& deployment, FileFindings& findings) {
+  CheckNames(deployment, findings);
   for (const DescribedLink& link : deployment.links) {
     CheckEntering(link, findings);
     CheckAnswers(deployment, link, findings);

@@ -26,7 +26,7 @@ bool CanReach(std::string_view subscriber, std::string_view publisher) {
 
 // Whether a file of the process, or its folder, is called like the host.
 bool IsNamedLike(const DescribedProcess& process, std::string_view host) {
-  return std::ranges::any_of(process.documents, [host](const yaml::Document& document) {
+  return !host.empty() && std::ranges::any_of(process.documents, [host](const yaml::Document& document) {
     const std::filesystem::path path(document.name());
     return path.stem() == host || path.parent_path().filename() == host;
   });

@@ -113,6 +113,10 @@ bool HasItsKeyFile(const Document& document) {
 
 }  // namespace
 
+bool PassesAny(const std::vector<DescribedEndpoint>& endpoints, std::string_view channel) {
+  return std::ranges::any_of(endpoints, [channel](const DescribedEndpoint& one) { return one.Passes(channel); });
+}
+
 FilePosition DescribedProcess::PlaceOf(std::initializer_list<std::string_view> keys) const {
   for (const Document& document : documents) {
     if (const Node* node = FindBelow(document.root(), keys)) return document.PositionOf(*node);

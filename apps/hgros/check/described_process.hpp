@@ -24,6 +24,9 @@ struct DescribedEndpoint {
   [[nodiscard]] bool Passes(std::string_view channel) const { return all_channels || channels.contains(channel); }
 };
 
+/// Whether one of the endpoints lets the channel pass.
+[[nodiscard]] bool PassesAny(const std::vector<DescribedEndpoint>& endpoints, std::string_view channel);
+
 /// What the configuration files of one process say.
 struct DescribedProcess {
   std::string name;  ///< Its files, as the user wrote them.

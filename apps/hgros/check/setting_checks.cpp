@@ -8,10 +8,6 @@
 namespace hgros::cli {
 namespace {
 
-bool PassesAny(const std::vector<DescribedEndpoint>& endpoints, std::string_view channel) {
-  return std::ranges::any_of(endpoints, [channel](const DescribedEndpoint& one) { return one.Passes(channel); });
-}
-
 bool Discovers(const DescribedProcess& process) {
   const DiscoveryConfig& discovery = process.config.discovery;
   return (discovery.local || discovery.lan) && discovery.domain != "none";

@@ -35,7 +35,7 @@ class JsonNodes : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, JsonNod
     Node& node = Add(Node::Kind::kText, QuoteBefore(stream_.Tell() - 1));
     node.quoted = true;
     node.text.assign(text, length);
-    return Attach(node);
+    return Attach(node) && IsUtf8(node.text);
   }
   bool StartObject() { return Open(Node::Kind::kMap); }
   bool Key(const char* text, rapidjson::SizeType length, bool /*copy*/) {
@@ -43,7 +43,7 @@ class JsonNodes : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, JsonNod
     node.quoted = true;
     node.text.assign(text, length);
     open_.back().key = &node;
-    return HasRoom();
+    return HasRoom() && IsUtf8(node.text);
   }
   bool EndObject(rapidjson::SizeType /*count*/) { return Close(); }
   bool StartArray() { return Open(Node::Kind::kList); }
@@ -77,6 +77,12 @@ class JsonNodes : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, JsonNod
   bool HasRoom() {
     if (document_.nodes_.size() <= MessageDocument::kMostJsonValues) return true;
     fault_ = "There are more than " + std::to_string(MessageDocument::kMostJsonValues) + " values.";
+    return false;
+  }
+  // RapidJSON takes the second half of a surrogate pair alone, as \uDE00; its bytes begin with ED.
+  bool IsUtf8(const std::string& text) {
+    if (text.find('\xED') == std::string::npos || ValidUtf8(text) == text) return true;
+    fault_ = "A text has an escape that is half of a character.";
     return false;
   }
   bool Attach(const Node& node) {

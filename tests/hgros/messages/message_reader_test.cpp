@@ -252,6 +252,14 @@ TEST_P(EachType, NeverFailsOtherwiseThanWithAConfigError) {
   EXPECT_GT(refused, 50);
 }
 
+TEST(MessageReader, RefusesHalfOfASurrogatePair) {
+  EXPECT_EQ(Read<foxglove::Log>(R"({"message": "\ud83d\ude00"})").message(), "\xf0\x9f\x98\x80");
+  for (const char* half : {"\\ude00", "\\ud83d", "\\ud83da"}) {
+    EXPECT_NE(FaultOf<foxglove::Log>("{\"message\": \"" + std::string(half) + "\"}"), "") << half;
+    EXPECT_THROW(MessageDocument::ParseJson("{\"" + std::string(half) + "\": 1}", "message", 1), ConfigError) << half;
+  }
+}
+
 TEST(MessageReader, NamesTheNearestFieldWithItsPlace) {
   EXPECT_EQ(FaultOf<foxglove::Log>("{mesage: hello}"),
             "message:1:2: foxglove.Log has no field \"mesage\". Did you mean message?");
