@@ -63,6 +63,7 @@ class MessagePrinter {
   [[nodiscard]] bool done() const noexcept { return done_; }
   // After the last message.
   [[nodiscard]] std::uint64_t unreadable() const noexcept { return unreadable_; }
+  [[nodiscard]] std::uint64_t printed() const noexcept { return printed_; }
   // With those that the filter refuses.
   [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
   // Throws what went wrong while a message was printed.
@@ -332,7 +333,11 @@ int Echo::Run(Surroundings& surroundings) {
     surroundings.console.Say(fmt::format("{} messages could not be read.", printer.unreadable()));
   }
   if (end != Pause::End::kDeadline || printer.done()) return kDone;
-  if (printer.received() == 0) surroundings.console.Say(NoMessage(robot));
+  if (printer.received() == 0) {
+    surroundings.console.Say(NoMessage(robot));
+  } else if (printer.printed() == 0 && !options_.filter.empty()) {
+    surroundings.console.Say(fmt::format("{} messages came, but --filter accepted none.", printer.received()));
+  }
   return kTimedOut;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "terminal/pause.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -97,6 +98,12 @@ int MeasureCommand::Receive(Robot& robot) const {
     records.End();
     return any;
   });
+  std::string silent;
+  for (const auto& channel : arrivals) {
+    if (channel->Report().sizes_bytes.count() == 0)
+      silent += (silent.empty() ? "" : ", ") + Visible(channel->channel());
+  }
+  if (code != kDone && !silent.empty()) console.Say("No message of " + silent + " came.");
   const Quantity quantity = Distribution();
   for (const auto& channel : arrivals) {
     WriteHistogram(console, robot_options_.style, channel->channel(), quantity.name, quantity.unit,

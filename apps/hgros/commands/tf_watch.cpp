@@ -162,7 +162,10 @@ int TfWatch::Run(Surroundings& surroundings) {
     if (end == Pause::End::kInterrupted) return kDone;
     Look(robot, frames);
     if (done_) return kDone;
-    if (std::chrono::steady_clock::now() >= deadline) return kTimedOut;
+    if (std::chrono::steady_clock::now() >= deadline) {
+      if (told_ == 0) throw TimedOut("No transform came in time (--timeout).");
+      return kTimedOut;
+    }
     next = DeadlineIn(kLook);
   }
 }

@@ -73,7 +73,7 @@ class Top final : public Command {
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros top", "Shows the sessions, the busiest first."},
             {"hgros top nodes --once", "Writes one table of all nodes."},
-            {"hgros top channels --json -n 10", "Writes the channels as JSON, ten times."}};
+            {"hgros top channels --json -n 2", "Writes the channels as JSON, twice."}};
   }
   int Run(Surroundings& surroundings) override;
 
@@ -107,7 +107,10 @@ int Top::WriteTables(Robot& robot, SteadyTime end) {
     while (std::chrono::steady_clock::now() < std::min(next, end)) {
       if (pause.Until(std::min(next, end)) == Pause::End::kInterrupted) return kDone;
     }
-    if (next >= end) return kTimedOut;
+    if (next >= end) {
+      if (tables == 0) throw TimedOut("The first table takes a second, which is more than --timeout.");
+      return kTimedOut;
+    }
     activity_->Update(robot.Counters(), robot.Channels(true));
     TopList list(Kind());
     list.Show(activity_->Rows(Kind()));

@@ -38,6 +38,7 @@ struct State {
   std::array<char, 256> ending{};
   std::size_t ending_size = 0;
   std::array<struct sigaction, NSIG> before{};
+  stack_t stack{};  // Before.
   std::atomic<Pause*> pause{nullptr};
   std::atomic<bool> ended{false};
   std::atomic<bool> suspended{false};
@@ -115,7 +116,7 @@ void ProvideStack() {
   stack_t stack{};
   stack.ss_sp = memory.data();
   stack.ss_size = memory.size();
-  (void)sigaltstack(&stack, nullptr);
+  (void)sigaltstack(&stack, &state.stack);
 }
 
 Key KeyOf(wint_t code) {
@@ -173,6 +174,7 @@ void ReturnTerminal() {
     if (state.ended && before.sa_handler != SIG_IGN) before.sa_handler = SIG_DFL;
     (void)sigaction(number, &before, nullptr);
   }
+  (void)sigaltstack(&state.stack, nullptr);
   state.pause = nullptr;
 }
 

@@ -24,7 +24,7 @@ void Json::WriteText(std::string_view text, bool key) {
     rapidjson::Writer<rapidjson::StringBuffer, rapidjson::UTF8<>, rapidjson::ASCII<>> ascii(buffer);
     ascii.String(written.data(), SizeOf(written));
     std::string escaped(buffer.GetString(), buffer.GetSize());
-    for (std::size_t at = 0; (at = escaped.find('\x7f', at)) != std::string::npos;) escaped.replace(at, 1, "\\u007f");
+    for (std::size_t at = 0; (at = escaped.find('\x7f', at)) != std::string::npos;) escaped.replace(at, 1, "\\u007F");
     writer_.RawValue(escaped.data(), escaped.size(), rapidjson::kStringType);
   } else if (key) {
     writer_.Key(written.data(), SizeOf(written));

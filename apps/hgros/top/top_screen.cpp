@@ -20,7 +20,7 @@ constexpr std::string_view kKeys =
 Up, Down, PgUp, PgDn, Home, End
                      Select a row
 Enter                All about the selected row; Esc goes back
-/                    Show only rows with a text: type it, then Enter; Esc shows all again
+/                    Show only rows with a text; Esc shows all again
 Left, Right, < or >  Sort by another column
 N  P  M  T  W  D     Sort by name, CPU time, memory, run time, wait, drops
 H  B                 Sort by rate in Hz, bandwidth
@@ -28,11 +28,13 @@ R                    Reverse the order
 h, F1 or ?           These keys
 q or Ctrl-C          End
 
-CPU      CPU time of the session's process, in percent of one core. Sessions of one process have the same.
-RUN      Time in callbacks, in percent of the time. Several callbacks at once exceed 100 %.
-WAIT     From publish to the start of the callback: 99 of 100 messages waited at most this long since the start.
-DROPS/S  Messages per second that were pushed out of full queues, refused or lost. DROPPED counts all.
-OUT, IN  Messages per second that are published, and that come from other sessions.
+CPU      CPU time of the session's process, in percent of one core.
+RUN      Time in callbacks, in percent; several at once exceed 100 %.
+WAIT     From publish to the start of the callback, since the beginning:
+         99 of 100 messages waited at most so long (P99).
+DROPS/S  Messages per second that were pushed out of full queues, refused
+         or lost. DROPPED counts all since the beginning.
+OUT, IN  Messages per second that are published, or come from other sessions.
 QUEUE    Messages that wait now.
 A dim row belongs to a session that sends no counters.
 )";
@@ -87,7 +89,14 @@ TopScreen::TopScreen(TopKind kind, std::function<std::string(const TopRow&)> det
       lists_{TopList(TopKind::kSessions), TopList(TopKind::kNodes), TopList(TopKind::kChannels)},
       current_(static_cast<std::size_t>(kind)) {}
 
+void TopScreen::Tell(std::string sentence) {
+  constexpr int kShows = 5;
+  told_ = std::move(sentence);
+  told_for_ = kShows;
+}
+
 void TopScreen::Show(const Activity& activity) {
+  if (told_for_ > 0 && --told_for_ == 0) told_.clear();
   for (TopList& one : lists_) one.Show(activity.Rows(one.kind()));
   if (page_ != Page::kDetails) return;
   const std::vector<TopRow>& rows = activity.Rows(list().kind());
@@ -226,17 +235,22 @@ std::vector<Span> TopScreen::TitleLine() const {
   return spans;
 }
 
-std::vector<Span> TopScreen::LastLine() const {
-  if (!told_.empty()) return {{told_, Style::kYellow}};
+std::vector<Span> TopScreen::LastLine(std::size_t width) const {
+  if (!told_.empty()) return {{Shortened(told_, width), Style::kYellow}};
   if (typing_)
     return {{"Only rows with: "}, {filter_, Style::kBold}, {" ", Style::kPlain, true}, {"  Esc All  Enter Done"}};
   std::vector<Span> spans;
   using KeyText = std::pair<const char*, const char*>;
   const std::vector<KeyText> keys =
-      page_ == Page::kList
-          ? std::vector<KeyText>{{"q", "Quit"},   {"h", "Help"},    {"Tab", "List"},      {"/", "Filter"},
-                                 {"< >", "Sort"}, {"R", "Reverse"}, {"Enter", "Details"}, {"Esc", "All"}}
-          : std::vector<KeyText>{{"Esc", "Back"}, {"Up Down PgUp PgDn Left Right", "Move"}};
+      page_ == Page::kList ? std::vector<KeyText>{{"q", "Quit"},
+                                                  {"h", "Help"},
+                                                  {"Tab", kListNames[(current_ + 1) % lists_.size()]},
+                                                  {"/", "Filter"},
+                                                  {"< >", "Sort"},
+                                                  {"R", "Reverse"},
+                                                  {"Enter", "Details"},
+                                                  {"Esc", "All"}}
+                           : std::vector<KeyText>{{"Esc", "Back"}, {"Up Down PgUp PgDn Left Right", "Move"}};
   for (const auto& [key, text] : keys) {
     if (std::string_view(text) == "All" && filter_.empty()) continue;
     spans.push_back({key, Style::kBold});
@@ -320,7 +334,7 @@ Picture TopScreen::Draw(int columns, int lines) {
   }
   if (last) {
     picture.lines.resize(height - 1);
-    AddLine(picture, LastLine(), width);
+    AddLine(picture, LastLine(width), width);
   }
   picture.lines.resize(height);
   return picture;

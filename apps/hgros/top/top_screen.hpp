@@ -25,8 +25,8 @@ class TopScreen {
 
   /// Takes the newest rows.
   void Show(const Activity& activity);
-  /// A sentence that is shown in the last line until the next key is pressed.
-  void Tell(std::string sentence) { told_ = std::move(sentence); }
+  /// A sentence that is shown in the last line until the next key is pressed, or until Show() was called five times.
+  void Tell(std::string sentence);
   /// False: the user wants to end.
   [[nodiscard]] bool Press(const KeyPress& press);
   /// At most so large.
@@ -47,7 +47,7 @@ class TopScreen {
   [[nodiscard]] bool Command(const std::string& key);
 
   [[nodiscard]] std::vector<Span> TitleLine() const;
-  [[nodiscard]] std::vector<Span> LastLine() const;
+  [[nodiscard]] std::vector<Span> LastLine(std::size_t width) const;
   void DrawList(Picture& picture, std::size_t width, std::size_t height);
   void DrawText(Picture& picture, std::size_t width, std::size_t height);
 
@@ -59,6 +59,7 @@ class TopScreen {
   bool typing_ = false;
   std::string filter_;
   std::string told_;
+  int told_for_ = 0;        // Calls of Show().
   std::size_t window_ = 1;  // Lines of the list or the text at the last Draw().
 
   TopRow opened_;                  // Whose details are shown.

@@ -53,7 +53,7 @@ TEST(MessageText, WritesNestedMessagesAndLists) {
 TEST(MessageText, JsonHasNoControlCharacters) {
   Json json;
   json.Value("a\x1b\x7f\xc2\x9b\xe2\x80\xae\n");
-  EXPECT_EQ(json.text(), R"("a\u001B\u007f\u009B\u202E\n")");
+  EXPECT_EQ(json.text(), R"("a\u001B\u007F\u009B\u202E\n")");
 }
 
 TEST(MessageText, QuotesTextsThatYamlWouldReadAsSomethingElse) {

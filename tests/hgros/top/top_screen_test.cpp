@@ -147,6 +147,21 @@ TEST(TopScreen, FitsEveryWindow) {
   }
 }
 
+TEST(TopScreen, ShowsASentenceForAWhileOrUntilTheNextKey) {
+  TopScreen screen = ScreenWith({"scan"});
+  const Activity activity = ActivityWith({"scan"});
+  screen.Tell("a session does not answer");
+  EXPECT_THAT(All(screen), HasSubstr("\na session does not answer\n"));
+  EXPECT_THAT(All(screen, 12), HasSubstr("\na session...\n"));
+  for (int i = 0; i < 4; ++i) screen.Show(activity);
+  EXPECT_THAT(All(screen), HasSubstr("does not answer"));
+  screen.Show(activity);
+  EXPECT_THAT(All(screen), Not(HasSubstr("does not answer")));
+  screen.Tell("again");
+  (void)screen.Press({Key::kDown});
+  EXPECT_THAT(All(screen), Not(HasSubstr("again")));
+}
+
 TEST(TopScreen, SaysThatNothingIsThere) {
   TopScreen screen = ScreenWith({});
   EXPECT_THAT(All(screen), HasSubstr("No session is there."));

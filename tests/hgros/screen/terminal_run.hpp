@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "hgros/screen_text.hpp"
+#include "hgros/screen/screen_text.hpp"
 #include "support/await.hpp"
 
 namespace hgros::cli {

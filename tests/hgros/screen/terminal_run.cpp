@@ -1,4 +1,4 @@
-#include "hgros/terminal_run.hpp"
+#include "hgros/screen/terminal_run.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,4 +1,4 @@
-#include "hgros/screen_text.hpp"
+#include "hgros/screen/screen_text.hpp"
 
 #include <algorithm>
 #include <cstdlib>

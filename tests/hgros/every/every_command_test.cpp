@@ -1,0 +1,139 @@
+// Every command in situations that no command is made for.
+#include "hgros/every/every_command.hpp"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/command_run.hpp"
+#include "hgros/every/everything.hpp"
+#include "hgros/run_time_types.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using foxglove::Log;
+
+TEST(EveryCommand, EndsWithASentenceWhenNothingRuns) {
+  const std::map<std::string, std::string> nobody{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
+  const auto runs = RunsOfEveryCommand();
+  for (const FinishedRun& run : Finish(runs, Start(runs, nobody))) ExpectGoodEnd(run);
+}
+
+TEST(EveryCommand, EndsWithASentenceWhenTheSessionDiesWhileItIsAsked) {
+  const std::map<std::string, std::string> environment{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
+  const CommandRun victim({}, environment, -1, HGROS_EVERYTHING);
+  for (const char* what : {"channels", "services", "params"}) {
+    ASSERT_TRUE(test::Await([&] { return !RunToEnd({"list", what}, environment).out.empty(); })) << victim.err();
+  }
+  victim.Signal(SIGSTOP);
+  const auto runs = RunsOfEveryCommand();
+  auto started = Start(runs, environment);
+  test::Linger(std::chrono::milliseconds(500));
+  victim.Signal(SIGKILL);
+  for (const FinishedRun& run : Finish(runs, std::move(started))) ExpectGoodEnd(run);
+}
+
+TEST(EveryCommand, ShowsNothingRawThatARobotHasChosen) {
+  const std::string escapes = "\x1b]0;owned\x07\x1b[31m\xC2\x9B\x7F\xE2\x80\xAE\xFF\r\n";
+  RobotForCommands robot("robot");
+  const Everything everything(robot.session(), escapes);
+  const auto grip = std::make_shared<const std::string>(GripBytes(1, "a\x1b[31m"));
+  const NodeTimer timer = robot.session().CreateTimer("grip", std::chrono::milliseconds(20), [&](const Tick&) {
+    (void)robot.session().ToAnyRaw("grip", GripSchema(), {AsBytes(*grip), grip});
+  });
+  robot.AwaitAnnounced();
+  auto runs = RunsOfEveryCommand();
+  runs.push_back({"echo", "--timeout", "3", "--once", "grip"});
+  std::size_t shown = 0;
+  for (const FinishedRun& run : Finish(runs, Start(runs, robot.environment()))) {
+    ExpectGoodEnd(run);
+    const std::string all = run.out + run.err;
+    const auto [raw, shown_as] = std::ranges::mismatch(all, VisibleLines(all));
+    EXPECT_EQ(raw, all.end()) << testing::PrintToString(run.words) << " writes byte " << int(*raw) << " raw.";
+    if (run.out.find("owned") != std::string::npos) ++shown;
+  }
+  EXPECT_GT(shown, 8U) << "The names were there to be shown.";
+}
+
+// 7,500 fields with long names in types that are nested: almost 1 MiB, which is the most that a schema may have.
+MessageSchema HugeSchema() {
+  using google::protobuf::FieldDescriptorProto;
+  google::protobuf::FileDescriptorSet set;
+  auto& file = *set.add_file();
+  file.set_name("huge.proto");
+  file.set_package("huge");
+  file.set_syntax("proto3");
+  constexpr int kTypes = 50;
+  constexpr int kFields = 150;
+  for (int i = 0; i < kTypes; ++i) {
+    auto& type = *file.add_message_type();
+    type.set_name("Type" + std::to_string(i));
+    for (int j = 1; j <= kFields; ++j) {
+      auto& field = *type.add_field();
+      field.set_name("field" + std::to_string(j) + "_" + std::string(90, 'x'));
+      field.set_number(j);
+      field.set_label(FieldDescriptorProto::LABEL_OPTIONAL);
+      field.set_type(j == kFields ? FieldDescriptorProto::TYPE_MESSAGE : FieldDescriptorProto::TYPE_STRING);
+      if (j == kFields) field.set_type_name(".huge.Type" + std::to_string((i + 1) % kTypes));
+    }
+  }
+  return {"huge.Type0", Encoding::kProtobuf, 0, set.SerializeAsString()};
+}
+
+// Its messages have 4 MB, and come as fast as they can.
+TEST(EveryCommand, EndsInTimeBesideAHugeTypeAndEndlessMessages) {
+  RobotForCommands robot("robot");
+  const Everything everything(robot.session(), "");
+  const auto bytes = std::make_shared<std::string>("\x0A\x80\x80\x80\x02");  // Field 1, 4 MiB.
+  bytes->append(4 << 20, 'm');
+  const RawPublisher publish = robot.session().AdvertiseRaw("huge", HugeSchema());
+  const NodeTimer timer = robot.session().CreateTimer("huge", std::chrono::milliseconds(1), [&](const Tick&) {
+    (void)publish({AsBytes(*bytes), bytes});
+  });
+  ASSERT_TRUE(test::Await([&] { return robot.Run({"list"}).out.find("huge.Type0") != std::string::npos; }));
+  const std::vector<std::vector<std::string>> runs{
+      {"list"},
+      {"info", "huge"},
+      {"echo", "huge", "--once"},
+      {"echo", "huge", "--once", "--json", "--field", "field2_" + std::string(90, 'x')},
+      {"echo", "huge", "--timeout", "1", "--filter", "field1_" + std::string(90, 'x') + " == \"no\""},
+      {"echo", "huge", "--once", "--csv"},
+      {"echo", "huge", "-n", "3", "--raw"},
+      {"hz", "huge", "--once", "--receive"},
+      {"schema", "huge"},
+      {"schema", "huge.Type0", "--json"},
+      {"pub", "huge", "{field2_" + std::string(90, 'x') + ": hello}"},
+      {"pub", "huge", "{nothing: 1}"},
+      {"top", "channels", "--once"},
+      {"graph"},
+      {"doctor"}};
+  for (const FinishedRun& run : Finish(runs, Start(runs, robot.environment()))) ExpectGoodEnd(run);
+}
+
+TEST(EveryCommand, EndsInTimeBesideTenThousandChannels) {
+  RobotForCommands robot("robot");
+  const Everything everything(robot.session(), "");
+  std::vector<Publisher<Log>> publishers;
+  for (int i = 0; i < 10'000; ++i) {
+    publishers.push_back(robot.session().Advertise<Log>("part/of/a/large/robot" + std::to_string(i)));
+  }
+  ASSERT_TRUE(test::Await([&] {
+    return LinesOf(RunToEnd({"list", "--timeout", "5"}, robot.environment()).out).size() > 10'000;
+  }));
+  const auto runs = RunsOfEveryCommand("5", false);
+  for (const FinishedRun& run : Finish(runs, Start(runs, robot.environment()))) ExpectGoodEnd(run);
+}
+
+}  // namespace
+}  // namespace hgros::cli
