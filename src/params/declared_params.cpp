@@ -34,6 +34,23 @@ void RequireBounds(const ParamInfo& info, const ParamView& value) {
 
 }  // namespace
 
+std::string DeclaredParams::TypeOf(const Entry& entry) {
+  const ParamNode& node = *entry.fallback;
+  if (node.kind == ParamNode::Kind::kList) return "list";
+  if (node.kind == ParamNode::Kind::kMap) return "map";
+  if (node.kind != ParamNode::Kind::kText) return {};
+  if (node.quoted) return "text";
+  if (scalar::Boolean(node.text)) return "bool";
+  if (scalar::Integer(node.text)) return "integer";
+  if (scalar::Number(node.text)) return "number";
+  try {
+    (void)params_detail::ReadDuration(ParamView(entry.fallback, entry.path));
+    return "duration";
+  } catch (const ParamError&) {
+    return "text";
+  }
+}
+
 const DeclaredParams::Entry* DeclaredParams::Find(const ParamPath& path) const {
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.path == path; });
   return found == entries_.end() ? nullptr : &*found;

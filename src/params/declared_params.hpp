@@ -20,6 +20,8 @@ class DeclaredParams {
     std::function<void(const ParamView&)> check;  // throws ParamError
   };
 
+  // Of the default: "number", "text" and so on.
+  [[nodiscard]] static std::string TypeOf(const Entry& entry);
   // Null if there is none.
   [[nodiscard]] const Entry* Find(const ParamPath& path) const;
   void Add(Entry entry) { entries_.push_back(std::move(entry)); }

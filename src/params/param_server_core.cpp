@@ -11,6 +11,7 @@
 #include "hgros/base/system_limits.hpp"
 #include "hgros/yaml/document.hpp"
 #include "params/yaml_edit.hpp"
+#include "params/yaml_writing.hpp"
 
 namespace hgros {
 namespace {
@@ -119,7 +120,8 @@ std::vector<ParamDeclaration> ParamServer::Core::Declarations() const {
   const std::scoped_lock lock(mutex_);
   std::vector<ParamDeclaration> declarations;
   for (const DeclaredParams::Entry& entry : declared_.entries()) {
-    declarations.push_back({entry.path.ToString(), entry.info});
+    declarations.push_back(
+        {entry.path.ToString(), entry.info, DeclaredParams::TypeOf(entry), yaml_writing::Inline(*entry.fallback)});
   }
   return declarations;
 }

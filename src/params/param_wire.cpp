@@ -35,6 +35,8 @@ void WriteDeclarations(const std::vector<ParamDeclaration>& declarations, Params
     if (info.most) to.set_most(*info.most);
     for (const std::string& choice : info.choices) to.add_choices(choice);
     to.set_read_only(info.read_only);
+    to.set_type(declaration.type);
+    to.set_fallback(declaration.fallback);
   }
 }
 
@@ -49,6 +51,8 @@ std::vector<ParamDeclaration> ReadDeclarations(const ParamsState& state) {
     if (from.has_most()) to.info.most = from.most();
     to.info.choices.assign(from.choices().begin(), from.choices().end());
     to.info.read_only = from.read_only();
+    to.type = from.type();
+    to.fallback = from.fallback();
   }
   return declarations;
 }

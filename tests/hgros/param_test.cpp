@@ -111,11 +111,13 @@ TEST_F(HgrosParam, CreatesAParameterOnlyIfAsked) {
 
 TEST_F(HgrosParam, DescribesWhatIsDeclared) {
   const CommandEnd end = robot_.Run({"param", "describe", "robot", "matcher"});
-  EXPECT_THAT(LinesOf(end.out), ElementsAre("PARAMETER       VALUE  UNIT  RANGE     DESCRIPTION",
-                                            "matcher.range   8.0    m     0 to 30   how far the laser sees",
-                                            "matcher.method  icp          icp, ndt"));
+  EXPECT_THAT(LinesOf(end.out),
+              ElementsAre("PARAMETER       VALUE  DEFAULT  UNIT  TYPE    RANGE     DESCRIPTION",
+                          "matcher.range   8.0    8.0      m     number  0 to 30   how far the laser sees",
+                          "matcher.method  icp    icp            text    icp, ndt"));
   EXPECT_EQ(robot_.Run({"param", "describe", "matcher.range", "--json"}).out,
-            "{\"session\":\"robot\",\"path\":\"matcher.range\",\"value\":8,\"unit\":\"m\",\"least\":0,\"most\":30,"
+            "{\"session\":\"robot\",\"path\":\"matcher.range\",\"value\":8,\"default\":8,\"unit\":\"m\","
+            "\"type\":\"number\",\"least\":0,\"most\":30,"
             "\"choices\":[],\"read_only\":false,\"description\":\"how far the laser sees\"}\n");
 }
 

@@ -25,6 +25,24 @@ TEST_F(ParamServerTest, DeclaredParametersHaveTheirDefaultOrTheFilesValue) {
   EXPECT_EQ(params.Declarations()[0].info.unit, "m");
 }
 
+TEST_F(ParamServerTest, DeclarationsTellTypeAndDefault) {
+  ParamServer params;
+  params.Declare("a", 5.0);
+  params.Declare("b", 5);
+  params.Declare("c", true);
+  params.Declare("d", std::string("5"));
+  params.Declare("e", std::string("icp"));
+  params.Declare("f", std::chrono::milliseconds(250));
+  params.Declare("g", std::vector{1, 2});
+  params.Declare("h", std::map<std::string, int>{{"x", 1}});
+  std::vector<std::pair<std::string, std::string>> told;
+  for (const ParamDeclaration& one : params.Declarations()) told.emplace_back(one.type, one.fallback);
+  const std::vector<std::pair<std::string, std::string>> expected{
+      {"number", "5.0"}, {"integer", "5"},      {"bool", "true"},   {"text", "\"5\""},
+      {"text", "icp"},   {"duration", "\"250ms\""}, {"list", "[1, 2]"}, {"map", "{x: 1}"}};
+  EXPECT_EQ(told, expected);
+}
+
 TEST_F(ParamServerTest, DeclarationErrorNamesThePositionInTheFile) {
   const auto file = Write("robot.yaml", "matcher:\n  range: 80\n  name: 5\n");
   ParamServer params({{file}});

@@ -89,6 +89,8 @@ void UseFrom(Session& session) {
   EXPECT_EQ(described->at(0).path, "slam.matcher.range");
   const ParamInfo range{.description = "how far the laser sees", .unit = "m", .least = 0, .most = 30};
   EXPECT_EQ(described->at(0).info, range);
+  EXPECT_EQ(described->at(0).type, "number");
+  EXPECT_EQ(described->at(0).fallback, "1.0");
   EXPECT_THAT(described->at(1).info.choices, ElementsAre("icp", "ndt"));
   EXPECT_TRUE(params.Describe("a")->empty());
 }

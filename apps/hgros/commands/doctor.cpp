@@ -57,6 +57,9 @@ Evidence Doctor::Look(Robot& robot) const {
       for (const ChannelUser& user : *users) evidence.names.emplace(user.session, ShortName(user, false));
     }
   }
+  for (const auto& [session, snapshot] : evidence.after) {
+    evidence.names.emplace(session, snapshot->process() + ":" + std::to_string(snapshot->pid()));
+  }
   for (const PeerInfo& peer : robot.session().Peers()) {
     if (peer.transport == "shared memory") {
       evidence.here.insert(peer.id);
@@ -106,6 +109,7 @@ int Doctor::Run(Surroundings& surroundings) {
   const Evidence evidence = Look(robot);
   Findings findings;
   CheckChannels(evidence, findings);
+  CheckForbidden(evidence, findings);
   CheckNodes(evidence, findings);
   CheckSessions(evidence, findings);
   CheckSystem(evidence, findings);

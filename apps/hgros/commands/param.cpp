@@ -114,7 +114,8 @@ class ParamDescribe final : public Command {
     options_.Declare(arguments);
   }
   [[nodiscard]] std::string Description() const override {
-    return "Shows what the program has declared about its parameters: value, unit, range, choices and meaning.";
+    return "Shows what the program has declared about its parameters: value, default, unit, type, range, choices and "
+           "meaning.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros param describe robot matcher.range", "Explains one parameter."},
@@ -134,6 +135,17 @@ std::string RangeText(const ParamInfo& info) {
   return info.most ? fmt::format("up to {}", *info.most) : "";
 }
 
+// The default that a session tells; empty for one of an older version.
+Cell Default(const ParamDeclaration& declaration, std::size_t most_characters) {
+  if (declaration.fallback.empty()) return {};
+  try {
+    const ParamServer reader({.overrides = {{"value", declaration.fallback, "the default of " + declaration.path}}});
+    return CellOf(reader["value"].node(), most_characters);
+  } catch (const Error&) {
+    return declaration.fallback;
+  }
+}
+
 int ParamDescribe::Run(Surroundings& surroundings) {
   Robot robot(options_, surroundings);
   const Place place = PlaceOf(robot, first_, second_);
@@ -145,13 +157,15 @@ int ParamDescribe::Run(Surroundings& surroundings) {
                                           : "The program does not declare " + view.path().ToString() + ".");
   }
   const ParamView all = params.Snapshot();
-  constexpr std::size_t kMostCharacters = 24;
+  const std::size_t most_characters = options_.style.exact ? std::size_t(-1) : 24;
   const auto bound = [](const std::optional<double>& value) { return value ? Cell(*value, {}) : Cell(); };
   Records records(surroundings.console, options_.style,
                   {{"session", ""},
                    {"path", "PARAMETER"},
                    {"value", "VALUE"},
+                   {"default", "DEFAULT"},
                    {"unit", "UNIT"},
+                   {"type", "TYPE"},
                    {"least", ""},
                    {"most", ""},
                    {"choices", ""},
@@ -163,10 +177,9 @@ int ParamDescribe::Run(Surroundings& surroundings) {
     std::string range = RangeText(info);
     for (const std::string& choice : info.choices) range += (range.empty() ? "" : ", ") + Visible(choice);
     if (info.read_only) range += range.empty() ? "read only" : "; read only";
-    records.Add({params.name(), one.path,
-                 CellOf(all.At(one.path).node(), options_.style.exact ? std::size_t(-1) : kMostCharacters), info.unit,
-                 bound(info.least), bound(info.most), info.choices, info.read_only, Cell(std::string(), range),
-                 info.description});
+    records.Add({params.name(), one.path, CellOf(all.At(one.path).node(), most_characters),
+                 Default(one, most_characters), info.unit, one.type, bound(info.least), bound(info.most), info.choices,
+                 info.read_only, Cell(std::string(), range), info.description});
   }
   records.End();
   return kDone;

@@ -51,6 +51,17 @@ void CheckTypes(const KnownChannel& channel, Findings& findings) {
   }
 }
 
+// A published channel whose name differs by a typing error; null: none was found in `comparisons`, which it reduces.
+const KnownChannel* PublishedLike(const Evidence& evidence, const std::string& name, std::size_t& comparisons) {
+  for (const KnownChannel& one : evidence.channels) {
+    if (one.publishers.empty() || IsInternal(one.name)) continue;
+    if (comparisons == 0) return nullptr;
+    --comparisons;
+    if (DifferByATypingError(name, one.name)) return &one;
+  }
+  return nullptr;
+}
+
 void CheckEnds(const Evidence& evidence, Findings& findings) {
   const auto without = [&](auto KnownChannel::*missing, auto KnownChannel::*present) {
     std::vector<const KnownChannel*> found;
@@ -66,9 +77,10 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
     return before != evidence.channels_before.end() && before->name == now.name && ((*before).*missing).empty();
   };
   constexpr std::size_t kMostCompared = 200;  // Each is compared with each.
+  std::size_t comparisons = 1'000'000;
   const auto unheard = without(&KnownChannel::subscribers, &KnownChannel::publishers);
   for (const KnownChannel* wanted : without(&KnownChannel::publishers, &KnownChannel::subscribers)) {
-    if (!was_so(*wanted, &KnownChannel::publishers)) continue;
+    if (!was_so(*wanted, &KnownChannel::publishers) || IsKeptFromOthers(evidence, wanted->name)) continue;
     const auto compared = std::span(unheard).first(std::min(unheard.size(), kMostCompared));
     const auto like = std::ranges::find_if(
         compared, [&](const KnownChannel* other) { return DifferByATypingError(wanted->name, other->name); });
@@ -79,10 +91,18 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
                "{} subscribes to \"{}\", which nobody publishes. {} publishes \"{}\", to which nobody subscribes.",
                Names(wanted->subscribers), wanted->name, Names((*like)->publishers), (*like)->name),
            "One of the two names is probably misspelled."});
+      continue;
+    }
+    const std::string nobody =
+        fmt::format("Nobody publishes \"{}\", to which {} subscribes.", wanted->name, Names(wanted->subscribers));
+    const KnownChannel* near = PublishedLike(evidence, wanted->name, comparisons);
+    if (near != nullptr) {
+      findings.push_back({Severity::kWarning, "name",
+                          fmt::format("{} {} publishes \"{}\".", nobody, Names(near->publishers), near->name),
+                          "The name is probably misspelled."});
     } else {
       findings.push_back(
-          {Severity::kWarning, "publisher",
-           fmt::format("Nobody publishes \"{}\", to which {} subscribes.", wanted->name, Names(wanted->subscribers)),
+          {Severity::kWarning, "publisher", nobody,
            "Start its publisher, or let its messages pass: lists of channels at endpoints, domain, host."});
     }
   }

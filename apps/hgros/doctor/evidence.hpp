@@ -32,9 +32,13 @@ struct Evidence {
 
 // One for each subject; each adds what it finds.
 void CheckChannels(const Evidence& evidence, Findings& findings);
+void CheckForbidden(const Evidence& evidence, Findings& findings);
 void CheckNodes(const Evidence& evidence, Findings& findings);
 void CheckSessions(const Evidence& evidence, Findings& findings);
 /// Also reads /proc and /sys, and the folders of the registry.
 void CheckSystem(const Evidence& evidence, Findings& findings);
+
+/// Whether a session that uses the channel keeps it from leaving or entering.
+[[nodiscard]] bool IsKeptFromOthers(const Evidence& evidence, const std::string& channel);
 
 }  // namespace hgros::cli

@@ -1,4 +1,5 @@
 // Limits of this host and of the processes on it, and other sessions that this command does not meet.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -113,6 +114,18 @@ void CheckGovernor(Findings& findings) {
                       "cpupower frequency-set -g performance, or schedutil."});
 }
 
+// Whether the session of this file has ended: its process no longer locks it. No, if that is not known.
+bool IsStale(const fs::path& file) {
+  const int fd = open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return false;
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  const bool known = fcntl(fd, F_OFD_GETLK, &lock) == 0;
+  close(fd);
+  return known && lock.l_type == F_UNLCK;
+}
+
 // Folders of the registry as docs/deployment.md names them: FOLDER/DOMAIN/SESSION.
 void CheckOtherDomains(Findings& findings) {
   std::set<fs::path> folders;
@@ -129,8 +142,16 @@ void CheckOtherDomains(Findings& findings) {
       const std::string name = domain.path().filename().string();
       if (name.starts_with('.') || !domain.is_directory(error) || domain.is_symlink(error)) continue;
       std::size_t sessions = 0;
+      std::size_t stale = 0;
       for (const auto& file : fs::directory_iterator(domain.path(), error)) {
-        sessions += file.path().filename().string().find_first_not_of("0123456789abcdef") == std::string::npos ? 1 : 0;
+        if (file.path().filename().string().find_first_not_of("0123456789abcdef") != std::string::npos) continue;
+        ++(IsStale(file.path()) ? stale : sessions);
+      }
+      if (stale > 0) {
+        findings.push_back(
+            {Severity::kNote, "registry",
+             fmt::format("Files of sessions that have ended are left in {} ({}).", domain.path().string(), stale),
+             "The next session of that user there removes them."});
       }
       struct stat status {};
       const bool foreign = stat(folder.c_str(), &status) == 0 && status.st_uid != geteuid();

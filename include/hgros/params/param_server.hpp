@@ -32,6 +32,8 @@ struct ParamInfo {
 struct ParamDeclaration {
   std::string path;
   ParamInfo info;
+  std::string type = {};      ///< "bool", "integer", "number", "duration", "text", "list" or "map", as the default is.
+  std::string fallback = {};  ///< The default, as YAML. Both are empty if the session's version does not tell them.
 };
 
 /// A parameter to set, or to remove if it has no value; a declared parameter then returns to its default.

@@ -101,6 +101,14 @@ TEST_F(DoctorChecks, NameMisspelledAndMissingChannels) {
                                               "Nobody publishes \"goal\", to which listener:2 subscribes."));
 }
 
+TEST_F(DoctorChecks, NameAMisspelledChannelThatOthersHear) {
+  AddChannel("scan_front", true, true);
+  AddChannel("scan_frotn", false, true);
+  EXPECT_THAT(Say(CheckChannels),
+              ElementsAre("Nobody publishes \"scan_frotn\", to which listener:2 subscribes. talker:1 "
+                          "publishes \"scan_front\"."));
+}
+
 TEST_F(DoctorChecks, NameWhoLosesMessagesNow) {
   AddChannel("scan", true, true).subscribers[0].lossless = true;
   const auto [before, after] = Count(1, "scan");
@@ -162,6 +170,47 @@ TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
   node.set_queued(0);
   node.set_failed(2);
   EXPECT_THAT(Say(CheckNodes), ElementsAre(HasSubstr("ends with exceptions (2 since the last look)")));
+}
+
+TEST_F(DoctorChecks, NameForbiddenChannelsAndListsOfEndpoints) {
+  AddChannel("scan", true, true);
+  Snapshot::Channel& scan = *Count(1, "scan").second;
+  scan.set_not_leaving("Channel \"scan\" is published, but does not leave this host: no publisher endpoint has it.");
+  EXPECT_THAT(
+      Say(CheckForbidden),
+      ElementsAre(
+          "talker:1 publishes \"scan\", to which listener:2 subscribes, but no message passes. Channel \"scan\" is "
+          "published, but does not leave this host: no publisher endpoint has it."));
+  Snapshot::Peer& peer = *const_cast<Snapshot&>(*evidence.after[SessionId{1}]).add_peers();
+  peer.set_session(2);
+  peer.set_transport("shared memory");
+  EXPECT_THAT(Say(CheckForbidden), IsEmpty());
+  scan.set_not_leaving("Channel \"scan\" is forbidden in this session: it neither leaves nor enters it.");
+  EXPECT_THAT(
+      Say(CheckForbidden),
+      ElementsAre("talker:1 publishes \"scan\", to which listener:2 subscribes, but no message passes. In talker:1: "
+                  "Channel \"scan\" is forbidden in this session: it neither leaves nor enters it."));
+}
+
+TEST_F(DoctorChecks, NameChannelsThatBothEndsForbidOnce) {
+  Count(1, "scan").second->set_not_leaving("Channel \"scan\" is forbidden in this session: it stays.");
+  Count(2, "scan").second->set_not_entering("Channel \"scan\" is forbidden in this session: it stays.");
+  EXPECT_THAT(Say(CheckForbidden),
+              ElementsAre(HasSubstr("talker:1 publishes \"scan\", to which listener:2 subscribes"),
+                          HasSubstr("listener:2 subscribes to \"scan\", which talker:1 publishes")));
+  AddChannel("scan", false, true);  // A forbidden channel is not announced by its publisher.
+  EXPECT_THAT(Say(CheckChannels), IsEmpty());
+}
+
+TEST_F(DoctorChecks, NameClosedChannelsWhoseNodesHearNothing) {
+  const auto [before, after] = Count(1, "scan");
+  after->add_nodes()->set_name("match");
+  after->set_closed(true);
+  EXPECT_THAT(Say(CheckForbidden), IsEmpty()) << "nothing is published";
+  after->set_published(10);
+  EXPECT_THAT(Say(CheckForbidden), ElementsAre(HasSubstr("the channel is closed there: its match gets nothing.")));
+  after->set_received(10);
+  EXPECT_THAT(Say(CheckForbidden), IsEmpty()) << "another session sends the messages";
 }
 
 TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
