@@ -34,13 +34,14 @@ std::shared_ptr<ChannelOutlet> OutboundChannels::Open(
 }
 
 std::shared_ptr<ChannelOutlet> OutboundChannels::OpenForService(const std::string& channel, const TypeInfo& type,
-                                                                OutletEvents events) {
+                                                                OutletEvents events, bool promises) {
   const std::scoped_lock lock(mutex_);
   // An outlet that is opened again numbers its messages from 1, so it needs a later incarnation of the publisher.
   MessageId publisher = publisher_;
   publisher.incarnation = last_incarnation_ =
       std::max(last_incarnation_ + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
   auto outlet = std::make_shared<ChannelOutlet>(channel, type, publisher, log_, std::move(events), clocks_);
+  if (!promises) outlet->PromiseNothing();
   if (bridge_ != nullptr) outlet->Join(*bridge_);
   service_outlets_.push_back(outlet);
   return outlet;

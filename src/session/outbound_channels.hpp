@@ -32,7 +32,9 @@ class OutboundChannels {
   std::shared_ptr<ChannelOutlet> Open(const std::string& channel, const TypeInfo& type,
                                       const std::function<OutletEvents()>& events,
                                       const std::function<void(const std::shared_ptr<ChannelOutlet>&)>& wire);
-  std::shared_ptr<ChannelOutlet> OpenForService(const std::string& channel, const TypeInfo& type, OutletEvents events);
+  // `promises`: whether subscribers may be lossless.
+  std::shared_ptr<ChannelOutlet> OpenForService(const std::string& channel, const TypeInfo& type, OutletEvents events,
+                                                bool promises = true);
   void CloseForService(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet);
 
   // From now on, channels are published through `bridge`.

@@ -79,6 +79,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   }
 
   [[nodiscard]] ServicePlace& place() noexcept { return *this; }
+  [[nodiscard]] std::timed_mutex& asking() noexcept { return asking_; }
   [[nodiscard]] Services& services() noexcept { return *services_; }
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
@@ -157,6 +158,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the endpoints' lists.
   std::optional<MisspelledNames> misspelled_;
   ReservedNames reserved_;
+  std::timed_mutex asking_;  // Held while this session asks others to change something.
   std::shared_ptr<Services> services_;
   std::vector<Subscription> clock_nodes_;
 };

@@ -20,9 +20,7 @@ NetworkBridge& SessionCore::EnsureTransports() {
   snapshots_->outlet()->Join(*bridge_);
   inbound_->Join(*bridge_);
   if (!config_.control) return *bridge_;
-  const auto list = [this](const std::string& channel) {
-    for (const Way way : {Way::kOut, Way::kIn}) Allow(way, channel, true);
-  };
+  const auto list = [this](Way way, const std::string& channel) { Allow(way, channel, true); };
   steering_.emplace(
       *bridge_, Steering::Means{id_, log_, *graph_, outbound_, *inbound_, [this] { return Peers(); }, list, Later()});
   return *bridge_;

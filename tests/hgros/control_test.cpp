@@ -18,6 +18,8 @@
 
 #include "hgros/command_run.hpp"
 #include "hgros/help_examples.hpp"
+#include "hgros/proto_folder.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
 
@@ -99,6 +101,28 @@ TEST(HgrosControl, SaysWhoDoesNotTakeOrders) {
   const CommandEnd end = robot.Run({"control", "close", "scan"});
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.out, AllOf(HasSubstr("is closed"), HasSubstr("its configuration says `control: off`")));
+}
+
+// As between hosts: endpoints and keys, without discovery.
+TEST(HgrosControl, ReachesSessionsWithAnAllowedKeyThroughTheEndpointsOfAFile) {
+  const CurveKeyPair robots = GenerateCurveKeyPair();
+  const CurveKeyPair desks = GenerateCurveKeyPair();
+  const ProtoFolder folder;
+  const auto yaml = [&](const std::string& own, const CurveKeyPair& own_key, const std::string& other,
+                        const CurveKeyPair& other_key) {
+    const auto at = [&](const std::string& name) { return "'ipc://" + folder.path() + "/" + name + ".ipc'"; };
+    return "network:\n  publisher: {ip: " + at(own) + "}\n  subscribers: [{ip: " + at(other) + "}]\n  security:\n" +
+           "    public_key: '" + own_key.public_key + "'\n    secret_key: '" + own_key.secret_key + "'\n" +
+           "    allowed_clients: ['" + other_key.public_key + "']\n    servers: {" + at(other) + ": '" +
+           other_key.public_key + "'}\ndiscovery: {local: false}\n";
+  };
+  const std::string file = folder.Write("desk.yaml", yaml("desk", desks, "robot", robots));
+  Session robot(Config::Parse(yaml("robot", robots, "desk", desks)),
+                {.name = "talker", .log = [](LogLevel, std::string_view) {}});
+  const auto scan = robot.Advertise<Log>("scan");
+  const CommandEnd end = RunToEnd({"control", "close", "scan", "--config", file, "--timeout", "10"});
+  EXPECT_EQ(end.status, 0) << end.out << end.err;
+  EXPECT_THAT(end.out, HasSubstr("Channel \"scan\" is closed"));
 }
 
 TEST(HgrosControl, RefusesWrongArguments) {

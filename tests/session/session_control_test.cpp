@@ -69,9 +69,28 @@ TEST_F(SessionControl, NamesTheNearestChannelIfThereIsNone) {
               HasSubstr("does not use a channel of that name. Did you mean \"notes\"?"));
 }
 
-TEST_F(SessionControl, ForbiddenChannelLeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
-  Robot robot("");
-  Robot listener("", "listener");
+OutboundStats OutOf(const SessionSnapshot& snapshot) {
+  const auto notes = std::ranges::find(snapshot.traffic, "notes", &ChannelTraffic::channel);
+  return notes == snapshot.traffic.end() ? OutboundStats() : notes->out;
+}
+
+// The transport of the channel: shared_memory or zmq.
+class ForbiddenChannel : public test::DomainFixture, public testing::WithParamInterface<std::string> {
+ protected:
+  [[nodiscard]] std::string Rule() const { return "channels: {notes: {transports: [" + GetParam() + "]}}\n"; }
+  [[nodiscard]] std::string Publishing() const { return bus_.Publishing("robot") + Rule(); }
+  [[nodiscard]] std::string Subscribing() const { return bus_.Subscribing("robot") + Rule(); }
+
+ private:
+  test::Bus bus_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Transports, ForbiddenChannel, testing::Values("shared_memory", "zmq"),
+                         [](const auto& info) { return info.param == "zmq" ? "Zmq" : "SharedMemory"; });
+
+TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
+  Robot robot(Publishing());
+  Robot listener(Subscribing(), "listener");
   Robot desk("", "desk");
   Notes notes;
   test::Door door;
@@ -98,7 +117,7 @@ TEST_F(SessionControl, ForbiddenChannelLeavesNoSessionAndLosesNoAcceptedLossless
   EXPECT_FALSE(listener->WaitForPublishers("notes", 1, std::chrono::nanoseconds(0)));
   EXPECT_EQ(publish(Note("inside")), PublishStatus::kOk);
   const SessionSnapshot counted = robot->Snapshot();
-  EXPECT_EQ(counted.traffic.at(0).out.missed, 0U);
+  EXPECT_EQ(OutOf(counted).missed, 0U);
   EXPECT_THAT(counted.not_leaving.at("notes"), HasSubstr("forbidden"));
   EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
   ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
@@ -108,9 +127,9 @@ TEST_F(SessionControl, ForbiddenChannelLeavesNoSessionAndLosesNoAcceptedLossless
   EXPECT_THAT(robot->Snapshot().not_leaving, IsEmpty());
 }
 
-TEST_F(SessionControl, NoAcceptedMessageIsLostWhileAChannelIsForbiddenAndAllowedUnderTraffic) {
-  Robot robot("");
-  Robot listener("", "listener");
+TEST_P(ForbiddenChannel, LosesNoAcceptedMessageUnderTraffic) {
+  Robot robot(Publishing());
+  Robot listener(Subscribing(), "listener");
   Robot desk("", "desk");
   Notes notes;
   NodeOptions all;
@@ -132,15 +151,14 @@ TEST_F(SessionControl, NoAcceptedMessageIsLostWhileAChannelIsForbiddenAndAllowed
   }
   ends = true;
   talker.join();
-  const auto sent = [&] { return robot->Snapshot().traffic.at(0).out; };
-  EXPECT_EQ(sent().missed, 0U);
+  EXPECT_EQ(OutOf(robot->Snapshot()).missed, 0U);
   EXPECT_GT(published, notes.size());
   EXPECT_FALSE(listener.Said("did not arrive"));
 }
 
-TEST_F(SessionControl, ForbiddenChannelEntersNoSession) {
-  Robot robot("");
-  Robot listener("", "listener");
+TEST_P(ForbiddenChannel, EntersNoSession) {
+  Robot robot(Publishing());
+  Robot listener(Subscribing(), "listener");
   Robot desk("", "desk");
   Notes notes;
   const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
@@ -235,6 +253,19 @@ TEST_F(SessionControl, IsOffIfTheConfigurationSaysSo) {
   const auto publish = robot->Advertise<Note>("notes");
   EXPECT_FALSE(robot->Snapshot().steerable);
   EXPECT_FALSE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"), kShort).answered);
+}
+
+TEST_F(SessionControl, SeveralThreadsMayAsk) {
+  Robot robot("");
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<Note>("notes");
+  std::vector<std::thread> threads;
+  for (const char* channel : {"a", "b", "c"}) {
+    threads.emplace_back([&desk, &robot, channel] {
+      EXPECT_TRUE(Ask(desk, robot, ForChannel(ControlAction::kClose, channel)).answered);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
 }
 
 TEST_F(SessionControl, AnswersOfOthersComeIfOneSessionIsGone) {

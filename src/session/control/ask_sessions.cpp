@@ -107,7 +107,14 @@ std::vector<ControlAnswer> AskSessions(ServicePlace& place, SessionId self, std:
 std::vector<ControlAnswer> AskSessions(Session& session, std::span<const SessionId> sessions, const ControlOrder& order,
                                        std::chrono::nanoseconds timeout) {
   SessionCore& core = SessionParts(session).core();
-  return AskSessions(core.place(), core.id(), sessions, order, timeout);
+  const auto deadline = DeadlineIn(timeout);
+  const std::unique_lock one_at_a_time(core.asking(), deadline);  // The channel of requests is advertised once.
+  if (one_at_a_time) {
+    return AskSessions(core.place(), core.id(), sessions, order, deadline - std::chrono::steady_clock::now());
+  }
+  std::vector<ControlAnswer> unanswered;
+  for (const SessionId one : sessions) unanswered.push_back({one});
+  return unanswered;
 }
 
 }  // namespace hgros

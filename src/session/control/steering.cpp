@@ -58,7 +58,7 @@ ControlDesk::Means Steering::MeansOfDesk() {
       .open_replies =
           [this] {
             return means_.outbound.OpenForService(std::string(kControlRepliesChannel), TypeOf<ControlReply>(),
-                                                  {[] {}, [] {}, [] { return true; }});
+                                                  {[] {}, [] {}, [] { return true; }}, false);
           },
       .post = [this](std::function<void()> errand) { means_.later({}, std::move(errand)); },
   };
@@ -120,7 +120,9 @@ std::string Steering::ChangeChannel(const ControlRequest& request) {
     }
     means_.outbound.SetForbidden(channel, forbid, means_.later);
     means_.inbound.SetForbidden(channel, forbid);
-    if (!forbid) means_.list(channel);
+    for (const Way way : {Way::kOut, Way::kIn}) {
+      if (!forbid) means_.list(way, channel);
+    }
     done += forbid ? "is forbidden: it neither leaves nor enters this session."
                    : "is allowed to leave and to enter this session.";
   }

@@ -31,8 +31,8 @@ class Steering {
     OutboundChannels& outbound;
     InboundChannels& inbound;
     std::function<std::vector<PeerInfo>()> peers;
-    std::function<void(const std::string& channel)> list;  // Adds the channel to the lists of all endpoints.
-    OutboundChannels::Later later;                         // Runs an errand on the errand thread.
+    std::function<void(Way way, const std::string& channel)> list;  // Adds the channel to the lists of endpoints.
+    OutboundChannels::Later later;                                  // Runs an errand on the errand thread.
   };
   Steering(NetworkBridge& bridge, Means means);
 
