@@ -50,9 +50,11 @@ void ChannelOutlet::Join(NetworkBridge& bridge) {
 void ChannelOutlet::Detach() {
   std::shared_ptr<JoinedOutbound> transports;
   {
+    const EndsLater after_the_lock;
     const std::scoped_lock lock(transports_mutex_, order_mutex_);
     transports = std::move(transports_);
     promised_ = 0;
+    if (transports) AddPast(*transports);
   }
   if (transports) transports->Close();
   subscribers_.store(0, std::memory_order_release);
@@ -71,6 +73,14 @@ bool ChannelOutlet::HasUnfinished() const {
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
   return transports_ && (promised_ > 0 || transports_->Unfinished() > 0 || transports_->stats().queued_bytes > 0);
+}
+
+void ChannelOutlet::AddPast(const JoinedOutbound& left) {
+  const OutboundStats stats = left.stats();
+  past_.sent += stats.sent;
+  past_.dropped += stats.dropped;
+  past_.missed += stats.missed + left.Unfinished();
+  past_.copied += stats.copied;
 }
 
 void ChannelOutlet::Latch(std::size_t count) {
@@ -356,7 +366,10 @@ void ChannelOutlet::AddTo(ChannelTraffic& traffic) const {
     // Commit uses this number. It is updated a moment after the transport's own count.
     traffic.out.subscribers = subscriber_count();
   }
-  traffic.out.copied += copied_.load(std::memory_order_relaxed);
+  traffic.out.sent += past_.sent;
+  traffic.out.dropped += past_.dropped;
+  traffic.out.missed += past_.missed;
+  traffic.out.copied += past_.copied + copied_.load(std::memory_order_relaxed);
 }
 
 }  // namespace hgros

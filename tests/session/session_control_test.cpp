@@ -117,6 +117,7 @@ TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
   EXPECT_FALSE(listener->WaitForPublishers("notes", 1, std::chrono::nanoseconds(0)));
   EXPECT_EQ(publish(Note("inside")), PublishStatus::kOk);
   const SessionSnapshot counted = robot->Snapshot();
+  EXPECT_EQ(OutOf(counted).sent, accepted);
   EXPECT_EQ(OutOf(counted).missed, 0U);
   EXPECT_THAT(counted.not_leaving.at("notes"), HasSubstr("forbidden"));
   EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");

@@ -97,6 +97,8 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   [[nodiscard]] bool TryCommit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                                PreparedMessage&& prepared);
   [[nodiscard]] std::vector<OutboundMessage> TryLatched();
+  // Under both mutexes.
+  void AddPast(const JoinedOutbound& left);
   void CancelPromise() noexcept;
   void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
 
@@ -124,6 +126,7 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   mutable std::mutex order_mutex_;
   // Changed under both mutexes.
   std::shared_ptr<JoinedOutbound> transports_;
+  OutboundStats past_;  // Of transports that it has left.
   std::uint64_t sequence_ = 0;
   bool stays_ = false;          // Under order_mutex_, as the next.
   std::uint64_t promised_ = 0;  // Number of messages between Reserve() and Commit() or Cancel().
