@@ -105,13 +105,19 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
   if (!may_wait && AsksForTooMuch(inflow)) means_.post([this, channel] { Reconcile(channel, true); });
 }
 
-void InboundChannels::SetForbidden(const std::string& channel, bool forbidden) {
+bool InboundChannels::SetForbidden(const std::string& channel, bool forbidden) {
+  bool ends_lossless = false;
   {
     const std::scoped_lock lock(mutex_);
+    const auto inflow = inflows_.find(channel);
+    const bool lossless = inflow != inflows_.end() && inflow->second.joined && !inflow->second.wanted.empty() &&
+                          Combine(inflow->second.wanted).lossless;
+    ends_lossless = forbidden && lossless;
     if (forbidden) forbidden_.insert(channel);
     if (!forbidden) forbidden_.erase(channel);
   }
   Reconcile(channel, true);
+  return ends_lossless;
 }
 
 void InboundChannels::Join(NetworkBridge& bridge) {

@@ -46,8 +46,9 @@ class InboundChannels {
                                                        const TypeInfo& type, const Demand& demand);
   // From now on, channels with subscriptions are received through `bridge`.
   void Join(NetworkBridge& bridge);
-  // A forbidden channel is not received. Call it on a thread that may wait.
-  void SetForbidden(const std::string& channel, bool forbidden);
+  // A forbidden channel is not received. Returns whether this ends a lossless subscription: messages on their way are
+  // lost then. Call it on a thread that may wait.
+  bool SetForbidden(const std::string& channel, bool forbidden);
   // Stops receiving. No wiring changes afterwards.
   void Close();
   // Destroys all inlets. Call it when none is in use any more.

@@ -25,6 +25,7 @@ using test::Note;
 using test::Notes;
 using test::Robot;
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
@@ -165,7 +166,7 @@ TEST_P(ForbiddenChannel, EntersNoSession) {
   const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
   const auto publish = robot->Advertise<Note>("notes");
   ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
-  EXPECT_EQ(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
+  EXPECT_THAT(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).done, EndsWith("enters this session."));
   ASSERT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
   // A later subscription does not enter, either.
   const Subscription second = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
@@ -176,6 +177,21 @@ TEST_P(ForbiddenChannel, EntersNoSession) {
   publish(Note("told"));
   ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
   EXPECT_THAT(notes.texts(), ElementsAre("told", "told"));
+}
+
+TEST_P(ForbiddenChannel, SaysThatALosslessSubscriptionLosesMessages) {
+  Robot robot(Publishing());
+  Robot listener(Subscribing(), "listener");
+  Robot desk("", "desk");
+  NodeOptions all;
+  all.queue = Queue::KeepAll(10);
+  const Subscription heard = listener->FromAny<Note>(
+      "notes", kSerial, [](const Note&) {}, all);
+  const auto publish = robot->Advertise<Note>("notes");
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_THAT(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).done,
+              EndsWith("Messages on their way to its lossless subscriptions are lost."));
+  EXPECT_TRUE(listener.Said("lossless subscriptions are lost"));
 }
 
 TEST_F(SessionControl, ChannelIsForbiddenBeforeItIsUsed) {

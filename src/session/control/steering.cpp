@@ -119,12 +119,13 @@ std::string Steering::ChangeChannel(const ControlRequest& request) {
       if (!forbid) forbidden_.erase(channel);
     }
     means_.outbound.SetForbidden(channel, forbid, means_.later);
-    means_.inbound.SetForbidden(channel, forbid);
+    const bool loses = means_.inbound.SetForbidden(channel, forbid);
     for (const Way way : {Way::kOut, Way::kIn}) {
       if (!forbid) means_.list(way, channel);
     }
     done += forbid ? "is forbidden: it neither leaves nor enters this session."
                    : "is allowed to leave and to enter this session.";
+    if (loses) done += " Messages on their way to its lossless subscriptions are lost.";
   }
   const std::vector<std::string> used = NamesIn(means_.graph);
   if (std::ranges::find(used, channel) != used.end()) return done;
