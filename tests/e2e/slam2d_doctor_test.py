@@ -23,9 +23,7 @@ class Doctor(slam2d_programs.Slam2dTest):
 
     def findings(self):
         done = self.hgros("doctor", "--json")
-        found = [json.loads(line) for line in done.stdout.splitlines()]
-        # A busy machine may slow down the demo itself.
-        return done.returncode, [one for one in found if one["severity"] != "note"]
+        return done.returncode, [json.loads(line) for line in done.stdout.splitlines()]
 
     def start_demo(self):
         """The demo in real time, as one process that others discover."""
@@ -67,7 +65,8 @@ class Doctor(slam2d_programs.Slam2dTest):
         self.start_demo()
         self.await_channel("trajectory")
         _, findings = self.findings()
-        self.assertEqual([one for one in findings if one["check"] not in ("memory", "files")], [])
+        # A busy machine may slow down the demo.
+        self.assertEqual([one for one in findings if one["check"] in ("type", "name", "publisher", "forbidden")], [])
 
 
 if __name__ == "__main__":
