@@ -2,14 +2,13 @@
 
 #include <utility>
 
+#include "hgros/base/thread_cause.hpp"
+
 namespace hgros {
-namespace {
 
-constinit thread_local const Cause* here = nullptr;
+constinit thread_local const Cause* thread_cause = nullptr;
 
-}  // namespace
-
-Cause Cause::Here() noexcept { return here == nullptr ? Cause{} : *here; }
+Cause Cause::Here() noexcept { return thread_cause == nullptr ? Cause{} : *thread_cause; }
 
 // 32-bit FNV-1a with the constants of draft-eastlake-fnv.
 std::uint32_t Cause::OriginOf(std::string_view channel) noexcept {
@@ -21,8 +20,8 @@ std::uint32_t Cause::OriginOf(std::string_view channel) noexcept {
   return hash == 0 ? 1 : hash;
 }
 
-CauseScope::CauseScope(const Cause& cause) noexcept : cause_(cause), outer_(std::exchange(here, &cause_)) {}
+CauseScope::CauseScope(const Cause& cause) noexcept : cause_(cause), outer_(std::exchange(thread_cause, &cause_)) {}
 
-CauseScope::~CauseScope() { here = outer_; }
+CauseScope::~CauseScope() { thread_cause = outer_; }
 
 }  // namespace hgros

@@ -16,6 +16,7 @@
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/graph/data_graph.hpp"
+#include "hgros/graph/trace_recorder.hpp"
 
 namespace hgros {
 
@@ -55,6 +56,7 @@ class GraphCore : public std::enable_shared_from_this<GraphCore> {
   [[nodiscard]] bool refusing() const noexcept { return refusing_.load(std::memory_order_relaxed) || fork_.IsChild(); }
   // In a forked child nothing of the graph may be waited for or destroyed.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
+  [[nodiscard]] TraceRecorder& trace() noexcept { return trace_; }
   [[nodiscard]] Log& log() const noexcept { return *log_; }
   [[nodiscard]] const MessageId& publisher() const noexcept { return options_.publisher; }
   [[nodiscard]] const Channel* Find(std::string_view name) const noexcept { return channels_.Find(name); }
@@ -72,6 +74,7 @@ class GraphCore : public std::enable_shared_from_this<GraphCore> {
   const std::shared_ptr<Log> log_;
   std::atomic<bool> refusing_{false};
   std::atomic<bool> ended_inside_{false};
+  TraceRecorder trace_;
   std::function<void()> on_exit_;  // Guarded by mutex_.
   const ForkGuard fork_;
   // Declared before the channels, because nodes return their flow-graph nodes when they are destroyed.

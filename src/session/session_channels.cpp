@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "hgros/bridge/channel_directory.hpp"
-#include "session/channel_uses.hpp"
 #include "session/session_core.hpp"
 
 namespace hgros {
@@ -14,10 +13,7 @@ SessionChannels SessionCore::OwnChannels() const {
   own.session.host = self.host;
   own.session.pid = self.pid;
   outbound_.AddTo(own.channels);
-  if (snapshots_) {
-    const ChannelOutlet& outlet = *snapshots_->outlet();
-    own.channels.emplace_back(UseOf(outlet.channel(), outlet.type())).publishes = true;
-  }
+  if (reports_) reports_->AddTo(own.channels);
   inbound_->AddTo(own.channels);
   return own;
 }

@@ -145,7 +145,7 @@ SessionCore::~SessionCore() {
   if (steering_) steering_->Close();
   if (bridge_) bridge_->Close(static_cast<int>(kLinger.count()));  // May still post errands: events of peers that go.
   outbound_.Detach();
-  if (snapshots_) snapshots_->outlet()->Detach();
+  if (reports_) reports_->Detach();
   timers_->Stop();
   graph_->Shutdown();
   services_->Close();

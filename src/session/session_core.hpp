@@ -28,10 +28,10 @@
 #include "session/endpoint_lists.hpp"
 #include "session/inbound_channels.hpp"
 #include "session/misspelled_names.hpp"
+#include "session/observed/own_reports.hpp"
 #include "session/outbound_channels.hpp"
 #include "session/session_events.hpp"
 #include "session/session_timers.hpp"
-#include "session/snapshot_publisher.hpp"
 
 namespace hgros {
 
@@ -151,7 +151,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::optional<SessionEvents> events_;
   std::optional<ErrandThread> errands_;
   std::unique_ptr<NetworkBridge> bridge_;
-  std::optional<SnapshotPublisher> snapshots_;  // Created with the bridge.
+  std::optional<OwnReports> reports_;  // Created with the bridge.
   OutboundChannels outbound_;
   const std::shared_ptr<InboundChannels> inbound_;  // Shared with subscriptions, which may outlive the session.
   std::optional<Steering> steering_;                // Created with the bridge, unless the configuration says no.

@@ -16,8 +16,9 @@ NetworkBridge& SessionCore::EnsureTransports() {
   options.later = Later();
   bridge_ = std::make_unique<NetworkBridge>(std::move(options), *this, *log_);
   outbound_.Join(*bridge_);
-  snapshots_.emplace(publisher_, log_, host_clocks_, SnapshotPublisher::Means{[this] { return Snapshot(); }, Later()});
-  snapshots_->outlet()->Join(*bridge_);
+  reports_.emplace(OwnReports::Self{name_, publisher_, TraceRecorder::Of(*graph_), log_, host_clocks_},
+                   SnapshotPublisher::Means{[this] { return Snapshot(); }, Later()});
+  reports_->Join(*bridge_);
   inbound_->Join(*bridge_);
   if (!config_.control) return *bridge_;
   const auto list = [this](Way way, const std::string& channel) { Allow(way, channel, true); };

@@ -155,7 +155,7 @@ TEST(ChainAges, AreCountedByTheOriginOfTheChain) {
   ASSERT_EQ(ages.size(), 2U);
   EXPECT_EQ(ages[0].origin, Cause::OriginOf("scan"));
   EXPECT_EQ(ages[0].age.count(), 3U);
-  EXPECT_GE(ages[0].age.mean_ns(), 20e6);
+  EXPECT_GE(ages[0].age.mean_ns(), 18e6);
   EXPECT_EQ(ages[1].origin, Cause::OriginOf("plan"));
   EXPECT_EQ(ages[1].age.count(), 1U);
   EXPECT_LT(ages[1].age.max_ns(), ages[0].age.max_ns());

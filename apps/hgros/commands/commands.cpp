@@ -21,6 +21,8 @@ constexpr std::array kCommands{
     CommandEntry{"hz", "Show how often messages are published", kSee, MakeHz},
     CommandEntry{"bw", "Show how many bytes per second are published", kSee, MakeBw},
     CommandEntry{"delay", "Show how long messages take to their receivers", kSee, MakeDelay},
+    CommandEntry{"path", "Show the way of data between two channels, and its time", kSee, MakePath},
+    CommandEntry{"trace", "Record what all nodes do, for Perfetto", kSee, MakeTrace},
     CommandEntry{"schema", "Show the fields of a type", kSee, MakeSchema},
     CommandEntry{"graph", "Draw the hypergraph: processes, nodes and their channels", kSee, MakeGraph},
     CommandEntry{"top", "Show what sessions, nodes and channels do now, once a second", kSee, MakeTop},

@@ -46,6 +46,7 @@ std::unique_ptr<Command> MakeParamLoad();
 std::unique_ptr<Command> MakeParamSave();
 std::unique_ptr<Command> MakeParamSet();
 std::unique_ptr<Command> MakeParamWatch();
+std::unique_ptr<Command> MakePath();
 std::unique_ptr<Command> MakePub();
 std::unique_ptr<Command> MakeSchema();
 std::unique_ptr<Command> MakeTfEcho();
@@ -53,5 +54,6 @@ std::unique_ptr<Command> MakeTfSvg();
 std::unique_ptr<Command> MakeTfTree();
 std::unique_ptr<Command> MakeTfWatch();
 std::unique_ptr<Command> MakeTop();
+std::unique_ptr<Command> MakeTrace();
 
 }  // namespace hgros::cli

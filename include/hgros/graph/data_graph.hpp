@@ -22,7 +22,6 @@
 namespace hgros {
 
 class GraphCore;
-class GraphEnding;
 
 struct GraphOptions {
   int threads = 0;          ///< Workers of the tbb executor; 0: one less than the number of CPUs.
@@ -144,6 +143,7 @@ class HGROS_EXPORT DataGraph {
 
  private:
   friend class GraphEnding;
+  friend class TraceRecorder;
   std::shared_ptr<GraphCore> core_;
 };
 

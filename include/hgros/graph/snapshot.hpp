@@ -15,7 +15,7 @@ namespace hgros {
 /// published.
 struct ChainAges {
   std::uint32_t origin = 0;  ///< Cause::OriginOf() the channel where they began; 0: all origins beyond the first 16.
-  LogHistogram age;          ///< ns
+  LogHistogram age;          ///< ns; its mean and its largest value are those of the buckets.
 };
 
 /// Counters of one node since its creation. All only grow, except `queued` and `running`.

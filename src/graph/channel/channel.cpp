@@ -6,7 +6,6 @@
 #include "graph/channel/epoch.hpp"
 #include "graph/graph_core.hpp"
 #include "graph/nodes/callback_scope.hpp"
-#include "hgros/base/message_key.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 
@@ -17,8 +16,7 @@ Channel::Channel(std::string name, const TypeInfo& type, std::string declared_at
       type_(&type),
       declared_at_(std::move(declared_at)),
       core_(core),
-      origin_(Cause::OriginOf(name_)),
-      key_seed_(KeySeed(core.publisher().publisher, core.publisher().incarnation, origin_)),
+      numbers_(name_, core.publisher()),
       current_fanout_(std::make_shared<const Fanout>()) {
   fanout_.store(current_fanout_.get(), std::memory_order_seq_cst);
 }
@@ -89,15 +87,25 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
     }
   }
 
-  Publication publication{offer.take(offer.context), &type, NewInfo(), &fanout, &fanout, outlet, bytes, reserved, local,
+  Publication publication{offer.take(offer.context),
+                          &type,
+                          numbers_.NewInfo(core_.publisher()),
+                          &fanout,
+                          &fanout,
+                          outlet,
+                          bytes,
+                          reserved,
+                          local,
                           std::move(prepared)};
   MessageInfo& info = publication.info;
   if (const std::size_t depth = latched_.load(std::memory_order_relaxed); depth > 0 && local) {
     publication.after = Store(publication.message, info, depth, 0, UserCode::kAllowed);
   } else {
-    Number(info);
+    numbers_.Number(info);
   }
   rate_.Note(info.id.sequence, info.publish_monotonic_ns);
+  if (core_.trace().on()) [[unlikely]]
+    Trace(info);
   if (outer != nullptr) {
     outer->waiting.push_back(std::move(publication));
   } else if (local && (fanout.has_inline || publication.after->has_inline)) {
@@ -122,31 +130,23 @@ void Channel::HandOver(Publication& publication, std::int64_t now) noexcept {
   if (outlet != nullptr) (void)outlet->Commit(message, *type, info, std::move(prepared));
 }
 
-// All but the number and the key.
-MessageInfo Channel::NewInfo() const noexcept {
-  MessageInfo info;
-  info.id = core_.publisher();
-  info.publish_monotonic_ns = MonotonicNow();
-  info.cause = Cause::Here();
-  if (info.cause.message == 0) info.cause = {0, info.publish_monotonic_ns, origin_};
-  return info;
-}
-
-void Channel::Number(MessageInfo& info) noexcept {
-  info.id.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
-  info.key = MessageKey(key_seed_, info.id.sequence);
+void Channel::Trace(const MessageInfo& info) const noexcept {
+  const Node* const node = CallbackScope::NodeOf(&core_);
+  core_.trace().AddPublish(name_, node == nullptr ? std::string_view() : node->setting().name, info);
 }
 
 // With only one lossless node no reservation has to be undone, so room and message are taken in one step.
 PublishStatus Channel::PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept {
   AnyMessage message;
-  MessageInfo info = NewInfo();
+  MessageInfo info = numbers_.NewInfo(core_.publisher());
   std::int64_t now = info.publish_monotonic_ns;
   const bool alone = fanout.nodes.size() == 1;
-  if (!fanout.sole_lossless->TryDeliverSole({offer, sequence_, key_seed_, bytes, alone}, message, info, now)) {
+  if (!fanout.sole_lossless->TryDeliverSole({offer, numbers_, bytes, alone}, message, info, now)) {
     return PublishStatus::kFull;
   }
   rate_.Note(info.id.sequence, info.publish_monotonic_ns);
+  if (core_.trace().on()) [[unlikely]]
+    Trace(info);
   if (!alone) Deliver(fanout, message, info, nullptr, {bytes, false, true, fanout.sole_lossless, now});
   return PublishStatus::kOk;
 }
@@ -197,7 +197,7 @@ const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::
     fanout = fanout_.load(std::memory_order_seq_cst);
     if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
     if (!info.remote) {  // So that numbers and times have the same order.
-      Number(info);
+      numbers_.Number(info);
       info.publish_monotonic_ns = MonotonicNow();
     }
     stored = latched_messages_.Store(message, info, depth, bytes);
@@ -237,7 +237,7 @@ bool Channel::Inject(AnyMessage message, const TypeInfo& type, const MessageInfo
   const epoch::Guard guard;
   MessageInfo info = from;
   info.remote = true;
-  if (info.cause.origin == 0) info.cause = {0, info.publish_monotonic_ns, origin_};
+  if (info.cause.origin == 0) info.cause = numbers_.Beginning(info);
   const Fanout* fanout = latched > 0 ? Store(message, info, latched, type.memory_bytes(message.get()), user_code)
                                      : fanout_.load(std::memory_order_seq_cst);
   if (fanout == nullptr || (user_code == UserCode::kRefused && fanout->has_inline)) return false;
@@ -345,7 +345,7 @@ ChannelSnapshot Channel::Snapshot() const {
   ChannelSnapshot snapshot;
   snapshot.name = name_;
   snapshot.type = IsAnyType(type()) ? std::string() : type().name;
-  snapshot.published = sequence_.load(std::memory_order_relaxed);
+  snapshot.published = numbers_.last();
   snapshot.rate_hz = rate_.Hertz(snapshot.published, MonotonicNow());
   snapshot.closed = closed_.load(std::memory_order_relaxed);
   snapshot.latched = latched_.load(std::memory_order_relaxed);

@@ -8,6 +8,7 @@
 
 #include "graph/channel/channel_counts.hpp"
 #include "graph/channel/latched_messages.hpp"
+#include "graph/channel/message_numbers.hpp"
 #include "graph/channel/publication.hpp"
 #include "graph/channel/publish_rate.hpp"
 #include "graph/channel/raw_forms.hpp"
@@ -98,8 +99,7 @@ class Channel {
   };
   void Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
                const std::shared_ptr<const void>& credit, const Handing& handing) noexcept;
-  [[nodiscard]] MessageInfo NewInfo() const noexcept;
-  void Number(MessageInfo& info) noexcept;
+  void Trace(const MessageInfo& info) const noexcept;
   PublishStatus PublishToSole(const Fanout& fanout, const MessageOffer& offer, std::size_t bytes) noexcept;
   // Latches the message and returns the current nodes. Returns null without latching if one of them is inline and user
   // code is refused.
@@ -127,10 +127,8 @@ class Channel {
   std::atomic<unsigned> wrapping_{0};           // Written under wiring_mutex_.
   std::atomic<bool> closed_{false};
   std::atomic<std::size_t> latched_{0};
-  alignas(64) std::atomic<std::uint64_t> sequence_{0};  // Number of the last local message.
-  const std::uint32_t origin_;                          // For Cause, as the next one: OriginOf() the name.
-  const std::uint64_t key_seed_;                        // Of local messages.
-  PublishRate rate_;                                    // In the same line of the cache.
+  alignas(64) MessageNumbers numbers_;
+  PublishRate rate_;  // In the same line of the cache.
 
   alignas(64) mutable std::mutex wiring_mutex_;
   std::shared_ptr<const Fanout> current_fanout_;

@@ -1,6 +1,7 @@
 #include "graph/nodes/callback_scope.hpp"
 
 #include "graph/graph_core.hpp"
+#include "hgros/base/thread_cause.hpp"
 
 namespace hgros {
 namespace {
@@ -18,13 +19,17 @@ struct CallbackScope::ExitWatch {
   }
 };
 
-CallbackScope::CallbackScope(GraphCore* graph, const Node* node) noexcept
-    : graph_(graph), node_(node), outer_(innermost) {
+CallbackScope::CallbackScope(GraphCore* graph, const Node* node, const Cause& cause) noexcept
+    : graph_(graph), node_(node), outer_(innermost), cause_(cause), outer_cause_(thread_cause) {
   thread_local ExitWatch watch;  // Made at the thread's first callback.
   innermost = this;
+  thread_cause = &cause_;
 }
 
-CallbackScope::~CallbackScope() { innermost = outer_; }
+CallbackScope::~CallbackScope() {
+  innermost = outer_;
+  thread_cause = outer_cause_;
+}
 
 bool CallbackScope::InAny() noexcept { return innermost != nullptr; }
 

@@ -2,16 +2,19 @@
 
 #include <vector>
 
+#include "hgros/base/cause.hpp"
+
 namespace hgros {
 
 class GraphCore;
 class Node;
 
-// Marks the calling thread as running a callback of `node` in `graph`. Scopes nest: an inline callback that publishes
-// runs other callbacks inside it. If exit() is called inside a scope, its graph ends before any static object does.
+// Marks the calling thread as running a callback of `node` in `graph`, with the cause of what it publishes. Scopes
+// nest: an inline callback that publishes runs other callbacks inside it. If exit() is called inside a scope, its graph
+// ends before any static object does.
 class CallbackScope {
  public:
-  CallbackScope(GraphCore* graph, const Node* node) noexcept;
+  explicit CallbackScope(GraphCore* graph, const Node* node, const Cause& cause = {}) noexcept;
   CallbackScope(const CallbackScope&) = delete;
   CallbackScope& operator=(const CallbackScope&) = delete;
   ~CallbackScope();
@@ -30,6 +33,8 @@ class CallbackScope {
   GraphCore* graph_;
   const Node* node_;
   CallbackScope* outer_;
+  const Cause cause_;
+  const Cause* const outer_cause_;
 };
 
 }  // namespace hgros

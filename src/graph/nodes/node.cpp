@@ -3,9 +3,10 @@
 #include <exception>
 #include <utility>
 
+#include "graph/channel/message_numbers.hpp"
+#include "graph/graph_core.hpp"
 #include "graph/nodes/callback_scope.hpp"
 #include "hgros/base/forced_unwind.hpp"
-#include "hgros/base/message_key.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -28,8 +29,7 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
                std::int64_t& now) noexcept {
   const std::int64_t start = now;
   {
-    const CallbackScope scope(setting_.graph, this);
-    const CauseScope cause({info.key, info.cause.began_ns, info.cause.origin});
+    const CallbackScope scope(setting_.graph, this, {info.key, info.cause.began_ns, info.cause.origin});
     const auto callback = [&] {
       return "The callback of node \"" + setting_.name + "\" on channel \"" + setting_.channel + "\"";
     };
@@ -57,13 +57,15 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
   stats.queue_wait.Record(start - info.publish_monotonic_ns, writers);
   stats.run_time.Record(now - start, writers);
   stats.ages.Record(info.cause.origin, start - info.cause.began_ns, writers);
+  if (setting_.graph != nullptr && setting_.graph->trace().on()) [[unlikely]] {
+    setting_.graph->trace().AddRun(setting_.channel, setting_.name, info, start, now);
+  }
 }
 
 bool Node::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t& now) noexcept {
   if (!Reserve(sole.bytes)) return false;
   message = sole.offer.take(sole.offer.context);
-  info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
-  info.key = MessageKey(sole.key_seed, info.id.sequence);
+  sole.numbers.Number(info);
   const std::shared_ptr<const void> no_credit;
   Deliver({message, info, no_credit, sole.bytes, sole.last}, true, now);
   return true;

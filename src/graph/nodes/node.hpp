@@ -18,6 +18,8 @@
 
 namespace hgros {
 
+class MessageNumbers;
+
 // The settings of a node. `on_room` is called without locks when a message has left a lossless queue.
 struct NodeSetting {
   std::string name;
@@ -53,8 +55,7 @@ class Node : public std::enable_shared_from_this<Node> {
   // all of this happens or nothing. `message` is set so that it can be delivered to the other nodes, too.
   struct SoleOffer {
     const MessageOffer& offer;
-    std::atomic<std::uint64_t>& sequence;
-    std::uint64_t key_seed;
+    MessageNumbers& numbers;
     std::size_t bytes;
     bool last;  // The same as in Delivery.
   };

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "graph/channel/message_numbers.hpp"
 #include "graph/nodes/spin_then_lock.hpp"
-#include "hgros/base/message_key.hpp"
 #include "hgros/clock/time.hpp"
 
 namespace hgros {
@@ -42,8 +42,7 @@ bool QueuedNode::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, Mess
     SpinThenLock(lock);
     if (!closed_ && !ReserveHere(sole.bytes)) return false;
     message = sole.offer.take(sole.offer.context);
-    info.id.sequence = sole.sequence.fetch_add(1, std::memory_order_relaxed) + 1;
-    info.key = MessageKey(sole.key_seed, info.id.sequence);
+    sole.numbers.Number(info);
     if (closed_) return true;
     ring_.Cancel(sole.bytes);
     Add(received_, std::uint64_t{1}, Writers::kOne);

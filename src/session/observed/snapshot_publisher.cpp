@@ -1,4 +1,4 @@
-#include "session/snapshot_publisher.hpp"
+#include "session/observed/snapshot_publisher.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "hgros/clock/time.hpp"
-#include "hgros/codec/message.hpp"
 #include "hgros/session/snapshot_message.hpp"
+#include "session/observed/announced_type.hpp"
 
 namespace hgros {
 namespace {
@@ -17,29 +17,14 @@ constexpr auto kSnapshotPeriod = std::chrono::seconds(1);
 constexpr auto kShortestPause = std::chrono::milliseconds(20);
 constexpr int kShareOfTime = 10;
 
-// The announced type. It has no fingerprint: that is computed from the schema, and building the schema would cost half
-// a megabyte in a process that nobody observes.
-const TypeInfo& AnnouncedType() {
-  static const TypeInfo announced = [] {
-    TypeInfo info;
-    info.name = "hgros.Snapshot";
-    info.encoding = Encoding::kProtobuf;
-    info.cpp_type = typeid(Snapshot);
-    info.descriptor_set = [] { return TypeOf<Snapshot>().descriptor_set(); };
-    info.descriptor = [] { return TypeOf<Snapshot>().descriptor(); };
-    return info;
-  }();
-  return announced;
-}
-
 }  // namespace
 
 SnapshotPublisher::SnapshotPublisher(MessageId publisher, const std::shared_ptr<Log>& log,
                                      const std::shared_ptr<const HostClocks>& clocks, Means means)
     : means_(std::move(means)),
-      outlet_(std::make_shared<ChannelOutlet>(std::string(kSnapshotsChannel), AnnouncedType(), publisher, log,
-                                              OutletEvents{[] {}, [this] { TellNewSubscriber(); }, [] { return true; }},
-                                              clocks)) {
+      outlet_(std::make_shared<ChannelOutlet>(
+          std::string(kSnapshotsChannel), AnnouncedTypeOf<Snapshot>("hgros.Snapshot"), publisher, log,
+          OutletEvents{[] {}, [this] { TellNewSubscriber(); }, [] { return true; }}, clocks)) {
   outlet_->PromiseNothing();
 }
 

@@ -1,5 +1,5 @@
 // Sessions publish their counters to each other.
-#include "session/snapshot_publisher.hpp"
+#include "session/observed/snapshot_publisher.hpp"
 
 #include <deque>
 #include <functional>

@@ -1,0 +1,199 @@
+#include "tracing/traced.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+
+#include "hgros/session/trace_message.hpp"
+#include "robot/overview.hpp"
+#include "robot/robot.hpp"
+#include "terminal/console.hpp"
+#include "terminal/pause.hpp"
+#include "terminal/units.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kMostEvents = 2'000'000;  // A few hundred MB.
+constexpr std::chrono::seconds kTraceAnswerTime{1};
+constexpr std::chrono::milliseconds kLastBatch{200};  // Sessions tell ten times a second.
+constexpr std::chrono::seconds kClockTime{3};         // Clocks are compared once per heartbeat.
+
+// Peers may send any numbers.
+std::int64_t Sum(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+std::int64_t Difference(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+}
+
+class Assembly {
+ public:
+  explicit Assembly(const std::map<SessionId, ClockOffset>& clocks) : clocks_(clocks) {}
+
+  void Add(SessionId from, const Trace& trace) {
+    const std::size_t session = IndexOf(from, trace);
+    // From the clock of intervals there to our wall clock.
+    const std::int64_t shift = Difference(Difference(trace.time_ns(), trace.steady_ns()), OffsetOf(from));
+    const auto name = [&trace](std::uint32_t index) {
+      return index < static_cast<std::uint32_t>(trace.names_size()) ? trace.names(static_cast<int>(index)) : "";
+    };
+    result_.lost += trace.lost();
+    for (const Trace::Publish& event : trace.publishes()) {
+      if (!Takes(name(event.channel()))) continue;
+      result_.publishes.push_back({session, name(event.channel()), name(event.node()), event.thread(), event.message(),
+                                   event.cause(), Sum(event.at_ns(), shift)});
+    }
+    for (const Trace::Run& event : trace.runs()) {
+      if (!Takes(name(event.channel()))) continue;
+      Traced::Run& run = result_.runs.emplace_back();
+      run.session = session;
+      run.channel = name(event.channel());
+      run.node = name(event.node());
+      run.thread = event.thread();
+      run.message = event.message();
+      if (event.sent_ns() != 0) run.sent_ns = Difference(event.sent_ns(), OffsetOf(SessionId{event.publisher()}));
+      run.received_ns = Sum(event.received_ns(), shift);
+      run.start_ns = Sum(event.start_ns(), shift);
+      run.end_ns = Sum(event.end_ns(), shift);
+    }
+  }
+  [[nodiscard]] Traced Take() { return std::move(result_); }
+
+ private:
+  [[nodiscard]] bool Takes(const std::string& channel) {
+    if (IsInternal(channel)) return false;
+    if (result_.publishes.size() + result_.runs.size() < kMostEvents) return true;
+    ++result_.lost;
+    return false;
+  }
+  [[nodiscard]] std::int64_t OffsetOf(SessionId session) const {
+    const auto clock = clocks_.find(session);
+    return clock == clocks_.end() ? 0 : clock->second.offset.count();
+  }
+  [[nodiscard]] std::size_t IndexOf(SessionId id, const Trace& trace) {
+    const auto [entry, is_new] = indexes_.try_emplace(id, result_.sessions.size());
+    if (is_new) {
+      const auto clock = clocks_.find(id);
+      result_.sessions.push_back({id, trace.process(), trace.host(), trace.pid(),
+                                  clock == clocks_.end() ? std::nullopt : std::optional(clock->second)});
+    }
+    return entry->second;
+  }
+
+  const std::map<SessionId, ClockOffset>& clocks_;
+  std::map<SessionId, std::size_t> indexes_;
+  Traced result_;
+};
+
+// The messages that arrive while it lives.
+class Arriving {
+ public:
+  explicit Arriving(Robot& robot)
+      : pause_(robot.surroundings().pause),
+        subscription_(robot.session().FromAny<Trace>(
+            kTraceChannel, Invoke::kSerial,
+            [this](const std::shared_ptr<const Trace>& trace, const MessageInfo& info) {
+              const std::scoped_lock lock(mutex_);
+              const SessionId from{info.id.publisher};
+              if (answered_.insert(from).second) pause_.Wake();
+              events_ +=
+                  static_cast<std::size_t>(trace->publishes_size()) + static_cast<std::size_t>(trace->runs_size());
+              if (events_ <= 2 * kMostEvents) messages_.emplace_back(from, trace);
+            },
+            {.queue = Queue::KeepLast(1000), .executor = Executor::Inline()})) {}
+
+  [[nodiscard]] bool Answered(SessionId session) const {
+    const std::scoped_lock lock(mutex_);
+    return answered_.contains(session);
+  }
+  [[nodiscard]] std::vector<TraceMessage> Take() {
+    const std::scoped_lock lock(mutex_);
+    return std::move(messages_);
+  }
+
+ private:
+  Pause& pause_;
+  mutable std::mutex mutex_;
+  std::set<SessionId> answered_;
+  std::size_t events_ = 0;
+  std::vector<TraceMessage> messages_;
+  Subscription subscription_;  // Ends first.
+};
+
+std::map<SessionId, ChannelUser> Traceable(const Robot& robot) {
+  std::map<SessionId, ChannelUser> sessions;
+  for (const KnownChannel& channel : robot.Channels(true)) {
+    if (channel.name != kTraceChannel) continue;
+    for (const ChannelUser& user : channel.publishers) sessions.emplace(user.session, user);
+  }
+  return sessions;
+}
+
+}  // namespace
+
+Traced Assemble(std::span<const TraceMessage> messages, const std::map<SessionId, ClockOffset>& clocks) {
+  Assembly assembly(clocks);
+  for (const auto& [from, trace] : messages) assembly.Add(from, *trace);
+  return assembly.Take();
+}
+
+Traced Watch(Robot& robot, std::chrono::nanoseconds time) {
+  using Clock = std::chrono::steady_clock;
+  (void)robot.Counters();  // Afterwards all sessions are known.
+  const std::map<SessionId, ChannelUser> sessions = Traceable(robot);
+  Pause& pause = robot.surroundings().pause;
+  Arriving arriving(robot);
+  const auto all = [&](const auto& holds) { return std::ranges::all_of(sessions, holds); };
+  const auto await = [&](Clock::time_point deadline, const auto& holds) {
+    while (!all(holds) && Clock::now() < deadline) {
+      const auto soon = std::min(deadline, Clock::now() + std::chrono::milliseconds(20));
+      if (pause.Until(soon) == Pause::End::kInterrupted) throw OutputClosed();
+    }
+  };
+  const auto answered = [&](const auto& one) { return arriving.Answered(one.first); };
+  await(Clock::now() + kTraceAnswerTime, answered);
+  for (const auto& [id, user] : sessions) {
+    if (arriving.Answered(id)) continue;
+    robot.surroundings().console.Say("Session " + Visible(SessionName(id, user.process, user.pid, user.host)) +
+                                     " does not answer; what it does is missing.");
+  }
+  await(Clock::now() + kClockTime, [&](const auto& one) {
+    return !arriving.Answered(one.first) || robot.session().OffsetTo(one.first).has_value();
+  });
+  (void)arriving.Take();  // From here on all sessions record.
+  const std::int64_t begin_ns = WallNow().nanoseconds;
+  const auto wait_until = [&pause](Clock::time_point end) {
+    while (Clock::now() < end && pause.Until(end) != Pause::End::kInterrupted) {
+    }
+  };
+  wait_until(Clock::now() + time);
+  const std::int64_t end_ns = WallNow().nanoseconds;
+  wait_until(Clock::now() + kLastBatch);
+  std::map<SessionId, ClockOffset> clocks;
+  for (const auto& [id, user] : sessions) {
+    if (const auto clock = robot.session().OffsetTo(id)) clocks.emplace(id, *clock);
+  }
+  Traced traced = Assemble(arriving.Take(), clocks);
+  std::erase_if(traced.runs, [&](const Traced::Run& run) { return run.start_ns < begin_ns || run.start_ns > end_ns; });
+  std::erase_if(traced.publishes, [&](const Traced::Publish& one) { return one.at_ns > end_ns; });
+  return traced;
+}
+
+std::vector<std::string> DescribeClocks(const Traced& traced, bool exact) {
+  std::map<std::string, std::string> by_host;
+  for (const Traced::Session& session : traced.sessions) {
+    if (session.clock && session.clock->offset.count() == 0 && session.clock->uncertainty.count() == 0) continue;
+    const std::string host = Visible(session.host);
+    by_host[host] = session.clock ? "The clock of " + host + " is ahead by " +
+                                        DurationText(session.clock->offset.count(), exact) + ", known to " +
+                                        DurationText(session.clock->uncertainty.count(), exact) + "; corrected."
+                                  : "The clock of " + host + " could not be compared; it is taken as right.";
+  }
+  std::vector<std::string> lines;
+  for (auto& [host, line] : by_host) lines.push_back(std::move(line));
+  return lines;
+}
+
+}  // namespace hgros::cli

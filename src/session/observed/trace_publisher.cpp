@@ -1,0 +1,85 @@
+#include "session/observed/trace_publisher.hpp"
+
+#include <utility>
+
+#include "hgros/clock/time.hpp"
+#include "hgros/discovery/announcement.hpp"
+#include "hgros/session/trace_message.hpp"
+#include "session/observed/announced_type.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{100};
+
+void Fill(Trace& message, TraceRecorder::Batch&& batch) {
+  for (std::string& name : batch.names) message.add_names(std::move(name));
+  for (const TraceRecorder::Publish& event : batch.publishes) {
+    Trace::Publish& one = *message.add_publishes();
+    one.set_message(event.message);
+    one.set_cause(event.cause);
+    one.set_channel(event.channel);
+    one.set_node(event.node);
+    one.set_thread(event.thread);
+    one.set_at_ns(event.at_ns);
+  }
+  for (const TraceRecorder::Run& event : batch.runs) {
+    Trace::Run& one = *message.add_runs();
+    one.set_message(event.message);
+    one.set_publisher(event.publisher);
+    one.set_channel(event.channel);
+    one.set_node(event.node);
+    one.set_thread(event.thread);
+    one.set_sent_ns(event.sent_ns);
+    one.set_received_ns(event.received_ns);
+    one.set_start_ns(event.start_ns);
+    one.set_end_ns(event.end_ns);
+  }
+  message.set_lost(batch.lost);
+}
+
+}  // namespace
+
+TracePublisher::TracePublisher(std::string name, TraceRecorder& recorder, MessageId publisher,
+                               const std::shared_ptr<Log>& log, const std::shared_ptr<const HostClocks>& clocks,
+                               Later later)
+    : name_(std::move(name)),
+      recorder_(recorder),
+      session_{publisher.publisher},
+      clocks_(clocks),
+      later_(std::move(later)),
+      outlet_(std::make_shared<ChannelOutlet>(
+          std::string(kTraceChannel), AnnouncedTypeOf<Trace>("hgros.Trace"), publisher, log,
+          OutletEvents{[] {}, [this] { Plan(std::chrono::nanoseconds(0)); }, [] { return true; }}, clocks)) {
+  outlet_->PromiseNothing();
+}
+
+void TracePublisher::Plan(std::chrono::nanoseconds delay) {
+  if (planned_.exchange(true)) return;
+  later_(delay, [this] {
+    (void)planned_.exchange(false);  // Before the subscribers are counted: a later one plans again.
+    Tell();
+  });
+}
+
+void TracePublisher::Tell() {
+  if (outlet_->subscriber_count() == 0) return recorder_.SetOn(false);
+  if (!recorder_.on()) recorder_.SetOn(true);
+  const Announcement self = AnnouncementOfThisProcess(session_, 0);
+  const auto trace = std::make_shared<Trace>();
+  trace->set_session(session_.value);
+  trace->set_process(name_);
+  trace->set_host(self.host);
+  trace->set_pid(self.pid);
+  Fill(*trace, recorder_.Take());
+  trace->set_time_ns(clocks_->Now().nanoseconds);
+  trace->set_steady_ns(MonotonicNow());
+  const TypeInfo& type = TypeOf<Trace>();
+  PreparedMessage prepared;
+  if (outlet_->Reserve(trace.get(), type, prepared) == PublishStatus::kOk) {
+    (void)outlet_->Commit(trace, type, {}, std::move(prepared));
+  }
+  Plan(kPeriod);
+}
+
+}  // namespace hgros
