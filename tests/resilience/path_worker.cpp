@@ -1,0 +1,110 @@
+// One process of a chain with known delays: a timer publishes scan; its next process makes map of that, and the last
+// one plans with the map. Writes what it has measured itself to standard output: "status name=number ...". It is killed
+// when its parent ends.
+//
+//   --config=YAML --role=lidar|mapper|planner --delay_ms=N --ahead_ms=N (its wall clock is ahead)
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <semaphore>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <foxglove/Log.pb.h>
+
+#include "hgros/clock/time.hpp"
+#include "hgros/hgros.hpp"
+#include "support/await.hpp"
+
+namespace hgros::resilience {
+namespace {
+
+using Message = foxglove::Log;
+
+// The times of one kind that this process has measured by a clock that all processes of this machine share.
+class Times {
+ public:
+  void Add(std::int64_t ns) {
+    const std::scoped_lock lock(mutex_);
+    all_.push_back(ns);
+  }
+  [[nodiscard]] std::int64_t Median() const {
+    const std::scoped_lock lock(mutex_);
+    if (all_.empty()) return 0;
+    std::vector<std::int64_t> sorted = all_;
+    std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
+    return sorted[sorted.size() / 2];
+  }
+  [[nodiscard]] std::size_t count() const {
+    const std::scoped_lock lock(mutex_);
+    return all_.size();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::int64_t> all_;
+};
+
+int Run(std::map<std::string, std::string> options) {
+  const std::string role = options["role"];
+  const std::chrono::milliseconds delay(std::atoi(options["delay_ms"].c_str()));
+  const std::chrono::milliseconds ahead(std::atoi(options["ahead_ms"].c_str()));
+  Session session(Config::Parse(options["config"]), SessionOptions{.name = role,
+                                                                   .log = [](LogLevel, std::string_view) {},
+                                                                   .wall = [ahead] { return WallNow() + ahead; }});
+  std::binary_semaphore never{0};
+  Times runs;
+  Times ages;
+  // The message's stamp is the time of its scan by the shared clock.
+  const auto pass_on = [&](const std::string& from, const std::string& to) {
+    return session.FromAny<Message>(
+        from, Invoke::kSerial,
+        [&, publish = to.empty() ? Publisher<Message>() : session.Advertise<Message>(to)](const Message& message) {
+          const std::int64_t start = MonotonicNow();
+          ages.Add(start - message.timestamp().seconds());
+          (void)never.try_acquire_for(delay);
+          runs.Add(MonotonicNow() - start);
+          if (publish) publish(message);
+        },
+        {.name = role});
+  };
+  Subscription node;
+  NodeTimer timer;
+  if (role == "lidar") {
+    timer = session.CreateTimer("scan", std::chrono::milliseconds(100),
+                                [&, publish = session.Advertise<Message>("scan")](const Tick&) {
+                                  Message scan;
+                                  scan.mutable_timestamp()->set_seconds(MonotonicNow());
+                                  scan.set_message(std::string(1000, 'x'));
+                                  publish(scan);
+                                });
+  } else {
+    node = role == "mapper" ? pass_on("scan", "map") : pass_on("map", "");
+  }
+  for (;;) {
+    (void)std::printf("status messages=%zu run_ns=%lld age_ns=%lld\n", runs.count(),
+                      static_cast<long long>(runs.Median()), static_cast<long long>(ages.Median()));
+    (void)std::fflush(stdout);
+    test::Linger(std::chrono::milliseconds(50));
+  }
+}
+
+}  // namespace
+}  // namespace hgros::resilience
+
+int main(int argc, char** argv) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::map<std::string, std::string> options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const std::size_t equals = argument.find('=');
+    options[argument.substr(2, equals - 2)] = argument.substr(equals + 1);
+  }
+  return hgros::resilience::Run(options);
+}
