@@ -19,7 +19,8 @@
 namespace hgros::resilience {
 namespace {
 
-constexpr double kMapperNs = 20e6;
+// Long, so that late wake-ups of a busy machine stay within the limit.
+constexpr double kMapperNs = 200e6;
 constexpr double kMostError = 0.05;
 
 std::string OutputOf(const std::string& command) {
@@ -51,15 +52,15 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
   const std::string domain = "test-" + SessionId::Random().ToString();
   setenv("HGROS_DOMAIN", domain.c_str(), 1);
   const WorkerProcess lidar({"--role=lidar", Publishing("tcp://10.198.0.1:5611")}, cable.left);
-  const WorkerProcess mapper({"--role=mapper", "--delay_ms=20", Publishing("tcp://10.198.0.1:5612")}, cable.left);
+  const WorkerProcess mapper({"--role=mapper", "--delay_ms=200", Publishing("tcp://10.198.0.1:5612")}, cable.left);
   setenv("HGROS_DOMAIN", "none", 1);
   const WorkerProcess planner(
-      {"--role=planner", "--delay_ms=5", "--ahead_ms=5000", Both("tcp://10.198.0.2:5613", "tcp://10.198.0.1:5612")},
+      {"--role=planner", "--delay_ms=100", "--ahead_ms=5000", Both("tcp://10.198.0.2:5613", "tcp://10.198.0.1:5612")},
       cable.right);
-  ASSERT_TRUE(planner.Reaches({{"messages", 10}})) << planner << mapper << lidar;
+  ASSERT_TRUE(planner.Reaches({{"messages", 5}})) << planner << mapper << lidar;
 
   const std::string command = "HGROS_DOMAIN=" + domain + " ip netns exec " + cable.left + " " + HGROS_COMMAND +
-                              " path timer/scan map --seconds 2 --json --connect 10.198.0.2:5613";
+                              " path timer/scan map --seconds 3 --json --connect 10.198.0.2:5613";
   std::string said;
   const bool is_true = test::Await([&] {  // On a busy machine, the two may have seen different messages.
     const std::string output = OutputOf(command);
@@ -77,7 +78,7 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
     EXPECT_NEAR(hops[2]["clock_offset_ns"].GetDouble(), 5e9, 1e9);
     EXPECT_EQ(hops[0]["clock_offset_ns"].GetDouble(), 0);
     EXPECT_TRUE(hops[1]["critical"].GetBool()) << output;
-    EXPECT_GT(hops[1]["messages"].GetInt(), 10);
+    EXPECT_GT(hops[1]["messages"].GetInt(), 3);
     // By the shared clock: from the scan to the beginning of the last callback, and the callbacks themselves.
     const bool whole = near(hops[0], "path_p50_ns", truth(planner, "age_ns"));
     const bool first = near(hops[1], "run_p50_ns", truth(mapper, "run_ns"));

@@ -77,7 +77,7 @@ int Run(std::map<std::string, std::string> options) {
   Subscription node;
   NodeTimer timer;
   if (role == "lidar") {
-    timer = session.CreateTimer("scan", std::chrono::milliseconds(100),
+    timer = session.CreateTimer("scan", std::chrono::milliseconds(300),
                                 [&, publish = session.Advertise<Message>("scan")](const Tick&) {
                                   Message scan;
                                   scan.mutable_timestamp()->set_seconds(MonotonicNow());
