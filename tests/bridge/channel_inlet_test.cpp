@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <optional>
+
 #include <foxglove/Log.pb.h>
 
 #include "hgros/codec/message.hpp"
@@ -43,6 +46,7 @@ struct Inflow {
     message.head.id = {7, 1, ++sequence};
     message.head.latched = latched;
     message.head.publish_time_ns = publish_time_ns;
+    message.head.cause = cause;
     message.from = from;
     message.data = {AsBytes(*bytes), bytes};
     return inlet.Accept(std::move(message));
@@ -60,6 +64,7 @@ struct Inflow {
   std::vector<ChannelInlet::Errand> errands;
   std::uint64_t sequence = 0;
   std::int64_t publish_time_ns = 0;
+  CauseHead cause;
   SessionId from;
   DataGraph graph;
   ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()),
@@ -101,6 +106,33 @@ TEST(ChannelInlet, DoesNotDecodeALargeMessageBehindASmallOneOnTheTransportsThrea
   EXPECT_EQ(inflow.errands.size(), 1U);
   inflow.RunErrands();
   EXPECT_EQ(inflow.got, Texts{large});
+}
+
+// A peer may write any numbers, and its clock may show any time.
+TEST(ChannelInlet, LimitsTheAgeOfAChainToOneDayAndNeverBeginsItInTheFuture) {
+  constexpr std::int64_t kDayNs = 24 * 3600 * std::int64_t{1'000'000'000};
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t publish_time_ns : {std::int64_t{0}, std::int64_t{1}, std::int64_t{-1}, kMost, -kMost}) {
+    for (const std::uint64_t age : {std::uint64_t{0}, std::uint64_t{5}, ~std::uint64_t{0}, std::uint64_t{1} << 63U}) {
+      Inflow<foxglove::Log> inflow;
+      inflow.publish_time_ns = publish_time_ns;
+      inflow.cause = {3, age, 4, std::numeric_limits<std::int64_t>::min()};
+      std::optional<MessageInfo> got;
+      const Subscription subscription = inflow.graph.FromGraph<foxglove::Log>(
+          "lines", Invoke::kSerial, [&](const foxglove::Log&, const MessageInfo& info) { got = info; },
+          {{}, {}, Executor::Inline()});
+      (void)inflow.Accept("x");
+      inflow.inlet.Run();
+      ASSERT_TRUE(got.has_value());
+      EXPECT_EQ(got->cause.message, 3U);
+      EXPECT_EQ(got->cause.origin, 4U);
+      EXPECT_LE(got->cause.began_ns, got->publish_monotonic_ns);
+      EXPECT_LE(got->publish_monotonic_ns - got->cause.began_ns, kDayNs);
+      if (publish_time_ns == 0 && age == 5) {
+        EXPECT_EQ(got->publish_monotonic_ns - got->cause.began_ns, 5);
+      }
+    }
+  }
 }
 
 TEST(ChannelInlet, LetsOtherErrandsRunInBetween) {
