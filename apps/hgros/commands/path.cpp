@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "commands/commands.hpp"
-#include "tracing/paths.hpp"
 #include "robot/robot.hpp"
 #include "terminal/records.hpp"
 #include "terminal/units.hpp"
 #include "terminal/visible_text.hpp"
+#include "tracing/paths.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -67,10 +67,10 @@ void AddColumns(std::vector<Column>& columns, const std::string& key, const std:
   columns.push_back({key + "_p99_ns", tails ? "P99" : "", true});
 }
 
-void AddCells(std::vector<Cell>& cells, const Durations& durations, bool exact) {
+void AddCells(std::vector<Cell>& cells, const Durations& durations, bool exact, Style style = Style::kPlain) {
   for (const double q : {kP50, kP95, kP99}) {
     const std::int64_t ns = durations.Quantile(q);
-    cells.emplace_back(ns, ns == 0 ? "-" : DurationText(ns, exact));
+    cells.push_back(Cell(ns, ns == 0 ? "-" : DurationText(ns, exact)).In(style));
   }
 }
 
@@ -110,7 +110,8 @@ void PathCommand::Write(Console& console, const Traced& traced, const Paths& fou
       AddCells(cells, hop.encode, exact);
       AddCells(cells, hop.transport, exact);
       AddCells(cells, hop.wait, exact);
-      AddCells(cells, hop.run, exact);
+      const bool last = i + 1 == path.hops.size();
+      AddCells(cells, hop.run, exact, last ? Style::kDim : Style::kPlain);  // Not a part of the way.
       AddCells(cells, hop.all, exact);
       const std::string share = fmt::format("{:.0f} %", 100 * hop.share);
       cells.push_back(hop.critical ? Cell(hop.share, "* " + share).In(Style::kYellow) : Cell(hop.share, share));
