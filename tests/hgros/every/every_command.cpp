@@ -50,6 +50,8 @@ const std::multimap<std::string, Words>& WordsByCommand() {
       {"tf svg", {}},
       {"doctor", {}},
       {"doctor", {"--verbose"}},
+      {"path", {"status", "wish"}},
+      {"trace", {"--seconds", "1", "-o", "/dev/null"}},
       {"pub", {"status", "{message: hello}", "--type", "foxglove.Log"}},
       {"call", {"ask", "{message: hello}", "--type", "foxglove.Log"}},
       {"param list", {}},
