@@ -234,7 +234,7 @@ TEST(ConfigSecurity, IncompleteSettingsAreRefused) {
   ExpectFault("network: {security: {allowed_clients: [" + key + "]}}", "1:40", {"no secret key"});
   ExpectFault("network: {security: {servers: {'h:1': " + key + "}}}", "1:39", {"no secret key"});
   ExpectFault("network: {security: {secret_key: " + key + "}}", "1:34", {"no public key"});
-  ExpectFault("network:\n  subscribers: [{ip: 'robot2:1'}]\n  security:\n    secret_key: '" + kSecret +
+  ExpectFault(std::string("network:\n  subscribers: [{ip: 'robot2:1'}]\n  security:\n    secret_key: '") + kSecret +
                   "'\n    public_key: " + key + "\n    servers: {'robot3:1': " + key + "}\n",
               "2:22", {"no key for \"tcp://robot2:1\"", "nearest endpoint there is \"tcp://robot3:1\""});
   ExpectFault("network:\n  security:\n    secret_key: " + key + "\n    secret_key_file: k\n", "4:22",

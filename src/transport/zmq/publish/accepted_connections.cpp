@@ -230,9 +230,8 @@ void AcceptedConnections::CutLargest() {
   auto& [fd, connection] = *largest;
   connection.cut = true;
   Cut(fd, "topics of all",
-      "subscribes to most of all connections, whose topics are too many together: with " +
-          std::to_string(connection.topics.size()) +
-          " topics it is closed. Let each subscribe to the channels that it needs.");
+      "subscribes to most of all connections, whose topics are too many together: it is closed. Let each subscribe to "
+      "the channels that it needs.");
   ReleaseAll(connection);
 }
 
