@@ -55,8 +55,10 @@ TEST(HgrosInfo, DescribesASessionByEachOfItsNames) {
 
 TEST(HgrosInfo, DescribesNodesAndServices) {
   PatrolRobot patrol;
+  patrol.publish(Log());
   EXPECT_THAT(patrol.robot.Run({"info", "hearing"}).out,
-              AllOf(HasSubstr("node hearing\n"), HasSubstr("  Queue        keep last 3\n")));
+              AllOf(HasSubstr("node hearing\n"), HasSubstr("  Queue        keep last 3\n"),
+                    HasSubstr("\nDATA SINCE  MESSAGES  AGE P50 "), HasSubstr("\nstatus             1 ")));
   EXPECT_THAT(patrol.robot.Run({"info", "ask"}).out,
               AllOf(HasSubstr("service ask\n  Request  foxglove.Log\n"), HasSubstr("\nSERVED BY\npatrol:")));
 }

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "hgros/base/cause.hpp"
 #include "terminal/units.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -207,6 +208,32 @@ const char* EncodingText(Encoding encoding) {
   return "";
 }
 
+// How old data was when the node handled it. Packets name channels by their hash.
+Sheet::Table AgesOf(const KnownRobot& robot, const Cells& cells, const Snapshot::Node& node) {
+  std::map<std::uint32_t, std::string> names;
+  for (const auto& [id, snapshot] : robot.counters) {
+    for (const Snapshot::Channel& channel : snapshot->channels()) {
+      names.emplace(Cause::OriginOf(channel.name()), channel.name());
+    }
+  }
+  Sheet::Table table{"ages",
+                     {{"origin", "DATA SINCE"},
+                      {"messages", "MESSAGES", true},
+                      {"age_p50_ns", "AGE P50", true},
+                      {"age_p99_ns", "P99", true},
+                      {"age_max_ns", "MAX", true}},
+                     {}};
+  for (const Snapshot::ChainAge& ages : node.ages()) {
+    const auto name = names.find(ages.origin());
+    table.rows.push_back({ages.origin() == 0    ? Cell("others")
+                          : name != names.end() ? Cell(name->second)
+                                                : Cell(fmt::format("channel {:08x}", ages.origin())),
+                          std::uint64_t{ages.count()}, cells.Time(ages.p50_ns()), cells.Time(ages.p99_ns()),
+                          cells.Time(ages.max_ns())});
+  }
+  return table;
+}
+
 }  // namespace
 
 std::map<SessionId, ChannelUser> SessionsOf(const std::vector<KnownChannel>& channels) {
@@ -334,6 +361,7 @@ Sheet DescribeNode(const KnownRobot& robot, SessionId session, const Snapshot::C
   sheet.Fact("run_p50_ns", "Run p50", cells.Time(node.run_p50_ns()));
   sheet.Fact("run_p99_ns", "Run p99", cells.Time(node.run_p99_ns()));
   sheet.Fact("run_sum_ns", "Run in all", cells.Time(static_cast<std::int64_t>(node.run_sum_ns())));
+  sheet.Add(AgesOf(robot, cells, node));
   return sheet;
 }
 
