@@ -126,7 +126,7 @@ TEST(HgrosList, SaysSoWhenItCanOpenTooFewFiles) {
   robot.AwaitAnnounced();
   for (int files = 8; files < 20; ++files) {
     const CommandEnd end =
-        RunInShell("ulimit -n " + std::to_string(files) + "; $HGROS list --timeout 0.1", robot.environment());
+        RunInShell("ulimit -n " + std::to_string(files) + "; $HGROS list --timeout 2", robot.environment());
     const bool listed = end.out.find("status") != std::string::npos;
     EXPECT_TRUE(listed || end.err.find("Too many open files") != std::string::npos ||
                 end.err.find("limit of open files") != std::string::npos)

@@ -73,12 +73,11 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
       return std::abs(error) <= kMostError;
     };
     const auto truth = [](const WorkerProcess& worker, const char* name) { return static_cast<double>(worker[name]); };
-    EXPECT_STREQ(hops[1]["channel"].GetString(), "scan");
-    EXPECT_STREQ(hops[2]["channel"].GetString(), "map");
-    EXPECT_NEAR(hops[2]["clock_offset_ns"].GetDouble(), 5e9, 1e9);
-    EXPECT_EQ(hops[0]["clock_offset_ns"].GetDouble(), 0);
-    EXPECT_TRUE(hops[1]["critical"].GetBool()) << output;
-    EXPECT_GT(hops[1]["messages"].GetInt(), 3);
+    const auto& offset = hops[2]["clock_offset_ns"];
+    const bool ordered = hops[1]["channel"] == "scan" && hops[2]["channel"] == "map" && hops[1]["critical"].GetBool() &&
+                         hops[1]["messages"].GetInt() > 3;
+    const bool shifted = offset.IsNumber() && std::abs(offset.GetDouble() - 5e9) < 1e9;
+    if (!ordered || !shifted) return false;
     // By the shared clock: from the scan to the beginning of the last callback, and the callbacks themselves.
     const bool whole = near(hops[0], "path_p50_ns", truth(planner, "age_ns"));
     const bool first = near(hops[1], "run_p50_ns", truth(mapper, "run_ns"));

@@ -293,7 +293,7 @@ TEST_F(SessionControl, AnswersOfOthersComeIfOneSessionIsGone) {
   const auto two = second->Advertise<Note>("notes");
   const std::array asked{first->id(), SessionId{1}, second->id()};
   const auto answers =
-      AskSessions(*desk.session, asked, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(2));
+      AskSessions(*desk.session, asked, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(10));
   ASSERT_EQ(answers.size(), 3U);
   EXPECT_TRUE(answers[0].answered);
   EXPECT_FALSE(answers[1].answered);
@@ -364,7 +364,7 @@ TEST_F(SessionControl, TakesOrdersOverTcpFromAnAllowedKeyOnly) {
   // The robot receives from the desk, but the desk may not subscribe to it.
   Robot robot(yaml("robot", "desk", keys(robots, others.public_key, server("desk", desks))));
   std::thread asking([&] {
-    EXPECT_FALSE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(3)).answered);
+    EXPECT_FALSE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(10)).answered);
   });
   EXPECT_TRUE(Await([&] { return robot->Snapshot().refused_orders > 0; }));
   EXPECT_TRUE(robot.Said("nor is its CURVE key in allowed_clients"));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "commands/commands.hpp"
@@ -50,8 +51,8 @@ const std::multimap<std::string, Words>& WordsByCommand() {
       {"tf svg", {}},
       {"doctor", {}},
       {"doctor", {"--verbose"}},
-      {"path", {"status", "wish"}},
-      {"trace", {"--seconds", "1", "-o", "/dev/null"}},
+      {"path", {"timer/tick", "status"}},
+      {"trace", {"--seconds", "1"}},
       {"pub", {"status", "{message: hello}", "--type", "foxglove.Log"}},
       {"call", {"ask", "{message: hello}", "--type", "foxglove.Log"}},
       {"param list", {}},
@@ -61,8 +62,8 @@ const std::multimap<std::string, Words>& WordsByCommand() {
       {"param set", {"robot", "speed", "2"}},
       {"param save", {"robot"}},
       {"param load", {"robot", "/dev/null"}},
-      {"control close", {"other"}},
-      {"control open", {"other"}},
+      {"control close", {"status"}},
+      {"control open", {"status"}},
       {"control forbid", {"other"}},
       {"control allow", {"other"}},
       {"control log", {"info"}},
@@ -128,6 +129,17 @@ std::vector<FinishedRun> Finish(const std::vector<Words>& runs, std::vector<std:
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const int status = started[i]->Wait();
     finished.push_back({runs[i], status, started[i]->out(), started[i]->err()});
+  }
+  return finished;
+}
+
+std::vector<FinishedRun> RunAll(const std::vector<Words>& runs, const std::map<std::string, std::string>& environment) {
+  constexpr std::size_t kAtOnce = 8;
+  std::vector<FinishedRun> finished;
+  for (std::size_t begin = 0; begin < runs.size(); begin += kAtOnce) {
+    const auto from = runs.begin() + static_cast<std::ptrdiff_t>(begin);
+    const std::vector<Words> part(from, from + static_cast<std::ptrdiff_t>(std::min(kAtOnce, runs.size() - begin)));
+    std::ranges::move(Finish(part, Start(part, environment)), std::back_inserter(finished));
   }
   return finished;
 }

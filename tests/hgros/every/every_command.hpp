@@ -27,6 +27,9 @@ struct FinishedRun {
                                               std::vector<std::unique_ptr<CommandRun>> started);
 
 /// Expects that it has ended by itself, and has said why if it was in vain.
+/// Both, with a few at once.
+[[nodiscard]] std::vector<FinishedRun> RunAll(const std::vector<std::vector<std::string>>& runs,
+                                              const std::map<std::string, std::string>& environment);
 void ExpectGoodEnd(const FinishedRun& run);
 
 }  // namespace hgros::cli

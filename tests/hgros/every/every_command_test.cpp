@@ -27,7 +27,7 @@ using foxglove::Log;
 TEST(EveryCommand, EndsWithASentenceWhenNothingRuns) {
   const std::map<std::string, std::string> nobody{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
   const auto runs = RunsOfEveryCommand();
-  for (const FinishedRun& run : Finish(runs, Start(runs, nobody))) ExpectGoodEnd(run);
+  for (const FinishedRun& run : RunAll(runs, nobody)) ExpectGoodEnd(run);
 }
 
 TEST(EveryCommand, EndsWithASentenceWhenTheSessionDiesWhileItIsAsked) {
@@ -56,7 +56,7 @@ TEST(EveryCommand, ShowsNothingRawThatARobotHasChosen) {
   auto runs = RunsOfEveryCommand();
   runs.push_back({"echo", "--timeout", "3", "--once", "grip"});
   std::size_t shown = 0;
-  for (const FinishedRun& run : Finish(runs, Start(runs, robot.environment()))) {
+  for (const FinishedRun& run : RunAll(runs, robot.environment())) {
     ExpectGoodEnd(run);
     const std::string all = run.out + run.err;
     const auto [raw, shown_as] = std::ranges::mismatch(all, VisibleLines(all));
@@ -118,7 +118,7 @@ TEST(EveryCommand, EndsInTimeBesideAHugeTypeAndEndlessMessages) {
       {"top", "channels", "--once"},
       {"graph"},
       {"doctor"}};
-  for (const FinishedRun& run : Finish(runs, Start(runs, robot.environment()))) ExpectGoodEnd(run);
+  for (const FinishedRun& run : RunAll(runs, robot.environment())) ExpectGoodEnd(run);
 }
 
 TEST(EveryCommand, EndsInTimeBesideTenThousandChannels) {
@@ -132,7 +132,7 @@ TEST(EveryCommand, EndsInTimeBesideTenThousandChannels) {
     return LinesOf(RunToEnd({"list", "--timeout", "5"}, robot.environment()).out).size() > 10'000;
   }));
   const auto runs = RunsOfEveryCommand("5", false);
-  for (const FinishedRun& run : Finish(runs, Start(runs, robot.environment()))) ExpectGoodEnd(run);
+  for (const FinishedRun& run : RunAll(runs, robot.environment())) ExpectGoodEnd(run);
 }
 
 }  // namespace

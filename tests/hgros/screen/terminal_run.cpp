@@ -23,7 +23,7 @@ namespace {
 
 // Runs the command as a job, and up to twice again with `fg` if it was suspended; then says how it has ended.
 constexpr const char* kScript =
-    "trap : INT; set -m; printf 'shell\\n'; \"$@\"; code=$?; "
+    "ulimit -c 0; trap : INT; set -m; printf 'shell\\n'; \"$@\"; code=$?; "
     "[ $code -ne 148 ] || { printf 'suspended 1 '; read line; fg > /dev/null; code=$?; }; "
     "[ $code -ne 148 ] || { printf 'suspended 2 '; read line; fg > /dev/null; code=$?; }; "
     "printf 'finished %d.\\n' $code; read line";
