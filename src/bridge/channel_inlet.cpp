@@ -9,6 +9,7 @@
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/protobuf_log.hpp"
 #include "hgros/codec/run_time_type.hpp"
+#include "hgros/graph/delivered_credit.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 #include "hgros/transport/transport.hpp"
 
@@ -333,6 +334,7 @@ std::shared_ptr<const MessageSchema> ChannelInlet::Schema() const {
 }
 
 bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
+  const DeliveredCredit here(decoded.credit);
   return DataGraph::Inject(channel_, decoded.message, *decoded.type, decoded.info, decoded.credit, decoded.latched,
                            user_code);
 }

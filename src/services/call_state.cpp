@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "hgros/graph/data_graph.hpp"
+#include "hgros/services/services.hpp"
 #include "services/call_table.hpp"
 #include "services/service_client.hpp"
 #include "services/service_host.hpp"
@@ -12,6 +13,8 @@ namespace {
 
 // While a thread waits, it may run a handler that waits in turn. Each level uses stack.
 constexpr int kMaxNestedRequests = 16;
+// A server offers its replies when the first request comes. After this time, the offer should be known.
+constexpr auto kTimeForAnOffer = std::chrono::milliseconds(100);
 thread_local int nested_requests = 0;
 
 }  // namespace
@@ -36,10 +39,15 @@ void CallState::Finish(CallEnd end) { Finish(std::unique_lock(mutex_), std::move
 // One lock for both steps, so that no server is found after the reason is chosen and before the call ends.
 void CallState::FinishOverdue() {
   // Asks the session, so it is done before the lock.
-  const auto reached = has_server() ? nullptr : client();
-  const std::string suggestion = reached ? reached->Suggestion() : std::string();
+  const auto reached = client();
+  const auto services = reached ? reached->services() : nullptr;
+  const bool sent = has_server();
+  const bool served = reached && reached->HasServer();
+  std::string hint;
+  if (reached && !sent && !served) hint = reached->Suggestion();
+  if (services && sent && Age() >= kTimeForAnOffer) hint = services->WhyNoReply(service_);
   std::unique_lock lock(mutex_);
-  CallEnd end = Overdue(suggestion);
+  CallEnd end = Overdue(served, hint);
   Finish(std::move(lock), std::move(end));
 }
 
@@ -173,13 +181,17 @@ SessionId CallState::server() const {
 
 bool CallState::has_server() const { return server() != SessionId{}; }
 
-CallEnd CallState::Overdue(const std::string& suggestion) const {
+CallEnd CallState::Overdue(bool served, const std::string& hint) const {
   if (server_ != SessionId{}) {
     return Failed(CallFailure::Kind::kTimedOut,
-                  "Service \"" + service_ + "\" did not reply within " + InWords(timeout) + ".");
+                  "Service \"" + service_ + "\" did not reply within " + InWords(timeout) + "." + hint);
+  }
+  if (served) {
+    return Failed(CallFailure::Kind::kFull, "The server of \"" + service_ + "\" has taken no more requests within " +
+                                                InWords(timeout) + ": too many wait.");
   }
   return Failed(CallFailure::Kind::kNoServer,
-                "No server of \"" + service_ + "\" was found within " + InWords(timeout) + "." + suggestion);
+                "No server of \"" + service_ + "\" was found within " + InWords(timeout) + "." + hint);
 }
 
 }  // namespace hgros

@@ -69,7 +69,8 @@ class CallState final : public PendingCall,
 
  private:
   void Finish(std::unique_lock<std::mutex> lock, CallEnd end);
-  [[nodiscard]] CallEnd Overdue(const std::string& suggestion) const;  // Under the lock.
+  // Under the lock. `served`: another session serves it. `hint`: more about the reason.
+  [[nodiscard]] CallEnd Overdue(bool served, const std::string& hint) const;
   void RunRequestsWhileWaiting();
   [[nodiscard]] std::shared_ptr<ServiceHost> host() const;
   [[nodiscard]] std::shared_ptr<ServiceClient> client() const;

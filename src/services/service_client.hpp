@@ -51,6 +51,12 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   // " Did you mean ...?" if a service has nearly the same name, otherwise an empty text. For calls without a server.
   [[nodiscard]] std::string Suggestion();
 
+  // Whether a session serves it now.
+  [[nodiscard]] bool HasServer() {
+    const std::scoped_lock lock(mutex_);
+    return !servers_.empty();
+  }
+  [[nodiscard]] std::shared_ptr<Services> services() const { return services_.lock(); }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const TypeInfo& request() const noexcept { return request_; }
   [[nodiscard]] const TypeInfo& reply() const noexcept { return reply_; }

@@ -6,10 +6,20 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/graph/delivered_credit.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 #include "services/waiting_callers.hpp"
 
 namespace hgros {
+
+namespace {
+
+// How many requests of one caller may be on their way.
+constexpr std::size_t kMoreThanFit = 64;
+constexpr std::size_t kLeastInFlight = 1024;
+constexpr std::size_t kMostInFlight = 65536;
+
+}  // namespace
 
 class ServiceHost::Running {
  public:
@@ -61,7 +71,8 @@ void ServiceHost::Start(NodeOptions options, const CallSite& where) {
         [self](const AnyMessage& message, const MessageInfo& info) {
           self->OnRequest(std::static_pointer_cast<const CallMessage>(message), info);
         },
-        std::min<std::size_t>(limit_, 1024));
+        // A request counts as on its way until it leaves the queue. One more must come, to be told that it is full.
+        std::clamp<std::size_t>(limit_ + kMoreThanFit, kLeastInFlight, kMostInFlight));
   });
   started_.store(true, std::memory_order_release);
 }
@@ -78,13 +89,14 @@ void ServiceHost::OnRequest(const std::shared_ptr<const CallMessage>& request, c
   if (!OpenLine(SessionId{request->caller})) return;
   if (executor_ == Executor::Kind::kTbb) {
     const ReadyNodeSlot::Opened opened;
-    Arrive(request);
+    Arrive(request, DeliveredCredit::Here());
   } else {
-    Arrive(request);  // An inline handler is user code and may wait for a node that it makes ready.
+    Arrive(request,
+           DeliveredCredit::Here());  // An inline handler is user code and may wait for a node that it makes ready.
   }
 }
 
-void ServiceHost::Arrive(std::shared_ptr<const CallMessage> request) {
+void ServiceHost::Arrive(std::shared_ptr<const CallMessage> request, std::shared_ptr<const void> credit) {
   using Outcome = CallMessage::Outcome;
   if (request->outcome != Outcome::kOk) return Answer(*request, request->outcome, request->text);
   if (!request->reply_type.empty() && request->reply_type != setting_.reply->name) {
@@ -93,35 +105,56 @@ void ServiceHost::Arrive(std::shared_ptr<const CallMessage> request) {
                       request->reply_type + ".");
   }
   // A request of this session has come directly, perhaps from another thread than the caller's.
-  Waiting waiting{request, std::nullopt, request->cause.message == 0 ? Cause::Here() : request->cause};
+  Waiting waiting{request, std::nullopt, request->cause.message == 0 ? Cause::Here() : request->cause,
+                  std::move(credit), 0};
+  if (request->caller != session_.value) waiting.bytes = BytesOf(*request);
   if (request->patience_ns > 0) waiting.due = DeadlineIn(std::chrono::nanoseconds(request->patience_ns));
   bool ended = false;
-  bool full = false;
+  std::string full;
   {
     const std::scoped_lock lock(mutex_);
     ended = ended_;
-    full = waiting_.size() >= limit_;
-    if (!ended && !full) waiting_.push_back(std::move(waiting));
+    full = WhyFull(waiting.bytes);
+    if (!ended && full.empty()) {
+      waiting_bytes_ += waiting.bytes;
+      waiting_.push_back(std::move(waiting));
+    }
   }
   if (ended) return Answer(*request, Outcome::kEnded, "Service \"" + setting_.name + "\" has ended.");
-  if (full) {
-    return Answer(*request, Outcome::kFull,
-                  "Service \"" + setting_.name + "\" has " + std::to_string(limit_) + " requests waiting already.");
+  if (!full.empty()) {
+    return Answer(*request, Outcome::kFull, "Service \"" + setting_.name + "\" has " + full + " waiting already.");
   }
   // If the queue of turns is full, it holds more turns than there are requests.
   turns_(turn_);
   if (const auto services = services_.lock()) services->waiting_callers()->Nudge();
 }
 
+std::string ServiceHost::WhyFull(std::size_t bytes) const {
+  if (waiting_.size() >= limit_) return std::to_string(limit_) + " requests";
+  if (waiting_bytes_ == 0 || waiting_bytes_ + bytes <= room_->service_bytes) return {};
+  return std::to_string(waiting_bytes_ >> 20U) + " MiB of requests";
+}
+
+ServiceHost::Waiting ServiceHost::Take(std::deque<Waiting>::iterator request) {
+  Waiting taken = std::move(*request);
+  waiting_.erase(request);
+  waiting_bytes_ -= taken.bytes;
+  return taken;
+}
+
 void ServiceHost::Withdraw(std::uint64_t caller, std::uint64_t call) {
-  std::shared_ptr<const CallMessage> dropped;  // Destroyed after the lock: a message's destructor is user code.
-  const std::scoped_lock lock(mutex_);
-  const auto found = std::ranges::find_if(
-      waiting_, [&](const Waiting& one) { return one.request->caller == caller && one.request->call == call; });
-  if (found == waiting_.end()) return;
-  dropped = std::move(found->request);
-  waiting_.erase(found);
-  ++unhandled_;
+  Waiting dropped;  // Destroyed after the lock: a message's destructor is user code.
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::ranges::find_if(
+        waiting_, [&](const Waiting& one) { return one.request->caller == caller && one.request->call == call; });
+    if (found != waiting_.end()) {
+      dropped = Take(found);
+      ++unhandled_;
+      return;
+    }
+  }
+  if (const auto line = LineTo(SessionId{caller}); line && line->Withdraw(call)) ++dropped_replies_;
 }
 
 bool ServiceHost::RunOneRequest(std::optional<std::uint64_t> own_call) {
@@ -148,11 +181,11 @@ bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
       });
     }
     if (found == waiting_.end()) return false;
-    next = std::move(*found);
-    waiting_.erase(found);
+    next = Take(found);
     serial_busy_ = setting_.invoke == Invoke::kSerial;
     ++running_;
   }
+  next.credit.reset();  // Not later: the handler may wait for a call that its own caller must make.
   Handle(next);
   next = {};
   bool again = false;
@@ -202,10 +235,11 @@ void ServiceHost::Handle(const Waiting& waiting) {
     text = "The handler threw something that is not a std::exception.";
   }
   if (reply) text.clear();
-  Answer(request, outcome, std::move(text), std::move(reply));
+  Answer(request, outcome, std::move(text), std::move(reply), waiting.due);
 }
 
-void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply) {
+void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply,
+                         std::optional<std::chrono::steady_clock::time_point> due) {
   auto answer = std::make_shared<CallMessage>();
   answer->caller = request.caller;
   answer->server = session_.value;
@@ -220,7 +254,7 @@ void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcom
     return;
   }
   const auto line = LineTo(SessionId{request.caller});
-  if (!line || !line->Send(std::move(answer))) ++dropped_replies_;
+  if (!line || !line->Send(std::move(answer), due)) ++dropped_replies_;
 }
 
 std::shared_ptr<ReplyLine> ServiceHost::LineTo(SessionId caller) const {
@@ -234,27 +268,57 @@ std::shared_ptr<ReplyLine> ServiceHost::OpenLine(SessionId caller) {
   const auto services = services_.lock();
   if (!services || ended()) return nullptr;
   std::shared_ptr<ReplyLine> line;
-  const auto flush = [weak = std::weak_ptr(services), self = weak_from_this(), caller] {
-    const auto desk = weak.lock();
-    if (!desk) return;
-    desk->Post([self, caller] {
-      const auto host = self.lock();
-      if (const auto one = host ? host->LineTo(caller) : nullptr) one->Flush();
-    });
-  };
+  const ReplyLine::Means means = MeansOf(caller);
   services->With([&](ServicePlace& place) {
     const std::string channel = ReplyChannel(setting_.name, caller);
-    const auto outlet = place.OpenOutlet(channel, *setting_.reply, {flush, flush, [] { return true; }});
-    auto made = std::make_shared<ReplyLine>(outlet, *setting_.reply, log_, setting_.name, flush);
+    const auto outlet =
+        place.OpenOutlet(channel, *setting_.reply, {means.flush_soon, means.flush_soon, [] { return true; }});
+    const std::vector<PeerInfo> peers = place.Peers();
+    const auto peer = std::ranges::find(peers, caller, &PeerInfo::id);
+    auto made = std::make_shared<ReplyLine>(outlet, *setting_.reply, log_, setting_.name,
+                                            peer == peers.end() ? caller.ToString() : peer->name(), room_, means);
     {
       const std::scoped_lock lock(mutex_);
       // A caller that has left meanwhile gets no line. A caller that leaves later is found in lines_ by OnPeerGone().
-      const bool here = std::ranges::any_of(place.Peers(), [&](const PeerInfo& peer) { return peer.id == caller; });
+      const bool here = std::ranges::any_of(place.Peers(), [&](const PeerInfo& one) { return one.id == caller; });
       if (!ended_ && here) line = lines_.emplace(caller.value, made).first->second;
     }
     if (line != made) place.CloseOutlet(channel, outlet);
   });
   return line;
+}
+
+ReplyLine::Means ServiceHost::MeansOf(SessionId caller) {
+  const auto flush = [self = weak_from_this(), caller] {
+    if (const auto host = self.lock()) host->Flush(caller);
+  };
+  ReplyLine::Means means;
+  means.flush_soon = [weak = services_, flush] {
+    if (const auto services = weak.lock()) services->Post(flush);
+  };
+  means.flush_at = [weak = services_, flush](ReplyLine::Moment when) {
+    if (const auto services = weak.lock()) services->PostAt(when, flush);
+  };
+  means.why = [weak = services_, service = setting_.name](bool subscribed) -> std::string {
+    if (subscribed) return "That session does not take its replies fast enough.";
+    ReplyWays ways;
+    if (const auto services = weak.lock()) {
+      services->With([&](ServicePlace& place) { ways = place.WaysOf(service); });
+    }
+    const std::string channel = RequestChannel(service);
+    if (!ways.leave) {
+      return "Replies cannot leave this session: no publisher endpoint has \"" + channel +
+             "\" in its list of channels. Add it.";
+    }
+    return "That session does not subscribe to its replies: a subscriber endpoint there must reach this session, and "
+           "if it has a list of channels, \"" +
+           channel + "\" must be in it.";
+  };
+  return means;
+}
+
+void ServiceHost::Flush(SessionId caller) {
+  if (const auto line = LineTo(caller)) dropped_replies_ += line->Flush();
 }
 
 void ServiceHost::OnPeerGone(SessionId peer) {
@@ -271,6 +335,7 @@ void ServiceHost::OnPeerGone(SessionId peer) {
         ++one;
         continue;
       }
+      waiting_bytes_ -= one->bytes;
       dropped.push_back(std::move(*one));
       one = waiting_.erase(one);
       ++unhandled_;
@@ -293,6 +358,7 @@ void ServiceHost::Refuse() {
     const std::scoped_lock lock(mutex_);
     ended_ = true;
     left.swap(waiting_);
+    waiting_bytes_ = 0;
   }
   for (const Waiting& one : left) {
     Answer(*one.request, CallMessage::Outcome::kEnded, "Service \"" + setting_.name + "\" has ended.");

@@ -46,9 +46,10 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_->IsChild(); }
   [[nodiscard]] bool started() const noexcept { return started_.load(std::memory_order_acquire); }
 
-  // A request of this session.
-  void Arrive(std::shared_ptr<const CallMessage> request);
-  // The caller no longer waits for this call.
+  // A request of this session. Another session's has its `credit`: it ends when the request leaves the queue, so that
+  // the caller's window limits what waits.
+  void Arrive(std::shared_ptr<const CallMessage> request, std::shared_ptr<const void> credit = nullptr);
+  // The caller no longer waits for this call: its request or its reply need not wait either.
   void Withdraw(std::uint64_t caller, std::uint64_t call);
   // For a thread that waits inside a callback: runs the request of `own_call`, or any request if it is empty. False if
   // there is none, or the executor is dedicated.
@@ -69,6 +70,8 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
     std::shared_ptr<const CallMessage> request;
     std::optional<std::chrono::steady_clock::time_point> due;
     Cause cause;
+    std::shared_ptr<const void> credit;
+    std::size_t bytes = 0;  // Of another session's request.
   };
   class Running;  // Marks a thread that runs a handler.
 
@@ -76,17 +79,25 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   // Runs one request. False if there is none, or another one is being handled.
   bool Turn(std::optional<std::uint64_t> own_call, bool helps);
   void Handle(const Waiting& waiting);
-  void Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply = nullptr);
+  void Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply = nullptr,
+              std::optional<std::chrono::steady_clock::time_point> due = std::nullopt);
+  // Why the queue takes no request of so many bytes; empty if it does. Under mutex_.
+  [[nodiscard]] std::string WhyFull(std::size_t bytes) const;
+  // Removes it from the queue. Under mutex_.
+  Waiting Take(std::deque<Waiting>::iterator request);
   // Null if the caller has sent no request, or is gone.
   [[nodiscard]] std::shared_ptr<ReplyLine> LineTo(SessionId caller) const;
   // Opens the line if there is none. Called by the thread that receives requests, one at a time.
   [[nodiscard]] std::shared_ptr<ReplyLine> OpenLine(SessionId caller);
+  [[nodiscard]] ReplyLine::Means MeansOf(SessionId caller);
+  void Flush(SessionId caller);
 
   const ServiceSetting setting_;
   const std::weak_ptr<Services> services_;
   const std::shared_ptr<const ForkGuard> fork_;
   const SessionId session_;
   const std::shared_ptr<Log> log_;
+  const std::shared_ptr<ServiceRoom> room_ = ServiceRoom::OfFreeMemory();
   std::size_t limit_ = kDefaultQueue;
   Executor::Kind executor_ = Executor::Kind::kTbb;
   const std::shared_ptr<const ServiceTurn> turn_ = std::make_shared<const ServiceTurn>();
@@ -98,6 +109,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   mutable std::mutex mutex_;
   std::condition_variable idle_;
   std::deque<Waiting> waiting_;
+  std::size_t waiting_bytes_ = 0;  // Of other sessions' requests.
   bool ended_ = false;
   bool serial_busy_ = false;
   std::size_t owed_ = 0;  // Turns that came while a request was being handled.

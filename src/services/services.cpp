@@ -267,6 +267,20 @@ void Services::EndCall(const CallMessage& reply, const std::string& service) {
               Failed(kind, kind == Kind::kNotWritable ? "Service \"" + service + "\": " + reply.text : reply.text));
 }
 
+std::string Services::WhyNoReply(const std::string& service) {
+  ReplyWays ways{.offered = 1};
+  const std::string channel = RequestChannel(service);
+  With([&](ServicePlace& place) { ways = place.WaysOf(service); });
+  if (ways.offered > 0) return {};
+  if (!ways.enter) {
+    return " Replies cannot reach this session: no subscriber endpoint has \"" + channel +
+           "\" in its list of channels. Add it.";
+  }
+  return " Nobody offers its replies here. If the server runs, check that a subscriber endpoint here reaches its "
+         "publisher endpoint, and that \"" +
+         channel + "\" is in their lists of channels.";
+}
+
 void Services::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
   Post([weak = weak_from_this(), peer, why = std::string(reason)] {
     const auto self = weak.lock();

@@ -100,9 +100,12 @@ class SessionCore final : public TransportListener, private ServicePlace {
                       std::size_t queue_depth) override;
   std::shared_ptr<SessionOutlet> OpenOutlet(const std::string& channel, const TypeInfo& type,
                                             OutletEvents events) override;
-  void CloseOutlet(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet) override;
+  void CloseOutlet(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet) override {
+    outbound_.CloseForService(channel, outlet);
+  }
   [[nodiscard]] DataGraph& Graph() override { return *graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string& channel) override;
+  [[nodiscard]] ReplyWays WaysOf(const std::string& service) const override;
   void ReportServedTwice(const PeerInfo& other, std::string channel, std::string sentence) noexcept override {
     events_->PublishPeer(*errands_, {PeerEvent::Kind::kServedTwice, other, std::move(channel), std::move(sentence)});
   }

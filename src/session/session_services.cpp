@@ -16,6 +16,14 @@ std::vector<std::string> ServicesAmong(const std::vector<KnownChannel>& channels
   return services;
 }
 
+// Lists name the requests' channel for both directions.
+ReplyWays WaysIn(const Config& config, const InboundChannels& inbound, SessionId session, const std::string& service) {
+  const std::string listed = RequestChannel(service);
+  return {.leave = DescribeConfined(listed, config.publishers, Way::kOut, {}).empty(),
+          .enter = DescribeConfined(listed, config.subscribers, Way::kIn, {}).empty(),
+          .offered = inbound.PublisherCount(ReplyChannel(service, session))};
+}
+
 }  // namespace
 
 Subscription SessionCore::Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
@@ -37,10 +45,6 @@ std::shared_ptr<SessionOutlet> SessionCore::OpenOutlet(const std::string& channe
   return outbound_.OpenForService(channel, type, std::move(events));
 }
 
-void SessionCore::CloseOutlet(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet) {
-  outbound_.CloseForService(channel, outlet);
-}
-
 void SessionCore::Receive(const Visit& visit) noexcept {
   NetworkBridge* bridge = nullptr;  // It exists as long as services may call.
   {
@@ -52,9 +56,10 @@ void SessionCore::Receive(const Visit& visit) noexcept {
 
 ChannelSearch SessionCore::Search(const std::string& channel) {
   const std::scoped_lock lock(mutex_);
-  if (bridge_) return bridge_->Search(channel);
-  return {.announced = {}, .complete = true, .complete_at = {}};
+  return bridge_ ? bridge_->Search(channel) : ChannelSearch{.announced = {}, .complete = true, .complete_at = {}};
 }
+
+ReplyWays SessionCore::WaysOf(const std::string& service) const { return WaysIn(config(), *inbound_, id_, service); }
 
 std::vector<std::string> SessionCore::KnownServices() { return ServicesAmong(Channels()); }
 

@@ -12,23 +12,117 @@
 namespace hgros {
 namespace {
 
-TEST(ReplyLine, LogsDroppedRepliesWhenTooManyWaitForTheCaller) {
-  int said = 0;
-  const auto log = std::make_shared<Log>([&](LogLevel, std::string_view) { ++said; });
-  const TypeInfo& type = CallTypeOf<test::Total>();
-  const auto outlet = std::make_shared<ChannelOutlet>("replies", type, MessageId{1, 1, 0}, log, OutletEvents{},
-                                                      std::make_shared<HostClocks>());
+using Moment = ReplyLine::Moment;
+
+/// A line whose caller does not subscribe, and what it asks for.
+class Line {
+ public:
+  explicit Line(std::shared_ptr<ServiceRoom> room = std::make_shared<ServiceRoom>()) : room_(std::move(room)) {}
+
+  [[nodiscard]] static std::shared_ptr<const CallMessage> Reply(std::uint64_t call) {
+    auto reply = std::make_shared<CallMessage>();
+    reply->call = call;
+    reply->body = std::make_shared<const test::Total>();
+    reply->type = &TypeOf<test::Total>();
+    return reply;
+  }
+
   int soon = 0;
-  ReplyLine line(outlet, type, log, "add", [&] { ++soon; });
+  std::vector<Moment> asked;
+  std::vector<std::string> said;
+
+ private:
+  const std::shared_ptr<ServiceRoom> room_;
+  const std::shared_ptr<Log> log_ =
+      std::make_shared<Log>([this](LogLevel, std::string_view text) { said.emplace_back(text); });
+  const TypeInfo& type_ = CallTypeOf<test::Total>();
+
+ public:
+  ReplyLine line{std::make_shared<ChannelOutlet>("replies", type_, MessageId{1, 1, 0}, log_, OutletEvents{},
+                                                 std::make_shared<HostClocks>()),
+                 type_,
+                 log_,
+                 "add",
+                 "arm",
+                 room_,
+                 {[this] { ++soon; }, [this](Moment when) { asked.push_back(when); },
+                  [](bool subscribed) { return subscribed ? "slow" : "away"; }}};
+};
+
+TEST(ReplyLine, LogsDroppedRepliesWhenTooManyWaitForTheCaller) {
+  Line to;
   const auto reply = std::make_shared<const CallMessage>();
-  for (std::size_t i = 0; i < ReplyLine::kMaxWaiting; ++i) ASSERT_TRUE(line.Send(reply));
-  EXPECT_EQ(soon, static_cast<int>(ReplyLine::kMaxWaiting));
-  EXPECT_EQ(said, 0);
-  EXPECT_FALSE(line.Send(reply));
-  EXPECT_EQ(said, 1);
-  EXPECT_EQ(line.Close(), ReplyLine::kMaxWaiting);
-  EXPECT_FALSE(line.Send(reply));
-  EXPECT_EQ(said, 1);
+  for (std::size_t i = 0; i < ReplyLine::kMaxWaiting; ++i) ASSERT_TRUE(to.line.Send(reply));
+  EXPECT_EQ(to.soon, static_cast<int>(ReplyLine::kMaxWaiting));
+  EXPECT_EQ(to.said.size(), 0U);
+  EXPECT_FALSE(to.line.Send(reply));
+  ASSERT_EQ(to.said.size(), 1U);
+  EXPECT_EQ(to.said[0],
+            "A reply of service \"add\" to session arm was dropped: 64 MiB, or 65536 replies, wait for the caller "
+            "already. away");
+  EXPECT_EQ(to.line.Close(), ReplyLine::kMaxWaiting + 1) << "the refusal waits";
+  EXPECT_FALSE(to.line.Send(reply));
+  EXPECT_EQ(to.said.size(), 1U);
+}
+
+TEST(ReplyLine, LimitsTheBytesThatWait) {
+  const auto room = std::make_shared<ServiceRoom>();
+  const std::size_t one = BytesOf(*Line::Reply(0));
+  EXPECT_GT(one, sizeof(test::Total));
+  room->caller_bytes = 10 * one;
+  room->service_bytes = 15 * one;
+  Line to(room);
+  Line other(room);
+  for (std::uint64_t i = 0; i < 10; ++i) EXPECT_TRUE(to.line.Send(Line::Reply(i))) << i;
+  EXPECT_FALSE(to.line.Send(Line::Reply(10)));
+  EXPECT_EQ(to.said.size(), 1U);
+  for (std::uint64_t i = 0; i < 5; ++i) EXPECT_TRUE(other.line.Send(Line::Reply(i))) << i;
+  EXPECT_FALSE(other.line.Send(Line::Reply(5))) << "the service has no room";
+  EXPECT_EQ(to.line.Close(), 11U);
+  EXPECT_TRUE(other.line.Send(Line::Reply(6)));
+  EXPECT_EQ(room->reply_bytes, 6 * one);
+  EXPECT_EQ(other.line.Close(), 7U);
+  EXPECT_EQ(room->reply_bytes, 0U);
+}
+
+TEST(ReplyLine, KeepsOneReplyOfAnySize) {
+  const auto room = std::make_shared<ServiceRoom>();
+  room->caller_bytes = room->service_bytes = 1;
+  Line to(room);
+  EXPECT_TRUE(to.line.Send(Line::Reply(0)));
+  EXPECT_FALSE(to.line.Send(Line::Reply(1)));
+  Line other(room);
+  EXPECT_FALSE(other.line.Send(Line::Reply(0))) << "the service has no room";
+}
+
+TEST(ReplyLine, DropsRepliesWhoseCallsHaveTimedOut) {
+  const auto room = std::make_shared<ServiceRoom>();
+  Line to(room);
+  const Moment due = std::chrono::steady_clock::now() + std::chrono::milliseconds(40);
+  EXPECT_TRUE(to.line.Send(Line::Reply(0), due));
+  EXPECT_TRUE(to.line.Send(Line::Reply(1), due));
+  EXPECT_TRUE(to.line.Send(Line::Reply(2), due + test::kLong));
+  EXPECT_TRUE(to.line.Send(Line::Reply(3)));
+  ASSERT_EQ(to.asked.size(), 1U) << "one look at a time";
+  ASSERT_TRUE(test::Await([&] { return std::chrono::steady_clock::now() >= to.asked[0]; }));
+  EXPECT_EQ(to.line.Flush(), 2U);
+  ASSERT_EQ(to.said.size(), 1U);
+  EXPECT_EQ(to.said[0],
+            "A reply of service \"add\" to session arm was dropped: it still waited when its call had timed out. away");
+  EXPECT_EQ(room->reply_bytes, 2 * BytesOf(*Line::Reply(0)));
+  ASSERT_EQ(to.asked.size(), 2U) << "for the third one";
+  EXPECT_EQ(to.line.Close(), 2U);
+}
+
+TEST(ReplyLine, DropsTheReplyOfACancelledCall) {
+  const auto room = std::make_shared<ServiceRoom>();
+  Line to(room);
+  EXPECT_TRUE(to.line.Send(Line::Reply(7)));
+  EXPECT_FALSE(to.line.Withdraw(8));
+  EXPECT_TRUE(to.line.Withdraw(7));
+  EXPECT_FALSE(to.line.Withdraw(7));
+  EXPECT_EQ(room->reply_bytes, 0U);
+  EXPECT_EQ(to.line.Close(), 0U);
 }
 
 // A caller's subscription: small messages fit, large ones find no memory.
@@ -62,7 +156,7 @@ TEST_P(NoMemory, ForAReplyIsARefusal) {
   const auto outlet = std::make_shared<TightOutlet>(GetParam());
   int soon = 0;
   ReplyLine line(outlet, CallTypeOf<test::Total>(), std::make_shared<Log>([](LogLevel, std::string_view) {}), "add",
-                 [&] { ++soon; });
+                 "arm", std::make_shared<ServiceRoom>(), {[&] { ++soon; }, {}, {}});
   CallMessage reply;
   reply.call = 5;
   reply.body = std::make_shared<const test::Total>();
@@ -89,6 +183,7 @@ class TightPlace final : public ServicePlace {
   [[nodiscard]] DataGraph& Graph() override { return graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string&) override { return {}; }
   [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
+  [[nodiscard]] ReplyWays WaysOf(const std::string&) const override { return {.offered = 1}; }
   [[nodiscard]] std::vector<std::string> KnownServices() override { return {}; }
   void ReportServedTwice(const PeerInfo&, std::string, std::string) noexcept override {}
   void Receive(const Visit& visit) noexcept override { visit.first(); }
@@ -148,6 +243,7 @@ class OpenPlace final : public ServicePlace {
   [[nodiscard]] DataGraph& Graph() override { return graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string&) override { return {}; }
   [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
+  [[nodiscard]] ReplyWays WaysOf(const std::string&) const override { return {.offered = 1}; }
   [[nodiscard]] std::vector<std::string> KnownServices() override { return {}; }
   void ReportServedTwice(const PeerInfo&, std::string, std::string) noexcept override {}
   void Receive(const Visit& visit) noexcept override { visit.first(); }

@@ -9,7 +9,7 @@ namespace hgros {
 struct ServiceSnapshot {
   std::string name;
   std::uint64_t unhandled_requests = 0;  ///< Not handled: the caller had timed out, cancelled or gone.
-  std::uint64_t dropped_replies = 0;     ///< Replies to callers that were gone, or had 65536 replies waiting.
+  std::uint64_t dropped_replies = 0;     ///< Their callers were gone, or took none in time.
 };
 
 }  // namespace hgros

@@ -13,6 +13,13 @@
 
 namespace hgros {
 
+// What this session knows about the ways of a service's replies.
+struct ReplyWays {
+  bool leave = true;        // A publisher endpoint lists them, or needs not.
+  bool enter = true;        // A subscriber endpoint lists them, or needs not.
+  std::size_t offered = 0;  // The number of sessions that offer this session replies.
+};
+
 // The interface that services need from their session. Implemented by the session's core.
 //
 // Thread safety: all functions from any thread, also from within inline callbacks. Wiring throws Error.
@@ -29,6 +36,7 @@ class ServicePlace {
   [[nodiscard]] virtual DataGraph& Graph() = 0;
   [[nodiscard]] virtual ChannelSearch Search(const std::string& channel) = 0;
   [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;
+  [[nodiscard]] virtual ReplyWays WaysOf(const std::string& service) const = 0;
   // The names of all services that this session and the sessions that it knows serve.
   [[nodiscard]] virtual std::vector<std::string> KnownServices() = 0;
   // Tells the program that `other` serves a service that already has a server.

@@ -81,6 +81,9 @@ class Services : public std::enable_shared_from_this<Services> {
   void AwaitWiring() const;
   void EndCall(const CallMessage& reply, const std::string& service);
   void Forget(const ServiceHost& host);
+  // Why no reply of the service has come from another session, as far as this session can know: nobody offers replies
+  // here. Empty otherwise.
+  [[nodiscard]] std::string WhyNoReply(const std::string& service);
   [[nodiscard]] std::vector<ServiceSnapshot> Snapshot() const;
   [[nodiscard]] std::shared_ptr<ServiceHost> HostOf(std::string_view name) const;
   [[nodiscard]] SessionId id() const noexcept { return id_; }

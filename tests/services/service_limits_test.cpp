@@ -1,0 +1,123 @@
+// What waits for a slow server, or for a caller that takes no replies, is limited and told.
+#include <atomic>
+#include <vector>
+
+#include "hgros/codec/block.hpp"
+#include "services/services_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Add;
+using test::Await;
+using test::Bus;
+using test::Kind;
+using test::kLong;
+using test::Pair;
+using test::PlacesOf;
+using test::Robot;
+using test::Sum;
+using test::Total;
+
+constexpr std::size_t kMega = 1U << 20;
+
+std::uint64_t RequestsAt(Session& server, const std::string& service) {
+  std::uint64_t received = 0;
+  for (const ChannelTraffic& one : server.Snapshot().traffic) {
+    if (one.channel != "hgros/call/" + service) continue;
+    for (const PublisherTraffic& publisher : one.in) received += publisher.received;
+  }
+  return received;
+}
+
+class WaitingRequests : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+
+TEST_P(WaitingRequests, StayAtTheCallerAboveTheWindow) {
+  Pair pair(PlacesOf(GetParam()), "shared_memory: {limit_bytes: 1GiB}\n", "shared_memory: {limit_bytes: 1GiB}\n");
+  test::Door door;
+  std::atomic<int> handled{0};
+  const Service service = pair.server().Serve<Block, Total>("slow", [&](const Block& block) {
+    ++handled;
+    door.Pass();
+    return Total{static_cast<int>(block.size())};
+  });
+  constexpr int kCalls = 100;
+  const auto call = [&] { return pair.caller().Call<Block, Total>("slow", Block::Allocate(kMega), kLong); };
+  std::vector<CallFuture<Total>> calls;
+  calls.push_back(call());
+  ASSERT_TRUE(Await([&] { return handled == 1; }));
+  for (int i = 1; i < kCalls; ++i) calls.push_back(call());
+  ASSERT_TRUE(Await([&] { return RequestsAt(pair.server(), "slow") >= 60; }));
+  const auto late = pair.caller().Call<Block, Total>("slow", Block::Allocate(kMega), std::chrono::milliseconds(300));
+  const auto result = late.Wait();
+  EXPECT_EQ(result.failure().kind, Kind::kFull);
+  EXPECT_EQ(result.failure().reason, "The server of \"slow\" has taken no more requests within 300 ms: too many wait.");
+  EXPECT_LE(RequestsAt(pair.server(), "slow"), 66U) << "64 MiB wait, one is handled";
+  door.Open();
+  for (const auto& one : calls) {
+    const auto reply = one.Wait();
+    ASSERT_TRUE(reply) << reply.failure().reason;
+    EXPECT_EQ(reply->value, static_cast<int>(kMega));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, WaitingRequests, testing::Values("sharedmemory", "tcp"),
+                         [](const auto& place) { return place.param; });
+
+/// A server and a caller that reach each other only over ipc, with lists of channels.
+class MissingDirection : public test::DomainFixture {
+ protected:
+  static constexpr auto kAlone = "discovery: {local: false}\n";
+  Bus bus;
+  [[nodiscard]] std::string Lists(const std::string& own, const std::string& out, const std::string& other,
+                                  const std::string& in) const {
+    return "network: {" + bus.Publisher(own, out) + ", subscribers: [" + bus.Subscriber(other, in) + "]}\n" + kAlone;
+  }
+};
+
+TEST_F(MissingDirection, OutOfTheServerIsToldOnBothSidesAndKeepsNoReplies) {
+  Robot server(Lists("a", "scan", "b", ""), "server");
+  Robot caller(Lists("b", "", "a", ""), "caller");
+  const Service service = server->Serve<Sum, Total>("add", Add);
+  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
+  EXPECT_EQ(result.failure().kind, Kind::kTimedOut);
+  EXPECT_EQ(result.failure().reason,
+            "Service \"add\" did not reply within 2000 ms. Nobody offers its replies here. If the server runs, check "
+            "that a subscriber endpoint here reaches its publisher endpoint, and that \"hgros/call/add\" is in their "
+            "lists of channels.");
+  EXPECT_TRUE(Await([&] { return server->Snapshot().services.at(0).dropped_replies == 1; }));
+  EXPECT_EQ(server.Count("A reply of service \"add\" to session "), 1U);
+  EXPECT_TRUE(
+      server.Said("Replies cannot leave this session: no publisher endpoint has \"hgros/call/add\" in its list "
+                  "of channels. Add it."));
+}
+
+TEST_F(MissingDirection, IntoTheCallerIsTold) {
+  Robot server(Lists("a", "", "b", ""), "server");
+  Robot caller(Lists("b", "", "a", "scan"), "caller");
+  const Service service = server->Serve<Sum, Total>("add", Add);
+  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
+  EXPECT_EQ(result.failure().reason,
+            "Service \"add\" did not reply within 2000 ms. Replies cannot reach this session: no subscriber endpoint "
+            "has \"hgros/call/add\" in its list of channels. Add it.");
+  EXPECT_TRUE(Await([&] { return server.Said("That session does not subscribe to its replies: "); }));
+}
+
+TEST_F(MissingDirection, DropsTheReplyOfACancelledCall) {
+  Robot server(Lists("a", "scan", "b", ""), "server");
+  Robot caller(Lists("b", "", "a", ""), "caller");
+  std::atomic<int> handled{0};
+  const Service service = server->Serve<Sum, Total>("add", [&](const Sum& sum) {
+    ++handled;
+    return Add(sum);
+  });
+  auto call = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::nanoseconds::max());
+  ASSERT_TRUE(Await([&] { return handled == 1; }));
+  server->WaitIdle(kLong);
+  EXPECT_EQ(server->Snapshot().services.at(0).dropped_replies, 0U);
+  call.Cancel();
+  EXPECT_TRUE(Await([&] { return server->Snapshot().services.at(0).dropped_replies == 1; }));
+}
+
+}  // namespace
+}  // namespace hgros
