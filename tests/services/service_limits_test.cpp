@@ -1,5 +1,9 @@
 // What waits for a slow server, or for a caller that takes no replies, is limited and told.
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <atomic>
+#include <fstream>
 #include <vector>
 
 #include "hgros/codec/block.hpp"
@@ -59,6 +63,63 @@ TEST_P(WaitingRequests, StayAtTheCallerAboveTheWindow) {
     ASSERT_TRUE(reply) << reply.failure().reason;
     EXPECT_EQ(reply->value, static_cast<int>(kMega));
   }
+}
+
+TEST_P(WaitingRequests, FailWithFullWhenTheServerHadLittleMemory) {
+  Pair pair(PlacesOf(GetParam()));
+  test::Door door;
+  std::atomic<int> handled{0};
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &limit), 0);
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlimit small{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + 160 * kMega, limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &small), 0);
+  const Service service = pair.server().Serve<Block, Total>("slow", [&](const Block& block) {
+    ++handled;
+    door.Pass();
+    return Total{static_cast<int>(block.size())};
+  });
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+  std::vector<CallFuture<Total>> calls;
+  for (int i = 0; i < 60; ++i) {
+    calls.push_back(pair.caller().Call<Block, Total>("slow", Block::Allocate(kMega), kLong));
+    ASSERT_TRUE(Await([&] { return handled == 1; }));
+  }
+  ASSERT_TRUE(Await([&] { return RequestsAt(pair.server(), "slow") == 60; }));
+  door.Open();
+  int full = 0;
+  for (const auto& one : calls) {
+    const auto result = one.Wait();
+    if (result) continue;
+    ++full;
+    EXPECT_EQ(result.failure().kind, Kind::kFull) << result.failure().reason;
+    EXPECT_TRUE(result.failure().reason.ends_with(" MiB of requests waiting already.")) << result.failure().reason;
+  }
+  EXPECT_GE(full, 15) << "two eighths of the free memory may wait";
+  EXPECT_LT(full, 58);
+}
+
+// The first request is larger than the window, so no other one may come while it counts as on its way.
+TEST_P(WaitingRequests, LeaveRoomForCallsOfTheirOwnHandlers) {
+  Pair pair(PlacesOf(GetParam()), "shared_memory: {limit_bytes: 1GiB}\n", "shared_memory: {limit_bytes: 1GiB}\n");
+  constexpr std::size_t kFirst = 65 * kMega;
+  const Service there = pair.server().Serve<Block, Total>(
+      "there",
+      [&](const Block& block) {
+        if (block.size() != kFirst) return Total{5};
+        const auto result = pair.server().Call<Sum, Total>("back", Sum{}, kLong).Wait();
+        return result ? *result : Total{-1};
+      },
+      Invoke::kConcurrent);
+  const Service back = pair.caller().Serve<Sum, Total>("back", [&](const Sum&) {
+    const auto result =
+        pair.caller().Call<Block, Total>("there", Block::Allocate(kMega), std::chrono::seconds(15)).Wait();
+    return result ? *result : Total{-2};
+  });
+  const auto result = pair.caller().Call<Block, Total>("there", Block::Allocate(kFirst), kLong).Wait();
+  ASSERT_TRUE(result) << result.failure().reason;
+  EXPECT_EQ(result->value, 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, WaitingRequests, testing::Values("sharedmemory", "tcp"),
