@@ -20,12 +20,6 @@
 namespace hgros {
 namespace {
 
-rlim_t DescriptorLimit() noexcept {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
-  return std::min(limit.rlim_cur, static_cast<rlim_t>(std::numeric_limits<int>::max()));
-}
-
 // The system counts a thread for some microseconds longer than join() waits for it. It has no event for the end of that
 // (a pidfd of a thread needs Linux 6.9), so this asks. The limit is for a machine that does not run the thread at all.
 void WaitUntilGone(pid_t thread) noexcept {
@@ -69,6 +63,12 @@ class WaitingThreads {
 };
 
 }  // namespace
+
+std::size_t DescriptorLimit() noexcept {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
+  return std::min(limit.rlim_cur, static_cast<rlim_t>(std::numeric_limits<int>::max()));
+}
 
 std::size_t FreeDescriptors(std::size_t most) noexcept {
   std::size_t free = 0;

@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "hgros/base/system_limits.hpp"
+
 namespace hgros {
 namespace {
 
@@ -19,6 +21,12 @@ constexpr unsigned kMaxDoublings = 5;
 constexpr auto kReportAfter = std::chrono::seconds(3);
 constexpr auto kReportPeriod = std::chrono::minutes(10);
 
+// The address in "tcp://ADDRESS:PORT".
+std::string HostOf(std::string_view endpoint) {
+  endpoint.remove_prefix(std::min(kTcp.size(), endpoint.size()));
+  return std::string(endpoint.substr(0, endpoint.rfind(':')));
+}
+
 std::chrono::steady_clock::duration Pause(unsigned failures) {
   if (failures == 0) return {};
   return kFirstPause * (1U << std::min(failures - 1, kMaxDoublings));
@@ -28,7 +36,12 @@ std::chrono::steady_clock::duration Pause(unsigned failures) {
 
 LanPeers::LanPeers(ZmqTransport& zmq, Log& log, std::chrono::milliseconds patience, Later later,
                    std::set<std::string> configured)
-    : zmq_(zmq), log_(log), patience_(patience), later_(std::move(later)), configured_(std::move(configured)) {}
+    : zmq_(zmq),
+      log_(log),
+      patience_(patience),
+      later_(std::move(later)),
+      most_(std::min(DescriptorLimit() / kDescriptors, kMostEndpoints)),
+      configured_(std::move(configured)) {}
 
 void LanPeers::OnCame(const Announcement& peer) {
   const std::scoped_lock lock(mutex_);
@@ -62,6 +75,7 @@ void LanPeers::Update(const Announcement& peer, std::vector<std::string> endpoin
     Endpoint& entry = heard_[endpoint];
     if (entry.sessions.empty()) entry.sender = peer.sender;
     entry.sessions.insert(peer.session);
+    entry.host = HostOf(endpoint);
   }
   if (endpoints.empty()) {
     announced_.erase(peer.session);
@@ -75,6 +89,13 @@ void LanPeers::Update(const Announcement& peer, std::vector<std::string> endpoin
 
 void LanPeers::SetState(Endpoint& endpoint, State state, Time now) {
   tries_ += (state == State::kTried ? 1 : 0) - (endpoint.state == State::kTried ? 1 : 0);
+  if (endpoint.state == State::kWaiting && state != State::kWaiting) {
+    ++connected_;
+    ++connected_at_[endpoint.host];
+  } else if (endpoint.state != State::kWaiting && state == State::kWaiting) {
+    --connected_;
+    if (--connected_at_[endpoint.host] == 0) connected_at_.erase(endpoint.host);
+  }
   endpoint.state = state;
   endpoint.since = now;
 }
@@ -183,6 +204,25 @@ void LanPeers::ReportUnanswered(Endpoints::value_type& entry) {
                     kReportPeriod);
 }
 
+void LanPeers::ReportFull(const std::string& host) {
+  if (full_.empty()) full_ = host;
+  log_.WriteLimited(LogLevel::kWarning, "lan full",
+                    "The beacon hears more sessions at one address, the first one " + full_ +
+                        ", than may be connected to there: those of an address get a quarter of the open files that "
+                        "others leave. If they are yours, raise the limit (ulimit -n, LimitNOFILE=).",
+                    kReportPeriod);
+}
+
+std::size_t LanPeers::ConnectedAt(const std::string& host) const {
+  const auto found = connected_at_.find(host);
+  return found == connected_at_.end() ? 0 : found->second;
+}
+
+std::size_t LanPeers::ShareOf(const std::string& host) const {
+  const std::size_t elsewhere = std::min(connected_ - ConnectedAt(host), most_);
+  return std::max<std::size_t>((most_ - elsewhere) / kShare, 1);
+}
+
 bool LanPeers::Waits(const Endpoints::value_type& entry) const {
   return entry.second.state == State::kWaiting && !entry.second.sessions.empty() && !configured_.contains(entry.first);
 }
@@ -196,9 +236,14 @@ LanPeers::Endpoints::value_type* LanPeers::FindNext(Time now) {
   Endpoints::value_type* next = nullptr;
   using Rank = std::tuple<Time, unsigned, bool, Time>;
   Rank best;
+  const std::string* full = nullptr;
   for (auto& entry : heard_) {
     const auto& [endpoint, state] = entry;
     if (!Waits(entry) || now - state.since < Pause(state.failures)) continue;
+    if (IsFull(state.host)) {
+      full = &state.host;
+      continue;
+    }
     // An endpoint at the sender's own address is more likely to be its own.
     const bool elsewhere = !endpoint.starts_with(std::string(kTcp) + state.sender + ":");
     const Rank rank(served[state.sender], state.failures, elsewhere, state.since);
@@ -206,6 +251,7 @@ LanPeers::Endpoints::value_type* LanPeers::FindNext(Time now) {
     next = &entry;
     best = rank;
   }
+  if (full != nullptr) ReportFull(*full);
   return next;
 }
 
@@ -228,7 +274,7 @@ std::optional<LanPeers::Time> LanPeers::NextAct(Time now) {
     const Endpoint& state = entry.second;
     if (state.state == State::kLost) consider(state.since + patience_);
     if (state.state == State::kTried && !state.reported) consider(state.since + kReportAfter);
-    if (!Waits(entry)) continue;
+    if (!Waits(entry) || IsFull(state.host)) continue;
     const Time when = state.since + Pause(state.failures);
     next_try = next_try ? std::min(*next_try, when) : when;
   }

@@ -25,12 +25,18 @@ namespace hgros {
 ///
 /// Thread safety: all functions.
 /// Invariants: at most kMaxTries endpoints where no session has answered are connected to at a time. If others wait,
-/// they take turns: first those of the sender that has waited longest.
+/// they take turns: first those of the sender that has waited longest. The endpoints at one address take at most a
+/// quarter of the descriptors that those at other addresses leave. So a host that invents sessions does not keep out
+/// others.
 class LanPeers final : public DiscoveryListener {
  public:
   using Later = std::function<void(std::chrono::nanoseconds delay, std::function<void()> errand)>;
 
-  static constexpr int kMaxTries = 2;  ///< Each takes four descriptors, and three more for a moment after its end.
+  static constexpr int kMaxTries = 2;
+  /// Those of an endpoint. It has three more for a moment after its end.
+  static constexpr std::size_t kDescriptors = 4;
+  static constexpr std::size_t kMostEndpoints = 4096;  ///< Each has three of the sockets that ZeroMQ may have.
+  static constexpr std::size_t kShare = 4;             ///< One address may have this part of what others leave.
   /// After this time without an answer, an endpoint gives way to one that waits.
   static constexpr auto kTryTime = std::chrono::seconds(2);
 
@@ -59,6 +65,7 @@ class LanPeers final : public DiscoveryListener {
   struct Endpoint {
     std::unordered_set<SessionId> sessions;  // Those that are heard; two may share an endpoint for a while.
     std::string sender;
+    std::string host;  // The address in the endpoint. A sender's address may be forged.
     State state = State::kWaiting;
     Time since{};              // When the state began.
     Time tried{};              // When the latest try began.
@@ -78,7 +85,12 @@ class LanPeers final : public DiscoveryListener {
   void Disconnect(Endpoints::value_type& entry, Time now);
   void EndLost(Time now);
   void ReportUnanswered(Endpoints::value_type& entry);
+  void ReportFull(const std::string& host);
+  // How many endpoints at this address may be connected to.
+  [[nodiscard]] std::size_t ShareOf(const std::string& host) const;
+  [[nodiscard]] std::size_t ConnectedAt(const std::string& host) const;
   [[nodiscard]] bool Waits(const Endpoints::value_type& entry) const;
+  [[nodiscard]] bool IsFull(const std::string& host) const { return ConnectedAt(host) >= ShareOf(host); }
   // The endpoint that is tried next; null if none waits, or all that wait have to pause.
   [[nodiscard]] Endpoints::value_type* FindNext(Time now);
   // When it gives way, if others wait.
@@ -97,12 +109,16 @@ class LanPeers final : public DiscoveryListener {
   Log& log_;
   const std::chrono::milliseconds patience_;
   const Later later_;
+  const std::size_t most_;  // Endpoints, at all addresses.
   std::mutex mutex_;
   std::string unanswered_;  // The first endpoint at which no session answered.
+  std::string full_;        // The first address at which endpoints had to wait because it had its share.
   std::set<std::string> configured_;
   std::unordered_map<SessionId, std::vector<std::string>> announced_;
   Endpoints heard_;
-  int tries_ = 0;  // The endpoints in kTried.
+  int tries_ = 0;                                              // The endpoints in kTried.
+  std::size_t connected_ = 0;                                  // Those not in kWaiting.
+  std::unordered_map<std::string, std::size_t> connected_at_;  // The same by address.
   std::uint64_t last_number_ = 0;
   Time acted_{};
   std::optional<Time> due_;  // When Act() runs next.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "support/await.hpp"
+#include "support/few_descriptors.hpp"
 
 namespace hgros {
 namespace {
@@ -54,6 +56,18 @@ class LanPeersTest : public testing::Test {
     peer.endpoints = std::move(endpoints);
     peers.OnCame(peer);
   }
+  /// That many sessions at one address, all of which answer.
+  void HearThatAnswer(std::uint64_t first, std::uint64_t count, const std::string& address) {
+    for (std::uint64_t i = first; i < first + count; ++i) {
+      const std::string endpoint = "tcp://" + address + ":" + std::to_string(i);
+      Hear(i, address, {endpoint});
+      if (Has(endpoint)) zmq.Report(endpoint, EndpointEvent::kReached);
+    }
+  }
+  [[nodiscard]] std::ptrdiff_t CountAt(const std::string& address) const {
+    return std::ranges::count_if(zmq.events,
+                                 [&](const auto& entry) { return entry.first.starts_with("tcp://" + address + ":"); });
+  }
   void Lose(std::uint64_t session) {
     Announcement peer;
     peer.session = {session};
@@ -72,6 +86,7 @@ class LanPeersTest : public testing::Test {
   }
   [[nodiscard]] bool Has(const std::string& endpoint) const { return zmq.events.contains(endpoint); }
 
+  const test::FewDescriptors few{1024};  // For 256 endpoints.
   Endpoints zmq;
   std::vector<std::string> lines;
   Log log{[this](LogLevel, std::string_view text) { lines.emplace_back(text); }};
@@ -132,6 +147,35 @@ TEST_F(LanPeersTest, ASilentEndpointGivesWayAfterAWhile) {
   EXPECT_EQ(zmq.events.size(), LanPeers::kMaxTries);
   Lose(9);
   EXPECT_TRUE(RunUntil([&] { return !Has("tcp://10.0.0.1:9"); })) << "it was never reached";
+}
+
+TEST_F(LanPeersTest, OneAddressGetsAQuarterOfWhatOthersLeave) {
+  HearThatAnswer(1, 100, "10.0.0.1");
+  EXPECT_EQ(CountAt("10.0.0.1"), 64);
+  Hear(101, "10.0.0.2", {"tcp://10.0.0.1:101"});
+  EXPECT_EQ(CountAt("10.0.0.1"), 64) << "the sender's address may be forged";
+  EXPECT_EQ(lines.size(), 1U) << "that there are too many sessions at one address";
+  HearThatAnswer(201, 100, "10.0.0.2");
+  EXPECT_EQ(CountAt("10.0.0.2"), (256 - 64) / 4);
+  HearThatAnswer(301, 10, "10.0.0.3");
+  EXPECT_EQ(CountAt("10.0.0.3"), 10);
+  EXPECT_EQ(lines.size(), 1U);
+}
+
+TEST_F(LanPeersTest, AnAddressWithItsShareGetsAnotherSessionWhenOneIsGone) {
+  HearThatAnswer(1, 70, "10.0.0.1");
+  ASSERT_FALSE(Has("tcp://10.0.0.1:70"));
+  for (std::uint64_t i = 1; i <= 6; ++i) zmq.Report("tcp://10.0.0.1:" + std::to_string(i), EndpointEvent::kLost);
+  for (std::uint64_t i = 1; i <= 6; ++i) Lose(i);
+  EXPECT_TRUE(RunUntil([&] {
+    for (std::uint64_t i = 65; i <= 70; ++i) {
+      const std::string endpoint = "tcp://10.0.0.1:" + std::to_string(i);
+      if (!Has(endpoint)) return false;
+      zmq.Report(endpoint, EndpointEvent::kReached);
+    }
+    return true;
+  }));
+  EXPECT_EQ(CountAt("10.0.0.1"), 64);
 }
 
 TEST_F(LanPeersTest, LeaveConfiguredEndpointsAlone) {

@@ -36,6 +36,7 @@ TEST(HgrosSchema, ShowsATypeThatOnlyThePublisherKnows) {
   const CommandEnd end = robot.Run({"schema", "grip"});
   EXPECT_EQ(end.err, "");
   EXPECT_THAT(end.out, HasSubstr("message Grip {\n  double width = 1;\n  string name = 2;\n}\n"));
+  EXPECT_EQ(robot.Run({"schema", GripSchema().type_name}).out, end.out);
 }
 
 TEST(HgrosSchema, WritesFieldsAsJson) {

@@ -19,8 +19,10 @@
 #include "discovery/beacon/datagram.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/discovery/beacon.hpp"
+#include "hgros/transport/zmq_transport.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/cable.hpp"
+#include "support/few_descriptors.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -66,6 +68,12 @@ class Switch {
   }
 
   const std::string bridge_ = "hgrs" + std::to_string(getpid());
+};
+
+struct Unheard final : TransportListener {
+  void OnPeerCame(const PeerInfo&) noexcept override {}
+  void OnPeerGone(const PeerInfo&, std::string_view) noexcept override {}
+  void OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept override {}
 };
 
 /// A thread that calls a function again and again, until its end.
@@ -205,6 +213,39 @@ TEST_F(Lan, InventedSessionsTakeFewDescriptorsAndDoNotHideARealOne) {
   EXPECT_LE(subscriber->log_lines(), lines + 1) << *subscriber;
   StartPublisher();
   EXPECT_TRUE(subscriber->Reaches({{"received", 100}}, 2 * test::kPatience)) << *subscriber << *publisher;
+}
+
+TEST_F(Lan, InventedSessionsThatAnswerKeepOutNoOtherHost) {
+  {
+    const test::FewDescriptors few(160);
+    StartSubscriber();
+    ASSERT_TRUE(subscriber->Reaches({{"ready", 1}})) << *subscriber;
+  }
+  // 40 endpoints that answer, at another address than the publisher's.
+  ASSERT_TRUE(Ip("-n " + network->left + " addr add 10.195.0.3/24 dev eth0"));
+  hgros::Log log{[](LogLevel, std::string_view) {}};
+  Unheard listener;
+  std::unique_ptr<ZmqTransport> answering;
+  ZmqOptions options;
+  for (int i = 0; i < 40; ++i) options.publish.push_back({"tcp://10.195.0.3:" + std::to_string(21000 + i), {}});
+  test::On(network->left, [&] { answering = MakeZmqTransport(options, listener, log); });
+  std::vector<std::string> datagrams;
+  for (const PublishEndpoint& endpoint : options.publish) {
+    Announcement invented;
+    invented.session = SessionId::Random();
+    invented.endpoints = {endpoint.endpoint};
+    datagrams.push_back(discovery::EncodeDatagram(invented, domain, false));
+  }
+  const std::size_t files = subscriber->open_files();
+  std::size_t next = 0;
+  const Repeating inventing(std::chrono::milliseconds(10), [&] {
+    for (int i = 0; i < 10; ++i) (void)stranger->Send(datagrams[next++ % datagrams.size()]);
+  });
+  constexpr std::size_t kShare = 160 / 16;
+  ASSERT_TRUE(Await([&] { return subscriber->open_files() >= files + 4 * kShare; })) << *subscriber;
+  StartPublisher();
+  EXPECT_TRUE(subscriber->Reaches({{"received", 100}})) << *subscriber << *publisher;
+  EXPECT_LE(subscriber->open_files(), files + 4 * (kShare + 4)) << *subscriber;
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -13,6 +14,7 @@
 
 #include "hgros/base/error.hpp"
 #include "support/await.hpp"
+#include "support/few_descriptors.hpp"
 #include "transport/zmq/endpoint.hpp"
 #include "transport/zmq_places.hpp"
 
@@ -359,6 +361,21 @@ TEST(ZmqEndpoint, ASessionDoesNotHearItself) {
   out->Commit(head, conformance::Publication::PayloadOf("x"));
   ASSERT_TRUE(Eventually([&] { return other_sink.count() == 1; }));
   EXPECT_EQ(own_sink.count(), 0u);
+}
+
+TEST(ZmqEndpoint, ASessionSubscribesAtHundredsOfEndpoints) {
+  constexpr int kEndpoints = 400;
+  rlimit files{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &files), 0);
+  if (files.rlim_max < 4096) GTEST_SKIP() << "This process may not have the files for " << kEndpoints << " endpoints.";
+  const test::FewDescriptors enough(4096);
+  Folder folder;
+  const Place a(PublishAt(folder.Ipc()));
+  ZmqOptions options;
+  for (int i = 0; i < kEndpoints; ++i) options.subscribe.push_back({folder.Ipc("none" + std::to_string(i)), {}, {}});
+  options.subscribe.push_back({folder.Ipc(), {}, {}});
+  const Place b(std::move(options));
+  EXPECT_TRUE(Eventually([&] { return b.listener.came == 1; }));
 }
 
 TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentContinues) {

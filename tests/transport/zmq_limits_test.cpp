@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <poll.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "support/await.hpp"
+#include "support/few_descriptors.hpp"
 #include "support/relay_port.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/publish/accepted_connections.hpp"
@@ -32,6 +32,7 @@ namespace {
 using conformance::Eventually;
 using conformance::TextType;
 using test::Await;
+using test::FewDescriptors;
 using test::Frame;
 using test::Overruns;
 using test::Place;
@@ -123,23 +124,6 @@ std::int64_t UsedMiB() {
   std::ifstream("/proc/self/statm") >> all >> resident;
   return resident * sysconf(_SC_PAGESIZE) >> 20;
 }
-
-/// While it lives, this process may have `count` files.
-class FewDescriptors {
- public:
-  explicit FewDescriptors(rlim_t count) {
-    EXPECT_EQ(getrlimit(RLIMIT_NOFILE, &before_), 0);
-    rlimit few = before_;
-    few.rlim_cur = count;
-    EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
-  }
-  FewDescriptors(const FewDescriptors&) = delete;
-  FewDescriptors& operator=(const FewDescriptors&) = delete;
-  ~FewDescriptors() { EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &before_), 0); }
-
- private:
-  rlimit before_{};
-};
 
 class ZmqLimits : public testing::Test {
  protected:

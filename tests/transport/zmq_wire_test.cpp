@@ -6,6 +6,7 @@
 #include "hgros/control.pb.h"
 #include "hgros/internal/codec/packet.hpp"
 #include "transport/zmq/control.hpp"
+#include "transport/zmq/subscribe/subscriber_endpoint.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {
@@ -117,6 +118,58 @@ TEST_F(PlainPublisher, RandomFramesDoNoHarm) {
     return !texts.empty() && texts.back() == "good";
   }));
   EXPECT_GT(FaultSum(*place->transport), 0u);
+}
+
+/// A publish endpoint that sends Welcomes in the name of any session.
+class ManySessions : public testing::Test {
+ protected:
+  void Bind() {
+    pub = std::make_unique<RawSocket>(ZMQ_XPUB);
+    ASSERT_EQ(zmq_bind(pub->get(), folder.Ipc().c_str()), 0);
+  }
+  /// Waits for a connection; false if none comes.
+  [[nodiscard]] bool AwaitConnection() {
+    const auto frames = pub->Receive();
+    if (frames.empty() || frames.front().empty()) return false;
+    topic = frames.front().substr(1);
+    return true;
+  }
+  void Welcome(SessionId session) const {
+    auto control = zmq::ControlFrom(session);
+    WriteFacts(OwnFacts(session, "many"), *control.mutable_welcome()->mutable_facts());
+    control.mutable_welcome()->set_handshake(session.value << 32U);
+    pub->Send({topic, control.SerializeAsString()});
+  }
+  Folder folder;
+  std::unique_ptr<RawSocket> pub;
+  std::string topic;
+  Place place{SubscribeAt(folder.Ipc())};
+};
+
+TEST_F(ManySessions, ComeOverOneConnectionOnlySoOften) {
+  Bind();
+  ASSERT_TRUE(AwaitConnection());
+  constexpr std::uint64_t kMany = 1000;
+  for (std::uint64_t id = 1; id <= kMany; ++id) Welcome({id});
+  ASSERT_TRUE(Eventually([&] { return test::Overruns(place) > 0 || place.listener.came == kMany; }));
+  EXPECT_EQ(test::Overruns(place), 1U);
+  EXPECT_EQ(place.listener.came, zmq::SubscriberEndpoint::kMostSessions);
+  EXPECT_EQ(place.listener.gone, place.listener.came);
+  EXPECT_TRUE(place.transport->Peers().empty());
+  EXPECT_EQ(place.TimesSaid("sessions came and went over one connection"), 1);
+}
+
+TEST_F(ManySessions, MayComeOneAfterTheOtherWithConnectionsOfTheirOwn) {
+  constexpr int kStarts = zmq::SubscriberEndpoint::kMostSessions + 4;
+  for (int i = 1; i <= kStarts; ++i) {
+    Bind();
+    ASSERT_TRUE(AwaitConnection());
+    Welcome({static_cast<std::uint64_t>(i)});
+    ASSERT_TRUE(Eventually([&] { return place.listener.came == i; }));
+    pub.reset();
+    ASSERT_TRUE(Eventually([&] { return place.listener.gone == i; }));
+  }
+  EXPECT_EQ(test::Overruns(place), 0U);
 }
 
 TEST(PlainSubscriber, GetsThreeFramesAndCountsAsOne) {

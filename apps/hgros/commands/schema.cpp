@@ -25,7 +25,7 @@ class Schema final : public Command {
   [[nodiscard]] std::string Description() const override {
     return "Shows the fields of a type, with all types in it, as in .proto files. A channel's publishers describe "
            "their "
-           "type, so it need not be installed here.";
+           "type, so it need not be installed here, and can be named itself.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros schema foxglove.Log", "Shows a type and the types in it."},
@@ -62,14 +62,19 @@ int Schema::Run(Surroundings& surroundings) {
     return kDone;
   }
   Robot robot(options_, surroundings);
-  if (!AwaitChannels(robot, options_, [&] { return !ChannelNamed(robot, name_).type_name.empty(); })) {
+  std::string channel;
+  const auto is_known = [&] {
+    channel = ChannelNamed(robot, name_).type_name.empty() ? ChannelOfType(robot, name_) : name_;
+    return !channel.empty();
+  };
+  if (!AwaitChannels(robot, options_, is_known)) {
     std::string nearest = finder.Nearest(name_);
     if (nearest.empty()) nearest = NearestChannel(robot, name_);
     throw Error("There is no channel and no known type " + name_ + "." +
                 (nearest.empty() ? " Give the type's file with --proto, or the folder of its file with -I."
                                  : " Did you mean " + nearest + "?"));
   }
-  Show(surroundings.console, TypeOfChannel(robot, options_, finder, name_, {}).type->descriptor());
+  Show(surroundings.console, TypeOfChannel(robot, options_, finder, channel, {}).type->descriptor());
   return kDone;
 }
 

@@ -63,6 +63,14 @@ KnownChannel ChannelNamed(const Robot& robot, const std::string& name) {
   return none;
 }
 
+std::string ChannelOfType(const Robot& robot, const std::string& type) {
+  for (const KnownChannel& channel : robot.Channels(true)) {
+    const bool describes = !channel.publishers.empty() && ServiceOf(channel.name).empty();
+    if (describes && channel.type_name == type && channel.encoding == Encoding::kProtobuf) return channel.name;
+  }
+  return {};
+}
+
 std::string NearestChannel(const Robot& robot, const std::string& name) {
   std::vector<std::string> names;
   for (const KnownChannel& channel : robot.Channels(false)) names.push_back(channel.name);

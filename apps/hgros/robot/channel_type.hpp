@@ -33,6 +33,9 @@ struct ChannelType {
 /// The channel `name` as the robot uses it; without sessions if it is not used.
 [[nodiscard]] KnownChannel ChannelNamed(const Robot& robot, const std::string& name);
 
+/// A channel with publishers that describe this protobuf type; empty: there is none.
+[[nodiscard]] std::string ChannelOfType(const Robot& robot, const std::string& type);
+
 /// The name that is nearest to `name` among the channels that are shown by `hgros list`, or empty.
 [[nodiscard]] std::string NearestChannel(const Robot& robot, const std::string& name);
 

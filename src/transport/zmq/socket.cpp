@@ -23,6 +23,7 @@ Context::Context() : raw_(nullptr) {
   RequireThreads(kThreads, "ZeroMQ and the threads that receive from it");
   raw_ = zmq_ctx_new();
   if (raw_ == nullptr) ThrowZmq("Cannot create a ZeroMQ context");
+  zmq_ctx_set(raw_, ZMQ_MAX_SOCKETS, kMostSockets);
   // The first socket starts the threads.
   void* const first = zmq_socket(raw_, ZMQ_PAIR);
   const int error = zmq_errno();
@@ -66,6 +67,11 @@ Message Message::View(Bytes bytes, void (*release)(void*, void*), void* hint) {
 Socket::Socket(Context& context, int type) : raw_(nullptr) {
   RequireDescriptors(kSpareDescriptors, "Cannot create a ZeroMQ socket");
   raw_ = zmq_socket(context.raw(), type);
+  if (raw_ == nullptr && zmq_errno() == EMFILE && FreeDescriptors(kSpareDescriptors) == kSpareDescriptors) {
+    throw Error("Cannot create a ZeroMQ socket: this session has " + std::to_string(kMostSockets) +
+                    " already, three for each endpoint that it subscribes to.",
+                {}, "Use fewer endpoints, or several sessions.");
+  }
   if (raw_ == nullptr) ThrowZmq("Cannot create a ZeroMQ socket");
 }
 

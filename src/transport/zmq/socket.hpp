@@ -16,6 +16,10 @@ namespace hgros::zmq {
 /// free before it gets something to do.
 inline constexpr std::size_t kSpareDescriptors = 16;
 
+/// Sockets of one context; ZeroMQ allows 1023 unless told. It takes 12 bytes for each when it starts. An endpoint that
+/// is subscribed to has three.
+inline constexpr int kMostSockets = 16384;
+
 /// Owns a ZeroMQ context, whose threads run from the beginning. It is destroyed after its sockets, and waits for their
 /// linger.
 class Context {

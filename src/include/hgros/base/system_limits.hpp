@@ -9,6 +9,9 @@
 
 namespace hgros {
 
+/// How many files this process may have open.
+[[nodiscard]] HGROS_EXPORT std::size_t DescriptorLimit() noexcept;
+
 /// How many more files this process can open by its own limit; counts no further than `most`. Opens none.
 [[nodiscard]] HGROS_EXPORT std::size_t FreeDescriptors(std::size_t most) noexcept;
 

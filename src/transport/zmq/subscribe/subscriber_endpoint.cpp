@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kMessagesPerTurn = 32;  // Then other endpoints have their turn.
 constexpr auto kPauseAfterFault = std::chrono::seconds(5);
+constexpr auto kSessionsPeriod = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -124,6 +125,7 @@ void SubscriberEndpoint::ReadMonitor(Actions& actions) {
   }
   if (connection_.CollectFailure()) Report(EndpointEvent::kFailed, actions);
   if (!ended) return;
+  sessions_ = 0;
   channels_.SetPlain(false);
   LosePublisher("the connection was closed", false, actions);
 }
@@ -216,6 +218,15 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
     LosePublisher("another session took its place", true, actions);
     publisher_ = {};
   }
+  if (!publisher_.alive && !NoteSession()) {
+    shared_.CountPeerFault(PacketFault::kOverrun, endpoint(),
+                           "more than " + std::to_string(kMostSessions) +
+                               " sessions came and went over one connection in 10 s. The connection is closed, and "
+                               "tried again after 5 s. Find the program.");
+    connection_.Abort(kPauseAfterFault);
+    unfinished_.Watch(-1);
+    return;
+  }
   const bool came = !std::exchange(publisher_.alive, true);
   publisher_.facts = std::move(facts);
   publisher_.handshake = welcome.handshake();
@@ -230,6 +241,15 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   for (const auto& offered : welcome.offers()) publisher_.AddOffer(offered);
   shared_.AddChannelsChanged(actions);
   channels_.AskForAll();
+}
+
+bool SubscriberEndpoint::NoteSession() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - sessions_since_ >= kSessionsPeriod) {
+    sessions_since_ = now;
+    sessions_ = 0;
+  }
+  return ++sessions_ <= kMostSessions;
 }
 
 void SubscriberEndpoint::OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions) {

@@ -29,6 +29,10 @@ namespace hgros::zmq {
 /// belong to the leading thread; so do `unfinished_`, and `inbox_`, from which it delivers without the mutex.
 class SubscriberEndpoint {
  public:
+  /// How often a session may come over one connection within 10 s. Each is reported to the program, and other threads
+  /// forget what it had. A program that starts again makes a new connection.
+  static constexpr int kMostSessions = 16;
+
   /// Connects. `claims_freed` is called without a lock when channels may be asked for at another endpoint.
   /// Throws Error.
   SubscriberEndpoint(SharedState& shared, Poller& poller, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed);
@@ -78,6 +82,8 @@ class SubscriberEndpoint {
   void ReadMonitor(Actions& actions);
   void OnControl(const std::vector<Message>& frames, Actions& actions);
   void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
+  /// A session comes. False if that happens too often.
+  [[nodiscard]] bool NoteSession();
   void OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions);
   /// The publisher exceeds its credit, or is not the session that it claims to be: nothing more is read from this
   /// connection.
@@ -99,6 +105,8 @@ class SubscriberEndpoint {
   std::atomic<bool>& monitor_input_ = *lent_monitor_input_;
   std::atomic<bool>& bytes_ = *lent_bytes_;  // Bytes have come after a silence.
   RemotePublisher publisher_;
+  SteadyTime sessions_since_{};
+  int sessions_ = 0;  // That have come over this connection since then.
   SubscribedChannels channels_;
   UnfinishedMessage unfinished_{shared_.options.max_message_bytes};
   Actions last_;  // Called when the inbox of the closed endpoint is empty.
