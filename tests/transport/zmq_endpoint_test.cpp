@@ -16,6 +16,7 @@
 #include "support/await.hpp"
 #include "support/few_descriptors.hpp"
 #include "transport/zmq/endpoint.hpp"
+#include "transport/zmq/socket.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {
@@ -376,6 +377,21 @@ TEST(ZmqEndpoint, ASessionSubscribesAtHundredsOfEndpoints) {
   options.subscribe.push_back({folder.Ipc(), {}, {}});
   const Place b(std::move(options));
   EXPECT_TRUE(Eventually([&] { return b.listener.came == 1; }));
+}
+
+TEST(ZmqEndpoint, ASessionWithAllSocketsDoesNotBlameTheLimitOfFiles) {
+  constexpr rlim_t kFiles = zmq::kMostSockets + 256;
+  rlimit files{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &files), 0);
+  if (files.rlim_max < kFiles) GTEST_SKIP() << "This process may not have the files for so many sockets.";
+  const test::FewDescriptors enough(kFiles);
+  zmq::Context context;
+  std::vector<std::unique_ptr<zmq::Socket>> sockets;
+  const std::string error = ErrorOf([&] {
+    for (int i = 0; i <= zmq::kMostSockets; ++i) sockets.push_back(std::make_unique<zmq::Socket>(context, ZMQ_PAIR));
+  });
+  EXPECT_THAT(error, testing::HasSubstr("Cannot create a ZeroMQ socket: this session has 16384 already"));
+  EXPECT_GE(sockets.size(), zmq::kMostSockets - 8U);
 }
 
 TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentContinues) {
