@@ -26,10 +26,11 @@ struct FinishedRun {
 [[nodiscard]] std::vector<FinishedRun> Finish(const std::vector<std::vector<std::string>>& runs,
                                               std::vector<std::unique_ptr<CommandRun>> started);
 
-/// Expects that it has ended by itself, and has said why if it was in vain.
 /// Both, with a few at once.
 [[nodiscard]] std::vector<FinishedRun> RunAll(const std::vector<std::vector<std::string>>& runs,
                                               const std::map<std::string, std::string>& environment);
+
+/// Expects that it has ended by itself, and has said why if it was in vain.
 void ExpectGoodEnd(const FinishedRun& run);
 
 }  // namespace hgros::cli
