@@ -58,7 +58,7 @@ TEST_F(SessionControl, ClosesAndOpensAChannel) {
   EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kOpen, "notes")).refusal, "");
   publish(Note("again"));
   EXPECT_THAT(notes.texts(), ElementsAre("open", "again"));
-  EXPECT_TRUE(robot.Said("(desk, process "));
+  EXPECT_TRUE(Await([&] { return robot.Said("(desk, process "); }));
   EXPECT_TRUE(robot.Said("has steered this session. Channel \"notes\" is closed"));
 }
 
@@ -191,7 +191,7 @@ TEST_P(ForbiddenChannel, SaysThatALosslessSubscriptionLosesMessages) {
   ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
   EXPECT_THAT(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).done,
               EndsWith("Messages on their way to its lossless subscriptions are lost."));
-  EXPECT_TRUE(listener.Said("lossless subscriptions are lost"));
+  EXPECT_TRUE(Await([&] { return listener.Said("lossless subscriptions are lost"); }));
 }
 
 TEST_F(SessionControl, ChannelIsForbiddenBeforeItIsUsed) {
@@ -230,7 +230,7 @@ TEST_F(SessionControl, SetsTheLevelOfTheLog) {
   EXPECT_EQ(Ask(desk, robot, {ControlAction::kLog, {}, LogLevel::kDebug}).refusal, "");
   robot->log().Write(LogLevel::kDebug, "written");
   EXPECT_FALSE(robot.Said("left out"));
-  EXPECT_TRUE(robot.Said("written"));
+  EXPECT_TRUE(Await([&] { return robot.Said("written"); }));
 }
 
 std::atomic<int> terminations{0};
@@ -359,7 +359,7 @@ TEST_F(SessionControl, TakesOrdersOverTcpFromAnAllowedKeyOnly) {
     const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"));
     EXPECT_TRUE(answer.answered);
     EXPECT_EQ(answer.refusal, "");
-    EXPECT_TRUE(robot.Said("has steered this session"));
+    EXPECT_TRUE(Await([&] { return robot.Said("has steered this session"); }));
   }
   // The robot receives from the desk, but the desk may not subscribe to it.
   Robot robot(yaml("robot", "desk", keys(robots, others.public_key, server("desk", desks))));
@@ -367,7 +367,7 @@ TEST_F(SessionControl, TakesOrdersOverTcpFromAnAllowedKeyOnly) {
     EXPECT_FALSE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(10)).answered);
   });
   EXPECT_TRUE(Await([&] { return robot->Snapshot().refused_orders > 0; }));
-  EXPECT_TRUE(robot.Said("nor is its CURVE key in allowed_clients"));
+  EXPECT_TRUE(Await([&] { return robot.Said("nor is its CURVE key in allowed_clients"); }));
   EXPECT_FALSE(robot.Said("has steered"));
   asking.join();
 }
@@ -431,7 +431,7 @@ TEST_F(SessionControl, CountsMalformedRequestsAndUnknownVersionsAndForgedPublish
   request.set_version(2);
   forger.Send(request.SerializeAsString());
   EXPECT_TRUE(refused(4));
-  EXPECT_TRUE(robot.Said("version 1 of such requests, not version 2"));
+  EXPECT_TRUE(Await([&] { return robot.Said("version 1 of such requests, not version 2"); }));
   request.set_version(1);
   forger.Send(request.SerializeAsString(), 77);  // In the name of another session.
   test::Linger(kShort);

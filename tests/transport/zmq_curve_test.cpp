@@ -120,7 +120,9 @@ class ZmqCurveIdentity : public testing::Test {
   ZmqCurveIdentity() : server(BothAllowed()), client(keys.Client(keys.client, keys.server, server)) {
     out = server.transport->Advertise("scan", TextType(), source);
     in = client.transport->Subscribe("scan", TextType(), {.lossless = true, .queue_depth = 8}, sink);
-    EXPECT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && client.listener.came == 1; }));
+    EXPECT_TRUE(Eventually([&] {
+      return out->subscriber_count() == 1 && client.listener.came == 1 && server.transport->Peers().size() == 1;
+    }));
     victim = server.transport->Peers().at(0).id;
   }
   [[nodiscard]] ZmqOptions BothAllowed() const {
