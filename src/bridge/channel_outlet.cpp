@@ -63,10 +63,15 @@ void ChannelOutlet::Detach() {
 // The numbers of messages that have stayed inside are missing outside. A new incarnation keeps subscribers from
 // counting them as lost.
 void ChannelOutlet::SetStays(bool stays) {
-  const std::scoped_lock lock(order_mutex_, latch_mutex_);
-  if (std::exchange(stays_, stays) == stays || stays) return;
-  publisher_.incarnation = std::max(publisher_.incarnation + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
-  for (Kept& one : kept_) one.head.id.incarnation = publisher_.incarnation;
+  {
+    const std::scoped_lock lock(order_mutex_, latch_mutex_);
+    if (std::exchange(stays_, stays) == stays) return;
+    if (!stays) {
+      publisher_.incarnation = std::max(publisher_.incarnation + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
+      for (Kept& one : kept_) one.head.id.incarnation = publisher_.incarnation;
+    }
+  }
+  if (stays) events_.on_room();  // Publishers that wait for remote subscribers no longer need room there.
 }
 
 bool ChannelOutlet::HasUnfinished() const {

@@ -169,8 +169,13 @@ void CheckSecurity(const ConfigDraft& draft) {
   }
   // Empty: the key could not be read, which is told already.
   if (draft.public_key && !draft.public_key->value.empty() && !draft.secret_key->value.empty()) {
-    const std::string own = PublicCurveKeyOf(draft.secret_key->value);
-    if (own != draft.public_key->value) {
+    std::string own;
+    try {
+      own = PublicCurveKeyOf(draft.secret_key->value);
+    } catch (const Error& error) {  // Some texts of its length and alphabet are no key.
+      draft.faults.Report(ConfigError(error.what(), draft.secret_key->position, {}));
+    }
+    if (!own.empty() && own != draft.public_key->value) {
       draft.faults.Report(ConfigError("The public key does not belong to the secret key.", draft.public_key->position,
                                       "The public key of that secret key is " + own));
     }

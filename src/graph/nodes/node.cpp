@@ -56,7 +56,9 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
   Add(stats.run, std::uint64_t{1}, writers);
   stats.queue_wait.Record(start - info.publish_monotonic_ns, writers);
   stats.run_time.Record(now - start, writers);
-  stats.ages.Record(info.cause.origin, start - info.cause.began_ns, writers);
+  if (info.cause.origin != 0 && info.cause.began_ns != 0) {
+    stats.ages.Record(info.cause.origin, start - info.cause.began_ns, writers);
+  }
   if (setting_.graph != nullptr && setting_.graph->trace().on()) [[unlikely]] {
     setting_.graph->trace().AddRun(setting_.channel, setting_.name, info, start, now);
   }

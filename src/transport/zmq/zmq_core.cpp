@@ -300,6 +300,7 @@ LeaderPool::Task ZmqCore::Lead() noexcept {
     for (const auto* endpoints : {&watch_.removed, &watch_.subscribers}) {
       for (const auto& endpoint : *endpoints) {
         auto task = endpoint->Serve(busy);
+        if (const auto next = endpoint->NextLook()) next_look_ = std::min(next_look_, *next);
         endpoint->SendCredit(false);
         if (!task) continue;
         if (Pending()) Wake();

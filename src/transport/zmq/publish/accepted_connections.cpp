@@ -79,6 +79,7 @@ bool AcceptedConnections::Add(int fd, std::string address, SteadyTime now) {
   added.address = std::move(address);
   added.since = now;
   added.cut = too_many;
+  if (!too_many) added.unread.Watch(fd);
   if (too_many) {
     Cut(fd, "many",
         "has " + std::to_string(most) +
@@ -176,7 +177,7 @@ bool AcceptedConnections::CountTopic(int fd, std::string_view topic, bool subscr
 }
 
 bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view topic) {
-  if (connection.topics.contains(topic)) return true;
+  if (connection.topics.contains(topic)) return false;
   const std::size_t before = connection.topic_bytes;
   connection.topic_bytes += topic.size() + kBesidesTopicBytes;
   if (connection.topic_bytes + connection.wish_bytes > 2 * kMostTopicBytes) {
@@ -247,6 +248,16 @@ void AcceptedConnections::Release(std::string_view topic) {
   if (held == holders_.end() || --held->second > 0) return;
   topic_bytes_ -= held->first.size() + kBesidesTopicBytes;
   holders_.erase(held);
+}
+
+void AcceptedConnections::CountSent(int fd, std::size_t bytes) {
+  const auto found = connections_.find(fd);
+  if (found == connections_.end() || found->second.cut || !found->second.unread.Add(bytes)) return;
+  found->second.cut = true;
+  Cut(fd, "unread",
+      "does not read the answers to its messages: the connection is closed, because they would fill the memory. Find "
+      "the program.");
+  ReleaseAll(found->second);
 }
 
 void AcceptedConnections::CloseIdle(SteadyTime now) {

@@ -12,6 +12,7 @@
 
 #include "hgros/base/ids.hpp"
 #include "transport/zmq/shared_state.hpp"
+#include "transport/zmq/unread_bytes.hpp"
 
 namespace hgros::zmq {
 
@@ -26,6 +27,7 @@ namespace hgros::zmq {
 ///   to 32 bytes for each of them.
 /// - The same for the channels that its session asks for. Each of their bytes counts as an eighth of one.
 /// - If these bytes of all connections are more than MostTopicBytes(), the connection with most is closed.*
+/// - A connection that does not read the control messages that it gets (UnreadBytes) is closed.*
 /// - A connection belongs to one session. Each that it names would get a Welcome, which it need not read.*
 /// - A plain subscriber that does not read is closed before it uses up the bytes that all plain subscribers share.
 ///
@@ -64,10 +66,13 @@ class AcceptedConnections {
   /// It is that of a plain subscriber.
   void NotePlain(int fd);
   /// The connection with this descriptor has subscribed to `topic`, or no longer; negative: ZeroMQ says so of one that
-  /// has ended. False if that is to be ignored: the connection was closed, or another one holds the topic.
+  /// has ended. False if that is to be ignored: the connection was closed, it holds the topic already, or another one
+  /// still holds it.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
   /// The channels that the session of this connection asks for have this size now. False if the connection was closed.
   [[nodiscard]] bool CountWishes(int fd, std::size_t bytes);
+  /// A control message of this size was sent to it.
+  void CountSent(int fd, std::size_t bytes);
   void CloseIdle(SteadyTime now);
   /// To be called for each plain message while more than half of the shared bytes are in use. Closes the connections
   /// whose send buffers have been full for a while, if there are others with room.
@@ -88,6 +93,7 @@ class AcceptedConnections {
     bool plain = false;
     bool cut = false;
     Speaker speaker;
+    UnreadBytes unread;
     int full_looks = 0;  // How often in a row the send buffer was full.
     std::size_t topic_bytes = 0;
     std::size_t wish_bytes = 0;

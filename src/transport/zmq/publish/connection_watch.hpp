@@ -51,6 +51,7 @@ class ConnectionWatch {
   void NoteProof(int fd, std::uint64_t proof) { connections_.NoteProof(fd, proof); }
   [[nodiscard]] bool MaySpeakFor(int fd, SessionId session, std::uint64_t proof);
   [[nodiscard]] bool CountWishes(int fd, std::size_t bytes) { return connections_.CountWishes(fd, bytes); }
+  void CountSent(int fd, std::size_t bytes) { connections_.CountSent(fd, bytes); }
   void NotePlain(int fd) { connections_.NotePlain(fd); }
   [[nodiscard]] bool NoteSession(int fd, SessionId session);
   void CutStuckPlain(SteadyTime now) { connections_.CutStuckPlain(now); }

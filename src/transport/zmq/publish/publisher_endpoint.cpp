@@ -23,7 +23,7 @@ PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint&
       socket_(shared.context, ZMQ_XPUB),
       watch_(shared, socket_, bound_),
       channels_(shared, socket_, endpoint.channels),
-      peers_(shared, socket_, channels_, bound_),
+      peers_(shared, socket_, channels_, watch_, bound_),
       subscriptions_(shared, channels_, peers_, [this](const auto& core, SessionId session, std::uint64_t link) {
         FetchLatched(core, session, link);
       }) {
@@ -162,7 +162,7 @@ void PublisherEndpoint::OnTopic(bool subscribed, std::string_view text, Message&
       if (!MayClaim(*session, frame)) {
         HangUp(frame, bound_);
       } else if (watch_.NoteSession(zmq_msg_get(frame.raw(), ZMQ_SRCFD), *session)) {
-        peers_.Greet(*session, true);
+        peers_.Greet(*session, zmq_msg_get(frame.raw(), ZMQ_SRCFD), true);
       }
     } else {
       peers_.OnDisconnected(*session, actions);
@@ -223,7 +223,7 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   }
   if (peer == nullptr) {
     // We have dropped this session, and it does not know that.
-    if (!control->has_bye()) peers_.Greet(session, false);
+    if (!control->has_bye()) peers_.Greet(session, fd, false);
     return;
   }
   peer->last_heard = std::chrono::steady_clock::now();
@@ -234,7 +234,10 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
         peers_.Drop(session, "it asked for too many channels", actions);
       }
       break;
-    case wire::Control::kUnsubscribe: subscriptions_.OnUnsubscribe(*peer, control->unsubscribe(), actions); break;
+    case wire::Control::kUnsubscribe:
+      subscriptions_.OnUnsubscribe(*peer, control->unsubscribe(), actions);
+      (void)watch_.CountWishes(fd, peer->wish_bytes);
+      break;
     case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;
     case wire::Control::kHeartbeat: peers_.OnHeartbeat(*peer, control->heartbeat(), actions); break;
     case wire::Control::kBye: peers_.Drop(session, "it said goodbye", actions); break;

@@ -10,7 +10,6 @@
 #include "hgros/control.pb.h"
 #include "transport/zmq/clock_question.hpp"
 #include "transport/zmq/publish/out_link.hpp"
-#include "transport/zmq/unread_bytes.hpp"
 
 namespace hgros::zmq {
 
@@ -33,6 +32,7 @@ struct SubscriberPeer {
   SessionFacts facts;
   std::string topic;  ///< Its control topic.
   std::uint64_t handshake = 0;
+  int connection = -1;      ///< The descriptor that its latest Hello came over.
   std::uint64_t proof = 0;  ///< Of all its Hellos; 0: of none.
   SteadyTime last_heard{};
   bool cut = false;  ///< Its connection has ended, and it gets some time to come back.
@@ -40,7 +40,6 @@ struct SubscriberPeer {
   std::uint64_t waiting_bytes = 0;                      ///< The sum of all its links.
   std::unordered_map<std::string, Wish> wishes;         ///< By channel.
   std::size_t wish_bytes = 0;                           ///< Wish::size() of all.
-  UnreadBytes unread;                                   ///< Control messages.
   std::unordered_set<std::string> reported_mismatches;  ///< Channels.
 };
 

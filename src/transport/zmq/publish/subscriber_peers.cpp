@@ -5,7 +5,6 @@
 
 #include "transport/agreement.hpp"
 #include "transport/zmq/control.hpp"
-#include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
 namespace {
@@ -19,22 +18,19 @@ constexpr auto kGreetAgainAfter = std::chrono::milliseconds(200);
 }  // namespace
 
 SubscriberPeers::SubscriberPeers(SharedState& shared, Socket& socket, PublishedChannels& channels,
-                                 const std::string& endpoint)
-    : shared_(shared), socket_(socket), channels_(channels), endpoint_(endpoint), last_handshake_(RandomId()) {}
+                                 ConnectionWatch& watch, const std::string& endpoint)
+    : shared_(shared),
+      socket_(socket),
+      channels_(channels),
+      watch_(watch),
+      endpoint_(endpoint),
+      last_handshake_(RandomId()) {}
 
-std::size_t SubscriberPeers::Send(const std::string& topic, const wire::Control& control) {
+void SubscriberPeers::Send(const std::string& topic, const wire::Control& control, int connection) {
   const std::string text = control.SerializeAsString();
   socket_.Send(topic, true);
   socket_.Send(text, false);
-  return topic.size() + text.size();
-}
-
-void SubscriberPeers::Send(SubscriberPeer& peer, const wire::Control& control) {
-  const int connection = peer.unread.connection();
-  if (!peer.unread.Add(Send(peer.topic, control))) return;
-  HangUp(connection, endpoint_);
-  shared_.CountPeerFault(PacketFault::kOverrun, peer.name(),
-                         "it does not read the answers to its messages, so the connection is closed. Find the program");
+  watch_.CountSent(connection, topic.size() + text.size());
 }
 
 SubscriberPeer* SubscriberPeers::Find(SessionId session) {
@@ -51,7 +47,7 @@ std::vector<SubscriberPeer*> SubscriberPeers::FindWaiting(const std::string& cha
   return waiting;
 }
 
-void SubscriberPeers::Greet(SessionId session, bool at_once) {
+void SubscriberPeers::Greet(SessionId session, int connection, bool at_once) {
   const auto now = std::chrono::steady_clock::now();
   if (greetings_.size() >= kMaxGreetings) {
     std::erase_if(greetings_, [this](const auto& entry) { return !peers_.contains(entry.first); });
@@ -68,12 +64,12 @@ void SubscriberPeers::Greet(SessionId session, bool at_once) {
   WriteFacts(shared_.self, *welcome.mutable_facts());
   welcome.set_handshake(greeting.handshake);
   channels_.AddOffers(*welcome.mutable_offers());
-  Send(ControlTopic(session), message);
+  Send(ControlTopic(session), message, connection);
 }
 
 bool SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions) {
   if (hello.handshake() == 0) {
-    Greet(session, false);
+    Greet(session, connection, false);
     return false;
   }
   const auto greeting = greetings_.find(session);
@@ -111,7 +107,7 @@ bool SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int c
   peer->topic = ControlTopic(session);
   peer->handshake = hello.handshake();
   peer->proof = hello.proof();
-  peer->unread.Watch(connection);
+  peer->connection = connection;
   peer->last_heard = std::chrono::steady_clock::now();
   peer->cut = false;
   RepeatOffers(*peer, greeting->second);
@@ -119,7 +115,7 @@ bool SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int c
 }
 
 // For a peer that has just sent Hello: the Welcome that it answers may be out of date.
-void SubscriberPeers::RepeatOffers(SubscriberPeer& peer, Greeting& greeting) {
+void SubscriberPeers::RepeatOffers(const SubscriberPeer& peer, Greeting& greeting) {
   if (!std::exchange(greeting.stale, false) || peer.facts.wire_minor < kOffersSinceMinor) return;
   auto message = ControlFrom(shared_.self.info.id);
   auto& offers = *message.mutable_offers();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hgros/control.pb.h"
+#include "transport/zmq/publish/connection_watch.hpp"
 #include "transport/zmq/publish/published_channels.hpp"
 #include "transport/zmq/publish/subscriber_peer.hpp"
 #include "transport/zmq/shared_state.hpp"
@@ -26,17 +27,18 @@ class SubscriberPeers {
  public:
   using LinkEnd = PublishedChannels::LinkEnd;
   /// `endpoint` is where it is bound, for the log.
-  SubscriberPeers(SharedState& shared, Socket& socket, PublishedChannels& channels, const std::string& endpoint);
+  SubscriberPeers(SharedState& shared, Socket& socket, PublishedChannels& channels, ConnectionWatch& watch,
+                  const std::string& endpoint);
 
   /// Null if that session is not a peer.
   [[nodiscard]] SubscriberPeer* Find(SessionId session);
   /// The peers that wait for a link to this channel.
   [[nodiscard]] std::vector<SubscriberPeer*> FindWaiting(const std::string& channel);
-  /// Closes the connection of a peer that does not read.
-  void Send(SubscriberPeer& peer, const wire::Control& control);
+  void Send(const SubscriberPeer& peer, const wire::Control& control) { Send(peer.topic, control, peer.connection); }
 
   /// Sends a Welcome, which begins a new handshake. Does not repeat it within a short time, unless `at_once` is set.
-  void Greet(SessionId session, bool at_once);
+  /// `connection`: the descriptor over which it was asked for.
+  void Greet(SessionId session, int connection, bool at_once);
   /// False if it is ignored: it answers an older Welcome, or is not from the session that it names.
   /// `connection`: the descriptor that it came over.
   [[nodiscard]] bool OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions);
@@ -67,14 +69,14 @@ class SubscriberPeers {
     bool stale = false;
     std::set<std::string> gone;
   };
-  /// Returns the bytes.
-  std::size_t Send(const std::string& topic, const wire::Control& control);
-  void RepeatOffers(SubscriberPeer& peer, Greeting& greeting);
+  void Send(const std::string& topic, const wire::Control& control, int connection);
+  void RepeatOffers(const SubscriberPeer& peer, Greeting& greeting);
   static void PauseLinks(SubscriberPeer& peer);
 
   SharedState& shared_;
   Socket& socket_;
   PublishedChannels& channels_;
+  ConnectionWatch& watch_;
   const std::string& endpoint_;
   std::unordered_map<SessionId, std::unique_ptr<SubscriberPeer>> peers_;
   std::unordered_map<SessionId, Greeting> greetings_;

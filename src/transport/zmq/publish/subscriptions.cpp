@@ -137,7 +137,7 @@ void Subscriptions::BeginLink(const OutboundCore& core, SessionId session, std::
   channels_.SendWaiting(*wish->second.link, ended);
 }
 
-void Subscriptions::SendSubscribed(SubscriberPeer& peer, const OutLink& link, const std::string& descriptor_set) {
+void Subscriptions::SendSubscribed(const SubscriberPeer& peer, const OutLink& link, const std::string& descriptor_set) {
   auto message = ControlFrom(shared_.self.info.id);
   auto& subscribed = *message.mutable_subscribed();
   WriteType(link.core->name, link.core->type, *subscribed.mutable_offered());

@@ -111,6 +111,7 @@ bool SubscriberEndpoint::ReadBatch() {
                              "the program");
       LosePublisher("it does not read", true, actions);
       connection_.Abort(kPauseAfterFault);
+      unfinished_.Watch(-1);
     }
     if (!actions.empty()) inbox_.AddActions(actions);
   }
@@ -137,6 +138,7 @@ void SubscriberEndpoint::Report(EndpointEvent event, Actions& actions) const {
 void SubscriberEndpoint::AbortConnection(Actions& actions) {
   LosePublisher("it sent more than it had credit for", true, actions);
   connection_.Abort();
+  unfinished_.Watch(-1);
 }
 
 // Once: then the looks begin. A closed descriptor leaves the poller by itself.
