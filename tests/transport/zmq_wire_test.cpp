@@ -5,6 +5,7 @@
 
 #include "hgros/control.pb.h"
 #include "hgros/internal/codec/packet.hpp"
+#include "support/await.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/subscribe/subscriber_endpoint.hpp"
 #include "transport/zmq_places.hpp"
@@ -125,6 +126,8 @@ class ManySessions : public testing::Test {
  protected:
   void Bind() {
     pub = std::make_unique<RawSocket>(ZMQ_XPUB);
+    const int no_limit = 0;
+    zmq_setsockopt(pub->get(), ZMQ_SNDHWM, &no_limit, sizeof no_limit);
     ASSERT_EQ(zmq_bind(pub->get(), folder.Ipc().c_str()), 0);
   }
   /// Waits for a connection; false if none comes.
@@ -157,6 +160,24 @@ TEST_F(ManySessions, ComeOverOneConnectionOnlySoOften) {
   EXPECT_EQ(place.listener.gone, place.listener.came);
   EXPECT_TRUE(place.transport->Peers().empty());
   EXPECT_EQ(place.TimesSaid("sessions came and went over one connection"), 1);
+}
+
+TEST_F(ManySessions, DoNotComeOverAConnectionThatHasEnded) {
+  Bind();
+  ASSERT_TRUE(AwaitConnection());
+  Welcome({1});
+  ASSERT_TRUE(Eventually([&] { return place.listener.came == 1; }));
+  zmq_unbind(pub->get(), folder.Ipc().c_str());  // So that there is no second connection.
+  // Still being read when the connection ends.
+  constexpr std::uint64_t kMany = 50'000;
+  for (std::uint64_t i = 0; i < kMany; ++i) pub->Send({topic, "not a control message"});
+  Welcome({1});
+  const int linger = 5000;
+  zmq_setsockopt(pub->get(), ZMQ_LINGER, &linger, sizeof linger);
+  pub.reset();
+  EXPECT_TRUE(Eventually([&] { return place.listener.gone == 1; }));
+  EXPECT_FALSE(test::Await([&] { return place.listener.came > 1; }, std::chrono::seconds(1)));
+  EXPECT_TRUE(place.transport->Peers().empty());
 }
 
 TEST_F(ManySessions, MayComeOneAfterTheOtherWithConnectionsOfTheirOwn) {

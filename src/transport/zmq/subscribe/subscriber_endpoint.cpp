@@ -121,6 +121,7 @@ bool SubscriberEndpoint::ReadBatch() {
 void SubscriberEndpoint::ReadMonitor(Actions& actions) {
   const bool ended = connection_.ReadMonitor();
   if (const auto connection = connection_.CollectConnection()) {
+    ended_ = *connection < 0;
     unfinished_.Watch(*connection);
     WaitForBytes();
   }
@@ -199,6 +200,7 @@ void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& 
 void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions) {
   // The monitor's events from before this message have arrived by now; they are handled first.
   ReadMonitor(actions);
+  if (ended_) return;  // The answers would wait for the next connection.
   connection_.SetWelcomed();
   channels_.SetPlain(false);
   if (!shared_.MayClaim(session, connection_.server_key(), endpoint())) return;

@@ -105,6 +105,7 @@ class SubscriberEndpoint {
   std::atomic<bool>& monitor_input_ = *lent_monitor_input_;
   std::atomic<bool>& bytes_ = *lent_bytes_;  // Bytes have come after a silence.
   RemotePublisher publisher_;
+  bool ended_ = false;  // The connection, while what came over it is still being read.
   SteadyTime sessions_since_{};
   int sessions_ = 0;  // That have come over this connection since then.
   SubscribedChannels channels_;
