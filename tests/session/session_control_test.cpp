@@ -87,7 +87,7 @@ class ForbiddenChannel : public test::DomainFixture, public testing::WithParamIn
 };
 
 INSTANTIATE_TEST_SUITE_P(Transports, ForbiddenChannel, testing::Values("shared_memory", "zmq"),
-                         [](const auto& info) { return info.param == "zmq" ? "Zmq" : "SharedMemory"; });
+                         [](const auto& one) { return one.param == "zmq" ? "Zmq" : "SharedMemory"; });
 
 TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
   Robot robot(Publishing());
