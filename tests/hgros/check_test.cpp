@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -342,6 +344,18 @@ TEST(HgrosCheck, RefusesWrongUse) {
   const CommandEnd end = RunToEnd({"check", "/no/such.yaml"});
   EXPECT_EQ(end.status, 2);
   EXPECT_EQ(end.err, "hgros: There is no file \"/no/such.yaml\".\n");
+}
+
+TEST(HgrosCheck, RefusesWhatCanBeReadOnlyOnce) {
+  ProtoFolder folder;
+  const std::string pipe = folder.Write("other", "") + ".pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& file : {pipe, std::string("/dev/null")}) {
+    const CommandEnd end = RunToEnd({"check", file});
+    EXPECT_EQ(end.status, 2);
+    EXPECT_EQ(end.err, "hgros: \"" + file + "\" is a pipe or a device. Save its text as a file and name that.\n");
+  }
+  EXPECT_EQ(unlink(pipe.c_str()), 0);
 }
 
 TEST(HgrosCheck, ItsExamplesWork) {

@@ -72,6 +72,10 @@ void CheckCommand::CheckUsage() const {
     for (const std::filesystem::path& file : FilesOf(files)) {
       std::error_code error;
       if (!std::filesystem::exists(file, error)) throw UsageError("There is no file \"" + file.string() + "\".");
+      // Files are read twice, which a pipe does not allow. A folder has an error of its own.
+      if (!std::filesystem::is_regular_file(file, error) && !std::filesystem::is_directory(file, error)) {
+        throw UsageError("\"" + file.string() + "\" is a pipe or a device. Save its text as a file and name that.");
+      }
     }
   }
 }
