@@ -24,9 +24,9 @@
 namespace hgros::cli {
 namespace {
 
-// Signals that end the process, all but those that cannot be caught.
-constexpr std::array kFatal{SIGSEGV, SIGABRT, SIGBUS,  SIGFPE,    SIGILL,  SIGSYS,  SIGTRAP, SIGQUIT,
-                            SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGXFSZ};
+// Signals that end the process, all but those that cannot be caught; also the real-time signals.
+constexpr std::array kFatal{SIGSEGV, SIGABRT,   SIGBUS,  SIGFPE,  SIGILL,  SIGSYS, SIGTRAP, SIGQUIT,   SIGUSR1, SIGUSR2,
+                            SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGXFSZ, SIGIO,  SIGPWR,  SIGSTKFLT, SIGPIPE};
 // Those that Pause catches.
 constexpr std::array kEnding{SIGINT, SIGTERM, SIGHUP};
 constexpr std::array kOwn{SIGTSTP, SIGCONT, SIGWINCH};
@@ -86,6 +86,19 @@ void Catch(int number, void (*handler)(int)) {
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART | SA_ONSTACK;
   (void)sigaction(number, &action, nullptr);
+}
+
+void CatchFatal() {
+  for (const int number : kFatal) Catch(number, OnFatalSignal);
+  for (int number = SIGRTMIN; number <= SIGRTMAX; ++number) Catch(number, OnFatalSignal);
+}
+
+void LeaveFatal() {
+  const auto leave = [](int number) {
+    (void)sigaction(number, &state.before[static_cast<std::size_t>(number)], nullptr);
+  };
+  for (const int number : kFatal) leave(number);
+  for (int number = SIGRTMIN; number <= SIGRTMAX; ++number) leave(number);
 }
 
 // Appends a control sequence of the terminal without the pauses that old terminals need.
@@ -167,7 +180,7 @@ short PairOf(Style style) {
 
 void ReturnTerminal() {
   if (state.open.exchange(false)) endwin();
-  for (const int number : kFatal) (void)sigaction(number, &state.before[static_cast<std::size_t>(number)], nullptr);
+  LeaveFatal();
   for (const int number : kOwn) (void)sigaction(number, &state.before[static_cast<std::size_t>(number)], nullptr);
   for (const int number : kEnding) {
     auto& before = state.before[static_cast<std::size_t>(number)];
@@ -195,7 +208,7 @@ FullScreen::FullScreen(Pause& pause, bool color) : color_(color) {
   state.ended = false;
   ProvideStack();
   // Before ncurses begins, which leaves handlers that are there.
-  for (const int number : kFatal) Catch(number, OnFatalSignal);
+  CatchFatal();
   for (const int number : kEnding) Catch(number, OnFirstEndingSignal);
   for (const int number : kOwn) Catch(number, OnScreenSignal);
   if (newterm(nullptr, stdout, stdin) == nullptr) {
