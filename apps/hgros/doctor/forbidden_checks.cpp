@@ -14,6 +14,15 @@ namespace {
 
 constexpr std::string_view kForbidden = " is forbidden in this session";  // As the session says it.
 
+// A word of a command for the shell: channels and sessions may have any names.
+std::string ShellWord(const std::string& name) {
+  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./:-";
+  if (!name.empty() && name.find_first_not_of(kPlain) == std::string::npos) return name;
+  std::string quoted = "'";
+  for (const char one : name) quoted += one == '\'' ? std::string("'\\''") : std::string(1, one);
+  return quoted + "'";
+}
+
 enum class Direction { kOut, kIn };
 
 std::string ReasonOf(const Snapshot::Channel& channel, Direction way) {
@@ -61,7 +70,7 @@ void CheckDirection(const Evidence& evidence, SessionId session, const Snapshot:
                    way == Direction::kOut ? "subscribes" : "publishes", forbidden ? "In " + name + ": " : "", why),
        fmt::format("{}hgros control allow {} --session {}",
                    forbidden ? "" : "Add it to `channels` of an endpoint in the YAML of " + name + ", or for now: ",
-                   channel.name(), name)});
+                   ShellWord(channel.name()), ShellWord(name))});
 }
 
 // How much a counter has grown.
@@ -85,7 +94,7 @@ void CheckClosed(const Evidence& evidence, SessionId session, const Snapshot::Ch
                                   name, channel.name(), channel.nodes(0).name()),
                       fmt::format("Remove it from `data_graph: close_channels` in the YAML of {}, or for now: hgros "
                                   "control open {} --session {}",
-                                  name, channel.name(), name)});
+                                  name, ShellWord(channel.name()), ShellWord(name))});
 }
 
 }  // namespace

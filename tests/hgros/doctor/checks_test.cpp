@@ -213,6 +213,18 @@ TEST_F(DoctorChecks, NameClosedChannelsWhoseNodesHearNothing) {
   EXPECT_THAT(Say(CheckForbidden), IsEmpty()) << "another session sends the messages";
 }
 
+// A name may be anything, and users copy the command into a shell.
+TEST_F(DoctorChecks, QuoteNamesInCommands) {
+  evidence.names[SessionId{1}] = "talker's:1";
+  Snapshot::Channel& channel = *Count(1, "x;`reboot`").second;
+  AddChannel("x;`reboot`", true, true);
+  channel.set_not_leaving("Channel \"x\" is forbidden in this session: it neither leaves nor enters it.");
+  Findings findings;
+  CheckForbidden(evidence, findings);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].fix, "hgros control allow 'x;`reboot`' --session 'talker'\\''s:1'");
+}
+
 TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
   AddChannel("scan", true, true);
   Snapshot& talker = const_cast<Snapshot&>(*evidence.after[SessionId{1}]);
