@@ -1,5 +1,6 @@
 #include "session/observed/trace_publisher.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "hgros/clock/time.hpp"
@@ -38,6 +39,22 @@ void Fill(Trace& message, TraceRecorder::Batch&& batch) {
   message.set_lost(batch.lost);
 }
 
+// Both clocks at one moment. If this thread had to wait between the readings, it reads again.
+void SetTimes(Trace& message, const HostClocks& clocks) {
+  constexpr int kMostTries = 5;
+  constexpr std::int64_t kCloseNs = 5'000;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < kMostTries && least > kCloseNs; ++i) {
+    const std::int64_t before = MonotonicNow();
+    const std::int64_t wall = clocks.Now().nanoseconds;
+    const std::int64_t took = MonotonicNow() - before;
+    if (took >= least) continue;
+    least = took;
+    message.set_time_ns(wall);
+    message.set_steady_ns(before + took / 2);
+  }
+}
+
 }  // namespace
 
 TracePublisher::TracePublisher(std::string name, TraceRecorder& recorder, MessageId publisher,
@@ -72,8 +89,7 @@ void TracePublisher::Tell() {
   trace->set_host(self.host);
   trace->set_pid(self.pid);
   Fill(*trace, recorder_.Take());
-  trace->set_time_ns(clocks_->Now().nanoseconds);
-  trace->set_steady_ns(MonotonicNow());
+  SetTimes(*trace, *clocks_);
   const TypeInfo& type = TypeOf<Trace>();
   PreparedMessage prepared;
   if (outlet_->Reserve(trace.get(), type, prepared) == PublishStatus::kOk) {
