@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,6 +46,7 @@ class PathCommand final : public Command {
 
  private:
   void Write(Console& console, const Traced& traced, const Paths& found) const;
+  void SayUnused(const Robot& robot) const;
   [[nodiscard]] std::string WhyNone(const Paths& found) const;
   [[nodiscard]] std::string SecondsText() const { return fmt::format("{:g} s", seconds_.value_or(kWatchedSeconds)); }
 
@@ -125,10 +125,11 @@ void PathCommand::Write(Console& console, const Traced& traced, const Paths& fou
     }
     records.End();
     if (options_.style.json) continue;
-    console.Line(fmt::format("{} messages in {}: p50 {}, p95 {}, p99 {} from {} until {} gets {}. * takes longest.",
-                             path.messages, SecondsText(), DurationText(path.all.Quantile(kP50), exact),
-                             DurationText(path.all.Quantile(kP95), exact), DurationText(path.all.Quantile(kP99), exact),
-                             Visible(from_), Visible(path.hops.back().node), Visible(to_)));
+    console.Line(fmt::format("{} {} in {}: p50 {}, p95 {}, p99 {} from {} until {} gets {}. * takes longest.",
+                             path.messages, path.messages == 1 ? "message" : "messages", SecondsText(),
+                             DurationText(path.all.Quantile(kP50), exact), DurationText(path.all.Quantile(kP95), exact),
+                             DurationText(path.all.Quantile(kP99), exact), Visible(from_),
+                             Visible(path.hops.back().node), Visible(to_)));
     if (way + 1 < found.paths.size()) console.Line("");
   }
   if (options_.style.json) return;
@@ -151,19 +152,31 @@ std::string PathCommand::WhyNone(const Paths& found) const {
   return why;
 }
 
+// Timers are no channels of the robot: nobody is known to publish them.
+void PathCommand::SayUnused(const Robot& robot) const {
+  std::vector<std::string> channels = {from_, to_};
+  std::erase_if(channels, [](const std::string& one) { return one.starts_with("timer/"); });
+  robot.SayUnpublished(channels);
+  const std::vector<KnownChannel> known = robot.Channels(true);
+  const auto to = std::ranges::find(known, to_, &KnownChannel::name);
+  if (to == known.end() || to->publishers.empty() || !to->subscribers.empty()) return;
+  robot.surroundings().console.Say("Nobody subscribes to " + Visible(to_) + ".");
+}
+
 int PathCommand::Run(Surroundings& surroundings) {
   Robot robot(options_, surroundings);
-  const Traced traced = Watch(robot, std::chrono::nanoseconds(std::llround(seconds_.value_or(kWatchedSeconds) * 1e9)));
-  const Paths found = PathsBetween(traced, from_, to_);
-  if (found.paths.empty()) {
-    robot.SayUnpublished({from_, to_});
-    throw Error(WhyNone(found));
-  }
-  if (traced.lost > 0) {
+  (void)robot.Counters();  // Afterwards all sessions are known.
+  SayUnused(robot);
+  const std::optional<Traced> traced = Watch(robot, DurationOf(seconds_.value_or(kWatchedSeconds)),
+                                             options_.Timeout(std::chrono::hours(24 * 365 * 100)));
+  if (!traced) return kTimedOut;
+  const Paths found = PathsBetween(*traced, from_, to_);
+  if (found.paths.empty()) throw Error(WhyNone(found));
+  if (const std::uint64_t lost = traced->lost + found.lost; lost > 0) {
     surroundings.console.Say(
-        fmt::format("There were too many messages: {} events are missing. Watch for a shorter time.", traced.lost));
+        fmt::format("There were too many messages: {} events are missing. Watch for a shorter time.", lost));
   }
-  Write(surroundings.console, traced, found);
+  Write(surroundings.console, *traced, found);
   return kDone;
 }
 

@@ -1,23 +1,27 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "commands/commands.hpp"
-#include "tracing/chrome_trace.hpp"
 #include "robot/robot.hpp"
-#include "tracing/traced.hpp"
+#include "terminal/json.hpp"
 #include "terminal/output_file.hpp"
 #include "terminal/visible_text.hpp"
+#include "tracing/chrome_trace.hpp"
+#include "tracing/traced.hpp"
 
 namespace hgros::cli {
 namespace {
 
 constexpr double kRecordedSeconds = 5;
+
+std::string Counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
 
 class TraceCommand final : public Command {
  public:
@@ -37,9 +41,14 @@ class TraceCommand final : public Command {
             {"hgros trace --seconds 0.5", "Records half a second to standard output."}};
   }
   int Run(Surroundings& surroundings) override {
+    if (file_.empty() && surroundings.console.interactive()) {
+      throw UsageError("A trace is long: name a file with --output, or send standard output elsewhere.");
+    }
     Robot robot(options_, surroundings);
-    const Traced traced =
-        Watch(robot, std::chrono::nanoseconds(std::llround(seconds_.value_or(kRecordedSeconds) * 1e9)));
+    const std::optional<Traced> watched = Watch(robot, DurationOf(seconds_.value_or(kRecordedSeconds)),
+                                                options_.Timeout(std::chrono::hours(24 * 365 * 100)));
+    if (!watched) return kTimedOut;
+    const Traced& traced = *watched;
     if (traced.runs.empty() && traced.publishes.empty()) {
       throw Error(fmt::format("No node did anything in {:g} s.", seconds_.value_or(kRecordedSeconds)));
     }
@@ -49,8 +58,17 @@ class TraceCommand final : public Command {
       console.Say(fmt::format("There were too many messages: {} events are missing.", traced.lost));
     }
     if (file_.empty()) return kDone;
-    console.Line(fmt::format("{} callbacks and {} messages of {} sessions are in {}; open it with ui.perfetto.dev.",
-                             traced.runs.size(), traced.publishes.size(), traced.sessions.size(), Visible(file_)));
+    if (options_.style.json) {
+      Json json;
+      json.BeginObject().Member("file", file_).Member("callbacks", std::uint64_t{traced.runs.size()});
+      json.Member("messages", std::uint64_t{traced.publishes.size()});
+      json.Member("sessions", std::uint64_t{traced.sessions.size()}).Member("lost_events", traced.lost).EndObject();
+      console.Line(json.text());
+      return kDone;
+    }
+    console.Line(fmt::format("{} and {} of {} are in {}; open it with ui.perfetto.dev.",
+                             Counted(traced.runs.size(), "callback"), Counted(traced.publishes.size(), "message"),
+                             Counted(traced.sessions.size(), "session"), Visible(file_)));
     for (const std::string& line : DescribeClocks(traced, options_.style.exact)) console.Line(line);
     return kDone;
   }

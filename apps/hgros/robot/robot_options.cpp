@@ -4,6 +4,11 @@
 
 namespace hgros::cli {
 
+std::chrono::nanoseconds DurationOf(double seconds) {
+  constexpr double kMostSeconds = 1e9;
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(seconds, kMostSeconds) * 1e9));
+}
+
 void RobotOptions::Declare(Arguments& arguments) {
   arguments.Flag("--json", style.json, "One JSON object per line");
   arguments.Flag("--exact", style.exact, "Numbers with all digits, without units");
@@ -17,9 +22,7 @@ void RobotOptions::Declare(Arguments& arguments) {
 }
 
 std::chrono::nanoseconds RobotOptions::Timeout(std::chrono::nanoseconds otherwise) const {
-  if (!timeout_s) return otherwise;
-  constexpr double kMostSeconds = 1e9;
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(*timeout_s, kMostSeconds) * 1e9));
+  return timeout_s ? DurationOf(*timeout_s) : otherwise;
 }
 
 std::string RobotOptions::SendingHint() const {

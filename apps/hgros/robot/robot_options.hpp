@@ -10,6 +10,9 @@
 
 namespace hgros::cli {
 
+/// At most 30 years.
+[[nodiscard]] std::chrono::nanoseconds DurationOf(double seconds);
+
 /// What all commands that meet a robot have in common.
 struct RobotOptions {
   std::string domain;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -41,7 +40,8 @@ class Writer {
  private:
   void Begin(const char* phase, std::size_t session, std::uint32_t thread, std::int64_t at_ns) {
     json_.BeginObject().Member("ph", phase).Member("pid", processes_[session]);
-    json_.Member("tid", std::int64_t{thread}).Member("ts", static_cast<double>(at_ns - begin_ns_) / kNsPerUs);
+    json_.Member("tid", std::int64_t{thread})
+        .Member("ts", static_cast<double>(Difference(at_ns, begin_ns_)) / kNsPerUs);
   }
 
   void WriteProcesses() {
@@ -56,10 +56,13 @@ class Writer {
 
   void WriteRun(const Traced::Run& run) {
     Begin("X", run.session, run.thread, run.start_ns);
-    json_.Member("dur", static_cast<double>(std::max<std::int64_t>(run.end_ns - run.start_ns, 0)) / kNsPerUs);
+    json_.Member("dur",
+                 static_cast<double>(std::max<std::int64_t>(Difference(run.end_ns, run.start_ns), 0)) / kNsPerUs);
     json_.Member("name", run.node).Member("cat", "callback").Key("args").BeginObject().Member("channel", run.channel);
     json_.Member("message", SessionId{run.message}.ToString());
-    json_.Member("wait_us", static_cast<double>(run.start_ns - run.received_ns) / kNsPerUs).EndObject().EndObject();
+    json_.Member("wait_us", static_cast<double>(Difference(run.start_ns, run.received_ns)) / kNsPerUs)
+        .EndObject()
+        .EndObject();
   }
 
   void WriteArrow(const char* phase, const std::string& id, std::size_t session, std::uint32_t thread,
@@ -71,21 +74,22 @@ class Writer {
   }
 
   void WritePublishes() {
-    std::unordered_multimap<std::uint64_t, const Traced::Run*> runs;
-    for (const Traced::Run& run : traced_.runs) runs.emplace(run.message, &run);
+    std::map<std::uint64_t, const Traced::Publish*> publishes;  // Ordered: peers choose the keys.
     for (const Traced::Publish& publish : traced_.publishes) {
-      if (publish.node.empty()) {
-        Begin("X", publish.session, publish.thread, publish.at_ns);
-        json_.Member("dur", kPublishUs).Member("name", "publish " + publish.channel).Member("cat", "publish");
-        json_.EndObject();
-      }
-      const auto [begin, end] = runs.equal_range(publish.message);
-      int number = 0;
-      for (auto one = begin; one != end; ++one) {  // An arrow has one end.
-        const std::string id = SessionId{publish.message}.ToString() + "." + std::to_string(number++);
-        WriteArrow("s", id, publish.session, publish.thread, publish.at_ns, publish.channel);
-        WriteArrow("f", id, one->second->session, one->second->thread, one->second->start_ns, publish.channel);
-      }
+      publishes.emplace(publish.message, &publish);
+      if (!publish.node.empty()) continue;
+      Begin("X", publish.session, publish.thread, publish.at_ns);
+      json_.Member("dur", kPublishUs).Member("name", "publish " + publish.channel).Member("cat", "publish");
+      json_.EndObject();
+    }
+    std::size_t number = 0;
+    for (const Traced::Run& run : traced_.runs) {  // An arrow has one end.
+      const auto found = publishes.find(run.message);
+      if (found == publishes.end()) continue;
+      const Traced::Publish& publish = *found->second;
+      const std::string id = SessionId{run.message}.ToString() + "." + std::to_string(number++);
+      WriteArrow("s", id, publish.session, publish.thread, publish.at_ns, publish.channel);
+      WriteArrow("f", id, run.session, run.thread, run.start_ns, publish.channel);
     }
   }
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <numeric>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 namespace hgros::cli {
 namespace {
 
-constexpr std::size_t kMostHops = 64;  // A peer may make circles.
+constexpr std::size_t kMostHops = 64;          // A peer may make circles.
+constexpr std::size_t kMostSteps = 1'000'000;  // Of all ways together; some hundred MB.
 
 using Run = Traced::Run;
 using Publish = Traced::Publish;
@@ -24,7 +24,7 @@ class Walker {
  public:
   explicit Walker(const Traced& traced) {
     for (const Publish& one : traced.publishes) publishes_.emplace(one.message, &one);
-    for (const Run& one : traced.runs) runs_.emplace(one.message, &one);
+    for (const Run& one : traced.runs) runs_.emplace(RunKey(one.message, one.session, one.node), &one);
   }
 
   enum class End { kFound, kBegan, kUnseen };
@@ -47,18 +47,18 @@ class Walker {
  private:
   // The callback that led to the publish. A publish outside of it names no node; then any callback of the session.
   [[nodiscard]] const Run* RunOf(const Publish& publish) const {
-    const auto [begin, end] = runs_.equal_range(publish.cause);
-    const Run* any = nullptr;
-    for (auto one = begin; one != end; ++one) {
-      if (one->second->session != publish.session) continue;
-      if (one->second->node == publish.node) return one->second;
-      any = one->second;
-    }
-    return publish.node.empty() ? any : nullptr;
+    const auto found = runs_.lower_bound(RunKey(publish.cause, publish.session, publish.node));
+    if (found == runs_.end()) return nullptr;
+    const Run& run = *found->second;
+    if (run.message != publish.cause || run.session != publish.session) return nullptr;
+    return publish.node.empty() || run.node == publish.node ? &run : nullptr;
   }
 
-  std::unordered_map<std::uint64_t, const Publish*> publishes_;
-  std::unordered_multimap<std::uint64_t, const Run*> runs_;
+  using RunKey = std::tuple<std::uint64_t, std::size_t, std::string_view>;  // Message, session, node.
+  // Ordered, and one entry for each key: peers choose the keys, and could make all of them equal or their hashes
+  // collide.
+  std::map<std::uint64_t, const Publish*> publishes_;
+  std::map<RunKey, const Run*> runs_;
 };
 
 using Key = std::vector<std::tuple<std::string, std::size_t, std::size_t, std::string>>;
@@ -67,16 +67,16 @@ void AddStep(Hop& hop, const Step& step, const Publish* next) {
   const Run& run = *step.run;
   const std::int64_t begin = step.publish->at_ns;
   if (run.sent_ns) {
-    hop.encode.Add(*run.sent_ns - begin);
-    hop.transport.Add(run.received_ns - *run.sent_ns);
+    hop.encode.Add(Difference(*run.sent_ns, begin));
+    hop.transport.Add(Difference(run.received_ns, *run.sent_ns));
   } else {
     hop.encode.Add(0);
     hop.transport.Add(0);
   }
-  hop.wait.Add(run.start_ns - (run.sent_ns ? run.received_ns : begin));
+  hop.wait.Add(Difference(run.start_ns, run.sent_ns ? run.received_ns : begin));
   const std::int64_t end = next == nullptr ? run.start_ns : next->at_ns;
-  hop.run.Add((next == nullptr ? run.end_ns : end) - run.start_ns);
-  hop.all.Add(end - begin);
+  hop.run.Add(Difference(next == nullptr ? run.end_ns : end, run.start_ns));
+  hop.all.Add(Difference(end, begin));
 }
 
 void FindShares(Path& path) {
@@ -106,10 +106,16 @@ Paths PathsBetween(const Traced& traced, std::string_view from, std::string_view
   Paths found;
   std::map<Key, Path> paths;
   std::vector<Step> steps;
+  std::size_t left = kMostSteps;
   for (const Run& last : traced.runs) {
     if (last.channel != to) continue;
     ++found.arrived;
+    if (left < kMostHops) {
+      ++found.lost;
+      continue;
+    }
     const Walker::End end = walker.Back(last, from, steps);
+    left -= steps.size();
     if (end == Walker::End::kUnseen) ++found.interrupted;
     if (end == Walker::End::kBegan) ++found.origins[steps.back().publish->channel];
     if (end != Walker::End::kFound) continue;
@@ -126,7 +132,7 @@ Paths PathsBetween(const Traced& traced, std::string_view from, std::string_view
       std::tie(hop.channel, hop.publisher, hop.session, hop.node) = key[i];
       AddStep(hop, steps[i], i + 1 < steps.size() ? steps[i + 1].publish : nullptr);
     }
-    path.all.Add(last.start_ns - steps.front().publish->at_ns);
+    path.all.Add(Difference(last.start_ns, steps.front().publish->at_ns));
   }
   for (auto& [key, path] : paths) {
     FindShares(path);

@@ -50,6 +50,7 @@ struct Paths {
   std::vector<Path> paths;                     ///< The most used first.
   std::size_t arrived = 0;                     ///< Messages that nodes of the last channel have handled.
   std::size_t interrupted = 0;                 ///< Of these, those whose way could not be seen as a whole.
+  std::size_t lost = 0;                        ///< Those that were too many to follow.
   std::map<std::string, std::size_t> origins;  ///< The channels where the ways of the others began.
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 #include <set>
+#include <utility>
 
 #include "hgros/session/trace_message.hpp"
 #include "robot/overview.hpp"
@@ -15,17 +16,17 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::size_t kMostEvents = 2'000'000;  // A few hundred MB.
+constexpr std::size_t kMostEvents = 500'000;     // Some hundred MB, also as JSON.
+constexpr std::size_t kMostBytes = 100'000'000;  // As sent.
+constexpr std::size_t kMostNameBytes = 256;      // Each event has its own copy.
 constexpr std::chrono::seconds kTraceAnswerTime{1};
 constexpr std::chrono::milliseconds kLastBatch{200};  // Sessions tell ten times a second.
 constexpr std::chrono::seconds kClockTime{3};         // Clocks are compared once per heartbeat.
+constexpr std::chrono::seconds kOldest{10};           // What was published this long before may still lead to messages.
 
 // Peers may send any numbers.
 std::int64_t Sum(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-}
-std::int64_t Difference(std::int64_t a, std::int64_t b) {
-  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
 }
 
 class Assembly {
@@ -36,17 +37,23 @@ class Assembly {
     const std::size_t session = IndexOf(from, trace);
     // From the clock of intervals there to our wall clock.
     const std::int64_t shift = Difference(Difference(trace.time_ns(), trace.steady_ns()), OffsetOf(from));
-    const auto name = [&trace](std::uint32_t index) {
-      return index < static_cast<std::uint32_t>(trace.names_size()) ? trace.names(static_cast<int>(index)) : "";
+    static const std::string none;
+    const auto name = [&trace](std::uint32_t index) -> const std::string& {  // Not a copy: a name may be very long.
+      return index < static_cast<std::uint32_t>(trace.names_size()) ? trace.names(static_cast<int>(index)) : none;
     };
     result_.lost += trace.lost();
     for (const Trace::Publish& event : trace.publishes()) {
-      if (!Takes(name(event.channel()))) continue;
+      if (!Takes(name(event.channel()), name(event.node()))) continue;
+      if (!published_.insert(event.message()).second) {
+        ++result_.lost;
+        continue;
+      }
       result_.publishes.push_back({session, name(event.channel()), name(event.node()), event.thread(), event.message(),
                                    event.cause(), Sum(event.at_ns(), shift)});
     }
     for (const Trace::Run& event : trace.runs()) {
-      if (!Takes(name(event.channel()))) continue;
+      if (event.end_ns() < event.start_ns() || event.start_ns() < event.received_ns()) continue;
+      if (!Takes(name(event.channel()), name(event.node()))) continue;
       Traced::Run& run = result_.runs.emplace_back();
       run.session = session;
       run.channel = name(event.channel());
@@ -62,9 +69,10 @@ class Assembly {
   [[nodiscard]] Traced Take() { return std::move(result_); }
 
  private:
-  [[nodiscard]] bool Takes(const std::string& channel) {
+  [[nodiscard]] bool Takes(const std::string& channel, const std::string& node) {
     if (IsInternal(channel)) return false;
-    if (result_.publishes.size() + result_.runs.size() < kMostEvents) return true;
+    const bool fits = channel.size() <= kMostNameBytes && node.size() <= kMostNameBytes;
+    if (fits && result_.publishes.size() + result_.runs.size() < kMostEvents) return true;
     ++result_.lost;
     return false;
   }
@@ -84,6 +92,7 @@ class Assembly {
 
   const std::map<SessionId, ClockOffset>& clocks_;
   std::map<SessionId, std::size_t> indexes_;
+  std::set<std::uint64_t> published_;  // Ordered: peers choose the keys, and could make hashes collide.
   Traced result_;
 };
 
@@ -98,9 +107,16 @@ class Arriving {
               const std::scoped_lock lock(mutex_);
               const SessionId from{info.id.publisher};
               if (answered_.insert(from).second) pause_.Wake();
-              events_ +=
+              const std::size_t events =
                   static_cast<std::size_t>(trace->publishes_size()) + static_cast<std::size_t>(trace->runs_size());
-              if (events_ <= 2 * kMostEvents) messages_.emplace_back(from, trace);
+              const std::size_t bytes = trace->ByteSizeLong();
+              if (events_ + events > 2 * kMostEvents || bytes_ + bytes > kMostBytes) {
+                lost_ += events;
+                return;
+              }
+              events_ += events;
+              bytes_ += bytes;
+              messages_.emplace_back(from, trace);
             },
             {.queue = Queue::KeepLast(1000), .executor = Executor::Inline()})) {}
 
@@ -108,16 +124,21 @@ class Arriving {
     const std::scoped_lock lock(mutex_);
     return answered_.contains(session);
   }
-  [[nodiscard]] std::vector<TraceMessage> Take() {
+  // What has come since the last call, and how many events were too many.
+  [[nodiscard]] std::pair<std::vector<TraceMessage>, std::uint64_t> Take() {
     const std::scoped_lock lock(mutex_);
-    return std::move(messages_);
+    events_ = 0;
+    bytes_ = 0;
+    return {std::exchange(messages_, {}), std::exchange(lost_, 0)};
   }
 
  private:
   Pause& pause_;
   mutable std::mutex mutex_;
   std::set<SessionId> answered_;
-  std::size_t events_ = 0;
+  std::size_t events_ = 0;  // In messages_, as the next.
+  std::size_t bytes_ = 0;
+  std::uint64_t lost_ = 0;
   std::vector<TraceMessage> messages_;
   Subscription subscription_;  // Ends first.
 };
@@ -139,21 +160,23 @@ Traced Assemble(std::span<const TraceMessage> messages, const std::map<SessionId
   return assembly.Take();
 }
 
-Traced Watch(Robot& robot, std::chrono::nanoseconds time) {
+std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time, std::chrono::nanoseconds timeout) {
   using Clock = std::chrono::steady_clock;
+  const Clock::time_point latest = Clock::now() + timeout;
   (void)robot.Counters();  // Afterwards all sessions are known.
   const std::map<SessionId, ChannelUser> sessions = Traceable(robot);
   Pause& pause = robot.surroundings().pause;
   Arriving arriving(robot);
   const auto all = [&](const auto& holds) { return std::ranges::all_of(sessions, holds); };
   const auto await = [&](Clock::time_point deadline, const auto& holds) {
-    while (!all(holds) && Clock::now() < deadline) {
-      const auto soon = std::min(deadline, Clock::now() + std::chrono::milliseconds(20));
+    while (!all(holds) && Clock::now() < std::min(deadline, latest)) {
+      const auto soon = std::min(std::min(deadline, latest), Clock::now() + std::chrono::milliseconds(20));
       if (pause.Until(soon) == Pause::End::kInterrupted) throw OutputClosed();
     }
   };
   const auto answered = [&](const auto& one) { return arriving.Answered(one.first); };
   await(Clock::now() + kTraceAnswerTime, answered);
+  if (Clock::now() >= latest) return std::nullopt;
   for (const auto& [id, user] : sessions) {
     if (arriving.Answered(id)) continue;
     robot.surroundings().console.Say("Session " + Visible(SessionName(id, user.process, user.pid, user.host)) +
@@ -168,16 +191,21 @@ Traced Watch(Robot& robot, std::chrono::nanoseconds time) {
     while (Clock::now() < end && pause.Until(end) != Pause::End::kInterrupted) {
     }
   };
-  wait_until(Clock::now() + time);
+  wait_until(std::min(Clock::now() + time, latest));
+  if (Clock::now() >= latest) return std::nullopt;
   const std::int64_t end_ns = WallNow().nanoseconds;
   wait_until(Clock::now() + kLastBatch);
   std::map<SessionId, ClockOffset> clocks;
   for (const auto& [id, user] : sessions) {
     if (const auto clock = robot.session().OffsetTo(id)) clocks.emplace(id, *clock);
   }
-  Traced traced = Assemble(arriving.Take(), clocks);
+  const auto [messages, lost] = arriving.Take();
+  Traced traced = Assemble(messages, clocks);
+  traced.lost += lost;
   std::erase_if(traced.runs, [&](const Traced::Run& run) { return run.start_ns < begin_ns || run.start_ns > end_ns; });
-  std::erase_if(traced.publishes, [&](const Traced::Publish& one) { return one.at_ns > end_ns; });
+  std::erase_if(traced.publishes, [&](const Traced::Publish& one) {
+    return one.at_ns > end_ns || one.at_ns < begin_ns - std::chrono::nanoseconds(kOldest).count();
+  });
   return traced;
 }
 

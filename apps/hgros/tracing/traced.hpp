@@ -20,6 +20,11 @@ namespace hgros::cli {
 
 class Robot;
 
+/// The difference of two times that peers wrote: any numbers, so it wraps instead of overflowing.
+[[nodiscard]] constexpr std::int64_t Difference(std::int64_t a, std::int64_t b) noexcept {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+}
+
 /// What the nodes of a robot have done for a while. All times are those of this host's wall clock, in ns.
 struct Traced {
   struct Session {
@@ -58,11 +63,14 @@ struct Traced {
 /// What one session has sent.
 using TraceMessage = std::pair<SessionId, std::shared_ptr<const Trace>>;
 
-/// Without the library's own channels. The messages may contain anything.
+/// Without the library's own channels. The messages may contain anything; each message is published once, and no
+/// callback ends before it starts or starts before its message came.
 [[nodiscard]] Traced Assemble(std::span<const TraceMessage> messages, const std::map<SessionId, ClockOffset>& clocks);
 
-/// Watches all sessions for that time, or until the user ends the command. Says which sessions did not answer.
-[[nodiscard]] Traced Watch(Robot& robot, std::chrono::nanoseconds time);
+/// Watches all sessions for that time, or until the user ends the command. Says which sessions did not answer. Empty if
+/// all of this takes longer than `timeout`.
+[[nodiscard]] std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time,
+                                          std::chrono::nanoseconds timeout);
 
 /// A line for each host whose clock differs from ours: by how much, and how exactly that is known.
 [[nodiscard]] std::vector<std::string> DescribeClocks(const Traced& traced, bool exact);

@@ -130,13 +130,44 @@ TEST(Paths, OfMessagesInACircleEnd) {
   EXPECT_EQ(PathsBetween(robot.traced, "scan", "a").interrupted, 2U);
 }
 
+// A peer chooses the keys: all of its messages may have the same one.
+TEST(Paths, OfManyMessagesWithOneKeyTakeNoLongTime) {
+  Robot3 robot;
+  for (int i = 0; i < 100'000; ++i) {
+    robot.Publish(0, "map", "n", 1, 1, i);
+    robot.Run(0, "map", "m", 1, {}, i, i, i);
+  }
+  robot.Publish(0, "scan", "n", 2, 0, 0);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(PathsBetween(robot.traced, "scan", "map").interrupted, 100'000U);
+  const std::string json = ChromeTraceOf(robot.traced);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  EXPECT_LT(json.size(), 100'000'000U);
+}
+
+TEST(Paths, OfLongChainsAreLimited) {
+  Robot3 robot;
+  constexpr std::uint64_t kLength = 60;
+  robot.Publish(0, "scan", "", 1, 0, 0);
+  for (std::uint64_t i = 2; i <= kLength; ++i) {
+    robot.Run(0, "a", "n", i - 1, {}, 0, 0, 0);
+    robot.Publish(0, "a", "n", i, i - 1, 0);
+  }
+  constexpr std::size_t kRuns = 20'000;
+  for (std::size_t i = 0; i < kRuns; ++i) robot.Run(0, "map", "n", kLength, {}, 0, 0, 0);
+  const Paths found = PathsBetween(robot.traced, "scan", "map");
+  ASSERT_EQ(found.paths.size(), 1U);
+  EXPECT_GT(found.lost, 0U);
+  EXPECT_EQ(found.paths[0].messages + found.lost, kRuns);
+}
+
 TEST(Traced, SurvivesAnyNumbersAndNames) {
   const auto trace = std::make_shared<Trace>();
   trace->set_time_ns(INT64_MIN);
   trace->set_steady_ns(INT64_MAX);
   trace->add_names("");
   trace->add_names("scan\033[2J\xff");
-  trace->set_lost(UINT64_MAX);
+  trace->set_lost(UINT64_MAX - 1);
   for (const std::uint32_t index : {0U, 1U, 2U, UINT32_MAX}) {
     Trace::Publish& publish = *trace->add_publishes();
     publish.set_channel(index);
@@ -149,13 +180,22 @@ TEST(Traced, SurvivesAnyNumbersAndNames) {
     run.set_node(index);
     run.set_message(index);
     run.set_sent_ns(INT64_MIN);
-    run.set_start_ns(INT64_MAX);
-    run.set_end_ns(INT64_MIN);
+    run.set_received_ns(INT64_MIN);
+    run.set_start_ns(INT64_MIN);
+    run.set_end_ns(INT64_MAX);
   }
+  const auto ended_before = trace->runs(0);
+  trace->add_runs()->CopyFrom(ended_before);
+  trace->mutable_runs(4)->set_start_ns(INT64_MAX);
+  trace->mutable_runs(4)->set_end_ns(INT64_MIN);
+  trace->add_runs()->CopyFrom(ended_before);
+  trace->mutable_runs(5)->set_received_ns(INT64_MAX);
+  trace->add_publishes()->CopyFrom(trace->publishes(0));
   const std::vector<TraceMessage> messages = {{SessionId{1}, trace}};
   const Traced traced = Assemble(messages, {{SessionId{1}, {Duration(INT64_MIN), Duration(INT64_MAX)}}});
   EXPECT_EQ(traced.publishes.size(), 4U);
-  EXPECT_EQ(traced.runs.size(), 4U);
+  EXPECT_EQ(traced.lost, UINT64_MAX) << "a message is published once";
+  EXPECT_EQ(traced.runs.size(), 4U) << "callbacks that end before they start, or start before their message comes";
   (void)PathsBetween(traced, "scan", "");
   const std::string json = ChromeTraceOf(traced);
   EXPECT_EQ(json.find('\033'), std::string::npos);
