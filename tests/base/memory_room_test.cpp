@@ -1,3 +1,5 @@
+#include "hgros/base/memory_room.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -7,8 +9,6 @@
 #include <fstream>
 #include <string>
 #include <vector>
-
-#include "hgros/base/memory_room.hpp"
 
 namespace hgros {
 namespace {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 
 #include "config/config_fixture.hpp"
-#include "hgros/yaml/document.hpp"
 #include "hgros/config/check.hpp"
+#include "hgros/yaml/document.hpp"
 
 namespace hgros {
 namespace {

@@ -38,7 +38,7 @@ TEST_F(ParamServerTest, DeclarationsTellTypeAndDefault) {
   std::vector<std::pair<std::string, std::string>> told;
   for (const ParamDeclaration& one : params.Declarations()) told.emplace_back(one.type, one.fallback);
   const std::vector<std::pair<std::string, std::string>> expected{
-      {"number", "5.0"}, {"integer", "5"},      {"bool", "true"},   {"text", "\"5\""},
+      {"number", "5.0"}, {"integer", "5"},          {"bool", "true"},   {"text", "\"5\""},
       {"text", "icp"},   {"duration", "\"250ms\""}, {"list", "[1, 2]"}, {"map", "{x: 1}"}};
   EXPECT_EQ(told, expected);
 }
