@@ -534,6 +534,7 @@ TEST_F(LyingSubscriber, GetsPromisedMessagesEvenIfItNeverReadAboutItsLink) {
   }
   // As after a cut: the same session subscribes again, gets a Welcome, and knows no link.
   const std::uint64_t link = subscribed.link();
+  sub.Send({std::string("\0\2", 2) + id.ToString()});
   sub.Send({"\1\2" + id.ToString()});
   welcome = Next().welcome();
   ASSERT_NE(welcome.handshake(), 0u);
