@@ -163,6 +163,10 @@ Traced Assemble(std::span<const TraceMessage> messages, const std::map<SessionId
 std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time, std::chrono::nanoseconds timeout) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point latest = Clock::now() + timeout;
+  const auto too_long = [&robot] {
+    robot.surroundings().console.Say("This takes longer than --timeout allows.");
+    return std::nullopt;
+  };
   (void)robot.Counters();  // Afterwards all sessions are known.
   const std::map<SessionId, ChannelUser> sessions = Traceable(robot);
   Pause& pause = robot.surroundings().pause;
@@ -176,7 +180,7 @@ std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time, std::ch
   };
   const auto answered = [&](const auto& one) { return arriving.Answered(one.first); };
   await(Clock::now() + kTraceAnswerTime, answered);
-  if (Clock::now() >= latest) return std::nullopt;
+  if (Clock::now() >= latest) return too_long();
   for (const auto& [id, user] : sessions) {
     if (arriving.Answered(id)) continue;
     robot.surroundings().console.Say("Session " + Visible(SessionName(id, user.process, user.pid, user.host)) +
@@ -192,7 +196,7 @@ std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time, std::ch
     }
   };
   wait_until(std::min(Clock::now() + time, latest));
-  if (Clock::now() >= latest) return std::nullopt;
+  if (Clock::now() >= latest) return too_long();
   const std::int64_t end_ns = WallNow().nanoseconds;
   wait_until(Clock::now() + kLastBatch);
   std::map<SessionId, ClockOffset> clocks;

@@ -68,7 +68,7 @@ using TraceMessage = std::pair<SessionId, std::shared_ptr<const Trace>>;
 [[nodiscard]] Traced Assemble(std::span<const TraceMessage> messages, const std::map<SessionId, ClockOffset>& clocks);
 
 /// Watches all sessions for that time, or until the user ends the command. Says which sessions did not answer. Empty if
-/// all of this takes longer than `timeout`.
+/// all of this takes longer than `timeout`, which it says.
 [[nodiscard]] std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time,
                                           std::chrono::nanoseconds timeout);
 
