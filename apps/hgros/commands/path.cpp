@@ -74,7 +74,7 @@ void AddCells(std::vector<Cell>& cells, const Durations& durations, bool exact, 
   }
 }
 
-std::vector<Column> ColumnsOf() {
+std::vector<Column> HopColumns() {
   std::vector<Column> columns = {
       {"way", ""},     {"hop", ""},       {"channel", "CHANNEL"}, {"node", "NODE"}, {"process", "PROCESS"},
       {"session", ""}, {"publisher", ""}, {"messages", ""}};
@@ -95,7 +95,7 @@ void PathCommand::Write(Console& console, const Traced& traced, const Paths& fou
   const bool exact = options_.style.exact;
   for (std::size_t way = 0; way < found.paths.size(); ++way) {
     const Path& path = found.paths[way];
-    Records records(console, options_.style, ColumnsOf());
+    Records records(console, options_.style, HopColumns());
     for (std::size_t i = 0; i < path.hops.size(); ++i) {
       const Hop& hop = path.hops[i];
       const Traced::Session& session = traced.sessions[hop.session];
