@@ -24,6 +24,7 @@
 #include "hgros/services/services.hpp"
 #include "hgros/session/session.hpp"
 #include "session/change_signal.hpp"
+#include "session/control/one_at_a_time.hpp"
 #include "session/control/steering.hpp"
 #include "session/endpoint_lists.hpp"
 #include "session/inbound_channels.hpp"
@@ -79,7 +80,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   }
 
   [[nodiscard]] ServicePlace& place() noexcept { return *this; }
-  [[nodiscard]] std::timed_mutex& asking() noexcept { return asking_; }
+  [[nodiscard]] OneAtATime& asking() noexcept { return asking_; }
   [[nodiscard]] Services& services() noexcept { return *services_; }
   [[nodiscard]] DataGraph& graph() noexcept { return *graph_; }
   [[nodiscard]] const DataGraph& graph() const noexcept { return *graph_; }
@@ -161,7 +162,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::set<std::string> said_confined_;             // Subscribed channels that were looked up in the endpoints' lists.
   std::optional<MisspelledNames> misspelled_;
   ReservedNames reserved_;
-  std::timed_mutex asking_;  // Held while this session asks others to change something.
+  OneAtATime asking_;  // Entered while this session asks others to change something.
   std::shared_ptr<Services> services_;
   std::vector<Subscription> clock_nodes_;
 };

@@ -108,8 +108,8 @@ std::vector<ControlAnswer> AskSessions(Session& session, std::span<const Session
                                        std::chrono::nanoseconds timeout) {
   SessionCore& core = SessionParts(session).core();
   const auto deadline = DeadlineIn(timeout);
-  const std::unique_lock one_at_a_time(core.asking(), deadline);  // The channel of requests is advertised once.
-  if (one_at_a_time) {
+  if (core.asking().Enter(deadline)) {  // The channel of requests is advertised once.
+    const std::shared_ptr<OneAtATime> leaves(&core.asking(), [](OneAtATime* asking) { asking->Leave(); });
     return AskSessions(core.place(), core.id(), sessions, order, deadline - std::chrono::steady_clock::now());
   }
   std::vector<ControlAnswer> unanswered;

@@ -18,9 +18,7 @@ struct Wish {
   wire::Subscribe asked;
   std::unique_ptr<OutLink> link;
   /// Like the bytes of topics (AcceptedConnections), each of which takes about 40 bytes of memory.
-  [[nodiscard]] std::size_t size() const noexcept {
-    return 8 + (asked.wanted().channel().size() + asked.wanted().type_name().size()) / 8;
-  }
+  [[nodiscard]] std::size_t size() const { return 8 + asked.ByteSizeLong() / 8; }
 };
 
 /// A session that subscribes at a publish endpoint.

@@ -58,8 +58,6 @@ void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& ask
   Wish& wish = place->second;
   if (!added) peer.wish_bytes -= wish.size();
   wish.asked = asked;
-  wish.asked.DiscardUnknownFields();
-  wish.asked.mutable_wanted()->DiscardUnknownFields();
   peer.wish_bytes += wish.size();
   if (!wish.link || !UpdateLink(peer, wish, actions)) MakeLink(peer, wish, actions);
 }
