@@ -303,6 +303,10 @@ class FilterReader {
   }
   std::unique_ptr<Term> ReadNumber() {
     if (text_[at_] == '+') ++at_;
+    const std::size_t first = text_.find_first_not_of('-', at_);  // The library function also takes "-nan" and "-inf".
+    if (first == std::string_view::npos || std::isalpha(static_cast<unsigned char>(text_[first])) != 0) {
+      Fail("this is not a number");
+    }
     long double number = 0;
     const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), number);
     if (error != std::errc()) Fail("this is not a number");
