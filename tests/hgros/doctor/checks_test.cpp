@@ -57,6 +57,19 @@ class DoctorChecks : public testing::Test {
     };
     return {add(evidence.before), add(evidence.after)};
   }
+  // Channel "scan" with node "match" of the listener, whose queue of four messages is full in both readings.
+  std::pair<Snapshot::Channel*, Snapshot::Channel*> CountFullQueue() {
+    AddChannel("scan", true, true);
+    const auto [before, after] = Count(2, "scan");
+    for (Snapshot::Channel* channel : {before, after}) {
+      Snapshot::Node& node = *channel->add_nodes();
+      node.set_name("match");
+      node.set_serial(true);
+      node.set_queue_depth(4);
+      node.set_queued(4);
+    }
+    return {before, after};
+  }
   [[nodiscard]] std::vector<std::string> Say(void (*check)(const Evidence&, Findings&),
                                              Severity from = Severity::kWarning) const {
     Findings findings;
@@ -124,15 +137,7 @@ TEST_F(DoctorChecks, NameWhoLosesMessagesNow) {
 }
 
 TEST_F(DoctorChecks, SayThatACallbackDoesNotReturn) {
-  AddChannel("scan", true, true);
-  const auto [before, after] = Count(2, "scan");
-  for (Snapshot::Channel* channel : {before, after}) {
-    Snapshot::Node& node = *channel->add_nodes();
-    node.set_name("match");
-    node.set_serial(true);
-    node.set_queue_depth(4);
-    node.set_queued(4);
-  }
+  const auto [before, after] = CountFullQueue();
   after->mutable_nodes(0)->set_received(100);
   EXPECT_THAT(
       Say(CheckNodes),
@@ -143,15 +148,7 @@ TEST_F(DoctorChecks, SayThatACallbackDoesNotReturn) {
 }
 
 TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
-  AddChannel("scan", true, true);
-  const auto [before, after] = Count(2, "scan");
-  for (Snapshot::Channel* channel : {before, after}) {
-    Snapshot::Node& node = *channel->add_nodes();
-    node.set_name("match");
-    node.set_serial(true);
-    node.set_queue_depth(4);
-    node.set_queued(4);
-  }
+  const auto [before, after] = CountFullQueue();
   Snapshot::Node& node = *after->mutable_nodes(0);
   node.set_received(100);
   node.set_run(20);
