@@ -1,5 +1,3 @@
-#include "session/control/ask_sessions.hpp"
-
 #include <algorithm>
 #include <condition_variable>
 #include <map>
@@ -9,6 +7,7 @@
 #include <hgros/SessionControl.pb.h>
 
 #include "hgros/clock/time.hpp"
+#include "hgros/session/session_control.hpp"
 #include "hgros/session/session_parts.hpp"
 #include "hgros/session/snapshot_message.hpp"
 #include "session/control/control_desk.hpp"
@@ -69,11 +68,8 @@ void AskUntilAnswered(SessionOutlet& outlet, ControlRequest& request, Answers& a
   }
 }
 
-}  // namespace
-
-std::vector<ControlAnswer> AskSessions(ServicePlace& place, SessionId self, std::span<const SessionId> sessions,
-                                       const ControlOrder& order, std::chrono::nanoseconds timeout) {
-  const auto deadline = DeadlineIn(timeout);
+std::vector<ControlAnswer> Ask(ServicePlace& place, SessionId self, std::span<const SessionId> sessions,
+                               const ControlOrder& order, std::chrono::steady_clock::time_point deadline) {
   const auto answers = std::make_shared<Answers>();
   for (const SessionId one : sessions) answers->all[one.value].session = one;
   answers->missing = answers->all.size();
@@ -104,13 +100,15 @@ std::vector<ControlAnswer> AskSessions(ServicePlace& place, SessionId self, std:
   return result;
 }
 
+}  // namespace
+
 std::vector<ControlAnswer> AskSessions(Session& session, std::span<const SessionId> sessions, const ControlOrder& order,
                                        std::chrono::nanoseconds timeout) {
   SessionCore& core = SessionParts(session).core();
   const auto deadline = DeadlineIn(timeout);
   if (core.asking().Enter(deadline)) {  // The channel of requests is advertised once.
     const std::shared_ptr<OneAtATime> leaves(&core.asking(), [](OneAtATime* asking) { asking->Leave(); });
-    return AskSessions(core.place(), core.id(), sessions, order, deadline - std::chrono::steady_clock::now());
+    return Ask(core.place(), core.id(), sessions, order, deadline);
   }
   std::vector<ControlAnswer> unanswered;
   for (const SessionId one : sessions) unanswered.push_back({one});

@@ -6,6 +6,7 @@
 
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/codec/message.hpp"
+#include "session/observed/announced_type.hpp"
 
 namespace hgros {
 namespace {
@@ -16,25 +17,14 @@ constexpr std::size_t kMostBytes = 64 * 1024;
 constexpr std::size_t kKeptReplies = 64;
 constexpr std::uint32_t kCreditMessages = 16;
 
-// Without a fingerprint: that is computed from the schema, which a session that nobody steers need not build.
-const TypeInfo& RequestType() {
-  static const TypeInfo announced = [] {
-    TypeInfo info;
-    info.name = "hgros.ControlRequest";
-    info.encoding = Encoding::kProtobuf;
-    info.cpp_type = typeid(ControlRequest);
-    return info;
-  }();
-  return announced;
-}
-
 }  // namespace
 
 ControlDesk::ControlDesk(NetworkBridge& bridge, Means means) : means_(std::move(means)) {
   Demand demand;
   demand.queue_depth = demand.credit_messages = kCreditMessages;
   demand.credit_bytes = kCreditMessages * kMostBytes;
-  requests_ = bridge.SubscribeUnannounced(std::string(kControlChannel), RequestType(), demand, *this);
+  requests_ = bridge.SubscribeUnannounced(std::string(kControlChannel),
+                                          AnnouncedTypeOf<ControlRequest>("hgros.ControlRequest"), demand, *this);
 }
 
 ControlDesk::~ControlDesk() = default;
@@ -44,7 +34,7 @@ void ControlDesk::Close() { requests_.reset(); }
 Accepted ControlDesk::Accept(InboundMessage&& message) noexcept {
   try {
     const Bytes bytes = message.data.bytes;
-    // What is too long is kept as a request that does not parse.
+    // A request that is too long is kept without its bytes, and refused later.
     const std::size_t size = bytes.size() <= kMostBytes ? bytes.size() : 0;
     Asked asked{message.from, message.trusted, std::string(reinterpret_cast<const char*>(bytes.data()), size)};
     {
