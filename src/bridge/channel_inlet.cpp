@@ -191,14 +191,14 @@ bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost, std::int64_
     ++life.traffic.repeated;
     return false;
   }
-  if (known && !life.away && id.sequence > life.last_sequence + 1) {
-    lost = {id.sequence - life.last_sequence - 1, life.cut_ns.has_value()};
+  const bool later = life.cut_ns && message.head.publish_time_ns > 0 && MonotonicNow() - way_ns > *life.cut_ns;
+  const bool away = life.away || (later && life.cut_why == OfferEnd::kWithdrawn);
+  if (known && !away && id.sequence > life.last_sequence + 1) {
+    lost = {id.sequence - life.last_sequence - 1, life.cut_ns && life.cut_why == OfferEnd::kLost};
     life.traffic.lost += lost.messages;
     life.cut_ns.reset();
   }
-  if (life.cut_ns && message.head.publish_time_ns > 0) {
-    if (MonotonicNow() - way_ns > *life.cut_ns) life.cut_ns.reset();
-  }
+  if (later) life.cut_ns.reset();
   life.away = false;
   life.incarnation = id.incarnation;
   life.last_sequence = id.sequence;
@@ -287,12 +287,13 @@ void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const Mes
   if (!IsAnyType(DataGraph::TypeOfChannel(channel_))) run_apart_([this] { CompareOffers(); });
 }
 
-void ChannelInlet::OnOfferEnded(SessionId from) noexcept {
+void ChannelInlet::OnOfferEnded(SessionId from, OfferEnd why) noexcept {
   {
     const std::scoped_lock lock(counts_mutex_);
     const auto first = lives_.lower_bound({from.value, 0});
     for (auto life = first; life != lives_.end() && life->first.first == from.value; ++life) {
       life->second.cut_ns = MonotonicNow();
+      life->second.cut_why = why;
     }
   }
   Offer ended;  // Destroyed after the lock.

@@ -60,18 +60,42 @@ void ChannelOutlet::Detach() {
   subscribers_.store(0, std::memory_order_release);
 }
 
-// The numbers of messages that have stayed inside are missing outside. A new incarnation keeps subscribers from
-// counting them as lost.
 void ChannelOutlet::SetStays(bool stays) {
   {
-    const std::scoped_lock lock(order_mutex_, latch_mutex_);
+    const EndsLater after_the_lock;
+    const std::scoped_lock lock(order_mutex_);
     if (std::exchange(stays_, stays) == stays) return;
-    if (!stays) {
-      publisher_.incarnation = std::max(publisher_.incarnation + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
-      for (Kept& one : kept_) one.head.id.incarnation = publisher_.incarnation;
-    }
+    if (!stays) SendKept();
   }
   if (stays) events_.on_room();  // Publishers that wait for remote subscribers no longer need room there.
+}
+
+// Under order_mutex_. Messages that have stayed inside took no numbers, because subscribers would count them as lost.
+// Those that are latched get them now.
+void ChannelOutlet::SendKept() {
+  std::vector<Kept> numbered;
+  {
+    const std::scoped_lock latch(latch_mutex_);
+    for (Kept& one : kept_) {
+      if (one.head.id.sequence != 0) continue;
+      Number(one.head, one.own_number);
+      numbered.push_back(one);
+    }
+    // A message that was promised before may have been kept after one that has stayed inside.
+    std::ranges::stable_sort(kept_, {}, [](const Kept& one) { return one.head.id.sequence; });
+  }
+  for (Kept& one : numbered) {
+    if (!transports_ || transports_->subscriber_count() == 0) return;  // Later ones ask for what is latched.
+    if (!one.data) one.data = Encode(one.message, *one.type, {});
+    if (one.data->owner == nullptr || transports_->Reserve() != PublishStatus::kOk) continue;
+    (void)transports_->Commit(one.head, *one.data);
+  }
+}
+
+// The two numbers differ: not every message was sent, and two threads may come here in another order.
+void ChannelOutlet::Number(PacketHead& head, std::uint64_t own_number) noexcept {
+  head.id.sequence = ++sequence_;
+  if (own_number != 0) head.cause.unsent = static_cast<std::int64_t>(own_number - head.id.sequence);
 }
 
 bool ChannelOutlet::HasUnfinished() const {
@@ -244,10 +268,11 @@ void ChannelOutlet::CountNotEncodable(const Why& why) noexcept {
 
 bool ChannelOutlet::Commit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                            PreparedMessage&& prepared) noexcept {
+  const bool promised = prepared.state != PreparedMessage::State::kStays;
   try {
     return TryCommit(message, type, info, std::move(prepared));
   } catch (const std::bad_alloc&) {
-    Cancel();
+    if (promised) Cancel();
     CountNotEncodable([] { return std::string(kNoMemory); });
     return false;
   }
@@ -259,9 +284,10 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   const bool stays = prepared.state == PreparedMessage::State::kStays;
   const bool listened = !stays && subscriber_count() > 0;
   if (!listened && depth == 0) {
+    if (stays) return true;
     const std::scoped_lock lock(order_mutex_);
     ++sequence_;
-    if (!stays) CancelPromise();
+    CancelPromise();
     return true;
   }
   // Outside the lock: encoding a large message takes as long as sending it.
@@ -276,11 +302,6 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   head.publish_monotonic_ns = MonotonicNow();
   head.latched = static_cast<std::uint32_t>(depth);
   head.cause = CauseOf(info, head.publish_monotonic_ns);
-  // The two numbers differ: not every message was sent, and two threads may come here in another order.
-  const auto number = [&] {
-    head.id.sequence = ++sequence_;
-    if (info.id.sequence != 0) head.cause.unsent = static_cast<std::int64_t>(info.id.sequence - head.id.sequence);
-  };
 
   std::vector<Kept> dropped;  // Destroyed after the locks: a message's destructor is the user's code.
   const EndsLater after_the_lock;
@@ -288,16 +309,17 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   head.id = publisher_;
   bool counted = listened;
   if (depth > 0) {
-    number();
+    if (!stays) Number(head, info.id.sequence);
     // The bridge has come meanwhile.
     if (!data && WritesWhenLatched(type)) data = Encode(message, type, {});
-    Keep({message, &type, head, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
+    Keep({message, &type, head, info.id.sequence, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
+    if (stays && !stays_) SendKept();
     // A subscriber is counted before it asks for latched messages. So either it found this message there, or it is
     // counted now.
     counted = listened || (!stays && transports_ && transports_->subscriber_count() > 0);
     if (counted && !data) data = Encode(message, type, {});
   } else if (data->owner != nullptr) {
-    number();
+    Number(head, info.id.sequence);
   }
   if (!transports_ || stays) return true;
   if (!counted || data->owner == nullptr) {
@@ -306,10 +328,6 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   }
   promised_ -= promised_ > 0 ? 1 : 0;
   return transports_->Commit(head, *data);
-}
-
-bool ChannelOutlet::WritesWhenLatched(const TypeInfo& type) const noexcept {
-  return type.users_codec && joined_.load(std::memory_order_relaxed);
 }
 
 void ChannelOutlet::Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped) {
@@ -339,6 +357,7 @@ std::vector<OutboundMessage> ChannelOutlet::TryLatched() {
   std::vector<OutboundMessage> messages;
   messages.reserve(kept.size());
   for (Kept& one : kept) {
+    if (one.head.id.sequence == 0) continue;  // It stays inside.
     if (!one.data) one.data = Encode(one.message, *one.type, {});
     if (one.data->owner != nullptr) messages.push_back({std::move(one.head), std::move(*one.data)});
   }

@@ -250,12 +250,12 @@ class JoinedInbound::Part final : public InboundSink {
     joined_.offers_.emplace(from.id.value, index_);
     joined_.sink_.OnOffer(from, schema);
   }
-  void OnOfferEnded(SessionId from) noexcept override {
+  void OnOfferEnded(SessionId from, OfferEnd why) noexcept override {
     const std::scoped_lock lock(joined_.telling_);
     auto& offers = joined_.offers_;
     offers.erase({from.value, index_});
     const auto other = offers.lower_bound({from.value, 0});
-    if (other == offers.end() || other->first != from.value) joined_.sink_.OnOfferEnded(from);
+    if (other == offers.end() || other->first != from.value) joined_.sink_.OnOfferEnded(from, why);
   }
   void OnPublishers(std::size_t count) noexcept override {
     const std::scoped_lock lock(joined_.telling_);

@@ -111,12 +111,12 @@ bool InboundCore::Release(SessionId publisher, const void* endpoint) {
   return true;
 }
 
-void InboundCore::CountPublisher(const std::shared_ptr<InboundCore>& core, SessionId who, int change,
-                                 Actions& actions) {
+void InboundCore::CountPublisher(const std::shared_ptr<InboundCore>& core, SessionId who, int change, Actions& actions,
+                                 OfferEnd why) {
   core->publishers.fetch_add(static_cast<std::size_t>(change));
-  actions.emplace_back([core, who, ended = change < 0] {
+  actions.emplace_back([core, who, why, ended = change < 0] {
     core->gate_.Through([&] {
-      if (ended) core->sink_.OnOfferEnded(who);
+      if (ended) core->sink_.OnOfferEnded(who, why);
       core->sink_.OnPublishers(core->publishers.load());
     });
   });

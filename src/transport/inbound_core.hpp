@@ -51,7 +51,8 @@ class InboundCore {
   static void TellOffer(const std::shared_ptr<InboundCore>& core, const PeerInfo& from,
                         const std::shared_ptr<const MessageSchema>& schema, Actions& actions);
   /// That session has come as a publisher (1) or is one no more (-1).
-  static void CountPublisher(const std::shared_ptr<InboundCore>& core, SessionId who, int change, Actions& actions);
+  static void CountPublisher(const std::shared_ptr<InboundCore>& core, SessionId who, int change, Actions& actions,
+                             OfferEnd why = OfferEnd::kLost);
 
   [[nodiscard]] Demand demand() const;
   void SetDemand(const Demand& demand);

@@ -202,9 +202,9 @@ TEST(ChannelInlet, SaysThatAPublisherWasCutOffOnlyIfItsLinkHasEnded) {
     };
     receive();
     if (cut) {
-      inflow.inlet.OnOfferEnded(SessionId{5});
+      inflow.inlet.OnOfferEnded(SessionId{5}, OfferEnd::kLost);
     } else {
-      inflow.inlet.OnOfferEnded(SessionId{6});
+      inflow.inlet.OnOfferEnded(SessionId{6}, OfferEnd::kLost);
     }
     receive();  // It had arrived before.
     EXPECT_TRUE(inflow.lines.empty());
@@ -216,6 +216,30 @@ TEST(ChannelInlet, SaysThatAPublisherWasCutOffOnlyIfItsLinkHasEnded) {
                   (cut ? "the connection to their publisher was lost, and they were published before it was back."
                        : "their publisher was connected, but could not send them. The log of session "
                          "0000000000000005 says why."));
+  }
+}
+
+TEST(ChannelInlet, CountsNothingAsLostThatWasPublishedAfterTheOfferWasWithdrawn) {
+  for (const bool later : {false, true}) {
+    Inflow<foxglove::Log> inflow;
+    inflow.from = SessionId{5};
+    inflow.inlet.SetDemand({.lossless = true});
+    const auto receive = [&](std::int64_t publish_time_ns) {
+      inflow.publish_time_ns = publish_time_ns;
+      (void)inflow.Accept("x");
+      inflow.inlet.Run();
+      inflow.RunErrands();
+    };
+    constexpr std::int64_t kMinute = 60'000'000'000;
+    const std::int64_t now = WallNow().nanoseconds;
+    receive(now - 2 * kMinute);
+    inflow.inlet.OnOfferEnded(SessionId{5}, OfferEnd::kWithdrawn);
+    inflow.sequence += 3;
+    receive(later ? now + kMinute : now - kMinute);
+    EXPECT_EQ(inflow.lines.empty(), later);
+    inflow.sequence += 3;
+    receive(now + 2 * kMinute);
+    EXPECT_FALSE(inflow.lines.empty());
   }
 }
 
@@ -233,7 +257,7 @@ TEST(ChannelInlet, ForgetsTheEndOfALinkWhenALaterMessageArrivesWithoutAGap) {
     constexpr std::int64_t kMinute = 60'000'000'000;
     const std::int64_t now = WallNow().nanoseconds;
     receive(now - 2 * kMinute);
-    inflow.inlet.OnOfferEnded(SessionId{5});
+    inflow.inlet.OnOfferEnded(SessionId{5}, OfferEnd::kLost);
     receive(later ? now + kMinute : now - kMinute);
     inflow.sequence += 3;
     receive(now + 2 * kMinute);

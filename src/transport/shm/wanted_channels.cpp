@@ -106,14 +106,15 @@ void WantedChannels::SendWish(Pair& pair, InLink& link) {
 }
 
 // `mismatch`: why the types do not fit; empty if the subscription ends for another reason.
-void WantedChannels::RemoveLink(Pair& pair, const std::string& channel, std::string_view mismatch, Actions& actions) {
+void WantedChannels::RemoveLink(Pair& pair, const std::string& channel, std::string_view mismatch, Actions& actions,
+                                OfferEnd why) {
   const auto link = pair.in.RemoveLink(channel);
   if (!link) return;
   wire::PairMessage said;
   said.mutable_unwish()->set_link(link->link);
   said.mutable_unwish()->set_mismatch(mismatch.data(), std::min(mismatch.size(), kMaxTextBytes));
   pair.socket.Send(said);
-  if (link->granted) InboundCore::CountPublisher(link->core, pair.facts.info.id, -1, actions);
+  if (link->granted) InboundCore::CountPublisher(link->core, pair.facts.info.id, -1, actions, why);
 }
 
 void WantedChannels::OnGranted(Pair& pair, const wire::Granted& granted) {
@@ -173,7 +174,7 @@ void WantedChannels::EndLink(Pair& pair, std::uint64_t number) {
     const auto link = pair.in.LinkAt(number);
     if (!link) return;
     const auto core = link->core;
-    RemoveLink(pair, core->name, {}, actions);
+    RemoveLink(pair, core->name, {}, actions, OfferEnd::kWithdrawn);
     const auto wanted = channels_.find(core->name);
     const bool still = wanted != channels_.end() && wanted->second == core;
     if (pair.asks && still && MayAsk(pair, core->name)) Ask(pair, core);

@@ -50,7 +50,8 @@ class WantedChannels {
   void AskForAll(Pair& pair);
   void Ask(Pair& pair, const std::shared_ptr<InboundCore>& core);
   static void SendWish(Pair& pair, InLink& link);
-  static void RemoveLink(Pair& pair, const std::string& channel, std::string_view mismatch, Actions& actions);
+  static void RemoveLink(Pair& pair, const std::string& channel, std::string_view mismatch, Actions& actions,
+                         OfferEnd why = OfferEnd::kLost);
 
   ShmSession& session_;
   PairTable& pairs_;

@@ -56,7 +56,7 @@ class ChannelInlet final : public InboundSink {
   void OnFault(PacketFault fault, std::string_view what) noexcept override;
   void OnPublishers(std::size_t count) noexcept override;
   void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override;
-  void OnOfferEnded(SessionId from) noexcept override;
+  void OnOfferEnded(SessionId from, OfferEnd why) noexcept override;
 
   // Call it when the channel has got its type: reports publishers of another type that were subscribed to with any
   // type.
@@ -76,6 +76,7 @@ class ChannelInlet final : public InboundSink {
     bool away = false;  // The session did not subscribe for a while.
     // When a link to the sender has ended, unless a message that was published later has arrived, or a gap was found.
     std::optional<std::int64_t> cut_ns;
+    OfferEnd cut_why = OfferEnd::kLost;
     PublisherTraffic traffic;
   };
 

@@ -72,12 +72,15 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   struct Kept {
     AnyMessage message;
     const TypeInfo* type;
-    PacketHead head;
+    PacketHead head;              // Without a number: it stays inside.
+    std::uint64_t own_number;     // In this process; 0: none.
     std::optional<Payload> data;  // Set if encoded already; without an owner: it cannot be encoded.
   };
 
   // True for a user's codec, which must not run on the thread on which a transport requests latched messages.
-  [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept;
+  [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept {
+    return type.users_codec && joined_.load(std::memory_order_relaxed);
+  }
   // Takes memory, of one of the transports if possible, or encodes the message if its size is known only then.
   // With a size, under transports_mutex_. Not under order_mutex_: all this takes time. Throws std::bad_alloc.
   [[nodiscard]] PublishStatus Prepare(const void* message, const TypeInfo& type, std::optional<std::size_t> size_bytes,
@@ -97,6 +100,8 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   [[nodiscard]] bool TryCommit(const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                                PreparedMessage&& prepared);
   [[nodiscard]] std::vector<OutboundMessage> TryLatched();
+  void SendKept();
+  void Number(PacketHead& head, std::uint64_t own_number) noexcept;
   // Under both mutexes.
   void AddPast(const JoinedOutbound& left);
   void CancelPromise() noexcept;
@@ -105,7 +110,7 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   const std::string channel_;
   // The type of the first user. A message may be raw, or of another C++ type with the same wire form.
   const TypeInfo& type_;
-  MessageId publisher_;  // Its incarnation changes, under order_mutex_.
+  const MessageId publisher_;
   const std::shared_ptr<Log> log_;
   const OutletEvents events_;
   const std::shared_ptr<const HostClocks> clocks_;

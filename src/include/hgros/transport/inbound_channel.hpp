@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string_view>
 
@@ -35,6 +36,11 @@ enum class Accepted {
   kRunApart,  ///< Call Run() on a thread that owns no socket, credits or heartbeats: it may run user code.
 };
 
+enum class OfferEnd : std::uint8_t {
+  kWithdrawn,  ///< The publisher has ended the offer; what it publishes before another one is not for this session.
+  kLost,       ///< The connection or the subscription has ended.
+};
+
 /// Receives a transport's messages of one channel. Implemented by the session.
 ///
 /// Contract:
@@ -55,7 +61,7 @@ class InboundSink {
   /// AnyType(); perhaps after the first message.
   virtual void OnOffer(const PeerInfo& /*from*/, const std::shared_ptr<const MessageSchema>& /*schema*/) noexcept {}
   /// That session sends no more of them.
-  virtual void OnOfferEnded(SessionId /*from*/) noexcept {}
+  virtual void OnOfferEnded(SessionId /*from*/, OfferEnd /*why*/) noexcept {}
 };
 
 /// The subscribing end of one channel on one transport. Destroying it ends the subscription; the destructor waits for

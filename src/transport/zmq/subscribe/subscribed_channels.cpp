@@ -237,7 +237,7 @@ void SubscribedChannels::OnRefused(const wire::Refused& refused, Actions& action
 void SubscribedChannels::OnWithdrawn(const std::string& channel, Actions& actions) {
   InLink* link = Find(channel);
   if (link == nullptr) return;
-  EndLink(*link, actions);
+  EndLink(*link, actions, OfferEnd::kWithdrawn);
   ReleaseClaim(*link, actions);
 }
 
@@ -256,9 +256,9 @@ void SubscribedChannels::ReportMismatch(const std::string& channel, const std::s
       [this, info = publisher_.facts.info, channel, what] { shared_.listener.OnTypeMismatch(channel, info, what); });
 }
 
-void SubscribedChannels::EndLink(InLink& link, Actions& actions) {
+void SubscribedChannels::EndLink(InLink& link, Actions& actions, OfferEnd why) {
   link.End();
-  if (std::exchange(link.active, false)) InboundCore::CountPublisher(link.core, publisher_.id(), -1, actions);
+  if (std::exchange(link.active, false)) InboundCore::CountPublisher(link.core, publisher_.id(), -1, actions, why);
 }
 
 void SubscribedChannels::StopAsking(InLink& link, std::string_view mismatch, Actions& actions) {

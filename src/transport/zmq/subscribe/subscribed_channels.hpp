@@ -78,7 +78,7 @@ class SubscribedChannels {
   void StopAsking(InLink& link, std::string_view mismatch, Actions& actions);
   /// False if the types do not fit, which ends the subscription here.
   [[nodiscard]] bool BeginLink(InLink& link, const wire::Subscribed& subscribed, Actions& actions);
-  void EndLink(InLink& link, Actions& actions);
+  void EndLink(InLink& link, Actions& actions, OfferEnd why = OfferEnd::kLost);
   void SendCredit(InLink& link);
   void ReleaseClaim(const InLink& link, Actions& actions);
   /// Another endpoint that leads to the same socket has the claim.
