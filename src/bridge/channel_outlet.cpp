@@ -96,6 +96,7 @@ void ChannelOutlet::SendKept() {
 void ChannelOutlet::Number(PacketHead& head, std::uint64_t own_number) noexcept {
   head.id.sequence = ++sequence_;
   if (own_number != 0) head.cause.unsent = static_cast<std::int64_t>(own_number - head.id.sequence);
+  if (own_number == 0 && events_.on_numbered) events_.on_numbered(head);
 }
 
 bool ChannelOutlet::HasUnfinished() const {

@@ -2,9 +2,13 @@
 
 #include <unistd.h>
 
+#include <memory>
 #include <new>
 
 #include "graph/graph_core.hpp"
+#include "graph/nodes/callback_scope.hpp"
+#include "graph/nodes/node.hpp"
+#include "hgros/base/message_key.hpp"
 
 namespace hgros {
 namespace {
@@ -81,5 +85,19 @@ TraceRecorder::Batch TraceRecorder::Take() {
 }
 
 TraceRecorder& TraceRecorder::Of(DataGraph& graph) noexcept { return graph.core_->trace(); }
+
+std::function<void(const PacketHead&)> TraceRecorder::OfOutlets(DataGraph& graph) {
+  return [weak = std::weak_ptr(graph.core_)](const PacketHead& head) {
+    const std::shared_ptr<GraphCore> core = weak.lock();
+    if (!core || !core->trace().on()) return;
+    MessageInfo info;
+    const std::uint32_t origin = Cause::OriginOf(head.channel);
+    info.key = MessageKey(KeySeed(head.id.publisher, head.id.incarnation, origin), head.id.sequence);
+    info.cause.message = head.cause.message;
+    info.publish_monotonic_ns = head.publish_monotonic_ns;
+    const Node* const node = CallbackScope::NodeOf(core.get());
+    core->trace().AddPublish(head.channel, node == nullptr ? std::string_view() : node->setting().name, info);
+  };
+}
 
 }  // namespace hgros

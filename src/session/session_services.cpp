@@ -1,6 +1,7 @@
 // The part of SessionCore that implements ServicePlace.
 #include <utility>
 
+#include "hgros/graph/trace_recorder.hpp"
 #include "session/session_core.hpp"
 
 namespace hgros {
@@ -42,6 +43,7 @@ std::shared_ptr<SessionOutlet> SessionCore::OpenOutlet(const std::string& channe
     const std::scoped_lock lock(mutex_);
     if (TakesWiring() && domain_) EnsureTransports();
   }
+  events.on_numbered = TraceRecorder::OfOutlets(*graph_);
   return outbound_.OpenForService(channel, type, std::move(events));
 }
 

@@ -75,6 +75,47 @@ TEST(HgrosPath, ShowsEachHopAndMarksTheOneThatTakesLongest) {
   EXPECT_NEAR(share, 1, 0.01);
 }
 
+// The mapper asks a service for each scan, and publishes the map when it gets the reply.
+TEST(HgrosPath, PassesThroughAService) {
+  RobotForCommands lidar{"lidar"};
+  const std::string domain = lidar.environment().at("HGROS_DOMAIN");
+  RobotForCommands mapper{"mapper", domain};
+  RobotForCommands locator{"locator", domain};
+  const Publisher<Log> scan = lidar.session().Advertise<Log>("scan");
+  const Publisher<Log> map = mapper.session().Advertise<Log>("map");
+  const Service service = locator.session().Serve<Log, Log>("locate", [](const Log& log) {
+    test::Linger(kWork);
+    return log;
+  });
+  const Subscription on_scan = mapper.session().FromAny<Log>(
+      "scan", Invoke::kSerial,
+      [&](const Log& log) {
+        mapper.session().Call<Log, Log>("locate", log, test::kPatience, [&](const CallResult<Log>& result) {
+          if (result) map(*result);
+        });
+      },
+      {.name = "mapping"});
+  const Subscription on_map =
+      lidar.session().FromAny<Log>("map", Invoke::kSerial, [](const Log&) {}, {.name = "planning"});
+  const NodeTimer timer =
+      lidar.session().CreateTimer("scan", std::chrono::milliseconds(20), [&](const Tick&) { scan(Log()); });
+  mapper.AwaitAnnounced();
+  locator.AwaitAnnounced();
+  const CommandEnd end = lidar.Run({"path", "scan", "map", "--seconds", "1", "--json"});
+  EXPECT_EQ(end.status, 0) << end.err;
+  std::vector<std::string> channels;
+  for (const std::string& line : LinesOf(end.out)) {
+    rapidjson::Document hop;
+    ASSERT_FALSE(hop.Parse(line.c_str()).HasParseError()) << line;
+    channels.emplace_back(hop["channel"].GetString());
+    if (channels.back() != "locate (request)") continue;
+    EXPECT_GE(hop["run_p50_ns"].GetInt64(), std::chrono::nanoseconds(kWork).count());
+    EXPECT_TRUE(hop["critical"].GetBool());
+  }
+  EXPECT_THAT(channels, testing::ElementsAre("scan", "locate (request)", "locate (reply)", "replies (callback)", "map"))
+      << end.out;
+}
+
 TEST(HgrosPath, SaysWhyThereIsNone) {
   MappingRobot mapping;
   const CommandEnd none = mapping.robot.Run({"path", "mpa", "scan", "--seconds", "0.3"});

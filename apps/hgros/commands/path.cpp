@@ -145,7 +145,7 @@ std::string PathCommand::WhyNone(const Paths& found) const {
   }
   if (found.interrupted > 0) {
     why += fmt::format(
-        " The way of {} was not seen as a whole: they came from services, from other sessions, or from "
+        " The way of {} was not seen as a whole: they came from sessions that were not watched, or from "
         "code that publishes outside callbacks without a CauseScope.",
         found.interrupted);
   }

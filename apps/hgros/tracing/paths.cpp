@@ -45,13 +45,17 @@ class Walker {
   }
 
  private:
-  // The callback that led to the publish. A publish outside of it names no node; then any callback of the session.
+  // The callback that led to the publish. A publish outside of it names no node or another one, such as the node that
+  // runs a service's handler; then any callback of the session.
   [[nodiscard]] const Run* RunOf(const Publish& publish) const {
-    const auto found = runs_.lower_bound(RunKey(publish.cause, publish.session, publish.node));
-    if (found == runs_.end()) return nullptr;
-    const Run& run = *found->second;
-    if (run.message != publish.cause || run.session != publish.session) return nullptr;
-    return publish.node.empty() || run.node == publish.node ? &run : nullptr;
+    for (const std::string_view node : {std::string_view(publish.node), std::string_view()}) {
+      const auto found = runs_.lower_bound(RunKey(publish.cause, publish.session, node));
+      if (found == runs_.end()) continue;
+      const Run& run = *found->second;
+      const bool fits = run.message == publish.cause && run.session == publish.session;
+      if (fits && (node.empty() || run.node == node)) return &run;
+    }
+    return nullptr;
   }
 
   using RunKey = std::tuple<std::uint64_t, std::size_t, std::string_view>;  // Message, session, node.

@@ -29,6 +29,19 @@ std::int64_t Sum(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
 
+// What a channel carries that belongs to services, such as "locate (request)"; empty for others.
+std::string ServiceChannelText(std::string_view channel) {
+  if (const std::string_view service = ServiceOf(channel); !service.empty()) return std::string(service) + " (request)";
+  constexpr std::string_view kTurns = "hgros/serve/";
+  if (channel.starts_with(kTurns)) return std::string(channel.substr(kTurns.size())) + " (handler)";
+  constexpr std::string_view kReplies = "hgros/reply/";  // Followed by the caller's session and the service.
+  if (channel.starts_with(kReplies)) {
+    const std::size_t slash = channel.find('/', kReplies.size());
+    if (slash != std::string_view::npos) return std::string(channel.substr(slash + 1)) + " (reply)";
+  }
+  return channel == "hgros/answers" ? "replies (callback)" : std::string();
+}
+
 class Assembly {
  public:
   explicit Assembly(const std::map<SessionId, ClockOffset>& clocks) : clocks_(clocks) {}
@@ -48,16 +61,16 @@ class Assembly {
         ++result_.lost;
         continue;
       }
-      result_.publishes.push_back({session, name(event.channel()), name(event.node()), event.thread(), event.message(),
-                                   event.cause(), Sum(event.at_ns(), shift)});
+      result_.publishes.push_back({session, Text(name(event.channel())), Text(name(event.node())), event.thread(),
+                                   event.message(), event.cause(), Sum(event.at_ns(), shift)});
     }
     for (const Trace::Run& event : trace.runs()) {
       if (event.end_ns() < event.start_ns() || event.start_ns() < event.received_ns()) continue;
       if (!Takes(name(event.channel()), name(event.node()))) continue;
       Traced::Run& run = result_.runs.emplace_back();
       run.session = session;
-      run.channel = name(event.channel());
-      run.node = name(event.node());
+      run.channel = Text(name(event.channel()));
+      run.node = Text(name(event.node()));
       run.thread = event.thread();
       run.message = event.message();
       if (event.sent_ns() != 0) run.sent_ns = Difference(event.sent_ns(), OffsetOf(SessionId{event.publisher()}));
@@ -70,11 +83,16 @@ class Assembly {
 
  private:
   [[nodiscard]] bool Takes(const std::string& channel, const std::string& node) {
-    if (IsInternal(channel)) return false;
+    if (IsInternal(channel) && ServiceChannelText(channel).empty()) return false;
     const bool fits = channel.size() <= kMostNameBytes && node.size() <= kMostNameBytes;
     if (fits && result_.publishes.size() + result_.runs.size() < kMostEvents) return true;
     ++result_.lost;
     return false;
+  }
+  // The library's nodes on channels of services have the channels' names.
+  [[nodiscard]] static std::string Text(const std::string& name) {
+    std::string text = ServiceChannelText(name);
+    return text.empty() ? name : text;
   }
   [[nodiscard]] std::int64_t OffsetOf(SessionId session) const {
     const auto clock = clocks_.find(session);

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "hgros/graph/message_info.hpp"
+#include "hgros/internal/codec/packet.hpp"
 
 namespace hgros {
 
@@ -50,6 +52,8 @@ class TraceRecorder {
 
   // The recorder of a graph.
   [[nodiscard]] static TraceRecorder& Of(DataGraph& graph) noexcept;
+  // Records publishes of messages that the graph does not number, such as calls; for OutletEvents::on_numbered.
+  [[nodiscard]] static std::function<void(const PacketHead&)> OfOutlets(DataGraph& graph);
 
   [[nodiscard]] bool on() const noexcept { return on_.load(std::memory_order_relaxed); }
   // Turning it off forgets what was recorded.
