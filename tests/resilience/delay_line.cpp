@@ -10,8 +10,8 @@
 
 namespace hgros::resilience {
 
-DelayLine::DelayLine(std::uint16_t target_port, std::chrono::milliseconds each_way)
-    : relay_(target_port), each_way_(each_way) {
+DelayLine::DelayLine(std::uint16_t target_port, std::chrono::milliseconds each_way, const char* target_ip)
+    : relay_(target_port, target_ip), each_way_(each_way) {
   if (pipe2(stop_, O_CLOEXEC) != 0) throw std::runtime_error("no delay line");
   thread_ = std::thread([this] { Run(); });
 }

@@ -11,10 +11,10 @@
 
 namespace hgros::resilience {
 
-/// Passes TCP connections on to another port of this host, and delays each byte by `each_way`.
+/// Passes TCP connections on to another port, of this host if no other is given, and delays each byte by `each_way`.
 class DelayLine {
  public:
-  DelayLine(std::uint16_t target_port, std::chrono::milliseconds each_way);
+  DelayLine(std::uint16_t target_port, std::chrono::milliseconds each_way, const char* target_ip = "127.0.0.1");
   DelayLine(const DelayLine&) = delete;
   DelayLine& operator=(const DelayLine&) = delete;
   ~DelayLine();

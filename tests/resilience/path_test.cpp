@@ -8,10 +8,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
 #include <vector>
 
 #include "hgros/base/ids.hpp"
+#include "resilience/delay_line.hpp"
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/cable.hpp"
@@ -21,6 +23,7 @@ namespace {
 
 // Long, so that late wake-ups of a busy machine stay within the limit.
 constexpr double kMapperNs = 200e6;
+constexpr std::chrono::milliseconds kLine(40);
 constexpr double kMostError = 0.05;
 
 std::string OutputOf(const std::string& command) {
@@ -43,7 +46,8 @@ std::vector<rapidjson::Document> HopsOf(const std::string& output) {
   return hops;
 }
 
-// "lidar" and "mapper" share memory on the left host; "planner" is on the right one, whose clock is five seconds ahead.
+// "lidar" and "mapper" share memory on the left host; "planner" is on the right one, whose clock is five seconds ahead
+// and which gets the map through a line that takes 40 ms.
 TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
   if (geteuid() != 0) GTEST_SKIP() << "network namespaces need root";
   const test::Cable cable;
@@ -54,9 +58,11 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
   const WorkerProcess lidar({"--role=lidar", Publishing("tcp://10.198.0.1:5611")}, cable.left);
   const WorkerProcess mapper({"--role=mapper", "--delay_ms=200", Publishing("tcp://10.198.0.1:5612")}, cable.left);
   setenv("HGROS_DOMAIN", "none", 1);
-  const WorkerProcess planner(
-      {"--role=planner", "--delay_ms=100", "--ahead_ms=5000", Both("tcp://10.198.0.2:5613", "tcp://10.198.0.1:5612")},
-      cable.right);
+  std::optional<DelayLine> line;
+  test::On(cable.right, [&] { line.emplace(5612, kLine, "10.198.0.1"); });
+  const WorkerProcess planner({"--role=planner", "--delay_ms=100", "--ahead_ms=5000",
+                               Both("tcp://10.198.0.2:5613", "tcp://127.0.0.1:" + std::to_string(line->port()))},
+                              cable.right);
   ASSERT_TRUE(planner.Reaches({{"messages", 5}})) << planner << mapper << lidar;
 
   const std::string command = "HGROS_DOMAIN=" + domain + " ip netns exec " + cable.left + " " + HGROS_COMMAND +
@@ -83,7 +89,8 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
     const bool first = near(hops[1], "run_p50_ns", truth(mapper, "run_ns"));
     const bool known = near(hops[1], "run_p50_ns", kMapperNs);
     const bool last = near(hops[2], "run_p50_ns", truth(planner, "run_ns"));
-    return whole && first && known && last;
+    const bool network = near(hops[2], "transport_p50_ns", std::chrono::duration<double, std::nano>(kLine).count());
+    return whole && first && known && last && network;
   });
   EXPECT_TRUE(is_true) << said << planner << mapper << lidar;
 }

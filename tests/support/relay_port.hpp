@@ -23,8 +23,9 @@ inline sockaddr_in LoopbackAddress(std::uint16_t port) {
 /// A TCP port on loopback, chosen by the system. The test forwards its connections to another port.
 class RelayPort {
  public:
-  explicit RelayPort(std::uint16_t target_port)
-      : target_port_(target_port), listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  explicit RelayPort(std::uint16_t target_port, const char* target_ip = "127.0.0.1")
+      : target_(LoopbackAddress(target_port)), listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    target_.sin_addr.s_addr = inet_addr(target_ip);
     sockaddr_in address = LoopbackAddress(0);
     socklen_t size = sizeof address;
     if (bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 || listen(listener_, 16) != 0 ||
@@ -55,11 +56,10 @@ class RelayPort {
   /// Accepts the waiting connection and connects to the other port. Empty if that fails.
   [[nodiscard]] std::optional<Pair> Accept() const {
     const Pair pair{accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC), socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-    const sockaddr_in address = LoopbackAddress(target_port_);
     const int one = 1;
     setsockopt(pair.client, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
     setsockopt(pair.server, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
-    if (pair.client >= 0 && connect(pair.server, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+    if (pair.client >= 0 && connect(pair.server, reinterpret_cast<const sockaddr*>(&target_), sizeof target_) == 0) {
       return pair;
     }
     pair.Close();
@@ -69,7 +69,7 @@ class RelayPort {
   void Refuse() const { close(accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC)); }
 
  private:
-  const std::uint16_t target_port_;
+  sockaddr_in target_;
   const int listener_;
   std::uint16_t port_ = 0;
 };

@@ -160,7 +160,7 @@ void PathCommand::SayUnused(const Robot& robot) const {
   const std::vector<KnownChannel> known = robot.Channels(true);
   const auto to = std::ranges::find(known, to_, &KnownChannel::name);
   if (to == known.end() || to->publishers.empty() || !to->subscribers.empty()) return;
-  robot.surroundings().console.Say("Nobody subscribes to " + Visible(to_) + ".");
+  robot.surroundings().console.Say("Nobody subscribes to " + Visible(to_) + " yet.");
 }
 
 int PathCommand::Run(Surroundings& surroundings) {

@@ -44,7 +44,7 @@ TEST(HgrosPath, SaysAtOnceWhichChannelsAreNotUsed) {
   TickRobot ticking;
   const CommandEnd unheard = ticking.robot.Run({"path", "timer/tick", "unheard", "--seconds", "60", "--timeout", "1"});
   EXPECT_EQ(unheard.status, 3);
-  EXPECT_EQ(unheard.err, "hgros: Nobody subscribes to unheard.\nhgros: This takes longer than --timeout allows.\n");
+  EXPECT_EQ(unheard.err, "hgros: Nobody subscribes to unheard yet.\nhgros: This takes longer than --timeout allows.\n");
   const CommandEnd unknown = ticking.robot.Run({"path", "tikc", "tick", "--seconds", "60", "--timeout", "1"});
   EXPECT_THAT(unknown.err, testing::StartsWith("hgros: Nobody publishes on tikc yet. Did you mean tick?\n"));
 }
