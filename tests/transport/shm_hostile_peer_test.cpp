@@ -2,14 +2,18 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "conformance/transport_conformance.hpp"
@@ -522,6 +526,25 @@ TEST_F(HostilePeer, AFloodOfFramesDoesNotBlockOtherPeers) {
   });
   for (int i = 0; i < 5; ++i) ExpectHonestUndisturbed();
   stop = true;
+}
+
+TEST_F(HostilePeer, AFloodOfConnectionsOfAnotherUserKeepsNobodyOut) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can act as another user";
+  std::atomic<bool> ends{false};
+  std::atomic<int> connections{0};
+  std::thread stranger([&] {
+    (void)syscall(SYS_setresuid, 65534, 65534, 65534);  // Of this thread alone.
+    std::string fault;
+    while (!ends) connections += ConnectTo(place, fault).valid() ? 1 : 0;
+  });
+  EXPECT_TRUE(Await([&] { return connections > 1000; }));
+  {
+    conformance::Session late(*this, conformance::Session::Role::kSubscriber);
+    const Reception heard_late(late, "news", TextType());
+    EXPECT_TRUE(Await([&] { return news->channel->subscriber_count() == 2; }));
+  }
+  ends = true;
+  stranger.join();
 }
 
 TEST_F(HostilePeer, MessagesArriveAlthoughAPeerDamagesTheBell) {

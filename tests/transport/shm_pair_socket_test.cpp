@@ -275,9 +275,10 @@ TEST(ShmPairSocket, ReportsTheEndOfTheProcessBehindAPlace) {
   close(ready[1]);
   std::string fault;
   const PairSocket socket(std::make_shared<const Handle>(ConnectTo(place, fault)), kMaxFrame);
-  EXPECT_EQ(socket.PeerProcess(), child);
-  EXPECT_EQ(socket.PeerUser(), geteuid());
-  const Handle process = WatchProcess(socket.PeerProcess());
+  const OtherSide other = OtherSideOf(*socket.handle());
+  EXPECT_EQ(other.process, child);
+  EXPECT_EQ(other.user, geteuid());
+  const Handle process = WatchProcess(other.process);
   if (!process.valid()) GTEST_SKIP() << "this kernel has no pidfd";
   EXPECT_FALSE(HasEnded(process));
   kill(child, SIGKILL);

@@ -12,6 +12,11 @@
 #include "hgros/base/error.hpp"
 
 namespace hgros::shm {
+namespace {
+
+constexpr int kAcceptsAtOnce = 64;
+
+}  // namespace
 
 Connections::Connections(ShmSession& session, const Parts& parts)
     : session_(session),
@@ -68,8 +73,9 @@ void Connections::Connect(SteadyTime now) {
   }
 }
 
+// The socket stays readable while more connections wait, and others have their turn between.
 void Connections::Accept() {
-  for (;;) {
+  for (int i = 0; i < kAcceptsAtOnce; ++i) {
     bool out_of_descriptors = false;
     Handle connection = AcceptFrom(listening_, out_of_descriptors);
     if (connection.valid()) {
@@ -98,6 +104,9 @@ std::shared_ptr<Pair> Connections::AddPair(Handle connection, bool by_us, const 
     obstacles_.Set(place, {}, why);
     return nullptr;
   };
+  // First, because any user can connect again and again.
+  const OtherSide other = OtherSideOf(connection);
+  if (other.user != geteuid()) return refuse("it belongs to another user (" + std::to_string(other.user) + ")");
   auto handle = std::make_shared<const Handle>(std::move(connection));
   std::string fault;
   std::unique_ptr<LaneWriter> lane = LaneWriter::Make(fault);
@@ -105,10 +114,7 @@ std::shared_ptr<Pair> Connections::AddPair(Handle connection, bool by_us, const 
   std::shared_ptr<Slip> slip = Slip::Make(handle, session_.fork, fault);
   if (!slip) return refuse(fault);
   const auto pair = std::make_shared<Pair>(std::move(handle), by_us, Handshake::kMaxHelloBytes, std::move(slip));
-  if (const uid_t user = pair->socket.PeerUser(); user != geteuid()) {
-    return refuse("it belongs to another user (" + std::to_string(user) + ")");
-  }
-  pair->process = pair->socket.PeerProcess();
+  pair->process = other.process;
   if (pair->process != getpid()) pair->process_end = WatchProcess(pair->process);
   pair->last_heard = pair->last_read = std::chrono::steady_clock::now();
   pair->place = place;

@@ -56,20 +56,6 @@ Handle MakeSocket(std::string& fault) {
 
 }  // namespace
 
-uid_t PairSocket::PeerUser() const noexcept {
-  ucred credentials{};
-  socklen_t size = sizeof credentials;
-  if (getsockopt(socket_->fd(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return static_cast<uid_t>(-1);
-  return credentials.uid;
-}
-
-pid_t PairSocket::PeerProcess() const noexcept {
-  ucred credentials{};
-  socklen_t size = sizeof credentials;
-  if (getsockopt(socket_->fd(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return 0;
-  return credentials.pid;
-}
-
 void PairSocket::Send(const wire::PairMessage& message, const Handles& handles) {
   Piece piece;
   piece.bytes.resize(kHeaderBytes);
@@ -363,6 +349,13 @@ Handle ListenAt(const std::string& place, std::string& fault) {
   return made;
 }
 
+OtherSide OtherSideOf(const Handle& connection) noexcept {
+  ucred credentials{};
+  socklen_t size = sizeof credentials;
+  if (getsockopt(connection.fd(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return {};
+  return {credentials.uid, credentials.pid};
+}
+
 Handle AcceptFrom(const Handle& listening, bool& out_of_descriptors) noexcept {
   Handle made(accept4(listening.fd(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   out_of_descriptors = !made.valid() && (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
@@ -376,7 +369,8 @@ Handle ConnectTo(const std::string& place, std::string& fault) {
   Handle made = MakeSocket(fault);
   if (!made.valid()) return {};
   if (connect(made.fd(), reinterpret_cast<const sockaddr*>(&address), size) != 0) {
-    fault = std::string("nobody listens at \"") + place + "\" in this network namespace: " + std::strerror(errno);
+    fault = errno == EAGAIN ? "too many connections wait at \"" + place + "\""
+                            : "nobody listens at \"" + place + "\" in this network namespace: " + std::strerror(errno);
     return {};
   }
   return made;

@@ -37,10 +37,6 @@ class PairSocket {
       : socket_(std::move(socket)), max_frame_bytes_(max_frame_bytes) {}
 
   [[nodiscard]] const std::shared_ptr<const Handle>& handle() const noexcept { return socket_; }
-  /// The user on the other side, or -1.
-  [[nodiscard]] uid_t PeerUser() const noexcept;
-  /// The process that made the other side; 0 if it is not visible from here.
-  [[nodiscard]] pid_t PeerProcess() const noexcept;
   /// Limits the frames from the next one on.
   void SetMaxFrame(std::size_t max_frame_bytes) noexcept { max_frame_bytes_ = max_frame_bytes; }
 
@@ -131,6 +127,13 @@ class PairSocket {
 /// A listening socket at `place`, a name in the abstract namespace: it leaves no file behind. Not valid, and `fault`
 /// is set, if it cannot be made.
 [[nodiscard]] Handle ListenAt(const std::string& place, std::string& fault);
+/// What the kernel says about the other side of a connection.
+struct OtherSide {
+  uid_t user = static_cast<uid_t>(-1);  ///< -1: unknown.
+  pid_t process = 0;                    ///< That made it; 0: not visible from here.
+};
+[[nodiscard]] OtherSide OtherSideOf(const Handle& connection) noexcept;
+
 /// The next connection to a listening socket; not valid if there is none. `out_of_descriptors`: there may be one, but
 /// this process can open no more files.
 [[nodiscard]] Handle AcceptFrom(const Handle& listening, bool& out_of_descriptors) noexcept;
