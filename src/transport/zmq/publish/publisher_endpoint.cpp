@@ -211,8 +211,7 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   if (!MayClaim(session, frame)) return;
   const int fd = zmq_msg_get(frame.raw(), ZMQ_SRCFD);
   if (control->has_hello()) {
-    if (!watch_.NoteSession(fd, session)) return;
-    if (peers_.OnHello(session, control->hello(), fd, actions)) watch_.NoteProof(fd, control->hello().proof());
+    if (watch_.NoteSession(fd, session)) peers_.OnHello(session, control->hello(), fd, actions);
     return;
   }
   SubscriberPeer* peer = peers_.Find(session);

@@ -28,10 +28,10 @@ struct SubscriberPeer {
   [[nodiscard]] std::string name() const { return facts.info.process + " (session " + facts.info.id.ToString() + ")"; }
 
   SessionFacts facts;
-  std::string topic;  ///< Its control topic.
-  std::uint64_t handshake = 0;
-  int connection = -1;      ///< The descriptor that its latest Hello came over.
-  std::uint64_t proof = 0;  ///< Of all its Hellos; 0: of none.
+  std::string topic;            ///< Its control topic.
+  std::uint64_t handshake = 0;  ///< Of the latest Welcome that it has answered, or that has paused its links.
+  int connection = -1;          ///< The descriptor that its latest Hello came over.
+  std::uint64_t proof = 0;      ///< Of all its Hellos; 0: of none.
   SteadyTime last_heard{};
   bool cut = false;  ///< Its connection has ended, and it gets some time to come back.
   ClockQuestion clock;

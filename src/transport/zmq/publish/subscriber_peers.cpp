@@ -48,17 +48,31 @@ std::vector<SubscriberPeer*> SubscriberPeers::FindWaiting(const std::string& cha
 }
 
 void SubscriberPeers::Greet(SessionId session, int connection, bool at_once) {
-  const auto now = std::chrono::steady_clock::now();
+  const auto greeted = greetings_.find(session);
+  if (!at_once && greeted != greetings_.end() &&
+      std::chrono::steady_clock::now() - greeted->second.when < kGreetAgainAfter) {
+    return;
+  }
+  SubscriberPeer* peer = Find(session);
+  if (peer != nullptr && (peer->cut || watch_.MaySpeakFor(connection, session, peer->proof))) {
+    BeginAgain(*peer, connection);
+  } else {
+    SendWelcome(session, connection);
+  }
+}
+
+void SubscriberPeers::BeginAgain(SubscriberPeer& peer, int connection) {
+  PauseLinks(peer);
+  SendWelcome(peer.facts.info.id, connection);
+  peer.handshake = last_handshake_;
+}
+
+void SubscriberPeers::SendWelcome(SessionId session, int connection) {
   if (greetings_.size() >= kMaxGreetings) {
     std::erase_if(greetings_, [this](const auto& entry) { return !peers_.contains(entry.first); });
   }
   Greeting& greeting = greetings_[session];
-  if (!at_once && now - greeting.when < kGreetAgainAfter) return;
-  greeting = {++last_handshake_, now, false, {}};
-  if (SubscriberPeer* peer = Find(session)) {
-    peer->handshake = greeting.handshake;
-    PauseLinks(*peer);
-  }
+  greeting = {++last_handshake_, std::chrono::steady_clock::now(), false, {}};
   auto message = ControlFrom(shared_.self.info.id);
   auto& welcome = *message.mutable_welcome();
   WriteFacts(shared_.self, *welcome.mutable_facts());
@@ -67,37 +81,44 @@ void SubscriberPeers::Greet(SessionId session, int connection, bool at_once) {
   Send(ControlTopic(session), message, connection);
 }
 
-bool SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions) {
+void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions) {
   if (hello.handshake() == 0) {
     Greet(session, connection, false);
-    return false;
+    return;
   }
   const auto greeting = greetings_.find(session);
   // Ignores an answer to an older Welcome: the answer to the newer one is on its way.
-  if (greeting == greetings_.end() || greeting->second.handshake != hello.handshake()) return false;
-  if (session == shared_.self.info.id) return false;
+  if (greeting == greetings_.end() || greeting->second.handshake != hello.handshake()) return;
+  if (session == shared_.self.info.id) return;
   if (hello.facts().wire_major() != kWireMajor) {
     shared_.CountFault(PacketFault::kVersion, endpoint_,
                        "a subscriber speaks version " + std::to_string(hello.facts().wire_major()));
-    return false;
+    return;
   }
   SessionFacts facts = ReadFacts(session, hello.facts());
   SubscriberPeer* peer = Find(session);
   if (peer != nullptr && !peer->cut && peer->proof != hello.proof()) {
     shared_.CountFault(PacketFault::kHead, endpoint_,
                        "a Hello in the name of session " + session.ToString() + ", which another program has");
-    return false;
+    return;
   }
   if (peer != nullptr && peer->facts.incarnation != facts.incarnation) {
     Drop(session, "it was restarted", actions);
     peer = nullptr;
+  }
+  if (peer != nullptr && peer->handshake != hello.handshake() &&
+      !watch_.MaySpeakFor(connection, session, peer->proof)) {
+    // It has a new connection. The Welcome paused nothing, because a stranger might have asked for it.
+    watch_.NoteProof(connection, hello.proof());
+    BeginAgain(*peer, connection);
+    return;
   }
   if (peer == nullptr) {
     if (peers_.size() >= kMaxPeers) {
       shared_.log.WriteLimited(LogLevel::kWarning, "zmq peers " + endpoint_,
                                "More than " + std::to_string(kMaxPeers) + " sessions subscribe at " + endpoint_ +
                                    "; further ones are ignored.");
-      return false;
+      return;
     }
     peer = peers_.emplace(session, std::make_unique<SubscriberPeer>()).first->second.get();
     actions.emplace_back([this, info = facts.info] { shared_.peers.Came(info); });
@@ -110,8 +131,8 @@ bool SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int c
   peer->connection = connection;
   peer->last_heard = std::chrono::steady_clock::now();
   peer->cut = false;
+  watch_.NoteProof(connection, hello.proof());
   RepeatOffers(*peer, greeting->second);
-  return true;
 }
 
 // For a peer that has just sent Hello: the Welcome that it answers may be out of date.

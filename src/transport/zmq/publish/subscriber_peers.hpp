@@ -20,9 +20,10 @@ namespace hgros::zmq {
 /// The sessions that subscribe at one publish endpoint: their handshakes, heartbeats and ends.
 ///
 /// Thread safety: none; the endpoint's mutex guards it.
-/// Invariants: a peer is a session whose Hello answered our last Welcome. Between a Welcome and the Subscribe that
-/// answers it a link is paused. So after it has seen the Welcome, the subscriber gets no further message that was
-/// sent before it.
+/// Invariants: a peer is a session whose Hello answered our last Welcome. Between a Welcome that pauses and the
+/// Subscribe that answers it a link is paused. So after it has seen the Welcome, the subscriber gets no further message
+/// that was sent before it. Anybody can ask for a Welcome in a session's name: it pauses nothing while the session may
+/// still be there, until a Hello with its proof comes over another connection.
 class SubscriberPeers {
  public:
   using LinkEnd = PublishedChannels::LinkEnd;
@@ -37,11 +38,13 @@ class SubscriberPeers {
   void Send(const SubscriberPeer& peer, const wire::Control& control) { Send(peer.topic, control, peer.connection); }
 
   /// Sends a Welcome, which begins a new handshake. Does not repeat it within a short time, unless `at_once` is set.
-  /// `connection`: the descriptor over which it was asked for.
+  /// `connection`: the descriptor over which it was asked for. Pauses the links if that is the session's.
   void Greet(SessionId session, int connection, bool at_once);
-  /// False if it is ignored: it answers an older Welcome, or is not from the session that it names.
-  /// `connection`: the descriptor that it came over.
-  [[nodiscard]] bool OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions);
+  /// Pauses the links, and sends a Welcome.
+  void BeginAgain(SubscriberPeer& peer, int connection);
+  /// Ignores it if it answers an older Welcome, or is not from the session that it names. `connection`: the descriptor
+  /// that it came over.
+  void OnHello(SessionId session, const wire::Hello& hello, int connection, Actions& actions);
   void OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& heartbeat, Actions& actions);
   /// The session has unsubscribed from its control topic, or its connection has ended.
   void OnDisconnected(SessionId session, Actions& actions);
@@ -70,6 +73,7 @@ class SubscriberPeers {
     std::set<std::string> gone;
   };
   void Send(const std::string& topic, const wire::Control& control, int connection);
+  void SendWelcome(SessionId session, int connection);
   void RepeatOffers(const SubscriberPeer& peer, Greeting& greeting);
   static void PauseLinks(SubscriberPeer& peer);
 

@@ -10,6 +10,9 @@
 namespace hgros::zmq {
 namespace {
 
+/// The Welcomes of an endpoint are numbered from a random number.
+bool IsOlder(std::uint64_t handshake, std::uint64_t other) { return static_cast<std::int64_t>(handshake - other) < 0; }
+
 /// Makes sure that the messages are destroyed when no mutex is held.
 void EndLater(PeerChannel::Dropped&& messages, Actions& actions) {
   if (!messages.empty()) actions.emplace_back([ended = std::move(messages)] {});
@@ -46,7 +49,7 @@ void Subscriptions::CloseChannel(PublishedChannels::Channel& channel, Actions& a
 }
 
 void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& asked, Actions& actions) {
-  if (asked.handshake() != peer.handshake) return;
+  if (IsOlder(asked.handshake(), peer.handshake)) return;
   const std::string& name = asked.wanted().channel();
   if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
       (peer.wishes.size() >= kMaxChannels && !peer.wishes.contains(name))) {
@@ -57,8 +60,17 @@ void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& ask
   const auto [place, added] = peer.wishes.try_emplace(name);
   Wish& wish = place->second;
   if (!added) peer.wish_bytes -= wish.size();
+  // It answers a Welcome that has not paused the link.
+  const bool goes_on =
+      wish.link && !wish.link->flow.paused() && !asked.change_only() && wish.asked.handshake() != asked.handshake();
+  const bool known = wish.link && asked.link() == wish.link->id;
   wish.asked = asked;
+  if (goes_on && known) wish.asked.set_change_only(true);  // It gets all that was sent.
   peer.wish_bytes += wish.size();
+  if (goes_on && !known) {
+    peers_.BeginAgain(peer, peer.connection);  // It may not have read about the link yet.
+    return;
+  }
   if (!wish.link || !UpdateLink(peer, wish, actions)) MakeLink(peer, wish, actions);
 }
 
