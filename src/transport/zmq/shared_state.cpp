@@ -8,8 +8,6 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr std::size_t kMostProofs = 4096;
-
 ZmqOptions WithSession(ZmqOptions options) {
   if (options.session.value == 0) options.session = SessionId::Random();
   return options;
@@ -50,15 +48,6 @@ void SharedState::CountFaultLike(std::string_view alike, PacketFault fault, std:
   std::string text = "Dropped a packet from ";
   text.append(where).append(" (").append(ToString(fault)).append("): ").append(what);
   log.WriteLimited(LogLevel::kWarning, key, text);
-}
-
-std::uint64_t SharedState::ProofFor(SessionId publisher) {
-  const std::scoped_lock lock(proofs_mutex_);
-  // Publishers that are strangers can invent sessions.
-  if (proofs_.size() >= kMostProofs && !proofs_.contains(publisher)) proofs_.clear();
-  std::uint64_t& proof = proofs_[publisher];
-  if (proof == 0) proof = RandomId();
-  return proof;
 }
 
 void SharedState::PostActions(Actions&& actions) {

@@ -3,12 +3,12 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string_view>
 
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/base/ids.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/transport/transport.hpp"
 #include "hgros/transport/zmq_transport.hpp"
@@ -18,6 +18,7 @@
 #include "transport/waker.hpp"
 #include "transport/zmq/input_flags.hpp"
 #include "transport/zmq/session_keys.hpp"
+#include "transport/zmq/session_proof.hpp"
 #include "transport/zmq/socket.hpp"
 
 namespace hgros::zmq {
@@ -39,7 +40,7 @@ struct SharedState {
   /// The time of this host's wall clock.
   [[nodiscard]] Time Wall() const { return options.wall ? options.wall() : WallNow(); }
   /// What proves to this publisher that a Hello is from this session.
-  [[nodiscard]] std::uint64_t ProofFor(SessionId publisher);
+  [[nodiscard]] std::uint64_t ProofFor(SessionId publisher) const { return SessionProof(proof_key_, publisher); }
   /// Passes these calls to the leading thread, which makes them.
   void PostActions(Actions&& actions);
   [[nodiscard]] Actions CollectPosted();
@@ -66,8 +67,7 @@ struct SharedState {
   void CountFaultLike(std::string_view alike, PacketFault fault, std::string_view where, std::string_view what);
 
   SessionKeys session_keys_;
-  std::mutex proofs_mutex_;
-  std::map<SessionId, std::uint64_t> proofs_;  // By publisher.
+  const ProofKey proof_key_{RandomId(), RandomId()};
   std::mutex posted_mutex_;
   Actions posted_;
 };
