@@ -187,8 +187,13 @@ std::shared_ptr<JoinedOutbound> BridgeCore::Advertise(const std::string& channel
       log_);
   // Done before transports join: a partner on this host is left to the cheapest one.
   announcer_.Publishes(channel, type, KeysFor(channel));
-  pairs_.OwnChanged(channel);
-  Join(outbound_, joined);
+  try {
+    pairs_.OwnChanged(channel);
+    Join(outbound_, joined);
+  } catch (...) {
+    EndPublishing(channel);
+    throw;
+  }
   Announce();
   return joined;
 }
@@ -196,8 +201,14 @@ std::shared_ptr<JoinedOutbound> BridgeCore::Advertise(const std::string& channel
 std::shared_ptr<JoinedInbound> BridgeCore::Subscribe(const std::string& channel, const TypeInfo& type,
                                                      const Demand& demand, InboundSink& sink) {
   announcer_.Subscribes(channel, type, KeysFor(channel), demand.lossless);
-  pairs_.OwnChanged(channel);
-  auto joined = JoinInbound(channel, type, demand, sink);
+  std::shared_ptr<JoinedInbound> joined;
+  try {
+    pairs_.OwnChanged(channel);
+    joined = JoinInbound(channel, type, demand, sink);
+  } catch (...) {
+    EndSubscribing(channel);
+    throw;
+  }
   Announce();
   return joined;
 }

@@ -84,6 +84,8 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
   if (entry == inflows_.end() || entry->second.busy) return;
   Inflow& inflow = entry->second;
   inflow.busy = true;
+  const auto leave = [](Inflow* one) { one->busy = false; };
+  const std::unique_ptr<Inflow, decltype(leave)> busy(&inflow, leave);  // Joining can throw.
   const auto fits = [&] { return inflow.joined == IsWanted(channel, inflow) && !(may_wait && AsksForTooMuch(inflow)); };
   while (bridge_ != nullptr && !closed_ && !fits()) {
     if (inflow.joined && !may_wait) {  // Forbidden meanwhile.
@@ -101,7 +103,6 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
       inflow.joined = true;
     }
   }
-  inflow.busy = false;
   if (!may_wait && AsksForTooMuch(inflow)) means_.post([this, channel] { Reconcile(channel, true); });
 }
 

@@ -76,6 +76,7 @@ bool SessionSubscribing::WaitForPublishers(std::string_view channel, std::size_t
   return subscribing_core_.WaitForPublishers(channel, count, timeout);
 }
 Channel& SessionSubscribing::OpenToSubscribe(std::string_view channel, const TypeInfo& type, const CallSite& where) {
+  RequireOtherThanRequests(channel, where);
   return subscribing_core_.graph().Open(channel, type, where);
 }
 Subscription SessionSubscribing::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke,

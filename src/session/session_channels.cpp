@@ -32,6 +32,7 @@ void SessionCore::OnChannels() noexcept { events_->PublishChannels(*errands_); }
 // If the channel has its type already, no publisher is asked.
 std::shared_ptr<const MessageSchema> SessionCore::AwaitSchema(std::string_view channel,
                                                               std::chrono::nanoseconds timeout) {
+  RequireOtherThanRequests(channel, CallSite::Current());
   Channel& opened = graph_->Open(channel, AnyType(), CallSite::Current());
   const TypeInfo& type = DataGraph::TypeOfChannel(opened);
   if (type.encoding != Encoding::kNone) return std::make_shared<const MessageSchema>(SchemaOf(type));

@@ -160,12 +160,12 @@ bool SessionCore::TakesWiring() const {
 }
 
 Channel& SessionCore::OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where) {
-  Channel& channel = graph_->Open(name, type, where);
-  if (DataGraph::HasOutlet(channel)) return channel;
   if (name.starts_with(kOwnChannels)) {
     throw Error("Channel \"" + std::string(name) + "\" belongs to the library: a program cannot publish on it.",
                 {where.ToString()}, "Use a name that does not begin with \"" + std::string(kOwnChannels) + "\".");
   }
+  Channel& channel = graph_->Open(name, type, where);
+  if (DataGraph::HasOutlet(channel)) return channel;
   bool open_to_others = false;
   {
     const std::scoped_lock lock(mutex_);

@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include "hgros/base/error.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/codec/message.hpp"
 #include "session/observed/announced_type.hpp"
@@ -18,6 +19,13 @@ constexpr std::size_t kKeptReplies = 64;
 constexpr std::uint32_t kCreditMessages = 16;
 
 }  // namespace
+
+void RequireOtherThanRequests(std::string_view channel, const CallSite& where) {
+  if (channel != kControlChannel) return;
+  throw Error("Channel \"" + std::string(channel) + "\" belongs to the library: a program cannot subscribe to it.",
+              {where.ToString()},
+              "Use `hgros control` or AskSessions() to change running sessions, and `control: off` to forbid it here.");
+}
 
 ControlDesk::ControlDesk(NetworkBridge& bridge, Means means) : means_(std::move(means)) {
   Demand demand;

@@ -15,6 +15,7 @@
 #include "hgros/base/ids.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/channel_outlet.hpp"
+#include "hgros/internal/base/call_site.hpp"
 #include "hgros/transport/transport.hpp"
 
 namespace hgros {
@@ -24,6 +25,9 @@ class NetworkBridge;
 inline constexpr std::string_view kControlChannel = "hgros/control";
 inline constexpr std::string_view kControlRepliesChannel = "hgros/control/replies";
 inline constexpr std::uint32_t kControlVersion = 1;
+
+// Throws Error if a program wants to subscribe to kControlChannel: the session has one subscriber there, its desk.
+void RequireOtherThanRequests(std::string_view channel, const CallSite& where);
 
 // Takes the requests of other sessions to change something in this one, and answers them. The channel of requests is
 // not announced, because it would add an entry to the announcement of each session. So requests come only from sessions
