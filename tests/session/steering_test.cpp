@@ -84,5 +84,15 @@ TEST_F(SteeringTest, SubscriptionThatFailsLeavesNothingBehind) {
   EXPECT_FALSE(lists("hgros/control"));
 }
 
+TEST_F(SteeringTest, LogSaysWhoHasChangedWhatAtEveryLevel) {
+  Robot robot("");
+  Robot owner("", "owner");
+  const auto publish = robot->Advertise<Note>("notes");
+  EXPECT_TRUE(Order(owner, robot, {ControlAction::kLog, {}, LogLevel::kError}).answered);
+  EXPECT_TRUE(Order(owner, robot, {ControlAction::kClose, "notes", {}}).answered);
+  EXPECT_TRUE(robot.Said("has steered this session. Log lines below the level error"));
+  EXPECT_TRUE(robot.Said("has steered this session. Channel \"notes\" is closed"));
+}
+
 }  // namespace
 }  // namespace hgros

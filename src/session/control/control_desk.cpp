@@ -14,6 +14,7 @@ namespace {
 
 // Limits against sessions that ask without end: a request that is dropped comes again.
 constexpr std::size_t kMostWaiting = 64;
+constexpr std::size_t kMostOfStrangers = 8;  // Of these. The others are for sessions that may steer this one.
 constexpr std::size_t kMostBytes = 64 * 1024;
 constexpr std::size_t kKeptReplies = 64;
 constexpr std::uint32_t kCreditMessages = 16;
@@ -37,20 +38,28 @@ ControlDesk::ControlDesk(NetworkBridge& bridge, Means means) : means_(std::move(
 
 ControlDesk::~ControlDesk() = default;
 
-void ControlDesk::Close() { requests_.reset(); }
+void ControlDesk::Close() {
+  requests_.reset();
+  const std::scoped_lock lock(mutex_);
+  waiting_.clear();
+  strangers_ = 0;
+}
 
 Accepted ControlDesk::Accept(InboundMessage&& message) noexcept {
   try {
     const Bytes bytes = message.data.bytes;
+    const std::scoped_lock lock(mutex_);
+    if (!message.trusted && strangers_ >= kMostOfStrangers) {  // Those that wait are logged.
+      refused_.fetch_add(1, std::memory_order_relaxed);
+      return Accepted::kNothing;
+    }
+    if (waiting_.size() >= kMostWaiting) return Accepted::kNothing;
     // A request that is too long is kept without its bytes, and refused later.
     const std::size_t size = bytes.size() <= kMostBytes ? bytes.size() : 0;
     Asked asked{message.from, message.trusted, std::string(reinterpret_cast<const char*>(bytes.data()), size)};
-    {
-      const std::scoped_lock lock(mutex_);
-      if (waiting_.size() >= kMostWaiting) return Accepted::kNothing;
-      waiting_.push_back(std::move(asked));
-    }
-    means_.post([this] { Work(); });
+    means_.post([this] { Work(); });  // Before the request waits, because posting may throw.
+    waiting_.push_back(std::move(asked));
+    strangers_ += message.trusted ? 0 : 1;
   } catch (const std::exception&) {  // No memory: the request comes again.
   }
   return Accepted::kNothing;
@@ -63,6 +72,7 @@ void ControlDesk::Work() {
     if (waiting_.empty()) return;
     asked = std::move(waiting_.front());
     waiting_.pop_front();
+    strangers_ -= asked.trusted ? 0 : 1;
   }
   try {
     Answer(asked);
@@ -116,7 +126,8 @@ ControlReply ControlDesk::ReplyTo(const Asked& asked, const ControlRequest& requ
   if (!reply.refusal().empty()) {
     CountRefused(asked.by, reply.refusal());
   } else {
-    means_.log->Write(LogLevel::kWarning,
+    // As an error, because no level hides these.
+    means_.log->Write(LogLevel::kError,
                       "Session " + means_.name_of(asked.by) + " has steered this session. " + reply.done());
   }
   return reply;

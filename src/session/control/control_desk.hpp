@@ -33,8 +33,8 @@ void RequireOtherThanRequests(std::string_view channel, const CallSite& where);
 // not announced, because it would add an entry to the announcement of each session. So requests come only from sessions
 // that are connected for another channel, such as the one of snapshots.
 //
-// Thread safety: all functions. Requests are carried out one at a time on the errand thread, so that a program whose
-// callbacks hang can still be stopped.
+// Thread safety: all functions. Requests are carried out one at a time, on a thread that waits for no callback, so that
+// a program whose callbacks hang can still be stopped.
 class ControlDesk final : private InboundSink {
  public:
   struct Means {
@@ -45,7 +45,7 @@ class ControlDesk final : private InboundSink {
     // Does what is asked. Returns a sentence that says what was done. Throws Error if it cannot be done.
     std::function<std::string(const ControlRequest& request)> obey;
     std::function<std::shared_ptr<ChannelOutlet>()> open_replies;
-    // Runs an errand on the errand thread.
+    // Runs an errand on the thread for requests.
     std::function<void(std::function<void()>)> post;
   };
   ControlDesk(NetworkBridge& bridge, Means means);
@@ -53,7 +53,7 @@ class ControlDesk final : private InboundSink {
   ControlDesk& operator=(const ControlDesk&) = delete;
   ~ControlDesk() override;
 
-  // Takes no more requests. Call it before the bridge ends.
+  // Takes no more requests, and forgets those that wait. Call it before the bridge ends.
   void Close();
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
 
@@ -77,8 +77,9 @@ class ControlDesk final : private InboundSink {
   const Means means_;
   std::atomic<std::uint64_t> refused_{0};
   std::mutex mutex_;
-  std::deque<Asked> waiting_;  // Guarded by mutex_.
-  // Used on the errand thread only.
+  std::deque<Asked> waiting_;  // Guarded by mutex_, as the next.
+  std::size_t strangers_ = 0;  // Number of waiting requests that are not trusted.
+  // Used on the thread for requests only.
   std::deque<std::shared_ptr<const ControlReply>> given_;  // The latest, for requests that come again.
   std::shared_ptr<ChannelOutlet> replies_;
   std::shared_ptr<const void> requests_;  // Destroyed first.
