@@ -1,6 +1,7 @@
 #include "session/outbound_channels.hpp"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "hgros/clock/time.hpp"
@@ -42,6 +43,7 @@ std::shared_ptr<ChannelOutlet> OutboundChannels::OpenForService(const std::strin
       std::max(last_incarnation_ + 1, static_cast<std::uint64_t>(WallNow().nanoseconds));
   auto outlet = std::make_shared<ChannelOutlet>(channel, type, publisher, log_, std::move(events), clocks_);
   if (!promises) outlet->PromiseNothing();
+  if (closed_) return outlet;
   if (bridge_ != nullptr) outlet->Join(*bridge_);
   service_outlets_.push_back(outlet);
   return outlet;
@@ -71,42 +73,54 @@ void OutboundChannels::Join(NetworkBridge& bridge) {
 }
 
 void OutboundChannels::SetForbidden(const std::string& channel, bool forbidden, const Later& later) {
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto outlet = outlets_.find(channel);
-    const bool exists = outlet != outlets_.end();
-    if (forbidden == forbidden_.contains(channel)) return;
-    if (exists) outlet->second->SetStays(forbidden);
-    if (!forbidden) {
-      const bool apart = forbidden_.extract(channel).mapped();
-      if (exists && apart && bridge_ != nullptr && !closed_) outlet->second->Join(*bridge_);
-      return;
+  const std::scoped_lock lock(mutex_);
+  const auto found = outlets_.find(channel);
+  const auto outlet = found == outlets_.end() ? nullptr : found->second;
+  const auto entry = forbidden_.find(channel);
+  if (forbidden == (entry != forbidden_.end())) return;
+  if (!forbidden) {
+    try {
+      if (outlet) outlet->SetStays(false);
+      if (outlet && entry->second.apart && bridge_ != nullptr && !closed_) outlet->Join(*bridge_);
+    } catch (...) {
+      outlet->SetStays(true);
+      throw;
     }
-    const bool joined = exists && bridge_ != nullptr;
-    forbidden_.emplace(channel, !joined);
-    if (!joined) return;
+    forbidden_.erase(entry);
+    return;
   }
-  Withdraw(channel, DeadlineIn(kTimeToLeave), later);
+  // Everything that can throw is done before the messages stay.
+  const bool joined = outlet && bridge_ != nullptr;
+  const std::uint64_t number = ++last_forbidden_;
+  if (joined) {
+    later({}, [this, channel, number, deadline = DeadlineIn(kTimeToLeave), later] {
+      Withdraw(channel, number, deadline, later);
+    });
+  }
+  forbidden_.emplace(channel, Forbidden{!joined, number});
+  if (outlet) outlet->SetStays(true);
 }
 
-void OutboundChannels::Withdraw(const std::string& channel, std::chrono::steady_clock::time_point deadline,
-                                const Later& later) {
+void OutboundChannels::Withdraw(const std::string& channel, std::uint64_t number,
+                                std::chrono::steady_clock::time_point deadline, const Later& later) {
   std::shared_ptr<ChannelOutlet> outlet;
   {
     const std::scoped_lock lock(mutex_);
     const auto forbidden = forbidden_.find(channel);
-    // Allowed again meanwhile, maybe more than once.
-    if (closed_ || forbidden == forbidden_.end() || forbidden->second) return;
+    if (closed_ || forbidden == forbidden_.end() || forbidden->second.number != number) return;
     outlet = outlets_.at(channel);
   }
   if (outlet->HasUnfinished() && std::chrono::steady_clock::now() < deadline) {
-    later(kPauseInLeaving, [this, channel, deadline, later] { Withdraw(channel, deadline, later); });
-    return;
+    try {
+      return later(kPauseInLeaving,
+                   [this, channel, number, deadline, later] { Withdraw(channel, number, deadline, later); });
+    } catch (const std::bad_alloc&) {  // So it is withdrawn now.
+    }
   }
   outlet->Detach();  // Waits for events in flight.
   const std::scoped_lock lock(mutex_);
   if (closed_) return;
-  forbidden_.find(channel)->second = true;
+  forbidden_.find(channel)->second.apart = true;
   bridge_->EndPublishing(channel);
 }
 

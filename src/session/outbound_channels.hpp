@@ -32,7 +32,7 @@ class OutboundChannels {
   std::shared_ptr<ChannelOutlet> Open(const std::string& channel, const TypeInfo& type,
                                       const std::function<OutletEvents()>& events,
                                       const std::function<void(const std::shared_ptr<ChannelOutlet>&)>& wire);
-  // `promises`: whether subscribers may be lossless.
+  // `promises`: whether subscribers may be lossless. After Close() the outlet reaches nobody.
   std::shared_ptr<ChannelOutlet> OpenForService(const std::string& channel, const TypeInfo& type, OutletEvents events,
                                                 bool promises = true);
   void CloseForService(const std::string& channel, const std::shared_ptr<SessionOutlet>& outlet);
@@ -41,7 +41,7 @@ class OutboundChannels {
   void Join(NetworkBridge& bridge);
   // A forbidden channel does not leave the session: what is published from now on stays inside. What was accepted still
   // leaves, but only for a limited time; then it is withdrawn from others. One thread at a time; `later` runs an errand
-  // on that thread.
+  // on that thread. If it throws, nothing has changed.
   using Later = std::function<void(std::chrono::nanoseconds, std::function<void()>)>;
   void SetForbidden(const std::string& channel, bool forbidden, const Later& later);
   // Creates no more outlets.
@@ -55,7 +55,13 @@ class OutboundChannels {
   void AddTo(std::vector<ChannelTraffic>& traffic) const;
 
  private:
-  void Withdraw(const std::string& channel, std::chrono::steady_clock::time_point deadline, const Later& later);
+  struct Forbidden {
+    bool apart;            // Its outlet, if there is one, is not joined. Otherwise accepted messages still leave it.
+    std::uint64_t number;  // Counts the calls that have forbidden a channel.
+  };
+  // Ends what the call with that number has begun, unless the channel was allowed meanwhile.
+  void Withdraw(const std::string& channel, std::uint64_t number, std::chrono::steady_clock::time_point deadline,
+                const Later& later);
 
   const MessageId publisher_;
   const std::shared_ptr<Log> log_;
@@ -65,8 +71,8 @@ class OutboundChannels {
   NetworkBridge* bridge_ = nullptr;
   bool closed_ = false;
   std::map<std::string, std::shared_ptr<ChannelOutlet>, std::less<>> outlets_;
-  // Forbidden channels. True: its outlet, if there is one, is not joined; false: accepted messages still leave it.
-  std::map<std::string, bool, std::less<>> forbidden_;
+  std::map<std::string, Forbidden, std::less<>> forbidden_;
+  std::uint64_t last_forbidden_ = 0;
   std::vector<std::shared_ptr<ChannelOutlet>> service_outlets_;
   std::uint64_t last_incarnation_ = 0;  // The largest incarnation in service_outlets_ so far.
 };
