@@ -142,7 +142,7 @@ SessionCore::~SessionCore() {
   outbound_.Close();
   changes_.Notify();
   inbound_->Close();
-  if (steering_) steering_->Close();
+  if (steering_) steering_->End();
   if (bridge_) bridge_->Close(static_cast<int>(kLinger.count()));  // May still post errands: events of peers that go.
   outbound_.Detach();
   if (reports_) reports_->Detach();

@@ -94,5 +94,39 @@ TEST_F(SteeringTest, LogSaysWhoHasChangedWhatAtEveryLevel) {
   EXPECT_TRUE(robot.Said("has steered this session. Channel \"notes\" is closed"));
 }
 
+std::atomic<int> stops{0};
+
+TEST_F(SteeringTest, StopsAProgramWhoseForbiddenCallbackHangs) {
+  Robot robot("");
+  Robot listener("", "listener");
+  Robot owner("", "owner");
+  test::Door door;
+  std::atomic<bool> hangs{false};
+  const Subscription heard = listener->FromAny<Note>(
+      "notes", kSerial,
+      [&](const Note&) {
+        hangs = true;
+        door.Pass();
+      },
+      test::Inline());
+  const auto publish = robot->Advertise<Note>("notes");
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  publish(Note("endless"));
+  ASSERT_TRUE(Await([&] { return hangs.load(); }));
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THAT(Order(owner, listener, {ControlAction::kForbid, "notes", {}}).done, HasSubstr("callback"));
+  EXPECT_TRUE(Order(owner, listener, {ControlAction::kLog, {}, LogLevel::kInfo}).answered);
+  struct sigaction before {};
+  struct sigaction counts {};
+  counts.sa_handler = [](int) { ++stops; };
+  ASSERT_EQ(sigaction(SIGTERM, &counts, &before), 0);
+  EXPECT_THAT(Order(owner, listener, {ControlAction::kStop, {}, {}}).done, HasSubstr("gets SIGTERM"));
+  EXPECT_TRUE(Await([] { return stops == 1; }, kPatience / 2));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kPatience) << "the callback does not hang any more";
+  EXPECT_EQ(sigaction(SIGTERM, &before, nullptr), 0);
+  door.Open();
+  EXPECT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+}
+
 }  // namespace
 }  // namespace hgros

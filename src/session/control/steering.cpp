@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <future>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 // The answer leaves before the process gets the signal.
 constexpr auto kTimeToAnswer = std::chrono::milliseconds(100);
+// After this time callbacks in flight are taken for hanging, so that the next request has its turn.
+constexpr auto kTimeForCallbacks = std::chrono::seconds(1);
 constexpr std::string_view kOfTheLibrary = "hgros/";
 constexpr std::array<const char*, 4> kLevels{"debug", "info", "warning", "error"};  // By LogLevel.
 
@@ -60,8 +63,19 @@ ControlDesk::Means Steering::MeansOfDesk() {
             return means_.outbound.OpenForService(std::string(kControlRepliesChannel), TypeOf<ControlReply>(),
                                                   {[] {}, [] {}, [] { return true; }}, false);
           },
-      .post = [this](std::function<void()> errand) { means_.later({}, std::move(errand)); },
+      .post = [this](std::function<void()> errand) { Post(std::move(errand)); },
   };
+}
+
+void Steering::Post(std::function<void()> errand) {
+  const std::scoped_lock lock(starting_);
+  if (!orders_) orders_.emplace();
+  orders_->Post(std::move(errand));
+}
+
+void Steering::End() {
+  Close();  // From here on nothing is posted.
+  if (orders_) orders_->End();
 }
 
 bool Steering::Forbids(const std::string& channel) const {
@@ -112,26 +126,51 @@ std::string Steering::ChangeChannel(const ControlRequest& request) {
     done += close ? "is closed: what this session publishes there does not reach its own nodes."
                   : "is open: what this session publishes there reaches its own nodes.";
   } else {
-    const bool forbid = request.action() == ControlRequest::FORBID;
-    {
-      const std::scoped_lock lock(mutex_);
-      if (forbid) forbidden_.insert(channel);
-      if (!forbid) forbidden_.erase(channel);
-    }
-    means_.outbound.SetForbidden(channel, forbid, means_.later);
-    const bool loses = means_.inbound.SetForbidden(channel, forbid);
-    for (const Way way : {Way::kOut, Way::kIn}) {
-      if (!forbid) means_.list(way, channel);
-    }
-    done += forbid ? "is forbidden: it neither leaves nor enters this session."
-                   : "is allowed to leave and to enter this session.";
-    if (loses) done += " Messages on their way to its lossless subscriptions are lost.";
+    done += ForbidOrAllow(channel, request.action() == ControlRequest::FORBID);
   }
   const std::vector<std::string> used = NamesIn(means_.graph);
   if (std::ranges::find(used, channel) != used.end()) return done;
   const std::string nearest = NearestName(channel, used);
   return done + " So far this session does not use a channel of that name." +
          (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?");
+}
+
+std::string Steering::ForbidOrAllow(const std::string& channel, bool forbid) {
+  const auto change =
+      std::make_shared<std::packaged_task<bool()>>([this, channel, forbid] { return SetForbidden(channel, forbid); });
+  std::future<bool> loses = change->get_future();
+  means_.later({}, [change] { (*change)(); });
+  if (loses.wait_for(kTimeForCallbacks) != std::future_status::ready) {
+    return std::string(forbid ? "will be forbidden" : "will be allowed") +
+           " when a callback of this session that runs now has returned.";
+  }
+  const std::string done = forbid ? "is forbidden: it neither leaves nor enters this session."
+                                  : "is allowed to leave and to enter this session.";
+  return done + (loses.get() ? " Messages on their way to its lossless subscriptions are lost." : "");
+}
+
+bool Steering::SetForbidden(const std::string& channel, bool forbid) {
+  const auto mark = [&](bool forbidden) {
+    const std::scoped_lock lock(mutex_);
+    if (forbidden) forbidden_.insert(channel);
+    if (!forbidden) forbidden_.erase(channel);
+  };
+  if (forbid) mark(true);
+  bool loses = false;
+  try {
+    means_.outbound.SetForbidden(channel, forbid, means_.later);
+    loses = means_.inbound.SetForbidden(channel, forbid);
+  } catch (...) {  // A channel that could not be allowed remains marked, and may be allowed once more.
+    if (!forbid) throw;
+    means_.outbound.SetForbidden(channel, false, means_.later);
+    (void)means_.inbound.SetForbidden(channel, false);
+    mark(false);
+    throw;
+  }
+  if (forbid) return loses;
+  mark(false);
+  for (const Way way : {Way::kOut, Way::kIn}) means_.list(way, channel);
+  return false;
 }
 
 std::string Steering::SetLogLevel(std::uint32_t level) {
@@ -142,7 +181,7 @@ std::string Steering::SetLogLevel(std::uint32_t level) {
 
 std::string Steering::Stop() {
   if (const char* why = WhyNotStopped(); why != nullptr) throw Error(why);
-  means_.later(kTimeToAnswer, [] { (void)kill(getpid(), SIGTERM); });
+  orders_->PostIn(kTimeToAnswer, [] { (void)kill(getpid(), SIGTERM); });
   return "Its process " + std::to_string(getpid()) + " gets SIGTERM.";
 }
 
