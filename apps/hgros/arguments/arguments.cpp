@@ -33,17 +33,26 @@ void RequireKnownOptions(std::span<const std::string> words, const std::vector<A
   }
 }
 
-// CLI11 takes [1, 2] apart and takes -1.5 for an option, but both are values here. This character in front hides them.
+// CLI11 takes [1, 2] apart, takes -1.5 for an option, and means something by {}, %% and ++. All are values here. This
+// character in front of every value hides them.
 constexpr char kHidden = '\x01';
 
-bool NeedsHiding(const std::string& word) {
-  const bool number = word.size() > 1 && word[0] == '-' && (word[1] == '.' || (word[1] >= '0' && word[1] <= '9'));
-  return word.starts_with('[') || number;
+bool IsOption(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
 }
 
 std::vector<std::string> Hidden(std::span<const std::string> words) {
   std::vector<std::string> hidden;
-  for (const std::string& word : words) hidden.push_back(NeedsHiding(word) ? kHidden + word : word);
+  bool options_end = false;
+  for (std::string word : words) {
+    if (options_end || !IsOption(word)) {
+      word.insert(0, 1, kHidden);
+    } else if (const std::size_t equals = word.find('='); word.starts_with("--") && equals != std::string::npos) {
+      word.insert(equals + 1, 1, kHidden);
+    }
+    options_end = options_end || word == "--";
+    hidden.push_back(std::move(word));
+  }
   return hidden;
 }
 

@@ -1,0 +1,62 @@
+#include "arguments/arguments.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace hgros::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::ElementsAreArray;
+using testing::HasSubstr;
+
+// A command line with a flag, two options and any number of values.
+struct ReadArguments {
+  explicit ReadArguments(const std::vector<std::string>& words) {
+    Arguments arguments;
+    arguments.Flag("-f,--flag", flag, "A flag");
+    arguments.Option("-o,--one", "TEXT", one, "One text");
+    arguments.Option("-m,--many", "TEXT", many, "Several texts");
+    arguments.Positional({"VALUE", "", "Values"}, values);
+    arguments.Parse(words);
+  }
+  bool flag = false;
+  std::string one;
+  std::vector<std::string> many;
+  std::vector<std::string> values;
+};
+
+TEST(Arguments, TakeEachValueAsItIs) {
+  const std::vector<std::string> texts{"{}", "%%", "++", "[1, 2]", "[]", "-1.5", "", "-", "=", "\x01x", "a b"};
+  const ReadArguments read(texts);
+  EXPECT_THAT(read.values, ElementsAreArray(texts));
+  for (const std::string& text : texts) {
+    EXPECT_EQ(ReadArguments({"--one=" + text}).one, text);
+    EXPECT_EQ(ReadArguments({"-o", text}).one, text);
+    EXPECT_THAT(ReadArguments({"--many", text, "--many=" + text}).many, ElementsAre(text, text));
+  }
+}
+
+TEST(Arguments, TakeOptionsForValuesBehindTheirEnd) {
+  const ReadArguments read({"--flag", "-o3", "--", "--one=x", "--", "-f"});
+  EXPECT_TRUE(read.flag);
+  EXPECT_EQ(read.one, "3");
+  EXPECT_THAT(read.values, ElementsAre("--one=x", "--", "-f"));
+}
+
+TEST(Arguments, RefuseAnOptionThatIsNone) {
+  try {
+    const ReadArguments read({"--fla"});
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--fla is not an option. Did you mean --flag?"));
+  }
+  EXPECT_THROW(ReadArguments({"-x"}), UsageError);
+  EXPECT_THROW(ReadArguments({"--one"}), UsageError);
+}
+
+}  // namespace
+}  // namespace hgros::cli
