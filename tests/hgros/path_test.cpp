@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidjson/document.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -66,6 +67,8 @@ TEST(HgrosPath, ShowsEachHopAndMarksTheOneThatTakesLongest) {
     EXPECT_LE(hop["hop_p50_ns"].GetInt64(), hop["hop_p99_ns"].GetInt64());
     share += hop["share"].GetDouble();
     EXPECT_EQ(std::string(hop["channel"].GetString()), (std::vector{"timer/scan", "scan", "map"}.at(i)));
+    EXPECT_EQ(hop["pid"].GetInt(), getpid());
+    EXPECT_EQ(std::string(hop["process"].GetString()), i == 1 ? "mapper" : "lidar");
     if (i != 1) continue;
     EXPECT_GE(hop["run_p50_ns"].GetInt64(), std::chrono::nanoseconds(kWork).count());
     EXPECT_GT(hop["encode_p50_ns"].GetInt64(), 0);

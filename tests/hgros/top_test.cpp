@@ -160,7 +160,7 @@ TEST(HgrosTop, WritesTablesAndJsonForPrograms) {
   EXPECT_THAT(table.out, Not(HasSubstr("\x1b")));
   const CommandEnd json = robot.robot().Run({"top", "--json", "-n", "1"});
   EXPECT_EQ(LinesOf(json.out).size(), 1U);
-  EXPECT_THAT(json.out, testing::StartsWith("{\"process\":\"patrol:"));
+  EXPECT_THAT(json.out, testing::StartsWith("{\"process\":\"patrol\",\"pid\":"));
   EXPECT_THAT(json.out, HasSubstr("\"cpu_percent\":"));
   EXPECT_EQ(robot.robot().Run({"top", "-n", "1"}).status, 2);
   EXPECT_EQ(robot.robot().Run({"top", "--batch", "--timeout", "0.5"}).status, 3);

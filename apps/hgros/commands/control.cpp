@@ -110,13 +110,7 @@ std::vector<Candidate> Control::Choose(const std::vector<Candidate>& all) const 
 int Control::Show(const Surroundings& surroundings, const std::vector<Candidate>& asked,
                   const std::vector<ControlAnswer>& answers) const {
   Records records(surroundings.console, options_.style,
-                  {{"", "SESSION"},
-                   {"process", ""},
-                   {"pid", ""},
-                   {"host", ""},
-                   {"session", ""},
-                   {"done", ""},
-                   {"answer", "ANSWER"}});
+                  UserColumns("SESSION") + std::vector<Column>{{"done", ""}, {"answer", "ANSWER"}});
   int code = kDone;
   for (std::size_t i = 0; i < asked.size(); ++i) {
     const ChannelUser& user = asked[i].user;
@@ -131,8 +125,7 @@ int Control::Show(const Surroundings& surroundings, const std::vector<Candidate>
       if (takes_none) code = kFailed;
     }
     if (!done && (answer.answered || !options_.timeout_s)) code = kFailed;
-    records.Add({ShortName(user, false), user.process, user.pid, user.host, user.session.ToString(), done,
-                 Cell(text).In(done ? Style::kPlain : Style::kRed)});
+    records.Add(UserCells(user, false) + std::vector<Cell>{done, Cell(text).In(done ? Style::kPlain : Style::kRed)});
   }
   records.End();
   return code;

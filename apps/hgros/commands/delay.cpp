@@ -25,14 +25,11 @@ class Delay final : public MeasureCommand {
 
  protected:
   [[nodiscard]] std::vector<Column> CountedColumns() const override {
-    return {{"channel", "CHANNEL"},
-            {"node", "NODE"},
-            {"process", "PROCESS"},
-            {"session", ""},
-            {"transport_p50_ns", "TRANSPORT P50", true},
-            {"transport_p99_ns", "P99", true, 7},
-            {"wait_p50_ns", "WAIT P50", true},
-            {"wait_p99_ns", "P99", true, 7}};
+    return std::vector<Column>{{"channel", "CHANNEL"}, {"node", "NODE"}} + UserColumns("PROCESS") +
+           std::vector<Column>{{"transport_p50_ns", "TRANSPORT P50", true},
+                               {"transport_p99_ns", "P99", true, 7},
+                               {"wait_p50_ns", "WAIT P50", true},
+                               {"wait_p99_ns", "P99", true, 7}};
   }
   void AddCounted(Console& /*console*/, Records& records, const AllCounters& counters,
                   const KnownChannel& channel) override {
@@ -41,10 +38,11 @@ class Delay final : public MeasureCommand {
       if (counts == nullptr) continue;
       const bool transported = counts->transport_p99_ns() != 0;
       for (const Snapshot::Node& node : counts->nodes()) {
-        records.Add({channel.name, node.name(), ShortName(user, false), user.session.ToString(),
-                     Duration(transported, counts->transport_p50_ns()),
-                     Duration(transported, counts->transport_p99_ns()), Duration(node.run() > 0, node.wait_p50_ns()),
-                     Duration(node.run() > 0, node.wait_p99_ns())});
+        records.Add(std::vector<Cell>{channel.name, node.name()} + UserCells(user, false) +
+                    std::vector<Cell>{Duration(transported, counts->transport_p50_ns()),
+                                      Duration(transported, counts->transport_p99_ns()),
+                                      Duration(node.run() > 0, node.wait_p50_ns()),
+                                      Duration(node.run() > 0, node.wait_p99_ns())});
       }
     }
   }

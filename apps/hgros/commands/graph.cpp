@@ -65,7 +65,7 @@ std::string Graph::JsonOf(const Hypergraph& graph) {
   for (const Hypergraph::Process& process : graph.processes) {
     Json json;
     json.BeginObject().Member("kind", "process").Member("session", process.session.ToString());
-    json.Member("process", process.name).Member("host", process.host);
+    json.Member("process", process.program).Member("pid", process.pid).Member("host", process.host);
     json.Key("nodes").BeginList();
     for (const Hypergraph::Node& node : process.nodes) {
       json.BeginObject().Member("node", node.name).Member("channel", node.channel).Member("lossless", node.lossless);

@@ -114,26 +114,24 @@ void List::ListSessions(Robot& robot) const {
 
 void List::ListNodes(Robot& robot) const {
   Records records(robot.surroundings().console, options_.style,
-                  {{"node", "NODE"},
-                   {"channel", "CHANNEL"},
-                   {"process", "PROCESS"},
-                   {"session", ""},
-                   {"received", "RECEIVED", true},
-                   {"dropped", "DROPPED", true},
-                   {"failed", "FAILED", true},
-                   {"run_p50_ns", "RUN P50", true},
-                   {"wait_p99_ns", "WAIT P99", true}});
+                  std::vector<Column>{{"node", "NODE"}, {"channel", "CHANNEL"}} + UserColumns("PROCESS") +
+                      std::vector<Column>{{"received", "RECEIVED", true},
+                                          {"dropped", "DROPPED", true},
+                                          {"failed", "FAILED", true},
+                                          {"run_p50_ns", "RUN P50", true},
+                                          {"wait_p99_ns", "WAIT P99", true}});
   const auto duration = [this](std::int64_t ns) {
     return Cell(ns, ns == 0 ? "-" : DurationText(ns, options_.style.exact));
   };
   const auto fault = [](std::uint64_t count) { return count == 0 ? Cell(count, "-") : Cell(count).In(Style::kYellow); };
   for (const auto& [id, snapshot] : robot.Counters()) {
+    const std::vector<Cell> user = UserCells(UserOf(*snapshot), false);
     for (const Snapshot::Channel& channel : snapshot->channels()) {
       if (!all_ && IsInternal(channel.name())) continue;
       for (const Snapshot::Node& node : channel.nodes()) {
-        records.Add({node.name(), channel.name(), snapshot->process() + ":" + std::to_string(snapshot->pid()),
-                     id.ToString(), std::uint64_t{node.received()}, fault(node.dropped()), fault(node.failed()),
-                     duration(node.run_p50_ns()), duration(node.wait_p99_ns())});
+        records.Add(std::vector<Cell>{node.name(), channel.name()} + user +
+                    std::vector<Cell>{std::uint64_t{node.received()}, fault(node.dropped()), fault(node.failed()),
+                                      duration(node.run_p50_ns()), duration(node.wait_p99_ns())});
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "commands/commands.hpp"
+#include "robot/overview.hpp"
 #include "robot/robot.hpp"
 #include "terminal/records.hpp"
 #include "terminal/units.hpp"
@@ -56,8 +57,13 @@ class PathCommand final : public Command {
   RobotOptions options_;
 };
 
-std::string ProcessOf(const Traced::Session& session) {
-  return session.process + ":" + std::to_string(session.pid) + "@" + session.host;
+ChannelUser UserOf(const Traced::Session& session) {
+  ChannelUser user;
+  user.session = session.id;
+  user.process = session.process;
+  user.host = session.host;
+  user.pid = session.pid;
+  return user;
 }
 
 // The columns of one duration: in the table the middle, in JSON all.
@@ -75,9 +81,9 @@ void AddCells(std::vector<Cell>& cells, const Durations& durations, bool exact, 
 }
 
 std::vector<Column> HopColumns() {
-  std::vector<Column> columns = {
-      {"way", ""},     {"hop", ""},       {"channel", "CHANNEL"}, {"node", "NODE"}, {"process", "PROCESS"},
-      {"session", ""}, {"publisher", ""}, {"messages", ""}};
+  std::vector<Column> columns =
+      std::vector<Column>{{"way", ""}, {"hop", ""}, {"channel", "CHANNEL"}, {"node", "NODE"}} + UserColumns("PROCESS") +
+      std::vector<Column>{{"publisher", ""}, {"messages", ""}};
   AddColumns(columns, "encode", "ENCODE", false);
   AddColumns(columns, "transport", "TRANSPORT", false);
   AddColumns(columns, "wait", "WAIT", false);
@@ -99,14 +105,10 @@ void PathCommand::Write(Console& console, const Traced& traced, const Paths& fou
     for (std::size_t i = 0; i < path.hops.size(); ++i) {
       const Hop& hop = path.hops[i];
       const Traced::Session& session = traced.sessions[hop.session];
-      std::vector<Cell> cells = {std::uint64_t{way + 1},
-                                 std::uint64_t{i + 1},
-                                 hop.channel,
-                                 hop.node,
-                                 ProcessOf(session),
-                                 session.id.ToString(),
-                                 traced.sessions[hop.publisher].id.ToString(),
-                                 std::uint64_t{path.messages}};
+      std::vector<Cell> cells =
+          std::vector<Cell>{std::uint64_t{way + 1}, std::uint64_t{i + 1}, hop.channel, hop.node} +
+          UserCells(UserOf(session), true) +
+          std::vector<Cell>{traced.sessions[hop.publisher].id.ToString(), std::uint64_t{path.messages}};
       AddCells(cells, hop.encode, exact);
       AddCells(cells, hop.transport, exact);
       AddCells(cells, hop.wait, exact);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "hgros/base/cause.hpp"
@@ -17,9 +16,7 @@ namespace {
 class Cells {
  public:
   explicit Cells(const KnownRobot& robot) : exact_(robot.style.exact) {
-    std::set<std::string> hosts;
-    for (const auto& [id, user] : SessionsOf(robot.channels)) hosts.insert(user.host);
-    several_hosts_ = hosts.size() > 1;
+    several_hosts_ = AreOnSeveralHosts(SessionsOf(robot.channels));
   }
 
   [[nodiscard]] Cell Rate(double hertz) const { return {hertz, hertz == 0 ? "-" : RateText(hertz, exact_)}; }
@@ -37,24 +34,12 @@ class Cells {
   static Cell Count(std::uint64_t count) { return count == 0 ? Cell(count, "-") : Cell(count); }
   static Cell Closed(const Snapshot::Channel& counts) { return counts.closed() ? Cell(true) : Cell(false, "-"); }
 
-  // The columns that say which session it is, and their cells.
-  static std::vector<Column> UserColumns(const std::string& heading) {
-    return {{"", heading}, {"process", ""}, {"pid", ""}, {"host", ""}, {"session", ""}};
-  }
-  [[nodiscard]] std::vector<Cell> User(const ChannelUser& user) const {
-    return {ShortName(user, several_hosts_), user.process, user.pid, user.host, user.session.ToString()};
-  }
+  [[nodiscard]] std::vector<Cell> User(const ChannelUser& user) const { return UserCells(user, several_hosts_); }
 
  private:
   const bool exact_;
   bool several_hosts_ = false;
 };
-
-template <class T>
-std::vector<T> operator+(std::vector<T> first, std::vector<T> second) {
-  for (T& one : second) first.push_back(std::move(one));
-  return first;
-}
 
 std::string FingerprintText(std::uint64_t fingerprint) {
   return fingerprint == 0 ? "" : fmt::format("{:016x}", fingerprint);
@@ -121,7 +106,7 @@ std::vector<Cell> NodeRow(const Cells& cells, const std::string& channel, const 
 
 // The nodes of a channel in all sessions that receive it.
 Sheet::Table NodesOf(const KnownRobot& robot, const Cells& cells, const KnownChannel& channel) {
-  Sheet::Table table{"nodes", Cells::UserColumns("IN") + NodeColumns(), {}};
+  Sheet::Table table{"nodes", UserColumns("IN") + NodeColumns(), {}};
   std::rotate(table.columns.begin(), table.columns.begin() + 5, table.columns.begin() + 6);
   for (const ChannelUser& user : channel.subscribers) {
     const Snapshot::Channel* counts = CountersOf(robot.counters, user.session, channel.name);
@@ -151,7 +136,7 @@ void AddPublishers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, co
                                     {"refused", "REFUSED", true},      {"sent", "SENT", true},
                                     {"send_dropped", "DROPPED", true}, {"mean_bytes", "MEAN SIZE", true},
                                     {"latched", "LATCHED", true},      {"closed", "CLOSED"}};
-  AddUsers(sheet, robot, cells, channel, {"publishers", Cells::UserColumns("PUBLISHER") + TypeColumns() + counted, {}},
+  AddUsers(sheet, robot, cells, channel, {"publishers", UserColumns("PUBLISHER") + TypeColumns() + counted, {}},
            channel.publishers, [&](const ChannelUser&, const Snapshot::Channel* counts) -> std::vector<Cell> {
              if (counts == nullptr) return {};
              return {cells.Rate(counts->rate_hz()),        std::uint64_t{counts->published()},
@@ -169,9 +154,8 @@ void AddSubscribers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, c
                                     {"transport_p50_ns", "TRANSPORT P50", true},
                                     {"transport_p99_ns", "P99", true},
                                     {"closed", "CLOSED"}};
-  AddUsers(sheet, robot, cells, channel,
-           {"subscribers", Cells::UserColumns("SUBSCRIBER") + TypeColumns() + counted, {}}, channel.subscribers,
-           [&](const ChannelUser& user, const Snapshot::Channel* counts) -> std::vector<Cell> {
+  AddUsers(sheet, robot, cells, channel, {"subscribers", UserColumns("SUBSCRIBER") + TypeColumns() + counted, {}},
+           channel.subscribers, [&](const ChannelUser& user, const Snapshot::Channel* counts) -> std::vector<Cell> {
              if (counts == nullptr) return {user.lossless};
              return {user.lossless,
                      std::uint64_t{counts->received()},
@@ -243,6 +227,11 @@ std::map<SessionId, ChannelUser> SessionsOf(const std::vector<KnownChannel>& cha
     for (const ChannelUser& user : channel.subscribers) sessions[user.session] = user;
   }
   return sessions;
+}
+
+bool AreOnSeveralHosts(const std::map<SessionId, ChannelUser>& sessions) {
+  return std::ranges::any_of(sessions,
+                             [&](const auto& one) { return one.second.host != sessions.begin()->second.host; });
 }
 
 Sheet DescribeChannel(const KnownRobot& robot, const KnownChannel& channel) {
@@ -372,8 +361,8 @@ Sheet DescribeService(const KnownRobot& robot, const KnownChannel& channel) {
   sheet.Fact("request_type", "Request", channel.type_name);
   Sheet::Table servers{
       "servers",
-      Cells::UserColumns("SERVED BY") + std::vector<Column>{{"unhandled_requests", "UNHANDLED REQUESTS", true},
-                                                            {"dropped_replies", "DROPPED REPLIES", true}},
+      UserColumns("SERVED BY") + std::vector<Column>{{"unhandled_requests", "UNHANDLED REQUESTS", true},
+                                                     {"dropped_replies", "DROPPED REPLIES", true}},
       {}};
   for (const ChannelUser& user : channel.subscribers) {
     std::vector<Cell> row = cells.User(user);
@@ -387,7 +376,7 @@ Sheet DescribeService(const KnownRobot& robot, const KnownChannel& channel) {
     }
     servers.rows.push_back(std::move(row) + std::move(counts));
   }
-  Sheet::Table callers{"callers", Cells::UserColumns("CALLED BY"), {}};
+  Sheet::Table callers{"callers", UserColumns("CALLED BY"), {}};
   for (const ChannelUser& user : channel.publishers) callers.rows.push_back(cells.User(user));
   sheet.Add(std::move(servers));
   sheet.Add(std::move(callers));

@@ -27,5 +27,6 @@ struct KnownRobot {
 
 /// All sessions that use a channel, by id.
 [[nodiscard]] std::map<SessionId, ChannelUser> SessionsOf(const std::vector<KnownChannel>& channels);
+[[nodiscard]] bool AreOnSeveralHosts(const std::map<SessionId, ChannelUser>& sessions);
 
 }  // namespace hgros::cli

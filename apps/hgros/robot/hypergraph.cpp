@@ -32,7 +32,8 @@ Hypergraph Hypergraph::Of(const std::vector<KnownChannel>& channels, const AllCo
   std::map<SessionId, std::size_t> places;
   const auto place_of = [&](const ChannelUser& user) {
     const auto [place, is_new] = places.emplace(user.session, graph.processes.size());
-    if (is_new) graph.processes.push_back({user.session, ShortName(user, false), user.host, {}, 0});
+    if (is_new)
+      graph.processes.push_back({user.session, ShortName(user, false), user.host, {}, 0, user.process, user.pid});
     return place->second;
   };
   for (const KnownChannel& known : channels) {
@@ -153,7 +154,7 @@ std::vector<std::string> Hypergraph::Names() const {
   std::set<std::string> names;
   for (const Process& process : processes) {
     names.insert(process.name);
-    names.insert(process.name.substr(0, process.name.rfind(':')));
+    names.insert(process.program);
     names.insert(process.session.ToString());
     for (const Node& node : process.nodes) names.insert(node.name);
   }
@@ -166,8 +167,7 @@ std::optional<Hypergraph> Hypergraph::Around(std::string_view name, std::size_t 
   std::vector<bool> joined(channels.size());
   for (std::size_t i = 0; i < processes.size(); ++i) {
     const Process& process = processes[i];
-    near[i] = process.name == name || process.name.substr(0, process.name.rfind(':')) == name ||
-              process.session.ToString() == name ||
+    near[i] = process.name == name || process.program == name || process.session.ToString() == name ||
               std::ranges::any_of(process.nodes, [&](const Node& node) { return node.name == name; });
   }
   const auto for_each_process = [this](std::size_t c, const auto& act) {

@@ -29,6 +29,8 @@ struct Hypergraph {
     std::vector<Node> nodes;
     std::size_t rank =
         0;  ///< 0: only publishes; the others come after those that they hear, as far as there is no cycle.
+    std::string program = {};  ///< "talker"
+    std::int64_t pid = 0;
   };
   struct Publisher {
     std::size_t process;

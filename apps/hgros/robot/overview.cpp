@@ -78,8 +78,29 @@ std::string_view ParamsOf(std::string_view channel) noexcept {
              : channel.substr(kBegin.size(), channel.size() - kBegin.size() - kEnd.size());
 }
 
+std::string ShortName(std::string_view process, std::int64_t pid, std::string_view host) {
+  return std::string(process) + ":" + std::to_string(pid) + (host.empty() ? "" : "@" + std::string(host));
+}
+
 std::string ShortName(const ChannelUser& user, bool with_host) {
-  return user.process + ":" + std::to_string(user.pid) + (with_host ? "@" + user.host : "");
+  return ShortName(user.process, user.pid, with_host ? user.host : "");
+}
+
+ChannelUser UserOf(const Snapshot& counters) {
+  ChannelUser user;
+  user.session = SessionId{counters.session()};
+  user.process = counters.process();
+  user.host = counters.host();
+  user.pid = counters.pid();
+  return user;
+}
+
+std::vector<Column> UserColumns(const std::string& heading) {
+  return {{"", heading}, {"process", ""}, {"pid", ""}, {"host", ""}, {"session", ""}};
+}
+
+std::vector<Cell> UserCells(const ChannelUser& user, bool with_host) {
+  return {ShortName(user, with_host), user.process, user.pid, user.host, user.session.ToString()};
 }
 
 }  // namespace hgros::cli

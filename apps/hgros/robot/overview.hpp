@@ -11,6 +11,7 @@
 
 #include "hgros/base/ids.hpp"
 #include "hgros/bridge/known_channel.hpp"
+#include "terminal/records.hpp"
 
 namespace hgros::cli {
 
@@ -53,7 +54,15 @@ struct Way {
 /// The name under which parameters are offered if the channel carries their state, or empty.
 [[nodiscard]] std::string_view ParamsOf(std::string_view channel) noexcept;
 
-/// "talker:4711", with "@host" if `with_host`.
+/// "talker:4711", or "talker:4711@desk" if there is a host.
+[[nodiscard]] std::string ShortName(std::string_view process, std::int64_t pid, std::string_view host = {});
 [[nodiscard]] std::string ShortName(const ChannelUser& user, bool with_host);
+
+/// The session that has sent these counters.
+[[nodiscard]] ChannelUser UserOf(const Snapshot& counters);
+/// The columns that say which session it is, and their cells: tables show the short name, and JSON has process, pid,
+/// host and session.
+[[nodiscard]] std::vector<Column> UserColumns(const std::string& heading);
+[[nodiscard]] std::vector<Cell> UserCells(const ChannelUser& user, bool with_host);
 
 }  // namespace hgros::cli

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -61,6 +63,14 @@ struct Column {
   bool right = false;     ///< Numbers are aligned on the right.
   std::size_t least = 0;  ///< Its width in characters at least, for records that are added after End().
 };
+
+/// Columns or cells, one after the other.
+template <class T>
+requires std::same_as<T, Column> || std::same_as<T, Cell>
+[[nodiscard]] std::vector<T> operator+(std::vector<T> first, std::vector<T> second) {
+  for (T& one : second) first.push_back(std::move(one));
+  return first;
+}
 
 /// The cells as members of the JSON object that was begun.
 void WriteMembers(Json& json, const std::vector<Column>& columns, const std::vector<Cell>& cells);

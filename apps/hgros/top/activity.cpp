@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "robot/descriptions.hpp"
@@ -54,34 +53,20 @@ const Snapshot::Channel* ChannelIn(const Snapshot* snapshot, std::string_view na
 }  // namespace
 
 const std::vector<Column>& TopColumns(TopKind kind) {
-  static const std::vector<Column> sessions{{"process", "SESSION"},
-                                            {"session", ""},
-                                            {"pid", ""},
-                                            {"host", ""},
-                                            {"cpu_percent", "CPU", true, 7},
-                                            {"memory_bytes", "MEMORY", true, 7},
-                                            {"run_percent", "RUN", true, 7},
-                                            {"wait_p99_ns", "WAIT P99", true, 8},
-                                            {"drops_hz", "DROPS/S", true, 7},
-                                            {"published_hz", "OUT", true, 8},
-                                            {"received_hz", "IN", true, 8},
-                                            {"dropped", "DROPPED", true, 7},
-                                            {"channels", "CHANNELS", true},
-                                            {"nodes", "NODES", true}};
-  static const std::vector<Column> nodes{{"node", "NODE"},
-                                         {"channel", "CHANNEL"},
-                                         {"process", "SESSION"},
-                                         {"session", ""},
-                                         {"run_percent", "RUN", true, 7},
-                                         {"rate_hz", "RATE", true, 8},
-                                         {"wait_p99_ns", "WAIT P99", true, 8},
-                                         {"drops_hz", "DROPS/S", true, 7},
-                                         {"queued", "QUEUE", true, 5},
-                                         {"dropped", "DROPPED", true, 7},
-                                         {"run_p50_ns", "RUN P50", true, 7},
-                                         {"run_p99_ns", "RUN P99", true, 7},
-                                         {"wait_p50_ns", "WAIT P50", true, 8},
-                                         {"failed", "FAILED", true}};
+  static const std::vector<Column> sessions =
+      UserColumns("SESSION") +
+      std::vector<Column>{{"cpu_percent", "CPU", true, 7},  {"memory_bytes", "MEMORY", true, 7},
+                          {"run_percent", "RUN", true, 7},  {"wait_p99_ns", "WAIT P99", true, 8},
+                          {"drops_hz", "DROPS/S", true, 7}, {"published_hz", "OUT", true, 8},
+                          {"received_hz", "IN", true, 8},   {"dropped", "DROPPED", true, 7},
+                          {"channels", "CHANNELS", true},   {"nodes", "NODES", true}};
+  static const std::vector<Column> nodes =
+      std::vector<Column>{{"node", "NODE"}, {"channel", "CHANNEL"}} + UserColumns("SESSION") +
+      std::vector<Column>{{"run_percent", "RUN", true, 7},      {"rate_hz", "RATE", true, 8},
+                          {"wait_p99_ns", "WAIT P99", true, 8}, {"drops_hz", "DROPS/S", true, 7},
+                          {"queued", "QUEUE", true, 5},         {"dropped", "DROPPED", true, 7},
+                          {"run_p50_ns", "RUN P50", true, 7},   {"run_p99_ns", "RUN P99", true, 7},
+                          {"wait_p50_ns", "WAIT P50", true, 8}, {"failed", "FAILED", true}};
   static const std::vector<Column> channels{{"channel", "CHANNEL"},
                                             {"rate_hz", "RATE", true, 8},
                                             {"bytes_per_second", "BANDWIDTH", true, 9},
@@ -157,7 +142,7 @@ void Activity::Take(const AllCounters& counters) {
   }
 }
 
-void Activity::AddNodes(const std::string& session, const Known& known, const Snapshot::Channel& channel,
+void Activity::AddNodes(const std::vector<Cell>& session, const Known& known, const Snapshot::Channel& channel,
                         const Snapshot::Channel* before, SessionSum& sum) {
   const bool silent = known.unchanged > kMostSilent;
   const PerSecond per_second(SecondsBetween(known.before.get(), *known.now));
@@ -187,30 +172,27 @@ void Activity::AddNodes(const std::string& session, const Known& known, const Sn
     const auto fault = [](std::uint64_t count) {
       return count == 0 ? Cell(count, "-") : Cell(count).In(Style::kYellow);
     };
-    row.cells = {node.name(),
-                 channel.name(),
-                 session,
-                 row.session.ToString(),
-                 Percent(run),
-                 Rate(rate),
-                 Time(node.wait_p99_ns()),
-                 Drops(drops),
-                 node.queued() == 0 ? Cell(std::uint64_t{0}, "-") : Cell(std::uint64_t{node.queued()}),
-                 fault(node.dropped()),
-                 Time(node.run_p50_ns()),
-                 Time(node.run_p99_ns()),
-                 Time(node.wait_p50_ns()),
-                 fault(node.failed())};
+    row.cells = std::vector<Cell>{node.name(), channel.name()} + session +
+                std::vector<Cell>{Percent(run),
+                                  Rate(rate),
+                                  Time(node.wait_p99_ns()),
+                                  Drops(drops),
+                                  node.queued() == 0 ? Cell(std::uint64_t{0}, "-") : Cell(std::uint64_t{node.queued()}),
+                                  fault(node.dropped()),
+                                  Time(node.run_p50_ns()),
+                                  Time(node.run_p99_ns()),
+                                  Time(node.wait_p50_ns()),
+                                  fault(node.failed())};
     rows_[static_cast<std::size_t>(TopKind::kNodes)].push_back(std::move(row));
   }
 }
 
 void Activity::AddSession(const ChannelUser& user, std::map<std::string_view, ChannelSum>& sums, bool several_hosts) {
-  const std::string name = ShortName(user, several_hosts);
   TopRow row;
   row.id = user.session.ToString();
   row.session = user.session;
-  row.cells = {name, row.id, user.pid, user.host};
+  row.cells = UserCells(user, several_hosts);
+  const std::vector<Cell> name = row.cells;
   row.silent = true;
   if (const auto found = known_.find(user.session); found != known_.end()) {
     const Known& known = found->second;
@@ -296,10 +278,9 @@ void Activity::Update(const AllCounters& counters, const std::vector<KnownChanne
   Take(counters);
   for (std::vector<TopRow>& rows : rows_) rows.clear();
   const std::map<SessionId, ChannelUser> sessions = SessionsOf(channels);
-  std::set<std::string_view> hosts;
-  for (const auto& [id, user] : sessions) hosts.insert(user.host);
   std::map<std::string_view, ChannelSum> sums;
-  for (const auto& [id, user] : sessions) AddSession(user, sums, hosts.size() > 1);
+  const bool several_hosts = AreOnSeveralHosts(sessions);
+  for (const auto& [id, user] : sessions) AddSession(user, sums, several_hosts);
   for (const KnownChannel& channel : channels) {
     if (all_ || !IsInternal(channel.name)) AddChannel(channel, sums[channel.name], counters);
   }

@@ -57,7 +57,7 @@ class Activity {
 
   void Take(const AllCounters& counters);
   void AddSession(const ChannelUser& user, std::map<std::string_view, ChannelSum>& sums, bool several_hosts);
-  void AddNodes(const std::string& session, const Known& known, const Snapshot::Channel& channel,
+  void AddNodes(const std::vector<Cell>& session, const Known& known, const Snapshot::Channel& channel,
                 const Snapshot::Channel* before, SessionSum& sum);
   void AddChannel(const KnownChannel& channel, const ChannelSum& sum, const AllCounters& counters);
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "robot/overview.hpp"
 #include "terminal/json.hpp"
 
 namespace hgros::cli {
@@ -49,7 +50,7 @@ class Writer {
       const Traced::Session& session = traced_.sessions[i];
       json_.BeginObject().Member("ph", "M").Member("name", "process_name").Member("pid", processes_[i]);
       json_.Key("args").BeginObject();
-      json_.Member("name", session.process + ":" + std::to_string(session.pid) + "@" + session.host);
+      json_.Member("name", ShortName(session.process, session.pid, session.host));
       json_.EndObject().EndObject();
     }
   }

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,27 @@ TEST(EveryCommand, ShowsNothingRawThatARobotHasChosen) {
     if (run.out.find("owned") != std::string::npos) ++shown;
   }
   EXPECT_GT(shown, 8U) << "The names were there to be shown.";
+}
+
+TEST(EveryCommand, NamesASessionAlikeInJson) {
+  RobotForCommands robot("robot");
+  const Everything everything(robot.session(), "");
+  robot.AwaitAnnounced();
+  const std::regex alike(R"re("process":"\w+","pid":\d+,"host":")re");
+  const std::vector<std::vector<std::string>> runs{{"list", "sessions", "--json"},
+                                                   {"list", "nodes", "--json"},
+                                                   {"info", "status", "--json"},
+                                                   {"info", "hearing", "--json"},
+                                                   {"delay", "status", "--once", "--json"},
+                                                   {"graph", "--json"},
+                                                   {"top", "--once", "--json"},
+                                                   {"top", "nodes", "--once", "--json"},
+                                                   {"control", "open", "status", "--json"}};
+  for (const FinishedRun& run : RunAll(runs, robot.environment())) {
+    EXPECT_NE(run.out.find("\"process\":\"robot\""), std::string::npos) << run.out << run.err;
+    const std::string others = std::regex_replace(run.out, alike, "");
+    EXPECT_EQ(others.find("\"process\":"), std::string::npos) << testing::PrintToString(run.words) << others;
+  }
 }
 
 // 7,500 fields with long names in types that are nested: almost 1 MiB, which is the most that a schema may have.

@@ -75,7 +75,9 @@ TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
 
   ASSERT_EQ(activity.Rows(TopKind::kSessions).size(), 1U);
   const TopRow& session = activity.Rows(TopKind::kSessions).front();
-  EXPECT_EQ(Shown(session, "process"), "talker:42");
+  EXPECT_EQ(session.cells.front().Shown(), "talker:42");
+  EXPECT_EQ(Shown(session, "process"), "talker");
+  EXPECT_EQ(Shown(session, "host"), "desk");
   EXPECT_EQ(Shown(session, "cpu_percent"), "25.0 %");
   EXPECT_EQ(Shown(session, "run_percent"), "10.0 %");
   EXPECT_EQ(Shown(session, "wait_p99_ns"), "7.00 ms");
@@ -87,6 +89,8 @@ TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
   ASSERT_EQ(activity.Rows(TopKind::kNodes).size(), 1U);
   const TopRow& node = activity.Rows(TopKind::kNodes).front();
   EXPECT_EQ(Shown(node, "node"), "filter");
+  EXPECT_EQ(Shown(node, "process"), "talker");
+  EXPECT_EQ(Shown(node, "pid"), "42");
   EXPECT_EQ(Shown(node, "rate_hz"), "20.0 Hz");
   EXPECT_EQ(Shown(node, "run_percent"), "10.0 %");
 
