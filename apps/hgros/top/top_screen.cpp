@@ -120,6 +120,7 @@ void TopScreen::OpenDetails() {
 bool TopScreen::Press(const KeyPress& press) {
   told_.clear();
   if (page_ != Page::kList) {
+    if (press.key == Key::kText && press.text == "q") return false;
     PressInText(press);
     return true;
   }
@@ -215,7 +216,7 @@ void TopScreen::PressInText(const KeyPress& press) {
       const bool asks = press.key == Key::kF1 || press.text == "h" || press.text == "?";
       if (asks && page_ == Page::kDetails) {
         OpenText(Page::kHelp, kKeys);
-      } else if (asks || press.text == "q") {
+      } else if (asks) {
         CloseText();
       }
       break;
@@ -242,15 +243,16 @@ std::vector<Span> TopScreen::LastLine(std::size_t width) const {
   std::vector<Span> spans;
   using KeyText = std::pair<const char*, const char*>;
   const std::vector<KeyText> keys =
-      page_ == Page::kList ? std::vector<KeyText>{{"q", "Quit"},
-                                                  {"h", "Help"},
-                                                  {"Tab", kListNames[(current_ + 1) % lists_.size()]},
-                                                  {"/", "Filter"},
-                                                  {"< >", "Sort"},
-                                                  {"R", "Reverse"},
-                                                  {"Enter", "Details"},
-                                                  {"Esc", "All"}}
-                           : std::vector<KeyText>{{"Esc", "Back"}, {"Up Down PgUp PgDn Left Right", "Move"}};
+      page_ == Page::kList
+          ? std::vector<KeyText>{{"q", "Quit"},
+                                 {"h", "Help"},
+                                 {"Tab", kListNames[(current_ + 1) % lists_.size()]},
+                                 {"/", "Filter"},
+                                 {"< >", "Sort"},
+                                 {"R", "Reverse"},
+                                 {"Enter", "Details"},
+                                 {"Esc", "All"}}
+          : std::vector<KeyText>{{"q", "Quit"}, {"Esc", "Back"}, {"Up Down PgUp PgDn Left Right", "Move"}};
   for (const auto& [key, text] : keys) {
     if (std::string_view(text) == "All" && filter_.empty()) continue;
     spans.push_back({key, Style::kBold});

@@ -102,8 +102,21 @@ TEST(TopScreen, ShowsDetailsOfTheSelectedRowAndGoesBack) {
   EXPECT_THAT(All(screen), HasSubstr("Reverse the order"));
   EXPECT_TRUE(screen.Press({Key::kEscape}));
   EXPECT_THAT(All(screen), HasSubstr("all about scan"));
-  EXPECT_TRUE(screen.Press({Key::kText, "q"}));
+  EXPECT_TRUE(screen.Press({Key::kEscape}));
   EXPECT_THAT(All(screen), HasSubstr("CHANNEL"));
+}
+
+TEST(TopScreen, EndsWithQFromEachPage) {
+  for (const std::vector<KeyPress>& before : std::vector<std::vector<KeyPress>>{{},
+                                                                                {{Key::kEnter}},
+                                                                                {{Key::kText, "h"}},
+                                                                                {{Key::kEnter}, {Key::kText, "h"}},
+                                                                                {{Key::kText, "/"}, {Key::kEnter}}}) {
+    TopScreen screen = ScreenWith({"scan", "odom"});
+    for (const KeyPress& press : before) EXPECT_TRUE(screen.Press(press));
+    (void)All(screen);
+    EXPECT_FALSE(screen.Press({Key::kText, "q"})) << before.size();
+  }
 }
 
 TEST(TopScreen, NamesEveryKeyInItsHelp) {
