@@ -58,7 +58,7 @@ TEST(HgrosTop, ShowsSessionsNodesAndChannelsAndEndsWithQ) {
   EXPECT_TRUE(top.Shows("foxglove.Log"));
   top.Type("h");
   EXPECT_TRUE(top.Shows("Reverse the order"));
-  top.Type("qq");
+  top.Type("q");
   EXPECT_EQ(top.Wait(), 0);
   EXPECT_TRUE(top.Restored());
   EXPECT_EQ(top.screen().unknown(), "");
@@ -162,7 +162,8 @@ TEST(HgrosTop, WritesTablesAndJsonForPrograms) {
   EXPECT_EQ(LinesOf(json.out).size(), 1U);
   EXPECT_THAT(json.out, testing::StartsWith("{\"process\":\"patrol\",\"pid\":"));
   EXPECT_THAT(json.out, HasSubstr("\"cpu_percent\":"));
-  EXPECT_EQ(robot.robot().Run({"top", "-n", "1"}).status, 2);
+  EXPECT_EQ(robot.robot().Run({"top", "-n", "1"}).status, 0);
+  EXPECT_THAT(robot.robot().Run({"top", "--once", "-n", "2"}).err, HasSubstr("It contradicts --once."));
   EXPECT_EQ(robot.robot().Run({"top", "--batch", "--timeout", "0.5"}).status, 3);
 }
 

@@ -132,6 +132,21 @@ void Arguments::Option(std::string names, std::string value, std::optional<std::
   });
 }
 
+void Arguments::Count(std::optional<std::uint64_t>& count, std::string once_text, std::string count_text) {
+  Add({"--once", "", std::move(once_text)}, [&count](const std::vector<std::string>&) {
+    if (count.value_or(1) != 1) return std::string("It contradicts --count. Leave out one of them.");
+    count = 1;
+    return std::string();
+  });
+  Option("-n,--count", "N", count, std::move(count_text));
+  setters_.back() = [&count, set = setters_.back()](const std::vector<std::string>& given) {
+    const bool once = count.has_value();
+    std::string fault = set(given);
+    if (fault.empty() && once && count != 1) fault = "It contradicts --once. Leave out one of them.";
+    return fault;
+  };
+}
+
 void Arguments::Choice(std::string names, std::string& variable, std::vector<std::string> choices, std::string text) {
   Argument argument{std::move(names), "", std::move(text), ValueKind::kText, std::move(choices)};
   if (!argument.positional()) argument.value = "WHAT";
@@ -168,15 +183,16 @@ void Arguments::Parse(std::span<const std::string> words) const {
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const Argument& argument = all_[i];
     const Setter& setter = setters_[i];
+    const auto set = [&setter, &argument](const std::vector<std::string>& given) {
+      const std::string fault = setter(given);
+      if (!fault.empty()) throw UsageError(argument.names + ": " + fault);
+    };
     if (!argument.positional() && argument.value.empty()) {
-      app.add_flag_function(argument.names, [&setter](std::int64_t) { (void)setter({}); });
+      app.add_flag_function(argument.names, [set](std::int64_t) { set({}); });
       continue;
     }
     CLI::Option* option = app.add_option_function<std::vector<std::string>>(
-        argument.names, [&setter, &argument](const std::vector<std::string>& given) {
-          const std::string fault = setter(Shown(given));
-          if (!fault.empty()) throw UsageError(argument.names + ": " + fault);
-        });
+        argument.names, [set](const std::vector<std::string>& given) { set(Shown(given)); });
     option->required(argument.required);
     if (argument.many) {
       option->expected(argument.required ? 1 : 0, CLI::detail::expected_max_vector_size);

@@ -59,6 +59,8 @@ class Arguments {
   /// A number above zero.
   void Option(std::string names, std::string value, std::optional<double>& variable, std::string text);
   void Option(std::string names, std::string value, std::optional<std::uint64_t>& variable, std::string text);
+  /// --once and -n,--count: how many are shown. Empty: no limit.
+  void Count(std::optional<std::uint64_t>& count, std::string once_text, std::string count_text);
   void Choice(std::string names, std::string& variable, std::vector<std::string> choices, std::string text);
   void Positional(Argument argument, std::string& variable);
   void Positional(Argument argument, std::vector<std::string>& variable);

@@ -37,7 +37,6 @@ struct EchoOptions {
   bool csv = false;
   bool raw = false;
   std::vector<std::string> fields;
-  bool once = false;
   std::optional<std::uint64_t> count;
   std::optional<double> rate;
   std::string filter;
@@ -240,15 +239,14 @@ void MessagePrinter::PrintOne(const std::string& channel, const RawMessage& raw,
   }
   surroundings_.console.Write(out_);
   ++printed_;
-  if (options_.once || (options_.count && printed_ >= *options_.count)) done_ = true;
+  if (options_.count && printed_ >= *options_.count) done_ = true;
 }
 
 class Echo final : public Command {
  public:
   void Declare(Arguments& arguments) override {
     arguments.Positional({"CHANNEL", "", "Channels to show", ValueKind::kChannel, {}, true}, options_.channels);
-    arguments.Flag("--once", options_.once, "End after one message");
-    arguments.Option("-n,--count", "N", options_.count, "End after N messages");
+    arguments.Count(options_.count, "End after one message", "End after N messages");
     arguments.Option("--field", "PATH", options_.fields,
                      "Only this field, such as pose.position.x or ranges[0]; may be repeated");
     arguments.Option("--filter", "EXPR", options_.filter,

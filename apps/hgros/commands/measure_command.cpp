@@ -46,8 +46,7 @@ KnownChannel FindChannel(const std::vector<KnownChannel>& channels, const std::s
 
 void MeasureCommand::Declare(Arguments& arguments) {
   arguments.Positional({"CHANNEL", "", "Channels to measure", ValueKind::kChannel, {}, true}, channels_);
-  arguments.Flag("--once", once_, "End after the first report");
-  arguments.Option("-n,--count", "N", count_, "End after N reports");
+  arguments.Count(count_, "End after the first report", "End after N reports");
   arguments.Flag("--receive", receive_,
                  "Receive the messages and measure what arrives here, with a histogram at the end");
   robot_options_.Declare(arguments);
@@ -65,7 +64,7 @@ int MeasureCommand::Count(Robot& robot) {
   robot.SayUnpublished(channels_);
   const auto start = steady_clock::now();
   const auto end = start + robot_options_.Timeout(std::chrono::hours(24 * 365));
-  return EverySecond(robot.surroundings().pause, once_ ? 1 : count_.value_or(0), start, end, [&] {
+  return EverySecond(robot.surroundings().pause, count_.value_or(0), start, end, [&] {
     const AllCounters counters = robot.Counters();
     const std::vector<KnownChannel> channels = robot.Channels(true);
     const std::size_t before = records.size();
@@ -85,7 +84,7 @@ int MeasureCommand::Receive(Robot& robot) const {
   robot.SayUnpublished(channels_);
   const auto start = steady_clock::now();
   const auto end = start + robot_options_.Timeout(std::chrono::hours(24 * 365));
-  const std::uint64_t count = once_ ? 1 : count_.value_or(0);
+  const std::uint64_t count = count_.value_or(0);
   const int code = EverySecond(robot.surroundings().pause, count, start + kPeriod, end, [&] {
     bool any = false;
     for (const auto& channel : arrivals) {

@@ -46,7 +46,6 @@ class MeasureCommand : public Command {
   [[nodiscard]] int Receive(Robot& robot) const;
 
   std::vector<std::string> channels_;
-  bool once_ = false;
   std::optional<std::uint64_t> count_;
   bool receive_ = false;
   RobotOptions robot_options_;

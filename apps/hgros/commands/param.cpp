@@ -189,8 +189,7 @@ class ParamWatch final : public Command {
  public:
   void Declare(Arguments& arguments) override {
     DeclarePlace(arguments, first_, second_);
-    arguments.Flag("--once", once_, "End after one change");
-    arguments.Option("-n,--count", "N", count_, "End after N changes");
+    arguments.Count(count_, "End after one change", "End after N changes");
     options_.Declare(arguments);
   }
   [[nodiscard]] std::string Description() const override {
@@ -212,7 +211,6 @@ class ParamWatch final : public Command {
 
   std::string first_;
   std::string second_;
-  bool once_ = false;
   std::optional<std::uint64_t> count_;
   RobotOptions options_;
 
@@ -244,7 +242,7 @@ void ParamWatch::Print(const std::string& session, const ParamEvent& event) {
       surroundings_->console.Line(TimeOfDay(now) + "  " + Visible(path.ToString()) + ": " + text(before) + " -> " +
                                   text(after));
     }
-    done_ = ++printed_ == (once_ ? 1 : count_.value_or(0));
+    done_ = ++printed_ == count_.value_or(0);
   }
 }
 

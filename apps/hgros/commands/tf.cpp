@@ -81,8 +81,7 @@ class TfEcho final : public Command {
                          target_);
     arguments.Positional({"B", "", "The frame whose pose is shown, such as laser", ValueKind::kFrame, {}, true},
                          source_);
-    arguments.Flag("--once", once_, "End after one pose");
-    arguments.Option("-n,--count", "N", count_, "End after N poses");
+    arguments.Count(count_, "End after one pose", "End after N poses");
     arguments.Option("--rate", "HZ", rate_, "So often; without it once a second");
     arguments.Option("--at", "TIME", at_,
                      "The pose at this time, once: now, a time such as 2026-11-23T11:50:33.25Z, or seconds since 1970");
@@ -105,7 +104,6 @@ class TfEcho final : public Command {
 
   std::string target_;
   std::string source_;
-  bool once_ = false;
   std::optional<std::uint64_t> count_;
   std::optional<double> rate_;
   std::string at_;
@@ -181,6 +179,7 @@ void TfEcho::Print(Console& console, const StampedTransform& found, Time now) co
 
 int TfEcho::Run(Surroundings& surroundings) {
   const std::optional<Time> time = WantedTime();
+  if (time && count_.value_or(1) != 1) throw UsageError("--at shows one pose. Leave out --count.");
   Robot robot(options_, surroundings);
   Frames frames(robot);
   TransformTree& tree = frames.tree();
@@ -216,7 +215,7 @@ int TfEcho::Run(Surroundings& surroundings) {
   auto next = std::chrono::steady_clock::now();
   for (std::uint64_t printed = 1;; ++printed) {
     Print(surroundings.console, *found, frames.Now());
-    if (time || once_ || (count_ && printed >= *count_)) return kDone;
+    if (time || (count_ && printed >= *count_)) return kDone;
     next = std::max(next + period, std::chrono::steady_clock::now());
     while ((end = pause.Until(std::min(next, last))) == Pause::End::kWoken) {
     }

@@ -25,8 +25,7 @@ class TfWatch final : public Command {
   void Declare(Arguments& arguments) override {
     arguments.Positional({"A", "", "Only the transforms between this frame ...", ValueKind::kFrame}, target_);
     arguments.Positional({"B", "", "... and this one", ValueKind::kFrame}, source_);
-    arguments.Flag("--once", once_, "End after one change");
-    arguments.Option("-n,--count", "N", count_, "End after N changes");
+    arguments.Count(count_, "End after one change", "End after N changes");
     options_.Declare(arguments);
   }
   [[nodiscard]] std::string Description() const override {
@@ -55,7 +54,6 @@ class TfWatch final : public Command {
 
   std::string target_;
   std::string source_;
-  bool once_ = false;
   std::optional<std::uint64_t> count_;
   RobotOptions options_;
 
@@ -97,7 +95,7 @@ void TfWatch::Tell(const Link& link, const std::string& event, const std::string
     surroundings_->console.Line(TimeOfDay(now) + "  " + Visible(link.first) + " -> " + Visible(link.second) + " " +
                                 event + (more.empty() ? "" : ": " + Visible(more)));
   }
-  done_ = ++told_ == (once_ ? 1 : count_.value_or(0));
+  done_ = ++told_ == count_.value_or(0);
 }
 
 void TfWatch::LookAt(const EdgeSnapshot& edge, const std::set<std::string>& senders) {

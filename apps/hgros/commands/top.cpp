@@ -61,8 +61,7 @@ class Top final : public Command {
   void Declare(Arguments& arguments) override {
     arguments.Choice("WHAT", what_, {"sessions", "nodes", "channels"}, "What to show first; without it the sessions");
     arguments.Flag("-b,--batch", batch_, "Write a table once a second, without a full screen; so does --json");
-    arguments.Flag("--once", once_, "Write one table, and end");
-    arguments.Option("-n,--count", "N", count_, "With --batch or --json: end after N tables");
+    arguments.Count(count_, "Write one table, and end", "Write N tables, one a second, and end");
     arguments.Flag("-a,--all", all_, "Also the channels of the library itself: hgros/ and params/");
     options_.Declare(arguments);
   }
@@ -89,7 +88,6 @@ class Top final : public Command {
 
   std::string what_ = "sessions";
   bool batch_ = false;
-  bool once_ = false;
   std::optional<std::uint64_t> count_;
   bool all_ = false;
   RobotOptions options_;
@@ -102,7 +100,7 @@ int Top::WriteTables(Robot& robot, SteadyTime end) {
   Console& console = robot.surroundings().console;
   activity_->Update(robot.Counters(), robot.Channels(true));
   auto next = std::chrono::steady_clock::now() + kSecondCounters;
-  const std::uint64_t count = once_ ? 1 : count_.value_or(0);
+  const std::uint64_t count = count_.value_or(0);
   for (std::uint64_t tables = 0; count == 0 || tables < count; ++tables, next += kRefreshPeriod) {
     while (std::chrono::steady_clock::now() < std::min(next, end)) {
       if (pause.Until(std::min(next, end)) == Pause::End::kInterrupted) return kDone;
@@ -197,8 +195,7 @@ int Top::ShowScreen(Robot& robot, SteadyTime end) {
 }
 
 int Top::Run(Surroundings& surroundings) {
-  const bool tables = batch_ || once_ || options_.style.json;
-  if (count_ && !tables) throw UsageError("--count needs --batch or --json.");
+  const bool tables = batch_ || count_ || options_.style.json;
   if (!tables && (!surroundings.console.interactive() || isatty(STDIN_FILENO) == 0)) {
     throw UsageError("A full screen needs a terminal. `hgros top --once` writes a table, and --batch one each second.");
   }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +47,22 @@ TEST(Arguments, TakeOptionsForValuesBehindTheirEnd) {
   EXPECT_TRUE(read.flag);
   EXPECT_EQ(read.one, "3");
   EXPECT_THAT(read.values, ElementsAre("--one=x", "--", "-f"));
+}
+
+TEST(Arguments, RefuseCountsThatContradictEachOther) {
+  const auto count = [](const std::vector<std::string>& words) {
+    std::optional<std::uint64_t> count;
+    Arguments arguments;
+    arguments.Count(count, "One", "N");
+    arguments.Parse(words);
+    return count.value_or(0);
+  };
+  EXPECT_EQ(count({}), 0U);
+  EXPECT_EQ(count({"--once"}), 1U);
+  EXPECT_EQ(count({"-n", "3"}), 3U);
+  EXPECT_EQ(count({"-n", "1", "--once"}), 1U);
+  EXPECT_THROW((void)count({"--once", "-n", "3"}), UsageError);
+  EXPECT_THROW((void)count({"-n", "3", "--once"}), UsageError);
 }
 
 TEST(Arguments, RefuseAnOptionThatIsNone) {
