@@ -1,5 +1,7 @@
 #include "robot/channel_rates.hpp"
 
+#include <algorithm>
+
 namespace hgros::cli {
 namespace {
 
@@ -7,10 +9,16 @@ constexpr int kMostUnchanged = 3;
 
 }  // namespace
 
+double PublishedRate(double own_hz, std::uint64_t messages, double seconds) {
+  if (seconds <= 0) return own_hz;
+  const auto count = static_cast<double>(messages);
+  return std::clamp(own_hz, std::max(count - 1, 0.0) / seconds, (count + 1) / seconds);
+}
+
 void ChannelRates::Take(Known& known, const Snapshot& snapshot, const Snapshot::Channel& channel) {
   const bool first = known.steady_ns == 0 || channel.published() < known.published;
   const double seconds = (static_cast<double>(snapshot.steady_ns()) - static_cast<double>(known.steady_ns)) / 1e9;
-  known.rate_hz = first ? channel.rate_hz() : static_cast<double>(channel.published() - known.published) / seconds;
+  known.rate_hz = PublishedRate(channel.rate_hz(), channel.published() - known.published, first ? 0 : seconds);
   const bool none_new = first || channel.encoded() <= known.encoded;
   known.new_encoded = none_new ? channel.encoded() : channel.encoded() - known.encoded;
   known.new_bytes = none_new ? channel.encoded_bytes() : channel.encoded_bytes() - known.encoded_bytes;

@@ -18,8 +18,12 @@ struct ChannelRate {
   std::optional<double> mean_bytes;  ///< None: no message was written for other sessions yet.
 };
 
-/// Rates from the counters that publishers keep: the differences between two snapshots, and at first the publisher's
-/// own rate. Without a message received.
+/// Messages per second of a publisher that has published `messages` in `seconds`. Regular messages are more than
+/// (messages - 1) / seconds and less than (messages + 1) / seconds: within that it is `own_hz`, the publisher's own
+/// rate, which is exact for slow channels, too. `seconds` is 0 at first.
+[[nodiscard]] double PublishedRate(double own_hz, std::uint64_t messages, double seconds);
+
+/// Rates from the counters that publishers keep, without a message received.
 ///
 /// Threading: one thread.
 class ChannelRates {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "robot/channel_rates.hpp"
 #include "robot/descriptions.hpp"
 #include "terminal/units.hpp"
 
@@ -199,7 +200,8 @@ void Activity::AddSession(const ChannelUser& user, std::map<std::string_view, Ch
     const Snapshot& now = *known.now;
     const Snapshot* before = known.before.get();
     row.silent = known.unchanged > kMostSilent;
-    const PerSecond per_second(row.silent ? 0 : SecondsBetween(before, now));
+    const double seconds = SecondsBetween(before, now);
+    const PerSecond per_second(row.silent ? 0 : seconds);
     SessionSum sum;
     for (const Snapshot::Channel& channel : now.channels()) {
       if (!all_ && IsInternal(channel.name())) continue;
@@ -217,7 +219,10 @@ void Activity::AddSession(const ChannelUser& user, std::map<std::string_view, Ch
       std::uint64_t encoded = 0;
       std::uint64_t bytes = 0;
       if (old != nullptr) {
-        published = per_second(old->published(), channel.published());
+        published.reset();
+        if (channel.published() >= old->published()) {
+          published = PublishedRate(channel.rate_hz(), channel.published() - old->published(), seconds);
+        }
         const std::optional<double> drops = per_second(DroppedBy(*old), dropped);
         AddTo(sum.received_hz, per_second(old->received(), channel.received()));
         AddTo(sum.drops_hz, drops);

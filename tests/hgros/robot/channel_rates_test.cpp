@@ -27,7 +27,7 @@ KnownChannel Scan(std::vector<std::uint64_t> publishers) {
   return channel;
 }
 
-TEST(ChannelRates, AreThePublishersOwnAtFirstAndThenFromDifferences) {
+TEST(ChannelRates, AreThePublishersOwnAsFarAsTheyFitTheDifferences) {
   ChannelRates rates;
   const KnownChannel scan = Scan({1, 2});
   const ChannelRate first =
@@ -37,9 +37,20 @@ TEST(ChannelRates, AreThePublishersOwnAtFirstAndThenFromDifferences) {
   EXPECT_EQ(first.published, 110U);
   EXPECT_FALSE(first.mean_bytes);
   const ChannelRate then =
-      rates.Next({{{1}, Counted(7 * kSecond, 140, 0, 0, 7)}, {{2}, Counted(2 * kSecond, 40, 0, 0, 3)}}, scan);
-  EXPECT_EQ(then.rate_hz, 50);
+      rates.Next({{{1}, Counted(7 * kSecond, 140, 0, 0, 19.9)}, {{2}, Counted(2 * kSecond, 40, 0, 0, 3)}}, scan);
+  EXPECT_DOUBLE_EQ(then.rate_hz, 19.9 + 29) << "3 Hz are too few for 30 messages in a second";
   EXPECT_EQ(then.published, 180U);
+}
+
+TEST(ChannelRates, OfSlowChannelsStayTheSame) {
+  EXPECT_EQ(PublishedRate(0.5, 0, 1), 0.5);
+  EXPECT_EQ(PublishedRate(0.5, 1, 1), 0.5);
+  EXPECT_EQ(PublishedRate(0.5, 7, 0), 0.5) << "at first";
+}
+
+TEST(ChannelRates, FallAtOnceWhenAFastPublisherStops) {
+  EXPECT_EQ(PublishedRate(1000, 0, 1), 1);
+  EXPECT_EQ(PublishedRate(1000, 500, 1), 501);
 }
 
 TEST(ChannelRates, HaveTheMeanSizeOfTheLastIntervalOrElseOfAll) {
@@ -56,7 +67,7 @@ TEST(ChannelRates, LeaveOutAPublisherThatSendsNoMoreCounters) {
   const AllCounters counters{{{1}, Counted(kSecond, 10, 0, 0, 7)}};
   for (int i = 0; i < 4; ++i) EXPECT_EQ(rates.Next(counters, scan).rate_hz, 7);
   EXPECT_EQ(rates.Next(counters, scan).publishers, 0U);
-  EXPECT_EQ(rates.Next({{{1}, Counted(6 * kSecond, 60, 0, 0, 7)}}, scan).rate_hz, 10);
+  EXPECT_EQ(rates.Next({{{1}, Counted(6 * kSecond, 60, 0, 0, 10)}}, scan).rate_hz, 10);
   EXPECT_EQ(rates.Next({}, scan).publishers, 0U);
 }
 

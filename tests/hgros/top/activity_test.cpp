@@ -35,7 +35,7 @@ std::shared_ptr<Snapshot> SnapshotAt(std::int64_t seconds, std::uint64_t message
   Snapshot::Channel* scan = snapshot->add_channels();
   scan->set_name("scan");
   scan->set_published(messages);
-  scan->set_rate_hz(9);
+  scan->set_rate_hz(19.8);
   scan->set_encoded(messages);
   scan->set_encoded_bytes(messages * 100);
   return snapshot;
@@ -81,7 +81,7 @@ TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
   EXPECT_EQ(Shown(session, "cpu_percent"), "25.0 %");
   EXPECT_EQ(Shown(session, "run_percent"), "10.0 %");
   EXPECT_EQ(Shown(session, "wait_p99_ns"), "7.00 ms");
-  EXPECT_EQ(Shown(session, "published_hz"), "20.0 Hz");
+  EXPECT_EQ(Shown(session, "published_hz"), "19.8 Hz");
   EXPECT_EQ(Shown(session, "received_hz"), "20.0 Hz");
   EXPECT_EQ(Shown(session, "drops_hz"), "2.0");
   EXPECT_EQ(Shown(session, "dropped"), "54");
@@ -96,17 +96,30 @@ TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
 
   ASSERT_EQ(activity.Rows(TopKind::kChannels).size(), 2U) << "Those of the library are hidden.";
   const TopRow& scan = activity.Rows(TopKind::kChannels).back();
-  EXPECT_EQ(Shown(scan, "rate_hz"), "20.0 Hz");
+  EXPECT_EQ(Shown(scan, "rate_hz"), "19.8 Hz");
   EXPECT_EQ(Shown(scan, "mean_bytes"), "100 B");
-  EXPECT_EQ(Shown(scan, "bytes_per_second"), "2.00 kB/s");
+  EXPECT_EQ(Shown(scan, "bytes_per_second"), "1.98 kB/s");
 }
 
 TEST(Activity, KnowsOnlyThePublishersOwnRateAfterOneSnapshot) {
   Activity activity({}, false);
   activity.Update({{SessionId{1}, SnapshotAt(1000, 500)}}, Channels());
   EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "cpu_percent"), "");
-  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "published_hz"), "9.00 Hz");
+  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "published_hz"), "19.8 Hz");
   EXPECT_EQ(Shown(activity.Rows(TopKind::kNodes).front(), "rate_hz"), "");
+}
+
+TEST(Activity, ShowsTheSameRateOfASlowChannelEachSecond) {
+  Activity activity({}, false);
+  std::uint64_t published = 0;
+  for (std::int64_t second = 0; second < 12; ++second) {
+    if (second % 3 == 0) ++published;
+    auto snapshot = SnapshotAt(1000 + second, published);
+    snapshot->mutable_channels(1)->set_rate_hz(1.0 / 3);
+    activity.Update({{SessionId{1}, snapshot}}, Channels());
+    EXPECT_EQ(Shown(activity.Rows(TopKind::kChannels).back(), "rate_hz"), "0.33 Hz") << second;
+    EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).back(), "published_hz"), "0.33 Hz") << second;
+  }
 }
 
 TEST(Activity, CallsASessionSilentWhenItsCountersStayTheSame) {
