@@ -31,7 +31,24 @@ void WriteInto(const Console& console, const std::string& file, std::string_view
   } const out{open(file.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)};
   if (out.descriptor < 0 && errno == ENXIO) throw Error("Nobody reads the pipe " + file + ". Start its reader first.");
   if (out.descriptor < 0) ThrowUnwritable(file);
-  console.WriteTo(out.descriptor, "The file " + file, text);
+  const std::string visible = isatty(out.descriptor) == 1 ? VisibleLines(text) : std::string(text);
+  console.WriteTo(out.descriptor, "The file " + file, visible);
+}
+
+// Where symbolic links lead, whether a file is there or not. Throws Error for a link to nowhere.
+std::filesystem::path TargetOf(const std::string& file) {
+  constexpr int kMostLinks = 40;  // As Linux.
+  std::filesystem::path target = file;
+  std::error_code fault;
+  for (int links = 0; std::filesystem::is_symlink(target, fault); ++links) {
+    if (links == kMostLinks) throw Error("The file " + file + " is a symbolic link that leads in a circle.");
+    target = target.parent_path() / std::filesystem::read_symlink(target, fault);
+  }
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  if (target != file && !std::filesystem::is_directory(folder, fault)) {
+    throw Error("The file " + file + " is a symbolic link to " + target.string() + ", whose folder is not there.");
+  }
+  return target;
 }
 
 // A file beside the one that is written, which takes its place once it is complete.
@@ -77,10 +94,8 @@ void WriteTo(Console& console, const std::string& file, std::string_view text) {
   const mode_t mask = umask(0);
   (void)umask(mask);
   constexpr mode_t kAllRead = 0666;
-  std::error_code fault;
-  const std::filesystem::path target = exists ? std::filesystem::canonical(file, fault) : std::filesystem::path(file);
   // A link stays a link.
-  FileBeside beside(fault ? file : target.string(), exists ? status.st_mode & 07777 : kAllRead & ~mask);
+  FileBeside beside(TargetOf(file).string(), exists ? status.st_mode & 07777 : kAllRead & ~mask);
   beside.Complete(console, text);
 }
 
