@@ -127,6 +127,18 @@ TEST(HgrosControl, ReachesSessionsWithAnAllowedKeyThroughTheEndpointsOfAFile) {
   EXPECT_THAT(end.out, HasSubstr("Channel \"scan\" is closed"));
 }
 
+TEST(HgrosControl, SaysThatRequestsDoNotGoThroughConnect) {
+  const ProtoFolder folder;
+  const std::string endpoint = "ipc://" + folder.path() + "/robot.ipc";
+  Session robot(Config::Parse("network: {publisher: {ip: '" + endpoint + "'}}\ndiscovery: {local: false}\n"),
+                {.name = "talker", .log = [](LogLevel, std::string_view) {}});
+  const auto scan = robot.Advertise<Log>("scan");
+  const CommandEnd end = RunToEnd({"control", "close", "scan", "--connect", endpoint},
+                                  {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  EXPECT_EQ(end.status, 1) << end.out << end.err;
+  EXPECT_THAT(end.out, HasSubstr("It is heard through --connect, but gets no requests that way."));
+}
+
 TEST(HgrosControl, RefusesWrongArguments) {
   EXPECT_EQ(RunToEnd({"control", "stop"}).status, 2);
   EXPECT_THAT(RunToEnd({"control", "stop"}).err, HasSubstr("--session '*'"));
@@ -220,6 +232,13 @@ TEST_F(HgrosControlProcess, ThatHangsDoesNotHoldUpOthers) {
   EXPECT_THAT(end.out, AllOf(HasSubstr("Log lines below the level error"), HasSubstr("It does not answer")));
   const CommandEnd in_time = robot.Run({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"});
   EXPECT_EQ(in_time.status, 3);
+}
+
+TEST_F(HgrosControlProcess, ThatHangsIsAskedForAChannelThatItHasAnnounced) {
+  publisher->Signal(SIGSTOP);
+  const CommandEnd end = RunToEnd({"control", "close", "greetings"}, environment);
+  EXPECT_EQ(end.status, 1) << end.err;
+  EXPECT_THAT(end.out, AllOf(HasSubstr("publisher:"), HasSubstr("It does not answer: it hangs")));
 }
 
 TEST_F(HgrosControlProcess, ThatDiesWhileItIsAskedIsNamed) {

@@ -4,7 +4,9 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands/commands.hpp"
@@ -25,19 +27,16 @@ constexpr std::array<std::string_view, 4> kLevels{"debug", "info", "warning", "e
 struct Candidate {
   ChannelUser user;
   const Snapshot* counters = nullptr;  // Null: it has not answered.
+  std::set<std::string> channels;      // Announced or counted.
 
   [[nodiscard]] bool IsCalled(const std::string& pattern) const {
     const auto like = [&](const std::string& name) { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; };
     return like(user.process) || like(ShortName(user, false)) || like(ShortName(user, true)) ||
            pattern == user.session.ToString();
   }
-  [[nodiscard]] bool Uses(const std::string& channel) const {
-    return counters != nullptr &&
-           std::ranges::any_of(counters->channels(), [&](const auto& one) { return one.name() == channel; });
-  }
   // Another command of this kind.
   [[nodiscard]] bool IsObserver() const {
-    return user.process == "hgros" && counters != nullptr && counters->control() == 0;
+    return user.process == "hgros" && (counters == nullptr || counters->control() == 0);
   }
 };
 
@@ -70,18 +69,31 @@ class Control : public Command {
  private:
   [[nodiscard]] static std::vector<Candidate> All(Robot& robot, const AllCounters& counters);
   [[nodiscard]] std::vector<Candidate> Choose(const std::vector<Candidate>& all) const;
-  int Show(const Surroundings& surroundings, const std::vector<Candidate>& asked,
-           const std::vector<ControlAnswer>& answers) const;
+  int Show(Robot& robot, const std::vector<Candidate>& asked, const std::vector<ControlAnswer>& answers) const;
+  [[nodiscard]] std::string WhyUnanswered(Robot& robot, SessionId session) const;
 
   std::vector<std::string> patterns_;
   RobotOptions options_;
 };
 
 std::vector<Candidate> Control::All(Robot& robot, const AllCounters& counters) {
+  const std::vector<KnownChannel> channels = robot.Channels(true);
+  std::map<SessionId, std::set<std::string>> used;
+  for (const KnownChannel& channel : channels) {
+    for (const auto* users : {&channel.publishers, &channel.subscribers}) {
+      for (const ChannelUser& user : *users) used[user.session].insert(channel.name);
+    }
+  }
   std::vector<Candidate> all;
-  for (const auto& [session, user] : SessionsOf(robot.Channels(true))) {
+  for (const auto& [session, user] : SessionsOf(channels)) {
     const auto found = counters.find(session);
-    all.push_back({user, found == counters.end() ? nullptr : found->second.get()});
+    Candidate& one = all.emplace_back();
+    one.user = user;
+    one.channels = std::move(used[session]);
+    if (found == counters.end()) continue;
+    one.counters = found->second.get();
+    // A forbidden channel is not announced.
+    for (const Snapshot::Channel& channel : one.counters->channels()) one.channels.insert(channel.name());
   }
   std::ranges::stable_sort(all, {}, [](const Candidate& one) { return std::pair(one.user.host, one.user.process); });
   return all;
@@ -107,9 +119,21 @@ std::vector<Candidate> Control::Choose(const std::vector<Candidate>& all) const 
   return chosen;
 }
 
-int Control::Show(const Surroundings& surroundings, const std::vector<Candidate>& asked,
-                  const std::vector<ControlAnswer>& answers) const {
-  Records records(surroundings.console, options_.style,
+// Through an endpoint to which a session connects it hears others; what it sends goes through its own endpoints.
+std::string Control::WhyUnanswered(Robot& robot, SessionId session) const {
+  const std::vector<PeerInfo> peers = robot.session().Peers();
+  const auto peer = std::ranges::find(peers, session, &PeerInfo::id);
+  const bool only_heard =
+      peer != peers.end() && std::ranges::any_of(options_.connect, [&](const std::string& endpoint) {
+        return peer->endpoint.ends_with(endpoint);
+      });
+  return only_heard ? "It is heard through --connect, but gets no requests that way. They need --config with a "
+                      "publisher endpoint to which it connects, and keys."
+                    : "It does not answer: it hangs, has ended, or no endpoint leads from here to it.";
+}
+
+int Control::Show(Robot& robot, const std::vector<Candidate>& asked, const std::vector<ControlAnswer>& answers) const {
+  Records records(robot.surroundings().console, options_.style,
                   UserColumns("SESSION") + std::vector<Column>{{"done", ""}, {"answer", "ANSWER"}});
   int code = kDone;
   for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -120,7 +144,7 @@ int Control::Show(const Surroundings& surroundings, const std::vector<Candidate>
     if (!answer.answered) {
       const bool takes_none = asked[i].counters != nullptr && asked[i].counters->control() == 0;
       text = takes_none ? "It takes no such requests: its configuration says `control: off`, or its version is older."
-                        : "It does not answer: it hangs, has ended, or no endpoint leads from here to it.";
+                        : WhyUnanswered(robot, user.session);
       if (!takes_none && options_.timeout_s && code == kDone) code = kTimedOut;
       if (takes_none) code = kFailed;
     }
@@ -146,7 +170,7 @@ int Control::Run(Surroundings& surroundings) {
     const auto answer = std::ranges::find(given, one.user.session, &ControlAnswer::session);
     answers.push_back(answer == given.end() ? ControlAnswer{one.user.session} : *answer);
   }
-  return Show(surroundings, asked, answers);
+  return Show(robot, asked, answers);
 }
 
 class ControlChannel final : public Control {
@@ -175,13 +199,12 @@ class ControlChannel final : public Control {
       throw UsageError(error.what());
     }
   }
-  [[nodiscard]] bool IsMeant(const Candidate& session) const override { return session.Uses(order_.channel); }
+  [[nodiscard]] bool IsMeant(const Candidate& session) const override {
+    return session.channels.contains(order_.channel);
+  }
   [[nodiscard]] std::string NobodyIsMeant(const std::vector<Candidate>& all) const override {
     std::vector<std::string> names;
-    for (const Candidate& one : all) {
-      if (one.counters == nullptr) continue;
-      for (const auto& channel : one.counters->channels()) names.push_back(channel.name());
-    }
+    for (const Candidate& one : all) names.insert(names.end(), one.channels.begin(), one.channels.end());
     const std::string nearest = NearestName(order_.channel, names);
     return "No session uses " + Visible(order_.channel) + "." +
            (nearest.empty() ? " `hgros list` shows all channels." : " Did you mean " + Visible(nearest) + "?");
