@@ -155,7 +155,8 @@ void Transforms::Core::Receive(const foxglove::FrameTransforms& message, const M
                                                    " Further ones refused for this reason are only counted.");
       }
     } else {
-      session_.log().WriteLimited(LogLevel::kWarning, "transform " + parent + " " + child,
+      const std::string alike = "transform " + std::to_string(static_cast<int>(result.fault())) + " " + by.ToString();
+      session_.log().WriteLimited(LogLevel::kWarning, alike,
                                   "A transform of session \"" + publisher + "\": " + result.text());
     }
   }
@@ -212,10 +213,10 @@ void Transforms::Core::NoteOwner(std::string_view parent, std::string_view child
   const auto other = owners_.Note(*frame, by, is_static);
   if (!other || (*other != session_.id() && !NameOfPeer(*other)) || !owners_.Settle(*frame)) return;
   ++shared_;
-  session_.log().Write(LogLevel::kWarning, "Two sessions set the edge " + Edge(parent, child) + ": \"" +
-                                               NameOf(*other) + "\" (" + other->ToString() + ") and \"" + NameOf(by) +
-                                               "\" (" + by.ToString() +
-                                               "). Lookups return either of the two; let only one session set it.");
+  session_.log().WriteLimited(LogLevel::kWarning, "shared edge",
+                              "Two sessions set the edge " + Edge(parent, child) + ": \"" + NameOf(*other) + "\" (" +
+                                  other->ToString() + ") and \"" + NameOf(by) + "\" (" + by.ToString() +
+                                  "). Lookups return either of the two; let only one session set it.");
 }
 
 TransformsStats Transforms::Core::stats() const {

@@ -259,6 +259,21 @@ TEST_F(TransformsOfTwo, ReportsAnEdgeOfTwoSessionsOnce) {
   }
   EXPECT_EQ(one.stats().shared_edges, 1U);
   EXPECT_TRUE(a.Said("\"b\" (" + b->id().ToString() + ")"));
+
+  // Many such edges, and many invalid ones, write few lines.
+  constexpr int kMany = 100;
+  std::vector<StampedEdge> many;
+  for (int i = 0; i < kMany; ++i) many.push_back({"map", "many" + std::to_string(i), At(1), Shift(1)});
+  for (int i = 1; i <= 3; ++i) {
+    for (StampedEdge& edge : many) edge.stamp = At(2 * i);
+    ASSERT_TRUE(one.ToTF(many));
+    ASSERT_TRUE(Arrives(two, "map", "many99", At(2 * i)));
+    for (StampedEdge& edge : many) edge.stamp = At(2 * i + 1);
+    ASSERT_TRUE(two.ToTF(many));
+    ASSERT_TRUE(Arrives(one, "map", "many99", At(2 * i + 1)));
+  }
+  EXPECT_EQ(one.stats().shared_edges, 1U + kMany);
+  EXPECT_EQ(a.Count("Two sessions set the edge"), 10U);
 }
 
 TEST_F(TransformsOfTwo, EdgeTakenOverByAnotherSessionIsNotShared) {

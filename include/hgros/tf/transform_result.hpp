@@ -89,6 +89,7 @@ enum class SetFault : std::uint8_t {
   kTooOld,         ///< Its stamp is before the range of the edge's buffer.
   kTooNew,         ///< Its stamp is too far ahead of the session's clock: see TransformsOptions::max_ahead.
   kTooManyFrames,  ///< It would exceed TransformTreeOptions::max_frames.
+  kTooDeep,        ///< A frame would be more than 1000 edges below its root.
 };
 
 /// Whether a transform was stored.

@@ -27,6 +27,8 @@ void TransformResult::Throw() const { throw Error(failure_->text); }
 namespace tf {
 namespace {
 
+constexpr std::size_t kMostNamed = 20;  // Of the frames of a cycle.
+
 std::string Quoted(std::string_view name) { return "\"" + std::string(name) + "\""; }
 
 std::string Seconds(std::int64_t nanoseconds) {
@@ -121,7 +123,12 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
         break;
       }
       why = "it would close a cycle: " + Quoted(parent.name);
+      std::size_t named = 0;
       for (const Frame* frame = &parent; frame != &child && frame != nullptr;) {
+        if (++named > kMostNamed) {
+          why += " is below others, which are below " + Quoted(child.name);
+          break;
+        }
         frame = frame->parent.load(std::memory_order_acquire);
         if (frame != nullptr) why += " is below " + Quoted(frame->name);
         if (frame != nullptr && frame != &child) why += ", which";
@@ -148,6 +155,9 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
     case SetFault::kTooManyFrames:
       why =
           "the tree has " + std::to_string(frames_.most()) + " frames, the limit of TransformTreeOptions::max_frames.";
+      break;
+    case SetFault::kTooDeep:
+      why = "frames would be more than 1000 edges below their root. Set frames below a nearer one.";
       break;
     case SetFault::kTooNew:  // Only Transforms knows a clock.
     case SetFault::kName:

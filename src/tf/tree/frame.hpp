@@ -26,6 +26,7 @@ struct alignas(64) Frame {
   RingLimits limits;
   std::atomic<bool> known{false};  ///< The frame has an edge.
   bool is_static = false;
+  std::uint32_t height = 0;  ///< The most edges from here down to a frame. Guarded by the tree.
   FrameId id;
   // Changes with every transform.
   alignas(64) std::atomic<std::uint64_t> sets{0};

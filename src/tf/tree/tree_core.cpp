@@ -18,6 +18,8 @@ std::uint64_t NextTreeNumber() {
 }
 
 constexpr double kUnitTolerance = 1e-3;
+// Limits the time for an edge or a lookup, also if a peer sends a long chain.
+constexpr std::size_t kMostEdgesDown = 1000;
 
 // With a rotation of exactly unit length; false if it is too far from that, or not a number.
 bool MakeUnit(Pose& pose) {
@@ -31,6 +33,15 @@ bool MakeUnit(Pose& pose) {
   pose.y *= scale;
   pose.z *= scale;
   return true;
+}
+
+Frame* Above(const Frame* frame) { return frame->parent.load(std::memory_order_relaxed); }
+
+// The edges from the root down to the lowest frame, if `below` hung from `above`; null: a new frame. Under topology_.
+std::size_t EdgesDown(const Frame* above, const Frame* below) {
+  std::size_t edges = (below == nullptr ? 0 : below->height) + (above == nullptr ? 1 : 0);
+  for (; above != nullptr; above = Above(above)) ++edges;
+  return edges;
 }
 
 SetFault PoseFault(Pose& pose) {
@@ -92,6 +103,10 @@ SetResult TreeCore::Set(std::string_view parent, std::string_view child, const E
     if (fault == SetFault::kNone && parent == child) fault = SetFault::kCycle;
     const bool hangs = below != nullptr && below->parent.load(std::memory_order_acquire) != nullptr;
     if (fault == SetFault::kNone && hangs) fault = SetFault::kTwoParents;
+    if (fault == SetFault::kNone) {
+      const std::scoped_lock lock(topology_);
+      if (EdgesDown(above, below) > kMostEdgesDown) fault = SetFault::kTooDeep;
+    }
     const std::size_t missing = (above == nullptr ? 1 : 0) + (below == nullptr ? 1 : 0);
     if (fault == SetFault::kNone && frames_.size() + missing > frames_.most()) fault = SetFault::kTooManyFrames;
     if (fault == SetFault::kNone && (above = frames_.Intern(parent)) != nullptr) below = frames_.Intern(child);
@@ -157,10 +172,11 @@ SetFault TreeCore::Connect(Frame& parent, Frame& child, const EdgeValue& value, 
   bool awaited = false;
   {
     const std::scoped_lock lock(topology_);
-    for (const Frame* frame = &parent; frame != nullptr; frame = frame->parent.load(std::memory_order_relaxed)) {
+    for (const Frame* frame = &parent; frame != nullptr; frame = Above(frame)) {
       if (frame == &child) return SetFault::kCycle;
     }
-    if (child.parent.load(std::memory_order_relaxed) != nullptr) return SetFault::kTwoParents;
+    if (Above(&child) != nullptr) return SetFault::kTwoParents;
+    if (EdgesDown(&parent, &child) > kMostEdgesDown) return SetFault::kTooDeep;
     {
       const std::scoped_lock write(child.write);
       child.time = time_.load(std::memory_order_relaxed);
@@ -168,6 +184,10 @@ SetFault TreeCore::Connect(Frame& parent, Frame& child, const EdgeValue& value, 
       child.publisher.store(value.publisher.value, std::memory_order_relaxed);
     }
     child.parent.store(&parent, std::memory_order_release);
+    std::uint32_t height = child.height + 1;
+    for (Frame* frame = &parent; frame != nullptr && frame->height < height; frame = Above(frame)) {
+      frame->height = height++;
+    }
     child.known.store(true, std::memory_order_release);
     parent.known.store(true, std::memory_order_release);
     ++edge_count_;

@@ -236,6 +236,39 @@ TEST(TransformTree, RefusesCycles) {
   EXPECT_EQ(tree.Set("d", "d", At(1), Shift(1)).fault(), SetFault::kCycle);
 }
 
+TEST(TransformTree, RefusesFramesMoreThanAThousandEdgesBelowTheirRoot) {
+  const auto name = [](int i) { return "f" + std::to_string(i); };
+  for (const bool downwards : {true, false}) {
+    TransformTree tree;
+    const auto set = [&](int parent, int child) { return tree.SetStatic(name(parent), name(child), Shift(1)); };
+    for (int i = 0; i < 1000; ++i) ASSERT_TRUE(downwards ? set(i, i + 1) : set(1000 - i - 1, 1000 - i)) << i;
+    EXPECT_TRUE(set(999, 2000)) << "beside the last";
+    const SetResult below = set(1000, 1001);
+    EXPECT_EQ(below.fault(), SetFault::kTooDeep);
+    EXPECT_EQ(below.text(),
+              "The transform from \"f1000\" to \"f1001\" was refused: frames would be more than 1000 edges below their "
+              "root. Set frames below a nearer one.");
+    EXPECT_EQ(set(3000, 0).fault(), SetFault::kTooDeep);
+    for (const int refused : {1001, 3000}) EXPECT_FALSE(tree.Find(name(refused)));
+    ASSERT_TRUE(set(4000, 4001));
+    EXPECT_EQ(set(4001, 0).fault(), SetFault::kTooDeep);
+    EXPECT_EQ(set(1000, 4000).fault(), SetFault::kTooDeep);
+    EXPECT_TRUE(tree.Lookup(name(0), name(1000)));
+  }
+}
+
+TEST(TransformTree, NamesSomeOfTheFramesOfALongCycle) {
+  TransformTree tree;
+  for (int i = 0; i < 900; ++i) {
+    ASSERT_TRUE(tree.SetStatic("f" + std::to_string(i), "f" + std::to_string(i + 1), Shift(1)));
+  }
+  const SetResult set = tree.SetStatic("f900", "f0", Shift(1));
+  EXPECT_EQ(set.fault(), SetFault::kCycle);
+  EXPECT_LT(set.text().size(), 1000U);
+  EXPECT_TRUE(set.text().ends_with("which is below \"f880\", which is below others, which are below \"f0\"."))
+      << set.text();
+}
+
 TEST(TransformTree, RefusesTransformsThatAreNotRigid) {
   TransformTree tree;
   const double nan = std::numeric_limits<double>::quiet_NaN();
