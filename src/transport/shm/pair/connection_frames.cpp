@@ -29,7 +29,7 @@ void Connections::Read(const std::shared_ptr<Pair>& pair) {
         if (pair->alive) {
           sockets_.Distrust(*pair, pair->socket.fault());
         } else if (!pair->ending) {
-          Refuse(pair->socket.fault());
+          Refuse(pair->socket.fault(), pair->place);
           EndPair(pair, pair->socket.fault(), true);
         }
         break;  // The peer may hold messages of ours until its socket ends.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,8 @@ namespace hgros::shm {
 namespace {
 
 constexpr int kAcceptsAtOnce = 64;
+
+std::string TextOfOther(uid_t user) { return "it belongs to another user (" + std::to_string(user) + ")"; }
 
 }  // namespace
 
@@ -75,38 +78,42 @@ void Connections::Connect(SteadyTime now) {
 
 // The socket stays readable while more connections wait, and others have their turn between.
 void Connections::Accept() {
+  std::optional<uid_t> stranger;
+  bool out_of_descriptors = false;
   for (int i = 0; i < kAcceptsAtOnce; ++i) {
-    bool out_of_descriptors = false;
     Handle connection = AcceptFrom(listening_, out_of_descriptors);
-    if (connection.valid()) {
+    if (!connection.valid()) break;
+    // Any user can connect again and again, so nothing is made for others.
+    const uid_t user = OtherSideOf(connection).user;
+    if (user == geteuid()) {
       (void)AddPair(std::move(connection), false, {});
-      continue;
+    } else {
+      stranger = user;
     }
-    if (!out_of_descriptors) return;
-    // The socket stays readable: waiting for it would use up a CPU.
-    listens_ = !sockets_.Unwatch(listening_);
-    obstacles_.Set({}, {}, "this process can open no more files, so it cannot accept a connection (ulimit -n)");
-    session_.log.WriteLimited(LogLevel::kWarning, "shm accept",
-                              "Another session cannot connect: the limit of open files is reached. Raise it "
-                              "(ulimit -n).");
-    return;
   }
+  if (stranger) Refuse(TextOfOther(*stranger), {});
+  if (!out_of_descriptors) return;
+  // The socket stays readable: waiting for it would use up a CPU.
+  listens_ = !sockets_.Unwatch(listening_);
+  obstacles_.Set({}, {}, "this process can open no more files, so it cannot accept a connection (ulimit -n)");
+  session_.log.WriteLimited(LogLevel::kWarning, "shm accept",
+                            "Another session cannot connect: the limit of open files is reached. Raise it "
+                            "(ulimit -n).");
 }
 
-void Connections::Refuse(const std::string& why) {
+void Connections::Refuse(const std::string& why, const std::string& place) {
   session_.log.WriteLimited(LogLevel::kWarning, "shm refuse", "No memory is shared with another session: " + why + ".");
+  obstacles_.Set(place, {}, why);
 }
 
 // Null if the connection is refused.
 std::shared_ptr<Pair> Connections::AddPair(Handle connection, bool by_us, const std::string& place) {
   const auto refuse = [&](const std::string& why) -> std::shared_ptr<Pair> {
-    Refuse(why);
-    obstacles_.Set(place, {}, why);
+    Refuse(why, place);
     return nullptr;
   };
-  // First, because any user can connect again and again.
   const OtherSide other = OtherSideOf(connection);
-  if (other.user != geteuid()) return refuse("it belongs to another user (" + std::to_string(other.user) + ")");
+  if (other.user != geteuid()) return refuse(TextOfOther(other.user));
   auto handle = std::make_shared<const Handle>(std::move(connection));
   std::string fault;
   std::unique_ptr<LaneWriter> lane = LaneWriter::Make(fault);

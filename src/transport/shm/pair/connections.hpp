@@ -56,7 +56,7 @@ class Connections final : public SocketThread::Handler {
   void Connect(SteadyTime now);
   void Accept();
   std::shared_ptr<Pair> AddPair(Handle connection, bool by_us, const std::string& place);
-  void Refuse(const std::string& why);
+  void Refuse(const std::string& why, const std::string& place);
   void EndPair(const std::shared_ptr<Pair>& pair, const std::string& reason, bool say_bye,
                LinkEnd links = LinkEnd::kPairLost);
   void OnProcessEnd(const std::shared_ptr<Pair>& pair);

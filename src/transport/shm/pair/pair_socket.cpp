@@ -1,9 +1,11 @@
 #include "transport/shm/pair/pair_socket.hpp"
 
+#include <fcntl.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -26,6 +28,7 @@ constexpr std::size_t kMaxStraySets = 16;  // Received before their frames.
 constexpr std::size_t kReadBytes = 64 * 1024;
 constexpr int kReadsAtOnce = 2;  // The caller has other sockets to read.
 constexpr std::size_t kLargeReadBytes = 1024 * 1024;
+constexpr suseconds_t kWaitForRoomUs = 20'000;
 constexpr std::size_t kSendBytes = 4 * 1024 * 1024;
 
 // The tags of a payload in a frame (proto/hgros/pair.proto), whose fields are written in this order.
@@ -368,11 +371,16 @@ Handle ConnectTo(const std::string& place, std::string& fault) {
   if (!AddressOf(place, address, size, fault)) return {};
   Handle made = MakeSocket(fault);
   if (!made.valid()) return {};
+  // Any user may have filled the place's queue. Then this waits for a moment until there is room.
+  (void)fcntl(made.fd(), F_SETFL, 0);
+  const timeval patience{0, kWaitForRoomUs};
+  (void)setsockopt(made.fd(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
   if (connect(made.fd(), reinterpret_cast<const sockaddr*>(&address), size) != 0) {
     fault = errno == EAGAIN ? "too many connections wait at \"" + place + "\""
                             : "nobody listens at \"" + place + "\" in this network namespace: " + std::strerror(errno);
     return {};
   }
+  (void)fcntl(made.fd(), F_SETFL, O_NONBLOCK);
   return made;
 }
 
