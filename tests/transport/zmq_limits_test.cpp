@@ -282,6 +282,43 @@ TEST_F(ZmqLimits, AConnectionWhoseSessionAsksForTooMuchIsClosed) {
   ExpectOthersGoOn();
 }
 
+// Their links are lossless, so they may come back.
+TEST_F(ZmqLimits, SessionsThatComeAndGoCannotLeaveMoreWishesThanAllMayHave) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "So many messages take too long with a sanitizer.";
+#endif
+  const auto count = [&] {
+    std::size_t sum = 0;
+    for (const auto& known : publisher.transport->KnownChannels()) sum += known.channels.size();
+    return sum;
+  };
+  constexpr std::size_t kEach = 9'000;  // Of 160 bytes.
+  for (unsigned number = 100; number < 108; ++number) {
+    const Client client(endpoint);
+    const SessionId greedy{number};
+    const std::uint64_t handshake = client.Greet(greedy);
+    ASSERT_NE(handshake, 0U);
+    auto message = zmq::ControlFrom(greedy);
+    auto& asked = *message.mutable_subscribe();
+    asked.set_handshake(handshake);
+    asked.set_lossless(true);
+    WriteType("scan", TextType(), *asked.mutable_wanted());
+    std::string frames = Frame(zmq::UpstreamFrame(message));
+    asked.mutable_wanted()->set_type_name(std::string(1000, 't'));
+    for (std::size_t i = 0; i < kEach; ++i) {
+      asked.mutable_wanted()->set_channel(std::to_string(1'000'000 + i) + std::string(190, 'x'));
+      frames += Frame(zmq::UpstreamFrame(message));
+    }
+    const std::string name = "last" + std::to_string(number);
+    (void)client.Send(frames + Frame('\1' + PlainTopic(name)));
+    conformance::Source other;
+    const auto last = publisher.transport->Advertise(name, TextType(), other);
+    ASSERT_TRUE(Eventually([&] { return last->subscriber_count() == 1 || client.WasClosed(); }));
+    ASSERT_LT(count(), (zmq::AcceptedConnections::kMostTopicBytesOfAll / 160) + kEach);
+  }
+  ExpectOthersGoOn();
+}
+
 TEST_F(ZmqLimits, TheLargestOfConnectionsWithTooManyTopicsTogetherAreClosed) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "ZeroMQ needs seconds to forget so many topics with a sanitizer, and the others fall silent.";
@@ -467,6 +504,92 @@ TEST(ZmqUnfinishedMessages, PingsAreNoMessage) {
   for (int i = 0; i < 100 && !cut; ++i) cut = !looked_at(time).empty();
   EXPECT_TRUE(cut) << "as much at once is a message";
   for (const int fd : {listening, theirs, ours}) close(fd);
+}
+
+/// Connections without descriptors.
+class ZmqTopicsOfAll : public testing::Test {
+ protected:
+  static constexpr int kFirst = 1 << 24;  // No descriptor of a process.
+
+  void Connect(int connection, SessionId session = {}) {
+    (void)accepted.Add(connection, "", std::chrono::steady_clock::now());
+    if (session.value == 0) return;
+    EXPECT_TRUE(accepted.NoteSession(connection, session));
+    accepted.NoteProof(connection, session.value);
+  }
+  /// Subscribes to some 200 bytes. False if it is closed.
+  bool Subscribe(int connection, int number) {
+    return accepted.CountTopic(connection, std::to_string(connection) + std::to_string(number) + std::string(170, 'x'),
+                               true);
+  }
+  [[nodiscard]] bool IsClosed(int connection) { return !Subscribe(connection, 1'000'000 + next_++); }
+  [[nodiscard]] std::ptrdiff_t TimesCut() const {
+    return std::ranges::count_if(lines, [](const auto& line) { return line.find("too many together") != line.npos; });
+  }
+  /// Many connections together subscribe to more than all may, and each to little.
+  void ComeInCrowds() {
+    for (int i = 1; i <= 1000; ++i) {
+      Connect(kFirst + i);
+      for (int k = 0; k < 50; ++k) (void)Subscribe(kFirst + i, k);
+    }
+  }
+
+  std::vector<std::string> lines;
+  Log log{[&](LogLevel, std::string_view text) { lines.emplace_back(text); }};
+  conformance::Listener listener;
+  zmq::SharedState shared{{}, listener, log};
+  const std::string bound = "tcp://127.0.0.1:1";
+  zmq::AcceptedConnections accepted{shared, bound};
+
+ private:
+  int next_ = 0;
+};
+
+TEST_F(ZmqTopicsOfAll, ManyConnectionsOfAStrangerDoNotEndASession) {
+  Connect(kFirst, SessionId{1});
+  for (int i = 0; i < 7'500; ++i) ASSERT_TRUE(Subscribe(kFirst, i));  // 1.5 MiB.
+  constexpr int kPlain = kFirst + 5000;
+  Connect(kPlain);
+  ASSERT_TRUE(Subscribe(kPlain, 0));
+  ComeInCrowds();
+  EXPECT_EQ(TimesCut(), 1);
+  EXPECT_FALSE(IsClosed(kFirst));
+  EXPECT_FALSE(IsClosed(kPlain)) << "a few topics are not worth it";
+}
+
+TEST_F(ZmqTopicsOfAll, SessionsAreCutIfOthersHaveLittle) {
+  constexpr int kPlain = kFirst + 5000;
+  Connect(kPlain);
+  ASSERT_TRUE(Subscribe(kPlain, 0));
+  for (int number = 0; number < 6; ++number) {
+    Connect(kFirst + number, SessionId{1U + static_cast<unsigned>(number)});
+    for (int i = 0; i < 8'000; ++i) (void)Subscribe(kFirst + number, i);
+  }
+  EXPECT_EQ(TimesCut(), 1);
+  EXPECT_FALSE(IsClosed(kPlain));
+}
+
+TEST_F(ZmqTopicsOfAll, WishesOfSessionsThatMayComeBackCount) {
+  Connect(kFirst, SessionId{1});
+  ASSERT_TRUE(accepted.CountWishes(kFirst, SessionId{1}, 1 << 20));
+  for (unsigned i = 2; i < 20 && accepted.CollectGivenUp().empty(); ++i) {
+    const int connection = kFirst + static_cast<int>(i);
+    Connect(connection, SessionId{i});
+    ASSERT_TRUE(accepted.CountWishes(connection, SessionId{i}, 3 << 19));
+    accepted.Remove(connection);
+    ASSERT_LT(i, 10U) << "nothing was given up";
+  }
+  EXPECT_FALSE(IsClosed(kFirst)) << "it has less";
+}
+
+TEST_F(ZmqTopicsOfAll, WishesOfDroppedSessionsDoNotCount) {
+  for (unsigned i = 2; i < 20; ++i) {
+    Connect(kFirst, SessionId{i});
+    ASSERT_TRUE(accepted.CountWishes(kFirst, SessionId{i}, 3 << 19));
+    accepted.Remove(kFirst);
+    accepted.ForgetWishes(SessionId{i});
+    ASSERT_TRUE(accepted.CollectGivenUp().empty());
+  }
 }
 
 TEST(ZmqAcceptedConnections, AConnectionThatSubscribesToNothingIsClosed) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <unordered_set>
 #include <utility>
 
 #include "hgros/base/memory_room.hpp"
@@ -22,6 +23,7 @@ constexpr std::uint64_t kGreetingBytes = 64;  // Of ZMTP 3: https://rfc.zeromq.o
 constexpr auto kLookAgainAfter = std::chrono::milliseconds(50);
 constexpr int kStuckAfterLooks = 4;
 
+constexpr std::size_t kFewTopicBytes = 1024;  // As plain subscribers have.
 constexpr std::size_t kMemoryPerTopicByte = 40;
 constexpr std::size_t kMostPartOfFreeMemory = 8;
 
@@ -118,10 +120,9 @@ void AcceptedConnections::Remove(int fd) {
 }
 
 void AcceptedConnections::Clear() {
+  for (auto& [fd, connection] : connections_) ReleaseAll(connection);
   connections_.clear();
   ended_.clear();
-  holders_.clear();
-  topic_bytes_ = 0;
 }
 
 bool AcceptedConnections::NoteSession(int fd, SessionId session) {
@@ -180,7 +181,7 @@ bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view 
   if (connection.topics.contains(topic)) return false;
   const std::size_t before = connection.topic_bytes;
   connection.topic_bytes += topic.size() + kBesidesTopicBytes;
-  if (connection.topic_bytes + connection.wish_bytes > 2 * kMostTopicBytes) {
+  if (BytesOf(connection) > 2 * kMostTopicBytes) {
     CutTooLarge(fd, connection);
     return false;
   }
@@ -201,18 +202,28 @@ bool AcceptedConnections::Hold(int fd, Connection& connection, std::string_view 
   return !connection.cut;
 }
 
-bool AcceptedConnections::CountWishes(int fd, std::size_t bytes) {
+bool AcceptedConnections::CountWishes(int fd, SessionId session, std::size_t bytes) {
+  topic_bytes_ += bytes - std::exchange(wish_bytes_[session], bytes);
   const auto found = connections_.find(fd);
-  if (found == connections_.end()) return true;
-  Connection& connection = found->second;
-  if (connection.cut) return false;
-  topic_bytes_ += bytes - std::exchange(connection.wish_bytes, bytes);
-  if (connection.topic_bytes + connection.wish_bytes > 2 * kMostTopicBytes) {
-    CutTooLarge(fd, connection);
+  if (found != connections_.end() && found->second.cut) return false;
+  if (found != connections_.end() && BytesOf(found->second) > 2 * kMostTopicBytes) {
+    CutTooLarge(fd, found->second);
   } else if (topic_bytes_ > most_topic_bytes_) {
     CutLargest();
   }
-  return !connection.cut;
+  return found == connections_.end() || !found->second.cut;
+}
+
+void AcceptedConnections::ForgetWishes(SessionId session) {
+  const auto found = wish_bytes_.find(session);
+  if (found == wish_bytes_.end()) return;
+  topic_bytes_ -= found->second;
+  wish_bytes_.erase(found);
+}
+
+std::size_t AcceptedConnections::BytesOf(const Connection& connection) const {
+  const auto wishes = connection.speaker.proof ? wish_bytes_.find(connection.speaker.session) : wish_bytes_.end();
+  return connection.topic_bytes + (wishes == wish_bytes_.end() ? 0 : wishes->second);
 }
 
 void AcceptedConnections::CutTooLarge(int fd, Connection& connection) {
@@ -224,23 +235,42 @@ void AcceptedConnections::CutTooLarge(int fd, Connection& connection) {
 }
 
 void AcceptedConnections::CutLargest() {
-  const auto size = [](const auto& entry) {
-    return entry.second.cut ? 0 : entry.second.topic_bytes + entry.second.wish_bytes;
-  };
-  const auto largest = std::ranges::max_element(connections_, {}, size);
-  auto& [fd, connection] = *largest;
-  connection.cut = true;
-  Cut(fd, "topics of all",
-      "subscribes to most of all connections, whose topics are too many together: it is closed. Let each subscribe to "
-      "the channels that it needs.");
-  ReleaseAll(connection);
+  // One program may have many connections: those without a Hello end before a session's.
+  std::pair<bool, std::size_t> most;
+  int largest = -1;
+  std::unordered_set<SessionId> here;
+  for (const auto& [fd, connection] : connections_) {
+    if (connection.cut) continue;
+    if (connection.speaker.proof) here.insert(connection.speaker.session);
+    const std::size_t bytes = BytesOf(connection);
+    const std::pair one(!connection.speaker.proof && bytes > kFewTopicBytes, bytes);
+    if (largest >= 0 && one <= most) continue;
+    most = one;
+    largest = fd;
+  }
+  SessionId away{};
+  for (const auto& [session, bytes] : wish_bytes_) {
+    if (here.contains(session) || std::pair(false, bytes) < most) continue;
+    most = {false, bytes};
+    away = session;
+  }
+  if (away.value != 0) {
+    given_up_.push_back(away);
+    ForgetWishes(away);
+  } else if (largest >= 0) {
+    Connection& connection = connections_.at(largest);
+    connection.cut = true;
+    Cut(largest, "topics of all",
+        "subscribes to most of all connections, whose topics are too many together: it is closed. Let each subscribe "
+        "to the channels that it needs.");
+    ReleaseAll(connection);
+  }
 }
 
 void AcceptedConnections::ReleaseAll(Connection& connection) {
   for (const std::string& topic : connection.topics) Release(topic);
   connection.topics.clear();
   connection.topic_bytes = 0;
-  topic_bytes_ -= std::exchange(connection.wish_bytes, 0);
 }
 
 void AcceptedConnections::Release(std::string_view topic) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "hgros/base/ids.hpp"
 #include "transport/zmq/shared_state.hpp"
@@ -26,7 +28,8 @@ namespace hgros::zmq {
 /// - A connection whose topics have more than kMostTopicBytes is named*, and closed at twice as many*. ZeroMQ takes up
 ///   to 32 bytes for each of them.
 /// - The same for the channels that its session asks for. Each of their bytes counts as an eighth of one.
-/// - If these bytes of all connections are more than MostTopicBytes(), the connection with most is closed.*
+/// - If these bytes of all connections, and of sessions that may come back, are more than MostTopicBytes(), the one
+///   with most is closed.* A session's, after its Hello, is closed only if no other has more than a few.
 /// - A connection that does not read the control messages that it gets (UnreadBytes) is closed.*
 /// - A connection belongs to one session. Each that it names would get a Welcome, which it need not read.*
 /// - A plain subscriber that does not read is closed before it uses up the bytes that all plain subscribers share.
@@ -69,8 +72,12 @@ class AcceptedConnections {
   /// has ended. False if that is to be ignored: the connection was closed, it holds the topic already, or another one
   /// still holds it.
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
-  /// The channels that the session of this connection asks for have this size now. False if the connection was closed.
-  [[nodiscard]] bool CountWishes(int fd, std::size_t bytes);
+  /// The channels that the session of this connection asks for have this size now, until ForgetWishes(), even if the
+  /// connection ends. False if the connection was closed.
+  [[nodiscard]] bool CountWishes(int fd, SessionId session, std::size_t bytes);
+  void ForgetWishes(SessionId session);
+  /// The sessions without a connection whose wishes are to be dropped: they are too large, and forgotten here.
+  [[nodiscard]] std::vector<SessionId> CollectGivenUp() { return std::exchange(given_up_, {}); }
   /// A control message of this size was sent to it.
   void CountSent(int fd, std::size_t bytes);
   void CloseIdle(SteadyTime now);
@@ -96,7 +103,6 @@ class AcceptedConnections {
     UnreadBytes unread;
     int full_looks = 0;  // How often in a row the send buffer was full.
     std::size_t topic_bytes = 0;
-    std::size_t wish_bytes = 0;
     std::set<std::string, std::less<>> topics;
   };
   struct Hash {
@@ -110,6 +116,7 @@ class AcceptedConnections {
   [[nodiscard]] bool Hold(int fd, Connection& connection, std::string_view topic);
   void Release(std::string_view topic);
   void ReleaseAll(Connection& connection);
+  [[nodiscard]] std::size_t BytesOf(const Connection& connection) const;
   void CutLargest();
   void CutTooLarge(int fd, Connection& connection);
 
@@ -120,6 +127,8 @@ class AcceptedConnections {
   std::unordered_map<int, Speaker> ended_;
   std::size_t most_topic_bytes_ = MostTopicBytes();
   std::size_t topic_bytes_ = 0;  // Of all topics in `holders_`, and of all wishes.
+  std::unordered_map<SessionId, std::size_t> wish_bytes_;
+  std::vector<SessionId> given_up_;
   // How many connections hold a topic.
   std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> holders_;
   SteadyTime next_look_{};

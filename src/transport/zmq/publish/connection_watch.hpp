@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "transport/zmq/publish/accepted_connections.hpp"
 #include "transport/zmq/publish/unfinished_messages.hpp"
@@ -50,7 +51,11 @@ class ConnectionWatch {
   [[nodiscard]] bool CountTopic(int fd, std::string_view topic, bool subscribed);
   void NoteProof(int fd, std::uint64_t proof) { connections_.NoteProof(fd, proof); }
   [[nodiscard]] bool MaySpeakFor(int fd, SessionId session, std::uint64_t proof);
-  [[nodiscard]] bool CountWishes(int fd, std::size_t bytes) { return connections_.CountWishes(fd, bytes); }
+  [[nodiscard]] bool CountWishes(int fd, SessionId session, std::size_t bytes) {
+    return connections_.CountWishes(fd, session, bytes);
+  }
+  void ForgetWishes(SessionId session) { connections_.ForgetWishes(session); }
+  [[nodiscard]] std::vector<SessionId> CollectGivenUp() { return connections_.CollectGivenUp(); }
   void CountSent(int fd, std::size_t bytes) { connections_.CountSent(fd, bytes); }
   void NotePlain(int fd) { connections_.NotePlain(fd); }
   [[nodiscard]] bool NoteSession(int fd, SessionId session);

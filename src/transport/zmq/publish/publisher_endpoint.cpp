@@ -131,6 +131,9 @@ bool PublisherEndpoint::Serve(Actions& actions) {
     watch_.unfinished().NoteMessage(zmq_msg_get(frame.raw(), ZMQ_SRCFD));
     if (!frame.more()) {
       OnFrame(frame, actions);
+      for (const SessionId session : watch_.CollectGivenUp()) {
+        peers_.Drop(session, "too many channels are asked for, and it is not connected", actions);
+      }
       continue;
     }
     // No session sends several frames in this direction.
@@ -229,13 +232,13 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   switch (control->what_case()) {
     case wire::Control::kSubscribe:
       subscriptions_.OnSubscribe(*peer, control->subscribe(), actions);
-      if (!watch_.CountWishes(fd, peer->wish_bytes)) {
+      if (!watch_.CountWishes(fd, session, peer->wish_bytes)) {
         peers_.Drop(session, "it asked for too many channels", actions);
       }
       break;
     case wire::Control::kUnsubscribe:
       subscriptions_.OnUnsubscribe(*peer, control->unsubscribe(), actions);
-      (void)watch_.CountWishes(fd, peer->wish_bytes);
+      (void)watch_.CountWishes(fd, session, peer->wish_bytes);
       break;
     case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;
     case wire::Control::kHeartbeat: peers_.OnHeartbeat(*peer, control->heartbeat(), actions); break;

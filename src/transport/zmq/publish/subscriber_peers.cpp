@@ -202,6 +202,7 @@ void SubscriberPeers::PauseLinks(SubscriberPeer& peer) {
 void SubscriberPeers::Drop(SessionId session, std::string_view reason, Actions& actions, LinkEnd links) {
   const auto found = peers_.find(session);
   if (found == peers_.end()) return;
+  watch_.ForgetWishes(session);
   for (auto& [channel, wish] : found->second->wishes) channels_.RemoveLink(*found->second, wish, links, actions);
   actions.emplace_back(
       [this, info = found->second->facts.info, text = std::string(reason)] { shared_.peers.Gone(info, text); });
