@@ -474,6 +474,76 @@ TEST_F(ZmqLimits, AnAddressMayHaveAQuarterOfTheDescriptors) {
   })) << "an ended connection makes room for another";
 }
 
+/// A tcp connection to this process.
+struct Pair {
+  Pair() {
+    const int listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address = test::LoopbackAddress(0);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(listening, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(listening, 8), 0);
+    EXPECT_EQ(getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    theirs = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    EXPECT_EQ(connect(theirs, reinterpret_cast<const sockaddr*>(&address), size), 0);
+    ours = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC);
+    close(listening);
+  }
+  Pair(const Pair&) = delete;
+  Pair& operator=(const Pair&) = delete;
+  ~Pair() {
+    close(theirs);
+    close(ours);
+  }
+  int theirs = -1;
+  int ours = -1;
+};
+
+TEST(ZmqUnfinishedMessages, AMessageNowAndThenWakesOnce) {
+  const Pair pair;
+  zmq::UnfinishedMessages unfinished;
+  auto now = std::chrono::steady_clock::now();
+  unfinished.Add(pair.ours, now);
+  std::array<char, 30> message{};
+  for (int i = 0; i < 10; ++i) {
+    now += std::chrono::milliseconds(150);
+    ASSERT_EQ(send(pair.theirs, message.data(), message.size(), 0), static_cast<ssize_t>(message.size()));
+    pollfd ready{unfinished.fd(), POLLIN, 0};
+    ASSERT_EQ(poll(&ready, 1, 5000), 1) << "the first bytes wake";
+    // The message may be delivered before that is noticed.
+    if (i % 2 == 0) unfinished.NoteMessage(pair.ours);
+    unfinished.input() = true;
+    (void)unfinished.IsLookDue();
+    ASSERT_EQ(recv(pair.ours, message.data(), message.size(), MSG_WAITALL), static_cast<ssize_t>(message.size()));
+    unfinished.NoteMessage(pair.ours);
+    unfinished.SettleDelivered(now);
+    EXPECT_EQ(poll(&ready, 1, 100), 0) << "no look is needed";
+  }
+}
+
+TEST(ZmqUnfinishedMessages, AMessageWithoutEndAfterWholeOnesIsFound) {
+  const Pair pair;
+  zmq::UnfinishedMessages unfinished;
+  auto now = std::chrono::steady_clock::now();
+  unfinished.Add(pair.ours, now);
+  std::vector<char> bytes(40'000);
+  bool cut = false;
+  constexpr int kWhole = 5;
+  for (int i = 0; i < 50 && !cut; ++i) {
+    now += i < kWhole ? std::chrono::milliseconds(150) : std::chrono::milliseconds(20);
+    ASSERT_EQ(send(pair.theirs, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+    pollfd ready{unfinished.fd(), POLLIN, 0};
+    ASSERT_EQ(poll(&ready, 1, 5000), 1);
+    unfinished.input() = true;
+    const bool due = unfinished.IsLookDue();
+    ASSERT_EQ(recv(pair.ours, bytes.data(), bytes.size(), MSG_WAITALL), static_cast<ssize_t>(bytes.size()));
+    if (i < kWhole) unfinished.NoteMessage(pair.ours);
+    if (due) cut = !unfinished.Look(now).empty();
+    unfinished.SettleDelivered(now);
+    EXPECT_TRUE(!cut || i > kWhole + 4) << "256 KiB are legal";
+  }
+  EXPECT_TRUE(cut);
+}
+
 TEST(ZmqUnfinishedMessages, PingsAreNoMessage) {
   const int listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = test::LoopbackAddress(0);

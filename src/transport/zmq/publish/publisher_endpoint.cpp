@@ -126,6 +126,7 @@ bool PublisherEndpoint::Serve(Actions& actions) {
   for (int i = 0; i < kFramesPerTurn; ++i) {
     if (!socket_.Receive(frame)) {
       if (looks) watch_.CutUnfinished();
+      watch_.unfinished().SettleDelivered(std::chrono::steady_clock::now());
       return more;
     }
     watch_.unfinished().NoteMessage(zmq_msg_get(frame.raw(), ZMQ_SRCFD));

@@ -27,12 +27,13 @@ UnfinishedMessages::UnfinishedMessages()
 }
 
 void UnfinishedMessages::Close() noexcept {
-  connections_.clear();
+  Clear();
   if (epoll_ >= 0) close(std::exchange(epoll_, -1));
   if (timer_ >= 0) close(std::exchange(timer_, -1));
 }
 
 void UnfinishedMessages::Add(int connection, SteadyTime now) {
+  Remove(connection);
   connections_[connection] = {.settled_at = now};
   WaitForBytes(connection);
 }
@@ -49,7 +50,45 @@ void UnfinishedMessages::WaitForBytes(int connection) {
 
 void UnfinishedMessages::NoteMessage(int connection) {
   const auto found = connections_.find(connection);
-  if (found != connections_.end()) found->second.delivered = true;
+  if (found == connections_.end() || std::exchange(found->second.delivered, true)) return;
+  if (found->second.moving) delivered_.push_back(connection);
+}
+
+void UnfinishedMessages::Remove(int connection) {
+  const auto found = connections_.find(connection);
+  if (found == connections_.end()) return;
+  moving_ -= found->second.moving ? 1 : 0;
+  connections_.erase(found);
+}
+
+void UnfinishedMessages::Clear() {
+  connections_.clear();
+  delivered_.clear();
+  moving_ = 0;
+}
+
+void UnfinishedMessages::SettleDelivered(SteadyTime now) {
+  if (delivered_.empty()) return;
+  for (const int fd : delivered_) {
+    const auto found = connections_.find(fd);
+    if (found == connections_.end() || !found->second.moving || !found->second.delivered) continue;
+    // More often, looks take less time.
+    if (now - found->second.settled_at >= kSettleEvery) Settle(fd, found->second, now);
+  }
+  delivered_.clear();
+  if (moving_ == 0) StopTimer();
+}
+
+void UnfinishedMessages::Settle(int fd, Connection& connection, SteadyTime now) {
+  const auto read = BytesRead(fd);
+  if (read && (connection.delivered || *read < connection.settled)) {
+    connection.settled = *read;
+    connection.settled_at = now;
+  }
+  connection.seen = read.value_or(0);
+  moving_ -= connection.moving ? 1 : 0;
+  connection.moving = connection.delivered = false;
+  if (read) WaitForBytes(fd);
 }
 
 void UnfinishedMessages::SetTimer() {
@@ -57,6 +96,11 @@ void UnfinishedMessages::SetTimer() {
   itimerspec time{};
   time.it_value.tv_nsec = std::chrono::nanoseconds(kLookEvery).count();
   timer_runs_ = timerfd_settime(timer_, 0, &time, nullptr) == 0;
+}
+
+void UnfinishedMessages::StopTimer() {
+  const itimerspec never{};
+  if (timer_runs_ && timerfd_settime(timer_, 0, &never, nullptr) == 0) timer_runs_ = false;
 }
 
 bool UnfinishedMessages::IsLookDue() {
@@ -71,7 +115,8 @@ bool UnfinishedMessages::IsLookDue() {
         due_ = read(timer_, &times, sizeof times) > 0 || due_;
         timer_runs_ = false;
       } else if (const auto found = connections_.find(fd); found != connections_.end()) {
-        found->second.moving = true;
+        moving_ += std::exchange(found->second.moving, true) ? 0 : 1;
+        if (found->second.delivered) delivered_.push_back(fd);
         SetTimer();
       }
     }
@@ -82,18 +127,11 @@ bool UnfinishedMessages::IsLookDue() {
 std::vector<int> UnfinishedMessages::Look(SteadyTime now) {
   due_ = false;
   std::vector<int> too_long;
-  bool moving = false;
   for (auto& [fd, connection] : connections_) {
     if (!connection.moving) continue;
     const auto read = BytesRead(fd);
     if (!read || *read == connection.seen || connection.delivered || *read < connection.settled) {
-      if (read && (connection.delivered || *read < connection.settled)) {
-        connection.settled = *read;
-        connection.settled_at = now;
-      }
-      connection.seen = read.value_or(0);
-      connection.moving = connection.delivered = false;
-      if (read) WaitForBytes(fd);
+      Settle(fd, connection, now);
       continue;
     }
     // Whole messages among the bytes of the last look would have been delivered by now.
@@ -105,9 +143,8 @@ std::vector<int> UnfinishedMessages::Look(SteadyTime now) {
       connection.settled_at = now;
     }
     connection.seen = *read;
-    moving = true;
   }
-  if (moving) SetTimer();
+  if (moving_ > 0) SetTimer();
   return too_long;
 }
 

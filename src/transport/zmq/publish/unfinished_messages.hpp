@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -15,7 +16,9 @@ namespace hgros::zmq {
 /// has come, without a limit, and reports nothing (docs/decisions/0030).
 ///
 /// The first bytes after a silence wake the owner's poller. From then on the bytes that ZeroMQ has read are compared
-/// every kLookEvery with the messages that it has delivered, until the connection is silent or has delivered one.
+/// every kLookEvery with the messages that it has delivered, until the connection is silent or has delivered one. If
+/// its last message is longer ago than kSettleEvery, it waits for bytes again as soon as it has delivered one, without
+/// a look.
 ///
 /// Thread safety: none; the endpoint's mutex guards it. The descriptor of fd() may be polled without it.
 class UnfinishedMessages {
@@ -25,6 +28,7 @@ class UnfinishedMessages {
   /// Pings of ZeroMQ are no messages: encrypted, and one every 100 ms, they have 420 bytes per second.
   static constexpr std::uint64_t kPingBytesPerSecond = 1024;
   static constexpr auto kLookEvery = std::chrono::milliseconds(20);
+  static constexpr auto kSettleEvery = std::chrono::milliseconds(100);
 
   /// Throws Error.
   UnfinishedMessages();
@@ -33,8 +37,8 @@ class UnfinishedMessages {
   UnfinishedMessages& operator=(const UnfinishedMessages&) = delete;
 
   void Add(int connection, SteadyTime now);
-  void Remove(int connection) { connections_.erase(connection); }
-  void Clear() { connections_.clear(); }
+  void Remove(int connection);
+  void Clear();
   /// Closes its descriptors.
   void Close() noexcept;
   /// ZeroMQ has delivered a whole message of this connection.
@@ -43,6 +47,8 @@ class UnfinishedMessages {
   [[nodiscard]] int fd() const noexcept { return epoll_; }
   /// To be set when the descriptor has become readable.
   [[nodiscard]] std::atomic<bool>& input() noexcept { return input_; }
+  /// To be called when all delivered messages have been read.
+  void SettleDelivered(SteadyTime now);
   /// Whether Look() is to be called as soon as all delivered messages have been read.
   [[nodiscard]] bool IsLookDue();
   /// The connections whose message has become too long.
@@ -57,7 +63,9 @@ class UnfinishedMessages {
     bool delivered = false;     // Since the last look.
   };
   void WaitForBytes(int connection);
+  void Settle(int fd, Connection& connection, SteadyTime now);
   void SetTimer();
+  void StopTimer();
 
   int epoll_;
   int timer_;
@@ -65,6 +73,8 @@ class UnfinishedMessages {
   bool timer_runs_ = false;
   bool due_ = false;
   std::unordered_map<int, Connection> connections_;
+  std::size_t moving_ = 0;      // How many of them are.
+  std::vector<int> delivered_;  // Those that may be settled before the next look.
 };
 
 }  // namespace hgros::zmq
