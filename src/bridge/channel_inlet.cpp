@@ -21,6 +21,7 @@ constexpr std::size_t kQuickBytes = 64 * 1024;
 // A limit against peers that invent publishers. Publishers that were silent for longest are forgotten first.
 constexpr std::size_t kMaxPublishers = 4096;
 constexpr int kMessagesPerErrand = 16;
+constexpr std::string_view kOfTheLibrary = "hgros/";
 // A limit against plain publishers that name a new type in each message.
 constexpr std::size_t kMostSaidSchemas = 32;
 // Chains older than a day count as a day old.
@@ -34,6 +35,7 @@ ChannelInlet::ChannelInlet(Channel& channel, bool brings_replies, std::shared_pt
     : channel_(channel),
       type_(&DataGraph::TypeOfChannel(channel)),
       brings_replies_(brings_replies),
+      is_librarys_(DataGraph::NameOf(channel).starts_with(kOfTheLibrary)),
       log_(std::move(log)),
       on_publishers_(std::move(on_publishers)),
       run_apart_(std::move(run_apart)),
@@ -208,6 +210,10 @@ bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost, std::int64_
 
 std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message) noexcept {
   const PacketHead& head = message.head;
+  if (is_librarys_ && (message.from.value == 0 || head.id.publisher != message.from.value)) {
+    OnFault(PacketFault::kHead, "its head names a publisher that has not sent it");
+    return std::nullopt;
+  }
   const bool any = TakesAny();
   const TypeInfo& asked = *type_.load(std::memory_order_relaxed);
   if (!any && !head.type_name.empty() && head.type_name != asked.name) {

@@ -37,12 +37,13 @@ namespace {
 /// An inlet between a graph and this thread, which stands for the transport's thread.
 template <class T>
 struct Inflow {
+  explicit Inflow(std::string name = "lines") : channel(std::move(name)) {}
   [[nodiscard]] Accepted Accept(const std::string& text, std::uint32_t latched = 0) {
     foxglove::Log log;
     log.set_message(text);
     const auto bytes = std::make_shared<const std::string>(log.SerializeAsString());
     InboundMessage message;
-    message.head.channel = "lines";
+    message.head.channel = channel;
     message.head.id = {7, 1, ++sequence};
     message.head.latched = latched;
     message.head.publish_time_ns = publish_time_ns;
@@ -52,13 +53,14 @@ struct Inflow {
     return inlet.Accept(std::move(message));
   }
   [[nodiscard]] Subscription Listen(Executor executor = Executor::Inline()) {
-    return graph.FromGraph<T>("lines", Invoke::kSerial, [this](const T& log) { got.push_back(log.message()); },
+    return graph.FromGraph<T>(channel, Invoke::kSerial, [this](const T& log) { got.push_back(log.message()); },
                               {{}, {}, std::move(executor)});
   }
   void RunErrands() {
     for (const auto& errand : std::exchange(errands, {})) errand();
   }
 
+  const std::string channel;
   std::vector<std::string> got;
   std::vector<std::string> lines;  // Of the log.
   std::vector<ChannelInlet::Errand> errands;
@@ -67,7 +69,7 @@ struct Inflow {
   CauseHead cause;
   SessionId from;
   DataGraph graph;
-  ChannelInlet inlet{graph.Open("lines", TypeOf<T>(), CallSite::Current()),
+  ChannelInlet inlet{graph.Open(channel, TypeOf<T>(), CallSite::Current()),
                      false,
                      std::make_shared<Log>([this](LogLevel, std::string_view line) { lines.emplace_back(line); }),
                      [] {},
@@ -265,6 +267,30 @@ TEST(ChannelInlet, ForgetsTheEndOfALinkWhenALaterMessageArrivesWithoutAGap) {
     EXPECT_EQ(inflow.lines[0].find("was connected, but could not send them") != std::string::npos, later)
         << inflow.lines[0];
   }
+}
+
+TEST(ChannelInlet, DropsMessagesOfTheLibrarysChannelsThatTheirPublisherHasNotSent) {
+  Inflow<foxglove::Log> inflow("hgros/lines");
+  const auto heard = inflow.Listen();
+  for (const SessionId from : {SessionId{}, SessionId{5}, SessionId{}, SessionId{7}}) {  // All name 7.
+    inflow.from = from;
+    (void)inflow.Accept(from.ToString());
+    inflow.inlet.Run();
+  }
+  EXPECT_EQ(inflow.got, Texts{SessionId{7}.ToString()});
+  ChannelTraffic traffic;
+  inflow.inlet.AddTo(traffic);
+  EXPECT_EQ(traffic.faults[static_cast<std::size_t>(PacketFault::kHead)], 3U);
+  ASSERT_EQ(inflow.lines.size(), 1U);
+  EXPECT_NE(inflow.lines[0].find("names a publisher that has not sent it"), std::string::npos) << inflow.lines[0];
+}
+
+TEST(ChannelInlet, TakesMessagesOfPlainPublishersOnOtherChannels) {
+  Inflow<foxglove::Log> inflow;
+  const auto heard = inflow.Listen();
+  (void)inflow.Accept("plain");
+  inflow.inlet.Run();
+  EXPECT_EQ(inflow.got, Texts{"plain"});
 }
 
 TEST(ChannelInlet, RunsAUserCodecOffTheTransportsThreadEvenForProtobufBytes) {

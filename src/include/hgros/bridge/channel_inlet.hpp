@@ -129,6 +129,7 @@ class ChannelInlet final : public InboundSink {
   Channel& channel_;
   std::atomic<const TypeInfo*> type_;  // The type of the subscription.
   const bool brings_replies_;
+  const bool is_librarys_;  // Only sessions publish on it, under their own ids.
   const std::shared_ptr<Log> log_;
   const std::function<void()> on_publishers_;
   const std::function<void(Errand)> run_apart_;
