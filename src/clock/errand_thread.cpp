@@ -1,13 +1,15 @@
 #include "hgros/clock/errand_thread.hpp"
 
+#include <new>
 #include <utility>
 
 #include "hgros/base/system_limits.hpp"
 
 namespace hgros {
 
-ErrandThread::ErrandThread()
-    : thread_(
+ErrandThread::ErrandThread(std::shared_ptr<Log> log)
+    : log_(std::move(log)),
+      thread_(
           StartThread<std::jthread>("the thread for errands", [this](const std::stop_token& stop) { Loop(stop); })) {}
 
 ErrandThread::~ErrandThread() { End(); }
@@ -62,13 +64,27 @@ bool ErrandThread::WaitForErrand(std::unique_lock<std::mutex>& lock, const std::
   }
 }
 
+void ErrandThread::SayNoMemory() noexcept {
+  if (!log_) return;
+  try {
+    log_->WriteLimited(LogLevel::kError, "errand",
+                       "There was no memory for a task of the session; it was given up. Raise the memory limit of the "
+                       "process or of its control group.");
+  } catch (const std::bad_alloc&) {  // It is said with a later errand.
+  }
+}
+
 void ErrandThread::Loop(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (WaitForErrand(lock, stop)) {
     const std::function<void()> errand = std::move(errands_.front());
     errands_.pop_front();
     lock.unlock();
-    errand();
+    try {
+      errand();
+    } catch (const std::bad_alloc&) {
+      SayNoMemory();
+    }
     lock.lock();
   }
 }

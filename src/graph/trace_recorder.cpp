@@ -31,9 +31,10 @@ void TraceRecorder::SetOn(bool on) {
 std::uint32_t TraceRecorder::IndexOf(std::string_view name) {
   if (batch_.names.empty()) batch_.names.emplace_back();
   if (name.empty()) return 0;
-  const auto [entry, is_new] = indexes_.try_emplace(std::string(name), batch_.names.size());
-  if (is_new) batch_.names.emplace_back(name);
-  return entry->second;
+  const auto entry = indexes_.find(std::string(name));
+  if (entry != indexes_.end()) return entry->second;
+  batch_.names.emplace_back(name);  // First: an index without its name would be the index of the next name.
+  return indexes_[batch_.names.back()] = static_cast<std::uint32_t>(batch_.names.size() - 1);
 }
 
 template <class Event, class Fill>

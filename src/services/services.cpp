@@ -89,7 +89,7 @@ bool Services::MakeThread() {
   if (thread_ended_) return false;
   if (thread_) return true;
   try {
-    thread_.emplace();
+    thread_.emplace(log_);
   } catch (const Error& error) {
     thread_.reset();
     log_->WriteLimited(LogLevel::kError, "services thread",

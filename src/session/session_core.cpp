@@ -115,7 +115,7 @@ SessionCore::SessionCore(Config config, SessionOptions options)
   };
   misspelled_.emplace(MisspelledNames::Means{*graph_, log_, own, [this] { return Channels(); }, connected, Later()});
   const bool names_channels = MisspelledNames::AreIn(config_);
-  if (!config_.nodes.empty() || names_channels || followed_clock_) errands_.emplace();
+  if (!config_.nodes.empty() || names_channels || followed_clock_) errands_.emplace(log_);
   if (!config_.nodes.empty()) errands_->PostIn(kTimeForNames, [this] { graph_->LogUnmatchedOverrides(); });
   if (names_channels) errands_->PostIn(kTimeForNames, [this] { misspelled_->SayUnused(this->config()); });
   if (!config_.publishers.empty() || !config_.subscribers.empty()) EnsureTransports();

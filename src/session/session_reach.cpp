@@ -10,7 +10,7 @@
 namespace hgros {
 NetworkBridge& SessionCore::EnsureTransports() {
   if (bridge_) return *bridge_;
-  if (!errands_) errands_.emplace();
+  if (!errands_) errands_.emplace(log_);
   BridgeOptions options = BridgeOptionsOf(config_, {id_, name_, domain_, kLinger}, host_clocks_);
   options.on_announcements = [this] { services_->OnAnnouncements(); };
   options.later = Later();

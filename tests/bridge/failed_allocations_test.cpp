@@ -1,7 +1,9 @@
 // The parts of the way of a message, of which each allocation fails once.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <new>
 #include <string>
@@ -9,7 +11,11 @@
 
 #include "hgros/base/system_limits.hpp"
 #include "hgros/bridge/channel_outlet.hpp"
+#include "hgros/clock/errand_thread.hpp"
 #include "hgros/codec/custom_codec.hpp"
+#include "hgros/graph/trace_recorder.hpp"
+#include "session/observed/snapshot_publisher.hpp"
+#include "session/observed/trace_publisher.hpp"
 #include "support/small_memory.hpp"
 #include "transport/channel_ends.hpp"
 #include "transport/outbound_core.hpp"
@@ -127,6 +133,87 @@ TEST(FailedAllocations, OfALatchedMessageAreCounted) {
   std::size_t latched = 0;
   EXPECT_EQ(CountThrows([&] { latched = outlet.Latched(SessionId{2}).size(); }), 0);
   EXPECT_EQ(latched, 1U) << "the one that had memory";
+}
+
+TEST(FailedAllocations, OfAnErrandAreLogged) {
+  std::vector<std::string> lines;
+  bool ran = false;
+  {
+    ErrandThread errands(std::make_shared<Log>([&](LogLevel, std::string_view line) { lines.emplace_back(line); }));
+    errands.Post([] { throw std::bad_alloc(); });
+    errands.Post([&] { ran = true; });
+  }
+  EXPECT_TRUE(ran);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_NE(lines[0].find("no memory"), std::string::npos) << lines[0];
+}
+
+TEST(FailedAllocations, OfATraceMixUpNoNames) {
+  const std::string names[] = {"robot/front_camera/images", "robot/rear_camera/images", "robot/rear_camera/points"};
+  for (std::size_t allocations = 0; allocations < 30; ++allocations) {
+    TraceRecorder recorder;
+    recorder.SetOn(true);
+    MessageInfo info;
+    info.key = 0;
+    recorder.AddPublish(names[0], {}, info);
+    {
+      const FewAllocations few(allocations);
+      info.key = 1;
+      recorder.AddPublish(names[1], {}, info);
+    }
+    for (const std::uint64_t key : {1, 2}) {
+      info.key = key;
+      recorder.AddPublish(names[key], {}, info);
+    }
+    const TraceRecorder::Batch batch = recorder.Take();
+    EXPECT_EQ(batch.publishes.size() + batch.lost, 4U);
+    for (const TraceRecorder::Publish& event : batch.publishes) {
+      ASSERT_LT(event.channel, batch.names.size());
+      EXPECT_EQ(batch.names[event.channel], names[event.message]) << allocations;
+    }
+  }
+}
+
+/// Errands that are done when the test says so.
+struct Errands {
+  std::vector<std::function<void()>> waiting;
+  std::function<void(std::chrono::nanoseconds, std::function<void()>)> later =
+      [this](std::chrono::nanoseconds, std::function<void()> errand) { waiting.push_back(std::move(errand)); };
+  /// Gives the outlet a subscriber and runs errands, with ever more allocations.
+  void Run(ChannelOutlet& outlet) {
+    const auto step = [&] {
+      outlet.OnSubscribers(1);
+      std::vector<std::function<void()>> due;
+      due.swap(waiting);
+      for (const auto& errand : due) errand();
+    };
+    step();  // Protobuf makes its descriptors at the first message. It does not survive a lack of memory there.
+    EXPECT_GT(CountThrows(step), 0);
+    EXPECT_FALSE(waiting.empty()) << "no errand is planned any more";
+  }
+};
+
+TEST(FailedAllocations, OfTracesEndNothing) {
+  Errands errands;
+  TraceRecorder recorder;
+  const auto log = std::make_shared<Log>([](LogLevel, std::string_view) {});
+  TracePublisher traces("robot", recorder, MessageId{1, 1, 0}, log, std::make_shared<HostClocks>(), errands.later);
+  errands.Run(*traces.outlet());
+  EXPECT_TRUE(recorder.on());
+}
+
+TEST(FailedAllocations, OfSnapshotsEndNothing) {
+  Errands errands;
+  int counted = 0;
+  const auto log = std::make_shared<Log>([](LogLevel, std::string_view) {});
+  SnapshotPublisher snapshots(MessageId{1, 1, 0}, log, std::make_shared<HostClocks>(),
+                              {[&] {
+                                 ++counted;
+                                 return SessionSnapshot();
+                               },
+                               errands.later});
+  errands.Run(*snapshots.outlet());
+  EXPECT_GT(counted, 0);
 }
 
 }  // namespace

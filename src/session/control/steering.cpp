@@ -69,7 +69,7 @@ ControlDesk::Means Steering::MeansOfDesk() {
 
 void Steering::Post(std::function<void()> errand) {
   const std::scoped_lock lock(starting_);
-  if (!orders_) orders_.emplace();
+  if (!orders_) orders_.emplace(means_.log);
   orders_->Post(std::move(errand));
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -28,16 +29,25 @@ SnapshotPublisher::SnapshotPublisher(MessageId publisher, const std::shared_ptr<
   outlet_->PromiseNothing();
 }
 
+// The flag is set, and reset before the subscribers are counted: a later one asks again.
+void SnapshotPublisher::Plan(std::atomic<bool>& planned, std::chrono::nanoseconds delay) noexcept {
+  try {
+    means_.later(delay, [this, &planned] {
+      (void)planned.exchange(false);
+      TellEverySecond();  // First, because the rest throws without memory.
+      Tell();
+    });
+  } catch (const std::bad_alloc&) {  // The next subscriber plans again.
+    planned = false;
+  }
+}
+
 void SnapshotPublisher::TellNewSubscriber() {
   if (outlet_->subscriber_count() == 0 || newcomer_waits_.exchange(true)) return;
   const std::chrono::nanoseconds pause = std::max<std::chrono::nanoseconds>(
       kShortestPause, kShareOfTime * std::chrono::nanoseconds(telling_took_ns_.load()));
   const auto wait = pause - std::chrono::nanoseconds(MonotonicNow() - told_ns_.load());
-  means_.later(std::max(std::chrono::nanoseconds(wait), std::chrono::nanoseconds(0)), [this] {
-    (void)newcomer_waits_.exchange(false);  // Before the subscribers are counted: a later one asks again.
-    Tell();
-    TellEverySecond();
-  });
+  Plan(newcomer_waits_, std::max(std::chrono::nanoseconds(wait), std::chrono::nanoseconds(0)));
 }
 
 void SnapshotPublisher::Tell() {
@@ -55,11 +65,7 @@ void SnapshotPublisher::Tell() {
 
 void SnapshotPublisher::TellEverySecond() {
   if (outlet_->subscriber_count() == 0 || next_is_planned_.exchange(true)) return;
-  means_.later(kSnapshotPeriod, [this] {
-    (void)next_is_planned_.exchange(false);
-    Tell();
-    TellEverySecond();
-  });
+  Plan(next_is_planned_, kSnapshotPeriod);
 }
 
 }  // namespace hgros

@@ -31,6 +31,7 @@ class SnapshotPublisher {
   [[nodiscard]] const std::shared_ptr<ChannelOutlet>& outlet() const noexcept { return outlet_; }
 
  private:
+  void Plan(std::atomic<bool>& planned, std::chrono::nanoseconds delay) noexcept;
   void TellNewSubscriber();
   void Tell();
   void TellEverySecond();

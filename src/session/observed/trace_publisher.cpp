@@ -1,6 +1,7 @@
 #include "session/observed/trace_publisher.hpp"
 
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "hgros/clock/time.hpp"
@@ -71,17 +72,22 @@ TracePublisher::TracePublisher(std::string name, TraceRecorder& recorder, Messag
   outlet_->PromiseNothing();
 }
 
-void TracePublisher::Plan(std::chrono::nanoseconds delay) {
+void TracePublisher::Plan(std::chrono::nanoseconds delay) noexcept {
   if (planned_.exchange(true)) return;
-  later_(delay, [this] {
-    (void)planned_.exchange(false);  // Before the subscribers are counted: a later one plans again.
-    Tell();
-  });
+  try {
+    later_(delay, [this] {
+      (void)planned_.exchange(false);  // Before the subscribers are counted: a later one plans again.
+      Tell();
+    });
+  } catch (const std::bad_alloc&) {  // The next subscriber plans again.
+    planned_ = false;
+  }
 }
 
 void TracePublisher::Tell() {
   if (outlet_->subscriber_count() == 0) return recorder_.SetOn(false);
   if (!recorder_.on()) recorder_.SetOn(true);
+  Plan(kPeriod);  // First, because the rest throws without memory.
   const Announcement self = AnnouncementOfThisProcess(session_, 0);
   const auto trace = std::make_shared<Trace>();
   trace->set_session(session_.value);
@@ -95,7 +101,6 @@ void TracePublisher::Tell() {
   if (outlet_->Reserve(trace.get(), type, prepared) == PublishStatus::kOk) {
     (void)outlet_->Commit(trace, type, {}, std::move(prepared));
   }
-  Plan(kPeriod);
 }
 
 }  // namespace hgros

@@ -27,7 +27,7 @@ class TracePublisher {
   [[nodiscard]] const std::shared_ptr<ChannelOutlet>& outlet() const noexcept { return outlet_; }
 
  private:
-  void Plan(std::chrono::nanoseconds delay);
+  void Plan(std::chrono::nanoseconds delay) noexcept;
   void Tell();
 
   const std::string name_;

@@ -5,8 +5,11 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <thread>
+
+#include "hgros/base/log.hpp"
 
 namespace hgros {
 
@@ -16,7 +19,8 @@ namespace hgros {
 // Thread safety: Post() and PostIn() from any thread; End() from any thread but its own.
 class ErrandThread {
  public:
-  ErrandThread();
+  // An errand that throws std::bad_alloc is given up; the log says so.
+  explicit ErrandThread(std::shared_ptr<Log> log = nullptr);
   ErrandThread(const ErrandThread&) = delete;
   ErrandThread& operator=(const ErrandThread&) = delete;
   ~ErrandThread();
@@ -31,10 +35,12 @@ class ErrandThread {
   void End();
 
  private:
+  void SayNoMemory() noexcept;
   void Loop(const std::stop_token& stop);
   // Waits for the next errand; false when the thread has to end. The lock is held.
   [[nodiscard]] bool WaitForErrand(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
 
+  const std::shared_ptr<Log> log_;  // Maybe null.
   std::mutex ending_;
   std::mutex mutex_;
   bool ended_ = false;
