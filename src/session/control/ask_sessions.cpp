@@ -28,6 +28,11 @@ struct Answers {
   std::map<std::uint64_t, ControlAnswer> all;  // By session.
   std::size_t missing = 0;
 
+  // Under the mutex, so that no thread misses it that is about to wait.
+  void Wake() {
+    const std::scoped_lock lock(mutex);
+    came.notify_all();
+  }
   void Take(const ControlReply& reply, std::uint64_t from) {
     const std::scoped_lock lock(mutex);
     const auto asked = all.find(from);
@@ -63,7 +68,8 @@ void AskUntilAnswered(SessionOutlet& outlet, ControlRequest& request, Answers& a
       pause = std::min<std::chrono::nanoseconds>(2 * pause, kLongestPause);
     }
     lock.lock();
-    (void)answers.came.wait_until(lock, std::min(deadline, DeadlineIn(pause)),
+    // A new subscriber is told, so without one there is nothing to repeat.
+    (void)answers.came.wait_until(lock, subscribers > 0 ? std::min(deadline, DeadlineIn(pause)) : deadline,
                                   [&] { return answers.missing == 0 || outlet.subscriber_count() > subscribers; });
   }
 }
@@ -90,8 +96,8 @@ std::vector<ControlAnswer> Ask(ServicePlace& place, SessionId self, std::span<co
   const Subscription snapshots = place.Listen(
       std::string(kSnapshotsChannel), TypeOf<Snapshot>(), [](const AnyMessage&, const MessageInfo&) {}, kQueue);
   const std::string channel(kControlChannel);
-  const auto outlet = place.OpenOutlet(channel, TypeOf<ControlRequest>(),
-                                       {[] {}, [answers] { answers->came.notify_all(); }, [] { return true; }});
+  const auto outlet =
+      place.OpenOutlet(channel, TypeOf<ControlRequest>(), {[] {}, [answers] { answers->Wake(); }, [] { return true; }});
   AskUntilAnswered(*outlet, request, *answers, deadline);
   place.CloseOutlet(channel, outlet);
   std::vector<ControlAnswer> result;
