@@ -12,10 +12,11 @@ LiveChainAges::~LiveChainAges() {
 
 LiveChainAges::Slot& LiveChainAges::SlotOf(std::uint32_t origin) noexcept {
   for (std::size_t i = 0; i < kOrigins; ++i) {
-    std::uint32_t found = 0;
-    if (slots_[i].origin.compare_exchange_strong(found, origin, std::memory_order_relaxed) || found == origin) {
+    std::uint32_t found = slots_[i].origin.load(std::memory_order_relaxed);
+    if (found == 0 && slots_[i].origin.compare_exchange_strong(found, origin, std::memory_order_relaxed)) {
       return slots_[i];
     }
+    if (found == origin) return slots_[i];
   }
   return slots_.back();
 }
