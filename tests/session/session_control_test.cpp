@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <thread>
@@ -11,6 +12,7 @@
 #include <foxglove/Vector3.pb.h>
 #include <hgros/SessionControl.pb.h>
 
+#include "hgros/session/snapshot_message.hpp"
 #include "hgros/transport/curve_key_pair.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
@@ -121,6 +123,8 @@ TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
   EXPECT_EQ(OutOf(counted).sent, accepted);
   EXPECT_EQ(OutOf(counted).missed, 0U);
   EXPECT_THAT(counted.not_leaving.at("notes"), HasSubstr("forbidden"));
+  EXPECT_TRUE(std::ranges::any_of(ToMessage(counted).channels(),
+                                  [](const auto& one) { return one.name() == "notes" && one.forbidden(); }));
   EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
   ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
   EXPECT_EQ(publish(Note("after")), PublishStatus::kOk);
@@ -215,6 +219,7 @@ TEST_F(SessionControl, AllowAddsAChannelToTheListsOfEndpoints) {
   Robot desk("", "desk");
   const auto publish = robot->Advertise<Note>("notes");
   EXPECT_THAT(robot->Snapshot().not_leaving.at("notes"), HasSubstr("no publisher endpoint has it in its list"));
+  EXPECT_THAT(robot->Snapshot().forbidden, IsEmpty());
   EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
   EXPECT_THAT(robot->config().publishers.at(0).channels, ElementsAre("notes", "other"));
   EXPECT_THAT(robot->Snapshot().not_leaving, IsEmpty());

@@ -12,8 +12,6 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::string_view kForbidden = " is forbidden in this session";  // As the session says it.
-
 // A word of a command for the shell: channels and sessions may have any names.
 std::string ShellWord(const std::string& name) {
   constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./:-";
@@ -52,7 +50,7 @@ void CheckDirection(const Evidence& evidence, SessionId session, const Snapshot:
                     std::set<std::pair<std::string, SessionId>>& said, Findings& findings) {
   const std::string why = ReasonOf(channel, way);
   if (why.empty()) return;
-  const bool forbidden = why.find(kForbidden) != std::string::npos;
+  const bool forbidden = channel.forbidden();
   std::string others;
   for (const SessionId other : OtherEnds(evidence, channel.name(), session, way)) {
     const bool out = way == Direction::kOut;

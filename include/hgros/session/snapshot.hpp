@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ struct SessionSnapshot {
   /// By channel: a sentence that says why no message of it leaves the session, or enters it. Channels without one may.
   std::map<std::string, std::string, std::less<>> not_leaving;
   std::map<std::string, std::string, std::less<>> not_entering;
-  bool steerable = false;  ///< Others may ask it to change something: AskSessions().
+  std::set<std::string, std::less<>> forbidden;  ///< Those of them that AskSessions() has forbidden.
+  bool steerable = false;                        ///< Others may ask it to change something: AskSessions().
   std::uint64_t refused_orders = 0;
 };
 

@@ -90,8 +90,11 @@ void Steering::AddTo(SessionSnapshot& snapshot, const std::optional<Steering>& s
     snapshot.refused_orders = steering->desk_.refused();
   }
   const auto add = [&](auto& reasons, const ChannelUse& use, const std::vector<EndpointConfig>& endpoints, Way way) {
-    std::string why = "Channel \"" + use.channel + "\" is forbidden in this session: it neither leaves nor enters it.";
-    if (!steering || !steering->Forbids(use.channel)) {
+    std::string why;
+    if (steering && steering->Forbids(use.channel)) {
+      why = "Channel \"" + use.channel + "\" is forbidden in this session: it neither leaves nor enters it.";
+      snapshot.forbidden.insert(use.channel);
+    } else {
       why = DescribeConfined(use.channel, endpoints, way, OutermostPlace(config, has_domain));
     }
     if (!why.empty()) reasons[use.channel] = std::move(why);

@@ -91,6 +91,7 @@ Snapshot ToMessage(const SessionSnapshot& snapshot) {
     };
     one.set_not_leaving(why(snapshot.not_leaving));
     one.set_not_entering(why(snapshot.not_entering));
+    one.set_forbidden(snapshot.forbidden.contains(channel.name));
     for (const NodeSnapshot& node : channel.nodes) Fill(*one.add_nodes(), node);
     const auto traffic = std::ranges::lower_bound(snapshot.traffic, channel.name, {}, &ChannelTraffic::channel);
     if (traffic != snapshot.traffic.end() && traffic->channel == channel.name) Fill(one, *traffic);

@@ -182,16 +182,21 @@ TEST_F(DoctorChecks, NameForbiddenChannelsAndListsOfEndpoints) {
   peer.set_session(2);
   peer.set_transport("shared memory");
   EXPECT_THAT(Say(CheckForbidden), IsEmpty());
-  scan.set_not_leaving("Channel \"scan\" is forbidden in this session: it neither leaves nor enters it.");
+  scan.set_not_leaving("Channel \"scan\" stays.");  // The text does not matter.
+  scan.set_forbidden(true);
   EXPECT_THAT(
       Say(CheckForbidden),
       ElementsAre("talker:1 publishes \"scan\", to which listener:2 subscribes, but no message passes. In talker:1: "
-                  "Channel \"scan\" is forbidden in this session: it neither leaves nor enters it."));
+                  "Channel \"scan\" stays."));
 }
 
 TEST_F(DoctorChecks, NameChannelsThatBothEndsForbidOnce) {
-  Count(1, "scan").second->set_not_leaving("Channel \"scan\" is forbidden in this session: it stays.");
-  Count(2, "scan").second->set_not_entering("Channel \"scan\" is forbidden in this session: it stays.");
+  Snapshot::Channel& out = *Count(1, "scan").second;
+  out.set_not_leaving("It stays.");
+  out.set_forbidden(true);
+  Snapshot::Channel& in = *Count(2, "scan").second;
+  in.set_not_entering("It stays.");
+  in.set_forbidden(true);
   EXPECT_THAT(Say(CheckForbidden),
               ElementsAre(HasSubstr("talker:1 publishes \"scan\", to which listener:2 subscribes"),
                           HasSubstr("listener:2 subscribes to \"scan\", which talker:1 publishes")));
@@ -215,7 +220,8 @@ TEST_F(DoctorChecks, QuoteNamesInCommands) {
   evidence.names[SessionId{1}] = "talker's:1";
   Snapshot::Channel& channel = *Count(1, "x;`reboot`").second;
   AddChannel("x;`reboot`", true, true);
-  channel.set_not_leaving("Channel \"x\" is forbidden in this session: it neither leaves nor enters it.");
+  channel.set_not_leaving("It stays.");
+  channel.set_forbidden(true);
   Findings findings;
   CheckForbidden(evidence, findings);
   ASSERT_EQ(findings.size(), 1U);
