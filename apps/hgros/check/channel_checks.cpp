@@ -19,8 +19,6 @@ std::string Listed(const std::vector<const DescribedProcess*>& processes) {
   return text;
 }
 
-std::string LineOf(const FilePosition& at) { return at.file + ":" + std::to_string(at.line); }
-
 // The name of the list that is probably meant by `name`: one that the other list does not have. Empty: none.
 std::string Meant(std::string_view name, const DescribedEndpoint& list, const DescribedEndpoint& other) {
   std::vector<std::string> candidates;

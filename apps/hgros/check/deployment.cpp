@@ -10,16 +10,12 @@ constexpr std::string_view kTcp = "tcp://";
 
 bool IsLoopback(std::string_view host) { return host == "localhost" || host == "[::1]" || host.starts_with("127."); }
 
-bool IsAddress(std::string_view host) {
-  return host.starts_with('[') || host.find_first_not_of("0123456789.") == std::string_view::npos;
-}
-
 bool CanReach(std::string_view subscriber, std::string_view publisher) {
   if (!subscriber.starts_with(kTcp) || !publisher.starts_with(kTcp)) return subscriber == publisher;
   const std::string_view from = HostOf(subscriber);
   const std::string_view to = HostOf(publisher);
   if (PortOf(publisher).empty() || PortOf(subscriber) != PortOf(publisher)) return false;
-  if (to == "*" || to == "[::]" || from == to) return true;
+  if (IsWildcard(to) || from == to) return true;
   if (IsLoopback(from) || IsLoopback(to)) return IsLoopback(from) && IsLoopback(to);
   return !IsAddress(from) || !IsAddress(to);  // A name can mean any address.
 }
@@ -51,6 +47,12 @@ std::string_view PortOf(std::string_view endpoint) {
   const std::string_view port = endpoint.substr(endpoint.rfind(':') + 1);
   return port == "*" ? std::string_view() : port;
 }
+
+bool IsAddress(std::string_view host) {
+  return host.starts_with('[') || host.find_first_not_of("0123456789.") == std::string_view::npos;
+}
+
+bool IsWildcard(std::string_view host) { return host == "*" || host == "[::]"; }
 
 bool IsOnlyOnItsHost(std::string_view endpoint) { return !endpoint.starts_with(kTcp) || IsLoopback(HostOf(endpoint)); }
 

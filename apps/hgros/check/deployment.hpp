@@ -35,6 +35,10 @@ struct Deployment {
 [[nodiscard]] bool IsOnlyOnItsHost(std::string_view endpoint);
 /// The host of a tcp endpoint; empty: ipc.
 [[nodiscard]] std::string_view HostOf(std::string_view endpoint);
+/// Whether a host is an address, and no name.
+[[nodiscard]] bool IsAddress(std::string_view host);
+/// Whether a host means all addresses of the host that binds it.
+[[nodiscard]] bool IsWildcard(std::string_view host);
 /// The port of a tcp endpoint; empty: ipc, or the system chooses.
 [[nodiscard]] std::string_view PortOf(std::string_view endpoint);
 

@@ -33,8 +33,6 @@ class Hosts {
   std::vector<std::size_t> of_;
 };
 
-bool IsWildcard(std::string_view host) { return host == "*" || host == "[::]"; }
-
 // Whether one host cannot bind both.
 bool Clash(std::string_view a, std::string_view b) {
   if (a == b) return HostOf(a).empty() || !PortOf(a).empty();
@@ -44,8 +42,7 @@ bool Clash(std::string_view a, std::string_view b) {
 // An address that only one host has.
 bool NamesOneHost(std::string_view endpoint) {
   const std::string_view host = HostOf(endpoint);
-  const bool is_address = host.starts_with('[') || host.find_first_not_of("0123456789.") == std::string_view::npos;
-  return !host.empty() && is_address && !IsOnlyOnItsHost(endpoint) && !IsWildcard(host);
+  return !host.empty() && IsAddress(host) && !IsOnlyOnItsHost(endpoint) && !IsWildcard(host);
 }
 
 void CheckTwice(const Deployment& deployment, FileFindings& findings) {

@@ -19,6 +19,9 @@ struct FileFinding {
   FilePosition other = {};   ///< The place that contradicts.
 };
 
+/// "robot.yaml:7"
+[[nodiscard]] inline std::string LineOf(const FilePosition& at) { return at.file + ":" + std::to_string(at.line); }
+
 using FileFindings = std::vector<FileFinding>;
 
 }  // namespace hgros::cli

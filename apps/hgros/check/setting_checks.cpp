@@ -19,9 +19,8 @@ void CheckClock(const DescribedProcess& process, FileFindings& findings) {
   if (!process.config.simulated_time || Discovers(process) || has_it || process.subscribers.empty()) return;
   findings.push_back({Severity::kFault, "clock", process.PlaceOf({"time"}),
                       process.name + " follows simulated time, but the channel clock can enter nowhere.",
-                      "Add clock at " + process.subscribers.front().list.file + ":" +
-                          std::to_string(process.subscribers.front().list.line) + ".",
-                      "clock", process.subscribers.front().list});
+                      "Add clock at " + LineOf(process.subscribers.front().list) + ".", "clock",
+                      process.subscribers.front().list});
 }
 
 void CheckDomains(const DescribedProcess& a, const DescribedProcess& b, FileFindings& findings) {

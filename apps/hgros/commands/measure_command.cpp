@@ -23,23 +23,12 @@ int EverySecond(Pause& pause, std::uint64_t count, steady_clock::time_point next
                 const std::function<bool()>& report) {
   bool shown = false;
   for (std::uint64_t reports = 0; count == 0 || reports < count; ++reports, next += kPeriod) {
-    while (steady_clock::now() < std::min(next, end)) {
-      if (pause.Until(std::min(next, end)) == Pause::End::kInterrupted) return kDone;
-    }
+    if (!pause.SleepUntil(std::min(next, end))) return kDone;
     if (next >= end) return kTimedOut;
     shown = report() || shown;
     if (reports == 0) next += kLate;
   }
   return shown ? kDone : kFailed;
-}
-
-// The channel with its users now; without users if nobody uses it.
-KnownChannel FindChannel(const std::vector<KnownChannel>& channels, const std::string& name) {
-  const auto found = std::ranges::find(channels, name, &KnownChannel::name);
-  if (found != channels.end()) return *found;
-  KnownChannel none;
-  none.name = name;
-  return none;
 }
 
 }  // namespace
@@ -68,7 +57,7 @@ int MeasureCommand::Count(Robot& robot) {
     const AllCounters counters = robot.Counters();
     const std::vector<KnownChannel> channels = robot.Channels(true);
     const std::size_t before = records.size();
-    for (const std::string& name : channels_) AddCounted(console, records, counters, FindChannel(channels, name));
+    for (const std::string& name : channels_) AddCounted(console, records, counters, ChannelNamed(channels, name));
     records.End();
     return records.size() > before;
   });

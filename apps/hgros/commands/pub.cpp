@@ -63,13 +63,7 @@ class Publishing {
   [[nodiscard]] bool AwaitSubscribers();
   // Publishes one message. Throws Error if it was refused.
   void Publish(const MessageDocument& document, const yaml::Node& value);
-  // Waits; false if the user ended the command.
-  [[nodiscard]] bool SleepUntil(SteadyTime time) {
-    Pause& pause = robot_.surroundings().pause;
-    Pause::End end = Pause::End::kWoken;
-    while (end == Pause::End::kWoken) end = pause.Until(time);
-    return end == Pause::End::kDeadline;
-  }
+  [[nodiscard]] bool SleepUntil(SteadyTime time) { return robot_.surroundings().pause.SleepUntil(time); }
   [[nodiscard]] const std::string& type_name() const noexcept { return type_.schema.type_name; }
   [[nodiscard]] std::uint64_t published() const noexcept { return published_; }
   [[nodiscard]] bool enough() const noexcept { return options_.count && published_ >= *options_.count; }

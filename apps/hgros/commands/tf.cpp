@@ -217,9 +217,7 @@ int TfEcho::Run(Surroundings& surroundings) {
     Print(surroundings.console, *found, frames.Now());
     if (time || (count_ && printed >= *count_)) return kDone;
     next = std::max(next + period, std::chrono::steady_clock::now());
-    while ((end = pause.Until(std::min(next, last))) == Pause::End::kWoken) {
-    }
-    if (end == Pause::End::kInterrupted) return kDone;
+    if (!pause.SleepUntil(std::min(next, last))) return kDone;
     if (std::chrono::steady_clock::now() >= last) return kTimedOut;
     if (TransformResult newer = tree.Lookup(query)) found = std::move(newer);
   }

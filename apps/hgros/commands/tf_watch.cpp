@@ -154,10 +154,7 @@ int TfWatch::Run(Surroundings& surroundings) {
   // Static transforms that are there already should not make the first state of a path "is not there".
   auto next = DeadlineIn(3 * kLook);
   for (;;) {
-    Pause::End end = Pause::End::kWoken;
-    while ((end = surroundings.pause.Until(std::min(next, deadline))) == Pause::End::kWoken) {
-    }
-    if (end == Pause::End::kInterrupted) return kDone;
+    if (!surroundings.pause.SleepUntil(std::min(next, deadline))) return kDone;
     Look(robot, frames);
     if (done_) return kDone;
     if (std::chrono::steady_clock::now() >= deadline) {

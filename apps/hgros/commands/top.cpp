@@ -102,9 +102,7 @@ int Top::WriteTables(Robot& robot, SteadyTime end) {
   auto next = std::chrono::steady_clock::now() + kSecondCounters;
   const std::uint64_t count = count_.value_or(0);
   for (std::uint64_t tables = 0; count == 0 || tables < count; ++tables, next += kRefreshPeriod) {
-    while (std::chrono::steady_clock::now() < std::min(next, end)) {
-      if (pause.Until(std::min(next, end)) == Pause::End::kInterrupted) return kDone;
-    }
+    if (!pause.SleepUntil(std::min(next, end))) return kDone;
     if (next >= end) {
       if (tables == 0) throw TimedOut("The first table takes a second, which is more than --timeout.");
       return kTimedOut;

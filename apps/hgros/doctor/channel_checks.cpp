@@ -115,19 +115,15 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
 }
 
 // How fast a counter of a session grows, per second.
-template <class F>
-double Growth(const Evidence& evidence, SessionId session, const std::string& channel, const F& counter) {
-  const Snapshot::Channel* before = CountersOf(evidence.before, session, channel);
-  const Snapshot::Channel* after = CountersOf(evidence.after, session, channel);
-  if (before == nullptr || after == nullptr || counter(*after) < counter(*before)) return 0;
+double RateOf(const Evidence& evidence, SessionId session, const std::string& channel,
+              std::uint64_t (Snapshot::Channel::*counter)() const) {
   const double seconds = evidence.SecondsOf(session);
-  return seconds > 0 ? static_cast<double>(counter(*after) - counter(*before)) / seconds : 0;
+  return seconds > 0 ? static_cast<double>(evidence.GrowthOf(session, channel, counter)) / seconds : 0;
 }
 
 void CheckLosses(const Evidence& evidence, const KnownChannel& channel, Findings& findings) {
   for (const ChannelUser& user : channel.publishers) {
-    const double dropped =
-        Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.send_dropped(); });
+    const double dropped = RateOf(evidence, user.session, channel.name, &Snapshot::Channel::send_dropped);
     if (dropped > 0) {
       findings.push_back(
           {Severity::kFault, "dropped",
@@ -136,8 +132,7 @@ void CheckLosses(const Evidence& evidence, const KnownChannel& channel, Findings
                        ShortName(user, false), dropped, channel.name),
            "Look for a slow callback or a weak network below, or raise peer_queue_bytes."});
     }
-    const double refused =
-        Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.refused(); });
+    const double refused = RateOf(evidence, user.session, channel.name, &Snapshot::Channel::refused);
     if (refused > 0) {
       findings.push_back(
           {Severity::kWarning, "refused",
@@ -149,16 +144,14 @@ void CheckLosses(const Evidence& evidence, const KnownChannel& channel, Findings
     }
   }
   for (const ChannelUser& user : channel.subscribers) {
-    const double faults =
-        Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.faults(); });
+    const double faults = RateOf(evidence, user.session, channel.name, &Snapshot::Channel::faults);
     if (faults > 0) {
       findings.push_back({Severity::kFault, "unreadable",
                           fmt::format("{} receives {:.1f} packets per second on \"{}\" that it cannot read.",
                                       ShortName(user, false), faults, channel.name),
                           "Its log says why."});
     }
-    const double lost =
-        Growth(evidence, user.session, channel.name, [](const Snapshot::Channel& one) { return one.lost(); });
+    const double lost = RateOf(evidence, user.session, channel.name, &Snapshot::Channel::lost);
     if (lost > 0 && user.lossless) {
       findings.push_back({Severity::kFault, "lost",
                           fmt::format("{} loses {:.1f} messages per second of \"{}\", although its queue is lossless.",

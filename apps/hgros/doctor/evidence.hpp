@@ -28,7 +28,15 @@ struct Evidence {
   [[nodiscard]] std::string NameOf(SessionId session) const;
   /// Between the two readings of a session; 0 if there are not two.
   [[nodiscard]] double SecondsOf(SessionId session) const;
+  /// How much a counter of a session on a channel has grown between them; 0 if there are not two.
+  [[nodiscard]] std::uint64_t GrowthOf(SessionId session, const std::string& channel,
+                                       std::uint64_t (Snapshot::Channel::*counter)() const) const;
 };
+
+/// 0 if the counter began again.
+[[nodiscard]] constexpr std::uint64_t Growth(std::uint64_t before, std::uint64_t after) noexcept {
+  return after > before ? after - before : 0;
+}
 
 // One for each subject; each adds what it finds.
 void CheckChannels(const Evidence& evidence, Findings& findings);

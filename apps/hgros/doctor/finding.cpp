@@ -13,6 +13,14 @@ std::string Evidence::NameOf(SessionId session) const {
   return name == names.end() ? session.ToString() : name->second;
 }
 
+std::uint64_t Evidence::GrowthOf(SessionId session, const std::string& channel,
+                                 std::uint64_t (Snapshot::Channel::*counter)() const) const {
+  const Snapshot::Channel* last = CountersOf(after, session, channel);
+  if (last == nullptr || !before.contains(session)) return 0;
+  const Snapshot::Channel* first = CountersOf(before, session, channel);  // Null: it was not there yet.
+  return Growth(first == nullptr ? 0 : (first->*counter)(), (last->*counter)());
+}
+
 double Evidence::SecondsOf(SessionId session) const {
   const auto first = before.find(session);
   const auto second = after.find(session);

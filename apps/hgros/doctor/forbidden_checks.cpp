@@ -71,20 +71,11 @@ void CheckDirection(const Evidence& evidence, SessionId session, const Snapshot:
                    ShellWord(channel.name()), ShellWord(name))});
 }
 
-// How much a counter has grown.
-std::uint64_t Growth(const Snapshot::Channel* before, const Snapshot::Channel& after,
-                     std::uint64_t (Snapshot::Channel::*counter)() const) {
-  const std::uint64_t first = before == nullptr ? 0 : (before->*counter)();
-  const std::uint64_t last = (after.*counter)();
-  return last > first ? last - first : 0;
-}
-
 // A closed channel is right if its nodes hear another session instead.
 void CheckClosed(const Evidence& evidence, SessionId session, const Snapshot::Channel& channel, Findings& findings) {
   if (!channel.closed() || channel.nodes().empty()) return;
-  const Snapshot::Channel* before = CountersOf(evidence.before, session, channel.name());
-  const bool publishes = Growth(before, channel, &Snapshot::Channel::published) > 0;
-  if (!publishes || Growth(before, channel, &Snapshot::Channel::received) > 0) return;
+  const auto grows = [&](auto counter) { return evidence.GrowthOf(session, channel.name(), counter) > 0; };
+  if (!grows(&Snapshot::Channel::published) || grows(&Snapshot::Channel::received)) return;
   const std::string name = evidence.NameOf(session);
   findings.push_back({Severity::kFault, "forbidden",
                       fmt::format("{} publishes \"{}\" and subscribes to it itself, but the channel is closed there: "

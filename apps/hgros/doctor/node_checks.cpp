@@ -27,9 +27,6 @@ struct NodeWork {
   const Snapshot::Node* before = nullptr;
 };
 
-// A session that was replaced may count less than before.
-std::uint64_t Growth(std::uint64_t before, std::uint64_t after) { return after > before ? after - before : 0; }
-
 void Check(const NodeWork& work, Findings& findings) {
   const Snapshot::Node& node = *work.node;
   const auto mean_ns = static_cast<std::int64_t>(std::min(work.busy, 1e6) * work.seconds * 1e9 /

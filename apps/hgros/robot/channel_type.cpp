@@ -55,12 +55,7 @@ bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::functio
 }
 
 KnownChannel ChannelNamed(const Robot& robot, const std::string& name) {
-  std::vector<KnownChannel> channels = robot.Channels(true);
-  const auto found = std::ranges::find(channels, name, &KnownChannel::name);
-  if (found != channels.end()) return std::move(*found);
-  KnownChannel none;
-  none.name = name;
-  return none;
+  return ChannelNamed(robot.Channels(true), name);
 }
 
 std::string ChannelOfType(const Robot& robot, const std::string& type) {

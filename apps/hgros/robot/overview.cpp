@@ -7,10 +7,22 @@ namespace hgros::cli {
 
 const Snapshot::Channel* CountersOf(const AllCounters& counters, SessionId session, std::string_view channel) {
   const auto found = counters.find(session);
-  if (found == counters.end()) return nullptr;
-  const auto& channels = found->second->channels();
+  return found == counters.end() ? nullptr : CountersIn(found->second.get(), channel);
+}
+
+const Snapshot::Channel* CountersIn(const Snapshot* counters, std::string_view channel) {
+  if (counters == nullptr) return nullptr;
+  const auto& channels = counters->channels();
   const auto one = std::ranges::lower_bound(channels, channel, {}, &Snapshot::Channel::name);
   return one == channels.end() || one->name() != channel ? nullptr : &*one;
+}
+
+KnownChannel ChannelNamed(const std::vector<KnownChannel>& channels, const std::string& name) {
+  const auto found = std::ranges::find(channels, name, &KnownChannel::name);
+  if (found != channels.end()) return *found;
+  KnownChannel none;
+  none.name = name;
+  return none;
 }
 
 const Snapshot::Node* FindNode(const Snapshot::Channel* channel, std::string_view name, std::size_t place) {

@@ -21,6 +21,12 @@ using AllCounters = std::map<SessionId, std::shared_ptr<const Snapshot>>;
 [[nodiscard]] const Snapshot::Channel* CountersOf(const AllCounters& counters, SessionId session,
                                                   std::string_view channel);
 
+/// The same in one snapshot, which may be null.
+[[nodiscard]] const Snapshot::Channel* CountersIn(const Snapshot* counters, std::string_view channel);
+
+/// The channel with that name; without users if there is none.
+[[nodiscard]] KnownChannel ChannelNamed(const std::vector<KnownChannel>& channels, const std::string& name);
+
 /// Several nodes of a channel may have one name: the one with that name and this place among them. Null if there is
 /// none, or no channel.
 [[nodiscard]] const Snapshot::Node* FindNode(const Snapshot::Channel* channel, std::string_view name,

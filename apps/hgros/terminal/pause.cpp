@@ -61,6 +61,12 @@ void Pause::Wake() noexcept {
 
 Pause::End Pause::Until(std::chrono::steady_clock::time_point deadline) { return UntilReadable(-1, deadline); }
 
+bool Pause::SleepUntil(std::chrono::steady_clock::time_point time) {
+  End end = End::kWoken;
+  while (end == End::kWoken) end = Until(time);
+  return end == End::kDeadline;
+}
+
 // poll() ignores a negative descriptor. Of standard output it only reports that its reader has gone.
 Pause::End Pause::UntilReadable(int descriptor, std::chrono::steady_clock::time_point deadline) {
   using std::chrono::nanoseconds;

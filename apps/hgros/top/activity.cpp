@@ -44,13 +44,6 @@ std::uint64_t DroppedBy(const Snapshot::Channel& channel) {
   return dropped;
 }
 
-const Snapshot::Channel* ChannelIn(const Snapshot* snapshot, std::string_view name) {
-  if (snapshot == nullptr) return nullptr;
-  const auto& channels = snapshot->channels();
-  const auto found = std::ranges::lower_bound(channels, name, {}, &Snapshot::Channel::name);
-  return found == channels.end() || found->name() != name ? nullptr : &*found;
-}
-
 }  // namespace
 
 const std::vector<Column>& TopColumns(TopKind kind) {
@@ -205,7 +198,7 @@ void Activity::AddSession(const ChannelUser& user, std::map<std::string_view, Ch
     SessionSum sum;
     for (const Snapshot::Channel& channel : now.channels()) {
       if (!all_ && IsInternal(channel.name())) continue;
-      const Snapshot::Channel* old = ChannelIn(before, channel.name());
+      const Snapshot::Channel* old = CountersIn(before, channel.name());
       AddNodes(name, known, channel, old, sum);
       ++sum.channels;
       ChannelSum& on_channel = sums[channel.name()];
