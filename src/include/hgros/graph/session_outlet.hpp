@@ -16,7 +16,7 @@ struct OutletEvents {
   std::function<void()> on_subscribers;
   std::function<bool()> on_first_publish;  ///< Called again at the next publish until it returns true.
   /// A message that no channel of the graph has numbered got its number. May be empty.
-  std::function<void(const PacketHead&)> on_numbered;
+  std::function<void(const PacketHead&)> on_numbered{};
 };
 
 /// An outlet to other sessions, whose ids it knows.
