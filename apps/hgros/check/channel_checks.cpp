@@ -1,7 +1,9 @@
 // Lists of channels at the two ends of a connection.
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "check/deployment.hpp"
@@ -19,17 +21,45 @@ std::string Listed(const std::vector<const DescribedProcess*>& processes) {
   return text;
 }
 
-// The name of the list that is probably meant by `name`: one that the other list does not have. Empty: none.
-std::string Meant(std::string_view name, const DescribedEndpoint& list, const DescribedEndpoint& other) {
-  std::vector<std::string> candidates;
-  for (const auto& [channel, position] : list.channels) {
-    if (!other.Passes(channel)) candidates.push_back(channel);
+// The names that are probably meant by others. Comparing all names of long lists takes long: then it finds none for
+// some.
+class MeantNames {
+ public:
+  // One of `list` that `other` does not have. Empty: none.
+  [[nodiscard]] std::string Of(std::string_view name, const DescribedEndpoint& list, const DescribedEndpoint& other) {
+    const auto [entry, is_new] = candidates_.try_emplace({&list, &other});
+    std::vector<std::string>& names = entry->second;
+    if (is_new) {
+      for (const auto& [channel, position] : list.channels) {
+        if (!other.Passes(channel)) names.push_back(channel);
+      }
+    }
+    return MayCompare(name, names) ? NearestName(name, names) : std::string();
   }
-  return NearestName(name, candidates);
-}
+  // One that differs by a typing error. Empty: none.
+  [[nodiscard]] std::string Alike(std::string_view name, const std::set<std::string>& names) {
+    if (!MayCompare(name, names)) return {};
+    const auto near =
+        std::ranges::find_if(names, [&name](const std::string& one) { return DifferByATypingError(name, one); });
+    return near == names.end() ? std::string() : *near;
+  }
+
+ private:
+  [[nodiscard]] bool MayCompare(std::string_view name, const auto& names) {
+    if (steps_left_ == 0) return false;
+    std::size_t steps = 0;
+    for (const std::string& one : names) steps += (name.size() + 1) * (one.size() + 1);
+    const bool may = steps <= steps_left_;
+    steps_left_ = may ? steps_left_ - steps : 0;
+    return may;
+  }
+
+  std::map<std::pair<const DescribedEndpoint*, const DescribedEndpoint*>, std::vector<std::string>> candidates_;
+  std::size_t steps_left_ = 100'000'000;  // Less than a second.
+};
 
 // Channels that a subscriber lets enter, but no publisher at that endpoint lets leave.
-void CheckEntering(const DescribedLink& link, FileFindings& findings) {
+void CheckEntering(const DescribedLink& link, MeantNames& meant, FileFindings& findings) {
   if (link.publishers.empty()) return;
   for (const auto& [channel, position] : link.subscriber.endpoint->channels) {
     std::vector<const DescribedProcess*> refusing;
@@ -37,7 +67,7 @@ void CheckEntering(const DescribedLink& link, FileFindings& findings) {
     for (const DescribedLink::End& end : link.publishers) {
       if (end.endpoint->Passes(channel)) break;
       refusing.push_back(end.process);
-      if (nearest.empty()) nearest = Meant(channel, *end.endpoint, *link.subscriber.endpoint);
+      if (nearest.empty()) nearest = meant.Of(channel, *end.endpoint, *link.subscriber.endpoint);
     }
     if (refusing.size() < link.publishers.size()) continue;
     const FilePosition& list = link.publishers.front().endpoint->list;
@@ -62,7 +92,7 @@ bool Wants(const DescribedProcess& process, const std::string& channel) {
 
 // Channels that leave at an endpoint to which processes connect, but that none of these lets enter.
 void CheckLeaving(const Deployment& deployment, const DescribedProcess& process, const DescribedEndpoint& endpoint,
-                  FileFindings& findings) {
+                  MeantNames& meant, FileFindings& findings) {
   std::vector<const DescribedLink*> links;
   for (const DescribedLink& link : deployment.links) {
     if (std::ranges::find(link.publishers, &endpoint, &DescribedLink::End::endpoint) != link.publishers.end()) {
@@ -77,7 +107,7 @@ void CheckLeaving(const Deployment& deployment, const DescribedProcess& process,
         links, [&](const DescribedLink* link) { return Wants(*link->subscriber.process, channel); });
     // The other end of a misspelling is told by CheckEntering().
     const bool is_told = std::ranges::any_of(links, [&](const DescribedLink* link) {
-      return !Meant(channel, *link->subscriber.endpoint, endpoint).empty();
+      return !meant.Of(channel, *link->subscriber.endpoint, endpoint).empty();
     });
     if (links.empty() || is_told || (wanting == links.end() && (enters || IsInternal(channel)))) continue;
     std::vector<const DescribedProcess*> refusing;
@@ -128,7 +158,7 @@ void CheckAnswers(const Deployment& deployment, const DescribedLink& link, FileF
 }
 
 // Settings of channels that no list has, if a list has nearly the same name.
-void CheckNames(const Deployment& deployment, FileFindings& findings) {
+void CheckNames(const Deployment& deployment, MeantNames& meant, FileFindings& findings) {
   std::set<std::string> listed;
   for (const DescribedProcess& process : deployment.processes) {
     for (const auto* side : {&process.publishers, &process.subscribers}) {
@@ -140,12 +170,11 @@ void CheckNames(const Deployment& deployment, FileFindings& findings) {
   for (const DescribedProcess& process : deployment.processes) {
     const auto check = [&](const std::string& name, const FilePosition& at) {
       if (listed.contains(name)) return;
-      const auto near = std::find_if(listed.begin(), listed.end(),
-                                     [&name](const std::string& one) { return DifferByATypingError(name, one); });
-      if (near == listed.end()) return;
+      const std::string near = meant.Alike(name, listed);
+      if (near.empty()) return;
       findings.push_back({Severity::kWarning, "name", at,
-                          "No list of channels has " + name + ", but one has " + *near + ".",
-                          "Did you mean " + *near + "?", name});
+                          "No list of channels has " + name + ", but one has " + near + ".",
+                          "Did you mean " + near + "?", name});
     };
     for (const auto& [name, settings] : process.config.channels) check(name, process.PlaceOf({"channels", name}));
     for (const std::string& name : process.config.closed_channels) {
@@ -157,13 +186,15 @@ void CheckNames(const Deployment& deployment, FileFindings& findings) {
 }  // namespace
 
 void CheckChannelLists(const Deployment& deployment, FileFindings& findings) {
-  CheckNames(deployment, findings);
+  MeantNames meant;
+  CheckNames(deployment, meant, findings);
   for (const DescribedLink& link : deployment.links) {
-    CheckEntering(link, findings);
+    CheckEntering(link, meant, findings);
     CheckAnswers(deployment, link, findings);
   }
   for (const DescribedProcess& process : deployment.processes) {
-    for (const DescribedEndpoint& endpoint : process.publishers) CheckLeaving(deployment, process, endpoint, findings);
+    for (const DescribedEndpoint& endpoint : process.publishers)
+      CheckLeaving(deployment, process, endpoint, meant, findings);
   }
 }
 
