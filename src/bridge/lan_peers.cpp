@@ -71,9 +71,10 @@ void LanPeers::Release(const std::string& endpoint) {
 
 void LanPeers::Update(const Announcement& peer, std::vector<std::string> endpoints) {
   for (const std::string& endpoint : announced_[peer.session]) heard_[endpoint].sessions.erase(peer.session);
-  for (const std::string& endpoint : endpoints) {
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    const std::string& endpoint = endpoints[i];
     Endpoint& entry = heard_[endpoint];
-    if (entry.sessions.empty()) entry.sender = peer.sender;
+    if (entry.sessions.empty()) entry.sender = i < peer.senders.size() ? peer.senders[i] : peer.sender;
     entry.sessions.insert(peer.session);
     entry.host = HostOf(endpoint);
   }

@@ -52,17 +52,46 @@ TEST_F(BeaconPeersTest, LeaveWhenTheySayGoodbye) {
   EXPECT_EQ(listening.gone(one.session), "It said goodbye.");
 }
 
-TEST_F(BeaconPeersTest, KeepTheirFirstAddressUntilTheyExpire) {
+// A stranger may repeat the datagrams of a session from its own address, with its own endpoint.
+TEST_F(BeaconPeersTest, AreAtAllAddressesFromWhichTheyAreHeard) {
+  Announcement here = one;
+  here.endpoints = {"tcp://here:1", "tcp://both:1"};
   Announcement elsewhere = one;
-  elsewhere.endpoints = {"tcp://elsewhere:1"};
-  (void)peers.Hear(From(one), "a", start);
-  EXPECT_EQ(peers.Hear(From(elsewhere), "b", start), Verdict::kIgnored);
+  elsewhere.process = "another";
+  elsewhere.endpoints = {"tcp://elsewhere:1", "tcp://both:1"};
+  (void)peers.Hear(From(here), "a", start);
   EXPECT_EQ(peers.Hear(From(elsewhere, true), "b", start), Verdict::kIgnored);
+  EXPECT_EQ(peers.Hear(From(elsewhere), "b", start + milliseconds(50)), Verdict::kNew);
+  Announcement both = here;
+  both.endpoints = {"tcp://here:1", "tcp://both:1", "tcp://elsewhere:1"};
+  both.senders = {"a", "a", "b"};
   EXPECT_EQ(count(), 1U);
-  EXPECT_TRUE(listening.Sees(one));
-  EXPECT_EQ(peers.Hear(From(elsewhere), "b", start + milliseconds(100)), Verdict::kNew);
+  EXPECT_TRUE(listening.Sees(both));
+  EXPECT_EQ(peers.next_expiry(), start + milliseconds(100));
+  peers.Expire(start + milliseconds(100));
+  EXPECT_TRUE(listening.Sees(both)) << "not told yet";
   EXPECT_EQ(count(), 1U);
   EXPECT_TRUE(listening.Sees(elsewhere));
+  EXPECT_EQ(peers.Hear(From(here), "a", start + milliseconds(100)), Verdict::kNew);
+  EXPECT_EQ(peers.Hear(From(elsewhere, true), "b", start + milliseconds(100)), Verdict::kKnown);
+  EXPECT_EQ(count(), 1U);
+  EXPECT_TRUE(listening.Sees(here));
+}
+
+TEST_F(BeaconPeersTest, HaveTheirTurnIfManyAddressesClaimThem) {
+  const auto from = [&](int i) {
+    Announcement peer = one;
+    peer.endpoints = {"tcp://host" + std::to_string(i) + ":1"};
+    return From(peer);
+  };
+  for (int i = 0; i < 20; ++i) (void)peers.Hear(from(i), std::to_string(i), start);
+  EXPECT_EQ(count(), 1U);
+  Announcement last = from(16).peer;
+  last.endpoints = {"tcp://host16:1", "tcp://host17:1", "tcp://host18:1", "tcp://host19:1"};
+  last.senders = {"16", "17", "18", "19"};
+  EXPECT_TRUE(listening.Sees(last));
+  peers.Expire(start + milliseconds(100));
+  EXPECT_EQ(count(), 0U);
 }
 
 TEST_F(BeaconPeersTest, RestartedPeersReplaceTheirEarlierIncarnations) {

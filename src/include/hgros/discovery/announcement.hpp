@@ -38,6 +38,7 @@ struct Announcement {
   std::map<std::string, std::string, std::less<>> places;
   std::vector<std::string> endpoints;  ///< ZeroMQ's: "ipc:///path", "tcp://host:port".
   std::string sender;                  ///< The address that a beacon heard it from; empty: not from a beacon.
+  std::vector<std::string> senders;    ///< If beacons came from several addresses: for each endpoint, where from.
   std::vector<ChannelAnnouncement> channels;
   /// Processes of this host that the session wants to reach, by their names; empty: all.
   std::vector<std::string> only;
