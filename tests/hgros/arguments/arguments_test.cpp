@@ -51,11 +51,11 @@ TEST(Arguments, TakeOptionsForValuesBehindTheirEnd) {
 
 TEST(Arguments, RefuseCountsThatContradictEachOther) {
   const auto count = [](const std::vector<std::string>& words) {
-    std::optional<std::uint64_t> count;
+    std::optional<std::uint64_t> number;
     Arguments arguments;
-    arguments.Count(count, "One", "N");
+    arguments.Count(number, "One", "N");
     arguments.Parse(words);
-    return count.value_or(0);
+    return number.value_or(0);
   };
   EXPECT_EQ(count({}), 0U);
   EXPECT_EQ(count({"--once"}), 1U);
