@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "transport/peer_channel.hpp"
+
 namespace hgros {
 namespace {
 
@@ -37,6 +39,16 @@ void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& 
   if (!core->refused.load()) return;
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnRoom(); }); });
   core->refused.store(false);  // Last: without memory for the action, the next call reports the room.
+}
+
+void OutboundCore::SayHeldUp(Log& log, const std::string& who) const {
+  log.WriteLimited(
+      LogLevel::kWarning, "held up " + name + " " + who,
+      "Channel \"" + name + "\" waits for " + who +
+          ": its lossless subscription is full, and it has taken "
+          "no message for " +
+          std::to_string(PeerChannel::kHoldsUpAfter.count()) +
+          " s. Other subscribers get none meanwhile. Look at its callback, or let it subscribe keep-last.");
 }
 
 void OutboundCore::TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session,

@@ -37,6 +37,8 @@ struct OutboundCore {
   /// before the session's next link begins. `log` outlives the actions.
   static void TellMissed(const std::shared_ptr<OutboundCore>& core, Log& log, SessionId session, const std::string& who,
                          std::uint64_t messages, Actions& actions);
+  /// A subscriber keeps publishers waiting: logs its name.
+  void SayHeldUp(Log& log, const std::string& who) const;
   /// To be called for each message. Cheap.
   void NoteCommit(Log& log, std::uint64_t sequence) {
     last_sequence_.store(sequence, std::memory_order_relaxed);

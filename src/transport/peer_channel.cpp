@@ -45,6 +45,20 @@ bool PeerChannel::HasRoom() const noexcept {
          sent_bytes_ - confirmed_bytes_ + waiting_bytes_ < demand_.credit_bytes;
 }
 
+bool PeerChannel::HoldsUp(bool waits, std::chrono::steady_clock::time_point now) noexcept {
+  if (!waits || !lossless() || HasRoom()) {
+    full_since_.reset();
+    return false;
+  }
+  if (!full_since_ || confirmed_when_full_ != confirmed_messages_) {
+    full_since_ = now;
+    confirmed_when_full_ = confirmed_messages_;
+  }
+  if (now - *full_since_ < kHoldsUpAfter) return false;
+  full_since_ = std::chrono::steady_clock::time_point::max();
+  return true;
+}
+
 bool PeerChannel::IsLatched(const MessageId& id) const {
   if (id.publisher == 0 || id.sequence == 0) return false;
   const auto last = last_latched_.find(id.publisher);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -56,6 +57,10 @@ class PeerChannel {
 
   /// Lossless: whether a message can be promised.
   [[nodiscard]] bool HasRoom() const noexcept;
+  /// True once if a publisher has waited for this peer, which has confirmed nothing, for kHoldsUpAfter. To be called
+  /// regularly. `waits`: a publisher waits for room in the channel.
+  [[nodiscard]] bool HoldsUp(bool waits, std::chrono::steady_clock::time_point now) noexcept;
+  static constexpr std::chrono::seconds kHoldsUpAfter{10};
   void Reserve() noexcept { ++reserved_; }
   void CancelReservation() noexcept {
     if (reserved_ > 0) --reserved_;
@@ -110,6 +115,9 @@ class PeerChannel {
   std::uint64_t sent_bytes_ = 0;
   std::uint64_t confirmed_messages_ = 0;
   std::uint64_t confirmed_bytes_ = 0;
+  // Since when it has no room and these are confirmed; none: it has room. At the end of time: that was said.
+  std::optional<std::chrono::steady_clock::time_point> full_since_;
+  std::uint64_t confirmed_when_full_ = 0;
   std::unordered_map<std::uint64_t, MessageId> last_latched_;  // By publisher.
 };
 

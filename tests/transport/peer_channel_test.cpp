@@ -26,6 +26,32 @@ TEST(PeerChannel, SendsNothingBeforeItHasBegun) {
   EXPECT_EQ(channel.sent(), 1u);
 }
 
+TEST(PeerChannel, HoldsUpAPublisherIfItConfirmsNothingForLong) {
+  using std::chrono::seconds;
+  const std::chrono::steady_clock::time_point start{};
+  PeerChannel channel(Granted({.lossless = true, .credit_messages = 2}));
+  PeerChannel::Dropped dropped;
+  channel.Begin({});
+  EXPECT_FALSE(channel.HoldsUp(true, start));
+  EXPECT_FALSE(channel.HoldsUp(true, start + seconds(20))) << "it has room";
+  channel.Push(Make(1));
+  channel.Push(Make(2));
+  while (channel.Pop()) {
+  }
+  EXPECT_FALSE(channel.HoldsUp(true, start + seconds(21)));
+  EXPECT_FALSE(channel.HoldsUp(true, start + seconds(30)));
+  ASSERT_TRUE(channel.Confirm(1, 10, dropped));
+  channel.Push(Make(3));
+  ASSERT_TRUE(channel.Pop());
+  EXPECT_FALSE(channel.HoldsUp(true, start + seconds(31))) << "it is slow, but takes messages";
+  EXPECT_FALSE(channel.HoldsUp(true, start + seconds(40)));
+  EXPECT_TRUE(channel.HoldsUp(true, start + seconds(41)));
+  EXPECT_FALSE(channel.HoldsUp(true, start + seconds(60))) << "once";
+  EXPECT_FALSE(channel.HoldsUp(false, start + seconds(61))) << "nobody waits";
+  EXPECT_FALSE(channel.HoldsUp(true, start + seconds(62)));
+  EXPECT_TRUE(channel.HoldsUp(true, start + seconds(72))) << "again";
+}
+
 std::vector<std::uint64_t> Drained(PeerChannel& channel) {
   std::vector<std::uint64_t> order;
   while (const auto message = channel.Pop()) order.push_back(message->id.sequence);

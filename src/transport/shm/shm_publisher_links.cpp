@@ -186,12 +186,14 @@ void ShmPublisher::ResendApart(Pair& pair, std::uint32_t segment) {
 
 std::uint32_t ShmPublisher::Beat(Pair& pair, const std::vector<std::uint32_t>& removed) {
   Leavings leavings;
+  const auto now = std::chrono::steady_clock::now();
   const std::scoped_lock lock(mutex_);
   pair.out.lane->Beat();
   Collect(pair, leavings);
   for (auto& [core, link] : pair.out.links) {
     ReadCredit(*link, leavings);
     ReportTooLarge(*link);
+    if (link->flow.HoldsUp(core->refused, now)) core->SayHeldUp(session_.log, NameOf(pair));
   }
   for (const std::uint32_t segment : removed) {
     if (pair.out.told_segments.erase(segment) == 0) continue;

@@ -232,9 +232,11 @@ void SubscriberPeers::Tick(SteadyTime now, Actions& actions) {
       Send(*peer, heartbeat);
     }
     for (auto& [channel, wish] : peer->wishes) {
+      if (!wish.link) continue;
+      const OutboundCore& core = *wish.link->core;
+      if (wish.link->flow.HoldsUp(core.refused, now)) core.SayHeldUp(shared_.log, peer->name());
       // It came back without asking for this channel again.
-      if (wish.link && wish.link->IsPausedSince(now - timeout))
-        channels_.RemoveLink(*peer, wish, LinkEnd::kLost, actions);
+      if (wish.link->IsPausedSince(now - timeout)) channels_.RemoveLink(*peer, wish, LinkEnd::kLost, actions);
     }
   }
   for (const auto session : silent) {
