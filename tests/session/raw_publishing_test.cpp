@@ -286,17 +286,21 @@ TEST_F(RawPublishingAlone, CountsBytesThatDoNotDecodeAndDeliversTheNextMessages)
 TEST_F(RawPublishingAlone, ReturnsThePayloadToTheCallerWhenASubscriberIsFull) {
   std::mutex door;
   door.lock();
+  std::atomic<bool> begun{false};
   Kept<RawMessage> kept;
   const auto subscription =
       robot->FromAnyRaw("t", kSerial,
                         [&](const std::shared_ptr<const RawMessage>& message, const MessageInfo& info) {
+                          begun = true;
                           const std::scoped_lock wait(door);
                           kept(message, info);
                         },
                         {.queue = Queue::KeepAll(1)});
   const RawPublisher publish = robot->AdvertiseRaw("t", TextSchema());
   const Payload bytes = PayloadOf("text");
-  std::size_t taken = 0;
+  EXPECT_EQ(publish(bytes), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return begun.load(); }));  // From here on nothing leaves the queue.
+  std::size_t taken = 1;
   while (publish(bytes) == PublishStatus::kOk) ++taken;
   EXPECT_EQ(AsText(bytes.bytes), "text");
   EXPECT_EQ(publish(bytes), PublishStatus::kFull);
