@@ -34,10 +34,11 @@ class Times {
     const std::scoped_lock lock(mutex_);
     all_.push_back(ns);
   }
+  // Of the last three seconds, for which the command watches.
   [[nodiscard]] std::int64_t Median() const {
     const std::scoped_lock lock(mutex_);
     if (all_.empty()) return 0;
-    std::vector<std::int64_t> sorted = all_;
+    std::vector<std::int64_t> sorted(all_.end() - std::min<std::ptrdiff_t>(std::ssize(all_), 10), all_.end());
     std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
     return sorted[sorted.size() / 2];
   }
