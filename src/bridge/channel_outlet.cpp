@@ -76,6 +76,7 @@ void ChannelOutlet::SendKept() {
   std::vector<Kept> numbered;
   {
     const std::scoped_lock latch(latch_mutex_);
+    numbered.reserve(kept_.size());
     for (Kept& one : kept_) {
       if (one.head.id.sequence != 0) continue;
       Number(one.head, one.own_number);
@@ -87,7 +88,8 @@ void ChannelOutlet::SendKept() {
   for (Kept& one : numbered) {
     if (!transports_ || transports_->subscriber_count() == 0) return;  // Later ones ask for what is latched.
     if (!one.data) one.data = Encode(one.message, *one.type, {});
-    if (one.data->owner == nullptr || transports_->Reserve() != PublishStatus::kOk) continue;
+    // For those who have no room, it waits.
+    if (one.data->owner == nullptr || transports_->Reserve() == PublishStatus::kNoMemory) continue;
     (void)transports_->Commit(one.head, *one.data);
   }
 }
@@ -364,8 +366,6 @@ std::vector<OutboundMessage> ChannelOutlet::TryLatched() {
   }
   return messages;
 }
-
-void ChannelOutlet::OnRoom() noexcept { events_.on_room(); }
 
 void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
   // Done first: a thread that sees the subscriber and publishes must find that the outlet is wanted.

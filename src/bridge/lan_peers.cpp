@@ -117,7 +117,9 @@ void LanPeers::Connect(Endpoints::value_type& entry, Time now) {
   state.number = ++last_number_;
   state.refused = false;
   SubscribeEndpoint added{endpoint, std::nullopt, {}};
-  added.on_event = [this, endpoint, number = state.number](EndpointEvent event) { OnEvent(endpoint, number, event); };
+  added.on_event = [this, endpoint, number = state.number](EndpointEvent event, SessionId session) {
+    OnEvent(endpoint, number, event, session);
+  };
   try {
     zmq_.AddSubscribeEndpoint(added);
   } catch (const std::exception& error) {
@@ -135,7 +137,7 @@ void LanPeers::Disconnect(Endpoints::value_type& entry, Time now) {
   state.number = 0;
 }
 
-void LanPeers::OnEvent(const std::string& endpoint, std::uint64_t number, EndpointEvent event) {
+void LanPeers::OnEvent(const std::string& endpoint, std::uint64_t number, EndpointEvent event, SessionId session) {
   const std::scoped_lock lock(mutex_);
   const auto found = heard_.find(endpoint);
   if (found == heard_.end() || found->second.number != number) return;
@@ -144,6 +146,7 @@ void LanPeers::OnEvent(const std::string& endpoint, std::uint64_t number, Endpoi
   const Time now = std::chrono::steady_clock::now();
   if (event == EndpointEvent::kReached) {
     SetState(entry, State::kReached, now);
+    entry.answered = session;
     entry.failures = 0;
     entry.reported = false;
     FillTries(now);
@@ -196,7 +199,7 @@ void LanPeers::EndLost(Time now) {
 }
 
 void LanPeers::ReportUnanswered(Endpoints::value_type& entry) {
-  if (std::exchange(entry.second.reported, true)) return;
+  if (IsReachedElsewhere(entry) || std::exchange(entry.second.reported, true)) return;
   if (unanswered_.empty()) unanswered_ = entry.first;
   log_.WriteLimited(LogLevel::kWarning, "lan unanswered",
                     "The beacon hears sessions that do not answer, the first one at " + unanswered_ +
@@ -225,7 +228,20 @@ std::size_t LanPeers::ShareOf(const std::string& host) const {
 }
 
 bool LanPeers::Waits(const Endpoints::value_type& entry) const {
-  return entry.second.state == State::kWaiting && !entry.second.sessions.empty() && !configured_.contains(entry.first);
+  return entry.second.state == State::kWaiting && !entry.second.sessions.empty() &&
+         !configured_.contains(entry.first) && !IsReachedElsewhere(entry);
+}
+
+// A host with several addresses is connected to at one of them.
+bool LanPeers::IsReachedElsewhere(const Endpoints::value_type& entry) const {
+  return std::ranges::all_of(entry.second.sessions, [&](SessionId session) {
+    const auto announced = announced_.find(session);
+    return announced != announced_.end() && std::ranges::any_of(announced->second, [&](const std::string& endpoint) {
+             const auto other = heard_.find(endpoint);
+             return other != heard_.end() && &*other != &entry && other->second.state == State::kReached &&
+                    other->second.answered == session && other->second.sender != entry.second.sender;
+           });
+  });
 }
 
 LanPeers::Endpoints::value_type* LanPeers::FindNext(Time now) {

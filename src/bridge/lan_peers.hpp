@@ -59,7 +59,7 @@ class LanPeers final : public DiscoveryListener {
   enum class State {
     kWaiting,  // Not connected to.
     kTried,    // No session has answered yet.
-    kReached,  // A session has answered.
+    kReached,  // The session `answered` has.
     kLost,     // That session is gone, and may come back.
   };
   struct Endpoint {
@@ -67,6 +67,7 @@ class LanPeers final : public DiscoveryListener {
     std::string sender;
     std::string host;  // The address in the endpoint. A sender's address may be forged.
     State state = State::kWaiting;
+    SessionId answered;
     Time since{};              // When the state began.
     Time tried{};              // When the latest try began.
     std::uint64_t number = 0;  // The latest try's; events of earlier ones are ignored.
@@ -90,6 +91,7 @@ class LanPeers final : public DiscoveryListener {
   [[nodiscard]] std::size_t ShareOf(const std::string& host) const;
   [[nodiscard]] std::size_t ConnectedAt(const std::string& host) const;
   [[nodiscard]] bool Waits(const Endpoints::value_type& entry) const;
+  [[nodiscard]] bool IsReachedElsewhere(const Endpoints::value_type& entry) const;
   [[nodiscard]] bool IsFull(const std::string& host) const { return ConnectedAt(host) >= ShareOf(host); }
   // The endpoint that is tried next; null if none waits, or all that wait have to pause.
   [[nodiscard]] Endpoints::value_type* FindNext(Time now);
@@ -100,7 +102,7 @@ class LanPeers final : public DiscoveryListener {
   void ActAt(Time when);
   [[nodiscard]] std::optional<Time> NextAct(Time now);
 
-  void OnEvent(const std::string& endpoint, std::uint64_t number, EndpointEvent event);
+  void OnEvent(const std::string& endpoint, std::uint64_t number, EndpointEvent event, SessionId session);
   // Does what time brings, on the thread of errands. Whatever needs no waiting is done at once on the calling thread,
   // because an errand of the program may block that one.
   void Act(Time due);

@@ -10,7 +10,7 @@
 namespace hgros {
 namespace {
 
-// For messages of a forbidden channel that were accepted before: slow subscribers may take the rest of them for lost.
+// For messages of a forbidden channel that were accepted before. The rest counts as missed.
 constexpr auto kTimeToLeave = std::chrono::seconds(5);
 constexpr auto kPauseInLeaving = std::chrono::milliseconds(20);
 
@@ -116,6 +116,12 @@ void OutboundChannels::Withdraw(const std::string& channel, std::uint64_t number
                    [this, channel, number, deadline, later] { Withdraw(channel, number, deadline, later); });
     } catch (const std::bad_alloc&) {  // So it is withdrawn now.
     }
+  }
+  if (outlet->HasUnfinished()) {
+    log_->WriteLimited(LogLevel::kWarning, "withdrawn " + channel,
+                       "Channel \"" + channel +
+                           "\" is forbidden. Its lossless subscribers have not taken all messages "
+                           "that were accepted before; the rest counts as missed.");
   }
   outlet->Detach();  // Waits for events in flight.
   const std::scoped_lock lock(mutex_);

@@ -26,7 +26,9 @@ class Endpoints final : public ZmqTransport {
     EXPECT_TRUE(events.emplace(endpoint.endpoint, endpoint.on_event).second);
   }
   bool RemoveSubscribeEndpoint(const std::string& endpoint) override { return events.erase(endpoint) > 0; }
-  void Report(const std::string& endpoint, EndpointEvent event) const { events.at(endpoint)(event); }
+  void Report(const std::string& endpoint, EndpointEvent event, SessionId session = {}) const {
+    events.at(endpoint)(event, session);
+  }
 
   std::unique_ptr<OutboundChannel> Advertise(std::string_view, const TypeInfo&, OutboundSource&) override { return {}; }
   std::unique_ptr<InboundChannel> Subscribe(std::string_view, const TypeInfo&, const Demand&, InboundSink&) override {
@@ -42,7 +44,7 @@ class Endpoints final : public ZmqTransport {
   std::vector<std::string> BoundEndpoints() const override { return {}; }
   std::uint64_t refused_handshakes() const override { return 0; }
 
-  std::map<std::string, std::function<void(EndpointEvent)>> events;
+  std::map<std::string, std::function<void(EndpointEvent, SessionId)>> events;
 };
 
 class LanPeersTest : public testing::Test {
@@ -104,10 +106,31 @@ TEST_F(LanPeersTest, ConnectToAllThatAnswerWithoutAnErrand) {
   for (std::uint64_t i = 1; i <= 20; ++i) Hear(i, "10.0.0.1", {"tcp://10.0.0.1:" + std::to_string(i)});
   for (std::size_t answered = 0; answered < 20; answered += LanPeers::kMaxTries) {
     ASSERT_EQ(zmq.events.size(), answered + LanPeers::kMaxTries);
-    for (const auto& [endpoint, report] : std::map(zmq.events)) report(EndpointEvent::kReached);
+    for (const auto& [endpoint, report] : std::map(zmq.events)) report(EndpointEvent::kReached, {});
   }
   EXPECT_EQ(zmq.events.size(), 20U);
   EXPECT_TRUE(lines.empty());
+}
+
+TEST_F(LanPeersTest, ConnectToASessionAtOneOfItsAddresses) {
+  Announcement peer;
+  peer.session = {1};
+  peer.sender = "10.0.0.9";
+  peer.endpoints = {"tcp://10.0.0.9:1", "tcp://10.0.0.1:1", "tcp://10.0.1.1:1"};
+  peer.senders = {"10.0.0.9", "10.0.0.1", "10.0.1.1"};
+  peers.OnCame(peer);
+  const auto others = [&] { return zmq.events.size(); };
+  EXPECT_EQ(others(), LanPeers::kMaxTries);
+  // A stranger's own session answers at the first one: that is not the one that was looked for.
+  zmq.Report("tcp://10.0.0.9:1", EndpointEvent::kReached, {9});
+  EXPECT_EQ(others(), 3U);
+  zmq.Report("tcp://10.0.0.1:1", EndpointEvent::kReached, {1});
+  zmq.Report("tcp://10.0.1.1:1", EndpointEvent::kFailed);
+  Hear(2, "10.0.0.2", {"tcp://10.0.0.2:1"});
+  Hear(3, "10.0.0.3", {"tcp://10.0.0.3:1"});
+  EXPECT_TRUE(RunUntil([&] { return Has("tcp://10.0.0.2:1") && Has("tcp://10.0.0.3:1"); }));
+  EXPECT_TRUE(RunUntil([&] { return !Has("tcp://10.0.1.1:1"); })) << "it gives way, and is not tried again";
+  EXPECT_TRUE(Has("tcp://10.0.0.1:1"));
 }
 
 TEST_F(LanPeersTest, KeepAnEndpointWhileItsSessionAnswers) {
@@ -128,7 +151,7 @@ TEST_F(LanPeersTest, TryEachSenderInTurn) {
   for (std::uint64_t i = 1; i <= 100; ++i) Hear(i, "10.0.0.1", {"tcp://10.0.0.1:" + std::to_string(i)});
   EXPECT_EQ(zmq.events.size(), LanPeers::kMaxTries);
   Hear(101, "10.0.0.2", {"tcp://10.0.0.7:1", "tcp://10.0.0.2:1"});
-  for (const auto& [endpoint, report] : std::map(zmq.events)) report(EndpointEvent::kFailed);
+  for (const auto& [endpoint, report] : std::map(zmq.events)) report(EndpointEvent::kFailed, {});
   EXPECT_TRUE(RunUntil([&] { return Has("tcp://10.0.0.2:1"); }));
   EXPECT_FALSE(Has("tcp://10.0.0.7:1")) << "the sender's own address comes first";
   EXPECT_EQ(zmq.events.size(), LanPeers::kMaxTries);

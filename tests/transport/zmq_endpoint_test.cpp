@@ -157,7 +157,7 @@ TEST(ZmqEndpoint, ReportsItsEventsInsteadOfLoggingFailuresAndIsFreedWhenItIsRemo
   auto token = std::make_shared<int>();
   const std::weak_ptr<int> alive = token;
   SubscribeEndpoint endpoint{folder.Ipc(), std::nullopt, {}};
-  endpoint.on_event = [&reached, &failed, &lost, token](EndpointEvent event) {
+  endpoint.on_event = [&reached, &failed, &lost, token](EndpointEvent event, SessionId) {
     ++(event == EndpointEvent::kReached ? reached : event == EndpointEvent::kFailed ? failed : lost);
   };
   token.reset();

@@ -46,11 +46,9 @@ class MeantNames {
 
  private:
   [[nodiscard]] bool MayCompare(std::string_view name, const auto& names) {
-    if (steps_left_ == 0) return false;
-    std::size_t steps = 0;
-    for (const std::string& one : names) steps += (name.size() + 1) * (one.size() + 1);
+    const std::size_t steps = names.size() * (name.size() + 1) * (name.size() + 1);  // Names are of similar lengths.
     const bool may = steps <= steps_left_;
-    steps_left_ = may ? steps_left_ - steps : 0;
+    steps_left_ -= may ? steps : 0;
     return may;
   }
 

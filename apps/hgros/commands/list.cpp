@@ -125,7 +125,9 @@ void List::ListNodes(Robot& robot) const {
   };
   const auto fault = [](std::uint64_t count) { return count == 0 ? Cell(count, "-") : Cell(count).In(Style::kYellow); };
   for (const auto& [id, snapshot] : robot.Counters()) {
-    const std::vector<Cell> user = UserCells(UserOf(*snapshot), false);
+    ChannelUser who = UserOf(*snapshot);
+    who.session = id;  // The sender's; what it says of itself may be wrong.
+    const std::vector<Cell> user = UserCells(who, false);
     for (const Snapshot::Channel& channel : snapshot->channels()) {
       if (!all_ && IsInternal(channel.name())) continue;
       for (const Snapshot::Node& node : channel.nodes()) {

@@ -21,10 +21,11 @@ BeaconPeers::Verdict BeaconPeers::Hear(const Heard& heard, const std::string& se
   const auto place = std::ranges::find(places, sender, &Place::sender);
   if (place == places.end()) {
     if (heard.ends) return Verdict::kIgnored;
-    if (places.size() >= kMaxPlaces) RemoveFirstPlace(*entry);
+    const bool full = places.size() >= kMaxPlaces;
+    if (full) RemoveFirstPlace(*entry);
     places.push_back({sender, heard.peer, now});
     book_.Put(Merged(places));
-    return Verdict::kNew;
+    return full ? Verdict::kKnown : Verdict::kNew;  // With more addresses than that, each one would be new for ever.
   }
   if (heard.peer.incarnation < place->peer.incarnation) return Verdict::kIgnored;
   if (heard.ends) {

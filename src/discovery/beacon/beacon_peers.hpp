@@ -17,7 +17,8 @@ namespace hgros::discovery {
 
 /// The peers known from datagrams: their addresses and when they fell silent. Limits the effect of forged datagrams:
 /// - A session is at each address from which it is heard, at most kMaxPlaces, until it expires there or says goodbye
-///   there. The first one describes it, and all tell endpoints. So nobody can hide a session behind a wrong address.
+///   there. The first one describes it, and all tell endpoints. So a wrong address where nobody answers hides no
+///   session.
 /// - There are at most kMaxPeers. If there are more, those of the address with the most peers make room for those of
 ///   others.
 ///
@@ -26,7 +27,7 @@ class BeaconPeers {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t kMaxPeers = 1024;
-  static constexpr std::size_t kMaxPlaces = 4;  // If more come, each of them has its turn.
+  static constexpr std::size_t kMaxPlaces = 16;  // If more come, each of them has its turn.
 
   BeaconPeers(PeerBook& book, std::chrono::milliseconds patience) : book_(book), patience_(patience) {}
 

@@ -47,8 +47,9 @@ PublishStatus ShmPublisher::Reserve(OutChannel& channel) {
   Leavings leavings;
   const std::scoped_lock lock(mutex_);
   if (!HasRoom(channel)) {
-    channel.refused = true;  // Set before the question: the answer may come at once.
+    const bool before = channel.refused.exchange(true);  // Before the question: the answer may come at once.
     if (!FindRoom(channel, leavings)) return PublishStatus::kFull;
+    channel.refused = before;
   }
   for (OutLink* link : channel.links) {
     if (link->flow.lossless()) link->flow.Reserve();

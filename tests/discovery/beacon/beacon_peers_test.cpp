@@ -84,11 +84,19 @@ TEST_F(BeaconPeersTest, HaveTheirTurnIfManyAddressesClaimThem) {
     peer.endpoints = {"tcp://host" + std::to_string(i) + ":1"};
     return From(peer);
   };
-  for (int i = 0; i < 20; ++i) (void)peers.Hear(from(i), std::to_string(i), start);
+  constexpr int kMany = 3 * BeaconPeers::kMaxPlaces;
+  for (int i = 0; i < kMany; ++i) {
+    const bool fits = i < static_cast<int>(BeaconPeers::kMaxPlaces);
+    EXPECT_EQ(peers.Hear(from(i), std::to_string(i), start), fits ? Verdict::kNew : Verdict::kKnown) << i;
+  }
   EXPECT_EQ(count(), 1U);
-  Announcement last = from(16).peer;
-  last.endpoints = {"tcp://host16:1", "tcp://host17:1", "tcp://host18:1", "tcp://host19:1"};
-  last.senders = {"16", "17", "18", "19"};
+  constexpr int kFirst = kMany - BeaconPeers::kMaxPlaces;
+  Announcement last = from(kFirst).peer;
+  last.endpoints.clear();
+  for (int i = kFirst; i < kMany; ++i) {
+    last.endpoints.push_back(from(i).peer.endpoints.front());
+    last.senders.push_back(std::to_string(i));
+  }
   EXPECT_TRUE(listening.Sees(last));
   peers.Expire(start + milliseconds(100));
   EXPECT_EQ(count(), 0U);

@@ -57,7 +57,7 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
 
   std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
   [[nodiscard]] bool may_promise() const noexcept override { return may_promise_; }
-  void OnRoom() noexcept override;
+  void OnRoom() noexcept override { events_.on_room(); }
   void OnSubscribers(std::size_t count) noexcept override;
 
   [[nodiscard]] const std::string& channel() const noexcept { return channel_; }

@@ -65,9 +65,10 @@ void Connections::Connect(SteadyTime now) {
     return std::ranges::any_of(pairs_.List(),
                                [&](const auto& pair) { return pair->alive && pair->facts.info.id == session; });
   };
+  bool wait = true;  // Once in vain, so that many full places do not keep this thread.
   for (const std::string& place : destinations_.Due(now, is_connected)) {
     std::string fault;
-    Handle connection = ConnectTo(place, fault);
+    Handle connection = ConnectTo(place, fault, wait);
     if (connection.valid()) {
       destinations_.SetPair(place, AddPair(std::move(connection), true, place));
     } else {

@@ -365,17 +365,23 @@ Handle AcceptFrom(const Handle& listening, bool& out_of_descriptors) noexcept {
   return made;
 }
 
-Handle ConnectTo(const std::string& place, std::string& fault) {
+Handle ConnectTo(const std::string& place, std::string& fault, bool& wait) {
   sockaddr_un address;
   socklen_t size = 0;
   if (!AddressOf(place, address, size, fault)) return {};
   Handle made = MakeSocket(fault);
   if (!made.valid()) return {};
-  // Any user may have filled the place's queue. Then this waits for a moment until there is room.
-  (void)fcntl(made.fd(), F_SETFL, 0);
-  const timeval patience{0, kWaitForRoomUs};
-  (void)setsockopt(made.fd(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-  if (connect(made.fd(), reinterpret_cast<const sockaddr*>(&address), size) != 0) {
+  if (wait) {  // Any user may have filled the place's queue.
+    (void)fcntl(made.fd(), F_SETFL, 0);
+    const timeval patience{0, kWaitForRoomUs};
+    (void)setsockopt(made.fd(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  }
+  int failed = 0;
+  do {
+    failed = connect(made.fd(), reinterpret_cast<const sockaddr*>(&address), size);
+  } while (failed != 0 && errno == EINTR);
+  if (failed != 0) {
+    wait = wait && errno != EAGAIN;
     fault = errno == EAGAIN ? "too many connections wait at \"" + place + "\""
                             : "nobody listens at \"" + place + "\" in this network namespace: " + std::strerror(errno);
     return {};

@@ -137,7 +137,12 @@ struct OtherSide {
 /// The next connection to a listening socket; not valid if there is none. `out_of_descriptors`: there may be one, but
 /// this process can open no more files.
 [[nodiscard]] Handle AcceptFrom(const Handle& listening, bool& out_of_descriptors) noexcept;
-/// A connection to the session at `place`; not valid, and `fault` is set, if none listens there.
-[[nodiscard]] Handle ConnectTo(const std::string& place, std::string& fault);
+/// A connection to the session at `place`; not valid, and `fault` is set, if none listens there. `wait`: for a moment,
+/// if too many connections wait there; false afterwards if that was in vain.
+[[nodiscard]] Handle ConnectTo(const std::string& place, std::string& fault, bool& wait);
+[[nodiscard]] inline Handle ConnectTo(const std::string& place, std::string& fault) {
+  bool wait = true;
+  return ConnectTo(place, fault, wait);
+}
 
 }  // namespace hgros::shm

@@ -133,7 +133,8 @@ void SubscriberEndpoint::ReadMonitor(Actions& actions) {
 }
 
 void SubscriberEndpoint::Report(EndpointEvent event, Actions& actions) const {
-  if (on_event_) actions.emplace_back([report = on_event_, event] { report(event); });
+  if (!on_event_) return;
+  actions.emplace_back([report = on_event_, event, who = publisher_.facts.info.id] { report(event, who); });
 }
 
 void SubscriberEndpoint::AbortConnection(Actions& actions) {

@@ -95,7 +95,7 @@ class SubscriberEndpoint {
 
   SharedState& shared_;
   Poller& poller_;
-  const std::function<void(EndpointEvent)> on_event_;
+  const std::function<void(EndpointEvent, SessionId)> on_event_;
   mutable std::mutex mutex_;
   PublisherConnection connection_;
   const LentFlag lent_input_{shared_.input_flags};
