@@ -14,6 +14,7 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -92,8 +93,10 @@ class Client {
   /// Becomes a peer of the endpoint. The handshake's number.
   [[nodiscard]] std::uint64_t Greet(SessionId session) const {
     (void)Send(Frame('\1' + zmq::ControlTopic(session)));
-    (void)Receive();
-    const auto welcome = zmq::ParseControl(AsBytes(Receive()));
+    std::optional<wire::Control> welcome;
+    for (int frames = 0; frames < 6 && !(welcome && welcome->has_welcome()); ++frames) {
+      welcome = zmq::ParseControl(AsBytes(Receive()));  // Topics come between.
+    }
     if (!welcome || !welcome->has_welcome()) return 0;
     auto hello = zmq::ControlFrom(session);
     WriteFacts(OwnFacts(session, "greedy"), *hello.mutable_hello()->mutable_facts());
@@ -251,7 +254,8 @@ TEST_F(ZmqLimits, AConnectionThatDoesNotReadTheAnswersToItsMessagesIsClosed) {
   for (int i = 0; i < 1000; ++i) frames += Frame(zmq::UpstreamFrame(message));
   for (int i = 0; i < 10'000 && client.Send(frames); ++i) {
   }
-  EXPECT_TRUE(Eventually([&] { return publisher.Said("does not read the answers to its messages"); }));
+  EXPECT_TRUE(
+      test::Await([&] { return publisher.Said("does not read the answers to its messages"); }, 2 * test::kPatience));
   EXPECT_TRUE(Eventually([&] { return publisher.listener.gone == 1; }));
   EXPECT_LT(UsedMiB() - before, 600);
   ExpectOthersGoOn();

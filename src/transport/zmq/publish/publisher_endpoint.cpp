@@ -232,13 +232,13 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   peer->last_heard = std::chrono::steady_clock::now();
   switch (control->what_case()) {
     case wire::Control::kSubscribe:
-      subscriptions_.OnSubscribe(*peer, control->subscribe(), actions);
+      subscriptions_.OnSubscribe(*peer, control->subscribe(), fd, actions);
       if (!watch_.CountWishes(fd, session, peer->wish_bytes)) {
         peers_.Drop(session, "it asked for too many channels", actions);
       }
       break;
     case wire::Control::kUnsubscribe:
-      subscriptions_.OnUnsubscribe(*peer, control->unsubscribe(), actions);
+      subscriptions_.OnUnsubscribe(*peer, control->unsubscribe(), fd, actions);
       (void)watch_.CountWishes(fd, session, peer->wish_bytes);
       break;
     case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;

@@ -16,6 +16,7 @@ namespace hgros::zmq {
 /// A session's wish for one channel, and the link that serves it, if there is one.
 struct Wish {
   wire::Subscribe asked;
+  int connection = -1;  ///< The descriptor that it came over.
   std::unique_ptr<OutLink> link;
   /// Like the bytes of topics (AcceptedConnections), each of which takes about 40 bytes of memory.
   [[nodiscard]] std::size_t size() const { return 8 + asked.ByteSizeLong() / 8; }

@@ -40,6 +40,10 @@ class SubscriberPeers {
   /// Sends a Welcome, which begins a new handshake. Does not repeat it within a short time, unless `at_once` is set.
   /// `connection`: the descriptor over which it was asked for. Pauses the links if that is the session's.
   void Greet(SessionId session, int connection, bool at_once);
+  /// Whether the connection is there, and is that session's.
+  [[nodiscard]] bool IsAt(const SubscriberPeer& peer, int connection) {
+    return watch_.MaySpeakFor(connection, peer.facts.info.id, peer.proof);
+  }
   /// Pauses the links, and sends a Welcome.
   void BeginAgain(SubscriberPeer& peer, int connection);
   /// Ignores it if it answers an older Welcome, or is not from the session that it names. `connection`: the descriptor

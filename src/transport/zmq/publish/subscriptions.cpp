@@ -48,7 +48,7 @@ void Subscriptions::CloseChannel(PublishedChannels::Channel& channel, Actions& a
   }
 }
 
-void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& asked, Actions& actions) {
+void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& asked, int connection, Actions& actions) {
   if (IsOlder(asked.handshake(), peer.handshake)) return;
   const std::string& name = asked.wanted().channel();
   if (!ChannelNameFault(name).empty() || asked.wanted().type_name().size() > kMaxTypeNameBytes ||
@@ -65,6 +65,7 @@ void Subscriptions::OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& ask
       wish.link && !wish.link->flow.paused() && !asked.change_only() && wish.asked.handshake() != asked.handshake();
   const bool known = wish.link && asked.link() == wish.link->id;
   wish.asked = asked;
+  wish.connection = connection;
   if (goes_on && known) wish.asked.set_change_only(true);  // It gets all that was sent.
   peer.wish_bytes += wish.size();
   if (goes_on && !known) {
@@ -159,9 +160,12 @@ void Subscriptions::SendSubscribed(const SubscriberPeer& peer, const OutLink& li
   peers_.Send(peer, message);
 }
 
-void Subscriptions::OnUnsubscribe(SubscriberPeer& peer, const wire::Unsubscribe& unsubscribe, Actions& actions) {
+void Subscriptions::OnUnsubscribe(SubscriberPeer& peer, const wire::Unsubscribe& unsubscribe, int connection,
+                                  Actions& actions) {
   const auto wish = peer.wishes.find(unsubscribe.channel());
   if (wish == peer.wishes.end()) return;
+  // It asks over another connection by now: the two messages have overtaken each other.
+  if (wish->second.connection != connection && peers_.IsAt(peer, wish->second.connection)) return;
   const bool linked = wish->second.link != nullptr;
   channels_.RemoveLink(peer, wish->second, PublishedChannels::LinkEnd::kUnsubscribed, actions);
   if (linked && !unsubscribe.mismatch().empty()) {

@@ -35,8 +35,9 @@ class Subscriptions {
   void BeginLink(const OutboundCore& core, SessionId session, std::uint64_t link, std::vector<PendingMessage>&& latched,
                  PeerChannel::Dropped& ended);
 
-  void OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& asked, Actions& actions);
-  void OnUnsubscribe(SubscriberPeer& peer, const wire::Unsubscribe& unsubscribe, Actions& actions);
+  /// `connection`: the descriptor that it came over.
+  void OnSubscribe(SubscriberPeer& peer, const wire::Subscribe& asked, int connection, Actions& actions);
+  void OnUnsubscribe(SubscriberPeer& peer, const wire::Unsubscribe& unsubscribe, int connection, Actions& actions);
   void OnCredit(SubscriberPeer& peer, const wire::Credit& credit, Actions& actions);
 
  private:
