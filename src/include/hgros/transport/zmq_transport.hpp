@@ -37,8 +37,8 @@ struct SubscribeEndpoint {
   std::string endpoint;
   ChannelList channels;
   std::string server_key;  ///< With ZmqSecurity: the public key of the other session.
-  /// Called on the transport's threads; must not block. If it is set, failed attempts are not logged. The session is the
-  /// one that has answered, if one has.
+  /// Called on the transport's threads; must not block. If it is set, failed attempts are not logged. The session is
+  /// the one that has answered, if one has.
   std::function<void(EndpointEvent, SessionId)> on_event = {};
 };
 
