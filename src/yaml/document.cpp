@@ -12,11 +12,31 @@
 #include <sstream>
 #include <unordered_map>
 
+#include "hgros/base/readable_text.hpp"
 #include "hgros/yaml/quoted.hpp"
 #include "yaml/syntax.hpp"
 #include "yaml/text_places.hpp"
 
 namespace hgros::yaml {
+namespace {
+
+// yaml-cpp reads the escapes \N and \_ as the bytes 0x85 and 0xa0, which are not UTF-8. The file is UTF-8, so no other
+// byte of a text is refused here.
+std::string WithWholeCharacters(const std::string& value) {
+  std::string whole;
+  for (std::string_view rest = value; !rest.empty();) {
+    std::size_t length = Utf8Length(rest);
+    if (length == 0) {
+      whole += '\xc2';
+      length = 1;
+    }
+    whole += rest.substr(0, length);
+    rest.remove_prefix(length);
+  }
+  return whole;
+}
+
+}  // namespace
 
 // Builds the tree from yaml-cpp's events and not from its nodes. The nodes lose repeated keys. And only here can limits
 // be checked before more of a hostile file is read.
@@ -62,7 +82,7 @@ class DocumentBuilder : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
     Node& node = Add(Node::Kind::kText, mark);
-    node.text = value;
+    node.text = WithWholeCharacters(value);
     node.weight += value.size() / 64;
     const bool binary = tags_ == Tags::kCoreAndBinary && tag == "tag:yaml.org,2002:binary";
     node.quoted = tag == "!" || tag == "tag:yaml.org,2002:str" || binary;

@@ -1,7 +1,8 @@
 #include "yaml/text_places.hpp"
 
 #include <algorithm>
-#include <cstdint>
+
+#include "hgros/base/readable_text.hpp"
 
 namespace hgros::yaml {
 namespace {
@@ -10,26 +11,6 @@ bool Continues(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U
 
 int CountCharacters(std::string_view text) {
   return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) { return !Continues(c); }));
-}
-
-// The length of the UTF-8 character at the start of `text` (RFC 3629), or 0 if there is none.
-std::size_t Utf8Length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
-  const std::uint8_t first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  if (length == 0 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if (!Continues(text[i])) return 0;
-  }
-  if (first == 0xE0 && byte(1) < 0xA0) return 0;  // longer than needed
-  if (first == 0xED && byte(1) > 0x9F) return 0;  // a surrogate
-  if (first == 0xF0 && byte(1) < 0x90) return 0;  // longer than needed
-  if (first == 0xF4 && byte(1) > 0x8F) return 0;  // above U+10FFFF
-  return length;
 }
 
 bool IsControl(char c) {

@@ -50,6 +50,11 @@ TEST(YamlSyntax, RefusesInvalidUtf8AndControlCharacters) {
       "1:1", {"0xff is not UTF-8", "Save the file as UTF-8."});
 }
 
+TEST(YamlSyntax, EscapesAreUtf8) {
+  const auto document = yaml::Document::Parse("\"é\\N\\_\\L\\P\\x85\\u00a0雷\"", "test");
+  EXPECT_EQ(document.root().text, "é\u0085\u00a0\u2028\u2029\u0085\u00a0雷");
+}
+
 TEST(YamlSyntax, ColumnsCountCharacters) { ExpectFault("channels: {雷达: {日: 1}}", "1:17", {"Unknown key \"日\""}); }
 
 TEST(YamlBounds, DeepNestingIsRefused) {
