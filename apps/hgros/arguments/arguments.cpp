@@ -14,20 +14,27 @@ namespace {
 
 std::string Quoted(const std::string& text) { return "\"" + text + "\""; }
 
-// Before CLI11 reads them, so that a misspelled option is the first fault and its value none.
+// Before CLI11 reads them, so that a misspelled option is the first fault and its value none. CLI11 also takes values
+// for flags, and throws errors of other kinds for some of them.
 void RequireKnownOptions(std::span<const std::string> words, const std::vector<Argument>& known) {
   std::vector<std::string> names;
+  std::vector<std::string> flags;
   for (const Argument& argument : known) {
     for (std::string rest = argument.names; !argument.positional() && !rest.empty();) {
       const std::size_t comma = rest.find(',');
       names.push_back(rest.substr(0, comma));
+      if (argument.value.empty()) flags.push_back(names.back());
       rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
     }
   }
   for (const std::string& word : words) {
     if (word == "--") return;
     const std::string name = word.substr(0, word.find('='));
-    if (!name.starts_with("--") || std::ranges::find(names, name) != names.end()) continue;
+    if (!name.starts_with("--")) continue;
+    if (name != word && std::ranges::find(flags, name) != flags.end()) {
+      throw UsageError(name + " takes no value. Write " + name + " alone.");
+    }
+    if (std::ranges::find(names, name) != names.end()) continue;
     const std::string nearest = NearestName(name, names);
     throw UsageError(name + " is not an option." + (nearest.empty() ? "" : " Did you mean " + nearest + "?"));
   }

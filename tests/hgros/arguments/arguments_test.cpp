@@ -76,5 +76,17 @@ TEST(Arguments, RefuseAnOptionThatIsNone) {
   EXPECT_THROW(ReadArguments({"--one"}), UsageError);
 }
 
+TEST(Arguments, RefuseAValueForAFlag) {
+  for (const std::string text : {"--flag=x", "--flag=false", "--flag="}) {
+    try {
+      const ReadArguments read({text, "--flag"});
+      FAIL() << text;
+    } catch (const UsageError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("--flag takes no value. Write --flag alone."));
+    }
+  }
+  EXPECT_THROW(ReadArguments({"-f=x"}), UsageError);
+}
+
 }  // namespace
 }  // namespace hgros::cli
