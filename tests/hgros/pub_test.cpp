@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <robot/Hand.pb.h>
 
 #include <csignal>
 #include <cstring>
@@ -153,13 +154,45 @@ TEST(HgrosPub, PublishesATypeThatOnlyAPublisherOfTheChannelKnows) {
   EXPECT_EQ(heard.front(), GripBytes(0.5, "left"));
 }
 
+// The command is not compiled with this type.
+Subscription HearHands(Session& session) {
+  return session.FromAny<robot::Hand>("hand", Invoke::kSerial, [](const robot::Hand&) {});
+}
+
+TEST(HgrosPub, PublishesATypeThatOnlyASubscriberOfTheChannelKnows) {
+  RobotForCommands robot;
+  std::mutex mutex;
+  std::vector<std::string> heard;
+  const Subscription subscription =
+      robot.session().FromAny<robot::Hand>("hand", Invoke::kSerial, [&](const robot::Hand& hand) {
+        const std::scoped_lock lock(mutex);
+        heard.push_back(hand.name());
+      });
+  const CommandEnd end = robot.Run({"pub", "hand", "{width: 0.5, name: left}", "--timeout", "20"});
+  EXPECT_EQ(end.err, "");
+  EXPECT_EQ(end.status, 0);
+  ASSERT_TRUE(test::Await([&] {
+    const std::scoped_lock lock(mutex);
+    return !heard.empty();
+  }));
+  EXPECT_EQ(heard.front(), "left");
+  const CommandEnd wrong = robot.Run({"pub", "hand", "{widht: 1}", "--timeout", "20"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_EQ(wrong.err, "hgros: message:1:2: robot.Hand has no field \"widht\". Did you mean width?\n");
+}
+
 TEST(HgrosPub, TellsHowATypeOfSubscribersAloneBecomesKnown) {
   RobotForCommands robot;
-  const Service service = robot.session().ServeRaw("grip", GripSchema(), GripSchema(),
-                                                   [](const RawMessage& request) { return request.data; });
-  const CommandEnd end = robot.Run({"pub", "hgros/call/grip", "{}"});
+  setenv("HGROS_DOMAIN", robot.environment().at("HGROS_DOMAIN").c_str(), 1);
+  Session off(Config::Parse("control: off\n"), {.name = "off", .log = [](LogLevel, std::string_view) {}});
+  setenv("HGROS_DOMAIN", "none", 1);
+  const Subscription subscription = HearHands(off);
+  ASSERT_TRUE(test::Await([&] { return !robot.session().Channels().empty(); }));
+  const CommandEnd end = robot.Run({"pub", "hand", "{}", "--timeout", "20"});
   EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.err, HasSubstr("is not known here. Give its file with --proto"));
+  EXPECT_THAT(end.err, HasSubstr("The type robot.Hand of hand is not known here, and no session that uses it describes "
+                                 "it: `control: off` is set there"));
+  EXPECT_THAT(end.err, HasSubstr("Give the type's file with --proto"));
 }
 
 TEST(HgrosPub, PublishesTheLinesOfAFileAndWhatEchoWrote) {

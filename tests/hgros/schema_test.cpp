@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <robot/Hand.pb.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -37,6 +38,17 @@ TEST(HgrosSchema, ShowsATypeThatOnlyThePublisherKnows) {
   EXPECT_EQ(end.err, "");
   EXPECT_THAT(end.out, HasSubstr("message Grip {\n  double width = 1;\n  string name = 2;\n}\n"));
   EXPECT_EQ(robot.Run({"schema", GripSchema().type_name}).out, end.out);
+}
+
+TEST(HgrosSchema, ShowsATypeThatOnlyASubscriberKnows) {
+  RobotForCommands robot;
+  const Subscription subscription =
+      robot.session().FromAny<robot::Hand>("hand", Invoke::kSerial, [](const robot::Hand&) {});
+  for (const char* name : {"hand", "robot.Hand"}) {
+    const CommandEnd end = robot.Run({"schema", name, "--timeout", "20"});
+    EXPECT_EQ(end.err, "");
+    EXPECT_THAT(end.out, HasSubstr("message Hand {\n  double width = 1;\n  string name = 2;\n}\n"));
+  }
 }
 
 TEST(HgrosSchema, WritesFieldsAsJson) {

@@ -50,9 +50,9 @@ class ControlDeskTest : public testing::Test {
                      .log = std::make_shared<Log>([](LogLevel, std::string_view) {}),
                      .name_of = [](SessionId id) { return id.ToString(); },
                      .obey =
-                         [this](const ControlRequest& request) {
+                         [this](const ControlRequest& request, ControlReply& reply) {
                            obeyed_.push_back(request.channel());
-                           return std::string("Done.");
+                           reply.set_done("Done.");
                          },
                      .open_replies = [] { return nullptr; },
                      .post =

@@ -2,6 +2,7 @@
 #include "hgros/session/session_control.hpp"
 
 #include <gmock/gmock.h>
+#include <google/protobuf/descriptor.pb.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -269,6 +270,56 @@ TEST_F(SessionControl, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(robot->Snapshot().refused_orders, 4U);
 }
 
+TEST_F(SessionControl, DescribesTheTypesOfItsPublishersAndSubscribers) {
+  Robot robot("");
+  Robot desk("", "desk");
+  const auto publish = robot->Advertise<foxglove::Vector3>("notes");
+  const Subscription typed = robot->FromAny<foxglove::Vector3>("heard", kSerial, [](const foxglove::Vector3&) {});
+  for (const char* channel : {"notes", "heard"}) {
+    const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kDescribe, channel));
+    EXPECT_EQ(answer.refusal, "");
+    EXPECT_EQ(answer.schema, SchemaOf(TypeOf<foxglove::Vector3>()));
+  }
+  EXPECT_FALSE(robot.Said("has steered"));
+}
+
+TEST_F(SessionControl, RefusesQuietlyToDescribeWhatHasNoSchema) {
+  Robot robot("");
+  Robot desk("", "desk");
+  const Subscription raw = robot->FromAnyRaw("raw", kSerial, [](const RawMessage&) {});
+  const auto why = [&](const std::string& channel) {
+    const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kDescribe, channel));
+    EXPECT_EQ(answer.schema, MessageSchema());
+    return answer.refusal;
+  };
+  const auto custom = robot->Advertise<Note>("custom");
+  EXPECT_THAT(why("custom"), HasSubstr("has no protobuf schema"));
+  EXPECT_THAT(why("raw"), HasSubstr("is used with any type"));
+  EXPECT_THAT(why("other"), HasSubstr("is not used by this session"));
+  for (const ChannelSnapshot& channel : robot->Snapshot().graph.channels) EXPECT_NE(channel.name, "other");
+  MessageSchema large{"Large", Encoding::kProtobuf, 0, {}};
+  {
+    google::protobuf::FileDescriptorSet set;
+    auto& file = *set.add_file();
+    file.set_name("large.proto");
+    file.set_syntax("proto3");
+    auto& type = *file.add_message_type();
+    type.set_name("Large");
+    for (int i = 1; i <= 600; ++i) {
+      auto& field = *type.add_field();
+      field.set_name("f" + std::to_string(i) + std::string(500, 'x'));
+      field.set_number(i);
+      field.set_type(google::protobuf::FieldDescriptorProto::TYPE_BOOL);
+      field.set_label(google::protobuf::FieldDescriptorProto::LABEL_OPTIONAL);
+    }
+    large.descriptor_set = set.SerializeAsString();
+  }
+  const RawPublisher publish = robot->AdvertiseRaw("large", large);
+  EXPECT_THAT(why("large"), HasSubstr("is larger than 262144 bytes"));
+  EXPECT_EQ(robot->Snapshot().refused_orders, 0U);
+  EXPECT_FALSE(robot.Said("was refused"));
+}
+
 TEST_F(SessionControl, IsOffIfTheConfigurationSaysSo) {
   Robot robot("control: off\n");
   Robot desk("", "desk");
@@ -433,10 +484,10 @@ TEST_F(SessionControl, CountsMalformedRequestsAndUnknownVersionsAndForgedPublish
   request.set_version(1);
   forger.Send(request.SerializeAsString());  // For nobody.
   request.add_sessions(robot->id().value);
-  request.set_version(2);
+  request.set_version(3);
   forger.Send(request.SerializeAsString());
   EXPECT_TRUE(refused(4));
-  EXPECT_TRUE(Await([&] { return robot.Said("version 1 of such requests, not version 2"); }));
+  EXPECT_TRUE(Await([&] { return robot.Said("versions 1 to 2 of such requests, not version 3"); }));
   request.set_version(1);
   forger.Send(request.SerializeAsString(), 77);  // In the name of another session.
   test::Linger(kShort);

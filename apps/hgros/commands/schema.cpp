@@ -23,9 +23,8 @@ class Schema final : public Command {
     options_.Declare(arguments);
   }
   [[nodiscard]] std::string Description() const override {
-    return "Shows the fields of a type, with all types in it, as in .proto files. A channel's publishers describe "
-           "their "
-           "type, so it need not be installed here, and can be named itself.";
+    return "Shows the fields of a type, with all types in it, as in .proto files. The sessions that use a "
+           "channel describe its type, so it need not be installed here, and the channel can be named itself.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros schema foxglove.Log", "Shows a type and the types in it."},

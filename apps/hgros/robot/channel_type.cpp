@@ -7,6 +7,7 @@
 
 #include "hgros/base/names.hpp"
 #include "hgros/codec/schema.hpp"
+#include "hgros/session/session_control.hpp"
 #include "robot/overview.hpp"
 #include "terminal/pause.hpp"
 
@@ -28,6 +29,43 @@ std::shared_ptr<const MessageSchema> PublishedSchema(Robot& robot, const RobotOp
     if (left <= left.zero()) break;
     auto schema = robot.session().AwaitSchema(channel.name, std::min<std::chrono::nanoseconds>(left, kSlice));
     if (schema != nullptr && !schema->descriptor_set.empty()) return schema;
+  }
+  return nullptr;
+}
+
+constexpr std::uint32_t kDescribes = 2;  // The first version of hgros/control that describes types.
+
+// The sessions that use the channel with its type and describe it if they are asked.
+std::vector<SessionId> Describing(Robot& robot, const KnownChannel& channel) {
+  const auto counters = robot.Counters();
+  std::vector<SessionId> sessions;
+  for (const auto* users : {&channel.subscribers, &channel.publishers}) {
+    for (const ChannelUser& user : *users) {
+      const auto found = counters.find(user.session);
+      if (found == counters.end() || found->second->control() < kDescribes) continue;
+      const bool typed = user.type_name == channel.type_name;
+      if (typed && std::ranges::find(sessions, user.session) == sessions.end()) sessions.push_back(user.session);
+    }
+  }
+  return sessions;
+}
+
+// The schema that a session tells that uses the channel, such as its subscriber. One after the other is asked, because
+// one answer is enough. Null if none tells it.
+std::shared_ptr<const MessageSchema> DescribedSchema(Robot& robot, const RobotOptions& options,
+                                                     const KnownChannel& channel) {
+  const std::vector<SessionId> sessions = Describing(robot, channel);
+  const auto deadline = std::chrono::steady_clock::now() + options.Timeout(std::chrono::seconds(1));
+  for (const SessionId& session : sessions) {
+    const auto left = deadline - std::chrono::steady_clock::now();
+    if (left <= left.zero() || robot.surroundings().pause.For({}) == Pause::End::kInterrupted) return nullptr;
+    for (ControlAnswer& answer :
+         AskSessions(robot.session(), {&session, 1}, {ControlAction::kDescribe, channel.name, {}}, left)) {
+      const MessageSchema& schema = answer.schema;
+      if (schema.type_name == channel.type_name && !schema.descriptor_set.empty()) {
+        return std::make_shared<const MessageSchema>(std::move(answer.schema));
+      }
+    }
   }
   return nullptr;
 }
@@ -60,8 +98,7 @@ KnownChannel ChannelNamed(const Robot& robot, const std::string& name) {
 
 std::string ChannelOfType(const Robot& robot, const std::string& type) {
   for (const KnownChannel& channel : robot.Channels(true)) {
-    const bool describes = !channel.publishers.empty() && ServiceOf(channel.name).empty();
-    if (describes && channel.type_name == type && channel.encoding == Encoding::kProtobuf) return channel.name;
+    if (channel.type_name == type && channel.encoding == Encoding::kProtobuf) return channel.name;
   }
   return {};
 }
@@ -102,9 +139,13 @@ ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeF
   const google::protobuf::Descriptor* local = finder.Find(known.type_name);
   if (local != nullptr && SchemaFingerprint(*local) == known.fingerprint) return TypeFrom(SchemaFor(*local));
   if (const auto schema = PublishedSchema(robot, options, known)) return TypeFrom(*schema);
+  if (const auto schema = DescribedSchema(robot, options, known)) return TypeFrom(*schema);
   if (local != nullptr) return TypeFrom(SchemaFor(*local));
-  throw Error("The type " + known.type_name + " of " + channel +
-              " is not known here. Give its file with --proto, or the folder of its file with -I.");
+  throw Error(
+      "The type " + known.type_name + " of " + channel +
+      " is not known here, and no session that uses it describes it: `control: off` is set there, it runs an older "
+      "version, or it cannot be asked from here. Give the type's file with --proto, or the folder of its file "
+      "with -I.");
 }
 
 }  // namespace hgros::cli

@@ -20,9 +20,9 @@ struct ChannelType {
 /// Throws Error if the schema is not that of a protobuf type.
 [[nodiscard]] ChannelType TypeFrom(MessageSchema schema);
 
-/// The type of a channel that other sessions use, from its publishers or by its name from the files; without such
-/// sessions `given`. Waits for a publisher's description at most a second, or --timeout. Throws Error or UsageError if
-/// the type is not known, or if it is not `given`.
+/// The type of a channel that other sessions use, from its publishers, from other sessions that use it, or by its
+/// name from the files; without such sessions `given`. Waits for each of these descriptions at most a second, or
+/// --timeout. Throws Error or UsageError if the type is not known, or if it is not `given`.
 [[nodiscard]] ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
                                         const std::string& channel, const std::string& given);
 
@@ -33,7 +33,7 @@ struct ChannelType {
 /// The channel `name` as the robot uses it; without sessions if it is not used.
 [[nodiscard]] KnownChannel ChannelNamed(const Robot& robot, const std::string& name);
 
-/// A channel with publishers that describe this protobuf type; empty: there is none.
+/// A channel that is used with this protobuf type; empty: there is none.
 [[nodiscard]] std::string ChannelOfType(const Robot& robot, const std::string& type);
 
 /// The name that is nearest to `name` among the channels that are shown by `hgros list`, or empty.

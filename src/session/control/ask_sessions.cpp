@@ -39,6 +39,9 @@ struct Answers {
     if (asked == all.end() || std::exchange(asked->second.answered, true)) return;
     asked->second.refusal = reply.refusal();
     asked->second.done = reply.done();
+    if (!reply.descriptor_set().empty()) {
+      asked->second.schema = {reply.type(), Encoding::kProtobuf, reply.fingerprint(), reply.descriptor_set()};
+    }
     --missing;
     came.notify_all();
   }
@@ -80,9 +83,9 @@ std::vector<ControlAnswer> Ask(ServicePlace& place, SessionId self, std::span<co
   for (const SessionId one : sessions) answers->all[one.value].session = one;
   answers->missing = answers->all.size();
   ControlRequest request;
-  request.set_version(kControlVersion);
   request.set_number(RandomId());
   request.set_action(static_cast<ControlRequest::Action>(order.action));
+  request.set_version(VersionOf(request.action()));
   request.set_channel(order.channel);
   request.set_level(static_cast<std::uint32_t>(order.level));
 

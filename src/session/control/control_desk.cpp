@@ -112,17 +112,18 @@ ControlReply ControlDesk::ReplyTo(const Asked& asked, const ControlRequest& requ
                  "it is neither a session of the same user on this host, nor is its CURVE key in allowed_clients");
     return reply;
   }
-  if (request.version() != kControlVersion) {
-    reply.set_refusal("The session knows version " + std::to_string(kControlVersion) +
+  if (request.version() == 0 || request.version() > kControlVersion) {
+    reply.set_refusal("The session knows versions 1 to " + std::to_string(kControlVersion) +
                       " of such requests, not version " + std::to_string(request.version()) +
                       ". Use the same release of HyperGraph ROS on both sides.");
   } else {
     try {
-      reply.set_done(means_.obey(request));
+      means_.obey(request, reply);
     } catch (const std::exception& error) {
       reply.set_refusal(error.what());
     }
   }
+  if (request.action() == ControlRequest::DESCRIBE) return reply;  // It changes nothing.
   if (!reply.refusal().empty()) {
     CountRefused(asked.by, reply.refusal());
   } else {

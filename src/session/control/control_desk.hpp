@@ -24,7 +24,11 @@ class NetworkBridge;
 
 inline constexpr std::string_view kControlChannel = "hgros/control";
 inline constexpr std::string_view kControlRepliesChannel = "hgros/control/replies";
-inline constexpr std::uint32_t kControlVersion = 1;
+// The newest version. A request has the version in which its action came, so that older sessions obey it, too.
+inline constexpr std::uint32_t kControlVersion = 2;
+[[nodiscard]] inline std::uint32_t VersionOf(ControlRequest::Action action) noexcept {
+  return action == ControlRequest::DESCRIBE ? 2 : 1;
+}
 
 // Throws Error if a program wants to subscribe to kControlChannel: the session has one subscriber there, its desk.
 void RequireOtherThanRequests(std::string_view channel, const CallSite& where);
@@ -42,8 +46,8 @@ class ControlDesk final : private InboundSink {
     std::shared_ptr<Log> log;
     // The name of a session, for people.
     std::function<std::string(SessionId)> name_of;
-    // Does what is asked. Returns a sentence that says what was done. Throws Error if it cannot be done.
-    std::function<std::string(const ControlRequest& request)> obey;
+    // Does what is asked, and writes into the reply what was done. Throws Error if it cannot be done.
+    std::function<void(const ControlRequest& request, ControlReply& reply)> obey;
     std::function<std::shared_ptr<ChannelOutlet>()> open_replies;
     // Runs an errand on the thread for requests.
     std::function<void(std::function<void()>)> post;

@@ -11,6 +11,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/codec/message.hpp"
+#include "hgros/codec/raw_message.hpp"
 
 namespace hgros {
 namespace {
@@ -19,6 +20,8 @@ namespace {
 constexpr auto kTimeToAnswer = std::chrono::milliseconds(100);
 // After this time callbacks in flight are taken for hanging, so that the next request has its turn.
 constexpr auto kTimeForCallbacks = std::chrono::seconds(1);
+// The last 64 replies are kept, so larger schemas would take too much memory.
+constexpr std::size_t kMostSchemaBytes = std::size_t{256} * 1024;
 constexpr std::string_view kOfTheLibrary = "hgros/";
 constexpr std::array<const char*, 4> kLevels{"debug", "info", "warning", "error"};  // By LogLevel.
 
@@ -57,7 +60,7 @@ ControlDesk::Means Steering::MeansOfDesk() {
             const auto found = std::ranges::find(peers, id, &PeerInfo::id);
             return found == peers.end() ? id.ToString() : found->name();
           },
-      .obey = [this](const ControlRequest& request) { return Obey(request); },
+      .obey = [this](const ControlRequest& request, ControlReply& reply) { Obey(request, reply); },
       .open_replies =
           [this] {
             return means_.outbound.OpenForService(std::string(kControlRepliesChannel), TypeOf<ControlReply>(),
@@ -106,16 +109,41 @@ void Steering::AddTo(SessionSnapshot& snapshot, const std::optional<Steering>& s
   }
 }
 
-std::string Steering::Obey(const ControlRequest& request) {
+void Steering::Obey(const ControlRequest& request, ControlReply& reply) {
   switch (request.action()) {
     case ControlRequest::CLOSE:
     case ControlRequest::OPEN:
     case ControlRequest::ALLOW:
-    case ControlRequest::FORBID: return ChangeChannel(request);
-    case ControlRequest::LOG: return SetLogLevel(request.level());
-    case ControlRequest::STOP: return Stop();
+    case ControlRequest::FORBID: return reply.set_done(ChangeChannel(request));
+    case ControlRequest::LOG: return reply.set_done(SetLogLevel(request.level()));
+    case ControlRequest::STOP: return reply.set_done(Stop());
+    case ControlRequest::DESCRIBE: return Describe(request.channel(), reply);
     default: throw Error("The session does not know action " + std::to_string(request.action()) + ".");
   }
+}
+
+void Steering::Describe(const std::string& name, ControlReply& reply) const {
+  const std::string channel = "Channel \"" + name + "\" ";
+  // Opened only if it exists, because a request must not create channels.
+  const auto channels = means_.graph.Snapshot().channels;
+  if (std::ranges::find(channels, name, &ChannelSnapshot::name) == channels.end()) {
+    throw Error(channel + "is not used by this session.");
+  }
+  const TypeInfo& type = DataGraph::TypeOfChannel(means_.graph.Open(name, AnyType(), CallSite::Current()));
+  if (IsAnyType(type)) throw Error(channel + "is used with any type by this session.");
+  MessageSchema schema = SchemaOf(type);
+  if (schema.encoding != Encoding::kProtobuf || schema.descriptor_set.empty()) {
+    throw Error(channel + "has the type " + type.name + ", which has no protobuf schema.");
+  }
+  if (schema.descriptor_set.size() > kMostSchemaBytes) {
+    throw Error(channel + "has the type " + type.name + ", whose schema of " +
+                std::to_string(schema.descriptor_set.size()) + " bytes is larger than " +
+                std::to_string(kMostSchemaBytes) + " bytes.");
+  }
+  reply.set_done(channel + "has the type " + type.name + ".");
+  reply.set_type(std::move(schema.type_name));
+  reply.set_fingerprint(schema.fingerprint);
+  reply.set_descriptor_set(std::move(schema.descriptor_set));
 }
 
 std::string Steering::ChangeChannel(const ControlRequest& request) {

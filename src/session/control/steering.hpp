@@ -51,8 +51,10 @@ class Steering {
   [[nodiscard]] ControlDesk::Means MeansOfDesk();
   [[nodiscard]] bool Forbids(const std::string& channel) const;
   void Post(std::function<void()> errand);
-  // Throws Error if it cannot be done; otherwise returns a sentence that says what was done.
-  [[nodiscard]] std::string Obey(const ControlRequest& request);
+  // Throws Error if it cannot be done; otherwise writes into the reply what was done.
+  void Obey(const ControlRequest& request, ControlReply& reply);
+  // Writes the type of a channel into the reply. Throws Error if it is not known.
+  void Describe(const std::string& name, ControlReply& reply) const;
   [[nodiscard]] std::string ChangeChannel(const ControlRequest& request);
   // Returns what was done, or what will be done when callbacks in flight have returned.
   [[nodiscard]] std::string ForbidOrAllow(const std::string& channel, bool forbid);
