@@ -24,6 +24,18 @@ struct PatrolRobot {
   Service service = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
 };
 
+// As all commands write a session.
+std::string OneSession(RobotForCommands& robot) {
+  for (const KnownChannel& channel : robot.session().Channels()) {
+    for (const ChannelUser& user : channel.publishers) {
+      if (user.session != robot.session().id()) continue;
+      return "{\"process\":\"" + user.process + "\",\"pid\":" + std::to_string(user.pid) + ",\"host\":\"" + user.host +
+             "\",\"session\":\"" + user.session.ToString() + "\"}";
+    }
+  }
+  return "no session";
+}
+
 TEST(HgrosInfo, DescribesAChannelWithItsUsersNodesAndTransports) {
   PatrolRobot patrol;
   patrol.publish(Log());
@@ -39,6 +51,8 @@ TEST(HgrosInfo, DescribesAChannelWithItsUsersNodesAndTransports) {
       json, AllOf(HasSubstr("{\"kind\":\"channel\",\"name\":\"status\",\"type\":\"foxglove.Log\","),
                   HasSubstr("\"publishers\":[{\"process\":\"patrol\",\"pid\":" + std::to_string(getpid())),
                   HasSubstr("\"node\":\"hearing\""), HasSubstr("\"queue_depth\":3"), HasSubstr("\"via\":\"process\"")));
+  const std::string self = OneSession(patrol.robot);
+  EXPECT_THAT(json, HasSubstr("\"pairs\":[{\"from\":" + self + ",\"to\":" + self + ",\"via\":\"process\""));
 }
 
 TEST(HgrosInfo, DescribesASessionByEachOfItsNames) {

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <foxglove/Log.pb.h>
 
@@ -88,6 +89,8 @@ TEST(HgrosList, ShowsSessionsNodesAndServices) {
   EXPECT_THAT(robot.Run({"list", "sessions"}).out, HasSubstr("patrol"));
   EXPECT_THAT(robot.Run({"list", "nodes"}).out, HasSubstr("granting"));
   EXPECT_THAT(robot.Run({"list", "services"}).out, HasSubstr("ask      foxglove.Log  patrol:"));
+  EXPECT_THAT(robot.Run({"list", "services", "--json"}).out,
+              HasSubstr("\"servers\":[{\"process\":\"patrol\",\"pid\":" + std::to_string(getpid()) + ",\"host\":\""));
   EXPECT_THAT(robot.Run({"list"}).out, Not(HasSubstr("hgros/")));
   EXPECT_THAT(robot.Run({"list", "--all"}).out, HasSubstr("hgros/snapshots"));
 }

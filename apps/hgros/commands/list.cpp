@@ -147,11 +147,8 @@ void List::ListServices(Robot& robot) const {
   for (const KnownChannel& channel : robot.Channels(true)) {
     const std::string_view service = ServiceOf(channel.name);
     if (service.empty()) continue;
-    std::vector<std::string> servers;
-    std::vector<std::string> callers;
-    for (const ChannelUser& user : channel.subscribers) servers.push_back(ShortName(user, false));
-    for (const ChannelUser& user : channel.publishers) callers.push_back(ShortName(user, false));
-    records.Add({std::string(service), channel.type_name, servers, callers});
+    records.Add(
+        {std::string(service), channel.type_name, UserListCell(channel.subscribers), UserListCell(channel.publishers)});
   }
   records.End();
 }

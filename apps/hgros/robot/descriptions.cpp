@@ -168,15 +168,11 @@ void AddSubscribers(Sheet& sheet, const KnownRobot& robot, const Cells& cells, c
 }
 
 void AddPairs(Sheet& sheet, const KnownRobot& robot, const KnownChannel& channel) {
-  Sheet::Table table{
-      "pairs",
-      {{"from", "FROM"}, {"from_session", ""}, {"to", "TO"}, {"to_session", ""}, {"via", "VIA"}, {"why", "WHY"}},
-      {}};
+  Sheet::Table table{"pairs", {{"from", "FROM"}, {"to", "TO"}, {"via", "VIA"}, {"why", "WHY"}}, {}};
   for (const ChannelUser& from : channel.publishers) {
     for (const ChannelUser& to : channel.subscribers) {
       const Way way = WayBetween(robot.counters, from.session, to.session);
-      table.rows.push_back({ShortName(from, false), from.session.ToString(), ShortName(to, false),
-                            to.session.ToString(), way.transport, way.why});
+      table.rows.push_back({UserCell(from), UserCell(to), way.transport, way.why});
     }
   }
   sheet.Add(std::move(table));
@@ -314,12 +310,12 @@ Sheet DescribeSession(const KnownRobot& robot, const ChannelUser& session) {
     services.rows.push_back(
         {service.name(), Cells::Fault(service.unhandled_requests()), Cells::Fault(service.dropped_replies())});
   }
-  Sheet::Table peers{"peers", {{"", "PEER"}, {"session", ""}, {"via", "VIA"}, {"why", "WHY"}}, {}};
+  Sheet::Table peers{"peers", UserColumns("PEER") + std::vector<Column>{{"via", "VIA"}, {"why", "WHY"}}, {}};
   const std::map<SessionId, ChannelUser> sessions = SessionsOf(robot.channels);
   for (const Snapshot::Peer& peer : counts.peers()) {
     const auto known = sessions.find(SessionId{peer.session()});
     if (known == sessions.end()) continue;  // Such as the session of this command.
-    peers.rows.push_back({ShortName(known->second, true), known->first.ToString(), peer.transport(), peer.why()});
+    peers.rows.push_back(UserCells(known->second, true) + std::vector<Cell>{peer.transport(), peer.why()});
   }
   for (Sheet::Table* table : {&publishes, &receives, &nodes, &services, &peers}) sheet.Add(std::move(*table));
   return sheet;

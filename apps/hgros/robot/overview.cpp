@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "terminal/json.hpp"
+#include "terminal/visible_text.hpp"
+
 namespace hgros::cli {
 
 const Snapshot::Channel* CountersOf(const AllCounters& counters, SessionId session, std::string_view channel) {
@@ -113,6 +116,27 @@ std::vector<Column> UserColumns(const std::string& heading) {
 
 std::vector<Cell> UserCells(const ChannelUser& user, bool with_host) {
   return {ShortName(user, with_host), user.process, user.pid, user.host, user.session.ToString()};
+}
+
+Cell UserCell(const ChannelUser& user) {
+  Json json;
+  WriteMembers(json.BeginObject(), UserColumns(""), UserCells(user, false));
+  json.EndObject();
+  return {JsonText{std::string(json.text())}, Visible(ShortName(user, false))};
+}
+
+Cell UserListCell(const std::vector<ChannelUser>& users) {
+  Json json;
+  json.BeginList();
+  std::string shown;
+  for (const ChannelUser& user : users) {
+    WriteMembers(json.BeginObject(), UserColumns(""), UserCells(user, false));
+    json.EndObject();
+    shown += (shown.empty() ? "" : ", ") + Visible(ShortName(user, false));
+  }
+  json.EndList();
+  if (users.empty()) return std::vector<std::string>();
+  return {JsonText{std::string(json.text())}, std::move(shown)};
 }
 
 }  // namespace hgros::cli

@@ -71,4 +71,9 @@ struct Way {
 [[nodiscard]] std::vector<Column> UserColumns(const std::string& heading);
 [[nodiscard]] std::vector<Cell> UserCells(const ChannelUser& user, bool with_host);
 
+/// One session, or a list of them, in a single cell: tables show the short names, and JSON has objects with process,
+/// pid, host and session.
+[[nodiscard]] Cell UserCell(const ChannelUser& user);
+[[nodiscard]] Cell UserListCell(const std::vector<ChannelUser>& users);
+
 }  // namespace hgros::cli
