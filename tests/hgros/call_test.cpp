@@ -69,6 +69,9 @@ TEST(HgrosCall, NamesTheNearestServiceAndField) {
   const CommandEnd end = robot.Run({"call", "ask_nmae", "{}"});
   EXPECT_EQ(end.status, 1);
   EXPECT_EQ(end.err, "hgros: No session serves ask_nmae. Did you mean ask_name?\n");
+  const CommandEnd waited = robot.Run({"call", "ask_nmae", "{}", "--timeout", "0.3"});
+  EXPECT_EQ(waited.status, 3);
+  EXPECT_EQ(waited.err, end.err);
   const CommandEnd field = robot.Run({"call", "ask_name", "{lin: 1}"});
   EXPECT_EQ(field.status, 2);
   EXPECT_EQ(field.err, "hgros: request:1:2: foxglove.Log has no field \"lin\". Did you mean line?\n");

@@ -5,6 +5,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/proto_folder.hpp"
 #include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {
@@ -118,6 +119,27 @@ TEST(HgrosList, EndsWithAnErrorWhenNothingAnswersAtAnEndpoint) {
   const CommandEnd end = RunToEnd({"list", "--connect", "127.0.0.1:1", "--timeout", "0.2"});
   EXPECT_EQ(end.status, 3);
   EXPECT_THAT(end.err, HasSubstr("No session answers at tcp://127.0.0.1:1."));
+}
+
+TEST(HgrosList, EndsInTimeWhenNoNameServerAnswers) {
+  CommandRun run({"list", "--connect", "slow.example:5555", "--timeout", "0.3"}, {{"LD_PRELOAD", HGROS_SLOW_NAMES}});
+  EXPECT_EQ(run.Wait(), 3);
+  EXPECT_THAT(run.err(), HasSubstr("The address of slow.example is not known: no name server answers in time."));
+}
+
+TEST(HgrosList, LeavesOutEndpointsOfAFileWhoseNamesAreNotKnown) {
+  RobotForCommands robot;
+  const auto publish = robot.session().Advertise<Log>("status");
+  robot.AwaitAnnounced();
+  const ProtoFolder folder;
+  const std::string file = folder.Write(
+      "desk.yaml", "network: {subscribers: [{ip: 'tcp://slow.example:5555'}, {ip: 'tcp://slow.two:1'}]}\n");
+  std::map<std::string, std::string> environment = robot.environment();
+  environment["LD_PRELOAD"] = HGROS_SLOW_NAMES;
+  CommandRun run({"list", "--config", file}, environment);
+  EXPECT_EQ(run.Wait(), 0);
+  EXPECT_THAT(run.out(), HasSubstr("status"));
+  EXPECT_THAT(run.err(), testing::AllOf(HasSubstr("The address of slow.example is not known"), HasSubstr("slow.two")));
 }
 
 TEST(HgrosList, SaysSoWhenItCanOpenTooFewFiles) {

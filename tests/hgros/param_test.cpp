@@ -172,6 +172,13 @@ TEST_F(HgrosParam, EndsWithCode3WhenTheAnswerIsLate) {
   EXPECT_EQ(end.err, "hgros: The session \"robot\" did not answer in time, but it may still do so.\n");
 }
 
+TEST_F(HgrosParam, EndsWithCode3WhenTheSessionDoesNotComeInTime) {
+  EXPECT_EQ(robot_.Run({"param", "get", "robto", "gains"}).status, 1);
+  const CommandEnd end = robot_.Run({"param", "get", "robto", "gains", "--timeout", "0.3"});
+  EXPECT_EQ(end.status, 3);
+  EXPECT_THAT(end.err, HasSubstr("Did you mean \"robot\"?"));
+}
+
 TEST_F(HgrosParam, RunsItsExamples) {
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::create_directory(file_);

@@ -84,6 +84,9 @@ TEST(HgrosPub, SaysThatNobodySubscribes) {
   const CommandEnd end = robot.Run({"pub", "wish", "{message: a}", "--type", "foxglove.Log", "--timeout", "0.1"});
   EXPECT_EQ(end.status, 3);
   EXPECT_EQ(end.err, "hgros: Nobody subscribes to wish, so nobody gets the message.\n");
+  const CommandEnd late = robot.Run({"pub", "wish", "{message: a}", "--timeout", "0.1"});
+  EXPECT_EQ(late.status, 3);
+  EXPECT_THAT(late.err, HasSubstr("The type of wish is not known"));
   const CommandEnd untyped = robot.Run({"pub", "wish", "{message: a}"});
   EXPECT_EQ(untyped.status, 1);
   EXPECT_THAT(untyped.err, HasSubstr("The type of wish is not known, because no session uses it. Name it with --type"));
@@ -259,8 +262,21 @@ TEST(HgrosPub, TellsThatALosslessSubscriberHasNoRoom) {
                                                           {.queue = Queue::KeepAll(1)});
   const CommandEnd end = robot.Run({"pub", "wish", "--rate", "10000", "-n", "100000", "--timeout", "0.3"});
   door.Open();
-  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.status, 3);
   EXPECT_THAT(end.err, HasSubstr("was not published on wish: a lossless subscriber has no room for it."));
+}
+
+TEST(HgrosPub, EndsWithCode3WhenPublishingTakesLongerThanTheTimeout) {
+  RobotForCommands robot;
+  const Heard heard(robot.session(), "wish");
+  for (const std::vector<std::string>& how : std::vector<std::vector<std::string>>{{"--rate", "0.01"}, {"-n", "999"}}) {
+    robot.AwaitAnnounced();
+    std::vector<std::string> words = {"pub", "wish", "{message: a}", "--timeout", "2"};
+    words.insert(words.end(), how.begin(), how.end());
+    CommandRun run(words, robot.environment());
+    EXPECT_EQ(run.Wait(), 3);
+    EXPECT_THAT(run.err(), HasSubstr("Publishing takes longer than --timeout allows."));
+  }
 }
 
 struct Number {

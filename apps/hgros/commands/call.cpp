@@ -77,8 +77,9 @@ void Call::RequireServer(Robot& robot) const {
     if (!name.empty() && !channel.subscribers.empty()) served.emplace_back(name);
   }
   const std::string nearest = NearestName(service_, served);
-  throw Error("No session serves " + service_ + "." +
-              (nearest.empty() ? " `hgros list services` shows what is served." : " Did you mean " + nearest + "?"));
+  options_.GiveUp(
+      "No session serves " + service_ + "." +
+      (nearest.empty() ? " `hgros list services` shows what is served." : " Did you mean " + nearest + "?"));
 }
 
 void Call::Show(Console& console, const TypeFinder& finder, const RawMessage& reply,
@@ -139,7 +140,9 @@ int Call::Run(Surroundings& surroundings) {
   const CallFailure& failure = result->failure();
   const bool unheard = failure.kind == CallFailure::Kind::kNoServer || failure.kind == CallFailure::Kind::kTimedOut;
   surroundings.console.Say(Visible(failure.reason) + (unheard ? options_.SendingHint() : ""));
-  return failure.kind == CallFailure::Kind::kTimedOut ? kTimedOut : kFailed;
+  const bool late =
+      failure.kind == CallFailure::Kind::kNoServer && options_.Timeout(std::chrono::hours(1)).count() == 0;
+  return late || failure.kind == CallFailure::Kind::kTimedOut ? kTimedOut : kFailed;
 }
 
 }  // namespace

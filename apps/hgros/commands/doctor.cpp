@@ -45,6 +45,9 @@ Evidence Doctor::Look(Robot& robot) const {
   Evidence evidence;
   evidence.before = robot.Counters();
   evidence.channels_before = robot.Channels(true);
+  if (options_.Timeout(kLookTime) < kLookTime) {
+    throw TimedOut("Looking takes two seconds, which is more than --timeout allows.");
+  }
   const auto deadline = std::chrono::steady_clock::now() + kLookTime;
   while (std::chrono::steady_clock::now() < deadline) {
     if (!robot.AwaitCounters(deadline) && robot.surroundings().pause.signal() != 0) throw OutputClosed();

@@ -38,6 +38,8 @@ struct PubOptions {
   bool latched = false;
   TypeOptions types;
   RobotOptions robot;
+
+  [[nodiscard]] bool once() const noexcept { return file.empty() && !rate && !count; }
 };
 
 std::string_view MeaningOf(PublishStatus status) {
@@ -63,7 +65,10 @@ class Publishing {
   [[nodiscard]] bool AwaitSubscribers();
   // Publishes one message. Throws Error if it was refused.
   void Publish(const MessageDocument& document, const yaml::Node& value);
-  [[nodiscard]] bool SleepUntil(SteadyTime time) { return robot_.surroundings().pause.SleepUntil(time); }
+  // False if the user ended the command. Throws TimedOut.
+  [[nodiscard]] bool SleepUntil(SteadyTime time) const;
+  // When --timeout is over.
+  [[nodiscard]] SteadyTime end() const noexcept { return end_; }
   [[nodiscard]] const std::string& type_name() const noexcept { return type_.schema.type_name; }
   [[nodiscard]] std::uint64_t published() const noexcept { return published_; }
   [[nodiscard]] bool enough() const noexcept { return options_.count && published_ >= *options_.count; }
@@ -80,11 +85,18 @@ class Publishing {
   Robot& robot_;
   const ChannelType& type_;
   const RawPublisher publish_;
+  const SteadyTime end_ = std::chrono::steady_clock::now() + options_.robot.Timeout(kLongest);
   std::uint64_t published_ = 0;
   std::uint64_t bytes_ = 0;
   std::size_t subscribers_ = 0;
   SteadyTime counted_;
 };
+
+bool Publishing::SleepUntil(SteadyTime time) const {
+  if (!robot_.surroundings().pause.SleepUntil(std::min(time, end_))) return false;
+  if (std::chrono::steady_clock::now() >= end_) throw TimedOut("Publishing takes longer than --timeout allows.");
+  return true;
+}
 
 // Takes longer than publishing a small message.
 void Publishing::CountSubscribers() {
@@ -100,7 +112,9 @@ void Publishing::CountSubscribers() {
 bool Publishing::AwaitSubscribers() {
   const std::size_t known = ChannelNamed(robot_, options_.channel).subscribers.size();
   if (known == 0 && options_.latched) return true;
-  const auto deadline = std::chrono::steady_clock::now() + options_.robot.Timeout(std::chrono::seconds(1));
+  const std::chrono::nanoseconds patience = options_.robot.Timeout(std::chrono::seconds(1));
+  const bool waits = options_.once() || !options_.robot.timeout_s;  // Otherwise half of --timeout is for the messages.
+  const auto deadline = std::chrono::steady_clock::now() + (waits ? patience : patience / 2);
   constexpr auto kSlice = std::chrono::milliseconds(20);  // Ctrl-C must not wait longer.
   while (!robot_.session().WaitForSubscribers(options_.channel, std::max<std::size_t>(known, 1), kSlice) &&
          std::chrono::steady_clock::now() < deadline) {
@@ -128,8 +142,10 @@ void Publishing::Publish(const MessageDocument& document, const yaml::Node& valu
     ++published_;
     bytes_ += bytes->size();
   } else if (robot_.surroundings().pause.signal() == 0) {
-    throw Error(
-        fmt::format("Message {} was not published on {}: {}.", published_ + 1, options_.channel, MeaningOf(status)));
+    const std::string what =
+        fmt::format("Message {} was not published on {}: {}.", published_ + 1, options_.channel, MeaningOf(status));
+    if (status == PublishStatus::kFull || status == PublishStatus::kTimedOut) options_.robot.GiveUp(what);
+    throw Error(what);
   }
 }
 
@@ -254,7 +270,7 @@ void Pub::PublishFile(Publishing& publishing, Pause& pause) const {
   std::optional<SteadyTime> begin;
   std::int64_t first_ns = 0;
   while (!publishing.enough()) {
-    const std::optional<std::string_view> line = lines.Next(pause);
+    const std::optional<std::string_view> line = lines.Next(pause, publishing.end());
     if (!line) return;
     if (line->find_first_not_of(" \t\r") == std::string_view::npos) continue;
     const MessageDocument document = MessageDocument::ParseJson(*line, lines.name(), lines.number());
@@ -274,7 +290,7 @@ void Pub::PublishFile(Publishing& publishing, Pause& pause) const {
       due = std::chrono::nanoseconds(
           static_cast<std::int64_t>(std::min(static_cast<double>(publishing.published()) / *options_.rate, 9e9) * 1e9));
     }
-    if (due > due.zero() && !publishing.SleepUntil(*begin + due)) return;
+    if (!publishing.SleepUntil(*begin + due)) return;
     publishing.Publish(document, MessageIn(document, publishing.type_name()));
   }
 }
@@ -290,7 +306,7 @@ int Pub::Run(Surroundings& surroundings) {
   Publishing publishing(options_, robot, type);
   if (!publishing.AwaitSubscribers()) return kDone;
   const bool heard = publishing.subscribers() > 0;
-  const bool once = document && !options_.rate && !options_.count;
+  const bool once = options_.once();
   if (!heard && !options_.latched) {
     surroundings.console.Say("Nobody subscribes to " + Visible(options_.channel) +
                              (once ? ", so nobody gets the message." : " yet.") + options_.robot.SendingHint());
@@ -308,7 +324,7 @@ int Pub::Run(Surroundings& surroundings) {
   }
   publishing.Report();
   if (options_.latched && surroundings.pause.signal() == 0) {
-    (void)publishing.SleepUntil(std::chrono::steady_clock::now() + kLongest);
+    if (surroundings.pause.SleepUntil(publishing.end())) return kTimedOut;
   }
   return kDone;
 }

@@ -69,9 +69,9 @@ int Schema::Run(Surroundings& surroundings) {
   if (!AwaitChannels(robot, options_, is_known)) {
     std::string nearest = finder.Nearest(name_);
     if (nearest.empty()) nearest = NearestChannel(robot, name_);
-    throw Error("There is no channel and no known type " + name_ + "." +
-                (nearest.empty() ? " Give the type's file with --proto, or the folder of its file with -I."
-                                 : " Did you mean " + nearest + "?"));
+    options_.GiveUp("There is no channel and no known type " + name_ + "." +
+                    (nearest.empty() ? " Give the type's file with --proto, or the folder of its file with -I."
+                                     : " Did you mean " + nearest + "?"));
   }
   Show(surroundings.console, TypeOfChannel(robot, options_, finder, channel, {}).type->descriptor());
   return kDone;

@@ -122,10 +122,10 @@ ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeF
   if (known.type_name.empty()) {
     if (!given.empty()) return TypeFrom(SchemaFor(finder.Require(given)));
     const std::string nearest = NearestChannel(robot, channel);
-    throw Error("The type of " + shown + " is not known, because " +
-                (known.subscribers.empty() ? "no session uses it. " : "its subscribers take any type. ") +
-                (nearest.empty() ? "Name it with --type, such as --type foxglove.Log."
-                                 : "Did you mean " + nearest + "? Otherwise name the type with --type."));
+    options.GiveUp("The type of " + shown + " is not known, because " +
+                   (known.subscribers.empty() ? "no session uses it. " : "its subscribers take any type. ") +
+                   (nearest.empty() ? "Name it with --type, such as --type foxglove.Log."
+                                    : "Did you mean " + nearest + "? Otherwise name the type with --type."));
   }
   if (known.encoding != Encoding::kProtobuf) {
     throw Error(shown + " has the type " + known.type_name + ", which is not protobuf, so it has no known fields.");

@@ -11,7 +11,7 @@
 namespace hgros::cli {
 namespace {
 
-constexpr double kPatienceSeconds = 0.2;
+constexpr double kPatienceSeconds = 0.4;  // Counters get half of it.
 
 RobotOptions OptionsOf(const Completion& completion) {
   RobotOptions options;
@@ -28,7 +28,9 @@ RobotOptions OptionsOf(const Completion& completion) {
 class Collector {
  public:
   Collector(const Completion& completion, const Surroundings& surroundings)
-      : completion_(completion), options_(OptionsOf(completion)), robot_(options_, surroundings) {}
+      : completion_(completion), options_(OptionsOf(completion)), robot_(options_, surroundings) {
+    options_.begin = std::chrono::steady_clock::now();
+  }
 
   std::vector<std::string> Collect();
 
@@ -44,7 +46,7 @@ class Collector {
   void AddParamArguments();
 
   const Completion& completion_;
-  const RobotOptions options_;
+  RobotOptions options_;
   Robot robot_;
   std::set<std::string> names_;
 };
@@ -111,7 +113,7 @@ std::vector<std::string> Collector::Collect() {
     case ValueKind::kNode: AddNodes(); break;
     case ValueKind::kFrame: {
       Frames frames(robot_);
-      frames.Collect(options_.Timeout({}));
+      frames.Collect(options_.Timeout({}) / 2);
       for (const EdgeSnapshot& edge : frames.tree().Edges()) {
         Add(edge.parent);
         Add(edge.child);

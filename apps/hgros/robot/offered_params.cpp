@@ -22,9 +22,11 @@ std::string AwaitSession(const Robot& robot, const RobotOptions& options, std::s
     const auto next = std::min(deadline, DeadlineIn(kPoll));
     if (robot.surroundings().pause.Until(next) != Pause::End::kInterrupted && next != deadline) continue;
     const std::string nearest = NearestName(name, names);
-    throw ParamRefusal(
+    const std::string what =
         "No session \"" + name + "\" offers parameters." +
-        (nearest.empty() ? " `hgros param list` shows all that are offered." : " Did you mean \"" + nearest + "\"?"));
+        (nearest.empty() ? " `hgros param list` shows all that are offered." : " Did you mean \"" + nearest + "\"?");
+    if (options.timeout_s) throw TimedOut(what);
+    throw ParamRefusal(what);
   }
 }
 
@@ -68,36 +70,35 @@ std::string OnlyParamSession(const Robot& robot) {
 }
 
 OfferedParams::OfferedParams(Robot& robot, const RobotOptions& options, std::string name)
-    : options_(options),
-      name_(AwaitSession(robot, options, std::move(name))),
-      params_(robot.session(), name_, options.Timeout(kParamAnswerTime)) {}
+    : session_(robot.session()), options_(options), name_(AwaitSession(robot, options, std::move(name))) {}
 
 template <class Ask>
 auto OfferedParams::Asked(const Ask& ask) {
-  const auto begin = std::chrono::steady_clock::now();
+  if (params_ == nullptr || options_.timeout_s) {  // The one before ends last, so that its connection is used again.
+    params_ = std::make_unique<RemoteParams>(session_, name_, options_.Timeout(kParamAnswerTime));
+  }
   auto answer = ask();
   if (answer.ok()) return answer;
-  const bool late = options_.timeout_s && std::chrono::steady_clock::now() >= begin + options_.Timeout({});
-  if (late) throw TimedOut(answer.refusal);
+  if (options_.timeout_s && options_.Timeout({}).count() == 0) throw TimedOut(answer.refusal);
   throw ParamRefusal(answer.refusal);
 }
 
 ParamView OfferedParams::Snapshot() {
-  return *Asked([this] { return params_.Snapshot(); });
+  return *Asked([this] { return params_->Snapshot(); });
 }
 
 ParamView OfferedParams::At(const std::string& path) { return Existing(Snapshot(), path, ""); }
 
 std::vector<ParamDeclaration> OfferedParams::Declarations(const std::string& path) {
-  return *Asked([&] { return params_.Describe(path); });
+  return *Asked([&] { return params_->Describe(path); });
 }
 
 void OfferedParams::Change(const std::vector<ParamChange>& changes, IfMissing if_missing) {
-  (void)Asked([&] { return params_.Change(changes, if_missing); });
+  (void)Asked([&] { return params_->Change(changes, if_missing); });
 }
 
 Subscription OfferedParams::Watch(const std::string& path, ParamListener listener) {
-  return params_.Watch(path, std::move(listener));
+  return params_->Watch(path, std::move(listener));
 }
 
 ParamView Existing(const ParamView& all, const std::string& path, const std::string& mend) {
@@ -134,9 +135,15 @@ int WriteParams(Robot& robot, const RobotOptions& options, const std::vector<std
   Records records(robot.surroundings().console, options.style,
                   {{"session", "SESSION"}, {"path", "PARAMETER"}, {"value", "VALUE"}});
   int code = kDone;
+  std::size_t unasked = sessions.size();
   for (const std::string& name : sessions) {
+    RobotOptions share = options;  // One that does not answer leaves time for the others.
+    share.begin = std::chrono::steady_clock::now();
+    if (options.timeout_s) {
+      share.timeout_s = std::chrono::duration<double>(options.Timeout({})).count() / static_cast<double>(unasked--);
+    }
     try {
-      OfferedParams params(robot, options, name);
+      OfferedParams params(robot, share, name);
       for (const auto& [path, value] : ValuesOf(params.Snapshot())) {
         records.Add({name, path, CellOf(value, options.style.exact ? std::size_t(-1) : kMostCharacters)});
       }

@@ -39,9 +39,10 @@ class OfferedParams {
   template <class Ask>
   auto Asked(const Ask& ask);
 
+  Session& session_;
   const RobotOptions& options_;
   const std::string name_;
-  RemoteParams params_;
+  std::unique_ptr<RemoteParams> params_;  // With --timeout one for each question: it has the time that is left.
 };
 
 /// The part of `all` at `path`. Throws ParamRefusal with the nearest path, and `mend`, if it is not there.

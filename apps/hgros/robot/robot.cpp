@@ -7,8 +7,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
 #include <utility>
 
 #include "hgros/base/names.hpp"
@@ -51,6 +56,52 @@ Config ConfigOf(const RobotOptions& options) {
   return config;
 }
 
+// "HOST" of "tcp://HOST:PORT" if it is a name; otherwise empty.
+std::string HostNameIn(const std::string& endpoint) {
+  constexpr std::string_view kTcp = "tcp://";
+  const std::size_t colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon <= kTcp.size()) return {};
+  std::string host = endpoint.substr(kTcp.size(), colon - kTcp.size());
+  addrinfo numeric{};
+  numeric.ai_flags = AI_NUMERICHOST;
+  addrinfo* found = nullptr;
+  const bool is_name = host.front() != '[' && getaddrinfo(host.c_str(), nullptr, &numeric, &found) != 0;
+  if (found != nullptr) freeaddrinfo(found);
+  return is_name ? host : std::string();
+}
+
+// Asks what a name's address is. The answer may take many seconds, and nothing can end the question. So a thread of its
+// own asks, which nobody joins: it may outlive the command.
+class NameQuestion {
+ public:
+  explicit NameQuestion(const std::string& host) {
+    std::thread([answer = answer_, host] {
+      addrinfo hints{};
+      hints.ai_socktype = SOCK_STREAM;
+      addrinfo* found = nullptr;
+      const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
+      if (error == 0) freeaddrinfo(found);
+      const std::scoped_lock lock(answer->mutex);
+      answer->fault = error == 0 ? "" : gai_strerror(error);
+      answer->came.notify_all();
+    }).detach();
+  }
+  // Why there is no address; empty: there is one. No value: the answer has not come.
+  [[nodiscard]] std::optional<std::string> Await(std::chrono::steady_clock::time_point deadline) const {
+    std::unique_lock lock(answer_->mutex);
+    answer_->came.wait_until(lock, deadline, [this] { return answer_->fault.has_value(); });
+    return answer_->fault;
+  }
+
+ private:
+  struct Answer {
+    std::mutex mutex;
+    std::condition_variable came;
+    std::optional<std::string> fault;  // Guarded by mutex.
+  };
+  const std::shared_ptr<Answer> answer_ = std::make_shared<Answer>();
+};
+
 // Whether a connection to "tcp://HOST:PORT" is accepted now.
 bool SomebodyListensAt(const std::string& endpoint) {
   constexpr std::string_view kTcp = "tcp://";
@@ -84,7 +135,9 @@ Robot::Robot(const RobotOptions& options, const Surroundings& surroundings)
   const LogSink log = [&console](LogLevel level, std::string_view text) {
     if (level >= LogLevel::kWarning) console.Say(text);
   };
-  session_ = std::make_unique<Session>(ConfigOf(options), SessionOptions{"hgros", log});
+  Config config = ConfigOf(options);
+  RequireAddresses(config);
+  session_ = std::make_unique<Session>(config, SessionOptions{"hgros", log});
   subscription_ =
       session_->FromAny<Snapshot>(kSnapshotsChannel, Invoke::kSerial,
                                   [this](const std::shared_ptr<const Snapshot>& snapshot, const MessageInfo& info) {
@@ -94,6 +147,39 @@ Robot::Robot(const RobotOptions& options, const Surroundings& surroundings)
                                   },
                                   {.executor = Executor::Inline()});
   AwaitEndpoints();
+}
+
+bool Robot::IsRequired(const EndpointConfig& endpoint) const {
+  return std::ranges::any_of(options_.connect,
+                             [&](const std::string& one) { return endpoint.endpoint.ends_with(one); });
+}
+
+// A session asks for addresses, too, and does not end before the answer.
+void Robot::RequireAddresses(Config& config) const {
+  std::map<std::string, NameQuestion> questions;
+  for (const EndpointConfig& endpoint : config.subscribers) {
+    if (const std::string host = HostNameIn(endpoint.endpoint); !host.empty()) questions.try_emplace(host, host);
+  }
+  const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(kConnectTime);
+  constexpr std::chrono::milliseconds kSlice{50};  // Ctrl-C must not wait longer.
+  for (const auto& [host, question] : questions) {
+    std::optional<std::string> fault;
+    do {
+      fault = question.Await(std::min(deadline, std::chrono::steady_clock::now() + kSlice));
+      if (surroundings_.pause.For({}) == Pause::End::kInterrupted) throw OutputClosed();
+    } while (!fault && std::chrono::steady_clock::now() < deadline);
+    if (fault == "") continue;
+    const auto is_there = [&host = host](const EndpointConfig& one) { return HostNameIn(one.endpoint) == host; };
+    const std::string what = "The address of " + host +
+                             " is not known: " + (fault ? *fault + "." : "no name server answers in time.") +
+                             " Is the name right?";
+    const bool required = std::ranges::any_of(
+        config.subscribers, [&](const EndpointConfig& one) { return is_there(one) && IsRequired(one); });
+    if (required && fault) throw Error(what);
+    if (required) options_.GiveUp(what);
+    surroundings_.console.Say(what);
+    std::erase_if(config.subscribers, is_there);
+  }
 }
 
 // A session that is met in shared memory, too, is not listed with its endpoint. Then it is enough that something
@@ -116,16 +202,13 @@ void Robot::AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock
   const std::string what = "No session answers at " + endpoint +
                            ". Is the program running, and is this the address of one of its publisher endpoints?";
   if (!required) return surroundings_.console.Say(what);
-  if (options_.timeout_s) throw TimedOut(what);
-  throw Error(what);
+  options_.GiveUp(what);
 }
 
 void Robot::AwaitEndpoints() {
   const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(kConnectTime);
   for (const EndpointConfig& endpoint : session_->config().subscribers) {
-    const bool required =
-        std::ranges::any_of(options_.connect, [&](const std::string& one) { return endpoint.endpoint.ends_with(one); });
-    AwaitEndpoint(endpoint.endpoint, deadline, required);
+    AwaitEndpoint(endpoint.endpoint, deadline, IsRequired(endpoint));
   }
 }
 
@@ -167,7 +250,8 @@ std::map<SessionId, ChannelUser> Robot::Countable() const {
 }
 
 std::map<SessionId, std::shared_ptr<const Snapshot>> Robot::Counters() {
-  const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(kAnswerTime);
+  // The other half of --timeout is left for what the command does then.
+  const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(2 * kAnswerTime) / 2;
   std::map<SessionId, ChannelUser> countable = Countable();
   const auto unheard = [&] {
     const std::scoped_lock lock(mutex_);

@@ -33,7 +33,7 @@ class Robot {
   /// error.
   void SayUnpublished(const std::vector<std::string>& channels) const;
   /// The newest counters of each session that answers, by session. The first call waits for all of them. Says which
-  /// sessions did not answer within a second, or within --timeout.
+  /// sessions did not answer within a second, or within half of --timeout.
   [[nodiscard]] std::map<SessionId, std::shared_ptr<const Snapshot>> Counters();
   /// The sessions that did not answer.
   [[nodiscard]] const std::map<SessionId, ChannelUser>& silent() const noexcept { return silent_; }
@@ -41,6 +41,10 @@ class Robot {
   [[nodiscard]] bool AwaitCounters(std::chrono::steady_clock::time_point deadline);
 
  private:
+  // Whether --connect names it.
+  [[nodiscard]] bool IsRequired(const EndpointConfig& endpoint) const;
+  // Throws if the host of --connect has no address. Drops endpoints of --config whose hosts have none.
+  void RequireAddresses(Config& config) const;
   void AwaitEndpoints();
   void AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock::time_point deadline, bool required);
   // The sessions that publish counters.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "arguments/command.hpp"
+
 namespace hgros::cli {
 
 std::chrono::nanoseconds DurationOf(double seconds) {
@@ -22,7 +24,13 @@ void RobotOptions::Declare(Arguments& arguments) {
 }
 
 std::chrono::nanoseconds RobotOptions::Timeout(std::chrono::nanoseconds otherwise) const {
-  return timeout_s ? DurationOf(*timeout_s) : otherwise;
+  if (!timeout_s) return otherwise;
+  return std::max(DurationOf(*timeout_s) - (std::chrono::steady_clock::now() - begin), std::chrono::nanoseconds(0));
+}
+
+void RobotOptions::GiveUp(const std::string& what) const {
+  if (timeout_s) throw TimedOut(what);
+  throw Error(what);
 }
 
 std::string RobotOptions::SendingHint() const {

@@ -1,12 +1,13 @@
 #include "terminal/line_reader.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 
-#include "arguments/arguments.hpp"
+#include "arguments/command.hpp"
 #include "hgros/base/error.hpp"
 #include "terminal/pause.hpp"
 
@@ -20,7 +21,7 @@ LineReader::LineReader(const std::string& file, std::size_t most_bytes)
 
 LineReader::~LineReader() { close(descriptor_); }
 
-std::optional<std::string_view> LineReader::Next(Pause& pause) {
+std::optional<std::string_view> LineReader::Next(Pause& pause, std::chrono::steady_clock::time_point deadline) {
   constexpr std::size_t kBlock = 64 * 1024;
   std::size_t searched = begin_;
   for (;;) {
@@ -40,8 +41,11 @@ std::optional<std::string_view> LineReader::Next(Pause& pause) {
     read_.erase(0, begin_);
     begin_ = 0;
     searched = read_.size();
-    const auto later = std::chrono::steady_clock::now() + std::chrono::hours(1);
-    if (pause.UntilReadable(descriptor_, later) == Pause::End::kInterrupted) return std::nullopt;
+    const Pause::End end_of_wait = pause.UntilReadable(descriptor_, deadline);
+    if (end_of_wait == Pause::End::kInterrupted) return std::nullopt;
+    if (end_of_wait == Pause::End::kDeadline) throw TimedOut("The next line of " + name_ + " did not come in time.");
+    pollfd readable{descriptor_, POLLIN, 0};
+    if (poll(&readable, 1, 0) == 0) continue;  // Another thread has called Wake().
     read_.resize(searched + kBlock);
     const ssize_t count = read(descriptor_, read_.data() + searched, kBlock);
     const int error = errno;

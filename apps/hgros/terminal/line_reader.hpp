@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -21,8 +22,8 @@ class LineReader {
   ~LineReader();
 
   /// The next line without its line break, valid until the next call. Empty at the end, and when the user ends the
-  /// command. Throws Error if a line is too long or cannot be read.
-  [[nodiscard]] std::optional<std::string_view> Next(Pause& pause);
+  /// command. Throws Error if a line is too long or cannot be read, and TimedOut if it does not come.
+  [[nodiscard]] std::optional<std::string_view> Next(Pause& pause, std::chrono::steady_clock::time_point deadline);
   /// The number of the line that Next() returned, from 1.
   [[nodiscard]] int number() const noexcept { return number_; }
   /// The file's name for errors.

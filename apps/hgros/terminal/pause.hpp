@@ -23,7 +23,7 @@ class Pause {
   [[nodiscard]] End Until(std::chrono::steady_clock::time_point deadline);
   /// The same, and also kWoken when `descriptor` can be read.
   [[nodiscard]] End UntilReadable(int descriptor, std::chrono::steady_clock::time_point deadline);
-  /// Waits until then, whoever wakes it. False: the user has ended the command.
+  /// Waits until `time`, also if another thread calls Wake(). Returns false if the user has ended the command.
   [[nodiscard]] bool SleepUntil(std::chrono::steady_clock::time_point time);
   [[nodiscard]] End For(std::chrono::nanoseconds time) { return Until(std::chrono::steady_clock::now() + time); }
   /// The signal that ended the command; 0: none.
