@@ -87,6 +87,9 @@ TEST(HgrosEcho, NamesTheNearestFieldAndChannel) {
   const CommandEnd field = robot.Run({"echo", "status", "--field", "mesage"});
   EXPECT_EQ(field.status, 2);
   EXPECT_THAT(field.err, HasSubstr("foxglove.Log has no field \"mesage\". Did you mean message?"));
+  const CommandEnd index = robot.Run({"echo", "statsu", "--field", "a[99999999999999999999]"});
+  EXPECT_EQ(index.status, 2);
+  EXPECT_THAT(index.err, HasSubstr("The index in \"a[99999999999999999999]\" is too large."));
   const CommandEnd channel = robot.Run({"echo", "statsu", "--timeout", "0.1"});
   EXPECT_EQ(channel.status, 3);
   EXPECT_THAT(channel.err, HasSubstr("Nobody publishes on statsu yet. Did you mean status?"));

@@ -266,6 +266,14 @@ TEST(HgrosPub, TellsThatALosslessSubscriberHasNoRoom) {
   EXPECT_THAT(end.err, HasSubstr("was not published on wish: a lossless subscriber has no room for it."));
 }
 
+TEST(HgrosPub, RefusesARateOutsideItsRange) {
+  for (const char* rate : {"1e-300", "1e300"}) {
+    const CommandEnd end = RunToEnd({"pub", "wish", "--type", "foxglove.Log", "--rate", rate});
+    EXPECT_EQ(end.status, 2);
+    EXPECT_EQ(end.err, "hgros: --rate must be from 0.000001 to 1000000 Hz.\n");
+  }
+}
+
 TEST(HgrosPub, EndsWithCode3WhenPublishingTakesLongerThanTheTimeout) {
   RobotForCommands robot;
   const Heard heard(robot.session(), "wish");

@@ -298,6 +298,7 @@ int Echo::Run(Surroundings& surroundings) {
   if (options_.raw && (!options_.filter.empty() || !options_.fields.empty())) {
     throw UsageError("--raw shows whole messages as bytes, so it cannot be used with --filter or --field.");
   }
+  for (const std::string& field : options_.fields) FieldPath::RequireForm(field);
   const Form form = robot_options_.style.json ? Form::kJson
                     : options_.csv            ? Form::kCsv
                     : options_.raw            ? Form::kRaw

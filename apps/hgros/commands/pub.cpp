@@ -212,6 +212,9 @@ void Pub::CheckOptions() const {
     throw UsageError("--file gives the messages, so no message can be written in the command line.");
   }
   if (options_.as_recorded && options_.file.empty()) throw UsageError("--as-recorded needs --file.");
+  if (options_.rate && (*options_.rate < 1e-6 || *options_.rate > 1e6)) {
+    throw UsageError("--rate must be from 0.000001 to 1000000 Hz.");
+  }
   if (options_.as_recorded && options_.rate) throw UsageError("--as-recorded and --rate exclude each other.");
 }
 

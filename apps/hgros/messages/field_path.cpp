@@ -36,23 +36,50 @@ const FieldDescriptor& RequireField(const Descriptor& type, std::string_view nam
                    (nearest.empty() ? "It has: " + all + "." : "Did you mean " + nearest + "?"));
 }
 
+namespace {
+
+// Removes the first part, up to a dot, from `text`.
+std::string_view TakePart(std::string_view& text) {
+  const std::size_t end = text.find('.');
+  const std::string_view part = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  if (end != std::string_view::npos && text.empty()) throw UsageError("A field path must not end with a dot.");
+  return part;
+}
+
+// Removes the index from "ranges[0]"; -1: there is none.
+int TakeIndex(std::string_view& part) {
+  const std::size_t bracket = part.find('[');
+  if (bracket == std::string_view::npos) return -1;
+  int index = -1;
+  const std::string_view digits = part.substr(bracket + 1, part.size() - bracket - 2);
+  const auto [stopped, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+  const bool too_large = error == std::errc::result_out_of_range;
+  if (!part.ends_with(']') || (error != std::errc() && !too_large) || stopped != digits.data() + digits.size() ||
+      index < (too_large ? -1 : 0)) {
+    throw UsageError("\"" + std::string(part) + "\" is not a field with an index. Write it as ranges[0].");
+  }
+  if (too_large)
+    throw UsageError("The index in \"" + std::string(part) + "\" is too large. At most 2147483647 is possible.");
+  part = part.substr(0, bracket);
+  return index;
+}
+
+}  // namespace
+
+void FieldPath::RequireForm(std::string_view text) {
+  while (!text.empty()) {
+    std::string_view part = TakePart(text);
+    (void)TakeIndex(part);
+  }
+}
+
 FieldPath FieldPath::Parse(std::string_view text, const Descriptor& type) {
   FieldPath path;
   const Descriptor* at = &type;
   while (!text.empty()) {
-    const std::size_t end = text.find('.');
-    std::string_view part = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (end != std::string_view::npos && text.empty()) throw UsageError("A field path must not end with a dot.");
-    int index = -1;
-    if (const std::size_t bracket = part.find('['); bracket != std::string_view::npos) {
-      const std::string_view digits = part.substr(bracket + 1, part.size() - bracket - 2);
-      const auto [stopped, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
-      if (!part.ends_with(']') || error != std::errc() || stopped != digits.data() + digits.size() || index < 0) {
-        throw UsageError("\"" + std::string(part) + "\" is not a field with an index. Write it as ranges[0].");
-      }
-      part = part.substr(0, bracket);
-    }
+    std::string_view part = TakePart(text);
+    const int index = TakeIndex(part);
     if (at == nullptr) {
       throw UsageError("\"" + path.steps_.back().field->name() + "\" has no fields, so it has no \"" +
                        std::string(part) + "\".");

@@ -27,6 +27,8 @@ struct FieldRef {
 /// Names a place in the messages of one type: "pose.position.x", "transforms[0].child_frame_id", "ranges".
 class FieldPath {
  public:
+  /// Throws UsageError if `text` is not a path in any type.
+  static void RequireForm(std::string_view text);
   /// An empty path is the whole message. Throws UsageError that names the wrong part and the nearest field.
   [[nodiscard]] static FieldPath Parse(std::string_view text, const google::protobuf::Descriptor& type);
 

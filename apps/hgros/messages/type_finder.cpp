@@ -92,6 +92,9 @@ TypeFinder::TypeFinder(const TypeOptions& options) : parts_(std::make_unique<Par
   }
   std::vector<std::string> names;
   for (const std::string& file : options.files) {
+    if (std::filesystem::is_directory(file)) {
+      throw UsageError("--proto: " + file + " is a folder. Name a .proto file, or give the folder with -I.");
+    }
     if (!std::filesystem::is_regular_file(file)) throw UsageError("--proto: there is no file " + file + ".");
     std::string name;
     std::string other;

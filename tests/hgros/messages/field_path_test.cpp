@@ -42,6 +42,8 @@ TEST(FieldPath, FindsFieldsAndItems) {
 TEST(FieldPath, SaysWhatIsWrong) {
   EXPECT_EQ(FaultOf("pose.positon"), "foxglove.Pose has no field \"positon\". Did you mean position?");
   EXPECT_EQ(FaultOf("ranges[x]"), "\"ranges[x]\" is not a field with an index. Write it as ranges[0].");
+  EXPECT_EQ(FaultOf("ranges[99999999999999999999]"),
+            "The index in \"ranges[99999999999999999999]\" is too large. At most 2147483647 is possible.");
   EXPECT_EQ(FaultOf("frame_id[0]"), "\"frame_id\" is not a list, so it has no index.");
   EXPECT_EQ(FaultOf("frame_id.x"), "\"frame_id\" has no fields, so it has no \"x\".");
   EXPECT_EQ(FaultOf("ranges.x"), "\"ranges\" is a list. Write which of its items is meant, such as ranges[0].x.");

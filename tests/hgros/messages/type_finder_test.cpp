@@ -74,6 +74,7 @@ TEST(TypeFinder, TellsFileLineAndColumnOfAFault) {
   EXPECT_THAT(FaultOfFiles({{lonely}, {}}), HasSubstr("no/such.proto"));
   EXPECT_EQ(FaultOfFiles({{folder.path() + "/none.proto"}, {}}),
             "--proto: there is no file " + folder.path() + "/none.proto.");
+  EXPECT_EQ(FaultOfFiles({{"/"}, {}}), "--proto: / is a folder. Name a .proto file, or give the folder with -I.");
   EXPECT_EQ(FaultOfFiles({{}, {folder.path() + "/none"}}), "-I: there is no folder " + folder.path() + "/none.");
 }
 
