@@ -132,6 +132,23 @@ TEST(HgrosCheck, EndsSoonForLongListsThatHaveNothingInCommon) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
 }
 
+TEST(HgrosCheck, TellsAMisspellingOnceInLongLists) {
+  const auto list = [](char letter) {
+    std::string text;
+    for (std::size_t i = 0; i < 2000; ++i) text += letter + std::to_string(1'000'000 + i) + ", ";
+    return text;
+  };
+  ConfigFiles files;
+  files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://*:5553', channels: [" + list('p') + "aaa_scan]}}");
+  files.Add("desk.yaml",
+            "network: {subscribers: [{ip: 'tcp://10.0.0.7:5553', channels: [" + list('s') + "aaa_scna]}]}");
+  std::size_t told = 0;
+  for (const std::string& finding : files.Findings({"robot.yaml", "desk.yaml"})) {
+    if (finding.find("aaa_sc") != std::string::npos) ++told;
+  }
+  EXPECT_EQ(told, 1U);
+}
+
 TEST(HgrosCheck, TellsHostsApartByTheNamesOfTheirFiles) {
   ConfigFiles files;
   files.Add("robot1.yaml", "network: {publisher: {ip: '*:5553', channels: [a]}}");

@@ -34,7 +34,14 @@ class MeantNames {
         if (!other.Passes(channel)) names.push_back(channel);
       }
     }
-    return MayCompare(name, names) ? NearestName(name, names) : std::string();
+    if (!MayCompare(name, names)) return {};
+    std::string nearest = NearestName(name, names);
+    if (!nearest.empty()) found_.emplace(&list, nearest);
+    return nearest;
+  }
+  // Whether Of() has found this channel of `list` for another name. Needs no comparison.
+  [[nodiscard]] bool WasFound(const std::string& channel, const DescribedEndpoint& list) const {
+    return found_.contains({&list, channel});
   }
   // One that differs by a typing error. Empty: none.
   [[nodiscard]] std::string Alike(std::string_view name, const std::set<std::string>& names) {
@@ -53,6 +60,7 @@ class MeantNames {
   }
 
   std::map<std::pair<const DescribedEndpoint*, const DescribedEndpoint*>, std::vector<std::string>> candidates_;
+  std::set<std::pair<const DescribedEndpoint*, std::string>> found_;
   std::size_t steps_left_ = 100'000'000;  // Less than a second.
 };
 
@@ -104,9 +112,10 @@ void CheckLeaving(const Deployment& deployment, const DescribedProcess& process,
     const auto wanting = std::ranges::find_if(
         links, [&](const DescribedLink* link) { return Wants(*link->subscriber.process, channel); });
     // The other end of a misspelling is told by CheckEntering().
-    const bool is_told = std::ranges::any_of(links, [&](const DescribedLink* link) {
-      return !meant.Of(channel, *link->subscriber.endpoint, endpoint).empty();
-    });
+    const bool is_told =
+        meant.WasFound(channel, endpoint) || std::ranges::any_of(links, [&](const DescribedLink* link) {
+          return !meant.Of(channel, *link->subscriber.endpoint, endpoint).empty();
+        });
     if (links.empty() || is_told || (wanting == links.end() && (enters || IsInternal(channel)))) continue;
     std::vector<const DescribedProcess*> refusing;
     for (const DescribedLink* link : links) refusing.push_back(link->subscriber.process);
