@@ -56,8 +56,9 @@ const DeclaredParams::Entry* DeclaredParams::Find(const ParamPath& path) const {
   return found == entries_.end() ? nullptr : &*found;
 }
 
-ParamNodePtr DeclaredParams::WithFallbacks(ParamNodePtr root) const {
+ParamNodePtr DeclaredParams::WithFallbacks(ParamNodePtr root, const ParamPath& changed) const {
   for (const Entry& entry : entries_) {
+    if (!entry.path.Overlaps(changed)) continue;
     if (param_tree::Find(root, entry.path) == nullptr) root = param_tree::With(root, entry.path, entry.fallback);
   }
   return root;

@@ -27,8 +27,8 @@ class DeclaredParams {
   void Add(Entry entry) { entries_.push_back(std::move(entry)); }
   [[nodiscard]] const std::vector<Entry>& entries() const noexcept { return entries_; }
 
-  // Sets every declared parameter that `root` lacks to its default.
-  [[nodiscard]] ParamNodePtr WithFallbacks(ParamNodePtr root) const;
+  // Sets every declared parameter that `root` lacks since `changed` was set to its default.
+  [[nodiscard]] ParamNodePtr WithFallbacks(ParamNodePtr root, const ParamPath& changed) const;
   // Throws ParamError if the value has the wrong type or is out of bounds.
   static void RequireGood(const Entry& entry, const ParamView& value);
   // Throws ParamError if `event` is not allowed.

@@ -154,7 +154,7 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps, IfMissing 
         if (if_missing == IfMissing::kRefuse) RequireThere(after, step.path, step.value == nullptr);
         after = param_tree::With(after, step.path, step.value);
       }
-      after = declared.WithFallbacks(after);
+      for (const Step& step : steps) after = declared.WithFallbacks(after, step.path);
       event.after = ParamView(after);
       for (param_tree::Difference& difference : param_tree::Differences(before, after)) {
         event.paths.push_back(std::move(difference.path));

@@ -48,6 +48,12 @@ class FromYaml {
   std::unordered_map<const yaml::Node*, ParamNodePtr> made_;
 };
 
+// The value of `key`, looked for at `guess` first: two versions of a large map mostly have the same order.
+ParamNodePtr FindFrom(std::size_t guess, const ParamNode& map, const std::string& key) {
+  const bool there = guess < map.entries.size() && map.entries[guess].first == key;
+  return there ? map.entries[guess].second : map.Find(key);
+}
+
 void Compare(const ParamPath& path, const ParamNodePtr& before, const ParamNodePtr& after,
              std::vector<Difference>& out) {
   if (before == after) return;
@@ -57,9 +63,14 @@ void Compare(const ParamPath& path, const ParamNodePtr& before, const ParamNodeP
     out.push_back({path, before, after});
     return;
   }
-  for (const auto& [key, value] : after->entries) Compare(path.Below(key), before->Find(key), value, out);
-  for (const auto& [key, value] : before->entries) {
-    if (after->Find(key) == nullptr) out.push_back({path.Below(key), value, nullptr});
+  for (std::size_t i = 0; i < after->entries.size(); ++i) {
+    const auto& [key, value] = after->entries[i];
+    const ParamNodePtr old = FindFrom(i, *before, key);
+    if (old != value) Compare(path.Below(key), old, value, out);
+  }
+  for (std::size_t i = 0; i < before->entries.size(); ++i) {
+    const auto& [key, value] = before->entries[i];
+    if (FindFrom(i, *after, key) == nullptr) out.push_back({path.Below(key), value, nullptr});
   }
 }
 
