@@ -19,6 +19,8 @@ constexpr auto kMostPause = std::chrono::seconds(1);
 // Refusals may wait in this number even if replies leave no room.
 constexpr std::size_t kMaxRefusals = 4096;
 
+std::string MiBText(std::size_t bytes) { return std::to_string(bytes >> 20U) + " MiB"; }
+
 std::shared_ptr<const CallMessage> RefusalOf(const CallMessage& reply, std::string text) {
   auto refusal = std::make_shared<CallMessage>(reply);
   refusal->body = nullptr;
@@ -59,7 +61,18 @@ ReplyLine::ReplyLine(std::shared_ptr<SessionOutlet> outlet, const TypeInfo& type
       service_(std::move(service)),
       caller_(std::move(caller)),
       room_(std::move(room)),
-      means_(std::move(means)) {}
+      means_(std::move(means)) {
+  const std::scoped_lock lock(room_->mutex);
+  room_->lines.push_back(this);
+}
+
+ReplyLine::~ReplyLine() {
+  {
+    const std::scoped_lock lock(room_->mutex);
+    std::erase(room_->lines, this);
+  }
+  (void)Close();
+}
 
 PublishStatus ReplyLine::Pass(const std::shared_ptr<const CallMessage>& reply) {
   return SendCall(*outlet_, reply, type_);
@@ -73,51 +86,106 @@ bool ReplyLine::TrySend(std::shared_ptr<const CallMessage>& reply) {
     reply = RefusalOf(*reply, "The reply could not be written: " + std::string(ToString(status)) + ".");
     status = Pass(reply);
   }
+  if (status != PublishStatus::kOk) subscribed_at_ = std::chrono::steady_clock::now();
   return status == PublishStatus::kOk;
 }
 
 bool ReplyLine::Send(std::shared_ptr<const CallMessage> reply, std::optional<Moment> due) {
   if (TrySend(reply)) return true;
-  Waiting waiting{std::move(reply), due, 0};
+  Waiting waiting{std::move(reply), due};
   waiting.bytes = BytesOf(*waiting.reply);
-  const bool queued = TryQueue(waiting);
-  if (!queued) {
-    {
-      const std::scoped_lock lock(mutex_);
-      if (closed_) return false;
-    }
-    const std::string why = std::to_string(room_->caller_bytes >> 20U) + " MiB, or " + std::to_string(kMaxWaiting) +
-                            " replies, wait for the caller already";
-    SayDropped(why);
-    Waiting refusal{RefusalOf(*waiting.reply, "The reply was dropped: " + why + "."), due, 0};
+  Lack lack = TryQueue(waiting);
+  while (lack == Lack::kRoomOfAll && TakeRoom(waiting)) lack = TryQueue(waiting);
+  if (lack == Lack::kLine) return false;
+  if (lack != Lack::kNothing) {
+    const std::string why = lack == Lack::kRoomOfAll
+                                ? MiBText(room_->service_bytes) + " of replies wait for all callers already"
+                                : MiBText(room_->caller_bytes) + ", or " + std::to_string(kMaxWaiting) +
+                                      " replies, wait for the caller already";
+    SayDropped(why, BlameOf(0).away);
+    Waiting refusal{RefusalOf(*waiting.reply, "The reply was dropped: " + why + "."), due};
     waiting = {};
     (void)TryQueue(refusal);
   }
   // A subscription or room may have come after the attempt and before the reply was queued.
   means_.flush_soon();
-  return queued;
+  return lack == Lack::kNothing;
 }
 
-bool ReplyLine::TryQueue(Waiting& reply) {
+ReplyLine::Lack ReplyLine::TryQueue(Waiting& reply) {
   std::optional<Moment> look;
   {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || !HasRoomFor(reply)) return false;
-    look = NextLook(reply.due, std::chrono::steady_clock::now());
+    if (closed_) return Lack::kLine;
+    if (const Lack lack = LackFor(reply); lack != Lack::kNothing) return lack;
+    look = NextLook(EndOf(reply), std::chrono::steady_clock::now());
     Count(reply);
     waiting_.push_back(std::move(reply));
   }
   if (look) means_.flush_at(*look);
-  return true;
+  return Lack::kNothing;
 }
 
 // The first reply may be of any size, unless other callers have used up the room of the service.
-bool ReplyLine::HasRoomFor(const Waiting& reply) const {
-  if (reply.bytes == 0) return waiting_.size() < kMaxWaiting + kMaxRefusals;
-  const std::size_t all = room_->reply_bytes.load(std::memory_order_relaxed);
-  if (bytes_ == 0) return all <= room_->service_bytes;
-  return waiting_.size() < kMaxWaiting && bytes_ + reply.bytes <= room_->caller_bytes &&
-         all + reply.bytes <= room_->service_bytes;
+ReplyLine::Lack ReplyLine::LackFor(const Waiting& reply) const {
+  if (reply.bytes == 0) return waiting_.size() < kMaxWaiting + kMaxRefusals ? Lack::kNothing : Lack::kRoomOfCaller;
+  if (waiting_.size() >= kMaxWaiting || (bytes_ > 0 && bytes_ + reply.bytes > room_->caller_bytes)) {
+    return Lack::kRoomOfCaller;
+  }
+  const std::size_t all = room_->reply_bytes.load(std::memory_order_relaxed) + (bytes_ > 0 ? reply.bytes : 0);
+  return all <= room_->service_bytes ? Lack::kNothing : Lack::kRoomOfAll;
+}
+
+bool ReplyLine::TakeRoom(const Waiting& reply) {
+  std::vector<Waiting> given_up;  // Destroyed after the lock: destructors may be user code.
+  std::function<void()> flush;
+  {
+    const std::scoped_lock lock(room_->mutex);
+    Blame most = BlameOf(reply.bytes);
+    ReplyLine* holder = nullptr;
+    for (ReplyLine* const line : room_->lines) {
+      if (line == this) continue;
+      if (const Blame blame = line->BlameOf(0); blame.bytes > 0 && blame > most) {
+        most = blame;
+        holder = line;
+      }
+    }
+    if (holder == nullptr) return false;
+    given_up = holder->GiveUp(reply.bytes);
+    flush = holder->means_.flush_soon;  // It says what was dropped.
+  }
+  flush();
+  return true;
+}
+
+std::vector<ReplyLine::Waiting> ReplyLine::GiveUp(std::size_t bytes) {
+  const std::string why = MiBText(room_->service_bytes) + " of replies waited for all callers";
+  std::vector<Waiting> given_up;
+  const std::scoped_lock lock(mutex_);
+  std::size_t got = 0;
+  for (auto one = waiting_.begin(); one != waiting_.end() && got < bytes; ++one) {
+    if (one->bytes == 0) continue;
+    got += one->bytes;
+    given_up.push_back(Refuse(*one, why));
+  }
+  given_up_ += given_up.size();
+  return given_up;
+}
+
+ReplyLine::Waiting ReplyLine::Refuse(Waiting& reply, const std::string& why) {
+  Waiting refusal{RefusalOf(*reply.reply, "The reply was dropped: " + why + "."), reply.due, 0, reply.since};
+  Discount(reply);
+  return std::exchange(reply, std::move(refusal));
+}
+
+ReplyLine::Blame ReplyLine::BlameOf(std::size_t more) {
+  const std::scoped_lock lock(mutex_);
+  return {AwayFor(std::chrono::steady_clock::now()) >= room_->fresh, bytes_ + more};
+}
+
+std::chrono::nanoseconds ReplyLine::AwayFor(Moment now) const {
+  if (waiting_.empty() || outlet_->subscriber_count() > 0) return {};
+  return now - std::max(subscribed_at_.load(), waiting_.front().since);
 }
 
 void ReplyLine::Count(const Waiting& reply) {
@@ -131,10 +199,17 @@ void ReplyLine::Discount(const Waiting& reply) {
 }
 
 // One look is asked for at a time. Later replies may be due earlier, so it comes soon.
-std::optional<ReplyLine::Moment> ReplyLine::NextLook(std::optional<Moment> due, Moment now) {
-  if (!due || looks_at_) return std::nullopt;
-  looks_at_ = std::clamp(*due, now + kLeastPause, now + kMostPause);
+std::optional<ReplyLine::Moment> ReplyLine::NextLook(Moment due, Moment now) {
+  if (due == Moment::max() || looks_at_) return std::nullopt;
+  looks_at_ = std::clamp(due, now + kLeastPause, now + kMostPause);
   return looks_at_;
+}
+
+ReplyLine::Moment ReplyLine::EndOf(const Waiting& reply) const {
+  const Moment due = reply.due.value_or(Moment::max());
+  if (reply.bytes == 0) return due;
+  const Moment seen = outlet_->subscriber_count() > 0 ? std::chrono::steady_clock::now() : subscribed_at_.load();
+  return std::min(due, std::max(seen, reply.since) + room_->away);
 }
 
 std::deque<ReplyLine::Waiting> ReplyLine::TakeOverdue(Moment now) {
@@ -149,16 +224,27 @@ std::deque<ReplyLine::Waiting> ReplyLine::TakeOverdue(Moment now) {
   return overdue;
 }
 
-void ReplyLine::SayDropped(const std::string& when) {
+std::vector<ReplyLine::Waiting> ReplyLine::TakeUnsubscribed(Moment now) {
+  const std::string why =
+      "the caller did not subscribe to it within " + std::to_string(room_->away.count() / 1000) + " s";
+  std::vector<Waiting> taken;
+  for (Waiting& one : waiting_) {
+    if (one.bytes > 0 && EndOf(one) <= now) taken.push_back(Refuse(one, why));
+  }
+  return taken;
+}
+
+void ReplyLine::SayDropped(const std::string& when, bool waited) {
   {
     const std::scoped_lock lock(mutex_);
     const Moment now = std::chrono::steady_clock::now();
     if (said_at_ && now - *said_at_ < kMostPause) return;  // Many may be dropped, and finding out why takes long.
     said_at_ = now;
   }
+  const bool subscribed = outlet_->subscriber_count() > 0;
   log_->WriteLimited(LogLevel::kWarning, "reply " + service_,
                      "A reply of service \"" + service_ + "\" to session " + caller_ + " was dropped: " + when + ". " +
-                         means_.why(outlet_->subscriber_count() > 0));
+                         (subscribed || waited ? means_.why(subscribed) : "Its subscription has not arrived yet."));
 }
 
 bool ReplyLine::Withdraw(std::uint64_t call) {
@@ -183,18 +269,20 @@ std::size_t ReplyLine::Close() {
 
 std::size_t ReplyLine::Flush() {
   std::deque<Waiting> overdue;
+  std::vector<Waiting> unsubscribed;
   std::optional<Moment> look;
   Waiting next;  // Destroyed after the lock, as the overdue ones: destructors may be user code.
   std::unique_lock lock(mutex_);
   if (const Moment now = std::chrono::steady_clock::now(); looks_at_ && *looks_at_ <= now) {
     overdue = TakeOverdue(now);
+    unsubscribed = TakeUnsubscribed(now);
     looks_at_.reset();
-    std::optional<Moment> first;
-    for (const Waiting& one : waiting_) {
-      if (one.due) first = std::min(first.value_or(*one.due), *one.due);
-    }
+    Moment first = Moment::max();
+    for (const Waiting& one : waiting_) first = std::min(first, EndOf(one));
     look = NextLook(first, now);
   }
+  const std::size_t given_up = std::exchange(given_up_, 0);
+  const bool away = AwayFor(std::chrono::steady_clock::now()) >= room_->fresh;
   while (!waiting_.empty()) {
     next = std::move(waiting_.front());
     waiting_.pop_front();
@@ -212,8 +300,10 @@ std::size_t ReplyLine::Flush() {
   }
   lock.unlock();
   if (look) means_.flush_at(*look);
-  if (!overdue.empty()) SayDropped("it still waited when its call had timed out");
-  return overdue.size();
+  if (!overdue.empty()) SayDropped("it still waited when its call had timed out", true);
+  if (!unsubscribed.empty()) SayDropped("the caller did not subscribe to it in time", true);
+  if (given_up > 0) SayDropped(MiBText(room_->service_bytes) + " of replies waited for all callers", away);
+  return overdue.size() + unsubscribed.size() + given_up;
 }
 
 }  // namespace hgros

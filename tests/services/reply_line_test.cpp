@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "hgros/bridge/channel_outlet.hpp"
-#include "hgros/clock/host_clocks.hpp"
+#include <algorithm>
+
 #include "hgros/internal/codec/call_message.hpp"
 #include "hgros/services/service_place.hpp"
 #include "hgros/services/services.hpp"
@@ -14,7 +14,27 @@ namespace {
 
 using Moment = ReplyLine::Moment;
 
-/// A line whose caller does not subscribe, and what it asks for.
+/// A caller that subscribes when the test says so.
+class SwitchOutlet final : public SessionOutlet {
+ public:
+  [[nodiscard]] bool wanted() const noexcept override { return true; }
+  PublishStatus Reserve(const void*, const TypeInfo&, PreparedMessage&) noexcept override {
+    return takes ? PublishStatus::kOk : PublishStatus::kFull;
+  }
+  bool Commit(const AnyMessage& message, const TypeInfo&, const MessageInfo&, PreparedMessage&&) noexcept override {
+    sent.push_back(*static_cast<const CallMessage*>(message.get()));
+    return true;
+  }
+  void Cancel() noexcept override {}
+  [[nodiscard]] std::size_t subscriber_count() const noexcept override { return subscribed ? 1 : 0; }
+  [[nodiscard]] std::vector<SessionId> Subscribers() const override { return {}; }
+
+  bool subscribed = false;
+  bool takes = false;
+  std::vector<CallMessage> sent;
+};
+
+/// A line and what it asks for. At first, its caller does not subscribe.
 class Line {
  public:
   explicit Line(std::shared_ptr<ServiceRoom> room = std::make_shared<ServiceRoom>()) : room_(std::move(room)) {}
@@ -27,6 +47,7 @@ class Line {
     return reply;
   }
 
+  const std::shared_ptr<SwitchOutlet> outlet = std::make_shared<SwitchOutlet>();
   int soon = 0;
   std::vector<Moment> asked;
   std::vector<std::string> said;
@@ -38,8 +59,7 @@ class Line {
   const TypeInfo& type_ = CallTypeOf<test::Total>();
 
  public:
-  ReplyLine line{std::make_shared<ChannelOutlet>("replies", type_, MessageId{1, 1, 0}, log_, OutletEvents{},
-                                                 std::make_shared<HostClocks>()),
+  ReplyLine line{outlet,
                  type_,
                  log_,
                  "add",
@@ -49,8 +69,19 @@ class Line {
                   [](bool subscribed) { return subscribed ? "slow" : "away"; }}};
 };
 
+std::shared_ptr<ServiceRoom> RoomFor(std::size_t of_caller, std::size_t of_all) {
+  const std::size_t one = BytesOf(*Line::Reply(0));
+  const auto room = std::make_shared<ServiceRoom>();
+  room->caller_bytes = of_caller * one;
+  room->service_bytes = of_all * one;
+  room->fresh = std::chrono::hours(1);
+  return room;
+}
+
 TEST(ReplyLine, LogsDroppedRepliesWhenTooManyWaitForTheCaller) {
-  Line to;
+  const auto room = std::make_shared<ServiceRoom>();
+  room->fresh = std::chrono::milliseconds(0);
+  Line to(room);
   const auto reply = std::make_shared<const CallMessage>();
   for (std::size_t i = 0; i < ReplyLine::kMaxWaiting; ++i) ASSERT_TRUE(to.line.Send(reply));
   EXPECT_EQ(to.soon, static_cast<int>(ReplyLine::kMaxWaiting));
@@ -66,23 +97,108 @@ TEST(ReplyLine, LogsDroppedRepliesWhenTooManyWaitForTheCaller) {
 }
 
 TEST(ReplyLine, LimitsTheBytesThatWait) {
-  const auto room = std::make_shared<ServiceRoom>();
+  const auto room = RoomFor(10, 15);
   const std::size_t one = BytesOf(*Line::Reply(0));
   EXPECT_GT(one, sizeof(test::Total));
-  room->caller_bytes = 10 * one;
-  room->service_bytes = 15 * one;
   Line to(room);
   Line other(room);
   for (std::uint64_t i = 0; i < 10; ++i) EXPECT_TRUE(to.line.Send(Line::Reply(i))) << i;
   EXPECT_FALSE(to.line.Send(Line::Reply(10)));
   EXPECT_EQ(to.said.size(), 1U);
-  for (std::uint64_t i = 0; i < 5; ++i) EXPECT_TRUE(other.line.Send(Line::Reply(i))) << i;
-  EXPECT_FALSE(other.line.Send(Line::Reply(5))) << "the service has no room";
+  for (std::uint64_t i = 0; i < 7; ++i) EXPECT_TRUE(other.line.Send(Line::Reply(i))) << i;
+  EXPECT_EQ(room->reply_bytes, 15 * one);
+  EXPECT_FALSE(other.line.Send(Line::Reply(7))) << "the other line holds no more";
+  EXPECT_EQ(to.line.Flush(), 2U) << "given up for the other line";
+  EXPECT_EQ(to.line.Flush(), 0U);
   EXPECT_EQ(to.line.Close(), 11U);
-  EXPECT_TRUE(other.line.Send(Line::Reply(6)));
-  EXPECT_EQ(room->reply_bytes, 6 * one);
-  EXPECT_EQ(other.line.Close(), 7U);
+  EXPECT_TRUE(other.line.Send(Line::Reply(8)));
+  EXPECT_EQ(room->reply_bytes, 8 * one);
+  EXPECT_EQ(other.line.Close(), 9U);
   EXPECT_EQ(room->reply_bytes, 0U);
+}
+
+TEST(ReplyLine, GivesUpItsOldestRepliesForACallerThatHoldsLess) {
+  const auto room = RoomFor(10, 10);
+  Line most(room);
+  Line newcomer(room);
+  for (std::uint64_t i = 0; i < 10; ++i) EXPECT_TRUE(most.line.Send(Line::Reply(i))) << i;
+  const int soon = most.soon;
+  EXPECT_TRUE(newcomer.line.Send(Line::Reply(1)));
+  EXPECT_TRUE(newcomer.line.Send(Line::Reply(2)));
+  EXPECT_TRUE(newcomer.said.empty());
+  EXPECT_GT(most.soon, soon) << "it must say what it has lost";
+  EXPECT_EQ(most.line.Flush(), 2U);
+  ASSERT_EQ(most.said.size(), 1U);
+  EXPECT_EQ(most.said[0],
+            "A reply of service \"add\" to session arm was dropped: 0 MiB of replies waited for all callers. Its "
+            "subscription has not arrived yet.");
+  most.outlet->subscribed = most.outlet->takes = true;
+  EXPECT_EQ(most.line.Flush(), 0U);
+  ASSERT_EQ(most.outlet->sent.size(), 10U);
+  EXPECT_EQ(most.outlet->sent[1].call, 1U);
+  EXPECT_EQ(most.outlet->sent[1].outcome, CallMessage::Outcome::kNotWritable);
+  EXPECT_EQ(most.outlet->sent[1].text, "The reply was dropped: 0 MiB of replies waited for all callers.");
+  EXPECT_EQ(most.outlet->sent[2].outcome, CallMessage::Outcome::kOk);
+}
+
+TEST(ReplyLine, GivesUpRepliesForOthersFirstIfItsCallerHasNotSubscribedForAWhile) {
+  const auto room = RoomFor(10, 6);
+  room->fresh = std::chrono::milliseconds(1);
+  Line away(room);
+  Line slow(room);
+  slow.outlet->subscribed = true;
+  for (std::uint64_t i = 0; i < 2; ++i) EXPECT_TRUE(away.line.Send(Line::Reply(i))) << i;
+  const Moment later = std::chrono::steady_clock::now() + room->fresh;
+  ASSERT_TRUE(test::Await([&] { return std::chrono::steady_clock::now() > later; }));
+  for (std::uint64_t i = 0; i < 6; ++i) EXPECT_TRUE(slow.line.Send(Line::Reply(i))) << i;
+  EXPECT_FALSE(slow.line.Send(Line::Reply(6))) << "nothing is left to take";
+  EXPECT_EQ(slow.said.size(), 1U);
+  EXPECT_EQ(away.line.Flush(), 2U);
+  ASSERT_EQ(away.said.size(), 1U);
+  EXPECT_TRUE(away.said[0].ends_with(" away")) << away.said[0];
+}
+
+TEST(ReplyLine, TellsTheLimitThatWasReached) {
+  const auto room = std::make_shared<ServiceRoom>();
+  room->service_bytes = BytesOf(*Line::Reply(0)) + (3U << 20U);
+  room->fresh = std::chrono::hours(1);
+  Line to(room);
+  EXPECT_TRUE(to.line.Send(Line::Reply(0)));
+  room->reply_bytes += 3U << 20U;  // Another caller's, on their way.
+  EXPECT_FALSE(to.line.Send(Line::Reply(1)));
+  ASSERT_EQ(to.said.size(), 1U);
+  EXPECT_EQ(to.said[0],
+            "A reply of service \"add\" to session arm was dropped: 3 MiB of replies wait for all callers already. Its "
+            "subscription has not arrived yet.");
+  to.outlet->subscribed = to.outlet->takes = true;
+  EXPECT_EQ(to.line.Flush(), 0U);
+  ASSERT_EQ(to.outlet->sent.size(), 2U);
+  EXPECT_EQ(to.outlet->sent[1].text, "The reply was dropped: 3 MiB of replies wait for all callers already.");
+}
+
+TEST(ReplyLine, RefusesRepliesThatHaveWaitedTooLongForASubscription) {
+  const auto room = std::make_shared<ServiceRoom>();
+  room->away = std::chrono::milliseconds(40);
+  Line to(room);
+  Line slow(room);
+  slow.outlet->subscribed = true;
+  EXPECT_TRUE(to.line.Send(Line::Reply(7)));
+  EXPECT_TRUE(slow.line.Send(Line::Reply(7)));
+  ASSERT_EQ(to.asked.size(), 1U);
+  ASSERT_EQ(slow.asked.size(), 1U);
+  ASSERT_TRUE(test::Await([&] { return std::chrono::steady_clock::now() >= std::max(to.asked[0], slow.asked[0]); }));
+  EXPECT_EQ(slow.line.Flush(), 0U) << "its caller has subscribed";
+  EXPECT_EQ(to.line.Flush(), 1U);
+  EXPECT_EQ(room->reply_bytes, BytesOf(*Line::Reply(7)));
+  ASSERT_EQ(to.said.size(), 1U);
+  EXPECT_EQ(to.said[0],
+            "A reply of service \"add\" to session arm was dropped: the caller did not subscribe to it in time. away");
+  EXPECT_EQ(to.asked.size(), 1U) << "a refusal has no such time";
+  to.outlet->subscribed = to.outlet->takes = true;
+  EXPECT_EQ(to.line.Flush(), 0U);
+  ASSERT_EQ(to.outlet->sent.size(), 1U);
+  EXPECT_EQ(to.outlet->sent[0].outcome, CallMessage::Outcome::kNotWritable);
+  EXPECT_EQ(to.outlet->sent[0].call, 7U);
 }
 
 TEST(ReplyLine, KeepsOneReplyOfAnySize) {
