@@ -118,14 +118,23 @@ std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo&
   return verdict.compatible ? std::string() : verdict.reason;
 }
 
-std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered, const std::string& descriptor_set) {
+std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered, const std::string& descriptor_set,
+                                                const PeerInfo& from, Log& log) {
   constexpr std::size_t kMaxDescriptorSetBytes = 1 << 20;
   auto schema = std::make_shared<MessageSchema>();
   schema->type_name = Readable(offered.type_name(), kMaxTextBytes);
   const bool known = offered.encoding() <= static_cast<std::uint32_t>(Encoding::kPlain);
   if (known) schema->encoding = static_cast<Encoding>(offered.encoding());
   schema->fingerprint = offered.fingerprint();
-  if (descriptor_set.size() <= kMaxDescriptorSetBytes) schema->descriptor_set = descriptor_set;
+  if (descriptor_set.size() <= kMaxDescriptorSetBytes) {
+    schema->descriptor_set = descriptor_set;
+  } else {
+    const std::string channel = Readable(offered.channel(), kMaxTextBytes);
+    log.WriteLimited(LogLevel::kWarning, "large schema " + channel,
+                     "Channel " + channel + ": " + from.name() + " describes " + schema->type_name + " with " +
+                         std::to_string(descriptor_set.size()) + " bytes. A description of more than " +
+                         std::to_string(kMaxDescriptorSetBytes) + " bytes is refused.");
+  }
   return schema;
 }
 

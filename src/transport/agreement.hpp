@@ -61,9 +61,10 @@ enum class TypeFit {
 /// The facts of a session of this process.
 [[nodiscard]] SessionFacts OwnFacts(SessionId session, const std::string& process);
 
-/// The schema that a publisher has sent. A descriptor set of more than 1 MiB is left out.
+/// The schema that the publisher `from` has sent. A descriptor set of more than 1 MiB is left out, and the log says so.
 [[nodiscard]] std::shared_ptr<const MessageSchema> ReadSchema(const wire::ChannelType& offered,
-                                                              const std::string& descriptor_set);
+                                                              const std::string& descriptor_set, const PeerInfo& from,
+                                                              Log& log);
 
 /// The schema for a subscriber that has another version of the type, or accepts any; empty if the types are equal,
 /// nullopt if they differ.

@@ -26,6 +26,11 @@ Session::Session(World& world, Role role, SessionId session) : id(session) {
       role == Role::kPublisher ? world.MakePublisher(listener, log, id) : world.MakeSubscriber(listener, log, id);
 }
 
+bool Session::Said(const std::string& text) {
+  const std::scoped_lock lock(mutex);
+  return lines.find(text) != std::string::npos;
+}
+
 std::vector<OutboundMessage> Source::Latched(SessionId /*subscriber*/) noexcept {
   ++latched_calls;
   const std::scoped_lock lock(mutex);

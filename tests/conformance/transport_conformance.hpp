@@ -71,8 +71,16 @@ struct Session {
   enum class Role { kPublisher, kSubscriber };
   Session(World& world, Role role, SessionId id = SessionId::Random());
 
+  /// True if a line of the log contains this text.
+  [[nodiscard]] bool Said(const std::string& text);
+
   Listener listener;
-  Log log{[](LogLevel, std::string_view) {}};
+  std::mutex mutex;
+  std::string lines;  // Guarded by mutex.
+  Log log{[this](LogLevel, std::string_view text) {
+    const std::scoped_lock lock(mutex);
+    lines += std::string(text) + "\n";
+  }};
   SessionId id;
   std::unique_ptr<Transport> transport;
 };

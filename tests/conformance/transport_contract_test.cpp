@@ -325,6 +325,21 @@ TEST_P(TransportConformance, PlainStructsOfAnotherLayoutAreRefused) {
   ASSERT_TRUE(Eventually([&] { return a.listener.mismatches == 1 && b.listener.mismatches == 1; }));
 }
 
+TEST_P(TransportConformance, ASchemaOfMoreThanAMegabyteIsRefusedInTheLog) {
+  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  TypeInfo type = ProtobufType("hgros.test.Large", {{"int32", 1}});
+  type.descriptor_set = [] { return std::string((1 << 20) + 1, 'x'); };
+  Publication out(a, "scan", type);
+  Reception in(b, "scan", AnyType());
+  ASSERT_TRUE(Eventually([&] { return in.sink.offered == 1; }));
+  EXPECT_TRUE(b.Said("Channel scan: " + a.id.ToString()));
+  EXPECT_TRUE(
+      b.Said(" describes hgros.test.Large with 1048577 bytes. A description of more than 1048576 bytes is refused."));
+  in.channel.reset();
+  EXPECT_EQ(in.sink.offers.at(a.id.value)->type_name, "hgros.test.Large");
+  EXPECT_EQ(in.sink.offers.at(a.id.value)->descriptor_set, "");
+}
+
 TEST_P(TransportConformance, ACompatibleSchemaIsAccepted) {
   Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
   const TypeInfo old_type = ProtobufType("hgros.test.Evolving", {{"int32", 1}});

@@ -51,6 +51,28 @@ TEST(HgrosSchema, ShowsATypeThatOnlyASubscriberKnows) {
   }
 }
 
+// The endpoint of the foreign publisher.
+std::string EndpointOf(const CommandRun& publisher) {
+  return publisher.Prints("\n") ? publisher.out().substr(0, publisher.out().find('\n')) : "";
+}
+
+constexpr std::string_view kNotDescribed =
+    "hgros: The type robot.Hand of hand is not known here, and no session that uses it describes it: ";
+
+// It used to ask again and again until --timeout.
+TEST(HgrosSchema, TellsAtOnceThatADescriptionIsTooLarge) {
+  const CommandRun publisher({"large"}, {}, -1, HGROS_FOREIGN_PUBLISHER);
+  const auto begin = std::chrono::steady_clock::now();
+  const CommandEnd end = RunToEnd({"schema", "robot.Hand", "--connect", EndpointOf(publisher), "--timeout", "60"});
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.err, HasSubstr("(foreign, process "));
+  EXPECT_THAT(end.err,
+              HasSubstr(" describes robot.Hand with 3000000 bytes. A description of more than 1048576 bytes is "
+                        "refused.\n"));
+  EXPECT_THAT(end.err, HasSubstr(kNotDescribed));
+}
+
 TEST(HgrosSchema, WritesFieldsAsJson) {
   const std::vector<std::string> lines = LinesOf(RunToEnd({"schema", "foxglove.LaserScan", "--json"}).out);
   EXPECT_THAT(lines,

@@ -22,13 +22,20 @@ std::shared_ptr<const MessageSchema> PublishedSchema(Robot& robot, const RobotOp
   // Keeps the connection between the slices.
   const Subscription connected = robot.session().FromAnyRaw(channel.name, Invoke::kConcurrent, [](const RawMessage&) {},
                                                             {.queue = Queue::Latest()});
-  const auto deadline = std::chrono::steady_clock::now() + options.Timeout(std::chrono::seconds(1));
+  auto deadline = std::chrono::steady_clock::now() + options.Timeout(std::chrono::seconds(1));
   constexpr auto kSlice = std::chrono::milliseconds(50);  // Ctrl-C must not wait longer.
+  constexpr auto kForOthers = 10 * kSlice;
+  bool undescribed = false;
   while (robot.surroundings().pause.For({}) != Pause::End::kInterrupted) {
     const auto left = deadline - std::chrono::steady_clock::now();
     if (left <= left.zero()) break;
     auto schema = robot.session().AwaitSchema(channel.name, std::min<std::chrono::nanoseconds>(left, kSlice));
-    if (schema != nullptr && !schema->descriptor_set.empty()) return schema;
+    if (schema == nullptr) continue;
+    if (!schema->descriptor_set.empty()) return schema;
+    // This publisher sends no other schema, but other publishers may. Each try makes it send the schema again.
+    if (!std::exchange(undescribed, true)) deadline = std::min(deadline, std::chrono::steady_clock::now() + kForOthers);
+    if (channel.publishers.size() == 1) break;
+    if (!robot.surroundings().pause.SleepUntil(std::chrono::steady_clock::now() + kSlice)) break;
   }
   return nullptr;
 }
@@ -144,8 +151,8 @@ ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeF
   throw Error(
       "The type " + known.type_name + " of " + channel +
       " is not known here, and no session that uses it describes it: `control: off` is set there, it runs an older "
-      "version, or it cannot be asked from here. Give the type's file with --proto, or the folder of its file "
-      "with -I.");
+      "version, its description was refused, or it cannot be asked from here. Give the type's file with --proto, or "
+      "the folder of its file with -I.");
 }
 
 }  // namespace hgros::cli

@@ -146,7 +146,7 @@ void WantedChannels::OnGranted(Pair& pair, const wire::Granted& granted) {
     } else {
       std::shared_ptr<const MessageSchema> schema;
       if (!link->granted && (IsAnyType(type) || !granted.descriptor_set().empty())) {
-        schema = ReadSchema(granted.offered(), granted.descriptor_set());
+        schema = ReadSchema(granted.offered(), granted.descriptor_set(), pair.facts.info, session_.log);
         InboundCore::TellOffer(link->core, pair.facts.info, schema, actions);
       }
       if (pair.in.Grant(*link, granted, std::move(schema))) {

@@ -220,7 +220,7 @@ bool SubscribedChannels::BeginLink(InLink& link, const wire::Subscribed& subscri
   link.Begin(subscribed, due_);
   link.schema = nullptr;
   if (IsAnyType(type) || !subscribed.descriptor_set().empty()) {
-    link.schema = ReadSchema(subscribed.offered(), subscribed.descriptor_set());
+    link.schema = ReadSchema(subscribed.offered(), subscribed.descriptor_set(), publisher_.facts.info, shared_.log);
     InboundCore::TellOffer(link.core, publisher_.facts.info, link.schema, actions);
   }
   return true;
