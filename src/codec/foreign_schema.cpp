@@ -156,7 +156,9 @@ ForeignSchema BuildForeignSchema(std::string_view descriptor_set, const std::str
   for (FileDescriptorProto& file : *set.mutable_file()) {
     Reduce(file, enum_values);
     FirstError error;
-    if (pool->BuildFileCollectingErrors(file, &error) == nullptr) return Refuse("is not valid: " + error.text());
+    if (pool->BuildFileCollectingErrors(file, &error) != nullptr) continue;
+    // Protobuf tells no error for a file that imports itself.
+    return Refuse("is not valid: " + (error.text().empty() ? file.name() + " imports itself." : error.text()));
   }
   const auto* const type = pool->FindMessageTypeByName(type_name);
   if (type == nullptr) return Refuse("does not contain " + type_name + ".");

@@ -151,7 +151,9 @@ TEST(DynamicSchema, ReportsWhyADescriptionIsInvalid) {
   FileDescriptorSet lacks;
   lacks.add_file()->set_name("a.proto");
   lacks.mutable_file(0)->add_dependency("missing.proto");
-  EXPECT_THAT(FaultOf(SchemaWith(lacks, "t.M")), HasSubstr("is not valid"));
+  EXPECT_THAT(FaultOf(SchemaWith(lacks, "t.M")), HasSubstr("is not valid: a.proto: missing.proto"));
+  lacks.mutable_file(0)->set_dependency(0, "a.proto");
+  EXPECT_THAT(FaultOf(SchemaWith(lacks, "t.M")), HasSubstr("is not valid: a.proto imports itself."));
 
   FileDescriptorSet deep;
   deep.add_file()->set_name("a.proto");
