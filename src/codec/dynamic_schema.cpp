@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "codec/foreign_schema.hpp"
@@ -41,11 +42,27 @@ std::shared_ptr<const DynamicSchema> DynamicSchema::Build(const MessageSchema& s
 const google::protobuf::Descriptor& DynamicSchema::descriptor() const noexcept { return *parts_->schema.type; }
 
 std::unique_ptr<google::protobuf::Message> DynamicSchema::Read(Bytes bytes, std::size_t most_memory_bytes) const {
-  if (bytes.size() > std::numeric_limits<int>::max() || !parts_->memory->Fits(bytes, most_memory_bytes)) return nullptr;
+  std::string fault;
+  return Read(bytes, fault, most_memory_bytes);
+}
+
+std::unique_ptr<google::protobuf::Message> DynamicSchema::Read(Bytes bytes, std::string& fault,
+                                                               std::size_t most_memory_bytes) const {
+  constexpr std::size_t kMostBytes = std::numeric_limits<int>::max();
+  if (bytes.size() > kMostBytes) {
+    fault = "It has " + std::to_string(bytes.size()) + " bytes, more than " + std::to_string(kMostBytes) + ".";
+    return nullptr;
+  }
+  if (!parts_->memory->Fits(bytes, most_memory_bytes)) {
+    fault = "Its " + std::to_string(bytes.size()) + " bytes are estimated to take more than " +
+            std::to_string(most_memory_bytes) + " bytes of memory beyond their own size.";
+    return nullptr;
+  }
   const google::protobuf::LogSilencer silence;  // Protobuf would log every string that is not UTF-8.
   std::unique_ptr<google::protobuf::Message> message(parts_->prototype->New());
-  if (!message->ParsePartialFromArray(bytes.data(), static_cast<int>(bytes.size()))) return nullptr;
-  return message;
+  if (message->ParsePartialFromArray(bytes.data(), static_cast<int>(bytes.size()))) return message;
+  fault = "Its bytes do not parse.";
+  return nullptr;
 }
 
 }  // namespace hgros

@@ -58,6 +58,8 @@ TEST(DynamicSchema, RefusesAMessageThatTakesMuchMoreMemoryThanItsSize) {
   EXPECT_EQ(schema->Read(AsBytes(hostile)), nullptr);
   EXPECT_NE(schema->Read(AsBytes(hostile).first(1 << 20)), nullptr);
   EXPECT_EQ(schema->Read(AsBytes(hostile).first(1 << 20), 1 << 20), nullptr);
+  EXPECT_EQ(schema->Read(AsBytes(hostile).first(1 << 20), fault, 1 << 20), nullptr);
+  EXPECT_EQ(fault, "Its 1048576 bytes are estimated to take more than 1048576 bytes of memory beyond their own size.");
   std::string unknown;
   while (unknown.size() < (32 << 20)) unknown += "\x78\x01";  // Field 15.
   EXPECT_EQ(schema->Read(AsBytes(unknown)), nullptr);
@@ -138,7 +140,8 @@ TEST(DynamicSchema, ReadsAnEnumWithTwoNamesForOneValue) {
 TEST(DynamicSchema, RefusesBytesThatDoNotParse) {
   std::string fault;
   const auto schema = DynamicSchema::Build(SchemaOf(TypeOf<foxglove::Log>()), fault);
-  EXPECT_EQ(schema->Read(AsBytes("\xff\xff\xff")), nullptr);
+  EXPECT_EQ(schema->Read(AsBytes("\xff\xff\xff"), fault), nullptr);
+  EXPECT_EQ(fault, "Its bytes do not parse.");
   EXPECT_NE(schema->Read({}), nullptr);
 }
 

@@ -89,8 +89,9 @@ void Call::Show(Console& console, const TypeFinder& finder, const RawMessage& re
     schema = SchemaFor(finder.Require(schema.type_name));
   }
   const ChannelType type = TypeFrom(std::move(schema));
-  const auto message = type.type->Read(reply.data.bytes);
-  if (message == nullptr) throw Error("The reply cannot be read as " + type.schema.type_name + ".");
+  std::string fault;
+  const auto message = type.type->Read(reply.data.bytes, fault);
+  if (message == nullptr) throw Error("The reply cannot be read as " + type.schema.type_name + ". " + fault);
   if (!options_.style.json) {
     std::string text;
     AppendYaml(text, {message.get(), nullptr, -1}, TextLimits::None());

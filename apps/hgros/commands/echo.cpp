@@ -206,11 +206,12 @@ void MessagePrinter::PrintOne(const std::string& channel, const RawMessage& raw,
   Reading& reading = ReadingOf(channel, raw.schema);
   std::unique_ptr<google::protobuf::Message> message;
   if (reading.type != nullptr) {
-    message = reading.type->Read(raw.data.bytes);
+    std::string fault;
+    message = reading.type->Read(raw.data.bytes, fault);
     if (message == nullptr) {
       if (unreadable_++ > 0) return;
       surroundings_.console.Say("A message of " + Visible(channel) + " cannot be read as " +
-                                Visible(raw.schema->type_name) + ".");
+                                Visible(raw.schema->type_name) + ". " + fault);
       return;
     }
   } else if (!options_.filter.empty() || !options_.fields.empty() || form_ == Form::kCsv) {

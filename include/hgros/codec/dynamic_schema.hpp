@@ -35,6 +35,9 @@ class HGROS_EXPORT DynamicSchema {
   /// too high: two bytes may become an object of a hundred.
   [[nodiscard]] std::unique_ptr<google::protobuf::Message> Read(Bytes bytes,
                                                                 std::size_t most_memory_bytes = kMostMemoryBytes) const;
+  /// The same; if it is null, `fault` says why in one sentence.
+  [[nodiscard]] std::unique_ptr<google::protobuf::Message> Read(Bytes bytes, std::string& fault,
+                                                                std::size_t most_memory_bytes = kMostMemoryBytes) const;
 
  private:
   struct Parts;
