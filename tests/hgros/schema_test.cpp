@@ -73,6 +73,23 @@ TEST(HgrosSchema, TellsAtOnceThatADescriptionIsTooLarge) {
   EXPECT_THAT(end.err, HasSubstr(kNotDescribed));
 }
 
+// A session of version 1 would not answer, and the command would wait for --timeout.
+TEST(HgrosSchema, DoesNotAskASessionThatTakesOnlyOlderRequests) {
+  const CommandRun publisher({"older"}, {}, -1, HGROS_FOREIGN_PUBLISHER);
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"schema", "hand"}, {"pub", "hand", "{}"}}) {
+    const auto begin = std::chrono::steady_clock::now();
+    std::vector<std::string> words = command;
+    for (const std::string& word :
+         {std::string("--connect"), EndpointOf(publisher), std::string("--timeout"), std::string("60")})
+      words.push_back(word);
+    const CommandEnd end = RunToEnd(words);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(25)) << command.front();
+    EXPECT_EQ(end.status, 1);
+    EXPECT_THAT(end.err, testing::StartsWith(std::string(kNotDescribed)));
+    EXPECT_THAT(end.err, HasSubstr("it runs an older version"));
+  }
+}
+
 TEST(HgrosSchema, WritesFieldsAsJson) {
   const std::vector<std::string> lines = LinesOf(RunToEnd({"schema", "foxglove.LaserScan", "--json"}).out);
   EXPECT_THAT(lines,
