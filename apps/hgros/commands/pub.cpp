@@ -188,9 +188,10 @@ class Pub final : public Command {
     options_.robot.Declare(arguments);
   }
   [[nodiscard]] std::string Description() const override {
-    return "Publishes a message that is written as YAML or JSON. Before the first one it waits up to a second, or "
-           "--timeout, until all subscribers have joined. \"now\" is the time at which a message is published. `hgros "
-           "schema TYPE --template` writes a message to fill in.";
+    return "Publishes a message that is written as YAML or JSON. Before the first one it waits up to a second "
+           "until all subscribers have joined. --timeout counts for the whole command: one message waits for "
+           "subscribers until then, several wait half of it. \"now\" is the time at which a message is published. "
+           "`hgros schema TYPE --template` writes a message to fill in.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros pub wish '{message: hello, level: INFO, timestamp: now}' --type foxglove.Log",
