@@ -86,7 +86,7 @@ class ReplyLine {
   struct Blame {
     bool away = false;  // It has not subscribed for a while.
     std::size_t bytes = 0;
-    auto operator<=>(const Blame&) const = default;
+    auto operator<=>(const Blame&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 takes its 0 for one
   };
   [[nodiscard]] PublishStatus Pass(const std::shared_ptr<const CallMessage>& reply);
   // False if the reply must wait. A reply that can never be written is replaced by a refusal.
