@@ -71,6 +71,11 @@ class TimerQueue::Core {
     });
   }
 
+  [[nodiscard]] Time next() {
+    const std::scoped_lock lock(mutex_);
+    plan_.Follow(clock_->Read());
+    return plan_.next();
+  }
   [[nodiscard]] std::size_t size() {
     const std::scoped_lock lock(mutex_);
     return plan_.size();
@@ -166,6 +171,7 @@ Timer TimerQueue::At(Time due, TimerCallback callback) {
 }
 
 void TimerQueue::Settle() { core_->Settle(); }
+Time TimerQueue::next() const { return core_->next(); }
 std::size_t TimerQueue::size() const { return core_->size(); }
 const std::shared_ptr<Clock>& TimerQueue::clock() const noexcept { return core_->clock(); }
 

@@ -32,7 +32,7 @@ void RequireThere(const ParamNodePtr& root, const ParamPath& path, bool removes)
 
 ParamServer::Core::Core(ParamSources sources, LogSink log)
     : sources_(std::move(sources)), log_(std::move(log)), loaded_(ReadSources(&unknown_)), root_(loaded_) {
-  if (unknown_.empty()) return;
+  if (unknown_.empty() || sources_.section) return;
   try {
     waits_ = StartThread<std::jthread>("the thread that waits for declarations", [this](const std::stop_token& stop) {
       std::mutex mutex;
@@ -47,23 +47,29 @@ ParamServer::Core::Core(ParamSources sources, LogSink log)
 
 ParamServer::Core::~Core() {
   waits_ = {};
-  if (std::uncaught_exceptions() == 0) SayUndeclared();  // Otherwise the program had no time to declare all.
+  if (!sources_.section && std::uncaught_exceptions() == 0)
+    SayUndeclared();  // Otherwise the program had no time to declare all.
 }
 
 ParamNodePtr ParamServer::Core::ReadSources(std::vector<ParamOverride>* unknown) const {
-  ParamNodePtr root = param_tree::EmptyRoot();
+  ParamNodePtr root = sources_.section ? sources_.section : param_tree::EmptyRoot();
   for (const std::filesystem::path& file : sources_.files) {
-    root = param_tree::Merged(root, param_tree::WithoutSession(param_tree::FromDocument(yaml::Document::Load(file))));
+    const ParamNodePtr all = param_tree::FromDocument(yaml::Document::Load(file));
+    root = param_tree::Merged(root, sources_.section ? all : param_tree::WithoutSession(all));
   }
   const ParamNodePtr in_files = root;
   for (const ParamOverride& said : sources_.overrides) {
     const ParamOrigin origin{std::make_shared<const std::string>(said.said)};
     const ParamPath path = ParamPath::Parse(said.path);
-    param_tree::RequireNotSession(path);
+    RequireFree(path);
     if (unknown != nullptr && param_tree::Find(in_files, path) == nullptr) unknown->push_back(said);
     root = param_tree::With(root, path, param_tree::FromValue(said.value, origin));
   }
   return root;
+}
+
+void ParamServer::Core::RequireFree(const ParamPath& path) const {
+  if (!sources_.section) param_tree::RequireNotSession(path);
 }
 
 // A program that declares nothing reads its parameters without declarations. Environment variables may be meant for
@@ -97,7 +103,7 @@ ParamNodePtr ParamServer::Core::root() const {
 }
 
 ParamNodePtr ParamServer::Core::Declare(DeclaredParams::Entry entry) {
-  param_tree::RequireNotSession(entry.path);
+  RequireFree(entry.path);
   DeclaredParams::RequireGood(entry, ParamView(entry.fallback, entry.path));
   const std::scoped_lock lock(mutex_);
   std::erase_if(unknown_, [&](const ParamOverride& one) { return ParamPath::Parse(one.path).Overlaps(entry.path); });
@@ -150,7 +156,7 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps, IfMissing 
     ParamEvent event{ParamView(before), ParamView(before), {}};
     try {
       for (const Step& step : steps) {
-        param_tree::RequireNotSession(step.path);
+        RequireFree(step.path);
         if (if_missing == IfMissing::kRefuse) RequireThere(after, step.path, step.value == nullptr);
         after = param_tree::With(after, step.path, step.value);
       }

@@ -64,6 +64,8 @@ class ParamServer::Core {
   ParamResult Commit(const std::vector<Step>& steps, IfMissing if_missing);
   // Reads the files and applies the overrides. Sets `unknown` to those that are in no file, if it is not null.
   [[nodiscard]] ParamNodePtr ReadSources(std::vector<ParamOverride>* unknown = nullptr) const;
+  // Throws ParamError if the path belongs to a session.
+  void RequireFree(const ParamPath& path) const;
   // The reason of the first validator that refuses; empty if none does.
   [[nodiscard]] std::string Ask(const ParamEvent& event) const;
   void TellListeners();

@@ -23,6 +23,7 @@ Session::~Session() {
 
 SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
 bool Session::WaitIdle(std::chrono::nanoseconds timeout) const { return core_->graph().WaitIdle(DeadlineIn(timeout)); }
+Time Session::SettleTimers() { return core_->timers().Settle(); }
 NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCallback callback,
                                NodeTimerOptions options) {
   return core_->timers().Create(name, period, std::move(callback), std::move(options));

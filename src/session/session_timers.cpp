@@ -75,6 +75,17 @@ NodeTimer SessionTimers::Create(std::string_view name, Duration period, TimerCal
   return {std::move(firing), std::move(node), std::move(taken)};
 }
 
+Time SessionTimers::Settle() {
+  TimerQueue* queue = nullptr;  // Stays until Stop().
+  {
+    const std::scoped_lock lock(mutex_);
+    queue = queue_.get();
+  }
+  if (queue == nullptr) return Time::Never();
+  queue->Settle();
+  return queue->next();
+}
+
 void SessionTimers::Stop() {
   std::unique_ptr<TimerQueue> queue;  // Destroyed outside the lock: it waits for callbacks, which may create timers.
   {

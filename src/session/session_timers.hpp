@@ -23,6 +23,8 @@ class SessionTimers {
   SessionTimers(std::shared_ptr<Clock> clock, DataGraph& graph, std::shared_ptr<Log> log);
 
   NodeTimer Create(std::string_view name, Duration period, TimerCallback callback, NodeTimerOptions options);
+  // Waits until every timer that is due by now has fired. Returns when the next one is due; Time::Never() without one.
+  Time Settle();
   // Stops all timers. Waits for a running inline callback.
   void Stop();
 

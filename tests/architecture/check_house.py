@@ -27,7 +27,8 @@ CODE_RULES = [
     (ALL, False, r"\b(?:class|struct|enum|namespace|using)\s+(?:class\s+)?(?:HGROS_EXPORT\s+)?"
                  r"\w*(?:Manager|Helper|Util|manager|helper|util)\w*\b(?!::)",
      "is named manager, helper or util; name the thing"),
-    (PUBLIC, True, r"^[ \t]*#[ \t]*define[ \t]+(?!HGROS_EXPORT\b)", "defines a macro; only HGROS_EXPORT is one"),
+    (PUBLIC, True, r"^[ \t]*#[ \t]*define[ \t]+(?!HGROS_(?:EXPORT\b|COMPONENT))",
+     "defines a macro; only HGROS_EXPORT and HGROS_COMPONENT are"),
     (LIBRARY, False, r"\bstd::cout\b|(?<![\w:.>])(?:std::)?(?:printf|puts|putchar)\s*\(|\bstdout\b",
      "writes to standard output, which belongs to the program; use the log"),
     (PRODUCT, True, r"^(?:inline\s+)?static\s", "has a static function or variable in a header; use inline"),

@@ -26,6 +26,8 @@ LAYERS = [
     ["bridge", "services", "config"],
     ["session"],
     ["tf", "params"],
+    ["component"],
+    ["testing"],
     ["hgros"],  # the header and the library of the whole project may use every module
 ]
 LAYER_OF = {module: layer for layer, modules in enumerate(LAYERS) for module in modules}

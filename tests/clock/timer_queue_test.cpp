@@ -45,6 +45,17 @@ class SteppedQueue : public testing::Test {
 
 using TimerQueueTest = SteppedQueue;
 
+TEST_F(TimerQueueTest, TellsWhenTheNextTimerIsDue) {
+  EXPECT_EQ(queue_.next(), Time::Never());
+  const Timer every = queue_.Every(100ms, Noting());
+  const Timer after = queue_.After(30ms, Noting());
+  EXPECT_EQ(queue_.next(), kAtZero + Duration(30ms));
+  Step(30ms);
+  EXPECT_EQ(queue_.next(), kAtZero + Duration(100ms));
+  JumpTo(kAtZero + Duration(1h));
+  EXPECT_EQ(queue_.next(), kAtZero + Duration(1h) + Duration(70ms));
+}
+
 TEST_F(TimerQueueTest, RunsPeriodicTimersAtTheirTurns) {
   const Timer timer = queue_.Every(100ms, Noting());
   for (int i = 0; i < 10; ++i) Step(50ms);

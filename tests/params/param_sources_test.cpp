@@ -31,6 +31,18 @@ TEST_F(ParamSourcesTest, LaterFilesAndOverridesWin) {
   EXPECT_TRUE(params.Get<bool>("new.flag"));
 }
 
+TEST_F(ParamSourcesTest, ASectionComesFirstAndHasNothingOfASession) {
+  ParamSources sources;
+  sources.section = std::make_shared<const ParamNode>(
+      ParamNode::Map({{"time", ParamNode::Text("3", false)}, {"a", ParamNode::Text("1", false)}}));
+  sources.overrides = {{"a", "2", "--set a"}, {"network", "5", "--set network"}};
+  ParamServer params(sources);
+  EXPECT_EQ(params.Declare("time", 0), 3);
+  EXPECT_EQ(params.Declare("a", 0), 2);
+  EXPECT_EQ(params.Get<int>("network"), 5);
+  EXPECT_TRUE(params.Set("time", 4).ok());
+}
+
 TEST_F(ParamSourcesTest, ErrorsNameTheSource) {
   const auto broken = Write("broken.yaml", "a: 1\nb: [1, 2\n");
   const auto list = Write("list.yaml", "- 1\n");

@@ -51,6 +51,7 @@ class HGROS_EXPORT TimerQueue {
   /// Waits until everything that is due by now has run. Returns at once inside a callback of this queue.
   void Settle();
 
+  [[nodiscard]] Time next() const;         ///< When the next one is due; Time::Never() if none is left.
   [[nodiscard]] std::size_t size() const;  ///< Timers that will still run.
   [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept;
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hgros/base/export.hpp"
+#include "hgros/params/param_node.hpp"
 
 namespace hgros {
 
@@ -16,11 +17,14 @@ struct ParamOverride {
   std::string said;   ///< Where it was set, for errors: "--param slam.matcher.max_distance".
 };
 
-/// Where the parameters of a program come from: the files in order, then the overrides in order. Later values replace
-/// earlier ones; maps are merged.
+/// Where the parameters of a program come from: the section, the files in order, then the overrides in order. Later
+/// values replace earlier ones; maps are merged.
 struct ParamSources {
   std::vector<std::filesystem::path> files = {};
   std::vector<ParamOverride> overrides = {};
+  /// A map of values, such as one section of a file. With it, nothing in the sources belongs to a session: parameters
+  /// may be named "network" or "time", and who made the section knows of values that nobody declares.
+  ParamNodePtr section = nullptr;
 };
 
 /// The environment variables HGROS_PARAM_a__b=value: two underscores mean a dot, letters keep their case.

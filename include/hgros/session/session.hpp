@@ -86,6 +86,7 @@ class HGROS_EXPORT Session : public SessionPublishing,
   friend class SessionParts;
   explicit Session(std::unique_ptr<SessionCore> core);
   [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name);
+  Time SettleTimers();
 
   std::unique_ptr<SessionCore> core_;
 };

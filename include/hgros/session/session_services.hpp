@@ -90,6 +90,7 @@ class HGROS_EXPORT SessionServices {
   ~SessionServices() = default;
 
  private:
+  friend class SessionParts;
   // The types of the two channels, then the types of the messages.
   struct CallTypes {
     const TypeInfo& request;

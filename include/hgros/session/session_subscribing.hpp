@@ -71,6 +71,7 @@ class HGROS_EXPORT SessionSubscribing {
   ~SessionSubscribing() = default;
 
  private:
+  friend class SessionParts;
   Channel& OpenToSubscribe(std::string_view channel, const TypeInfo& type, const CallSite& where);
   Subscription SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
                             NodeOptions options);

@@ -2,12 +2,13 @@
 
 #include <memory>
 #include <string_view>
+#include <utility>
 
 #include "hgros/session/session.hpp"
 
 namespace hgros {
 
-// For code that is built on a session and may exist in it only once.
+// For code of the library that is built on a session.
 //
 // Thread safety: all functions.
 class SessionParts {
@@ -17,6 +18,21 @@ class SessionParts {
   // Reserves a name until the result is destroyed. Null if it is taken.
   [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name) { return session_.TryReserve(name); }
   [[nodiscard]] SessionCore& core() noexcept { return *session_.core_; }
+  // Waits until every timer that is due by now has fired. Returns when the next one is due; Time::Never() without one.
+  // Not while the session ends.
+  Time SettleTimers() { return session_.SettleTimers(); }
+
+  // As Session::FromAny and Session::Serve, for types that were erased before.
+  [[nodiscard]] Subscription Subscribe(std::string_view channel, const TypeInfo& type, Invoke invoke,
+                                       AnyCallback callback, NodeOptions options, const CallSite& where) {
+    return session_.SubscribeAny(session_.OpenToSubscribe(channel, type, where), type, invoke, std::move(callback),
+                                 std::move(options));
+  }
+  using ServiceTypes = SessionServices::CallTypes;
+  [[nodiscard]] Service Serve(std::string_view name, const ServiceTypes& types, AnyHandler handler, Invoke invoke,
+                              NodeOptions options, const CallSite& where) {
+    return session_.ServeAny(name, types, std::move(handler), invoke, std::move(options), where);
+  }
 
  private:
   Session& session_;

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hgros/clock/time.hpp"
+#include "hgros/params/param_server.hpp"
+
+namespace hgros {
+
+/// A channel that a component publishes on or subscribes to.
+struct ComponentChannel {
+  std::string name;     ///< As the component calls it.
+  std::string channel;  ///< As the robot calls it, after remapping.
+  std::string type;     ///< The name of the message type; empty for a subscription to any type.
+  std::string node;     ///< The node of a subscription, such as "mapper/scan"; empty for a publisher.
+};
+
+struct ComponentService {
+  std::string name;
+  std::string service;  ///< As the robot calls it.
+  std::string request;  ///< Names of message types.
+  std::string reply;
+};
+
+struct ComponentTimer {
+  std::string name;
+  Duration period{};
+};
+
+/// What a component uses, as its constructor declared it.
+struct ComponentDescription {
+  std::string name;
+  std::string type;  ///< Such as "slam2d/Mapper".
+  std::vector<ComponentChannel> inputs;
+  std::vector<ComponentChannel> outputs;
+  std::vector<ComponentService> services;
+  std::vector<ComponentTimer> timers;
+  std::vector<ParamDeclaration> params;
+  std::string state;  ///< The type of its Save; empty if it has none.
+};
+
+}  // namespace hgros

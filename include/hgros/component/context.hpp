@@ -1,0 +1,140 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hgros/base/export.hpp"
+#include "hgros/base/log.hpp"
+#include "hgros/internal/base/call_site.hpp"
+#include "hgros/internal/component/wiring.hpp"
+#include "hgros/params/param_server.hpp"
+#include "hgros/session/session.hpp"
+
+namespace hgros {
+
+class ContextCore;
+class Transforms;
+
+/// What a component is constructed from: everything it exchanges with the rest of the robot. The component does not
+/// know in which thread, process or host it runs, nor what its channels are called there: the robot file may rename
+/// channels and services, and sets the queue and the executor of each node.
+///
+///     class Mapper {
+///      public:
+///       explicit Mapper(hgros::Context& context)
+///           : cell_(context.Declare("cell_size_m", 0.05, {.unit = "m", .least = 0.001})),
+///             maps_(context.Advertise<foxglove::Grid>("map", {.latched = 1})) {
+///         context.FromAny<foxglove::LaserScan>("scan", hgros::Invoke::kSerial,
+///                                              [this](const foxglove::LaserScan& scan) { Add(scan); });
+///       }
+///      ...
+///     };
+///     HGROS_COMPONENT(Mapper, "slam2d/Mapper")
+///
+/// Ordering:  callbacks, handlers and timers begin after the constructor, and end before the destructor. Messages that
+///            a constructor publishes reach nobody, unless they are latched: publish from Activate() and from
+///            callbacks.
+/// Threading: thread-safe. Use it from the constructor, or keep a reference: it lives longer than the component.
+/// Errors:    wiring throws Error. The constructor may let it pass: the component then cannot be started, and the error
+///            is shown with the component's name.
+class HGROS_EXPORT Context {
+ public:
+  /// For Components.
+  explicit Context(ContextCore& core) noexcept : core_(core) {}
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  /// The component's name in the robot, such as "mapper".
+  [[nodiscard]] const std::string& name() const noexcept;
+
+  /// As Session::Advertise. Advertise in the constructor, so that the robot's channels are known before it runs.
+  template <class T>
+  [[nodiscard]] Publisher<T> Advertise(std::string_view channel, PublishOptions options = {},
+                                       const CallSite& where = CallSite::Current()) {
+    RequireMessage<T>();
+    return session().Advertise<T>(AddOutput(channel, TypeOf<T>()), options, where);
+  }
+  [[nodiscard]] RawPublisher AdvertiseRaw(std::string_view channel, const MessageSchema& schema,
+                                          PublishOptions options = {}, const CallSite& where = CallSite::Current());
+  /// As Session::Loan, for an advertised channel.
+  template <class T>
+  [[nodiscard]] std::unique_ptr<T> Loan(std::string_view channel, std::size_t size_bytes) {
+    return session().Loan<T>(NameHere(channel), size_bytes);
+  }
+
+  /// As Session::FromAny, until the component ends. An exception of the callback is logged and counted.
+  /// NodeOptions::name is the node's name within the component; empty: the channel's name.
+  template <class T, CallbackFor<T> F>
+  void FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+               const CallSite& where = CallSite::Current()) {
+    RequireMessage<T>();
+    AddInput({channel, TypeOf<T>(), invoke, where}, Guarded<T>(faults(), std::forward<F>(callback)),
+             std::move(options));
+  }
+  template <CallbackFor<RawMessage> F>
+  void FromAnyRaw(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
+                  const CallSite& where = CallSite::Current()) {
+    AddInput({channel, AnyType(), invoke, where}, Guarded<RawMessage>(faults(), std::forward<F>(callback)),
+             std::move(options));
+  }
+
+  /// As Session::Serve, until the component ends.
+  template <class Request, class Reply, HandlerFor<Request, Reply> F>
+  void Serve(std::string_view service, F&& handler, Invoke invoke = Invoke::kSerial, NodeOptions options = {},
+             const CallSite& where = CallSite::Current()) {
+    RequireMessage<Request>();
+    RequireMessage<Reply>();
+    AddService({service, CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Request>(), TypeOf<Reply>(), invoke, where},
+               EraseHandler<Request, Reply>(std::forward<F>(handler)), std::move(options));
+  }
+  /// As Session::Call.
+  template <class Request, class Reply, class M>
+  [[nodiscard]] CallFuture<Reply> Call(std::string_view service, M&& request, std::chrono::nanoseconds timeout) {
+    return session().Call<Request, Reply>(NameHere(service), std::forward<M>(request), timeout);
+  }
+  template <class Request, class Reply, class M, std::invocable<const CallResult<Reply>&> F>
+  CallTicket Call(std::string_view service, M&& request, std::chrono::nanoseconds timeout, F&& callback) {
+    return session().Call<Request, Reply>(NameHere(service), std::forward<M>(request), timeout,
+                                          std::forward<F>(callback));
+  }
+
+  /// As Session::CreateTimer, from the moment when all components of the robot are ready until this one ends.
+  void CreateTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options = {});
+  /// The clock of the robot: the system's, or a simulated one.
+  [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept;
+
+  /// As ParamServer::Declare, for a parameter of this component. Declare in the constructor.
+  template <class T>
+  T Declare(std::string_view path, const T& fallback, ParamInfo info = {}) {
+    return params().Declare(path, fallback, std::move(info));
+  }
+  /// The parameters of this component, which others see under its name.
+  [[nodiscard]] ParamServer& params() noexcept;
+
+  /// The transforms of the robot.
+  [[nodiscard]] Transforms& transforms();
+
+  /// Writes lines with the component's name.
+  [[nodiscard]] Log& log() noexcept;
+
+  /// The component's work is done: it ends soon, and `result` is shown. Only the first Finish or Fail counts.
+  void Finish(std::string result = {});
+  /// The component cannot go on for the reason in `sentence`: it ends soon.
+  void Fail(std::string sentence);
+
+ private:
+  [[nodiscard]] Session& session() noexcept;
+  [[nodiscard]] const std::shared_ptr<ComponentFaults>& faults() noexcept;
+  [[nodiscard]] std::string NameHere(std::string_view name);
+  [[nodiscard]] std::string AddOutput(std::string_view channel, const TypeInfo& type);
+  void AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options);
+  void AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options);
+
+  ContextCore& core_;
+};
+
+}  // namespace hgros

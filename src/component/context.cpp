@@ -1,0 +1,41 @@
+#include "hgros/component/context.hpp"
+
+#include <utility>
+
+#include "component/context_core.hpp"
+
+namespace hgros {
+
+const std::string& Context::name() const noexcept { return core_.setup().name; }
+
+RawPublisher Context::AdvertiseRaw(std::string_view channel, const MessageSchema& schema, PublishOptions options,
+                                   const CallSite& where) {
+  return session().AdvertiseRaw(core_.AddOutput(channel, schema.type_name), schema, options, where);
+}
+
+void Context::CreateTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options) {
+  core_.AddTimer(timer, period, std::move(callback), std::move(options));
+}
+
+const std::shared_ptr<Clock>& Context::clock() const noexcept { return core_.session().clock(); }
+ParamServer& Context::params() noexcept { return core_.params(); }
+Transforms& Context::transforms() { return core_.transforms(); }
+Log& Context::log() noexcept { return core_.log(); }
+
+void Context::Finish(std::string result) { core_.EndBySelf(ComponentState::kFinished, std::move(result)); }
+void Context::Fail(std::string sentence) { core_.EndBySelf(ComponentState::kFailed, std::move(sentence)); }
+
+Session& Context::session() noexcept { return core_.session(); }
+const std::shared_ptr<ComponentFaults>& Context::faults() noexcept { return core_.faults(); }
+std::string Context::NameHere(std::string_view name) { return core_.NameHere(name); }
+std::string Context::AddOutput(std::string_view channel, const TypeInfo& type) {
+  return core_.AddOutput(channel, type.name);
+}
+void Context::AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options) {
+  core_.AddInput(input, std::move(callback), std::move(options));
+}
+void Context::AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options) {
+  core_.AddService(served, std::move(handler), std::move(options));
+}
+
+}  // namespace hgros

@@ -1,0 +1,301 @@
+#include "component/context_core.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
+#include "hgros/session/session_parts.hpp"
+
+namespace hgros {
+namespace {
+
+std::string Quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+// "There is the nearest one", or all of them if they are few.
+std::string Offer(const std::string& name, const std::set<std::string>& known, std::string_view noun) {
+  if (known.empty()) return "It has no " + std::string(noun) + ".";
+  const std::vector<std::string> candidates(known.begin(), known.end());
+  if (const std::string nearest = NearestName(name, candidates); !nearest.empty()) {
+    return "Did you mean " + Quoted(nearest) + "?";
+  }
+  std::string list = "It has:";
+  for (const std::string& one : candidates) list += (one == candidates.front() ? " " : ", ") + one;
+  return list + ".";
+}
+
+// The paths of all values below `view`; a map without values has none.
+void AddLeaves(const ParamView& view, std::vector<std::string>& paths) {
+  if (!view.exists()) return;
+  if (view.node()->kind != ParamNode::Kind::kMap) {
+    paths.push_back(view.path().ToString());
+    return;
+  }
+  for (const std::string& key : view.keys()) AddLeaves(view[key], paths);
+}
+
+// A component's parameters may have any name, also that of a section of the session.
+ParamSources SourcesOf(const ComponentSetup& setup) {
+  ParamSources sources = setup.params;
+  if (!sources.section) sources.section = std::make_shared<const ParamNode>(ParamNode::Map({}));
+  return sources;
+}
+
+bool IsAtOrBelow(std::string_view path, std::string_view above) {
+  return path.starts_with(above) &&
+         (path.size() == above.size() || path[above.size()] == '.' || path[above.size()] == '[');
+}
+
+}  // namespace
+
+void ComponentFaults::NoteCurrent() noexcept {
+  try {
+    try {
+      throw;
+    } catch (const std::exception& error) {
+      listener_(error.what());
+    } catch (...) {
+      listener_("an exception that is no std::exception");
+    }
+  } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, the graph still counts it.
+  }
+}
+
+ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup setup)
+    : means_(std::move(means)),
+      setup_(std::move(setup)),
+      params_(SourcesOf(setup_), Sink()),
+      log_(Sink()),
+      faults_(std::make_shared<ComponentFaults>([this](const std::string& what) { NoteException(what); })),
+      context_(*this) {
+  status_.name = description_.name = setup_.name;
+  description_.type = setup_.type;
+  if (type.state != nullptr) description_.state = type.state->name;
+}
+
+LogSink ContextCore::Sink() const {
+  if (means_.options.log) {
+    return [name = setup_.name, log = means_.options.log](LogLevel level, std::string_view text) {
+      log(name, level, text);
+    };
+  }
+  return [name = setup_.name, &log = means_.session.log()](LogLevel level, std::string_view text) {
+    log.Write(level, name + ": " + std::string(text));
+  };
+}
+
+void ContextCore::NoteException(const std::string& what) {
+  {
+    const std::scoped_lock lock(mutex_);
+    ++status_.exceptions;
+    status_.exception = what;
+  }
+  Report();
+}
+
+ComponentStatus ContextCore::status() const {
+  const std::scoped_lock lock(mutex_);
+  return status_;
+}
+
+void ContextCore::Report() const {
+  if (means_.options.on_change) means_.options.on_change(status());
+}
+
+void ContextCore::SetState(ComponentState state, std::string sentence) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (status_.state >= ComponentState::kFinished) return;
+    status_.state = state;
+    status_.sentence = std::move(sentence);
+  }
+  Report();
+}
+
+void ContextCore::EndBySelf(ComponentState state, std::string sentence) {
+  if (state == ComponentState::kFailed) log_.Write(LogLevel::kError, "It has failed: " + sentence);
+  SetState(state, std::move(sentence));
+}
+
+std::string ContextCore::NameHere(std::string_view name) {
+  std::string here(name);
+  const std::scoped_lock lock(mutex_);
+  if (!constructed_) names_.insert(here);
+  const auto found = setup_.remap.find(here);
+  return found == setup_.remap.end() ? here : found->second;
+}
+
+std::string ContextCore::AddOutput(std::string_view channel, const std::string& type) {
+  std::string here = NameHere(channel);
+  const std::scoped_lock lock(mutex_);
+  if (!constructed_) description_.outputs.push_back({std::string(channel), here, type, {}});
+  return here;
+}
+
+NodeOverride ContextCore::SetUpNode(std::string_view channel, std::string& name) {
+  const std::string wanted = name.empty() ? std::string(channel) : name;
+  std::string own = wanted;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (int i = 2; !nodes_.insert(own).second; ++i) own = wanted + "#" + std::to_string(i);
+  }
+  name = setup_.name + "/" + own;
+  const auto found = setup_.nodes.find(own);
+  NodeOverride set = found == setup_.nodes.end() ? NodeOverride{} : found->second;
+  if (means_.options.all_inline) set.executor = Executor::Inline();
+  return set;
+}
+
+void ContextCore::SetUp(std::string_view channel, NodeOptions& options) {
+  const NodeOverride set = SetUpNode(channel, options.name);
+  options.queue = set.queue.value_or(options.queue);
+  options.executor = set.executor.value_or(options.executor);
+}
+
+void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options) {
+  const std::string here = NameHere(input.channel);
+  SetUp(input.channel, options);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!constructed_) description_.inputs.push_back({std::string(input.channel), here, input.type.name, options.name});
+  }
+  Add(inputs_,
+      [this, here, &type = input.type, invoke = input.invoke, where = input.where, callback = std::move(callback),
+       options = std::move(options)]() -> Kept {
+        return std::make_shared<Subscription>(
+            SessionParts(session()).Subscribe(here, type, invoke, callback, options, where));
+      });
+}
+
+void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options) {
+  const std::string here = NameHere(served.service);
+  SetUp(served.service, options);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!constructed_) {
+      description_.services.push_back(
+          {std::string(served.service), here, served.request_body.name, served.reply_body.name});
+    }
+  }
+  AnyHandler guarded = [faults = faults_, handler = std::move(handler)](const AnyMessage& request) {
+    try {
+      return handler(request);
+    } catch (...) {
+      faults->NoteCurrent();
+      throw;
+    }
+  };
+  const SessionParts::ServiceTypes types{served.request, served.reply, served.request_body, served.reply_body};
+  Add(inputs_,
+      [this, here, types, invoke = served.invoke, where = served.where, guarded = std::move(guarded),
+       options = std::move(options)]() -> Kept {
+        return std::make_shared<Service>(SessionParts(session()).Serve(here, types, guarded, invoke, options, where));
+      });
+}
+
+void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options) {
+  std::string name(timer);
+  const NodeOverride set = SetUpNode(timer, name);
+  if (set.queue) options.queue = set.queue;
+  options.executor = set.executor.value_or(options.executor);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!constructed_) description_.timers.push_back({std::string(timer), period});
+  }
+  Add(timers_, [this, name, period, options, faults = faults_, callback = std::move(callback)]() -> Kept {
+    return std::make_shared<NodeTimer>(session().CreateTimer(
+        name, period,
+        [faults, callback](const Tick& tick) {
+          try {
+            callback(tick);
+          } catch (...) {
+            faults->NoteCurrent();
+            throw;
+          }
+        },
+        options));
+  });
+}
+
+// Outside the lock: an inline subscription may run its callback at once, for latched messages.
+void ContextCore::Add(Stage& stage, Wire wire) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (stage.ended) return;
+    if (!stage.begun) {
+      stage.waiting.push_back(std::move(wire));
+      return;
+    }
+  }
+  Kept kept = wire();
+  const std::scoped_lock lock(mutex_);
+  if (!stage.ended) stage.kept.push_back(std::move(kept));
+}
+
+void ContextCore::Begin(Stage& stage) {
+  std::vector<Wire> waiting;
+  {
+    const std::scoped_lock lock(mutex_);
+    stage.begun = true;
+    waiting.swap(stage.waiting);
+  }
+  for (const Wire& wire : waiting) Add(stage, wire);
+}
+
+void ContextCore::End(Stage& stage) {
+  std::vector<Kept> kept;  // Ends outside the lock, the last one first: it waits for callbacks.
+  {
+    const std::scoped_lock lock(mutex_);
+    stage.ended = true;
+    stage.waiting.clear();
+    kept.swap(stage.kept);
+  }
+  while (!kept.empty()) kept.pop_back();
+}
+
+void ContextCore::Join() {
+  Begin(inputs_);
+  SetState(ComponentState::kJoined);
+}
+
+void ContextCore::StartTimers() { Begin(timers_); }
+
+void ContextCore::EndTimers() { End(timers_); }
+
+void ContextCore::EndInputs() { End(inputs_); }
+
+void ContextCore::EndConstruction() {
+  std::set<std::string> names;
+  std::set<std::string> nodes;
+  {
+    const std::scoped_lock lock(mutex_);
+    constructed_ = true;
+    description_.params = params_.Declarations();
+    names = names_;
+    nodes = nodes_;
+    if (status_.state == ComponentState::kFailed) throw Error(status_.sentence);
+  }
+  for (const auto& [from, to] : setup_.remap) {
+    if (names.contains(from)) continue;
+    throw Error("remap names the channel or service " + Quoted(from) + ", which " + setup_.type + " does not use.", {},
+                Offer(from, names, "channels and services"));
+  }
+  for (const auto& [node, override] : setup_.nodes) {
+    if (nodes.contains(node)) continue;
+    throw Error("nodes names " + Quoted(node) + ", which is no node of " + setup_.type + ".", {},
+                Offer(node, nodes, "nodes"));
+  }
+  std::set<std::string> declared;
+  for (const ParamDeclaration& one : description_.params) declared.insert(one.path);
+  std::vector<std::string> set;
+  AddLeaves(params_.Snapshot(), set);
+  for (const std::string& path : set) {
+    if (std::ranges::any_of(declared, [&](const std::string& one) { return IsAtOrBelow(path, one); })) continue;
+    const ParamView view = params_.Snapshot().At(path);
+    throw ParamError(setup_.type + " has no parameter " + Quoted(path) + ".", view.node()->origin.ToString(),
+                     Offer(path, declared, "parameters"));
+  }
+}
+
+}  // namespace hgros

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/component/component_description.hpp"
+#include "hgros/component/components.hpp"
+#include "hgros/component/context.hpp"
+#include "hgros/params/param_server.hpp"
+
+namespace hgros {
+
+// Behind a Context: the wiring of one component, which waits until its stage has come.
+//
+// Thread safety: the functions that Context calls. The others are for Components, on one thread.
+class ContextCore {
+ public:
+  struct Means {
+    Session& session;
+    const ComponentsOptions& options;
+    std::function<Transforms&()> transforms;
+  };
+  ContextCore(Means means, const ComponentType& type, ComponentSetup setup);
+  ContextCore(const ContextCore&) = delete;
+  ContextCore& operator=(const ContextCore&) = delete;
+
+  [[nodiscard]] Context& context() noexcept { return context_; }
+  [[nodiscard]] const ComponentSetup& setup() const noexcept { return setup_; }
+  [[nodiscard]] const ComponentDescription& description() const noexcept { return description_; }
+  [[nodiscard]] ComponentStatus status() const;
+
+  // The constructor has returned. Throws Error for what the setup names and the component does not have.
+  void EndConstruction();
+  // The inputs and services.
+  void Join();
+  // The timers. Does nothing once the component has ended by itself.
+  void StartTimers();
+  void SetState(ComponentState state, std::string sentence = {});
+  void EndTimers();
+  // Ends inputs and services.
+  void EndInputs();
+
+  // For Context.
+  [[nodiscard]] Session& session() const noexcept { return means_.session; }
+  [[nodiscard]] const std::shared_ptr<ComponentFaults>& faults() const noexcept { return faults_; }
+  [[nodiscard]] ParamServer& params() noexcept { return params_; }
+  [[nodiscard]] Log& log() noexcept { return log_; }
+  [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
+  [[nodiscard]] std::string NameHere(std::string_view name);
+  [[nodiscard]] std::string AddOutput(std::string_view channel, const std::string& type);
+  void AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options);
+  void AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options);
+  void AddTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options);
+  // Only the first one counts.
+  void EndBySelf(ComponentState state, std::string sentence);
+
+ private:
+  using Kept = std::shared_ptr<const void>;
+  using Wire = std::function<Kept()>;
+  // What waits for a stage, or exists since.
+  struct Stage {
+    bool begun = false;
+    bool ended = false;
+    std::vector<Wire> waiting{};
+    std::vector<Kept> kept{};
+  };
+
+  void Add(Stage& stage, Wire wire);
+  void Begin(Stage& stage);
+  void End(Stage& stage);
+  // Makes the node's name unique, puts the component's before it, and returns what the setup says of the node.
+  [[nodiscard]] NodeOverride SetUpNode(std::string_view channel, std::string& name);
+  void SetUp(std::string_view channel, NodeOptions& options);
+  void NoteException(const std::string& what);
+  void Report() const;
+  [[nodiscard]] LogSink Sink() const;
+
+  const Means means_;
+  const ComponentSetup setup_;
+  ParamServer params_;
+  Log log_;
+  const std::shared_ptr<ComponentFaults> faults_;
+  Context context_;
+
+  mutable std::mutex mutex_;
+  ComponentStatus status_;
+  ComponentDescription description_;  // Does not change after the construction.
+  bool constructed_ = false;
+  std::set<std::string> names_;  // Channels and services that the component has named.
+  std::set<std::string> nodes_;  // Names of its nodes, within the component.
+  Stage inputs_;
+  Stage timers_;
+};
+
+}  // namespace hgros

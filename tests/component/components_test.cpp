@@ -1,0 +1,312 @@
+#include "hgros/component/components.hpp"
+
+#include <gmock/gmock.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <foxglove/FrameTransform.pb.h>
+#include <foxglove/PoseInFrame.pb.h>
+
+#include "component/components_fixture.hpp"
+#include "hgros/base/error.hpp"
+#include "support/await.hpp"
+
+namespace hgros::test {
+namespace {
+
+using foxglove::PoseInFrame;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+// What components of these tests did, in order.
+std::vector<std::string>& Deeds() {
+  static std::vector<std::string> deeds;
+  return deeds;
+}
+
+PoseInFrame PoseIn(const std::string& frame) {
+  PoseInFrame pose;
+  pose.set_frame_id(frame);
+  return pose;
+}
+
+// Counts poses, publishes each again with the number, and can go on elsewhere.
+class Counter {
+ public:
+  explicit Counter(Context& context)
+      : context_(context),
+        step_(context.Declare("step", 1, {.least = 1, .most = 100})),
+        counted_(context.Advertise<PoseInFrame>("counted")) {
+    context.FromAny<PoseInFrame>("pose", Invoke::kSerial, [this](const PoseInFrame& pose) { Take(pose); });
+  }
+  ~Counter() { Deeds().push_back(context_.name() + " ends"); }
+  Counter(const Counter&) = delete;
+  Counter& operator=(const Counter&) = delete;
+
+  void Activate() { Deeds().push_back(context_.name() + " is active"); }
+  void Deactivate() { Deeds().push_back(context_.name() + " is not active"); }
+  PoseInFrame Save() { return PoseIn(std::to_string(count)); }
+  void Restore(const PoseInFrame& state) { count = std::stoi(state.frame_id()); }
+
+  int count = 0;
+
+ private:
+  void Take(const PoseInFrame& pose) {
+    if (pose.frame_id() == "throw") throw std::runtime_error("no such pose");
+    if (pose.frame_id() == "finish") context_.Finish("counted " + std::to_string(count));
+    if (pose.frame_id() == "fail") context_.Fail("it does not like this pose");
+    count += step_;
+    (void)counted_(std::make_unique<PoseInFrame>(PoseIn(std::to_string(count))));
+  }
+  Context& context_;
+  const int step_;
+  Publisher<PoseInFrame> counted_;
+};
+HGROS_COMPONENT(Counter, "test/Counter")
+
+struct Broken {
+  explicit Broken(Context&) { throw std::runtime_error("there is no camera"); }
+};
+HGROS_COMPONENT(Broken, "test/Broken")
+
+struct WillNotStart {
+  explicit WillNotStart(Context&) {}
+  static void Activate() { throw std::runtime_error("the motor does not answer"); }
+};
+HGROS_COMPONENT(WillNotStart, "test/WillNotStart")
+
+struct FailsAtOnce {
+  explicit FailsAtOnce(Context& context) { context.Fail("it lacks a battery"); }
+};
+HGROS_COMPONENT(FailsAtOnce, "test/FailsAtOnce")
+
+struct Timed {
+  explicit Timed(Context& context) : time(context.Declare("time", 1)) {}
+  int time;
+};
+HGROS_COMPONENT(Timed, "test/Timed")
+
+ComponentSetup CounterNamed(const std::string& name) { return {.name = name, .type = "test/Counter"}; }
+
+ComponentSetup WithParam(const std::string& path, const std::string& value) {
+  ComponentSetup setup = CounterNamed("counter");
+  setup.params.overrides = {{path, value, "robot.yaml:7:3"}};
+  return setup;
+}
+
+TEST(Components, ReceiveOnlyOnceTheyHaveJoined) {
+  Process process;
+  process.components->Add(CounterNamed("counter"));
+  const auto& counter = *process.components->Find<Counter>("counter");
+  (void)process.session.ToAny("pose", PoseIn("a"));
+  EXPECT_EQ(counter.count, 0);
+  process.components->Join();
+  (void)process.session.ToAny("pose", PoseIn("b"));
+  EXPECT_EQ(counter.count, 1);
+}
+
+TEST(Components, AreActivatedInOrderAndEndInReverseOrder) {
+  Deeds().clear();
+  {
+    Process process;
+    process.components->Add(CounterNamed("a"));
+    process.components->Add(CounterNamed("b"));
+    process.components->Join();
+    EXPECT_TRUE(Deeds().empty());
+    process.components->Start();
+    EXPECT_EQ(process.Status("b").state, ComponentState::kRunning);
+    process.components.reset();
+  }
+  EXPECT_THAT(Deeds(),
+              ElementsAre("a is active", "b is active", "b is not active", "b ends", "a is not active", "a ends"));
+}
+
+TEST(Components, ThatWereNeverStartedAreNotDeactivated) {
+  Deeds().clear();
+  {
+    Process process;
+    process.components->Add(CounterNamed("a"));
+    process.components->Join();
+    process.components.reset();
+  }
+  EXPECT_THAT(Deeds(), ElementsAre("a ends"));
+}
+
+TEST(Components, EndOneByOne) {
+  Process process;
+  process.components->Add(CounterNamed("a"));
+  process.components->Add(CounterNamed("b"));
+  process.Run();
+  process.components->End("a");
+  (void)process.session.ToAny("pose", PoseIn("x"));
+  EXPECT_EQ(process.components->Find<Counter>("a"), nullptr);
+  EXPECT_EQ(process.components->Find<Counter>("b")->count, 1);
+  EXPECT_THAT([&] { (void)process.components->description("a"); },
+              ThrowsMessage<Error>(HasSubstr("no component named \"a\"")));
+}
+
+TEST(Components, RenameChannels) {
+  Process process;
+  ComponentSetup setup = CounterNamed("counter");
+  setup.remap = {{"pose", "front/pose"}};
+  const ComponentDescription& description = process.components->Add(setup);
+  process.Run();
+  (void)process.session.ToAny("front/pose", PoseIn("x"));
+  EXPECT_EQ(process.components->Find<Counter>("counter")->count, 1);
+  ASSERT_EQ(description.inputs.size(), 1U);
+  EXPECT_EQ(description.inputs[0].name, "pose");
+  EXPECT_EQ(description.inputs[0].channel, "front/pose");
+  EXPECT_EQ(description.inputs[0].node, "counter/pose");
+}
+
+TEST(Components, SayWhatTheyUse) {
+  Process process;
+  const ComponentDescription& description = process.components->Add(CounterNamed("counter"));
+  EXPECT_EQ(description.type, "test/Counter");
+  ASSERT_EQ(description.outputs.size(), 1U);
+  EXPECT_EQ(description.outputs[0].channel, "counted");
+  EXPECT_EQ(description.outputs[0].type, "foxglove.PoseInFrame");
+  ASSERT_EQ(description.params.size(), 1U);
+  EXPECT_EQ(description.params[0].path, "step");
+  EXPECT_EQ(description.state, "foxglove.PoseInFrame");
+}
+
+TEST(Components, GetTheirParameters) {
+  Process process;
+  process.components->Add(WithParam("step", "5"));
+  process.Run();
+  (void)process.session.ToAny("pose", PoseIn("x"));
+  EXPECT_EQ(process.components->Find<Counter>("counter")->count, 5);
+}
+
+TEST(Components, MayNameAParameterAsASectionOfTheSession) {
+  Process process;
+  ComponentSetup setup{.name = "clock", .type = "test/Timed"};
+  setup.params.section = std::make_shared<const ParamNode>(ParamNode::Map({{"time", ParamNode::Text("2", false)}}));
+  process.components->Add(setup);
+  EXPECT_EQ(process.components->Find<Timed>("clock")->time, 2);
+}
+
+TEST(Components, RefuseAParameterThatTheyDoNotHaveOrThatIsOutOfRange) {
+  Process process;
+  EXPECT_THAT([&] { process.components->Add(WithParam("stop", "5")); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("Component \"counter\" (test/Counter)"), HasSubstr("robot.yaml:7:3"),
+                                         HasSubstr("no parameter \"stop\""), HasSubstr("Did you mean \"step\"?"))));
+  EXPECT_THAT([&] { process.components->Add(WithParam("step", "500")); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("Component \"counter\""), HasSubstr("step"))));
+  EXPECT_TRUE(process.components->statuses().empty());
+}
+
+TEST(Components, RefuseToRenameOrSetUpWhatTheyDoNotHave) {
+  Process process;
+  ComponentSetup setup = CounterNamed("counter");
+  setup.remap = {{"pos", "front/pose"}};
+  EXPECT_THAT([&] { process.components->Add(setup); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("\"pos\""), HasSubstr("Did you mean \"pose\"?"))));
+  setup.remap.clear();
+  setup.nodes["poses"].queue = Queue::KeepAll(3);
+  EXPECT_THAT([&] { process.components->Add(setup); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("\"poses\""), HasSubstr("Did you mean \"pose\"?"))));
+}
+
+TEST(Components, RefuseATypeThatIsUnknownAndANameThatIsTaken) {
+  Process process;
+  EXPECT_THAT([&] { process.components->Add({.name = "counter", .type = "test/Conter"}); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("\"counter\""), HasSubstr("Did you mean \"test/Counter\"?"))));
+  process.components->Add(CounterNamed("counter"));
+  EXPECT_THAT([&] { process.components->Add(CounterNamed("counter")); },
+              ThrowsMessage<Error>(HasSubstr("two components")));
+  EXPECT_THAT([&] { process.components->Add(CounterNamed("a b")); },
+              ThrowsMessage<Error>(HasSubstr("cannot be named")));
+}
+
+TEST(Components, WhoseConstructorThrowsLeaveNothing) {
+  Process process;
+  EXPECT_THAT([&] { process.components->Add({.name = "eye", .type = "test/Broken"}); },
+              ThrowsMessage<Error>(HasSubstr("Component \"eye\" (test/Broken): there is no camera")));
+  EXPECT_THAT([&] { process.components->Add({.name = "eye", .type = "test/FailsAtOnce"}); },
+              ThrowsMessage<Error>(HasSubstr("Component \"eye\" (test/FailsAtOnce): it lacks a battery")));
+  EXPECT_TRUE(process.components->statuses().empty());
+}
+
+TEST(Components, WhoseActivateThrowsHaveFailed) {
+  Process process;
+  process.components->Add({.name = "motor", .type = "test/WillNotStart"});
+  process.components->Add(CounterNamed("counter"));
+  process.Run();
+  EXPECT_EQ(process.Status("motor").state, ComponentState::kFailed);
+  EXPECT_EQ(process.Status("motor").sentence, "the motor does not answer");
+  EXPECT_EQ(process.Status("counter").state, ComponentState::kRunning);
+  EXPECT_THAT(process.lines(), ElementsAre(HasSubstr("motor|It has failed: the motor does not answer")));
+}
+
+TEST(Components, FinishOnceAndSayTheResult) {
+  Process process;
+  process.components->Add(CounterNamed("counter"));
+  process.Run();
+  (void)process.session.ToAny("pose", PoseIn("finish"));
+  (void)process.session.ToAny("pose", PoseIn("fail"));
+  EXPECT_EQ(process.Status("counter").state, ComponentState::kFinished);
+  EXPECT_EQ(process.Status("counter").sentence, "counted 0");
+  EXPECT_THAT(process.states(),
+              ElementsAre(ComponentState::kJoined, ComponentState::kRunning, ComponentState::kFinished));
+}
+
+TEST(Components, TellExceptionsOfCallbacksAndGoOn) {
+  Process process;
+  process.components->Add(CounterNamed("counter"));
+  process.Run();
+  (void)process.session.ToAny("pose", PoseIn("throw"));
+  (void)process.session.ToAny("pose", PoseIn("x"));
+  EXPECT_EQ(process.Status("counter").exceptions, 1U);
+  EXPECT_EQ(process.Status("counter").exception, "no such pose");
+  EXPECT_EQ(process.Status("counter").state, ComponentState::kRunning);
+  EXPECT_EQ(process.components->Find<Counter>("counter")->count, 1);
+  EXPECT_EQ(process.session.Snapshot().graph.channels.empty(), false);
+}
+
+TEST(Components, GoOnFromASavedState) {
+  std::shared_ptr<const RawMessage> state;
+  {
+    Process process;
+    process.components->Add(CounterNamed("counter"));
+    process.Run();
+    for (int i = 0; i < 3; ++i) (void)process.session.ToAny("pose", PoseIn("x"));
+    state = process.components->Save("counter");
+  }
+  Process process;
+  ComponentSetup setup = CounterNamed("counter");
+  setup.state = state;
+  process.components->Add(setup);
+  EXPECT_EQ(process.components->Find<Counter>("counter")->count, 3);
+}
+
+TEST(Components, RefuseAStateOfAnotherTypeOrWithoutRestore) {
+  Process process;
+  auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<foxglove::FrameTransform>()));
+  ComponentSetup setup = CounterNamed("counter");
+  setup.state = std::make_shared<const RawMessage>(RawMessage{schema, {}});
+  EXPECT_THAT([&] { process.components->Add(setup); }, ThrowsMessage<Error>(HasSubstr("cannot be restored")));
+  setup.type = "test/WillNotStart";
+  EXPECT_THAT([&] { process.components->Add(setup); }, ThrowsMessage<Error>(HasSubstr("has no Restore")));
+}
+
+TEST(Components, OnDefaultExecutorsEndWhileMessagesFlow) {
+  Process process("", false);
+  process.components->Add(CounterNamed("a"));
+  process.components->Add(CounterNamed("b"));
+  process.Run();
+  for (int i = 0; i < 1000; ++i) {
+    (void)process.session.ToAny("pose", PoseIn("x"));
+    if (i == 500) process.components->End("a");
+  }
+  EXPECT_TRUE(process.session.WaitIdle(std::chrono::seconds(10)));
+  process.components.reset();
+}
+
+}  // namespace
+}  // namespace hgros::test

@@ -1,0 +1,168 @@
+#include "hgros/component/context.hpp"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <foxglove/PoseInFrame.pb.h>
+
+#include "component/components_fixture.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/params/remote_params.hpp"
+#include "hgros/tf/transforms.hpp"
+#include "support/await.hpp"
+
+namespace hgros::test {
+namespace {
+
+using foxglove::PoseInFrame;
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// One of each thing that a context gives.
+class Everything {
+ public:
+  explicit Everything(Context& its_context) : context(its_context) {
+    context.FromAnyRaw("bytes", Invoke::kSerial, [this](const RawMessage&) { ++raw; });
+    context.FromAny<PoseInFrame>("pose", Invoke::kSerial, [this](const PoseInFrame&) { ++first; });
+    context.FromAny<PoseInFrame>("pose", Invoke::kSerial, [this](const PoseInFrame&) { ++second; });
+    context.FromAny<PoseInFrame>("pose", Invoke::kSerial, [this](const PoseInFrame&) { ++named; }, {.name = "third"});
+    context.Serve<PoseInFrame, PoseInFrame>("echo", [](const PoseInFrame& request) {
+      if (request.frame_id() == "throw") throw std::runtime_error("no echo");
+      return request;
+    });
+    context.CreateTimer("tick", 1ms, [this](const Tick&) { ++ticks; });
+    context.CreateTimer("fails", 1ms, [](const Tick&) { throw std::runtime_error("no tick"); });
+  }
+
+  Context& context;
+  std::atomic<int> raw{0};
+  std::atomic<int> first{0};
+  std::atomic<int> second{0};
+  std::atomic<int> named{0};
+  std::atomic<int> ticks{0};
+};
+HGROS_COMPONENT(Everything, "test/Everything")
+
+struct OneParam {
+  explicit OneParam(Context& context) { gain = context.Declare("gain", 0.5, {.least = 0, .most = 1}); }
+  double gain = 0;
+};
+HGROS_COMPONENT(OneParam, "test/OneParam")
+
+Everything& AddTo(Process& process, const ComponentSetup& setup = {.name = "all", .type = "test/Everything"}) {
+  process.components->Add(setup);
+  return *process.components->Find<Everything>("all");
+}
+
+TEST(Context, NamesNodesAfterTheComponent) {
+  Process process;
+  (void)AddTo(process);
+  const ComponentDescription& description = process.components->description("all");
+  std::vector<std::string> nodes;
+  for (const ComponentChannel& one : description.inputs) nodes.push_back(one.node);
+  EXPECT_THAT(nodes, ElementsAre("all/bytes", "all/pose", "all/pose#2", "all/third"));
+  ASSERT_EQ(description.services.size(), 1U);
+  EXPECT_EQ(description.services[0].request, "foxglove.PoseInFrame");
+  ASSERT_EQ(description.timers.size(), 2U);
+  EXPECT_EQ(description.timers[0].period, Duration(1ms));
+}
+
+TEST(Context, RunsTimersOnlyOnceTheComponentRuns) {
+  Process process;
+  Everything& all = AddTo(process);
+  process.components->Join();
+  Linger(20ms);
+  EXPECT_EQ(all.ticks, 0);
+  process.components->Start();
+  EXPECT_TRUE(Await([&] { return all.ticks > 3; }));
+}
+
+TEST(Context, TellsExceptionsOfTimersAndHandlers) {
+  Process process;
+  (void)AddTo(process);
+  process.components->Join();
+  auto result = process.session
+                    .Call<PoseInFrame, PoseInFrame>(
+                        "echo",
+                        [] {
+                          PoseInFrame request;
+                          request.set_frame_id("throw");
+                          return request;
+                        }(),
+                        5s)
+                    .Wait();
+  EXPECT_FALSE(result);
+  EXPECT_EQ(process.Status("all").exception, "no echo");
+  process.components->Start();
+  EXPECT_TRUE(Await([&] { return process.Status("all").exception == "no tick"; }));
+}
+
+TEST(Context, RenamesServices) {
+  Process process;
+  Everything& all = AddTo(process, {.name = "all", .type = "test/Everything", .remap = {{"echo", "cave/echo"}}});
+  process.Run();
+  EXPECT_TRUE(bool(process.session.Call<PoseInFrame, PoseInFrame>("cave/echo", PoseInFrame(), 5s).Wait()));
+  EXPECT_TRUE(bool(all.context.Call<PoseInFrame, PoseInFrame>("echo", PoseInFrame(), 5s).Wait()));
+}
+
+TEST(Context, TakesQueueAndExecutorFromTheSetup) {
+  Process process("", false);
+  ComponentSetup setup{.name = "all", .type = "test/Everything"};
+  setup.nodes["pose#2"] = {.queue = Queue::KeepAll(7), .executor = Executor::Dedicated()};
+  (void)AddTo(process, setup);
+  process.components->Join();
+  const SessionSnapshot snapshot = process.session.Snapshot();
+  bool found = false;
+  for (const ChannelSnapshot& channel : snapshot.graph.channels) {
+    for (const NodeSnapshot& node : channel.nodes) {
+      if (node.name != "all/pose#2") continue;
+      found = true;
+      EXPECT_EQ(node.queue.depth(), 7U);
+    }
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(Context, SubscribesAtOnceInACallback) {
+  Process process;
+  Everything& all = AddTo(process);
+  process.Run();
+  std::atomic<int> late{0};
+  all.context.FromAny<PoseInFrame>("late", Invoke::kSerial, [&](const PoseInFrame&) { ++late; });
+  (void)process.session.ToAny("late", PoseInFrame());
+  EXPECT_EQ(late, 1);
+  process.components->End("all");
+}
+
+TEST(Context, SharesOneTransformTree) {
+  Process process;
+  Everything& all = AddTo(process);
+  process.components->Add({.name = "other", .type = "test/Everything"});
+  Everything& other = *process.components->Find<Everything>("other");
+  (void)all.context.transforms().ToStaticTF("map", "base", RigidTransform());
+  EXPECT_TRUE(other.context.transforms().FromTF("map", "base"));
+}
+
+TEST(Context, OffersParametersUnderTheComponentsName) {
+  Process process("", false);
+  process.components->Add({.name = "controller", .type = "test/OneParam"});
+  process.Run();
+  RemoteParams remote(process.session, "controller", 10s);
+  EXPECT_TRUE(remote.Set("gain", 0.75).ok());
+  EXPECT_FALSE(remote.Set("gain", 75.0).ok());
+}
+
+TEST(Context, WritesLinesWithTheComponentsName) {
+  Process process;
+  AddTo(process).context.log().Write(LogLevel::kInfo, "Hello.");
+  EXPECT_THAT(process.lines(), ElementsAre("all|Hello."));
+}
+
+}  // namespace
+}  // namespace hgros::test

@@ -1,0 +1,3 @@
+#include <hgros/hgros.hpp>
+
+int NothingToLoad() { return 0; }
