@@ -27,7 +27,10 @@ std::string_view ToString(ComponentState state) noexcept {
 
 namespace {
 
-std::string Named(const ComponentSetup& setup) { return "Component \"" + setup.name + "\" (" + setup.type + "): "; }
+std::string Named(const ComponentSetup& setup) {
+  const std::string type = setup.type == setup.name ? "" : " (" + setup.type + ")";
+  return "Component \"" + setup.name + "\"" + type + ": ";
+}
 
 // The same error with the component's name before it.
 [[noreturn]] void Rethrow(const ComponentSetup& setup) {

@@ -45,6 +45,17 @@ execute_process(COMMAND ${build}/consumer COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${build}/robot COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${build}/shop COMMAND_ERROR_IS_FATAL ANY)
 
+# Components are checked when they are built, and found once they are installed, wherever that is.
+set(robot ${SCRATCH}/robot)
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${build} --prefix ${robot} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+foreach(folder IN ITEMS ${build}/share/hgros/components ${robot}/share/hgros/components)
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${folder} ${prefix}/bin/hgros components words/Counter
+    OUTPUT_VARIABLE shown COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT shown MATCHES "foxglove\\.KeyValuePair")
+    message(FATAL_ERROR "hgros components shows of the component in ${folder}: ${shown}")
+  endif()
+endforeach()
+
 # The programs start from their install folder.
 execute_process(COMMAND ${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 

@@ -12,6 +12,7 @@ namespace {
 constexpr std::string_view kSee = "See";
 constexpr std::string_view kCheck = "Check";
 constexpr std::string_view kSteer = "Steer";
+constexpr std::string_view kRun = "Run";
 constexpr std::string_view kThis = "This program";
 
 constexpr std::array kCommands{
@@ -54,6 +55,8 @@ constexpr std::array kCommands{
     CommandEntry{"control forbid", "Keep a channel inside sessions", kSteer, MakeControlForbid},
     CommandEntry{"control log", "Set the level of the log", kSteer, MakeControlLog},
     CommandEntry{"control stop", "End programs", kSteer, MakeControlStop},
+
+    CommandEntry{"components", "Show component types with their channels and parameters", kRun, MakeComponents},
 
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
     CommandEntry{"completion", "Print a script that completes commands in a shell", kThis, MakeCompletion},

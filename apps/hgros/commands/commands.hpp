@@ -23,6 +23,7 @@ std::unique_ptr<Command> MakeBw();
 std::unique_ptr<Command> MakeCall();
 std::unique_ptr<Command> MakeCheck();
 std::unique_ptr<Command> MakeComplete();
+std::unique_ptr<Command> MakeComponents();
 std::unique_ptr<Command> MakeCompletion();
 std::unique_ptr<Command> MakeControlAllow();
 std::unique_ptr<Command> MakeControlClose();

@@ -129,12 +129,6 @@ class ParamDescribe final : public Command {
   RobotOptions options_;
 };
 
-std::string RangeText(const ParamInfo& info) {
-  if (info.least && info.most) return fmt::format("{} to {}", *info.least, *info.most);
-  if (info.least) return fmt::format("from {}", *info.least);
-  return info.most ? fmt::format("up to {}", *info.most) : "";
-}
-
 // The default that a session tells; empty for one of an older version.
 Cell Default(const ParamDeclaration& declaration, std::size_t most_characters) {
   if (declaration.fallback.empty()) return {};
@@ -174,12 +168,9 @@ int ParamDescribe::Run(Surroundings& surroundings) {
                    {"description", "DESCRIPTION"}});
   for (const ParamDeclaration& one : declarations) {
     const ParamInfo& info = one.info;
-    std::string range = RangeText(info);
-    for (const std::string& choice : info.choices) range += (range.empty() ? "" : ", ") + Visible(choice);
-    if (info.read_only) range += range.empty() ? "read only" : "; read only";
     records.Add({params.name(), one.path, CellOf(all.At(one.path).node(), most_characters),
                  Default(one, most_characters), info.unit, one.type, bound(info.least), bound(info.most), info.choices,
-                 info.read_only, Cell(std::string(), range), info.description});
+                 info.read_only, Cell(std::string(), RangeText(info)), info.description});
   }
   records.End();
   return kDone;

@@ -1,5 +1,7 @@
 #include "robot/param_text.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -73,6 +75,20 @@ void WriteJson(Json& json, const ParamNode& node) {
       json.EndObject();
       return;
   }
+}
+
+std::string RangeText(const ParamInfo& info) {
+  std::string range;
+  if (info.least && info.most) {
+    range = fmt::format("{} to {}", *info.least, *info.most);
+  } else if (info.least) {
+    range = fmt::format("from {}", *info.least);
+  } else if (info.most) {
+    range = fmt::format("up to {}", *info.most);
+  }
+  for (const std::string& choice : info.choices) range += (range.empty() ? "" : ", ") + Visible(choice);
+  if (info.read_only) range += range.empty() ? "read only" : "; read only";
+  return range;
 }
 
 }  // namespace hgros::cli

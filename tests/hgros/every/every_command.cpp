@@ -70,6 +70,7 @@ const std::multimap<std::string, Words>& WordsByCommand() {
       {"control stop", {"--session", "nobody"}},
       {"check", {"/dev/null"}},
       {"check", {"--schema"}},
+      {"components", {}},
       {"help", {"list"}},
       {"completion", {"bash"}},
       {"__complete", {"--", "echo", ""}},

@@ -2,6 +2,10 @@
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${SCRATCH})
 foreach(expected IN ITEMS
+    "sources: no source file is given"
+    "names: no component is named"
+    "behind: a\\.cpp belongs to nothing"
+    "components: there is already a target words"
     "missing: b\\.proto does not exist"
     "none: no \\.proto file is given"
     "target: there is already a target messages"

@@ -1,0 +1,53 @@
+# hgros_add_components(TARGET SOURCES file.cpp ... COMPONENTS package/Name ... [LINK library ...])
+#
+# Creates a shared library TARGET with components: classes that the sources name with HGROS_COMPONENT(Class,
+# "package/Name"). COMPONENTS lists these names. After linking, `hgros components` checks that the library has each of them
+# and can make it.
+#
+# Writes a manifest, by which programs find the library: share/hgros/components/TARGET.yaml in the build folder, with the
+# path of the library there, and in the install prefix. Programs find the first one if its folder is in HGROS_COMPONENT_PATH.
+#
+#     find_package(hgros REQUIRED)
+#     hgros_add_components(words SOURCES counter.cpp source.cpp COMPONENTS words/Counter words/Source)
+function(hgros_add_components target)
+  include(GNUInstallDirs)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;COMPONENTS;LINK")
+  set(call "hgros_add_components(${target})")
+  if(TARGET ${target})
+    message(FATAL_ERROR "${call}: there is already a target ${target}. Give one of them another name.")
+  endif()
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "${call}: ${arg_UNPARSED_ARGUMENTS} belongs to nothing. Put source files behind SOURCES, names "
+      "behind COMPONENTS and libraries behind LINK.")
+  endif()
+  if(NOT arg_SOURCES)
+    message(FATAL_ERROR "${call}: no source file is given. List at least one behind SOURCES.")
+  endif()
+  if(NOT arg_COMPONENTS)
+    message(FATAL_ERROR "${call}: no component is named. List the names of its HGROS_COMPONENT behind COMPONENTS.")
+  endif()
+
+  add_library(${target} SHARED ${arg_SOURCES})
+  target_link_libraries(${target} PRIVATE hgros::hgros ${arg_LINK})
+
+  # A program of another architecture cannot run here; without the command there is nothing to check with.
+  if(TARGET hgros::command AND NOT CMAKE_CROSSCOMPILING)
+    list(TRANSFORM arg_COMPONENTS PREPEND "--has;" OUTPUT_VARIABLE wanted)
+    add_custom_command(TARGET ${target} POST_BUILD
+      COMMAND hgros::command components --library $<TARGET_FILE:${target}> ${wanted}
+      COMMENT "Checking the components of ${target}" VERBATIM)
+    if(TARGET hgros_command)
+      add_dependencies(${target} hgros_command)
+    endif()
+  endif()
+
+  list(JOIN arg_COMPONENTS ", " names)
+  set(folder ${CMAKE_INSTALL_DATADIR}/hgros/components)
+  file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/share/hgros/components/${target}.yaml
+    CONTENT "library: \"$<TARGET_FILE:${target}>\"\ncomponents: [${names}]\n")
+  file(RELATIVE_PATH to_libraries ${CMAKE_INSTALL_FULL_DATADIR}/hgros/components ${CMAKE_INSTALL_FULL_LIBDIR})
+  file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${target}_installed.yaml
+    CONTENT "library: \"${to_libraries}/$<TARGET_FILE_NAME:${target}>\"\ncomponents: [${names}]\n")
+  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${target}_installed.yaml DESTINATION ${folder} RENAME ${target}.yaml)
+endfunction()

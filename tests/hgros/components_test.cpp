@@ -1,0 +1,79 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "hgros/command_run.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::map<std::string, std::string> kInstalled{{"HGROS_COMPONENT_PATH", WORDS_MANIFESTS}};
+
+TEST(HgrosComponents, ListsInstalledOnes) {
+  const CommandEnd end = RunToEnd({"components"}, kInstalled);
+  EXPECT_EQ(end.status, 0);
+  EXPECT_EQ(end.err, "");
+  EXPECT_EQ(end.out,
+            "TYPE           SUBSCRIBES  PUBLISHES  SERVES  PARAMS  LIBRARY\n"
+            "words/Counter  word        count      reset        1  libhgros_test_words.so\n"
+            "words/Source               word                    0  libhgros_test_words.so\n");
+}
+
+TEST(HgrosComponents, ShowsAllAboutOne) {
+  const CommandEnd end = RunToEnd({"components", "words/Counter"}, kInstalled);
+  EXPECT_EQ(end.status, 0);
+  EXPECT_EQ(end.err, "");
+  EXPECT_THAT(end.out, AllOf(HasSubstr("foxglove.KeyValuePair"), HasSubstr("Added by each word."), HasSubstr("1 to 10"),
+                             HasSubstr("250 ms"), HasSubstr("reset")));
+  const CommandEnd json = RunToEnd({"components", "words/Counter", "--json"}, kInstalled);
+  EXPECT_THAT(json.out, AllOf(HasSubstr("\"name\":\"words/Counter\""), HasSubstr("\"state\":\"foxglove.KeyValuePair\""),
+                              HasSubstr("\"period_ns\":250000000")));
+}
+
+TEST(HgrosComponents, NamesTheNearestOfAnUnknownOne) {
+  const CommandEnd end = RunToEnd({"components", "words/Conter"}, kInstalled);
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.err, HasSubstr("Did you mean \"words/Counter\"?"));
+}
+
+TEST(HgrosComponents, SurvivesALibraryThatDoesNot) {
+  const CommandEnd end = RunToEnd({"components", "--library", BAD_LIBRARY});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("bad/Crashes"), HasSubstr("bad/Exits"), HasSubstr("bad/Prints"),
+                             HasSubstr("bad/Throws"), Not(HasSubstr("I print"))));
+  EXPECT_THAT(end.err,
+              AllOf(HasSubstr("Component \"bad/Crashes\": its constructor does not return: it was ended by SIGSEGV."),
+                    HasSubstr("exit code 3"), HasSubstr("there is no \\x1b[31mcamera")));
+}
+
+TEST(HgrosComponents, ChecksWhatALibraryHas) {
+  EXPECT_EQ(RunToEnd({"components", "--library", WORDS_LIBRARY, "--has", "words/Source"}).status, 0);
+  const CommandEnd lacks = RunToEnd({"components", "--library", WORDS_LIBRARY, "--has", "words/Sourc"});
+  EXPECT_EQ(lacks.status, 1);
+  EXPECT_EQ(lacks.err, "hgros: The library has no component \"words/Sourc\". Did you mean \"words/Source\"?\n");
+  const CommandEnd bad = RunToEnd({"components", "--library", BAD_LIBRARY, "--has", "bad/Throws"});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.err, HasSubstr("Component \"bad/Throws\": there is no"));
+}
+
+TEST(HgrosComponents, SaysWhatIsWrongWithALibraryOrAManifest) {
+  const CommandEnd missing = RunToEnd({"components", "--library", "/nowhere/libmissing.so"});
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.err, HasSubstr("/nowhere/libmissing.so"));
+  const std::filesystem::path folder = testing::TempDir() + "hgros_broken_manifests";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "broken.yaml") << "library: 1\ncomponent: x\n";
+  const CommandEnd broken = RunToEnd({"components"}, {{"HGROS_COMPONENT_PATH", folder.string()}});
+  EXPECT_THAT(broken.err, HasSubstr("broken.yaml:2:1"));
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace hgros::cli
