@@ -21,7 +21,8 @@ void AddFolders(const char* variable, std::string_view otherwise, const path& be
   std::string_view rest = set != nullptr && *set != '\0' ? std::string_view(set) : otherwise;
   while (!rest.empty()) {
     const std::size_t end = rest.find(':');
-    if (const std::string_view one = rest.substr(0, end); !one.empty()) folders.push_back(below.empty() ? path(one) : path(one) / below);
+    if (const std::string_view one = rest.substr(0, end); !one.empty())
+      folders.push_back(below.empty() ? path(one) : path(one) / below);
     rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
   }
 }

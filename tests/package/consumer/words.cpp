@@ -1,5 +1,4 @@
 #include <foxglove/KeyValuePair.pb.h>
-
 #include <hgros/component/component.hpp>
 
 struct Counter {
