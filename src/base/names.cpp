@@ -12,20 +12,37 @@
 namespace hgros {
 namespace {
 
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before;  // The row above `above`.
-  std::vector<std::size_t> above(b.size() + 1);
-  std::iota(above.begin(), above.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::vector<std::size_t> row = {i + 1};
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      row.push_back(std::min({above[j] + (a[i] == b[j] ? 0 : 1), row[j] + 1, above[j + 1] + 1}));
-      if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j]) row.back() = std::min(row.back(), before[j - 1] + 1);
+// The number of letters to insert, remove, replace or swap with the next one, to make one text of the other. Looks no
+// further once that is known to be at least `limit`, and then returns `limit`.
+class EditDistance {
+ public:
+  std::size_t operator()(std::string_view a, std::string_view b, std::size_t limit) {
+    if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+    above_.resize(b.size() + 1);
+    std::iota(above_.begin(), above_.end(), std::size_t{0});
+    std::size_t least_above = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      row_.assign(1, i + 1);
+      std::size_t least = i + 1;
+      for (std::size_t j = 0; j < b.size(); ++j) {
+        std::size_t one = std::min({above_[j] + (a[i] == b[j] ? 0 : 1), row_[j] + 1, above_[j + 1] + 1});
+        if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j]) one = std::min(one, before_[j - 1] + 1);
+        row_.push_back(one);
+        least = std::min(least, one);
+      }
+      if (least >= limit && least_above + 1 >= limit) return limit;
+      least_above = least;
+      std::swap(before_, above_);
+      std::swap(above_, row_);
     }
-    before = std::exchange(above, std::move(row));
+    return std::min(above_.back(), limit);
   }
-  return above.back();
-}
+
+ private:
+  std::vector<std::size_t> before_;  // The row above above_.
+  std::vector<std::size_t> above_;
+  std::vector<std::size_t> row_;
+};
 
 // Lower case, without slashes at the beginning.
 std::string Plain(std::string_view name) {
@@ -59,7 +76,8 @@ bool IsMistyped(const std::string& a, const std::string& b) {
   const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   const std::size_t letters = std::min(a.size(), b.size());
   if (letters < 4 || a.front() != b.front() || Without(a, is_digit) == Without(b, is_digit)) return false;
-  return EditDistance(a, b) <= (letters >= 8 && a.back() == b.back() ? 2U : 1U);
+  const std::size_t most = letters >= 8 && a.back() == b.back() ? 2 : 1;
+  return EditDistance()(a, b, most + 1) <= most;
 }
 
 }  // namespace
@@ -92,8 +110,9 @@ void RequireChannelName(std::string_view name) {
 std::string NearestName(std::string_view name, std::span<const std::string> candidates) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(name.size() < 4 ? 1 : 2, name.size() / 3) + 1;
+  EditDistance distance_of;
   for (const std::string& candidate : candidates) {
-    const std::size_t distance = EditDistance(name, candidate);
+    const std::size_t distance = distance_of(name, candidate, best_distance);
     if (distance < best_distance && distance < std::max(name.size(), candidate.size())) {
       best_distance = distance;
       best = candidate;

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hgros/base/error.hpp"
@@ -112,6 +115,50 @@ TEST(TypingError, IsFoundOnlyInNamesThatAreNotSimilarOnPurpose) {
     EXPECT_FALSE(DifferByATypingError(a, b)) << a << " and " << b;
     EXPECT_FALSE(DifferByATypingError(b, a)) << b << " and " << a;
   }
+}
+
+// The distance that NearestName() uses, computed without its shortcuts.
+std::size_t FullDistance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] = std::min({d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1), d[i][j - 1] + 1, d[i - 1][j] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+TEST(NearestName, IsTheOneThatAFullSearchFinds) {
+  std::mt19937 random(20);
+  const auto word = [&random] {
+    std::string text(1 + random() % 9, 'a');
+    for (char& c : text) c = static_cast<char>('a' + random() % 3);
+    return text;
+  };
+  int found = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const std::string name = word();
+    std::vector<std::string> candidates(8);
+    std::ranges::generate(candidates, word);
+    std::string best;
+    std::size_t least = std::max<std::size_t>(name.size() < 4 ? 1 : 2, name.size() / 3) + 1;
+    for (const std::string& one : candidates) {
+      const std::size_t distance = FullDistance(name, one);
+      if (distance < least && distance < std::max(name.size(), one.size())) {
+        least = distance;
+        best = one;
+      }
+    }
+    ASSERT_EQ(NearestName(name, candidates), best) << name;
+    if (!best.empty()) ++found;
+  }
+  EXPECT_GT(found, 500);
 }
 
 TEST(NearestName, IsEmptyWhenNothingIsSimilar) {

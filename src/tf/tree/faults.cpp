@@ -51,10 +51,12 @@ std::string NameOf(const FrameTable& frames, FrameId id) {
   return frame == nullptr ? "an id that is not of this tree" : Quoted(frame->name);
 }
 
-// The names of all frames that have an edge.
+// The names of frames that have an edge: of all, unless there are more than a robot has. A lookup may fail again and
+// again.
 std::vector<std::string> KnownNames(const FrameTable& frames) {
+  constexpr std::size_t kMost = 2000;
   std::vector<std::string> names;
-  for (std::uint32_t i = 0; i < frames.size(); ++i) {
+  for (std::uint32_t i = 0; i < frames.size() && names.size() < kMost; ++i) {
     const Frame* frame = frames.At(FrameId{i});
     if (frame->known.load(std::memory_order_acquire)) names.push_back(frame->name);
   }
