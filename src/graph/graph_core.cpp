@@ -16,8 +16,6 @@
 namespace hgros {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(2);
-
 void RequireFittingType(Channel& channel, const TypeInfo& type, const CallSite& where) {
   if (channel.TryUseWith(type, where)) return;
   const bool same_name = channel.type().name == type.name;
@@ -147,7 +145,7 @@ void GraphCore::Refuse() noexcept {
   if (refusing_.exchange(true, std::memory_order_seq_cst)) return;
   for (Channel* channel : channels_.All()) channel->NotifyRoom();
   try {
-    auto watch = std::make_unique<HangWatch>(kPatience, [this] { NameBusyNodes(); });
+    auto watch = std::make_unique<HangWatch>(kHangPatience, [this] { NameBusyNodes(); });
     const std::scoped_lock lock(mutex_);
     hang_watch_ = std::move(watch);
   } catch (const std::system_error&) {  // No thread is available: then nothing is logged.
@@ -182,7 +180,7 @@ void GraphCore::LogUnmatchedOverrides() {
 
 void GraphCore::Shutdown() noexcept {
   Refuse();
-  (void)WaitIdle(std::chrono::steady_clock::now() + kPatience);
+  (void)WaitIdle(std::chrono::steady_clock::now() + kHangPatience);
   // Closed before it is removed, so that the watch can still name a node that does not end.
   for (Channel* channel : channels_.All()) {
     for (const std::shared_ptr<Node>& node : channel->Nodes()) {

@@ -8,6 +8,9 @@
 
 namespace hgros {
 
+// The log names what has not ended after this time.
+inline constexpr std::chrono::seconds kHangPatience{2};
+
 // Calls `say` once, on a thread of its own, unless it is destroyed before `patience` has passed. Reports something that
 // should have ended by then.
 class HangWatch {

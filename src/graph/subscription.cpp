@@ -1,13 +1,32 @@
 #include "hgros/graph/subscription.hpp"
 
+#include <chrono>
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "graph/graph_core.hpp"
+#include "graph/hang_watch.hpp"
 #include "graph/nodes/callback_scope.hpp"
 #include "hgros/base/fork_guard.hpp"
 
 namespace hgros {
+namespace {
+
+// Waits for the running callbacks, and names the node in the log if they take long.
+void CloseAndWait(Node& node) {
+  node.Close(false);
+  if (!node.WaitIdle(std::chrono::steady_clock::now() + kHangPatience)) {
+    const NodeSetting& setting = node.setting();
+    setting.log->Write(LogLevel::kWarning, "The end of the subscription of node \"" + setting.name +
+                                               "\" on channel \"" + setting.channel +
+                                               "\" waits for its callback, which still runs after " +
+                                               std::to_string(kHangPatience.count()) + " s.");
+  }
+  node.Close(true);
+}
+
+}  // namespace
 
 // The parts of a live subscription. The thread that ends it takes all of them out under the lock.
 struct Subscription::State {
@@ -72,7 +91,7 @@ bool Subscription::WaitForEnded(bool in_callbacks_too) {
   }
   if (!core || !node || core->in_forked_child()) return true;
   if (CallbackScope::InNode(node.get())) return false;
-  if (in_callbacks_too || !CallbackScope::InGraph(node->setting().graph)) node->Close(true);
+  if (in_callbacks_too || !CallbackScope::InGraph(node->setting().graph)) CloseAndWait(*node);
   return true;
 }
 
@@ -98,8 +117,12 @@ void Subscription::End(bool wait) {
   }
   companion.reset();  // First the source of messages, then the node.
   state->channel->Remove(*node);
-  if (!wait) core->Linger(node);
-  node->Close(wait);
+  if (wait) {
+    CloseAndWait(*node);
+  } else {
+    core->Linger(node);
+    node->Close(false);
+  }
 }
 
 std::shared_ptr<Node> Subscription::Current() const { return state_ ? state_->NodeNow() : nullptr; }

@@ -144,6 +144,30 @@ TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription)
   subscription.reset();
 }
 
+TEST_P(LifetimeOnEveryExecutor, NamesTheNodeForWhoseCallbackAnEndWaits) {
+  test::Heard heard;
+  test::Door door;
+  std::atomic<bool> begun{false};
+  DataGraph graph(GraphOptions{}, heard.MakeLog());
+  auto subscription = graph.FromGraph<int>(
+      "c", Invoke::kSerial,
+      [&](const int&) {
+        begun = true;
+        door.Pass();
+      },
+      Options(executor(), {}, "stuck_planner"));
+  std::jthread publisher([&] { (void)graph.ToGraph("c", std::make_unique<int>(1)); });
+  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  std::jthread opener([&] {
+    EXPECT_TRUE(Await([&] {
+      return heard.Contains("The end of the subscription of node \"stuck_planner\" on channel \"c\" waits");
+    }));
+    door.Open();
+  });
+  subscription.Reset();
+  EXPECT_EQ(heard.Count("stuck_planner"), 1U);
+}
+
 TEST(Lifetime, LogsTheNodeForWhichShutdownWaits) {
   test::Heard heard;
   test::Door door;

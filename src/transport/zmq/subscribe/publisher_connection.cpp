@@ -205,8 +205,9 @@ void PublisherConnection::Abort(std::chrono::milliseconds pause) {
   connected_ = false;
   new_connection_ = -1;
   unread_.Watch(-1);
-  given_up_since_ = unreached_since_ = std::chrono::steady_clock::now();
+  given_up_since_ = std::chrono::steady_clock::now();
   paused_until_ = *given_up_since_ + pause;
+  unreached_since_ = paused_until_;
 }
 
 void PublisherConnection::Close(int linger_ms) {

@@ -154,9 +154,8 @@ void SubscriberEndpoint::Look(SteadyTime now) {
     const SocketUse use(mutex_, connection_.socket(), input_, *shared_.waker);
     const auto fault = unfinished_.Look(now, !connection_.socket().HasInput());
     if (fault) {
-      shared_.CountPeerFault(
-          PacketFault::kOverrun, endpoint(),
-          "the message " + *fault + ". The connection is closed, and tried again after 5 s. Find the program.");
+      shared_.CountPeerFault(PacketFault::kOverrun, endpoint(),
+                             "the message " + *fault + " The connection is closed, and tried again after 5 s.");
       LosePublisher("it sent a message that does not end", true, actions);
       connection_.Abort(kPauseAfterFault);
       unfinished_.Watch(-1);

@@ -9,6 +9,8 @@
 namespace hgros::zmq {
 namespace {
 
+const std::string kFindIt = "Find the program.";
+
 constexpr std::uint64_t kFrameBytes = 1ULL << 20;  // More than the other frames of a message have.
 // ZeroMQ's pings are no messages: encrypted ones have 42 bytes.
 constexpr std::uint64_t kMoreThanPings = 4096;
@@ -52,7 +54,7 @@ std::optional<std::string> UnfinishedMessage::Look(SteadyTime now, bool all_read
   }
   const std::uint64_t unfinished = *read - settled_;
   if (silent || unfinished < kSmallBytes) return {};
-  if (unfinished > most_bytes_ + kFrameBytes) return "is longer than " + Megabytes(most_bytes_);
+  if (unfinished > most_bytes_ + kFrameBytes) return "is longer than " + Megabytes(most_bytes_) + ". " + kFindIt;
 
   const std::uint64_t resident = ResidentBytes();
   const std::uint64_t free = FreeMemory().value_or(std::numeric_limits<std::uint64_t>::max());
@@ -63,14 +65,16 @@ std::optional<std::string> UnfinishedMessage::Look(SteadyTime now, bool all_read
     return {};
   }
   if (free < free_before_ / 8) {
-    return "has " + Megabytes(unfinished) + " so far, and no memory is left for more";
+    return "has " + Megabytes(unfinished) +
+           " so far, and no memory is left for more. Give this process more memory, or let the publisher send smaller "
+           "messages.";
   }
   const std::uint64_t grown = resident - std::min(resident, resident_before_);
   const std::uint64_t most = std::min(kMostBesides, free_before_ / 8) + kMostPerByte * (*read - read_before_);
   suspicious_looks_ = grown > most ? suspicious_looks_ + 1 : 0;
   if (suspicious_looks_ < kLooks) return {};
   return "has taken " + Megabytes(grown) + " of memory for " + Megabytes(unfinished) +
-         ": it consists of very many frames, and does not end";
+         ": it consists of very many frames, and does not end. " + kFindIt;
 }
 
 }  // namespace hgros::zmq

@@ -43,8 +43,8 @@ class UnfinishedMessage {
 
   /// When Look() is due; none while there is silence.
   [[nodiscard]] std::optional<SteadyTime> NextLook() const noexcept { return next_look_; }
-  /// `all_read`: ZeroMQ has nothing left to be received. Returns what is wrong with the message, if anything is; it
-  /// completes "It sends a message that ...".
+  /// `all_read`: ZeroMQ has nothing left to be received. Returns what is wrong with the message, if anything is,
+  /// and how to fix it; it completes "The message ...".
   [[nodiscard]] std::optional<std::string> Look(SteadyTime now, bool all_read);
 
  private:
