@@ -54,6 +54,11 @@ std::vector<std::string> NetworkBridge::BoundEndpoints() const {
   return zmq == nullptr ? std::vector<std::string>() : zmq->BoundEndpoints();
 }
 
+OrderWay NetworkBridge::SendOrder(SessionId publisher, std::string_view request) {
+  ZmqTransport* const zmq = core_->zmq();
+  return zmq == nullptr ? OrderWay::kNone : zmq->SendOrder(publisher, request);
+}
+
 std::vector<PeerInfo> NetworkBridge::Peers() const { return core_->Peers(); }
 
 bool NetworkBridge::IsOnThisHost(SessionId peer) const { return core_->IsOnThisHost(peer); }

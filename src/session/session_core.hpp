@@ -79,6 +79,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
     host_clocks_->Add(peer.id, exchange);
   }
 
+  [[nodiscard]] OrderWay SendOrder(SessionId publisher, std::string_view request);
   [[nodiscard]] ServicePlace& place() noexcept { return *this; }
   [[nodiscard]] OneAtATime& asking() noexcept { return asking_; }
   [[nodiscard]] Services& services() noexcept { return *services_; }

@@ -29,12 +29,8 @@ ReplyWays WaysIn(const Config& config, const InboundChannels& inbound, SessionId
 
 Subscription SessionCore::Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
                                  std::size_t queue_depth) {
-  Channel& opened = graph_->Open(channel, type, CallSite::Current());
-  NodeOptions options;
-  options.name = channel;
-  options.queue = Queue::KeepAll(queue_depth);
-  options.executor = Executor::Inline();
-  return SubscribeAny(opened, type, Invoke::kConcurrent, std::move(callback), std::move(options));
+  return SubscribeAny(graph_->Open(channel, type, CallSite::Current()), type, Invoke::kConcurrent, std::move(callback),
+                      {.name = channel, .queue = Queue::KeepAll(queue_depth), .executor = Executor::Inline()});
 }
 
 std::shared_ptr<SessionOutlet> SessionCore::OpenOutlet(const std::string& channel, const TypeInfo& type,
@@ -48,17 +44,21 @@ std::shared_ptr<SessionOutlet> SessionCore::OpenOutlet(const std::string& channe
 }
 
 void SessionCore::Receive(const Visit& visit) noexcept {
-  NetworkBridge* bridge = nullptr;  // It exists as long as services may call.
-  {
+  NetworkBridge* const bridge = [this] {  // It exists as long as services may call.
     const std::scoped_lock lock(mutex_);
-    bridge = bridge_.get();
-  }
+    return bridge_.get();
+  }();
   bridge != nullptr ? bridge->Receive(visit) : visit.first();
 }
 
 ChannelSearch SessionCore::Search(const std::string& channel) {
   const std::scoped_lock lock(mutex_);
   return bridge_ ? bridge_->Search(channel) : ChannelSearch{.announced = {}, .complete = true, .complete_at = {}};
+}
+
+OrderWay SessionCore::SendOrder(SessionId publisher, std::string_view request) {
+  const std::scoped_lock lock(mutex_);
+  return bridge_ ? bridge_->SendOrder(publisher, request) : OrderWay::kNone;
 }
 
 ReplyWays SessionCore::WaysOf(const std::string& service) const { return WaysIn(config(), *inbound_, id_, service); }

@@ -26,6 +26,7 @@ class Endpoints final : public ZmqTransport {
     EXPECT_TRUE(events.emplace(endpoint.endpoint, endpoint.on_event).second);
   }
   bool RemoveSubscribeEndpoint(const std::string& endpoint) override { return events.erase(endpoint) > 0; }
+  OrderWay SendOrder(SessionId /*publisher*/, std::string_view /*request*/) override { return OrderWay::kNone; }
   void Report(const std::string& endpoint, EndpointEvent event, SessionId session = {}) const {
     events.at(endpoint)(event, session);
   }

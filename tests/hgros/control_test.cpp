@@ -127,7 +127,49 @@ TEST(HgrosControl, ReachesSessionsWithAnAllowedKeyThroughTheEndpointsOfAFile) {
   EXPECT_THAT(end.out, HasSubstr("Channel \"scan\" is closed"));
 }
 
-TEST(HgrosControl, SaysThatRequestsDoNotGoThroughConnect) {
+// A robot that lets in one key, and the file with the keys of a desk that has no endpoint.
+struct RobotAndDeskWithKeys {
+  const CurveKeyPair robots = GenerateCurveKeyPair();
+  const CurveKeyPair desks = GenerateCurveKeyPair();
+  const ProtoFolder folder;
+  const std::string robot = "network:\n  publisher: {ip: 'tcp://127.0.0.1:*'}\n  security: {public_key: '" +
+                            robots.public_key + "', secret_key: '" + robots.secret_key + "', allowed_clients: ['" +
+                            desks.public_key + "']}\ndiscovery: {local: false}\n";
+
+  // The words of a command that connects to the endpoint.
+  [[nodiscard]] std::vector<std::string> Command(std::vector<std::string> words, const std::string& endpoint) const {
+    const std::string desk = "network:\n  security: {public_key: '" + desks.public_key + "', secret_key: '" +
+                             desks.secret_key + "', servers: {'" + endpoint + "': '" + robots.public_key + "'}}\n";
+    for (const std::string& word : {std::string("--config"), folder.Write("desk.yaml", desk), std::string("--connect"),
+                                    endpoint, std::string("--timeout"), std::string("20")}) {
+      words.push_back(word);
+    }
+    return words;
+  }
+};
+
+TEST(HgrosControl, SteersThroughConnectAloneWithAnAllowedKey) {
+  const RobotAndDeskWithKeys keys;
+  Session robot(Config::Parse(keys.robot), {.name = "talker", .log = [](LogLevel, std::string_view) {}});
+  const auto scan = robot.Advertise<Log>("scan");
+  const std::string endpoint = robot.PublisherEndpoints().at(0);
+  const std::map<std::string, std::string> own{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
+  const std::map<std::string, std::string> answers{{"close", "Channel \"scan\" is closed"},
+                                                   {"open", "Channel \"scan\" is open"},
+                                                   {"forbid", "Channel \"scan\" is forbidden"},
+                                                   {"allow", "Channel \"scan\" is allowed"}};
+  for (const char* action : {"close", "open", "forbid", "allow"}) {
+    const CommandEnd end = RunToEnd(keys.Command({"control", action, "scan"}, endpoint), own);
+    EXPECT_EQ(end.status, 0) << end.out << end.err;
+    EXPECT_THAT(end.out, AllOf(HasSubstr("talker:"), HasSubstr(answers.at(action))));
+  }
+  const CommandEnd log = RunToEnd(keys.Command({"control", "log", "error"}, endpoint), own);
+  EXPECT_EQ(log.status, 0) << log.out << log.err;
+  EXPECT_THAT(log.out, HasSubstr("below the level error"));
+  EXPECT_EQ(robot.Snapshot().refused_orders, 0U);
+}
+
+TEST(HgrosControl, IsRefusedThroughConnectWithoutKeys) {
   const ProtoFolder folder;
   const std::string endpoint = "ipc://" + folder.path() + "/robot.ipc";
   Session robot(Config::Parse("network: {publisher: {ip: '" + endpoint + "'}}\ndiscovery: {local: false}\n"),
@@ -136,7 +178,7 @@ TEST(HgrosControl, SaysThatRequestsDoNotGoThroughConnect) {
   const CommandEnd end = RunToEnd({"control", "close", "scan", "--connect", endpoint},
                                   {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
   EXPECT_EQ(end.status, 1) << end.out << end.err;
-  EXPECT_THAT(end.out, HasSubstr("It is heard through --connect, but gets no requests that way."));
+  EXPECT_THAT(end.out, HasSubstr("those whose CURVE key is in network.security.allowed_clients"));
 }
 
 TEST(HgrosControl, RefusesWrongArguments) {
@@ -169,10 +211,10 @@ TEST(HgrosControl, ItsExamplesWork) {
 // The example publisher as a process, which handles SIGTERM.
 class ExamplePublisher {
  public:
-  explicit ExamplePublisher(const std::string& domain) {
+  explicit ExamplePublisher(const std::string& domain, std::string config = {}) {
     std::string program = HGROS_EXAMPLE_PUBLISHER;
     std::string setting = "HGROS_DOMAIN=" + domain;
-    std::array<char*, 2> words{program.data(), nullptr};
+    std::array<char*, 3> words{program.data(), config.empty() ? nullptr : config.data(), nullptr};
     std::array<char*, 2> settings{setting.data(), nullptr};
     if (posix_spawn(&pid_, program.c_str(), nullptr, nullptr, words.data(), settings.data()) != 0) pid_ = -1;
   }
@@ -220,6 +262,20 @@ TEST_F(HgrosControlProcess, IsStoppedAsByTheSystem) {
   ASSERT_TRUE(test::Await([&] { return publisher->Status().has_value(); }));
   EXPECT_TRUE(WIFEXITED(*publisher->Status()));
   EXPECT_EQ(WEXITSTATUS(*publisher->Status()), 0);
+}
+
+TEST(HgrosControl, StopsThroughConnectAloneWithAnAllowedKey) {
+  const RobotAndDeskWithKeys keys;
+  const std::string endpoint = "ipc://" + keys.folder.path() + "/robot.ipc";
+  std::string yaml = keys.robot;
+  yaml.replace(yaml.find("tcp://127.0.0.1:*"), std::string("tcp://127.0.0.1:*").size(), endpoint);
+  ExamplePublisher publisher("none", keys.folder.Write("robot.yaml", yaml));
+  const CommandEnd end = RunToEnd(keys.Command({"control", "stop", "--session", "pub*"}, endpoint),
+                                  {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  EXPECT_EQ(end.status, 0) << end.out << end.err;
+  EXPECT_THAT(end.out, HasSubstr("gets SIGTERM"));
+  ASSERT_TRUE(test::Await([&] { return publisher.Status().has_value(); }));
+  EXPECT_TRUE(WIFEXITED(*publisher.Status()));
 }
 
 TEST_F(HgrosControlProcess, ThatHangsDoesNotHoldUpOthers) {

@@ -70,7 +70,6 @@ class Control : public Command {
   [[nodiscard]] static std::vector<Candidate> All(Robot& robot, const AllCounters& counters);
   [[nodiscard]] std::vector<Candidate> Choose(const std::vector<Candidate>& all) const;
   int Show(Robot& robot, const std::vector<Candidate>& asked, const std::vector<ControlAnswer>& answers) const;
-  [[nodiscard]] std::string WhyUnanswered(Robot& robot, SessionId session) const;
 
   std::vector<std::string> patterns_;
   RobotOptions options_;
@@ -119,19 +118,6 @@ std::vector<Candidate> Control::Choose(const std::vector<Candidate>& all) const 
   return chosen;
 }
 
-// Through an endpoint to which a session connects it hears others; what it sends goes through its own endpoints.
-std::string Control::WhyUnanswered(Robot& robot, SessionId session) const {
-  const std::vector<PeerInfo> peers = robot.session().Peers();
-  const auto peer = std::ranges::find(peers, session, &PeerInfo::id);
-  const bool only_heard =
-      peer != peers.end() && std::ranges::any_of(options_.connect, [&](const std::string& endpoint) {
-        return peer->endpoint.ends_with(endpoint);
-      });
-  return only_heard ? "It is heard through --connect, but gets no requests that way. They need --config with a "
-                      "publisher endpoint to which it connects, and keys."
-                    : "It does not answer: it hangs, has ended, or no endpoint leads from here to it.";
-}
-
 int Control::Show(Robot& robot, const std::vector<Candidate>& asked, const std::vector<ControlAnswer>& answers) const {
   Records records(robot.surroundings().console, options_.style,
                   UserColumns("SESSION") + std::vector<Column>{{"done", ""}, {"answer", "ANSWER"}});
@@ -144,9 +130,12 @@ int Control::Show(Robot& robot, const std::vector<Candidate>& asked, const std::
     if (!answer.answered) {
       const bool takes_none = asked[i].counters != nullptr && asked[i].counters->control() == 0;
       text = takes_none ? "It takes no such requests: its configuration says `control: off`, or its version is older."
-                        : WhyUnanswered(robot, user.session);
-      if (!takes_none && options_.timeout_s && code == kDone) code = kTimedOut;
-      if (takes_none) code = kFailed;
+             : !answer.refusal.empty()
+                 ? answer.refusal
+                 : "It does not answer: it hangs, has ended, or no endpoint leads from here to it.";
+      const bool waits_in_vain = takes_none || !answer.refusal.empty();
+      if (!waits_in_vain && options_.timeout_s && code == kDone) code = kTimedOut;
+      if (waits_in_vain) code = kFailed;
     }
     if (!done && (answer.answered || !options_.timeout_s)) code = kFailed;
     records.Add(UserCells(user, false) + std::vector<Cell>{done, Cell(text).In(done ? Style::kPlain : Style::kRed)});

@@ -36,7 +36,9 @@ struct ControlOrder {
 struct ControlAnswer {
   SessionId session;
   bool answered = false;
-  std::string refusal = {};   ///< Why it has refused, in one sentence; empty: it has done it.
+  /// Why it has refused, in one or two sentences; empty: it has done it. If it has not answered: why it cannot, if that
+  /// is known.
+  std::string refusal = {};
   std::string done = {};      ///< What it has done, in one sentence.
   MessageSchema schema = {};  ///< Of kDescribe, as a publisher would send it.
 };
@@ -44,8 +46,8 @@ struct ControlAnswer {
 /// Asks sessions to change something, all at the same time, and waits until all have answered, or for `timeout`. The
 /// answers are in the order of `sessions`. A session carries out the order if `session` belongs to the same user on the
 /// same host, or is connected with a CURVE key of its network.security.allowed_clients, and its configuration does not
-/// say `control: off`. Other hosts are asked through publisher endpoints. Sessions that
-/// are older than kDescribe refuse it, and log that: ask only those whose hgros.Snapshot says `control` 2 or more.
+/// say `control: off`. One endpoint between two hosts is enough, whichever of them has it. Sessions that are older than
+/// kDescribe refuse it, and log that: ask only those whose hgros.Snapshot says `control` 2 or more.
 ///
 /// Threading: thread-safe. Do not call it in callbacks of `session`.
 /// Errors:    throws Error if the session is shutting down.

@@ -20,6 +20,9 @@ namespace {
 constexpr auto kFirstRepetition = std::chrono::milliseconds(20);
 constexpr auto kLongestPause = std::chrono::milliseconds(500);
 constexpr std::size_t kQueue = 1024;
+constexpr const char* kTooOld =
+    "Its version of HyperGraph ROS takes no requests over a connection on which it only publishes. Use a newer version "
+    "there, or give this session a publisher endpoint to which it connects.";
 
 // Shared with subscriptions, whose last callbacks may come later.
 struct Answers {
@@ -55,7 +58,22 @@ void Publish(SessionOutlet& outlet, const ControlRequest& request) {
   (void)outlet.Commit(message, type, {}, std::move(prepared));
 }
 
-void AskUntilAnswered(SessionOutlet& outlet, ControlRequest& request, Answers& answers,
+// Sends the request to the sessions that do not get it through the outlet, each its own.
+void SendOrders(SessionCore& core, const SessionOutlet& outlet, ControlRequest request, Answers& answers) {
+  const std::vector<SessionId> reached = outlet.Subscribers();
+  const std::vector<std::uint64_t> missing(request.sessions().begin(), request.sessions().end());
+  for (const std::uint64_t session : missing) {
+    request.clear_sessions();
+    request.add_sessions(session);
+    const bool too_old = std::ranges::find(reached, session, &SessionId::value) == reached.end() &&
+                         core.SendOrder({session}, request.SerializeAsString()) == OrderWay::kTooOld;
+    const std::scoped_lock lock(answers.mutex);
+    ControlAnswer& answer = answers.all.at(session);
+    if (!answer.answered) answer.refusal = too_old ? kTooOld : "";
+  }
+}
+
+void AskUntilAnswered(SessionCore& core, SessionOutlet& outlet, ControlRequest& request, Answers& answers,
                       std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(answers.mutex);
   std::chrono::nanoseconds pause = kFirstRepetition;
@@ -66,19 +84,20 @@ void AskUntilAnswered(SessionOutlet& outlet, ControlRequest& request, Answers& a
     }
     lock.unlock();
     const std::size_t subscribers = outlet.subscriber_count();
-    if (subscribers > 0) {
-      Publish(outlet, request);
-      pause = std::min<std::chrono::nanoseconds>(2 * pause, kLongestPause);
-    }
+    if (subscribers > 0) Publish(outlet, request);
+    SendOrders(core, outlet, request, answers);
     lock.lock();
-    // A new subscriber is told, so without one there is nothing to repeat.
-    (void)answers.came.wait_until(lock, subscribers > 0 ? std::min(deadline, DeadlineIn(pause)) : deadline,
-                                  [&] { return answers.missing == 0 || outlet.subscriber_count() > subscribers; });
+    const auto more = [&] { return outlet.subscriber_count() > subscribers; };
+    (void)answers.came.wait_until(lock, std::min(deadline, DeadlineIn(pause)),
+                                  [&] { return answers.missing == 0 || more(); });
+    // A new subscriber may not get the first message.
+    pause = more() ? kFirstRepetition : std::min<std::chrono::nanoseconds>(2 * pause, kLongestPause);
   }
 }
 
-std::vector<ControlAnswer> Ask(ServicePlace& place, SessionId self, std::span<const SessionId> sessions,
-                               const ControlOrder& order, std::chrono::steady_clock::time_point deadline) {
+std::vector<ControlAnswer> Ask(SessionCore& core, std::span<const SessionId> sessions, const ControlOrder& order,
+                               std::chrono::steady_clock::time_point deadline) {
+  ServicePlace& place = core.place();
   const auto answers = std::make_shared<Answers>();
   for (const SessionId one : sessions) answers->all[one.value].session = one;
   answers->missing = answers->all.size();
@@ -89,8 +108,8 @@ std::vector<ControlAnswer> Ask(ServicePlace& place, SessionId self, std::span<co
   request.set_channel(order.channel);
   request.set_level(static_cast<std::uint32_t>(order.level));
 
-  const auto take = [answers, self = self.value, number = request.number()](const AnyMessage& message,
-                                                                            const MessageInfo& info) {
+  const auto take = [answers, self = core.id().value, number = request.number()](const AnyMessage& message,
+                                                                                 const MessageInfo& info) {
     const auto& reply = *static_cast<const ControlReply*>(message.get());
     if (reply.asker() == self && reply.number() == number) answers->Take(reply, info.id.publisher);
   };
@@ -101,7 +120,7 @@ std::vector<ControlAnswer> Ask(ServicePlace& place, SessionId self, std::span<co
   const std::string channel(kControlChannel);
   const auto outlet =
       place.OpenOutlet(channel, TypeOf<ControlRequest>(), {[] {}, [answers] { answers->Wake(); }, [] { return true; }});
-  AskUntilAnswered(*outlet, request, *answers, deadline);
+  AskUntilAnswered(core, *outlet, request, *answers, deadline);
   place.CloseOutlet(channel, outlet);
   std::vector<ControlAnswer> result;
   const std::scoped_lock lock(answers->mutex);
@@ -117,7 +136,7 @@ std::vector<ControlAnswer> AskSessions(Session& session, std::span<const Session
   const auto deadline = DeadlineIn(timeout);
   if (core.asking().Enter(deadline)) {  // The channel of requests is advertised once.
     const std::shared_ptr<OneAtATime> leaves(&core.asking(), [](OneAtATime* asking) { asking->Leave(); });
-    return Ask(core.place(), core.id(), sessions, order, deadline);
+    return Ask(core, sessions, order, deadline);
   }
   std::vector<ControlAnswer> unanswered;
   for (const SessionId one : sessions) unanswered.push_back({one});

@@ -19,6 +19,12 @@ inline constexpr std::size_t kMaxControlBytes = 4u << 20;
 /// The limit upstream, where the largest message is a Subscribe with a long type name. ZeroMQ closes the connection
 /// of a larger one.
 inline constexpr std::size_t kMaxUpstreamBytes = 64u << 10;
+/// The channel of the publisher that gets the orders of its subscribers.
+inline constexpr std::string_view kOrdersChannel = "hgros/control";
+inline constexpr const char* kOrderRepliesChannel = "hgros/control/replies";
+inline constexpr std::uint32_t kOrdersSinceMinor = 3;
+/// Keeps an order below kMaxUpstreamBytes.
+inline constexpr std::size_t kMaxOrderBytes = kMaxUpstreamBytes - 64;
 [[nodiscard]] std::string ControlTopic(SessionId session);
 [[nodiscard]] std::optional<SessionId> ParseControlTopic(std::string_view topic) noexcept;
 

@@ -6,6 +6,7 @@
 
 #include "hgros/base/error.hpp"
 #include "transport/leavings.hpp"
+#include "transport/zmq/control.hpp"
 #include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
@@ -98,7 +99,8 @@ void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
   if (Find(publishers_, endpoint.endpoint) != publishers_.end()) {
     throw Error("This session publishes at " + endpoint.endpoint + " already.", {}, "Name it once, with all channels.");
   }
-  auto added = std::make_shared<PublisherEndpoint>(shared_, endpoint);
+  auto added = std::make_shared<PublisherEndpoint>(shared_, endpoint,
+                                                   [this](InboundMessage&& order) { TakeOrder(std::move(order)); });
   for (const auto& [name, core] : outbound_) added->Offer(core);
   poller_.Add(added->fd(), added->input());
   poller_.Add(added->watch().fd(), added->watch().input());
@@ -222,6 +224,27 @@ void ZmqCore::ChangeDemand(const std::shared_ptr<InboundCore>& core) {
 void ZmqCore::AskAgain(const InboundCore* core) {
   const std::shared_lock lock(mutex_);
   for (const auto& endpoint : subscribers_) endpoint->AskAgain(core);
+}
+
+OrderWay ZmqCore::SendOrder(SessionId publisher, std::string_view request) {
+  const std::shared_lock lock(mutex_);
+  OrderWay best = OrderWay::kNone;
+  for (const auto& endpoint : subscribers_) {
+    if (best != OrderWay::kSent) best = std::max(best, endpoint->SendOrder(publisher, request));
+  }
+  return best;
+}
+
+void ZmqCore::TakeOrder(InboundMessage&& order) {
+  std::shared_ptr<InboundCore> core;
+  {
+    const std::shared_lock lock(mutex_);
+    const auto found = inbound_.find(std::string(kOrdersChannel));
+    if (found == inbound_.end()) return;
+    core = found->second;
+  }
+  // The library's own subscriber of that channel asks for no run.
+  (void)InboundCore::Deliver(core, std::move(order), shared_.repeats);
 }
 
 PublishStatus ZmqCore::Reserve(OutboundCore& core) {

@@ -55,6 +55,8 @@ class ZmqCore : public LeaderPool::Input {
   void AskAgain(const InboundCore* core);
   [[nodiscard]] static bool Asks(const InboundCore& core, SessionId publisher) { return core.IsClaimed(publisher); }
 
+  [[nodiscard]] OrderWay SendOrder(SessionId publisher, std::string_view request);
+
   [[nodiscard]] PublishStatus Reserve(OutboundCore& core);
   void Cancel(const std::shared_ptr<OutboundCore>& core);
   [[nodiscard]] std::size_t Unfinished(const OutboundCore& core) const;
@@ -76,6 +78,7 @@ class ZmqCore : public LeaderPool::Input {
     std::vector<std::shared_ptr<SubscriberEndpoint>> subscribers;
     std::vector<std::shared_ptr<SubscriberEndpoint>> removed;  // They still hold messages that they received.
   };
+  void TakeOrder(InboundMessage&& order);
   void UpdateWatch();
   void Tick(SteadyTime now);
   void Look(SteadyTime now);

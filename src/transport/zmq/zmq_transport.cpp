@@ -80,6 +80,9 @@ class OwningZmqTransport final : public ZmqTransport {
   void AskAgain() override {
     if (!core_->IsChild()) core_->AskAgain(nullptr);
   }
+  OrderWay SendOrder(SessionId publisher, std::string_view request) override {
+    return core_->IsChild() ? OrderWay::kNone : core_->SendOrder(publisher, request);
+  }
   std::vector<std::string> BoundEndpoints() const override { return core_->BoundEndpoints(); }
   std::vector<SessionChannels> KnownChannels() const override { return core_->KnownChannels(); }
   std::uint64_t refused_handshakes() const override { return core_->refused_handshakes(); }

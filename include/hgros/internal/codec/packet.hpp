@@ -57,7 +57,7 @@ inline constexpr std::size_t kPacketFaultCount = 10;
 
 inline constexpr std::uint16_t kHeaderSeparator = 0x2424;
 inline constexpr std::uint32_t kWireMajor = 1;  ///< Incremented when an older reader would misread.
-inline constexpr std::uint32_t kWireMinor = 2;  ///< Incremented when fields are added that an older reader may skip.
+inline constexpr std::uint32_t kWireMinor = 3;  ///< Incremented when fields are added that an older reader may skip.
 
 /// Writes the head frame: header_length (u32 LE), header_separator (u16 LE), head_str.
 /// Errors: none. `frame` is cleared first; its capacity is reused.

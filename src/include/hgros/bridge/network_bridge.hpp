@@ -74,6 +74,9 @@ class NetworkBridge {
   void SetSubscribeChannels(const std::string& endpoint, ChannelList channels);
   [[nodiscard]] std::vector<std::string> BoundEndpoints() const;
 
+  /// See ZmqTransport.
+  [[nodiscard]] OrderWay SendOrder(SessionId publisher, std::string_view request);
+
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
   [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
   /// Adds the channels of other sessions: those in the registry of this host, then those that are connected.

@@ -71,6 +71,13 @@ struct ZmqOptions {
   std::function<bool(SessionId publisher, std::string_view channel)> takes;
 };
 
+/// How an order went to a publisher; see ZmqTransport::SendOrder(). In the order in which they are preferred.
+enum class OrderWay : std::uint8_t {
+  kNone,    ///< No endpoint leads to it, or another transport does.
+  kTooOld,  ///< Its release takes no orders.
+  kSent,
+};
+
 /// Messages over ZeroMQ: ipc on one host, tcp between hosts. docs/wire-protocol.md is the specification.
 ///
 /// Each publish endpoint is an XPUB socket, each subscribe endpoint an XSUB socket. A channel may be advertised once
@@ -94,6 +101,10 @@ class ZmqTransport : public Transport {
   /// endpoint.
   virtual bool RemovePublishEndpoint(const std::string& endpoint) = 0;
   virtual bool RemoveSubscribeEndpoint(const std::string& endpoint) = 0;
+
+  /// Sends a request of control to a session that this one subscribes to, over that connection. For sessions that
+  /// receive nothing from here. It may be lost.
+  [[nodiscard]] virtual OrderWay SendOrder(SessionId publisher, std::string_view request) = 0;
 
   /// The publish endpoints that others can connect to, with the actual ports, in the order in which they were added.
   [[nodiscard]] virtual std::vector<std::string> BoundEndpoints() const = 0;

@@ -41,6 +41,7 @@ class PublishedChannels {
   [[nodiscard]] Channel* Find(const std::string& name);
   /// Null if another channel object has that name.
   [[nodiscard]] Channel* Find(const std::shared_ptr<OutboundCore>& core);
+  [[nodiscard]] bool IsAllowed(const std::string& channel) const;
   /// Sets which channels are allowed, and returns those for which this changes.
   [[nodiscard]] std::vector<Channel*> SetAllowed(const ChannelList& allowed);
   /// Adds the types of all channels that are offered.
@@ -78,8 +79,6 @@ class PublishedChannels {
   void UpdatePlain(Channel& channel, Actions& actions);
 
  private:
-  [[nodiscard]] bool IsAllowed(const std::string& channel) const;
-
   SharedState& shared_;
   Socket& socket_;
   std::optional<std::set<std::string, std::less<>>> allowed_;

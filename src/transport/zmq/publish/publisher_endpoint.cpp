@@ -17,8 +17,9 @@ constexpr int kFramesPerTurn = 64;  // Then other endpoints have their turn.
 
 }  // namespace
 
-PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint& endpoint)
+PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint& endpoint, TakeOrder take_order)
     : shared_(shared),
+      take_order_(std::move(take_order)),
       endpoint_(FullEndpoint(endpoint.endpoint)),
       socket_(shared.context, ZMQ_XPUB),
       watch_(shared, socket_, bound_),
@@ -206,7 +207,7 @@ bool PublisherEndpoint::MayClaim(SessionId session, const Message& frame) {
 }
 
 void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
-  const auto control = ParseControl(frame.bytes().subspan(1));
+  auto control = ParseControl(frame.bytes().subspan(1));
   if (!control) {
     shared_.CountFault(PacketFault::kHead, bound_, "a control message that does not parse");
     return;
@@ -242,10 +243,26 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
       (void)watch_.CountWishes(fd, session, peer->wish_bytes);
       break;
     case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;
+    case wire::Control::kOrder: OnOrder(*peer, std::move(*control->mutable_order()), frame, actions); break;
     case wire::Control::kHeartbeat: peers_.OnHeartbeat(*peer, control->heartbeat(), actions); break;
     case wire::Control::kBye: peers_.Drop(session, "it said goodbye", actions); break;
     default: shared_.CountPeerFault(PacketFault::kHead, peer->name(), "a publisher's control message");
   }
+}
+
+void PublisherEndpoint::OnOrder(const SubscriberPeer& peer, wire::Order&& order, const Message& frame,
+                                Actions& actions) const {
+  if (!channels_.IsAllowed(kOrderRepliesChannel)) return;  // The sender would not learn what became of it.
+  // With keys, only those of allowed_clients come here.
+  const bool trusted = shared_.options.security && !frame.user_id().empty();
+  const auto request = std::make_shared<const std::string>(std::move(*order.mutable_request()));
+  actions.emplace_back([take = take_order_, from = peer.facts.info.id, trusted, request] {
+    InboundMessage message;
+    message.from = from;
+    message.trusted = trusted;
+    message.data = {AsBytes(*request), request};
+    take(std::move(message));
+  });
 }
 
 void PublisherEndpoint::Tick(SteadyTime now, Actions& actions) {

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "hgros/transport/inbound_channel.hpp"
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
 #include "transport/zmq/publish/connection_watch.hpp"
@@ -28,8 +30,11 @@ namespace hgros::zmq {
 /// packets that wait for it (docs/decisions/0008).
 class PublisherEndpoint {
  public:
+  /// Gets the orders of subscribers, on the leading thread and without the mutex.
+  using TakeOrder = std::function<void(InboundMessage&&)>;
+
   /// Binds. Throws Error.
-  PublisherEndpoint(SharedState& shared, const PublishEndpoint& endpoint);
+  PublisherEndpoint(SharedState& shared, const PublishEndpoint& endpoint, TakeOrder take_order);
   ~PublisherEndpoint();
 
   [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
@@ -73,10 +78,12 @@ class PublisherEndpoint {
   void OnTopic(bool subscribed, std::string_view text, Message& frame, Actions& actions);
   void RefuseFilter(std::string_view filter, Message& frame);
   void OnUpstream(Message& frame, Actions& actions);
+  void OnOrder(const SubscriberPeer& peer, wire::Order&& order, const Message& frame, Actions& actions) const;
   [[nodiscard]] bool MayClaim(SessionId session, const Message& frame);
   void FetchLatched(const std::shared_ptr<OutboundCore>& core, SessionId session, std::uint64_t link);
 
   SharedState& shared_;
+  const TakeOrder take_order_;
   const std::string endpoint_;
   std::string bound_;
   mutable std::mutex mutex_;

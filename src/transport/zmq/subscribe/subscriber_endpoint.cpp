@@ -305,6 +305,19 @@ void SubscriberEndpoint::SendCredit(bool all) {
   if (publisher_.alive && connection_.connected()) channels_.SendCredit(all);
 }
 
+OrderWay SubscriberEndpoint::SendOrder(SessionId publisher, std::string_view request) {
+  const SocketUse use(mutex_, connection_.socket(), input_, *shared_.waker);
+  if (!publisher_.alive || publisher_.id() != publisher || !connection_.connected()) return OrderWay::kNone;
+  // Another transport that reaches the publisher, or will, may be trusted more.
+  if (shared_.options.takes && !shared_.options.takes(publisher, kOrdersChannel)) return OrderWay::kNone;
+  if (publisher_.facts.wire_minor < kOrdersSinceMinor) return OrderWay::kTooOld;
+  if (request.size() > kMaxOrderBytes) return OrderWay::kNone;
+  auto message = ControlFrom(shared_.self.info.id);
+  message.mutable_order()->set_request(request.data(), request.size());
+  connection_.Send(message);
+  return OrderWay::kSent;
+}
+
 void SubscriberEndpoint::Tick(SteadyTime now) {
   Actions actions;
   {

@@ -59,6 +59,8 @@ class SubscriberEndpoint {
   /// Reads and delivers what has arrived; returns early with a task that must run on another thread. Sets `busy` if
   /// there may be more.
   [[nodiscard]] LeaderPool::Task Serve(bool& busy);
+  /// See ZmqTransport::SendOrder().
+  [[nodiscard]] OrderWay SendOrder(SessionId publisher, std::string_view request);
   /// Sends credit to the publisher if it waits for that, or always if `all`.
   void SendCredit(bool all);
   void Tick(SteadyTime now);
