@@ -59,7 +59,8 @@ ComponentCatalog::ComponentCatalog(std::vector<path> folders) : folders_(std::mo
     std::vector<path> manifests;
     std::error_code error;
     for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-      if (at->path().extension() == ".yaml") manifests.push_back(at->path());
+      std::error_code broken;  // Of a link.
+      if (at->path().extension() == ".yaml" && at->is_regular_file(broken)) manifests.push_back(at->path());
     }
     if (error && error != std::errc::no_such_file_or_directory) {
       faults_.push_back("The folder " + folder.string() + " cannot be read: " + error.message() + ".");

@@ -122,8 +122,8 @@ class Components::Core {
     for (const auto& one : all_) {
       if (one->core.status().state != ComponentState::kJoined) continue;
       try {
-        one->activated = true;
         one->component->Activate();
+        one->activated = true;
         one->core.StartTimers();
         one->core.SetState(ComponentState::kRunning);
       } catch (const std::exception& error) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -80,6 +81,17 @@ TEST_F(ComponentCatalogTest, SaysWhatIsWrongWithAManifestAndUsesTheOthers) {
   EXPECT_THAT(catalog.faults()[2], AllOf(HasSubstr("c.yaml"), HasSubstr("library")));
   EXPECT_NO_THROW((void)catalog.Find("words/Sink"));
   EXPECT_THAT([&] { (void)catalog.Find("words/Source"); }, ThrowsMessage<Error>(HasSubstr("c.yaml")));
+}
+
+TEST_F(ComponentCatalogTest, IgnoresWhatIsNoFile) {
+  ASSERT_EQ(mkfifo((folder_ / "first" / "pipe.yaml").c_str(), 0600), 0);
+  std::filesystem::create_directory(folder_ / "first" / "folder.yaml");
+  std::filesystem::create_symlink("/dev/zero", folder_ / "first" / "device.yaml");
+  std::filesystem::create_symlink("nowhere", folder_ / "first" / "broken.yaml");
+  Write("second/words.yaml", "library: x.so\ncomponents: [words/Source]\n");
+  const ComponentCatalog catalog = Catalog();
+  EXPECT_EQ(catalog.libraries().size(), 1U);
+  EXPECT_THAT(catalog.faults(), IsEmpty());
 }
 
 TEST_F(ComponentCatalogTest, LoadsALibraryAndSaysIfItIsAnother) {

@@ -76,6 +76,7 @@ HGROS_COMPONENT(Broken, "test/Broken")
 struct WillNotStart {
   explicit WillNotStart(Context&) {}
   static void Activate() { throw std::runtime_error("the motor does not answer"); }
+  static void Deactivate() { Deeds().push_back("what was not active is not active"); }
 };
 HGROS_COMPONENT(WillNotStart, "test/WillNotStart")
 
@@ -234,6 +235,7 @@ TEST(Components, WhoseConstructorThrowsLeaveNothing) {
 }
 
 TEST(Components, WhoseActivateThrowsHaveFailed) {
+  Deeds().clear();
   Process process;
   process.components->Add({.name = "motor", .type = "test/WillNotStart"});
   process.components->Add(CounterNamed("counter"));
@@ -242,6 +244,8 @@ TEST(Components, WhoseActivateThrowsHaveFailed) {
   EXPECT_EQ(process.Status("motor").sentence, "the motor does not answer");
   EXPECT_EQ(process.Status("counter").state, ComponentState::kRunning);
   EXPECT_THAT(process.lines(), ElementsAre(HasSubstr("motor|It has failed: the motor does not answer")));
+  process.components->End("motor");
+  EXPECT_THAT(Deeds(), ElementsAre("counter is active"));
 }
 
 TEST(Components, FinishOnceAndSayTheResult) {

@@ -199,6 +199,7 @@ class Trial {
     }
     close(ends[1]);
     in_ = ends[0];
+    (void)fcntl(in_, F_SETFL, O_NONBLOCK);
   }
   Trial(const Trial&) = delete;
   Trial& operator=(const Trial&) = delete;
@@ -247,7 +248,7 @@ class Trial {
       }
       std::array<char, 4096> buffer{};
       const ssize_t more = read(in_, buffer.data(), std::min(buffer.size(), wanted - text.size()));
-      if (more < 0 && errno == EINTR) continue;
+      if (more < 0 && (errno == EINTR || errno == EAGAIN)) continue;
       if (more <= 0) return Heard::kEnd;
       text.append(buffer.data(), static_cast<std::size_t>(more));
     }
