@@ -39,7 +39,7 @@ std::string Named(const ComponentSetup& setup) {
   } catch (const std::exception& error) {
     throw Error(Named(setup) + error.what());
   } catch (...) {
-    throw Error(Named(setup) + "its constructor threw something that is no std::exception.");
+    throw Error(Named(setup) + "it threw something that is no std::exception.");
   }
 }
 
@@ -113,6 +113,8 @@ class Components::Core {
           one->offered.emplace(session_, one->core.params(), one->core.setup().name);
         }
       } catch (...) {
+        one->core.EndInputs();
+        one->core.SetState(ComponentState::kFailed, "It could not join.");
         Rethrow(one->core.setup());
       }
     }

@@ -31,6 +31,9 @@ std::string Context::NameHere(std::string_view name) { return core_.NameHere(nam
 std::string Context::AddOutput(std::string_view channel, const TypeInfo& type) {
   return core_.AddOutput(channel, type.name);
 }
+std::string Context::AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply) {
+  return core_.AddCalled(service, request.name, reply.name);
+}
 void Context::AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options) {
   core_.AddInput(input, std::move(callback), std::move(options));
 }

@@ -133,6 +133,13 @@ std::string ContextCore::AddOutput(std::string_view channel, const std::string& 
   return here;
 }
 
+std::string ContextCore::AddCalled(std::string_view service, const std::string& request, const std::string& reply) {
+  std::string here = NameHere(service);
+  const std::scoped_lock lock(mutex_);
+  if (!constructed_) description_.calls.push_back({std::string(service), here, request, reply});
+  return here;
+}
+
 NodeOverride ContextCore::SetUpNode(std::string_view channel, std::string& name) {
   const std::string wanted = name.empty() ? std::string(channel) : name;
   std::string own = wanted;
@@ -240,7 +247,12 @@ void ContextCore::Begin(Stage& stage) {
     stage.begun = true;
     waiting.swap(stage.waiting);
   }
-  for (const Wire& wire : waiting) Add(stage, wire);
+  try {
+    for (const Wire& wire : waiting) Add(stage, wire);
+  } catch (...) {
+    End(stage);  // Not a part of it.
+    throw;
+  }
 }
 
 void ContextCore::End(Stage& stage) {
@@ -259,7 +271,9 @@ void ContextCore::Join() {
   SetState(ComponentState::kJoined);
 }
 
-void ContextCore::StartTimers() { Begin(timers_); }
+void ContextCore::StartTimers() {
+  if (status().state < ComponentState::kFinished) Begin(timers_);
+}
 
 void ContextCore::EndTimers() { End(timers_); }
 

@@ -53,6 +53,7 @@ class ContextCore {
   [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
   [[nodiscard]] std::string NameHere(std::string_view name);
   [[nodiscard]] std::string AddOutput(std::string_view channel, const std::string& type);
+  [[nodiscard]] std::string AddCalled(std::string_view service, const std::string& request, const std::string& reply);
   void AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options);
   void AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options);
   void AddTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options);

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -246,6 +248,38 @@ TEST(Components, WhoseActivateThrowsHaveFailed) {
   EXPECT_THAT(process.lines(), ElementsAre(HasSubstr("motor|It has failed: the motor does not answer")));
   process.components->End("motor");
   EXPECT_THAT(Deeds(), ElementsAre("counter is active"));
+}
+
+// Fails as soon as it is active.
+struct FailsWhenActive {
+  explicit FailsWhenActive(Context& its_context) : context(its_context) {
+    context.CreateTimer("tick", std::chrono::milliseconds(1), [this](const Tick&) { ++ticks; });
+  }
+  void Activate() { context.Fail("it has had enough"); }
+  Context& context;
+  std::atomic<int> ticks{0};
+};
+HGROS_COMPONENT(FailsWhenActive, "test/FailsWhenActive")
+
+TEST(Components, ThatFailWhenActiveGetNoTimers) {
+  Process process;
+  process.components->Add({.name = "short", .type = "test/FailsWhenActive"});
+  process.Run();
+  EXPECT_EQ(process.Status("short").state, ComponentState::kFailed);
+  Linger(std::chrono::milliseconds(20));
+  EXPECT_EQ(process.components->Find<FailsWhenActive>("short")->ticks, 0);
+}
+
+TEST(Components, ThatCannotJoinHaveFailed) {
+  Process process;
+  const auto other = process.session.Advertise<foxglove::FrameTransform>("pose");
+  process.components->Add(CounterNamed("counter"));
+  EXPECT_THAT([&] { process.components->Join(); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("Component \"counter\""), HasSubstr("foxglove.FrameTransform"))));
+  EXPECT_EQ(process.Status("counter").state, ComponentState::kFailed);
+  process.components->Join();
+  process.components->Start();
+  EXPECT_EQ(process.Status("counter").state, ComponentState::kFailed);
 }
 
 TEST(Components, FinishOnceAndSayTheResult) {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -36,11 +37,13 @@ class Everything {
       if (request.frame_id() == "throw") throw std::runtime_error("no echo");
       return request;
     });
+    echo = context.Client<PoseInFrame, PoseInFrame>("echo");
     context.CreateTimer("tick", 1ms, [this](const Tick&) { ++ticks; });
     context.CreateTimer("fails", 1ms, [](const Tick&) { throw std::runtime_error("no tick"); });
   }
 
   Context& context;
+  std::optional<ServiceClient<PoseInFrame, PoseInFrame>> echo;
   std::atomic<int> raw{0};
   std::atomic<int> first{0};
   std::atomic<int> second{0};
@@ -108,7 +111,8 @@ TEST(Context, RenamesServices) {
   Everything& all = AddTo(process, {.name = "all", .type = "test/Everything", .remap = {{"echo", "cave/echo"}}});
   process.Run();
   EXPECT_TRUE(bool(process.session.Call<PoseInFrame, PoseInFrame>("cave/echo", PoseInFrame(), 5s).Wait()));
-  EXPECT_TRUE(bool(all.context.Call<PoseInFrame, PoseInFrame>("echo", PoseInFrame(), 5s).Wait()));
+  EXPECT_TRUE(bool(all.echo->Call(PoseInFrame(), 5s).Wait()));
+  EXPECT_EQ(process.components->description("all").calls.at(0).service, "cave/echo");
 }
 
 TEST(Context, TakesQueueAndExecutorFromTheSetup) {

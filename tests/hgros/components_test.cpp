@@ -48,9 +48,11 @@ TEST(HgrosComponents, SurvivesALibraryThatDoesNot) {
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.out, AllOf(HasSubstr("bad/Crashes"), HasSubstr("bad/Exits"), HasSubstr("bad/Prints"),
                              HasSubstr("bad/Throws"), Not(HasSubstr("I print"))));
-  EXPECT_THAT(end.err,
-              AllOf(HasSubstr("Component \"bad/Crashes\": its constructor does not return: it was ended by SIGSEGV."),
-                    HasSubstr("exit code 3"), HasSubstr("there is no \\x1b[31mcamera")));
+  EXPECT_THAT(
+      end.err,
+      AllOf(HasSubstr(
+                "Component \"bad/Crashes\": its constructor or destructor does not return: it was ended by SIGSEGV."),
+            HasSubstr("exit code 3"), HasSubstr("there is no \\x1b[31mcamera")));
 }
 
 TEST(HgrosComponents, ChecksWhatALibraryHas) {

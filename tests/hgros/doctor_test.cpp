@@ -1,5 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+
+#include <atomic>
 
 #include <foxglove/LaserScan.pb.h>
 #include <foxglove/Log.pb.h>
@@ -40,6 +43,26 @@ TEST(HgrosDoctor, FindsAMisspelledChannelASlowCallbackAndAFullQueue) {
   EXPECT_THAT(end.out, HasSubstr("\\\"scan_frotn\\\", which nobody publishes."));
   EXPECT_THAT(end.out, HasSubstr("\"check\":\"queue\""));
   EXPECT_THAT(end.out, HasSubstr("because its queue of 3 is full"));
+}
+
+TEST(HgrosDoctor, FindsAThreadWithoutItsRealTimePriority) {
+  RobotForCommands robot("patrol");
+  Session& session = robot.session();
+  std::atomic<bool> lowered{false};
+  const Subscription control =
+      session.FromAny<Log>("status", Invoke::kSerial,
+                           [&](const Log&) {  // As if the system had refused it.
+                             const sched_param none{};
+                             lowered = sched_setscheduler(0, SCHED_OTHER, &none) == 0;
+                           },
+                           {.name = "control_of_the_arm", .executor = Executor::Dedicated({}, 10)});
+  (void)session.ToAny("status", Log());
+  ASSERT_TRUE(test::Await([&] { return lowered.load(); }));
+  const CommandEnd end = robot.Run({"doctor"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, HasSubstr("Node control_of_the_arm of patrol:"));
+  EXPECT_THAT(end.out, HasSubstr("should have the real-time priority 10, but its thread has none."));
+  EXPECT_THAT(end.out, HasSubstr("ulimit -r 10"));
 }
 
 TEST(HgrosDoctor, FindsTypesThatDoNotFit) {

@@ -141,6 +141,13 @@ Sheet::Table ChannelTable(const std::string& key, const std::string& heading,
   return table;
 }
 
+Sheet::Table ServiceTable(const std::string& key, const std::string& heading,
+                          const std::vector<ComponentService>& services) {
+  Sheet::Table table{key, {{"service", heading}, {"request", "REQUEST"}, {"reply", "REPLY"}}, {}};
+  for (const ComponentService& one : services) table.rows.push_back({one.name, one.request, one.reply});
+  return table;
+}
+
 void ComponentsCommand::Show(Console& console, const TriedLibrary& library, const TriedComponent& component) const {
   const ComponentDescription& it = *component.description;
   Sheet sheet("component", component.type);
@@ -148,9 +155,8 @@ void ComponentsCommand::Show(Console& console, const TriedLibrary& library, cons
   sheet.Fact("state", "Saves and restores", it.state);
   sheet.Add(ChannelTable("subscribes", "SUBSCRIBES", it.inputs));
   sheet.Add(ChannelTable("publishes", "PUBLISHES", it.outputs));
-  Sheet::Table services{"serves", {{"service", "SERVES"}, {"request", "REQUEST"}, {"reply", "REPLY"}}, {}};
-  for (const ComponentService& one : it.services) services.rows.push_back({one.name, one.request, one.reply});
-  sheet.Add(std::move(services));
+  sheet.Add(ServiceTable("serves", "SERVES", it.services));
+  sheet.Add(ServiceTable("calls", "CALLS", it.calls));
   Sheet::Table timers{"timers", {{"timer", "TIMER"}, {"period_ns", "PERIOD", true}}, {}};
   for (const ComponentTimer& one : it.timers) {
     timers.rows.push_back(

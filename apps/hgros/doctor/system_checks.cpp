@@ -1,6 +1,7 @@
 // Limits of this host and of the processes on it, and other sessions that this command does not meet.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sched.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 
 #include "doctor/evidence.hpp"
 #include "terminal/units.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -91,6 +93,33 @@ void CheckMemoryGroup(const std::string& name, std::int64_t pid, std::set<std::s
          fmt::format("The control group {} of {} uses {} of {}.", at.string(), name,
                      BytesText(static_cast<double>(*now), false), BytesText(static_cast<double>(*most), false)),
          "Raise its memory limit (MemoryMax=), or lower shared_memory: limit and the queues of its nodes."});
+  }
+}
+
+// Whether a thread of that name has a real-time priority; empty: there is none, or its priority is not known.
+std::optional<bool> HasPriority(std::int64_t pid, const std::string& thread) {
+  std::optional<bool> has;
+  std::error_code error;
+  for (const auto& task : fs::directory_iterator(fmt::format("/proc/{}/task", pid), error)) {
+    if (TextOf(task.path() / "comm") != thread + "\n") continue;
+    const int policy = sched_getscheduler(static_cast<pid_t>(NumberIn(task.path().filename().string()).value_or(0)));
+    if (policy >= 0) has = has.value_or(false) || (policy & ~SCHED_RESET_ON_FORK) == SCHED_FIFO;
+  }
+  return has;
+}
+
+void CheckPriorities(const std::string& name, const Snapshot& snapshot, Findings& findings) {
+  constexpr std::size_t kThreadName = 15;
+  for (const Snapshot::Channel& channel : snapshot.channels()) {
+    for (const Snapshot::Node& node : channel.nodes()) {
+      if (node.fifo_priority() == 0 || HasPriority(snapshot.pid(), node.name().substr(0, kThreadName)) != false)
+        continue;
+      findings.push_back({Severity::kWarning, "priority",
+                          fmt::format("Node {} of {} should have the real-time priority {}, but its thread has none.",
+                                      Visible(node.name()), name, node.fifo_priority()),
+                          fmt::format("Let the user have it (ulimit -r {}, or LimitRTPRIO= of its systemd unit).",
+                                      node.fifo_priority())});
+    }
   }
 }
 
@@ -176,6 +205,7 @@ void CheckSystem(const Evidence& evidence, Findings& findings) {
     if (!evidence.here.contains(session) || !processes.insert(snapshot->pid()).second) continue;
     CheckDescriptors(evidence.NameOf(session), snapshot->pid(), findings);
     CheckMemoryGroup(evidence.NameOf(session), snapshot->pid(), groups, findings);
+    CheckPriorities(evidence.NameOf(session), *snapshot, findings);
   }
   CheckBuffers(evidence, findings);
   CheckGovernor(findings);

@@ -69,16 +69,22 @@ void Write(const std::vector<ComponentChannel>& channels,
   }
 }
 
-void Write(const ComponentDescription& description, TrialStep::Made& made) {
-  Write(description.inputs, *made.mutable_inputs());
-  Write(description.outputs, *made.mutable_outputs());
-  for (const ComponentService& one : description.services) {
-    TrialStep::Service& to = *made.add_services();
+void Write(const std::vector<ComponentService>& services,
+           google::protobuf::RepeatedPtrField<TrialStep::Service>& written) {
+  for (const ComponentService& one : services) {
+    TrialStep::Service& to = *written.Add();
     to.set_name(one.name);
     to.set_service(one.service);
     to.set_request(one.request);
     to.set_reply(one.reply);
   }
+}
+
+void Write(const ComponentDescription& description, TrialStep::Made& made) {
+  Write(description.inputs, *made.mutable_inputs());
+  Write(description.outputs, *made.mutable_outputs());
+  Write(description.services, *made.mutable_services());
+  Write(description.calls, *made.mutable_calls());
   for (const ComponentTimer& one : description.timers) {
     TrialStep::Timer& to = *made.add_timers();
     to.set_name(one.name);
@@ -109,6 +115,7 @@ void Construct(int out, const std::string& type) {
                                     .offer_params = false});
     TrialStep step;
     Write(components.Add({.name = type, .type = type}), *step.mutable_made());
+    components.End(type);  // A destructor may fail, too.
     Tell(out, step);
   } catch (const std::exception& error) {
     TellFault(out, error.what());
@@ -148,14 +155,21 @@ std::vector<ComponentChannel> Read(const google::protobuf::RepeatedPtrField<Tria
   return read;
 }
 
+std::vector<ComponentService> Read(const google::protobuf::RepeatedPtrField<TrialStep::Service>& services) {
+  std::vector<ComponentService> read;
+  for (const TrialStep::Service& one : services) {
+    read.push_back({one.name(), one.service(), one.request(), one.reply()});
+  }
+  return read;
+}
+
 ComponentDescription Read(const std::string& type, const TrialStep::Made& made) {
   ComponentDescription description;
   description.type = type;
   description.inputs = Read(made.inputs());
   description.outputs = Read(made.outputs());
-  for (const TrialStep::Service& one : made.services()) {
-    description.services.push_back({one.name(), one.service(), one.request(), one.reply()});
-  }
+  description.services = Read(made.services());
+  description.calls = Read(made.calls());
   for (const TrialStep::Timer& one : made.timers()) {
     description.timers.push_back({one.name(), Duration(one.period_ns())});
   }
@@ -181,7 +195,7 @@ std::string EndText(int status) {
 
 // The beginning of a fault; `type` is empty while the library is loaded.
 std::string Named(const std::string& type) {
-  return type.empty() ? "Loading the library " : "Component \"" + type + "\": its constructor ";
+  return type.empty() ? "Loading the library " : "Component \"" + type + "\": its constructor or destructor ";
 }
 
 // A child process and the pipe from it. Ends it.
@@ -221,13 +235,25 @@ class Trial {
     if (const Heard heard = Fill(body, bytes, deadline, pause); heard != Heard::kStep) return heard;
     return step.ParseFromString(body) ? Heard::kStep : Heard::kEnd;
   }
-  // Its wait status.
+  // Its wait status, once it has ended.
   int Wait() {
     int status = 0;
     while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
     }
     child_ = -1;
     return status;
+  }
+  // The same; ends it if it does not end soon.
+  int End(Pause& pause) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    for (int status = 0; std::chrono::steady_clock::now() < deadline;) {
+      if (waitpid(child_, &status, WNOHANG) == child_) {
+        child_ = -1;
+        return status;
+      }
+      if (pause.For(std::chrono::milliseconds(5)) == Pause::End::kInterrupted) throw OutputClosed();
+    }
+    return Kill();
   }
   int Kill() {
     (void)kill(child_, SIGKILL);
@@ -280,7 +306,7 @@ TriedLibrary TryComponents(const std::filesystem::path& library, const std::vect
       TrialStep step;
       switch (trial.Next(step, pause)) {
         case Trial::Heard::kEnd:
-          note(Named(current) + "does not return: " + EndText(trial.Wait()) + ".");
+          note(Named(current) + "does not return: " + EndText(trial.End(pause)) + ".");
           done = true;
           break;
         case Trial::Heard::kLate:

@@ -34,7 +34,8 @@ struct ComponentDescription {
   std::string type;  ///< Such as "slam2d/Mapper".
   std::vector<ComponentChannel> inputs;
   std::vector<ComponentChannel> outputs;
-  std::vector<ComponentService> services;
+  std::vector<ComponentService> services;  ///< Those that it serves.
+  std::vector<ComponentService> calls;     ///< Those that it calls.
   std::vector<ComponentTimer> timers;
   std::vector<ParamDeclaration> params;
   std::string state;  ///< The type of its Save; empty if it has none.

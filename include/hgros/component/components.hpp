@@ -34,7 +34,7 @@ enum class ComponentState : std::uint8_t {
   kJoined,    ///< It receives messages and serves.
   kRunning,   ///< Its timers run, and it was activated.
   kFinished,  ///< It said Finish.
-  kFailed,    ///< It said Fail, or Activate threw.
+  kFailed,    ///< It said Fail, could not join, or Activate threw.
 };
 [[nodiscard]] HGROS_EXPORT std::string_view ToString(ComponentState state) noexcept;
 
@@ -85,7 +85,8 @@ class HGROS_EXPORT Components {
   const ComponentDescription& Add(const ComponentSetup& setup);
   /// The same with a type that need not be registered; ComponentSetup::type is not used.
   const ComponentDescription& Add(const ComponentType& type, ComponentSetup setup);
-  /// Lets all wired components receive messages and serve. Throws Error if a channel has another type.
+  /// Lets all wired components receive messages and serve. Throws Error if a channel has another type: that component
+  /// has failed, and those behind it are still wired.
   void Join();
   /// Activates all joined components in the order of Add, each before its timers start. A component whose Activate
   /// throws has failed.

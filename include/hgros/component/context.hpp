@@ -9,6 +9,7 @@
 
 #include "hgros/base/export.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/component/service_client.hpp"
 #include "hgros/internal/base/call_site.hpp"
 #include "hgros/internal/component/wiring.hpp"
 #include "hgros/params/param_server.hpp"
@@ -35,9 +36,8 @@ class Transforms;
 ///     };
 ///     HGROS_COMPONENT(Mapper, "slam2d/Mapper")
 ///
-/// Ordering:  callbacks, handlers and timers begin after the constructor, and end before the destructor. Messages that
-///            a constructor publishes reach nobody, unless they are latched: publish from Activate() and from
-///            callbacks.
+/// Ordering:  callbacks, handlers and timers begin after the constructor, and end before the destructor. Publish from
+///            Activate() and from callbacks; in the constructor only what is latched.
 /// Threading: thread-safe. Use it from the constructor, or keep a reference: it lives longer than the component.
 /// Errors:    wiring throws Error. The constructor may let it pass: the component then cannot be started, and the error
 ///            is shown with the component's name.
@@ -91,15 +91,12 @@ class HGROS_EXPORT Context {
     AddService({service, CallTypeOf<Request>(), CallTypeOf<Reply>(), TypeOf<Request>(), TypeOf<Reply>(), invoke, where},
                EraseHandler<Request, Reply>(std::forward<F>(handler)), std::move(options));
   }
-  /// As Session::Call.
-  template <class Request, class Reply, class M>
-  [[nodiscard]] CallFuture<Reply> Call(std::string_view service, M&& request, std::chrono::nanoseconds timeout) {
-    return session().Call<Request, Reply>(NameHere(service), std::forward<M>(request), timeout);
-  }
-  template <class Request, class Reply, class M, std::invocable<const CallResult<Reply>&> F>
-  CallTicket Call(std::string_view service, M&& request, std::chrono::nanoseconds timeout, F&& callback) {
-    return session().Call<Request, Reply>(NameHere(service), std::forward<M>(request), timeout,
-                                          std::forward<F>(callback));
+  /// A service that the component calls. Ask for it in the constructor, so that it is known before the robot runs.
+  template <class Request, class Reply>
+  [[nodiscard]] ServiceClient<Request, Reply> Client(std::string_view service) {
+    RequireMessage<Request>();
+    RequireMessage<Reply>();
+    return ServiceClient<Request, Reply>(session(), AddCalled(service, TypeOf<Request>(), TypeOf<Reply>()));
   }
 
   /// As Session::CreateTimer, from the moment when all components of the robot are ready until this one ends.
@@ -121,9 +118,9 @@ class HGROS_EXPORT Context {
   /// Writes lines with the component's name.
   [[nodiscard]] Log& log() noexcept;
 
-  /// The component's work is done: it ends soon, and `result` is shown. Only the first Finish or Fail counts.
+  /// The component's work is done. Its callbacks run until the program ends it. Only the first Finish or Fail counts.
   void Finish(std::string result = {});
-  /// The component cannot go on for the reason in `sentence`: it ends soon.
+  /// The component cannot go on, for the reason in `sentence`.
   void Fail(std::string sentence);
 
  private:
@@ -131,6 +128,7 @@ class HGROS_EXPORT Context {
   [[nodiscard]] const std::shared_ptr<ComponentFaults>& faults() noexcept;
   [[nodiscard]] std::string NameHere(std::string_view name);
   [[nodiscard]] std::string AddOutput(std::string_view channel, const TypeInfo& type);
+  [[nodiscard]] std::string AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply);
   void AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options);
   void AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options);
 

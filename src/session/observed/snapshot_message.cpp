@@ -41,6 +41,7 @@ void Fill(Snapshot::Node& message, const NodeSnapshot& node) {
   message.set_run_sum_ns(
       static_cast<std::uint64_t>(node.run_time.mean_ns() * static_cast<double>(node.run_time.count())));
   message.set_executor(NameOf(node.executor.kind()));
+  message.set_fifo_priority(static_cast<std::uint32_t>(node.executor.fifo_priority()));
   for (const ChainAges& ages : node.ages) {
     Snapshot::ChainAge& one = *message.add_ages();
     one.set_origin(ages.origin);
