@@ -49,15 +49,9 @@ bool IsAtOrBelow(std::string_view path, std::string_view above) {
 
 }  // namespace
 
-void ComponentFaults::NoteCurrent() noexcept {
+void ComponentFaults::Note(const char* what) noexcept {
   try {
-    try {
-      throw;
-    } catch (const std::exception& error) {
-      listener_(error.what());
-    } catch (...) {
-      listener_("an exception that is no std::exception");
-    }
+    listener_(what);
   } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, the graph still counts it.
   }
 }
@@ -188,8 +182,11 @@ void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler
   AnyHandler guarded = [faults = faults_, handler = std::move(handler)](const AnyMessage& request) {
     try {
       return handler(request);
+    } catch (const std::exception& error) {
+      faults->Note(error.what());
+      throw;
     } catch (...) {
-      faults->NoteCurrent();
+      faults->Note(ComponentFaults::kUnknown);
       throw;
     }
   };
@@ -216,8 +213,11 @@ void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallbac
         [faults, callback](const Tick& tick) {
           try {
             callback(tick);
+          } catch (const std::exception& error) {
+            faults->Note(error.what());
+            throw;
           } catch (...) {
-            faults->NoteCurrent();
+            faults->Note(ComponentFaults::kUnknown);
             throw;
           }
         },
@@ -225,7 +225,8 @@ void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallbac
   });
 }
 
-// Outside the lock: an inline subscription may run its callback at once, for latched messages.
+// Outside the lock: an inline subscription may run its callback at once, for latched messages. What is made while the
+// stage ends is ended by End(), which waits for it.
 void ContextCore::Add(Stage& stage, Wire wire) {
   {
     const std::scoped_lock lock(mutex_);
@@ -234,10 +235,20 @@ void ContextCore::Add(Stage& stage, Wire wire) {
       stage.waiting.push_back(std::move(wire));
       return;
     }
+    ++stage.in_progress;
   }
-  Kept kept = wire();
-  const std::scoped_lock lock(mutex_);
-  if (!stage.ended) stage.kept.push_back(std::move(kept));
+  const auto end = [&](Kept kept) {
+    const std::scoped_lock lock(mutex_);
+    if (kept) stage.kept.push_back(std::move(kept));
+    --stage.in_progress;
+    wired_.notify_all();
+  };
+  try {
+    end(wire());
+  } catch (...) {
+    end(nullptr);
+    throw;
+  }
 }
 
 void ContextCore::Begin(Stage& stage) {
@@ -258,9 +269,10 @@ void ContextCore::Begin(Stage& stage) {
 void ContextCore::End(Stage& stage) {
   std::vector<Kept> kept;  // Ends outside the lock, the last one first: it waits for callbacks.
   {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
     stage.ended = true;
     stage.waiting.clear();
+    wired_.wait(lock, [&stage] { return stage.in_progress == 0; });
     kept.swap(stage.kept);
   }
   while (!kept.empty()) kept.pop_back();

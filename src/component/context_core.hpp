@@ -1,5 +1,6 @@
 #pragma once
 
+#include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -67,6 +68,7 @@ class ContextCore {
   struct Stage {
     bool begun = false;
     bool ended = false;
+    int in_progress = 0;  // Wires that are called now.
     std::vector<Wire> waiting{};
     std::vector<Kept> kept{};
   };
@@ -89,6 +91,7 @@ class ContextCore {
   Context context_;
 
   mutable std::mutex mutex_;
+  std::condition_variable wired_;
   ComponentStatus status_;
   ComponentDescription description_;  // Does not change after the construction.
   bool constructed_ = false;

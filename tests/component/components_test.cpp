@@ -333,6 +333,38 @@ TEST(Components, RefuseAStateOfAnotherTypeOrWithoutRestore) {
   EXPECT_THAT([&] { process.components->Add(setup); }, ThrowsMessage<Error>(HasSubstr("has no Restore")));
 }
 
+// Subscribes again with each pose.
+class Curious {
+ public:
+  explicit Curious(Context& context) {
+    context.FromAny<PoseInFrame>("pose", Invoke::kConcurrent,
+                                 [this, &context](const PoseInFrame&) {
+                                   const std::string more = "more/" + std::to_string(++asked_);
+                                   context.FromAny<PoseInFrame>(more, Invoke::kSerial,
+                                                                [this](const PoseInFrame&) { ++heard_; });
+                                   (void)context.Advertise<PoseInFrame>(more)(std::make_unique<PoseInFrame>());
+                                 },
+                                 {.queue = Queue::KeepAll(1000)});
+  }
+
+ private:
+  std::atomic<int> asked_{0};
+  std::atomic<int> heard_{0};
+};
+HGROS_COMPONENT(Curious, "test/Curious")
+
+TEST(Components, EndWhileTheySubscribe) {
+  for (int round = 0; round < 20; ++round) {
+    Process process("", false);
+    process.components->Add({.name = "curious", .type = "test/Curious"});
+    process.Run();
+    for (int i = 0; i < 50; ++i) (void)process.session.ToAny("pose", PoseIn("x"));
+    process.components->End("curious");
+    for (int i = 1; i <= 50; ++i) (void)process.session.ToAny("more/" + std::to_string(i), PoseIn("x"));
+    EXPECT_TRUE(process.session.WaitIdle(std::chrono::seconds(10)));
+  }
+}
+
 TEST(Components, OnDefaultExecutorsEndWhileMessagesFlow) {
   Process process("", false);
   process.components->Add(CounterNamed("a"));

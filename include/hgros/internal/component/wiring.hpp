@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <memory>
 #include <string>
@@ -40,8 +41,8 @@ class HGROS_EXPORT ComponentFaults {
  public:
   using Listener = std::function<void(const std::string& what)>;
   explicit ComponentFaults(Listener listener) : listener_(std::move(listener)) {}
-  /// For the handler of an exception; must be called inside a catch block.
-  void NoteCurrent() noexcept;
+  void Note(const char* what) noexcept;
+  static constexpr const char* kUnknown = "an exception that is no std::exception";
 
  private:
   const Listener listener_;
@@ -54,8 +55,11 @@ template <class T, CallbackFor<T> F>
              const AnyMessage& message, const MessageInfo& info) {
     try {
       CallWith<T>(*call, message, info);
+    } catch (const std::exception& error) {
+      faults->Note(error.what());
+      throw;
     } catch (...) {
-      faults->NoteCurrent();
+      faults->Note(ComponentFaults::kUnknown);
       throw;
     }
   };
