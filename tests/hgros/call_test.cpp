@@ -13,6 +13,7 @@
 #include "hgros/help_examples.hpp"
 #include "hgros/proto_folder.hpp"
 #include "hgros/run_time_types.hpp"
+#include "hgros/screen/terminal_run.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -106,6 +107,22 @@ TEST(HgrosCall, EndsWithThreeWhenNoReplyComes) {
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
   EXPECT_EQ(run.err(), "");
   door.Open();
+}
+
+TEST(HgrosCall, ShowsOnATerminalHowLongItHasWaited) {
+  RobotForCommands robot;
+  test::Door door;
+  const Service service = robot.session().Serve<Log, Log>("ask", [&](const Log& log) {
+    door.Pass();
+    return log;
+  });
+  const TerminalRun call({"call", "ask", "{message: hello}", "--timeout", "30"}, robot.environment());
+  EXPECT_TRUE(call.Shows("waiting for the reply of ask: 1 of 29 s")) << call.written();
+  EXPECT_TRUE(call.Shows("waiting for the reply of ask: 2 of 29 s")) << call.written();
+  door.Open();
+  EXPECT_EQ(call.Wait(), 0);
+  EXPECT_TRUE(call.Shows("message: hello"));
+  EXPECT_TRUE(call.ShowsNot("waiting"));  // Its line has gone.
 }
 
 TEST(HgrosCall, TellsThatTheServiceEnded) {

@@ -17,10 +17,13 @@
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/progress.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
+
+constexpr std::chrono::seconds kReplyTime{10};
 
 // Written by a thread of the session, which may come after the command has been interrupted.
 struct Ending {
@@ -70,7 +73,7 @@ class Call final : public Command {
 
 void Call::RequireServer(Robot& robot) const {
   const auto is_served = [&] { return !ChannelNamed(robot, "hgros/call/" + service_).subscribers.empty(); };
-  if (AwaitChannels(robot, options_, is_served)) return;
+  if (AwaitChannels(robot, options_, "a server of " + service_, is_served)) return;
   std::vector<std::string> served;
   for (const KnownChannel& channel : robot.Channels(true)) {
     const std::string_view name = ServiceOf(channel.name);
@@ -119,7 +122,7 @@ int Call::Run(Surroundings& surroundings) {
   const auto ending = std::make_shared<Ending>();
   const auto begin = std::chrono::steady_clock::now();
   const CallTicket ticket = robot.session().CallRaw(
-      service_, type.schema, {AsBytes(bytes), nullptr}, reply_schema, options_.Timeout(std::chrono::seconds(10)),
+      service_, type.schema, {AsBytes(bytes), nullptr}, reply_schema, options_.Timeout(kReplyTime),
       [ending, &pause = surroundings.pause](const CallResult<RawMessage>& end) {
         {
           const std::scoped_lock lock(ending->mutex);
@@ -127,6 +130,8 @@ int Call::Run(Surroundings& surroundings) {
         }
         pause.Wake();
       });
+  const Progress progress(surroundings.console, surroundings.pause, "waiting for the reply of " + Visible(service_),
+                          options_.Timeout(kReplyTime));
   std::optional<CallResult<RawMessage>> result;
   while (!(result = ending->Get())) {
     if (surroundings.pause.For(std::chrono::hours(1)) != Pause::End::kInterrupted) continue;

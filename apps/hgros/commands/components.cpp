@@ -8,6 +8,7 @@
 #include "hgros/component/component_catalog.hpp"
 #include "placement/component_trial.hpp"
 #include "robot/param_text.hpp"
+#include "terminal/progress.hpp"
 #include "terminal/records.hpp"
 #include "terminal/sheet.hpp"
 #include "terminal/units.hpp"
@@ -62,6 +63,7 @@ std::vector<std::string> ChannelsOf(const std::vector<ComponentChannel>& channel
 }
 
 std::vector<TriedLibrary> ComponentsCommand::Try(Surroundings& surroundings) const {
+  const Progress progress(surroundings.console, surroundings.pause, "constructing components");
   std::vector<TriedLibrary> tried;
   if (!libraries_.empty()) {
     for (const std::string& one : libraries_) tried.push_back(TryComponents(one, wanted_, surroundings.pause));

@@ -18,6 +18,7 @@
 #include "terminal/json.hpp"
 #include "terminal/line_reader.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/progress.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -115,6 +116,8 @@ bool Publishing::AwaitSubscribers() {
   const std::chrono::nanoseconds patience = options_.robot.Timeout(std::chrono::seconds(1));
   const bool waits = options_.once() || !options_.robot.timeout_s;  // Otherwise half of --timeout is for the messages.
   const auto deadline = std::chrono::steady_clock::now() + (waits ? patience : patience / 2);
+  const Progress progress(robot_.surroundings().console, robot_.surroundings().pause,
+                          "waiting for a subscriber of " + Visible(options_.channel), waits ? patience : patience / 2);
   constexpr auto kSlice = std::chrono::milliseconds(20);  // Ctrl-C must not wait longer.
   while (!robot_.session().WaitForSubscribers(options_.channel, std::max<std::size_t>(known, 1), kSlice) &&
          std::chrono::steady_clock::now() < deadline) {

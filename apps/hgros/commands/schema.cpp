@@ -66,7 +66,7 @@ int Schema::Run(Surroundings& surroundings) {
     channel = ChannelNamed(robot, name_).type_name.empty() ? ChannelOfType(robot, name_) : name_;
     return !channel.empty();
   };
-  if (!AwaitChannels(robot, options_, is_known)) {
+  if (!AwaitChannels(robot, options_, "a channel with " + name_, is_known)) {
     std::string nearest = finder.Nearest(name_);
     if (nearest.empty()) nearest = NearestChannel(robot, name_);
     options_.GiveUp("There is no channel and no known type " + name_ + "." +

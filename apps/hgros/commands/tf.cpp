@@ -15,6 +15,7 @@
 #include "terminal/json.hpp"
 #include "terminal/output_file.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/progress.hpp"
 #include "terminal/units.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -189,6 +190,9 @@ int TfEcho::Run(Surroundings& surroundings) {
   TransformResult found = tree.Lookup(query);
   Pause::End end = Pause::End::kWoken;
   const auto wait = [&] {
+    const Progress progress(surroundings.console, pause,
+                            "waiting for the pose of " + Visible(source_) + " in " + Visible(target_),
+                            options_.Timeout(kArrival));
     while (!found && end == Pause::End::kWoken) {
       end = pause.Until(until);
       found = tree.Lookup(query);

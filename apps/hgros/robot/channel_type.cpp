@@ -10,6 +10,8 @@
 #include "hgros/session/session_control.hpp"
 #include "robot/overview.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/progress.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -87,12 +89,15 @@ ChannelType TypeFrom(MessageSchema schema) {
   return type;
 }
 
-bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::function<bool()>& ready) {
+bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::string& what,
+                   const std::function<bool()>& ready) {
   if (ready()) return true;
   Pause& pause = robot.surroundings().pause;
   const Subscription changes = robot.session().FromGraph<ChannelsChanged>(
       kChannelEventsChannel, Invoke::kSerial, [&pause](const ChannelsChanged&) { pause.Wake(); });
-  const auto deadline = std::chrono::steady_clock::now() + options.Timeout(std::chrono::milliseconds(500));
+  const std::chrono::nanoseconds time = options.Timeout(std::chrono::milliseconds(500));
+  const auto deadline = std::chrono::steady_clock::now() + time;
+  const Progress progress(robot.surroundings().console, pause, "waiting for " + Visible(what), time);
   while (!ready()) {
     if (pause.Until(deadline) != Pause::End::kWoken) return ready();
   }
@@ -123,7 +128,7 @@ ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeF
     known = ChannelNamed(robot, channel);
     return !known.type_name.empty();
   };
-  if (!has_type() && given.empty()) (void)AwaitChannels(robot, options, has_type);
+  if (!has_type() && given.empty()) (void)AwaitChannels(robot, options, channel, has_type);
   const std::string_view service = ServiceOf(channel);
   const std::string shown = service.empty() ? channel : "The service " + std::string(service);
   if (known.type_name.empty()) {

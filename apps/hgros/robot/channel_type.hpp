@@ -26,9 +26,10 @@ struct ChannelType {
 [[nodiscard]] ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
                                         const std::string& channel, const std::string& given);
 
-/// Waits until `ready` is true, at most half a second or --timeout. A session that has just started is not found at
-/// once.
-[[nodiscard]] bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::function<bool()>& ready);
+/// Waits for `what`, such as "a server of ask", until `ready` is true, at most half a second or --timeout. A session
+/// that has just started is not found at once.
+[[nodiscard]] bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::string& what,
+                                 const std::function<bool()>& ready);
 
 /// The channel `name` as the robot uses it; without sessions if it is not used.
 [[nodiscard]] KnownChannel ChannelNamed(const Robot& robot, const std::string& name);

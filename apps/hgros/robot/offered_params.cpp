@@ -6,6 +6,7 @@
 #include "robot/overview.hpp"
 #include "robot/param_text.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/progress.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -15,7 +16,10 @@ constexpr std::chrono::seconds kParamAnswerTime{1};
 constexpr std::chrono::milliseconds kPoll{20};
 
 std::string AwaitSession(const Robot& robot, const RobotOptions& options, std::string name) {
-  const auto deadline = DeadlineIn(options.Timeout(kParamAnswerTime));
+  const std::chrono::nanoseconds time = options.Timeout(kParamAnswerTime);
+  const auto deadline = DeadlineIn(time);
+  const Progress progress(robot.surroundings().console, robot.surroundings().pause,
+                          "waiting for the parameters of " + Visible(name), time);
   for (;;) {
     const std::vector<std::string> names = ParamSessions(robot);
     if (std::ranges::find(names, name) != names.end()) return name;

@@ -21,6 +21,7 @@
 #include "robot/overview.hpp"
 #include "terminal/console.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/progress.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -163,6 +164,8 @@ void Robot::RequireAddresses(Config& config) const {
   const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(kConnectTime);
   constexpr std::chrono::milliseconds kSlice{50};  // Ctrl-C must not wait longer.
   for (const auto& [host, question] : questions) {
+    const Progress progress(surroundings_.console, surroundings_.pause, "waiting for the address of " + Visible(host),
+                            deadline - std::chrono::steady_clock::now());
     std::optional<std::string> fault;
     do {
       fault = question.Await(std::min(deadline, std::chrono::steady_clock::now() + kSlice));
@@ -188,6 +191,8 @@ void Robot::AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock
   const auto answers = [&] {
     return std::ranges::any_of(session_->Peers(), [&](const PeerInfo& peer) { return peer.endpoint == endpoint; });
   };
+  const Progress progress(surroundings_.console, surroundings_.pause, "waiting for a session at " + Visible(endpoint),
+                          deadline - std::chrono::steady_clock::now());
   const auto second = std::min(deadline, std::chrono::steady_clock::now() + std::chrono::seconds(1));
   while (!answers()) {
     const auto now = std::chrono::steady_clock::now();

@@ -12,15 +12,19 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
 
+bool TerminalIsDumb() {
+  const char* terminal = std::getenv("TERM");
+  return terminal == nullptr || std::string_view(terminal) == "dumb";
+}
+
 bool WantsColor() {
   const char* none = std::getenv("NO_COLOR");
-  if (none != nullptr && *none != '\0') return false;
-  const char* terminal = std::getenv("TERM");
-  return terminal != nullptr && std::string_view(terminal) != "dumb";
+  return (none == nullptr || *none == '\0') && !TerminalIsDumb();
 }
 
 const char* CodeOf(Style style) {
@@ -53,9 +57,12 @@ bool AwaitOutput(int descriptor, int ended) {
 
 }  // namespace
 
-Console::Console() : interactive_(isatty(STDOUT_FILENO) == 1), color_(interactive_ && WantsColor()) {}
+Console::Console()
+    : interactive_(isatty(STDOUT_FILENO) == 1),
+      color_(interactive_ && WantsColor()),
+      shows_progress_(isatty(STDERR_FILENO) == 1 && !TerminalIsDumb()) {}
 
-Console::Console(std::string& text) : interactive_(false), color_(false), text_(&text) {}
+Console::Console(std::string& text) : interactive_(false), color_(false), shows_progress_(false), text_(&text) {}
 
 int Console::Columns() const noexcept {
   winsize size{};
@@ -69,6 +76,7 @@ std::string Console::Styled(Style style, std::string_view text) const {
 }
 
 void Console::Write(std::string_view text) {
+  if (progress_) ShowProgress({});
   const std::scoped_lock lock(mutex_);
   if (text_ != nullptr) {
     *text_ += text;
@@ -101,8 +109,19 @@ void Console::SayTo(std::function<void(std::string_view)> hear) {
 void Console::Say(std::string_view sentence) {
   const std::scoped_lock lock(hear_mutex_);
   if (hear_) return hear_(sentence);
-  const std::string line = "hgros: " + std::string(sentence) + "\n";
+  const std::string line = (progress_.exchange(false) ? "\r\x1b[K" : "") + ("hgros: " + std::string(sentence) + "\n");
   (void)!write(STDERR_FILENO, line.data(), line.size());
+}
+
+void Console::ShowProgress(std::string_view line) {
+  const std::scoped_lock lock(hear_mutex_);
+  if (!shows_progress_ || hear_ || (line.empty() && !progress_)) return;
+  progress_ = !line.empty();
+  winsize size{};
+  std::string text(line);
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) text = Shortened(text, size.ws_col - 1U);
+  text = "\r\x1b[K" + text;
+  (void)!write(STDERR_FILENO, text.data(), text.size());
 }
 
 }  // namespace hgros::cli

@@ -50,6 +50,10 @@ class Console {
   void WriteTo(int descriptor, const std::string& name, std::string_view text) const;
   /// One sentence to standard error, after "hgros: ".
   void Say(std::string_view sentence);
+  /// Whether standard error is a terminal whose lines can be written anew.
+  [[nodiscard]] bool shows_progress() const noexcept { return shows_progress_; }
+  /// Shows a line on standard error that goes with the next output, or with an empty `line`. `line` is visible.
+  void ShowProgress(std::string_view line);
   /// From now on sentences go to this function instead, which is thread-safe. Empty: to standard error again.
   void SayTo(std::function<void(std::string_view)> hear);
   /// Whether texts may have colors.
@@ -58,11 +62,13 @@ class Console {
  private:
   const bool interactive_;
   const bool color_;
+  const bool shows_progress_;
   std::string* const text_ = nullptr;  // In place of standard output, or null.
   std::atomic<int> ended_{-1};
   std::mutex mutex_;                            // Standard output. Each sentence to standard error is one write.
   std::mutex hear_mutex_;                       // Guards the next.
   std::function<void(std::string_view)> hear_;  // In place of standard error, or empty.
+  std::atomic<bool> progress_{false};           // Its line is on the screen.
 };
 
 }  // namespace hgros::cli

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "hgros/base/error.hpp"
 #include "terminal/console.hpp"
@@ -67,14 +68,27 @@ bool Pause::SleepUntil(std::chrono::steady_clock::time_point time) {
   return end == End::kDeadline;
 }
 
+void Pause::EachSecond(std::function<void(std::chrono::seconds)> tell) {
+  tell_ = std::move(tell);
+  told_ = std::chrono::seconds(0);
+  begin_ = std::chrono::steady_clock::now();
+}
+
+std::chrono::steady_clock::time_point Pause::Tell() {
+  if (!tell_) return std::chrono::steady_clock::time_point::max();
+  const auto passed = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begin_);
+  if (passed > told_) tell_(told_ = passed);
+  return begin_ + told_ + std::chrono::seconds(1);
+}
+
 // poll() ignores a negative descriptor. Of standard output it only reports that its reader has gone.
 Pause::End Pause::UntilReadable(int descriptor, std::chrono::steady_clock::time_point deadline) {
   using std::chrono::nanoseconds;
   std::array<pollfd, 4> watched{pollfd{ended_, POLLIN, 0}, pollfd{wakes_, POLLIN, 0}, pollfd{descriptor, POLLIN, 0},
                                 pollfd{STDOUT_FILENO, 0, 0}};
   while (signal() == 0) {
-    const auto left =
-        std::max(deadline - std::chrono::steady_clock::now(), std::chrono::steady_clock::duration::zero());
+    const auto left = std::max(std::min(deadline, Tell()) - std::chrono::steady_clock::now(),
+                               std::chrono::steady_clock::duration::zero());
     const auto seconds = std::min(std::chrono::duration_cast<std::chrono::seconds>(left), std::chrono::seconds(3600));
     const timespec time{seconds.count(), seconds.count() == 3600 ? 0 : nanoseconds(left - seconds).count()};
     const int ready = ppoll(watched.data(), watched.size(), &time, nullptr);

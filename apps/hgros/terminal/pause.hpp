@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+
 namespace hgros::cli {
 
 /// Where a command waits: until another thread wakes it, a deadline comes, or the user ends the command (SIGINT,
@@ -26,6 +28,8 @@ class Pause {
   /// Waits until `time`, also if another thread calls Wake(). Returns false if the user has ended the command.
   [[nodiscard]] bool SleepUntil(std::chrono::steady_clock::time_point time);
   [[nodiscard]] End For(std::chrono::nanoseconds time) { return Until(std::chrono::steady_clock::now() + time); }
+  /// From now on waits call this once a second, with the time since this call. Empty: they do not.
+  void EachSecond(std::function<void(std::chrono::seconds passed)> tell);
   /// The signal that ended the command; 0: none.
   [[nodiscard]] int signal() const noexcept;
   /// A descriptor that can be read once the user has ended the command.
@@ -34,8 +38,14 @@ class Pause {
   void EndBySignal() const;
 
  private:
+  // Calls tell_ if a second has passed since it was called. Returns when it is due again.
+  std::chrono::steady_clock::time_point Tell();
+
   int ended_ = -1;
   int wakes_ = -1;
+  std::function<void(std::chrono::seconds)> tell_;
+  std::chrono::seconds told_{0};                 // With the next seconds that pass, tell_ is called.
+  std::chrono::steady_clock::time_point begin_;  // Of these seconds.
 };
 
 }  // namespace hgros::cli

@@ -10,6 +10,7 @@
 #include "robot/robot.hpp"
 #include "terminal/console.hpp"
 #include "terminal/pause.hpp"
+#include "terminal/progress.hpp"
 #include "terminal/units.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -208,6 +209,7 @@ std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time, std::ch
     return !arriving.Answered(one.first) || robot.session().OffsetTo(one.first).has_value();
   });
   (void)arriving.Take();  // From here on all sessions record.
+  const Progress progress(robot.surroundings().console, pause, "recording", time);
   const std::int64_t begin_ns = WallNow().nanoseconds;
   const auto wait_until = [&pause](Clock::time_point end) {
     while (Clock::now() < end && pause.Until(end) != Pause::End::kInterrupted) {
