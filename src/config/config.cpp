@@ -106,6 +106,22 @@ Config Config::Load(std::span<const std::filesystem::path> files, std::span<cons
   return draft.Finish();
 }
 
+Config Config::From(const yaml::Document& document, std::span<const std::string> program_sections) {
+  ConfigDraft draft;
+  ReadFile(document, program_sections, draft);
+  return draft.Finish();
+}
+
+CheckedConfig CheckConfig(const yaml::Document& document, const ConfigCheckOptions& options) {
+  CheckedConfig checked;
+  ConfigDraft draft;
+  draft.faults = yaml::Faults(checked.faults);
+  draft.read_key_files = options.read_key_files;
+  draft.faults.Attempt([&] { ReadFile(document, options.program_sections, draft); });
+  checked.config = draft.Finish();
+  return checked;
+}
+
 CheckedConfig CheckConfig(std::span<const std::filesystem::path> files, const ConfigCheckOptions& options) {
   CheckedConfig checked;
   ConfigDraft draft;
@@ -125,9 +141,7 @@ Config Config::Load(std::initializer_list<std::filesystem::path> files) {
 }
 
 Config Config::Parse(std::string_view yaml, std::string_view name) {
-  ConfigDraft draft;
-  ReadFile(yaml::Document::Parse(yaml, std::string(name)), {}, draft);
-  return draft.Finish();
+  return From(yaml::Document::Parse(yaml, std::string(name)));
 }
 
 }  // namespace hgros

@@ -4,6 +4,7 @@
 
 #include "config/config_draft.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/config/setting_readers.hpp"
 #include "hgros/yaml/quoted.hpp"
 
 namespace hgros {
@@ -17,7 +18,6 @@ using yaml::Value;
 constexpr std::int64_t kMostMessages = 1'000'000;
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40U;
 constexpr std::int64_t kMostThreads = 1024;
-constexpr std::int64_t kLastCpu = 1023;  // of a cpu_set_t
 constexpr std::int64_t kHighestPriority = 99;
 constexpr std::size_t kLosslessMessages = 1000;
 constexpr std::size_t kLosslessBytes = std::size_t{256} * 1024 * 1024;
@@ -49,20 +49,6 @@ Queue ReadQueue(const Value& value) {
   const auto keep_all = section.Find("keep_all");
   if (keep_last.has_value() == keep_all.has_value()) value.Fail("must have either keep_last or keep_all", kForms);
   return keep_last ? Queue::KeepLast(ReadMessageCount(*keep_last, 1)) : ReadKeepAll(*keep_all);
-}
-
-std::vector<int> ReadCpus(const Value& list) {
-  std::map<int, FilePosition> cpus;
-  const auto read = [&](const Value& item) {
-    const int cpu = static_cast<int>(item.Integer(0, kLastCpu));
-    const auto [first, fresh] = cpus.emplace(cpu, item.position());
-    if (!fresh) item.Fail("is a CPU that the list already has at " + first->second.ToString(), "Keep one of them.");
-  };
-  const std::vector<Value> items = list.List("a list of CPU numbers");
-  for (const Value& item : items) item.faults().Attempt([&] { read(item); });
-  std::vector<int> out;
-  for (const auto& [cpu, position] : cpus) out.push_back(cpu);
-  return out;
 }
 
 Executor ReadExecutor(const Value& value) {
@@ -153,6 +139,32 @@ void ReadChannel(const Field& field, ConfigDraft& draft) {
 }
 
 }  // namespace
+
+std::vector<int> ReadCpus(const Value& list) {
+  constexpr std::int64_t kLastCpu = 1023;  // Of a cpu_set_t.
+  std::map<int, FilePosition> cpus;
+  const auto read = [&](const Value& item) {
+    const int cpu = static_cast<int>(item.Integer(0, kLastCpu));
+    const auto [first, fresh] = cpus.emplace(cpu, item.position());
+    if (!fresh) item.Fail("is a CPU that the list already has at " + first->second.ToString(), "Keep one of them.");
+  };
+  const std::vector<Value> items = list.List("a list of CPU numbers");
+  for (const Value& item : items) item.faults().Attempt([&] { read(item); });
+  std::vector<int> out;
+  for (const auto& [cpu, position] : cpus) out.push_back(cpu);
+  return out;
+}
+
+NodeOverrides ReadNodeOverrides(const Value& map) {
+  ConfigDraft draft;
+  ReadNodes(map, draft);
+  NodeOverrides nodes;
+  for (const auto& [name, node] : draft.nodes) {
+    nodes[name] = {node.queue ? std::optional(node.queue->value) : std::nullopt,
+                   node.executor ? std::optional(node.executor->value) : std::nullopt};
+  }
+  return nodes;
+}
 
 void ReadDataGraph(const Value& value, ConfigDraft& draft) {
   const Section section(value, "a map", {"close_channels", "threads", "nodes"});

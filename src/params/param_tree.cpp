@@ -7,6 +7,7 @@
 
 #include "hgros/config/config_sections.hpp"
 #include "hgros/params/param_error.hpp"
+#include "hgros/params/params_of_document.hpp"
 #include "hgros/yaml/scalar_text.hpp"
 
 namespace hgros::param_tree {
@@ -32,10 +33,7 @@ class FromYaml {
     node->text = from.text;
     node->quoted = from.quoted;
     node->origin = origin_;
-    if (with_places_) {
-      node->origin.line = from.line;
-      node->origin.column = from.column;
-    }
+    if (with_places_) node->origin = {SourceOf(from), from.line, from.column};
     for (const yaml::Node* const item : from.items) node->items.push_back(Make(*item));
     for (const auto& entry : from.entries) node->entries.emplace_back(entry.key->text, Make(*entry.value));
     made_.emplace(&from, node);
@@ -43,8 +41,14 @@ class FromYaml {
   }
 
  private:
+  std::shared_ptr<const std::string> SourceOf(const yaml::Node& node) {
+    if (source_ == nullptr || *source_ != *node.file) source_ = std::make_shared<const std::string>(*node.file);
+    return source_;
+  }
+
   ParamOrigin origin_;
   bool with_places_;
+  std::shared_ptr<const std::string> source_;  // Of the last node with a place.
   std::unordered_map<const yaml::Node*, ParamNodePtr> made_;
 };
 
@@ -131,8 +135,7 @@ ParamNodePtr EmptyRoot() {
 ParamNodePtr FromDocument(const yaml::Document& document) {
   const yaml::Node& top = document.root();
   if (top.kind == yaml::Node::Kind::kNull) return EmptyRoot();
-  const ParamOrigin origin{std::make_shared<const std::string>(document.name())};
-  ParamNodePtr root = FromYaml(origin, true).Make(top);
+  ParamNodePtr root = FromYaml({}, true).Make(top);
   if (root->kind == Kind::kMap) return root;
   throw ConfigError("A parameter file must be a map, but this one is " + root->Description() + ".",
                     document.PositionOf(top), "Begin each parameter with its name and a colon.");
@@ -223,3 +226,9 @@ std::vector<Difference> Differences(const ParamNodePtr& before, const ParamNodeP
 }
 
 }  // namespace hgros::param_tree
+
+namespace hgros {
+
+ParamNodePtr ParamsOf(const yaml::Document& document) { return param_tree::FromDocument(document); }
+
+}  // namespace hgros

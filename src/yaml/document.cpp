@@ -5,9 +5,6 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <unordered_map>
@@ -16,6 +13,8 @@
 #include "hgros/yaml/quoted.hpp"
 #include "yaml/syntax.hpp"
 #include "yaml/text_places.hpp"
+#include "yaml/variables.hpp"
+#include "yaml/whole_file.hpp"
 
 namespace hgros::yaml {
 namespace {
@@ -42,8 +41,8 @@ std::string WithWholeCharacters(const std::string& value) {
 // be checked before more of a hostile file is read.
 class DocumentBuilder : public YAML::EventHandler {
  public:
-  DocumentBuilder(std::string_view text, std::string name, Tags tags)
-      : document_(std::move(name)), places_(text), tags_(tags) {}
+  DocumentBuilder(std::string_view text, std::string name, Tags tags, const Variables* variables)
+      : document_(std::move(name)), places_(text), tags_(tags), variables_(variables) {}
 
   Document Build() {
     RequireCleanText(places_, document_.name());
@@ -57,8 +56,10 @@ class DocumentBuilder : public YAML::EventHandler {
     }
     RequireClosedQuote();
     if (document_.root_ == nullptr) {
-      document_.nodes_.emplace_back().line = 1;
-      document_.root_ = &document_.nodes_.back();
+      Node& empty = document_.own_->nodes.emplace_back();
+      empty.file = &document_.name();
+      empty.line = 1;
+      document_.root_ = &empty;
     }
     return std::move(document_);
   }
@@ -83,8 +84,9 @@ class DocumentBuilder : public YAML::EventHandler {
                 const std::string& value) override {
     Node& node = Add(Node::Kind::kText, mark);
     node.text = WithWholeCharacters(value);
-    node.weight += value.size() / 64;
     const bool binary = tags_ == Tags::kCoreAndBinary && tag == "tag:yaml.org,2002:binary";
+    if (variables_ != nullptr) ReplaceVariables(node, tag == "?");
+    node.weight += node.text.size() / 64;
     node.quoted = tag == "!" || tag == "tag:yaml.org,2002:str" || binary;
     if (!binary) RequireKnownTag(tag, mark);
     last_quoted_.reset();
@@ -200,13 +202,24 @@ class DocumentBuilder : public YAML::EventHandler {
     }
   }
 
+  void ReplaceVariables(Node& node, bool plain) {
+    node.text = WithBraces(node.text);
+    std::string replaced = WithVariables(node.text, *variables_, Document::PositionOf(node));
+    // What is not in quotes reads like the value itself: it may be a number, or nothing.
+    if (plain && replaced != node.text && (replaced.empty() || replaced == "null" || replaced == "~") && !AtKey()) {
+      node.kind = Node::Kind::kNull;
+    }
+    node.text = std::move(replaced);
+  }
+
   bool AtKey() const {
     return !frames_.empty() && frames_.back().node->kind == Node::Kind::kMap && frames_.back().key == nullptr;
   }
 
   Node& Add(Node::Kind kind, const YAML::Mark& mark) {
     const FilePosition position = places_.At(document_.name(), mark.line, mark.column);
-    Node& node = document_.nodes_.emplace_back();
+    Node& node = document_.own_->nodes.emplace_back();
+    node.file = &document_.name();
     node.kind = kind;
     node.line = position.line;
     node.column = position.column;
@@ -259,39 +272,35 @@ class DocumentBuilder : public YAML::EventHandler {
   Document document_;
   TextPlaces places_;
   const Tags tags_;
+  const Variables* const variables_;  // Null: they are not replaced.
   std::vector<Frame> frames_;
   std::unordered_map<YAML::anchor_t, const Node*> anchors_;
   std::optional<YAML::Mark> last_quoted_;  // the newest value, if it may be quoted
   std::optional<YAML::Mark> closed_list_;
 };
 
-Document Document::Parse(std::string_view text, std::string name, Tags tags) {
+namespace {
+
+Document ParseWith(std::string_view text, std::string name, Tags tags, const Variables* variables) {
   if (text.size() > kMaxFileBytes) {
     throw ConfigError("The configuration has more than 1 MiB.", {name, 0, 0},
                       "Split it, or check that it is the right file.");
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return DocumentBuilder(text, std::move(name), tags).Build();
+  const std::string without = variables == nullptr ? std::string() : WithoutBraces(text);
+  return DocumentBuilder(variables == nullptr ? text : without, std::move(name), tags, variables).Build();
 }
 
-Document Document::Load(const std::filesystem::path& file) {
-  const FilePosition position{file.string(), 0, 0};
-  if (file.empty()) throw ConfigError("The name of a configuration file is empty.", {}, "Give a path.");
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    throw ConfigError("This is a folder, not a configuration file.", position, "Name a YAML file in it.");
-  }
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    throw ConfigError(std::string("The configuration file cannot be read: ") + std::strerror(errno) + ".", position,
-                      "Check the path and its permissions.");
-  }
-  std::string text(kMaxFileBytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) throw ConfigError("Reading the configuration file failed.", position, "Check the disk.");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return Parse(text, file.string());
+}  // namespace
+
+Document Document::Parse(std::string_view text, std::string name, Tags tags) {
+  return ParseWith(text, std::move(name), tags, nullptr);
+}
+
+Document Document::Load(const std::filesystem::path& file) { return Parse(ReadFile(file), file.string()); }
+
+Document LoadWithVariables(const std::filesystem::path& file, const Variables& variables) {
+  return ParseWith(ReadFile(file), file.string(), Tags::kCore, &variables);
 }
 
 }  // namespace hgros::yaml

@@ -27,7 +27,7 @@ LAYERS = [
     ["session"],
     ["tf", "params"],
     ["component"],
-    ["testing"],
+    ["placement", "testing"],
     ["hgros"],  # the header and the library of the whole project may use every module
 ]
 LAYER_OF = {module: layer for layer, modules in enumerate(LAYERS) for module in modules}

@@ -22,6 +22,10 @@ TEST(HgrosComponents, ListsInstalledOnes) {
   EXPECT_EQ(end.err, "");
   EXPECT_EQ(end.out,
             "TYPE           SUBSCRIBES  PUBLISHES  SERVES  PARAMS  LIBRARY\n"
+            "relay/Checker  number                              1  libhgros_test_relay.so\n"
+            "relay/Does                                         1  libhgros_test_relay.so\n"
+            "relay/Numbers              number                  1  libhgros_test_relay.so\n"
+            "relay/Pose     number                              0  libhgros_test_relay.so\n"
             "words/Counter  word        count      reset        1  libhgros_test_words.so\n"
             "words/Source               word                    0  libhgros_test_words.so\n");
 }

@@ -84,14 +84,6 @@ FilePosition PositionFrom(std::string_view where) {
   return {std::string(where), numbers.empty() ? 0 : numbers[0], numbers.size() < 2 ? 0 : numbers[1]};
 }
 
-// The sentence of an error without its place and its mend.
-FileFinding FindingOf(const ConfigError& fault) {
-  std::string what = fault.what();
-  if (!fault.where().empty()) what.erase(0, fault.where().size() + 2);
-  if (!fault.mend().empty()) what.resize(what.size() - fault.mend().size() - 1);
-  return {Severity::kFault, "file", PositionFrom(fault.where()), what, fault.mend()};
-}
-
 void AddProgramSections(const Document& document, std::vector<std::string>& sections, FileFindings& findings) {
   const std::vector<std::string> known = ConfigSections();
   for (const Node::Entry& entry : document.root().entries) {
@@ -115,6 +107,13 @@ bool HasItsKeyFile(const Document& document) {
 
 bool PassesAny(const std::vector<DescribedEndpoint>& endpoints, std::string_view channel) {
   return std::ranges::any_of(endpoints, [channel](const DescribedEndpoint& one) { return one.Passes(channel); });
+}
+
+FileFinding FindingOf(const ConfigError& fault) {
+  std::string what = fault.what();
+  if (!fault.where().empty()) what.erase(0, fault.where().size() + 2);
+  if (!fault.mend().empty()) what.resize(what.size() - fault.mend().size() - 1);
+  return {Severity::kFault, "file", PositionFrom(fault.where()), what, fault.mend()};
 }
 
 FilePosition DescribedProcess::PlaceOf(std::initializer_list<std::string_view> keys) const {

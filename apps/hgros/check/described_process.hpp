@@ -39,6 +39,9 @@ struct DescribedProcess {
   [[nodiscard]] FilePosition PlaceOf(std::initializer_list<std::string_view> keys) const;
 };
 
+/// The sentence of an error without its place and its mend.
+[[nodiscard]] FileFinding FindingOf(const ConfigError& fault);
+
 /// The file names of one process: FILE, or FILE+FILE for a process that loads several.
 [[nodiscard]] std::vector<std::filesystem::path> FilesOf(const std::string& text);
 

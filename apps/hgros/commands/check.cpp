@@ -9,6 +9,8 @@
 #include "check/ignored_findings.hpp"
 #include "commands/commands.hpp"
 #include "drawing/graph_drawing.hpp"
+#include "hgros/placement/robot_file.hpp"
+#include "launch/robot_check.hpp"
 #include "terminal/console.hpp"
 #include "terminal/output_file.hpp"
 #include "terminal/records.hpp"
@@ -22,7 +24,7 @@ class CheckCommand final : public Command {
   void Declare(Arguments& arguments) override {
     arguments.Positional({"FILE",
                           "",
-                          "The file of a session, or FILE+FILE for a session that loads several",
+                          "The file of a robot or a session, or FILE+FILE for a session that loads several",
                           ValueKind::kFile,
                           {},
                           false,
@@ -33,12 +35,15 @@ class CheckCommand final : public Command {
     arguments.Flag("--json", style_.json, "One JSON object per line");
     arguments.Flag("--svg", svg_, "Draw the graph that the files describe");
     arguments.Flag("--schema", schema_, "Print the JSON Schema of these files, for editors");
+    arguments.Flag("--robot", robot_, "With --schema: that of robot files");
     arguments.Option("-o,--output", "FILE", output_, "Write the picture or the schema to this file", ValueKind::kFile);
   }
   [[nodiscard]] std::string Description() const override {
     return "Checks configuration files before anything runs: each file as strictly as a session reads it, but with all "
            "of its faults, and the files of several sessions against each other: endpoints, lists of channels, keys, "
-           "time, heartbeats. Ends with code 1 if something is wrong. The comment `# hgros check: ignore CHANNEL` in "
+           "time, heartbeats. Of a robot file also the components: each is constructed once, and what they use is "
+           "compared. "
+           "Ends with code 1 if something is wrong. The comment `# hgros check: ignore CHANNEL` in "
            "a line, or in the line above, ignores what is said about this channel there.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
@@ -60,12 +65,15 @@ class CheckCommand final : public Command {
   bool verbose_ = false;
   bool svg_ = false;
   bool schema_ = false;
+  bool robot_ = false;
   OutputStyle style_;
 };
 
 void CheckCommand::CheckUsage() const {
   if (style_.json + svg_ + schema_ > 1) throw UsageError("--json, --svg and --schema exclude each other.");
   if (!output_.empty() && !svg_ && !schema_) throw UsageError("--output needs --svg or --schema.");
+  if (robot_ && !schema_) throw UsageError("--robot needs --schema.");
+  if (robot_ && !sections_.empty()) throw UsageError("--robot and --section exclude each other.");
   if (schema_ && !files_.empty()) throw UsageError("--schema takes no files.");
   if (!schema_ && files_.empty()) throw UsageError("FILE is missing: name the configuration files of each session.");
   for (const std::string& files : files_) {
@@ -112,17 +120,31 @@ void CheckCommand::Write(Console& console, const FileFindings& findings) const {
   if (!end.empty()) console.Line(console.Styled(Style::kDim, end));
 }
 
+// A robot file, and its components if nothing is wrong with the file.
+void CheckRobotFile(const std::string& file, Pause& pause, FileFindings& findings) {
+  const CheckedRobotFile checked = RobotFile::Check(file);
+  for (const ConfigError& fault : checked.faults) findings.push_back(FindingOf(fault));
+  if (!checked.faults.empty()) return;
+  const ComponentCatalog catalog;
+  for (const RobotFinding& one : CheckRobot(checked.robot, catalog, pause).findings) {
+    const Severity severity = one.fault ? Severity::kFault : Severity::kWarning;
+    findings.push_back({severity, "component", one.at, one.what, one.fix});
+  }
+}
+
 int CheckCommand::Run(Surroundings& surroundings) {
   CheckUsage();
   Console& console = surroundings.console;
   if (schema_) {
-    WriteTo(console, output_, ConfigSchemaWith(sections_));
+    WriteTo(console, output_, robot_ ? RobotSchema() : ConfigSchemaWith(sections_));
     return kDone;
   }
   FileFindings findings;
   std::vector<DescribedProcess> processes;
   for (const std::string& files : files_) {
-    if (std::optional<DescribedProcess> process = ReadProcess(files, sections_, findings)) {
+    if (RobotFile::Is(files)) {
+      CheckRobotFile(files, surroundings.pause, findings);
+    } else if (std::optional<DescribedProcess> process = ReadProcess(files, sections_, findings)) {
       processes.push_back(*std::move(process));
     }
   }

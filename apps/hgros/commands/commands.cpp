@@ -56,6 +56,7 @@ constexpr std::array kCommands{
     CommandEntry{"control log", "Set the level of the log", kSteer, MakeControlLog},
     CommandEntry{"control stop", "End programs", kSteer, MakeControlStop},
 
+    CommandEntry{"run", "Start a robot: the components and programs of a robot file", kRun, MakeRun},
     CommandEntry{"components", "Show component types with their channels and parameters", kRun, MakeComponents},
 
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},

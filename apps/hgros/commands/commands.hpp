@@ -49,6 +49,7 @@ std::unique_ptr<Command> MakeParamSet();
 std::unique_ptr<Command> MakeParamWatch();
 std::unique_ptr<Command> MakePath();
 std::unique_ptr<Command> MakePub();
+std::unique_ptr<Command> MakeRun();
 std::unique_ptr<Command> MakeSchema();
 std::unique_ptr<Command> MakeTfEcho();
 std::unique_ptr<Command> MakeTfSvg();

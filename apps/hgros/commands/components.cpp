@@ -6,7 +6,7 @@
 #include "commands/commands.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/component/component_catalog.hpp"
-#include "placement/component_trial.hpp"
+#include "launch/component_trial.hpp"
 #include "robot/param_text.hpp"
 #include "terminal/progress.hpp"
 #include "terminal/records.hpp"
@@ -66,19 +66,19 @@ std::vector<TriedLibrary> ComponentsCommand::Try(Surroundings& surroundings) con
   const Progress progress(surroundings.console, surroundings.pause, "constructing components");
   std::vector<TriedLibrary> tried;
   if (!libraries_.empty()) {
-    for (const std::string& one : libraries_) tried.push_back(TryComponents(one, wanted_, surroundings.pause));
+    for (const std::string& one : libraries_) tried.push_back(TryLibrary(one, wanted_, surroundings.pause));
     return tried;
   }
   const ComponentCatalog catalog;
   for (const std::string& fault : catalog.faults()) surroundings.console.Say(Visible(fault));
   if (!wanted_.empty()) {
     for (const std::string& one : wanted_) {
-      tried.push_back(TryComponents(catalog.Find(one).file, {one}, surroundings.pause));
+      tried.push_back(TryLibrary(catalog.Find(one).file, {one}, surroundings.pause));
     }
     return tried;
   }
   for (const ComponentLibrary& one : catalog.libraries()) {
-    tried.push_back(TryComponents(one.file, one.types, surroundings.pause));
+    tried.push_back(TryLibrary(one.file, one.types, surroundings.pause));
   }
   return tried;
 }
@@ -86,7 +86,7 @@ std::vector<TriedLibrary> ComponentsCommand::Try(Surroundings& surroundings) con
 int ComponentsCommand::Check(const std::vector<TriedLibrary>& tried) const {
   std::vector<std::string> names;
   for (const TriedLibrary& library : tried) {
-    for (const TriedComponent& one : library.components) names.push_back(one.type);
+    for (const TriedComponent& one : library.components) names.push_back(one.name);
   }
   for (const std::string& wanted : has_) {
     if (std::ranges::find(names, wanted) != names.end()) continue;
@@ -97,7 +97,7 @@ int ComponentsCommand::Check(const std::vector<TriedLibrary>& tried) const {
   }
   for (const TriedLibrary& library : tried) {
     for (const TriedComponent& one : library.components) {
-      if (std::ranges::find(has_, one.type) == has_.end() || one.description) continue;
+      if (std::ranges::find(has_, one.name) == has_.end() || one.description) continue;
       throw Error(one.fault);
     }
   }
@@ -118,12 +118,12 @@ void ComponentsCommand::List(Console& console, const std::vector<TriedLibrary>& 
     const std::string shown = Visible(library.file.filename().string());
     for (const TriedComponent& one : library.components) {
       if (!one.description) {
-        records.Add({one.type, {}, {}, {}, {}, one.fault, Cell(file, shown)});
+        records.Add({one.name, {}, {}, {}, {}, one.fault, Cell(file, shown)});
         continue;
       }
       std::vector<std::string> services;
       for (const ComponentService& service : one.description->services) services.push_back(service.name);
-      records.Add({one.type,
+      records.Add({one.name,
                    ChannelsOf(one.description->inputs),
                    ChannelsOf(one.description->outputs),
                    services,
@@ -152,7 +152,7 @@ Sheet::Table ServiceTable(const std::string& key, const std::string& heading,
 
 void ComponentsCommand::Show(Console& console, const TriedLibrary& library, const TriedComponent& component) const {
   const ComponentDescription& it = *component.description;
-  Sheet sheet("component", component.type);
+  Sheet sheet("component", component.name);
   sheet.Fact("library", "Library", library.file.string());
   sheet.Fact("state", "Saves and restores", it.state);
   sheet.Add(ChannelTable("subscribes", "SUBSCRIBES", it.inputs));

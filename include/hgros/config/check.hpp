@@ -8,6 +8,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/export.hpp"
 #include "hgros/config/config.hpp"
+#include "hgros/yaml/document.hpp"
 
 namespace hgros {
 
@@ -26,6 +27,10 @@ struct CheckedConfig {
 /// Reads the files of one session as strictly as Config::Load(), but does not stop at the first fault. Does not throw
 /// ConfigError.
 [[nodiscard]] HGROS_EXPORT CheckedConfig CheckConfig(std::span<const std::filesystem::path> files,
+                                                     const ConfigCheckOptions& options = {});
+
+/// The same for a document.
+[[nodiscard]] HGROS_EXPORT CheckedConfig CheckConfig(const yaml::Document& document,
                                                      const ConfigCheckOptions& options = {});
 
 }  // namespace hgros

@@ -15,6 +15,7 @@
 #include "hgros/base/transport_keys.hpp"
 #include "hgros/graph/node_options.hpp"
 #include "hgros/transport/shm_wait.hpp"
+#include "hgros/yaml/document.hpp"
 
 namespace hgros {
 
@@ -97,6 +98,8 @@ struct HGROS_EXPORT Config {
   [[nodiscard]] static Config Load(const std::filesystem::path& file);
   /// The same from a text. Errors show `name` as the file.
   [[nodiscard]] static Config Parse(std::string_view yaml, std::string_view name = "configuration");
+  /// The same from a document.
+  [[nodiscard]] static Config From(const yaml::Document& document, std::span<const std::string> program_sections = {});
 };
 
 }  // namespace hgros

@@ -3,6 +3,10 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +37,7 @@ struct Node {
 
   Kind kind = Kind::kNull;
   bool quoted = false;  ///< For kText: quoted, a block or tagged !!str or !!binary, so never a number or a boolean.
+  const std::string* file = nullptr;  ///< The name of its file. Lives as long as a document with this node.
   int line = 0;
   int column = 0;
   std::uint64_t weight = 1;
@@ -41,13 +46,36 @@ struct Node {
   std::vector<Entry> entries;  ///< In the order of the text; keys are unique.
 };
 
-/// A parsed YAML file: a tree of nodes. An aliased node has several parents; there are no cycles.
+/// Returns the value of a variable, or nothing if it is not set.
+using Variables = std::function<std::optional<std::string>(const std::string& name)>;
+
+/// The variables of the environment.
+[[nodiscard]] HGROS_EXPORT std::optional<std::string> EnvironmentVariable(const std::string& name);
+
+/// A YAML text, or several that are merged: a tree of nodes. An aliased node has several parents; there are no cycles.
 class HGROS_EXPORT Document {
  public:
   /// Throws ConfigError unless the text is one YAML document in UTF-8 within the limits above, without repeated keys.
   [[nodiscard]] static Document Parse(std::string_view text, std::string name, Tags tags = Tags::kCore);
   /// The same from a file.
   [[nodiscard]] static Document Load(const std::filesystem::path& file);
+  /// The same from a file, in which each `${NAME}` stands for the value of a variable, `${NAME:-text}` for `text` if
+  /// the variable is not set or empty, and `$${` for `${`. The key `include` at the top names files, relative to this
+  /// one, on top of which this one is merged. Throws ConfigError also for a variable that is not set, and for files
+  /// that include each other.
+  [[nodiscard]] static Document Assemble(const std::filesystem::path& file,
+                                         const Variables& variables = EnvironmentVariable);
+  /// A single value that is in no file: positions have only `name`, such as "--set speed".
+  [[nodiscard]] static Document ParseValue(std::string_view text, std::string name);
+
+  /// Merges maps. Everything else is replaced by `upper`, but an empty value leaves a map unchanged.
+  [[nodiscard]] static Document Merged(const Document& lower, const Document& upper);
+  /// The value at a node of this document.
+  [[nodiscard]] Document At(const Node& node) const;
+  /// A map with only these keys, if it has them.
+  [[nodiscard]] Document Only(std::span<const std::string_view> keys) const;
+  /// The value inside maps: with the keys "a" and "b", `{a: {b: value}}`.
+  [[nodiscard]] Document Below(std::span<const std::string> keys) const;
 
   Document(const Document&) = delete;  // Nodes point at each other.
   Document& operator=(const Document&) = delete;
@@ -56,15 +84,23 @@ class HGROS_EXPORT Document {
   ~Document() = default;
 
   [[nodiscard]] const Node& root() const noexcept { return *root_; }
-  [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  [[nodiscard]] FilePosition PositionOf(const Node& node) const { return {name_, node.line, node.column}; }
+  /// Of its file; of merged files, the uppermost.
+  [[nodiscard]] const std::string& name() const noexcept { return own_->name; }
+  [[nodiscard]] static FilePosition PositionOf(const Node& node) { return {*node.file, node.line, node.column}; }
 
  private:
   friend class DocumentBuilder;
-  explicit Document(std::string name) : name_(std::move(name)) {}
+  friend class DocumentMerger;
+  struct Nodes {
+    std::string name;
+    std::deque<Node> nodes;  // A deque never moves its elements.
+  };
+  explicit Document(std::string name) : own_(std::make_shared<Nodes>(Nodes{std::move(name), {}})) {}
+  // Without a root, with the nodes of `other` kept.
+  [[nodiscard]] static Document Beside(const Document& other);
 
-  std::string name_;
-  std::deque<Node> nodes_;  // a deque never moves its elements, also when it is moved itself
+  std::shared_ptr<Nodes> own_;
+  std::vector<std::shared_ptr<const Nodes>> kept_;  // To which those of own_ point.
   const Node* root_ = nullptr;
 };
 

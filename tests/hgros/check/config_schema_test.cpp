@@ -21,6 +21,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/check/documented_files.hpp"
 #include "hgros/config/config.hpp"
+#include "hgros/placement/robot_file.hpp"
 #include "hgros/yaml/document.hpp"
 
 namespace hgros::cli {
@@ -86,8 +87,11 @@ class ConfigSchema : public testing::Test {
 
   // Why the schema refuses the text; empty: it accepts it.
   [[nodiscard]] static std::string Refuses(const std::string& yaml, const std::vector<std::string>& sections = {}) {
+    return RefusesBy(ConfigSchemaWith(sections), yaml);
+  }
+  [[nodiscard]] static std::string RefusesBy(const std::string& schema_text, const std::string& yaml) {
     rapidjson::Document schema;
-    schema.Parse(ConfigSchemaWith(sections).c_str());
+    schema.Parse(schema_text.c_str());
     rapidjson::Document expanded;
     expanded.CopyFrom(Expanded(schema, schema, expanded.GetAllocator()), expanded.GetAllocator());
     expanded.RemoveMember("definitions");
@@ -252,6 +256,70 @@ TEST_F(ConfigSchema, RefusesWhatTheReaderRefuses) {
   for (const std::string& yaml : broken) {
     EXPECT_NE(FaultInReader(yaml), "") << yaml;
     EXPECT_NE(Refuses(yaml), "") << yaml;
+  }
+}
+
+TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
+  const std::string schema = RobotSchema();
+  const auto faults = [](const std::string& yaml) {
+    const std::string file = testing::TempDir() + "robot_schema_test.yaml";
+    std::ofstream(file) << yaml;
+    const auto nothing = [](const std::string&) { return std::optional<std::string>(); };
+    std::string all;
+    for (const ConfigError& fault : RobotFile::Check(file, {nothing}).faults) all += fault.what() + std::string("\n");
+    return all;
+  };
+  std::vector<DocumentedFile> files = DocumentedRobotFiles();
+  EXPECT_GE(files.size(), 1U);
+  for (const char* yaml :
+       {"components: {a: {type: x}}\nprocesses: {p: , q: {components: [a], env: {A: 1}, cpus: [], nice: -20}}",
+        "components: {a: {type: x, params: , remap: , nodes: , essential: false}}\nprocesses:\nprograms:",
+        "components: {a: {type: 1, params: {x: [1]}, nodes: {s: {queue: {keep_all: 3}}}}}\ntime: simulated",
+        "components: {a: {type: x}}\nprograms: {p: {command: [ls, 1, true], restart: always, priority: 99}}",
+        "components: {a: {type: x}}\nprocesses: {p: {discovery: {domain: d}, channels: {c: {latched: 1}}}}"}) {
+    files.push_back({yaml, {}, yaml});
+  }
+  for (const DocumentedFile& file : files) {
+    EXPECT_EQ(faults(file.yaml), "") << file.where;
+    EXPECT_EQ(RefusesBy(schema, file.yaml), "") << file.where;
+  }
+  const std::string robot = "components: {a: {type: x}}\n";
+  const std::vector<std::string> broken{"",
+                                        "processes: {}",
+                                        "components: {}",
+                                        "components: [a]",
+                                        "components: {a: x}",
+                                        "components: {a: {}}",
+                                        "components: {a: {type: [x]}}",
+                                        "components: {a: {type: x, parms: {}}}",
+                                        "components: {a: {type: x, params: 5}}",
+                                        "components: {a: {type: x, remap: {a: 'b c'}}}",
+                                        "components: {a: {type: x, remap: [a]}}",
+                                        "components: {a: {type: x, nodes: {s: {queue: all}}}}",
+                                        "components: {a: {type: x, essential: 'true'}}",
+                                        robot + "params: {}",
+                                        robot + "processes: [a]",
+                                        robot + "processes: {p: {component: [a]}}",
+                                        robot + "processes: {p: {components: a}}",
+                                        robot + "processes: {p: {components: [a, a]}}",
+                                        robot + "processes: {p: {cpus: [1024]}}",
+                                        robot + "processes: {p: {nice: 20}}",
+                                        robot + "processes: {p: {priority: -1}}",
+                                        robot + "processes: {p: {env: [A]}}",
+                                        robot + "processes: {p: {env: {A: [1]}}}",
+                                        robot + "processes: {p: {restart: on_failure}}",
+                                        robot + "processes: {p: {essential: 1}}",
+                                        robot + "processes: {p: {command: [ls]}}",
+                                        robot + "processes: {p: {time: never}}",
+                                        robot + "programs: {p: }",
+                                        robot + "programs: {p: {command: ls}}",
+                                        robot + "programs: {p: {command: []}}",
+                                        robot + "programs: {p: {command: [[ls]]}}",
+                                        robot + "programs: {p: {command: [ls], discovery: {}}}",
+                                        robot + "network: 5"};
+  for (const std::string& yaml : broken) {
+    EXPECT_NE(faults(yaml), "") << yaml;
+    EXPECT_NE(RefusesBy(schema, yaml), "") << yaml;
   }
 }
 

@@ -54,7 +54,12 @@ std::vector<DocumentedFile> FilesOfPage(const std::string& page) {
   return files;
 }
 
-std::vector<DocumentedFile> DocumentedFiles() {
+namespace {
+
+bool IsRobotFile(const DocumentedFile& file) { return std::regex_search(file.yaml, std::regex("(^|\\n)components:")); }
+
+// Files of robots, or those of sessions.
+std::vector<DocumentedFile> AllFiles(bool of_robots) {
   std::vector<DocumentedFile> files = FilesOfPage("README.md");
   const std::filesystem::path root = RepositoryFolder();
   for (const auto& entry : std::filesystem::directory_iterator(root / "docs")) {
@@ -66,7 +71,14 @@ std::vector<DocumentedFile> DocumentedFiles() {
     if (entry.path().extension() != ".yaml" || entry.path().filename() == "viewer.yaml") continue;  // A layout.
     files.push_back({entry.path().string(), entry.path().filename().string(), Read(entry.path())});
   }
+  std::erase_if(files, [of_robots](const DocumentedFile& file) { return IsRobotFile(file) != of_robots; });
   return files;
 }
+
+}  // namespace
+
+std::vector<DocumentedFile> DocumentedFiles() { return AllFiles(false); }
+
+std::vector<DocumentedFile> DocumentedRobotFiles() { return AllFiles(true); }
 
 }  // namespace hgros::cli

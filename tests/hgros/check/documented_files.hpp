@@ -15,6 +15,8 @@ struct DocumentedFile {
 
 /// All files in README.md and docs/ and all of examples/ that configure a session.
 [[nodiscard]] std::vector<DocumentedFile> DocumentedFiles();
+/// The same of robots.
+std::vector<DocumentedFile> DocumentedRobotFiles();
 /// The files of one page, such as "docs/deployment.md".
 [[nodiscard]] std::vector<DocumentedFile> FilesOfPage(const std::string& page);
 [[nodiscard]] std::filesystem::path RepositoryFolder();

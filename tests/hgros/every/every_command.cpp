@@ -70,6 +70,8 @@ const std::multimap<std::string, Words>& WordsByCommand() {
       {"control stop", {"--session", "nobody"}},
       {"check", {"/dev/null"}},
       {"check", {"--schema"}},
+      {"check", {"--schema", "--robot"}},
+      {"run", {"/dev/null"}},
       {"components", {}},
       {"help", {"list"}},
       {"completion", {"bash"}},

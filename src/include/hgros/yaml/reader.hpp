@@ -26,6 +26,7 @@ class Value {
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   [[nodiscard]] FilePosition position() const { return document_->PositionOf(*node_); }
   [[nodiscard]] Node::Kind kind() const noexcept { return node_->kind; }
+  [[nodiscard]] const Node& node() const noexcept { return *node_; }
   /// Of the reader. Getters throw; Attempt() reads on.
   [[nodiscard]] const Faults& faults() const noexcept { return faults_; }
 

@@ -5,15 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "hgros/component/component_catalog.hpp"
 #include "hgros/component/component_description.hpp"
+#include "hgros/component/components.hpp"
 
 namespace hgros::cli {
 
 class Pause;
 
-/// A component type after it was constructed once, in a process of its own, where nothing of it ran.
+/// A component after it was constructed once, in a process of its own, where nothing of it ran.
 struct TriedComponent {
-  std::string type;
+  std::string name;                                 ///< Of the setup; without one, its type.
   std::optional<ComponentDescription> description;  ///< Empty: it could not be constructed.
   std::string fault;                                ///< Why not: a sentence that names it.
 };
@@ -21,7 +23,7 @@ struct TriedComponent {
 /// What a trial of a library has found.
 struct TriedLibrary {
   std::filesystem::path file;
-  std::vector<TriedComponent> components;  ///< By name.
+  std::vector<TriedComponent> components;  ///< One of each type, by name.
   std::string fault;                       ///< Why the library could not be loaded; empty: it was.
 };
 
@@ -30,7 +32,11 @@ struct TriedLibrary {
 ///
 /// Threading: call it before other threads exist; it forks.
 /// Errors:    throws Error if no process can be started, OutputClosed if the user has ended the command.
-[[nodiscard]] TriedLibrary TryComponents(const std::filesystem::path& library, const std::vector<std::string>& types,
-                                         Pause& pause);
+[[nodiscard]] TriedLibrary TryLibrary(const std::filesystem::path& library, const std::vector<std::string>& types,
+                                      Pause& pause);
+
+/// The same for the components of a robot, in the order of `setups`.
+[[nodiscard]] std::vector<TriedComponent> TryComponents(const std::vector<ComponentSetup>& setups,
+                                                        const ComponentCatalog& catalog, Pause& pause);
 
 }  // namespace hgros::cli

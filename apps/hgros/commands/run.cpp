@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "commands/commands.hpp"
+#include "hgros/base/names.hpp"
+#include "hgros/placement/robot_file.hpp"
+#include "launch/robot_check.hpp"
+#include "launch/robot_graph.hpp"
+#include "launch/starter.hpp"
+#include "terminal/console.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+class RunCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional({"FILE", "", "The robot file", ValueKind::kFile, {}, true}, file_);
+    arguments.Option("--set", "PATH=VALUE", set_, "Replace a value of the file, such as mapper.params.cell_size_m=0.1");
+    arguments.Option("--only", "NAME", only_, "Start only this component, process or program");
+    arguments.Option("--except", "NAME", except_, "Do not start this component, process or program");
+    arguments.Flag("-v,--verbose", options_.verbose, "Also log lines of the level debug");
+    arguments.Flag("--json", options_.json, "One JSON object per line");
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Checks the file and its components first. Then starts the processes, waits until all are ready, lets them "
+           "run, and shows their log. Ctrl-C ends the robot, a second one at once. The robot also ends when everything "
+           "in it has ended. The exit code is 1 if something has failed. docs/robot-file.md describes the file.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros run robot.yaml", "Runs a robot until Ctrl-C."},
+            {"hgros run robot.yaml --set mapper.params.cell_size_m=0.1 --except camera",
+             "Runs it with another parameter, and without one of its components."}};
+  }
+  int Run(Surroundings& surroundings) override;
+
+ private:
+  [[nodiscard]] RobotFile Read(Console& console) const;
+  void Select(RobotFile& robot) const;
+  // Throws if something is wrong.
+  [[nodiscard]] static std::vector<ComponentDescription> Try(const RobotFile& robot, const ComponentCatalog& catalog,
+                                                             Surroundings& surroundings);
+
+  std::string file_;
+  std::vector<std::string> set_;
+  std::vector<std::string> only_;
+  std::vector<std::string> except_;
+  StarterOptions options_;
+};
+
+RobotFile RunCommand::Read(Console& console) const {
+  RobotFileOptions options;
+  for (const std::string& one : set_) {
+    const std::size_t equals = one.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw UsageError("--set needs a path and a value, as in --set mapper.params.cell_size_m=0.1.");
+    }
+    options.overrides.push_back({one.substr(0, equals), one.substr(equals + 1), "--set " + one.substr(0, equals)});
+  }
+  CheckedRobotFile checked = RobotFile::Check(file_, options);
+  if (checked.faults.empty()) return std::move(checked.robot);
+  const ConfigError last = checked.faults.back();
+  checked.faults.pop_back();
+  for (const ConfigError& fault : checked.faults) console.Say(Visible(fault.what()));
+  throw ConfigError(last);
+}
+
+// Leaves what was asked for.
+void RunCommand::Select(RobotFile& robot) const {
+  std::vector<std::string> names;
+  for (const RobotComponent& one : robot.components) names.push_back(one.setup.name);
+  for (const RobotProcess& one : robot.processes) names.push_back(one.name);
+  for (const RobotProgram& one : robot.programs) names.push_back(one.name);
+  for (const std::vector<std::string>* list : {&only_, &except_}) {
+    for (const std::string& name : *list) {
+      if (std::ranges::find(names, name) != names.end()) continue;
+      const std::string nearest = NearestName(name, names);
+      throw UsageError("The robot has no component, process or program \"" + name + "\"." +
+                       (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
+    }
+  }
+  const auto listed = [](const std::vector<std::string>& list, const std::string& name) {
+    return std::ranges::find(list, name) != list.end();
+  };
+  const auto starts = [&](const std::string& name, const std::string& process) {
+    if (listed(except_, name) || listed(except_, process)) return false;
+    return only_.empty() || listed(only_, name) || listed(only_, process);
+  };
+  std::erase_if(robot.components, [&](const RobotComponent& one) { return !starts(one.setup.name, one.process); });
+  std::erase_if(robot.programs, [&](const RobotProgram& one) { return !starts(one.name, one.name); });
+  for (RobotProcess& process : robot.processes) {
+    std::erase_if(process.components, [&](const std::string& one) { return robot.FindComponent(one) == nullptr; });
+  }
+  std::erase_if(robot.processes, [](const RobotProcess& one) { return one.components.empty(); });
+  if (robot.processes.empty() && robot.programs.empty()) throw UsageError("Nothing of the robot is left to start.");
+}
+
+std::vector<ComponentDescription> RunCommand::Try(const RobotFile& robot, const ComponentCatalog& catalog,
+                                                  Surroundings& surroundings) {
+  CheckedRobot checked = CheckRobot(robot, catalog, surroundings.pause);
+  std::string last;
+  for (const RobotFinding& one : checked.findings) {
+    if (!one.fault) {
+      surroundings.console.Say("warning: " + Visible(one.Text()));
+      continue;
+    }
+    if (!last.empty()) surroundings.console.Say(Visible(last));
+    last = one.Text();
+  }
+  if (!last.empty()) throw Error(last);
+  return std::move(checked.descriptions);
+}
+
+int RunCommand::Run(Surroundings& surroundings) {
+  RobotFile robot = Read(surroundings.console);
+  Select(robot);
+  const ComponentCatalog catalog;
+  const RobotGraph graph(robot, Try(robot, catalog, surroundings));
+  return Starter(robot, graph, catalog, surroundings, options_).Run();
+}
+
+}  // namespace
+
+std::unique_ptr<Command> MakeRun() { return std::make_unique<RunCommand>(); }
+
+}  // namespace hgros::cli

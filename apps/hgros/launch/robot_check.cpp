@@ -1,0 +1,25 @@
+#include "launch/robot_check.hpp"
+
+#include <utility>
+
+#include "launch/component_trial.hpp"
+#include "launch/robot_graph.hpp"
+
+namespace hgros::cli {
+
+CheckedRobot CheckRobot(const RobotFile& robot, const ComponentCatalog& catalog, Pause& pause) {
+  std::vector<ComponentSetup> setups;
+  for (const RobotComponent& one : robot.components) setups.push_back(one.setup);
+  CheckedRobot checked;
+  for (TriedComponent& tried : TryComponents(setups, catalog, pause)) {
+    if (tried.description) {
+      checked.descriptions.push_back(*std::move(tried.description));
+    } else {
+      checked.findings.push_back({true, robot.FindComponent(tried.name)->at, std::move(tried.fault), {}});
+    }
+  }
+  for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) checked.findings.push_back(std::move(one));
+  return checked;
+}
+
+}  // namespace hgros::cli

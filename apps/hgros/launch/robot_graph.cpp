@@ -1,0 +1,139 @@
+#include "launch/robot_graph.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "hgros/base/names.hpp"
+
+namespace hgros::cli {
+namespace {
+
+std::string InQuotes(const std::string& name) { return "\"" + name + "\""; }
+
+template <class Map>
+std::string NearestKey(const std::string& name, const Map& map) {
+  std::vector<std::string> keys;
+  for (const auto& [key, ends] : map) {
+    if (key != name) keys.push_back(key);
+  }
+  const std::string nearest = NearestName(name, keys);
+  return nearest.empty() ? std::string() : "Did you mean " + InQuotes(nearest) + "?";
+}
+
+bool FindEachOther(const Config& one, const Config& other) {
+  return one.discovery.local && other.discovery.local && one.discovery.domain == other.discovery.domain &&
+         one.discovery.only.empty() && other.discovery.only.empty();
+}
+
+}  // namespace
+
+RobotGraph::RobotGraph(const RobotFile& robot, std::vector<ComponentDescription> descriptions) : robot_(robot) {
+  for (const ComponentDescription& one : descriptions) {
+    const RobotComponent* component = robot.FindComponent(one.name);
+    if (component == nullptr) continue;
+    for (const ComponentChannel& input : one.inputs) inputs_[input.channel].push_back({component, input.type});
+    for (const ComponentChannel& output : one.outputs) outputs_[output.channel].push_back({component, output.type});
+    for (const ComponentService& service : one.services) {
+      served_[service.service].push_back({{component, service.request}, service.reply});
+    }
+    for (const ComponentService& call : one.calls) {
+      called_[call.service].push_back({{component, call.request}, call.reply});
+    }
+  }
+}
+
+std::vector<RobotFinding> RobotGraph::Check() const {
+  std::vector<RobotFinding> findings;
+  CheckChannels(findings);
+  CheckServices(findings);
+  return findings;
+}
+
+void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
+  for (const auto& [channel, ends] : inputs_) {
+    const auto publishers = outputs_.find(channel);
+    for (const End& end : ends) {
+      const std::string& name = end.component->setup.name;
+      if (publishers == outputs_.end()) {
+        findings.push_back({false, end.component->at,
+                            "No component publishes the channel " + InQuotes(channel) + ", to which " + InQuotes(name) +
+                                " subscribes.",
+                            NearestKey(channel, outputs_)});
+        continue;
+      }
+      for (const End& publisher : publishers->second) {
+        if (end.type.empty() || publisher.type.empty() || end.type == publisher.type) continue;
+        findings.push_back({true, end.component->at,
+                            "The channel " + InQuotes(channel) +
+                                " has two types: " + InQuotes(publisher.component->setup.name) + " publishes " +
+                                publisher.type + ", and " + InQuotes(name) + " subscribes to " + end.type + ".",
+                            "Rename one of them with remap."});
+      }
+    }
+  }
+  for (const auto& [channel, ends] : outputs_) {
+    for (const End& end : ends) {
+      if (end.type.empty() || ends.front().type.empty() || end.type == ends.front().type) continue;
+      findings.push_back({true, end.component->at,
+                          "The channel " + InQuotes(channel) + " has two types: " +
+                              InQuotes(ends.front().component->setup.name) + " publishes " + ends.front().type +
+                              ", and " + InQuotes(end.component->setup.name) + " publishes " + end.type + ".",
+                          "Rename one of them with remap."});
+    }
+  }
+}
+
+void RobotGraph::CheckServices(std::vector<RobotFinding>& findings) const {
+  for (const auto& [service, servers] : served_) {
+    for (std::size_t i = 1; i < servers.size(); ++i) {
+      findings.push_back({true, servers[i].request.component->at,
+                          "The service " + InQuotes(service) + " is served twice: by " +
+                              InQuotes(servers[0].request.component->setup.name) + " and by " +
+                              InQuotes(servers[i].request.component->setup.name) + ".",
+                          "Rename one of them with remap."});
+    }
+  }
+  for (const auto& [service, callers] : called_) {
+    const auto served = served_.find(service);
+    for (const Pair& caller : callers) {
+      const std::string& name = caller.request.component->setup.name;
+      if (served == served_.end()) {
+        findings.push_back({false, caller.request.component->at,
+                            "No component serves " + InQuotes(service) + ", which " + InQuotes(name) + " calls.",
+                            NearestKey(service, served_)});
+        continue;
+      }
+      const Pair& server = served->second.front();
+      if (server.request.type == caller.request.type && server.reply == caller.reply) continue;
+      findings.push_back({true, caller.request.component->at,
+                          "The service " + InQuotes(service) + " takes " + server.request.type + " and returns " +
+                              server.reply + " in " + InQuotes(server.request.component->setup.name) + ", but " +
+                              InQuotes(name) + " sends " + caller.request.type + " and expects " + caller.reply + ".",
+                          "Rename one of them with remap."});
+    }
+  }
+}
+
+std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess& process) const {
+  std::map<std::string, std::size_t> subscribers;
+  for (const auto& [channel, ends] : outputs_) {
+    const bool here = std::ranges::any_of(ends, [&](const End& end) { return end.component->process == process.name; });
+    const auto inputs = inputs_.find(channel);
+    if (!here || inputs == inputs_.end()) continue;
+    const bool closed = std::ranges::binary_search(process.config.closed_channels, channel);
+    std::size_t nodes = 0;
+    std::set<std::string> others;
+    for (const End& end : inputs->second) {
+      if (end.component->process == process.name) {
+        nodes += closed ? 0 : 1;
+      } else if (const RobotProcess* other = robot_.FindProcess(end.component->process);
+                 other != nullptr && FindEachOther(process.config, other->config)) {
+        others.insert(other->name);
+      }
+    }
+    if (nodes + others.size() > 0) subscribers[channel] = nodes + others.size();
+  }
+  return subscribers;
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hgros/component/component_description.hpp"
+#include "hgros/placement/robot_file.hpp"
+#include "launch/robot_finding.hpp"
+
+namespace hgros::cli {
+
+/// The hypergraph of a robot file, as its components declare it.
+class RobotGraph {
+ public:
+  /// `descriptions` has those of the components that could be constructed, in any order. Borrows the robot.
+  RobotGraph(const RobotFile& robot, std::vector<ComponentDescription> descriptions);
+
+  /// Types that do not fit, and channels and services that have only one end.
+  [[nodiscard]] std::vector<RobotFinding> Check() const;
+  /// The channels on which a process publishes, with the number of their subscribers in the robot: nodes of the process
+  /// itself, and other processes that it can find.
+  [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process) const;
+
+ private:
+  struct End {
+    const RobotComponent* component;
+    std::string type;  // Empty: any.
+  };
+  using Ends = std::map<std::string, std::vector<End>>;
+  struct Pair {
+    End request;
+    std::string reply;
+  };
+  using Pairs = std::map<std::string, std::vector<Pair>>;
+
+  void CheckChannels(std::vector<RobotFinding>& findings) const;
+  void CheckServices(std::vector<RobotFinding>& findings) const;
+
+  const RobotFile& robot_;
+  Ends inputs_;  // By channel, like the outputs.
+  Ends outputs_;
+  Pairs served_;  // By service, like the calls.
+  Pairs called_;
+};
+
+}  // namespace hgros::cli

@@ -1,0 +1,367 @@
+#include "launch/starter.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+#include "launch/hosted_process.hpp"
+#include "launch/process_end.hpp"
+#include "terminal/json.hpp"
+#include "terminal/pause.hpp"
+#include "terminal/records.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
+constexpr std::chrono::seconds kRestartWindow{60};
+constexpr std::size_t kMostRestarts = 5;               // In that time.
+constexpr std::chrono::milliseconds kFirstPause{100};  // Before the second restart; doubled for each further one.
+constexpr std::size_t kReportedLines = 10;
+constexpr std::size_t kWidestName = 16;
+
+std::string Named(const std::string& name) { return "\"" + Visible(name) + "\""; }
+
+}  // namespace
+
+Starter::Starter(const RobotFile& robot, const RobotGraph& graph, const ComponentCatalog& catalog,
+                 Surroundings& surroundings, StarterOptions options)
+    : robot_(robot), graph_(graph), catalog_(catalog), surroundings_(surroundings), options_(options) {
+  for (const RobotProcess& process : robot.processes) units_.push_back({&process, &process, nullptr});
+  for (const RobotProgram& program : robot.programs) units_.push_back({&program, nullptr, &program});
+  for (const Unit& unit : units_) width_ = std::max(width_, unit.setup->name.size());
+  for (const RobotComponent& component : robot.components) width_ = std::max(width_, component.setup.name.size());
+  width_ = std::min(width_, kWidestName);
+}
+
+int Starter::Run() {
+  while (!AllEnded()) {
+    try {
+      if (!ending_) StartDue();
+      Advance();
+      Poll();
+      for (Unit& unit : units_) Hear(unit);
+      if (surroundings_.pause.signal() != 0) EndAll({}, code_);
+    } catch (const OutputClosed&) {
+      quiet_ = true;
+      EndAll({}, code_);
+    }
+    if (ending_) EndNext();
+  }
+  return code_;
+}
+
+// --- starting ---
+
+void Starter::StartDue() {
+  for (Unit& unit : units_) {
+    if (unit.stage != Stage::kWaits || unit.due > Clock::now()) continue;
+    if (unit.program != nullptr && !released_) continue;  // Programs follow the components.
+    try {
+      Start(unit);
+    } catch (const Error& error) {
+      Say(unit, LogLevel::kError, error.what());
+      return EndAll({}, kFailed);
+    }
+  }
+}
+
+void Starter::Start(Unit& unit) {
+  unit.ended.clear();
+  unit.running = std::make_unique<UnitProcess>(*unit.setup, [&](int socket) {
+    if (unit.program != nullptr) return BecomeProgram(*unit.program);
+    return HostComponents(socket, robot_, *unit.process, catalog_);
+  });
+  unit.stage = unit.program != nullptr ? Stage::kRunning : Stage::kBegun;
+}
+
+void Starter::Advance() {
+  if (ending_ || released_) return;
+  const auto all = [this](Stage stage) {
+    return std::ranges::all_of(units_, [stage](const Unit& unit) {
+      return unit.program != nullptr || (unit.stage >= stage && unit.stage < Stage::kEnds);
+    });
+  };
+  if (!joining_ && all(Stage::kConstructed)) {
+    joining_ = true;
+    for (Unit& unit : units_) {
+      if (unit.process != nullptr) SendJoin(unit);
+    }
+  } else if (joining_ && all(Stage::kJoined)) {
+    released_ = true;
+    for (Unit& unit : units_) {
+      if (unit.process != nullptr) Release(unit);
+    }
+    StartDue();
+    if (!ending_) ShowStates();
+  }
+}
+
+void Starter::Send(Unit& unit, const RunOrder& order) {
+  unit.running->stream().Add(order);
+  (void)unit.running->stream().Write();  // If nobody reads it, the end of the process follows.
+}
+
+void Starter::SendJoin(Unit& unit) {
+  RunOrder order;
+  RunOrder::Join& join = *order.mutable_join();
+  for (const auto& [channel, subscribers] : graph_.SubscribersOf(*unit.process)) {
+    RunOrder::Output& output = *join.add_outputs();
+    output.set_channel(channel);
+    output.set_subscribers(subscribers);
+  }
+  Send(unit, order);
+}
+
+void Starter::Release(Unit& unit) {
+  RunOrder order;
+  (void)order.mutable_start();
+  Send(unit, order);
+}
+
+void Starter::ShowStates() {
+  if (options_.json) {
+    for (const Unit& unit : units_) {
+      Json json;
+      json.BeginObject().Member("event", "started").Member("process", unit.setup->name);
+      json.Member("pid", std::int64_t{unit.running->pid()}).Key("components").BeginList();
+      if (unit.process != nullptr) {
+        for (const std::string& component : unit.process->components) json.Value(component);
+      }
+      json.EndList().EndObject();
+      surroundings_.console.Line(json.text());
+    }
+    return;
+  }
+  Records records(surroundings_.console, {},
+                  {{"component", "COMPONENT"}, {"type", "TYPE"}, {"process", "PROCESS"}, {"pid", "PID", true}});
+  for (const Unit& unit : units_) {
+    const std::int64_t pid = unit.running->pid();
+    if (unit.program != nullptr) {
+      std::string command;
+      for (const std::string& word : unit.program->command) command += (command.empty() ? "" : " ") + word;
+      records.Add({Cell(), command, unit.setup->name, pid});
+      continue;
+    }
+    for (const std::string& name : unit.process->components) {
+      records.Add({name, robot_.FindComponent(name)->setup.type, unit.setup->name, pid});
+    }
+  }
+  records.End();
+}
+
+// --- hearing ---
+
+Starter::Clock::time_point Starter::NextDue() const {
+  Clock::time_point due = kill_at_;
+  for (const Unit& unit : units_) {
+    const bool waits = unit.stage == Stage::kWaits && !ending_ && (unit.process != nullptr || released_);
+    if (waits) due = std::min(due, unit.due);
+  }
+  return due;
+}
+
+void Starter::Poll() {
+  std::vector<pollfd> watched{{surroundings_.pause.ended(), POLLIN, 0}};
+  if (surroundings_.pause.signal() != 0) watched.clear();
+  for (const Unit& unit : units_) {
+    if (unit.running == nullptr) continue;
+    watched.push_back({unit.running->end_descriptor(), POLLIN, 0});
+    if (!unit.running->stream_ended()) watched.push_back({unit.running->stream().descriptor(), POLLIN, 0});
+    if (unit.running->output() >= 0) watched.push_back({unit.running->output(), POLLIN, 0});
+  }
+  const Clock::time_point due = NextDue();
+  timespec time{};
+  if (due != Clock::time_point::max()) {
+    const auto left = std::max(due - Clock::now(), Clock::duration::zero());
+    time.tv_sec = std::chrono::duration_cast<std::chrono::seconds>(left).count();
+    time.tv_nsec = std::chrono::nanoseconds(left % std::chrono::seconds(1)).count();
+  }
+  const int ready = ppoll(watched.data(), watched.size(), due == Clock::time_point::max() ? nullptr : &time, nullptr);
+  if (ready < 0 && errno != EINTR) throw Error("The system refused to wait for the robot's processes.");
+}
+
+void Starter::Hear(Unit& unit) {
+  if (unit.running == nullptr) return;
+  UnitProcess& running = *unit.running;
+  const bool ended = running.HasEnded();  // Before reading, so that nothing it has said is left.
+  if (!running.stream_ended()) {
+    const bool more = running.stream().Read();
+    RunReport report;
+    while (running.stream().Next(report)) Take(unit, report);
+    if (!more) running.EndStream();
+  }
+  const auto hear = [&](std::string_view line) { Show({0, unit.setup->name, {}, LogLevel::kInfo, std::string(line)}); };
+  running.ReadOutput(hear);
+  if (!ended) return;
+  running.ReadLastLine(hear);
+  TakeEnd(unit);
+}
+
+void Starter::Take(Unit& unit, const RunReport& report) {
+  switch (report.report_case()) {
+    case RunReport::kStage:
+      if (unit.stage == Stage::kEnds) return;
+      unit.stage = report.stage() == RunReport::CONSTRUCTED ? Stage::kConstructed
+                   : report.stage() == RunReport::JOINED    ? Stage::kJoined
+                                                            : Stage::kRunning;
+      if (!released_) return;  // Advance() lets all go on together.
+      if (unit.stage == Stage::kConstructed) SendJoin(unit);
+      if (unit.stage == Stage::kJoined) Release(unit);
+      return;
+    case RunReport::kComponent: return TakeComponent(unit, report.component());
+    case RunReport::kLine:
+      return Show({report.line().time_ns(), unit.setup->name, report.line().component(),
+                   static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});
+    case RunReport::kFault: return Say(unit, LogLevel::kError, report.fault());
+    case RunReport::kLacks:
+      return Say(unit, LogLevel::kWarning,
+                 "Not all subscribers of " + report.lacks() +
+                     " were connected after 10 s. The robot starts without "
+                     "them; they miss the first messages.");
+    case RunReport::kLost:
+      return Say(unit, LogLevel::kWarning,
+                 std::to_string(report.lost()) + " lines of the log were lost, because hgros run was stopped.");
+    case RunReport::REPORT_NOT_SET: return;
+  }
+}
+
+void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
+  const auto state = static_cast<ComponentState>(component.state());
+  const bool failed = state == ComponentState::kFailed;
+  if (!failed && state != ComponentState::kFinished) return;
+  const bool first = unit.ended.emplace(component.name(), component.sentence()).second;
+  if (!first) return;
+  const std::string sentence = component.sentence().empty() ? "." : ": " + component.sentence();
+  LogLine line{0, unit.setup->name, component.name(), failed ? LogLevel::kError : LogLevel::kInfo,
+               (failed ? "It has failed" : "It has finished") + sentence};
+  Show(std::move(line));
+  if (failed) {
+    unit.failed = true;
+    code_ = kFailed;
+  }
+  const RobotComponent* setup = robot_.FindComponent(component.name());
+  if (setup != nullptr && setup->essential && !ending_) {
+    EndAll(failed ? "The robot ends, because " + Named(component.name()) + " is essential." : "", code_);
+  } else if (failed && unit.setup->restart != RestartPolicy::kNever && unit.stage == Stage::kRunning && !ending_) {
+    RunOrder order;
+    (void)order.mutable_end();
+    Send(unit, order);  // TakeEnd() starts it again.
+  }
+}
+
+void Starter::TakeEnd(Unit& unit) {
+  const int status = unit.running->status();
+  const bool told = unit.stage == Stage::kEnds;
+  const bool failed = unit.failed || !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  const bool early = !released_ && !told;
+  if (failed && !told) ReportFailure(unit, status);
+  unit.running.reset();
+  unit.stage = Stage::kEnded;
+  if (told) return;
+  if (failed) code_ = kFailed;
+  if (ending_) return;
+  if (early) {
+    return EndAll("The robot cannot start without " + Named(unit.setup->name) + ".", kFailed);
+  }
+  const RestartPolicy policy = unit.setup->restart;
+  if (policy == RestartPolicy::kAlways || (policy == RestartPolicy::kOnFailure && failed)) StartAgain(unit);
+  if (unit.stage == Stage::kEnded && unit.setup->essential) {
+    EndAll(failed ? "The robot ends, because " + Named(unit.setup->name) + " is essential." : "", code_);
+  }
+}
+
+void Starter::StartAgain(Unit& unit) {
+  const Clock::time_point now = Clock::now();
+  std::deque<Clock::time_point>& restarts = unit.restarts;
+  while (!restarts.empty() && restarts.front() < now - kRestartWindow) restarts.pop_front();
+  if (restarts.size() >= kMostRestarts) {
+    return Say(unit, LogLevel::kError,
+               "It was started again " + std::to_string(kMostRestarts) + " times within a minute, and now is not.");
+  }
+  const std::chrono::milliseconds pause =
+      restarts.empty() ? std::chrono::milliseconds(0) : kFirstPause * (1 << (restarts.size() - 1));
+  restarts.push_back(now + pause);
+  unit.failed = false;
+  unit.due = now + pause;
+  unit.stage = Stage::kWaits;
+  Say(unit, LogLevel::kWarning,
+      pause.count() == 0 ? "It is started again." : "It is started again in " + std::to_string(pause.count()) + " ms.");
+}
+
+void Starter::ReportFailure(Unit& unit, int status) {
+  code_ = kFailed;
+  const bool itself = WIFEXITED(status) && unit.failed;
+  if (!itself) Say(unit, LogLevel::kError, "The process has failed: " + EndText(status) + "." + CoreText(status));
+  if (std::exchange(unit.reported, true) || options_.json || itself) return;
+  std::vector<const LogLine*> last;
+  for (const LogLine& line : lines_.all()) {
+    if (line.process == unit.setup->name) last.push_back(&line);
+  }
+  if (last.size() <= 1) return;
+  last.pop_back();  // What was said just now.
+  surroundings_.console.Line("The last lines of " + Named(unit.setup->name) + ":");
+  for (std::size_t i = last.size() - std::min(last.size(), kReportedLines); i < last.size(); ++i) {
+    surroundings_.console.Line("    " + LineText(surroundings_.console, *last[i], width_));
+  }
+}
+
+// --- ending ---
+
+void Starter::EndAll(const std::string& why, int code) {
+  code_ = std::max(code_, code);
+  if (ending_) return;
+  ending_ = true;
+  kill_at_ = Clock::now() + kEndPatience;
+  if (!why.empty()) surroundings_.console.Say(why);
+}
+
+void Starter::EndNext() {
+  const bool late = Clock::now() >= kill_at_;
+  for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
+    if (unit->running == nullptr) continue;
+    if (late) {
+      if (unit->stage == Stage::kEnds) {
+        surroundings_.console.Say(Named(unit->setup->name) + " did not end in time, and is killed.");
+      }
+      unit->stage = Stage::kEnds;
+      unit->running->Signal(SIGKILL);
+      continue;
+    }
+    if (unit->stage == Stage::kEnds) return;  // The next one ends after this.
+    unit->stage = Stage::kEnds;
+    if (unit->program != nullptr) return unit->running->Signal(SIGTERM);
+    RunOrder order;
+    (void)order.mutable_end();
+    return Send(*unit, order);
+  }
+  if (late) kill_at_ = Clock::time_point::max();
+}
+
+bool Starter::AllEnded() const {
+  return std::ranges::all_of(units_, [this](const Unit& unit) {
+    if (unit.running != nullptr) return false;
+    return unit.stage == Stage::kEnded || ending_;
+  });
+}
+
+// --- showing ---
+
+void Starter::Show(LogLine line) {
+  lines_.Add(std::move(line));
+  const LogLine& added = lines_.all().back();
+  if (quiet_ || (added.level == LogLevel::kDebug && !options_.verbose)) return;
+  surroundings_.console.Line(options_.json ? LineJson(added) : LineText(surroundings_.console, added, width_));
+}
+
+void Starter::Say(const Unit& unit, LogLevel level, const std::string& text) {
+  Show({0, unit.setup->name, {}, level, text});
+}
+
+}  // namespace hgros::cli

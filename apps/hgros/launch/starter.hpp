@@ -1,0 +1,106 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "arguments/command.hpp"
+#include "hgros/component/component_catalog.hpp"
+#include "hgros/placement/robot_file.hpp"
+#include "launch/log_lines.hpp"
+#include "launch/robot_graph.hpp"
+#include "launch/run.pb.h"
+#include "launch/unit_process.hpp"
+
+namespace hgros::cli {
+
+struct StarterOptions {
+  bool json = false;     ///< Everything as one JSON object per line.
+  bool verbose = false;  ///< Also lines of the level debug.
+};
+
+/// Starts the processes and programs of a robot, shows their log, starts again what has failed, and ends them.
+///
+/// Threading: one thread, and no other in the process: it forks.
+class Starter {
+ public:
+  /// Borrows all of them.
+  Starter(const RobotFile& robot, const RobotGraph& graph, const ComponentCatalog& catalog, Surroundings& surroundings,
+          StarterOptions options);
+
+  /// Until everything has ended, by itself or because the user ends the command. Returns the exit code: kFailed if
+  /// something has failed.
+  [[nodiscard]] int Run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  enum class Stage {
+    kWaits,        // To be started.
+    kBegun,        // Its process runs.
+    kConstructed,  // A program is constructed at once.
+    kJoined,
+    kRunning,
+    kEnds,   // Has been told to.
+    kEnded,  // And is not started again.
+  };
+  struct Unit {
+    const RobotUnit* setup;
+    const RobotProcess* process = nullptr;  // Or a program.
+    const RobotProgram* program = nullptr;
+    Stage stage = Stage::kWaits;
+    std::unique_ptr<UnitProcess> running{};
+    Clock::time_point due{};                     // When it is started.
+    std::deque<Clock::time_point> restarts{};    // The last ones.
+    std::map<std::string, std::string> ended{};  // Components that ended by themselves, and how.
+    bool failed = false;                         // A component of it, or its end.
+    bool reported = false;                       // Its first failure.
+  };
+
+  void StartDue();
+  void Start(Unit& unit);
+  void Poll();
+  void Hear(Unit& unit);
+  void Take(Unit& unit, const RunReport& report);
+  void TakeComponent(Unit& unit, const RunReport::Component& component);
+  void TakeEnd(Unit& unit);
+  void ReportFailure(Unit& unit, int status);
+  void StartAgain(Unit& unit);
+  // Lets the units go on together: all join when all are constructed, and run when all have joined.
+  void Advance();
+  void SendJoin(Unit& unit);
+  static void Send(Unit& unit, const RunOrder& order);
+  void Release(Unit& unit);
+  void ShowStates();
+
+  // Everything ends, the last ones first. `why` is said; empty: the user knows.
+  void EndAll(const std::string& why, int code);
+  void EndNext();
+  [[nodiscard]] bool AllEnded() const;
+  [[nodiscard]] Clock::time_point NextDue() const;
+
+  void Show(LogLine line);
+  void Say(const Unit& unit, LogLevel level, const std::string& text);
+
+  const RobotFile& robot_;
+  const RobotGraph& graph_;
+  const ComponentCatalog& catalog_;
+  Surroundings& surroundings_;
+  const StarterOptions options_;
+  std::vector<Unit> units_;  // In the order of their start.
+  LogLines lines_;
+  std::size_t width_ = 0;  // Of the names in the log.
+  bool joining_ = false;   // All were told to join.
+  bool released_ = false;  // All run.
+  bool ending_ = false;
+  bool quiet_ = false;  // Nobody reads the output.
+  Clock::time_point kill_at_ = Clock::time_point::max();
+  int code_ = kDone;
+};
+
+}  // namespace hgros::cli

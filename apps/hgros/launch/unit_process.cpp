@@ -1,0 +1,155 @@
+#include "launch/unit_process.hpp"
+
+#include <fcntl.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kMostLineBytes = 8192;
+constexpr int kPipeBytes = 1 << 20;  // Of output that waits for the starter.
+constexpr int kNotStarted = 127;     // As shells say it.
+
+[[noreturn]] void RefuseStart(const RobotUnit& unit) {
+  throw Error("The system refused to start \"" + unit.name + "\": " + std::generic_category().message(errno) + ".",
+              unit.at.ToString());
+}
+
+// Says on standard error, which the starter reads, what could not be set. The unit runs without it.
+void SayUnset(const char* what) { (void)fprintf(stderr, "%s could not be set: %s\n", what, strerror(errno)); }
+
+void SetUp(const RobotUnit& unit) {
+  (void)prctl(PR_SET_NAME, unit.name.substr(0, 15).c_str());
+  for (const auto& [name, value] : unit.env) (void)setenv(name.c_str(), value.c_str(), 1);
+  if (!unit.cpus.empty()) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    for (const int cpu : unit.cpus) CPU_SET(static_cast<std::size_t>(cpu), &set);
+    if (sched_setaffinity(0, sizeof set, &set) != 0) SayUnset("cpus");
+  }
+  if (unit.nice != 0 && setpriority(PRIO_PROCESS, 0, unit.nice) != 0) SayUnset("nice");
+  if (unit.priority > 0) {
+    const sched_param parameter{unit.priority};
+    if (sched_setscheduler(0, SCHED_FIFO, &parameter) != 0) SayUnset("priority");
+  }
+}
+
+[[noreturn]] void RunChild(const RobotUnit& unit, const UnitProcess::Body& body, int socket, int output,
+                           pid_t starter) {
+  (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != starter) _exit(kNotStarted);  // It died before.
+  (void)setpgid(0, 0);                           // Ctrl-C is for the starter.
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) (void)signal(number, SIG_DFL);
+  const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
+  (void)dup2(output, STDOUT_FILENO);
+  (void)dup2(output, STDERR_FILENO);
+  close(output);
+  (void)setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+  SetUp(unit);
+  const int code = body(socket);
+  (void)fflush(nullptr);
+  _exit(code);
+}
+
+}  // namespace
+
+UnitProcess::UnitProcess(const RobotUnit& unit, const Body& body) {
+  std::array<int, 2> sockets{};
+  std::array<int, 2> outputs{};
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, sockets.data()) != 0) RefuseStart(unit);
+  stream_ = std::make_unique<MessageStream>(sockets[0]);
+  if (pipe2(outputs.data(), O_CLOEXEC) != 0) {
+    close(sockets[1]);
+    RefuseStart(unit);
+  }
+  output_ = outputs[0];
+  (void)fcntl(output_, F_SETFL, O_NONBLOCK);
+  (void)fcntl(output_, F_SETPIPE_SZ, kPipeBytes);
+  const pid_t starter = getpid();
+  pid_ = fork();
+  if (pid_ == 0) RunChild(unit, body, sockets[1], outputs[1], starter);
+  close(sockets[1]);
+  close(outputs[1]);
+  if (pid_ < 0) {
+    close(output_);
+    RefuseStart(unit);
+  }
+  (void)setpgid(pid_, pid_);
+  end_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
+}
+
+UnitProcess::~UnitProcess() {
+  if (!HasEnded()) {
+    Signal(SIGKILL);
+    while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
+    }
+  }
+  (void)kill(-pid_, SIGKILL);  // What it has left.
+  if (output_ >= 0) close(output_);
+  if (end_ >= 0) close(end_);
+}
+
+void UnitProcess::ReadOutput(const std::function<void(std::string_view)>& hear) {
+  std::array<char, 16384> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  while (output_ >= 0) {
+    const ssize_t more = read(output_, buffer.data(), buffer.size());
+    if (more < 0 && errno == EINTR) continue;
+    if (more < 0 && errno == EAGAIN) return;
+    if (more <= 0) {
+      close(std::exchange(output_, -1));
+      ReadLastLine(hear);
+      return;
+    }
+    for (const char letter : std::string_view(buffer.data(), static_cast<std::size_t>(more))) {
+      if (letter != '\n') line_ += letter;
+      if (letter != '\n' && line_.size() < kMostLineBytes) continue;
+      hear(line_);
+      line_.clear();
+    }
+  }
+}
+
+void UnitProcess::ReadLastLine(const std::function<void(std::string_view)>& hear) {
+  if (!line_.empty()) hear(line_);
+  line_.clear();
+}
+
+void UnitProcess::Signal(int number) const noexcept {
+  if (ended_) return;
+  if (kill(-pid_, number) != 0) (void)kill(pid_, number);  // It may not lead its group yet.
+}
+
+bool UnitProcess::HasEnded() {
+  ended_ = ended_ || waitpid(pid_, &status_, WNOHANG) == pid_;
+  return ended_;
+}
+
+int BecomeProgram(const RobotProgram& program) {
+  std::vector<char*> arguments;
+  for (const std::string& one : program.command) arguments.push_back(const_cast<char*>(one.c_str()));
+  arguments.push_back(nullptr);
+  (void)execvp(arguments.front(), arguments.data());
+  (void)fprintf(stderr, "%s cannot be run: %s\n", arguments.front(), strerror(errno));
+  return kNotStarted;
+}
+
+}  // namespace hgros::cli

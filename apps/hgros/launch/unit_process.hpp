@@ -1,0 +1,64 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "hgros/placement/robot_file.hpp"
+#include "launch/message_stream.hpp"
+
+namespace hgros::cli {
+
+/// One running process of a robot, or one program: started, heard, ended. Kills it with its process group when it ends.
+///
+/// Threading: one thread, and no other in the process: it forks.
+class UnitProcess {
+ public:
+  /// What runs in the child, which gets its end of a socket. Returns the exit code.
+  using Body = std::function<int(int socket)>;
+
+  /// Starts `body`. Throws Error if the system refuses.
+  UnitProcess(const RobotUnit& unit, const Body& body);
+  UnitProcess(const UnitProcess&) = delete;
+  UnitProcess& operator=(const UnitProcess&) = delete;
+  ~UnitProcess();
+
+  [[nodiscard]] pid_t pid() const noexcept { return pid_; }
+  /// Reports of a process; at its end for a program.
+  [[nodiscard]] MessageStream& stream() noexcept { return *stream_; }
+  [[nodiscard]] bool stream_ended() const noexcept { return stream_ended_; }
+  void EndStream() noexcept { stream_ended_ = true; }
+  /// What it prints; -1: nothing more.
+  [[nodiscard]] int output() const noexcept { return output_; }
+  /// Reads what it has printed, and calls `hear` for each line.
+  void ReadOutput(const std::function<void(std::string_view line)>& hear);
+  /// The last line, if it was not ended.
+  void ReadLastLine(const std::function<void(std::string_view line)>& hear);
+
+  void Signal(int number) const noexcept;
+  /// Readable once it has ended.
+  [[nodiscard]] int end_descriptor() const noexcept { return end_; }
+  /// Whether it has ended; then status() is its wait status.
+  [[nodiscard]] bool HasEnded();
+  [[nodiscard]] int status() const noexcept { return status_; }
+
+ private:
+  pid_t pid_ = -1;
+  bool ended_ = false;
+  int status_ = 0;
+  std::unique_ptr<MessageStream> stream_;
+  bool stream_ended_ = false;
+  int output_ = -1;
+  int end_ = -1;      // A pidfd.
+  std::string line_;  // Not ended yet.
+};
+
+/// In the child of a starter: becomes the program. Returns only if that fails, the exit code.
+[[nodiscard]] int BecomeProgram(const RobotProgram& program);
+
+}  // namespace hgros::cli

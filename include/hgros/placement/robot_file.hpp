@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/export.hpp"
+#include "hgros/component/components.hpp"
+#include "hgros/config/config.hpp"
+#include "hgros/params/param_sources.hpp"
+#include "hgros/yaml/document.hpp"
+
+namespace hgros {
+
+/// Whether a process or program that has ended is started again.
+enum class RestartPolicy : std::uint8_t {
+  kNever,
+  kOnFailure,  ///< If its exit code was not 0, or a signal ended it.
+  kAlways,
+};
+
+/// What runs in its own process.
+struct RobotUnit {
+  std::string name;
+  std::map<std::string, std::string> env;  ///< Variables of the environment, in addition to those of the starter.
+  std::vector<int> cpus;                   ///< Where its threads may run; empty: everywhere.
+  int nice = 0;                            ///< -20 to 19; fewer is more urgent.
+  int priority = 0;                        ///< Of SCHED_FIFO for its threads, 1 to 99; 0: the normal scheduler.
+  RestartPolicy restart = RestartPolicy::kNever;
+  bool essential = false;  ///< The robot ends with it.
+  FilePosition at;         ///< Of its name.
+};
+
+struct RobotComponent {
+  ComponentSetup setup;
+  std::string process;     ///< Where it runs.
+  bool essential = false;  ///< The robot ends when it finishes or fails.
+  FilePosition at;         ///< Of its name.
+};
+
+/// A session with components. The session has the name of the process.
+struct RobotProcess : RobotUnit {
+  std::vector<std::string> components;  ///< In the order in which they are constructed; the last one ends first.
+  Config config;                        ///< The sections of the whole robot, and on top of them those of the process.
+};
+
+/// A program in any language.
+struct RobotProgram : RobotUnit {
+  std::vector<std::string> command;  ///< The program, looked for in PATH, and its arguments.
+};
+
+struct RobotFileOptions {
+  yaml::Variables variables = yaml::EnvironmentVariable;  ///< For ${NAME}.
+  /// Values that replace those of the file. A path begins with a component, or with a key at the top of the file:
+  /// "mapper.params.cell_size_m", "processes.front.nice".
+  std::vector<ParamOverride> overrides = {};
+  bool read_key_files = true;  ///< As in ConfigCheckOptions.
+};
+
+struct CheckedRobotFile;
+
+/// What runs on a robot, and where. docs/robot-file.md describes the file.
+struct HGROS_EXPORT RobotFile {
+  std::vector<RobotComponent> components;  ///< In the order of the file.
+  std::vector<RobotProcess> processes;     ///< In the order in which they start; the last one ends first.
+  std::vector<RobotProgram> programs;      ///< They start after the processes.
+
+  /// Reads a file and what it includes. Throws ConfigError for the first fault.
+  [[nodiscard]] static RobotFile Load(const std::filesystem::path& file, const RobotFileOptions& options = {});
+  /// The same, but does not stop at the first fault. Does not throw ConfigError.
+  [[nodiscard]] static CheckedRobotFile Check(const std::filesystem::path& file, const RobotFileOptions& options = {});
+  /// Whether a file has components, and so is a robot file. False if it cannot be read.
+  [[nodiscard]] static bool Is(const std::filesystem::path& file);
+
+  /// Null if there is none of that name.
+  [[nodiscard]] const RobotComponent* FindComponent(std::string_view name) const;
+  [[nodiscard]] const RobotProcess* FindProcess(std::string_view name) const;
+};
+
+/// A robot file, and everything that is wrong with it.
+struct CheckedRobotFile {
+  RobotFile robot;                  ///< Without what is wrong.
+  std::vector<ConfigError> faults;  ///< Empty: RobotFile::Load() accepts the file.
+};
+
+}  // namespace hgros

@@ -1,0 +1,241 @@
+#include "placement/robot_draft.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "hgros/base/names.hpp"
+#include "hgros/config/check.hpp"
+#include "hgros/config/config_sections.hpp"
+#include "hgros/config/setting_readers.hpp"
+#include "hgros/params/params_of_document.hpp"
+#include "hgros/yaml/quoted.hpp"
+
+namespace hgros {
+namespace {
+
+using yaml::Field;
+using yaml::Section;
+using yaml::Value;
+
+constexpr std::string_view kMain = "main";
+constexpr std::size_t kMostArguments = 1000;
+
+void CheckName(const Field& field, std::string_view what) {
+  std::string fault = ChannelNameFault(field.key);
+  if (fault.empty() && field.key.find_first_of("/.") != std::string::npos) fault = "It has a slash or a dot.";
+  if (fault.empty()) return;
+  throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a " + std::string(what) + ": " + fault,
+                    field.key_position, "Use letters, digits, \"_\" and \"-\".");
+}
+
+std::map<std::string, std::string> ReadTexts(const Value& map, std::string_view wanted, std::string_view text) {
+  std::map<std::string, std::string> texts;
+  for (const Field& field : map.Map(wanted)) {
+    field.value.faults().Attempt([&] { texts[field.key] = field.value.Text(text); });
+  }
+  return texts;
+}
+
+std::map<std::string, std::string> ReadEnvironment(const Value& map) {
+  for (const Field& field : map.Map("a map from variables of the environment to their values")) {
+    if (!field.key.empty() && field.key.find_first_of("= ") == std::string::npos) continue;
+    throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a variable.", field.key_position,
+                      "Use letters, digits and \"_\".");
+  }
+  return ReadTexts(map, "a map", "a text");
+}
+
+std::map<std::string, std::string> ReadRemap(const Value& map) {
+  std::map<std::string, std::string> remap =
+      ReadTexts(map, "a map from the component's names of channels and services to the robot's", "a name");
+  for (const Field& field : map.Map({})) {
+    const auto to = remap.find(field.key);
+    if (to == remap.end()) continue;
+    for (const std::string& name : {field.key, to->second}) {
+      if (const std::string fault = ChannelNameFault(name); !fault.empty()) {
+        field.value.Fail("has the name " + yaml::Quoted(name) +
+                         ", which no channel can have: " + fault.substr(0, fault.size() - 1));
+      }
+    }
+  }
+  return remap;
+}
+
+constexpr std::string_view kComponentShape = "a map with type, params, remap, nodes and essential";
+constexpr std::array<std::string_view, 6> kUnitKeys{"env", "cpus", "nice", "priority", "restart", "essential"};
+
+std::vector<std::string_view> WithUnitKeys(std::initializer_list<std::string_view> more) {
+  std::vector<std::string_view> keys(more);
+  keys.insert(keys.end(), kUnitKeys.begin(), kUnitKeys.end());
+  return keys;
+}
+
+}  // namespace
+
+const std::vector<std::string>& RobotSections() {
+  static const auto& sections = *new std::vector<std::string>{"components", "processes", "programs"};
+  return sections;
+}
+
+RobotFile RobotDraft::Read(bool read_key_files) {
+  std::vector<std::string_view> known(kConfigSections.begin(), kConfigSections.end());
+  known.insert(known.end(), RobotSections().begin(), RobotSections().end());
+  const Section top(Value(document_, faults_), "a map with components", known);
+  const auto read_all = [&](std::string_view key, std::string_view wanted, auto read) {
+    top.Read(key, [&](const Value& map) {
+      const std::vector<Field> fields = map.Map(wanted);
+      for (const Field& field : fields) faults_.Attempt([&] { read(field); });
+    });
+  };
+  const Value components = top.Require("components");
+  read_all("components", "a map from names to components", [this](const Field& field) { ReadComponent(field); });
+  if (components.Map({}).empty()) components.Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
+  read_all("processes", "a map from names to processes", [this](const Field& field) { ReadProcess(field); });
+  read_all("programs", "a map from names to programs", [this](const Field& field) { ReadProgram(field); });
+  PlaceOthers();
+  CheckNames();
+  bool whole_robot = true;  // Its faults are reported once.
+  for (RobotProcess& process : robot_.processes) {
+    const auto own = sections_.find(process.name);
+    if (own == sections_.end() && !whole_robot) {
+      process.config = robot_.processes.front().config;
+      continue;
+    }
+    process.config = ConfigOf(own == sections_.end() ? nullptr : &own->second, read_key_files);
+    whole_robot = whole_robot && own != sections_.end();
+  }
+  return std::move(robot_);
+}
+
+void RobotDraft::ReadComponent(const Field& field) {
+  CheckName(field, "component");
+  const Section section(field.value, kComponentShape, {"type", "params", "remap", "nodes", "essential"});
+  RobotComponent component;
+  component.setup.name = field.key;
+  component.at = field.key_position;
+  component.setup.type = section.Require("type").Text("the name of a component type, such as slam2d/Mapper");
+  section.Read("params", [&](const Value& params) {
+    (void)params.Map("a map of parameters");
+    component.setup.params.section = ParamsOf(document_.At(params.node()));
+  });
+  section.Read("remap", [&](const Value& remap) { component.setup.remap = ReadRemap(remap); });
+  section.Read("nodes", [&](const Value& nodes) { component.setup.nodes = ReadNodeOverrides(nodes); });
+  section.Read("essential", [&](const Value& essential) { component.essential = essential.Boolean(); });
+  robot_.components.push_back(std::move(component));
+}
+
+void RobotDraft::ReadUnit(const Field& field, const Section& section, RobotUnit& unit) {
+  unit.name = field.key;
+  unit.at = field.key_position;
+  section.Read("env", [&](const Value& env) { unit.env = ReadEnvironment(env); });
+  section.Read("cpus", [&](const Value& cpus) { unit.cpus = ReadCpus(cpus); });
+  section.Read("nice", [&](const Value& nice) { unit.nice = static_cast<int>(nice.Integer(-20, 19)); });
+  section.Read("priority", [&](const Value& priority) { unit.priority = static_cast<int>(priority.Integer(0, 99)); });
+  section.Read("restart", [&](const Value& restart) {
+    unit.restart = static_cast<RestartPolicy>(restart.Choice({"never", "on-failure", "always"}));
+  });
+  section.Read("essential", [&](const Value& essential) { unit.essential = essential.Boolean(); });
+}
+
+void RobotDraft::ReadProcess(const Field& field) {
+  CheckName(field, "process");
+  std::vector<std::string_view> keys = WithUnitKeys({"components"});
+  keys.insert(keys.end(), kConfigSections.begin(), kConfigSections.end());
+  const Section section(field.value, "a map with components", keys);
+  RobotProcess process;
+  ReadUnit(field, section, process);
+  section.Read("components", [&](const Value& list) { ReadPlaces(list, process); });
+  if (std::ranges::any_of(kConfigSections, [&](std::string_view key) { return section.Find(key).has_value(); })) {
+    sections_.emplace(field.key, document_.At(field.value.node()).Only(kConfigSections));
+  }
+  robot_.processes.push_back(std::move(process));
+}
+
+void RobotDraft::ReadPlaces(const Value& list, RobotProcess& process) {
+  const std::vector<Value> names = list.List("a list of components");
+  for (const Value& one : names) {
+    faults_.Attempt([&] {
+      const std::string& name = one.Text("the name of a component");
+      const auto found = std::ranges::find(
+          robot_.components, name, [](const RobotComponent& it) -> const std::string& { return it.setup.name; });
+      if (found == robot_.components.end()) {
+        const std::string nearest = NearestName(name, ComponentNames());
+        one.Fail("is " + yaml::Quoted(name) + ", which is no component of the robot",
+                 nearest.empty() ? "Add it to components." : "Did you mean \"" + nearest + "\"?");
+      }
+      const auto [first, fresh] = places_.emplace(name, one.position());
+      if (!fresh) {
+        one.Fail("is " + yaml::Quoted(name) + ", which is placed already at " + first->second.ToString(),
+                 "Keep one of them.");
+      }
+      found->process = process.name;
+      process.components.push_back(name);
+    });
+  }
+}
+
+void RobotDraft::ReadProgram(const Field& field) {
+  CheckName(field, "program");
+  const Section section(field.value, "a map with command", WithUnitKeys({"command"}));
+  RobotProgram program;
+  ReadUnit(field, section, program);
+  const Value command = section.Require("command");
+  for (const Value& part : command.List("a list of the program and its arguments")) {
+    program.command.push_back(part.Text("a text"));
+  }
+  if (program.command.empty() || program.command.front().empty()) command.Fail("names no program", "Name one.");
+  if (program.command.size() > kMostArguments) command.Fail("has more than 1000 arguments", "Write a script for it.");
+  robot_.programs.push_back(std::move(program));
+}
+
+void RobotDraft::PlaceOthers() {
+  std::vector<std::string> others;
+  for (RobotComponent& component : robot_.components) {
+    if (!component.process.empty()) continue;
+    component.process = kMain;
+    others.push_back(component.setup.name);
+  }
+  if (others.empty()) return;
+  auto main = std::ranges::find(robot_.processes, kMain, &RobotProcess::name);
+  if (main == robot_.processes.end()) {
+    main = robot_.processes.insert(robot_.processes.end(), RobotProcess());
+    main->name = kMain;
+    main->at = robot_.components.front().at;
+  }
+  main->components.insert(main->components.end(), others.begin(), others.end());
+}
+
+// A name that means two things could not be given to a command. Only a process and its component may share one.
+void RobotDraft::CheckNames() const {
+  const auto refuse = [this](const std::string& name, const FilePosition& first, const FilePosition& second) {
+    faults_.Report(ConfigError("The name " + yaml::Quoted(name) + " is taken by " + first.ToString() + ".", second,
+                               "Rename one of them."));
+  };
+  for (const RobotProcess& process : robot_.processes) {
+    const RobotComponent* same = robot_.FindComponent(process.name);
+    if (same != nullptr && same->process != process.name) refuse(process.name, same->at, process.at);
+  }
+  for (const RobotProgram& program : robot_.programs) {
+    if (const RobotComponent* same = robot_.FindComponent(program.name)) refuse(program.name, same->at, program.at);
+    if (const RobotProcess* same = robot_.FindProcess(program.name)) refuse(program.name, same->at, program.at);
+  }
+}
+
+Config RobotDraft::ConfigOf(const yaml::Document* process, bool read_key_files) const {
+  const yaml::Document whole = document_.Only(kConfigSections);
+  CheckedConfig checked = process == nullptr
+                              ? CheckConfig(whole, {{}, read_key_files})
+                              : CheckConfig(yaml::Document::Merged(whole, *process), {{}, read_key_files});
+  for (const ConfigError& fault : checked.faults) faults_.Report(fault);
+  return std::move(checked.config);
+}
+
+std::vector<std::string> RobotDraft::ComponentNames() const {
+  std::vector<std::string> names;
+  for (const RobotComponent& component : robot_.components) names.push_back(component.setup.name);
+  return names;
+}
+
+}  // namespace hgros

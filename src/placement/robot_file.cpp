@@ -1,0 +1,102 @@
+#include "hgros/placement/robot_file.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/base/names.hpp"
+#include "hgros/config/config_sections.hpp"
+#include "hgros/params/param_error.hpp"
+#include "hgros/params/param_path.hpp"
+#include "hgros/yaml/quoted.hpp"
+#include "placement/robot_draft.hpp"
+
+namespace hgros {
+namespace {
+
+bool HasKey(const yaml::Node& map, std::string_view key) {
+  return std::ranges::any_of(map.entries, [key](const yaml::Node::Entry& one) { return one.key->text == key; });
+}
+
+std::vector<std::string> KeysBelow(const yaml::Node& map, std::string_view key) {
+  std::vector<std::string> keys;
+  for (const yaml::Node::Entry& entry : map.entries) {
+    if (entry.key->text != key) continue;
+    for (const yaml::Node::Entry& below : entry.value->entries) keys.push_back(below.key->text);
+  }
+  return keys;
+}
+
+// The keys that lead to an overridden value, from the top of the file.
+std::vector<std::string> KeysOf(const ParamOverride& one, const yaml::Document& document) {
+  const FilePosition said{one.said, 0, 0};
+  std::vector<std::string> keys;
+  try {
+    const ParamPath path = ParamPath::Parse(one.path);
+    for (const ParamPath::Step& step : path.steps()) {
+      const std::string* key = std::get_if<std::string>(&step);
+      if (key == nullptr) throw ConfigError("An item of a list cannot be replaced.", said, "Give the whole list.");
+      keys.push_back(*key);
+    }
+  } catch (const ParamError& error) {
+    throw ConfigError(error.what(), said);
+  }
+  if (keys.empty()) throw ConfigError("The path is empty.", said, "Write COMPONENT.params.NAME=VALUE.");
+  std::vector<std::string> known = KeysBelow(document.root(), "components");
+  if (std::ranges::find(known, keys.front()) != known.end()) {
+    keys.insert(keys.begin(), "components");
+    return keys;
+  }
+  known.insert(known.end(), kConfigSections.begin(), kConfigSections.end());
+  known.insert(known.end(), RobotSections().begin(), RobotSections().end());
+  if (std::ranges::find(known, keys.front()) != known.end()) return keys;
+  const std::string nearest = NearestName(keys.front(), known);
+  throw ConfigError("There is no component and no section " + yaml::Quoted(keys.front()) + ".", said,
+                    nearest.empty() ? "Write COMPONENT.params.NAME=VALUE." : "Did you mean \"" + nearest + "\"?");
+}
+
+yaml::Document WithOverrides(yaml::Document document, const std::vector<ParamOverride>& overrides) {
+  for (const ParamOverride& one : overrides) {
+    const std::vector<std::string> keys = KeysOf(one, document);
+    document = yaml::Document::Merged(document, yaml::Document::ParseValue(one.value, one.said).Below(keys));
+  }
+  return document;
+}
+
+}  // namespace
+
+RobotFile RobotFile::Load(const std::filesystem::path& file, const RobotFileOptions& options) {
+  CheckedRobotFile checked = Check(file, options);
+  if (!checked.faults.empty()) throw checked.faults.front();
+  return std::move(checked.robot);
+}
+
+CheckedRobotFile RobotFile::Check(const std::filesystem::path& file, const RobotFileOptions& options) {
+  CheckedRobotFile checked;
+  const yaml::Faults faults(checked.faults);
+  faults.Attempt([&] {
+    const yaml::Document document = WithOverrides(yaml::Document::Assemble(file, options.variables), options.overrides);
+    checked.robot = RobotDraft(document, faults).Read(options.read_key_files);
+  });
+  return checked;
+}
+
+bool RobotFile::Is(const std::filesystem::path& file) {
+  try {
+    const auto any = [](const std::string&) { return std::optional<std::string>("x"); };
+    return HasKey(yaml::Document::Assemble(file, any).root(), "components");
+  } catch (const ConfigError&) {
+    return false;
+  }
+}
+
+const RobotComponent* RobotFile::FindComponent(std::string_view name) const {
+  const auto found = std::ranges::find_if(components, [name](const auto& one) { return one.setup.name == name; });
+  return found == components.end() ? nullptr : &*found;
+}
+
+const RobotProcess* RobotFile::FindProcess(std::string_view name) const {
+  const auto found = std::ranges::find_if(processes, [name](const auto& one) { return one.name == name; });
+  return found == processes.end() ? nullptr : &*found;
+}
+
+}  // namespace hgros

@@ -1,0 +1,108 @@
+// Components of the robots in run_test.cpp.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <foxglove/KeyValuePair.pb.h>
+#include <foxglove/PoseInFrame.pb.h>
+#include <hgros/component/component.hpp>
+
+namespace {
+
+using foxglove::KeyValuePair;
+
+std::unique_ptr<KeyValuePair> Numbered(int number) {
+  auto message = std::make_unique<KeyValuePair>();
+  message->set_value(std::to_string(number));
+  return message;
+}
+
+// Publishes the numbers from 1 to `count` as soon as it runs: a subscriber that has not joined misses some.
+class Numbers {
+ public:
+  explicit Numbers(hgros::Context& context)
+      : context_(context),
+        count_(context.Declare("count", 100, {.least = 0})),
+        numbers_(context.Advertise<KeyValuePair>("number")) {}
+  void Activate() {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    for (int number = 1; number <= count_; ++number) (void)numbers_.Wait(Numbered(number), deadline);
+    context_.Finish(std::to_string(count_) + " numbers");
+  }
+
+ private:
+  hgros::Context& context_;
+  const int count_;
+  hgros::Publisher<KeyValuePair> numbers_;
+};
+HGROS_COMPONENT(Numbers, "relay/Numbers")
+
+// Expects the numbers from 1 to `count`, without a gap.
+class Checker {
+ public:
+  explicit Checker(hgros::Context& context) : count_(context.Declare("count", 100)) {
+    context.FromAny<KeyValuePair>("number", hgros::Invoke::kSerial,
+                                  [this, &context](const KeyValuePair& message) {
+                                    if (std::stoi(message.value()) != ++last_)
+                                      context.Fail("got " + message.value() + " as number " + std::to_string(last_));
+                                    if (last_ == count_) context.Finish("all " + std::to_string(count_));
+                                  },
+                                  {.name = {}, .queue = hgros::Queue::KeepAll(1000), .executor = {}});
+  }
+
+ private:
+  const int count_;
+  int last_ = 0;
+};
+HGROS_COMPONENT(Checker, "relay/Checker")
+
+// Does what its parameter says, soon after it runs.
+class Does {
+ public:
+  explicit Does(hgros::Context& context) : context_(context), what_(context.Declare("what", std::string("nothing"))) {
+    if (what_ == "throw at start") throw std::runtime_error("there is no laser at /dev/ttyUSB0");
+    context.CreateTimer("soon", std::chrono::milliseconds(50), [this](const hgros::Tick&) { Do(); });
+  }
+  void Activate() { context_.log().Write(hgros::LogLevel::kInfo, "I run."); }
+  void Deactivate() {
+    context_.log().Write(hgros::LogLevel::kInfo, "I end.");
+    while (what_ == "hang at end") (void)pause();
+  }
+
+ private:
+  void Do() {
+    if (done_) return;
+    done_ = true;
+    if (what_ == "crash") std::abort();
+    if (what_ == "exit") std::exit(7);
+    if (what_ == "fail") context_.Fail("the laser is broken");
+    if (what_ == "finish") context_.Finish("enough");
+    if (what_ == "throw") throw std::runtime_error("it is too dark");
+    if (what_ == "log") context_.log().Write(hgros::LogLevel::kWarning, "It is\n\x1b[31mdark.");
+    if (what_ == "print") std::printf("printed, and\nin two lines\n");
+  }
+
+  hgros::Context& context_;
+  const std::string what_;
+  bool done_ = false;
+};
+HGROS_COMPONENT(Does, "relay/Does")
+
+// Expects another type on the channel of Numbers, and calls a service.
+class Pose {
+ public:
+  explicit Pose(hgros::Context& context) : plans_(context.Client<KeyValuePair, KeyValuePair>("plan")) {
+    context.FromAny<foxglove::PoseInFrame>("number", hgros::Invoke::kSerial, [](const foxglove::PoseInFrame&) {});
+  }
+
+ private:
+  hgros::ServiceClient<KeyValuePair, KeyValuePair> plans_;
+};
+HGROS_COMPONENT(Pose, "relay/Pose")
+
+}  // namespace

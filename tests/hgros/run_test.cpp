@@ -1,0 +1,315 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+
+#include "hgros/command_run.hpp"
+#include "support/await.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+// A robot file in a folder of its own, and its domain.
+class RobotFolder {
+ public:
+  explicit RobotFolder(const std::string& text) {
+    std::string name = (std::filesystem::temp_directory_path() / "hgros_run_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    std::ofstream(file()) << text;
+  }
+  ~RobotFolder() { std::filesystem::remove_all(folder_); }
+  RobotFolder(const RobotFolder&) = delete;
+  RobotFolder& operator=(const RobotFolder&) = delete;
+
+  [[nodiscard]] std::string file() const { return folder_ / "robot.yaml"; }
+  [[nodiscard]] std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] std::map<std::string, std::string> environment() const {
+    return {{"HGROS_COMPONENT_PATH", WORDS_MANIFESTS},
+            {"HGROS_DOMAIN", folder_.filename().string()},
+            {"FOLDER", folder_.string()}};
+  }
+  [[nodiscard]] std::vector<std::string> Arguments(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"run", file()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  [[nodiscard]] CommandEnd Run(const std::vector<std::string>& more = {}) const {
+    return RunToEnd(Arguments(more), environment());
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+constexpr const char* kThree = R"(
+components:
+  numbers: {type: relay/Numbers}
+  one: {type: relay/Checker}
+  two: {type: relay/Checker}
+)";
+
+// Whether the process still runs; one that waits for its parent does not.
+bool Runs(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string stat((std::istreambuf_iterator<char>(file)), {});
+  return !stat.empty() && stat.find(") Z ") == std::string::npos;
+}
+
+std::vector<pid_t> PidsIn(const std::string& out) {
+  std::vector<pid_t> pids;
+  const std::regex row(R"(\n[^\n]* (\d+)(?=\n))");
+  for (std::sregex_iterator at(out.begin(), out.end(), row), end; at != end; ++at) pids.push_back(std::stoi((*at)[1]));
+  return pids;
+}
+
+TEST(HgrosRun, RunsComponentsUntilAllHaveFinished) {
+  const RobotFolder robot(kThree);
+  const CommandEnd end = robot.Run();
+  EXPECT_EQ(end.status, 0) << end.out << end.err;
+  EXPECT_EQ(end.err, "");
+  EXPECT_THAT(end.out,
+              AllOf(HasSubstr("COMPONENT  TYPE           PROCESS"), HasSubstr("numbers    relay/Numbers  main"),
+                    HasSubstr("It has finished: 100 numbers"), HasSubstr("one      It has finished: all 100"),
+                    HasSubstr("two      It has finished: all 100")));
+}
+
+TEST(HgrosRun, OnlyYamlDiffersBetweenOneProcessAndThree) {
+  const RobotFolder robot(std::string(kThree) + "processes: {a: {components: [numbers]}, b: {components: [one]}}\n");
+  for (int round = 0; round < 5; ++round) {
+    const CommandEnd end = robot.Run();
+    EXPECT_EQ(end.status, 0) << end.out << end.err;
+    EXPECT_THAT(end.out,
+                AllOf(HasSubstr("numbers    relay/Numbers  a"), HasSubstr("one        relay/Checker  b"),
+                      HasSubstr("two        relay/Checker  main"), HasSubstr("one      It has finished: all 100"),
+                      HasSubstr("two      It has finished: all 100")));
+  }
+}
+
+TEST(HgrosRun, SetsValuesAndLeavesOut) {
+  const RobotFolder robot(kThree);
+  const CommandEnd end =
+      robot.Run({"--set", "numbers.params.count=7", "--set", "one.params.count=7", "--except", "two"});
+  EXPECT_EQ(end.status, 0) << end.out << end.err;
+  EXPECT_THAT(end.out, AllOf(HasSubstr("all 7"), Not(HasSubstr("two"))));
+  const CommandEnd only = robot.Run({"--only", "numbers"});
+  EXPECT_THAT(only.out, AllOf(HasSubstr("100 numbers"), Not(HasSubstr("one"))));
+  EXPECT_THAT(robot.Run({"--only", "numbrs"}).err, HasSubstr("Did you mean \"numbers\"?"));
+  EXPECT_EQ(robot.Run({"--only", "numbrs"}).status, 2);
+  EXPECT_THAT(robot.Run({"--set", "nothing"}).err, HasSubstr("--set needs a path and a value"));
+  EXPECT_THAT(robot.Run({"--except", "main"}).err, HasSubstr("Nothing of the robot is left to start."));
+}
+
+TEST(HgrosRun, TellsEveryFaultBeforeAnythingRuns) {
+  const RobotFolder robot(
+      "components:\n"
+      "  a: {type: relay/Number}\n"
+      "  b: {type: relay/Checker, params: {cout: 3}}\n"
+      "  c: {type: relay/Checker, remap: {nmber: x}}\n"
+      "  d: {type: relay/Does, params: {what: throw at start}}\n"
+      "  e: {type: relay/Numbers}\n"
+      "  f: {type: relay/Pose}\n"
+      "  g: {type: relay/Numbers, params: {count: -1}}\n");
+  const CommandEnd end = robot.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.out, "");
+  EXPECT_THAT(
+      end.err,
+      AllOf(HasSubstr("robot.yaml:2:3: Component \"a\": There is no component type \"relay/Number\". Did you mean "
+                      "\"relay/Numbers\"?"),
+            HasSubstr("hgros: Component \"b\""), HasSubstr("robot.yaml:3:43: relay/Checker has no parameter"),
+            HasSubstr("Did you mean \"count\"?"), HasSubstr("Did you mean \"number\"?"),
+            HasSubstr("robot.yaml:5:3: Component \"d\" (relay/Does): there is no laser at /dev/ttyUSB0"),
+            HasSubstr("robot.yaml:8:44"), HasSubstr("foxglove.PoseInFrame")));
+}
+
+TEST(HgrosRun, WarnsOfChannelsAndServicesWithOneEnd) {
+  const RobotFolder robot("components: {a: {type: relay/Pose}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  EXPECT_TRUE(run.Prints("relay/Pose"));
+  EXPECT_THAT(run.err(), AllOf(HasSubstr("warning: "), HasSubstr("No component publishes the channel \"number\""),
+                               HasSubstr("No component serves \"plan\", which \"a\" calls.")));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+}
+
+TEST(HgrosRun, FaultsOfTheFileAreAllTold) {
+  const RobotFolder robot("components:\n  a: {type: x, esential: true}\nprocesses: {p: {nice: 99}}\n");
+  const CommandEnd end = robot.Run();
+  EXPECT_EQ(end.status, 2);
+  EXPECT_THAT(end.err, AllOf(HasSubstr("robot.yaml:2:16: Unknown key \"esential\""), HasSubstr("robot.yaml:3:23: ")));
+}
+
+TEST(HgrosRun, ShowsLogsWithTheComponentsName) {
+  const RobotFolder robot(
+      "components:\n"
+      "  a: {type: relay/Does, params: {what: log}}\n"
+      "  b: {type: relay/Does, params: {what: throw}}\n"
+      "  c: {type: relay/Does, params: {what: print}}\n"
+      "programs: {says: {command: [sh, -c, 'echo ${GREETING:-hello}; printf last']}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  EXPECT_TRUE(run.Prints("says  last"));
+  EXPECT_TRUE(run.Prints("in two lines"));
+  EXPECT_TRUE(run.Prints("it is too dark"));
+  EXPECT_TRUE(run.Prints("a     warning: It is\\n\\x1b[31mdark."));
+  EXPECT_THAT(run.out(), AllOf(ContainsRegex("[0-9][0-9]:[0-9][0-9]:[0-9][0-9]\\.[0-9]{3} a     I run\\."),
+                               HasSubstr("main  printed, and\n"), HasSubstr("says  hello")));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+}
+
+TEST(HgrosRun, EndsInReverseOrderWithinTwoSeconds) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}, c: {type: relay/Does}}\n"
+      "processes: {p: {components: [c]}, q: {components: [a]}, r: {components: [b]}}\n"
+      "programs: {waits: {command: [sh, -c, 'trap \"echo goodbye; exit\" TERM; while :; do sleep 0.05; done']}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("b      I run."));
+  const std::vector<pid_t> pids = PidsIn(run.out());
+  ASSERT_EQ(pids.size(), 4U) << run.out();
+  const auto begin = std::chrono::steady_clock::now();
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+  const std::string out = run.out();
+  EXPECT_LT(out.find("goodbye"), out.find("b      I end."));
+  EXPECT_LT(out.find("b      I end."), out.find("a      I end."));
+  EXPECT_LT(out.find("a      I end."), out.find("c      I end."));
+  EXPECT_NE(out.find("c      I end."), std::string::npos);
+  for (const pid_t pid : pids) EXPECT_FALSE(Runs(pid));
+}
+
+TEST(HgrosRun, KillsWhatDoesNotEnd) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does, params: {what: hang at end}}}\n"
+      "programs: {deaf: {command: [sh, -c, 'trap \"\" TERM; sleep 60 & wait; sleep 60']}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("I run."));
+  run.Signal(SIGTERM);
+  EXPECT_EQ(run.Wait(std::chrono::seconds(10)), 128 + SIGTERM);
+  EXPECT_THAT(run.err(), HasSubstr("did not end in time, and is killed."));
+  for (const pid_t pid : PidsIn(run.out())) EXPECT_FALSE(Runs(pid));
+}
+
+TEST(HgrosRun, NothingIsLeftWhenItIsKilled) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
+      "processes: {p: {components: [a]}}\n"
+      "programs: {sleeps: {command: [sleep, 100]}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("b       I run."));
+  const std::vector<pid_t> pids = PidsIn(run.out());
+  ASSERT_EQ(pids.size(), 3U);
+  run.Signal(SIGKILL);
+  EXPECT_EQ(run.Wait(), 128 + SIGKILL);
+  for (const pid_t pid : pids) EXPECT_TRUE(test::Await([pid] { return !Runs(pid); }));
+}
+
+TEST(HgrosRun, ReportsAFailureWithTheLastLines) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does, params: {what: crash}}, b: {type: relay/Does, params: {what: finish}}}\n"
+      "processes: {p: {components: [a]}}\n");
+  const CommandEnd end = robot.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("p     error: The process has failed: it was ended by SIGABRT."),
+                             HasSubstr("The last lines of \"p\":\n"), HasSubstr("b     It has finished: enough")));
+}
+
+TEST(HgrosRun, AnEssentialFailureEndsTheRobot) {
+  const RobotFolder component(
+      "components: {a: {type: relay/Does, params: {what: fail}, essential: true}, b: {type: relay/Does}}\n"
+      "processes: {p: {components: [a]}}\n");
+  CommandEnd end = component.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("a     error: It has failed: the laser is broken"), HasSubstr("b     I end.")));
+  EXPECT_THAT(end.err, HasSubstr("The robot ends, because \"a\" is essential."));
+  const RobotFolder finishes(
+      "components: {a: {type: relay/Does, params: {what: finish}, essential: true}, b: {type: relay/Does}}\n");
+  EXPECT_EQ(finishes.Run().status, 0);
+  const RobotFolder program(
+      "components: {b: {type: relay/Does}}\nprograms: {x: {command: [sh, -c, exit 3], essential: true}}\n");
+  end = program.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, HasSubstr("it ended with exit code 3"));
+}
+
+TEST(HgrosRun, StartsAgainWhatHasFailed) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
+      "processes: {p: {components: [a], restart: on-failure}}\n"
+      "programs:\n"
+      "  once: {command: [sh, -c, 'test -e ${FOLDER}/mark && exit 0; touch ${FOLDER}/mark; exit 3'], restart: "
+      "on-failure}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("b     I run."));
+  ASSERT_TRUE(run.Prints("once  warning: It is started again."));
+  const std::vector<pid_t> pids = PidsIn(run.out());
+  ASSERT_EQ(pids.size(), 3U) << run.out();
+  ASSERT_EQ(kill(pids[0], SIGKILL), 0);
+  ASSERT_TRUE(run.Prints("p     warning: It is started again."));
+  EXPECT_TRUE(test::Await([&run] {
+    const std::string out = run.out();
+    const std::size_t first = out.find("a     I run.");
+    return out.find("a     I run.", first + 1) != std::string::npos;
+  }));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+}
+
+TEST(HgrosRun, GivesUpOnWhatAlwaysFails) {
+  const RobotFolder robot(
+      "components: {b: {type: relay/Does}}\n"
+      "programs: {x: {command: [sh, -c, exit 3], restart: always, essential: true}}\n");
+  const CommandEnd end = robot.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out,
+              AllOf(HasSubstr("started again in 800 ms"), HasSubstr("5 times within a minute, and now is not.")));
+  EXPECT_THAT(end.err, HasSubstr("\"x\" is essential"));
+}
+
+TEST(HgrosRun, AStoppedStarterDoesNotStopTheRobot) {
+  const RobotFolder robot(
+      "components: {numbers: {type: relay/Numbers, params: {count: 20000}}, one: {type: relay/Checker, params: {count: "
+      "20000}}, a: {type: relay/Does, params: {what: finish}}}\n"
+      "processes: {p: {components: [numbers]}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("COMPONENT"));
+  run.Signal(SIGSTOP);
+  test::Linger(std::chrono::milliseconds(300));
+  run.Signal(SIGCONT);
+  EXPECT_EQ(run.Wait(), 0) << run.out() << run.err();
+  EXPECT_THAT(run.out(), HasSubstr("all 20000"));
+}
+
+TEST(HgrosRun, WritesJson) {
+  const RobotFolder robot("components: {a: {type: relay/Does, params: {what: finish}}}\n");
+  const CommandEnd end = robot.Run({"--json"});
+  EXPECT_EQ(end.status, 0);
+  const std::vector<std::string> lines = LinesOf(end.out);
+  ASSERT_GE(lines.size(), 3U);
+  EXPECT_THAT(lines[0], AllOf(HasSubstr("{\"event\":\"started\",\"process\":\"main\",\"pid\":"),
+                              HasSubstr("\"components\":[\"a\"]}")));
+  EXPECT_THAT(end.out, AllOf(HasSubstr("\"component\":\"a\",\"level\":\"info\",\"text\":\"I run.\"}")));
+}
+
+TEST(HgrosRun, EndsQuietlyWhenNobodyReads) {
+  const RobotFolder robot("components: {a: {type: relay/Does, params: {what: log}}}\n");
+  const CommandEnd end = RunInShell("\"$HGROS\" run " + robot.file() + " | head -n 1", robot.environment());
+  EXPECT_EQ(end.status, 0);
+  EXPECT_THAT(end.out, HasSubstr("COMPONENT"));
+  EXPECT_EQ(end.err, "");
+}
+
+}  // namespace
+}  // namespace hgros::cli

@@ -1,0 +1,204 @@
+#include "hgros/placement/robot_file.hpp"
+
+#include "config/config_fixture.hpp"
+#include "hgros/params/param_view.hpp"
+
+namespace hgros {
+namespace {
+
+using test::ScratchFolder;
+
+constexpr std::string_view kRobot = R"(
+discovery: {domain: test}
+channels: {scan: {queue: {keep_last: 4}}}
+components:
+  laser:
+    type: demo/Laser
+    params: {rate_hz: 40, frame: laser}
+    remap: {scan: front/scan}
+  mapper:
+    type: demo/Mapper
+    params: {cell_size_m: 0.05}
+    nodes: {scan: {queue: latest, executor: dedicated}}
+    essential: true
+  watch: {type: demo/Watch}
+processes:
+  front:
+    components: [laser]
+    cpus: [1, 0]
+    nice: -5
+    priority: 20
+    env: {LEVEL: 3}
+    restart: on-failure
+    data_graph: {threads: 2}
+    channels: {scan: {queue: {keep_last: 9}}}
+programs:
+  screen: {command: [python3, screen.py], restart: always, essential: true}
+)";
+
+std::optional<std::string> NoVariables(const std::string&) { return std::nullopt; }
+
+// The faults of a text, each without its folder.
+std::vector<std::string> FaultsOf(std::string_view text, std::vector<ParamOverride> overrides = {}) {
+  const ScratchFolder folder;
+  const auto file = folder.Write("robot.yaml", text);
+  std::vector<std::string> faults;
+  for (const ConfigError& fault : RobotFile::Check(file, {NoVariables, std::move(overrides)}).faults) {
+    std::string line = fault.what();
+    const std::string prefix = folder.path().string() + "/";
+    for (std::size_t at = line.find(prefix); at != std::string::npos; at = line.find(prefix)) {
+      line.erase(at, prefix.size());
+    }
+    faults.push_back(std::move(line));
+  }
+  return faults;
+}
+
+void ExpectFault(std::string_view text, std::string_view part, std::vector<ParamOverride> overrides = {}) {
+  const std::vector<std::string> faults = FaultsOf(text, std::move(overrides));
+  ASSERT_EQ(faults.size(), 1U) << text << "\nfirst: " << (faults.empty() ? "none" : faults[0]);
+  EXPECT_NE(faults[0].find(part), std::string::npos) << faults[0] << "\nlacks: " << part;
+}
+
+RobotFile Read(std::string_view text, std::vector<ParamOverride> overrides = {}) {
+  const ScratchFolder folder;
+  return RobotFile::Load(folder.Write("robot.yaml", text), {NoVariables, std::move(overrides)});
+}
+
+TEST(RobotFileTest, ReadsComponents) {
+  const RobotFile robot = Read(kRobot);
+  ASSERT_EQ(robot.components.size(), 3U);
+  const RobotComponent& laser = robot.components[0];
+  EXPECT_EQ(laser.setup.name, "laser");
+  EXPECT_EQ(laser.setup.type, "demo/Laser");
+  EXPECT_EQ(laser.setup.remap.at("scan"), "front/scan");
+  EXPECT_EQ(ParamView(laser.setup.params.section).Get<int>("rate_hz"), 40);
+  EXPECT_NE(laser.setup.params.section->Find("rate_hz")->origin.ToString().find("robot.yaml:7:23"), std::string::npos);
+  EXPECT_FALSE(laser.essential);
+  const RobotComponent& mapper = robot.components[1];
+  EXPECT_TRUE(mapper.essential);
+  EXPECT_EQ(mapper.setup.nodes.at("scan").queue, Queue::Latest());
+  EXPECT_EQ(mapper.setup.nodes.at("scan").executor, Executor::Dedicated());
+}
+
+TEST(RobotFileTest, ReadsProcessesAndPrograms) {
+  const RobotFile robot = Read(kRobot);
+  ASSERT_EQ(robot.processes.size(), 2U);
+  const RobotProcess& front = robot.processes[0];
+  EXPECT_EQ(front.name, "front");
+  EXPECT_EQ(front.components, std::vector<std::string>{"laser"});
+  EXPECT_EQ(front.cpus, (std::vector<int>{0, 1}));
+  EXPECT_EQ(front.nice, -5);
+  EXPECT_EQ(front.priority, 20);
+  EXPECT_EQ(front.env.at("LEVEL"), "3");
+  EXPECT_EQ(front.restart, RestartPolicy::kOnFailure);
+  ASSERT_EQ(robot.programs.size(), 1U);
+  EXPECT_EQ(robot.programs[0].command, (std::vector<std::string>{"python3", "screen.py"}));
+  EXPECT_EQ(robot.programs[0].restart, RestartPolicy::kAlways);
+  EXPECT_TRUE(robot.programs[0].essential);
+}
+
+TEST(RobotFileTest, ComponentsWithoutAProcessRunInMain) {
+  const RobotFile robot = Read(kRobot);
+  EXPECT_EQ(robot.processes[1].name, "main");
+  EXPECT_EQ(robot.processes[1].components, (std::vector<std::string>{"mapper", "watch"}));
+  EXPECT_EQ(robot.FindComponent("mapper")->process, "main");
+  const RobotFile alone = Read("components: {a: {type: x/A}, b: {type: x/A}}");
+  ASSERT_EQ(alone.processes.size(), 1U);
+  EXPECT_EQ(alone.processes[0].components, (std::vector<std::string>{"a", "b"}));
+}
+
+TEST(RobotFileTest, SectionsOfAProcessAreOnTopOfTheRobots) {
+  const RobotFile robot = Read(kRobot);
+  EXPECT_EQ(robot.processes[0].config.discovery.domain, "test");
+  EXPECT_EQ(robot.processes[0].config.threads, 2);
+  EXPECT_EQ(robot.processes[0].config.channels.at("scan").queue, Queue::KeepLast(9));
+  EXPECT_EQ(robot.processes[1].config.discovery.domain, "test");
+  EXPECT_EQ(robot.processes[1].config.threads, 0);
+  EXPECT_EQ(robot.processes[1].config.channels.at("scan").queue, Queue::KeepLast(4));
+}
+
+TEST(RobotFileTest, OverridesBeginWithAComponentOrASection) {
+  const RobotFile robot = Read(kRobot, {{"mapper.params.cell_size_m", "0.1", "--set mapper.params.cell_size_m"},
+                                        {"laser.remap.scan", "rear/scan", "--set laser.remap.scan"},
+                                        {"processes.front.nice", "3", "--set processes.front.nice"},
+                                        {"discovery.domain", "other", "--set discovery.domain"}});
+  EXPECT_EQ(ParamView(robot.components[1].setup.params.section).Get<double>("cell_size_m"), 0.1);
+  EXPECT_EQ(robot.components[1].setup.params.section->Find("cell_size_m")->origin.ToString(),
+            "--set mapper.params.cell_size_m");
+  EXPECT_EQ(robot.components[0].setup.remap.at("scan"), "rear/scan");
+  EXPECT_EQ(robot.processes[0].nice, 3);
+  EXPECT_EQ(robot.processes[1].config.discovery.domain, "other");
+}
+
+TEST(RobotFileTest, OverridesThatFitNothingAreFaults) {
+  ExpectFault(kRobot, "--set maper.params.x: There is no component and no section \"maper\". Did you mean \"mapper\"?",
+              {{"maper.params.x", "1", "--set maper.params.x"}});
+  ExpectFault(kRobot, "--set mapper.parms.x: Unknown key \"parms\" in components.mapper. Did you mean \"params\"?",
+              {{"mapper.parms.x", "1", "--set mapper.parms.x"}});
+  ExpectFault(kRobot, "--set processes.front.nice: processes.front.nice must be an integer from -20 to 19",
+              {{"processes.front.nice", "fast", "--set processes.front.nice"}});
+  ExpectFault(kRobot, "--set a: ", {{"laser.params[3]", "1", "--set a"}});
+  ExpectFault(kRobot, "--set a: ", {{"laser..params", "1", "--set a"}});
+  ExpectFault(kRobot, "--set a: ", {{"", "1", "--set a"}});
+  ExpectFault(kRobot, "--set a:", {{"laser.params.x", "[1", "--set a"}});
+}
+
+TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
+  ExpectFault("a: 1\ncomponents: {a: {type: x/A}}", "robot.yaml:1:1: Unknown key \"a\" at the top level.");
+  ExpectFault("component: {}\ncomponents: {a: {type: x/A}}", "Did you mean \"components\"?");
+  ExpectFault("processes: {}", "The file has no \"components\".");
+  ExpectFault("components: {}", "components has no component.");
+  ExpectFault("components: {a: {typ: y, type: x}}",
+              "robot.yaml:1:18: Unknown key \"typ\" in components.a. Did you mean \"type\"?");
+  ExpectFault("components: {a: {type: [x]}}", "components.a.type must be the name of a component type");
+  ExpectFault("components: {a/b: {type: x}}", "\"a/b\" cannot be the name of a component: It has a slash or a dot.");
+  ExpectFault("components: {a: {type: x, params: 5}}", "components.a.params must be a map of parameters");
+  ExpectFault("components: {a: {type: x, remap: {s: 'a b'}}}", "components.a.remap.s has the name \"a b\"");
+  ExpectFault("components: {a: {type: x, nodes: {s: {queu: latest}}}}", "Unknown key \"queu\"");
+  ExpectFault("components: {a: {type: x, essential: 1}}", "must be true or false");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {components: [b]}}",
+              "2:30: processes.p.components[0] is \"b\"");
+  ExpectFault("components: {abcd: {type: x}}\nprocesses: {p: {components: [abce]}}", "Did you mean \"abcd\"?");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {components: [a]}, q: {components: [a]}}",
+              "which is placed already at robot.yaml:2:30");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {restart: sometimes}}",
+              "must be one of never, on-failure, always");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {cpus: [1, 1]}}", "is a CPU that the list already has");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {\"A=B\": 1}}}", "cannot be the name of a variable");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {A: [1]}}}", "processes.p.env.A must be a text");
+  ExpectFault("components: {a: {type: x}}\nprograms: {p: {}}", "programs.p has no \"command\"");
+  ExpectFault("components: {a: {type: x}}\nprograms: {p: {command: []}}", "names no program");
+  ExpectFault("components: {a: {type: x}}\nprograms: {p: {command: ls}}", "must be a list of the program");
+  ExpectFault("components: {a: {type: x}}\ntime: simulatd", "Did you mean \"simulated\"?");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {time: simulatd}}", "2:23: time must be one of");
+  ExpectFault("components: {a: ${X}}", "The variable X is not set.");
+}
+
+TEST(RobotFileTest, ANameMeansOneThing) {
+  ExpectFault("components: {a: {type: x}}\nprograms: {a: {command: [ls]}}",
+              "The name \"a\" is taken by robot.yaml:1:14.");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {a: {}}", "The name \"a\" is taken by robot.yaml:1:14.");
+  ExpectFault("components: {a: {type: x}}\nprograms: {main: {command: [ls]}}", "The name \"main\" is taken");
+  EXPECT_TRUE(FaultsOf("components: {a: {type: x}}\nprocesses: {a: {components: [a]}}").empty());
+}
+
+TEST(RobotFileTest, EveryFaultIsReported) {
+  const std::vector<std::string> faults = FaultsOf(
+      "components:\n  a: {type: x, essential: 3}\n  b: {}\nprocesses:\n  p: {nice: 99, components: [a, c]}\n"
+      "programs: {q: {command: 1}}\ntime: never\n");
+  ASSERT_EQ(faults.size(), 6U);
+  EXPECT_TRUE(faults[0].starts_with("robot.yaml:2:27: ")) << faults[0];
+  EXPECT_TRUE(faults[5].starts_with("robot.yaml:7:7: ")) << faults[5];
+}
+
+TEST(RobotFileTest, TellsRobotFilesFromOthers) {
+  const ScratchFolder folder;
+  EXPECT_TRUE(RobotFile::Is(folder.Write("a.yaml", "components: {a: {type: '${MISSING}'}}")));
+  EXPECT_FALSE(RobotFile::Is(folder.Write("b.yaml", "network: {}")));
+  EXPECT_FALSE(RobotFile::Is(folder.Write("c.yaml", "[")));
+  EXPECT_FALSE(RobotFile::Is(folder.path() / "none.yaml"));
+}
+
+}  // namespace
+}  // namespace hgros
