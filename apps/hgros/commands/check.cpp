@@ -35,7 +35,7 @@ class CheckCommand final : public Command {
     arguments.Flag("--json", style_.json, "One JSON object per line");
     arguments.Flag("--svg", svg_, "Draw the graph that the files describe");
     arguments.Flag("--schema", schema_, "Print the JSON Schema of these files, for editors");
-    arguments.Flag("--robot", robot_, "With --schema: that of robot files");
+    arguments.Flag("--robot-file", robot_, "With --schema: that of robot files");
     arguments.Option("-o,--output", "FILE", output_, "Write the picture or the schema to this file", ValueKind::kFile);
   }
   [[nodiscard]] std::string Description() const override {
@@ -72,8 +72,8 @@ class CheckCommand final : public Command {
 void CheckCommand::CheckUsage() const {
   if (style_.json + svg_ + schema_ > 1) throw UsageError("--json, --svg and --schema exclude each other.");
   if (!output_.empty() && !svg_ && !schema_) throw UsageError("--output needs --svg or --schema.");
-  if (robot_ && !schema_) throw UsageError("--robot needs --schema.");
-  if (robot_ && !sections_.empty()) throw UsageError("--robot and --section exclude each other.");
+  if (robot_ && !schema_) throw UsageError("--robot-file needs --schema.");
+  if (robot_ && !sections_.empty()) throw UsageError("--robot-file and --section exclude each other.");
   if (schema_ && !files_.empty()) throw UsageError("--schema takes no files.");
   if (!schema_ && files_.empty()) throw UsageError("FILE is missing: name the configuration files of each session.");
   for (const std::string& files : files_) {

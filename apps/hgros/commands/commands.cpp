@@ -57,6 +57,11 @@ constexpr std::array kCommands{
     CommandEntry{"control stop", "End programs", kSteer, MakeControlStop},
 
     CommandEntry{"run", "Start a robot: the components and programs of a robot file", kRun, MakeRun},
+    CommandEntry{"ps", "List the components and programs of running robots", kRun, MakePs},
+    CommandEntry{"logs", "Show the log of a running robot", kRun, MakeLogs},
+    CommandEntry{"restart", "Start a process or program of a robot again", kRun, MakeRestart},
+    CommandEntry{"stop", "End a robot", kRun, MakeStop},
+    CommandEntry{"wait", "Wait until a robot has ended", kRun, MakeWait},
     CommandEntry{"components", "Show component types with their channels and parameters", kRun, MakeComponents},
 
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},

@@ -18,7 +18,7 @@ namespace hgros::cli {
 /// UsageError with the nearest name.
 [[nodiscard]] const CommandEntry& TakeCommand(std::vector<std::string>& words);
 
-// One for each file of this folder.
+// Those of robots that hgros run starts are in robots.
 std::unique_ptr<Command> MakeBw();
 std::unique_ptr<Command> MakeCall();
 std::unique_ptr<Command> MakeCheck();
@@ -39,6 +39,7 @@ std::unique_ptr<Command> MakeHelp();
 std::unique_ptr<Command> MakeHz();
 std::unique_ptr<Command> MakeInfo();
 std::unique_ptr<Command> MakeList();
+std::unique_ptr<Command> MakeLogs();
 std::unique_ptr<Command> MakeManual();
 std::unique_ptr<Command> MakeParamDescribe();
 std::unique_ptr<Command> MakeParamGet();
@@ -48,14 +49,18 @@ std::unique_ptr<Command> MakeParamSave();
 std::unique_ptr<Command> MakeParamSet();
 std::unique_ptr<Command> MakeParamWatch();
 std::unique_ptr<Command> MakePath();
+std::unique_ptr<Command> MakePs();
 std::unique_ptr<Command> MakePub();
+std::unique_ptr<Command> MakeRestart();
 std::unique_ptr<Command> MakeRun();
 std::unique_ptr<Command> MakeSchema();
+std::unique_ptr<Command> MakeStop();
 std::unique_ptr<Command> MakeTfEcho();
 std::unique_ptr<Command> MakeTfSvg();
 std::unique_ptr<Command> MakeTfTree();
 std::unique_ptr<Command> MakeTfWatch();
 std::unique_ptr<Command> MakeTop();
 std::unique_ptr<Command> MakeTrace();
+std::unique_ptr<Command> MakeWait();
 
 }  // namespace hgros::cli

@@ -11,9 +11,7 @@
 #include "hgros/base/error.hpp"
 #include "launch/hosted_process.hpp"
 #include "launch/process_end.hpp"
-#include "terminal/json.hpp"
 #include "terminal/pause.hpp"
-#include "terminal/records.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -32,7 +30,12 @@ std::string Named(const std::string& name) { return "\"" + Visible(name) + "\"";
 
 Starter::Starter(const RobotFile& robot, const RobotGraph& graph, const ComponentCatalog& catalog,
                  Surroundings& surroundings, StarterOptions options)
-    : robot_(robot), graph_(graph), catalog_(catalog), surroundings_(surroundings), options_(options) {
+    : robot_(robot),
+      graph_(graph),
+      catalog_(catalog),
+      surroundings_(surroundings),
+      options_(std::move(options)),
+      clients_(*this, options_.name) {
   for (const RobotProcess& process : robot.processes) units_.push_back({&process, &process, nullptr});
   for (const RobotProgram& program : robot.programs) units_.push_back({&program, nullptr, &program});
   for (const Unit& unit : units_) width_ = std::max(width_, unit.setup->name.size());
@@ -47,6 +50,8 @@ int Starter::Run() {
       Advance();
       Poll();
       for (Unit& unit : units_) Hear(unit);
+      KillLate();
+      clients_.Serve();
       if (surroundings_.pause.signal() != 0) EndAll({}, code_);
     } catch (const OutputClosed&) {
       quiet_ = true;
@@ -54,6 +59,7 @@ int Starter::Run() {
     }
     if (ending_) EndNext();
   }
+  clients_.TellEnd(code_);
   return code_;
 }
 
@@ -79,6 +85,8 @@ void Starter::Start(Unit& unit) {
     return HostComponents(socket, robot_, *unit.process, catalog_);
   });
   unit.stage = unit.program != nullptr ? Stage::kRunning : Stage::kBegun;
+  unit.started = Clock::now();
+  ++unit.starts;
 }
 
 void Starter::Advance() {
@@ -93,13 +101,16 @@ void Starter::Advance() {
     for (Unit& unit : units_) {
       if (unit.process != nullptr) SendJoin(unit);
     }
-  } else if (joining_ && all(Stage::kJoined)) {
+  }
+  if (joining_ && all(Stage::kJoined)) {
     released_ = true;
     for (Unit& unit : units_) {
       if (unit.process != nullptr) Release(unit);
     }
     StartDue();
-    if (!ending_) ShowStates();
+    if (ending_) return;
+    ShowStates();
+    if (options_.on_running) options_.on_running();
   }
 }
 
@@ -125,37 +136,6 @@ void Starter::Release(Unit& unit) {
   Send(unit, order);
 }
 
-void Starter::ShowStates() {
-  if (options_.json) {
-    for (const Unit& unit : units_) {
-      Json json;
-      json.BeginObject().Member("event", "started").Member("process", unit.setup->name);
-      json.Member("pid", std::int64_t{unit.running->pid()}).Key("components").BeginList();
-      if (unit.process != nullptr) {
-        for (const std::string& component : unit.process->components) json.Value(component);
-      }
-      json.EndList().EndObject();
-      surroundings_.console.Line(json.text());
-    }
-    return;
-  }
-  Records records(surroundings_.console, {},
-                  {{"component", "COMPONENT"}, {"type", "TYPE"}, {"process", "PROCESS"}, {"pid", "PID", true}});
-  for (const Unit& unit : units_) {
-    const std::int64_t pid = unit.running->pid();
-    if (unit.program != nullptr) {
-      std::string command;
-      for (const std::string& word : unit.program->command) command += (command.empty() ? "" : " ") + word;
-      records.Add({Cell(), command, unit.setup->name, pid});
-      continue;
-    }
-    for (const std::string& name : unit.process->components) {
-      records.Add({name, robot_.FindComponent(name)->setup.type, unit.setup->name, pid});
-    }
-  }
-  records.End();
-}
-
 // --- hearing ---
 
 Starter::Clock::time_point Starter::NextDue() const {
@@ -163,6 +143,7 @@ Starter::Clock::time_point Starter::NextDue() const {
   for (const Unit& unit : units_) {
     const bool waits = unit.stage == Stage::kWaits && !ending_ && (unit.process != nullptr || released_);
     if (waits) due = std::min(due, unit.due);
+    due = std::min(due, unit.kill_at);
   }
   return due;
 }
@@ -176,6 +157,7 @@ void Starter::Poll() {
     if (!unit.running->stream_ended()) watched.push_back({unit.running->stream().descriptor(), POLLIN, 0});
     if (unit.running->output() >= 0) watched.push_back({unit.running->output(), POLLIN, 0});
   }
+  clients_.AddTo(watched);
   const Clock::time_point due = NextDue();
   timespec time{};
   if (due != Clock::time_point::max()) {
@@ -236,7 +218,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   const auto state = static_cast<ComponentState>(component.state());
   const bool failed = state == ComponentState::kFailed;
   if (!failed && state != ComponentState::kFinished) return;
-  const bool first = unit.ended.emplace(component.name(), component.sentence()).second;
+  const bool first = unit.ended.emplace(component.name(), failed ? "failed" : "finished").second;
   if (!first) return;
   const std::string sentence = component.sentence().empty() ? "." : ": " + component.sentence();
   LogLine line{0, unit.setup->name, component.name(), failed ? LogLevel::kError : LogLevel::kInfo,
@@ -250,20 +232,24 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   if (setup != nullptr && setup->essential && !ending_) {
     EndAll(failed ? "The robot ends, because " + Named(component.name()) + " is essential." : "", code_);
   } else if (failed && unit.setup->restart != RestartPolicy::kNever && unit.stage == Stage::kRunning && !ending_) {
-    RunOrder order;
-    (void)order.mutable_end();
-    Send(unit, order);  // TakeEnd() starts it again.
+    TellToEnd(unit);  // TakeEnd() starts it again.
   }
 }
 
 void Starter::TakeEnd(Unit& unit) {
   const int status = unit.running->status();
-  const bool told = unit.stage == Stage::kEnds;
+  const bool told = unit.stage == Stage::kEnds || unit.again;
   const bool failed = unit.failed || !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   const bool early = !released_ && !told;
   if (failed && !told) ReportFailure(unit, status);
   unit.running.reset();
   unit.stage = Stage::kEnded;
+  unit.kill_at = Clock::time_point::max();
+  if (std::exchange(unit.again, false) && !ending_) {
+    unit.failed = false;
+    unit.stage = Stage::kWaits;
+    unit.due = Clock::now();
+  }
   if (told) return;
   if (failed) code_ = kFailed;
   if (ending_) return;
@@ -293,6 +279,39 @@ void Starter::StartAgain(Unit& unit) {
   unit.stage = Stage::kWaits;
   Say(unit, LogLevel::kWarning,
       pause.count() == 0 ? "It is started again." : "It is started again in " + std::to_string(pause.count()) + " ms.");
+}
+
+std::uint64_t Starter::Restart(const std::string& unit) {
+  const auto found = std::ranges::find_if(units_, [&](const Unit& one) { return one.setup->name == unit; });
+  const std::uint64_t before = found->starts == 0 ? 0 : found->starts - 1;
+  if (ending_ || !released_ || found->again) return before;
+  found->restarts.clear();
+  if (found->running != nullptr) {
+    found->again = true;
+    TellToEnd(*found);
+    found->kill_at = Clock::now() + kEndPatience;
+  } else {
+    found->stage = Stage::kWaits;
+    found->due = Clock::now();
+  }
+  return before;
+}
+
+void Starter::TellToEnd(Unit& unit) {
+  if (unit.program != nullptr) return unit.running->Signal(SIGTERM);
+  RunOrder order;
+  (void)order.mutable_end();
+  Send(unit, order);
+}
+
+void Starter::KillLate() {
+  for (Unit& unit : units_) {
+    if (unit.kill_at > Clock::now()) continue;
+    unit.kill_at = Clock::time_point::max();
+    if (unit.running == nullptr) continue;
+    Say(unit, LogLevel::kWarning, "It did not end in time, and is killed.");
+    unit.running->Signal(SIGKILL);
+  }
 }
 
 void Starter::ReportFailure(Unit& unit, int status) {
@@ -336,10 +355,7 @@ void Starter::EndNext() {
     }
     if (unit->stage == Stage::kEnds) return;  // The next one ends after this.
     unit->stage = Stage::kEnds;
-    if (unit->program != nullptr) return unit->running->Signal(SIGTERM);
-    RunOrder order;
-    (void)order.mutable_end();
-    return Send(*unit, order);
+    return TellToEnd(*unit);
   }
   if (late) kill_at_ = Clock::time_point::max();
 }
@@ -356,6 +372,7 @@ bool Starter::AllEnded() const {
 void Starter::Show(LogLine line) {
   lines_.Add(std::move(line));
   const LogLine& added = lines_.all().back();
+  clients_.Tell(added);
   if (quiet_ || (added.level == LogLevel::kDebug && !options_.verbose)) return;
   surroundings_.console.Line(options_.json ? LineJson(added) : LineText(surroundings_.console, added, width_));
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,15 +15,19 @@
 #include "hgros/component/component_catalog.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "launch/log_lines.hpp"
+#include "launch/robot.pb.h"
 #include "launch/robot_graph.hpp"
 #include "launch/run.pb.h"
+#include "launch/starter_clients.hpp"
 #include "launch/unit_process.hpp"
 
 namespace hgros::cli {
 
 struct StarterOptions {
-  bool json = false;     ///< Everything as one JSON object per line.
-  bool verbose = false;  ///< Also lines of the level debug.
+  std::string name;                       ///< Of the robot, for commands.
+  bool json = false;                      ///< Everything as one JSON object per line.
+  bool verbose = false;                   ///< Also lines of the level debug.
+  std::function<void()> on_running = {};  ///< Called once everything runs.
 };
 
 /// Starts the processes and programs of a robot, shows their log, starts again what has failed, and ends them.
@@ -29,13 +35,22 @@ struct StarterOptions {
 /// Threading: one thread, and no other in the process: it forks.
 class Starter {
  public:
-  /// Borrows all of them.
+  /// Borrows all of them. Throws Error if a robot of that name runs.
   Starter(const RobotFile& robot, const RobotGraph& graph, const ComponentCatalog& catalog, Surroundings& surroundings,
           StarterOptions options);
 
   /// Until everything has ended, by itself or because the user ends the command. Returns the exit code: kFailed if
   /// something has failed.
   [[nodiscard]] int Run();
+
+  // For commands.
+  [[nodiscard]] std::vector<RobotReply::Unit> statuses() const;
+  [[nodiscard]] const LogLines& lines() const noexcept { return lines_; }
+  /// The process or program of that name, or that of the component; empty: there is none.
+  [[nodiscard]] std::string UnitOf(const std::string& name) const;
+  /// Ends a process or program and starts it again. Returns how often it was started again before.
+  std::uint64_t Restart(const std::string& unit);
+  void Stop() { EndAll({}, code_); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -55,9 +70,13 @@ class Starter {
     const RobotProgram* program = nullptr;
     Stage stage = Stage::kWaits;
     std::unique_ptr<UnitProcess> running{};
-    Clock::time_point due{};                     // When it is started.
-    std::deque<Clock::time_point> restarts{};    // The last ones.
-    std::map<std::string, std::string> ended{};  // Components that ended by themselves, and how.
+    std::uint64_t starts = 0;
+    Clock::time_point started{};                           // The last time.
+    Clock::time_point kill_at = Clock::time_point::max();  // It was told to end.
+    bool again = false;                                    // Is to be started again when it has ended.
+    Clock::time_point due{};                               // When it is started.
+    std::deque<Clock::time_point> restarts{};              // The last ones.
+    std::map<std::string, std::string> ended{};  // Components that ended by themselves: "failed" or "finished".
     bool failed = false;                         // A component of it, or its end.
     bool reported = false;                       // Its first failure.
   };
@@ -71,6 +90,8 @@ class Starter {
   void TakeEnd(Unit& unit);
   void ReportFailure(Unit& unit, int status);
   void StartAgain(Unit& unit);
+  static void TellToEnd(Unit& unit);
+  void KillLate();
   // Lets the units go on together: all join when all are constructed, and run when all have joined.
   void Advance();
   void SendJoin(Unit& unit);
@@ -94,6 +115,7 @@ class Starter {
   const StarterOptions options_;
   std::vector<Unit> units_;  // In the order of their start.
   LogLines lines_;
+  StarterClients clients_;
   std::size_t width_ = 0;  // Of the names in the log.
   bool joining_ = false;   // All were told to join.
   bool released_ = false;  // All run.

@@ -62,7 +62,9 @@ void SetUp(const RobotUnit& unit) {
   if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
   (void)dup2(output, STDOUT_FILENO);
   (void)dup2(output, STDERR_FILENO);
-  close(output);
+  // What belongs to the starter and to other units must end with the starter.
+  (void)close_range(3, static_cast<unsigned>(socket) - 1, 0);
+  (void)close_range(static_cast<unsigned>(socket) + 1, ~0U, 0);
   (void)setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   SetUp(unit);
   const int code = body(socket);

@@ -41,7 +41,7 @@ std::shared_ptr<Snapshot> SnapshotAt(std::int64_t seconds, std::uint64_t message
   return snapshot;
 }
 
-std::vector<KnownChannel> Channels() {
+std::vector<KnownChannel> BusyChannels() {
   ChannelUser user;
   user.session = SessionId{1};
   user.process = "talker";
@@ -69,9 +69,9 @@ std::string Shown(const TopRow& row, std::string_view key) {
 TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
   Activity activity({}, false);
   AllCounters counters{{SessionId{1}, SnapshotAt(1000, 500)}};
-  activity.Update(counters, Channels());
+  activity.Update(counters, BusyChannels());
   counters[SessionId{1}] = SnapshotAt(1002, 540);
-  activity.Update(counters, Channels());
+  activity.Update(counters, BusyChannels());
 
   ASSERT_EQ(activity.Rows(TopKind::kSessions).size(), 1U);
   const TopRow& session = activity.Rows(TopKind::kSessions).front();
@@ -103,7 +103,7 @@ TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
 
 TEST(Activity, KnowsOnlyThePublishersOwnRateAfterOneSnapshot) {
   Activity activity({}, false);
-  activity.Update({{SessionId{1}, SnapshotAt(1000, 500)}}, Channels());
+  activity.Update({{SessionId{1}, SnapshotAt(1000, 500)}}, BusyChannels());
   EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "cpu_percent"), "");
   EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "published_hz"), "19.8 Hz");
   EXPECT_EQ(Shown(activity.Rows(TopKind::kNodes).front(), "rate_hz"), "");
@@ -116,7 +116,7 @@ TEST(Activity, ShowsTheSameRateOfASlowChannelEachSecond) {
     if (second % 3 == 0) ++published;
     auto snapshot = SnapshotAt(1000 + second, published);
     snapshot->mutable_channels(1)->set_rate_hz(1.0 / 3);
-    activity.Update({{SessionId{1}, snapshot}}, Channels());
+    activity.Update({{SessionId{1}, snapshot}}, BusyChannels());
     EXPECT_EQ(Shown(activity.Rows(TopKind::kChannels).back(), "rate_hz"), "0.33 Hz") << second;
     EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).back(), "published_hz"), "0.33 Hz") << second;
   }
@@ -126,17 +126,17 @@ TEST(Activity, CallsASessionSilentWhenItsCountersStayTheSame) {
   Activity activity({}, false);
   const AllCounters counters{{SessionId{1}, SnapshotAt(1000, 500)}};
   for (int i = 0; i < 4; ++i) {
-    activity.Update(counters, Channels());
+    activity.Update(counters, BusyChannels());
     EXPECT_FALSE(activity.Rows(TopKind::kSessions).front().silent) << i;
   }
-  activity.Update(counters, Channels());
+  activity.Update(counters, BusyChannels());
   EXPECT_TRUE(activity.Rows(TopKind::kSessions).front().silent);
   EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "published_hz"), "");
 }
 
 TEST(Activity, ListsASessionWithoutCounters) {
   Activity activity({}, false);
-  activity.Update({}, Channels());
+  activity.Update({}, BusyChannels());
   ASSERT_EQ(activity.Rows(TopKind::kSessions).size(), 1U);
   EXPECT_TRUE(activity.Rows(TopKind::kSessions).front().silent);
   EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "cpu_percent"), "");
@@ -149,8 +149,8 @@ TEST(Activity, TellsNodesOfTheSameNameApart) {
   auto after = SnapshotAt(1001, 510);
   *after->mutable_channels(0)->add_nodes() = before->channels(0).nodes(0);
   Activity activity({}, false);
-  activity.Update({{SessionId{1}, before}}, Channels());
-  activity.Update({{SessionId{1}, after}}, Channels());
+  activity.Update({{SessionId{1}, before}}, BusyChannels());
+  activity.Update({{SessionId{1}, after}}, BusyChannels());
   const std::vector<TopRow>& nodes = activity.Rows(TopKind::kNodes);
   ASSERT_EQ(nodes.size(), 2U);
   EXPECT_NE(nodes[0].id, nodes[1].id);

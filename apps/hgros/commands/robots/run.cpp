@@ -7,6 +7,7 @@
 #include "commands/commands.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/placement/robot_file.hpp"
+#include "launch/detached.hpp"
 #include "launch/robot_check.hpp"
 #include "launch/robot_graph.hpp"
 #include "launch/starter.hpp"
@@ -23,6 +24,8 @@ class RunCommand final : public Command {
     arguments.Option("--set", "PATH=VALUE", set_, "Replace a value of the file, such as mapper.params.cell_size_m=0.1");
     arguments.Option("--only", "NAME", only_, "Start only this component, process or program");
     arguments.Option("--except", "NAME", except_, "Do not start this component, process or program");
+    arguments.Option("--name", "ROBOT", options_.name, "Its name for other commands; otherwise that of the file");
+    arguments.Flag("-d,--detach", detach_, "Return once everything runs; `hgros logs` and `hgros stop` reach it");
     arguments.Flag("-v,--verbose", options_.verbose, "Also log lines of the level debug");
     arguments.Flag("--json", options_.json, "One JSON object per line");
   }
@@ -50,6 +53,7 @@ class RunCommand final : public Command {
   std::vector<std::string> only_;
   std::vector<std::string> except_;
   StarterOptions options_;
+  bool detach_ = false;
 };
 
 RobotFile RunCommand::Read(Console& console) const {
@@ -120,6 +124,13 @@ int RunCommand::Run(Surroundings& surroundings) {
   Select(robot);
   const ComponentCatalog catalog;
   const RobotGraph graph(robot, Try(robot, catalog, surroundings));
+  if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();
+  if (detach_) {
+    return RunDetached(surroundings.pause, [&](const std::function<void()>& on_running) {
+      options_.on_running = on_running;
+      return Starter(robot, graph, catalog, surroundings, options_).Run();
+    });
+  }
   return Starter(robot, graph, catalog, surroundings, options_).Run();
 }
 

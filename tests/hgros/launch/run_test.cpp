@@ -11,6 +11,7 @@
 #include <string>
 
 #include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
 #include "support/await.hpp"
 
 namespace hgros::cli {
@@ -21,58 +22,12 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-// A robot file in a folder of its own, and its domain.
-class RobotFolder {
- public:
-  explicit RobotFolder(const std::string& text) {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_run_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    std::ofstream(file()) << text;
-  }
-  ~RobotFolder() { std::filesystem::remove_all(folder_); }
-  RobotFolder(const RobotFolder&) = delete;
-  RobotFolder& operator=(const RobotFolder&) = delete;
-
-  [[nodiscard]] std::string file() const { return folder_ / "robot.yaml"; }
-  [[nodiscard]] std::filesystem::path path(const std::string& name) const { return folder_ / name; }
-  [[nodiscard]] std::map<std::string, std::string> environment() const {
-    return {{"HGROS_COMPONENT_PATH", WORDS_MANIFESTS},
-            {"HGROS_DOMAIN", folder_.filename().string()},
-            {"FOLDER", folder_.string()}};
-  }
-  [[nodiscard]] std::vector<std::string> Arguments(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"run", file()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
-  [[nodiscard]] CommandEnd Run(const std::vector<std::string>& more = {}) const {
-    return RunToEnd(Arguments(more), environment());
-  }
-
- private:
-  std::filesystem::path folder_;
-};
-
 constexpr const char* kThree = R"(
 components:
   numbers: {type: relay/Numbers}
   one: {type: relay/Checker}
   two: {type: relay/Checker}
 )";
-
-// Whether the process still runs; one that waits for its parent does not.
-bool Runs(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  std::string stat((std::istreambuf_iterator<char>(file)), {});
-  return !stat.empty() && stat.find(") Z ") == std::string::npos;
-}
-
-std::vector<pid_t> PidsIn(const std::string& out) {
-  std::vector<pid_t> pids;
-  const std::regex row(R"(\n[^\n]* (\d+)(?=\n))");
-  for (std::sregex_iterator at(out.begin(), out.end(), row), end; at != end; ++at) pids.push_back(std::stoi((*at)[1]));
-  return pids;
-}
 
 TEST(HgrosRun, RunsComponentsUntilAllHaveFinished) {
   const RobotFolder robot(kThree);
@@ -214,6 +169,17 @@ TEST(HgrosRun, NothingIsLeftWhenItIsKilled) {
   run.Signal(SIGKILL);
   EXPECT_EQ(run.Wait(), 128 + SIGKILL);
   for (const pid_t pid : pids) EXPECT_TRUE(test::Await([pid] { return !Runs(pid); }));
+  EXPECT_EQ(robot.Run({"--only", "sleeps", "--set", "programs.sleeps.command=[\"true\"]"}).status, 0)
+      << "Its name is free again.";
+}
+
+TEST(HgrosRun, ProcessesHaveNoDescriptorsOfOthers) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\nprocesses: {p: {components: [a]}}\n"
+      "programs: {lists: {command: [sh, -c, 'ls /proc/self/fd; sleep 100']}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("lists  3"));  // The folder that ls reads.
+  EXPECT_THAT(run.out(), Not(HasSubstr("lists  4")));
 }
 
 TEST(HgrosRun, ReportsAFailureWithTheLastLines) {

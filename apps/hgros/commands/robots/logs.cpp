@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "commands/commands.hpp"
+#include "launch/log_lines.hpp"
+#include "launch/robot_client.hpp"
+#include "launch/robot_socket.hpp"
+#include "terminal/console.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kNameWidth = 12;
+
+class LogsCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional(
+        {"NAME", "", "A component, process or program; without one, all", ValueKind::kText, {}, false, true}, names_);
+    arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
+    arguments.Flag("-f,--follow", follow_, "Go on with new lines until the robot ends");
+    arguments.Flag("-v,--verbose", verbose_, "Also lines of the level debug");
+    arguments.Flag("--json", json_, "One JSON object per line");
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Shows the newest lines of a robot's log: up to 2,000, which `hgros run` keeps in memory.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros logs mapper", "Shows what the mapper has logged."},
+            {"hgros logs -f", "Shows everything, and what comes."}};
+  }
+  int Run(Surroundings& surroundings) override;
+
+ private:
+  std::vector<std::string> names_;
+  std::string robot_;
+  bool follow_ = false;
+  bool verbose_ = false;
+  bool json_ = false;
+};
+
+int LogsCommand::Run(Surroundings& surroundings) {
+  RobotRequest request;
+  request.mutable_logs()->set_follow(follow_);
+  for (const std::string& name : names_) request.mutable_logs()->add_names(name);
+  const auto show = [&](const RobotReply& reply) {
+    const RunReport::Line& told = reply.line().line();
+    const LogLine line{told.time_ns(), reply.line().process(), told.component(),
+                       static_cast<LogLevel>(std::clamp(told.level(), 0, 3)), told.text()};
+    if (line.level == LogLevel::kDebug && !verbose_) return;
+    surroundings.console.Line(json_ ? LineJson(line) : LineText(surroundings.console, line, kNameWidth));
+  };
+  const RobotReply::End end = AskRobot(RobotNamed(robot_), request, surroundings.pause, show);
+  if (!end.sentence().empty()) throw Error(end.sentence());
+  return kDone;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> MakeLogs() { return std::make_unique<LogsCommand>(); }
+
+}  // namespace hgros::cli

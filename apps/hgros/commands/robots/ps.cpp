@@ -1,0 +1,70 @@
+#include <string>
+#include <vector>
+
+#include "commands/commands.hpp"
+#include "launch/robot_client.hpp"
+#include "launch/robot_socket.hpp"
+#include "terminal/records.hpp"
+#include "terminal/units.hpp"
+
+namespace hgros::cli {
+namespace {
+
+class PsCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override { arguments.Flag("--json", style_.json, "One JSON object per line"); }
+  [[nodiscard]] std::string Description() const override {
+    return "Lists the components and programs of the robots that `hgros run` has started on this host, for this user "
+           "and HGROS_DOMAIN.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros ps", "Lists all of them."}, {"hgros ps --json", "The same for a script."}};
+  }
+  int Run(Surroundings& surroundings) override;
+
+ private:
+  void Add(Records& records, const std::string& robot, const RobotReply::Unit& unit) const;
+
+  OutputStyle style_;
+};
+
+void PsCommand::Add(Records& records, const std::string& robot, const RobotReply::Unit& unit) const {
+  const Cell pid = unit.pid() == 0 ? Cell() : Cell(std::int64_t{unit.pid()});
+  const auto seconds = static_cast<std::int64_t>(unit.seconds() * 1e9);
+  const Cell since = unit.pid() == 0 ? Cell() : Cell(unit.seconds(), DurationText(seconds, false));
+  for (const RobotReply::Component& one : unit.components()) {
+    records.Add({robot, one.name().empty() ? Cell() : Cell(one.name()), one.type(), unit.name(), pid,
+                 one.state().empty() ? unit.state() : one.state(), std::uint64_t{unit.restarts()}, since});
+  }
+}
+
+int PsCommand::Run(Surroundings& surroundings) {
+  Records records(surroundings.console, style_,
+                  {{"robot", "ROBOT"},
+                   {"component", "COMPONENT"},
+                   {"type", "TYPE"},
+                   {"process", "PROCESS"},
+                   {"pid", "PID", true},
+                   {"state", "STATE"},
+                   {"restarts", "RESTARTS", true},
+                   {"seconds", "FOR", true}});
+  for (const std::string& robot : RunningRobots()) {
+    RobotRequest request;
+    request.set_status(true);
+    try {
+      (void)AskRobot(robot, request, surroundings.pause,
+                     [&](const RobotReply& reply) { Add(records, robot, reply.unit()); });
+    } catch (const Error&) {
+      continue;  // It has ended meanwhile.
+    }
+  }
+  records.End();
+  if (records.size() == 0 && !style_.json) surroundings.console.Say("No robot runs. Start one with `hgros run`.");
+  return kDone;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> MakePs() { return std::make_unique<PsCommand>(); }
+
+}  // namespace hgros::cli

@@ -1,0 +1,92 @@
+// hgros stop, restart and wait: short orders to the starter of a robot.
+#include <string>
+#include <vector>
+
+#include "commands/commands.hpp"
+#include "launch/robot_client.hpp"
+#include "launch/robot_socket.hpp"
+#include "terminal/progress.hpp"
+#include "terminal/visible_text.hpp"
+
+namespace hgros::cli {
+namespace {
+
+class StopCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kText, {}, false}, robot_);
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Ends a robot in reverse order, as Ctrl-C does in `hgros run`, and waits until everything has ended. What "
+           "does not end within 2 s is killed.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros stop", "Ends the only robot that runs."}, {"hgros stop patrol", "Ends the robot of patrol.yaml."}};
+  }
+  int Run(Surroundings& surroundings) override {
+    RobotRequest request;
+    request.set_stop(true);
+    OrderRobot(RobotNamed(robot_), request, surroundings.pause);
+    return kDone;
+  }
+
+ private:
+  std::string robot_;
+};
+
+class RestartCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional({"NAME", "", "A component, process or program", ValueKind::kText, {}, true}, name_);
+    arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Ends a process or program and starts it again, and waits until it runs. For a component it is its process. "
+           "What does not end within 2 s is killed.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros restart camera", "Starts the camera again."},
+            {"hgros restart camera --robot patrol", "That of one of several robots."}};
+  }
+  int Run(Surroundings& surroundings) override {
+    RobotRequest request;
+    request.set_restart(name_);
+    const Progress progress(surroundings.console, surroundings.pause, "waiting until " + Visible(name_) + " runs", {});
+    OrderRobot(RobotNamed(robot_), request, surroundings.pause);
+    return kDone;
+  }
+
+ private:
+  std::string name_;
+  std::string robot_;
+};
+
+class WaitCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kText, {}, false}, robot_);
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Waits until a robot has ended. The exit code is that of the robot: 1 if something has failed.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros wait", "Waits for the only robot that runs."},
+            {"hgros wait patrol", "Waits for the robot of patrol.yaml."}};
+  }
+  int Run(Surroundings& surroundings) override {
+    RobotRequest request;
+    request.set_wait(true);
+    return AskRobot(RobotNamed(robot_), request, surroundings.pause).code();
+  }
+
+ private:
+  std::string robot_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeStop() { return std::make_unique<StopCommand>(); }
+std::unique_ptr<Command> MakeRestart() { return std::make_unique<RestartCommand>(); }
+std::unique_ptr<Command> MakeWait() { return std::make_unique<WaitCommand>(); }
+
+}  // namespace hgros::cli

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "launch/robot.pb.h"
+
+namespace hgros::cli {
+
+class Pause;
+
+/// Asks the starter of a robot, and calls `hear` for each unit and line of the answer. Returns its end.
+///
+/// Errors: throws Error if the robot does not run, or its starter has died; OutputClosed if the user ends the command.
+RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, Pause& pause,
+                         const std::function<void(const RobotReply& reply)>& hear = {});
+
+/// The same. Throws Error with the sentence of the end if its code is not 0.
+void OrderRobot(const std::string& robot, const RobotRequest& request, Pause& pause);
+
+}  // namespace hgros::cli

@@ -1,0 +1,128 @@
+#include "launch/robot_socket.hpp"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
+
+namespace hgros::cli {
+namespace {
+
+// What all robots of this user and domain begin with.
+std::string SocketPrefix() {
+  const char* domain = std::getenv("HGROS_DOMAIN");
+  return "hgros-run/" + std::to_string(getuid()) + "/" + (domain != nullptr && *domain != '\0' ? domain : "default") +
+         "/";
+}
+
+struct Address {
+  sockaddr_un address{};
+  socklen_t size = 0;
+};
+
+Address AddressOf(const std::string& robot) {
+  const std::string name = SocketPrefix() + robot;
+  Address made;
+  made.address.sun_family = AF_UNIX;
+  if (name.size() + 1 > sizeof made.address.sun_path) {
+    throw Error("The name of the robot and its domain are too long together.", {},
+                "Shorten one of them by " + std::to_string(name.size() + 1 - sizeof made.address.sun_path) + " bytes.");
+  }
+  std::memcpy(made.address.sun_path + 1, name.data(), name.size());  // The first byte is 0: it has no file.
+  made.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  return made;
+}
+
+bool IsOurs(int socket) {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  return getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && (peer.uid == getuid() || peer.uid == 0);
+}
+
+}  // namespace
+
+RobotSocket::RobotSocket(const std::string& name) {
+  if (std::string fault = ChannelNameFault(name); !fault.empty() || name.find('/') != std::string::npos) {
+    throw Error("\"" + name + "\" cannot be the name of a robot: " + (fault.empty() ? "It has a slash." : fault), {},
+                "Give another one with --name.");
+  }
+  const Address address = AddressOf(name);
+  descriptor_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor_ >= 0 && bind(descriptor_, reinterpret_cast<const sockaddr*>(&address.address), address.size) == 0 &&
+      listen(descriptor_, 16) == 0) {
+    return;
+  }
+  const int error = errno;
+  if (descriptor_ >= 0) close(descriptor_);
+  if (error == EADDRINUSE) {
+    throw Error("A robot \"" + name + "\" is running already.", {},
+                "End it with `hgros stop " + name + "`, or give this one another name with --name.");
+  }
+  throw Error("The system refused the socket of the robot: " + std::generic_category().message(error) + ".");
+}
+
+RobotSocket::~RobotSocket() { close(descriptor_); }
+
+std::unique_ptr<MessageStream> RobotSocket::Accept() const {
+  const int client = accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  if (client < 0) return nullptr;
+  auto stream = std::make_unique<MessageStream>(client);
+  return IsOurs(client) ? std::move(stream) : nullptr;
+}
+
+std::vector<std::string> RunningRobots() {
+  std::vector<std::string> robots;
+  const std::string prefix = "@" + SocketPrefix();
+  std::ifstream file("/proc/net/unix");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t begin = line.find(prefix);
+    if (begin == std::string::npos) continue;
+    robots.push_back(line.substr(begin + prefix.size()));  // Connections have the name, too.
+  }
+  std::ranges::sort(robots);
+  robots.erase(std::ranges::unique(robots).begin(), robots.end());
+  return robots;
+}
+
+std::string RobotNamed(const std::string& wanted) {
+  const std::vector<std::string> robots = RunningRobots();
+  const char* domain = std::getenv("HGROS_DOMAIN");
+  const std::string where = domain != nullptr && *domain != '\0' ? " in the domain " + std::string(domain) : "";
+  if (!wanted.empty()) {
+    if (std::ranges::find(robots, wanted) != robots.end()) return wanted;
+    const std::string nearest = NearestName(wanted, robots);
+    throw Error("No robot \"" + wanted + "\" was started here by this user" + where + ".", {},
+                nearest.empty() ? "`hgros ps` lists those that run." : "Did you mean \"" + nearest + "\"?");
+  }
+  if (robots.size() == 1) return robots.front();
+  if (robots.empty())
+    throw Error("No robot was started here by this user" + where + ".", {}, "Start one with `hgros run`.");
+  std::string names;
+  for (const std::string& robot : robots) names += (names.empty() ? "" : ", ") + robot;
+  throw Error("Several robots run: " + names + ".", {}, "Name one with --robot.");
+}
+
+std::unique_ptr<MessageStream> ConnectToRobot(const std::string& name) {
+  const Address address = AddressOf(name);
+  const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) throw Error("The system refused a socket: " + std::generic_category().message(errno) + ".");
+  auto stream = std::make_unique<MessageStream>(descriptor);
+  if (connect(descriptor, reinterpret_cast<const sockaddr*>(&address.address), address.size) != 0 ||
+      !IsOurs(descriptor)) {
+    throw Error("No robot \"" + name + "\" can be reached.", {}, "`hgros ps` lists those that run.");
+  }
+  (void)fcntl(descriptor, F_SETFL, O_NONBLOCK);
+  return stream;
+}
+
+}  // namespace hgros::cli

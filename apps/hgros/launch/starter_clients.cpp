@@ -1,0 +1,131 @@
+#include "launch/starter_clients.hpp"
+
+#include <algorithm>
+
+#include "arguments/command.hpp"
+#include "launch/starter.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kMostUnreadBytes = 8U << 20U;  // Of a command that does not read.
+constexpr std::size_t kMostClients = 64;
+
+}  // namespace
+
+void StarterClients::AddTo(std::vector<pollfd>& watched) const {
+  if (clients_.size() < kMostClients) watched.push_back({socket_.descriptor(), POLLIN, 0});
+  for (const Client& client : clients_) {
+    const auto events = static_cast<short>(client.stream->unsent() > 0 ? POLLIN | POLLOUT : POLLIN);
+    watched.push_back({client.stream->descriptor(), events, 0});
+  }
+}
+
+void StarterClients::Serve() {
+  while (clients_.size() < kMostClients) {
+    auto stream = socket_.Accept();
+    if (stream == nullptr) break;
+    clients_.push_back({std::move(stream)});
+  }
+  for (Client& client : clients_) {
+    client.gone = !client.stream->Read();
+    RobotRequest request;
+    while (client.stream->Next(request)) Take(client, request);
+    if (!client.restarts.empty()) AnswerRestart(client);
+    if (!client.stream->Write() || client.stream->unsent() > kMostUnreadBytes) client.gone = true;
+  }
+  clients_.remove_if([](const Client& client) { return client.gone; });
+}
+
+void StarterClients::Take(Client& client, const RobotRequest& request) {
+  switch (request.request_case()) {
+    case RobotRequest::kStatus:
+      for (const RobotReply::Unit& unit : starter_.statuses()) {
+        RobotReply reply;
+        *reply.mutable_unit() = unit;
+        client.stream->Add(reply);
+      }
+      return SendEnd(client, kDone);
+    case RobotRequest::kLogs: return TakeLogs(client, request.logs());
+    case RobotRequest::kStop: client.waits_for_end = true; return starter_.Stop();
+    case RobotRequest::kWait: client.waits_for_end = true; return;
+    case RobotRequest::kRestart: {
+      const std::string unit = starter_.UnitOf(request.restart());
+      if (unit.empty()) {
+        return SendEnd(client, kFailed,
+                       "The robot has no component, process or program \"" + request.restart() + "\".");
+      }
+      client.restarts = unit;
+      client.before = starter_.Restart(unit);
+      return;
+    }
+    case RobotRequest::REQUEST_NOT_SET: client.gone = true; return;
+  }
+}
+
+void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
+  for (const std::string& name : logs.names()) {
+    if (starter_.UnitOf(name).empty()) {
+      return SendEnd(client, kFailed, "The robot has no component, process or program \"" + name + "\".");
+    }
+    client.names.insert(name);
+  }
+  for (const LogLine& line : starter_.lines().all()) {
+    if (Wants(client, line)) SendLine(client, line);
+  }
+  client.follows = logs.follow();
+  if (!client.follows) SendEnd(client, kDone);
+}
+
+void StarterClients::AnswerRestart(Client& client) {
+  for (const RobotReply::Unit& unit : starter_.statuses()) {
+    if (unit.name() != client.restarts) continue;
+    if (unit.state() == "running" && unit.restarts() > client.before) {
+      SendEnd(client, kDone);
+    } else if (unit.state() == "ended") {
+      SendEnd(client, kFailed, "\"" + unit.name() + "\" has ended again. `hgros logs " + unit.name() + "` says why.");
+    } else {
+      return;
+    }
+    client.restarts.clear();
+    return;
+  }
+}
+
+bool StarterClients::Wants(const Client& client, const LogLine& line) {
+  return client.names.empty() || client.names.contains(line.process) || client.names.contains(line.component);
+}
+
+void StarterClients::SendLine(Client& client, const LogLine& line) {
+  RobotReply reply;
+  reply.mutable_line()->set_process(line.process);
+  RunReport::Line& sent = *reply.mutable_line()->mutable_line();
+  sent.set_component(line.component);
+  sent.set_level(static_cast<int>(line.level));
+  sent.set_text(line.text);
+  sent.set_time_ns(line.time_ns);
+  client.stream->Add(reply);
+}
+
+void StarterClients::SendEnd(Client& client, int code, const std::string& sentence) {
+  RobotReply reply;
+  reply.mutable_end()->set_code(code);
+  reply.mutable_end()->set_sentence(sentence);
+  client.stream->Add(reply);
+}
+
+void StarterClients::Tell(const LogLine& line) {
+  for (Client& client : clients_) {
+    if (client.follows && Wants(client, line)) SendLine(client, line);
+  }
+}
+
+void StarterClients::TellEnd(int code) {
+  for (Client& client : clients_) {
+    if (client.waits_for_end || client.follows) SendEnd(client, code);
+    if (!client.restarts.empty()) SendEnd(client, kFailed, "The robot has ended.");
+    (void)client.stream->Write();
+  }
+}
+
+}  // namespace hgros::cli

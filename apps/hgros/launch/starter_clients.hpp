@@ -1,0 +1,61 @@
+#pragma once
+
+#include <poll.h>
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "launch/log_lines.hpp"
+#include "launch/message_stream.hpp"
+#include "launch/robot.pb.h"
+#include "launch/robot_socket.hpp"
+
+namespace hgros::cli {
+
+class Starter;
+
+/// The commands that ask a starter: who they are, and what they still wait for.
+///
+/// Threading: one thread.
+class StarterClients {
+ public:
+  /// Throws Error if a robot of that name runs. Borrows the starter.
+  StarterClients(Starter& starter, const std::string& name) : starter_(starter), socket_(name) {}
+
+  /// Adds what Serve() waits for.
+  void AddTo(std::vector<pollfd>& watched) const;
+  /// Takes what they ask, and answers what is due.
+  void Serve();
+  /// Tells a new line to those that follow the log.
+  void Tell(const LogLine& line);
+  /// Everything has ended.
+  void TellEnd(int code);
+
+ private:
+  struct Client {
+    std::unique_ptr<MessageStream> stream;
+    bool follows = false;
+    std::set<std::string> names{};  // Whose lines; empty: all.
+    bool waits_for_end = false;
+    std::string restarts{};  // The unit that it waits for; empty: none.
+    std::uint64_t before{};  // How often that was started before.
+    bool gone = false;
+  };
+
+  void Take(Client& client, const RobotRequest& request);
+  void TakeLogs(Client& client, const RobotRequest::Logs& logs);
+  void AnswerRestart(Client& client);
+  static bool Wants(const Client& client, const LogLine& line);
+  static void SendLine(Client& client, const LogLine& line);
+  static void SendEnd(Client& client, int code, const std::string& sentence = {});
+
+  Starter& starter_;
+  RobotSocket socket_;
+  std::list<Client> clients_;
+};
+
+}  // namespace hgros::cli

@@ -1,0 +1,81 @@
+// What a starter tells of its units.
+#include <algorithm>
+
+#include "launch/starter.hpp"
+#include "terminal/json.hpp"
+#include "terminal/records.hpp"
+
+namespace hgros::cli {
+
+void Starter::ShowStates() {
+  if (options_.json) {
+    for (const Unit& unit : units_) {
+      Json json;
+      json.BeginObject().Member("event", "started").Member("process", unit.setup->name);
+      json.Member("pid", std::int64_t{unit.running->pid()}).Key("components").BeginList();
+      if (unit.process != nullptr) {
+        for (const std::string& component : unit.process->components) json.Value(component);
+      }
+      json.EndList().EndObject();
+      surroundings_.console.Line(json.text());
+    }
+    return;
+  }
+  Records records(surroundings_.console, {},
+                  {{"component", "COMPONENT"}, {"type", "TYPE"}, {"process", "PROCESS"}, {"pid", "PID", true}});
+  for (const Unit& unit : units_) {
+    const std::int64_t pid = unit.running->pid();
+    if (unit.program != nullptr) {
+      std::string command;
+      for (const std::string& word : unit.program->command) command += (command.empty() ? "" : " ") + word;
+      records.Add({Cell(), command, unit.setup->name, pid});
+      continue;
+    }
+    for (const std::string& name : unit.process->components) {
+      records.Add({name, robot_.FindComponent(name)->setup.type, unit.setup->name, pid});
+    }
+  }
+  records.End();
+}
+
+std::vector<RobotReply::Unit> Starter::statuses() const {
+  std::vector<RobotReply::Unit> all;
+  for (const Unit& unit : units_) {
+    RobotReply::Unit& told = all.emplace_back();
+    told.set_name(unit.setup->name);
+    told.set_program(unit.program != nullptr);
+    told.set_restarts(unit.starts == 0 ? 0 : unit.starts - 1);
+    const bool ends = unit.running != nullptr && (unit.again || unit.stage == Stage::kEnds);
+    told.set_state(ends                            ? "ending"
+                   : unit.stage == Stage::kRunning ? "running"
+                   : unit.running != nullptr       ? "starting"
+                   : unit.stage == Stage::kWaits   ? "waiting"
+                                                   : "ended");
+    if (unit.running != nullptr) {
+      told.set_pid(unit.running->pid());
+      told.set_seconds(std::chrono::duration<double>(Clock::now() - unit.started).count());
+    }
+    if (unit.program != nullptr) {
+      std::string command;
+      for (const std::string& word : unit.program->command) command += (command.empty() ? "" : " ") + word;
+      told.add_components()->set_type(command);
+      continue;
+    }
+    for (const std::string& name : unit.process->components) {
+      RobotReply::Component& component = *told.add_components();
+      component.set_name(name);
+      component.set_type(robot_.FindComponent(name)->setup.type);
+      const auto ended = unit.ended.find(name);
+      component.set_state(ended == unit.ended.end() ? told.state() : ended->second);
+    }
+  }
+  return all;
+}
+
+std::string Starter::UnitOf(const std::string& name) const {
+  if (std::ranges::any_of(units_, [&](const Unit& unit) { return unit.setup->name == name; })) return name;
+  const RobotComponent* component = robot_.FindComponent(name);
+  return component == nullptr ? std::string() : component->process;
+}
+
+}  // namespace hgros::cli

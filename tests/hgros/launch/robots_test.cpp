@@ -1,0 +1,174 @@
+// The commands for robots that hgros run has started: ps, logs, restart, stop and wait.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <string>
+
+#include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
+#include "support/await.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kTwo =
+    "components: {a: {type: relay/Does}, b: {type: relay/Does, params: {what: finish}}}\n"
+    "processes: {p: {components: [a]}}\n"
+    "programs: {sleeps: {command: [sleep, 100]}}\n";
+
+// A robot that was started in the background. Ends it.
+class DetachedRobot {
+ public:
+  explicit DetachedRobot(const std::string& text) : folder_(text) {
+    const CommandEnd end = folder_.Run({"--detach"});
+    EXPECT_EQ(end.status, 0) << end.out << end.err;
+    started_ = end.out;
+  }
+  ~DetachedRobot() { (void)Ask({"stop"}); }
+
+  [[nodiscard]] CommandEnd Ask(const std::vector<std::string>& words) const {
+    return RunToEnd(words, folder_.environment());
+  }
+  [[nodiscard]] const std::string& started() const noexcept { return started_; }
+  [[nodiscard]] const RobotFolder& folder() const noexcept { return folder_; }
+
+ private:
+  RobotFolder folder_;
+  std::string started_;
+};
+
+TEST(HgrosRobots, ADetachedRobotIsListedAndStopped) {
+  const DetachedRobot robot(kTwo);
+  EXPECT_THAT(robot.started(), HasSubstr("COMPONENT"));
+  const std::vector<pid_t> pids = PidsIn(robot.started());
+  ASSERT_EQ(pids.size(), 3U);
+  EXPECT_TRUE(test::Await([&robot] {
+    return robot.Ask({"ps"}).out.find("b          relay/Does  main") == std::string::npos ||
+           robot.Ask({"ps"}).out.find("finished") != std::string::npos;
+  }));
+  const CommandEnd list = robot.Ask({"ps"});
+  EXPECT_EQ(list.status, 0);
+  EXPECT_THAT(list.out,
+              AllOf(HasSubstr("ROBOT  COMPONENT  TYPE"), ContainsRegex("robot  a +relay/Does +p +[0-9]+  running"),
+                    ContainsRegex("robot +sleep 100 +sleeps +[0-9]+  running")));
+  EXPECT_THAT(robot.Ask({"ps", "--json"}).out,
+              HasSubstr("\"robot\":\"robot\",\"component\":\"a\",\"type\":\"relay/Does\""));
+  EXPECT_EQ(robot.Ask({"stop"}).status, 0);
+  for (const pid_t pid : pids) EXPECT_FALSE(Runs(pid));
+  EXPECT_EQ(robot.Ask({"ps"}).out, "");
+  EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("No robot was started here by this user in the domain"));
+}
+
+TEST(HgrosRobots, ShowsAndFollowsTheLog) {
+  const DetachedRobot robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
+      "programs: {says: {command: [sh, -c, 'echo one; sleep 0.3; echo two; sleep 100']}}\n");
+  CommandRun follows({"logs", "-f"}, robot.folder().environment());
+  EXPECT_TRUE(follows.Prints("two"));
+  EXPECT_THAT(follows.out(),
+              AllOf(HasSubstr("a             I run."), HasSubstr("b             I run."), HasSubstr("one")));
+  EXPECT_THAT(robot.Ask({"logs", "a"}).out, AllOf(HasSubstr("I run."), Not(HasSubstr("one"))));
+  EXPECT_THAT(robot.Ask({"logs", "says", "--json"}).out, HasSubstr("\"process\":\"says\""));
+  EXPECT_THAT(robot.Ask({"logs", "nothing"}).err, HasSubstr("no component, process or program \"nothing\""));
+  EXPECT_EQ(robot.Ask({"stop"}).status, 0);
+  EXPECT_EQ(follows.Wait(), 0);
+  EXPECT_THAT(follows.out(), HasSubstr("I end."));
+}
+
+TEST(HgrosRobots, RestartsAProcessByAnyOfItsNames) {
+  const DetachedRobot robot(kTwo);
+  const std::vector<pid_t> before = PidsIn(robot.started());
+  ASSERT_EQ(before.size(), 3U);
+  for (const char* name : {"a", "p", "sleeps"}) {
+    const CommandEnd end = robot.Ask({"restart", name});
+    EXPECT_EQ(end.status, 0) << name << ": " << end.err;
+  }
+  EXPECT_FALSE(Runs(before[0]));
+  EXPECT_FALSE(Runs(before[2]));
+  EXPECT_THAT(robot.Ask({"ps"}).out, AllOf(ContainsRegex("a +relay/Does +p +[0-9]+  running +2"),
+                                           ContainsRegex("sleeps +[0-9]+  running +1")));
+  EXPECT_THAT(robot.Ask({"restart", "c"}).err, HasSubstr("no component, process or program \"c\""));
+}
+
+TEST(HgrosRobots, WaitsForTheEndAndItsCode) {
+  const RobotFolder folder("components: {a: {type: relay/Does, params: {what: fail}}, b: {type: relay/Does}}\n");
+  CommandRun run(folder.Arguments(), folder.environment());
+  ASSERT_TRUE(run.Prints("It has failed"));
+  CommandRun waits({"wait"}, folder.environment());
+  EXPECT_EQ(waits.Wait(std::chrono::milliseconds(200)), -1);
+  run.Signal(SIGTERM);
+  EXPECT_EQ(waits.Wait(), 1);
+  EXPECT_EQ(run.Wait(), 128 + SIGTERM);
+}
+
+TEST(HgrosRobots, TwoRobotsHaveTwoNames) {
+  const DetachedRobot robot(kTwo);
+  const CommandEnd second = robot.folder().Run();
+  EXPECT_EQ(second.status, 1);
+  EXPECT_THAT(second.err, HasSubstr("A robot \"robot\" is running already. End it with `hgros stop robot`"));
+  EXPECT_EQ(robot.folder().Run({"--detach", "--name", "other"}).status, 0);
+  EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("Several robots run: other, robot. Name one"));
+  EXPECT_THAT(robot.Ask({"stop", "othr"}).err, HasSubstr("Did you mean \"other\"?"));
+  EXPECT_EQ(robot.Ask({"stop", "other"}).status, 0);
+  EXPECT_THAT(robot.folder().Run({"--name", "a/b"}).err, HasSubstr("cannot be the name of a robot"));
+}
+
+TEST(HgrosRobots, ADetachedRobotThatCannotStartSaysWhy) {
+  const RobotFolder folder(
+      "components: {a: {type: relay/Does}}\nprograms: {x: {command: [sh, -c, exit 3], essential: true}}\n"
+      "processes: {p: {components: [a], nice: 5}}\ndiscovery: {local: false}\n");
+  const CommandEnd wrong = folder.Run({"--detach", "--set", "a.type=relay/None"});
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_THAT(wrong.err, HasSubstr("There is no component type \"relay/None\""));
+}
+
+// Speaks to the starter's socket directly.
+class RawClient {
+ public:
+  explicit RawClient(const std::string& domain) : socket_(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const std::string name = "hgros-run/" + std::to_string(getuid()) + "/" + domain + "/robot";
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  }
+  ~RawClient() { close(socket_); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  void Send(const std::string& bytes) const { (void)!send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
+
+ private:
+  int socket_;
+};
+
+TEST(HgrosRobots, SurvivesCommandsThatLie) {
+  const DetachedRobot robot(kTwo);
+  const std::string domain = robot.folder().environment().at("HGROS_DOMAIN");
+  const RawClient garbage(domain);
+  garbage.Send(std::string("\x05\0\0\0\xff\xff\xff\xff\xff", 9));
+  const RawClient huge(domain);
+  huge.Send("\xff\xff\xff\xff");
+  const RawClient half(domain);
+  half.Send("\x10");
+  const RawClient empty(domain);
+  empty.Send(std::string(400, '\0'));
+  EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("relay/Does"));
+  const RawClient silent(domain);
+  EXPECT_EQ(robot.Ask({"restart", "a"}).status, 0);
+}
+
+}  // namespace
+}  // namespace hgros::cli
