@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
 constexpr std::chrono::seconds kRestartWindow{60};
+constexpr std::chrono::seconds kLate{15};              // A start that takes longer is said to be late.
 constexpr std::size_t kMostRestarts = 5;               // In that time.
 constexpr std::chrono::milliseconds kFirstPause{100};  // Before the second restart; doubled for each further one.
 constexpr std::size_t kReportedLines = 10;
@@ -44,6 +45,7 @@ Starter::Starter(const RobotFile& robot, const RobotGraph& graph, const Componen
 }
 
 int Starter::Run() {
+  late_at_ = Clock::now() + kLate;
   while (!AllEnded()) {
     try {
       if (!ending_) StartDue();
@@ -73,7 +75,9 @@ void Starter::StartDue() {
       Start(unit);
     } catch (const Error& error) {
       Say(unit, LogLevel::kError, error.what());
-      return EndAll({}, kFailed);
+      if (!released_) return EndAll({}, kFailed);
+      unit.stage = Stage::kEnded;
+      StartAgain(unit);  // There may be room later.
     }
   }
 }
@@ -89,8 +93,20 @@ void Starter::Start(Unit& unit) {
   ++unit.starts;
 }
 
+void Starter::SayWhatIsLate() {
+  if (Clock::now() < late_at_) return;
+  late_at_ = Clock::time_point::max();
+  for (const Unit& unit : units_) {
+    if (unit.stage != Stage::kBegun && unit.stage != Stage::kConstructed) continue;
+    Say(unit, LogLevel::kWarning,
+        unit.stage == Stage::kBegun ? "It still constructs its components. The robot waits for it."
+                                    : "It still waits for its subscribers. The robot waits for it.");
+  }
+}
+
 void Starter::Advance() {
   if (ending_ || released_) return;
+  SayWhatIsLate();
   const auto all = [this](Stage stage) {
     return std::ranges::all_of(units_, [stage](const Unit& unit) {
       return unit.program != nullptr || (unit.stage >= stage && unit.stage < Stage::kEnds);
@@ -104,6 +120,7 @@ void Starter::Advance() {
   }
   if (joining_ && all(Stage::kJoined)) {
     released_ = true;
+    late_at_ = Clock::time_point::max();
     for (Unit& unit : units_) {
       if (unit.process != nullptr) Release(unit);
     }
@@ -139,7 +156,7 @@ void Starter::Release(Unit& unit) {
 // --- hearing ---
 
 Starter::Clock::time_point Starter::NextDue() const {
-  Clock::time_point due = kill_at_;
+  Clock::time_point due = std::min(kill_at_, ending_ ? kill_at_ : late_at_);
   for (const Unit& unit : units_) {
     const bool waits = unit.stage == Stage::kWaits && !ending_ && (unit.process != nullptr || released_);
     if (waits) due = std::min(due, unit.due);
@@ -325,9 +342,9 @@ void Starter::ReportFailure(Unit& unit, int status) {
   }
   if (last.size() <= 1) return;
   last.pop_back();  // What was said just now.
-  surroundings_.console.Line("The last lines of " + Named(unit.setup->name) + ":");
+  Write("The last lines of " + Named(unit.setup->name) + ":");
   for (std::size_t i = last.size() - std::min(last.size(), kReportedLines); i < last.size(); ++i) {
-    surroundings_.console.Line("    " + LineText(surroundings_.console, *last[i], width_));
+    Write("    " + LineText(surroundings_.console, *last[i], width_));
   }
 }
 
@@ -365,20 +382,6 @@ bool Starter::AllEnded() const {
     if (unit.running != nullptr) return false;
     return unit.stage == Stage::kEnded || ending_;
   });
-}
-
-// --- showing ---
-
-void Starter::Show(LogLine line) {
-  lines_.Add(std::move(line));
-  const LogLine& added = lines_.all().back();
-  clients_.Tell(added);
-  if (quiet_ || (added.level == LogLevel::kDebug && !options_.verbose)) return;
-  surroundings_.console.Line(options_.json ? LineJson(added) : LineText(surroundings_.console, added, width_));
-}
-
-void Starter::Say(const Unit& unit, LogLevel level, const std::string& text) {
-  Show({0, unit.setup->name, {}, level, text});
 }
 
 }  // namespace hgros::cli

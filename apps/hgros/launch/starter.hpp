@@ -94,6 +94,7 @@ class Starter {
   void KillLate();
   // Lets the units go on together: all join when all are constructed, and run when all have joined.
   void Advance();
+  void SayWhatIsLate();
   void SendJoin(Unit& unit);
   static void Send(Unit& unit, const RunOrder& order);
   void Release(Unit& unit);
@@ -105,6 +106,9 @@ class Starter {
   [[nodiscard]] bool AllEnded() const;
   [[nodiscard]] Clock::time_point NextDue() const;
 
+  // Calls `write`, unless nothing can be written any more. Then that is said once.
+  void Guard(const std::function<void()>& write);
+  void Write(std::string_view line);
   void Show(LogLine line);
   void Say(const Unit& unit, LogLevel level, const std::string& text);
 
@@ -117,6 +121,7 @@ class Starter {
   LogLines lines_;
   StarterClients clients_;
   std::size_t width_ = 0;  // Of the names in the log.
+  Clock::time_point late_at_;
   bool joining_ = false;   // All were told to join.
   bool released_ = false;  // All run.
   bool ending_ = false;

@@ -269,6 +269,15 @@ TEST(HgrosRun, WritesJson) {
   EXPECT_THAT(end.out, AllOf(HasSubstr("\"component\":\"a\",\"level\":\"info\",\"text\":\"I run.\"}")));
 }
 
+TEST(HgrosRun, AFullDiskDoesNotEndTheRobot) {
+  const RobotFolder robot("components: {a: {type: relay/Does, params: {what: finish}}}\n");
+  for (const char* more : {"", " --json"}) {
+    const CommandEnd end = RunInShell("\"$HGROS\" run " + robot.file() + more + " > /dev/full", robot.environment());
+    EXPECT_EQ(end.status, 0);
+    EXPECT_THAT(end.err, HasSubstr("The robot runs on; `hgros logs` shows its log."));
+  }
+}
+
 TEST(HgrosRun, EndsQuietlyWhenNobodyReads) {
   const RobotFolder robot("components: {a: {type: relay/Does, params: {what: log}}}\n");
   const CommandEnd end = RunInShell("\"$HGROS\" run " + robot.file() + " | head -n 1", robot.environment());
