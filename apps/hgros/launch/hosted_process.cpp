@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "hgros/component/components.hpp"
-#include "launch/message_stream.hpp"
 #include "launch/run.pb.h"
+#include "processes/message_stream.hpp"
 #include "terminal/pause.hpp"
 
 namespace hgros::cli {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "launch/component_trial.hpp"
 #include "launch/robot_graph.hpp"
+#include "trial/component_trial.hpp"
 
 namespace hgros::cli {
 

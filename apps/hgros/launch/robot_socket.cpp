@@ -90,7 +90,7 @@ std::vector<std::string> RunningRobots() {
     robots.push_back(line.substr(begin + prefix.size()));  // Connections have the name, too.
   }
   std::ranges::sort(robots);
-  robots.erase(std::ranges::unique(robots).begin(), robots.end());
+  robots.erase(std::unique(robots.begin(), robots.end()), robots.end());
   return robots;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "launch/message_stream.hpp"
+#include "processes/message_stream.hpp"
 
 namespace hgros::cli {
 

@@ -10,7 +10,7 @@
 
 #include "hgros/base/error.hpp"
 #include "launch/hosted_process.hpp"
-#include "launch/process_end.hpp"
+#include "processes/process_end.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -25,6 +25,14 @@ constexpr std::chrono::milliseconds kFirstPause{100};  // Before the second rest
 constexpr std::size_t kReportedLines = 10;
 constexpr std::size_t kWidestName = 16;
 
+std::size_t WidthOfNames(const RobotFile& robot) {
+  std::size_t width = 0;
+  for (const RobotProcess& one : robot.processes) width = std::max(width, one.name.size());
+  for (const RobotProgram& one : robot.programs) width = std::max(width, one.name.size());
+  for (const RobotComponent& one : robot.components) width = std::max(width, one.setup.name.size());
+  return std::min(width, kWidestName);
+}
+
 std::string Named(const std::string& name) { return "\"" + Visible(name) + "\""; }
 
 }  // namespace
@@ -36,12 +44,11 @@ Starter::Starter(const RobotFile& robot, const RobotGraph& graph, const Componen
       catalog_(catalog),
       surroundings_(surroundings),
       options_(std::move(options)),
-      clients_(*this, options_.name) {
+      clients_(*this, options_.name),
+      log_(surroundings.console, {options_.json, options_.verbose, WidthOfNames(robot)}) {
   for (const RobotProcess& process : robot.processes) units_.push_back({&process, &process, nullptr});
   for (const RobotProgram& program : robot.programs) units_.push_back({&program, nullptr, &program});
-  for (const Unit& unit : units_) width_ = std::max(width_, unit.setup->name.size());
-  for (const RobotComponent& component : robot.components) width_ = std::max(width_, component.setup.name.size());
-  width_ = std::min(width_, kWidestName);
+  log_.Tell([this](const LogLine& line) { clients_.Tell(line); });
 }
 
 int Starter::Run() {
@@ -56,7 +63,7 @@ int Starter::Run() {
       clients_.Serve();
       if (surroundings_.pause.signal() != 0) EndAll({}, code_);
     } catch (const OutputClosed&) {
-      quiet_ = true;
+      log_.Silence();
       EndAll({}, code_);
     }
     if (ending_) EndNext();
@@ -196,7 +203,9 @@ void Starter::Hear(Unit& unit) {
     while (running.stream().Next(report)) Take(unit, report);
     if (!more) running.EndStream();
   }
-  const auto hear = [&](std::string_view line) { Show({0, unit.setup->name, {}, LogLevel::kInfo, std::string(line)}); };
+  const auto hear = [&](std::string_view line) {
+    log_.Add({0, unit.setup->name, {}, LogLevel::kInfo, std::string(line)});
+  };
   running.ReadOutput(hear);
   if (!ended) return;
   running.ReadLastLine(hear);
@@ -216,8 +225,8 @@ void Starter::Take(Unit& unit, const RunReport& report) {
       return;
     case RunReport::kComponent: return TakeComponent(unit, report.component());
     case RunReport::kLine:
-      return Show({report.line().time_ns(), unit.setup->name, report.line().component(),
-                   static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});
+      return log_.Add({report.line().time_ns(), unit.setup->name, report.line().component(),
+                       static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});
     case RunReport::kFault: return Say(unit, LogLevel::kError, report.fault());
     case RunReport::kLacks:
       return Say(unit, LogLevel::kWarning,
@@ -240,7 +249,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   const std::string sentence = component.sentence().empty() ? "." : ": " + component.sentence();
   LogLine line{0, unit.setup->name, component.name(), failed ? LogLevel::kError : LogLevel::kInfo,
                (failed ? "It has failed" : "It has finished") + sentence};
-  Show(std::move(line));
+  log_.Add(std::move(line));
   if (failed) {
     unit.failed = true;
     code_ = kFailed;
@@ -337,14 +346,14 @@ void Starter::ReportFailure(Unit& unit, int status) {
   if (!itself) Say(unit, LogLevel::kError, "The process has failed: " + EndText(status) + "." + CoreText(status));
   if (std::exchange(unit.reported, true) || options_.json || itself) return;
   std::vector<const LogLine*> last;
-  for (const LogLine& line : lines_.all()) {
+  for (const LogLine& line : lines().all()) {
     if (line.process == unit.setup->name) last.push_back(&line);
   }
   if (last.size() <= 1) return;
   last.pop_back();  // What was said just now.
-  Write("The last lines of " + Named(unit.setup->name) + ":");
+  log_.Write("The last lines of " + Named(unit.setup->name) + ":");
   for (std::size_t i = last.size() - std::min(last.size(), kReportedLines); i < last.size(); ++i) {
-    Write("    " + LineText(surroundings_.console, *last[i], width_));
+    log_.Repeat(*last[i]);
   }
 }
 

@@ -14,9 +14,9 @@
 #include "arguments/command.hpp"
 #include "hgros/component/component_catalog.hpp"
 #include "hgros/placement/robot_file.hpp"
-#include "launch/log_lines.hpp"
 #include "launch/robot.pb.h"
 #include "launch/robot_graph.hpp"
+#include "launch/robot_log.hpp"
 #include "launch/run.pb.h"
 #include "launch/starter_clients.hpp"
 #include "launch/unit_process.hpp"
@@ -45,7 +45,7 @@ class Starter {
 
   // For commands.
   [[nodiscard]] std::vector<RobotReply::Unit> statuses() const;
-  [[nodiscard]] const LogLines& lines() const noexcept { return lines_; }
+  [[nodiscard]] const LogLines& lines() const noexcept { return log_.lines(); }
   /// The process or program of that name, or that of the component; empty: there is none.
   [[nodiscard]] std::string UnitOf(const std::string& name) const;
   /// Ends a process or program and starts it again. Returns how often it was started again before.
@@ -106,10 +106,6 @@ class Starter {
   [[nodiscard]] bool AllEnded() const;
   [[nodiscard]] Clock::time_point NextDue() const;
 
-  // Calls `write`, unless nothing can be written any more. Then that is said once.
-  void Guard(const std::function<void()>& write);
-  void Write(std::string_view line);
-  void Show(LogLine line);
   void Say(const Unit& unit, LogLevel level, const std::string& text);
 
   const RobotFile& robot_;
@@ -118,14 +114,12 @@ class Starter {
   Surroundings& surroundings_;
   const StarterOptions options_;
   std::vector<Unit> units_;  // In the order of their start.
-  LogLines lines_;
   StarterClients clients_;
-  std::size_t width_ = 0;  // Of the names in the log.
+  RobotLog log_;
   Clock::time_point late_at_;
   bool joining_ = false;   // All were told to join.
   bool released_ = false;  // All run.
   bool ending_ = false;
-  bool quiet_ = false;  // Nobody reads the output.
   Clock::time_point kill_at_ = Clock::time_point::max();
   int code_ = kDone;
 };

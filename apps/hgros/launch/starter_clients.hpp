@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "launch/log_lines.hpp"
-#include "launch/message_stream.hpp"
 #include "launch/robot.pb.h"
 #include "launch/robot_socket.hpp"
+#include "processes/message_stream.hpp"
 
 namespace hgros::cli {
 

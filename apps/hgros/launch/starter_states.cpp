@@ -1,4 +1,4 @@
-// What a starter shows, and what it tells of its units.
+// What a starter shows and tells of its units.
 #include <algorithm>
 
 #include "launch/starter.hpp"
@@ -17,7 +17,7 @@ void Starter::ShowStates() {
         for (const std::string& component : unit.process->components) json.Value(component);
       }
       json.EndList().EndObject();
-      Write(json.text());
+      log_.Write(json.text());
     }
     return;
   }
@@ -35,33 +35,11 @@ void Starter::ShowStates() {
       records.Add({name, robot_.FindComponent(name)->setup.type, unit.setup->name, pid});
     }
   }
-  Guard([&] { records.End(); });
-}
-
-void Starter::Guard(const std::function<void()>& write) {
-  if (quiet_) return;
-  try {
-    write();
-  } catch (const Error& error) {
-    quiet_ = true;  // Such as a full disk. That must not end a robot.
-    surroundings_.console.Say(std::string(error.what()) + " The robot runs on; `hgros logs` shows its log.");
-  }
-}
-
-void Starter::Write(std::string_view line) {
-  Guard([&] { surroundings_.console.Line(line); });
-}
-
-void Starter::Show(LogLine line) {
-  lines_.Add(std::move(line));
-  const LogLine& added = lines_.all().back();
-  clients_.Tell(added);
-  if (added.level == LogLevel::kDebug && !options_.verbose) return;
-  Write(options_.json ? LineJson(added) : LineText(surroundings_.console, added, width_));
+  log_.Guard([&] { records.End(); });
 }
 
 void Starter::Say(const Unit& unit, LogLevel level, const std::string& text) {
-  Show({0, unit.setup->name, {}, level, text});
+  log_.Add({0, unit.setup->name, {}, level, text});
 }
 
 std::vector<RobotReply::Unit> Starter::statuses() const {

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "hgros/placement/robot_file.hpp"
-#include "launch/message_stream.hpp"
+#include "processes/message_stream.hpp"
 
 namespace hgros::cli {
 

@@ -6,13 +6,13 @@
 #include "commands/commands.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/component/component_catalog.hpp"
-#include "launch/component_trial.hpp"
 #include "robot/param_text.hpp"
 #include "terminal/progress.hpp"
 #include "terminal/records.hpp"
 #include "terminal/sheet.hpp"
 #include "terminal/units.hpp"
 #include "terminal/visible_text.hpp"
+#include "trial/component_trial.hpp"
 
 namespace hgros::cli {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "hgros/component/component_description.hpp"
-#include "launch/trial.pb.h"
+#include "trial/trial.pb.h"
 
 namespace hgros::cli {
 

@@ -1,4 +1,4 @@
-#include "launch/description_message.hpp"
+#include "trial/description_message.hpp"
 
 #include <string>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "launch/message_stream.hpp"
+#include "processes/message_stream.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "launch/component_trial.hpp"
+#include "trial/component_trial.hpp"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -18,11 +18,11 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/component/component.hpp"
-#include "launch/description_message.hpp"
-#include "launch/message_stream.hpp"
-#include "launch/process_end.hpp"
+#include "processes/message_stream.hpp"
+#include "processes/process_end.hpp"
 #include "terminal/console.hpp"
 #include "terminal/pause.hpp"
+#include "trial/description_message.hpp"
 
 namespace hgros::cli {
 namespace {

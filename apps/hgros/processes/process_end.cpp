@@ -1,4 +1,4 @@
-#include "launch/process_end.hpp"
+#include "processes/process_end.hpp"
 
 #include <string.h>
 #include <sys/wait.h>

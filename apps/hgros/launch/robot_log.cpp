@@ -1,0 +1,33 @@
+#include "launch/robot_log.hpp"
+
+#include <string>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::cli {
+
+void RobotLog::Add(LogLine line) {
+  lines_.Add(std::move(line));
+  const LogLine& added = lines_.all().back();
+  if (tell_) tell_(added);
+  if (added.level == LogLevel::kDebug && !look_.debug) return;
+  Write(look_.json ? LineJson(added) : LineText(console_, added, look_.width));
+}
+
+void RobotLog::Repeat(const LogLine& line) { Write("    " + LineText(console_, line, look_.width)); }
+
+void RobotLog::Write(std::string_view line) {
+  Guard([&] { console_.Line(line); });
+}
+
+void RobotLog::Guard(const std::function<void()>& write) {
+  if (silent_) return;
+  try {
+    write();
+  } catch (const Error& error) {
+    silent_ = true;
+    console_.Say(std::string(error.what()) + " The robot runs on; `hgros logs` shows its log.");
+  }
+}
+
+}  // namespace hgros::cli

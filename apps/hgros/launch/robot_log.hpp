@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string_view>
+#include <utility>
+
+#include "launch/log_lines.hpp"
+#include "terminal/console.hpp"
+
+namespace hgros::cli {
+
+/// What a starter shows: the log of its robot. If nothing can be written any more, such as on a full disk, that is said
+/// once, and the robot runs on.
+///
+/// Threading: one thread.
+class RobotLog {
+ public:
+  struct Look {
+    bool json = false;
+    bool debug = false;     ///< Also lines of that level.
+    std::size_t width = 0;  ///< Of the names.
+  };
+  RobotLog(Console& console, Look look) : console_(console), look_(look) {}
+
+  /// Called with each new line.
+  void Tell(std::function<void(const LogLine& line)> tell) { tell_ = std::move(tell); }
+  /// Keeps a line, and shows it.
+  void Add(LogLine line);
+  /// Shows a line again, below others.
+  void Repeat(const LogLine& line);
+  /// Shows a line that is not of the log.
+  void Write(std::string_view line);
+  /// Calls `write`, which writes to the console.
+  void Guard(const std::function<void()>& write);
+  /// Nobody reads it any more.
+  void Silence() noexcept { silent_ = true; }
+
+  [[nodiscard]] const LogLines& lines() const noexcept { return lines_; }
+
+ private:
+  Console& console_;
+  const Look look_;
+  LogLines lines_;
+  std::function<void(const LogLine&)> tell_;
+  bool silent_ = false;
+};
+
+}  // namespace hgros::cli
