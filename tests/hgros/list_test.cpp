@@ -7,6 +7,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/proto_folder.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -119,6 +120,18 @@ TEST(HgrosList, EndsWithAnErrorWhenNothingAnswersAtAnEndpoint) {
   const CommandEnd end = RunToEnd({"list", "--connect", "127.0.0.1:1", "--timeout", "0.2"});
   EXPECT_EQ(end.status, 3);
   EXPECT_THAT(end.err, HasSubstr("No session answers at tcp://127.0.0.1:1."));
+}
+
+TEST(HgrosList, SaysThatAProgramListensButDoesNotAnswer) {
+  const CurveKeyPair keys = GenerateCurveKeyPair();
+  Session robot(
+      Config::Parse("network: {publisher: {ip: 'tcp://127.0.0.1:*'}, security: {public_key: '" + keys.public_key +
+                    "', secret_key: '" + keys.secret_key + "'}}\ndiscovery: {local: false}\n"),
+      SessionOptions{"far", [](LogLevel, std::string_view) {}});
+  const CommandEnd end = RunToEnd({"list", "--connect", robot.PublisherEndpoints().front(), "--timeout", "1.5"},
+                                  {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  EXPECT_EQ(end.status, 3) << end.out;
+  EXPECT_THAT(end.err, HasSubstr(", although a program listens there. It may refuse the key of this command"));
 }
 
 TEST(HgrosList, EndsInTimeWhenNoNameServerAnswers) {

@@ -185,6 +185,14 @@ void Robot::RequireAddresses(Config& config) const {
   }
 }
 
+bool Robot::MeetsSomebody() const {
+  if (!session_->Peers().empty()) return true;
+  const auto other = [this](const ChannelUser& user) { return user.session != session_->id(); };
+  return std::ranges::any_of(session_->Channels(), [&](const KnownChannel& channel) {
+    return std::ranges::any_of(channel.publishers, other) || std::ranges::any_of(channel.subscribers, other);
+  });
+}
+
 // A session that is met in shared memory, too, is not listed with its endpoint. Then it is enough that something
 // listens there.
 void Robot::AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock::time_point deadline, bool required) {
@@ -196,16 +204,21 @@ void Robot::AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock
   const auto second = std::min(deadline, std::chrono::steady_clock::now() + std::chrono::seconds(1));
   while (!answers()) {
     const auto now = std::chrono::steady_clock::now();
-    if (now >= second && now < deadline && SomebodyListensAt(endpoint)) return;
+    if (now >= second && now < deadline && MeetsSomebody() && SomebodyListensAt(endpoint)) return;
     if (now >= deadline) break;
     if (surroundings_.pause.Until(std::min(now >= second ? deadline : second, now + std::chrono::milliseconds(20))) ==
         Pause::End::kInterrupted) {
       throw OutputClosed();
     }
   }
-  if (answers() || SomebodyListensAt(endpoint)) return;
-  const std::string what = "No session answers at " + endpoint +
-                           ". Is the program running, and is this the address of one of its publisher endpoints?";
+  if (answers()) return;
+  const bool listens = SomebodyListensAt(endpoint);
+  if (listens && MeetsSomebody()) return;
+  const std::string what =
+      "No session answers at " + endpoint +
+      (listens
+           ? ", although a program listens there. It may refuse the key of this command, ask for one, or be stopped."
+           : ". Is the program running, and is this the address of one of its publisher endpoints?");
   if (!required) return surroundings_.console.Say(what);
   options_.GiveUp(what);
 }

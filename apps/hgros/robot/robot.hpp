@@ -46,6 +46,8 @@ class Robot {
   // Throws if the host of --connect has no address. Drops endpoints of --config whose hosts have none.
   void RequireAddresses(Config& config) const;
   void AwaitEndpoints();
+  // Whether any other session is known.
+  [[nodiscard]] bool MeetsSomebody() const;
   void AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock::time_point deadline, bool required);
   // The sessions that publish counters.
   [[nodiscard]] std::map<SessionId, ChannelUser> Countable() const;
