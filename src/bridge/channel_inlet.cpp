@@ -79,6 +79,7 @@ void ChannelInlet::Detach() {
     std::swap(left, waiting_);
     undelivered.swap(handed_over_);
     if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
+    detached_.fetch_add(1, std::memory_order_release);  // An errand may have taken a message before.
   }
   publishers_.store(0, std::memory_order_release);
   ForgetOffers();
@@ -110,8 +111,9 @@ Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
   return runner == Runner::kTransport || runner == Runner::kVisitor ? Accepted::kRunHere : Accepted::kRunApart;
 }
 
-ChannelInlet::Taken ChannelInlet::TakeNext(InboundMessage& message, UserCode user_code) {
+ChannelInlet::Taken ChannelInlet::TakeNext(InboundMessage& message, UserCode user_code, std::uint64_t& detached) {
   const std::scoped_lock lock(waiting_mutex_);
+  detached = detached_.load(std::memory_order_relaxed);
   if (waiting_.empty()) {
     runner_ = Runner::kNobody;
     return Taken::kNone;
@@ -136,12 +138,13 @@ void ChannelInlet::Run() noexcept {
   std::optional<Decoded> undelivered;
   while (!undelivered) {
     InboundMessage message;
-    const Taken taken = TakeNext(message, decoding);
+    std::uint64_t detached = 0;
+    const Taken taken = TakeNext(message, decoding, detached);
     // A visitor also reads for others. A node that a reply has made ready is user code, so the workers run it.
     if (taken == Taken::kNone) return as == Runner::kVisitor ? slot.HandToWorkers() : slot.RunKept();
     slot.HandToWorkers();
     if (taken == Taken::kNotQuick) break;
-    std::optional<Decoded> decoded = Decode(std::move(message));
+    std::optional<Decoded> decoded = Decode(std::move(message), detached);
     if (decoded && !Inject(*decoded, injecting)) undelivered = std::move(decoded);
   }
   {
@@ -162,15 +165,17 @@ void ChannelInlet::RunErrand() noexcept {
   if (first) (void)Inject(*first, UserCode::kAllowed);
   for (int i = 0; i < kMessagesPerErrand; ++i) {
     InboundMessage message;
-    if (TakeNext(message, UserCode::kAllowed) == Taken::kNone) return;
-    if (const auto decoded = Decode(std::move(message))) (void)Inject(*decoded, UserCode::kAllowed);
+    std::uint64_t detached = 0;
+    if (TakeNext(message, UserCode::kAllowed, detached) == Taken::kNone) return;
+    if (const auto decoded = Decode(std::move(message), detached)) (void)Inject(*decoded, UserCode::kAllowed);
   }
   run_apart_([this] { RunErrand(); });
 }
 
-bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost, std::int64_t& way_ns) {
+bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t detached, Gap& lost, std::int64_t& way_ns) {
   const MessageId& id = message.head.id;
   const std::scoped_lock lock(counts_mutex_);
+  if (detached_.load(std::memory_order_acquire) != detached) return false;
   if (const std::int64_t then = message.head.publish_time_ns; then > 0) {
     way_ns = clocks_->Since(then, message.from).count();
     transport_.Record(way_ns);
@@ -208,7 +213,7 @@ bool ChannelInlet::CountIn(const InboundMessage& message, Gap& lost, std::int64_
   return true;
 }
 
-std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message) noexcept {
+std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message, std::uint64_t detached) noexcept {
   const PacketHead& head = message.head;
   if (is_librarys_ && (message.from.value == 0 || head.id.publisher != message.from.value)) {
     OnFault(PacketFault::kHead, "its head names a publisher that has not sent it");
@@ -224,7 +229,7 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
   }
   Gap lost;
   std::int64_t way_ns = 0;
-  if (!CountIn(message, lost, way_ns)) return std::nullopt;
+  if (!CountIn(message, detached, lost, way_ns)) return std::nullopt;
   if (lost.messages > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost, message.from);
   Decoded decoded;
   decoded.type = any ? &AnyType() : &DataGraph::InboundType(channel_);
@@ -240,6 +245,7 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
   decoded.info = InfoOf(message, way_ns);
   decoded.credit = std::move(message.credit);
   decoded.latched = head.latched;
+  decoded.detached = detached;
   return decoded;
 }
 
@@ -341,6 +347,7 @@ std::shared_ptr<const MessageSchema> ChannelInlet::Schema() const {
 }
 
 bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
+  if (detached_.load(std::memory_order_acquire) != decoded.detached) return true;
   const DeliveredCredit here(decoded.credit);
   return DataGraph::Inject(channel_, decoded.message, *decoded.type, decoded.info, decoded.credit, decoded.latched,
                            user_code);

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <foxglove/Log.pb.h>
 
@@ -14,6 +16,7 @@ namespace hgros::test {
 /// A message with its own codec and the wire form of foxglove.Log.
 struct Line {
   std::string text;
+  static inline std::function<void()> on_parse;  // Called once in its codec, if not empty.
 };
 
 }  // namespace hgros::test
@@ -27,6 +30,7 @@ struct hgros::CustomCodec<hgros::test::Line> {
   }
   static bool Parse(std::string_view bytes, test::Line& line) {
     line.text = bytes;
+    if (const auto call = std::exchange(test::Line::on_parse, nullptr)) call();
     return true;
   }
 };
@@ -160,6 +164,28 @@ TEST(ChannelInlet, ForgetsHandedOverMessagesWhenDetachedAndStartsAgain) {
   inflow.RunErrands();
   EXPECT_EQ(inflow.got, Texts{"2"});
   EXPECT_EQ(inflow.Accept("3"), Accepted::kRunApart);
+}
+
+TEST(ChannelInlet, DoesNotDeliverToTheNextSubscriptionWhatWasDecodedWhenTheLastOneEnded) {
+  Inflow<test::Line> inflow;
+  int got = 0;
+  const auto count = [&got](const test::Line&) { ++got; };
+  const NodeOptions inline_node{{}, {}, Executor::Inline()};
+  std::optional<Subscription> last = inflow.graph.FromGraph<test::Line>("lines", Invoke::kSerial, count, inline_node);
+  std::optional<Subscription> next;
+  test::Line::on_parse = [&] {
+    last.reset();
+    inflow.inlet.Detach();
+    next = inflow.graph.FromGraph<test::Line>("lines", Invoke::kSerial, count, inline_node);
+  };
+  ASSERT_EQ(inflow.Accept("1"), Accepted::kRunApart);
+  inflow.inlet.Run();
+  EXPECT_EQ(got, 0) << "it is older than the subscription";
+  inflow.sequence = 6;
+  ASSERT_EQ(inflow.Accept("7"), Accepted::kRunApart);
+  inflow.inlet.Run();
+  EXPECT_EQ(got, 1);
+  EXPECT_EQ(inflow.lines, Texts{}) << "2 to 6 were published while there was no subscription";
 }
 
 TEST(ChannelInlet, MakesOneSchemaForEachOfSeveralPlainPublishers) {

@@ -13,8 +13,8 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::size_t kMostLines = 2000;
-constexpr std::size_t kMostBytes = 1U << 20U;
+constexpr std::size_t kMostLogLines = 2000;
+constexpr std::size_t kMostLogBytes = 1U << 20U;
 constexpr std::array<std::string_view, 4> kLevelNames{"debug", "info", "warning", "error"};  // By LogLevel.
 
 std::string ClockText(std::int64_t time_ns) {
@@ -36,7 +36,7 @@ void LogLines::Add(LogLine line) {
   }
   bytes_ += line.text.size();
   lines_.push_back(std::move(line));
-  while (lines_.size() > kMostLines || (bytes_ > kMostBytes && lines_.size() > 1)) {
+  while (lines_.size() > kMostLogLines || (bytes_ > kMostLogBytes && lines_.size() > 1)) {
     bytes_ -= lines_.front().text.size();
     lines_.pop_front();
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
 constexpr std::chrono::seconds kRestartWindow{60};
-constexpr std::chrono::seconds kLate{15};              // A start that takes longer is said to be late.
+constexpr std::chrono::seconds kLateStart{15};         // A start that takes longer is said to be late.
 constexpr std::size_t kMostRestarts = 5;               // In that time.
 constexpr std::chrono::milliseconds kFirstPause{100};  // Before the second restart; doubled for each further one.
 constexpr std::size_t kReportedLines = 10;
@@ -52,7 +52,7 @@ Starter::Starter(const RobotFile& robot, const RobotGraph& graph, const Componen
 }
 
 int Starter::Run() {
-  late_at_ = Clock::now() + kLate;
+  late_at_ = Clock::now() + kLateStart;
   while (!AllEnded()) {
     try {
       if (!ending_) StartDue();

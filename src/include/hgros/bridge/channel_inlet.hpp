@@ -94,15 +94,17 @@ class ChannelInlet final : public InboundSink {
     MessageInfo info;
     std::shared_ptr<const void> credit;
     std::size_t latched = 0;
+    std::uint64_t detached = 0;  // detached_ when the message was taken.
   };
 
   // True if the message is small and is decoded without user code.
   [[nodiscard]] bool IsQuick(const InboundMessage& message) const noexcept;
   enum class Taken { kMessage, kNone, kNotQuick };
-  // Takes the next message. If there is none, no thread delivers any more.
-  Taken TakeNext(InboundMessage& message, UserCode user_code);
+  // Takes the next message. If there is none, no thread delivers any more. Sets `detached` to detached_.
+  Taken TakeNext(InboundMessage& message, UserCode user_code, std::uint64_t& detached);
   // Counts and decodes the message. Empty if it must not be delivered.
-  [[nodiscard]] std::optional<Decoded> Decode(InboundMessage&& message) noexcept;
+  [[nodiscard]] std::optional<Decoded> Decode(InboundMessage&& message, std::uint64_t detached) noexcept;
+  // Does nothing with a message that was taken before Detach(). False: it needs a thread for user code.
   [[nodiscard]] bool Inject(const Decoded& decoded, UserCode user_code) noexcept;
   void RunErrand() noexcept;
   // Messages before one that has arrived.
@@ -111,9 +113,9 @@ class ChannelInlet final : public InboundSink {
     bool cut = false;  // A link to their sender has ended.
   };
   void SayLost(const Gap& lost, SessionId from);
-  // False for a repeat. Sets `lost` to the messages before it that did not arrive, and `way_ns` to the time since it
-  // was published.
-  [[nodiscard]] bool CountIn(const InboundMessage& message, Gap& lost, std::int64_t& way_ns);
+  // False for a repeat, and for a message that was taken before Detach(). Sets `lost` to the messages before it that
+  // did not arrive, and `way_ns` to the time since it was published.
+  [[nodiscard]] bool CountIn(const InboundMessage& message, std::uint64_t detached, Gap& lost, std::int64_t& way_ns);
   [[nodiscard]] MessageInfo InfoOf(const InboundMessage& message, std::int64_t way_ns) const noexcept;
   [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
@@ -146,6 +148,9 @@ class ChannelInlet final : public InboundSink {
   Fifo<InboundMessage> waiting_;
   Runner runner_ = Runner::kNobody;
   std::optional<Decoded> handed_over_;  // Delivered before waiting_.
+  // The number of calls of Detach(). A message that an errand took before one of them is not for the next subscription,
+  // which would miss those between that message and its own first one. Changed under waiting_mutex_.
+  std::atomic<std::uint64_t> detached_{0};
 
   // The latest schemas for messages whose link has none, newest last. Used by the delivering thread.
   std::vector<std::shared_ptr<const MessageSchema>> said_schemas_;
