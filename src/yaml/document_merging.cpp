@@ -1,5 +1,6 @@
 // Documents that are put together from several.
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -35,7 +36,9 @@ class Assembly {
     if (++read_ > kMostFiles) {
       throw ConfigError("More than " + std::to_string(kMostFiles) + " files are included.", said, "Include fewer.");
     }
-    const std::filesystem::path whole = std::filesystem::weakly_canonical(file);
+    std::error_code error;
+    std::filesystem::path whole = std::filesystem::weakly_canonical(file, error);
+    if (error) whole = file;  // Such as a deleted file that is still open. Reading it tells what is wrong.
     if (std::ranges::find(open_, whole) != open_.end()) {
       throw ConfigError("The files include each other: " + file.string() + " is read already.", said,
                         "Remove one of the includes.");
