@@ -42,13 +42,15 @@ class FromYaml {
 
  private:
   std::shared_ptr<const std::string> SourceOf(const yaml::Node& node) {
-    if (source_ == nullptr || *source_ != *node.file) source_ = std::make_shared<const std::string>(*node.file);
+    if (file_ != node.file) source_ = std::make_shared<const std::string>(*node.file);
+    file_ = node.file;
     return source_;
   }
 
   ParamOrigin origin_;
   bool with_places_;
-  std::shared_ptr<const std::string> source_;  // Of the last node with a place.
+  const std::string* file_ = nullptr;          // Of the last node with a place,
+  std::shared_ptr<const std::string> source_;  // and a copy.
   std::unordered_map<const yaml::Node*, ParamNodePtr> made_;
 };
 

@@ -205,7 +205,7 @@ class DocumentBuilder : public YAML::EventHandler {
   void ReplaceVariables(Node& node, bool plain) {
     node.text = WithBraces(node.text);
     std::string replaced = WithVariables(node.text, *variables_, Document::PositionOf(node));
-    // What is not in quotes reads like the value itself: it may be a number, or nothing.
+    // Outside quotes, the value of a variable may be empty or null.
     if (plain && replaced != node.text && (replaced.empty() || replaced == "null" || replaced == "~") && !AtKey()) {
       node.kind = Node::Kind::kNull;
     }

@@ -6,12 +6,10 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,11 +43,7 @@ class Reporter {
       ++lost_;
       return;
     }
-    if (lost_ > 0 && stream_.unsent() < kMostUnsentBytes) {
-      RunReport lost;
-      lost.set_lost(std::exchange(lost_, 0));
-      stream_.Add(lost);
-    }
+    TellLost();
     stream_.Add(report);
     if (stream_.Write() && stream_.unsent() > 0) Wake();
   }
@@ -87,6 +81,7 @@ class Reporter {
   void Write() {
     const std::scoped_lock lock(mutex_);
     (void)stream_.Write();
+    TellLost();
   }
   [[nodiscard]] bool unsent() {
     const std::scoped_lock lock(mutex_);
@@ -97,6 +92,14 @@ class Reporter {
   [[nodiscard]] bool Next(RunOrder& order) { return stream_.Next(order); }
 
  private:
+  // As soon as there is room again.
+  void TellLost() {
+    if (lost_ == 0 || stream_.unsent() > kMostUnsentBytes) return;
+    RunReport lost;
+    lost.set_lost(std::exchange(lost_, 0));
+    stream_.Add(lost);
+  }
+
   std::mutex mutex_;
   MessageStream stream_;
   const int wakes_;

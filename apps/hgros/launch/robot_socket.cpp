@@ -18,12 +18,13 @@
 namespace hgros::cli {
 namespace {
 
-// What all robots of this user and domain begin with.
-std::string SocketPrefix() {
+std::string DomainName() {
   const char* domain = std::getenv("HGROS_DOMAIN");
-  return "hgros-run/" + std::to_string(getuid()) + "/" + (domain != nullptr && *domain != '\0' ? domain : "default") +
-         "/";
+  return domain != nullptr && *domain != '\0' ? domain : "default";
 }
+
+// The beginning of the names of all sockets of this user and domain.
+std::string SocketPrefix() { return "hgros-run/" + std::to_string(getuid()) + "/" + DomainName() + "/"; }
 
 struct Address {
   sockaddr_un address{};
@@ -96,8 +97,7 @@ std::vector<std::string> RunningRobots() {
 
 std::string RobotNamed(const std::string& wanted) {
   const std::vector<std::string> robots = RunningRobots();
-  const char* domain = std::getenv("HGROS_DOMAIN");
-  const std::string where = domain != nullptr && *domain != '\0' ? " in the domain " + std::string(domain) : "";
+  const std::string where = " in the domain " + DomainName();
   if (!wanted.empty()) {
     if (std::ranges::find(robots, wanted) != robots.end()) return wanted;
     const std::string nearest = NearestName(wanted, robots);

@@ -315,7 +315,6 @@ std::uint64_t Starter::Restart(const std::string& unit) {
   if (found->running != nullptr) {
     found->again = true;
     TellToEnd(*found);
-    found->kill_at = Clock::now() + kEndPatience;
   } else {
     found->stage = Stage::kWaits;
     found->due = Clock::now();
@@ -324,6 +323,7 @@ std::uint64_t Starter::Restart(const std::string& unit) {
 }
 
 void Starter::TellToEnd(Unit& unit) {
+  unit.kill_at = std::min(kill_at_, Clock::now() + kEndPatience);
   if (unit.program != nullptr) return unit.running->Signal(SIGTERM);
   RunOrder order;
   (void)order.mutable_end();
@@ -372,16 +372,14 @@ void Starter::EndNext() {
   for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
     if (unit->running == nullptr) continue;
     if (late) {
-      if (unit->stage == Stage::kEnds) {
-        surroundings_.console.Say(Named(unit->setup->name) + " did not end in time, and is killed.");
-      }
-      unit->stage = Stage::kEnds;
       unit->running->Signal(SIGKILL);
-      continue;
+    } else if (unit->stage == Stage::kEnds) {
+      return;  // The next one ends after this.
+    } else {
+      TellToEnd(*unit);
     }
-    if (unit->stage == Stage::kEnds) return;  // The next one ends after this.
     unit->stage = Stage::kEnds;
-    return TellToEnd(*unit);
+    if (!late) return;
   }
   if (late) kill_at_ = Clock::time_point::max();
 }

@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -90,7 +89,7 @@ class Starter {
   void TakeEnd(Unit& unit);
   void ReportFailure(Unit& unit, int status);
   void StartAgain(Unit& unit);
-  static void TellToEnd(Unit& unit);
+  void TellToEnd(Unit& unit);
   void KillLate();
   // Lets the units go on together: all join when all are constructed, and run when all have joined.
   void Advance();

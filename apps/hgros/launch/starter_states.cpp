@@ -8,34 +8,19 @@
 namespace hgros::cli {
 
 void Starter::ShowStates() {
-  if (options_.json) {
-    for (const Unit& unit : units_) {
-      Json json;
-      json.BeginObject().Member("event", "started").Member("process", unit.setup->name);
-      json.Member("pid", std::int64_t{unit.running->pid()}).Key("components").BeginList();
-      if (unit.process != nullptr) {
-        for (const std::string& component : unit.process->components) json.Value(component);
-      }
-      json.EndList().EndObject();
-      log_.Write(json.text());
-    }
-    return;
-  }
   Records records(surroundings_.console, {},
                   {{"component", "COMPONENT"}, {"type", "TYPE"}, {"process", "PROCESS"}, {"pid", "PID", true}});
-  for (const Unit& unit : units_) {
-    const std::int64_t pid = unit.running->pid();
-    if (unit.program != nullptr) {
-      std::string command;
-      for (const std::string& word : unit.program->command) command += (command.empty() ? "" : " ") + word;
-      records.Add({Cell(), command, unit.setup->name, pid});
-      continue;
+  for (const RobotReply::Unit& unit : statuses()) {
+    Json json;
+    json.BeginObject().Member("event", "started").Member("process", unit.name());
+    json.Member("pid", std::int64_t{unit.pid()}).Key("components").BeginList();
+    for (const RobotReply::Component& one : unit.components()) {
+      if (!unit.program()) json.Value(one.name());
+      records.Add({unit.program() ? Cell() : Cell(one.name()), one.type(), unit.name(), std::int64_t{unit.pid()}});
     }
-    for (const std::string& name : unit.process->components) {
-      records.Add({name, robot_.FindComponent(name)->setup.type, unit.setup->name, pid});
-    }
+    if (options_.json) log_.Write(json.EndList().EndObject().text());
   }
-  log_.Guard([&] { records.End(); });
+  if (!options_.json) log_.Guard([&] { records.End(); });
 }
 
 void Starter::Say(const Unit& unit, LogLevel level, const std::string& text) {

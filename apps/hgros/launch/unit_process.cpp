@@ -100,12 +100,8 @@ UnitProcess::UnitProcess(const RobotUnit& unit, const Body& body) {
 }
 
 UnitProcess::~UnitProcess() {
-  if (!HasEnded()) {
-    Signal(SIGKILL);
-    while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
-    }
-  }
-  (void)kill(-pid_, SIGKILL);  // What it has left.
+  Signal(SIGKILL);
+  Reap(0);
   if (output_ >= 0) close(output_);
   if (end_ >= 0) close(end_);
 }
@@ -141,8 +137,24 @@ void UnitProcess::Signal(int number) const noexcept {
 }
 
 bool UnitProcess::HasEnded() {
-  ended_ = ended_ || waitpid(pid_, &status_, WNOHANG) == pid_;
+  Reap(WNOHANG);
   return ended_;
+}
+
+// What it has left in its group is killed before the kernel may give its number to another process.
+void UnitProcess::Reap(int options) {
+  siginfo_t info{};
+  while (!ended_) {
+    if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOWAIT | options) != 0) {
+      if (errno == EINTR) continue;
+      ended_ = true;  // Somebody else has reaped it.
+    } else if (info.si_pid == 0) {
+      return;
+    } else {
+      (void)kill(-pid_, SIGKILL);
+      ended_ = waitpid(pid_, &status_, 0) == pid_;
+    }
+  }
 }
 
 int BecomeProgram(const RobotProgram& program) {

@@ -48,6 +48,9 @@ class UnitProcess {
   [[nodiscard]] int status() const noexcept { return status_; }
 
  private:
+  // Takes its status if it has ended; without WNOHANG it waits for that.
+  void Reap(int options);
+
   pid_t pid_ = -1;
   bool ended_ = false;
   int status_ = 0;

@@ -112,7 +112,7 @@ void TryEach(Teller& teller, const std::vector<ComponentSetup>& setups, const Co
       teller.Fault("Component \"" + setup.name + "\": " + error.what());
       continue;
     }
-    teller.Begin(setup.name);
+    teller.Load({});
     dry_run.Construct(setup);
   }
 }
@@ -224,7 +224,7 @@ class Trials {
     while (!ended_) RunOne(pause);
   }
   [[nodiscard]] std::vector<TriedComponent>& tried() noexcept { return tried_; }
-  // Of what concerns no component.
+  // Why no component could be tried.
   [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
 
  private:
