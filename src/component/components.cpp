@@ -1,6 +1,7 @@
 #include "hgros/component/components.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -136,9 +137,13 @@ class Components::Core {
     }
   }
 
-  std::shared_ptr<const RawMessage> Save(One& one) {
-    const AnyMessage state = one.component->Save();
-    if (state == nullptr) return nullptr;
+  std::shared_ptr<const RawMessage> Save(One& one, std::chrono::nanoseconds patience) {
+    if (one.type.state == nullptr) return nullptr;
+    AnyMessage state;
+    if (!one.core.guard()->TryAlone(std::chrono::steady_clock::now() + patience,
+                                    [&] { state = one.component->Save(); })) {
+      throw Error(Named(one.core.setup()) + "it could not be saved: a callback of it has not returned.");
+    }
     const TypeInfo& type = *one.type.state;
     Payload data = type.encode(state);
     if (data.owner == nullptr) {
@@ -202,7 +207,9 @@ const ComponentDescription& Components::Add(const ComponentType& type, Component
 }
 void Components::Join() { core_->Join(); }
 void Components::Start() { core_->Start(); }
-std::shared_ptr<const RawMessage> Components::Save(std::string_view name) { return core_->Save(core_->Get(name)); }
+std::shared_ptr<const RawMessage> Components::Save(std::string_view name, std::chrono::nanoseconds patience) {
+  return core_->Save(core_->Get(name), patience);
+}
 void Components::End(std::string_view name) { core_->End(name); }
 
 std::vector<ComponentStatus> Components::statuses() const {

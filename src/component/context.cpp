@@ -26,7 +26,7 @@ void Context::Finish(std::string result) { core_.EndBySelf(ComponentState::kFini
 void Context::Fail(std::string sentence) { core_.EndBySelf(ComponentState::kFailed, std::move(sentence)); }
 
 Session& Context::session() noexcept { return core_.session(); }
-const std::shared_ptr<ComponentFaults>& Context::faults() noexcept { return core_.faults(); }
+const std::shared_ptr<ComponentGuard>& Context::guard() noexcept { return core_.guard(); }
 std::string Context::NameHere(std::string_view name) { return core_.NameHere(name); }
 std::string Context::AddOutput(std::string_view channel, const TypeInfo& type) {
   return core_.AddOutput(channel, type.name);

@@ -49,11 +49,43 @@ bool IsAtOrBelow(std::string_view path, std::string_view above) {
 
 }  // namespace
 
-void ComponentFaults::Note(const char* what) noexcept {
+void ComponentGuard::Note(const char* what) noexcept {
   try {
     listener_(what);
   } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, the graph still counts it.
   }
+}
+
+void ComponentGuard::Enter() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return !alone_; });
+  ++running_;
+}
+
+void ComponentGuard::Leave() {
+  const std::scoped_lock lock(mutex_);
+  if (--running_ == 0) changed_.notify_all();
+}
+
+bool ComponentGuard::TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save) {
+  {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_until(lock, deadline, [this] { return running_ == 0 && !alone_; })) return false;
+    alone_ = true;
+  }
+  const auto open = [this] {
+    const std::scoped_lock lock(mutex_);
+    alone_ = false;
+    changed_.notify_all();
+  };
+  try {
+    save();
+  } catch (...) {
+    open();
+    throw;
+  }
+  open();
+  return true;
 }
 
 ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup setup)
@@ -61,7 +93,8 @@ ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup 
       setup_(std::move(setup)),
       params_(SourcesOf(setup_), Sink()),
       log_(Sink()),
-      faults_(std::make_shared<ComponentFaults>([this](const std::string& what) { NoteException(what); })),
+      guard_(std::make_shared<ComponentGuard>(type.state != nullptr,
+                                              [this](const std::string& what) { NoteException(what); })),
       context_(*this) {
   status_.name = description_.name = setup_.name;
   description_.type = setup_.type;
@@ -179,16 +212,8 @@ void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler
           {std::string(served.service), here, served.request_body.name, served.reply_body.name});
     }
   }
-  AnyHandler guarded = [faults = faults_, handler = std::move(handler)](const AnyMessage& request) {
-    try {
-      return handler(request);
-    } catch (const std::exception& error) {
-      faults->Note(error.what());
-      throw;
-    } catch (...) {
-      faults->Note(ComponentFaults::kUnknown);
-      throw;
-    }
+  AnyHandler guarded = [guard = guard_, handler = std::move(handler)](const AnyMessage& request) {
+    return guard->Run([&] { return handler(request); });
   };
   const SessionParts::ServiceTypes types{served.request, served.reply, served.request_body, served.reply_body};
   Add(inputs_,
@@ -207,21 +232,9 @@ void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallbac
     const std::scoped_lock lock(mutex_);
     if (!constructed_) description_.timers.push_back({std::string(timer), period});
   }
-  Add(timers_, [this, name, period, options, faults = faults_, callback = std::move(callback)]() -> Kept {
+  Add(timers_, [this, name, period, options, guard = guard_, callback = std::move(callback)]() -> Kept {
     return std::make_shared<NodeTimer>(session().CreateTimer(
-        name, period,
-        [faults, callback](const Tick& tick) {
-          try {
-            callback(tick);
-          } catch (const std::exception& error) {
-            faults->Note(error.what());
-            throw;
-          } catch (...) {
-            faults->Note(ComponentFaults::kUnknown);
-            throw;
-          }
-        },
-        options));
+        name, period, [guard, callback](const Tick& tick) { guard->Run([&] { callback(tick); }); }, options));
   });
 }
 

@@ -48,7 +48,7 @@ class ContextCore {
 
   // For Context.
   [[nodiscard]] Session& session() const noexcept { return means_.session; }
-  [[nodiscard]] const std::shared_ptr<ComponentFaults>& faults() const noexcept { return faults_; }
+  [[nodiscard]] const std::shared_ptr<ComponentGuard>& guard() const noexcept { return guard_; }
   [[nodiscard]] ParamServer& params() noexcept { return params_; }
   [[nodiscard]] Log& log() noexcept { return log_; }
   [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
@@ -87,7 +87,7 @@ class ContextCore {
   const ComponentSetup setup_;
   ParamServer params_;
   Log log_;
-  const std::shared_ptr<ComponentFaults> faults_;
+  const std::shared_ptr<ComponentGuard> guard_;
   Context context_;
 
   mutable std::mutex mutex_;

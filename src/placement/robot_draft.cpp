@@ -1,6 +1,7 @@
 #include "placement/robot_draft.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -9,6 +10,9 @@
 #include "hgros/config/check.hpp"
 #include "hgros/config/config_sections.hpp"
 #include "hgros/config/setting_readers.hpp"
+#include "hgros/params/param_codec.hpp"
+#include "hgros/params/param_error.hpp"
+#include "hgros/params/param_view.hpp"
 #include "hgros/params/params_of_document.hpp"
 #include "hgros/yaml/quoted.hpp"
 
@@ -63,7 +67,20 @@ std::map<std::string, std::string> ReadRemap(const Value& map) {
   return remap;
 }
 
-constexpr std::string_view kComponentShape = "a map with type, params, remap, nodes and essential";
+constexpr std::string_view kComponentShape = "a map with type, params, remap, nodes, restart, checkpoint and essential";
+constexpr std::chrono::milliseconds kShortestCheckpoint{10};
+Duration ReadCheckpoint(const Value& value) {
+  constexpr std::string_view kWanted = "a duration such as 500ms or 1s";
+  Duration duration{};
+  try {
+    duration = ParamView(std::make_shared<const ParamNode>(ParamNode::Text(value.Text(kWanted), false))).as<Duration>();
+  } catch (const ParamError&) {
+    value.FailType(kWanted);
+  }
+  if (duration < kShortestCheckpoint) value.Fail("is too short", "The shortest is 10ms.");
+  return duration;
+}
+
 constexpr std::array<std::string_view, 6> kUnitKeys{"env", "cpus", "nice", "priority", "restart", "essential"};
 
 std::vector<std::string_view> WithUnitKeys(std::initializer_list<std::string_view> more) {
@@ -111,7 +128,8 @@ RobotFile RobotDraft::Read(bool read_key_files) {
 
 void RobotDraft::ReadComponent(const Field& field) {
   CheckName(field, "component");
-  const Section section(field.value, kComponentShape, {"type", "params", "remap", "nodes", "essential"});
+  const Section section(field.value, kComponentShape,
+                        {"type", "params", "remap", "nodes", "restart", "checkpoint", "essential"});
   RobotComponent component;
   component.setup.name = field.key;
   component.at = field.key_position;
@@ -122,6 +140,10 @@ void RobotDraft::ReadComponent(const Field& field) {
   });
   section.Read("remap", [&](const Value& remap) { component.setup.remap = ReadRemap(remap); });
   section.Read("nodes", [&](const Value& nodes) { component.setup.nodes = ReadNodeOverrides(nodes); });
+  section.Read("restart", [&](const Value& restart) {
+    component.restart = static_cast<ComponentRestart>(restart.Choice({"never", "on-failure", "on-exception"}));
+  });
+  section.Read("checkpoint", [&](const Value& checkpoint) { component.checkpoint = ReadCheckpoint(checkpoint); });
   section.Read("essential", [&](const Value& essential) { component.essential = essential.Boolean(); });
   robot_.components.push_back(std::move(component));
 }

@@ -23,6 +23,7 @@ TEST(HgrosComponents, ListsInstalledOnes) {
   EXPECT_EQ(end.out,
             "TYPE           SUBSCRIBES  PUBLISHES  SERVES  PARAMS  LIBRARY\n"
             "relay/Checker  number                              1  libhgros_test_relay.so\n"
+            "relay/Counter  word        count                   1  libhgros_test_relay.so\n"
             "relay/Does                                         1  libhgros_test_relay.so\n"
             "relay/Numbers              number                  1  libhgros_test_relay.so\n"
             "relay/Pose     number                              0  libhgros_test_relay.so\n"

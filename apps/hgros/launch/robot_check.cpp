@@ -12,10 +12,17 @@ CheckedRobot CheckRobot(const RobotFile& robot, const ComponentCatalog& catalog,
   for (const RobotComponent& one : robot.components) setups.push_back(one.setup);
   CheckedRobot checked;
   for (TriedComponent& tried : TryComponents(setups, catalog, pause)) {
+    const RobotComponent& component = *robot.FindComponent(tried.name);
+    if (tried.description && tried.description->state.empty() && component.checkpoint.count() > 0) {
+      checked.findings.push_back(
+          {true, component.at,
+           "Component \"" + tried.name + "\" has a checkpoint, but " + component.setup.type + " cannot be saved.",
+           "Give its class Save() and Restore(), or remove the key checkpoint."});
+    }
     if (tried.description) {
       checked.descriptions.push_back(*std::move(tried.description));
     } else {
-      checked.findings.push_back({true, robot.FindComponent(tried.name)->at, std::move(tried.fault), {}});
+      checked.findings.push_back({true, component.at, std::move(tried.fault), {}});
     }
   }
   for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) checked.findings.push_back(std::move(one));

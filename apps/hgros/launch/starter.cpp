@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
-#include "launch/hosted_process.hpp"
+#include "hosting/hosted_process.hpp"
 #include "processes/process_end.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/visible_text.hpp"
@@ -18,10 +18,7 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
-constexpr std::chrono::seconds kRestartWindow{60};
-constexpr std::chrono::seconds kLateStart{15};         // A start that takes longer is said to be late.
-constexpr std::size_t kMostRestarts = 5;               // In that time.
-constexpr std::chrono::milliseconds kFirstPause{100};  // Before the second restart; doubled for each further one.
+constexpr std::chrono::seconds kLateStart{15};           // A start that takes longer is said to be late.
 constexpr std::size_t kReportedLines = 10;
 constexpr std::size_t kWidestName = 16;
 
@@ -93,7 +90,7 @@ void Starter::Start(Unit& unit) {
   unit.ended.clear();
   unit.running = std::make_unique<UnitProcess>(*unit.setup, [&](int socket) {
     if (unit.program != nullptr) return BecomeProgram(*unit.program);
-    return HostComponents(socket, robot_, *unit.process, catalog_);
+    return HostComponents(socket, robot_, *unit.process, catalog_, kept_);
   });
   unit.stage = unit.program != nullptr ? Stage::kRunning : Stage::kBegun;
   unit.started = Clock::now();
@@ -224,6 +221,10 @@ void Starter::Take(Unit& unit, const RunReport& report) {
       if (unit.stage == Stage::kJoined) Release(unit);
       return;
     case RunReport::kComponent: return TakeComponent(unit, report.component());
+    case RunReport::kSaved: kept_[report.saved().component()].state = StateOf(report.saved()); return;
+    case RunReport::kChanged:
+      kept_[report.changed().component()].params[report.changed().path()] = report.changed().value();
+      return;
     case RunReport::kLine:
       return log_.Add({report.line().time_ns(), unit.setup->name, report.line().component(),
                        static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});
@@ -243,13 +244,19 @@ void Starter::Take(Unit& unit, const RunReport& report) {
 void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   const auto state = static_cast<ComponentState>(component.state());
   const bool failed = state == ComponentState::kFailed;
+  const auto say = [&](LogLevel level, const std::string& what) {
+    log_.Add({0, unit.setup->name, component.name(), level,
+              what + (component.sentence().empty() ? "." : ": " + component.sentence())});
+  };
+  if (component.again()) {
+    code_ = kFailed;
+    return say(LogLevel::kError, "It is constructed again, because it has failed");
+  }
+  if (state == ComponentState::kRunning) unit.ended.erase(component.name());
   if (!failed && state != ComponentState::kFinished) return;
   const bool first = unit.ended.emplace(component.name(), failed ? "failed" : "finished").second;
   if (!first) return;
-  const std::string sentence = component.sentence().empty() ? "." : ": " + component.sentence();
-  LogLine line{0, unit.setup->name, component.name(), failed ? LogLevel::kError : LogLevel::kInfo,
-               (failed ? "It has failed" : "It has finished") + sentence};
-  log_.Add(std::move(line));
+  say(failed ? LogLevel::kError : LogLevel::kInfo, failed ? "It has failed" : "It has finished");
   if (failed) {
     unit.failed = true;
     code_ = kFailed;
@@ -290,28 +297,25 @@ void Starter::TakeEnd(Unit& unit) {
 }
 
 void Starter::StartAgain(Unit& unit) {
-  const Clock::time_point now = Clock::now();
-  std::deque<Clock::time_point>& restarts = unit.restarts;
-  while (!restarts.empty() && restarts.front() < now - kRestartWindow) restarts.pop_front();
-  if (restarts.size() >= kMostRestarts) {
-    return Say(unit, LogLevel::kError,
-               "It was started again " + std::to_string(kMostRestarts) + " times within a minute, and now is not.");
+  const auto pause = unit.restarts.Next(Clock::now());
+  if (!pause) {
+    return Say(
+        unit, LogLevel::kError,
+        "It was started again " + std::to_string(RestartPauses::kMost) + " times within a minute, and now is not.");
   }
-  const std::chrono::milliseconds pause =
-      restarts.empty() ? std::chrono::milliseconds(0) : kFirstPause * (1 << (restarts.size() - 1));
-  restarts.push_back(now + pause);
   unit.failed = false;
-  unit.due = now + pause;
+  unit.due = Clock::now() + *pause;
   unit.stage = Stage::kWaits;
   Say(unit, LogLevel::kWarning,
-      pause.count() == 0 ? "It is started again." : "It is started again in " + std::to_string(pause.count()) + " ms.");
+      pause->count() == 0 ? "It is started again."
+                          : "It is started again in " + std::to_string(pause->count()) + " ms.");
 }
 
 std::uint64_t Starter::Restart(const std::string& unit) {
   const auto found = std::ranges::find_if(units_, [&](const Unit& one) { return one.setup->name == unit; });
   const std::uint64_t before = found->starts == 0 ? 0 : found->starts - 1;
   if (ending_ || !released_ || found->again) return before;
-  found->restarts.clear();
+  found->restarts.Forget();
   if (found->running != nullptr) {
     found->again = true;
     TellToEnd(*found);
@@ -326,7 +330,7 @@ void Starter::TellToEnd(Unit& unit) {
   unit.kill_at = std::min(kill_at_, Clock::now() + kEndPatience);
   if (unit.program != nullptr) return unit.running->Signal(SIGTERM);
   RunOrder order;
-  (void)order.mutable_end();
+  order.mutable_end()->set_save(unit.again);
   Send(unit, order);
 }
 

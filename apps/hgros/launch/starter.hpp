@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -13,6 +12,8 @@
 #include "arguments/command.hpp"
 #include "hgros/component/component_catalog.hpp"
 #include "hgros/placement/robot_file.hpp"
+#include "launch/kept_component.hpp"
+#include "launch/restart_pauses.hpp"
 #include "launch/robot.pb.h"
 #include "launch/robot_graph.hpp"
 #include "launch/robot_log.hpp"
@@ -74,7 +75,7 @@ class Starter {
     Clock::time_point kill_at = Clock::time_point::max();  // It was told to end.
     bool again = false;                                    // Is to be started again when it has ended.
     Clock::time_point due{};                               // When it is started.
-    std::deque<Clock::time_point> restarts{};              // The last ones.
+    RestartPauses restarts{};
     std::map<std::string, std::string> ended{};  // Components that ended by themselves: "failed" or "finished".
     bool failed = false;                         // A component of it, or its end.
     bool reported = false;                       // Its first failure.
@@ -115,6 +116,7 @@ class Starter {
   std::vector<Unit> units_;  // In the order of their start.
   StarterClients clients_;
   RobotLog log_;
+  KeptComponents kept_;  // Of all processes.
   Clock::time_point late_at_;
   bool joining_ = false;   // All were told to join.
   bool released_ = false;  // All run.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -92,8 +93,10 @@ class HGROS_EXPORT Components {
   /// throws has failed.
   void Start();
 
-  /// Saves the state of a component. Empty if its class has no Save. Call it while nothing runs in it.
-  [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::string_view name);
+  /// Saves the state of a component between its callbacks, which wait meanwhile. Null if its class has no Save. Throws
+  /// Error if callbacks still run after `patience`.
+  [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::string_view name,
+                                                       std::chrono::nanoseconds patience = std::chrono::seconds(1));
   /// Ends a component: its timers, Deactivate if it was activated, its subscriptions and services; then destroys it.
   void End(std::string_view name);
 

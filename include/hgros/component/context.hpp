@@ -72,13 +72,12 @@ class HGROS_EXPORT Context {
   void FromAny(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
                const CallSite& where = CallSite::Current()) {
     RequireMessage<T>();
-    AddInput({channel, TypeOf<T>(), invoke, where}, Guarded<T>(faults(), std::forward<F>(callback)),
-             std::move(options));
+    AddInput({channel, TypeOf<T>(), invoke, where}, Guarded<T>(guard(), std::forward<F>(callback)), std::move(options));
   }
   template <CallbackFor<RawMessage> F>
   void FromAnyRaw(std::string_view channel, Invoke invoke, F&& callback, NodeOptions options = {},
                   const CallSite& where = CallSite::Current()) {
-    AddInput({channel, AnyType(), invoke, where}, Guarded<RawMessage>(faults(), std::forward<F>(callback)),
+    AddInput({channel, AnyType(), invoke, where}, Guarded<RawMessage>(guard(), std::forward<F>(callback)),
              std::move(options));
   }
 
@@ -125,7 +124,7 @@ class HGROS_EXPORT Context {
 
  private:
   [[nodiscard]] Session& session() noexcept;
-  [[nodiscard]] const std::shared_ptr<ComponentFaults>& faults() noexcept;
+  [[nodiscard]] const std::shared_ptr<ComponentGuard>& guard() noexcept;
   [[nodiscard]] std::string NameHere(std::string_view name);
   [[nodiscard]] std::string AddOutput(std::string_view channel, const TypeInfo& type);
   [[nodiscard]] std::string AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply);

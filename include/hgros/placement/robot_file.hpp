@@ -9,6 +9,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/export.hpp"
+#include "hgros/clock/time.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/config/config.hpp"
 #include "hgros/params/param_sources.hpp"
@@ -21,6 +22,13 @@ enum class RestartPolicy : std::uint8_t {
   kNever,
   kOnFailure,  ///< If its exit code was not 0, or a signal ended it.
   kAlways,
+};
+
+/// When a component is ended and constructed again, alone in its process, while the others run on.
+enum class ComponentRestart : std::uint8_t {
+  kNever,
+  kOnFailure,    ///< It has failed.
+  kOnException,  ///< It has failed, or one of its callbacks threw.
 };
 
 /// What runs in its own process.
@@ -39,6 +47,8 @@ struct RobotComponent {
   ComponentSetup setup;
   std::string process;     ///< Where it runs.
   bool essential = false;  ///< The robot ends when it finishes or fails.
+  ComponentRestart restart = ComponentRestart::kNever;
+  Duration checkpoint{0};  ///< How often its state is saved for a restart; 0: never.
   FilePosition at;         ///< Of its name.
 };
 

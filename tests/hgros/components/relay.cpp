@@ -93,6 +93,35 @@ class Does {
 };
 HGROS_COMPONENT(Does, "relay/Does")
 
+// Counts the words that it hears in its state, and says what it holds.
+class Counter {
+ public:
+  explicit Counter(hgros::Context& context)
+      : context_(context), step_(context.Declare("step", 1)), counts_(context.Advertise<KeyValuePair>("count")) {
+    context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair& word) {
+      if (word.value() == "throw") throw std::runtime_error("it does not know this word");
+      if (word.value() == "fail") context_.Fail("this word breaks it");
+      count_ += static_cast<int>(context_.params().Get<int>("step"));
+      Say("counts");
+      (void)counts_(Numbered(count_));
+    });
+  }
+  void Activate() { Say("begins at"); }
+  [[nodiscard]] KeyValuePair Save() const { return *Numbered(count_); }
+  void Restore(const KeyValuePair& state) { count_ = std::stoi(state.value()); }
+
+ private:
+  void Say(const std::string& what) {
+    context_.log().Write(hgros::LogLevel::kInfo, what + " " + std::to_string(count_) + ".");
+  }
+
+  hgros::Context& context_;
+  int step_;
+  hgros::Publisher<KeyValuePair> counts_;
+  int count_ = 0;
+};
+HGROS_COMPONENT(Counter, "relay/Counter")
+
 // Expects another type on the channel of Numbers, and calls a service.
 class Pose {
  public:

@@ -16,7 +16,7 @@ class RobotGraphTest : public testing::Test {
  protected:
   ComponentDescription& Add(const std::string& name, const std::string& process = {}) {
     const std::string where = process.empty() ? "p" + name : process;
-    robot_.components.push_back({{.name = name, .type = "t"}, where, false, {"robot.yaml", 1, 1}});
+    robot_.components.push_back({.setup = {.name = name, .type = "t"}, .process = where, .at = {"robot.yaml", 1, 1}});
     if (robot_.FindProcess(where) == nullptr) robot_.processes.emplace_back().name = where;
     descriptions_.emplace_back().name = name;
     return descriptions_.back();

@@ -153,7 +153,7 @@ TEST(HgrosRun, KillsWhatDoesNotEnd) {
   ASSERT_TRUE(run.Prints("I run."));
   run.Signal(SIGTERM);
   EXPECT_EQ(run.Wait(std::chrono::seconds(10)), 128 + SIGTERM);
-  EXPECT_THAT(run.err(), HasSubstr("did not end in time, and is killed."));
+  EXPECT_THAT(run.out(), HasSubstr("did not end in time, and is killed."));
   for (const pid_t pid : PidsIn(run.out())) EXPECT_FALSE(Runs(pid));
 }
 

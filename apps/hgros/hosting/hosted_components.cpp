@@ -1,0 +1,201 @@
+#include "hosting/hosted_components.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "hgros/base/bytes.hpp"
+#include "hgros/base/error.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kMostStateBytes = 48U << 20U;  // A message to the starter has at most 64 MiB.
+constexpr std::chrono::milliseconds kSavePatience{200};
+
+bool IsOver(ComponentState state) { return state == ComponentState::kFinished || state == ComponentState::kFailed; }
+
+}  // namespace
+
+HostedComponents::HostedComponents(Session& session, Reporter& reporter, const RobotFile& robot,
+                                   const RobotProcess& process, const KeptComponents& kept)
+    : reporter_(reporter),
+      robot_(robot),
+      process_(process),
+      kept_(kept),
+      components_(session, {.log = [this](std::string_view component, LogLevel level,
+                                          std::string_view text) { reporter_.Line(component, level, text); },
+                            .on_change = [this](const ComponentStatus& status) { Note(status); }}) {}
+
+void HostedComponents::Construct(const ComponentCatalog& catalog) {
+  for (const std::string& name : process_.components) {
+    const RobotComponent& component = *robot_.FindComponent(name);
+    (void)catalog.Load(component.setup.type);
+    Hosted* one = nullptr;
+    {
+      const std::scoped_lock lock(mutex_);
+      one = &hosted_.emplace(name, Hosted{&component}).first->second;
+    }
+    if (const auto kept = kept_.find(name); kept != kept_.end()) one->kept = kept->second;
+    Add(*one);
+  }
+}
+
+void HostedComponents::Add(Hosted& one) {
+  (void)components_.Add(one.kept.Continue(one.setup->setup));
+  one.changes = components_.params(one.setup->setup.name).OnChange({}, [this, &one](const ParamEvent& event) {
+    Keep(one, event);
+  });
+}
+
+void HostedComponents::Start() {
+  components_.Start();
+  started_ = true;
+  const Clock::time_point now = Clock::now();
+  for (auto& [name, one] : hosted_) {
+    if (one.setup->checkpoint.count() > 0) one.save_at = now + one.setup->checkpoint;
+  }
+}
+
+HostedComponents::Clock::time_point HostedComponents::Work() {
+  Clock::time_point due = Clock::time_point::max();
+  for (auto& [name, one] : hosted_) {
+    bool restarts = false;
+    {
+      const std::scoped_lock lock(mutex_);
+      restarts = one.restart_at <= Clock::now();
+    }
+    if (restarts) Restart(one);
+    if (one.save_at <= Clock::now()) {
+      Save(one);
+      one.save_at = std::max(one.save_at + one.setup->checkpoint, Clock::now());
+    }
+    const std::scoped_lock lock(mutex_);
+    due = std::min({due, one.save_at, one.restart_at});
+  }
+  return due;
+}
+
+// --- checkpoints ---
+
+void HostedComponents::SaveAll() {
+  for (auto& [name, one] : hosted_) {
+    if (one.save_at != Clock::time_point::max()) Save(one);
+  }
+}
+
+void HostedComponents::Save(Hosted& one) {
+  const std::string& name = one.setup->setup.name;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (one.state == ComponentState::kFailed || one.restart_at != Clock::time_point::max()) return;
+  }
+  if (reporter_.full()) return;  // The starter does not read.
+  std::shared_ptr<const RawMessage> state;
+  try {
+    state = components_.Save(name, kSavePatience);
+  } catch (const std::exception& error) {
+    return reporter_.Line(name, LogLevel::kWarning, "There is no new checkpoint: " + std::string(error.what()));
+  }
+  if (state == nullptr || AsText(state->data.bytes) == one.saved) return;
+  if (state->data.bytes.size() > kMostStateBytes) {
+    if (!std::exchange(one.too_large, true)) {
+      reporter_.Line(name, LogLevel::kWarning,
+                     "There is no new checkpoint: its state has " + std::to_string(state->data.bytes.size()) +
+                         " bytes, and the most are " + std::to_string(kMostStateBytes) + ".");
+    }
+    return;
+  }
+  one.saved = AsText(state->data.bytes);
+  one.kept.state = state;
+  reporter_.Tell(ReportOf(name, *state));
+}
+
+void HostedComponents::Keep(Hosted& one, const ParamEvent& event) {
+  for (const ParamPath& path : event.paths) {
+    const ParamView after = event.after.At(path);
+    RunReport report;
+    RunReport::Changed& changed = *report.mutable_changed();
+    changed.set_component(one.setup->setup.name);
+    changed.set_path(path.ToString());
+    if (after.exists()) changed.set_value(after.ToYaml());
+    {
+      const std::scoped_lock lock(mutex_);
+      one.kept.params[changed.path()] = changed.value();
+    }
+    reporter_.Tell(report);
+  }
+}
+
+// --- restarts ---
+
+bool HostedComponents::PlanRestart(Hosted& one, const ComponentStatus& status) {
+  const bool threw = status.exceptions > one.exceptions;
+  one.exceptions = status.exceptions;
+  const ComponentRestart policy = one.setup->restart;
+  const bool wanted = (status.state == ComponentState::kFailed && policy != ComponentRestart::kNever) ||
+                      (threw && policy == ComponentRestart::kOnException);
+  if (!wanted || one.restart_at != Clock::time_point::max()) return false;
+  const std::optional<std::chrono::milliseconds> pause = one.pauses.Next(Clock::now());
+  if (!pause) return false;
+  one.restart_at = Clock::now() + *pause;
+  return true;
+}
+
+void HostedComponents::Note(const ComponentStatus& status) {
+  RunReport report;
+  RunReport::Component& component = *report.mutable_component();
+  component.set_name(status.name);
+  component.set_state(static_cast<int>(status.state));
+  component.set_sentence(status.sentence);
+  component.set_exceptions(status.exceptions);
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = hosted_.find(status.name);
+    if (found == hosted_.end()) return;
+    Hosted& one = found->second;
+    const bool planned = one.restart_at != Clock::time_point::max();
+    if (planned && IsOver(status.state)) return;  // Of an instance that ends.
+    one.state = status.state;
+    component.set_again(PlanRestart(one, status));
+    if (component.again() && status.state != ComponentState::kFailed) component.set_sentence(status.exception);
+  }
+  reporter_.Tell(report);
+  reporter_.Wake();
+}
+
+void HostedComponents::Restart(Hosted& one) {
+  const std::string& name = one.setup->setup.name;
+  one.changes = {};
+  components_.End(name);
+  {
+    const std::scoped_lock lock(mutex_);
+    one.state = ComponentState::kWired;
+    one.exceptions = 0;
+    one.restart_at = Clock::time_point::max();
+  }
+  try {
+    Add(one);
+    components_.Join();
+    if (started_) components_.Start();
+  } catch (const std::exception& error) {
+    reporter_.Line(name, LogLevel::kError, error.what());
+    Note({name, ComponentState::kFailed, "It could not be constructed again."});
+  }
+}
+
+bool HostedComponents::HasEnded(const Hosted& one) const {
+  return IsOver(one.state) && one.restart_at == Clock::time_point::max();
+}
+
+bool HostedComponents::AllEnded() {
+  const std::scoped_lock lock(mutex_);
+  return !hosted_.empty() && std::ranges::all_of(hosted_, [this](const auto& one) { return HasEnded(one.second); });
+}
+
+bool HostedComponents::AnyFailed() {
+  const std::scoped_lock lock(mutex_);
+  return std::ranges::any_of(
+      hosted_, [this](const auto& one) { return HasEnded(one.second) && one.second.state == ComponentState::kFailed; });
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "hgros/component/component_catalog.hpp"
+#include "hgros/component/components.hpp"
+#include "hgros/params/param_server.hpp"
+#include "hgros/placement/robot_file.hpp"
+#include "hosting/reporter.hpp"
+#include "launch/kept_component.hpp"
+#include "launch/restart_pauses.hpp"
+
+namespace hgros::cli {
+
+/// The components of one process: constructs them, tells the starter how they are, saves their states, and constructs
+/// those again that have failed, if the robot file says so.
+///
+/// Threading: one thread, outside callbacks of the session. Note() and Keep() are called on others.
+class HostedComponents {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Borrows all of them. `kept`: what earlier instances have left.
+  HostedComponents(Session& session, Reporter& reporter, const RobotFile& robot, const RobotProcess& process,
+                   const KeptComponents& kept);
+
+  /// Throws Error if one cannot be constructed.
+  void Construct(const ComponentCatalog& catalog);
+  void Join() { components_.Join(); }
+  void Start();
+  /// Does what is due: checkpoints and restarts. Returns when more is.
+  [[nodiscard]] Clock::time_point Work();
+  /// The last checkpoints, of those that have not failed.
+  void SaveAll();
+
+  /// All have finished or failed.
+  [[nodiscard]] bool AllEnded();
+  [[nodiscard]] bool AnyFailed();
+
+ private:
+  struct Hosted {
+    const RobotComponent* setup;
+    KeptComponent kept{};
+    Listening changes{};                                   // Of its parameters.
+    Clock::time_point save_at = Clock::time_point::max();  // The next checkpoint.
+    std::string saved{};                                   // The bytes of the last one.
+    bool too_large = false;                                // Was said.
+    ComponentState state = ComponentState::kWired;         // Guarded by mutex_, as the rest.
+    std::uint64_t exceptions = 0;                          // That have been handled.
+    RestartPauses pauses{};
+    Clock::time_point restart_at = Clock::time_point::max();  // It is constructed again.
+  };
+
+  void Add(Hosted& one);
+  void Save(Hosted& one);
+  void Restart(Hosted& one);
+  // Whether it will be constructed again. mutex_ is held.
+  [[nodiscard]] static bool PlanRestart(Hosted& one, const ComponentStatus& status);
+  void Note(const ComponentStatus& status);
+  void Keep(Hosted& one, const ParamEvent& event);
+  [[nodiscard]] bool HasEnded(const Hosted& one) const;
+
+  Reporter& reporter_;
+  const RobotFile& robot_;
+  const RobotProcess& process_;
+  const KeptComponents& kept_;
+  bool started_ = false;
+
+  std::mutex mutex_;
+  std::map<std::string, Hosted> hosted_;  // Entries stay.
+  Components components_;                 // Ends first.
+};
+
+}  // namespace hgros::cli

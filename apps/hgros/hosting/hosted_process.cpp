@@ -1,0 +1,128 @@
+#include "hosting/hosted_process.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <string>
+
+#include "hosting/hosted_components.hpp"
+#include "hosting/reporter.hpp"
+#include "launch/run.pb.h"
+#include "terminal/pause.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kJoinPatience{10};
+constexpr std::chrono::milliseconds kJoinSlice{50};
+
+// The process between two orders.
+class Host {
+ public:
+  Host(Reporter& reporter, Pause& pause, const RobotFile& robot, const RobotProcess& process,
+       const KeptComponents& kept)
+      : reporter_(reporter), pause_(pause), robot_(robot), process_(process), kept_(kept) {}
+
+  int Run(const ComponentCatalog& catalog);
+
+ private:
+  void Obey(Session& session, HostedComponents& components, const RunOrder& order);
+  void Join(Session& session, HostedComponents& components, const RunOrder::Join& join);
+  void Await(Clock::time_point until);
+
+  Reporter& reporter_;
+  Pause& pause_;
+  const RobotFile& robot_;
+  const RobotProcess& process_;
+  const KeptComponents& kept_;
+  bool ends_ = false;
+};
+
+void Host::Join(Session& session, HostedComponents& components, const RunOrder::Join& join) {
+  components.Join();
+  const auto deadline = Clock::now() + kJoinPatience;
+  std::string lacks;
+  for (const RunOrder::Output& output : join.outputs()) {
+    while (!session.WaitForSubscribers(output.channel(), output.subscribers(), kJoinSlice)) {
+      if (pause_.signal() != 0) return;
+      if (Clock::now() < deadline) continue;
+      lacks += (lacks.empty() ? "" : ", ") + output.channel();
+      break;
+    }
+  }
+  if (!lacks.empty()) {
+    RunReport report;
+    report.set_lacks(lacks);
+    reporter_.Tell(report);
+  }
+  reporter_.Stage(RunReport::JOINED);
+}
+
+void Host::Obey(Session& session, HostedComponents& components, const RunOrder& order) {
+  if (order.has_join()) {
+    Join(session, components, order.join());
+  } else if (order.has_start()) {
+    components.Start();
+    reporter_.Stage(RunReport::RUNNING);
+  } else {
+    if (order.end().save()) components.SaveAll();
+    ends_ = true;
+  }
+}
+
+// Until there is an order, a component has changed, something is due, or the process shall end.
+void Host::Await(Clock::time_point until) {
+  if (pause_.signal() != 0) return;
+  const auto events = static_cast<short>(reporter_.unsent() ? POLLIN | POLLOUT : POLLIN);
+  std::array<pollfd, 3> watched{pollfd{reporter_.socket(), events, 0}, pollfd{reporter_.wakes(), POLLIN, 0},
+                                pollfd{pause_.ended(), POLLIN, 0}};
+  int wait_ms = -1;
+  if (until != Clock::time_point::max()) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
+    wait_ms = static_cast<int>(std::clamp<std::int64_t>(left, 0, 60'000));
+  }
+  if (poll(watched.data(), watched.size(), wait_ms) < 0) {
+    ends_ = errno != EINTR;
+    return;
+  }
+  if (watched[1].revents != 0) reporter_.Slept();
+  if ((watched[0].revents & POLLOUT) != 0) reporter_.Write();
+  if ((watched[0].revents & (POLLIN | POLLHUP)) != 0 && !reporter_.Read()) ends_ = true;  // The starter has gone.
+}
+
+int Host::Run(const ComponentCatalog& catalog) {
+  Session session(process_.config, {.name = process_.name, .log = [this](LogLevel level, std::string_view text) {
+                                      reporter_.Line({}, level, text);
+                                    }});
+  HostedComponents components(session, reporter_, robot_, process_, kept_);
+  components.Construct(catalog);
+  reporter_.Stage(RunReport::CONSTRUCTED);
+  while (!ends_ && pause_.signal() == 0 && !components.AllEnded()) {
+    RunOrder order;
+    while (!ends_ && reporter_.Next(order)) Obey(session, components, order);
+    const Clock::time_point due = components.Work();
+    if (!ends_ && !components.AllEnded()) Await(due);
+  }
+  return components.AnyFailed() ? 1 : 0;
+}
+
+}  // namespace
+
+int HostComponents(int socket, const RobotFile& robot, const RobotProcess& process, const ComponentCatalog& catalog,
+                   const KeptComponents& kept) {
+  Pause pause;
+  Reporter reporter(socket);
+  try {
+    return Host(reporter, pause, robot, process, kept).Run(catalog);
+  } catch (const std::exception& error) {
+    reporter.Fault(error.what());
+    return 1;
+  }
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,85 @@
+#include "hosting/reporter.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <utility>
+
+namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kMostUnsentBytes = 1U << 20U;
+
+}  // namespace
+
+Reporter::Reporter(int socket) : stream_(socket), wakes_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+Reporter::~Reporter() { close(wakes_); }
+
+void Reporter::Tell(const RunReport& report) {
+  const std::scoped_lock lock(mutex_);
+  if (report.has_line() && stream_.unsent() > kMostUnsentBytes) {
+    ++lost_;
+    return;
+  }
+  TellLost();
+  stream_.Add(report);
+  if (stream_.Write() && stream_.unsent() > 0) Wake();
+}
+
+void Reporter::Stage(RunReport::Stage stage) {
+  RunReport report;
+  report.set_stage(stage);
+  Tell(report);
+}
+
+void Reporter::Fault(const std::string& what) {
+  RunReport report;
+  report.set_fault(what);
+  Tell(report);
+}
+
+void Reporter::Line(std::string_view component, LogLevel level, std::string_view text) {
+  RunReport report;
+  RunReport::Line& line = *report.mutable_line();
+  line.set_component(std::string(component));
+  line.set_level(static_cast<int>(level));
+  line.set_text(std::string(text));
+  line.set_time_ns(std::chrono::system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+  Tell(report);
+}
+
+void Reporter::Wake() noexcept {
+  const std::uint64_t one = 1;
+  (void)!write(wakes_, &one, sizeof one);
+}
+
+void Reporter::Slept() noexcept {
+  std::uint64_t ignored = 0;
+  (void)!read(wakes_, &ignored, sizeof ignored);
+}
+
+void Reporter::Write() {
+  const std::scoped_lock lock(mutex_);
+  (void)stream_.Write();
+  TellLost();
+}
+
+bool Reporter::unsent() {
+  const std::scoped_lock lock(mutex_);
+  return stream_.unsent() > 0;
+}
+
+bool Reporter::full() {
+  const std::scoped_lock lock(mutex_);
+  return stream_.unsent() > kMostUnsentBytes;
+}
+
+void Reporter::TellLost() {
+  if (lost_ == 0 || stream_.unsent() > kMostUnsentBytes) return;
+  RunReport lost;
+  lost.set_lost(std::exchange(lost_, 0));
+  stream_.Add(lost);
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,130 @@
+// What of a component outlives its end: checkpoints, changed parameters, restarts of one component alone.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <string>
+
+#include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
+#include "support/await.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+// A robot that runs, and what is asked of it.
+class RunningRobot {
+ public:
+  explicit RunningRobot(const std::string& text) : folder_(text), run_(folder_.Arguments(), folder_.environment()) {}
+  ~RunningRobot() {
+    run_.Signal(SIGINT);
+    EXPECT_EQ(run_.Wait(), 128 + SIGINT) << run_.out();
+  }
+
+  // The counter hears a word.
+  void Say(const std::string& word) {
+    const CommandEnd end = RunToEnd({"pub", "word", "{value: " + word + "}"}, folder_.environment());
+    EXPECT_EQ(end.status, 0) << end.err;
+  }
+  [[nodiscard]] CommandEnd Ask(const std::vector<std::string>& words) { return RunToEnd(words, folder_.environment()); }
+  [[nodiscard]] bool Prints(const std::string& text) { return run_.Prints(text); }
+  [[nodiscard]] std::string out() { return run_.out(); }
+  [[nodiscard]] const RobotFolder& folder() const { return folder_; }
+
+ private:
+  RobotFolder folder_;
+  CommandRun run_;
+};
+
+constexpr const char* kCounter =
+    "components: {counter: {type: relay/Counter, checkpoint: 20ms}, other: {type: relay/Does}}\n"
+    "processes: {p: {components: [counter], restart: on-failure}}\n";
+
+// The checkpoint follows within 20 ms, and the starter reads it; no command shows when.
+void AwaitCheckpoint() { test::Linger(std::chrono::milliseconds(200)); }
+
+TEST(HgrosCheckpoint, AKilledProcessGoesOnFromTheLastCheckpoint) {
+  RunningRobot robot(kCounter);
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  robot.Say("one");
+  robot.Say("two");
+  ASSERT_TRUE(robot.Prints("counts 2."));
+  AwaitCheckpoint();
+  ASSERT_EQ(kill(PidsIn(robot.out()).at(0), SIGKILL), 0);
+  EXPECT_TRUE(robot.Prints("begins at 2."));
+  robot.Say("three");
+  EXPECT_TRUE(robot.Prints("counts 3."));
+}
+
+TEST(HgrosCheckpoint, ARestartOnRequestLosesNothing) {
+  RunningRobot robot(
+      "components: {counter: {type: relay/Counter, checkpoint: 1h}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [counter]}}\n");
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+}
+
+TEST(HgrosCheckpoint, ChangedParametersOutliveTheProcess) {
+  RunningRobot robot(kCounter);
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  const CommandEnd set = robot.Ask({"param", "set", "counter", "step", "5"});
+  ASSERT_EQ(set.status, 0) << set.err;
+  AwaitCheckpoint();
+  ASSERT_EQ(kill(PidsIn(robot.out()).at(0), SIGKILL), 0);
+  ASSERT_TRUE(robot.Prints("It is started again."));
+  robot.Say("one");
+  EXPECT_TRUE(robot.Prints("counts 5."));
+}
+
+TEST(HgrosCheckpoint, AComponentThatThrowsIsConstructedAgainAlone) {
+  RunningRobot robot(
+      "components: {counter: {type: relay/Counter, checkpoint: 20ms, restart: on-exception}, other: {type: "
+      "relay/Does}}\n");
+  ASSERT_TRUE(robot.Prints("I run."));
+  const std::vector<pid_t> pids = PidsIn(robot.out());
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  AwaitCheckpoint();
+  robot.Say("throw");
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+  robot.Say("two");
+  EXPECT_TRUE(robot.Prints("counts 2."));
+  for (const pid_t pid : pids) EXPECT_TRUE(Runs(pid));
+  EXPECT_THAT(robot.out(),
+              AllOf(HasSubstr("It is constructed again, because it has failed: it does not know this word"),
+                    Not(HasSubstr("I end."))));
+}
+
+TEST(HgrosCheckpoint, AComponentThatFailsIsConstructedAgainUntilItIsTooOften) {
+  const RobotFolder folder(
+      "components: {a: {type: relay/Does, params: {what: fail}, restart: on-failure, essential: true}, b: {type: "
+      "relay/Does}}\n");
+  const CommandEnd end = folder.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("It is constructed again, because it has failed: the laser is broken"),
+                             HasSubstr("It has failed: the laser is broken")));
+  EXPECT_THAT(end.err, HasSubstr("\"a\" is essential"));
+  std::size_t times = 0;
+  for (std::size_t at = end.out.find("constructed again"); at != std::string::npos; ++times) {
+    at = end.out.find("constructed again", at + 1);
+  }
+  EXPECT_EQ(times, 5U);
+}
+
+TEST(HgrosCheckpoint, NeedsAStateToSave) {
+  const RobotFolder folder("components: {a: {type: relay/Does, checkpoint: 1s}}\n");
+  const CommandEnd end = folder.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.err, AllOf(HasSubstr("Component \"a\" has a checkpoint, but relay/Does cannot be saved."),
+                             HasSubstr("Give its class Save() and Restore()")));
+}
+
+}  // namespace
+}  // namespace hgros::cli
