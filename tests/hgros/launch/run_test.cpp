@@ -14,6 +14,7 @@
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 #include "support/await.hpp"
 #include "support/cable.hpp"
 
@@ -77,6 +78,39 @@ TEST(HgrosRun, HostsStartTheirPartsInAnyOrder) {
     EXPECT_EQ(first->Wait(), 0) << first->out() << first->err();
     EXPECT_EQ(second->Wait(), 0) << second->out() << second->err();
   }
+}
+
+TEST(HgrosRun, HostsWithKeysExchangeMessages) {
+  const test::Cable cable;
+  if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "Network namespaces need root.";
+  const CurveKeyPair cart_keys = GenerateCurveKeyPair();
+  const CurveKeyPair base_keys = GenerateCurveKeyPair();
+  const RobotFolder robot("hosts:\n  cart: {address: 10.198.0.1, home: true, key: \"" + cart_keys.public_key +
+                          "\", secret_key_file: \"${FOLDER}/cart.key\"}\n  base: {address: 10.198.0.2, key: \"" +
+                          base_keys.public_key +
+                          "\", secret_key_file: \"${FOLDER}/base.key\"}\n"
+                          "discovery: {local: false}\n"
+                          "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
+                          "processes: {p: {components: [numbers], host: base}}\n");
+  const auto start = [&](const std::string& host, const std::string& space) {
+    return std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", space, HGROS_COMMAND, "run",
+                                                                 robot.file(), "--host", host, "--name", host},
+                                        robot.environment(), -1, "/sbin/ip");
+  };
+  const auto write = [&](const std::string& name, const std::string& key) {
+    std::ofstream(robot.path(name)) << key;
+    std::filesystem::permissions(robot.path(name), std::filesystem::perms::owner_read);
+  };
+  write("base.key", base_keys.secret_key);
+  const auto refused = start("cart", cable.left);
+  EXPECT_NE(refused->Wait(), 0);
+  EXPECT_THAT(refused->err(), HasSubstr("cart.key\", which cannot be read"));
+  write("cart.key", cart_keys.secret_key);
+  const auto base = start("base", cable.right);
+  const auto cart = start("cart", cable.left);
+  EXPECT_EQ(cart->Wait(), 0) << cart->out() << cart->err();
+  EXPECT_EQ(base->Wait(), 0) << base->out() << base->err();
+  EXPECT_THAT(cart->out(), HasSubstr("It has finished: all 100"));
 }
 
 TEST(HgrosRun, AHostMustBeNamedAndExist) {
