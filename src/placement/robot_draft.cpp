@@ -1,6 +1,7 @@
 #include "placement/robot_draft.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -81,7 +82,7 @@ Duration ReadCheckpoint(const Value& value) {
   return duration;
 }
 
-constexpr std::array<std::string_view, 6> kUnitKeys{"env", "cpus", "nice", "priority", "restart", "essential"};
+constexpr std::array<std::string_view, 7> kUnitKeys{"host", "env", "cpus", "nice", "priority", "restart", "essential"};
 
 std::vector<std::string_view> WithUnitKeys(std::initializer_list<std::string_view> more) {
   std::vector<std::string_view> keys(more);
@@ -92,11 +93,11 @@ std::vector<std::string_view> WithUnitKeys(std::initializer_list<std::string_vie
 }  // namespace
 
 const std::vector<std::string>& RobotSections() {
-  static const auto& sections = *new std::vector<std::string>{"components", "processes", "programs"};
+  static const auto& sections = *new std::vector<std::string>{"components", "processes", "programs", "hosts"};
   return sections;
 }
 
-RobotFile RobotDraft::Read(bool read_key_files) {
+RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
   std::vector<std::string_view> known(kConfigSections.begin(), kConfigSections.end());
   known.insert(known.end(), RobotSections().begin(), RobotSections().end());
   const Section top(Value(document_, faults_), "a map with components", known);
@@ -109,19 +110,27 @@ RobotFile RobotDraft::Read(bool read_key_files) {
   const Value components = top.Require("components");
   read_all("components", "a map from names to components", [this](const Field& field) { ReadComponent(field); });
   if (components.Map({}).empty()) components.Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
+  read_all("hosts", "a map from names to hosts", [this](const Field& field) { ReadHost(field); });
+  CheckHosts();
   read_all("processes", "a map from names to processes", [this](const Field& field) { ReadProcess(field); });
   read_all("programs", "a map from names to programs", [this](const Field& field) { ReadProgram(field); });
   PlaceOthers();
   CheckNames();
-  bool whole_robot = true;  // Its faults are reported once.
+  const RobotHost* home = robot_.FindHost({});
+  const std::string_view here = home != nullptr && home->name == host ? std::string_view() : host;
+  std::array<const RobotProcess*, 2> of_robot{};  // Without sections of their own: their faults are reported once.
   for (RobotProcess& process : robot_.processes) {
+    const bool read_keys = read_key_files && process.host == here;
     const auto own = sections_.find(process.name);
-    if (own == sections_.end() && !whole_robot) {
-      process.config = robot_.processes.front().config;
-      continue;
+    const RobotProcess*& same = of_robot[read_keys ? 1 : 0];
+    if (own != sections_.end()) {
+      process.config = ConfigOf(&own->second, read_keys);
+    } else if (same != nullptr) {
+      process.config = same->config;
+    } else {
+      process.config = ConfigOf(nullptr, read_keys);
+      same = &process;
     }
-    process.config = ConfigOf(own == sections_.end() ? nullptr : &own->second, read_key_files);
-    whole_robot = whole_robot && own != sections_.end();
   }
   return std::move(robot_);
 }
@@ -151,6 +160,7 @@ void RobotDraft::ReadComponent(const Field& field) {
 void RobotDraft::ReadUnit(const Field& field, const Section& section, RobotUnit& unit) {
   unit.name = field.key;
   unit.at = field.key_position;
+  ReadHostOf(section, unit);
   section.Read("env", [&](const Value& env) { unit.env = ReadEnvironment(env); });
   section.Read("cpus", [&](const Value& cpus) { unit.cpus = ReadCpus(cpus); });
   section.Read("nice", [&](const Value& nice) { unit.nice = static_cast<int>(nice.Integer(-20, 19)); });

@@ -15,10 +15,13 @@ class RobotDraft {
  public:
   RobotDraft(const yaml::Document& document, yaml::Faults faults) : document_(document), faults_(faults) {}
 
-  /// `read_key_files` as in ConfigCheckOptions.
-  [[nodiscard]] RobotFile Read(bool read_key_files);
+  /// `read_key_files` and `host` as in RobotFileOptions.
+  [[nodiscard]] RobotFile Read(bool read_key_files, std::string_view host);
 
  private:
+  void ReadHost(const yaml::Field& field);
+  void CheckHosts() const;
+  void ReadHostOf(const yaml::Section& section, RobotUnit& unit) const;
   void ReadComponent(const yaml::Field& field);
   void ReadProcess(const yaml::Field& field);
   void ReadProgram(const yaml::Field& field);

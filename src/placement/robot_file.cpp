@@ -73,10 +73,18 @@ RobotFile RobotFile::Load(const std::filesystem::path& file, const RobotFileOpti
 CheckedRobotFile RobotFile::Check(const std::filesystem::path& file, const RobotFileOptions& options) {
   CheckedRobotFile checked;
   const yaml::Faults faults(checked.faults);
-  faults.Attempt([&] {
-    const yaml::Document document = WithOverrides(yaml::Document::Assemble(file, options.variables), options.overrides);
-    checked.robot = RobotDraft(document, faults).Read(options.read_key_files);
-  });
+  faults.Attempt([&] { checked = Check(Assemble(file, options), options); });
+  return checked;
+}
+
+yaml::Document RobotFile::Assemble(const std::filesystem::path& file, const RobotFileOptions& options) {
+  return WithOverrides(yaml::Document::Assemble(file, options.variables), options.overrides);
+}
+
+CheckedRobotFile RobotFile::Check(const yaml::Document& document, const RobotFileOptions& options) {
+  CheckedRobotFile checked;
+  const yaml::Faults faults(checked.faults);
+  faults.Attempt([&] { checked.robot = RobotDraft(document, faults).Read(options.read_key_files, options.host); });
   return checked;
 }
 
@@ -97,6 +105,12 @@ const RobotComponent* RobotFile::FindComponent(std::string_view name) const {
 const RobotProcess* RobotFile::FindProcess(std::string_view name) const {
   const auto found = std::ranges::find_if(processes, [name](const auto& one) { return one.name == name; });
   return found == processes.end() ? nullptr : &*found;
+}
+
+const RobotHost* RobotFile::FindHost(std::string_view name) const {
+  const auto found =
+      std::ranges::find_if(hosts, [name](const auto& one) { return name.empty() ? one.home : one.name == name; });
+  return found == hosts.end() ? nullptr : &*found;
 }
 
 }  // namespace hgros

@@ -200,5 +200,54 @@ TEST(RobotFileTest, TellsRobotFilesFromOthers) {
   EXPECT_FALSE(RobotFile::Is(folder.path() / "none.yaml"));
 }
 
+TEST(RobotFileTest, ReadsHosts) {
+  const RobotFile robot = Read(
+      "hosts: {cart: {address: 10.0.0.1, home: true}, base: {address: 'fe80::1', port: 7000}, arm: }\n"
+      "components: {a: {type: x}, b: {type: x}, c: {type: x}}\n"
+      "processes: {p: {components: [a], host: base}, q: {components: [b], host: cart}}\n"
+      "programs: {s: {command: [ls], host: arm}}\n");
+  ASSERT_EQ(robot.hosts.size(), 3U);
+  EXPECT_EQ(robot.hosts[0].port, 5650);
+  EXPECT_EQ(robot.hosts[1].address, "fe80::1");
+  EXPECT_EQ(robot.hosts[1].port, 7000);
+  EXPECT_EQ(robot.hosts[2].address, "arm");
+  EXPECT_EQ(robot.FindHost(""), &robot.hosts[0]);
+  EXPECT_EQ(robot.FindHost("base"), &robot.hosts[1]);
+  EXPECT_EQ(robot.FindProcess("p")->host, "base");
+  EXPECT_EQ(robot.FindProcess("q")->host, "") << "It is home.";
+  EXPECT_EQ(robot.FindProcess("main")->host, "");
+  EXPECT_EQ(robot.programs[0].host, "arm");
+}
+
+TEST(RobotFileTest, FaultsOfHostsHaveAPlaceAndTheNearestName) {
+  const auto expect = [](const std::string& more, std::string_view part) {
+    ExpectFault("components: {a: {type: x}}\n" + more, part);
+  };
+  expect("hosts: {base: {adress: x}}", "2:16: Unknown key \"adress\" in hosts.base. Did you mean \"address\"?");
+  expect("hosts: {'a b': {}}", "\"a b\" cannot be the name of a host.");
+  expect("hosts: {b: {address: 'tcp://x'}}", "Write it without scheme and port");
+  expect("hosts: {b: {port: 0}}", "hosts.b.port must be an integer from 1 to 64535");
+  expect("hosts: {b: {home: 1}}", "hosts.b.home must be true or false");
+  expect("hosts: {b: {key: short, secret_key_file: /k}}", "hosts.b.key has 5 characters, but a key has 40");
+  expect("hosts: {b: {secret_key_file: /k}}", "hosts.b has a secret_key_file, but no key");
+  expect("hosts: {a: {home: true}, b: {home: true}}", "2:26: Two hosts are home: \"a\" and \"b\".");
+  expect("hosts: {base: }\nprocesses: {p: {host: bas}}",
+         "3:23: processes.p.host is \"bas\", which is no host of the robot. Did you mean \"base\"?");
+  const std::string key = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
+  expect("hosts: {a: {key: '" + key + "'}}", "hosts.a has a key, but no secret_key_file");
+  expect("hosts: {a: {key: '" + key + "', secret_key_file: k}}", "hosts.a.secret_key_file must be a full path");
+  expect("hosts: {a: {key: '" + key + "', secret_key_file: /k}, b: }",
+         "The host \"b\" has no key, but others have one.");
+}
+
+TEST(RobotFileTest, SectionsOfTheRobotAreOfNoOtherProcess) {
+  const RobotFile robot = Read(
+      "components: {a: {type: x}, b: {type: x}, c: {type: x}}\ndata_graph: {threads: 1}\n"
+      "processes: {p: {components: [a], data_graph: {threads: 7}}, q: {components: [b]}, r: {components: [c]}}\n");
+  EXPECT_EQ(robot.processes[0].config.threads, 7);
+  EXPECT_EQ(robot.processes[1].config.threads, 1);
+  EXPECT_EQ(robot.processes[2].config.threads, 1);
+}
+
 }  // namespace
 }  // namespace hgros

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
+#include <string_view>
 
 #include "hgros/base/names.hpp"
 
@@ -20,7 +22,10 @@ std::string NearestKey(const std::string& name, const Map& map) {
   return nearest.empty() ? std::string() : "Did you mean " + InQuotes(nearest) + "?";
 }
 
-bool FindEachOther(const Config& one, const Config& other) {
+bool FindEachOther(const RobotProcess& first, const RobotProcess& second) {
+  if (first.host != second.host) return true;  // By endpoints.
+  const Config& one = first.config;
+  const Config& other = second.config;
   return one.discovery.local && other.discovery.local && one.discovery.domain == other.discovery.domain &&
          one.discovery.only.empty() && other.discovery.only.empty();
 }
@@ -127,13 +132,37 @@ std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess&
       if (end.component->process == process.name) {
         nodes += closed ? 0 : 1;
       } else if (const RobotProcess* other = robot_.FindProcess(end.component->process);
-                 other != nullptr && FindEachOther(process.config, other->config)) {
+                 other != nullptr && FindEachOther(process, *other)) {
         others.insert(other->name);
       }
     }
     if (nodes + others.size() > 0) subscribers[channel] = nodes + others.size();
   }
   return subscribers;
+}
+
+std::set<std::string> RobotGraph::ChannelsFrom(std::string_view from, std::string_view to) const {
+  const auto in = [](std::string_view process) {
+    return [process](const End& end) { return end.component->process == process; };
+  };
+  const auto pair_in = [](std::string_view process) {
+    return [process](const Pair& pair) { return pair.request.component->process == process; };
+  };
+  std::set<std::string> channels;
+  for (const auto& [channel, ends] : outputs_) {
+    const auto inputs = inputs_.find(channel);
+    if (inputs == inputs_.end() || !std::ranges::any_of(ends, in(from))) continue;
+    if (std::ranges::any_of(inputs->second, in(to))) channels.insert(channel);
+  }
+  for (const auto& [service, servers] : served_) {
+    const auto callers = called_.find(service);
+    if (callers == called_.end()) continue;
+    const auto leads = [&](std::string_view server, std::string_view caller) {
+      return std::ranges::any_of(servers, pair_in(server)) && std::ranges::any_of(callers->second, pair_in(caller));
+    };
+    if (leads(from, to) || leads(to, from)) channels.insert("hgros/call/" + service);
+  }
+  return channels;
 }
 
 }  // namespace hgros::cli

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hgros/component/component_description.hpp"
@@ -22,6 +24,9 @@ class RobotGraph {
   /// The channels on which a process publishes, with the number of their subscribers in the robot: nodes of the process
   /// itself, and other processes that it can find.
   [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process) const;
+
+  /// The channels that lead from one process to another, also those of services.
+  [[nodiscard]] std::set<std::string> ChannelsFrom(std::string_view from, std::string_view to) const;
 
  private:
   struct End {

@@ -31,9 +31,21 @@ enum class ComponentRestart : std::uint8_t {
   kOnException,  ///< It has failed, or one of its callbacks threw.
 };
 
+/// A computer of the robot.
+struct RobotHost {
+  std::string name;
+  std::string address;  ///< At which the other hosts reach it.
+  int port = 0;         ///< Of its first process that publishes for other hosts; the next one has the next port.
+  std::string key;      ///< Its public CURVE key; empty: no encryption.
+  std::string secret_key_file;  ///< On that host.
+  bool home = false;            ///< `hgros run` is started there.
+  FilePosition at;              ///< Of its name.
+};
+
 /// What runs in its own process.
 struct RobotUnit {
   std::string name;
+  std::string host;                        ///< Where it runs; empty: where `hgros run` is started.
   std::map<std::string, std::string> env;  ///< Variables of the environment, in addition to those of the starter.
   std::vector<int> cpus;                   ///< Where its threads may run; empty: everywhere.
   int nice = 0;                            ///< -20 to 19; fewer is more urgent.
@@ -68,7 +80,8 @@ struct RobotFileOptions {
   /// Values that replace those of the file. A path begins with a component, or with a key at the top of the file:
   /// "mapper.params.cell_size_m", "processes.front.nice".
   std::vector<ParamOverride> overrides = {};
-  bool read_key_files = true;  ///< As in ConfigCheckOptions.
+  bool read_key_files = true;  ///< As in ConfigCheckOptions. Those of other hosts are never opened.
+  std::string host = {};       ///< Which host this is; empty: where `hgros run` is started.
 };
 
 struct CheckedRobotFile;
@@ -78,17 +91,23 @@ struct HGROS_EXPORT RobotFile {
   std::vector<RobotComponent> components;  ///< In the order of the file.
   std::vector<RobotProcess> processes;     ///< In the order in which they start; the last one ends first.
   std::vector<RobotProgram> programs;      ///< They start after the processes.
+  std::vector<RobotHost> hosts;            ///< In the order of the file.
 
   /// Reads a file and what it includes. Throws ConfigError for the first fault.
   [[nodiscard]] static RobotFile Load(const std::filesystem::path& file, const RobotFileOptions& options = {});
   /// The same, but does not stop at the first fault. Does not throw ConfigError.
   [[nodiscard]] static CheckedRobotFile Check(const std::filesystem::path& file, const RobotFileOptions& options = {});
+  /// The file with what it includes, its variables and the overrides in place, and the same as above from there.
+  [[nodiscard]] static yaml::Document Assemble(const std::filesystem::path& file, const RobotFileOptions& options = {});
+  [[nodiscard]] static CheckedRobotFile Check(const yaml::Document& document, const RobotFileOptions& options = {});
   /// Whether a file has components, and so is a robot file. False if it cannot be read.
   [[nodiscard]] static bool Is(const std::filesystem::path& file);
 
   /// Null if there is none of that name.
   [[nodiscard]] const RobotComponent* FindComponent(std::string_view name) const;
   [[nodiscard]] const RobotProcess* FindProcess(std::string_view name) const;
+  /// As RobotUnit::host names it: the empty name is that of the host where `hgros run` is started.
+  [[nodiscard]] const RobotHost* FindHost(std::string_view name) const;
 };
 
 /// A robot file, and everything that is wrong with it.

@@ -276,6 +276,8 @@ TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
         "components: {a: {type: x, params: , remap: , nodes: , essential: false}}\nprocesses:\nprograms:",
         "components: {a: {type: 1, params: {x: [1]}, nodes: {s: {queue: {keep_all: 3}}}}}\ntime: simulated",
         "components: {a: {type: x}}\nprograms: {p: {command: [ls, 1, true], restart: always, priority: 99}}",
+        "components: {a: {type: x}}\nhosts: {h: , i: {address: 10.0.0.1, port: 7000, home: true}}\n"
+        "processes: {p: {host: h}}\nprograms: {q: {command: [ls], host: i}}",
         "components: {a: {type: x}}\nprocesses: {p: {discovery: {domain: d}, channels: {c: {latched: 1}}}}"}) {
     files.push_back({yaml, {}, yaml});
   }
@@ -311,6 +313,13 @@ TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
                                         robot + "processes: {p: {essential: 1}}",
                                         robot + "processes: {p: {command: [ls]}}",
                                         robot + "processes: {p: {time: never}}",
+                                        robot + "hosts: [a]",
+                                        robot + "hosts: {a: {adress: x}}",
+                                        robot + "hosts: {a: {address: 'tcp://x'}}",
+                                        robot + "hosts: {a: {port: 0}}",
+                                        robot + "hosts: {a: {key: short, secret_key_file: /k}}",
+                                        robot + "hosts: {a: {secret_key_file: /k}}",
+                                        robot + "hosts: {a: {home: 1}}",
                                         robot + "programs: {p: }",
                                         robot + "programs: {p: {command: ls}}",
                                         robot + "programs: {p: {command: []}}",

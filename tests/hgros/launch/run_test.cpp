@@ -7,12 +7,16 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 #include "support/await.hpp"
+#include "support/cable.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -50,6 +54,71 @@ TEST(HgrosRun, OnlyYamlDiffersBetweenOneProcessAndThree) {
                       HasSubstr("two        relay/Checker  main"), HasSubstr("one      It has finished: all 100"),
                       HasSubstr("two      It has finished: all 100")));
   }
+}
+
+TEST(HgrosRun, HostsStartTheirPartsInAnyOrder) {
+  for (const bool home_first : {true, false}) {
+    const test::Cable cable;
+    if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "Network namespaces need root.";
+    const RobotFolder robot(
+        "hosts: {cart: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
+        "discovery: {local: false}\n"  // The file system is shared.
+        "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
+        "processes: {p: {components: [numbers], host: base}}\n");
+    const auto start = [&](bool home) {
+      return std::make_unique<CommandRun>(
+          std::vector<std::string>{"netns", "exec", home ? cable.left : cable.right, HGROS_COMMAND, "run", robot.file(),
+                                   "--host", home ? "cart" : "base", "--name", home ? "cart" : "base"},
+          robot.environment(), -1, "/sbin/ip");
+    };
+    const auto first = start(home_first);
+    const auto second = start(!home_first);
+    const CommandRun& cart = home_first ? *first : *second;
+    EXPECT_TRUE(cart.Prints("It has finished: all 100")) << cart.out() << cart.err();
+    EXPECT_EQ(first->Wait(), 0) << first->out() << first->err();
+    EXPECT_EQ(second->Wait(), 0) << second->out() << second->err();
+  }
+}
+
+TEST(HgrosRun, HostsWithKeysExchangeMessages) {
+  const test::Cable cable;
+  if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "Network namespaces need root.";
+  const CurveKeyPair cart_keys = GenerateCurveKeyPair();
+  const CurveKeyPair base_keys = GenerateCurveKeyPair();
+  const RobotFolder robot("hosts:\n  cart: {address: 10.198.0.1, home: true, key: \"" + cart_keys.public_key +
+                          "\", secret_key_file: \"${FOLDER}/cart.key\"}\n  base: {address: 10.198.0.2, key: \"" +
+                          base_keys.public_key +
+                          "\", secret_key_file: \"${FOLDER}/base.key\"}\n"
+                          "discovery: {local: false}\n"
+                          "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
+                          "processes: {p: {components: [numbers], host: base}}\n");
+  const auto start = [&](const std::string& host, const std::string& space) {
+    return std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", space, HGROS_COMMAND, "run",
+                                                                 robot.file(), "--host", host, "--name", host},
+                                        robot.environment(), -1, "/sbin/ip");
+  };
+  const auto write = [&](const std::string& name, const std::string& key) {
+    std::ofstream(robot.path(name)) << key;
+    std::filesystem::permissions(robot.path(name), std::filesystem::perms::owner_read);
+  };
+  write("base.key", base_keys.secret_key);
+  const auto refused = start("cart", cable.left);
+  EXPECT_NE(refused->Wait(), 0);
+  EXPECT_THAT(refused->err(), HasSubstr("cart.key\", which cannot be read"));
+  write("cart.key", cart_keys.secret_key);
+  const auto base = start("base", cable.right);
+  const auto cart = start("cart", cable.left);
+  EXPECT_EQ(cart->Wait(), 0) << cart->out() << cart->err();
+  EXPECT_EQ(base->Wait(), 0) << base->out() << base->err();
+  EXPECT_THAT(cart->out(), HasSubstr("It has finished: all 100"));
+}
+
+TEST(HgrosRun, AHostMustBeNamedAndExist) {
+  const RobotFolder robot(
+      "hosts: {base: {address: 10.198.0.2}}\ncomponents: {a: {type: relay/Does}}\n"
+      "processes: {p: {components: [a], host: base}}\n");
+  EXPECT_THAT(robot.Run().err, HasSubstr("\"p\" runs on the host \"base\". Run this on each host"));
+  EXPECT_THAT(robot.Run({"--host", "bse"}).err, HasSubstr("Did you mean \"base\"?"));
 }
 
 TEST(HgrosRun, SetsValuesAndLeavesOut) {

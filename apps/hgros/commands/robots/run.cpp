@@ -8,6 +8,7 @@
 #include "hgros/base/names.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "launch/detached.hpp"
+#include "launch/host_networks.hpp"
 #include "launch/robot_check.hpp"
 #include "launch/robot_graph.hpp"
 #include "launch/starter.hpp"
@@ -24,6 +25,7 @@ class RunCommand final : public Command {
     arguments.Option("--set", "PATH=VALUE", set_, "Replace a value of the file, such as mapper.params.cell_size_m=0.1");
     arguments.Option("--only", "NAME", only_, "Start only this component, process or program");
     arguments.Option("--except", "NAME", except_, "Do not start this component, process or program");
+    arguments.Option("--host", "HOST", host_, "Start only the processes and programs of this host of the file");
     arguments.Option("--name", "ROBOT", options_.name, "Its name for other commands; otherwise that of the file");
     arguments.Flag("-d,--detach", detach_, "Return once everything runs; `hgros logs` and `hgros stop` reach it");
     arguments.Flag("-v,--verbose", options_.verbose, "Also log lines of the level debug");
@@ -50,6 +52,7 @@ class RunCommand final : public Command {
 
   std::string file_;
   std::vector<std::string> set_;
+  std::string host_;
   std::vector<std::string> only_;
   std::vector<std::string> except_;
   StarterOptions options_;
@@ -58,6 +61,7 @@ class RunCommand final : public Command {
 
 RobotFile RunCommand::Read(Console& console) const {
   RobotFileOptions options;
+  options.host = host_;
   for (const std::string& one : set_) {
     const std::size_t equals = one.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -120,10 +124,12 @@ std::vector<ComponentDescription> RunCommand::Try(const RobotFile& robot, const 
 }
 
 int RunCommand::Run(Surroundings& surroundings) {
-  RobotFile robot = Read(surroundings.console);
-  Select(robot);
+  RobotFile whole = Read(surroundings.console);
+  Select(whole);
+  RequireHost(whole, host_);
   const ComponentCatalog catalog;
-  const RobotGraph graph(robot, Try(robot, catalog, surroundings));
+  const RobotGraph graph(whole, Try(whole, catalog, surroundings));
+  const RobotFile robot = PartOfHost(whole, host_, HostNetworks(whole, graph));
   if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();
   if (detach_) {
     return RunDetached(surroundings.pause, [&](const std::function<void()>& on_running) {

@@ -1,0 +1,157 @@
+#include "launch/host_networks.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hgros/base/error.hpp"
+#include "hgros/base/names.hpp"
+
+namespace hgros::cli {
+namespace {
+
+std::string InQuotes(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    if (letter == '"' || letter == '\\') quoted += '\\';
+    quoted += letter;
+  }
+  return quoted + "\"";
+}
+
+std::string ListOf(const std::set<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + InQuotes(name);
+  return "[" + list + "]";
+}
+
+const RobotHost& HostOf(const RobotFile& robot, const RobotProcess& process) {
+  if (const RobotHost* host = robot.FindHost(process.host)) return *host;
+  throw Error("The process \"" + process.name + "\" exchanges messages with another host, but no host is home.",
+              process.at.ToString(),
+              "Add the host where `hgros run` is started: `hosts: {NAME: {address: ADDRESS, home: true}}`.");
+}
+
+// Each process of a host has a port, in the order of the file.
+int PortOf(const RobotFile& robot, const RobotHost& host, const RobotProcess& process) {
+  int port = host.port;
+  for (const RobotProcess& one : robot.processes) {
+    if (one.name == process.name) break;
+    port += one.host == process.host ? 1 : 0;
+  }
+  return port;
+}
+
+std::string EndpointOf(const RobotHost& host, int port) {
+  const bool ip6 = host.address.find(':') != std::string::npos;
+  return "tcp://" + (ip6 ? "[" + host.address + "]" : host.address) + ":" + std::to_string(port);
+}
+
+std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const RobotProcess& process) {
+  std::set<std::string> published;
+  std::set<std::string> clients;
+  std::string subscribers;
+  std::string servers;
+  for (const RobotProcess& other : robot.processes) {
+    if (other.host == process.host) continue;
+    const std::set<std::string> out = graph.ChannelsFrom(process.name, other.name);
+    const std::set<std::string> in = graph.ChannelsFrom(other.name, process.name);
+    if (out.empty() && in.empty()) continue;
+    const RobotHost& host = HostOf(robot, other);
+    published.insert(out.begin(), out.end());
+    if (!out.empty()) clients.insert(host.key);
+    if (in.empty()) continue;
+    const std::string endpoint = InQuotes(EndpointOf(host, PortOf(robot, host, other)));
+    subscribers += "    - {ip: " + endpoint + ", channels: " + ListOf(in) + "}\n";
+    servers += "      " + endpoint + ": " + InQuotes(host.key) + "\n";
+  }
+  if (published.empty() && subscribers.empty()) return {};
+  const RobotHost& host = HostOf(robot, process);
+  std::string yaml = "network:\n";
+  if (!published.empty()) {
+    yaml += "  publisher: {ip: \"tcp://*:" + std::to_string(PortOf(robot, host, process)) +
+            "\", channels: " + ListOf(published) + "}\n";
+  }
+  if (!subscribers.empty()) yaml += "  subscribers:\n" + subscribers;
+  if (host.key.empty()) return yaml;
+  yaml += "  security:\n    public_key: " + InQuotes(host.key) +
+          "\n    secret_key_file: " + InQuotes(host.secret_key_file) + "\n";
+  if (!clients.empty()) yaml += "    allowed_clients: " + ListOf(clients) + "\n";
+  if (!servers.empty()) yaml += "    servers:\n" + servers;
+  return yaml;
+}
+
+void Add(Config derived, const RobotProcess& process, Config& config) {
+  if (derived.security.enabled() && config.security.enabled()) {
+    throw Error("The process \"" + process.name + "\" has network.security, and its host has a key.",
+                process.at.ToString(), "Keep one of them.");
+  }
+  for (EndpointConfig& endpoint : derived.publishers) {
+    const std::string port = endpoint.endpoint.substr(endpoint.endpoint.rfind(':'));
+    for (const EndpointConfig& own : config.publishers) {
+      if (!own.endpoint.ends_with(port)) continue;
+      throw Error("The process \"" + process.name + "\" publishes at " + own.endpoint +
+                      ", but its host uses that port for other hosts.",
+                  process.at.ToString(), "Set another `port` of the host.");
+    }
+    config.publishers.push_back(std::move(endpoint));
+  }
+  for (EndpointConfig& endpoint : derived.subscribers) {
+    std::erase_if(config.subscribers, [&](const auto& own) { return own.endpoint == endpoint.endpoint; });
+    config.subscribers.push_back(std::move(endpoint));
+  }
+  std::ranges::sort(config.publishers, {}, &EndpointConfig::endpoint);
+  std::ranges::sort(config.subscribers, {}, &EndpointConfig::endpoint);
+  if (derived.security.enabled()) config.security = std::move(derived.security);
+}
+
+}  // namespace
+
+std::map<std::string, std::string> HostNetworks(const RobotFile& robot, const RobotGraph& graph) {
+  std::map<std::string, std::string> networks;
+  for (const RobotProcess& process : robot.processes) {
+    if (std::string yaml = NetworkOf(robot, graph, process); !yaml.empty()) networks[process.name] = std::move(yaml);
+  }
+  return networks;
+}
+
+void RequireHost(const RobotFile& robot, const std::string& host) {
+  if (!host.empty()) {
+    std::vector<std::string> names;
+    for (const RobotHost& one : robot.hosts) names.push_back(one.name);
+    if (std::ranges::find(names, host) != names.end()) return;
+    const std::string nearest = NearestName(host, names);
+    throw Error("The robot has no host \"" + host + "\".", {},
+                nearest.empty() ? "Add it to hosts." : "Did you mean \"" + nearest + "\"?");
+  }
+  const auto refuse = [](const RobotUnit& unit) {
+    if (unit.host.empty()) return;
+    throw Error("\"" + unit.name + "\" runs on the host \"" + unit.host + "\".", unit.at.ToString(),
+                "Run this on each host, in any order: `hgros run FILE --host HOST`.");
+  };
+  std::ranges::for_each(robot.processes, refuse);
+  std::ranges::for_each(robot.programs, refuse);
+}
+
+RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
+                     const std::map<std::string, std::string>& networks) {
+  const RobotHost* home = robot.FindHost({});
+  const std::string here = home != nullptr && home->name == host ? std::string() : host;
+  RobotFile part = robot;
+  std::erase_if(part.components,
+                [&](const RobotComponent& one) { return robot.FindProcess(one.process)->host != here; });
+  std::erase_if(part.processes, [&](const RobotProcess& one) { return one.host != here; });
+  std::erase_if(part.programs, [&](const RobotProgram& one) { return one.host != here; });
+  if (part.processes.empty() && part.programs.empty()) {
+    throw Error("Nothing of the robot runs on the host \"" + host + "\".");
+  }
+  for (RobotProcess& process : part.processes) {
+    const auto network = networks.find(process.name);
+    if (network != networks.end()) Add(Config::Parse(network->second, "hosts"), process, process.config);
+  }
+  return part;
+}
+
+}  // namespace hgros::cli

@@ -1,0 +1,109 @@
+// The hosts of a robot file, and which of them a process names.
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/base/names.hpp"
+#include "hgros/yaml/quoted.hpp"
+#include "placement/robot_draft.hpp"
+
+namespace hgros {
+namespace {
+
+using yaml::Field;
+using yaml::Section;
+using yaml::Value;
+
+constexpr int kFirstPort = 5650;
+constexpr int kMostPort = 64535;  // Room for a thousand processes.
+constexpr std::size_t kKeyLength = 40;
+
+bool IsHostLetter(char letter) {
+  return std::isalnum(static_cast<unsigned char>(letter)) != 0 ||
+         std::string_view(".-_:%").find(letter) != std::string_view::npos;
+}
+
+std::string ReadAddress(const Value& value) {
+  const std::string& address = value.Text("an address or a host name");
+  if (address.empty() || !std::ranges::all_of(address, IsHostLetter)) {
+    value.Fail("is " + yaml::Quoted(address) + ", which is neither an address nor a host name",
+               "Write it without scheme and port, such as 192.168.1.7 or robot2.");
+  }
+  return address;
+}
+
+}  // namespace
+
+void RobotDraft::ReadHost(const Field& field) {
+  if (field.key.empty() || field.key.starts_with('-') || !std::ranges::all_of(field.key, IsHostLetter)) {
+    throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a host.", field.key_position,
+                      "Use letters, digits, \"_\" and \"-\".");
+  }
+  const Section section(field.value, "a map with address", {"address", "port", "key", "secret_key_file", "home"});
+  RobotHost host;
+  host.name = field.key;
+  host.at = field.key_position;
+  host.port = kFirstPort;
+  host.address = field.key;
+  section.Read("address", [&](const Value& address) { host.address = ReadAddress(address); });
+  section.Read("port", [&](const Value& port) { host.port = static_cast<int>(port.Integer(1, kMostPort)); });
+  section.Read("home", [&](const Value& home) { host.home = home.Boolean(); });
+  section.Read("key", [&](const Value& key) {
+    host.key = key.Text("a public key of 40 characters");
+    if (host.key.size() != kKeyLength) {
+      key.Fail("has " + std::to_string(host.key.size()) + " characters, but a key has 40",
+               "`hgros-keygen` prints the public key.");
+    }
+  });
+  section.Read("secret_key_file", [&](const Value& file) {
+    host.secret_key_file = file.Text("the path of a file on that host");
+    if (!host.secret_key_file.starts_with('/')) file.Fail("must be a full path", "It is read on that host.");
+  });
+  if (host.key.empty() != host.secret_key_file.empty()) {
+    const bool lacks_key = host.key.empty();
+    section.value().Fail(
+        std::string("has a ") + (lacks_key ? "secret_key_file, but no key" : "key, but no secret_key_file"),
+        lacks_key ? "Add the public key that `hgros-keygen` has printed."
+                  : "Name the file that `hgros-keygen` has written on that host.");
+  }
+  robot_.hosts.push_back(std::move(host));
+}
+
+void RobotDraft::CheckHosts() const {
+  const RobotHost* home = nullptr;
+  for (const RobotHost& host : robot_.hosts) {
+    if (host.key.empty() != robot_.hosts.front().key.empty()) {
+      faults_.Report(ConfigError("The host " + yaml::Quoted(host.key.empty() ? host.name : robot_.hosts.front().name) +
+                                     " has no key, but others have one.",
+                                 host.at, "Give all hosts a key, or none."));
+    }
+    if (!host.home) continue;
+    if (home != nullptr) {
+      faults_.Report(
+          ConfigError("Two hosts are home: " + yaml::Quoted(home->name) + " and " + yaml::Quoted(host.name) + ".",
+                      host.at, "`hgros run` is started on one. Keep that one."));
+    }
+    home = &host;
+  }
+}
+
+void RobotDraft::ReadHostOf(const Section& section, RobotUnit& unit) const {
+  section.Read("host", [&](const Value& value) {
+    const std::string& name = value.Text("the name of a host");
+    std::vector<std::string> names;
+    for (const RobotHost& one : robot_.hosts) {
+      names.push_back(one.name);
+      if (one.name != name) continue;
+      unit.host = one.home ? std::string() : name;
+      return;
+    }
+    const std::string nearest = NearestName(name, names);
+    value.Fail("is " + yaml::Quoted(name) + ", which is no host of the robot",
+               nearest.empty() ? "Add it to hosts: `hosts: {NAME: {address: ADDRESS}}`."
+                               : "Did you mean \"" + nearest + "\"?");
+  });
+}
+
+}  // namespace hgros

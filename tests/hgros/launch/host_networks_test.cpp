@@ -1,0 +1,125 @@
+#include "launch/host_networks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::cli {
+namespace {
+
+constexpr const char* kKey = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
+constexpr const char* kOtherKey = "Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID";
+
+// The camera on the cart sends images to the base, which serves "plan" for the cart.
+class HostNetworksTest : public testing::Test {
+ protected:
+  HostNetworksTest() {
+    robot_.hosts = {{.name = "cart", .address = "10.0.0.1", .port = 5650, .home = true},
+                    {.name = "base", .address = "fe80::2", .port = 6000}};
+    Add("alone", "");
+    Add("camera", "").outputs = {{"image", "image", "x.A", {}}, {"unused", "unused", "x.A", {}}};
+    Add("viewer", "").inputs = {{"unused", "unused", "x.A", "viewer/unused"}};
+    descriptions_[1].calls = {{"plan", "plan", "x.A", "x.B"}};
+    Add("mapper", "base").inputs = {{"image", "image", "x.A", "mapper/image"}};
+    descriptions_[3].services = {{"plan", "plan", "x.A", "x.B"}};
+  }
+  ComponentDescription& Add(const std::string& name, const std::string& host) {
+    robot_.components.push_back({{.name = name, .type = "t"}, name, false, {"robot.yaml", 1, 1}});
+    RobotProcess& process = robot_.processes.emplace_back();
+    process.name = name;
+    process.host = host;
+    process.components = {name};
+    process.at = {"robot.yaml", 2, 1};
+    return descriptions_.emplace_back();
+  }
+  [[nodiscard]] std::map<std::string, std::string> Networks() {
+    for (std::size_t i = 0; i < descriptions_.size(); ++i) descriptions_[i].name = robot_.components[i].setup.name;
+    return HostNetworks(robot_, RobotGraph(robot_, descriptions_));
+  }
+  static std::string FaultOf(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  RobotFile robot_;
+  std::vector<ComponentDescription> descriptions_;
+};
+
+TEST_F(HostNetworksTest, HaveExactlyTheChannelsThatTheOtherHostUses) {
+  EXPECT_EQ(Networks(), (std::map<std::string, std::string>{
+                            {"camera",
+                             "network:\n"
+                             "  publisher: {ip: \"tcp://*:5651\", channels: [\"hgros/call/plan\", \"image\"]}\n"
+                             "  subscribers:\n"
+                             "    - {ip: \"tcp://[fe80::2]:6000\", channels: [\"hgros/call/plan\"]}\n"},
+                            {"mapper",
+                             "network:\n"
+                             "  publisher: {ip: \"tcp://*:6000\", channels: [\"hgros/call/plan\"]}\n"
+                             "  subscribers:\n"
+                             "    - {ip: \"tcp://10.0.0.1:5651\", channels: [\"hgros/call/plan\", \"image\"]}\n"}}));
+}
+
+TEST_F(HostNetworksTest, HaveTheKeysOfTheHosts) {
+  robot_.hosts[0].key = kKey;
+  robot_.hosts[0].secret_key_file = "/cart.key";
+  robot_.hosts[1].key = kOtherKey;
+  robot_.hosts[1].secret_key_file = "/base.key";
+  const std::string camera = Networks().at("camera");
+  EXPECT_NE(camera.find(std::string("  security:\n    public_key: \"") + kKey +
+                        "\"\n    secret_key_file: \"/cart.key\"\n    allowed_clients: [\"" + kOtherKey +
+                        "\"]\n    servers:\n      \"tcp://[fe80::2]:6000\": \"" + kOtherKey + "\"\n"),
+            std::string::npos)
+      << camera;
+}
+
+TEST_F(HostNetworksTest, NeedTheHomeOnlyIfItIsReached) {
+  robot_.hosts[0].home = false;
+  EXPECT_NE(FaultOf([this] {
+              (void)Networks();
+            }).find("\"camera\" exchanges messages with another host, but no host is home."),
+            std::string::npos);
+  robot_.processes[1].host = robot_.processes[2].host = "base";
+  EXPECT_TRUE(Networks().empty());
+}
+
+TEST_F(HostNetworksTest, AreAddedToThoseOfTheFile) {
+  robot_.processes[1].config.publishers = {{"tcp://*:7000", {}, true}};
+  const RobotFile cart = PartOfHost(robot_, "cart", Networks());
+  ASSERT_EQ(cart.processes.size(), 3U);
+  EXPECT_EQ(cart.FindProcess("mapper"), nullptr);
+  const Config& camera = cart.FindProcess("camera")->config;
+  ASSERT_EQ(camera.publishers.size(), 2U);
+  EXPECT_EQ(camera.publishers[0].endpoint, "tcp://*:5651");
+  EXPECT_EQ(camera.publishers[1].endpoint, "tcp://*:7000");
+  EXPECT_EQ(camera.subscribers.size(), 1U);
+  EXPECT_TRUE(cart.FindProcess("alone")->config.publishers.empty());
+  robot_.processes[1].config.publishers = {{"tcp://*:5651", {}, true}};
+  EXPECT_NE(FaultOf([this] { (void)PartOfHost(robot_, "", Networks()); }).find("Set another `port` of the host."),
+            std::string::npos);
+}
+
+TEST_F(HostNetworksTest, CountTheSubscribersOfOtherHosts) {
+  (void)Networks();
+  const RobotGraph graph(robot_, descriptions_);
+  EXPECT_EQ(graph.SubscribersOf(robot_.processes[1]),
+            (std::map<std::string, std::size_t>{{"image", 1}, {"unused", 1}}));
+}
+
+TEST_F(HostNetworksTest, AHostMustExistAndBeNamedIfThereAreSeveral) {
+  EXPECT_EQ(FaultOf([this] { RequireHost(robot_, "base"); }), "");
+  EXPECT_NE(FaultOf([this] { RequireHost(robot_, "bse"); }).find("Did you mean \"base\"?"), std::string::npos);
+  EXPECT_NE(FaultOf([this] { RequireHost(robot_, ""); }).find("\"mapper\" runs on the host \"base\"."),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace hgros::cli
