@@ -16,7 +16,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PARTS = {  # metric: (preset, targets)
-    "demo": ("release", ["slam2d"]),
+    "demo": ("release", ["slam2d"]),  # With hgros, which checks its components; at an older commit, the program.
     "test_build": ("dev", []),
 }
 QUICK = {"core_build": ("release", ["hgros_base", "hgros_clock"])}

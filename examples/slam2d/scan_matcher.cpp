@@ -116,7 +116,6 @@ void ScanMatcher::SetOptions(const MatcherOptions& options) {
 }
 
 void ScanMatcher::SetMap(const MapOptions& map_options) {
-  if (applied_) throw std::logic_error("A matcher cannot change to another map after the first delta.");
   replica_ = OccupancyMap(map_options);
   field_ = LikelihoodField(map_options.cell_size_m, options_.field_sigma_m);
   revisits_ = RevisitDetector(options_.revisit, map_options.cell_size_m, options_.field_sigma_m);
@@ -124,7 +123,6 @@ void ScanMatcher::SetMap(const MapOptions& map_options) {
 
 void ScanMatcher::Apply(const MapDelta& delta) {
   replica_.Apply(delta);
-  applied_ = true;
   field_.Apply(delta);
   revisits_.Apply(delta, traveled_m_);
 }

@@ -67,9 +67,10 @@ class ScanMatcher {
 
   /// Matches scans with `options` from now on. The smoothing of the field stays unchanged.
   void SetOptions(const MatcherOptions& options);
-  /// Switches to a map with cells of another size. Call it before the first delta.
+  /// Goes on from the same pose with an empty map, which may have cells of another size. Apply the map of another
+  /// mapper as one delta with the version of the last scan.
   ///
-  /// Errors: throws std::logic_error if a delta has been applied, std::invalid_argument like OccupancyMap().
+  /// Errors: throws std::invalid_argument like OccupancyMap().
   void SetMap(const MapOptions& map_options);
 
   /// The pose of `scan`. The first scan's is its odometry.
@@ -90,7 +91,6 @@ class ScanMatcher {
   RevisitDetector revisits_;
   double traveled_m_ = 0.0;
   bool started_ = false;
-  bool applied_ = false;  // Whether a delta has been applied.
   std::uint64_t last_sequence_ = 0;
   Pose2 T_odometry_matched_;  // Odometry and pose of the scan matched last.
   Pose2 T_map_matched_;

@@ -41,11 +41,12 @@ TunableGroup(const char*, Value Options::*) -> TunableGroup<Options, Value>;
 template <class Options>
 struct Tunables;
 
-/// Calls `visit(path, tunable, value)` for all numbers in `options`, groups included. Their paths begin with `prefix`.
+/// Calls `visit(path, tunable, value)` for all numbers in `options`, groups included. Their paths begin with `prefix`,
+/// if there is one.
 template <class Options, class Visit>
 void ForEachTunable(const std::string& prefix, Options& options, const Visit& visit) {
   const auto go = [&](const auto& one) {
-    const std::string path = prefix + "." + one.name;
+    const std::string path = prefix.empty() ? one.name : prefix + "." + one.name;
     if constexpr (requires { one.unit; }) {
       visit(path, one, options.*one.member);
     } else {

@@ -2,7 +2,10 @@
 
 #include <utility>
 
+#include <hgros/SimulatedTime.pb.h>
+
 #include "component/context_core.hpp"
+#include "hgros/session/clock_publisher.hpp"
 
 namespace hgros {
 
@@ -18,6 +21,12 @@ void Context::CreateTimer(std::string_view timer, Duration period, TimerCallback
 }
 
 const std::shared_ptr<Clock>& Context::clock() const noexcept { return core_.session().clock(); }
+std::unique_ptr<ClockPublisher> Context::PublishClock(std::shared_ptr<SimulatedClock> clock) {
+  if (AddOutput(kClockChannel, TypeOf<SimulatedTime>()) != kClockChannel) {
+    throw Error("The channel \"" + std::string(kClockChannel) + "\" cannot be renamed: all sessions follow that one.");
+  }
+  return std::make_unique<ClockPublisher>(session(), std::move(clock));
+}
 ParamServer& Context::params() noexcept { return core_.params(); }
 Transforms& Context::transforms() { return core_.transforms(); }
 Log& Context::log() noexcept { return core_.log(); }

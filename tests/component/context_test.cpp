@@ -13,7 +13,9 @@
 
 #include "component/components_fixture.hpp"
 #include "hgros/base/error.hpp"
+#include "hgros/clock/derived_clocks.hpp"
 #include "hgros/params/remote_params.hpp"
+#include "hgros/session/clock_publisher.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "support/await.hpp"
 
@@ -57,6 +59,13 @@ struct OneParam {
   double gain = 0;
 };
 HGROS_COMPONENT(OneParam, "test/OneParam")
+
+struct Simulation {
+  explicit Simulation(Context& context) : published(context.PublishClock(clock)) {}
+  std::shared_ptr<SimulatedClock> clock = SimulatedClock::Paused();
+  std::unique_ptr<ClockPublisher> published;
+};
+HGROS_COMPONENT(Simulation, "test/Simulation")
 
 Everything& AddTo(Process& process, const ComponentSetup& setup = {.name = "all", .type = "test/Everything"}) {
   process.components->Add(setup);
@@ -160,6 +169,18 @@ TEST(Context, OffersParametersUnderTheComponentsName) {
   RemoteParams remote(process.session, "controller", 10s);
   EXPECT_TRUE(remote.Set("gain", 0.75).ok());
   EXPECT_FALSE(remote.Set("gain", 75.0).ok());
+}
+
+TEST(Context, PublishesAClockThatTheSessionFollows) {
+  Process process("time: simulated");
+  const ComponentDescription& used = process.components->Add({.name = "simulation", .type = "test/Simulation"});
+  ASSERT_EQ(used.outputs.size(), 1U);
+  EXPECT_EQ(used.outputs.front().channel, kClockChannel);
+  process.Run();
+  process.components->Find<Simulation>("simulation")->clock->JumpTo(Time{42});
+  EXPECT_TRUE(Await([&] { return process.session.clock()->Now() == Time{42}; }));
+  EXPECT_THROW(
+      (void)process.components->Add({.name = "other", .type = "test/Simulation", .remap = {{"clock", "time"}}}), Error);
 }
 
 TEST(Context, WritesLinesWithTheComponentsName) {

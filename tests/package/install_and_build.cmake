@@ -65,5 +65,7 @@ execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES} -B ${exa
     -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Debug -D CMAKE_UNITY_BUILD=ON -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${examples} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${examples}/slam2d/slam2d --quiet --scans 50 --out ${SCRATCH}/slam2d_out
+execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${examples}/share/hgros/components
+    ${prefix}/bin/hgros run ${EXAMPLES}/slam2d/three_processes.yaml --set source.params.scans=50
+    --set writer.params.out=${SCRATCH}/slam2d_out
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)

@@ -17,7 +17,9 @@
 
 namespace hgros {
 
+class ClockPublisher;
 class ContextCore;
+class SimulatedClock;
 class Transforms;
 
 /// What a component is constructed from: everything it exchanges with the rest of the robot. The component does not
@@ -102,6 +104,10 @@ class HGROS_EXPORT Context {
   void CreateTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options = {});
   /// The clock of the robot: the system's, or a simulated one.
   [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept;
+
+  /// Publishes a simulated clock, which the whole robot follows with `time: simulated`, for as long as the result
+  /// exists.
+  [[nodiscard]] std::unique_ptr<ClockPublisher> PublishClock(std::shared_ptr<SimulatedClock> clock);
 
   /// As ParamServer::Declare, for a parameter of this component. Declare in the constructor.
   template <class T>

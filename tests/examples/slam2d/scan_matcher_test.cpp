@@ -101,7 +101,16 @@ TEST_F(OnTheWay, ScanMatcherKeepsItsFieldWhenItsOptionsChange) {
   EXPECT_EQ(matcher_.Match(scan_), same.Match(scan_));
 }
 
-TEST_F(OnTheWay, ScanMatcherRefusesAnotherMapAfterADelta) { EXPECT_THROW(matcher_.SetMap({}), std::logic_error); }
+TEST_F(OnTheWay, ScanMatcherGoesOnAtItsPoseWithAnotherMap) {
+  ScanMatcher same = matcher_;
+  matcher_.SetMap({});
+  MapDelta none;
+  none.version = same.replica().version();
+  matcher_.Apply(none);
+  const ScanMatch match = matcher_.Match(scan_);
+  EXPECT_EQ(match.score, 0.0);  // There is nothing to match with.
+  EXPECT_LT(Distance(Inverse(same.Match(scan_).T_map_laser) * match.T_map_laser), 0.5);
+}
 
 TEST(ScanMatcher, FollowsAMapWithCellsOfAnotherSize) {
   MapOptions coarse;

@@ -56,7 +56,9 @@ std::vector<DocumentedFile> FilesOfPage(const std::string& page) {
 
 namespace {
 
-bool IsRobotFile(const DocumentedFile& file) { return std::regex_search(file.yaml, std::regex("(^|\\n)components:")); }
+bool IsRobotFile(const DocumentedFile& file) {
+  return std::regex_search(file.yaml, std::regex("(^|\\n)(components|include):"));
+}
 
 // Files of robots, or those of sessions.
 std::vector<DocumentedFile> AllFiles(bool of_robots) {

@@ -17,7 +17,8 @@ VIEWER = os.environ["HGROS_VIEWER"]
 PUBLISHER = os.environ["HGROS_VIEWER_PUBLISHER"]
 TALKER = os.environ["HGROS_VIEWER_TALKER"]
 CAMERAS = os.environ["HGROS_VIEWER_CAMERAS"]
-SLAM2D = os.environ.get("SLAM2D", "")
+SLAM2D = os.environ.get("SLAM2D", "")  # The command that runs the robot file.
+SLAM2D_ROBOT = os.environ.get("SLAM2D_ROBOT", "")
 DEADLINE_S = float(os.environ.get("HGROS_VIEWER_DEADLINE_S", "60"))
 
 
@@ -284,7 +285,8 @@ class InMemory(ViewerCase):
     def test_shows_every_channel_of_the_demo_without_an_error(self):
         viewer = self.start(VIEWER, "--offscreen", "64x64", "--after", 6, "--channel", "odometry", "--channel", "trajectory",
                             "--channel", "map")
-        self.start(SLAM2D, "--rate", "15", cwd=self.folder.name, stdout=subprocess.DEVNULL)
+        self.start(SLAM2D, "run", SLAM2D_ROBOT, "--set", "source.params.rate=15", cwd=self.folder.name,
+                   stdout=subprocess.DEVNULL)
         self.assertEqual(viewer.wait(timeout=DEADLINE_S), 0, viewer.stderr.read())
         self.assertNotIn("hgros-viewer: ", viewer.stderr.read())
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+
+#include <hgros/component/component.hpp>
+
+#include "../app/messages.hpp"
+#include "../mapper.hpp"
+#include "tuned.hpp"
+
+namespace slam2d {
+
+/// Draws the matched scans of `pre_channel` into the map and publishes the changes on `next_channel`, once per scan.
+///
+/// Another instance, in any process, continues from its state bit for bit, with that instance's parameters. A changed
+/// parameter takes effect between two scans.
+class MapperComponent {
+ public:
+  explicit MapperComponent(hgros::Context& context);
+
+  /// Tells the others with which map it begins.
+  void Activate();
+
+  [[nodiscard]] msg::MapState Save();
+  /// Errors: throws std::invalid_argument if the state is inconsistent or its cells differ from the parameters.
+  void Restore(const msg::MapState& state);
+
+ private:
+  void TakeMatch(const msg::MatchedScan& message);
+  [[nodiscard]] msg::MapUpdate Draw(const msg::MatchedScan& message);
+
+  hgros::Context& context_;
+  Tuned<MapOptions> tuned_;
+  hgros::Publisher<msg::MapUpdate> updates_;
+  hgros::Publisher<msg::MapState> states_;
+
+  std::mutex mutex_;
+  Mapper mapper_;
+  std::uint64_t next_scan_ = 0;
+  msg::MapUpdate last_;
+};
+
+}  // namespace slam2d

@@ -1,0 +1,116 @@
+#include "matcher.hpp"
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "../app/channels.hpp"
+#include "../app/fail.hpp"
+#include "../app/frames.hpp"
+#include "../app/pose_message.hpp"
+
+namespace slam2d {
+namespace {
+
+constexpr std::chrono::seconds kSendAgainAfter{1};
+
+}  // namespace
+
+Matcher::Matcher(hgros::Context& context)
+    : context_(context),
+      transforms_(context.transforms()),
+      matches_(context.Advertise<msg::MatchedScan>(kPreChannel)),
+      trajectory_(context.Advertise<foxglove::PoseInFrame>(kTrajectory)),
+      tuned_(context),
+      matcher_(tuned_.Now(), MapOptions{}) {
+  context.FromAny<msg::MapState>(
+      kMapState, hgros::Invoke::kSerial,
+      FailOnException<msg::MapState>(context, [this](const msg::MapState& message) { TakeState(message); }),
+      {.name = {}, .queue = hgros::Queue::KeepAll(kLoopDepth), .executor = hgros::Executor::Inline()});
+  context.FromAny<msg::MapUpdate>(
+      kNextChannel, hgros::Invoke::kSerial,
+      FailOnException<msg::MapUpdate>(context, [this](const msg::MapUpdate& message) { TakeMap(message); }),
+      {.name = {}, .queue = hgros::Queue::KeepAll(kLoopDepth), .executor = hgros::Executor::Inline()});
+  context.FromAny<msg::Scan>(
+      kScan, hgros::Invoke::kSerial,
+      FailOnException<msg::Scan>(context, [this](const msg::Scan& message) { TakeScan(message); }),
+      {.name = {}, .queue = hgros::Queue::KeepAll(kScanDepth), .executor = hgros::Executor::Dedicated()});
+  context.FromAny<msg::Done>(kDone, hgros::Invoke::kSerial, [this](const msg::Done&) { context_.Finish(); });
+}
+
+void Matcher::Deactivate() { stop_.request_stop(); }
+
+// A mapper begins: with an empty map, or with the state of another one. If that has happened before this scan, nothing
+// is lost. Otherwise a mapper was killed, and the new one has an older map.
+void Matcher::TakeState(const msg::MapState& message) {
+  const std::scoped_lock lock(mutex_);
+  if (!begun_ || message.next_scan() < updates_) {
+    if (begun_) {
+      context_.log().Write(hgros::LogLevel::kWarning, "A mapper goes on with the map after " +
+                                                          std::to_string(message.next_scan()) + " scans of " +
+                                                          std::to_string(updates_) + ".");
+    }
+    matcher_.SetMap(Read(message.map().layout()));
+    if (updates_ > 0) {
+      MapDelta all = Read(message.map());
+      all.version = updates_ - 1;
+      matcher_.Apply(all);
+    }
+  }
+  begun_ = true;
+  map_changed_.notify_all();
+}
+
+void Matcher::TakeMap(const msg::MapUpdate& message) {
+  if (message.end_of_log()) return;
+  const MapDelta delta = Read(message);
+  const std::scoped_lock lock(mutex_);
+  if (delta.version < updates_) return;  // It has been sent again.
+  if (delta.version > updates_) {
+    throw std::runtime_error("The map after scan " + std::to_string(delta.version) +
+                             " arrived, but the map after scan " + std::to_string(updates_) + " is next.");
+  }
+  matcher_.Apply(delta);
+  ++updates_;
+  map_changed_.notify_all();
+}
+
+bool Matcher::WaitForMap(std::uint64_t scans) {
+  std::unique_lock lock(mutex_);
+  const auto ready = [&] { return begun_ && updates_ >= scans; };
+  while (!map_changed_.wait_for(lock, stop_.get_token(), kSendAgainAfter, ready)) {
+    if (stop_.stop_requested()) return false;
+    if (!begun_ || sent_ == nullptr) continue;
+    lock.unlock();
+    RequireOk(matches_(*sent_), "A matched scan");
+    lock.lock();
+  }
+  return true;
+}
+
+void Matcher::TakeScan(const msg::Scan& message) {
+  if (!WaitForMap(message.sequence())) return;
+  auto matched = std::make_unique<msg::MatchedScan>();
+  ScanMatch match;
+  if (!message.end_of_log()) {
+    const std::scoped_lock lock(mutex_);
+    if (const auto options = tuned_.News()) matcher_.SetOptions(*options);
+    match = matcher_.Match(Read(message));
+    Write(match, *matched->mutable_match());
+  }
+  *matched->mutable_scan() = message;
+  RequireOk(matches_(*matched), "A matched scan");
+  sent_ = std::move(matched);
+  if (!message.end_of_log()) ShowMatch(match, Read(message.odometry()));
+}
+
+void Matcher::ShowMatch(const ScanMatch& match, const Pose2& T_odom_laser) {
+  Show(trajectory_, PoseMessage(match.T_map_laser, match.stamp_seconds, kMapFrame));
+  (void)transforms_.ToTF(TimeOf(match.stamp_seconds), kMapFrame, kOdomFrame,
+                         RigidOf(match.T_map_laser * Inverse(T_odom_laser)));
+}
+
+}  // namespace slam2d
+
+HGROS_COMPONENT(slam2d::Matcher, "slam2d/Matcher")

@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""Runs the SLAM example's robot files, and compares their results.
+
+    HGROS=<binary> SLAM2D=<folder> SLAM2D_REFERENCE=<binary> slam2d_robots_test.py [TEST...]
+"""
+
+import gzip
+import json
+import os
+import pathlib
+import signal
+
+from slam2d_programs import DATA, ROBOTS, SCANS, SLOW, Slam2dTest, main
+
+SHORT = {"source.params.scans": SCANS}
+
+
+class Slam2dRobots(Slam2dTest):
+    def test_one_process_gets_the_reference_result(self):
+        running = self.start("one_process.yaml", SHORT)
+        self.assertEqual(self.hashes(running), self.reference(SCANS))
+        self.assertTrue((self.folder / "slam2d_out/map.png").read_bytes().startswith(b"\x89PNG"))
+        self.assertTrue((self.folder / "slam2d_out/odometry.png").exists())
+        self.assertEqual(len((self.folder / "slam2d_out/trajectory.tum").read_text().splitlines()), SCANS)
+
+    def test_three_processes_get_the_reference_result(self):
+        self.assertEqual(self.hashes(self.start("three_processes.yaml", SHORT)), self.reference(SCANS))
+
+    def test_two_hosts_get_the_reference_result(self):
+        self.assertEqual(self.hashes(self.start(self.on_free_ports("two_hosts.yaml"), SHORT)), self.reference(SCANS))
+
+    def test_two_robots_get_the_reference_result_whoever_starts_first(self):
+        for first in ("robot1.yaml", "robot2.yaml"):
+            with self.subTest(first=first):
+                robots = {}
+                for robot in sorted(("robot1.yaml", "robot2.yaml"), key=lambda name: name != first):
+                    self.on_free_ports(robot)
+                    robots[robot] = self.start(robot, SHORT if robot == "robot1.yaml" else {})
+                    if robot == first:
+                        self.assertIn("COMPONENT", self.await_line(robots[robot], "COMPONENT"))
+                self.assertEqual(self.hashes(robots["robot1.yaml"]), self.reference(SCANS))
+                code, out, err = self.end(robots["robot2.yaml"])
+                self.assertEqual(code, 0, out + err)
+
+    def test_each_component_may_run_anywhere(self):
+        text = (ROBOTS / "one_process.yaml").read_text().replace("include: ", f"include: {ROBOTS}/")
+        for component in ("source", "matcher", "mapper", "writer"):
+            with self.subTest(component=component):
+                file = self.folder / "apart.yaml"
+                file.write_text(f"{text}processes: {{apart: {{components: [{component}], essential: true}}}}\n")
+                self.assertEqual(self.hashes(self.start("apart.yaml", SHORT)), self.reference(SCANS))
+
+    def test_a_paced_log_gets_the_same_result(self):
+        settings = {"source.params.scans": 50, "source.params.rate": 10}
+        self.assertEqual(self.hashes(self.start("one_process.yaml", settings)), self.reference(50))
+
+    def test_a_log_gets_the_reference_result_in_one_and_three_processes(self):
+        log = pathlib.Path(DATA) / "lidar2d/intel.clf.gz"
+        if not DATA or not log.exists():
+            self.skipTest("HGROS_DATA names no folder with lidar2d/intel.clf.gz")
+        expected = self.reference(1500, log)
+        settings = {"source.params.scans": 1500, "source.params.log": log}
+        self.assertEqual(self.hashes(self.start("one_process.yaml", settings)), expected)
+        self.assertEqual(self.hashes(self.start("three_processes.yaml", settings)), expected)
+
+    def test_relations_are_compared(self):
+        (self.folder / "some.relations").write_text("0.0 1.0 1.3 0 0 0 0 0\n900.0 901.0 0 0 0 0 0 0\n")
+        settings = {**SHORT, "writer.params.relations": "some.relations"}
+        code, out, err = self.end(self.start("one_process.yaml", settings))
+        self.assertEqual(code, 0, out + err)
+        self.assertRegex(out, r"relations   1 compared, 1 without poses: [0-9.]+ m \+- 0\.0000 m")
+
+    def test_ctrl_c_writes_the_map_so_far(self):
+        settings = {"source.params.rate": 1, "writer.params.out": "so_far"}
+        running = self.start("one_process.yaml", settings)
+        self.hgros_until_it_works(running, "call", "save_map", "{}")  # until the first scans are drawn
+        (self.folder / "so_far/map.png").unlink()
+        running.send_signal(signal.SIGINT)
+        _, out, _ = self.end(running)
+        self.assertIn("This is the map so far:", out)
+        self.assertIn("so_far/odometry.png", out)
+        self.assertTrue((self.folder / "so_far/map.png").exists())
+
+    def test_the_map_is_saved_on_request(self):
+        running = self.start("one_process.yaml", {"source.params.scans": 100, "source.params.rate": 2})
+        said = self.hgros_until_it_works(running, "call", "save_map", "{}").stdout
+        self.assertIn(f"{self.folder}/slam2d_out/map.png", said)
+        self.assertIn("robot", said)  # the transforms of source and matcher
+        self.assertTrue((self.folder / "slam2d_out/map.png").exists())
+        self.assertEqual(self.hashes(running), self.reference(100))
+
+    def pid_of(self, component):
+        for line in self.hgros("ps", "--json").stdout.splitlines():
+            found = json.loads(line)
+            if component in json.dumps(found.get("component", "")):
+                return found["pid"]
+        self.fail(f"hgros ps does not show {component}")
+
+    def test_an_essential_process_that_is_killed_ends_the_robot(self):
+        running = self.start("three_processes.yaml", SLOW)
+        self.assertIn("COMPONENT", self.await_line(running, "COMPONENT"))
+        os.kill(self.pid_of("matcher"), signal.SIGKILL)
+        code, out, err = self.end(running)
+        self.assertEqual(code, 1, out + err)
+        self.assertIn('The robot ends, because "matching" is essential.', out + err)
+
+    def test_a_mapper_that_is_killed_is_started_again_and_the_robot_goes_on(self):
+        running = self.start("three_processes.yaml", SLOW)
+        self.hgros_until_it_works(running, "call", "save_map", "{}")
+        os.kill(self.pid_of("mapper"), signal.SIGKILL)
+        self.assertIn("It is started again.", self.await_line(running, "started again"))
+        self.hgros_until_it_works(running, "param", "set", "source", "rate", "0")
+        code, out, err = self.end(running)
+        self.assertEqual(code, 1, out + err)  # A process has failed.
+        self.assertIn(f"writer    It has finished: {SCANS} scans are in the map.", out)
+
+    def test_unusable_input_is_an_error_that_names_it(self):
+        empty = self.folder / "empty.clf"
+        empty.write_text("# nothing\n")
+        cases = ({"source.params.log": self.folder / "none.clf"}, "none.clf cannot be opened"), \
+            ({"source.params.log": empty}, "empty.clf"), \
+            ({"source.params.rate": "fast"}, "rate must be a number"), \
+            ({"writer.params.relations": "none.relations"}, "none.relations"), \
+            ({"source.params.lgo": "x"}, 'log')
+        for settings, sentence in cases:
+            with self.subTest(settings=settings):
+                code, out, err = self.end(self.start("one_process.yaml", settings))
+                self.assertNotEqual(code, 0, out + err)
+                self.assertIn(sentence, out + err)
+
+    def test_a_damaged_log_ends_the_robot_with_an_error(self):
+        cut = self.folder / "cut.clf.gz"
+        cut.write_bytes(gzip.compress(os.urandom(10000))[:5000])
+        code, out, err = self.end(self.start("three_processes.yaml", {"source.params.log": cut}))
+        self.assertEqual(code, 1, out + err)
+        self.assertIn("cut.clf.gz", out + err)
+
+
+if __name__ == "__main__":
+    main(Slam2dRobots)

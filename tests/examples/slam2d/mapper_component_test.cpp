@@ -1,0 +1,139 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <hgros/testing/harness.hpp>
+
+#include "app/channels.hpp"
+#include "components/mapper.hpp"
+#include "components/matcher.hpp"
+#include "pipeline.hpp"
+#include "simulated_building.hpp"
+
+namespace slam2d {
+namespace {
+
+using MapperHarness = hgros::testing::Harness<MapperComponent>;
+using MatcherHarness = hgros::testing::Harness<Matcher>;
+
+std::vector<msg::MatchedScan> MatchedScans(std::size_t count) {
+  SimulationOptions options;
+  options.scans = count;
+  SimulatedBuilding building(options);
+  Pipeline pipeline;
+  std::vector<msg::MatchedScan> all;
+  for (LaserScan2 scan; building.Next(scan);) {
+    msg::MatchedScan& one = all.emplace_back();
+    Write(scan, *one.mutable_scan());
+    Write(pipeline.Add(scan), *one.mutable_match());
+  }
+  return all;
+}
+
+TEST(MapperComponent, GoesOnFromASavedStateBitForBit) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(60);
+  MapperHarness whole;
+  for (const msg::MatchedScan& one : scans) whole.Feed(kPreChannel, one);
+
+  MapperHarness first;
+  for (std::size_t i = 0; i < 25; ++i) first.Feed(kPreChannel, scans[i]);
+  MapperHarness second({.state = first.Save()});
+  for (std::size_t i = 25; i < scans.size(); ++i) second.Feed(kPreChannel, scans[i]);
+  EXPECT_EQ(second->Save().SerializeAsString(), whole->Save().SerializeAsString());
+  EXPECT_EQ(second.Take<msg::MapUpdate>(kNextChannel).size(), scans.size() - 25);
+}
+
+TEST(MapperComponent, TellsWithWhichMapItBegins) {
+  MapperHarness empty;
+  const auto begun = empty.Take<msg::MapState>(kMapState);
+  ASSERT_EQ(begun.size(), 1U);
+  EXPECT_EQ(begun.front()->next_scan(), 0U);
+  empty.Feed(kPreChannel, MatchedScans(1).front());
+  MapperHarness other({.state = empty.Save()});
+  const auto went_on = other.Take<msg::MapState>(kMapState);
+  ASSERT_EQ(went_on.size(), 1U);
+  EXPECT_EQ(went_on.front()->SerializeAsString(), empty->Save().SerializeAsString());
+}
+
+TEST(MapperComponent, AnswersAScanThatIsSentAgainWithTheSameUpdate) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(2);
+  MapperHarness mapper;
+  for (const msg::MatchedScan& one : scans) mapper.Feed(kPreChannel, one);
+  MapperHarness successor({.state = mapper.Save()});
+  mapper.Feed(kPreChannel, scans.back());
+  successor.Feed(kPreChannel, scans.back());
+  const auto updates = mapper.Take<msg::MapUpdate>(kNextChannel);
+  ASSERT_EQ(updates.size(), 3U);
+  EXPECT_EQ(updates[1]->SerializeAsString(), updates[2]->SerializeAsString());
+  EXPECT_EQ(successor.Take<msg::MapUpdate>(kNextChannel).front()->SerializeAsString(), updates[1]->SerializeAsString());
+}
+
+TEST(MapperComponent, DrawsOnAfterLostScansAndSaysSo) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(5);
+  MapperHarness mapper;
+  mapper.Feed(kPreChannel, scans[0]);
+  mapper.Feed(kPreChannel, scans[4]);
+  EXPECT_EQ(mapper.status().state, hgros::ComponentState::kRunning);
+  ASSERT_EQ(mapper.lines().size(), 1U);
+  EXPECT_NE(mapper.lines().front().find("The scans from 1 to 3 are not in this map."), std::string::npos);
+}
+
+TEST(MapperComponent, FailsWhenAnotherLogBegins) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(3);
+  MapperHarness mapper;
+  for (const msg::MatchedScan& one : scans) mapper.Feed(kPreChannel, one);
+  mapper.Feed(kPreChannel, scans.front());
+  EXPECT_EQ(mapper.status().state, hgros::ComponentState::kFailed);
+}
+
+TEST(MapperComponent, RefusesAStateWithCellsOfAnotherSize) {
+  MapperHarness coarse({.params = "cell_size_m: 0.1"});
+  EXPECT_THROW(MapperHarness({.state = coarse.Save()}), hgros::Error);
+}
+
+TEST(MatcherComponent, FollowsAMapperThatGoesOnWithAnOlderMap) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(12);
+  MapperHarness mapper;
+  MatcherHarness matcher;
+  const auto pass = [](auto& from, auto& to, std::string_view channel, auto type) {
+    for (const auto& one : from.template Take<decltype(type)>(channel)) to.Feed(channel, one);
+  };
+  const auto go = [&](MapperHarness& with, std::size_t scan) {
+    matcher.Feed(kScan, scans[scan].scan());
+    pass(matcher, with, kPreChannel, msg::MatchedScan());
+    pass(with, matcher, kNextChannel, msg::MapUpdate());
+  };
+  pass(mapper, matcher, kMapState, msg::MapState());
+  for (std::size_t i = 0; i < 4; ++i) go(mapper, i);
+  const auto checkpoint = mapper.Save();
+  for (std::size_t i = 4; i < 8; ++i) go(mapper, i);
+
+  MapperHarness successor({.state = checkpoint});
+  pass(successor, matcher, kMapState, msg::MapState());
+  for (std::size_t i = 8; i < scans.size(); ++i) go(successor, i);
+  EXPECT_EQ(matcher.status().state, hgros::ComponentState::kRunning) << matcher.status().sentence;
+  EXPECT_EQ(successor->Save().next_scan(), scans.size());
+}
+
+TEST(MatcherComponent, IgnoresAnUpdateThatIsSentAgain) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(2);
+  MapperHarness mapper;
+  MatcherHarness matcher;
+  for (const auto& one : mapper.Take<msg::MapState>(kMapState)) matcher.Feed(kMapState, one);
+  matcher.Feed(kScan, scans[0].scan());
+  mapper.Feed(kPreChannel, scans[0]);
+  const auto update = mapper.Take<msg::MapUpdate>(kNextChannel).front();
+  matcher.Feed(kNextChannel, update);
+  matcher.Feed(kNextChannel, update);
+  matcher.Feed(kScan, scans[1].scan());
+  EXPECT_EQ(matcher.status().state, hgros::ComponentState::kRunning);
+  const auto matched = matcher.Take<msg::MatchedScan>(kPreChannel);
+  ASSERT_EQ(matched.size(), 2U);
+  EXPECT_EQ(matched[1]->match().SerializeAsString(), scans[1].match().SerializeAsString());
+}
+
+}  // namespace
+}  // namespace slam2d
