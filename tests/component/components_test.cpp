@@ -323,6 +323,41 @@ TEST(Components, GoOnFromASavedState) {
   EXPECT_EQ(process.components->Find<Counter>("counter")->count, 3);
 }
 
+// Its callback runs until the test says so.
+class Slow {
+ public:
+  explicit Slow(Context& context) {
+    context.FromAny<PoseInFrame>("pose", Invoke::kSerial, [this](const PoseInFrame&) {
+      ++begun;
+      test::Await([this] { return !held; });
+      ++ended;
+    });
+  }
+  [[nodiscard]] PoseInFrame Save() const { return PoseIn(std::to_string(begun - ended)); }
+  void Restore(const PoseInFrame& state) { restored = state.frame_id(); }
+
+  std::string restored;
+  std::atomic<bool> held = true;
+  std::atomic<int> begun = 0;
+  std::atomic<int> ended = 0;
+};
+HGROS_COMPONENT(Slow, "test/Slow")
+
+TEST(Components, AreSavedBetweenTheirCallbacks) {
+  Process process({}, false);
+  process.components->Add({.name = "slow", .type = "test/Slow"});
+  process.Run();
+  Slow& slow = *process.components->Find<Slow>("slow");
+  for (int i = 0; i < 10; ++i) (void)process.session.ToAny("pose", PoseIn("x"));
+  ASSERT_TRUE(Await([&] { return slow.begun == 1; }));
+  EXPECT_THAT([&] { (void)process.components->Save("slow", std::chrono::milliseconds(20)); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("slow"), HasSubstr("callback"))));
+  slow.held = false;
+  process.components->Add({.name = "next", .type = "test/Slow", .state = process.components->Save("slow")});
+  EXPECT_EQ(process.components->Find<Slow>("next")->restored, "0") << "It was saved inside a callback.";
+  EXPECT_TRUE(Await([&] { return slow.ended == 10; })) << "Callbacks that waited run on.";
+}
+
 TEST(Components, RefuseAStateOfAnotherTypeOrWithoutRestore) {
   Process process;
   auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<foxglove::FrameTransform>()));

@@ -21,6 +21,8 @@ components:
     params: {cell_size_m: 0.05}
     nodes: {scan: {queue: latest, executor: dedicated}}
     essential: true
+    restart: on-exception
+    checkpoint: 500ms
   watch: {type: demo/Watch}
 processes:
   front:
@@ -77,6 +79,10 @@ TEST(RobotFileTest, ReadsComponents) {
   EXPECT_FALSE(laser.essential);
   const RobotComponent& mapper = robot.components[1];
   EXPECT_TRUE(mapper.essential);
+  EXPECT_EQ(laser.restart, ComponentRestart::kNever);
+  EXPECT_EQ(laser.checkpoint, Duration{0});
+  EXPECT_EQ(mapper.restart, ComponentRestart::kOnException);
+  EXPECT_EQ(mapper.checkpoint, std::chrono::milliseconds(500));
   EXPECT_EQ(mapper.setup.nodes.at("scan").queue, Queue::Latest());
   EXPECT_EQ(mapper.setup.nodes.at("scan").executor, Executor::Dedicated());
 }
@@ -157,6 +163,9 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
   ExpectFault("components: {a: {type: x, remap: {s: 'a b'}}}", "components.a.remap.s has the name \"a b\"");
   ExpectFault("components: {a: {type: x, nodes: {s: {queu: latest}}}}", "Unknown key \"queu\"");
   ExpectFault("components: {a: {type: x, essential: 1}}", "must be true or false");
+  ExpectFault("components: {a: {type: x, restart: always}}", "must be one of never, on-failure, on-exception");
+  ExpectFault("components: {a: {type: x, checkpoint: soon}}", "components.a.checkpoint must be a duration such as 500ms");
+  ExpectFault("components: {a: {type: x, checkpoint: 5ms}}", "is too short. The shortest is 10ms.");
   ExpectFault("components: {a: {type: x}}\nprocesses: {p: {components: [b]}}",
               "2:30: processes.p.components[0] is \"b\"");
   ExpectFault("components: {abcd: {type: x}}\nprocesses: {p: {components: [abce]}}", "Did you mean \"abcd\"?");

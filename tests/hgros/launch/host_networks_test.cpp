@@ -29,7 +29,7 @@ class HostNetworksTest : public testing::Test {
     descriptions_[3].services = {{"plan", "plan", "x.A", "x.B"}};
   }
   ComponentDescription& Add(const std::string& name, const std::string& host) {
-    robot_.components.push_back({{.name = name, .type = "t"}, name, false, {"robot.yaml", 1, 1}});
+    robot_.components.push_back({.setup = {.name = name, .type = "t"}, .process = name, .at = {"robot.yaml", 1, 1}});
     RobotProcess& process = robot_.processes.emplace_back();
     process.name = name;
     process.host = host;
