@@ -164,7 +164,8 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
   ExpectFault("components: {a: {type: x, nodes: {s: {queu: latest}}}}", "Unknown key \"queu\"");
   ExpectFault("components: {a: {type: x, essential: 1}}", "must be true or false");
   ExpectFault("components: {a: {type: x, restart: always}}", "must be one of never, on-failure, on-exception");
-  ExpectFault("components: {a: {type: x, checkpoint: soon}}", "components.a.checkpoint must be a duration such as 500ms");
+  ExpectFault("components: {a: {type: x, checkpoint: soon}}",
+              "components.a.checkpoint must be a duration such as 500ms");
   ExpectFault("components: {a: {type: x, checkpoint: 5ms}}", "is too short. The shortest is 10ms.");
   ExpectFault("components: {a: {type: x}}\nprocesses: {p: {components: [b]}}",
               "2:30: processes.p.components[0] is \"b\"");

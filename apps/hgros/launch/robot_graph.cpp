@@ -157,8 +157,8 @@ std::set<std::string> RobotGraph::ChannelsFrom(std::string_view from, std::strin
   for (const auto& [service, servers] : served_) {
     const auto callers = called_.find(service);
     if (callers == called_.end()) continue;
-    const auto leads = [&](std::string_view server, std::string_view caller) {
-      return std::ranges::any_of(servers, pair_in(server)) && std::ranges::any_of(callers->second, pair_in(caller));
+    const auto leads = [&, &offered = servers](std::string_view server, std::string_view caller) {
+      return std::ranges::any_of(offered, pair_in(server)) && std::ranges::any_of(callers->second, pair_in(caller));
     };
     if (leads(from, to) || leads(to, from)) channels.insert("hgros/call/" + service);
   }

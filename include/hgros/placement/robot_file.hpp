@@ -34,9 +34,9 @@ enum class ComponentRestart : std::uint8_t {
 /// A computer of the robot.
 struct RobotHost {
   std::string name;
-  std::string address;  ///< At which the other hosts reach it.
-  int port = 0;         ///< Of its first process that publishes for other hosts; the next one has the next port.
-  std::string key = {};              ///< Its public CURVE key; empty: no encryption.
+  std::string address;   ///< At which the other hosts reach it.
+  int port = 0;          ///< Of its first process that publishes for other hosts; the next one has the next port.
+  std::string key = {};  ///< Its public CURVE key; empty: no encryption.
   std::string secret_key_file = {};  ///< On that host.
   bool home = false;                 ///< `hgros run` is started there.
   FilePosition at = {};              ///< Of its name.
