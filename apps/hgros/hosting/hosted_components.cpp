@@ -163,6 +163,13 @@ void HostedComponents::Note(const ComponentStatus& status) {
   reporter_.Wake();
 }
 
+void HostedComponents::ConstructAgain(const std::string& name) {
+  const auto found = hosted_.find(name);
+  if (found == hosted_.end()) return;
+  if (found->second.save_at != Clock::time_point::max()) Save(found->second);
+  Restart(found->second);
+}
+
 void HostedComponents::Restart(Hosted& one) {
   const std::string& name = one.setup->setup.name;
   one.changes = {};

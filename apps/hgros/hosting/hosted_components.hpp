@@ -36,6 +36,8 @@ class HostedComponents {
   [[nodiscard]] Clock::time_point Work();
   /// The last checkpoints, of those that have not failed.
   void SaveAll();
+  /// Ends a component and constructs it again. It goes on from its state, if it has not failed.
+  void ConstructAgain(const std::string& name);
 
   /// All have finished or failed.
   [[nodiscard]] bool AllEnded();

@@ -69,6 +69,8 @@ void Host::Obey(Session& session, HostedComponents& components, const RunOrder& 
   } else if (order.has_start()) {
     components.Start();
     reporter_.Stage(RunReport::RUNNING);
+  } else if (order.has_again()) {
+    components.ConstructAgain(order.again().component());
   } else {
     if (order.end().save()) components.SaveAll();
     ends_ = true;

@@ -252,7 +252,10 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
     code_ = kFailed;
     return say(LogLevel::kError, "It is constructed again, because it has failed");
   }
-  if (state == ComponentState::kRunning) unit.ended.erase(component.name());
+  if (state == ComponentState::kRunning) {
+    unit.ended.erase(component.name());
+    ++unit.runs[component.name()];
+  }
   if (!failed && state != ComponentState::kFinished) return;
   const bool first = unit.ended.emplace(component.name(), failed ? "failed" : "finished").second;
   if (!first) return;
@@ -286,9 +289,7 @@ void Starter::TakeEnd(Unit& unit) {
   if (told) return;
   if (failed) code_ = kFailed;
   if (ending_) return;
-  if (early) {
-    return EndAll("The robot cannot start without " + Named(unit.setup->name) + ".", kFailed);
-  }
+  if (early) return EndAll("The robot cannot start without " + Named(unit.setup->name) + ".", kFailed);
   const RestartPolicy policy = unit.setup->restart;
   if (policy == RestartPolicy::kAlways || (policy == RestartPolicy::kOnFailure && failed)) StartAgain(unit);
   if (unit.stage == Stage::kEnded && unit.setup->essential) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,9 @@ class Starter {
   [[nodiscard]] std::string UnitOf(const std::string& name) const;
   /// Ends a process or program and starts it again. Returns how often it was started again before.
   std::uint64_t Restart(const std::string& unit);
+  /// Lets a component be constructed again, alone in its process. Returns how often it has begun to run; empty: its
+  /// process does not run.
+  std::optional<std::uint64_t> RestartAlone(const std::string& component);
   void Stop() { EndAll({}, code_); }
 
  private:
@@ -76,9 +80,10 @@ class Starter {
     bool again = false;                                    // Is to be started again when it has ended.
     Clock::time_point due{};                               // When it is started.
     RestartPauses restarts{};
-    std::map<std::string, std::string> ended{};  // Components that ended by themselves: "failed" or "finished".
-    bool failed = false;                         // A component of it, or its end.
-    bool reported = false;                       // Its first failure.
+    std::map<std::string, std::uint64_t> runs{};  // How often each component has begun to run.
+    std::map<std::string, std::string> ended{};   // Components that ended by themselves: "failed" or "finished".
+    bool failed = false;                          // A component of it, or its end.
+    bool reported = false;                        // Its first failure.
   };
 
   void StartDue();

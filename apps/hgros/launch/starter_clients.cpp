@@ -56,7 +56,9 @@ void StarterClients::Take(Client& client, const RobotRequest& request) {
                        "The robot has no component, process or program \"" + request.restart() + "\".");
       }
       client.restarts = unit;
-      client.before = starter_.Restart(unit);
+      const auto alone = unit == request.restart() ? std::nullopt : starter_.RestartAlone(request.restart());
+      client.component = alone ? request.restart() : std::string();
+      client.before = alone ? *alone : starter_.Restart(unit);
       return;
     }
     case RobotRequest::REQUEST_NOT_SET: client.gone = true; return;
@@ -80,10 +82,19 @@ void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
 void StarterClients::AnswerRestart(Client& client) {
   for (const RobotReply::Unit& unit : starter_.statuses()) {
     if (unit.name() != client.restarts) continue;
-    if (unit.state() == "running" && unit.restarts() > client.before) {
+    std::string name = unit.name();
+    std::string state = unit.state();
+    std::uint64_t starts = unit.restarts();
+    for (const RobotReply::Component& one : unit.components()) {
+      if (one.name() != client.component || client.component.empty()) continue;
+      name = one.name();
+      state = one.state();
+      starts = one.starts();
+    }
+    if (state == "running" && starts > client.before) {
       SendEnd(client, kDone);
-    } else if (unit.state() == "ended") {
-      SendEnd(client, kFailed, "\"" + unit.name() + "\" has ended again. `hgros logs " + unit.name() + "` says why.");
+    } else if (state == "ended" || state == "failed" || state == "finished") {
+      SendEnd(client, kFailed, "\"" + name + "\" has ended again. `hgros logs " + name + "` says why.");
     } else {
       return;
     }

@@ -41,8 +41,9 @@ class StarterClients {
     bool follows = false;
     std::set<std::string> names{};  // Whose lines; empty: all.
     bool waits_for_end = false;
-    std::string restarts{};  // The unit that it waits for; empty: none.
-    std::uint64_t before{};  // How often that was started before.
+    std::string restarts{};   // The unit that it waits for; empty: none.
+    std::string component{};  // Of the unit; empty: all of it.
+    std::uint64_t before{};   // How often that was started before.
     bool gone = false;
   };
 

@@ -54,6 +54,7 @@ std::vector<RobotReply::Unit> Starter::statuses() const {
       RobotReply::Component& component = *told.add_components();
       component.set_name(name);
       component.set_type(robot_.FindComponent(name)->setup.type);
+      if (const auto runs = unit.runs.find(name); runs != unit.runs.end()) component.set_starts(runs->second);
       const auto ended = unit.ended.find(name);
       component.set_state(ended == unit.ended.end() ? told.state() : ended->second);
     }
@@ -65,6 +66,19 @@ std::string Starter::UnitOf(const std::string& name) const {
   if (std::ranges::any_of(units_, [&](const Unit& unit) { return unit.setup->name == name; })) return name;
   const RobotComponent* component = robot_.FindComponent(name);
   return component == nullptr ? std::string() : component->process;
+}
+
+std::optional<std::uint64_t> Starter::RestartAlone(const std::string& component) {
+  const std::string process = UnitOf(component);
+  const auto unit = std::ranges::find_if(units_, [&](const Unit& one) { return one.setup->name == process; });
+  if (unit == units_.end() || unit->running == nullptr || unit->stage != Stage::kRunning || unit->again || ending_) {
+    return std::nullopt;
+  }
+  unit->ended.erase(component);
+  RunOrder order;
+  order.mutable_again()->set_component(component);
+  Send(*unit, order);
+  return unit->runs[component];
 }
 
 }  // namespace hgros::cli

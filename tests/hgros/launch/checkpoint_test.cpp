@@ -67,8 +67,12 @@ TEST(HgrosCheckpoint, ARestartOnRequestLosesNothing) {
   ASSERT_TRUE(robot.Prints("other    I run."));
   robot.Say("one");
   ASSERT_TRUE(robot.Prints("counts 1."));
-  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_EQ(robot.Ask({"restart", "p"}).status, 0);
   EXPECT_TRUE(robot.Prints("begins at 1."));
+  robot.Say("two");
+  ASSERT_TRUE(robot.Prints("counts 2."));
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("begins at 2.")) << "The component alone.";
 }
 
 TEST(HgrosCheckpoint, ChangedParametersOutliveTheProcess) {

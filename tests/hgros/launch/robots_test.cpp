@@ -86,19 +86,45 @@ TEST(HgrosRobots, ShowsAndFollowsTheLog) {
   EXPECT_THAT(follows.out(), HasSubstr("I end."));
 }
 
-TEST(HgrosRobots, RestartsAProcessByAnyOfItsNames) {
+TEST(HgrosRobots, RestartsProcessesAndPrograms) {
   const DetachedRobot robot(kTwo);
   const std::vector<pid_t> before = PidsIn(robot.started());
   ASSERT_EQ(before.size(), 3U);
-  for (const char* name : {"a", "p", "sleeps"}) {
+  for (const char* name : {"p", "sleeps"}) {
     const CommandEnd end = robot.Ask({"restart", name});
     EXPECT_EQ(end.status, 0) << name << ": " << end.err;
   }
   EXPECT_FALSE(Runs(before[0]));
   EXPECT_FALSE(Runs(before[2]));
-  EXPECT_THAT(robot.Ask({"ps"}).out, AllOf(ContainsRegex("a +relay/Does +p +[0-9]+  running +2"),
+  EXPECT_THAT(robot.Ask({"ps"}).out, AllOf(ContainsRegex("a +relay/Does +p +[0-9]+  running +1"),
                                            ContainsRegex("sleeps +[0-9]+  running +1")));
   EXPECT_THAT(robot.Ask({"restart", "c"}).err, HasSubstr("no component, process or program \"c\""));
+}
+
+TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {
+  const DetachedRobot robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}, c: {type: relay/Does, params: {what: fail}}}\n");
+  const std::vector<pid_t> before = PidsIn(robot.started());
+  for (const char* name : {"a", "a", "b"}) {
+    const CommandEnd end = robot.Ask({"restart", name});
+    EXPECT_EQ(end.status, 0) << name << ": " << end.err;
+  }
+  EXPECT_THAT(before, testing::Each(testing::ResultOf(Runs, true)));
+  const auto times = [&](const std::string& name, const std::string& what) {
+    const std::string out = robot.Ask({"logs", name}).out;
+    std::size_t count = 0;
+    for (std::size_t at = out.find(what); at != std::string::npos; at = out.find(what, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(times("a", "I run."), 3U);
+  EXPECT_EQ(times("a", "I end."), 2U);
+  EXPECT_EQ(times("b", "I run."), 2U);
+  const std::string failed = "It has failed: the laser is broken";
+  ASSERT_TRUE(test::Await([&] { return times("c", failed) > 0; }));
+  const std::size_t once = times("c", failed);
+  EXPECT_EQ(robot.Ask({"restart", "c"}).status, 0) << "It fails later.";
+  EXPECT_TRUE(test::Await([&] { return times("c", failed) == 2 * once; }));
+  EXPECT_THAT(robot.Ask({"ps"}).out, ContainsRegex("c +relay/Does +main +[0-9]+  failed"));
 }
 
 TEST(HgrosRobots, WaitsForTheEndAndItsCode) {

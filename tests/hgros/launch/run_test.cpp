@@ -74,7 +74,8 @@ TEST(HgrosRun, HostsStartTheirPartsInAnyOrder) {
     const auto first = start(home_first);
     const auto second = start(!home_first);
     const CommandRun& cart = home_first ? *first : *second;
-    EXPECT_TRUE(cart.Prints("It has finished: all 100")) << cart.out() << cart.err();
+    EXPECT_TRUE(cart.Prints("It has finished: all 100"))
+        << first->out() << first->err() << second->out() << second->err();
     EXPECT_EQ(first->Wait(), 0) << first->out() << first->err();
     EXPECT_EQ(second->Wait(), 0) << second->out() << second->err();
   }

@@ -41,8 +41,8 @@ class RestartCommand final : public Command {
     arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
   }
   [[nodiscard]] std::string Description() const override {
-    return "Ends a process or program and starts it again, and waits until it runs. For a component it is its process. "
-           "What does not end within 2 s is killed.";
+    return "Ends a process or program and starts it again, and waits until it runs. What does not end within 2 s is "
+           "killed. A component is constructed again alone in its process, with its state.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros restart camera", "Starts the camera again."},
