@@ -107,6 +107,12 @@ bool ChannelOutlet::HasUnfinished() const {
   return transports_ && (promised_ > 0 || transports_->Unfinished() > 0 || transports_->stats().queued_bytes > 0);
 }
 
+bool ChannelOutlet::HasUnsent() const {
+  const EndsLater after_the_lock;
+  const std::scoped_lock lock(order_mutex_);
+  return transports_ && transports_->stats().queued_bytes > 0 && transports_->Unfinished() > 0;
+}
+
 void ChannelOutlet::AddPast(const JoinedOutbound& left) {
   const OutboundStats stats = left.stats();
   past_.sent += stats.sent;

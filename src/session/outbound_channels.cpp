@@ -135,6 +135,14 @@ void OutboundChannels::Close() {
   closed_ = true;
 }
 
+std::string OutboundChannels::Unsent() const {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [name, outlet] : outlets_) {
+    if (outlet->HasUnsent()) return name;
+  }
+  return {};
+}
+
 void OutboundChannels::Detach() {
   std::vector<std::shared_ptr<ChannelOutlet>> outlets;
   {

@@ -46,6 +46,8 @@ class OutboundChannels {
   void SetForbidden(const std::string& channel, bool forbidden, const Later& later);
   // Creates no more outlets.
   void Close();
+  // The first channel with messages that still wait to be sent to lossless subscribers; empty: none.
+  [[nodiscard]] std::string Unsent() const;
   // Later publishes stay inside the process.
   void Detach();
 

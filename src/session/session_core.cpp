@@ -141,6 +141,7 @@ SessionCore::~SessionCore() {
   }
   outbound_.Close();
   changes_.Notify();
+  AwaitSent();
   inbound_->Close();
   if (steering_) steering_->End();
   if (bridge_) bridge_->Close(static_cast<int>(kLinger.count()));  // May still post errands: events of peers that go.
@@ -152,6 +153,19 @@ SessionCore::~SessionCore() {
   if (errands_) errands_->End();  // Not reset: errands in flight post others.
   inbound_->Drop();               // Subscriptions may keep it longer.
   LogEnding(*log_).WriteHeldBack();
+}
+
+// Messages for which a lossless subscriber has given no credit yet would be lost with the session.
+void SessionCore::AwaitSent() const {
+  constexpr std::chrono::milliseconds kPause{1};
+  const auto deadline = std::chrono::steady_clock::now() + kLinger;
+  const auto all_sent = [this] { return outbound_.Unsent().empty(); };
+  while (!changes_.WaitUntil(kPause, all_sent, [] { return false; })) {
+    if (std::chrono::steady_clock::now() < deadline) continue;
+    return log_->Write(LogLevel::kWarning, "The session ends, and lossless subscribers of channel \"" +
+                                               outbound_.Unsent() +
+                                               "\" do not take all messages in time. The rest is lost.");
+  }
 }
 
 bool SessionCore::TakesWiring() const {

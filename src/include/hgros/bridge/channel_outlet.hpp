@@ -43,6 +43,8 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   void SetStays(bool stays);
   // Whether accepted messages have not left, or lossless subscribers have not consumed them.
   [[nodiscard]] bool HasUnfinished() const;
+  /// Messages wait to be sent, and there are lossless subscribers.
+  [[nodiscard]] bool HasUnsent() const;
   void Latch(std::size_t count);
   // From Join() on, subscribers that ask for lossless delivery are keep-last.
   void PromiseNothing() noexcept { may_promise_ = false; }

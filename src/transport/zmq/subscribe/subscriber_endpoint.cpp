@@ -75,6 +75,7 @@ LeaderPool::Task SubscriberEndpoint::Serve(bool& busy) {
 bool SubscriberEndpoint::ReadBatch() {
   const std::scoped_lock lock(mutex_);
   Actions actions;
+  // Before the messages: those that came before the connection has ended are there, then.
   if (monitor_input_.exchange(false)) {
     ReadMonitor(actions);
     inbox_.AddActions(actions);
@@ -84,7 +85,11 @@ bool SubscriberEndpoint::ReadBatch() {
   Message topic;
   std::vector<Message> frames;
   for (int i = 0; i < kMessagesPerTurn; ++i) {
-    if (!socket.Receive(topic)) return false;
+    if (!socket.Receive(topic)) {
+      TakeEnd(actions);
+      inbox_.AddActions(actions);
+      return false;
+    }
     frames.clear();
     bool more = topic.more();
     while (more) {
@@ -126,7 +131,11 @@ void SubscriberEndpoint::ReadMonitor(Actions& actions) {
     WaitForBytes();
   }
   if (connection_.CollectFailure()) Report(EndpointEvent::kFailed, actions);
-  if (!ended) return;
+  end_waits_ = end_waits_ || ended;
+}
+
+void SubscriberEndpoint::TakeEnd(Actions& actions) {
+  if (!std::exchange(end_waits_, false)) return;
   sessions_ = 0;
   channels_.SetPlain(false);
   LosePublisher("the connection was closed", false, actions);
@@ -200,6 +209,7 @@ void SubscriberEndpoint::OnControl(const std::vector<Message>& frames, Actions& 
 void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions) {
   // The monitor's events from before this message have arrived by now; they are handled first.
   ReadMonitor(actions);
+  TakeEnd(actions);
   if (ended_) return;  // The answers would wait for the next connection.
   connection_.SetWelcomed();
   channels_.SetPlain(false);

@@ -82,6 +82,8 @@ class SubscriberEndpoint {
   /// Under the mutex. True if there may be more to read.
   bool ReadBatch();
   void ReadMonitor(Actions& actions);
+  /// The end of the connection, once what came before it was read.
+  void TakeEnd(Actions& actions);
   void OnControl(const std::vector<Message>& frames, Actions& actions);
   void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
   /// A session comes. False if that happens too often.
@@ -107,7 +109,8 @@ class SubscriberEndpoint {
   std::atomic<bool>& monitor_input_ = *lent_monitor_input_;
   std::atomic<bool>& bytes_ = *lent_bytes_;  // Bytes have come after a silence.
   RemotePublisher publisher_;
-  bool ended_ = false;  // The connection, while what came over it is still being read.
+  bool end_waits_ = false;  // The connection has ended; what came before it is still being read.
+  bool ended_ = false;      // The connection, while what came over it is still being read.
   SteadyTime sessions_since_{};
   int sessions_ = 0;  // That have come over this connection since then.
   SubscribedChannels channels_;
