@@ -64,6 +64,7 @@ constexpr std::array kCommands{
     CommandEntry{"wait", "Wait until a robot has ended", kRun, MakeWait},
     CommandEntry{"export", "Write a robot file for other starters", kRun, nullptr},
     CommandEntry{"export systemd", "Write units of systemd", kRun, MakeExportSystemd},
+    CommandEntry{"export compose", "Write a file for Docker Compose", kRun, MakeExportCompose},
     CommandEntry{"components", "Show component types with their channels and parameters", kRun, MakeComponents},
 
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -113,6 +114,27 @@ TEST(HgrosService, ProcessesMeetWithoutAStarter) {
     EXPECT_THAT(run.err() + second.err, AllOf(HasSubstr("numbers: It has finished: 100 numbers\n"),
                                               HasSubstr("one: It has finished: all 100\n"), Not(HasSubstr("error"))));
   }
+}
+
+// As the exports have it: only the network namespace and /tmp are shared.
+TEST(HgrosService, ProcessesOfSeparateContainersMeetAndShareMemory) {
+  if (RunInShell("unshare --mount --pid --ipc --fork true").status != 0) GTEST_SKIP() << "Namespaces need root.";
+  const RobotFolder robot(
+      "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\nprocesses: {p: {components: "
+      "[numbers]}}\n");
+  const auto start = [&](const std::string& process) {
+    return std::make_unique<CommandRun>(
+        std::vector<std::string>{"--mount", "--pid", "--ipc", "--fork", "--kill-child", "--mount-proc", "sh", "-c",
+                                 "mount -t tmpfs none /run; unset XDG_RUNTIME_DIR; exec \"$0\" run " + robot.file() +
+                                     " --process " + process,
+                                 HGROS_COMMAND},
+        robot.environment(), -1, "/usr/bin/unshare");
+  };
+  const auto p = start("p");
+  const auto main = start("main");
+  EXPECT_EQ(main->Wait(), 0) << main->err();
+  EXPECT_EQ(p->Wait(), 0) << p->err();
+  EXPECT_THAT(main->err(), AllOf(HasSubstr("one: It has finished: all 100\n"), Not(HasSubstr("warning"))));
 }
 
 TEST(HgrosService, TheExitCodeSaysWhatHasEnded) {

@@ -11,6 +11,7 @@
 
 #include "commands/commands.hpp"
 #include "commands/robots/robot_reading.hpp"
+#include "export/compose_file.hpp"
 #include "export/systemd_units.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "launch/host_networks.hpp"
@@ -27,7 +28,6 @@ class Export : public Command {
   void Declare(Arguments& arguments) override {
     arguments.Positional({"FILE", "", "The robot file", ValueKind::kFile, {}, true}, file_);
     arguments.Option("--set", "PATH=VALUE", set_, "Replace a value of the file, as `hgros run` does");
-    arguments.Option("--host", "HOST", host_, "Only the processes and programs of this host of the file");
     arguments.Option("--path", "PATH", path_, "Where the file will be; otherwise where it is here", ValueKind::kFile);
     arguments.Option("--name", "ROBOT", name_, "Its name; otherwise that of the file");
     arguments.Option("--folder", "FOLDER", folder_, "Write files into this folder; otherwise to standard output",
@@ -40,13 +40,16 @@ class Export : public Command {
  protected:
   virtual void DeclareOwn(Arguments& arguments) = 0;
   [[nodiscard]] virtual std::vector<ExportedFile> Write(const ExportedRobot& exported) const = 0;
+  // Throws Error if it cannot be exported because of its hosts.
+  virtual void CheckHosts(const RobotFile& robot) const = 0;
+
+  std::string host_;
 
  private:
   void WriteInto(Console& console, const std::vector<ExportedFile>& files) const;
 
   std::string file_;
   std::vector<std::string> set_;
-  std::string host_;
   std::string name_;
   std::string path_;
   std::string folder_;
@@ -91,7 +94,7 @@ int Export::Run(Surroundings& surroundings) {
     return value;
   };
   const RobotFile robot = ReadRobot(surroundings.console, file_, set_, options);
-  RequireHost(robot, host_);
+  CheckHosts(robot);
   for (const char* name : {"HGROS_DOMAIN", "HGROS_COMPONENT_PATH"}) {
     if (const auto value = yaml::EnvironmentVariable(name)) variables[name] = *value;
   }
@@ -126,12 +129,14 @@ class ExportSystemd final : public Export {
 
  protected:
   void DeclareOwn(Arguments& arguments) override {
+    arguments.Option("--host", "HOST", host_, "Only the processes and programs of this host of the file");
     arguments.Option("--user", "USER", options_.user,
                      "Units of the system, which run as this user; otherwise a user's own");
     arguments.Option("--hgros", "PATH", options_.command, "Where hgros is on the robot; otherwise this program",
                      ValueKind::kFile);
   }
   [[nodiscard]] std::vector<ExportedFile> Write(const ExportedRobot& exported) const override;
+  void CheckHosts(const RobotFile& robot) const override { RequireHost(robot, host_); }
 
  private:
   SystemdOptions options_;
@@ -161,8 +166,59 @@ std::vector<ExportedFile> ExportSystemd::Write(const ExportedRobot& exported) co
   return SystemdUnits(exported, options);
 }
 
+// Exports for engines that run containers.
+class ExportContainers : public Export {
+ protected:
+  void DeclareOwn(Arguments& arguments) override {
+    arguments.Option("--image", "IMAGE", options_.image, "The image, with hgros, the robot file and its components");
+    arguments.Option("--hgros", "PATH", options_.command, "Where hgros is in the image; otherwise in its PATH",
+                     ValueKind::kFile);
+  }
+  void CheckHosts(const RobotFile& robot) const override;
+  [[nodiscard]] std::vector<ExportedFile> Write(const ExportedRobot& exported) const override {
+    if (options_.image.empty()) throw UsageError("Give the image of the containers: --image IMAGE.");
+    return {WriteFile(exported, options_)};
+  }
+  [[nodiscard]] virtual ExportedFile WriteFile(const ExportedRobot& exported,
+                                               const ContainerOptions& options) const = 0;
+
+ private:
+  ContainerOptions options_;
+};
+
+void ExportContainers::CheckHosts(const RobotFile& robot) const {
+  const auto refuse = [](const RobotUnit& unit) {
+    if (unit.host.empty()) return;
+    throw Error(
+        "\"" + unit.name + "\" runs on the host \"" + unit.host + "\", but containers have no addresses of hosts.",
+        unit.at.ToString(), "Export a file without hosts, which the file with hosts may include.");
+  };
+  std::ranges::for_each(robot.processes, refuse);
+  std::ranges::for_each(robot.programs, refuse);
+}
+
+class ExportCompose final : public ExportContainers {
+ public:
+  [[nodiscard]] std::string Description() const override {
+    return "Writes a service of Docker Compose for each process and program of a robot file. The services share a "
+           "network of their own, so a host can run many robots. The image has hgros, the robot file at the same path, "
+           "and its components. docs/deployment.md says what each key of the robot file becomes.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros export compose robot.yaml --image robot:1 > compose.yaml", "Writes a file for docker compose up."},
+            {"hgros export compose robot.yaml --image robot:1 --path /robot/robot.yaml --folder out",
+             "The image has the robot file at another path."}};
+  }
+
+ protected:
+  [[nodiscard]] ExportedFile WriteFile(const ExportedRobot& exported, const ContainerOptions& options) const override {
+    return ComposeFile(exported, options);
+  }
+};
+
 }  // namespace
 
 std::unique_ptr<Command> MakeExportSystemd() { return std::make_unique<ExportSystemd>(); }
+std::unique_ptr<Command> MakeExportCompose() { return std::make_unique<ExportCompose>(); }
 
 }  // namespace hgros::cli
