@@ -35,6 +35,7 @@ std::unique_ptr<Command> MakeDelay();
 std::unique_ptr<Command> MakeDoctor();
 std::unique_ptr<Command> MakeEcho();
 std::unique_ptr<Command> MakeExportCompose();
+std::unique_ptr<Command> MakeExportKubernetes();
 std::unique_ptr<Command> MakeExportSystemd();
 std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();

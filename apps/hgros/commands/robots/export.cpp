@@ -12,6 +12,7 @@
 #include "commands/commands.hpp"
 #include "commands/robots/robot_reading.hpp"
 #include "export/compose_file.hpp"
+#include "export/kubernetes_manifest.hpp"
 #include "export/systemd_units.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "launch/host_networks.hpp"
@@ -216,9 +217,29 @@ class ExportCompose final : public ExportContainers {
   }
 };
 
+class ExportKubernetes final : public ExportContainers {
+ public:
+  [[nodiscard]] std::string Description() const override {
+    return "Writes a robot file as a pod of Kubernetes, with a container for each process and program: a Job, or a "
+           "Deployment if something is always started again. The image has hgros, the robot file at the same path, and "
+           "its components. docs/deployment.md says what each key of the robot file becomes.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros export kubernetes robot.yaml --image robot:1 | kubectl apply -f -", "Starts a robot in a cluster."},
+            {"hgros export kubernetes robot.yaml --image robot:1 --name robot7 --folder out",
+             "Writes a robot of another name into a folder."}};
+  }
+
+ protected:
+  [[nodiscard]] ExportedFile WriteFile(const ExportedRobot& exported, const ContainerOptions& options) const override {
+    return KubernetesManifest(exported, options);
+  }
+};
+
 }  // namespace
 
 std::unique_ptr<Command> MakeExportSystemd() { return std::make_unique<ExportSystemd>(); }
+std::unique_ptr<Command> MakeExportKubernetes() { return std::make_unique<ExportKubernetes>(); }
 std::unique_ptr<Command> MakeExportCompose() { return std::make_unique<ExportCompose>(); }
 
 }  // namespace hgros::cli
