@@ -82,7 +82,10 @@ Duration ReadCheckpoint(const Value& value) {
   return duration;
 }
 
-constexpr std::array<std::string_view, 7> kUnitKeys{"host", "env", "cpus", "nice", "priority", "restart", "essential"};
+constexpr std::array<std::string_view, 8> kUnitKeys{"host",     "env",    "cpus",    "nice",
+                                                    "priority", "memory", "restart", "essential"};
+constexpr std::uint64_t kLeastMemoryBytes = 1 << 20;
+constexpr std::uint64_t kMostMemoryBytes = std::uint64_t{1} << 50;
 
 std::vector<std::string_view> WithUnitKeys(std::initializer_list<std::string_view> more) {
   std::vector<std::string_view> keys(more);
@@ -165,6 +168,8 @@ void RobotDraft::ReadUnit(const Field& field, const Section& section, RobotUnit&
   section.Read("cpus", [&](const Value& cpus) { unit.cpus = ReadCpus(cpus); });
   section.Read("nice", [&](const Value& nice) { unit.nice = static_cast<int>(nice.Integer(-20, 19)); });
   section.Read("priority", [&](const Value& priority) { unit.priority = static_cast<int>(priority.Integer(0, 99)); });
+  section.Read("memory",
+               [&](const Value& memory) { unit.memory_bytes = memory.SizeBytes(kLeastMemoryBytes, kMostMemoryBytes); });
   section.Read("restart", [&](const Value& restart) {
     unit.restart = static_cast<RestartPolicy>(restart.Choice({"never", "on-failure", "always"}));
   });

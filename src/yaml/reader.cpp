@@ -1,8 +1,10 @@
 #include "hgros/yaml/reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <limits>
+#include <utility>
 
 #include "hgros/base/names.hpp"
 #include "hgros/yaml/quoted.hpp"
@@ -105,19 +107,26 @@ bool Value::Boolean() const {
 
 std::uint64_t Value::SizeBytes(std::uint64_t least, std::uint64_t most) const {
   const std::string wanted = "a size from " + std::to_string(least) + " to " + std::to_string(most) + " bytes";
-  constexpr std::string_view kForms = "Write an integer, or one with KiB, MiB or GiB, as in 64MiB.";
+  constexpr std::string_view kForms = "Write an integer, or one with KiB, MiB, GiB, kB, MB or GB, as in 64MiB.";
+  constexpr std::array<std::pair<std::string_view, std::uint64_t>, 7> kUnits{{{"", 1},
+                                                                              {"KiB", 1U << 10U},
+                                                                              {"MiB", 1U << 20U},
+                                                                              {"GiB", 1U << 30U},
+                                                                              {"kB", 1'000},
+                                                                              {"MB", 1'000'000},
+                                                                              {"GB", 1'000'000'000}}};
   if (node_->kind != Node::Kind::kText) FailType(wanted, kForms);
   const std::string_view text = node_->text;
   const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
   std::string_view unit = text.substr(digits);
   if (unit.starts_with(' ')) unit.remove_prefix(1);
-  const int shift = unit.empty() ? 0 : unit == "KiB" ? 10 : unit == "MiB" ? 20 : unit == "GiB" ? 30 : -1;
-  if (shift < 0 || digits == 0) FailType(wanted, kForms);
+  const auto known = std::ranges::find(kUnits, unit, &std::pair<std::string_view, std::uint64_t>::first);
+  if (known == kUnits.end() || digits == 0) FailType(wanted, kForms);
   if (node_->quoted && unit.empty()) FailType(wanted, "Write it without quotes.");
   if (digits > 1 && text[0] == '0') FailType(wanted, "Write it without leading zeros.");
   const std::optional<std::uint64_t> count = Digits(text.substr(0, digits));
-  if (!count || *count > (std::numeric_limits<std::uint64_t>::max() >> shift)) FailType(wanted);
-  const std::uint64_t bytes = *count << shift;
+  if (!count || *count > std::numeric_limits<std::uint64_t>::max() / known->second) FailType(wanted);
+  const std::uint64_t bytes = *count * known->second;
   if (bytes < least || bytes > most) FailType(wanted);
   return bytes;
 }

@@ -110,8 +110,9 @@ TEST(ConfigTypes, IntegersAndSizesHaveBounds) {
   ExpectFault("data_graph: {threads: -9223372036854775808}", "1:23", {"from 0 to 1024"});
   ExpectFault("network: {heartbeat_ms: 0}", "1:25", {"from 1 to 3600000"});
   ExpectFault("network: {peer_queue_bytes: 0}", "1:29", {"a size from 1 to"});
-  ExpectFault("network: {peer_queue_bytes: 64MB}", "1:29", {"but is the text \"64MB\".", "KiB, MiB or GiB"});
-  ExpectFault("network: {peer_queue_bytes: 1.5GiB}", "1:29", {"KiB, MiB or GiB"});
+  ExpectFault("network: {peer_queue_bytes: 64Mb}", "1:29",
+              {"but is the text \"64Mb\".", "KiB, MiB, GiB, kB, MB or GB"});
+  ExpectFault("network: {peer_queue_bytes: 1.5GiB}", "1:29", {"KiB, MiB, GiB, kB, MB or GB"});
   ExpectFault("network: {peer_queue_bytes: 18446744073709551615GiB}", "1:29", {"a size from 1 to"});
   ExpectFault("channels: {a: {queue: {keep_last: 0}}}", "1:35", {"from 1 to 1000000"});
   ExpectFault("network: {heartbeat_ms: 5000}", "1:25", {"peer_timeout_ms is 5000", "heartbeat_ms, which is 5000"});

@@ -30,6 +30,7 @@ processes:
     cpus: [1, 0]
     nice: -5
     priority: 20
+    memory: 200MB
     env: {LEVEL: 3}
     restart: on-failure
     data_graph: {threads: 2}
@@ -96,6 +97,7 @@ TEST(RobotFileTest, ReadsProcessesAndPrograms) {
   EXPECT_EQ(front.cpus, (std::vector<int>{0, 1}));
   EXPECT_EQ(front.nice, -5);
   EXPECT_EQ(front.priority, 20);
+  EXPECT_EQ(front.memory_bytes, 200'000'000U);
   EXPECT_EQ(front.env.at("LEVEL"), "3");
   EXPECT_EQ(front.restart, RestartPolicy::kOnFailure);
   ASSERT_EQ(robot.programs.size(), 1U);
@@ -144,6 +146,8 @@ TEST(RobotFileTest, OverridesThatFitNothingAreFaults) {
               {{"mapper.parms.x", "1", "--set mapper.parms.x"}});
   ExpectFault(kRobot, "--set processes.front.nice: processes.front.nice must be an integer from -20 to 19",
               {{"processes.front.nice", "fast", "--set processes.front.nice"}});
+  ExpectFault(kRobot, "processes.front.memory must be a size from 1048576 to 1125899906842624 bytes",
+              {{"processes.front.memory", "200Mb", "--set processes.front.memory"}});
   ExpectFault(kRobot, "--set a: ", {{"laser.params[3]", "1", "--set a"}});
   ExpectFault(kRobot, "--set a: ", {{"laser..params", "1", "--set a"}});
   ExpectFault(kRobot, "--set a: ", {{"", "1", "--set a"}});

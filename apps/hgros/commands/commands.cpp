@@ -62,6 +62,10 @@ constexpr std::array kCommands{
     CommandEntry{"restart", "Start a process or program of a robot again", kRun, MakeRestart},
     CommandEntry{"stop", "End a robot", kRun, MakeStop},
     CommandEntry{"wait", "Wait until a robot has ended", kRun, MakeWait},
+    CommandEntry{"export", "Write a robot file for other starters", kRun, nullptr},
+    CommandEntry{"export systemd", "Write units of systemd", kRun, MakeExportSystemd},
+    CommandEntry{"export compose", "Write a file for Docker Compose", kRun, MakeExportCompose},
+    CommandEntry{"export kubernetes", "Write a Job or Deployment of Kubernetes", kRun, MakeExportKubernetes},
     CommandEntry{"components", "Show component types with their channels and parameters", kRun, MakeComponents},
 
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},

@@ -16,14 +16,14 @@ bool IsOver(ComponentState state) { return state == ComponentState::kFinished ||
 
 }  // namespace
 
-HostedComponents::HostedComponents(Session& session, Reporter& reporter, const RobotFile& robot,
+HostedComponents::HostedComponents(Session& session, ComponentReports& reports, const RobotFile& robot,
                                    const RobotProcess& process, const KeptComponents& kept)
-    : reporter_(reporter),
+    : reports_(reports),
       robot_(robot),
       process_(process),
       kept_(kept),
       components_(session, {.log = [this](std::string_view component, LogLevel level,
-                                          std::string_view text) { reporter_.Line(component, level, text); },
+                                          std::string_view text) { reports_.Line(component, level, text); },
                             .on_change = [this](const ComponentStatus& status) { Note(status); }}) {}
 
 void HostedComponents::Construct(const ComponentCatalog& catalog) {
@@ -89,25 +89,25 @@ void HostedComponents::Save(Hosted& one) {
     const std::scoped_lock lock(mutex_);
     if (one.state == ComponentState::kFailed || one.restart_at != Clock::time_point::max()) return;
   }
-  if (reporter_.full()) return;  // The starter does not read.
+  if (reports_.full()) return;  // The starter does not read.
   std::shared_ptr<const RawMessage> state;
   try {
     state = components_.Save(name, kSavePatience);
   } catch (const std::exception& error) {
-    return reporter_.Line(name, LogLevel::kWarning, "There is no new checkpoint: " + std::string(error.what()));
+    return reports_.Line(name, LogLevel::kWarning, "There is no new checkpoint: " + std::string(error.what()));
   }
   if (state == nullptr || AsText(state->data.bytes) == one.saved) return;
   if (state->data.bytes.size() > kMostStateBytes) {
     if (!std::exchange(one.too_large, true)) {
-      reporter_.Line(name, LogLevel::kWarning,
-                     "There is no new checkpoint: its state has " + std::to_string(state->data.bytes.size()) +
-                         " bytes, and the most are " + std::to_string(kMostStateBytes) + ".");
+      reports_.Line(name, LogLevel::kWarning,
+                    "There is no new checkpoint: its state has " + std::to_string(state->data.bytes.size()) +
+                        " bytes, and the most are " + std::to_string(kMostStateBytes) + ".");
     }
     return;
   }
   one.saved = AsText(state->data.bytes);
   one.kept.state = state;
-  reporter_.Tell(ReportOf(name, *state));
+  reports_.Tell(ReportOf(name, *state));
 }
 
 void HostedComponents::Keep(Hosted& one, const ParamEvent& event) {
@@ -122,7 +122,7 @@ void HostedComponents::Keep(Hosted& one, const ParamEvent& event) {
       const std::scoped_lock lock(mutex_);
       one.kept.params[changed.path()] = changed.value();
     }
-    reporter_.Tell(report);
+    reports_.Tell(report);
   }
 }
 
@@ -159,8 +159,8 @@ void HostedComponents::Note(const ComponentStatus& status) {
     component.set_again(PlanRestart(one, status));
     if (component.again() && status.state != ComponentState::kFailed) component.set_sentence(status.exception);
   }
-  reporter_.Tell(report);
-  reporter_.Wake();
+  reports_.Tell(report);
+  reports_.Wake();
 }
 
 void HostedComponents::ConstructAgain(const std::string& name) {
@@ -185,7 +185,7 @@ void HostedComponents::Restart(Hosted& one) {
     components_.Join();
     if (started_) components_.Start();
   } catch (const std::exception& error) {
-    reporter_.Line(name, LogLevel::kError, error.what());
+    reports_.Line(name, LogLevel::kError, error.what());
     Note({name, ComponentState::kFailed, "It could not be constructed again."});
   }
 }

@@ -10,7 +10,7 @@
 #include "hgros/component/components.hpp"
 #include "hgros/params/param_server.hpp"
 #include "hgros/placement/robot_file.hpp"
-#include "hosting/reporter.hpp"
+#include "hosting/component_reports.hpp"
 #include "launch/kept_component.hpp"
 #include "launch/restart_pauses.hpp"
 
@@ -25,7 +25,7 @@ class HostedComponents {
   using Clock = std::chrono::steady_clock;
 
   /// Borrows all of them. `kept`: what earlier instances have left.
-  HostedComponents(Session& session, Reporter& reporter, const RobotFile& robot, const RobotProcess& process,
+  HostedComponents(Session& session, ComponentReports& reports, const RobotFile& robot, const RobotProcess& process,
                    const KeptComponents& kept);
 
   /// Throws Error if one cannot be constructed.
@@ -66,7 +66,7 @@ class HostedComponents {
   void Keep(Hosted& one, const ParamEvent& event);
   [[nodiscard]] bool HasEnded(const Hosted& one) const;
 
-  Reporter& reporter_;
+  ComponentReports& reports_;
   const RobotFile& robot_;
   const RobotProcess& process_;
   const KeptComponents& kept_;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "hgros/base/log.hpp"
+#include "hosting/component_reports.hpp"
 #include "launch/run.pb.h"
 #include "processes/message_stream.hpp"
 
@@ -16,27 +17,25 @@ namespace hgros::cli {
 /// lost, and lines are counted.
 ///
 /// Thread safety: all functions but Read and Next, which belong to one thread.
-class Reporter {
+class Reporter final : public ComponentReports {
  public:
   explicit Reporter(int socket);
-  Reporter(const Reporter&) = delete;
-  Reporter& operator=(const Reporter&) = delete;
-  ~Reporter();
+  ~Reporter() override;
 
-  void Tell(const RunReport& report);
+  void Tell(const RunReport& report) override;
   void Stage(RunReport::Stage stage);
   void Fault(const std::string& what);
-  void Line(std::string_view component, LogLevel level, std::string_view text);
+  void Line(std::string_view component, LogLevel level, std::string_view text) override;
 
   [[nodiscard]] int socket() const noexcept { return stream_.descriptor(); }
   /// Readable after Wake(), and once something waits to be written.
   [[nodiscard]] int wakes() const noexcept { return wakes_; }
-  void Wake() noexcept;
+  void Wake() noexcept override;
   void Slept() noexcept;
   void Write();
   [[nodiscard]] bool unsent();
   /// Whether so much waits to be written that lines are lost.
-  [[nodiscard]] bool full();
+  [[nodiscard]] bool full() override;
 
   /// Orders. The stream's two directions share nothing.
   [[nodiscard]] bool Read() { return stream_.Read(); }

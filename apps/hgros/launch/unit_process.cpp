@@ -50,6 +50,10 @@ void SetUp(const RobotUnit& unit) {
     const sched_param parameter{unit.priority};
     if (sched_setscheduler(0, SCHED_FIFO, &parameter) != 0) SayUnset("priority");
   }
+  if (unit.memory_bytes > 0) {
+    const rlimit limit{unit.memory_bytes, unit.memory_bytes};
+    if (setrlimit(RLIMIT_DATA, &limit) != 0) SayUnset("memory");
+  }
 }
 
 [[noreturn]] void RunChild(const RobotUnit& unit, const UnitProcess::Body& body, int socket, int output,

@@ -50,6 +50,7 @@ struct RobotUnit {
   std::vector<int> cpus;                   ///< Where its threads may run; empty: everywhere.
   int nice = 0;                            ///< -20 to 19; fewer is more urgent.
   int priority = 0;                        ///< Of SCHED_FIFO for its threads, 1 to 99; 0: the normal scheduler.
+  std::uint64_t memory_bytes = 0;          ///< What it may use, with the processes that it starts; 0: no limit.
   RestartPolicy restart = RestartPolicy::kNever;
   bool essential = false;  ///< The robot ends with it.
   FilePosition at;         ///< Of its name.

@@ -212,7 +212,7 @@ TEST_F(ConfigSchema, RefusesWhatTheReaderRefuses) {
       "network: {security: {allowed_clients: [short]}}",
       "network: {security: {servers: {'robot2:1': short}}}",
       "network: {peer_queue_bytes: 0}",
-      "network: {peer_queue_bytes: 64MB}",
+      "network: {peer_queue_bytes: 64Mb}",
       "network: {heartbeat_ms: 0}",
       "network: {heartbeat_ms: '100'}",
       "network: {peer_timeout_ms: 3600001}",
@@ -276,7 +276,8 @@ TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
        {"components: {a: {type: x}}\nprocesses: {p: , q: {components: [a], env: {A: 1}, cpus: [], nice: -20}}",
         "components: {a: {type: x, params: , remap: , nodes: , essential: false}}\nprocesses:\nprograms:",
         "components: {a: {type: 1, params: {x: [1]}, nodes: {s: {queue: {keep_all: 3}}}}}\ntime: simulated",
-        "components: {a: {type: x}}\nprograms: {p: {command: [ls, 1, true], restart: always, priority: 99}}",
+        "components: {a: {type: x}}\nprograms: {p: {command: [ls, 1, true], restart: always, priority: 99, memory: "
+        "200MB}}",
         "components: {a: {type: x}}\nhosts: {h: , i: {address: 10.0.0.1, port: 7000, home: true}}\n"
         "processes: {p: {host: h}}\nprograms: {q: {command: [ls], host: i}}",
         "components: {a: {type: x}}\nprocesses: {p: {discovery: {domain: d}, channels: {c: {latched: 1}}}}"}) {
@@ -308,6 +309,8 @@ TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
                                         robot + "processes: {p: {cpus: [1024]}}",
                                         robot + "processes: {p: {nice: 20}}",
                                         robot + "processes: {p: {priority: -1}}",
+                                        robot + "processes: {p: {memory: 200Mb}}",
+                                        robot + "processes: {p: {memory: 1000}}",
                                         robot + "processes: {p: {env: [A]}}",
                                         robot + "processes: {p: {env: {A: [1]}}}",
                                         robot + "processes: {p: {restart: on_failure}}",

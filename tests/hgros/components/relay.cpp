@@ -84,12 +84,14 @@ class Does {
     if (what_ == "finish") context_.Finish("enough");
     if (what_ == "throw") throw std::runtime_error("it is too dark");
     if (what_ == "log") context_.log().Write(hgros::LogLevel::kWarning, "It is\n\x1b[31mdark.");
+    if (what_ == "allocate") allocated_.resize(std::size_t{600} << 20U);
     if (what_ == "print") std::printf("printed, and\nin two lines\n");
   }
 
   hgros::Context& context_;
   const std::string what_;
   bool done_ = false;
+  std::string allocated_;
 };
 HGROS_COMPONENT(Does, "relay/Does")
 

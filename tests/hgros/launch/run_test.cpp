@@ -328,6 +328,22 @@ TEST(HgrosRun, AStoppedStarterDoesNotStopTheRobot) {
   EXPECT_THAT(run.out(), HasSubstr("all 20000"));
 }
 
+TEST(HgrosRun, MemoryOfEachHasALimit) {
+  const std::string allocate = "{command: [python3, -c, 'len(bytearray(300_000_000)); print(\"enough\")'], ";
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does, params: {what: allocate}}, b: {type: relay/Does, params: {what: allocate}}}\n"
+      "processes: {p: {components: [a], memory: 500MiB}}\n"
+      "programs:\n  few: " +
+      allocate + "memory: 200MB}\n  many: " + allocate + "memory: 1GB}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  EXPECT_TRUE(run.Prints("many  enough")) << run.out();
+  EXPECT_TRUE(run.Prints("few   MemoryError")) << run.out();
+  EXPECT_TRUE(run.Prints("std::bad_alloc")) << run.out();
+  EXPECT_THAT(run.out(), AllOf(Not(HasSubstr("few   enough")), Not(HasSubstr("b/soon"))));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+}
+
 TEST(HgrosRun, WritesJson) {
   const RobotFolder robot("components: {a: {type: relay/Does, params: {what: finish}}}\n");
   const CommandEnd end = robot.Run({"--json"});

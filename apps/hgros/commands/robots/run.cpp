@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "commands/commands.hpp"
+#include "commands/robots/robot_reading.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/placement/robot_file.hpp"
+#include "hosting/service_process.hpp"
 #include "launch/detached.hpp"
 #include "launch/host_networks.hpp"
 #include "launch/robot_check.hpp"
@@ -27,6 +29,8 @@ class RunCommand final : public Command {
     arguments.Option("--except", "NAME", except_, "Do not start this component, process or program");
     arguments.Option("--host", "HOST", host_, "Start only the processes and programs of this host of the file");
     arguments.Option("--name", "ROBOT", options_.name, "Its name for other commands; otherwise that of the file");
+    arguments.Option("--process", "NAME", process_,
+                     "Run one process in this one, without a starter, as `hgros export` has it");
     arguments.Flag("-d,--detach", detach_, "Return once everything runs; `hgros logs` and `hgros stop` reach it");
     arguments.Flag("-v,--verbose", options_.verbose, "Also log lines of the level debug");
     arguments.Flag("--json", options_.json, "One JSON object per line");
@@ -44,7 +48,6 @@ class RunCommand final : public Command {
   int Run(Surroundings& surroundings) override;
 
  private:
-  [[nodiscard]] RobotFile Read(Console& console) const;
   void Select(RobotFile& robot) const;
   // Throws if something is wrong.
   [[nodiscard]] static std::vector<ComponentDescription> Try(const RobotFile& robot, const ComponentCatalog& catalog,
@@ -55,27 +58,10 @@ class RunCommand final : public Command {
   std::string host_;
   std::vector<std::string> only_;
   std::vector<std::string> except_;
+  std::string process_;
   StarterOptions options_;
   bool detach_ = false;
 };
-
-RobotFile RunCommand::Read(Console& console) const {
-  RobotFileOptions options;
-  options.host = host_;
-  for (const std::string& one : set_) {
-    const std::size_t equals = one.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw UsageError("--set needs a path and a value, as in --set mapper.params.cell_size_m=0.1.");
-    }
-    options.overrides.push_back({one.substr(0, equals), one.substr(equals + 1), "--set " + one.substr(0, equals)});
-  }
-  CheckedRobotFile checked = RobotFile::Check(file_, options);
-  if (checked.faults.empty()) return std::move(checked.robot);
-  const ConfigError last = checked.faults.back();
-  checked.faults.pop_back();
-  for (const ConfigError& fault : checked.faults) console.Say(Visible(fault.what()));
-  throw ConfigError(last);
-}
 
 // Leaves what was asked for.
 void RunCommand::Select(RobotFile& robot) const {
@@ -124,10 +110,14 @@ std::vector<ComponentDescription> RunCommand::Try(const RobotFile& robot, const 
 }
 
 int RunCommand::Run(Surroundings& surroundings) {
-  RobotFile whole = Read(surroundings.console);
+  const bool more =
+      detach_ || options_.json || options_.verbose || !options_.name.empty() || !only_.empty() || !except_.empty();
+  if (!process_.empty() && more) throw UsageError("--process takes no other options than --set and --host.");
+  RobotFile whole = ReadRobot(surroundings.console, file_, set_, {.host = host_});
   Select(whole);
   RequireHost(whole, host_);
   const ComponentCatalog catalog;
+  if (!process_.empty()) return RunAsService(whole, process_, catalog, surroundings.pause);
   const RobotGraph graph(whole, Try(whole, catalog, surroundings));
   const RobotFile robot = PartOfHost(whole, host_, HostNetworks(whole, graph));
   if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();

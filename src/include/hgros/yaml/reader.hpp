@@ -37,7 +37,7 @@ class Value {
   [[nodiscard]] std::int64_t Integer(std::int64_t least, std::int64_t most) const;
   /// true or false, not quoted.
   [[nodiscard]] bool Boolean() const;
-  /// A number of bytes: an integer, or one with KiB, MiB or GiB, such as 64MiB.
+  /// A number of bytes: an integer, or one with KiB, MiB, GiB, kB, MB or GB, such as 64MiB.
   [[nodiscard]] std::uint64_t SizeBytes(std::uint64_t least, std::uint64_t most) const;
   /// The index of the text in `choices`.
   [[nodiscard]] std::size_t Choice(std::initializer_list<std::string_view> choices) const;

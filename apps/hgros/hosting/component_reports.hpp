@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string_view>
+
+#include "hgros/base/log.hpp"
+#include "launch/run.pb.h"
+
+namespace hgros::cli {
+
+/// Who hears how the components of a process are: its starter, or the log of a service.
+///
+/// Thread safety: all functions.
+class ComponentReports {
+ public:
+  ComponentReports() = default;
+  ComponentReports(const ComponentReports&) = delete;
+  ComponentReports& operator=(const ComponentReports&) = delete;
+  virtual ~ComponentReports() = default;
+
+  virtual void Tell(const RunReport& report) = 0;
+  virtual void Line(std::string_view component, LogLevel level, std::string_view text) = 0;
+  /// Lets the thread of HostedComponents call Work().
+  virtual void Wake() noexcept = 0;
+  /// Whether reports are not taken fast enough.
+  [[nodiscard]] virtual bool full() = 0;
+};
+
+}  // namespace hgros::cli
