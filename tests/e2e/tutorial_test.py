@@ -252,9 +252,8 @@ class Tutorial(unittest.TestCase):
             print("Two networks were not tried: this system does not allow network namespaces.")
             return
         robot, desk = hosts["robot"].holder.pid, hosts["desk"].holder.pid
-        self.first.run("export ROBOT=10.197.0.1 DESK=10.197.0.2")
         steps = [f"ip link add hgta netns {robot} type veth peer name hgtb netns {desk}"]
-        for host, device, address in (("robot", "hgta", "$ROBOT"), ("desk", "hgtb", "$DESK")):
+        for host, device, address in (("robot", "hgta", "10.197.0.1"), ("desk", "hgtb", "10.197.0.2")):
             steps += [hosts[host].inside(f"ip {words}") for words in
                       (f"address add {address}/24 dev {device}", "link set lo up", f"link set {device} up")]
         for step in steps:
@@ -263,9 +262,9 @@ class Tutorial(unittest.TestCase):
         def hgros(host):
             return f"HGROS_DOMAIN={self.domain}{host} " + hosts[host].inside("hgros")
         second = self.terminal(self.first.folder)
-        second.run("export ROBOT=10.197.0.1 DESK=10.197.0.2")
-        second.start(hgros("robot") + " run two_hosts.yaml --host robot --detach")
-        printed, code = self.first.run(hgros("desk") + " run two_hosts.yaml --host desk --detach")
+        run = " run two_hosts.yaml --detach --set hosts.robot.address=10.197.0.1 --set hosts.desk.address=10.197.0.2 --host "
+        second.start(hgros("robot") + run + "robot")
+        printed, code = self.first.run(hgros("desk") + run + "desk")
         self.assertEqual((code, second.end()[1]), (0, 0), printed)
         self.assertEqual(self.position(hgros("robot")), 0)
         self.first.run(f"HGROS_DOMAIN={self.domain}desk " + hosts["desk"].inside("python3 pilot.py www"))
