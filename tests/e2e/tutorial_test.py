@@ -33,7 +33,7 @@ BLOCK = re.compile(r"(?P<mark><!-- second terminal -->\n)?^```(?P<kind>\w*)\n(?P
 NUMBER = re.compile(r"\d+(?:[.:T-]\d+)*Z?")
 # They change nothing, so they can be repeated until they print what is expected.
 READING = re.compile(r"(?:HGROS_DOMAIN=\w+ )?hgros (?:components|echo|list|logs|ps|tf|top) ?")
-OWN_NETWORK = "HGROS_TUTORIAL_NETWORK"
+OWN_NAMESPACES = "HGROS_TUTORIAL_NAMESPACES"
 
 
 def blocks_of(page):
@@ -261,6 +261,8 @@ class Tutorial(unittest.TestCase):
 
         def hgros(host):
             return f"HGROS_DOMAIN={self.domain}{host} " + hosts[host].inside("hgros")
+        for host in hosts:
+            self.addCleanup(lambda host=host: self.first.run(hgros(host) + " stop"))
         second = self.terminal(self.first.folder)
         run = " run two_hosts.yaml --detach --set hosts.robot.address=10.197.0.1 --set hosts.desk.address=10.197.0.2 --host "
         second.start(hgros("robot") + run + "robot")
@@ -273,17 +275,19 @@ class Tutorial(unittest.TestCase):
             self.assertEqual(self.first.run(hgros(host) + " stop")[1], 0)
 
 
-def enter_own_network():
-    """Continues in a network namespace if possible, because the page's ports may be in use in this one."""
-    words = ["unshare", "--net" if os.geteuid() == 0 else "--map-root-user"] + ["--net"] * (os.geteuid() != 0)
-    os.environ[OWN_NETWORK] = "tried"
-    possible = shutil.which("unshare") and shutil.which("ip") and \
-        subprocess.run([*words, "ip", "link", "set", "lo", "up"], check=False, stderr=subprocess.DEVNULL).returncode == 0
-    if possible:
-        os.execvp("unshare", [*words, "sh", "-c", 'ip link set lo up; exec "$@"', "sh", sys.executable, "-B", *sys.argv])
+def enter_own_namespaces():
+    """Continues with a network and processes of its own if possible: the page's ports may be in use outside, and what
+    runs in the background ends with this program, however it ends."""
+    os.environ[OWN_NAMESPACES] = "tried"
+    words = ["unshare", "--net", "--pid", "--fork", "--kill-child", "--mount-proc"]
+    words += ["--map-root-user"] if os.geteuid() != 0 else []
+    inside = ["sh", "-c", 'ip link set lo up && "$@"', "sh"]
+    if shutil.which("unshare") and shutil.which("ip") and subprocess.run(
+            [*words, *inside, "true"], check=False, stderr=subprocess.DEVNULL).returncode == 0:
+        os.execvp("unshare", [*words, *inside, sys.executable, "-B", *sys.argv])
 
 
 if __name__ == "__main__":
-    if OWN_NETWORK not in os.environ:
-        enter_own_network()
+    if OWN_NAMESPACES not in os.environ:
+        enter_own_namespaces()
     unittest.main()
