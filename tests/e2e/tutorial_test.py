@@ -146,6 +146,7 @@ class Tutorial(unittest.TestCase):
         os.environ["HOME"] = home.name
         subprocess.run(["cmake", "--install", BUILD, "--prefix", self.home / "hgros", "--strip"], check=True,
                        stdout=subprocess.DEVNULL)
+        self.assertFalse((self.home / "hgros/share/hgros/components/teleop.yaml").exists())  # The page makes it.
         self.domain = self.home.name
         self.environment = {name: value for name, value in os.environ.items() if name != "HGROS_COMPONENT_PATH"}
         self.environment.update(HGROS_DOMAIN=self.domain, PATH=f"{self.home}/hgros/bin:{os.environ['PATH']}")
