@@ -12,15 +12,18 @@ In printed lines, a digit alone stands for itself, any other number for any numb
 "-" stands for a number, too. A line "..." stands for any lines. The block after `<!-- second terminal -->` runs beside the next one. PID is the process of drive.
 """
 
+import fcntl
 import json
 import os
 import pathlib
 import pty
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import unittest
 
@@ -83,12 +86,16 @@ def same(expected, printed):
 
 
 class Terminal:
-    """A shell, which keeps its folder and its variables from command to command."""
+    """A shell that prints to a terminal, and keeps its folder and its variables from command to command."""
 
     def __init__(self, folder, environment):
         self.folder = folder
-        self.shell = subprocess.Popen(["bash"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                      text=True, cwd=folder, env=environment)
+        ours, theirs = pty.openpty()
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, 130, 0, 0))
+        self.shell = subprocess.Popen(["bash"], stdin=subprocess.PIPE, stdout=theirs, stderr=theirs, text=True, cwd=folder,
+                                      env={**environment, "TERM": "dumb", "NO_COLOR": "1"})
+        os.close(theirs)
+        self.printed = open(ours, encoding="utf-8", newline="\n")
 
     def start(self, command):
         self.shell.stdin.write(f"{command}\nprintf '\\n%s %s %s\\n' --end-- $? \"$PWD\"\n")
@@ -97,13 +104,9 @@ class Terminal:
     def end(self):
         """The lines that the last command has printed, and its exit code."""
         lines = []
-        for line in iter(self.shell.stdout.readline, ""):
-            if line.startswith("--end-- "):
-                _, code, self.folder = line.rstrip("\n").split(" ", 2)
-                break
-            lines.append(line.rstrip("\n"))
-        else:
-            raise EOFError("The shell has ended.")
+        while not (line := self.printed.readline().rstrip("\r\n")).startswith("--end-- "):
+            lines.append(line)
+        _, code, self.folder = line.split(" ", 2)
         return lines[:-1] if lines[-1] == "" else lines, int(code)
 
     def run(self, command):
@@ -113,7 +116,7 @@ class Terminal:
     def close(self):
         self.shell.stdin.close()
         self.shell.wait()
-        self.shell.stdout.close()
+        self.printed.close()
 
 
 class Host:
