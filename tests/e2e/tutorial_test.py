@@ -205,8 +205,10 @@ class Tutorial(unittest.TestCase):
             self.assertTrue(text.startswith("$ "), f"{PAGE.name}:{line}: a console block begins with a command")
             if second:
                 self.assertIsNone(beside)
-                (command, expected), = commands_of(text)
-                beside = (self.terminal(self.first.folder), line, command, expected)
+                *before, (command, expected) = commands_of(text)
+                beside = (self.terminal(self.home), line, command, expected)
+                for one, _ in before:
+                    self.assertEqual(beside[0].run(one), ([], 0))
                 beside[0].start(self.typed(command))
                 continue
             for command, expected in commands_of(text):
