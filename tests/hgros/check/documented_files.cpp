@@ -65,7 +65,7 @@ std::vector<DocumentedFile> AllFiles(bool of_robots) {
   std::vector<DocumentedFile> files = FilesOfPage("README.md");
   const std::filesystem::path root = RepositoryFolder();
   for (const auto& entry : std::filesystem::directory_iterator(root / "docs")) {
-    if (entry.path().extension() != ".md") continue;
+    if (entry.path().extension() != ".md" || entry.path().stem() == "tutorial") continue;  // It writes examples/teleop.
     for (DocumentedFile& file : FilesOfPage("docs/" + entry.path().filename().string()))
       files.push_back(std::move(file));
   }
