@@ -114,6 +114,14 @@ class Slam2dRobots(Slam2dTest):
         self.assertEqual(code, 1, out + err)  # A process has failed.
         self.assertIn(f"writer    It has finished: {SCANS} scans are in the map.", out)
 
+    def test_a_mapper_that_is_constructed_again_draws_the_same_map(self):
+        running = self.start("three_processes.yaml", SLOW)
+        self.hgros_until_it_works(running, "call", "save_map", "{}")
+        for name in ("mapper", "mapping"):
+            self.hgros_until_it_works(running, "restart", name)
+        self.hgros_until_it_works(running, "param", "set", "source", "rate", "0")
+        self.assertEqual(self.hashes(running), self.reference(SCANS))
+
     def test_unusable_input_is_an_error_that_names_it(self):
         empty = self.folder / "empty.clf"
         empty.write_text("# nothing\n")

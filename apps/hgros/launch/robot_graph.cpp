@@ -54,16 +54,26 @@ std::vector<RobotFinding> RobotGraph::Check() const {
   return findings;
 }
 
+bool RobotGraph::MayComeFromOutside(const RobotComponent& component, const std::string& channel) const {
+  if (!robot_.programs.empty()) return true;
+  const RobotProcess* process = robot_.FindProcess(component.process);
+  return process != nullptr && std::ranges::any_of(process->config.subscribers, [&](const EndpointConfig& endpoint) {
+           return endpoint.all_channels || std::ranges::binary_search(endpoint.channels, channel);
+         });
+}
+
 void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
   for (const auto& [channel, ends] : inputs_) {
     const auto publishers = outputs_.find(channel);
     for (const End& end : ends) {
       const std::string& name = end.component->setup.name;
       if (publishers == outputs_.end()) {
+        const std::string nearest = NearestKey(channel, outputs_);
+        if (nearest.empty() && MayComeFromOutside(*end.component, channel)) continue;
         findings.push_back({false, end.component->at,
                             "No component publishes the channel " + InQuotes(channel) + ", to which " + InQuotes(name) +
                                 " subscribes.",
-                            NearestKey(channel, outputs_)});
+                            nearest});
         continue;
       }
       for (const End& publisher : publishers->second) {

@@ -40,6 +40,8 @@ class RobotGraph {
   };
   using Pairs = std::map<std::string, std::vector<Pair>>;
 
+  // By a program of the robot, or over an endpoint of the process that lists the channel.
+  [[nodiscard]] bool MayComeFromOutside(const RobotComponent& component, const std::string& channel) const;
   void CheckChannels(std::vector<RobotFinding>& findings) const;
   void CheckServices(std::vector<RobotFinding>& findings) const;
 

@@ -92,6 +92,19 @@ TEST_F(RobotGraphTest, FindsTypesThatDoNotFit) {
   EXPECT_NE(findings[2].find("\"a\" publishes x.A, and \"d\" publishes x.C."), std::string::npos) << findings[2];
 }
 
+TEST_F(RobotGraphTest, DoesNotWarnOfWhatMayComeFromOutside) {
+  Add("a").outputs = {Channel("front/scan")};
+  Add("b").inputs = {Channel("joystick"), Channel("front/scam")};
+  EXPECT_EQ(Findings().size(), 2U);
+  EndpointConfig& endpoint = robot_.processes[1].config.subscribers.emplace_back();
+  endpoint.channels = {"joystick"};
+  ASSERT_EQ(Findings().size(), 1U) << "One has a nearest name.";
+  EXPECT_NE(Findings()[0].find("front/scam"), std::string::npos);
+  robot_.processes[1].config.subscribers.clear();
+  robot_.programs.emplace_back().name = "pad";
+  EXPECT_EQ(Findings().size(), 1U);
+}
+
 TEST_F(RobotGraphTest, WarnsOfOneEndWithTheNearestName) {
   Add("a").outputs = {Channel("front/scan")};
   Add("b").inputs = {Channel("front/scam")};
