@@ -84,6 +84,10 @@ class Does {
     if (what_ == "finish") context_.Finish("enough");
     if (what_ == "throw") throw std::runtime_error("it is too dark");
     if (what_ == "log") context_.log().Write(hgros::LogLevel::kWarning, "It is\n\x1b[31mdark.");
+    if (what_ == "log bytes") {
+      context_.log().Write(hgros::LogLevel::kWarning, "\xfe\xff is no text");
+      context_.log().Write(hgros::LogLevel::kInfo, "after it");
+    }
     if (what_ == "print") std::printf("printed, and\nin two lines\n");
   }
 

@@ -133,6 +133,25 @@ TEST(HgrosRobots, ADetachedRobotThatCannotStartSaysWhy) {
   EXPECT_THAT(wrong.err, HasSubstr("There is no component type \"relay/None\""));
 }
 
+TEST(HgrosRobots, AProgramThatPrintsWithoutEndHoldsUpNobody) {
+  const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
+  ASSERT_TRUE(test::Await([&robot] { return robot.Ask({"logs", "p"}).out.find("and again") != std::string::npos; }));
+  EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("yes again and again"));
+  EXPECT_EQ(robot.Ask({"stop"}).status, 0);
+}
+
+TEST(HgrosRobots, LogsMayHaveAnyBytes) {
+  const DetachedRobot robot(
+      "components: {a: {type: relay/Does, params: {what: log bytes}}}\n"
+      "programs: {p: {command: [sh, -c, 'printf \"a\\377b\\000c\\n\"; sleep 100']}}\n");
+  ASSERT_TRUE(test::Await([&robot] { return robot.Ask({"logs"}).out.find("after it") != std::string::npos; }));
+  const CommandEnd logs = robot.Ask({"logs"});
+  EXPECT_EQ(logs.status, 0);
+  EXPECT_EQ(logs.err, "");
+  EXPECT_THAT(logs.out, AllOf(HasSubstr("a\\xffb\\x00c"), HasSubstr("\\xfe\\xff is no text")));
+  EXPECT_THAT(robot.Ask({"logs", "--json"}).out, HasSubstr("a\\uFFFDb\\u0000c"));
+}
+
 // Speaks to the starter's socket directly.
 class RawClient {
  public:
