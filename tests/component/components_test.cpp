@@ -51,7 +51,10 @@ class Counter {
 
   void Activate() { Deeds().push_back(context_.name() + " is active"); }
   void Deactivate() { Deeds().push_back(context_.name() + " is not active"); }
-  PoseInFrame Save() { return PoseIn(std::to_string(count)); }
+  PoseInFrame Save() {
+    if (count < 0) throw count;
+    return PoseIn(std::to_string(count));
+  }
   void Restore(const PoseInFrame& state) { count = std::stoi(state.frame_id()); }
 
   int count = 0;
@@ -321,6 +324,15 @@ TEST(Components, GoOnFromASavedState) {
   setup.state = state;
   process.components->Add(setup);
   EXPECT_EQ(process.components->Find<Counter>("counter")->count, 3);
+}
+
+TEST(Components, SayWhatSaveThrows) {
+  Process process;
+  process.components->Add(CounterNamed("counter"));
+  process.Run();
+  process.components->Find<Counter>("counter")->count = -1;
+  EXPECT_THAT([&] { (void)process.components->Save("counter"); },
+              ThrowsMessage<Error>(HasSubstr("something that is no std::exception")));
 }
 
 TEST(Components, RefuseAStateOfAnotherTypeOrWithoutRestore) {

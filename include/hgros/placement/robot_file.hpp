@@ -83,7 +83,8 @@ struct HGROS_EXPORT RobotFile {
   [[nodiscard]] static RobotFile Load(const std::filesystem::path& file, const RobotFileOptions& options = {});
   /// The same, but does not stop at the first fault. Does not throw ConfigError.
   [[nodiscard]] static CheckedRobotFile Check(const std::filesystem::path& file, const RobotFileOptions& options = {});
-  /// Whether a file has components, and so is a robot file. False if it cannot be read.
+  /// Whether a file has components, or includes a file that cannot be read, and so is a robot file. False if the file
+  /// itself cannot be read.
   [[nodiscard]] static bool Is(const std::filesystem::path& file);
 
   /// Null if there is none of that name.

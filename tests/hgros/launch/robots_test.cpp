@@ -133,6 +133,13 @@ TEST(HgrosRobots, ADetachedRobotThatCannotStartSaysWhy) {
   EXPECT_THAT(wrong.err, HasSubstr("There is no component type \"relay/None\""));
 }
 
+TEST(HgrosRobots, ARobotCanBeStartedWithoutStandardStreams) {
+  const RobotFolder folder(kTwo);
+  EXPECT_EQ(RunInShell("\"$HGROS\" run -d " + folder.file() + " <&- >&- 2>&-", folder.environment()).status, 0);
+  EXPECT_THAT(RunToEnd({"ps"}, folder.environment()).out, HasSubstr("relay/Does"));
+  EXPECT_EQ(RunToEnd({"stop"}, folder.environment()).status, 0);
+}
+
 TEST(HgrosRobots, AProgramThatPrintsWithoutEndHoldsUpNobody) {
   const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
   ASSERT_TRUE(test::Await([&robot] { return robot.Ask({"logs", "p"}).out.find("and again") != std::string::npos; }));
