@@ -16,8 +16,9 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
-constexpr std::chrono::seconds kLateStart{15};           // A start that takes longer is said to be late.
+constexpr std::chrono::milliseconds kEndPatience{1600};    // Then what has not ended is killed.
+constexpr std::chrono::seconds kLateStart{15};             // A start that takes longer is said to be late.
+constexpr std::chrono::milliseconds kReaderPatience{200};  // Robots must not wait for a pager.
 constexpr std::size_t kWidestName = 16;
 
 std::size_t WidthOfNames(const RobotFile& robot) {
@@ -54,6 +55,7 @@ int Starter::Run() {
       if (!ending_) StartDue();
       Advance();
       Poll();
+      log_.WaitAtMost(kReaderPatience);
       for (Unit& unit : units_) Hear(unit);
       KillLate();
       clients_.Serve();
@@ -66,6 +68,7 @@ int Starter::Run() {
     if (ending_) EndNext();
   }
   clients_.TellEnd(code_);
+  log_.End();
   return code_;
 }
 
