@@ -1,4 +1,7 @@
 // hgros: one command to see, check, measure and steer a running robot. commands/ has one file per command.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <exception>
 #include <string>
@@ -47,7 +50,15 @@ int RunUntilItEnds(const CommandEntry& entry, const std::vector<std::string>& wo
   }
 }
 
+// Standard streams that are closed would otherwise be what is opened next. Using these fails as before.
+void FillStandardStreams() {
+  int unused = 0;
+  while (unused >= 0 && unused <= STDERR_FILENO) unused = open("/dev/null", O_RDONLY);
+  if (unused >= 0) close(unused);
+}
+
 int Main(std::vector<std::string> words) {
+  FillStandardStreams();
   (void)std::signal(SIGPIPE, SIG_IGN);  // Writing fails instead, so that the session says goodbye.
   Console console;
   try {

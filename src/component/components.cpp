@@ -140,8 +140,14 @@ class Components::Core {
   std::shared_ptr<const RawMessage> Save(One& one, std::chrono::nanoseconds patience) {
     if (one.type.state == nullptr) return nullptr;
     AnyMessage state;
-    if (!one.core.guard()->TryAlone(std::chrono::steady_clock::now() + patience,
-                                    [&] { state = one.component->Save(); })) {
+    const auto save = [&] {
+      try {
+        state = one.component->Save();
+      } catch (...) {
+        Rethrow(one.core.setup());
+      }
+    };
+    if (!one.core.guard()->TryAlone(std::chrono::steady_clock::now() + patience, save)) {
       throw Error(Named(one.core.setup()) + "it could not be saved: a callback of it has not returned.");
     }
     const TypeInfo& type = *one.type.state;

@@ -26,6 +26,7 @@ using yaml::Value;
 
 constexpr std::string_view kMain = "main";
 constexpr std::size_t kMostArguments = 1000;
+constexpr char kNul = '\0';
 
 void CheckName(const Field& field, std::string_view what) {
   std::string fault = ChannelNameFault(field.key);
@@ -43,13 +44,23 @@ std::map<std::string, std::string> ReadTexts(const Value& map, std::string_view 
   return texts;
 }
 
+// For the system, a text ends there.
+const std::string& WithoutNul(const std::string& text, const Value& value) {
+  if (text.find(kNul) != std::string::npos) value.Fail("has a byte 0, which a program cannot get", "Remove it.");
+  return text;
+}
+
 std::map<std::string, std::string> ReadEnvironment(const Value& map) {
   for (const Field& field : map.Map("a map from variables of the environment to their values")) {
-    if (!field.key.empty() && field.key.find_first_of("= ") == std::string::npos) continue;
+    if (!field.key.empty() && field.key.find_first_of(std::string{'=', ' ', kNul}) == std::string::npos) continue;
     throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a variable.", field.key_position,
                       "Use letters, digits and \"_\".");
   }
-  return ReadTexts(map, "a map", "a text");
+  std::map<std::string, std::string> env = ReadTexts(map, "a map", "a text");
+  for (const Field& field : map.Map({})) {
+    if (const auto read = env.find(field.key); read != env.end()) (void)WithoutNul(read->second, field.value);
+  }
+  return env;
 }
 
 std::map<std::string, std::string> ReadRemap(const Value& map) {
@@ -220,7 +231,7 @@ void RobotDraft::ReadProgram(const Field& field) {
   ReadUnit(field, section, program);
   const Value command = section.Require("command");
   for (const Value& part : command.List("a list of the program and its arguments")) {
-    program.command.push_back(part.Text("a text"));
+    program.command.push_back(WithoutNul(part.Text("a text"), part));
   }
   if (program.command.empty() || program.command.front().empty()) command.Fail("names no program", "Name one.");
   if (program.command.size() > kMostArguments) command.Fail("has more than 1000 arguments", "Write a script for it.");

@@ -17,6 +17,14 @@ bool HasKey(const yaml::Node& map, std::string_view key) {
   return std::ranges::any_of(map.entries, [key](const yaml::Node::Entry& one) { return one.key->text == key; });
 }
 
+bool IsMapWith(std::string_view key, const std::filesystem::path& file) {
+  try {
+    return HasKey(yaml::Document::Load(file).root(), key);
+  } catch (const ConfigError&) {
+    return false;
+  }
+}
+
 std::vector<std::string> KeysBelow(const yaml::Node& map, std::string_view key) {
   std::vector<std::string> keys;
   for (const yaml::Node::Entry& entry : map.entries) {
@@ -92,8 +100,8 @@ bool RobotFile::Is(const std::filesystem::path& file) {
   try {
     const auto any = [](const std::string&) { return std::optional<std::string>("x"); };
     return HasKey(yaml::Document::Assemble(file, any).root(), "components");
-  } catch (const ConfigError&) {
-    return false;
+  } catch (const ConfigError&) {  // Only robot files include others, which may be what is wrong.
+    return IsMapWith("include", file);
   }
 }
 

@@ -65,6 +65,9 @@ class Assembly {
       if (!std::filesystem::exists(file, error)) {
         name.Fail("names " + Quoted(text) + ", which is no file beside this one", "Check the path.");
       }
+      if (!std::filesystem::is_regular_file(file, error) && !std::filesystem::is_directory(file, error)) {
+        name.Fail("names " + Quoted(text) + ", which is a pipe or a device", "Include a file.");
+      }
       Document included = Read(file, name.position());
       lower = lower ? Document::Merged(*lower, included) : std::move(included);
     }

@@ -51,7 +51,10 @@ class Counter {
 
   void Activate() { Deeds().push_back(context_.name() + " is active"); }
   void Deactivate() { Deeds().push_back(context_.name() + " is not active"); }
-  PoseInFrame Save() { return PoseIn(std::to_string(count)); }
+  PoseInFrame Save() {
+    if (count < 0) throw count;
+    return PoseIn(std::to_string(count));
+  }
   void Restore(const PoseInFrame& state) { count = std::stoi(state.frame_id()); }
 
   int count = 0;
@@ -356,6 +359,15 @@ TEST(Components, AreSavedBetweenTheirCallbacks) {
   process.components->Add({.name = "next", .type = "test/Slow", .state = process.components->Save("slow")});
   EXPECT_EQ(process.components->Find<Slow>("next")->restored, "0") << "It was saved inside a callback.";
   EXPECT_TRUE(Await([&] { return slow.ended == 10; })) << "Callbacks that waited run on.";
+}
+
+TEST(Components, SayWhatSaveThrows) {
+  Process process;
+  process.components->Add(CounterNamed("counter"));
+  process.Run();
+  process.components->Find<Counter>("counter")->count = -1;
+  EXPECT_THAT([&] { (void)process.components->Save("counter"); },
+              ThrowsMessage<Error>(HasSubstr("something that is no std::exception")));
 }
 
 TEST(Components, RefuseAStateOfAnotherTypeOrWithoutRestore) {

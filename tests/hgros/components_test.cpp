@@ -3,9 +3,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 
 #include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
+#include "support/await.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -57,7 +60,13 @@ TEST(HgrosComponents, SurvivesALibraryThatDoesNot) {
       end.err,
       AllOf(HasSubstr(
                 "Component \"bad/Crashes\": its constructor or destructor does not return: it was ended by SIGSEGV."),
-            HasSubstr("exit code 3"), HasSubstr("there is no \\x1b[31mcamera")));
+            HasSubstr("exit code 3"), HasSubstr("there is no \\x1b[31mcamera"),
+            HasSubstr(
+                "Component \"bad/Forks\": its constructor or destructor does not return: it was ended by SIGABRT.")));
+  std::smatch left;
+  ASSERT_TRUE(std::regex_search(end.err, left, std::regex("left ([0-9]+)")));
+  const pid_t pid = std::stoi(left[1]);
+  EXPECT_TRUE(test::Await([pid] { return !Runs(pid); }));
 }
 
 TEST(HgrosComponents, ChecksWhatALibraryHas) {

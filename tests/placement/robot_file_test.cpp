@@ -180,6 +180,10 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
               "must be one of never, on-failure, always");
   ExpectFault("components: {a: {type: x}}\nprocesses: {p: {cpus: [1, 1]}}", "is a CPU that the list already has");
   ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {\"A=B\": 1}}}", "cannot be the name of a variable");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {A: \"a\\0b\"}}}", "processes.p.env.A has a byte 0");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {\"A\\0B\": 1}}}", "cannot be the name of a variable");
+  ExpectFault("components: {a: {type: x}}\nprograms: {p: {command: [ls, \"a\\0b\"]}}", "has a byte 0");
+  ExpectFault("include: /dev/zero", "which is a pipe or a device");
   ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {A: [1]}}}", "processes.p.env.A must be a text");
   ExpectFault("components: {a: {type: x}}\nprograms: {p: {}}", "programs.p has no \"command\"");
   ExpectFault("components: {a: {type: x}}\nprograms: {p: {command: []}}", "names no program");
@@ -212,6 +216,8 @@ TEST(RobotFileTest, TellsRobotFilesFromOthers) {
   EXPECT_FALSE(RobotFile::Is(folder.Write("b.yaml", "network: {}")));
   EXPECT_FALSE(RobotFile::Is(folder.Write("c.yaml", "[")));
   EXPECT_FALSE(RobotFile::Is(folder.path() / "none.yaml"));
+  EXPECT_TRUE(RobotFile::Is(folder.Write("d.yaml", "include: none.yaml"))) << "Its fault is that of a robot file.";
+  EXPECT_TRUE(RobotFile::Is(folder.Write("e.yaml", "include: e.yaml")));
 }
 
 TEST(RobotFileTest, ReadsHosts) {

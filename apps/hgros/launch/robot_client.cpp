@@ -2,16 +2,25 @@
 
 #include <chrono>
 
+#include "arguments/command.hpp"
 #include "hgros/base/error.hpp"
 #include "launch/robot_socket.hpp"
 #include "terminal/console.hpp"
 #include "terminal/pause.hpp"
 
 namespace hgros::cli {
+namespace {
+
+constexpr std::chrono::seconds kAnswerPatience{5};
+
+}  // namespace
 
 RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, Pause& pause,
                          const std::function<void(const RobotReply& reply)>& hear) {
   const auto stream = ConnectToRobot(robot);
+  const bool at_once = request.has_status() || (request.has_logs() && !request.logs().follow());
+  const auto late =
+      at_once ? std::chrono::steady_clock::now() + kAnswerPatience : std::chrono::steady_clock::time_point::max();
   stream->Add(request);
   bool open = stream->Write();
   while (true) {
@@ -21,9 +30,13 @@ RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, 
       if (hear) hear(reply);
     }
     if (!open) throw Error("The robot \"" + robot + "\" ended without an answer.");
-    if (pause.UntilReadable(stream->descriptor(), std::chrono::steady_clock::time_point::max()) ==
-        Pause::End::kInterrupted) {
-      throw OutputClosed();
+    switch (pause.UntilReadable(stream->descriptor(), late)) {
+      case Pause::End::kInterrupted: throw OutputClosed();
+      case Pause::End::kDeadline:
+        throw TimedOut("The robot \"" + robot +
+                       "\" does not answer: its hgros run is stopped, or nobody reads its output. "
+                       "Continue it with `fg`, or read its output.");
+      case Pause::End::kWoken: break;
     }
     open = stream->Read();
   }

@@ -11,7 +11,8 @@ class Pause;
 
 /// Asks the starter of a robot, and calls `hear` for each unit and line of the answer. Returns its end.
 ///
-/// Errors: throws Error if the robot does not run, or its starter has died; OutputClosed if the user ends the command.
+/// Errors: throws Error if the robot does not run, or its starter has died; TimedOut if the starter does not answer;
+///         OutputClosed if the user ends the command.
 RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, Pause& pause,
                          const std::function<void(const RobotReply& reply)>& hear = {});
 

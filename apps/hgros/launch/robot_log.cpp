@@ -1,6 +1,7 @@
 #include "launch/robot_log.hpp"
 
 #include <string>
+#include <utility>
 
 #include "hgros/base/error.hpp"
 
@@ -22,12 +23,25 @@ void RobotLog::Write(std::string_view line) {
 
 void RobotLog::Guard(const std::function<void()>& write) {
   if (silent_) return;
+  if (!console_.CanWrite(wait_until_)) {
+    ++unread_;
+    return;
+  }
   try {
+    if (const std::uint64_t unread = std::exchange(unread_, 0); unread > 0) SayUnread(unread);
     write();
   } catch (const Error& error) {
     silent_ = true;
     console_.Say(std::string(error.what()) + " The robot runs on; `hgros logs` shows its log.");
   }
+}
+
+void RobotLog::End() {
+  if (unread_ > 0) SayUnread(std::exchange(unread_, 0));
+}
+
+void RobotLog::SayUnread(std::uint64_t lines) {
+  console_.Say(std::to_string(lines) + " lines were not written, because nobody read the output.");
 }
 
 }  // namespace hgros::cli

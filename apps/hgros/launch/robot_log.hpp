@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string_view>
 #include <utility>
@@ -11,7 +13,7 @@
 namespace hgros::cli {
 
 /// What a starter shows: the log of its robot. If nothing can be written any more, such as on a full disk, that is said
-/// once, and the robot runs on.
+/// once, and the robot runs on. If nobody reads what is written, such as a pager, lines are left out and counted.
 ///
 /// Threading: one thread.
 class RobotLog {
@@ -33,17 +35,25 @@ class RobotLog {
   void Write(std::string_view line);
   /// Calls `write`, which writes to the console.
   void Guard(const std::function<void()>& write);
+  /// What is written from now on waits at most so long, all together, for somebody to read.
+  void WaitAtMost(std::chrono::milliseconds time) { wait_until_ = std::chrono::steady_clock::now() + time; }
+  /// Says what was left out.
+  void End();
   /// Nobody reads it any more.
   void Silence() noexcept { silent_ = true; }
 
   [[nodiscard]] const LogLines& lines() const noexcept { return lines_; }
 
  private:
+  void SayUnread(std::uint64_t lines);
+
   Console& console_;
   const Look look_;
   LogLines lines_;
   std::function<void(const LogLine&)> tell_;
   bool silent_ = false;
+  std::chrono::steady_clock::time_point wait_until_ = std::chrono::steady_clock::time_point::max();
+  std::uint64_t unread_ = 0;  // Lines that were left out since one was written.
 };
 
 }  // namespace hgros::cli

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -50,6 +51,20 @@ bool IsOurs(int socket) {
   return getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && (peer.uid == getuid() || peer.uid == 0);
 }
 
+// Whether it is a robot of this user. Any user can take any name.
+bool IsOurRobot(const std::string& name) {
+  const Address address = AddressOf(name);
+  const MessageStream stream(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (connect(stream.descriptor(), reinterpret_cast<const sockaddr*>(&address.address), address.size) == 0) {
+    return IsOurs(stream.descriptor());
+  }
+  return errno == EAGAIN;  // It has no time now.
+}
+
+bool CanBeARobot(const std::string& name) {
+  return ChannelNameFault(name).empty() && name.find('/') == std::string::npos;
+}
+
 }  // namespace
 
 RobotSocket::RobotSocket(const std::string& name) {
@@ -65,6 +80,10 @@ RobotSocket::RobotSocket(const std::string& name) {
   }
   const int error = errno;
   if (descriptor_ >= 0) close(descriptor_);
+  if (error == EADDRINUSE && !IsOurRobot(name)) {
+    throw Error("Another user of this host has taken the name of the robot \"" + name + "\".", {},
+                "Give this one another name with --name, or set HGROS_DOMAIN.");
+  }
   if (error == EADDRINUSE) {
     throw Error("A robot \"" + name + "\" is running already.", {},
                 "End it with `hgros stop " + name + "`, or give this one another name with --name.");
@@ -92,6 +111,7 @@ std::vector<std::string> RunningRobots() {
   }
   std::ranges::sort(robots);
   robots.erase(std::unique(robots.begin(), robots.end()), robots.end());
+  std::erase_if(robots, [](const std::string& robot) { return !CanBeARobot(robot) || !IsOurRobot(robot); });
   return robots;
 }
 
@@ -117,6 +137,8 @@ std::unique_ptr<MessageStream> ConnectToRobot(const std::string& name) {
   const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) throw Error("The system refused a socket: " + std::generic_category().message(errno) + ".");
   auto stream = std::make_unique<MessageStream>(descriptor);
+  const timeval patience{5, 0};
+  (void)setsockopt(descriptor, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
   if (connect(descriptor, reinterpret_cast<const sockaddr*>(&address.address), address.size) != 0 ||
       !IsOurs(descriptor)) {
     throw Error("No robot \"" + name + "\" can be reached.", {}, "`hgros ps` lists those that run.");

@@ -10,16 +10,15 @@
 
 #include "hgros/base/error.hpp"
 #include "hosting/hosted_process.hpp"
-#include "processes/process_end.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
-constexpr std::chrono::seconds kLateStart{15};           // A start that takes longer is said to be late.
-constexpr std::size_t kReportedLines = 10;
+constexpr std::chrono::milliseconds kEndPatience{1600};    // Then what has not ended is killed.
+constexpr std::chrono::seconds kLateStart{15};             // A start that takes longer is said to be late.
+constexpr std::chrono::milliseconds kReaderPatience{200};  // Robots must not wait for a pager.
 constexpr std::size_t kWidestName = 16;
 
 std::size_t WidthOfNames(const RobotFile& robot) {
@@ -50,11 +49,13 @@ Starter::Starter(const RobotFile& robot, const RobotGraph& graph, const Componen
 
 int Starter::Run() {
   late_at_ = Clock::now() + kLateStart;
+  surroundings_.pause.OutlastTheSecond();  // It kills them; this process must not leave before.
   while (!AllEnded()) {
     try {
       if (!ending_) StartDue();
       Advance();
       Poll();
+      log_.WaitAtMost(kReaderPatience);
       for (Unit& unit : units_) Hear(unit);
       KillLate();
       clients_.Serve();
@@ -63,9 +64,11 @@ int Starter::Run() {
       log_.Silence();
       EndAll({}, code_);
     }
+    if (surroundings_.pause.signaled_again() && !std::exchange(at_once_, true)) kill_at_ = Clock::now();
     if (ending_) EndNext();
   }
   clients_.TellEnd(code_);
+  log_.End();
   return code_;
 }
 
@@ -275,7 +278,8 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
 void Starter::TakeEnd(Unit& unit) {
   const int status = unit.running->status();
   const bool told = unit.stage == Stage::kEnds || unit.again;
-  const bool failed = unit.failed || !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  const bool left = unit.process != nullptr && unit.ended.size() < unit.process->components.size();
+  const bool failed = unit.failed || left || !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   const bool early = !released_ && !told;
   if (failed && !told) ReportFailure(unit, status);
   unit.running.reset();
@@ -342,23 +346,6 @@ void Starter::KillLate() {
     if (unit.running == nullptr) continue;
     Say(unit, LogLevel::kWarning, "It did not end in time, and is killed.");
     unit.running->Signal(SIGKILL);
-  }
-}
-
-void Starter::ReportFailure(Unit& unit, int status) {
-  code_ = kFailed;
-  const bool itself = WIFEXITED(status) && unit.failed;
-  if (!itself) Say(unit, LogLevel::kError, "The process has failed: " + EndText(status) + "." + CoreText(status));
-  if (std::exchange(unit.reported, true) || options_.json || itself) return;
-  std::vector<const LogLine*> last;
-  for (const LogLine& line : lines().all()) {
-    if (line.process == unit.setup->name) last.push_back(&line);
-  }
-  if (last.size() <= 1) return;
-  last.pop_back();  // What was said just now.
-  log_.Write("The last lines of " + Named(unit.setup->name) + ":");
-  for (std::size_t i = last.size() - std::min(last.size(), kReportedLines); i < last.size(); ++i) {
-    log_.Repeat(*last[i]);
   }
 }
 

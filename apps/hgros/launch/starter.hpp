@@ -126,6 +126,7 @@ class Starter {
   bool joining_ = false;   // All were told to join.
   bool released_ = false;  // All run.
   bool ending_ = false;
+  bool at_once_ = false;  // The user has asked again.
   Clock::time_point kill_at_ = Clock::time_point::max();
   int code_ = kDone;
 };

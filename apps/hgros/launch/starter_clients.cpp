@@ -30,7 +30,7 @@ void StarterClients::Serve() {
   for (Client& client : clients_) {
     client.gone = !client.stream->Read();
     RobotRequest request;
-    while (client.stream->Next(request)) Take(client, request);
+    while (client.stream->unsent() <= kMostUnreadBytes && client.stream->Next(request)) Take(client, request);
     if (!client.restarts.empty()) AnswerRestart(client);
     if (!client.stream->Write() || client.stream->unsent() > kMostUnreadBytes) client.gone = true;
   }

@@ -1,11 +1,20 @@
 // What a starter shows and tells of its units.
+#include <sys/wait.h>
+
 #include <algorithm>
+#include <utility>
 
 #include "launch/starter.hpp"
+#include "processes/process_end.hpp"
 #include "terminal/json.hpp"
 #include "terminal/records.hpp"
 
 namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kReportedLines = 10;
+
+}  // namespace
 
 void Starter::ShowStates() {
   Records records(surroundings_.console, {},
@@ -21,6 +30,26 @@ void Starter::ShowStates() {
     if (options_.json) log_.Write(json.EndList().EndObject().text());
   }
   if (!options_.json) log_.Guard([&] { records.End(); });
+}
+
+void Starter::ReportFailure(Unit& unit, int status) {
+  code_ = kFailed;
+  const bool itself = WIFEXITED(status) && unit.failed;
+  if (!itself) {
+    const std::string early = status == 0 ? ", but its components had not ended" : "";
+    Say(unit, LogLevel::kError, "The process has failed: " + EndText(status) + early + "." + CoreText(status));
+  }
+  if (std::exchange(unit.reported, true) || options_.json || itself) return;
+  std::vector<const LogLine*> last;
+  for (const LogLine& line : lines().all()) {
+    if (line.process == unit.setup->name) last.push_back(&line);
+  }
+  if (last.size() <= 1) return;
+  last.pop_back();  // What was said just now.
+  log_.Write("The last lines of \"" + unit.setup->name + "\":");
+  for (std::size_t i = last.size() - std::min(last.size(), kReportedLines); i < last.size(); ++i) {
+    log_.Repeat(*last[i]);
+  }
 }
 
 void Starter::Say(const Unit& unit, LogLevel level, const std::string& text) {

@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <system_error>
@@ -25,8 +26,10 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::size_t kMostLineBytes = 8192;
-constexpr int kPipeBytes = 1 << 20;  // Of output that waits for the starter.
-constexpr int kNotStarted = 127;     // As shells say it.
+constexpr std::size_t kPipeBytes = 1U << 20U;  // Of output that waits for the starter.
+// Then the others have their turn: a program that prints faster than it is read would hold up all.
+constexpr std::size_t kMostBytesAtOnce = 1U << 16U;
+constexpr int kNotStarted = 127;  // As shells say it.
 
 [[noreturn]] void RefuseStart(const RobotUnit& unit) {
   throw Error("The system refused to start \"" + unit.name + "\": " + std::generic_category().message(errno) + ".",
@@ -89,18 +92,25 @@ UnitProcess::UnitProcess(const RobotUnit& unit, const Body& body) {
   }
   output_ = outputs[0];
   (void)fcntl(output_, F_SETFL, O_NONBLOCK);
-  (void)fcntl(output_, F_SETPIPE_SZ, kPipeBytes);
+  (void)fcntl(output_, F_SETPIPE_SZ, static_cast<int>(kPipeBytes));
   const pid_t starter = getpid();
   pid_ = fork();
   if (pid_ == 0) RunChild(unit, body, sockets[1], outputs[1], starter);
   close(sockets[1]);
   close(outputs[1]);
-  if (pid_ < 0) {
-    close(output_);
-    RefuseStart(unit);
+  if (pid_ > 0) {
+    (void)setpgid(pid_, pid_);
+    end_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
   }
-  (void)setpgid(pid_, pid_);
-  end_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
+  if (end_ >= 0) return;
+  const int error = errno;
+  if (pid_ > 0) {  // Its end could not be noticed.
+    Signal(SIGKILL);
+    Reap(0);
+  }
+  close(output_);
+  errno = error;
+  RefuseStart(unit);
 }
 
 UnitProcess::~UnitProcess() {
@@ -112,8 +122,9 @@ UnitProcess::~UnitProcess() {
 
 void UnitProcess::ReadOutput(const std::function<void(std::string_view)>& hear) {
   std::array<char, 16384> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  while (output_ >= 0) {
-    const ssize_t more = read(output_, buffer.data(), buffer.size());
+  std::size_t left = ended_ ? kPipeBytes : kMostBytesAtOnce;
+  while (output_ >= 0 && left > 0) {
+    const ssize_t more = read(output_, buffer.data(), std::min(buffer.size(), left));
     if (more < 0 && errno == EINTR) continue;
     if (more < 0 && errno == EAGAIN) return;
     if (more <= 0) {
@@ -121,6 +132,7 @@ void UnitProcess::ReadOutput(const std::function<void(std::string_view)>& hear) 
       ReadLastLine(hear);
       return;
     }
+    left -= static_cast<std::size_t>(more);
     for (const char letter : std::string_view(buffer.data(), static_cast<std::size_t>(more))) {
       if (letter != '\n') line_ += letter;
       if (letter != '\n' && line_.size() < kMostLineBytes) continue;
@@ -137,7 +149,8 @@ void UnitProcess::ReadLastLine(const std::function<void(std::string_view)>& hear
 
 void UnitProcess::Signal(int number) const noexcept {
   if (ended_) return;
-  if (kill(-pid_, number) != 0) (void)kill(pid_, number);  // It may not lead its group yet.
+  // It may not lead its group yet, or have moved to another one.
+  if (kill(-pid_, number) != 0 || number == SIGKILL) (void)kill(pid_, number);
 }
 
 bool UnitProcess::HasEnded() {

@@ -35,7 +35,7 @@ class UnitProcess {
   void EndStream() noexcept { stream_ended_ = true; }
   /// What it prints; -1: nothing more.
   [[nodiscard]] int output() const noexcept { return output_; }
-  /// Reads what it has printed, and calls `hear` for each line.
+  /// Reads some of what it has printed, or all if it has ended, and calls `hear` for each line.
   void ReadOutput(const std::function<void(std::string_view line)>& hear);
   /// The last line, if it was not ended.
   void ReadLastLine(const std::function<void(std::string_view line)>& hear);

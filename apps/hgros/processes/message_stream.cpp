@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t kMostMessageBytes = 64U << 20U;
 constexpr std::size_t kSizeBytes = 4;
+constexpr std::size_t kMostBytesAtOnce = 1U << 20U;  // More than a socket holds.
 
 }  // namespace
 
@@ -27,29 +28,31 @@ void MessageStream::Add(const google::protobuf::MessageLite& message) {
 }
 
 bool MessageStream::Write() {
-  std::size_t written = 0;
-  while (written < out_.size()) {
-    const ssize_t more = write(descriptor_, out_.data() + written, out_.size() - written);
+  while (unsent() > 0) {
+    const ssize_t more = write(descriptor_, out_.data() + written_, unsent());
     if (more < 0 && errno == EINTR) continue;
     if (more < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
     if (more <= 0) return false;
-    written += static_cast<std::size_t>(more);
+    written_ += static_cast<std::size_t>(more);
   }
-  out_.erase(0, written);
+  if (written_ < out_.size() / 2) return true;  // Moving the rest each time would take long.
+  out_.erase(0, written_);
+  written_ = 0;
   return true;
 }
 
 bool MessageStream::Read() {
   std::array<char, 65536> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  while (!broken_) {
+  for (std::size_t total = 0; !broken_ && total < kMostBytesAtOnce;) {
     const ssize_t more = read(descriptor_, buffer.data(), buffer.size());
     if (more < 0 && errno == EINTR) continue;
     if (more < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return true;
     if (more <= 0) return false;
     in_.append(buffer.data(), static_cast<std::size_t>(more));
+    total += static_cast<std::size_t>(more);
     if (static_cast<std::size_t>(more) < buffer.size()) return true;
   }
-  return false;
+  return !broken_;
 }
 
 bool MessageStream::Next(google::protobuf::MessageLite& message) {

@@ -20,13 +20,13 @@ class MessageStream {
 
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
   /// Bytes that wait for Write().
-  [[nodiscard]] std::size_t unsent() const noexcept { return out_.size(); }
+  [[nodiscard]] std::size_t unsent() const noexcept { return out_.size() - written_; }
 
   void Add(const google::protobuf::MessageLite& message);
   /// Writes what fits. False: nobody reads it any more.
   bool Write();
 
-  /// Reads what is there. False: nothing will come any more.
+  /// Reads what is there, up to 1 MiB. False: nothing will come any more.
   bool Read();
   /// Takes the next whole message that was read. False: there is none. What is no such message ends the stream.
   bool Next(google::protobuf::MessageLite& message);
@@ -34,6 +34,7 @@ class MessageStream {
  private:
   const int descriptor_;
   std::string out_;
+  std::size_t written_ = 0;  // Of out_.
   std::string in_;
   std::size_t taken_ = 0;  // Of in_.
   bool broken_ = false;

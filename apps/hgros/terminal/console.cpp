@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -83,6 +85,18 @@ void Console::Write(std::string_view text) {
     return;
   }
   WriteTo(STDOUT_FILENO, "Standard output", text);
+}
+
+bool Console::CanWrite(std::chrono::steady_clock::time_point until) const {
+  using std::chrono::milliseconds;
+  if (text_ != nullptr) return true;
+  pollfd watched{STDOUT_FILENO, POLLOUT, 0};
+  int ready = -1;
+  do {
+    const auto left = std::chrono::ceil<milliseconds>(until - std::chrono::steady_clock::now());
+    ready = poll(&watched, 1, static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 60'000)));
+  } while (ready < 0 && errno == EINTR);
+  return ready != 0;
 }
 
 void Console::WriteTo(int descriptor, const std::string& name, std::string_view text) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <mutex>
 #include <stdexcept>
@@ -35,6 +36,8 @@ class Console {
 
   /// Whether standard output is a terminal.
   [[nodiscard]] bool interactive() const noexcept { return interactive_; }
+  /// Whether a line can be written without waiting longer than until then.
+  [[nodiscard]] bool CanWrite(std::chrono::steady_clock::time_point until) const;
   /// Columns of the terminal; 0: not a terminal, so lines have any length.
   [[nodiscard]] int Columns() const noexcept;
   /// The text with its style, or without if standard output is no terminal or NO_COLOR is set. `text` is visible.

@@ -2,6 +2,7 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,14 +22,33 @@ namespace hgros::cli {
 
 namespace {
 
+constexpr std::int64_t kOneEnd_ns = 100'000'000;
+
 // What the handler needs; it may do little.
 std::atomic<int> caught{0};
+std::atomic<std::int64_t> caught_at_ns{0};
 std::atomic<int> told{-1};
+std::atomic<bool> outlasts{false};
+std::atomic<bool> caught_again{false};
+
+std::int64_t Now_ns() {
+  timespec now{};
+  (void)clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
 
 extern "C" void OnEndingSignal(int number) {
-  caught = number;
-  const std::uint64_t one = 1;
   const int error = errno;
+  if (caught == 0) {
+    caught_at_ns = Now_ns();
+    caught = number;
+  } else if (Now_ns() - caught_at_ns < kOneEnd_ns) {
+    return;  // A program such as `timeout` sends it to the process and to its group.
+  } else if (!outlasts || caught_again.exchange(true)) {
+    (void)std::signal(number, SIG_DFL);
+    (void)raise(number);
+  }
+  const std::uint64_t one = 1;
   (void)!write(told, &one, sizeof one);
   errno = error;
 }
@@ -40,20 +60,22 @@ Pause::Pause() : ended_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), wakes_(eventfd(
   told = ended_;
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
-    struct sigaction once {};
-    once.sa_handler = OnEndingSignal;
-    once.sa_flags = static_cast<int>(SA_RESETHAND);
-    if (sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(number, &once, nullptr);
+    struct sigaction ours {};
+    ours.sa_handler = OnEndingSignal;
+    if (sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(number, &ours, nullptr);
   }
 }
 
 Pause::~Pause() {
   told = -1;
+  outlasts = false;
   close(ended_);
   close(wakes_);
 }
 
 int Pause::signal() const noexcept { return caught; }
+void Pause::OutlastTheSecond() noexcept { outlasts = true; }
+bool Pause::signaled_again() const noexcept { return caught_again; }
 
 void Pause::Wake() noexcept {
   const std::uint64_t one = 1;

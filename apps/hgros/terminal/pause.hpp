@@ -6,8 +6,8 @@
 namespace hgros::cli {
 
 /// Where a command waits: until another thread wakes it, a deadline comes, or the user ends the command (SIGINT,
-/// SIGTERM, SIGHUP, unless they are ignored). A second signal ends the process at once, whatever it does. There is one
-/// object in a process.
+/// SIGTERM, SIGHUP, unless they are ignored). A second signal, at least 100 ms later, ends the process at once,
+/// whatever it does. There is one object in a process.
 ///
 /// Thread safety: Wake() and ended() from any thread; the rest on the thread of the command.
 class Pause {
@@ -32,6 +32,9 @@ class Pause {
   void EachSecond(std::function<void(std::chrono::seconds passed)> tell);
   /// The signal that ended the command; 0: none.
   [[nodiscard]] int signal() const noexcept;
+  /// From now on, only a third signal ends the process at once.
+  void OutlastTheSecond() noexcept;
+  [[nodiscard]] bool signaled_again() const noexcept;
   /// A descriptor that can be read once the user has ended the command.
   [[nodiscard]] int ended() const noexcept { return ended_; }
   /// Ends this process by the signal that ended the command, as its caller expects. Returns if there was none.

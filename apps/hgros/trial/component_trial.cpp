@@ -1,6 +1,7 @@
 #include "trial/component_trial.hpp"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
@@ -122,11 +123,15 @@ using Body = std::function<void(Teller& teller, const TriedNames& known)>;
 
 [[noreturn]] void RunTrial(int out, const Body& body, const TriedNames& known) {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+  (void)setpgid(0, 0);  // With all that it starts.
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) (void)signal(number, SIG_DFL);
   (void)dup2(STDERR_FILENO, STDOUT_FILENO);  // What a library prints is not the command's output.
   const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
   (void)unsetenv("HGROS_DOMAIN");
+  static int told = -1;  // Processes that a library forks do not hold it: its end is that of this one.
+  told = out;
+  (void)pthread_atfork(nullptr, nullptr, [] { close(told); });
   Teller teller(out);
   try {
     body(teller, known);
@@ -168,17 +173,15 @@ class Trial {
   // Its wait status; ends it if it does not end soon.
   int End(Pause& pause) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    for (int status = 0; std::chrono::steady_clock::now() < deadline;) {
-      if (waitpid(child_, &status, WNOHANG) == child_) {
-        child_ = -1;
-        return status;
-      }
+    while (!HasEnded() && std::chrono::steady_clock::now() < deadline) {
       if (pause.For(std::chrono::milliseconds(5)) == Pause::End::kInterrupted) throw OutputClosed();
     }
     return Kill();
   }
+  // What a library has started ends, too.
   int Kill() {
     (void)kill(child_, SIGKILL);
+    (void)kill(-child_, SIGKILL);
     int status = 0;
     while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
     }
@@ -203,8 +206,15 @@ class Trial {
       RunTrial(ends[1], body, known);
     }
     close(ends[1]);
+    (void)setpgid(child, child);
     (void)fcntl(ends[0], F_SETFL, O_NONBLOCK);
     return {child, ends[0]};
+  }
+  // It is not reaped yet, so that its number stays its own.
+  [[nodiscard]] bool HasEnded() const {
+    siginfo_t info{};
+    const int failed = waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOWAIT | WNOHANG);
+    return failed == 0 && info.si_pid != 0;
   }
   [[noreturn]] static void Refuse(const std::string& what) {
     throw Error("The system refused " + what + " to load a library in: " + std::generic_category().message(errno) +

@@ -101,7 +101,8 @@ struct HGROS_EXPORT RobotFile {
   /// The file with what it includes, its variables and the overrides in place, and the same as above from there.
   [[nodiscard]] static yaml::Document Assemble(const std::filesystem::path& file, const RobotFileOptions& options = {});
   [[nodiscard]] static CheckedRobotFile Check(const yaml::Document& document, const RobotFileOptions& options = {});
-  /// Whether a file has components, and so is a robot file. False if it cannot be read.
+  /// Whether a file has components, or includes a file that cannot be read, and so is a robot file. False if the file
+  /// itself cannot be read.
   [[nodiscard]] static bool Is(const std::filesystem::path& file);
 
   /// Null if there is none of that name.

@@ -1,4 +1,6 @@
 // Each of these does what a constructor must not do.
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +19,16 @@ struct Exits {
   explicit Exits(hgros::Context&) { std::exit(3); }
 };
 HGROS_COMPONENT(Exits, "bad/Exits")
+
+struct Forks {
+  explicit Forks(hgros::Context&) {
+    const pid_t child = fork();
+    while (child == 0) (void)pause();
+    (void)std::fprintf(stderr, "left %d\n", child);
+    std::abort();
+  }
+};
+HGROS_COMPONENT(Forks, "bad/Forks")
 
 struct Throws {
   explicit Throws(hgros::Context&) { throw std::runtime_error("there is no \x1b[31mcamera"); }

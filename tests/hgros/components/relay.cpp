@@ -80,11 +80,16 @@ class Does {
     done_ = true;
     if (what_ == "crash") std::abort();
     if (what_ == "exit") std::exit(7);
+    if (what_ == "exit well") _exit(0);
     if (what_ == "fail") context_.Fail("the laser is broken");
     if (what_ == "finish") context_.Finish("enough");
     if (what_ == "throw") throw std::runtime_error("it is too dark");
     if (what_ == "log") context_.log().Write(hgros::LogLevel::kWarning, "It is\n\x1b[31mdark.");
     if (what_ == "allocate") allocated_.resize(std::size_t{600} << 20U);
+    if (what_ == "log bytes") {
+      context_.log().Write(hgros::LogLevel::kWarning, "\xfe\xff is no text");
+      context_.log().Write(hgros::LogLevel::kInfo, "after it");
+    }
     if (what_ == "print") std::printf("printed, and\nin two lines\n");
   }
 

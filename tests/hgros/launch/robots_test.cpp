@@ -1,14 +1,18 @@
 // The commands for robots that hgros run has started: ps, logs, restart, stop and wait.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
@@ -159,15 +163,116 @@ TEST(HgrosRobots, ADetachedRobotThatCannotStartSaysWhy) {
   EXPECT_THAT(wrong.err, HasSubstr("There is no component type \"relay/None\""));
 }
 
+TEST(HgrosRobots, ARobotCanBeStartedWithoutStandardStreams) {
+  const RobotFolder folder(kTwo);
+  EXPECT_EQ(RunInShell("\"$HGROS\" run -d " + folder.file() + " <&- >&- 2>&-", folder.environment()).status, 0);
+  EXPECT_THAT(RunToEnd({"ps"}, folder.environment()).out, HasSubstr("relay/Does"));
+  EXPECT_EQ(RunToEnd({"stop"}, folder.environment()).status, 0);
+}
+
+TEST(HgrosRobots, AProgramThatPrintsWithoutEndHoldsUpNobody) {
+  const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
+  ASSERT_TRUE(test::Await([&robot] { return robot.Ask({"logs", "p"}).out.find("and again") != std::string::npos; }));
+  EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("yes again and again"));
+  EXPECT_EQ(robot.Ask({"stop"}).status, 0);
+}
+
+TEST(HgrosRobots, LogsMayHaveAnyBytes) {
+  const DetachedRobot robot(
+      "components: {a: {type: relay/Does, params: {what: log bytes}}}\n"
+      "programs: {p: {command: [sh, -c, 'printf \"a\\377b\\000c\\n\"; sleep 100']}}\n");
+  ASSERT_TRUE(test::Await([&robot] { return robot.Ask({"logs"}).out.find("after it") != std::string::npos; }));
+  const CommandEnd logs = robot.Ask({"logs"});
+  EXPECT_EQ(logs.status, 0);
+  EXPECT_EQ(logs.err, "");
+  EXPECT_THAT(logs.out, AllOf(HasSubstr("a\\xffb\\x00c"), HasSubstr("\\xfe\\xff is no text")));
+  EXPECT_THAT(robot.Ask({"logs", "--json"}).out, HasSubstr("a\\uFFFDb\\u0000c"));
+}
+
+TEST(HgrosRobots, AReaderThatDoesNotReadHoldsUpNobody) {
+  const RobotFolder folder("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(pipe2(pipe.data(), O_CLOEXEC), 0);
+  CommandRun run(folder.Arguments(), folder.environment(), pipe[1]);
+  const auto ask = [&folder](const std::string& what) { return RunToEnd({what}, folder.environment()); };
+  ASSERT_TRUE(test::Await([&] { return ask("logs").out.find("and again") != std::string::npos; }));
+  EXPECT_THAT(ask("ps").out, HasSubstr("yes again and again"));
+  EXPECT_EQ(ask("stop").status, 0);
+  EXPECT_EQ(run.Wait(), 0);
+  EXPECT_THAT(run.err(), ContainsRegex("[0-9]+ lines were not written, because nobody read the output."));
+  close(pipe[0]);
+  close(pipe[1]);
+}
+
+TEST(HgrosRobots, PsNamesARobotThatDoesNotAnswer) {
+  const RobotFolder folder(kTwo);
+  CommandRun run(folder.Arguments(), folder.environment());
+  ASSERT_TRUE(run.Prints("a       I run."));
+  run.Signal(SIGSTOP);
+  const CommandEnd end = RunToEnd({"ps"}, folder.environment());
+  run.Signal(SIGCONT);
+  EXPECT_EQ(end.status, 3);
+  EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" does not answer: its hgros run is stopped"));
+}
+
+// Another user who has taken the name of the robot.
+class Squatter {
+ public:
+  explicit Squatter(const std::string& domain) {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
+    const std::string name = SocketName(domain);
+    pid_ = fork();
+    if (pid_ == 0) {
+      constexpr uid_t kNobody = 65534;
+      const int taken = socket(AF_UNIX, SOCK_STREAM, 0);
+      const auto [address, size] = AddressOf(name);
+      const bool done = setuid(kNobody) == 0 && bind(taken, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
+                        listen(taken, 1) == 0;
+      (void)!write(ends[1], done ? "y" : "n", 1);
+      while (true) (void)pause();
+    }
+    char done = 0;
+    EXPECT_EQ(read(ends[0], &done, 1), 1);
+    EXPECT_EQ(done, 'y');
+    close(ends[0]);
+    close(ends[1]);
+  }
+  ~Squatter() {
+    (void)kill(pid_, SIGKILL);
+    (void)waitpid(pid_, nullptr, 0);
+  }
+  Squatter(const Squatter&) = delete;
+  Squatter& operator=(const Squatter&) = delete;
+
+  static std::string SocketName(const std::string& domain) {
+    return "hgros-run/" + std::to_string(getuid()) + "/" + domain + "/robot";
+  }
+  static std::pair<sockaddr_un, socklen_t> AddressOf(const std::string& name) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size())};
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+TEST(HgrosRobots, AnotherUserCannotPassForARobot) {
+  if (getuid() != 0) GTEST_SKIP() << "Only root can act as another user.";
+  const RobotFolder folder(kTwo);
+  const Squatter squatter(folder.environment().at("HGROS_DOMAIN"));
+  EXPECT_THAT(folder.Run().err, HasSubstr("Another user of this host has taken the name of the robot \"robot\"."));
+  EXPECT_EQ(folder.Run({"--detach", "--name", "mine"}).status, 0);
+  EXPECT_EQ(RunToEnd({"stop"}, folder.environment()).status, 0) << "It is the only one.";
+}
+
 // Speaks to the starter's socket directly.
 class RawClient {
  public:
   explicit RawClient(const std::string& domain) : socket_(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    const std::string name = "hgros-run/" + std::to_string(getuid()) + "/" + domain + "/robot";
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path + 1, name.data(), name.size());
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    const auto [address, size] = Squatter::AddressOf(Squatter::SocketName(domain));
     EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), size), 0);
   }
   ~RawClient() { close(socket_); }

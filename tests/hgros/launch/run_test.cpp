@@ -227,6 +227,43 @@ TEST(HgrosRun, KillsWhatDoesNotEnd) {
   for (const pid_t pid : PidsIn(run.out())) EXPECT_FALSE(Runs(pid));
 }
 
+TEST(HgrosRun, ASecondSignalLeavesNothing) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does, params: {what: hang at end}}}\n"
+      "programs: {deaf: {command: [sh, -c, 'trap \"\" TERM; sleep 100 & echo left $!; wait; sleep 100']}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  std::smatch left;
+  std::string out;
+  ASSERT_TRUE(test::Await([&] {
+    out = run.out();
+    return std::regex_search(out, left, std::regex("left ([0-9]+)\n"));
+  }));
+  run.Signal(SIGINT);
+  test::Linger(std::chrono::milliseconds(200));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  std::vector<pid_t> pids = PidsIn(out);
+  pids.push_back(std::stoi(left[1]));
+  for (const pid_t pid : pids) EXPECT_TRUE(test::Await([pid] { return !Runs(pid); })) << pid;
+}
+
+TEST(HgrosRun, OneSignalThatComesTwiceEndsInOrder) {
+  const RobotFolder robot("components: {a: {type: relay/Does}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("I run."));
+  run.Signal(SIGTERM);
+  run.Signal(SIGTERM);
+  EXPECT_EQ(run.Wait(), 128 + SIGTERM);
+  EXPECT_THAT(run.out(), HasSubstr("I end."));
+}
+
+TEST(HgrosRun, AProcessThatEndsBeforeItsComponentsHasFailed) {
+  const RobotFolder robot("components: {a: {type: relay/Does, params: {what: exit well}}}\n");
+  const CommandEnd end = robot.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, HasSubstr("it ended with exit code 0, but its components had not ended."));
+}
+
 TEST(HgrosRun, NothingIsLeftWhenItIsKilled) {
   const RobotFolder robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"

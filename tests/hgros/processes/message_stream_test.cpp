@@ -75,6 +75,15 @@ TEST_F(MessageStreamTest, EndsWithItsOtherSide) {
   EXPECT_FALSE(reader_->Next(report));
 }
 
+TEST_F(MessageStreamTest, CarriesAnyBytes) {
+  writer_->Add(LineOf(std::string("\xfe\xff\0x", 4)));
+  ASSERT_TRUE(writer_->Write());
+  ASSERT_TRUE(reader_->Read());
+  RunReport report;
+  ASSERT_TRUE(reader_->Next(report));
+  EXPECT_EQ(report.line().text(), std::string("\xfe\xff\0x", 4));
+}
+
 TEST_F(MessageStreamTest, EndsAtWhatIsNoMessage) {
   SendRaw(std::string("\x02\0\0\0\xff\xff", 6));
   RunReport report;

@@ -6,6 +6,7 @@
 #include "launch/robot_socket.hpp"
 #include "terminal/records.hpp"
 #include "terminal/units.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -48,17 +49,22 @@ int PsCommand::Run(Surroundings& surroundings) {
                    {"state", "STATE"},
                    {"restarts", "RESTARTS", true},
                    {"seconds", "FOR", true}});
+  bool late = false;
   for (const std::string& robot : RunningRobots()) {
     RobotRequest request;
     request.set_status(true);
     try {
       (void)AskRobot(robot, request, surroundings.pause,
                      [&](const RobotReply& reply) { Add(records, robot, reply.unit()); });
+    } catch (const TimedOut& error) {
+      surroundings.console.Say(Visible(error.what()));
+      late = true;
     } catch (const Error&) {
       continue;  // It has ended meanwhile.
     }
   }
   records.End();
+  if (late) return kTimedOut;
   if (records.size() == 0 && !style_.json) surroundings.console.Say("No robot runs. Start one with `hgros run`.");
   return kDone;
 }
