@@ -36,6 +36,7 @@ std::unique_ptr<Command> MakeDoctor();
 std::unique_ptr<Command> MakeEcho();
 std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();
+std::unique_ptr<Command> MakeHosted();
 std::unique_ptr<Command> MakeHz();
 std::unique_ptr<Command> MakeInfo();
 std::unique_ptr<Command> MakeList();

@@ -118,21 +118,13 @@ std::map<std::string, std::string> HostNetworks(const RobotFile& robot, const Ro
 }
 
 void RequireHost(const RobotFile& robot, const std::string& host) {
-  if (!host.empty()) {
-    std::vector<std::string> names;
-    for (const RobotHost& one : robot.hosts) names.push_back(one.name);
-    if (std::ranges::find(names, host) != names.end()) return;
-    const std::string nearest = NearestName(host, names);
-    throw Error("The robot has no host \"" + host + "\".", {},
-                nearest.empty() ? "Add it to hosts." : "Did you mean \"" + nearest + "\"?");
-  }
-  const auto refuse = [](const RobotUnit& unit) {
-    if (unit.host.empty()) return;
-    throw Error("\"" + unit.name + "\" runs on the host \"" + unit.host + "\".", unit.at.ToString(),
-                "Run this on each host, in any order: `hgros run FILE --host HOST`.");
-  };
-  std::ranges::for_each(robot.processes, refuse);
-  std::ranges::for_each(robot.programs, refuse);
+  if (host.empty()) return;
+  std::vector<std::string> names;
+  for (const RobotHost& one : robot.hosts) names.push_back(one.name);
+  if (std::ranges::find(names, host) != names.end()) return;
+  const std::string nearest = NearestName(host, names);
+  throw Error("The robot has no host \"" + host + "\".", {},
+              nearest.empty() ? "Add it to hosts." : "Did you mean \"" + nearest + "\"?");
 }
 
 RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
@@ -140,16 +132,17 @@ RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
   const RobotHost* home = robot.FindHost({});
   const std::string here = home != nullptr && home->name == host ? std::string() : host;
   RobotFile part = robot;
-  std::erase_if(part.components,
-                [&](const RobotComponent& one) { return robot.FindProcess(one.process)->host != here; });
-  std::erase_if(part.processes, [&](const RobotProcess& one) { return one.host != here; });
-  std::erase_if(part.programs, [&](const RobotProgram& one) { return one.host != here; });
+  const auto elsewhere = [&](const RobotUnit& one) { return !host.empty() && one.host != here; };
+  std::erase_if(part.components, [&](const RobotComponent& one) { return elsewhere(*robot.FindProcess(one.process)); });
+  std::erase_if(part.processes, elsewhere);
+  std::erase_if(part.programs, elsewhere);
   if (part.processes.empty() && part.programs.empty()) {
     throw Error("Nothing of the robot runs on the host \"" + host + "\".");
   }
   for (RobotProcess& process : part.processes) {
     const auto network = networks.find(process.name);
-    if (network != networks.end()) Add(Config::Parse(network->second, "hosts"), process, process.config);
+    if (network != networks.end() && process.host == here)
+      Add(Config::Parse(network->second, "hosts"), process, process.config);
   }
   return part;
 }

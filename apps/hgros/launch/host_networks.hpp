@@ -13,11 +13,12 @@ namespace hgros::cli {
 /// place in the file, if a host that others must reach is not described.
 [[nodiscard]] std::map<std::string, std::string> HostNetworks(const RobotFile& robot, const RobotGraph& graph);
 
-/// Throws Error unless the robot has that host (empty: none was named) and everything can be started from here.
+/// Throws Error unless the robot has that host (empty: none was named).
 void RequireHost(const RobotFile& robot, const std::string& host);
 
-/// What runs on that host, with these networks in addition to what the file says. Throws ConfigError if they contradict
-/// each other, or the host's key cannot be read.
+/// What runs on that host, with these networks in addition to what the file says. Without a host: everything, and
+/// networks only for what runs at home. Throws ConfigError if they contradict each other, or the host's key cannot be
+/// read.
 [[nodiscard]] RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
                                    const std::map<std::string, std::string>& networks);
 

@@ -10,7 +10,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hosting/hosted_process.hpp"
-#include "processes/process_end.hpp"
+#include "remote/remote_units.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
 constexpr std::chrono::seconds kLateStart{15};           // A start that takes longer is said to be late.
-constexpr std::size_t kReportedLines = 10;
 constexpr std::size_t kWidestName = 16;
 
 std::size_t WidthOfNames(const RobotFile& robot) {
@@ -88,7 +87,12 @@ void Starter::StartDue() {
 
 void Starter::Start(Unit& unit) {
   unit.ended.clear();
-  unit.running = std::make_unique<UnitProcess>(*unit.setup, [&](int socket) {
+  const bool remote = options_.remote != nullptr && !unit.setup->host.empty();
+  RobotUnit relay;  // What the file says is for the other host.
+  relay.name = unit.setup->name;
+  relay.at = unit.setup->at;
+  unit.running = std::make_unique<UnitProcess>(remote ? relay : *unit.setup, [&](int socket) {
+    if (remote) return options_.remote->Run(socket, *unit.setup, kept_);
     if (unit.program != nullptr) return BecomeProgram(*unit.program);
     return HostComponents(socket, robot_, *unit.process, catalog_, kept_);
   });
@@ -341,23 +345,6 @@ void Starter::KillLate() {
     if (unit.running == nullptr) continue;
     Say(unit, LogLevel::kWarning, "It did not end in time, and is killed.");
     unit.running->Signal(SIGKILL);
-  }
-}
-
-void Starter::ReportFailure(Unit& unit, int status) {
-  code_ = kFailed;
-  const bool itself = WIFEXITED(status) && unit.failed;
-  if (!itself) Say(unit, LogLevel::kError, "The process has failed: " + EndText(status) + "." + CoreText(status));
-  if (std::exchange(unit.reported, true) || options_.json || itself) return;
-  std::vector<const LogLine*> last;
-  for (const LogLine& line : lines().all()) {
-    if (line.process == unit.setup->name) last.push_back(&line);
-  }
-  if (last.size() <= 1) return;
-  last.pop_back();  // What was said just now.
-  log_.Write("The last lines of " + Named(unit.setup->name) + ":");
-  for (std::size_t i = last.size() - std::min(last.size(), kReportedLines); i < last.size(); ++i) {
-    log_.Repeat(*last[i]);
   }
 }
 

@@ -23,11 +23,14 @@
 
 namespace hgros::cli {
 
+class RemoteUnits;
+
 struct StarterOptions {
   std::string name;                       ///< Of the robot, for commands.
   bool json = false;                      ///< Everything as one JSON object per line.
   bool verbose = false;                   ///< Also lines of the level debug.
   std::function<void()> on_running = {};  ///< Called once everything runs.
+  const RemoteUnits* remote = nullptr;    ///< Starts what runs on other hosts; null: all is started here. Borrowed.
 };
 
 /// Starts the processes and programs of a robot, shows their log, starts again what has failed, and ends them.

@@ -1,11 +1,22 @@
 // What a starter shows and tells of its units.
+#include <sys/wait.h>
+
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "launch/starter.hpp"
+#include "processes/process_end.hpp"
 #include "terminal/json.hpp"
 #include "terminal/records.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
+namespace {
+
+constexpr std::size_t kReportedLines = 10;
+
+}  // namespace
 
 void Starter::ShowStates() {
   Records records(surroundings_.console, {},
@@ -25,6 +36,23 @@ void Starter::ShowStates() {
 
 void Starter::Say(const Unit& unit, LogLevel level, const std::string& text) {
   log_.Add({0, unit.setup->name, {}, level, text});
+}
+
+void Starter::ReportFailure(Unit& unit, int status) {
+  code_ = kFailed;
+  const bool itself = WIFEXITED(status) && unit.failed;
+  if (!itself) Say(unit, LogLevel::kError, "The process has failed: " + EndText(status) + "." + CoreText(status));
+  if (std::exchange(unit.reported, true) || options_.json || itself) return;
+  std::vector<const LogLine*> last;
+  for (const LogLine& line : lines().all()) {
+    if (line.process == unit.setup->name) last.push_back(&line);
+  }
+  if (last.size() <= 1) return;
+  last.pop_back();  // What was said just now.
+  log_.Write("The last lines of \"" + Visible(unit.setup->name) + "\":");
+  for (std::size_t i = last.size() - std::min(last.size(), kReportedLines); i < last.size(); ++i) {
+    log_.Repeat(*last[i]);
+  }
 }
 
 std::vector<RobotReply::Unit> Starter::statuses() const {

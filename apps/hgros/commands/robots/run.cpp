@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "launch/robot_check.hpp"
 #include "launch/robot_graph.hpp"
 #include "launch/starter.hpp"
+#include "remote/remote_units.hpp"
 #include "terminal/console.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -25,7 +28,7 @@ class RunCommand final : public Command {
     arguments.Option("--set", "PATH=VALUE", set_, "Replace a value of the file, such as mapper.params.cell_size_m=0.1");
     arguments.Option("--only", "NAME", only_, "Start only this component, process or program");
     arguments.Option("--except", "NAME", except_, "Do not start this component, process or program");
-    arguments.Option("--host", "HOST", host_, "Start only the processes and programs of this host of the file");
+    arguments.Option("--host", "HOST", host_, "Start only what runs on this host of the file, which is this one");
     arguments.Option("--name", "ROBOT", options_.name, "Its name for other commands; otherwise that of the file");
     arguments.Flag("-d,--detach", detach_, "Return once everything runs; `hgros logs` and `hgros stop` reach it");
     arguments.Flag("-v,--verbose", options_.verbose, "Also log lines of the level debug");
@@ -33,7 +36,8 @@ class RunCommand final : public Command {
   }
   [[nodiscard]] std::string Description() const override {
     return "Checks the file and its components first. Then starts the processes, waits until all are ready, lets them "
-           "run, and shows their log. Ctrl-C ends the robot, a second one at once. The robot also ends when everything "
+           "run, and shows their log. What has another host is started there over ssh. Ctrl-C ends the robot, a second "
+           "one at once. The robot also ends when everything "
            "in it has ended. The exit code is 1 if something has failed. docs/robot-file.md describes the file.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
@@ -44,6 +48,7 @@ class RunCommand final : public Command {
   int Run(Surroundings& surroundings) override;
 
  private:
+  [[nodiscard]] RobotFileOptions FileOptions() const;
   [[nodiscard]] RobotFile Read(Console& console) const;
   void Select(RobotFile& robot) const;
   // Throws if something is wrong.
@@ -59,7 +64,7 @@ class RunCommand final : public Command {
   bool detach_ = false;
 };
 
-RobotFile RunCommand::Read(Console& console) const {
+RobotFileOptions RunCommand::FileOptions() const {
   RobotFileOptions options;
   options.host = host_;
   for (const std::string& one : set_) {
@@ -69,7 +74,11 @@ RobotFile RunCommand::Read(Console& console) const {
     }
     options.overrides.push_back({one.substr(0, equals), one.substr(equals + 1), "--set " + one.substr(0, equals)});
   }
-  CheckedRobotFile checked = RobotFile::Check(file_, options);
+  return options;
+}
+
+RobotFile RunCommand::Read(Console& console) const {
+  CheckedRobotFile checked = RobotFile::Check(file_, FileOptions());
   if (checked.faults.empty()) return std::move(checked.robot);
   const ConfigError last = checked.faults.back();
   checked.faults.pop_back();
@@ -128,8 +137,15 @@ int RunCommand::Run(Surroundings& surroundings) {
   Select(whole);
   RequireHost(whole, host_);
   const ComponentCatalog catalog;
-  const RobotGraph graph(whole, Try(whole, catalog, surroundings));
-  const RobotFile robot = PartOfHost(whole, host_, HostNetworks(whole, graph));
+  const std::vector<ComponentDescription> descriptions = Try(whole, catalog, surroundings);
+  const RobotGraph graph(whole, descriptions);
+  const std::map<std::string, std::string> networks = HostNetworks(whole, graph);
+  const RobotFile robot = PartOfHost(whole, host_, networks);
+  std::optional<RemoteUnits> remote;
+  if (host_.empty() && !whole.hosts.empty()) {
+    options_.remote =
+        &remote.emplace(whole, RobotFile::Assemble(file_, FileOptions()), networks, descriptions, catalog);
+  }
   if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();
   if (detach_) {
     return RunDetached(surroundings.pause, [&](const std::function<void()>& on_running) {
