@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "launch/robot_client.hpp"
 #include "launch/starter.hpp"
 #include "processes/process_end.hpp"
 #include "terminal/json.hpp"
@@ -24,10 +25,11 @@ void Starter::ShowStates() {
   for (const RobotReply::Unit& unit : statuses()) {
     Json json;
     json.BeginObject().Member("event", "started").Member("process", unit.name());
+    if (!unit.host().empty()) json.Member("host", unit.host());
     json.Member("pid", std::int64_t{unit.pid()}).Key("components").BeginList();
     for (const RobotReply::Component& one : unit.components()) {
       if (!unit.program()) json.Value(one.name());
-      records.Add({unit.program() ? Cell() : Cell(one.name()), one.type(), unit.name(), std::int64_t{unit.pid()}});
+      records.Add({unit.program() ? Cell() : Cell(one.name()), one.type(), PlaceOf(unit), std::int64_t{unit.pid()}});
     }
     if (options_.json) log_.Write(json.EndList().EndObject().text());
   }
@@ -61,6 +63,7 @@ std::vector<RobotReply::Unit> Starter::statuses() const {
     RobotReply::Unit& told = all.emplace_back();
     told.set_name(unit.setup->name);
     told.set_program(unit.program != nullptr);
+    if (options_.remote != nullptr) told.set_host(unit.setup->host);
     told.set_restarts(unit.starts == 0 ? 0 : unit.starts - 1);
     const bool ends = unit.running != nullptr && (unit.again || unit.stage == Stage::kEnds);
     told.set_state(ends                            ? "ending"

@@ -13,6 +13,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
 #include "hgros/remote/ssh_host.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
 #include "remote/library_build.hpp"
 #include "support/await.hpp"
 
@@ -46,6 +47,32 @@ TEST(HgrosRemote, StartsProcessesAndProgramsOverSshAndBringsTheirLogBack) {
                                 HasSubstr("The process has failed: it ended with exit code 3.")))
       << run->err();
   EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+}
+
+TEST(HgrosRemote, HostsWithKeysExchangeMessages) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const CurveKeyPair desk = GenerateCurveKeyPair();
+  const CurveKeyPair base = GenerateCurveKeyPair();
+  const RobotFolder robot("hosts:\n  desk: {address: 10.198.0.1, home: true, key: \"" + desk.public_key +
+                          "\", secret_key_file: \"${FOLDER}/desk.key\"}\n  base: {address: 10.198.0.2, key: \"" +
+                          base.public_key +
+                          "\", secret_key_file: \"${FOLDER}/base.key\"}\n"
+                          "discovery: {local: false}\n"
+                          "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
+                          "processes: {p: {components: [numbers], host: base}}\n");
+  const auto write = [&](const std::string& name, const std::string& key) {
+    std::ofstream(robot.path(name)) << key;
+    std::filesystem::permissions(robot.path(name), std::filesystem::perms::owner_read);
+  };
+  write("desk.key", desk.secret_key);
+  const auto refused = host.Run(robot);
+  EXPECT_EQ(refused->Wait(), 1);
+  EXPECT_THAT(refused->out(), AllOf(HasSubstr("p        error:"), HasSubstr("base.key\", which cannot be read")));
+  write("base.key", base.secret_key);
+  const auto run = host.Run(robot);
+  EXPECT_EQ(run->Wait(), 0) << run->out() << run->err();
+  EXPECT_THAT(run->out(), HasSubstr("It has finished: all 100"));
 }
 
 TEST(HgrosRemote, CtrlCEndsTheOtherHostsProcessesInOrder) {
@@ -127,6 +154,9 @@ TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
                  -1, "/sbin/ip");
   EXPECT_EQ(pub.Wait(), 0) << pub.err();
   ASSERT_TRUE(run->Prints("counts 3."));
+  const auto ps = host.OnDesk(robot, {"ps"});
+  EXPECT_EQ(ps->Wait(), 0);
+  EXPECT_THAT(ps->out(), HasSubstr("relay/Counter  p on base"));
   const auto restart = host.OnDesk(robot, {"restart", "counter"});
   EXPECT_EQ(restart->Wait(), 0) << restart->err();
   EXPECT_TRUE(run->Prints("begins at 3."));
@@ -181,6 +211,9 @@ TEST(HgrosRemote, SaysWhyItCannotConnect) {
                                                     "there, or name the command: `hosts: {base: {hgros: PATH}}`.")));
   says("base: {address: 10.198.0.2, hgros: echo Welcome to this robot; hgros}",
        HasSubstr("What has come from the host \"base\" is not from hgros."));
+  says(
+      "base: {address: 10.198.0.2, hgros: \"printf '\\\\007\\\\0\\\\0\\\\0\\\\012\\\\0050.0.9'; cat > /dev/null; :\"}",
+      HasSubstr("The host \"base\" has hgros 0.0.9, and this is " HGROS_VERSION ". Install the same version on both."));
   says("base: {address: 10.198.0.2, hgros: \"false\"}", HasSubstr("`false` on the host \"base\" does not answer"));
   says("base: {address: 10.198.0.1, ssh: nobody@10.198.0.2}",
        AllOf(HasSubstr("Permission denied"), HasSubstr("`ssh nobody@10.198.0.2 hgros --version`")));
