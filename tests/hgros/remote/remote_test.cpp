@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <random>
 #include <string>
 
 #include "hgros/command_run.hpp"
@@ -110,6 +111,24 @@ TEST(HgrosRemote, NothingIsLeftWhenAnyPartIsKilled) {
     EXPECT_EQ(run->Wait(), one.says.empty() ? 128 + SIGKILL : 1);
     EXPECT_THAT(run->out(), HasSubstr(one.says)) << run->err();
     EXPECT_TRUE(host.IsLeftClean()) << one.name << "\n" << host.Left();
+  }
+}
+
+TEST(HgrosRemote, NothingIsLeftWheneverItEnds) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) + kDoes + "programs: {q: {host: base, command: [sleep, 100d]}}\n");
+  const auto seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (int round = 0; round < 12; ++round) {
+    const auto run = host.Run(robot);
+    const int after_ms = std::uniform_int_distribution(0, 1000)(random);
+    test::Linger(std::chrono::milliseconds(after_ms));
+    const int number = round % 2 == 0 ? SIGINT : SIGKILL;
+    run->Signal(number);
+    EXPECT_EQ(run->Wait(), 128 + number) << after_ms << " ms\n" << run->out() << run->err();
+    EXPECT_TRUE(host.IsLeftClean()) << after_ms << " ms\n" << host.Left();
   }
 }
 
