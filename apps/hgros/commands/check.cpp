@@ -124,7 +124,9 @@ void CheckCommand::Write(Console& console, const FileFindings& findings) const {
 
 // What is derived for the processes that exchange messages with other hosts.
 void CheckHosts(const RobotFile& robot, const RobotGraph& graph, FileFindings& findings) {
-  for (const auto& [process, yaml] : HostNetworks(robot, graph)) {
+  for (const auto& network : HostNetworks(robot, graph)) {
+    const std::string& process = network.first;
+    const std::string& yaml = network.second;
     const Config config = Config::Parse(yaml.substr(0, yaml.find("  security:")));
     const auto note = [&, &at = robot.FindProcess(process)->at](const EndpointConfig& one, std::string_view does) {
       std::string channels;
