@@ -27,15 +27,16 @@ void MessageStream::Add(const google::protobuf::MessageLite& message) {
 }
 
 bool MessageStream::Write() {
-  std::size_t written = 0;
-  while (written < out_.size()) {
-    const ssize_t more = write(descriptor_, out_.data() + written, out_.size() - written);
+  while (written_ < out_.size()) {
+    const ssize_t more = write(descriptor_, out_.data() + written_, out_.size() - written_);
     if (more < 0 && errno == EINTR) continue;
     if (more < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
     if (more <= 0) return false;
-    written += static_cast<std::size_t>(more);
+    written_ += static_cast<std::size_t>(more);
   }
-  out_.erase(0, written);
+  if (written_ <= out_.size() / 2 && !out_.empty()) return true;  // What is left is not moved every time.
+  out_.erase(0, written_);
+  written_ = 0;
   return true;
 }
 

@@ -20,7 +20,7 @@ class MessageStream {
 
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
   /// Bytes that wait for Write().
-  [[nodiscard]] std::size_t unsent() const noexcept { return out_.size(); }
+  [[nodiscard]] std::size_t unsent() const noexcept { return out_.size() - written_; }
 
   void Add(const google::protobuf::MessageLite& message);
   /// Writes what fits. False: nobody reads it any more.
@@ -36,6 +36,7 @@ class MessageStream {
  private:
   const int descriptor_;
   std::string out_;
+  std::size_t written_ = 0;  // Of out_.
   std::string in_;
   std::size_t taken_ = 0;  // Of in_.
   bool broken_ = false;

@@ -166,12 +166,15 @@ TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
   const RobotFolder robot(
       "hosts: {desk: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
       "components: {counter: {type: relay/Counter, checkpoint: 1h, params: {step: 3}}}\n"
-      "processes: {p: {components: [counter], host: base}}\n");
+      "processes: {p: {components: [counter], host: base, restart: on-failure}}\n");
   const auto run = host.Run(robot);
   ASSERT_TRUE(run->Prints("begins at 0.")) << run->out() << run->err();
-  CommandRun pub({"netns", "exec", host.cable.right, HGROS_COMMAND, "pub", "word", "{value: a}"}, robot.environment(),
-                 -1, "/sbin/ip");
-  EXPECT_EQ(pub.Wait(), 0) << pub.err();
+  const auto say_word = [&] {
+    CommandRun pub({"netns", "exec", host.cable.right, HGROS_COMMAND, "pub", "word", "{value: a}"}, robot.environment(),
+                   -1, "/sbin/ip");
+    EXPECT_EQ(pub.Wait(), 0) << pub.err();
+  };
+  say_word();
   ASSERT_TRUE(run->Prints("counts 3."));
   const auto ps = host.OnDesk(robot, {"ps"});
   EXPECT_EQ(ps->Wait(), 0);
@@ -179,6 +182,15 @@ TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
   const auto restart = host.OnDesk(robot, {"restart", "counter"});
   EXPECT_EQ(restart->Wait(), 0) << restart->err();
   EXPECT_TRUE(run->Prints("begins at 3."));
+  // The same when only the connection ends.
+  ASSERT_EQ(kill(FindOn(host.cable.left, "ssh"), SIGKILL), 0);
+  EXPECT_TRUE(run->Prints("It is started again."));
+  EXPECT_TRUE(test::Await([&] {
+    const std::string out = run->out();
+    return out.find("begins at 3.", out.find("It is started again.")) != std::string::npos;
+  })) << run->out();
+  say_word();
+  EXPECT_TRUE(run->Prints("counts 6.")) << run->out();
   run->Signal(SIGINT);
   EXPECT_EQ(run->Wait(), 128 + SIGINT);
 }
@@ -238,11 +250,19 @@ TEST(HgrosRemote, SaysWhyItCannotConnect) {
        AllOf(HasSubstr("Permission denied"), HasSubstr("`ssh nobody@10.198.0.2 hgros --version`")));
   host.Trust("user_key.pub");
   says("base: {address: 10.198.0.2}", HasSubstr("Host key verification failed."));
+  ASSERT_TRUE(host.cable.Set("down"));
+  says("base: {address: 10.198.0.2}", AllOf(HasSubstr("ssh: connect to host 10.198.0.2 port 22: "),
+                                            HasSubstr("ssh cannot connect to the host \"base\"")));
+  ASSERT_TRUE(host.cable.Set("up"));
   host.StopSshd();
   says("base: {address: 10.198.0.2}",
        AllOf(HasSubstr("Connection refused"),
              HasSubstr("ssh cannot connect to the host \"base\"; its own words are above. This must work without a "
                        "question: `ssh 10.198.0.2 hgros --version`.")));
+  std::filesystem::remove(host.folder / "bin/ssh");
+  host.path = (host.folder / "bin").string();
+  says("base: {address: 10.198.0.2}",
+       HasSubstr("ssh cannot be run: No such file or directory. Install the package openssh-client."));
 }
 
 }  // namespace

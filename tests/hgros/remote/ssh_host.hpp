@@ -85,6 +85,7 @@ class SshHost {
     std::filesystem::create_directory(folder / "bin");
     std::ofstream(folder / "bin/ssh") << "#!/bin/sh\nexec /usr/bin/ssh -F " << place << "/ssh_config \"$@\"\n";
     std::filesystem::permissions(folder / "bin/ssh", std::filesystem::perms::owner_all);
+    path = (folder / "bin").string() + ":/usr/bin:/bin:/usr/sbin:/sbin";
     StartSshd();
   }
   ~SshHost() {
@@ -110,7 +111,7 @@ class SshHost {
   /// A command on the desk.
   [[nodiscard]] std::unique_ptr<CommandRun> OnDesk(const RobotFolder& robot, std::vector<std::string> words) const {
     std::map<std::string, std::string> environment = robot.environment();
-    environment["PATH"] = (folder / "bin").string() + ":/usr/bin:/bin:/usr/sbin:/sbin";
+    environment["PATH"] = path;
     words.insert(words.begin(), {"netns", "exec", cable.left, HGROS_COMMAND});
     return std::make_unique<CommandRun>(std::move(words), environment, -1, "/sbin/ip");
   }
@@ -132,6 +133,7 @@ class SshHost {
   std::string missing;  // Why the test cannot run; empty: it can.
   const test::Cable cable;
   std::filesystem::path folder;
+  std::string path;  // PATH on the desk.
 
  private:
   std::unique_ptr<CommandRun> daemon_;
