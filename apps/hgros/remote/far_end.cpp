@@ -23,10 +23,10 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::chrono::seconds kSilence{8};              // The starter tells every second that it is there.
+constexpr std::chrono::seconds kSilence{8};               // The starter tells every second that it is there.
 constexpr std::chrono::milliseconds kUnitPatience{1600};  // As the starter's.
-constexpr std::size_t kFarUnsentBytes = 1U << 20U;      // Then the unit waits.
-constexpr int kFailedStatus = 1 << 8;                    // The wait status of exit code 1.
+constexpr std::size_t kFarUnsentBytes = 1U << 20U;        // Then the unit waits.
+constexpr int kFailedStatus = 1 << 8;                     // The wait status of exit code 1.
 
 int NonBlocking(int descriptor) {
   const int copy = fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);

@@ -25,9 +25,9 @@ namespace {
 
 constexpr std::chrono::seconds kTick{1};
 constexpr std::size_t kRelayedBytes = 1U << 20U;  // Then the other end waits.
-constexpr int kSshFailed = 255;                      // Exit codes of ssh,
-constexpr int kNotFound = 127;                       // of a shell,
-constexpr int kNoSsh = 126;                          // and of what should have become ssh.
+constexpr int kSshFailed = 255;                   // Exit codes of ssh,
+constexpr int kNotFound = 127;                    // of a shell,
+constexpr int kNoSsh = 126;                       // and of what should have become ssh.
 
 std::string DestinationOf(const RobotHost& host) { return host.ssh.empty() ? host.address : host.ssh; }
 
@@ -121,10 +121,14 @@ void SshRelay::Fault(const std::string& what) {
   starter_.Add(report);
 }
 
-void SshRelay::TellEnd() {
-  RemoteOrder order;
-  (void)order.mutable_run()->mutable_end();
-  to_host_.Add(order);
+void SshRelay::TellEnd(const RunOrder& end) {
+  if (heard_) {
+    RemoteOrder order;
+    *order.mutable_run() = end;
+    return to_host_.Add(order);
+  }
+  has_ended_ = true;  // Nothing runs there yet.
+  (void)kill(ssh_, SIGKILL);
 }
 
 void SshRelay::HearStarter() {
@@ -133,7 +137,13 @@ void SshRelay::HearStarter() {
     return;
   }
   RemoteOrder order;
-  while (starter_.Next(*order.mutable_run())) to_host_.Add(order);
+  while (starter_.Next(*order.mutable_run())) {
+    if (order.run().has_end()) {
+      TellEnd(order.run());
+    } else {
+      to_host_.Add(order);
+    }
+  }
 }
 
 void SshRelay::CheckVersion(const std::string& version) {
@@ -198,7 +208,11 @@ void SshRelay::Poll() {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(tick_at_ - now).count();
   if (poll(watched.data(), watched.size(), static_cast<int>(left)) < 0) return;
   signalfd_siginfo info{};
-  if (watched[1].revents != 0 && read(signals_, &info, sizeof info) > 0) TellEnd();
+  if (watched[1].revents != 0 && read(signals_, &info, sizeof info) > 0) {
+    RunOrder end;
+    (void)end.mutable_end();
+    TellEnd(end);
+  }
   if ((watched[2].revents & (POLLIN | POLLHUP)) != 0) HearStarter();
   if (watched[4].revents != 0) HearHost();
 }

@@ -45,7 +45,7 @@ class SshRelay {
   void HearHost();
   void CheckVersion(const std::string& version);
   void Print();
-  void TellEnd();
+  void TellEnd(const RunOrder& end);
   // An error for the log, in the name of the process or program.
   void Fault(const std::string& what);
   // How it has ended; the exit code.

@@ -217,9 +217,11 @@ TEST(HgrosRun, EndsInReverseOrderWithinTwoSeconds) {
   const RobotFolder robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}, c: {type: relay/Does}}\n"
       "processes: {p: {components: [c]}, q: {components: [a]}, r: {components: [b]}}\n"
-      "programs: {waits: {command: [sh, -c, 'trap \"echo goodbye; exit\" TERM; while :; do sleep 0.05; done']}}\n");
+      "programs: {waits: {command: [sh, -c, 'trap \"echo goodbye; exit\" TERM; echo ready; while :; do sleep 0.05; "
+      "done']}}\n");
   CommandRun run(robot.Arguments(), robot.environment());
   ASSERT_TRUE(run.Prints("b      I run."));
+  ASSERT_TRUE(run.Prints("waits  ready"));
   const std::vector<pid_t> pids = PidsIn(run.out());
   ASSERT_EQ(pids.size(), 4U) << run.out();
   const auto begin = std::chrono::steady_clock::now();

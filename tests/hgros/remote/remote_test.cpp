@@ -79,9 +79,11 @@ TEST(HgrosRemote, HostsWithKeysExchangeMessages) {
 TEST(HgrosRemote, CtrlCEndsTheOtherHostsProcessesInOrder) {
   const SshHost host;
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const RobotFolder robot(std::string(kHosts) + kDoes + "programs: {q: {host: base, command: [sleep, 100d]}}\n");
+  const RobotFolder robot(std::string(kHosts) + kDoes +
+                          "programs: {q: {host: base, command: [sh, -c, 'echo up; sleep 100d']}}\n");
   const auto run = host.Run(robot);
   ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  ASSERT_TRUE(run->Prints("q     up"));
   run->Signal(SIGINT);
   EXPECT_EQ(run->Wait(), 128 + SIGINT);
   EXPECT_THAT(run->out(), AllOf(HasSubstr("does  I end."), Not(HasSubstr("killed")), Not(HasSubstr("failed"))));
