@@ -13,7 +13,7 @@ const std::string& Context::name() const noexcept { return core_.setup().name; }
 
 RawPublisher Context::AdvertiseRaw(std::string_view channel, const MessageSchema& schema, PublishOptions options,
                                    const CallSite& where) {
-  return session().AdvertiseRaw(core_.AddOutput(channel, schema.type_name), schema, options, where);
+  return session().AdvertiseRaw(core_.AddOutput(channel, schema.type_name, schema.fingerprint), schema, options, where);
 }
 
 void Context::CreateTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options) {
@@ -38,10 +38,10 @@ Session& Context::session() noexcept { return core_.session(); }
 const std::shared_ptr<ComponentGuard>& Context::guard() noexcept { return core_.guard(); }
 std::string Context::NameHere(std::string_view name) { return core_.NameHere(name); }
 std::string Context::AddOutput(std::string_view channel, const TypeInfo& type) {
-  return core_.AddOutput(channel, type.name);
+  return core_.AddOutput(channel, type.name, type.fingerprint);
 }
 std::string Context::AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply) {
-  return core_.AddCalled(service, request.name, reply.name);
+  return core_.AddCalled(service, request, reply);
 }
 void Context::AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options) {
   core_.AddInput(input, std::move(callback), std::move(options));

@@ -98,7 +98,9 @@ ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup 
       context_(*this) {
   status_.name = description_.name = setup_.name;
   description_.type = setup_.type;
-  if (type.state != nullptr) description_.state = type.state->name;
+  if (type.state == nullptr) return;
+  description_.state = type.state->name;
+  description_.fingerprints[type.state->name] = type.state->fingerprint;
 }
 
 LogSink ContextCore::Sink() const {
@@ -153,17 +155,22 @@ std::string ContextCore::NameHere(std::string_view name) {
   return found == setup_.remap.end() ? here : found->second;
 }
 
-std::string ContextCore::AddOutput(std::string_view channel, const std::string& type) {
+std::string ContextCore::AddOutput(std::string_view channel, const std::string& type, std::uint64_t fingerprint) {
   std::string here = NameHere(channel);
   const std::scoped_lock lock(mutex_);
-  if (!constructed_) description_.outputs.push_back({std::string(channel), here, type, {}});
+  if (constructed_) return here;
+  description_.outputs.push_back({std::string(channel), here, type, {}});
+  description_.fingerprints[type] = fingerprint;
   return here;
 }
 
-std::string ContextCore::AddCalled(std::string_view service, const std::string& request, const std::string& reply) {
+std::string ContextCore::AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply) {
   std::string here = NameHere(service);
   const std::scoped_lock lock(mutex_);
-  if (!constructed_) description_.calls.push_back({std::string(service), here, request, reply});
+  if (constructed_) return here;
+  description_.calls.push_back({std::string(service), here, request.name, reply.name});
+  description_.fingerprints[request.name] = request.fingerprint;
+  description_.fingerprints[reply.name] = reply.fingerprint;
   return here;
 }
 
@@ -192,7 +199,10 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
   SetUp(input.channel, options);
   {
     const std::scoped_lock lock(mutex_);
-    if (!constructed_) description_.inputs.push_back({std::string(input.channel), here, input.type.name, options.name});
+    if (!constructed_) {
+      description_.inputs.push_back({std::string(input.channel), here, input.type.name, options.name});
+      if (!input.type.any) description_.fingerprints[input.type.name] = input.type.fingerprint;
+    }
   }
   Add(inputs_,
       [this, here, &type = input.type, invoke = input.invoke, where = input.where, callback = std::move(callback),
@@ -210,6 +220,9 @@ void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler
     if (!constructed_) {
       description_.services.push_back(
           {std::string(served.service), here, served.request_body.name, served.reply_body.name});
+      for (const TypeInfo* one : {&served.request_body, &served.reply_body}) {
+        description_.fingerprints[one->name] = one->fingerprint;
+      }
     }
   }
   AnyHandler guarded = [guard = guard_, handler = std::move(handler)](const AnyMessage& request) {

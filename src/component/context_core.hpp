@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -53,8 +54,8 @@ class ContextCore {
   [[nodiscard]] Log& log() noexcept { return log_; }
   [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
   [[nodiscard]] std::string NameHere(std::string_view name);
-  [[nodiscard]] std::string AddOutput(std::string_view channel, const std::string& type);
-  [[nodiscard]] std::string AddCalled(std::string_view service, const std::string& request, const std::string& reply);
+  [[nodiscard]] std::string AddOutput(std::string_view channel, const std::string& type, std::uint64_t fingerprint);
+  [[nodiscard]] std::string AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply);
   void AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options);
   void AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options);
   void AddTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options);

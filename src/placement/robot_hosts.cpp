@@ -34,6 +34,19 @@ std::string ReadAddress(const Value& value) {
   return address;
 }
 
+// As ssh takes it: a name of its configuration, or user@host.
+std::string ReadDestination(const Value& value) {
+  const std::string& destination = value.Text("what ssh connects to");
+  const auto allowed = [](char letter) {
+    return IsHostLetter(letter) || std::string_view("@/[]").find(letter) != std::string_view::npos;
+  };
+  if (destination.empty() || destination.starts_with('-') || !std::ranges::all_of(destination, allowed)) {
+    value.Fail("is " + yaml::Quoted(destination) + ", to which ssh cannot connect",
+               "Write a host of your ssh configuration, or USER@HOST.");
+  }
+  return destination;
+}
+
 }  // namespace
 
 void RobotDraft::ReadHost(const Field& field) {
@@ -41,7 +54,8 @@ void RobotDraft::ReadHost(const Field& field) {
     throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a host.", field.key_position,
                       "Use letters, digits, \"_\" and \"-\".");
   }
-  const Section section(field.value, "a map with address", {"address", "port", "key", "secret_key_file", "home"});
+  const Section section(field.value, "a map with address",
+                        {"address", "port", "key", "secret_key_file", "home", "ssh", "hgros"});
   RobotHost host;
   host.name = field.key;
   host.at = field.key_position;
@@ -50,6 +64,11 @@ void RobotDraft::ReadHost(const Field& field) {
   section.Read("address", [&](const Value& address) { host.address = ReadAddress(address); });
   section.Read("port", [&](const Value& port) { host.port = static_cast<int>(port.Integer(1, kMostPort)); });
   section.Read("home", [&](const Value& home) { host.home = home.Boolean(); });
+  section.Read("ssh", [&](const Value& ssh) { host.ssh = ReadDestination(ssh); });
+  section.Read("hgros", [&](const Value& command) {
+    host.hgros = command.Text("a command there");
+    if (host.hgros.empty()) command.Fail("is empty", "Name the command there, such as /opt/robot/bin/hgros.");
+  });
   section.Read("key", [&](const Value& key) {
     host.key = key.Text("a public key of 40 characters");
     if (host.key.size() != kKeyLength) {

@@ -179,6 +179,9 @@ TEST(Components, SayWhatTheyUse) {
   ASSERT_EQ(description.params.size(), 1U);
   EXPECT_EQ(description.params[0].path, "step");
   EXPECT_EQ(description.state, "foxglove.PoseInFrame");
+  EXPECT_EQ(
+      description.fingerprints,
+      (std::map<std::string, std::uint64_t>{{"foxglove.PoseInFrame", TypeOf<foxglove::PoseInFrame>().fingerprint}}));
 }
 
 TEST(Components, GetTheirParameters) {

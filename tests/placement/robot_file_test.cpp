@@ -222,7 +222,8 @@ TEST(RobotFileTest, TellsRobotFilesFromOthers) {
 
 TEST(RobotFileTest, ReadsHosts) {
   const RobotFile robot = Read(
-      "hosts: {cart: {address: 10.0.0.1, home: true}, base: {address: 'fe80::1', port: 7000}, arm: }\n"
+      "hosts: {cart: {address: 10.0.0.1, home: true}, base: {address: 'fe80::1', port: 7000}, "
+      "arm: {ssh: me@arm, hgros: ~/bin/hgros}}\n"
       "components: {a: {type: x}, b: {type: x}, c: {type: x}}\n"
       "processes: {p: {components: [a], host: base}, q: {components: [b], host: cart}}\n"
       "programs: {s: {command: [ls], host: arm}}\n");
@@ -230,7 +231,11 @@ TEST(RobotFileTest, ReadsHosts) {
   EXPECT_EQ(robot.hosts[0].port, 5650);
   EXPECT_EQ(robot.hosts[1].address, "fe80::1");
   EXPECT_EQ(robot.hosts[1].port, 7000);
+  EXPECT_EQ(robot.hosts[1].ssh, "");
+  EXPECT_EQ(robot.hosts[1].hgros, "hgros");
   EXPECT_EQ(robot.hosts[2].address, "arm");
+  EXPECT_EQ(robot.hosts[2].ssh, "me@arm");
+  EXPECT_EQ(robot.hosts[2].hgros, "~/bin/hgros");
   EXPECT_EQ(robot.FindHost(""), &robot.hosts[0]);
   EXPECT_EQ(robot.FindHost("base"), &robot.hosts[1]);
   EXPECT_EQ(robot.FindProcess("p")->host, "base");
@@ -248,6 +253,8 @@ TEST(RobotFileTest, FaultsOfHostsHaveAPlaceAndTheNearestName) {
   expect("hosts: {b: {address: 'tcp://x'}}", "Write it without scheme and port");
   expect("hosts: {b: {port: 0}}", "hosts.b.port must be an integer from 1 to 64535");
   expect("hosts: {b: {home: 1}}", "hosts.b.home must be true or false");
+  expect("hosts: {b: {ssh: '-oProxyCommand=x'}}", "hosts.b.ssh is \"-oProxyCommand=x\", to which ssh cannot connect");
+  expect("hosts: {b: {hgros: ''}}", "hosts.b.hgros is empty");
   expect("hosts: {b: {key: short, secret_key_file: /k}}", "hosts.b.key has 5 characters, but a key has 40");
   expect("hosts: {b: {secret_key_file: /k}}", "hosts.b has a secret_key_file, but no key");
   expect("hosts: {a: {home: true}, b: {home: true}}", "2:26: Two hosts are home: \"a\" and \"b\".");

@@ -36,6 +36,12 @@ TEST(ZmqCurve, PublicKeyBelongsToTheSecretKey) {
   EXPECT_THROW((void)PublicCurveKeyOf("short"), Error);
 }
 
+TEST(ZmqCurve, PublicKeysHaveNoVariableOfARobotFile) {
+  for (int i = 0; i < 2000; ++i) {  // One in 185 would.
+    ASSERT_EQ(GenerateCurveKeyPair().public_key.find("${"), std::string::npos);
+  }
+}
+
 TEST(ZmqCurve, SessionsWithTheRightKeysExchangeMessages) {
   const Keys keys;
   Place server(keys.Server());

@@ -171,5 +171,25 @@ TEST(YamlMerge, ValuesOutsideFilesHaveANameAndNoLine) {
   EXPECT_EQ(Value(value).List({})[1].Map({})[0].value.position().ToString(), "--set speed");
 }
 
+TEST(YamlText, HasTheSameValues) {
+  for (const char* text : {
+           "",
+           "a: 1\nb: [0x1f, -.5e3, .inf, true, ~, '', '1', \"null\", '10:30', 1s, v1.2-rc+3]",
+           "'a: b': {c d: {}, \"e\\\"\\\\\": [], '': x}",
+           "text: |\n  one\n    two # no comment\n",
+           "signs: [\"\\t\\n\\x01\\x7f\\x85\\xa0\\u2028\", 'ä€😀', '{[,]}', '- a', '${X}', '&x', '*y', '!z', '%']",
+           "same: &x {y: [1]}\nagain: *x",
+       }) {
+    const Document document = Document::Parse(text, "robot.yaml");
+    const std::string written = document.ToYaml();
+    EXPECT_EQ(Line(Document::Parse(written, "written").root()), Line(document.root())) << written;
+  }
+}
+
+TEST(YamlText, HasNumbersAndBooleansOnlyWhereTheFileHas) {
+  const Document read = Document::Parse(Document::Parse("[5, '5', true, 'true', a, b c]", "f").ToYaml(), "written");
+  EXPECT_EQ(Line(read.root()), "[5, \"5\", true, \"true\", a, \"b c\"]");
+}
+
 }  // namespace
 }  // namespace hgros

@@ -10,7 +10,9 @@
 #include "commands/commands.hpp"
 #include "drawing/graph_drawing.hpp"
 #include "hgros/placement/robot_file.hpp"
+#include "launch/host_networks.hpp"
 #include "launch/robot_check.hpp"
+#include "launch/robot_graph.hpp"
 #include "terminal/console.hpp"
 #include "terminal/output_file.hpp"
 #include "terminal/records.hpp"
@@ -120,15 +122,41 @@ void CheckCommand::Write(Console& console, const FileFindings& findings) const {
   if (!end.empty()) console.Line(console.Styled(Style::kDim, end));
 }
 
+// What is derived for the processes that exchange messages with other hosts.
+void CheckHosts(const RobotFile& robot, const RobotGraph& graph, FileFindings& findings) {
+  for (const auto& network : HostNetworks(robot, graph)) {
+    const std::string& process = network.first;
+    const std::string& yaml = network.second;
+    const Config config = Config::Parse(yaml.substr(0, yaml.find("  security:")));
+    const auto note = [&, &at = robot.FindProcess(process)->at](const EndpointConfig& one, std::string_view does) {
+      std::string channels;
+      for (const std::string& channel : one.channels) channels += (channels.empty() ? "" : ", ") + channel;
+      findings.push_back({Severity::kNote,
+                          "host",
+                          at,
+                          "\"" + process + "\" " + std::string(does) + " " + one.endpoint + ": " + channels + ".",
+                          {}});
+    };
+    for (const EndpointConfig& one : config.publishers) note(one, "publishes for other hosts at");
+    for (const EndpointConfig& one : config.subscribers) note(one, "hears another host at");
+  }
+}
+
 // A robot file, and its components if nothing is wrong with the file.
 void CheckRobotFile(const std::string& file, Pause& pause, FileFindings& findings) {
   const CheckedRobotFile checked = RobotFile::Check(file);
   for (const ConfigError& fault : checked.faults) findings.push_back(FindingOf(fault));
   if (!checked.faults.empty()) return;
   const ComponentCatalog catalog;
-  for (const RobotFinding& one : CheckRobot(checked.robot, catalog, pause).findings) {
+  const CheckedRobot components = CheckRobot(checked.robot, catalog, pause);
+  for (const RobotFinding& one : components.findings) {
     const Severity severity = one.fault ? Severity::kFault : Severity::kWarning;
     findings.push_back({severity, "component", one.at, one.what, one.fix});
+  }
+  try {
+    CheckHosts(checked.robot, RobotGraph(checked.robot, components.descriptions), findings);
+  } catch (const ConfigError& error) {
+    findings.push_back(FindingOf(error));
   }
 }
 

@@ -71,6 +71,7 @@ constexpr std::array kCommands{
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
     CommandEntry{"completion", "Print a script that completes commands in a shell", kThis, MakeCompletion},
     CommandEntry{"__complete", "Complete a command line", kThis, MakeComplete},
+    CommandEntry{"__hosted", "Run a process of a robot of another host", kThis, MakeHosted},
     CommandEntry{"__man", "Write manual pages", kThis, MakeManual},
 };
 

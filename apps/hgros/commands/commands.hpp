@@ -39,6 +39,7 @@ std::unique_ptr<Command> MakeExportKubernetes();
 std::unique_ptr<Command> MakeExportSystemd();
 std::unique_ptr<Command> MakeGraph();
 std::unique_ptr<Command> MakeHelp();
+std::unique_ptr<Command> MakeHosted();
 std::unique_ptr<Command> MakeHz();
 std::unique_ptr<Command> MakeInfo();
 std::unique_ptr<Command> MakeList();

@@ -29,9 +29,9 @@ std::string ListOf(const std::set<std::string>& names) {
 
 const RobotHost& HostOf(const RobotFile& robot, const RobotProcess& process) {
   if (const RobotHost* host = robot.FindHost(process.host)) return *host;
-  throw Error("The process \"" + process.name + "\" exchanges messages with another host, but no host is home.",
-              process.at.ToString(),
-              "Add the host where `hgros run` is started: `hosts: {NAME: {address: ADDRESS, home: true}}`.");
+  throw ConfigError("The process \"" + process.name + "\" exchanges messages with another host, but no host is home.",
+                    process.at,
+                    "Add the host where `hgros run` is started: `hosts: {NAME: {address: ADDRESS, home: true}}`.");
 }
 
 // Each process of a host has a port, in the order of the file.
@@ -47,6 +47,21 @@ int PortOf(const RobotFile& robot, const RobotHost& host, const RobotProcess& pr
 std::string EndpointOf(const RobotHost& host, int port) {
   const bool ip6 = host.address.find(':') != std::string::npos;
   return "tcp://" + (ip6 ? "[" + host.address + "]" : host.address) + ":" + std::to_string(port);
+}
+
+// What the file says of the process must not contradict what is derived.
+void RequireRoom(const RobotProcess& process, const RobotHost& host, bool publishes, int number) {
+  if (!host.key.empty() && process.config.security.enabled()) {
+    throw ConfigError("The process \"" + process.name + "\" has network.security, and its host has a key.", process.at,
+                      "Keep one of them.");
+  }
+  const std::string port = ":" + std::to_string(number);
+  for (const EndpointConfig& own : process.config.publishers) {
+    if (!publishes || !own.endpoint.ends_with(port)) continue;
+    throw ConfigError("The process \"" + process.name + "\" publishes at " + own.endpoint +
+                          ", but its host uses that port for other hosts.",
+                      process.at, "Set another `port` of the host.");
+  }
 }
 
 std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const RobotProcess& process) {
@@ -69,10 +84,11 @@ std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const Rob
   }
   if (published.empty() && subscribers.empty()) return {};
   const RobotHost& host = HostOf(robot, process);
+  const int port = PortOf(robot, host, process);
+  RequireRoom(process, host, !published.empty(), port);
   std::string yaml = "network:\n";
   if (!published.empty()) {
-    yaml += "  publisher: {ip: \"tcp://*:" + std::to_string(PortOf(robot, host, process)) +
-            "\", channels: " + ListOf(published) + "}\n";
+    yaml += "  publisher: {ip: \"tcp://*:" + std::to_string(port) + "\", channels: " + ListOf(published) + "}\n";
   }
   if (!subscribers.empty()) yaml += "  subscribers:\n" + subscribers;
   if (host.key.empty()) return yaml;
@@ -83,21 +99,8 @@ std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const Rob
   return yaml;
 }
 
-void Add(Config derived, const RobotProcess& process, Config& config) {
-  if (derived.security.enabled() && config.security.enabled()) {
-    throw Error("The process \"" + process.name + "\" has network.security, and its host has a key.",
-                process.at.ToString(), "Keep one of them.");
-  }
-  for (EndpointConfig& endpoint : derived.publishers) {
-    const std::string port = endpoint.endpoint.substr(endpoint.endpoint.rfind(':'));
-    for (const EndpointConfig& own : config.publishers) {
-      if (!own.endpoint.ends_with(port)) continue;
-      throw Error("The process \"" + process.name + "\" publishes at " + own.endpoint +
-                      ", but its host uses that port for other hosts.",
-                  process.at.ToString(), "Set another `port` of the host.");
-    }
-    config.publishers.push_back(std::move(endpoint));
-  }
+void Add(Config derived, Config& config) {
+  for (EndpointConfig& endpoint : derived.publishers) config.publishers.push_back(std::move(endpoint));
   for (EndpointConfig& endpoint : derived.subscribers) {
     std::erase_if(config.subscribers, [&](const auto& own) { return own.endpoint == endpoint.endpoint; });
     config.subscribers.push_back(std::move(endpoint));
@@ -118,21 +121,13 @@ std::map<std::string, std::string> HostNetworks(const RobotFile& robot, const Ro
 }
 
 void RequireHost(const RobotFile& robot, const std::string& host) {
-  if (!host.empty()) {
-    std::vector<std::string> names;
-    for (const RobotHost& one : robot.hosts) names.push_back(one.name);
-    if (std::ranges::find(names, host) != names.end()) return;
-    const std::string nearest = NearestName(host, names);
-    throw Error("The robot has no host \"" + host + "\".", {},
-                nearest.empty() ? "Add it to hosts." : "Did you mean \"" + nearest + "\"?");
-  }
-  const auto refuse = [](const RobotUnit& unit) {
-    if (unit.host.empty()) return;
-    throw Error("\"" + unit.name + "\" runs on the host \"" + unit.host + "\".", unit.at.ToString(),
-                "Run this on each host, in any order: `hgros run FILE --host HOST`.");
-  };
-  std::ranges::for_each(robot.processes, refuse);
-  std::ranges::for_each(robot.programs, refuse);
+  if (host.empty()) return;
+  std::vector<std::string> names;
+  for (const RobotHost& one : robot.hosts) names.push_back(one.name);
+  if (std::ranges::find(names, host) != names.end()) return;
+  const std::string nearest = NearestName(host, names);
+  throw Error("The robot has no host \"" + host + "\".", {},
+              nearest.empty() ? "Add it to hosts." : "Did you mean \"" + nearest + "\"?");
 }
 
 RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
@@ -140,16 +135,16 @@ RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
   const RobotHost* home = robot.FindHost({});
   const std::string here = home != nullptr && home->name == host ? std::string() : host;
   RobotFile part = robot;
-  std::erase_if(part.components,
-                [&](const RobotComponent& one) { return robot.FindProcess(one.process)->host != here; });
-  std::erase_if(part.processes, [&](const RobotProcess& one) { return one.host != here; });
-  std::erase_if(part.programs, [&](const RobotProgram& one) { return one.host != here; });
+  const auto elsewhere = [&](const RobotUnit& one) { return !host.empty() && one.host != here; };
+  std::erase_if(part.components, [&](const RobotComponent& one) { return elsewhere(*robot.FindProcess(one.process)); });
+  std::erase_if(part.processes, elsewhere);
+  std::erase_if(part.programs, elsewhere);
   if (part.processes.empty() && part.programs.empty()) {
     throw Error("Nothing of the robot runs on the host \"" + host + "\".");
   }
   for (RobotProcess& process : part.processes) {
     const auto network = networks.find(process.name);
-    if (network != networks.end()) Add(Config::Parse(network->second, "hosts"), process, process.config);
+    if (network != networks.end() && process.host == here) Add(Config::Parse(network->second, "hosts"), process.config);
   }
   return part;
 }

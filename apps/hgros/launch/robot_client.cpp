@@ -47,4 +47,9 @@ void OrderRobot(const std::string& robot, const RobotRequest& request, Pause& pa
   if (end.code() != 0 && !end.sentence().empty()) throw Error(end.sentence());
 }
 
+Cell PlaceOf(const RobotReply::Unit& unit) {
+  if (unit.host().empty()) return unit.name();
+  return {unit.name(), unit.name() + " on " + unit.host()};
+}
+
 }  // namespace hgros::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "launch/robot.pb.h"
+#include "terminal/records.hpp"
 
 namespace hgros::cli {
 
@@ -18,5 +19,8 @@ RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, 
 
 /// The same. Throws Error with the sentence of the end if its code is not 0.
 void OrderRobot(const std::string& robot, const RobotRequest& request, Pause& pause);
+
+/// The name of a process or program for tables: with its host, if that is another one.
+[[nodiscard]] Cell PlaceOf(const RobotReply::Unit& unit);
 
 }  // namespace hgros::cli

@@ -4,6 +4,9 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "launch/robot_client.hpp"
+#include "terminal/json.hpp"
+#include "terminal/records.hpp"
 
 namespace hgros::cli {
 
@@ -16,6 +19,23 @@ void RobotLog::Add(LogLine line) {
 }
 
 void RobotLog::Repeat(const LogLine& line) { Write("    " + LineText(console_, line, look_.width)); }
+
+void RobotLog::ShowStates(const std::vector<RobotReply::Unit>& units) {
+  Records records(console_, {},
+                  {{"component", "COMPONENT"}, {"type", "TYPE"}, {"process", "PROCESS"}, {"pid", "PID", true}});
+  for (const RobotReply::Unit& unit : units) {
+    Json json;
+    json.BeginObject().Member("event", "started").Member("process", unit.name());
+    if (!unit.host().empty()) json.Member("host", unit.host());
+    json.Member("pid", std::int64_t{unit.pid()}).Key("components").BeginList();
+    for (const RobotReply::Component& one : unit.components()) {
+      if (!unit.program()) json.Value(one.name());
+      records.Add({unit.program() ? Cell() : Cell(one.name()), one.type(), PlaceOf(unit), std::int64_t{unit.pid()}});
+    }
+    if (look_.json) Write(json.EndList().EndObject().text());
+  }
+  if (!look_.json) Guard([&] { records.End(); });
+}
 
 void RobotLog::Write(std::string_view line) {
   Guard([&] { console_.Line(line); });

@@ -6,8 +6,10 @@
 #include <functional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "launch/log_lines.hpp"
+#include "launch/robot.pb.h"
 #include "terminal/console.hpp"
 
 namespace hgros::cli {
@@ -31,10 +33,10 @@ class RobotLog {
   void Add(LogLine line);
   /// Shows a line again, below others.
   void Repeat(const LogLine& line);
+  /// Shows a table of what runs.
+  void ShowStates(const std::vector<RobotReply::Unit>& units);
   /// Shows a line that is not of the log.
   void Write(std::string_view line);
-  /// Calls `write`, which writes to the console.
-  void Guard(const std::function<void()>& write);
   /// What is written from now on waits at most so long, all together, for somebody to read.
   void WaitAtMost(std::chrono::milliseconds time) { wait_until_ = std::chrono::steady_clock::now() + time; }
   /// Says what was left out.
@@ -45,6 +47,8 @@ class RobotLog {
   [[nodiscard]] const LogLines& lines() const noexcept { return lines_; }
 
  private:
+  // Calls `write`, which writes to the console.
+  void Guard(const std::function<void()>& write);
   void SayUnread(std::uint64_t lines);
 
   Console& console_;

@@ -10,6 +10,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hosting/hosted_process.hpp"
+#include "remote/remote_units.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -91,7 +92,12 @@ void Starter::StartDue() {
 
 void Starter::Start(Unit& unit) {
   unit.ended.clear();
-  unit.running = std::make_unique<UnitProcess>(*unit.setup, [&](int socket) {
+  const bool remote = options_.remote != nullptr && !unit.setup->host.empty();
+  RobotUnit relay;  // What the file says is for the other host.
+  relay.name = unit.setup->name;
+  relay.at = unit.setup->at;
+  unit.running = std::make_unique<UnitProcess>(remote ? relay : *unit.setup, [&](int socket) {
+    if (remote) return options_.remote->Run(socket, *unit.setup, kept_);
     if (unit.program != nullptr) return BecomeProgram(*unit.program);
     return HostComponents(socket, robot_, *unit.process, catalog_, kept_);
   });
@@ -133,7 +139,7 @@ void Starter::Advance() {
     }
     StartDue();
     if (ending_) return;
-    ShowStates();
+    log_.ShowStates(statuses());
     if (options_.on_running) options_.on_running();
   }
 }

@@ -24,11 +24,14 @@
 
 namespace hgros::cli {
 
+class RemoteUnits;
+
 struct StarterOptions {
   std::string name;                       ///< Of the robot, for commands.
   bool json = false;                      ///< Everything as one JSON object per line.
   bool verbose = false;                   ///< Also lines of the level debug.
   std::function<void()> on_running = {};  ///< Called once everything runs.
+  const RemoteUnits* remote = nullptr;    ///< Starts what runs on other hosts; null: all is started here. Borrowed.
 };
 
 /// Starts the processes and programs of a robot, shows their log, starts again what has failed, and ends them.
@@ -103,7 +106,6 @@ class Starter {
   void SendJoin(Unit& unit);
   static void Send(Unit& unit, const RunOrder& order);
   void Release(Unit& unit);
-  void ShowStates();
 
   // Everything ends, the last ones first. `why` is said; empty: the user knows.
   void EndAll(const std::string& why, int code);

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "launch/starter.hpp"
 #include "processes/process_end.hpp"
-#include "terminal/json.hpp"
-#include "terminal/records.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -15,22 +15,6 @@ namespace {
 constexpr std::size_t kReportedLines = 10;
 
 }  // namespace
-
-void Starter::ShowStates() {
-  Records records(surroundings_.console, {},
-                  {{"component", "COMPONENT"}, {"type", "TYPE"}, {"process", "PROCESS"}, {"pid", "PID", true}});
-  for (const RobotReply::Unit& unit : statuses()) {
-    Json json;
-    json.BeginObject().Member("event", "started").Member("process", unit.name());
-    json.Member("pid", std::int64_t{unit.pid()}).Key("components").BeginList();
-    for (const RobotReply::Component& one : unit.components()) {
-      if (!unit.program()) json.Value(one.name());
-      records.Add({unit.program() ? Cell() : Cell(one.name()), one.type(), unit.name(), std::int64_t{unit.pid()}});
-    }
-    if (options_.json) log_.Write(json.EndList().EndObject().text());
-  }
-  if (!options_.json) log_.Guard([&] { records.End(); });
-}
 
 void Starter::ReportFailure(Unit& unit, int status) {
   code_ = kFailed;
@@ -62,6 +46,7 @@ std::vector<RobotReply::Unit> Starter::statuses() const {
     RobotReply::Unit& told = all.emplace_back();
     told.set_name(unit.setup->name);
     told.set_program(unit.program != nullptr);
+    if (options_.remote != nullptr) told.set_host(unit.setup->host);
     told.set_restarts(unit.starts == 0 ? 0 : unit.starts - 1);
     const bool ends = unit.running != nullptr && (unit.again || unit.stage == Stage::kEnds);
     told.set_state(ends                            ? "ending"

@@ -30,6 +30,8 @@ class MessageStream {
   bool Read();
   /// Takes the next whole message that was read. False: there is none. What is no such message ends the stream.
   bool Next(google::protobuf::MessageLite& message);
+  /// Whether something came that is no such message.
+  [[nodiscard]] bool broken() const noexcept { return broken_; }
 
  private:
   const int descriptor_;

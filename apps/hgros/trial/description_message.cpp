@@ -71,6 +71,7 @@ TrialStep::Made MessageOf(const ComponentDescription& description) {
     to.set_fallback(one.fallback);
   }
   made.set_state(description.state);
+  made.mutable_fingerprints()->insert(description.fingerprints.begin(), description.fingerprints.end());
   return made;
 }
 
@@ -93,6 +94,7 @@ ComponentDescription DescriptionFrom(const TrialStep::Made& made) {
     description.params.push_back({one.path(), std::move(info), one.type(), one.fallback()});
   }
   description.state = made.state();
+  description.fingerprints.insert(made.fingerprints().begin(), made.fingerprints().end());
   return description;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,8 @@ struct ComponentDescription {
   std::vector<ComponentTimer> timers;
   std::vector<ParamDeclaration> params;
   std::string state;  ///< The type of its Save; empty if it has none.
+  /// The schemas of all these types, by their names. 0: the type has none.
+  std::map<std::string, std::uint64_t> fingerprints;
 };
 
 }  // namespace hgros

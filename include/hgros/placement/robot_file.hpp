@@ -39,6 +39,8 @@ struct RobotHost {
   std::string key = {};  ///< Its public CURVE key; empty: no encryption.
   std::string secret_key_file = {};  ///< On that host.
   bool home = false;                 ///< `hgros run` is started there.
+  std::string ssh = {};              ///< What ssh is told to connect to; empty: the address.
+  std::string hgros = "hgros";       ///< The command there, as the login shell runs it.
   FilePosition at = {};              ///< Of its name.
 };
 

@@ -76,6 +76,8 @@ class HGROS_EXPORT Document {
   [[nodiscard]] Document Only(std::span<const std::string_view> keys) const;
   /// The value inside maps: with the keys "a" and "b", `{a: {b: value}}`.
   [[nodiscard]] Document Below(std::span<const std::string> keys) const;
+  /// A text of one line, from which Parse() makes the same values.
+  [[nodiscard]] std::string ToYaml() const;
 
   Document(const Document&) = delete;  // Nodes point at each other.
   Document& operator=(const Document&) = delete;

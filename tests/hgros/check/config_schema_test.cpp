@@ -278,7 +278,8 @@ TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
         "components: {a: {type: 1, params: {x: [1]}, nodes: {s: {queue: {keep_all: 3}}}}}\ntime: simulated",
         "components: {a: {type: x}}\nprograms: {p: {command: [ls, 1, true], restart: always, priority: 99, memory: "
         "200MB}}",
-        "components: {a: {type: x}}\nhosts: {h: , i: {address: 10.0.0.1, port: 7000, home: true}}\n"
+        "components: {a: {type: x}}\nhosts: {h: , i: {address: 10.0.0.1, port: 7000, home: true},"
+        " j: {ssh: 'me@[::1]', hgros: '~/hgros/bin/hgros'}}\n"
         "processes: {p: {host: h}}\nprograms: {q: {command: [ls], host: i}}",
         "components: {a: {type: x}}\nprocesses: {p: {discovery: {domain: d}, channels: {c: {latched: 1}}}}"}) {
     files.push_back({yaml, {}, yaml});
@@ -324,6 +325,9 @@ TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
                                         robot + "hosts: {a: {key: short, secret_key_file: /k}}",
                                         robot + "hosts: {a: {secret_key_file: /k}}",
                                         robot + "hosts: {a: {home: 1}}",
+                                        robot + "hosts: {a: {ssh: '-v'}}",
+                                        robot + "hosts: {a: {ssh: 'a b'}}",
+                                        robot + "hosts: {a: {hgros: ''}}",
                                         robot + "programs: {p: }",
                                         robot + "programs: {p: {command: ls}}",
                                         robot + "programs: {p: {command: []}}",

@@ -114,11 +114,18 @@ TEST_F(HostNetworksTest, CountTheSubscribersOfOtherHosts) {
             (std::map<std::string, std::size_t>{{"image", 1}, {"unused", 1}}));
 }
 
-TEST_F(HostNetworksTest, AHostMustExistAndBeNamedIfThereAreSeveral) {
+TEST_F(HostNetworksTest, AHostThatIsNamedMustExist) {
   EXPECT_EQ(FaultOf([this] { RequireHost(robot_, "base"); }), "");
+  EXPECT_EQ(FaultOf([this] { RequireHost(robot_, ""); }), "");
   EXPECT_NE(FaultOf([this] { RequireHost(robot_, "bse"); }).find("Did you mean \"base\"?"), std::string::npos);
-  EXPECT_NE(FaultOf([this] { RequireHost(robot_, ""); }).find("\"mapper\" runs on the host \"base\"."),
-            std::string::npos);
+}
+
+TEST_F(HostNetworksTest, WithoutAHostOnlyWhatRunsAtHomeGetsItsNetwork) {
+  const RobotFile whole = PartOfHost(robot_, "", Networks());
+  EXPECT_EQ(whole.processes.size(), robot_.processes.size());
+  EXPECT_EQ(whole.components.size(), robot_.components.size());
+  EXPECT_EQ(whole.FindProcess("camera")->config.publishers.size(), 1U);
+  EXPECT_TRUE(whole.FindProcess("mapper")->config.subscribers.empty());
 }
 
 }  // namespace

@@ -114,12 +114,32 @@ TEST(HgrosRun, HostsWithKeysExchangeMessages) {
   EXPECT_THAT(cart->out(), HasSubstr("It has finished: all 100"));
 }
 
-TEST(HgrosRun, AHostMustBeNamedAndExist) {
+TEST(HgrosRun, AHostThatIsNamedMustExist) {
   const RobotFolder robot(
       "hosts: {base: {address: 10.198.0.2}}\ncomponents: {a: {type: relay/Does}}\n"
       "processes: {p: {components: [a], host: base}}\n");
-  EXPECT_THAT(robot.Run().err, HasSubstr("\"p\" runs on the host \"base\". Run this on each host"));
   EXPECT_THAT(robot.Run({"--host", "bse"}).err, HasSubstr("Did you mean \"base\"?"));
+}
+
+TEST(HgrosRun, CheckShowsWhatIsDerivedForHosts) {
+  const std::string components =
+      "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
+      "processes: {p: {components: [numbers], host: base, network: {publisher: {ip: '*:6000'}}}}\n";
+  const RobotFolder robot("hosts: {cart: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n" +
+                          components);
+  const CommandEnd end = RunToEnd({"check", "--verbose", robot.file()}, robot.environment());
+  EXPECT_EQ(end.status, 0) << end.err;
+  EXPECT_THAT(end.out, AllOf(HasSubstr("3:13: note: \"p\" publishes for other hosts at tcp://*:5650: number."),
+                             HasSubstr("\"main\" hears another host at tcp://10.198.0.2:5650: number.")));
+  const auto faults = [&](const std::string& hosts) {
+    const RobotFolder wrong("hosts: {" + hosts + "}\n" + components);
+    const CommandEnd checked = RunToEnd({"check", wrong.file()}, wrong.environment());
+    EXPECT_EQ(checked.status, 1);
+    return checked.out;
+  };
+  EXPECT_THAT(faults("base: {address: 10.198.0.2}"), HasSubstr("no host is home"));
+  EXPECT_THAT(faults("cart: {home: true}, base: {port: 6000}"),
+              HasSubstr("3:13: fault: The process \"p\" publishes at tcp://*:6000, but its host uses that port"));
 }
 
 TEST(HgrosRun, SetsValuesAndLeavesOut) {
@@ -198,9 +218,11 @@ TEST(HgrosRun, EndsInReverseOrderWithinTwoSeconds) {
   const RobotFolder robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}, c: {type: relay/Does}}\n"
       "processes: {p: {components: [c]}, q: {components: [a]}, r: {components: [b]}}\n"
-      "programs: {waits: {command: [sh, -c, 'trap \"echo goodbye; exit\" TERM; while :; do sleep 0.05; done']}}\n");
+      "programs: {waits: {command: [sh, -c, 'trap \"echo goodbye; exit\" TERM; echo ready; while :; do sleep 0.05; "
+      "done']}}\n");
   CommandRun run(robot.Arguments(), robot.environment());
   ASSERT_TRUE(run.Prints("b      I run."));
+  ASSERT_TRUE(run.Prints("waits  ready"));
   const std::vector<pid_t> pids = PidsIn(run.out());
   ASSERT_EQ(pids.size(), 4U) << run.out();
   const auto begin = std::chrono::steady_clock::now();

@@ -94,7 +94,7 @@ int Export::Run(Surroundings& surroundings) {
     if (value) variables[name] = *value;
     return value;
   };
-  const RobotFile robot = ReadRobot(surroundings.console, file_, set_, options);
+  const RobotFile robot = ReadRobot(surroundings.console, file_, WithSet(set_, options));
   CheckHosts(robot);
   for (const char* name : {"HGROS_DOMAIN", "HGROS_COMPONENT_PATH"}) {
     if (const auto value = yaml::EnvironmentVariable(name)) variables[name] = *value;

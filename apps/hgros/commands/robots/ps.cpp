@@ -34,8 +34,9 @@ void PsCommand::Add(Records& records, const std::string& robot, const RobotReply
   const auto seconds = static_cast<std::int64_t>(unit.seconds() * 1e9);
   const Cell since = unit.pid() == 0 ? Cell() : Cell(unit.seconds(), DurationText(seconds, false));
   for (const RobotReply::Component& one : unit.components()) {
-    records.Add({robot, one.name().empty() ? Cell() : Cell(one.name()), one.type(), unit.name(), pid,
-                 one.state().empty() ? unit.state() : one.state(), std::uint64_t{unit.restarts()}, since});
+    records.Add({robot, one.name().empty() ? Cell() : Cell(one.name()), one.type(), PlaceOf(unit), pid,
+                 one.state().empty() ? unit.state() : one.state(), std::uint64_t{unit.restarts()}, since,
+                 unit.host().empty() ? Cell() : Cell(unit.host())});
   }
 }
 
@@ -48,7 +49,8 @@ int PsCommand::Run(Surroundings& surroundings) {
                    {"pid", "PID", true},
                    {"state", "STATE"},
                    {"restarts", "RESTARTS", true},
-                   {"seconds", "FOR", true}});
+                   {"seconds", "FOR", true},
+                   {"host", ""}});
   bool late = false;
   for (const std::string& robot : RunningRobots()) {
     RobotRequest request;

@@ -7,8 +7,7 @@
 
 namespace hgros::cli {
 
-RobotFile ReadRobot(Console& console, const std::string& file, const std::vector<std::string>& set,
-                    RobotFileOptions options) {
+RobotFileOptions WithSet(const std::vector<std::string>& set, RobotFileOptions options) {
   for (const std::string& one : set) {
     const std::size_t equals = one.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -16,6 +15,10 @@ RobotFile ReadRobot(Console& console, const std::string& file, const std::vector
     }
     options.overrides.push_back({one.substr(0, equals), one.substr(equals + 1), "--set " + one.substr(0, equals)});
   }
+  return options;
+}
+
+RobotFile ReadRobot(Console& console, const std::string& file, const RobotFileOptions& options) {
   CheckedRobotFile checked = RobotFile::Check(file, options);
   if (checked.faults.empty()) return std::move(checked.robot);
   const ConfigError last = checked.faults.back();

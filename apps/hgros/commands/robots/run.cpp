@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "launch/robot_check.hpp"
 #include "launch/robot_graph.hpp"
 #include "launch/starter.hpp"
+#include "remote/remote_units.hpp"
 #include "terminal/console.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -27,7 +30,7 @@ class RunCommand final : public Command {
     arguments.Option("--set", "PATH=VALUE", set_, "Replace a value of the file, such as mapper.params.cell_size_m=0.1");
     arguments.Option("--only", "NAME", only_, "Start only this component, process or program");
     arguments.Option("--except", "NAME", except_, "Do not start this component, process or program");
-    arguments.Option("--host", "HOST", host_, "Start only the processes and programs of this host of the file");
+    arguments.Option("--host", "HOST", host_, "Start only what runs on this host of the file, which is this one");
     arguments.Option("--name", "ROBOT", options_.name, "Its name for other commands; otherwise that of the file");
     arguments.Option("--process", "NAME", process_,
                      "Run one process in this one, without a starter, as `hgros export` has it");
@@ -37,7 +40,8 @@ class RunCommand final : public Command {
   }
   [[nodiscard]] std::string Description() const override {
     return "Checks the file and its components first. Then starts the processes, waits until all are ready, lets them "
-           "run, and shows their log. Ctrl-C ends the robot, a second one at once. The robot also ends when everything "
+           "run, and shows their log. What has another host is started there over ssh. Ctrl-C ends the robot, a second "
+           "one at once. The robot also ends when everything "
            "in it has ended. The exit code is 1 if something has failed. docs/robot-file.md describes the file.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
@@ -113,13 +117,20 @@ int RunCommand::Run(Surroundings& surroundings) {
   const bool more =
       detach_ || options_.json || options_.verbose || !options_.name.empty() || !only_.empty() || !except_.empty();
   if (!process_.empty() && more) throw UsageError("--process takes no other options than --set and --host.");
-  RobotFile whole = ReadRobot(surroundings.console, file_, set_, {.host = host_});
+  const RobotFileOptions options = WithSet(set_, {.host = host_});
+  RobotFile whole = ReadRobot(surroundings.console, file_, options);
   Select(whole);
   RequireHost(whole, host_);
   const ComponentCatalog catalog;
   if (!process_.empty()) return RunAsService(whole, process_, catalog, surroundings.pause);
-  const RobotGraph graph(whole, Try(whole, catalog, surroundings));
-  const RobotFile robot = PartOfHost(whole, host_, HostNetworks(whole, graph));
+  const std::vector<ComponentDescription> descriptions = Try(whole, catalog, surroundings);
+  const RobotGraph graph(whole, descriptions);
+  const std::map<std::string, std::string> networks = HostNetworks(whole, graph);
+  const RobotFile robot = PartOfHost(whole, host_, networks);
+  std::optional<RemoteUnits> remote;
+  if (host_.empty() && !whole.hosts.empty()) {
+    options_.remote = &remote.emplace(whole, RobotFile::Assemble(file_, options), networks, descriptions, catalog);
+  }
   if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();
   if (detach_) {
     return RunDetached(surroundings.pause, [&](const std::function<void()>& on_running) {

@@ -1,0 +1,113 @@
+#include "remote/remote_units.hpp"
+
+#include <stdlib.h>
+
+#include <set>
+#include <utility>
+
+#include "remote/library_build.hpp"
+#include "remote/ssh_relay.hpp"
+
+namespace hgros::cli {
+namespace {
+
+std::string IdText(const std::string& id) { return id.empty() ? "no build id" : "build id " + id; }
+
+}  // namespace
+
+RemoteUnits::RemoteUnits(const RobotFile& robot, const yaml::Document& document,
+                         std::map<std::string, std::string> networks,
+                         const std::vector<ComponentDescription>& descriptions, const ComponentCatalog& catalog)
+    : robot_(robot), file_(document.name()), text_(document.ToYaml()), networks_(std::move(networks)) {
+  for (const RobotProcess& process : robot.processes) {
+    if (process.host.empty()) continue;
+    std::set<std::filesystem::path> told;
+    for (const std::string& name : process.components) {
+      const std::string& type = robot.FindComponent(name)->setup.type;
+      const std::filesystem::path& file = catalog.Find(type).file;
+      if (!told.insert(file).second) continue;
+      const LibraryBuild build = BuildOf(file);
+      RemoteOrder::Library& library = libraries_[process.name].emplace_back();
+      library.set_name(file.filename().string());
+      library.set_build(build.id);
+      library.set_machine(build.machine);
+      library.set_type(type);
+    }
+  }
+  for (const ComponentDescription& one : descriptions) {
+    const RobotComponent* component = robot.FindComponent(one.name);
+    if (component != nullptr)
+      fingerprints_[component->process].insert(one.fingerprints.begin(), one.fingerprints.end());
+  }
+}
+
+RemoteOrder RemoteUnits::StartOf(const RobotUnit& unit) const {
+  RemoteOrder order;
+  RemoteOrder::Start& start = *order.mutable_start();
+  start.set_file(file_);
+  start.set_robot(text_);
+  start.set_host(unit.host);
+  start.set_unit(unit.name);
+  if (const char* domain = getenv("HGROS_DOMAIN")) start.set_domain(domain);
+  const RobotProcess* process = robot_.FindProcess(unit.name);
+  if (process == nullptr) return order;
+  start.mutable_components()->Assign(process->components.begin(), process->components.end());
+  if (const auto found = networks_.find(unit.name); found != networks_.end()) start.set_network(found->second);
+  if (const auto found = libraries_.find(unit.name); found != libraries_.end()) {
+    start.mutable_libraries()->Assign(found->second.begin(), found->second.end());
+  }
+  if (const auto found = fingerprints_.find(unit.name); found != fingerprints_.end()) {
+    start.mutable_fingerprints()->insert(found->second.begin(), found->second.end());
+  }
+  return order;
+}
+
+int RemoteUnits::Run(int socket, const RobotUnit& unit, const KeptComponents& kept) const {
+  SshRelay relay(socket, *robot_.FindHost(unit.host));
+  if (const RobotProcess* process = robot_.FindProcess(unit.name)) {
+    for (const std::string& name : process->components) {
+      const auto found = kept.find(name);
+      if (found == kept.end()) continue;
+      RemoteOrder order;
+      if (found->second.state != nullptr) {
+        *order.mutable_saved() = ReportOf(name, *found->second.state).saved();
+        relay.Add(order);
+      }
+      for (const auto& [path, value] : found->second.params) {
+        RunReport::Changed& changed = *order.mutable_changed();
+        changed.set_component(name);
+        changed.set_path(path);
+        changed.set_value(value);
+        relay.Add(order);
+      }
+    }
+  }
+  relay.Add(StartOf(unit));
+  return relay.Run();
+}
+
+std::vector<std::string> LibraryDifferences(const RemoteOrder::Start& start,
+                                            const std::vector<ComponentDescription>& descriptions,
+                                            const ComponentCatalog& catalog) {
+  std::vector<std::string> differences;
+  for (const RemoteOrder::Library& one : start.libraries()) {
+    const std::filesystem::path& file = catalog.Find(one.type()).file;
+    const LibraryBuild here = BuildOf(file);
+    if (here.machine != one.machine() || here.id == one.build()) continue;
+    differences.push_back("The library of " + one.type() + " is another one here: " + file.string() + " has " +
+                          IdText(here.id) + ", and where hgros run was started, " + one.name() + " has " +
+                          IdText(one.build()) + ".");
+  }
+  std::set<std::string> told;
+  for (const ComponentDescription& component : descriptions) {
+    for (const auto& [type, fingerprint] : component.fingerprints) {
+      const auto there = start.fingerprints().find(type);
+      if ((there != start.fingerprints().end() && there->second == fingerprint) || !told.insert(type).second) continue;
+      differences.push_back("The message type " + type + " of the component \"" + component.name +
+                            "\" has other fields here than where hgros run was started.");
+    }
+  }
+  return differences;
+}
+
+}  // namespace hgros::cli

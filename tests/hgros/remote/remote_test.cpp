@@ -1,0 +1,271 @@
+// Robots of two hosts that hgros run starts over ssh: real sshd, two network namespaces.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <random>
+#include <string>
+
+#include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
+#include "hgros/remote/ssh_host.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
+#include "remote/library_build.hpp"
+#include "support/await.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+// The file system is shared, so that sessions would find each other by it.
+constexpr const char* kHosts =
+    "hosts: {desk: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
+    "discovery: {local: false}\n";
+constexpr const char* kDoes =
+    "components: {does: {type: relay/Does}}\nprocesses: {p: {components: [does], host: base}}\n";
+
+TEST(HgrosRemote, StartsProcessesAndProgramsOverSshAndBringsTheirLogBack) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components: {numbers: {type: relay/Numbers, params: {count: ${COUNT:-50}}},\n"
+                          "             one: {type: relay/Checker, params: {count: 50}}}\n"
+                          "processes: {p: {components: [numbers], host: base, env: {A: far away}}}\n"
+                          "programs: {q: {host: base, env: {A: far away}, command: [sh, -c, "
+                          "'echo $A; ip -o addr; exit 3']}}\n");
+  const auto run = host.Run(robot);
+  EXPECT_EQ(run->Wait(), 1) << "The program fails.";
+  EXPECT_THAT(run->out(), AllOf(HasSubstr("numbers  It has finished: 50 numbers"), HasSubstr("q        far away"),
+                                HasSubstr("one      It has finished: all 50"), HasSubstr("inet 10.198.0.2/24"),
+                                HasSubstr("The process has failed: it ended with exit code 3.")))
+      << run->err();
+  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+}
+
+TEST(HgrosRemote, HostsWithKeysExchangeMessages) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const CurveKeyPair desk = GenerateCurveKeyPair();
+  const CurveKeyPair base = GenerateCurveKeyPair();
+  const RobotFolder robot("hosts:\n  desk: {address: 10.198.0.1, home: true, key: \"" + desk.public_key +
+                          "\", secret_key_file: \"${FOLDER}/desk.key\"}\n  base: {address: 10.198.0.2, key: \"" +
+                          base.public_key +
+                          "\", secret_key_file: \"${FOLDER}/base.key\"}\n"
+                          "discovery: {local: false}\n"
+                          "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
+                          "processes: {p: {components: [numbers], host: base}}\n");
+  const auto write = [&](const std::string& name, const std::string& key) {
+    std::ofstream(robot.path(name)) << key;
+    std::filesystem::permissions(robot.path(name), std::filesystem::perms::owner_read);
+  };
+  write("desk.key", desk.secret_key);
+  const auto refused = host.Run(robot);
+  EXPECT_EQ(refused->Wait(), 1);
+  EXPECT_THAT(refused->out(), AllOf(HasSubstr("p        error:"), HasSubstr("base.key\", which cannot be read")));
+  write("base.key", base.secret_key);
+  const auto run = host.Run(robot);
+  EXPECT_EQ(run->Wait(), 0) << run->out() << run->err();
+  EXPECT_THAT(run->out(), HasSubstr("It has finished: all 100"));
+}
+
+TEST(HgrosRemote, CtrlCEndsTheOtherHostsProcessesInOrder) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) + kDoes +
+                          "programs: {q: {host: base, command: [sh, -c, 'echo up; sleep 100d']}}\n");
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  ASSERT_TRUE(run->Prints("q     up"));
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT);
+  EXPECT_THAT(run->out(), AllOf(HasSubstr("does  I end."), Not(HasSubstr("killed")), Not(HasSubstr("failed"))));
+  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+}
+
+TEST(HgrosRemote, NothingIsLeftWhenAnyPartIsKilled) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components: {does: {type: relay/Does, params: {what: hang at end}}}\n"
+                          "processes: {p: {components: [does], host: base}}\n");
+  const auto& desk = host.cable.left;
+  const auto& base = host.cable.right;
+  struct Kill {
+    std::string space;
+    std::string name;
+    std::string says;
+  };
+  for (const Kill& one : {Kill{desk, "hgros", ""}, Kill{desk, "p", "it was ended by SIGKILL"},
+                          Kill{desk, "ssh", "The connection to the host \"base\" is lost: ssh has failed"},
+                          Kill{base, "p", "The process has failed: it was ended by SIGKILL."},
+                          Kill{base, "hgros", "The connection to the host \"base\" is lost."}}) {
+    const auto run = host.Run(robot);
+    ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+    ASSERT_EQ(kill(FindOn(one.space, one.name), SIGKILL), 0) << one.name;
+    EXPECT_EQ(run->Wait(), one.says.empty() ? 128 + SIGKILL : 1);
+    EXPECT_THAT(run->out(), HasSubstr(one.says)) << run->err();
+    EXPECT_TRUE(host.IsLeftClean()) << one.name << "\n" << host.Left();
+  }
+}
+
+TEST(HgrosRemote, NothingIsLeftWheneverItEnds) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) + kDoes + "programs: {q: {host: base, command: [sleep, 100d]}}\n");
+  const auto seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (int round = 0; round < 12; ++round) {
+    const auto run = host.Run(robot);
+    const int after_ms = std::uniform_int_distribution(0, 1000)(random);
+    test::Linger(std::chrono::milliseconds(after_ms));
+    const int number = round % 2 == 0 ? SIGINT : SIGKILL;
+    run->Signal(number);
+    EXPECT_EQ(run->Wait(), 128 + number) << after_ms << " ms\n" << run->out() << run->err();
+    EXPECT_TRUE(host.IsLeftClean()) << after_ms << " ms\n" << host.Left();
+  }
+}
+
+TEST(HgrosRemote, ADeadNetworkEndsBothSides) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) + kDoes);
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  ASSERT_TRUE(host.cable.Set("down"));
+  EXPECT_EQ(run->Wait(), 1);
+  EXPECT_THAT(run->out(), HasSubstr("The connection to the host \"base\" is lost."));
+  EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "p") == 0; })) << host.Left();
+  EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "hgros") == 0; })) << host.Left();
+}
+
+TEST(HgrosRemote, AStoppedStarterDoesNotStopTheRobot) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) + kDoes);
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  run->Signal(SIGSTOP);
+  test::Linger(std::chrono::seconds(9));  // Longer than the other end waits for a sign of life.
+  EXPECT_NE(FindOn(host.cable.right, "p"), 0);
+  run->Signal(SIGCONT);
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT);
+  EXPECT_THAT(run->out(), HasSubstr("does  I end."));
+}
+
+TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(
+      "hosts: {desk: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
+      "components: {counter: {type: relay/Counter, checkpoint: 1h, params: {step: 3}}}\n"
+      "processes: {p: {components: [counter], host: base, restart: on-failure}}\n");
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("begins at 0.")) << run->out() << run->err();
+  const auto say_word = [&] {
+    CommandRun pub({"netns", "exec", host.cable.right, HGROS_COMMAND, "pub", "word", "{value: a}"}, robot.environment(),
+                   -1, "/sbin/ip");
+    EXPECT_EQ(pub.Wait(), 0) << pub.err();
+  };
+  say_word();
+  ASSERT_TRUE(run->Prints("counts 3."));
+  const auto ps = host.OnDesk(robot, {"ps"});
+  EXPECT_EQ(ps->Wait(), 0);
+  EXPECT_THAT(ps->out(), HasSubstr("relay/Counter  p on base"));
+  const auto restart = host.OnDesk(robot, {"restart", "counter"});
+  EXPECT_EQ(restart->Wait(), 0) << restart->err();
+  EXPECT_TRUE(run->Prints("begins at 3."));
+  // The same when only the connection ends.
+  ASSERT_EQ(kill(FindOn(host.cable.left, "ssh"), SIGKILL), 0);
+  EXPECT_TRUE(run->Prints("It is started again."));
+  EXPECT_TRUE(test::Await([&] {
+    const std::string out = run->out();
+    return out.find("begins at 3.", out.find("It is started again.")) != std::string::npos;
+  })) << run->out();
+  say_word();
+  EXPECT_TRUE(run->Prints("counts 6.")) << run->out();
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT);
+}
+
+TEST(HgrosRemote, SaysWhichLibraryDiffers) {
+  const RobotFolder other("");
+  const std::filesystem::path library = other.path("libhgros_test_relay.so");
+  std::filesystem::copy(std::filesystem::path(WORDS_LIBRARY).parent_path() / library.filename(), library);
+  const std::string before = BuildOf(library).id;
+  ASSERT_EQ(before.size(), 40U);
+  {
+    std::ifstream in(library, std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(in)), {});
+    std::string id;
+    for (std::size_t i = 0; i < before.size(); i += 2)
+      id += static_cast<char>(std::stoi(before.substr(i, 2), nullptr, 16));
+    bytes[bytes.find(id)] = static_cast<char>(bytes[bytes.find(id)] ^ 1);
+    std::ofstream(library, std::ios::binary) << bytes;
+  }
+  std::ofstream(other.path("relay.yaml")) << "library: libhgros_test_relay.so\ncomponents: [relay/Does]\n";
+  const SshHost host({{"HGROS_COMPONENT_PATH", library.parent_path()}});
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) + kDoes);
+  const auto run = host.Run(robot);
+  EXPECT_EQ(run->Wait(), 1);
+  EXPECT_THAT(run->out(), AllOf(HasSubstr("The library of relay/Does is another one here: " + library.string()),
+                                HasSubstr("has build id " + BuildOf(library).id +
+                                          ", and where hgros run was started, "
+                                          "libhgros_test_relay.so has build id " +
+                                          before),
+                                HasSubstr("Install the same libraries on both hosts.")))
+      << run->err();
+  EXPECT_THAT(run->err(), HasSubstr("The robot cannot start without \"p\"."));
+}
+
+TEST(HgrosRemote, SaysWhyItCannotConnect) {
+  SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const auto says = [&](const std::string& hosts, const auto& matcher) {
+    const RobotFolder robot("hosts: {" + hosts + "}\n" + kDoes);
+    const auto run = host.Run(robot);
+    EXPECT_EQ(run->Wait(), 1);
+    EXPECT_THAT(run->out(), matcher) << run->err();
+    EXPECT_THAT(run->err(), HasSubstr("The robot cannot start without \"p\"."));
+    EXPECT_TRUE(test::Await([&] { return ProcessesOn(host.cable.left).empty(); })) << host.Left();
+  };
+  says("base: {address: 10.198.0.2, hgros: /nowhere/hgros}",
+       AllOf(HasSubstr("/nowhere/hgros"), HasSubstr("The host \"base\" has no command `/nowhere/hgros`. Install hgros "
+                                                    "there, or name the command: `hosts: {base: {hgros: PATH}}`.")));
+  says("base: {address: 10.198.0.2, hgros: echo Welcome to this robot; hgros}",
+       HasSubstr("What has come from the host \"base\" is not from hgros."));
+  says(
+      "base: {address: 10.198.0.2, hgros: \"printf '\\\\007\\\\0\\\\0\\\\0\\\\012\\\\0050.0.9'; cat > /dev/null; :\"}",
+      HasSubstr("The host \"base\" has hgros 0.0.9, and this is " HGROS_VERSION ". Install the same version on both."));
+  says("base: {address: 10.198.0.2, hgros: \"false\"}", HasSubstr("`false` on the host \"base\" does not answer"));
+  says("base: {address: 10.198.0.1, ssh: nobody@10.198.0.2}",
+       AllOf(HasSubstr("Permission denied"), HasSubstr("`ssh nobody@10.198.0.2 hgros --version`")));
+  host.Trust("user_key.pub");
+  says("base: {address: 10.198.0.2}", HasSubstr("Host key verification failed."));
+  ASSERT_TRUE(host.cable.Set("down"));
+  says("base: {address: 10.198.0.2}", AllOf(HasSubstr("ssh: connect to host 10.198.0.2 port 22: "),
+                                            HasSubstr("ssh cannot connect to the host \"base\"")));
+  ASSERT_TRUE(host.cable.Set("up"));
+  host.StopSshd();
+  says("base: {address: 10.198.0.2}",
+       AllOf(HasSubstr("Connection refused"),
+             HasSubstr("ssh cannot connect to the host \"base\"; its own words are above. This must work without a "
+                       "question: `ssh 10.198.0.2 hgros --version`.")));
+  std::filesystem::remove(host.folder / "bin/ssh");
+  host.path = (host.folder / "bin").string();
+  says("base: {address: 10.198.0.2}",
+       HasSubstr("ssh cannot be run: No such file or directory. Install the package openssh-client."));
+}
+
+}  // namespace
+}  // namespace hgros::cli

@@ -1,0 +1,142 @@
+#pragma once
+
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/types.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
+#include "support/await.hpp"
+#include "support/cable.hpp"
+
+namespace hgros::cli {
+
+/// The processes of a network namespace.
+inline std::vector<pid_t> ProcessesOn(const std::string& space) {
+  std::vector<pid_t> processes;
+  FILE* pipe = popen(("ip netns pids " + space).c_str(), "re");
+  std::array<char, 32> line{};
+  while (pipe != nullptr && fgets(line.data(), line.size(), pipe) != nullptr)
+    processes.push_back(std::stoi(line.data()));
+  if (pipe != nullptr) pclose(pipe);
+  return processes;
+}
+
+inline std::string NameOf(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/comm");
+  std::string name;
+  std::getline(file, name);
+  return name;
+}
+
+/// A process of that name in a network namespace; 0: there is none.
+inline pid_t FindOn(const std::string& space, const std::string& name) {
+  for (const pid_t one : ProcessesOn(space)) {
+    if (NameOf(one) == name) return one;
+  }
+  return 0;
+}
+
+/// Two hosts: a desk, 10.198.0.1, and a base, 10.198.0.2, with Debian's sshd. The desk's ssh has a key for it.
+class SshHost {
+ public:
+  /// `far`: variables of the environment on the base.
+  explicit SshHost(std::map<std::string, std::string> far = {}) {
+    for (const char* needed : {"/usr/sbin/sshd", "/usr/bin/ssh-keygen", "/usr/bin/ssh"}) {
+      if (!std::filesystem::exists(needed)) missing = std::string(needed) + " is missing: install openssh-server.";
+    }
+    if (!missing.empty()) return;
+    if (!cable.ready || !cable.Set("up")) {
+      missing = "Network namespaces need root.";
+      return;
+    }
+    std::string name = (std::filesystem::temp_directory_path() / "hgros_ssh_XXXXXX").string();
+    folder = mkdtemp(name.data());
+    std::filesystem::create_directories("/run/sshd");  // As the service does.
+    for (const char* key : {"host_key", "user_key"}) {
+      (void)std::system(("ssh-keygen -q -t ed25519 -N '' -f " + (folder / key).string()).c_str());
+    }
+    std::filesystem::copy(folder / "user_key.pub", folder / "authorized_keys");
+    Trust("host_key.pub");
+    const std::string place = folder.string();
+    far.try_emplace("HGROS_COMPONENT_PATH", WORDS_MANIFESTS);
+    far.try_emplace("PATH", std::filesystem::path(HGROS_COMMAND).parent_path().string() + ":/usr/bin:/bin");
+    std::string set;
+    for (const auto& [variable, value] : far) set += " \"" + variable + "=" + value + "\"";
+    std::ofstream(folder / "sshd_config")
+        << "ListenAddress 10.198.0.2\nHostKey " << place << "/host_key\nAuthorizedKeysFile " << place
+        << "/authorized_keys\nPidFile none\nUsePAM no\nStrictModes no\n"
+           "PermitRootLogin yes\nPasswordAuthentication no\nMaxStartups 100\nSetEnv"
+        << set << "\n";
+    std::ofstream(folder / "ssh_config") << "IdentityFile " << place << "/user_key\nIdentitiesOnly yes\n"
+                                         << "StrictHostKeyChecking yes\nGlobalKnownHostsFile none\nUserKnownHostsFile "
+                                         << place << "/known_hosts\n";
+    std::filesystem::create_directory(folder / "bin");
+    std::ofstream(folder / "bin/ssh") << "#!/bin/sh\nexec /usr/bin/ssh -F " << place << "/ssh_config \"$@\"\n";
+    std::filesystem::permissions(folder / "bin/ssh", std::filesystem::perms::owner_all);
+    path = (folder / "bin").string() + ":/usr/bin:/bin:/usr/sbin:/sbin";
+    StartSshd();
+  }
+  ~SshHost() {
+    // Also the processes of sshd whose connection is dead.
+    for (const pid_t one : ProcessesOn(cable.right)) (void)kill(one, SIGKILL);
+    daemon_.reset();
+    std::filesystem::remove_all(folder);
+  }
+
+  void StartSshd() {
+    daemon_ = std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", cable.right, "/usr/sbin/sshd",
+                                                                    "-D", "-e", "-f", folder / "sshd_config"},
+                                           std::map<std::string, std::string>{}, -1, "/sbin/ip");
+    EXPECT_TRUE(test::Await([&] { return daemon_->err().find("Server listening") != std::string::npos; }))
+        << daemon_->err();
+  }
+  void StopSshd() { daemon_.reset(); }
+  /// The desk knows the base by this key only.
+  void Trust(const std::string& public_key) const {
+    std::ifstream key(folder / public_key);
+    std::ofstream(folder / "known_hosts") << "10.198.0.2 " << key.rdbuf();
+  }
+  /// A command on the desk.
+  [[nodiscard]] std::unique_ptr<CommandRun> OnDesk(const RobotFolder& robot, std::vector<std::string> words) const {
+    std::map<std::string, std::string> environment = robot.environment();
+    environment["PATH"] = path;
+    words.insert(words.begin(), {"netns", "exec", cable.left, HGROS_COMMAND});
+    return std::make_unique<CommandRun>(std::move(words), environment, -1, "/sbin/ip");
+  }
+  [[nodiscard]] std::unique_ptr<CommandRun> Run(const RobotFolder& robot) const {
+    return OnDesk(robot, robot.Arguments());
+  }
+  /// Only the listening sshd is left on the base, and nothing on the desk.
+  [[nodiscard]] bool IsLeftClean() const {
+    return test::Await([&] { return ProcessesOn(cable.left).empty() && ProcessesOn(cable.right).size() == 1; });
+  }
+  [[nodiscard]] std::string Left() const {
+    std::string names;
+    for (const std::string& space : {cable.left, cable.right}) {
+      for (const pid_t one : ProcessesOn(space)) names += space + ": " + NameOf(one) + "\n";
+    }
+    return names;
+  }
+
+  std::string missing;  // Why the test cannot run; empty: it can.
+  const test::Cable cable;
+  std::filesystem::path folder;
+  std::string path;  // PATH on the desk.
+
+ private:
+  std::unique_ptr<CommandRun> daemon_;
+};
+
+}  // namespace hgros::cli
