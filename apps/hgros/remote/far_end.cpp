@@ -50,7 +50,7 @@ bool FarEnd::over() const { return gone_ || pause_.signal() != 0; }
 
 int FarEnd::Run() {
   while (!start_ && !over()) Wait();
-  if (!start_) return 1;
+  if (!start_) throw Error("No robot came from standard input. `hgros run` starts this command, over ssh.");
   try {
     if (ends_) {
       TellEnd(0);  // It has not begun.

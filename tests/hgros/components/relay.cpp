@@ -86,6 +86,7 @@ class Does {
     if (what_ == "throw") throw std::runtime_error("it is too dark");
     if (what_ == "log") context_.log().Write(hgros::LogLevel::kWarning, "It is\n\x1b[31mdark.");
     if (what_ == "allocate") allocated_.resize(std::size_t{600} << 20U);
+    if (what_ == "log much") context_.log().Write(hgros::LogLevel::kInfo, std::string(std::size_t{70} << 20U, 'x'));
     if (what_ == "log bytes") {
       context_.log().Write(hgros::LogLevel::kWarning, "\xfe\xff is no text");
       context_.log().Write(hgros::LogLevel::kInfo, "after it");

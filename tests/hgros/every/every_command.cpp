@@ -86,6 +86,7 @@ const std::multimap<std::string, Words>& WordsByCommand() {
       {"__complete", {"--", "echo", ""}},
       {"__complete", {"--", "param", "get", ""}},
       {"__man", {}},
+      {"__hosted", {}},
   };
   return words;
 }

@@ -56,6 +56,15 @@ TEST(HgrosRun, OnlyYamlDiffersBetweenOneProcessAndThree) {
   }
 }
 
+TEST(HgrosRun, CutsLinesOfTheLogThatAreVeryLong) {
+  const RobotFolder robot("components: {a: {type: relay/Does, params: {what: log much}}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  EXPECT_TRUE(run.Prints(" ... and 73334784 bytes more."));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  EXPECT_THAT(run.out(), HasSubstr("I end."));
+}
+
 TEST(HgrosRun, HostsStartTheirPartsInAnyOrder) {
   for (const bool home_first : {true, false}) {
     const test::Cable cable;

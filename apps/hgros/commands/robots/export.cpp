@@ -137,7 +137,17 @@ class ExportSystemd final : public Export {
                      ValueKind::kFile);
   }
   [[nodiscard]] std::vector<ExportedFile> Write(const ExportedRobot& exported) const override;
-  void CheckHosts(const RobotFile& robot) const override { RequireHost(robot, host_); }
+  void CheckHosts(const RobotFile& robot) const override {
+    RequireHost(robot, host_);
+    if (!host_.empty()) return;
+    const auto refuse_far = [](const RobotUnit& one) {
+      if (one.host.empty()) return;
+      throw Error("\"" + one.name + "\" runs on the host \"" + one.host + "\".", {},
+                  "Export the part of each host with --host.");
+    };
+    for (const RobotProcess& one : robot.processes) refuse_far(one);
+    for (const RobotProgram& one : robot.programs) refuse_far(one);
+  }
 
  private:
   SystemdOptions options_;
