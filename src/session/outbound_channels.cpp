@@ -140,6 +140,9 @@ std::string OutboundChannels::Unsent() const {
   for (const auto& [name, outlet] : outlets_) {
     if (outlet->HasUnsent()) return name;
   }
+  for (const auto& outlet : service_outlets_) {
+    if (outlet->HasUnsent()) return outlet->channel();
+  }
   return {};
 }
 

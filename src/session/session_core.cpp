@@ -141,10 +141,10 @@ SessionCore::~SessionCore() {
   }
   outbound_.Close();
   changes_.Notify();
-  AwaitSent();
+  const auto linger = AwaitSent();
   inbound_->Close();
   if (steering_) steering_->End();
-  if (bridge_) bridge_->Close(static_cast<int>(kLinger.count()));  // May still post errands: events of peers that go.
+  if (bridge_) bridge_->Close(static_cast<int>(linger.count()));  // May still post errands: events of peers that go.
   outbound_.Detach();
   if (reports_) reports_->Detach();
   timers_->Stop();
@@ -155,17 +155,22 @@ SessionCore::~SessionCore() {
   LogEnding(*log_).WriteHeldBack();
 }
 
-// Messages for which a lossless subscriber has given no credit yet would be lost with the session.
-void SessionCore::AwaitSent() const {
+// Here, because the transports would wait one after another, and do not know whether any of them still has to.
+std::chrono::milliseconds SessionCore::AwaitSent() const {
   constexpr std::chrono::milliseconds kPause{1};
+  constexpr std::chrono::milliseconds kTimeForGoodbye{50};
   const auto deadline = std::chrono::steady_clock::now() + kLinger;
-  const auto all_sent = [this] { return outbound_.Unsent().empty(); };
-  while (!changes_.WaitUntil(kPause, all_sent, [] { return false; })) {
-    if (std::chrono::steady_clock::now() < deadline) continue;
-    return log_->Write(LogLevel::kWarning, "The session ends, and lossless subscribers of channel \"" +
-                                               outbound_.Unsent() +
-                                               "\" do not take all messages in time. The rest is lost.");
+  std::string unsent = outbound_.Unsent();
+  while (!unsent.empty() && std::chrono::steady_clock::now() < deadline - 2 * kTimeForGoodbye) {
+    std::this_thread::sleep_for(kPause);
+    unsent = outbound_.Unsent();
   }
+  if (!unsent.empty()) {
+    log_->Write(LogLevel::kWarning, "The session ends, but a lossless subscriber of channel \"" + unsent +
+                                        "\" does not take its messages. The rest is lost.");
+    return kTimeForGoodbye;
+  }
+  return std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
 }
 
 bool SessionCore::TakesWiring() const {

@@ -109,22 +109,6 @@ TEST(Session, SendsAProtobufMessageOverTcp) {
   }));
 }
 
-// The end of the connection may be known before anything of the subscription was read.
-TEST(Session, MessagesThatCameBeforeTheEndOfTheirSessionAreDelivered) {
-  for (int round = 0; round < 40; ++round) {
-    auto talker = std::make_unique<Robot>("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
-    Robot listener("network: {subscribers: [{ip: \"" + (*talker)->PublisherEndpoints()[0] + "\"}]}");
-    Notes notes;
-    const auto subscription =
-        listener->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(1000)});
-    (void)(*talker)->Advertise<Note>("notes");
-    ASSERT_TRUE((*talker)->WaitForSubscribers("notes", 1, kPatience));
-    for (int i = 0; i < 100; ++i) ASSERT_EQ((*talker)->ToAny("notes", Note(std::to_string(i))), PublishStatus::kOk);
-    talker.reset();
-    ASSERT_TRUE(Await([&] { return notes.size() == 100; })) << "round " << round << ": " << notes.size();
-  }
-}
-
 TEST(Session, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
   const Bus bus;
   Robot robot(bus.Publishing("a"));

@@ -183,19 +183,22 @@ std::string ResolveFault(const std::string& host) {
   return {};
 }
 
-void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept {
-  constexpr int kPatienceMs = 1000;
-  // ZeroMQ closes the listening socket on its own thread, and reports that on a monitor.
+void CloseListening(Context& context, Socket& socket, int linger_ms) noexcept {
+  // ZeroMQ closes the listening socket on its own thread, and reports that on a monitor. zmq_unbind() would end the
+  // connections, too, without sending what waits for them.
   void* monitor = zmq_socket(context.raw(), ZMQ_PAIR);
-  if (monitor == nullptr) return;
   const std::string monitored = "inproc://closing-" + std::to_string(RandomId());
-  if (zmq_socket_monitor(socket.raw(), monitored.c_str(), ZMQ_EVENT_CLOSED | ZMQ_EVENT_CLOSE_FAILED) == 0 &&
-      zmq_connect(monitor, monitored.c_str()) == 0 && zmq_unbind(socket.raw(), bound.c_str()) == 0) {
-    zmq_pollitem_t item{monitor, 0, ZMQ_POLLIN, 0};
-    zmq_poll(&item, 1, kPatienceMs);
+  const bool reports =
+      monitor != nullptr &&
+      zmq_socket_monitor(socket.raw(), monitored.c_str(), ZMQ_EVENT_CLOSED | ZMQ_EVENT_CLOSE_FAILED) == 0 &&
+      zmq_connect(monitor, monitored.c_str()) == 0;
+  if (!reports) zmq_socket_monitor(socket.raw(), nullptr, 0);
+  socket.Close(linger_ms);
+  // Without a limit: a report that nobody could get would block ZeroMQ's thread.
+  zmq_pollitem_t item{monitor, 0, ZMQ_POLLIN, 0};
+  while (reports && zmq_poll(&item, 1, -1) < 0 && zmq_errno() == EINTR) {
   }
-  zmq_socket_monitor(socket.raw(), nullptr, 0);
-  zmq_close(monitor);
+  if (monitor != nullptr) zmq_close(monitor);
 }
 
 bool HidePath(const std::string& bound) {

@@ -24,9 +24,9 @@ void BindOrThrow(Socket& socket, const std::string& endpoint);
 /// wait for a name server for several seconds.
 [[nodiscard]] std::string ResolveFault(const std::string& host);
 
-/// Stops accepting connections, and returns when another socket may bind the endpoint. Messages to connected peers may
-/// still be sent within the socket's linger time.
-void Unbind(Context& context, Socket& socket, const std::string& bound) noexcept;
+/// Closes a socket that listens, and returns when another socket may bind the endpoint. Messages to connected peers are
+/// still sent within the linger time.
+void CloseListening(Context& context, Socket& socket, int linger_ms) noexcept;
 
 /// Keeps new connections away from an ipc endpoint and leaves the others alone: the socket's file gets another name.
 /// False if that is impossible, for example in the abstract namespace.

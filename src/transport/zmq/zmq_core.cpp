@@ -12,6 +12,8 @@
 namespace hgros::zmq {
 namespace {
 
+constexpr int kGoodbyeMs = 50;
+
 template <typename Endpoint>
 auto Find(std::vector<std::shared_ptr<Endpoint>>& list, const std::string& endpoint) {
   const std::string full = FullEndpoint(endpoint);
@@ -69,7 +71,11 @@ void ZmqCore::Wake() noexcept { shared_.waker->Wake(); }
 
 void ZmqCore::Close(int linger_ms) noexcept {
   if (shared_.closing.exchange(true)) return;
-  WaitUntilSent(linger_ms);
+  const auto began = std::chrono::steady_clock::now();
+  WaitUntilSent(began + std::chrono::milliseconds(linger_ms));
+  // The goodbye is for those that still read, too, if others have used up the time.
+  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - began);
+  linger_ms = std::max(linger_ms - static_cast<int>(waited.count()), std::min(linger_ms, kGoodbyeMs));
   pool_.Stop();
   Actions unheard;  // Destroyed after the lock, because messages may be destroyed with it.
   const std::unique_lock lock(mutex_);
@@ -79,8 +85,7 @@ void ZmqCore::Close(int linger_ms) noexcept {
   if (desk_) desk_->Close();
 }
 
-void ZmqCore::WaitUntilSent(int linger_ms) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(linger_ms);
+void ZmqCore::WaitUntilSent(SteadyTime deadline) {
   const auto all_sent = [this] {
     const std::shared_lock lock(mutex_);
     return std::ranges::all_of(publishers_, [](const auto& endpoint) { return endpoint->AllSent(); });

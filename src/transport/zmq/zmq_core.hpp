@@ -84,7 +84,7 @@ class ZmqCore : public LeaderPool::Input {
   void Look(SteadyTime now);
   void SetDeadline();
   [[nodiscard]] bool Pending() const;
-  void WaitUntilSent(int linger_ms);
+  void WaitUntilSent(SteadyTime deadline);
 
   SharedState shared_;
   Poller poller_;

@@ -43,6 +43,8 @@ class ConnectionWatch {
   void Tick();
   void Close() noexcept;
 
+  /// Whether the socket is bound. It may not be while descriptors are scarce.
+  [[nodiscard]] bool listens() const noexcept { return listening_ != Listening::kClosed; }
   [[nodiscard]] UnfinishedMessages& unfinished() noexcept { return unfinished_; }
   /// To be called when UnfinishedMessages::IsLookDue() and everything that was delivered has been read.
   void CutUnfinished();

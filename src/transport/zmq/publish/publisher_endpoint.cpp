@@ -295,10 +295,13 @@ void PublisherEndpoint::Close(int linger_ms, Actions& actions) {
   const std::scoped_lock lock(mutex_);
   peers_.DropAll("the endpoint was closed", actions);
   if (socket_.closed()) return;
+  const bool listens = watch_.listens();
   watch_.Close();
-  socket_.Set(ZMQ_LINGER, linger_ms);
-  Unbind(shared_.context, socket_, bound_);
-  socket_.Close(linger_ms);
+  if (listens) {
+    CloseListening(shared_.context, socket_, linger_ms);
+  } else {
+    socket_.Close(linger_ms);
+  }
 }
 
 }  // namespace hgros::zmq

@@ -1,0 +1,117 @@
+// What becomes of messages that were published just before their session ends.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "conformance/tcp_forwarder.hpp"
+#include "session/domain_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::kPatience;
+using test::kSerial;
+using test::Note;
+using test::Notes;
+using test::Robot;
+
+constexpr const char* kRestIsLost = "a lossless subscriber of channel \"notes\" does not take its messages";
+
+class SessionEnd : public test::DomainFixture, public testing::WithParamInterface<std::string> {
+ protected:
+  [[nodiscard]] std::unique_ptr<Robot> MakeTalker() const {
+    if (GetParam() == "SharedMemory") return std::make_unique<Robot>("");
+    const std::string endpoint = GetParam() == "Tcp" ? "tcp://127.0.0.1:*" : bus_.Endpoint("talker");
+    return std::make_unique<Robot>("network: {publisher: {ip: \"" + endpoint + "\"}}\n" + kAlone);
+  }
+  [[nodiscard]] std::unique_ptr<Robot> MakeListener(Robot& talker) const {
+    if (GetParam() == "SharedMemory") return std::make_unique<Robot>("");
+    const std::string endpoint = talker->PublisherEndpoints().at(0);
+    return std::make_unique<Robot>("network: {subscribers: [{ip: \"" + endpoint + "\"}]}\n" + kAlone);
+  }
+
+ private:
+  static constexpr const char* kAlone = "discovery: {local: false}\n";
+  const test::Bus bus_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Transports, SessionEnd, testing::Values("SharedMemory", "Ipc", "Tcp"),
+                         [](const auto& one) { return one.param; });
+
+TEST_P(SessionEnd, LosslessSubscribersGetWhatWasPublishedJustBefore) {
+  for (int round = 0; round < 40; ++round) {
+    auto talker = MakeTalker();
+    const auto listener = MakeListener(*talker);
+    Notes notes;
+    const auto subscription =
+        (*listener)->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(1000)});
+    (void)(*talker)->Advertise<Note>("notes");
+    ASSERT_TRUE((*talker)->WaitForSubscribers("notes", 1, kPatience));
+    for (int i = 0; i < 100; ++i) ASSERT_EQ((*talker)->ToAny("notes", Note(std::to_string(i))), PublishStatus::kOk);
+    talker.reset();
+    ASSERT_TRUE(Await([&] { return notes.size() == 100; })) << "round " << round << ": " << notes.size();
+  }
+}
+
+// Latched messages wait for the credit of a new subscriber, here for each one.
+TEST_P(SessionEnd, WaitsForTheCreditOfASubscriber) {
+  const auto talker = MakeTalker();
+  const auto publish = (*talker)->Advertise<Note>("notes", {.latched = 10});
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
+  const auto listener = MakeListener(*talker);
+  Notes notes;
+  const auto subscription = (*listener)->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(1)});
+  ASSERT_TRUE(Await([&] { return notes.size() > 0; }));
+  talker->session.reset();
+  EXPECT_TRUE(Await([&] { return notes.size() == 10; })) << notes.size();
+  EXPECT_EQ(talker->Count(kRestIsLost), 0U);
+}
+
+TEST_P(SessionEnd, SaysOnceThatASubscriberTakesNothing) {
+  const auto talker = MakeTalker();
+  const auto publish = (*talker)->Advertise<Note>("notes", {.latched = 10});
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
+  const auto listener = MakeListener(*talker);
+  test::Door door;
+  std::atomic<bool> came{false};
+  const auto hold = [&](const Note&) {
+    came = true;
+    door.Pass();
+  };
+  const auto subscription =
+      (*listener)->FromAny<Note>("notes", kSerial, hold, {{}, Queue::KeepAll(1), Executor::Dedicated()});
+  ASSERT_TRUE(Await([&] { return came.load(); }));
+  talker->session.reset();
+  EXPECT_EQ(talker->Count(kRestIsLost), 1U);
+  door.Open();
+}
+
+class SessionEndWithoutConnection : public test::DomainFixture {};
+
+TEST_F(SessionEndWithoutConnection, SaysOnceThatTheRestIsLost) {
+  Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
+  const std::string endpoint = talker->PublisherEndpoints().at(0);
+  conformance::TcpForwarder cable(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+  Robot listener("network: {subscribers: [{ip: \"tcp://127.0.0.1:" + std::to_string(cable.port()) +
+                 "\"}]}\ndiscovery: {local: false}");
+  Notes notes;
+  const auto subscription =
+      listener->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(10'000)});
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  cable.Cut();
+  ASSERT_TRUE(Await([&] {
+    (void)publish(Note("x"));
+    return talker->Snapshot().traffic.at(0).out.queued_bytes > 0;
+  }));
+  talker.session.reset();
+  EXPECT_EQ(talker.Count(kRestIsLost), 1U);
+}
+
+}  // namespace
+}  // namespace hgros
