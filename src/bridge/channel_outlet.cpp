@@ -101,16 +101,12 @@ void ChannelOutlet::Number(PacketHead& head, std::uint64_t own_number) noexcept 
   if (own_number == 0 && events_.on_numbered) events_.on_numbered(head);
 }
 
-bool ChannelOutlet::HasUnfinished() const {
+bool ChannelOutlet::HasUnfinished(bool promises_only) const {
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
-  return transports_ && (promised_ > 0 || transports_->Unfinished() > 0 || transports_->stats().queued_bytes > 0);
-}
-
-bool ChannelOutlet::HasUnsent() const {
-  const EndsLater after_the_lock;
-  const std::scoped_lock lock(order_mutex_);
-  return transports_ && transports_->stats().queued_bytes > 0 && transports_->Unfinished() > 0;
+  const bool queued = transports_ && transports_->stats().queued_bytes > 0;
+  const bool kept = transports_ && transports_->Unfinished() > 0;
+  return promises_only ? queued && kept : queued || kept || promised_ > 0;
 }
 
 void ChannelOutlet::AddPast(const JoinedOutbound& left) {
@@ -119,10 +115,6 @@ void ChannelOutlet::AddPast(const JoinedOutbound& left) {
   past_.dropped += stats.dropped;
   past_.missed += stats.missed + left.Unfinished();
   past_.copied += stats.copied;
-}
-
-void ChannelOutlet::Latch(std::size_t count) {
-  if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
 }
 
 std::optional<Block> ChannelOutlet::Loan(std::size_t size_bytes) {

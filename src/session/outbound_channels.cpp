@@ -138,12 +138,29 @@ void OutboundChannels::Close() {
 std::string OutboundChannels::Unsent() const {
   const std::scoped_lock lock(mutex_);
   for (const auto& [name, outlet] : outlets_) {
-    if (outlet->HasUnsent()) return name;
+    if (outlet->HasUnfinished(true)) return name;
   }
   for (const auto& outlet : service_outlets_) {
-    if (outlet->HasUnsent()) return outlet->channel();
+    if (outlet->HasUnfinished(true)) return outlet->channel();
   }
   return {};
+}
+
+// Here, because the transports would wait one after another.
+std::chrono::milliseconds OutboundChannels::AwaitSent(std::chrono::milliseconds at_most,
+                                                      const ChangeSignal& changes) const {
+  constexpr std::chrono::milliseconds kPause{1};  // Credit is no change of the session.
+  constexpr std::chrono::milliseconds kTimeForGoodbye{50};
+  const auto deadline = std::chrono::steady_clock::now() + at_most;
+  const auto all_sent = [this] { return Unsent().empty(); };
+  const auto late = [&] { return std::chrono::steady_clock::now() > deadline - 2 * kTimeForGoodbye; };
+  while (!changes.WaitUntil(kPause, all_sent, late)) {
+    if (!late()) continue;
+    log_->Write(LogLevel::kWarning, "The session ends, but a lossless subscriber of channel \"" + Unsent() +
+                                        "\" does not take its messages. The rest is lost.");
+    return kTimeForGoodbye;
+  }
+  return std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
 }
 
 void OutboundChannels::Detach() {

@@ -16,6 +16,7 @@
 #include "hgros/bridge/channel_outlet.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/host_clocks.hpp"
+#include "session/change_signal.hpp"
 
 namespace hgros {
 
@@ -46,8 +47,10 @@ class OutboundChannels {
   void SetForbidden(const std::string& channel, bool forbidden, const Later& later);
   // Creates no more outlets.
   void Close();
-  // The first channel with messages that still wait to be sent to lossless subscribers; empty: none.
-  [[nodiscard]] std::string Unsent() const;
+  // Waits until everything was sent to lossless subscribers. Logs it if they do not take it in time. Returns the time
+  // that is left for the rest of the end.
+  [[nodiscard]] std::chrono::milliseconds AwaitSent(std::chrono::milliseconds at_most,
+                                                    const ChangeSignal& changes) const;
   // Later publishes stay inside the process.
   void Detach();
 
@@ -57,6 +60,8 @@ class OutboundChannels {
   void AddTo(std::vector<ChannelTraffic>& traffic) const;
 
  private:
+  // The first channel with messages that still wait to be sent to lossless subscribers; empty: none.
+  [[nodiscard]] std::string Unsent() const;
   struct Forbidden {
     bool apart;            // Its outlet, if there is one, is not joined. Otherwise accepted messages still leave it.
     std::uint64_t number;  // Counts the calls that have forbidden a channel.

@@ -141,7 +141,7 @@ SessionCore::~SessionCore() {
   }
   outbound_.Close();
   changes_.Notify();
-  const auto linger = AwaitSent();
+  const auto linger = outbound_.AwaitSent(kLinger, changes_);
   inbound_->Close();
   if (steering_) steering_->End();
   if (bridge_) bridge_->Close(static_cast<int>(linger.count()));  // May still post errands: events of peers that go.
@@ -153,24 +153,6 @@ SessionCore::~SessionCore() {
   if (errands_) errands_->End();  // Not reset: errands in flight post others.
   inbound_->Drop();               // Subscriptions may keep it longer.
   LogEnding(*log_).WriteHeldBack();
-}
-
-// Here, because the transports would wait one after another, and do not know whether any of them still has to.
-std::chrono::milliseconds SessionCore::AwaitSent() const {
-  constexpr std::chrono::milliseconds kPause{1};
-  constexpr std::chrono::milliseconds kTimeForGoodbye{50};
-  const auto deadline = std::chrono::steady_clock::now() + kLinger;
-  std::string unsent = outbound_.Unsent();
-  while (!unsent.empty() && std::chrono::steady_clock::now() < deadline - 2 * kTimeForGoodbye) {
-    std::this_thread::sleep_for(kPause);
-    unsent = outbound_.Unsent();
-  }
-  if (!unsent.empty()) {
-    log_->Write(LogLevel::kWarning, "The session ends, but a lossless subscriber of channel \"" + unsent +
-                                        "\" does not take its messages. The rest is lost.");
-    return kTimeForGoodbye;
-  }
-  return std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
 }
 
 bool SessionCore::TakesWiring() const {
@@ -308,9 +290,8 @@ void SessionCore::OnPeerCame(const PeerInfo& peer) noexcept {
 void SessionCore::OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept {
   services_->OnPeerGone(peer, reason);
   host_clocks_->Forget(peer.id);
-  errands_->Post([this, id = peer.id.value] {
-    graph_->PublisherIsGone(id);
-  });  // Posted, to keep the order with PublisherIsBack().
+  // Posted, to keep the order with PublisherIsBack().
+  errands_->Post([this, id = peer.id.value] { graph_->PublisherIsGone(id); });
   events_->ReportGone(*errands_, peer, reason, closing_);
   changes_.Notify();
 }

@@ -121,8 +121,6 @@ class SessionCore final : public TransportListener, private ServicePlace {
   void LeavePeers(std::thread::id on_behalf_of) noexcept;
   void LeaveAtExit() noexcept;
 
-  // Waits, for a while, until everything was sent to lossless subscribers. Returns the time that is left for the rest.
-  [[nodiscard]] std::chrono::milliseconds AwaitSent() const;
   // Throws Error while the session shuts down. False after exit() in a callback: other threads may still wire then.
   [[nodiscard]] bool TakesWiring() const;
   static constexpr std::chrono::milliseconds kLinger{500};

@@ -42,10 +42,11 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   // If `stays`, later publishes stay inside the process. Those that were accepted still leave until Detach().
   void SetStays(bool stays);
   // Whether accepted messages have not left, or lossless subscribers have not consumed them.
-  [[nodiscard]] bool HasUnfinished() const;
-  /// Messages wait to be sent, and there are lossless subscribers.
-  [[nodiscard]] bool HasUnsent() const;
-  void Latch(std::size_t count);
+  // `promises_only`: only whether accepted messages for lossless subscribers have not left.
+  [[nodiscard]] bool HasUnfinished(bool promises_only = false) const;
+  void Latch(std::size_t count) {
+    if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
+  }
   // From Join() on, subscribers that ask for lossless delivery are keep-last.
   void PromiseNothing() noexcept { may_promise_ = false; }
   // Memory in which a message can be published without a copy, if a transport with subscribers has some.
