@@ -35,13 +35,13 @@ struct SessionOptions {
 /// Threading: thread-safe, except for construction and destruction.
 /// Lifetime: the destructor refuses publishes, stops receiving, waits for running callbacks (after 2 s the log names
 /// those that hang), and says goodbye to its peers. What was published is still sent; if a lossless subscriber does not
-/// take it, the destructor waits for it for 500 ms, and the log says that the rest is lost. Destroy it outside its callbacks: inside one, it says goodbye, logs
-/// which callback it was, and the rest of it stays until the process ends. exit() may be called anywhere; inside a
-/// callback the session says goodbye and ends with the process. In both cases SessionOptions::log may be called until
-/// the process ends.
-/// Errors: wiring (channels, types, endpoints) throws Error. So does publishing to other sessions on a channel named
-/// "hgros/...", because these belong to the library. Publishing never throws for another reason and never blocks.
-/// ToAny, FromAny and Advertise do not compile with a type that is not a Message.
+/// take it, the destructor waits for it for 500 ms, and the log says that the rest is lost. Destroy it outside its
+/// callbacks: inside one, it says goodbye, logs which callback it was, and the rest of it stays until the process ends.
+/// exit() may be called anywhere; inside a callback the session says goodbye and ends with the process. In both cases
+/// SessionOptions::log may be called until the process ends. Errors: wiring (channels, types, endpoints) throws Error.
+/// So does publishing to other sessions on a channel named "hgros/...", because these belong to the library. Publishing
+/// never throws for another reason and never blocks. ToAny, FromAny and Advertise do not compile with a type that is
+/// not a Message.
 class HGROS_EXPORT Session : public SessionPublishing,
                              public SessionSubscribing,
                              public SessionServices,
