@@ -85,7 +85,7 @@ TEST_P(SessionEnd, SaysOnceThatASubscriberTakesNothing) {
   };
   const auto subscription =
       (*listener)->FromAny<Note>("notes", kSerial, hold, {{}, Queue::KeepAll(1), Executor::Dedicated()});
-  ASSERT_TRUE(Await([&] { return came.load(); }));
+  ASSERT_TRUE(Await([&] { return came && (*talker)->Snapshot().traffic.at(0).out.queued_bytes > 0; }));
   talker->session.reset();
   EXPECT_EQ(talker->Count(kRestIsLost), 1U);
   door.Open();

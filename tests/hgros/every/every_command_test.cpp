@@ -59,6 +59,7 @@ TEST(EveryCommand, ShowsNothingRawThatARobotHasChosen) {
   std::size_t shown = 0;
   for (const FinishedRun& run : RunAll(runs, robot.environment())) {
     ExpectGoodEnd(run);
+    if (run.words.front() == "__hosted") continue;  // Its output is for programs.
     const std::string all = run.out + run.err;
     const auto [raw, shown_as] = std::ranges::mismatch(all, VisibleLines(all));
     EXPECT_EQ(raw, all.end()) << testing::PrintToString(run.words) << " writes byte " << int(*raw) << " raw.";
