@@ -11,7 +11,7 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::size_t kMostUnsentBytes = 1U << 20U;
-constexpr std::size_t kMostLineBytes = 64U << 10U;
+constexpr std::size_t kMostReportedLineBytes = 64U << 10U;
 
 }  // namespace
 
@@ -46,9 +46,9 @@ void Reporter::Line(std::string_view component, LogLevel level, std::string_view
   RunReport::Line& line = *report.mutable_line();
   line.set_component(std::string(component));
   line.set_level(static_cast<int>(level));
-  line.set_text(std::string(text.substr(0, kMostLineBytes)));
-  if (text.size() > kMostLineBytes) {
-    line.mutable_text()->append(" ... and " + std::to_string(text.size() - kMostLineBytes) + " bytes more.");
+  line.set_text(std::string(text.substr(0, kMostReportedLineBytes)));
+  if (text.size() > kMostReportedLineBytes) {
+    line.mutable_text()->append(" ... and " + std::to_string(text.size() - kMostReportedLineBytes) + " bytes more.");
   }
   line.set_time_ns(std::chrono::system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
   Tell(report);

@@ -129,9 +129,9 @@ using Body = std::function<void(Teller& teller, const TriedNames& known)>;
   const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
   (void)unsetenv("HGROS_DOMAIN");
-  static int told = -1;  // Processes that a library forks do not hold it: its end is that of this one.
-  told = out;
-  (void)pthread_atfork(nullptr, nullptr, [] { close(told); });
+  static int told_to = -1;  // Processes that a library forks do not hold it: its end is that of this one.
+  told_to = out;
+  (void)pthread_atfork(nullptr, nullptr, [] { close(told_to); });
   Teller teller(out);
   try {
     body(teller, known);
