@@ -22,7 +22,7 @@ namespace hgros::cli {
 
 namespace {
 
-constexpr std::int64_t kOneEnd_ns = 100'000'000;
+constexpr std::int64_t kOneEndNs = 100'000'000;
 
 // What the handler needs; it may do little.
 std::atomic<int> caught{0};
@@ -31,7 +31,7 @@ std::atomic<int> told{-1};
 std::atomic<bool> outlasts{false};
 std::atomic<bool> caught_again{false};
 
-std::int64_t Now_ns() {
+std::int64_t NowNs() {
   timespec now{};
   (void)clock_gettime(CLOCK_MONOTONIC, &now);
   return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
@@ -40,9 +40,9 @@ std::int64_t Now_ns() {
 extern "C" void OnEndingSignal(int number) {
   const int error = errno;
   if (caught == 0) {
-    caught_at_ns = Now_ns();
+    caught_at_ns = NowNs();
     caught = number;
-  } else if (Now_ns() - caught_at_ns < kOneEnd_ns) {
+  } else if (NowNs() - caught_at_ns < kOneEndNs) {
     return;  // A program such as `timeout` sends it to the process and to its group.
   } else if (!outlasts || caught_again.exchange(true)) {
     (void)std::signal(number, SIG_DFL);
