@@ -128,8 +128,11 @@ ComponentStatus ContextCore::status() const {
   return status_;
 }
 
+// Under a lock of its own, so that the last report has the latest status.
 void ContextCore::Report() const {
-  if (means_.options.on_change) means_.options.on_change(status());
+  if (!means_.options.on_change) return;
+  const std::scoped_lock lock(report_mutex_);
+  means_.options.on_change(status());
 }
 
 void ContextCore::SetState(ComponentState state, std::string sentence) {

@@ -91,6 +91,7 @@ class ContextCore {
   const std::shared_ptr<ComponentGuard> guard_;
   Context context_;
 
+  mutable std::mutex report_mutex_;
   mutable std::mutex mutex_;
   std::condition_variable wired_;
   ComponentStatus status_;

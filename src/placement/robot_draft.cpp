@@ -123,7 +123,9 @@ RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
   };
   const Value components = top.Require("components");
   read_all("components", "a map from names to components", [this](const Field& field) { ReadComponent(field); });
-  if (components.Map({}).empty()) components.Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
+  if (components.Map("a map from names to components").empty()) {
+    components.Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
+  }
   read_all("hosts", "a map from names to hosts", [this](const Field& field) { ReadHost(field); });
   CheckHosts();
   read_all("processes", "a map from names to processes", [this](const Field& field) { ReadProcess(field); });

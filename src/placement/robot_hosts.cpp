@@ -27,7 +27,8 @@ bool IsHostLetter(char letter) {
 
 std::string ReadAddress(const Value& value) {
   const std::string& address = value.Text("an address or a host name");
-  if (address.empty() || !std::ranges::all_of(address, IsHostLetter)) {
+  const bool has_port = std::ranges::count(address, ':') == 1;  // An IPv6 address has more.
+  if (address.empty() || has_port || !std::ranges::all_of(address, IsHostLetter)) {
     value.Fail("is " + yaml::Quoted(address) + ", which is neither an address nor a host name",
                "Write it without scheme and port, such as 192.168.1.7 or robot2.");
   }

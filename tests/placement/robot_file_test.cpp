@@ -251,6 +251,7 @@ TEST(RobotFileTest, FaultsOfHostsHaveAPlaceAndTheNearestName) {
   expect("hosts: {base: {adress: x}}", "2:16: Unknown key \"adress\" in hosts.base. Did you mean \"address\"?");
   expect("hosts: {'a b': {}}", "\"a b\" cannot be the name of a host.");
   expect("hosts: {b: {address: 'tcp://x'}}", "Write it without scheme and port");
+  expect("hosts: {b: {address: '10.0.0.1:5650'}}", "Write it without scheme and port");
   expect("hosts: {b: {port: 0}}", "hosts.b.port must be an integer from 1 to 64535");
   expect("hosts: {b: {home: 1}}", "hosts.b.home must be true or false");
   expect("hosts: {b: {ssh: '-oProxyCommand=x'}}", "hosts.b.ssh is \"-oProxyCommand=x\", to which ssh cannot connect");

@@ -136,6 +136,7 @@ bool HostedComponents::PlanRestart(Hosted& one, const ComponentStatus& status) {
                       (threw && policy == ComponentRestart::kOnException);
   if (!wanted || one.restart_at != Clock::time_point::max()) return false;
   const std::optional<std::chrono::milliseconds> pause = one.pauses.Next(Clock::now());
+  one.given_up = !pause;
   if (!pause) return false;
   one.restart_at = Clock::now() + *pause;
   return true;
@@ -148,6 +149,7 @@ void HostedComponents::Note(const ComponentStatus& status) {
   component.set_state(static_cast<int>(status.state));
   component.set_sentence(status.sentence);
   component.set_exceptions(status.exceptions);
+  bool given_up = false;
   {
     const std::scoped_lock lock(mutex_);
     const auto found = hosted_.find(status.name);
@@ -158,6 +160,12 @@ void HostedComponents::Note(const ComponentStatus& status) {
     one.state = status.state;
     component.set_again(PlanRestart(one, status));
     if (component.again() && status.state != ComponentState::kFailed) component.set_sentence(status.exception);
+    given_up = std::exchange(one.given_up, false);
+  }
+  if (given_up) {
+    reports_.Line(
+        status.name, LogLevel::kError,
+        "It was constructed again " + std::to_string(RestartPauses::kMost) + " times within a minute, and now is not.");
   }
   reports_.Tell(report);
   reports_.Wake();

@@ -54,6 +54,7 @@ class HostedComponents {
     ComponentState state = ComponentState::kWired;         // Guarded by mutex_, as the rest.
     std::uint64_t exceptions = 0;                          // That have been handled.
     RestartPauses pauses{};
+    bool given_up = false;  // It is not constructed again, because that was too often.
     Clock::time_point restart_at = Clock::time_point::max();  // It is constructed again.
   };
 

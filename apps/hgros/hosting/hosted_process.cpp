@@ -49,7 +49,10 @@ void Host::Join(Session& session, HostedComponents& components, const RunOrder::
   std::string lacks;
   for (const RunOrder::Output& output : join.outputs()) {
     while (!session.WaitForSubscribers(output.channel(), output.subscribers(), kJoinSlice)) {
-      if (pause_.signal() != 0) return;
+      if (pause_.signal() != 0 || !reporter_.Read()) return;
+      RunOrder next;
+      if (reporter_.Next(next)) Obey(session, components, next);
+      if (ends_) return;
       if (Clock::now() < deadline) continue;
       lacks += (lacks.empty() ? "" : ", ") + output.channel();
       break;

@@ -239,10 +239,9 @@ void Starter::Take(Unit& unit, const RunReport& report) {
                        static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});
     case RunReport::kFault: return Say(unit, LogLevel::kError, report.fault());
     case RunReport::kLacks:
-      return Say(unit, LogLevel::kWarning,
-                 "Not all subscribers of " + report.lacks() +
-                     " were connected after 10 s. The robot starts without "
-                     "them; they miss the first messages.");
+      return Say(
+          unit, LogLevel::kWarning,
+          "Not all subscribers of " + report.lacks() + " were connected after 10 s. They miss the first messages.");
     case RunReport::kLost:
       return Say(unit, LogLevel::kWarning,
                  std::to_string(report.lost()) + " lines of the log were lost, because hgros run was stopped.");
@@ -261,6 +260,10 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
     code_ = kFailed;
     return say(LogLevel::kError, "It is constructed again, because it has failed");
   }
+  if (unit.alone == component.name() && state >= ComponentState::kRunning) {
+    unit.alone.clear();
+    unit.kill_at = Clock::time_point::max();
+  }
   if (state == ComponentState::kRunning) {
     unit.ended.erase(component.name());
     ++unit.runs[component.name()];
@@ -276,7 +279,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   const RobotComponent* setup = robot_.FindComponent(component.name());
   if (setup != nullptr && setup->essential && !ending_) {
     EndAll(failed ? "The robot ends, because " + Named(component.name()) + " is essential." : "", code_);
-  } else if (failed && unit.setup->restart != RestartPolicy::kNever && unit.stage == Stage::kRunning && !ending_) {
+  } else if (failed && !ending_ && released_ && unit.setup->restart != RestartPolicy::kNever) {
     TellToEnd(unit);  // TakeEnd() starts it again.
   }
 }
@@ -350,6 +353,7 @@ void Starter::KillLate() {
     if (unit.kill_at > Clock::now()) continue;
     unit.kill_at = Clock::time_point::max();
     if (unit.running == nullptr) continue;
+    unit.again = unit.again || !std::exchange(unit.alone, {}).empty();
     Say(unit, LogLevel::kWarning, "It did not end in time, and is killed.");
     unit.running->Signal(SIGKILL);
   }

@@ -54,8 +54,7 @@ class Starter {
   [[nodiscard]] std::string UnitOf(const std::string& name) const;
   /// Ends a process or program and starts it again. Returns how often it was started again before.
   std::uint64_t Restart(const std::string& unit);
-  /// Lets a component be constructed again, alone in its process. Returns how often it has begun to run; empty: its
-  /// process does not run.
+  /// The same for a component alone. Returns how often it has begun to run; empty: its process does not run.
   std::optional<std::uint64_t> RestartAlone(const std::string& component);
   void Stop() { EndAll({}, code_); }
 
@@ -80,6 +79,7 @@ class Starter {
     std::uint64_t starts = 0;
     Clock::time_point started{};                           // The last time.
     Clock::time_point kill_at = Clock::time_point::max();  // It was told to end.
+    std::string alone{};                                   // The component that is constructed again, as asked.
     bool again = false;                                    // Is to be started again when it has ended.
     Clock::time_point due{};                               // When it is started.
     RestartPauses restarts{};

@@ -57,7 +57,11 @@ RemoteOrder RemoteUnits::StartOf(const RobotUnit& unit) const {
     start.mutable_libraries()->Assign(found->second.begin(), found->second.end());
   }
   if (const auto found = fingerprints_.find(unit.name); found != fingerprints_.end()) {
-    start.mutable_fingerprints()->insert(found->second.begin(), found->second.end());
+    for (const auto& [type, fingerprint] : found->second) {
+      auto& to = *start.add_fingerprints();
+      to.set_type(type);
+      to.set_value(fingerprint);
+    }
   }
   return order;
 }
@@ -101,8 +105,10 @@ std::vector<std::string> LibraryDifferences(const RemoteOrder::Start& start,
   std::set<std::string> told;
   for (const ComponentDescription& component : descriptions) {
     for (const auto& [type, fingerprint] : component.fingerprints) {
-      const auto there = start.fingerprints().find(type);
-      if ((there != start.fingerprints().end() && there->second == fingerprint) || !told.insert(type).second) continue;
+      const auto there =
+          std::ranges::find_if(start.fingerprints(), [&](const auto& one) { return one.type() == type; });
+      const bool same = there != start.fingerprints().end() && there->value() == fingerprint;
+      if (same || !told.insert(type).second) continue;
       differences.push_back("The message type " + type + " of the component \"" + component.name +
                             "\" has other fields here than where hgros run was started.");
     }

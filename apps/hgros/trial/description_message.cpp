@@ -71,7 +71,11 @@ TrialStep::Made MessageOf(const ComponentDescription& description) {
     to.set_fallback(one.fallback);
   }
   made.set_state(description.state);
-  made.mutable_fingerprints()->insert(description.fingerprints.begin(), description.fingerprints.end());
+  for (const auto& [type, fingerprint] : description.fingerprints) {
+    TrialStep::Fingerprint& to = *made.add_fingerprints();
+    to.set_type(type);
+    to.set_value(fingerprint);
+  }
   return made;
 }
 
@@ -94,7 +98,8 @@ ComponentDescription DescriptionFrom(const TrialStep::Made& made) {
     description.params.push_back({one.path(), std::move(info), one.type(), one.fallback()});
   }
   description.state = made.state();
-  description.fingerprints.insert(made.fingerprints().begin(), made.fingerprints().end());
+  for (const TrialStep::Fingerprint& one : made.fingerprints())
+    description.fingerprints.emplace(one.type(), one.value());
   return description;
 }
 

@@ -116,8 +116,8 @@ TEST(HgrosCheckpoint, AComponentThatFailsIsConstructedAgainUntilItIsTooOften) {
                              HasSubstr("It has failed: the laser is broken")));
   EXPECT_THAT(end.err, HasSubstr("\"a\" is essential"));
   std::size_t times = 0;
-  for (std::size_t at = end.out.find("constructed again"); at != std::string::npos; ++times) {
-    at = end.out.find("constructed again", at + 1);
+  for (std::size_t at = end.out.find("It is constructed again"); at != std::string::npos; ++times) {
+    at = end.out.find("It is constructed again", at + 1);
   }
   EXPECT_EQ(times, 5U);
 }

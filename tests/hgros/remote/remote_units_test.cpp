@@ -46,9 +46,13 @@ class RemoteUnitsTest : public testing::Test {
     library.set_build(build.id);
     library.set_machine(build.machine);
     library.set_type("a/A");
-    start_.mutable_fingerprints()->insert({{"x.One", 5}, {"x.Two", 0}});
     description_.name = "mapper";
     description_.fingerprints = {{"x.One", 5}, {"x.Two", 0}};
+    for (const auto& [type, fingerprint] : description_.fingerprints) {
+      RemoteOrder::Fingerprint& one = *start_.add_fingerprints();
+      one.set_type(type);
+      one.set_value(fingerprint);
+    }
   }
   ~RemoteUnitsTest() override { std::filesystem::remove_all(folder_); }
   [[nodiscard]] std::vector<std::string> Differences() const {
