@@ -105,8 +105,8 @@ std::vector<std::string> LibraryDifferences(const RemoteOrder::Start& start,
   std::set<std::string> told;
   for (const ComponentDescription& component : descriptions) {
     for (const auto& [type, fingerprint] : component.fingerprints) {
-      const auto there =
-          std::ranges::find_if(start.fingerprints(), [&](const auto& one) { return one.type() == type; });
+      const auto there = std::ranges::find_if(start.fingerprints(),
+                                              [&, &wanted = type](const auto& one) { return one.type() == wanted; });
       const bool same = there != start.fingerprints().end() && there->value() == fingerprint;
       if (same || !told.insert(type).second) continue;
       differences.push_back("The message type " + type + " of the component \"" + component.name +

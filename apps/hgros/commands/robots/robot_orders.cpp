@@ -42,7 +42,8 @@ class RestartCommand final : public Command {
   }
   [[nodiscard]] std::string Description() const override {
     return "Ends a process or program and starts it again, and waits until it runs. What does not end within 2 s is "
-           "killed. A component is constructed again alone in its process, with its state; if that takes more than 5 s, "
+           "killed. A component is constructed again alone in its process, with its state; if that takes more than 5 "
+           "s, "
            "its process is killed and starts again.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
