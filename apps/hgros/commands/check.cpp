@@ -122,7 +122,7 @@ void CheckCommand::Write(Console& console, const FileFindings& findings) const {
   if (!end.empty()) console.Line(console.Styled(Style::kDim, end));
 }
 
-// What is derived for the processes that exchange messages with other hosts.
+// Shows the endpoints that are derived for processes with channels to other hosts.
 void CheckHosts(const RobotFile& robot, const RobotGraph& graph, FileFindings& findings) {
   for (const auto& network : HostNetworks(robot, graph)) {
     const std::string& process = network.first;

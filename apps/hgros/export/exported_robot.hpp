@@ -9,7 +9,7 @@
 
 namespace hgros::cli {
 
-/// What is exported: what runs on one host of a robot file, and where the file will be.
+/// The part of a robot file that runs on one host, and where the file will be.
 struct ExportedRobot {
   RobotFile robot;
   std::string name;                                   ///< Of the robot.

@@ -7,7 +7,7 @@
 
 namespace hgros::cli {
 
-/// Who hears how the components of a process are: its starter, or the log of a service.
+/// Takes reports about the components of a process: for its starter, or for the log of a service.
 ///
 /// Thread safety: all functions.
 class ComponentReports {

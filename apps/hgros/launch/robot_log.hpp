@@ -37,7 +37,7 @@ class RobotLog {
   void ShowStates(const std::vector<RobotReply::Unit>& units);
   /// Shows a line that is not of the log.
   void Write(std::string_view line);
-  /// What is written from now on waits at most so long, all together, for somebody to read.
+  /// From now on, all writes together wait at most this long for a reader.
   void WaitAtMost(std::chrono::milliseconds time) { wait_until_ = std::chrono::steady_clock::now() + time; }
   /// Says what was left out.
   void End();

@@ -259,7 +259,7 @@ int SshRelay::Run() {
   while (waitpid(ssh_, &status, 0) < 0 && errno == EINTR) {
   }
   if (!host_silent_) HearHost();
-  // What is left must reach the starter, however long that takes.
+  // The rest must reach the starter, however long that takes.
   for (const int one : {starter_.descriptor(), STDOUT_FILENO}) {
     (void)fcntl(one, F_SETFL, fcntl(one, F_GETFL) & ~O_NONBLOCK);
   }
