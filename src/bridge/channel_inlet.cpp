@@ -261,10 +261,10 @@ MessageInfo ChannelInlet::InfoOf(const InboundMessage& message, std::int64_t way
   info.cause.message = head.cause.message;
   info.cause.began_ns = info.publish_monotonic_ns - static_cast<std::int64_t>(std::min<std::uint64_t>(age, kMostAgeNs));
   info.cause.origin = head.cause.chain_origin == 0 ? origin_ : head.cause.chain_origin;
+  const bool counts = head.id.publisher != 0;
+  if (counts) info.number = head.id.sequence + static_cast<std::uint64_t>(head.cause.unsent);
   // A sender that does not count its messages: the time tells them apart.
-  const std::uint64_t number = head.id.publisher == 0
-                                   ? static_cast<std::uint64_t>(info.publish_monotonic_ns)
-                                   : head.id.sequence + static_cast<std::uint64_t>(head.cause.unsent);
+  const std::uint64_t number = counts ? info.number : static_cast<std::uint64_t>(info.publish_monotonic_ns);
   info.key = MessageKey(KeySeed(head.id.publisher, head.id.incarnation, origin_), number);
   return info;
 }

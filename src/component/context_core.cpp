@@ -49,45 +49,6 @@ bool IsAtOrBelow(std::string_view path, std::string_view above) {
 
 }  // namespace
 
-void ComponentGuard::Note(const char* what) noexcept {
-  try {
-    listener_(what);
-  } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, the graph still counts it.
-  }
-}
-
-void ComponentGuard::Enter() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !alone_; });
-  ++running_;
-}
-
-void ComponentGuard::Leave() {
-  const std::scoped_lock lock(mutex_);
-  if (--running_ == 0) changed_.notify_all();
-}
-
-bool ComponentGuard::TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save) {
-  {
-    std::unique_lock lock(mutex_);
-    if (!changed_.wait_until(lock, deadline, [this] { return running_ == 0 && !alone_; })) return false;
-    alone_ = true;
-  }
-  const auto open = [this] {
-    const std::scoped_lock lock(mutex_);
-    alone_ = false;
-    changed_.notify_all();
-  };
-  try {
-    save();
-  } catch (...) {
-    open();
-    throw;
-  }
-  open();
-  return true;
-}
-
 ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup setup)
     : means_(std::move(means)),
       setup_(std::move(setup)),
@@ -207,8 +168,19 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
       if (!input.type.any) description_.fingerprints[input.type.name] = input.type.fingerprint;
     }
   }
+  AnyCallback guarded;
+  if (description_.state.empty()) {
+    guarded = [guard = guard_, callback = std::move(callback)](const AnyMessage& message, const MessageInfo& info) {
+      guard->Run([&] { callback(message, info); });
+    };
+  } else {
+    auto gate = std::make_shared<InputGate>(options.name, input.type, std::move(callback), guard_);
+    guarded = [gate](const AnyMessage& message, const MessageInfo& info) { gate->Take(message, info); };
+    const std::scoped_lock lock(mutex_);
+    gates_.push_back(std::move(gate));
+  }
   Add(inputs_,
-      [this, here, &type = input.type, invoke = input.invoke, where = input.where, callback = std::move(callback),
+      [this, here, &type = input.type, invoke = input.invoke, where = input.where, callback = std::move(guarded),
        options = std::move(options)]() -> Kept {
         return std::make_shared<Subscription>(
             SessionParts(session()).Subscribe(here, type, invoke, callback, options, where));
@@ -228,11 +200,20 @@ void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler
       }
     }
   }
-  AnyHandler guarded = [guard = guard_, handler = std::move(handler)](const AnyMessage& request) {
-    return guard->Run([&] { return handler(request); });
+  AnyHandler guarded = [this, handler = std::move(handler)](const AnyMessage& request) {
+    while (true) {
+      if (place_ != Place::kHere) AwaitHere();
+      AnyMessage reply;
+      bool handled = false;
+      guard_->Run([&] {
+        handled = place_ == Place::kHere;
+        if (handled) reply = handler(request);
+      });
+      if (handled) return reply;
+    }
   };
   const SessionParts::ServiceTypes types{served.request, served.reply, served.request_body, served.reply_body};
-  Add(inputs_,
+  Add(services_,
       [this, here, types, invoke = served.invoke, where = served.where, guarded = std::move(guarded),
        options = std::move(options)]() -> Kept {
         return std::make_shared<Service>(SessionParts(session()).Serve(here, types, guarded, invoke, options, where));
@@ -248,9 +229,13 @@ void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallbac
     const std::scoped_lock lock(mutex_);
     if (!constructed_) description_.timers.push_back({std::string(timer), period});
   }
-  Add(timers_, [this, name, period, options, guard = guard_, callback = std::move(callback)]() -> Kept {
-    return std::make_shared<NodeTimer>(session().CreateTimer(
-        name, period, [guard, callback](const Tick& tick) { guard->Run([&] { callback(tick); }); }, options));
+  Add(timers_, [this, name, period, options, callback = std::move(callback)]() -> Kept {
+    const auto guarded = [this, callback](const Tick& tick) {
+      guard_->Run([&] {
+        if (place_ == Place::kHere) callback(tick);
+      });
+    };
+    return std::make_shared<NodeTimer>(session().CreateTimer(name, period, guarded, options));
   });
 }
 
@@ -308,9 +293,13 @@ void ContextCore::End(Stage& stage) {
 }
 
 void ContextCore::Join() {
-  Begin(inputs_);
+  JoinInputs();
+  JoinServices();
   SetState(ComponentState::kJoined);
 }
+
+void ContextCore::JoinInputs() { Begin(inputs_); }
+void ContextCore::JoinServices() { Begin(services_); }
 
 void ContextCore::StartTimers() {
   if (status().state < ComponentState::kFinished) Begin(timers_);
@@ -318,39 +307,81 @@ void ContextCore::StartTimers() {
 
 void ContextCore::EndTimers() { End(timers_); }
 
-void ContextCore::EndInputs() { End(inputs_); }
+void ContextCore::EndInputs() {
+  if (place_ == Place::kHeld) SetPlace(Place::kElsewhere);  // Calls that wait do not keep the end waiting.
+  for (const auto& gate : gates()) gate->Close();
+  End(inputs_);
+  EndServices();
+}
 
-void ContextCore::EndConstruction() {
+void ContextCore::EndServices() { End(services_); }
+
+// --- moves ---
+
+std::vector<std::shared_ptr<InputGate>> ContextCore::gates() const {
+  const std::scoped_lock lock(mutex_);
+  return gates_;
+}
+
+void ContextCore::SetPlace(Place place) {
+  const std::scoped_lock lock(mutex_);
+  place_ = place;
+  placed_.notify_all();
+}
+
+void ContextCore::AwaitHere() {
+  std::unique_lock lock(mutex_);
+  placed_.wait(lock, [this] { return place_ != Place::kHeld; });
+  if (place_ == Place::kElsewhere) {
+    throw Error("The component " + Quoted(setup_.name) + " has moved to another process, or ends.", {}, "Call again.");
+  }
+}
+
+bool ContextCore::NoteFault(std::string_view param, const ParamError& fault) {
+  const std::scoped_lock lock(mutex_);
+  if (!constructed_) faulty_params_.emplace(param, fault);
+  return !constructed_;
+}
+
+std::vector<Error> ContextCore::EndConstruction(bool returned) {
   std::set<std::string> names;
   std::set<std::string> nodes;
+  std::set<std::string> declared;
+  std::vector<Error> faults;
   {
     const std::scoped_lock lock(mutex_);
     constructed_ = true;
     description_.params = params_.Declarations();
     names = names_;
     nodes = nodes_;
-    if (status_.state == ComponentState::kFailed) throw Error(status_.sentence);
+    for (const auto& [param, fault] : faulty_params_) {
+      declared.insert(param);
+      faults.push_back(fault);
+    }
+    if (status_.state == ComponentState::kFailed) faults.emplace_back(status_.sentence);
   }
+  if (!returned) return faults;  // Otherwise its names are not all known.
   for (const auto& [from, to] : setup_.remap) {
     if (names.contains(from)) continue;
-    throw Error("remap names the channel or service " + Quoted(from) + ", which " + setup_.type + " does not use.", {},
-                Offer(from, names, "channels and services"));
+    faults.emplace_back(
+        "remap names the channel or service " + Quoted(from) + ", which " + setup_.type + " does not use.", "",
+        Offer(from, names, "channels and services"));
   }
   for (const auto& [node, override] : setup_.nodes) {
     if (nodes.contains(node)) continue;
-    throw Error("nodes names " + Quoted(node) + ", which is no node of " + setup_.type + ".", {},
-                Offer(node, nodes, "nodes"));
+    faults.emplace_back("nodes names " + Quoted(node) + ", which is no node of " + setup_.type + ".", "",
+                        Offer(node, nodes, "nodes"));
   }
-  std::set<std::string> declared;
   for (const ParamDeclaration& one : description_.params) declared.insert(one.path);
   std::vector<std::string> set;
   AddLeaves(params_.Snapshot(), set);
   for (const std::string& path : set) {
     if (std::ranges::any_of(declared, [&](const std::string& one) { return IsAtOrBelow(path, one); })) continue;
     const ParamView view = params_.Snapshot().At(path);
-    throw ParamError(setup_.type + " has no parameter " + Quoted(path) + ".", view.node()->origin.ToString(),
-                     Offer(path, declared, "parameters"));
+    faults.emplace_back(setup_.type + " has no parameter " + Quoted(path) + ".", view.node()->origin.ToString(),
+                        Offer(path, declared, "parameters"));
   }
+  return faults;
 }
 
 }  // namespace hgros

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -10,9 +12,12 @@
 #include <string_view>
 #include <vector>
 
+#include "component/component_guard.hpp"
+#include "component/input_gate.hpp"
 #include "hgros/component/component_description.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/component/context.hpp"
+#include "hgros/params/param_error.hpp"
 #include "hgros/params/param_server.hpp"
 
 namespace hgros {
@@ -36,16 +41,26 @@ class ContextCore {
   [[nodiscard]] const ComponentDescription& description() const noexcept { return description_; }
   [[nodiscard]] ComponentStatus status() const;
 
-  // The constructor has returned. Throws Error for what the setup names and the component does not have.
-  void EndConstruction();
+  // Returns wrong values of parameters, and if the constructor has returned, what the setup names and the component
+  // does not have.
+  [[nodiscard]] std::vector<Error> EndConstruction(bool returned);
   // The inputs and services.
   void Join();
+  void JoinInputs();
+  void JoinServices();
   // The timers. Does nothing once the component has ended by itself.
   void StartTimers();
   void SetState(ComponentState state, std::string sentence = {});
   void EndTimers();
   // Ends inputs and services.
   void EndInputs();
+  void EndServices();
+
+  // For moves. Those of a component that can be saved.
+  [[nodiscard]] std::vector<std::shared_ptr<InputGate>> gates() const;
+  enum class Place { kHere, kHeld, kElsewhere };
+  // Calls and ticks of timers wait while the component is held. Elsewhere calls fail and ticks are skipped.
+  void SetPlace(Place place);
 
   // For Context.
   [[nodiscard]] Session& session() const noexcept { return means_.session; }
@@ -53,6 +68,8 @@ class ContextCore {
   [[nodiscard]] ParamServer& params() noexcept { return params_; }
   [[nodiscard]] Log& log() noexcept { return log_; }
   [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
+  // Keeps what is wrong with a parameter for EndConstruction(). False if the constructor has returned.
+  [[nodiscard]] bool NoteFault(std::string_view param, const ParamError& fault);
   [[nodiscard]] std::string NameHere(std::string_view name);
   [[nodiscard]] std::string AddOutput(std::string_view channel, const std::string& type, std::uint64_t fingerprint);
   [[nodiscard]] std::string AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply);
@@ -80,6 +97,8 @@ class ContextCore {
   // Makes the node's name unique, puts the component's before it, and returns what the setup says of the node.
   [[nodiscard]] NodeOverride SetUpNode(std::string_view channel, std::string& name);
   void SetUp(std::string_view channel, NodeOptions& options);
+  // Waits while the component is held. Throws Error if it has gone.
+  void AwaitHere();
   void NoteException(const std::string& what);
   void Report() const;
   [[nodiscard]] LogSink Sink() const;
@@ -94,12 +113,17 @@ class ContextCore {
   mutable std::mutex report_mutex_;
   mutable std::mutex mutex_;
   std::condition_variable wired_;
+  std::condition_variable placed_;
+  std::atomic<Place> place_ = Place::kHere;        // Set under mutex_.
+  std::vector<std::shared_ptr<InputGate>> gates_;  // Guarded by mutex_.
   ComponentStatus status_;
   ComponentDescription description_;  // Does not change after the construction.
   bool constructed_ = false;
   std::set<std::string> names_;  // Channels and services that the component has named.
   std::set<std::string> nodes_;  // Names of its nodes, within the component.
+  std::map<std::string, Error> faulty_params_;
   Stage inputs_;
+  Stage services_;
   Stage timers_;
 };
 

@@ -16,6 +16,7 @@
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/base/system_limits.hpp"
+#include "hgros/clock/time.hpp"
 #include "params/param_wire.hpp"
 
 namespace hgros {
@@ -152,6 +153,8 @@ class ParamService::Core {
 
   void OnState(const ParamsState& state, const MessageInfo& info) {
     if (state.life() == life_ || state.ended()) return;
+    // What offered them earlier hears of this one, and says so itself, unless it ends at this moment.
+    if (info.publish_monotonic_ns < began_ns_) return;
     log_.WriteLimited(LogLevel::kError, "another",
                       "Session " + SessionId{info.id.publisher}.ToString() + " offers parameters under the name \"" +
                           name_ + "\", as this session does, so both are asked. Give one of them another name.");
@@ -162,6 +165,7 @@ class ParamService::Core {
   Log log_;
   const param_wire::Channels channels_;
   const std::uint64_t life_ = RandomId();
+  const std::int64_t began_ns_ = MonotonicNow();
   const Publisher<ParamsState> say_;
   const Publisher<ParamsAnswer> answer_;
 

@@ -21,6 +21,7 @@ class RobotDraft {
  private:
   void ReadHost(const yaml::Field& field);
   void CheckHosts() const;
+  void CheckPorts() const;
   void ReadHostOf(const yaml::Section& section, RobotUnit& unit) const;
   void ReadComponent(const yaml::Field& field);
   void ReadProcess(const yaml::Field& field);
@@ -41,5 +42,7 @@ class RobotDraft {
 
 /// The keys at the top of a robot file that a configuration file does not have.
 [[nodiscard]] const std::vector<std::string>& RobotSections();
+/// Whether a key at the top is no known one, and "components" is the nearest.
+[[nodiscard]] bool IsNearComponents(std::string_view key);
 
 }  // namespace hgros

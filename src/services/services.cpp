@@ -5,6 +5,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "services/call_table.hpp"
 #include "services/service_client.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 using Kind = CallFailure::Kind;
 
+constexpr std::chrono::seconds kLateAnnouncements{10};
 constexpr std::string_view kReplies = "hgros/reply/";
 
 Kind KindOf(CallMessage::Outcome outcome) {
@@ -311,11 +313,21 @@ void Services::OnAnnouncements() noexcept {
   });
 }
 
+void Services::TakeFrom(SessionId other) {
+  const std::scoped_lock lock(mutex_);
+  taken_from_[other] = DeadlineIn(kLateAnnouncements);
+}
+
 void Services::LookForSecondServers() {
   for (const auto& host : Hosts()) {
     const std::string& name = host->setting().name;
     ChannelSearch search;
     With([&](ServicePlace& place) { search = place.Search(RequestChannel(name)); });
+    {
+      const std::scoped_lock lock(mutex_);
+      std::erase_if(taken_from_, [](const auto& one) { return one.second < std::chrono::steady_clock::now(); });
+      std::erase_if(search.announced, [this](const PeerInfo& one) { return taken_from_.contains(one.id); });
+    }
     if (search.announced.empty()) continue;
     const PeerInfo& other = search.announced.front();
     {

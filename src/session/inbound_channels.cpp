@@ -104,6 +104,7 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
     }
   }
   if (!may_wait && AsksForTooMuch(inflow)) means_.post([this, channel] { Reconcile(channel, true); });
+  means_.on_change();  // Who waits for IsSettled() takes the mutex first.
 }
 
 bool InboundChannels::SetForbidden(const std::string& channel, bool forbidden) {
@@ -167,6 +168,12 @@ std::size_t InboundChannels::PublisherCount(std::string_view channel) const {
   const std::scoped_lock lock(mutex_);
   const auto entry = inflows_.find(channel);
   return entry == inflows_.end() ? 0 : entry->second.inlet->publisher_count();
+}
+
+bool InboundChannels::IsSettled(std::string_view channel) const {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = inflows_.find(channel);
+  return entry == inflows_.end() || !entry->second.busy;
 }
 
 std::shared_ptr<const MessageSchema> InboundChannels::SchemaOf(std::string_view channel) const {

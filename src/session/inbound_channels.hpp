@@ -55,6 +55,9 @@ class InboundChannels {
   void Drop();
 
   [[nodiscard]] std::size_t PublisherCount(std::string_view channel) const;
+  // Whether no thread joins or leaves the channel now. While it has a subscription, what is received from then on comes
+  // over links that stay. Before, it may come over those of a subscription that has just ended.
+  [[nodiscard]] bool IsSettled(std::string_view channel) const;
   // The schema of the publisher that came last, or null.
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(std::string_view channel) const;
   // Adds the channels with subscriptions.

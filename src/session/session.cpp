@@ -23,6 +23,11 @@ Session::~Session() {
 
 SessionSnapshot Session::Snapshot() const { return core_->Snapshot(); }
 bool Session::WaitIdle(std::chrono::nanoseconds timeout) const { return core_->graph().WaitIdle(DeadlineIn(timeout)); }
+bool SessionParts::SettleInput(std::string_view channel, std::chrono::nanoseconds timeout) const {
+  const SessionCore& core = *session_.core_;
+  return core.WaitUntil(timeout, [&] { return core.inbound_->IsSettled(channel); });
+}
+void SessionParts::TakeServicesFrom(SessionId other) { session_.core_->services().TakeFrom(other); }
 Time Session::SettleTimers() { return core_->timers().Settle(); }
 NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCallback callback,
                                NodeTimerOptions options) {

@@ -97,6 +97,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name) { return reserved_.TryReserve(name); }
 
  private:
+  friend class SessionParts;
   // In session_services.cpp: the ServicePlace of the services.
   Subscription Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
                       std::size_t queue_depth) override;
@@ -113,7 +114,6 @@ class SessionCore final : public TransportListener, private ServicePlace {
   }
   void Receive(const Visit& visit) noexcept override;
   [[nodiscard]] std::vector<std::string> KnownServices() override;
-
   // In session_channels.cpp. Call it under mutex_.
   [[nodiscard]] SessionChannels OwnChannels() const;
 

@@ -24,14 +24,17 @@ TEST(HgrosComponents, ListsInstalledOnes) {
   EXPECT_EQ(end.status, 0);
   EXPECT_EQ(end.err, "");
   EXPECT_EQ(end.out,
-            "TYPE           SUBSCRIBES  PUBLISHES  SERVES  PARAMS  LIBRARY\n"
-            "relay/Checker  number                              1  libhgros_test_relay.so\n"
-            "relay/Counter  word        count                   1  libhgros_test_relay.so\n"
-            "relay/Does                                         1  libhgros_test_relay.so\n"
-            "relay/Numbers              number                  1  libhgros_test_relay.so\n"
-            "relay/Pose     number                              0  libhgros_test_relay.so\n"
-            "words/Counter  word        count      reset        1  libhgros_test_words.so\n"
-            "words/Source               word                    0  libhgros_test_words.so\n");
+            "TYPE             SUBSCRIBES   PUBLISHES  SERVES  PARAMS  LIBRARY\n"
+            "moving/Counting               number                  1  libhgros_test_moving.so\n"
+            "moving/Judging   passed, ask                          0  libhgros_test_moving.so\n"
+            "moving/Passing   number       passed     count        2  libhgros_test_moving.so\n"
+            "relay/Checker    number                               1  libhgros_test_relay.so\n"
+            "relay/Counter    word         count                   1  libhgros_test_relay.so\n"
+            "relay/Does                                            1  libhgros_test_relay.so\n"
+            "relay/Numbers                 number                  1  libhgros_test_relay.so\n"
+            "relay/Pose       number                               0  libhgros_test_relay.so\n"
+            "words/Counter    word         count      reset        1  libhgros_test_words.so\n"
+            "words/Source                  word                    0  libhgros_test_words.so\n");
 }
 
 TEST(HgrosComponents, ShowsAllAboutOne) {

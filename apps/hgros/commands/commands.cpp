@@ -60,6 +60,7 @@ constexpr std::array kCommands{
     CommandEntry{"ps", "List the components and programs of running robots", kRun, MakePs},
     CommandEntry{"logs", "Show the log of a running robot", kRun, MakeLogs},
     CommandEntry{"restart", "Start a process or program of a robot again", kRun, MakeRestart},
+    CommandEntry{"move", "Move a component to another process or host", kRun, MakeMove},
     CommandEntry{"stop", "End a robot", kRun, MakeStop},
     CommandEntry{"wait", "Wait until a robot has ended", kRun, MakeWait},
     CommandEntry{"export", "Write a robot file for other starters", kRun, nullptr},

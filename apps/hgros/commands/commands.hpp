@@ -56,6 +56,7 @@ std::unique_ptr<Command> MakePath();
 std::unique_ptr<Command> MakePs();
 std::unique_ptr<Command> MakePub();
 std::unique_ptr<Command> MakeRestart();
+std::unique_ptr<Command> MakeMove();
 std::unique_ptr<Command> MakeRun();
 std::unique_ptr<Command> MakeSchema();
 std::unique_ptr<Command> MakeStop();

@@ -4,12 +4,10 @@
 #include <utility>
 
 #include "hgros/base/bytes.hpp"
-#include "hgros/base/error.hpp"
 
 namespace hgros::cli {
 namespace {
 
-constexpr std::size_t kMostStateBytes = 48U << 20U;  // A message to the starter has at most 64 MiB.
 constexpr std::chrono::milliseconds kSavePatience{200};
 
 bool IsOver(ComponentState state) { return state == ComponentState::kFinished || state == ComponentState::kFailed; }
@@ -41,10 +39,32 @@ void HostedComponents::Construct(const ComponentCatalog& catalog) {
 }
 
 void HostedComponents::Add(Hosted& one) {
-  (void)components_.Add(one.kept.Continue(one.setup->setup));
+  try {
+    (void)components_.Add(one.kept.Continue(one.setup->setup));
+  } catch (const Error& error) {
+    if (one.kept.params.empty()) throw;
+    ForgetParams(one, error);
+    (void)components_.Add(one.kept.Continue(one.setup->setup));
+  }
+  Listen(one);
+}
+
+void HostedComponents::Listen(Hosted& one) {
   one.changes = components_.params(one.setup->setup.name).OnChange({}, [this, &one](const ParamEvent& event) {
     Keep(one, event);
   });
+}
+
+void HostedComponents::ForgetParams(Hosted& one, const Error& error) {
+  std::string all;
+  for (const auto& [path, value] : one.kept.params) all += (all.empty() ? "" : ", ") + path + ": " + value;
+  reports_.Line(one.setup->setup.name, LogLevel::kWarning,
+                "It cannot be constructed with the parameters that were changed while it ran (" + all +
+                    "), so it begins without them. " + error.what());
+  one.kept.params.clear();
+  RunReport report;
+  report.mutable_changed()->set_component(one.setup->setup.name);
+  reports_.Tell(report);
 }
 
 void HostedComponents::Start() {
@@ -59,6 +79,7 @@ void HostedComponents::Start() {
 HostedComponents::Clock::time_point HostedComponents::Work() {
   Clock::time_point due = Clock::time_point::max();
   for (auto& [name, one] : hosted_) {
+    if (one.moving) continue;
     bool restarts = false;
     {
       const std::scoped_lock lock(mutex_);
@@ -173,7 +194,7 @@ void HostedComponents::Note(const ComponentStatus& status) {
 
 void HostedComponents::ConstructAgain(const std::string& name) {
   const auto found = hosted_.find(name);
-  if (found == hosted_.end()) return;
+  if (found == hosted_.end() || found->second.moving) return;
   if (found->second.save_at != Clock::time_point::max()) Save(found->second);
   Restart(found->second);
 }
@@ -198,8 +219,52 @@ void HostedComponents::Restart(Hosted& one) {
   }
 }
 
+// --- moves ---
+
+bool HostedComponents::Runs(const std::string& name) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = hosted_.find(name);
+  return found != hosted_.end() && found->second.state == ComponentState::kRunning &&
+         found->second.restart_at == Clock::time_point::max();
+}
+
+ComponentSetup HostedComponents::Expect(const RobotComponent& component, KeptComponent kept) {
+  const std::scoped_lock lock(mutex_);
+  Hosted& one = hosted_.insert_or_assign(component.setup.name, Hosted{&component}).first->second;
+  one.kept = std::move(kept);
+  one.moving = true;
+  return one.kept.Continue(component.setup);
+}
+
+void HostedComponents::Arrive(const std::string& name) {
+  Hosted& one = hosted_.at(name);
+  Listen(one);
+  if (one.setup->checkpoint.count() > 0) one.save_at = Clock::now() + one.setup->checkpoint;
+}
+
+void HostedComponents::SetMoving(const std::string& name, bool moving) {
+  if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.moving = moving;
+}
+
+void HostedComponents::StopKeeping(const std::string& name) { hosted_.at(name).changes = {}; }
+
+void HostedComponents::Forget(const std::string& name) {
+  if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.changes = {};
+  components_.End(name);
+  const std::scoped_lock lock(mutex_);
+  hosted_.erase(name);
+}
+
+void HostedComponents::Adopt(const std::string& name, KeptComponent kept) {
+  (void)Expect(*robot_.FindComponent(name), std::move(kept));
+  Hosted& one = hosted_.at(name);
+  one.moving = false;
+  one.save_at = one.setup->checkpoint.count() > 0 ? Clock::now() + one.setup->checkpoint : Clock::time_point::max();
+  Restart(one);
+}
+
 bool HostedComponents::HasEnded(const Hosted& one) const {
-  return IsOver(one.state) && one.restart_at == Clock::time_point::max();
+  return IsOver(one.state) && one.restart_at == Clock::time_point::max() && !one.moving;
 }
 
 bool HostedComponents::AllEnded() {

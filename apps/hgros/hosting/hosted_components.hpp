@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 
+#include "hgros/base/error.hpp"
 #include "hgros/component/component_catalog.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/params/param_server.hpp"
@@ -39,6 +40,26 @@ class HostedComponents {
   /// Ends a component and constructs it again. It goes on from its state, if it has not failed.
   void ConstructAgain(const std::string& name);
 
+  // For ComponentMoves.
+  [[nodiscard]] Components& components() noexcept { return components_; }
+  [[nodiscard]] bool Runs(const std::string& name);
+  /// A component will come from another place. Returns how to construct it.
+  [[nodiscard]] ComponentSetup Expect(const RobotComponent& component, KeptComponent kept);
+  /// Its new state, as a checkpoint.
+  void Keep(const std::string& name, std::shared_ptr<const RawMessage> state) {
+    hosted_.at(name).kept.state = std::move(state);
+  }
+  /// It runs here from now on.
+  void Arrive(const std::string& name);
+  /// While it moves, it is neither saved for checkpoints nor constructed again.
+  void SetMoving(const std::string& name, bool moving);
+  /// Changes of its parameters are not told any more.
+  void StopKeeping(const std::string& name);
+  /// It is none of this process any more. Ends it if it is still here.
+  void Forget(const std::string& name);
+  /// Constructs and starts one more.
+  void Adopt(const std::string& name, KeptComponent kept);
+
   /// All have finished or failed.
   [[nodiscard]] bool AllEnded();
   [[nodiscard]] bool AnyFailed();
@@ -51,6 +72,7 @@ class HostedComponents {
     Clock::time_point save_at = Clock::time_point::max();  // The next checkpoint.
     std::string saved{};                                   // The bytes of the last one.
     bool too_large = false;                                // Was said.
+    bool moving = false;                                   // From or to another place.
     ComponentState state = ComponentState::kWired;         // Guarded by mutex_, as the rest.
     std::uint64_t exceptions = 0;                          // That have been handled.
     RestartPauses pauses{};
@@ -59,6 +81,9 @@ class HostedComponents {
   };
 
   void Add(Hosted& one);
+  void Listen(Hosted& one);
+  // Those that were changed, because of `error`.
+  void ForgetParams(Hosted& one, const Error& error);
   void Save(Hosted& one);
   void Restart(Hosted& one);
   // Whether it will be constructed again. mutex_ is held.

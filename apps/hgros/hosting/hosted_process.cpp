@@ -8,6 +8,7 @@
 #include <chrono>
 #include <string>
 
+#include "hosting/component_moves.hpp"
 #include "hosting/hosted_components.hpp"
 #include "hosting/reporter.hpp"
 #include "launch/run.pb.h"
@@ -40,6 +41,7 @@ class Host {
   const RobotFile& robot_;
   const RobotProcess& process_;
   const KeptComponents& kept_;
+  ComponentMoves* moves_ = nullptr;  // While the session lives.
   bool ends_ = false;
 };
 
@@ -72,6 +74,8 @@ void Host::Obey(Session& session, HostedComponents& components, const RunOrder& 
   } else if (order.has_start()) {
     components.Start();
     reporter_.Stage(RunReport::RUNNING);
+  } else if (order.has_move()) {
+    moves_->Obey(order.move());
   } else if (order.has_again()) {
     components.ConstructAgain(order.again().component());
   } else {
@@ -106,11 +110,13 @@ int Host::Run(const ComponentCatalog& catalog) {
                                     }});
   HostedComponents components(session, reporter_, robot_, process_, kept_);
   components.Construct(catalog);
+  ComponentMoves moves(session, components, reporter_, robot_, catalog);
+  moves_ = &moves;
   reporter_.Stage(RunReport::CONSTRUCTED);
   while (!ends_ && pause_.signal() == 0 && !components.AllEnded()) {
     RunOrder order;
     while (!ends_ && reporter_.Next(order)) Obey(session, components, order);
-    const Clock::time_point due = components.Work();
+    const Clock::time_point due = std::min(components.Work(), moves.Work());
     if (!ends_ && !components.AllEnded()) Await(due);
   }
   return components.AnyFailed() ? 1 : 0;

@@ -64,6 +64,20 @@ void RequireRoom(const RobotProcess& process, const RobotHost& host, bool publis
   }
 }
 
+// The old place of a component asks its subscribers whether they have everything.
+void AddQuestions(std::set<std::string>& out, std::set<std::string>& in) {
+  const bool asks = !out.empty();
+  const bool answers = !in.empty();
+  if (asks) {
+    out.insert("hgros/control");
+    in.insert("hgros/control/replies");
+  }
+  if (answers) {
+    in.insert("hgros/control");
+    out.insert("hgros/control/replies");
+  }
+}
+
 std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const RobotProcess& process) {
   std::set<std::string> published;
   std::set<std::string> clients;
@@ -71,9 +85,10 @@ std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const Rob
   std::string servers;
   for (const RobotProcess& other : robot.processes) {
     if (other.host == process.host) continue;
-    const std::set<std::string> out = graph.ChannelsFrom(process.name, other.name);
-    const std::set<std::string> in = graph.ChannelsFrom(other.name, process.name);
+    std::set<std::string> out = graph.ChannelsFrom(process.name, other.name);
+    std::set<std::string> in = graph.ChannelsFrom(other.name, process.name);
     if (out.empty() && in.empty()) continue;
+    if (graph.HasMoving()) AddQuestions(out, in);
     const RobotHost& host = HostOf(robot, other);
     published.insert(out.begin(), out.end());
     if (!out.empty()) clients.insert(host.key);

@@ -6,10 +6,34 @@
 
 namespace hgros::cli {
 
+void KeptComponent::Note(const RunReport::Changed& changed) {
+  if (changed.path().empty()) {
+    params.clear();
+  } else {
+    params[changed.path()] = changed.value();
+  }
+}
+
 ComponentSetup KeptComponent::Continue(ComponentSetup setup) const {
   if (state != nullptr) setup.state = state;
   for (const auto& [path, value] : params) setup.params.overrides.push_back({path, value, "hgros param set " + path});
   return setup;
+}
+
+void Write(const KeptComponent& kept, RunOrder::Move& move) {
+  if (kept.state != nullptr) *move.mutable_state() = ReportOf(move.component(), *kept.state).saved();
+  for (const auto& [path, value] : kept.params) {
+    RunReport::Changed& changed = *move.add_params();
+    changed.set_path(path);
+    changed.set_value(value);
+  }
+}
+
+KeptComponent KeptOf(const RunOrder::Move& move) {
+  KeptComponent kept;
+  if (move.has_state()) kept.state = StateOf(move.state());
+  for (const RunReport::Changed& changed : move.params()) kept.params[changed.path()] = changed.value();
+  return kept;
 }
 
 RunReport ReportOf(const std::string& component, const RawMessage& state) {

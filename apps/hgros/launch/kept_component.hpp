@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,12 +15,20 @@ struct KeptComponent {
   std::shared_ptr<const RawMessage> state = nullptr;  ///< Its last checkpoint.
   std::map<std::string, std::string> params = {};     ///< Those that were changed while it ran: path and YAML.
 
+  void Note(const RunReport::Changed& changed);
   /// The setup of the next instance.
   [[nodiscard]] ComponentSetup Continue(ComponentSetup setup) const;
 };
 
 /// By the names of components.
 using KeptComponents = std::map<std::string, KeptComponent>;
+
+/// The largest state. A message to the starter has at most 64 MiB.
+inline constexpr std::size_t kMostStateBytes = 48U << 20U;
+
+/// What the new place of a component gets from the old one, apart from the state.
+void Write(const KeptComponent& kept, RunOrder::Move& move);
+[[nodiscard]] KeptComponent KeptOf(const RunOrder::Move& move);
 
 /// A state on its way to the starter, and there.
 [[nodiscard]] RunReport ReportOf(const std::string& component, const RawMessage& state);

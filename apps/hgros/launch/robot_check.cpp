@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "check/ignored_findings.hpp"
 #include "launch/robot_graph.hpp"
 #include "trial/component_trial.hpp"
 
@@ -22,10 +23,16 @@ CheckedRobot CheckRobot(const RobotFile& robot, const ComponentCatalog& catalog,
     if (tried.description) {
       checked.descriptions.push_back(*std::move(tried.description));
     } else {
-      checked.findings.push_back({true, component.at, std::move(tried.fault), {}});
+      for (const Error& fault : tried.faults) {
+        const FilePosition at = fault.where().empty() ? component.at : FilePosition::From(fault.where());
+        checked.findings.push_back({true, at, fault.sentence(), fault.mend()});
+      }
     }
   }
-  for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) checked.findings.push_back(std::move(one));
+  IgnoreComments comments;
+  for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) {
+    if (one.fault || !comments.Ignore(one.at, one.channel)) checked.findings.push_back(std::move(one));
+  }
   return checked;
 }
 

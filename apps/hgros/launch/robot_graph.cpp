@@ -36,13 +36,17 @@ RobotGraph::RobotGraph(const RobotFile& robot, std::vector<ComponentDescription>
   for (const ComponentDescription& one : descriptions) {
     const RobotComponent* component = robot.FindComponent(one.name);
     if (component == nullptr) continue;
-    for (const ComponentChannel& input : one.inputs) inputs_[input.channel].push_back({component, input.type});
-    for (const ComponentChannel& output : one.outputs) outputs_[output.channel].push_back({component, output.type});
+    const bool moves = !one.state.empty();
+    moving_ = moving_ || moves;
+    for (const ComponentChannel& input : one.inputs) inputs_[input.channel].push_back({component, input.type, moves});
+    for (const ComponentChannel& output : one.outputs) {
+      outputs_[output.channel].push_back({component, output.type, moves});
+    }
     for (const ComponentService& service : one.services) {
-      served_[service.service].push_back({{component, service.request}, service.reply});
+      served_[service.service].push_back({{component, service.request, moves}, service.reply});
     }
     for (const ComponentService& call : one.calls) {
-      called_[call.service].push_back({{component, call.request}, call.reply});
+      called_[call.service].push_back({{component, call.request, moves}, call.reply});
     }
   }
 }
@@ -54,12 +58,17 @@ std::vector<RobotFinding> RobotGraph::Check() const {
   return findings;
 }
 
-bool RobotGraph::MayComeFromOutside(const RobotComponent& component, const std::string& channel) const {
-  if (!robot_.programs.empty()) return true;
+bool RobotGraph::IsListed(const RobotComponent& component, const std::string& channel) const {
   const RobotProcess* process = robot_.FindProcess(component.process);
   return process != nullptr && std::ranges::any_of(process->config.subscribers, [&](const EndpointConfig& endpoint) {
-           return endpoint.all_channels || std::ranges::binary_search(endpoint.channels, channel);
+           return std::ranges::binary_search(endpoint.channels, channel);
          });
+}
+
+bool RobotGraph::MayComeFromOutside(const RobotComponent& component) const {
+  if (!robot_.programs.empty()) return true;
+  const RobotProcess* process = robot_.FindProcess(component.process);
+  return process != nullptr && std::ranges::any_of(process->config.subscribers, &EndpointConfig::all_channels);
 }
 
 void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
@@ -69,11 +78,12 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
       const std::string& name = end.component->setup.name;
       if (publishers == outputs_.end()) {
         const std::string nearest = NearestKey(channel, outputs_);
-        if (nearest.empty() && MayComeFromOutside(*end.component, channel)) continue;
+        if (IsListed(*end.component, channel)) continue;
+        if (nearest.empty() && MayComeFromOutside(*end.component)) continue;
         findings.push_back({false, end.component->at,
                             "No component publishes the channel " + InQuotes(channel) + ", to which " + InQuotes(name) +
                                 " subscribes.",
-                            nearest});
+                            nearest, channel});
         continue;
       }
       for (const End& publisher : publishers->second) {
@@ -115,7 +125,7 @@ void RobotGraph::CheckServices(std::vector<RobotFinding>& findings) const {
       if (served == served_.end()) {
         findings.push_back({false, caller.request.component->at,
                             "No component serves " + InQuotes(service) + ", which " + InQuotes(name) + " calls.",
-                            NearestKey(service, served_)});
+                            NearestKey(service, served_), service});
         continue;
       }
       const Pair& server = served->second.front();
@@ -130,18 +140,36 @@ void RobotGraph::CheckServices(std::vector<RobotFinding>& findings) const {
 }
 
 std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess& process) const {
+  return SubscribersOf(process, std::string_view());
+}
+
+std::map<std::string, std::size_t> RobotGraph::SubscribersOfMoved(std::string_view component,
+                                                                  const RobotProcess& process) const {
+  std::map<std::string, std::size_t> subscribers = SubscribersOf(process, component);
+  std::erase_if(subscribers, [&](const auto& one) {
+    const std::vector<End>& ends = outputs_.at(one.first);
+    return std::ranges::none_of(ends, [&](const End& end) { return end.component->setup.name == component; });
+  });
+  return subscribers;
+}
+
+std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess& process,
+                                                             std::string_view moved) const {
+  const auto place = [&](const End& end) -> const std::string& {
+    return end.component->setup.name == moved ? process.name : end.component->process;
+  };
   std::map<std::string, std::size_t> subscribers;
   for (const auto& [channel, ends] : outputs_) {
-    const bool here = std::ranges::any_of(ends, [&](const End& end) { return end.component->process == process.name; });
+    const bool here = std::ranges::any_of(ends, [&](const End& end) { return place(end) == process.name; });
     const auto inputs = inputs_.find(channel);
     if (!here || inputs == inputs_.end()) continue;
     const bool closed = std::ranges::binary_search(process.config.closed_channels, channel);
     std::size_t nodes = 0;
     std::set<std::string> others;
     for (const End& end : inputs->second) {
-      if (end.component->process == process.name) {
+      if (place(end) == process.name) {
         nodes += closed ? 0 : 1;
-      } else if (const RobotProcess* other = robot_.FindProcess(end.component->process);
+      } else if (const RobotProcess* other = robot_.FindProcess(place(end));
                  other != nullptr && FindEachOther(process, *other)) {
         others.insert(other->name);
       }
@@ -151,26 +179,37 @@ std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess&
   return subscribers;
 }
 
+bool RobotGraph::Publishes(const RobotProcess& process, const std::string& channel) const {
+  const auto ends = outputs_.find(channel);
+  return ends != outputs_.end() &&
+         std::ranges::any_of(ends->second, [&](const End& end) { return end.component->process == process.name; });
+}
+
 std::set<std::string> RobotGraph::ChannelsFrom(std::string_view from, std::string_view to) const {
-  const auto in = [](std::string_view process) {
-    return [process](const End& end) { return end.component->process == process; };
-  };
-  const auto pair_in = [](std::string_view process) {
-    return [process](const Pair& pair) { return pair.request.component->process == process; };
+  const auto leads = [&](const End& first, const End& second, std::string_view one, std::string_view other) {
+    if (first.component == second.component) return false;  // It does not run in both.
+    return (first.moves || first.component->process == one) && (second.moves || second.component->process == other);
   };
   std::set<std::string> channels;
   for (const auto& [channel, ends] : outputs_) {
     const auto inputs = inputs_.find(channel);
-    if (inputs == inputs_.end() || !std::ranges::any_of(ends, in(from))) continue;
-    if (std::ranges::any_of(inputs->second, in(to))) channels.insert(channel);
+    if (inputs == inputs_.end()) continue;
+    for (const End& output : ends) {
+      for (const End& input : inputs->second) {
+        if (leads(output, input, from, to)) channels.insert(channel);
+      }
+    }
   }
   for (const auto& [service, servers] : served_) {
     const auto callers = called_.find(service);
     if (callers == called_.end()) continue;
-    const auto leads = [&, &offered = servers](std::string_view server, std::string_view caller) {
-      return std::ranges::any_of(offered, pair_in(server)) && std::ranges::any_of(callers->second, pair_in(caller));
-    };
-    if (leads(from, to) || leads(to, from)) channels.insert("hgros/call/" + service);
+    for (const Pair& server : servers) {
+      for (const Pair& caller : callers->second) {
+        const End& one = server.request;
+        const End& other = caller.request;
+        if (leads(one, other, from, to) || leads(one, other, to, from)) channels.insert("hgros/call/" + service);
+      }
+    }
   }
   return channels;
 }

@@ -7,11 +7,22 @@
 #include <string_view>
 #include <vector>
 
+#include "hgros/base/error.hpp"
 #include "hgros/component/component_description.hpp"
 #include "hgros/placement/robot_file.hpp"
-#include "launch/robot_finding.hpp"
 
 namespace hgros::cli {
+
+/// Something that a robot lacks, or that its components do not agree on.
+struct RobotFinding {
+  bool fault = false;  ///< Otherwise a warning: a program, or another robot, may have what is missing.
+  FilePosition at;     ///< Of the wrong value, or of the component.
+  std::string what;
+  std::string fix;
+  std::string channel = {};  ///< Or the service that it is about, if any.
+
+  [[nodiscard]] std::string Text() const { return at.ToString() + ": " + what + (fix.empty() ? "" : " " + fix); }
+};
 
 /// The hypergraph of a robot file, as its components declare it.
 class RobotGraph {
@@ -24,14 +35,23 @@ class RobotGraph {
   /// The channels on which a process publishes, with the number of their subscribers in the robot: nodes of the process
   /// itself, and other processes that it can find.
   [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process) const;
+  /// The same of the outputs of one component, if that ran in the process.
+  [[nodiscard]] std::map<std::string, std::size_t> SubscribersOfMoved(std::string_view component,
+                                                                      const RobotProcess& process) const;
+  /// Whether a component in the process publishes on the channel.
+  [[nodiscard]] bool Publishes(const RobotProcess& process, const std::string& channel) const;
 
-  /// The channels that lead from one process to another, also those of services.
+  /// Whether a component can move.
+  [[nodiscard]] bool HasMoving() const noexcept { return moving_; }
+  /// The channels that lead from one process to another, also those of services, wherever the components that can move
+  /// run.
   [[nodiscard]] std::set<std::string> ChannelsFrom(std::string_view from, std::string_view to) const;
 
  private:
   struct End {
     const RobotComponent* component;
     std::string type;  // Empty: any.
+    bool moves;        // The component can.
   };
   using Ends = std::map<std::string, std::vector<End>>;
   struct Pair {
@@ -40,12 +60,18 @@ class RobotGraph {
   };
   using Pairs = std::map<std::string, std::vector<Pair>>;
 
-  // By a program of the robot, or over an endpoint of the process that lists the channel.
-  [[nodiscard]] bool MayComeFromOutside(const RobotComponent& component, const std::string& channel) const;
+  // With one component in that process, whatever the file says of it.
+  [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process,
+                                                                 std::string_view moved) const;
+  // Whether an endpoint of the component's process names the channel.
+  [[nodiscard]] bool IsListed(const RobotComponent& component, const std::string& channel) const;
+  // Whether a program of the robot, or an endpoint for all channels, may bring any.
+  [[nodiscard]] bool MayComeFromOutside(const RobotComponent& component) const;
   void CheckChannels(std::vector<RobotFinding>& findings) const;
   void CheckServices(std::vector<RobotFinding>& findings) const;
 
   const RobotFile& robot_;
+  bool moving_ = false;
   Ends inputs_;  // By channel, like the outputs.
   Ends outputs_;
   Pairs served_;  // By service, like the calls.

@@ -32,6 +32,7 @@ void RobotLog::ShowStates(const std::vector<RobotReply::Unit>& units) {
       if (!unit.program()) json.Value(one.name());
       records.Add({unit.program() ? Cell() : Cell(one.name()), one.type(), PlaceOf(unit), std::int64_t{unit.pid()}});
     }
+    if (unit.components().empty()) records.Add({{}, {}, PlaceOf(unit), std::int64_t{unit.pid()}});
     if (look_.json) Write(json.EndList().EndObject().text());
   }
   if (!look_.json) Guard([&] { records.End(); });

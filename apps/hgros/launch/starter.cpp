@@ -17,7 +17,6 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kEndPatience{1600};    // Then what has not ended is killed.
 constexpr std::chrono::seconds kLateStart{15};             // A start that takes longer is said to be late.
 constexpr std::chrono::milliseconds kReaderPatience{200};  // Robots must not wait for a pager.
 constexpr std::size_t kWidestName = 16;
@@ -34,17 +33,21 @@ std::string Named(const std::string& name) { return "\"" + Visible(name) + "\"";
 
 }  // namespace
 
-Starter::Starter(const RobotFile& robot, const RobotGraph& graph, const ComponentCatalog& catalog,
-                 Surroundings& surroundings, StarterOptions options)
-    : robot_(robot),
+Starter::Starter(RobotFile robot, const RobotGraph& graph, const ComponentCatalog& catalog, Surroundings& surroundings,
+                 StarterOptions options)
+    : robot_(std::move(robot)),
       graph_(graph),
       catalog_(catalog),
       surroundings_(surroundings),
       options_(std::move(options)),
       clients_(*this, options_.name),
-      log_(surroundings.console, {options_.json, options_.verbose, WidthOfNames(robot)}) {
-  for (const RobotProcess& process : robot.processes) units_.push_back({&process, &process, nullptr});
-  for (const RobotProgram& program : robot.programs) units_.push_back({&program, nullptr, &program});
+      log_(surroundings.console, {options_.json, options_.verbose, WidthOfNames(robot_)}),
+      mover_({robot_, graph_, units_, kept_, options_.on_placed,
+              [this](const Unit& unit, const std::string& component, LogLevel level, const std::string& text) {
+                log_.Add({0, unit.setup->name, component, level, text});
+              }}) {
+  for (const RobotProcess& process : robot_.processes) units_.push_back({&process, &process, nullptr});
+  for (const RobotProgram& program : robot_.programs) units_.push_back({&program, nullptr, &program});
   log_.Tell([this](const LogLine& line) { clients_.Tell(line); });
 }
 
@@ -59,6 +62,8 @@ int Starter::Run() {
       log_.WaitAtMost(kReaderPatience);
       for (Unit& unit : units_) Hear(unit);
       KillLate();
+      if (!ending_) mover_.Work();
+      EndEmpty();
       clients_.Serve();
       if (surroundings_.pause.signal() != 0) EndAll({}, code_);
     } catch (const OutputClosed&) {
@@ -144,11 +149,6 @@ void Starter::Advance() {
   }
 }
 
-void Starter::Send(Unit& unit, const RunOrder& order) {
-  unit.running->stream().Add(order);
-  (void)unit.running->stream().Write();  // If nobody reads it, the end of the process follows.
-}
-
 void Starter::SendJoin(Unit& unit) {
   RunOrder order;
   RunOrder::Join& join = *order.mutable_join();
@@ -157,19 +157,19 @@ void Starter::SendJoin(Unit& unit) {
     output.set_channel(channel);
     output.set_subscribers(subscribers);
   }
-  Send(unit, order);
+  unit.Send(order);
 }
 
 void Starter::Release(Unit& unit) {
   RunOrder order;
   (void)order.mutable_start();
-  Send(unit, order);
+  unit.Send(order);
 }
 
 // --- hearing ---
 
 Starter::Clock::time_point Starter::NextDue() const {
-  Clock::time_point due = std::min(kill_at_, ending_ ? kill_at_ : late_at_);
+  Clock::time_point due = std::min(kill_at_, ending_ ? kill_at_ : std::min(late_at_, mover_.due()));
   for (const Unit& unit : units_) {
     const bool waits = unit.stage == Stage::kWaits && !ending_ && (unit.process != nullptr || released_);
     if (waits) due = std::min(due, unit.due);
@@ -183,9 +183,7 @@ void Starter::Poll() {
   if (surroundings_.pause.signal() != 0) watched.clear();
   for (const Unit& unit : units_) {
     if (unit.running == nullptr) continue;
-    watched.push_back({unit.running->end_descriptor(), POLLIN, 0});
-    if (!unit.running->stream_ended()) watched.push_back({unit.running->stream().descriptor(), POLLIN, 0});
-    if (unit.running->output() >= 0) watched.push_back({unit.running->output(), POLLIN, 0});
+    unit.AddTo(watched, !mover_.Congested(unit));
   }
   clients_.AddTo(watched);
   const Clock::time_point due = NextDue();
@@ -203,7 +201,8 @@ void Starter::Hear(Unit& unit) {
   if (unit.running == nullptr) return;
   UnitProcess& running = *unit.running;
   const bool ended = running.HasEnded();  // Before reading, so that nothing it has said is left.
-  if (!running.stream_ended()) {
+  if (running.stream().unsent() > 0) (void)running.stream().Write();
+  if (!running.stream_ended() && (ended || !mover_.Congested(unit))) {
     const bool more = running.stream().Read();
     RunReport report;
     while (running.stream().Next(report)) Take(unit, report);
@@ -232,8 +231,9 @@ void Starter::Take(Unit& unit, const RunReport& report) {
     case RunReport::kComponent: return TakeComponent(unit, report.component());
     case RunReport::kSaved: kept_[report.saved().component()].state = StateOf(report.saved()); return;
     case RunReport::kChanged:
-      kept_[report.changed().component()].params[report.changed().path()] = report.changed().value();
-      return;
+      kept_[report.changed().component()].Note(report.changed());
+      return mover_.Disturb(report.changed().component(), "A parameter of it was changed. Try again.");
+    case RunReport::kMove: return mover_.Take(unit, report.move());
     case RunReport::kLine:
       return log_.Add({report.line().time_ns(), unit.setup->name, report.line().component(),
                        static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});
@@ -256,6 +256,9 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
     log_.Add({0, unit.setup->name, component.name(), level,
               what + (component.sentence().empty() ? "." : ": " + component.sentence())});
   };
+  const RobotComponent* setup = robot_.FindComponent(component.name());
+  if (setup == nullptr || setup->process != unit.setup->name) return;  // It has moved.
+  if (state != ComponentState::kRunning) mover_.Disturb(component.name(), "It has ended.");
   if (component.again()) {
     code_ = kFailed;
     return say(LogLevel::kError, "It is constructed again, because it has failed");
@@ -266,7 +269,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   }
   if (state == ComponentState::kRunning) {
     unit.ended.erase(component.name());
-    ++unit.runs[component.name()];
+    if (!mover_.Moves(component.name())) ++unit.runs[component.name()];
   }
   if (!failed && state != ComponentState::kFinished) return;
   const bool first = unit.ended.emplace(component.name(), failed ? "failed" : "finished").second;
@@ -276,8 +279,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
     unit.failed = true;
     code_ = kFailed;
   }
-  const RobotComponent* setup = robot_.FindComponent(component.name());
-  if (setup != nullptr && setup->essential && !ending_) {
+  if (setup->essential && !ending_) {
     EndAll(failed ? "The robot ends, because " + Named(component.name()) + " is essential." : "", code_);
   } else if (failed && !ending_ && released_ && unit.setup->restart != RestartPolicy::kNever) {
     TellToEnd(unit);  // TakeEnd() starts it again.
@@ -285,7 +287,12 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
 }
 
 void Starter::TakeEnd(Unit& unit) {
-  const int status = unit.running->status();
+  TakeStatus(unit);
+  if (!ending_) mover_.NoteEnd(unit);
+}
+
+void Starter::TakeStatus(Unit& unit) {
+  const int status = unit.status = unit.running->status();
   const bool told = unit.stage == Stage::kEnds || unit.again;
   const bool left = unit.process != nullptr && unit.ended.size() < unit.process->components.size();
   const bool failed = unit.failed || left || !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
@@ -300,7 +307,6 @@ void Starter::TakeEnd(Unit& unit) {
     unit.due = Clock::now();
   }
   if (told) return;
-  if (failed) code_ = kFailed;
   if (ending_) return;
   if (early) return EndAll("The robot cannot start without " + Named(unit.setup->name) + ".", kFailed);
   const RestartPolicy policy = unit.setup->restart;
@@ -338,59 +344,6 @@ std::uint64_t Starter::Restart(const std::string& unit) {
     found->due = Clock::now();
   }
   return before;
-}
-
-void Starter::TellToEnd(Unit& unit) {
-  unit.kill_at = std::min(kill_at_, Clock::now() + kEndPatience);
-  if (unit.program != nullptr) return unit.running->Signal(SIGTERM);
-  RunOrder order;
-  order.mutable_end()->set_save(unit.again);
-  Send(unit, order);
-}
-
-void Starter::KillLate() {
-  for (Unit& unit : units_) {
-    if (unit.kill_at > Clock::now()) continue;
-    unit.kill_at = Clock::time_point::max();
-    if (unit.running == nullptr) continue;
-    unit.again = unit.again || !std::exchange(unit.alone, {}).empty();
-    Say(unit, LogLevel::kWarning, "It did not end in time, and is killed.");
-    unit.running->Signal(SIGKILL);
-  }
-}
-
-// --- ending ---
-
-void Starter::EndAll(const std::string& why, int code) {
-  code_ = std::max(code_, code);
-  if (ending_) return;
-  ending_ = true;
-  kill_at_ = Clock::now() + kEndPatience;
-  if (!why.empty()) surroundings_.console.Say(why);
-}
-
-void Starter::EndNext() {
-  const bool late = Clock::now() >= kill_at_;
-  for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
-    if (unit->running == nullptr) continue;
-    if (late) {
-      unit->running->Signal(SIGKILL);
-    } else if (unit->stage == Stage::kEnds) {
-      return;  // The next one ends after this.
-    } else {
-      TellToEnd(*unit);
-    }
-    unit->stage = Stage::kEnds;
-    if (!late) return;
-  }
-  if (late) kill_at_ = Clock::time_point::max();
-}
-
-bool Starter::AllEnded() const {
-  return std::ranges::all_of(units_, [this](const Unit& unit) {
-    if (unit.running != nullptr) return false;
-    return unit.stage == Stage::kEnded || ending_;
-  });
 }
 
 }  // namespace hgros::cli

@@ -1,6 +1,7 @@
 #include "launch/starter_clients.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "arguments/command.hpp"
 #include "launch/starter.hpp"
@@ -32,6 +33,7 @@ void StarterClients::Serve() {
     RobotRequest request;
     while (client.stream->unsent() <= kMostUnreadBytes && client.stream->Next(request)) Take(client, request);
     if (!client.restarts.empty()) AnswerRestart(client);
+    if (!client.moves.empty()) AnswerMove(client);
     if (!client.stream->Write() || client.stream->unsent() > kMostUnreadBytes) client.gone = true;
   }
   clients_.remove_if([](const Client& client) { return client.gone; });
@@ -49,18 +51,11 @@ void StarterClients::Take(Client& client, const RobotRequest& request) {
     case RobotRequest::kLogs: return TakeLogs(client, request.logs());
     case RobotRequest::kStop: client.waits_for_end = true; return starter_.Stop();
     case RobotRequest::kWait: client.waits_for_end = true; return;
-    case RobotRequest::kRestart: {
-      const std::string unit = starter_.UnitOf(request.restart());
-      if (unit.empty()) {
-        return SendEnd(client, kFailed,
-                       "The robot has no component, process or program \"" + request.restart() + "\".");
-      }
-      client.restarts = unit;
-      const auto alone = unit == request.restart() ? std::nullopt : starter_.RestartAlone(request.restart());
-      client.component = alone ? request.restart() : std::string();
-      client.before = alone ? *alone : starter_.Restart(unit);
+    case RobotRequest::kRestart: return TakeRestart(client, request.restart());
+    case RobotRequest::kMove:
+      client.moves = request.move().component();
+      client.to = request.move().to();
       return;
-    }
     case RobotRequest::REQUEST_NOT_SET: client.gone = true; return;
   }
 }
@@ -79,6 +74,30 @@ void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
   if (!client.follows) SendEnd(client, kDone);
 }
 
+void StarterClients::TakeRestart(Client& client, const std::string& name) {
+  const std::string unit = starter_.UnitOf(name);
+  if (unit.empty()) {
+    return SendEnd(client, kFailed, "The robot has no component, process or program \"" + name + "\".");
+  }
+  if (starter_.mover().Moves(name))
+    return SendEnd(client, kFailed, "\"" + name + "\" moves at this moment. Try again.");
+  client.restarts = unit;
+  const auto alone = unit == name ? std::nullopt : starter_.RestartAlone(name);
+  client.component = alone ? name : std::string();
+  client.before = alone ? *alone : starter_.Restart(unit);
+}
+
+void StarterClients::AnswerMove(Client& client) {
+  if (!client.to.empty()) {
+    if (starter_.mover().Moves(client.moves)) return;  // Its old place still hands messages over.
+    starter_.Move(client.moves, std::exchange(client.to, {}));
+  }
+  const std::optional<Mover::Result> result = starter_.mover().ResultOf(client.moves);
+  if (!result) return;
+  SendEnd(client, result->moved ? kDone : kFailed, result->sentence);
+  client.moves.clear();
+}
+
 void StarterClients::AnswerRestart(Client& client) {
   for (const RobotReply::Unit& unit : starter_.statuses()) {
     if (unit.name() != client.restarts) continue;
@@ -93,7 +112,7 @@ void StarterClients::AnswerRestart(Client& client) {
     }
     if (state == "running" && starts > client.before) {
       SendEnd(client, kDone);
-    } else if (state == "ended" || state == "failed" || state == "finished") {
+    } else if (state.starts_with("ended") || state == "failed" || state == "finished") {
       SendEnd(client, kFailed, "\"" + name + "\" has ended again. `hgros logs " + name + "` says why.");
     } else {
       return;
@@ -134,7 +153,7 @@ void StarterClients::Tell(const LogLine& line) {
 void StarterClients::TellEnd(int code) {
   for (Client& client : clients_) {
     if (client.waits_for_end || client.follows) SendEnd(client, code);
-    if (!client.restarts.empty()) SendEnd(client, kFailed, "The robot has ended.");
+    if (!client.restarts.empty() || !client.moves.empty()) SendEnd(client, kFailed, "The robot has ended.");
     (void)client.stream->Write();
   }
 }

@@ -44,12 +44,16 @@ class StarterClients {
     std::string restarts{};   // The unit that it waits for; empty: none.
     std::string component{};  // Of the unit; empty: all of it.
     std::uint64_t before{};   // How often that was started before.
+    std::string moves{};      // The component that it wants to move; empty: none.
+    std::string to{};         // Where; empty: it has begun.
     bool gone = false;
   };
 
   void Take(Client& client, const RobotRequest& request);
   void TakeLogs(Client& client, const RobotRequest::Logs& logs);
+  void TakeRestart(Client& client, const std::string& name);
   void AnswerRestart(Client& client);
+  void AnswerMove(Client& client);
   static bool Wants(const Client& client, const LogLine& line);
   static void SendLine(Client& client, const LogLine& line);
   static void SendEnd(Client& client, int code, const std::string& sentence = {});

@@ -53,7 +53,7 @@ std::vector<RobotReply::Unit> Starter::statuses() const {
                    : unit.stage == Stage::kRunning ? "running"
                    : unit.running != nullptr       ? "starting"
                    : unit.stage == Stage::kWaits   ? "waiting"
-                                                   : "ended");
+                                                   : ShortEndText(unit.status));
     if (unit.running != nullptr) {
       told.set_pid(unit.running->pid());
       told.set_seconds(std::chrono::duration<double>(Clock::now() - unit.started).count());
@@ -82,6 +82,10 @@ std::string Starter::UnitOf(const std::string& name) const {
   return component == nullptr ? std::string() : component->process;
 }
 
+void Starter::Move(const std::string& component, const std::string& to) {
+  if (!ending_) mover_.Begin(component, to);
+}
+
 std::optional<std::uint64_t> Starter::RestartAlone(const std::string& component) {
   const std::string process = UnitOf(component);
   const auto unit = std::ranges::find_if(units_, [&](const Unit& one) { return one.setup->name == process; });
@@ -91,7 +95,7 @@ std::optional<std::uint64_t> Starter::RestartAlone(const std::string& component)
   unit->kill_at = Clock::now() + std::chrono::seconds(5);
   RunOrder order;
   order.mutable_again()->set_component(component);
-  Send(*unit, order);
+  unit->Send(order);
   return unit->runs[component];
 }
 

@@ -14,6 +14,7 @@
 #include "hgros/base/error.hpp"
 #include "hosting/hosted_process.hpp"
 #include "launch/host_networks.hpp"
+#include "launch/mover.hpp"
 #include "processes/process_end.hpp"
 #include "remote/remote_units.hpp"
 #include "terminal/console.hpp"
@@ -90,11 +91,13 @@ void FarEnd::Start() {
   if (!checked.faults.empty()) throw checked.faults.front();
   std::map<std::string, std::string> networks;
   if (!start_->network().empty()) networks[start_->unit()] = start_->network();
+  for (const std::string& name : start_->components()) PlaceComponent(checked.robot, name, start_->unit());
   robot_ = PartOfHost(checked.robot, start_->host(), networks);
+  robot_.components = checked.robot.components;  // One of another host may move here.
   const RobotUnit* setup = nullptr;
   for (RobotProcess& one : robot_.processes) {
     if (one.name != start_->unit()) continue;
-    one.components.assign(start_->components().begin(), start_->components().end());
+    one.components.assign(start_->components().begin(), start_->components().end());  // Not those that have left.
     process_ = &one;
     setup = &one;
   }
@@ -118,7 +121,7 @@ void FarEnd::CheckLibraries(const RobotProcess& process) const {
     if (one.description) {
       descriptions.push_back(*std::move(one.description));
     } else {
-      faults.push_back(std::move(one.fault));
+      for (const Error& fault : one.faults) faults.emplace_back(fault.what());
     }
   }
   std::string mend;
@@ -141,7 +144,8 @@ void FarEnd::Wait() {
                               {pause_.signal() != 0 ? -1 : pause_.ended(), POLLIN, 0}};
   if (unit_ != nullptr) {
     watched.push_back({unit_->end_descriptor(), POLLIN, 0});
-    if (room && !unit_->stream_ended()) watched.push_back({unit_->stream().descriptor(), POLLIN, 0});
+    const int events = (unit_->stream().unsent() > 0 ? POLLOUT : 0) | (room ? POLLIN : 0);
+    if (!unit_->stream_ended()) watched.push_back({unit_->stream().descriptor(), static_cast<short>(events), 0});
     if (room && unit_->output() >= 0) watched.push_back({unit_->output(), POLLIN, 0});
   }
   const Clock::time_point due = std::min(gone_ ? Clock::time_point::max() : heard_ + kSilence, kill_at_);
@@ -162,9 +166,7 @@ void FarEnd::HearStarter() {
     heard_ = Clock::now();
     switch (order.order_case()) {
       case RemoteOrder::kSaved: kept_[order.saved().component()].state = StateOf(order.saved()); break;
-      case RemoteOrder::kChanged:
-        kept_[order.changed().component()].params[order.changed().path()] = order.changed().value();
-        break;
+      case RemoteOrder::kChanged: kept_[order.changed().component()].Note(order.changed()); break;
       case RemoteOrder::kStart:
         if (!start_) start_ = order.start();
         break;
@@ -195,6 +197,7 @@ void FarEnd::EndUnit() {
 }
 
 void FarEnd::HearUnit(bool ended) {
+  if (unit_->stream().unsent() > 0) (void)unit_->stream().Write();
   if (!ended && !gone_ && reports_.unsent() >= kFarUnsentBytes) return;
   if (!unit_->stream_ended()) {
     const bool more = unit_->stream().Read();

@@ -19,26 +19,18 @@ RemoteUnits::RemoteUnits(const RobotFile& robot, const yaml::Document& document,
                          std::map<std::string, std::string> networks,
                          const std::vector<ComponentDescription>& descriptions, const ComponentCatalog& catalog)
     : robot_(robot), file_(document.name()), text_(document.ToYaml()), networks_(std::move(networks)) {
-  for (const RobotProcess& process : robot.processes) {
-    if (process.host.empty()) continue;
-    std::set<std::filesystem::path> told;
-    for (const std::string& name : process.components) {
-      const std::string& type = robot.FindComponent(name)->setup.type;
-      const std::filesystem::path& file = catalog.Find(type).file;
-      if (!told.insert(file).second) continue;
-      const LibraryBuild build = BuildOf(file);
-      RemoteOrder::Library& library = libraries_[process.name].emplace_back();
-      library.set_name(file.filename().string());
-      library.set_build(build.id);
-      library.set_machine(build.machine);
-      library.set_type(type);
-    }
+  std::map<std::filesystem::path, LibraryBuild> builds;
+  for (const RobotComponent& component : robot.components) {
+    const std::filesystem::path& file = catalog.Find(component.setup.type).file;
+    const auto [build, fresh] = builds.try_emplace(file);
+    if (fresh) build->second = BuildOf(file);
+    RemoteOrder::Library& library = libraries_[component.setup.name];
+    library.set_name(file.filename().string());
+    library.set_build(build->second.id);
+    library.set_machine(build->second.machine);
+    library.set_type(component.setup.type);
   }
-  for (const ComponentDescription& one : descriptions) {
-    const RobotComponent* component = robot.FindComponent(one.name);
-    if (component != nullptr)
-      fingerprints_[component->process].insert(one.fingerprints.begin(), one.fingerprints.end());
-  }
+  for (const ComponentDescription& one : descriptions) fingerprints_[one.name] = one.fingerprints;
 }
 
 RemoteOrder RemoteUnits::StartOf(const RobotUnit& unit) const {
@@ -53,15 +45,19 @@ RemoteOrder RemoteUnits::StartOf(const RobotUnit& unit) const {
   if (process == nullptr) return order;
   start.mutable_components()->Assign(process->components.begin(), process->components.end());
   if (const auto found = networks_.find(unit.name); found != networks_.end()) start.set_network(found->second);
-  if (const auto found = libraries_.find(unit.name); found != libraries_.end()) {
-    start.mutable_libraries()->Assign(found->second.begin(), found->second.end());
-  }
-  if (const auto found = fingerprints_.find(unit.name); found != fingerprints_.end()) {
-    for (const auto& [type, fingerprint] : found->second) {
-      auto& to = *start.add_fingerprints();
-      to.set_type(type);
-      to.set_value(fingerprint);
+  std::set<std::string> files;
+  std::map<std::string, std::uint64_t> fingerprints;
+  for (const std::string& name : process->components) {
+    const RemoteOrder::Library& library = libraries_.at(name);
+    if (files.insert(library.name()).second) *start.add_libraries() = library;
+    if (const auto found = fingerprints_.find(name); found != fingerprints_.end()) {
+      fingerprints.insert(found->second.begin(), found->second.end());
     }
+  }
+  for (const auto& [type, fingerprint] : fingerprints) {
+    auto& to = *start.add_fingerprints();
+    to.set_type(type);
+    to.set_value(fingerprint);
   }
   return order;
 }

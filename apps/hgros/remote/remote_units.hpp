@@ -31,8 +31,8 @@ class RemoteUnits {
   const RobotFile& robot_;
   const std::string file_;
   const std::string text_;
-  const std::map<std::string, std::string> networks_;  // By process, like the next two.
-  std::map<std::string, std::vector<RemoteOrder::Library>> libraries_;
+  const std::map<std::string, std::string> networks_;      // By process.
+  std::map<std::string, RemoteOrder::Library> libraries_;  // By component, like the next one.
   std::map<std::string, std::map<std::string, std::uint64_t>> fingerprints_;
 };
 

@@ -201,7 +201,8 @@ void SshRelay::Poll() {
   std::array<pollfd, 6> watched{
       pollfd{ssh_end_, POLLIN, 0},
       pollfd{signals_, POLLIN, 0},
-      pollfd{starter_.descriptor(), static_cast<short>(POLLIN | out(starter_.unsent() > 0)), 0},
+      pollfd{starter_.descriptor(),
+             static_cast<short>((to_host_.unsent() < kRelayedBytes ? POLLIN : 0) | out(starter_.unsent() > 0)), 0},
       pollfd{to_host_.unsent() > 0 ? to_host_.descriptor() : -1, POLLOUT, 0},
       pollfd{room && !host_silent_ ? from_host_.descriptor() : -1, POLLIN, 0},
       pollfd{printed_.empty() ? -1 : STDOUT_FILENO, POLLOUT, 0}};

@@ -15,6 +15,9 @@ struct MessageInfo {
   std::int64_t publish_time_ns = 0;       ///< Remote messages: the sender's wall clock, ns since 1970; 0: unknown.
   /// Identifies the message in all processes; for Cause::message. Almost surely unique.
   std::uint64_t key = 0;
+  /// Counts the messages of the channel in the publishing process, also those that it does not send: the same for all
+  /// receivers. 0: the sender does not count.
+  std::uint64_t number = 0;
   Cause cause;          ///< What led to the message. `began_ns` is at most one day before the message came.
   bool remote = false;  ///< Received over a transport.
 };

@@ -19,7 +19,7 @@ class MessageNumbers {
   MessageNumbers(std::string_view channel, const MessageId& publisher)
       : origin_(Cause::OriginOf(channel)), key_seed_(KeySeed(publisher.publisher, publisher.incarnation, origin_)) {}
 
-  // All of it except the number and the key.
+  // All of it except the numbers and the key.
   [[nodiscard]] MessageInfo NewInfo(const MessageId& publisher) const noexcept {
     MessageInfo info;
     info.id = publisher;
@@ -30,7 +30,8 @@ class MessageNumbers {
   }
   void Number(MessageInfo& info) noexcept {
     info.id.sequence = last_.fetch_add(1, std::memory_order_relaxed) + 1;
-    info.key = MessageKey(key_seed_, info.id.sequence);
+    info.number = info.id.sequence;
+    info.key = MessageKey(key_seed_, info.number);
   }
   // Of a message that begins a chain.
   [[nodiscard]] Cause Beginning(const MessageInfo& info) const noexcept {

@@ -20,6 +20,7 @@ namespace {
 constexpr auto kFirstRepetition = std::chrono::milliseconds(20);
 constexpr auto kLongestPause = std::chrono::milliseconds(500);
 constexpr std::size_t kQueue = 1024;
+constexpr std::chrono::milliseconds kAnswersIn{200};
 constexpr const char* kTooOld =
     "Its version of HyperGraph ROS takes no requests over a connection on which it only publishes. Use a newer version "
     "there, or give this session a publisher endpoint to which it connects.";
@@ -73,7 +74,10 @@ void SendOrders(SessionCore& core, const SessionOutlet& outlet, ControlRequest r
   }
 }
 
-void AskUntilAnswered(SessionCore& core, SessionOutlet& outlet, ControlRequest& request, Answers& answers,
+// kMessages: as a message, behind those that were published before. kAny: also in other ways, which may be faster.
+enum class AskWay { kMessages, kAny };
+
+void AskUntilAnswered(SessionCore& core, SessionOutlet& outlet, ControlRequest& request, Answers& answers, AskWay way,
                       std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(answers.mutex);
   std::chrono::nanoseconds pause = kFirstRepetition;
@@ -85,7 +89,7 @@ void AskUntilAnswered(SessionCore& core, SessionOutlet& outlet, ControlRequest& 
     lock.unlock();
     const std::size_t subscribers = outlet.subscriber_count();
     if (subscribers > 0) Publish(outlet, request);
-    SendOrders(core, outlet, request, answers);
+    if (way == AskWay::kAny) SendOrders(core, outlet, request, answers);
     lock.lock();
     const auto more = [&] { return outlet.subscriber_count() > subscribers; };
     (void)answers.came.wait_until(lock, std::min(deadline, DeadlineIn(pause)),
@@ -95,8 +99,14 @@ void AskUntilAnswered(SessionCore& core, SessionOutlet& outlet, ControlRequest& 
   }
 }
 
+bool HasWaiting(const ChannelOutlet& outlet) {
+  ChannelTraffic traffic;
+  outlet.AddTo(traffic);
+  return traffic.out.queued_bytes > 0;
+}
+
 std::vector<ControlAnswer> Ask(SessionCore& core, std::span<const SessionId> sessions, const ControlOrder& order,
-                               std::chrono::steady_clock::time_point deadline) {
+                               AskWay way, std::chrono::steady_clock::time_point deadline) {
   ServicePlace& place = core.place();
   const auto answers = std::make_shared<Answers>();
   for (const SessionId one : sessions) answers->all[one.value].session = one;
@@ -120,7 +130,7 @@ std::vector<ControlAnswer> Ask(SessionCore& core, std::span<const SessionId> ses
   const std::string channel(kControlChannel);
   const auto outlet =
       place.OpenOutlet(channel, TypeOf<ControlRequest>(), {[] {}, [answers] { answers->Wake(); }, [] { return true; }});
-  AskUntilAnswered(core, *outlet, request, *answers, deadline);
+  AskUntilAnswered(core, *outlet, request, *answers, way, deadline);
   place.CloseOutlet(channel, outlet);
   std::vector<ControlAnswer> result;
   const std::scoped_lock lock(answers->mutex);
@@ -136,11 +146,36 @@ std::vector<ControlAnswer> AskSessions(Session& session, std::span<const Session
   const auto deadline = DeadlineIn(timeout);
   if (core.asking().Enter(deadline)) {  // The channel of requests is advertised once.
     const std::shared_ptr<OneAtATime> leaves(&core.asking(), [](OneAtATime* asking) { asking->Leave(); });
-    return Ask(core, sessions, order, deadline);
+    return Ask(core, sessions, order, AskWay::kAny, deadline);
   }
   std::vector<ControlAnswer> unanswered;
   for (const SessionId one : sessions) unanswered.push_back({one});
   return unanswered;
+}
+
+// An answer is behind the messages that were sent before the question. So those that waited here then need another one.
+bool SessionParts::AwaitReceived(std::span<const std::string> channels,
+                                 std::chrono::steady_clock::time_point deadline) {
+  SessionCore& asker = core();
+  for (;;) {
+    bool waiting = false;
+    std::vector<SessionId> subscribers;
+    for (const std::string& channel : channels) {
+      const auto outlet = asker.outbound_.Find(channel);
+      if (!outlet) continue;
+      waiting = waiting || HasWaiting(*outlet);
+      for (const SessionId one : outlet->Subscribers()) {
+        if (std::ranges::find(subscribers, one) == subscribers.end()) subscribers.push_back(one);
+      }
+    }
+    const auto answers_by = DeadlineIn(kAnswersIn);
+    if (!subscribers.empty() && asker.asking().Enter(answers_by)) {
+      const std::shared_ptr<OneAtATime> leaves(&asker.asking(), [](OneAtATime* asking) { asking->Leave(); });
+      (void)Ask(asker, subscribers, {ControlAction::kDescribe, channels.front()}, AskWay::kMessages, answers_by);
+    }
+    if (!waiting) return true;
+    if (std::chrono::steady_clock::now() > deadline) return false;
+  }
 }
 
 }  // namespace hgros

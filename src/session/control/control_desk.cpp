@@ -108,6 +108,7 @@ ControlReply ControlDesk::ReplyTo(const Asked& asked, const ControlRequest& requ
     reply.set_refusal(
         "Only sessions of the same user on the same host, and those whose CURVE key is in "
         "network.security.allowed_clients, may change something here.");
+    if (request.action() == ControlRequest::DESCRIBE) return reply;  // It would change nothing.
     CountRefused(asked.by,
                  "it is neither a session of the same user on this host, nor is its CURVE key in allowed_clients");
     return reply;

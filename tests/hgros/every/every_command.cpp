@@ -75,6 +75,7 @@ const std::multimap<std::string, Words>& WordsByCommand() {
       {"ps", {}},
       {"logs", {}},
       {"restart", {"mapper"}},
+      {"move", {"mapper", "--to", "front"}},
       {"stop", {}},
       {"wait", {}},
       {"export systemd", {"robot.yaml"}},

@@ -182,10 +182,32 @@ TEST(HgrosRun, TellsEveryFaultBeforeAnythingRuns) {
       end.err,
       AllOf(HasSubstr("robot.yaml:2:3: Component \"a\": There is no component type \"relay/Number\". Did you mean "
                       "\"relay/Numbers\"?"),
-            HasSubstr("hgros: Component \"b\""), HasSubstr("robot.yaml:3:43: relay/Checker has no parameter"),
+            HasSubstr("robot.yaml:3:43: Component \"b\" (relay/Checker): relay/Checker has no parameter \"cout\"."),
             HasSubstr("Did you mean \"count\"?"), HasSubstr("Did you mean \"number\"?"),
             HasSubstr("robot.yaml:5:3: Component \"d\" (relay/Does): there is no laser at /dev/ttyUSB0"),
             HasSubstr("robot.yaml:8:44"), HasSubstr("foxglove.PoseInFrame")));
+}
+
+TEST(HgrosRun, TellsEveryFaultOfOneComponent) {
+  const RobotFolder robot(
+      "components:\n"
+      "  a:\n"
+      "    type: words/Counter\n"
+      "    params: {step: 11, stop: 1, half: 2}\n"
+      "    remap: {wrd: x, rest: y}\n"
+      "    nodes: {wurd: {queue: latest}}\n");
+  for (const std::string command : {"run", "check"}) {
+    const CommandEnd end = RunToEnd({command, robot.file()}, robot.environment());
+    EXPECT_EQ(end.status, 1);
+    EXPECT_THAT(end.out + end.err,
+                AllOf(ContainsRegex("robot.yaml:4:20: .*step must be from 1.0 to 10.0 words"),
+                      ContainsRegex("robot.yaml:4:30: .*has no parameter \"stop\". Did you mean \"step\"?"),
+                      ContainsRegex("robot.yaml:4:39: .*has no parameter \"half\". It has: step."),
+                      ContainsRegex("robot.yaml:2:3: .*the channel or service \"wrd\".*Did you mean \"word\"?"),
+                      ContainsRegex("robot.yaml:2:3: .*the channel or service \"rest\".*Did you mean \"reset\"?"),
+                      ContainsRegex("robot.yaml:2:3: .*nodes names \"wurd\".*Did you mean \"word\"?")))
+        << command;
+  }
 }
 
 TEST(HgrosRun, WarnsOfChannelsAndServicesWithOneEnd) {
@@ -196,6 +218,23 @@ TEST(HgrosRun, WarnsOfChannelsAndServicesWithOneEnd) {
                                HasSubstr("No component serves \"plan\", which \"a\" calls.")));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
+}
+
+TEST(HgrosRun, ACommentIgnoresAWarningButNoFault) {
+  const RobotFolder robot(
+      "components:\n"
+      "  a:  # hgros check: ignore number, plan\n"
+      "    type: relay/Pose\n"
+      "  # hgros check: ignore\n"
+      "  b: {type: relay/Pose}\n"
+      "  c: {type: relay/Pose}  # hgros check: ignore plan\n");
+  const auto check = [](const RobotFolder& one) { return RunToEnd({"check", one.file()}, one.environment()).out; };
+  const std::string out = check(robot);
+  EXPECT_THAT(out, AllOf(HasSubstr("robot.yaml:6:3: warning: No component publishes the channel \"number\""),
+                         Not(HasSubstr("plan")), Not(HasSubstr("\"a\"")), Not(HasSubstr("\"b\""))));
+  const RobotFolder faulty(
+      "components: {a: {type: relay/Does, params: {what: throw at start}}}  # hgros check: ignore\n");
+  EXPECT_THAT(check(faulty), HasSubstr("there is no laser"));
 }
 
 TEST(HgrosRun, FaultsOfTheFileAreAllTold) {
@@ -211,14 +250,15 @@ TEST(HgrosRun, ShowsLogsWithTheComponentsName) {
       "  a: {type: relay/Does, params: {what: log}}\n"
       "  b: {type: relay/Does, params: {what: throw}}\n"
       "  c: {type: relay/Does, params: {what: print}}\n"
-      "programs: {says: {command: [sh, -c, 'echo ${GREETING:-hello}; printf last']}}\n");
+      "programs: {says: {command: [sh, -c, 'echo ${GREETING:-hello}; printf \"back\\rand\\r\\n\"; printf last']}}\n");
   CommandRun run(robot.Arguments(), robot.environment());
   EXPECT_TRUE(run.Prints("says  last"));
   EXPECT_TRUE(run.Prints("in two lines"));
   EXPECT_TRUE(run.Prints("it is too dark"));
   EXPECT_TRUE(run.Prints("a     warning: It is\\n\\x1b[31mdark."));
-  EXPECT_THAT(run.out(), AllOf(ContainsRegex("[0-9][0-9]:[0-9][0-9]:[0-9][0-9]\\.[0-9]{3} a     I run\\."),
-                               HasSubstr("main  printed, and\n"), HasSubstr("says  hello")));
+  EXPECT_THAT(run.out(),
+              AllOf(ContainsRegex("[0-9][0-9]:[0-9][0-9]:[0-9][0-9]\\.[0-9]{3} a     I run\\."),
+                    HasSubstr("main  printed, and\n"), HasSubstr("says  hello"), HasSubstr("says  back\\rand\n")));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
 }

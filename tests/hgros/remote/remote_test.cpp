@@ -76,6 +76,33 @@ TEST(HgrosRemote, HostsWithKeysExchangeMessages) {
   EXPECT_THAT(run->out(), HasSubstr("It has finished: all 100"));
 }
 
+TEST(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components:\n"
+                          "  counting: {type: moving/Counting}\n"
+                          "  passing: {type: moving/Passing, params: {bytes: 100000}}\n"
+                          "  judging: {type: moving/Judging}\n"
+                          "processes:\n"
+                          "  near: {components: [counting, judging, passing]}\n"
+                          "  far: {host: base}\n");
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("far")) << run->out() << run->err();
+  for (const std::string to : {"base", "desk", "far", "near"}) {
+    const auto move = host.OnDesk(robot, {"move", "passing", "--to", to});
+    EXPECT_EQ(move->Wait(), 0) << move->err() << run->out();
+  }
+  std::size_t thousands = 1;
+  while (run->out().find("has " + std::to_string(thousands * 1000)) != std::string::npos) ++thousands;
+  EXPECT_TRUE(run->Prints("has " + std::to_string((thousands + 1) * 1000))) << run->out();
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
+  EXPECT_THAT(run->out(), AllOf(HasSubstr("It has moved here from \"near\""), Not(HasSubstr("lost ")),
+                                Not(HasSubstr("again ")), Not(HasSubstr("refused"))));
+  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+}
+
 TEST(HgrosRemote, CtrlCEndsTheOtherHostsProcessesInOrder) {
   const SshHost host;
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;

@@ -33,11 +33,14 @@ void PsCommand::Add(Records& records, const std::string& robot, const RobotReply
   const Cell pid = unit.pid() == 0 ? Cell() : Cell(std::int64_t{unit.pid()});
   const auto seconds = static_cast<std::int64_t>(unit.seconds() * 1e9);
   const Cell since = unit.pid() == 0 ? Cell() : Cell(unit.seconds(), DurationText(seconds, false));
+  const auto add = [&](const Cell& name, const Cell& type, const std::string& state) {
+    records.Add({robot, name, type, PlaceOf(unit), pid, state.empty() ? unit.state() : state,
+                 std::uint64_t{unit.restarts()}, since, unit.host().empty() ? Cell() : Cell(unit.host())});
+  };
   for (const RobotReply::Component& one : unit.components()) {
-    records.Add({robot, one.name().empty() ? Cell() : Cell(one.name()), one.type(), PlaceOf(unit), pid,
-                 one.state().empty() ? unit.state() : one.state(), std::uint64_t{unit.restarts()}, since,
-                 unit.host().empty() ? Cell() : Cell(unit.host())});
+    add(one.name().empty() ? Cell() : Cell(one.name()), one.type(), one.state());
   }
+  if (unit.components().empty()) add({}, {}, {});  // A component can move there.
 }
 
 int PsCommand::Run(Surroundings& surroundings) {

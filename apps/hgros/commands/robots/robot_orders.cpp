@@ -1,4 +1,4 @@
-// hgros stop, restart and wait: short orders to the starter of a robot.
+// hgros stop, restart, move and wait: short orders to the starter of a robot.
 #include <string>
 #include <vector>
 
@@ -63,6 +63,39 @@ class RestartCommand final : public Command {
   std::string robot_;
 };
 
+class MoveCommand final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional({"COMPONENT", "", "Its name", ValueKind::kText, {}, true}, component_);
+    arguments.Option("--to", "PLACE", to_, "A process of the robot, or a host: then its first process");
+    arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Moves a component to another process, also on another host, while it runs. Its state goes along, and no "
+           "message is lost, doubled or out of order. If anything fails, it runs on where it was. The class of the "
+           "component needs Save() and Restore().";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros move mapper --to spare", "Moves the mapper to the process spare."},
+            {"hgros move mapper --to base", "Moves it to the host base."}};
+  }
+  int Run(Surroundings& surroundings) override {
+    if (to_.empty()) throw UsageError("Say where: `hgros move " + Visible(component_) + " --to PROCESS`.");
+    RobotRequest request;
+    request.mutable_move()->set_component(component_);
+    request.mutable_move()->set_to(to_);
+    const Progress progress(surroundings.console, surroundings.pause,
+                            "moving " + Visible(component_) + " to " + Visible(to_), {});
+    OrderRobot(RobotNamed(robot_), request, surroundings.pause);
+    return kDone;
+  }
+
+ private:
+  std::string component_;
+  std::string to_;
+  std::string robot_;
+};
+
 class WaitCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
@@ -89,6 +122,7 @@ class WaitCommand final : public Command {
 
 std::unique_ptr<Command> MakeStop() { return std::make_unique<StopCommand>(); }
 std::unique_ptr<Command> MakeRestart() { return std::make_unique<RestartCommand>(); }
+std::unique_ptr<Command> MakeMove() { return std::make_unique<MoveCommand>(); }
 std::unique_ptr<Command> MakeWait() { return std::make_unique<WaitCommand>(); }
 
 }  // namespace hgros::cli

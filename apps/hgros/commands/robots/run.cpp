@@ -90,10 +90,11 @@ void RunCommand::Select(RobotFile& robot) const {
   };
   std::erase_if(robot.components, [&](const RobotComponent& one) { return !starts(one.setup.name, one.process); });
   std::erase_if(robot.programs, [&](const RobotProgram& one) { return !starts(one.name, one.name); });
-  for (RobotProcess& process : robot.processes) {
+  std::erase_if(robot.processes, [&](RobotProcess& process) {
+    if (process.components.empty()) return !starts(process.name, process.name);
     std::erase_if(process.components, [&](const std::string& one) { return robot.FindComponent(one) == nullptr; });
-  }
-  std::erase_if(robot.processes, [](const RobotProcess& one) { return one.components.empty(); });
+    return process.components.empty();
+  });
   if (robot.processes.empty() && robot.programs.empty()) throw UsageError("Nothing of the robot is left to start.");
 }
 
@@ -127,6 +128,9 @@ int RunCommand::Run(Surroundings& surroundings) {
   const RobotGraph graph(whole, descriptions);
   const std::map<std::string, std::string> networks = HostNetworks(whole, graph);
   const RobotFile robot = PartOfHost(whole, host_, networks);
+  options_.on_placed = [&whole](const std::string& component, const std::string& process) {
+    PlaceComponent(whole, component, process);
+  };
   std::optional<RemoteUnits> remote;
   if (host_.empty() && !whole.hosts.empty()) {
     options_.remote = &remote.emplace(whole, RobotFile::Assemble(file_, options), networks, descriptions, catalog);

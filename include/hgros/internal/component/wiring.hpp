@@ -1,21 +1,10 @@
 #pragma once
 
-#include <chrono>
-#include <condition_variable>
-#include <exception>
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <string>
 #include <string_view>
-#include <type_traits>
-#include <utility>
 
-#include "hgros/base/export.hpp"
 #include "hgros/codec/type_info.hpp"
 #include "hgros/graph/invoke.hpp"
 #include "hgros/internal/base/call_site.hpp"
-#include "hgros/internal/graph/callback.hpp"
 
 namespace hgros {
 
@@ -38,70 +27,5 @@ struct ServedByComponent {
   Invoke invoke;
   const CallSite& where;
 };
-
-/// Stands around each callback of one component: hears of exceptions before the graph logs and counts them, and lets no
-/// callback begin while the component is saved.
-///
-/// Thread safety: all functions.
-class HGROS_EXPORT ComponentGuard {
- public:
-  using Listener = std::function<void(const std::string& what)>;
-  /// `saves`: the component can be saved. Otherwise callbacks pass without a lock.
-  ComponentGuard(bool saves, Listener listener) : saves_(saves), listener_(std::move(listener)) {}
-  ComponentGuard(const ComponentGuard&) = delete;
-  ComponentGuard& operator=(const ComponentGuard&) = delete;
-
-  template <class Call>
-  decltype(auto) Run(Call&& call) {
-    const Pass pass(saves_ ? this : nullptr);
-    try {
-      return call();
-    } catch (const std::exception& error) {
-      Note(error.what());
-      throw;
-    } catch (...) {
-      Note("an exception that is no std::exception");
-      throw;
-    }
-  }
-  /// Waits until no callback runs, and calls `save` while none can begin. False if the deadline came first.
-  bool TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save);
-
- private:
-  // A callback that runs. One that begins inside another one always may.
-  class Pass {
-   public:
-    explicit Pass(ComponentGuard* guard) : guard_(guard) {
-      if (guard_ != nullptr) guard_->Enter();
-    }
-    Pass(const Pass&) = delete;
-    Pass& operator=(const Pass&) = delete;
-    ~Pass() {
-      if (guard_ != nullptr) guard_->Leave();
-    }
-
-   private:
-    ComponentGuard* const guard_;
-  };
-  void Enter();
-  void Leave();
-  void Note(const char* what) noexcept;
-
-  const bool saves_;
-  const Listener listener_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int running_ = 0;     // Guarded by mutex_. Callbacks.
-  bool alone_ = false;  // Guarded by mutex_. It is saved; running_ is 0.
-};
-
-/// As EraseCallback; `guard` stands around each call.
-template <class T, CallbackFor<T> F>
-[[nodiscard]] AnyCallback Guarded(std::shared_ptr<ComponentGuard> guard, F&& callback) {
-  return [guard = std::move(guard), call = std::make_shared<std::decay_t<F>>(std::forward<F>(callback))](
-             const AnyMessage& message, const MessageInfo& info) {
-    guard->Run([&] { CallWith<T>(*call, message, info); });
-  };
-}
 
 }  // namespace hgros

@@ -66,6 +66,8 @@ class Services : public std::enable_shared_from_this<Services> {
 
   // Events of the session. Called on threads of the transports.
   void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept;
+  // The other session serves no longer what is served here from now on, but may still announce it for a while.
+  void TakeFrom(SessionId other);
   void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view sentence) noexcept;
   void OnAnnouncements() noexcept;
   // Ends all calls and refuses requests. Call Close() afterwards.
@@ -113,11 +115,12 @@ class Services : public std::enable_shared_from_this<Services> {
   std::shared_mutex place_mutex_;
   ServicePlace* place_;
 
-  mutable std::shared_mutex mutex_;  // Guards the next four members.
+  mutable std::shared_mutex mutex_;  // Guards the next five members.
   bool refusing_ = false;
   std::map<std::string, std::shared_ptr<ServiceHost>, std::less<>> hosts_;
   std::map<std::string, std::shared_ptr<ServiceClient>, std::less<>> clients_;
   std::map<std::string, std::uint64_t> said_twice_;  // By service: the second server, once it has been reported.
+  std::map<SessionId, std::chrono::steady_clock::time_point> taken_from_;  // Until when its announcements may be late.
 
   std::mutex thread_mutex_;
   bool thread_ended_ = false;

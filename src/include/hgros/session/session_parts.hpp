@@ -1,6 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -21,6 +24,17 @@ class SessionParts {
   // Waits until every timer that is due by now has fired. Returns when the next one is due; Time::Never() without one.
   // Not while the session ends.
   Time SettleTimers() { return session_.SettleTimers(); }
+
+  // For components that move. Waits until the channel, which has a subscription, is received over links that stay as
+  // long as the subscription. What comes before may come over those of an earlier subscription. Not in a callback.
+  [[nodiscard]] bool SettleInput(std::string_view channel, std::chrono::nanoseconds timeout) const;
+  // Waits until the sessions that receive these channels have taken over what was published before: what others publish
+  // from then on, they receive behind it. False if messages still wait here at the deadline, because a subscriber lets
+  // them. A session that does not answer within 200 ms is not waited for. Not in a callback.
+  [[nodiscard]] bool AwaitReceived(std::span<const std::string> channels,
+                                   std::chrono::steady_clock::time_point deadline);
+  // Services of another session end now, and are served here. It is no fault that it still announces them for a while.
+  void TakeServicesFrom(SessionId other);
 
   // As Session::FromAny and Session::Serve, for types that were erased before.
   [[nodiscard]] Subscription Subscribe(std::string_view channel, const TypeInfo& type, Invoke invoke,

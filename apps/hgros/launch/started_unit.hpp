@@ -1,0 +1,67 @@
+#pragma once
+
+#include <poll.h>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hgros/placement/robot_file.hpp"
+#include "launch/restart_pauses.hpp"
+#include "launch/run.pb.h"
+#include "launch/unit_process.hpp"
+
+namespace hgros::cli {
+
+/// How far a process or program of a robot has come.
+enum class UnitStage {
+  kWaits,        ///< To be started.
+  kBegun,        ///< Its process runs.
+  kConstructed,  ///< A program is constructed at once.
+  kJoined,
+  kRunning,
+  kEnds,   ///< Has been told to.
+  kEnded,  ///< And is not started again.
+};
+
+/// A process or program, as its starter knows it.
+struct StartedUnit {
+  using Clock = std::chrono::steady_clock;
+
+  const RobotUnit* setup;
+  const RobotProcess* process = nullptr;  ///< Or a program.
+  const RobotProgram* program = nullptr;
+  UnitStage stage = UnitStage::kWaits;
+  std::unique_ptr<UnitProcess> running{};
+  int status = 0;  ///< Of its last end.
+  std::uint64_t starts = 0;
+  Clock::time_point started{};                           ///< The last time.
+  Clock::time_point kill_at = Clock::time_point::max();  ///< It was told to end.
+  std::string alone{};                                   ///< The component that is constructed again, as asked.
+  bool again = false;                                    ///< Is to be started again when it has ended.
+  Clock::time_point due{};                               ///< When it is started.
+  RestartPauses restarts{};
+  std::map<std::string, std::uint64_t> runs{};  ///< How often each component has begun to run.
+  std::map<std::string, std::string> ended{};   ///< Components that ended by themselves: "failed" or "finished".
+  bool failed = false;                          ///< A component of it, or its end.
+  bool reported = false;                        ///< Its first failure.
+
+  /// Of one that runs: adds what its starter waits for. `reads`: also its reports.
+  void AddTo(std::vector<pollfd>& watched, bool reads) const {
+    watched.push_back({running->end_descriptor(), POLLIN, 0});
+    const int events = (running->stream().unsent() > 0 ? POLLOUT : 0) | (reads ? POLLIN : 0);
+    if (!running->stream_ended()) watched.push_back({running->stream().descriptor(), static_cast<short>(events), 0});
+    if (running->output() >= 0) watched.push_back({running->output(), POLLIN, 0});
+  }
+  /// To a process that runs.
+  void Send(const RunOrder& order) {
+    running->stream().Add(order);
+    (void)running->stream().Write();  // If nobody reads it, the end of the process follows.
+  }
+  [[nodiscard]] bool runs_components() const { return process != nullptr && stage == UnitStage::kRunning && !again; }
+};
+
+}  // namespace hgros::cli

@@ -1,0 +1,132 @@
+#include "component/input_gate.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "hgros/base/cause.hpp"
+
+namespace hgros {
+namespace {
+
+constexpr std::size_t kMostWaiting = 1024;
+constexpr std::chrono::milliseconds kDrainPatience{100};
+constexpr std::size_t kMostPublishers = 256;  // Whose positions are known.
+
+}  // namespace
+
+InputGate::InputGate(std::string node, const TypeInfo& type, AnyCallback callback,
+                     std::shared_ptr<ComponentGuard> guard)
+    : node_(std::move(node)), type_(type), callback_(std::move(callback)), guard_(std::move(guard)) {}
+
+void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
+  guard_->Run([&] {
+    std::function<void()> wake;
+    {
+      std::unique_lock lock(mutex_);
+      if (drains_ && *drains_ != std::this_thread::get_id()) {
+        room_.wait_for(lock, kDrainPatience, [this] { return !drains_; });
+      }
+      room_.wait(lock, [this] { return state_ != State::kHolds || waiting_.size() < kMostWaiting; });
+      if (state_ == State::kClosed) return;
+      if (state_ == State::kPasses) {
+        if (!skipped_.empty() && Skips(info)) return;
+        Note(info);
+      } else {
+        waiting_.push_back({message, info});
+        wake = wake_;
+      }
+    }
+    if (wake) {
+      wake();
+    } else {
+      callback_(message, info);
+    }
+  });
+}
+
+void InputGate::Hold(std::function<void()> wake) {
+  const std::scoped_lock lock(mutex_);
+  if (state_ == State::kPasses) state_ = State::kHolds;
+  wake_ = std::move(wake);
+}
+
+std::optional<InputGate::Waiting> InputGate::Next() {
+  const std::scoped_lock lock(mutex_);
+  if (waiting_.empty()) return std::nullopt;
+  Waiting next = std::move(waiting_.front());
+  waiting_.pop_front();
+  room_.notify_all();
+  return next;
+}
+
+bool InputGate::PassIfEmpty(bool skip_handled) {
+  const std::scoped_lock lock(mutex_);
+  if (!waiting_.empty()) {
+    drains_ = std::this_thread::get_id();
+    return false;
+  }
+  drains_.reset();
+  if (skip_handled) skipped_ = positions_;
+  if (state_ == State::kHolds) state_ = State::kPasses;
+  room_.notify_all();
+  return true;
+}
+
+void InputGate::Close() {
+  std::deque<Waiting> dropped;  // Ends outside the lock.
+  const std::scoped_lock lock(mutex_);
+  if (state_ != State::kHolds) return;
+  state_ = State::kClosed;
+  drains_.reset();
+  dropped.swap(waiting_);
+  room_.notify_all();
+}
+
+void InputGate::Handle(const Waiting& waiting) {
+  {
+    const std::scoped_lock lock(mutex_);
+    Note(waiting.info);
+  }
+  const CauseScope cause({waiting.info.key, waiting.info.cause.began_ns, waiting.info.cause.origin});
+  guard_->Run([&] { callback_(waiting.message, waiting.info); });
+}
+
+void InputGate::Note(const MessageInfo& info) {
+  if (info.number == 0) return;
+  const auto found = std::ranges::find_if(positions_, [&](const MessageInfo& one) {
+    return one.id.publisher == info.id.publisher && one.id.incarnation == info.id.incarnation;
+  });
+  if (found == positions_.end()) {
+    if (positions_.size() == kMostPublishers) positions_.erase(positions_.begin());
+    positions_.push_back(info);
+    return;
+  }
+  // Here and over a transport, a message has two sequence numbers.
+  const std::uint64_t before = found->remote == info.remote ? found->id.sequence : 0;
+  found->id.sequence = std::max(before, info.id.sequence);
+  found->number = std::max(found->number, info.number);
+  found->remote = info.remote;
+}
+
+bool InputGate::Skips(const MessageInfo& info) {
+  const auto found = std::ranges::find_if(skipped_, [&](const MessageInfo& one) {
+    return one.id.publisher == info.id.publisher && one.id.incarnation == info.id.incarnation;
+  });
+  if (found == skipped_.end()) return false;
+  const bool handled =
+      info.remote && found->remote ? info.id.sequence <= found->id.sequence : info.number <= found->number;
+  if (!handled) skipped_.erase(found);
+  return handled;
+}
+
+void InputGate::NotePosition(const MessageInfo& last) {
+  const std::scoped_lock lock(mutex_);
+  Note(last);
+}
+
+std::vector<MessageInfo> InputGate::Positions() const {
+  const std::scoped_lock lock(mutex_);
+  return positions_;
+}
+
+}  // namespace hgros

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <compare>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "component/component_guard.hpp"
+#include "hgros/base/ids.hpp"
+#include "hgros/codec/type_info.hpp"
+#include "hgros/internal/graph/callback.hpp"
+
+namespace hgros {
+
+// The publisher of messages.
+struct MessageSender {
+  std::uint64_t id;
+  std::uint64_t incarnation;
+  auto operator<=>(const MessageSender&) const = default;
+};
+inline MessageSender SenderOf(const MessageId& id) { return {id.publisher, id.incarnation}; }
+
+// The messages of one input of a component that can be saved. They pass on to the callback, or wait here while the
+// component moves to another place. Knows how far the callback has come with each publisher.
+//
+// Thread safety: all functions. Next, Handle and PassIfEmpty belong to the thread that moves the component.
+class InputGate {
+ public:
+  struct Waiting {
+    AnyMessage message;
+    MessageInfo info;
+  };
+  InputGate(std::string node, const TypeInfo& type, AnyCallback callback, std::shared_ptr<ComponentGuard> guard);
+
+  [[nodiscard]] const std::string& node() const noexcept { return node_; }
+  [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
+
+  // A message of the input. Blocks while very many wait, so that the publisher's limits hold here, too.
+  void Take(const AnyMessage& message, const MessageInfo& info);
+  // From now on messages wait, and `wake` is called for each.
+  void Hold(std::function<void()> wake);
+  // The oldest that waits.
+  [[nodiscard]] std::optional<Waiting> Next();
+  // Lets messages pass again. False if some still wait; from then on those of other threads wait until these are
+  // handled, but at most 100 ms, because what handles them may wait for such a thread. With `skip_handled`, messages up
+  // to the position of their publisher are dropped: they were handled in another place.
+  bool PassIfEmpty(bool skip_handled = false);
+  // The component ends. If messages wait, they are dropped, and those that come as well.
+  void Close();
+
+  // Calls the callback on this thread. Its exception is thrown.
+  void Handle(const Waiting& waiting);
+  // The last message of each publisher that was given to the callback, here or in another place.
+  [[nodiscard]] std::vector<MessageInfo> Positions() const;
+  void NotePosition(const MessageInfo& last);
+
+ private:
+  enum class State { kPasses, kHolds, kClosed };
+
+  void Note(const MessageInfo& info);
+  // Whether it was handled in another place. Forgets the publisher's position there behind the first that was not.
+  [[nodiscard]] bool Skips(const MessageInfo& info);
+
+  const std::string node_;
+  const TypeInfo& type_;
+  const AnyCallback callback_;
+  const std::shared_ptr<ComponentGuard> guard_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable room_;
+  State state_ = State::kPasses;
+  std::function<void()> wake_;
+  std::deque<Waiting> waiting_;
+  std::optional<std::thread::id> drains_;  // Which thread handles them until none waits.
+  std::vector<MessageInfo> skipped_;       // Up to where messages were handled in another place.
+  std::vector<MessageInfo> positions_;     // Of each publisher, without the rest of what is known of the message.
+};
+
+}  // namespace hgros

@@ -1,0 +1,155 @@
+// The old place of a component that moves.
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <utility>
+
+#include "component/components_core.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/clock/time.hpp"
+#include "hgros/component/component_move.hpp"
+#include "hgros/session/session_parts.hpp"
+
+namespace hgros {
+
+class LeavingComponent::Core {
+ public:
+  enum class Stage { kRuns, kHeld, kLeft };
+
+  Core(Session& its_session, Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
+      : session(its_session), components(its_components), one(its_one), wake(std::move(its_wake)) {}
+
+  Session& session;
+  Components::Core& components;
+  OneComponent& one;
+  const std::function<void()> wake;
+  Stage stage = Stage::kRuns;
+  std::vector<std::shared_ptr<InputGate>> gates;
+  std::map<std::string, std::map<MessageSender, bool>> streams;  // By input; whether they have passed.
+  std::map<const InputGate*, std::shared_ptr<const MessageSchema>> schemas;
+  std::uint64_t lost = 0;
+
+  std::optional<RawMessage> Write(const InputGate& gate, const AnyMessage& message) {
+    if (IsAnyType(gate.type())) return *static_cast<const RawMessage*>(message.get());
+    auto& schema = schemas[&gate];
+    if (!schema) schema = std::make_shared<const MessageSchema>(SchemaOf(gate.type()));
+    try {
+      Payload data = gate.type().encode(message);
+      if (data.owner != nullptr) return RawMessage{schema, std::move(data)};
+    } catch (const std::bad_alloc&) {  // NOLINT(bugprone-empty-catch): counted below.
+    }
+    ++lost;
+    return std::nullopt;
+  }
+  // Without a message, all that wait are handled by the component.
+  void HandleWaiting() {
+    for (const auto& gate : gates) {
+      do {
+        while (const auto waiting = gate->Next()) {
+          try {
+            gate->Handle(*waiting);
+          } catch (const std::exception& error) {
+            one.core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw: " + error.what());
+          } catch (...) {
+            one.core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw.");
+          }
+        }
+      } while (!gate->PassIfEmpty());
+    }
+  }
+};
+
+LeavingComponent::LeavingComponent(Components& components, std::string name, std::function<void()> wake)
+    : core_(std::make_unique<Core>(components.core_->session(), *components.core_, components.core_->Get(name),
+                                   std::move(wake))) {
+  if (core_->one.type.state == nullptr) {
+    throw Error(Named(core_->one.core.setup()) + "it cannot move, because its class cannot be saved.", {},
+                "Give it Save() and Restore().");
+  }
+}
+
+LeavingComponent::~LeavingComponent() {
+  if (core_->stage == Core::Stage::kLeft) {
+    core_->components.End(core_->one.core.setup().name);
+  } else {
+    Resume();
+  }
+}
+
+MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId to) {
+  const auto deadline = DeadlineIn(patience);
+  OneComponent& one = core_->one;
+  core_->gates = one.core.gates();
+  MovingState moving;
+  moving.from = core_->session.id();
+  moving.state = one.Save(patience, [&] {
+    for (const auto& gate : core_->gates) gate->Hold(core_->wake);
+    one.core.SetPlace(ContextCore::Place::kHeld);
+    core_->stage = Core::Stage::kHeld;
+  });
+  for (const auto& gate : core_->gates) {
+    for (const MessageInfo& last : gate->Positions()) {
+      moving.positions.push_back({gate->node(), last.id, last.number, last.remote});
+      core_->streams[gate->node()].emplace(SenderOf(last.id), false);
+    }
+  }
+  std::vector<std::string> outputs;
+  for (const ComponentChannel& output : one.core.description().outputs) outputs.push_back(output.channel);
+  if (!SessionParts(core_->session).AwaitReceived(outputs, deadline)) {
+    Resume();
+    throw Error(
+        Named(one.core.setup()) + "it cannot move now: its subscribers let messages wait that it has published.", {},
+        "Try again later, or look for a subscriber that takes too long.");
+  }
+  one.offered.reset();
+  one.Deactivate();
+  if (to.value != 0) SessionParts(core_->session).TakeServicesFrom(to);
+  return moving;
+}
+
+void LeavingComponent::Resume() {
+  if (core_->stage != Core::Stage::kHeld) return;
+  core_->stage = Core::Stage::kRuns;
+  OneComponent& one = core_->one;
+  if (core_->components.options().offer_params && !one.offered) one.Offer(core_->session);
+  if (!one.activated) (void)one.TryActivate();
+  one.core.SetPlace(ContextCore::Place::kHere);
+  core_->HandleWaiting();
+}
+
+void LeavingComponent::Leave() {
+  core_->stage = Core::Stage::kLeft;
+  OneComponent& one = core_->one;
+  one.core.SetPlace(ContextCore::Place::kElsewhere);
+  one.core.EndTimers();
+  one.core.EndServices();
+}
+
+std::optional<MovingMessage> LeavingComponent::Next() {
+  for (const auto& gate : core_->gates) {
+    while (auto waiting = gate->Next()) {
+      auto& streams = core_->streams[gate->node()];
+      if (waiting->info.number != 0) {
+        const auto [stream, added] = streams.emplace(SenderOf(waiting->info.id), false);
+        if (stream->second) continue;
+      }
+      std::optional<RawMessage> message = core_->Write(*gate, waiting->message);
+      if (message) return MovingMessage{gate->node(), waiting->info, std::move(*message)};
+    }
+  }
+  return std::nullopt;
+}
+
+void LeavingComponent::Passed(const InputPosition& position) {
+  core_->streams[position.input][SenderOf(position.last)] = true;
+}
+
+bool LeavingComponent::all_passed() const {
+  return std::ranges::all_of(core_->streams, [](const auto& input) {
+    return std::ranges::all_of(input.second, [](const auto& stream) { return stream.second; });
+  });
+}
+
+std::uint64_t LeavingComponent::lost() const noexcept { return core_->lost; }
+
+}  // namespace hgros

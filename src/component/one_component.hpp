@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "component/context_core.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/codec/raw_message.hpp"
+#include "hgros/component/component.hpp"
+#include "hgros/params/param_service.hpp"
+
+namespace hgros {
+
+// "Component "mapper" (slam2d/Mapper): ", before errors.
+[[nodiscard]] std::string Named(const ComponentSetup& setup);
+
+// In a catch block: the exception, with the component's name before it.
+[[nodiscard]] Error CurrentError(const ComponentSetup& setup);
+
+// One of the components in a session.
+//
+// Threading: as Components.
+struct OneComponent {
+  OneComponent(ContextCore::Means means, const ComponentType& its_type, const ComponentSetup& setup)
+      : type(its_type), core(std::move(means), type, setup) {}
+  OneComponent(const OneComponent&) = delete;
+  OneComponent& operator=(const OneComponent&) = delete;
+  ~OneComponent();
+
+  // Returns all faults.
+  [[nodiscard]] std::vector<Error> Construct();
+  // Its parameters, for others.
+  void Offer(Session& session);
+  // With its timers.
+  void Start();
+  // A component whose Activate throws has failed; false then.
+  bool TryActivate();
+  // Throws what that throws.
+  void Activate();
+  void Deactivate();
+  // Null if its class has no Save. `meanwhile` runs while no callback can begin. Throws Error if callbacks still run
+  // after `patience`.
+  [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::chrono::nanoseconds patience,
+                                                       const std::function<void()>& meanwhile = {});
+  void Restore(const RawMessage& state);
+
+  // They end in reverse order: the object before what it uses.
+  const ComponentType type;
+  ContextCore core;
+  std::unique_ptr<AnyComponent> component;
+  std::optional<ParamService> offered;
+  bool activated = false;
+  bool arrives = false;  // From another place: Join and Start of Components leave it alone.
+};
+
+}  // namespace hgros

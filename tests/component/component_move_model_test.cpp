@@ -1,0 +1,267 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <foxglove/PoseInFrame.pb.h>
+
+#include "hgros/component/component.hpp"
+#include "hgros/component/component_move.hpp"
+#include "session/domain_fixture.hpp"
+#include "support/await.hpp"
+
+namespace hgros::test {
+namespace {
+
+using foxglove::PoseInFrame;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+constexpr std::size_t kStateBytes = 1 << 20;
+
+PoseInFrame Text(std::string text) {
+  PoseInFrame pose;
+  pose.set_frame_id(std::move(text));
+  return pose;
+}
+
+// How long no component handled a message, from the last one in a place to the first one in the next.
+class Pauses {
+ public:
+  void Handled(const void* by) {
+    const auto now = std::chrono::steady_clock::now();
+    const std::scoped_lock lock(mutex_);
+    if (by_ != nullptr && by != by_) all_.push_back(now - last_);
+    by_ = by;
+    last_ = now;
+  }
+  [[nodiscard]] std::vector<std::chrono::nanoseconds> Sorted() {
+    const std::scoped_lock lock(mutex_);
+    std::ranges::sort(all_);
+    return all_;
+  }
+  void Clear() {
+    const std::scoped_lock lock(mutex_);
+    all_.clear();
+    by_ = nullptr;
+  }
+
+ private:
+  std::mutex mutex_;
+  const void* by_ = nullptr;
+  std::chrono::steady_clock::time_point last_;
+  std::vector<std::chrono::nanoseconds> all_;
+};
+Pauses pauses;
+
+// Passes on what it gets, and counts it. It has a large state.
+class Relay {
+ public:
+  explicit Relay(Context& context) : passed_(context.Advertise<PoseInFrame>("passed")), ballast_(kStateBytes, 'x') {
+    const auto take = [this](const PoseInFrame& pose) { Take(pose); };
+    context.FromAny<PoseInFrame>("all", Invoke::kSerial, take, {.queue = Queue::KeepAll(10'000)});
+    context.FromAny<PoseInFrame>("newest", Invoke::kSerial, take, {.queue = Queue::KeepLast(4)});
+    context.FromAny<PoseInFrame>("latched", Invoke::kSerial, take, {.queue = Queue::KeepAll(10'000)});
+    context.Serve<PoseInFrame, PoseInFrame>("count", [this](const PoseInFrame&) {
+      const std::scoped_lock lock(mutex_);
+      return Text(std::to_string(count_));
+    });
+  }
+  [[nodiscard]] PoseInFrame Save() const {
+    const std::scoped_lock lock(mutex_);
+    return Text(std::to_string(count_) + " " + ballast_);
+  }
+  void Restore(const PoseInFrame& state) {
+    std::istringstream text(state.frame_id());
+    const std::scoped_lock lock(mutex_);
+    text >> count_ >> ballast_;
+  }
+
+ private:
+  void Take(const PoseInFrame& pose) {
+    pauses.Handled(this);
+    {
+      const std::scoped_lock lock(mutex_);
+      ++count_;
+    }
+    (void)passed_(std::make_unique<PoseInFrame>(pose));
+  }
+  Publisher<PoseInFrame> passed_;
+  mutable std::mutex mutex_;
+  std::uint64_t count_ = 0;
+  std::string ballast_;
+};
+HGROS_COMPONENT(Relay, "test/Relay")
+
+const ComponentSetup kRelay{.name = "relay", .type = "test/Relay"};
+
+struct RelayPlace {
+  explicit RelayPlace(std::string name)
+      : session(Config::Parse("discovery: {lan: false}"), {.name = std::move(name)}), components(session) {}
+  Session session;
+  Components components;
+};
+
+class ComponentMoveModelTest : public DomainFixture {
+ protected:
+  // Numbers from 1, each as "channel number", until the test ends.
+  std::thread Publishing(Session& session, const std::string& channel, const std::string& tag, PublishOptions options,
+                         std::chrono::microseconds pause, std::uint32_t seed) {
+    auto publish = session.Advertise<PoseInFrame>(channel, options);
+    EXPECT_TRUE(session.WaitForSubscribers(channel, 1, kPatience));
+    return std::thread([this, publish = std::move(publish), tag, pause, seed]() mutable {
+      std::mt19937 random(seed);
+      int number = 0;
+      while (!stop_) {
+        const PoseInFrame pose = Text(tag + " " + std::to_string(++number));
+        while (publish(pose) == PublishStatus::kFull) Linger(std::chrono::milliseconds(1));
+        if (random() % 8 == 0) Linger(pause * (random() % 8));
+      }
+      const std::scoped_lock lock(mutex_);
+      published_[tag] = number;
+    });
+  }
+  void See(const PoseInFrame& pose) {
+    std::istringstream text(pose.frame_id());
+    std::string tag;
+    int number = 0;
+    text >> tag >> number;
+    const std::scoped_lock lock(mutex_);
+    seen_[tag].push_back(number);
+    ++seen_count_;
+  }
+  // How a thread calls the service all the time.
+  void CallUntilEnd() {
+    std::uint64_t last = 0;
+    while (!stop_) {
+      const auto reply =
+          outside_.Call<PoseInFrame, PoseInFrame>("count", PoseInFrame(), std::chrono::seconds(5)).Wait();
+      if (!reply) {
+        failures_.push_back(reply.failure().reason);
+        continue;
+      }
+      ++answers_;
+      const std::uint64_t count = std::stoull(reply->frame_id());
+      if (count < last) ++backwards_;
+      last = count;
+    }
+  }
+  // What hgros run does, in one thread.
+  static void Move(RelayPlace& from, RelayPlace& to) {
+    ArrivingComponent arriving(to.components, kRelay, [] {});
+    LeavingComponent leaving(from.components, "relay", [] {});
+    ASSERT_TRUE(to.session.WaitForSubscribers("passed", 1, kPatience));
+    arriving.Restore(leaving.Hold(std::chrono::seconds(10)));
+    arriving.Begin();
+    leaving.Leave();
+    const auto exchange = [&] {
+      arriving.Work();
+      for (auto message = leaving.Next(); message; message = leaving.Next()) {
+        arriving.Hand(*message);
+        for (const InputPosition& position : arriving.Complete()) leaving.Passed(position);
+        arriving.Work();  // Under load, messages come all the time.
+      }
+      for (const InputPosition& position : arriving.Complete()) leaving.Passed(position);
+    };
+    EXPECT_TRUE(Await([&] {
+      exchange();
+      return leaving.all_passed();
+    })) << "A publisher never passed.";
+    exchange();
+    EXPECT_EQ(leaving.lost(), 0U);
+  }
+  [[nodiscard]] std::vector<int> SeenOf(const std::string& tag) {
+    const std::scoped_lock lock(mutex_);
+    return seen_[tag];
+  }
+  [[nodiscard]] std::vector<int> PublishedOf(const std::string& tag) {
+    const std::scoped_lock lock(mutex_);
+    std::vector<int> all;
+    for (int number = 1; number <= published_[tag]; ++number) all.push_back(number);
+    return all;
+  }
+
+  std::mutex mutex_;
+  std::map<std::string, std::vector<int>> seen_;
+  std::map<std::string, int> published_;
+  std::atomic<std::size_t> seen_count_ = 0;
+  std::atomic<bool> stop_ = false;
+  std::vector<std::string> failures_;
+  int answers_ = 0;
+  int backwards_ = 0;
+  Session outside_{Config::Parse("discovery: {lan: false}"), {.name = "outside"}};
+  Subscription passed_ = outside_.FromAny<PoseInFrame>(
+      "passed", Invoke::kSerial, [this](const PoseInFrame& pose) { See(pose); }, {.queue = Queue::KeepAll(100'000)});
+};
+
+TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
+  constexpr int kMoves = 25;
+  pauses.Clear();
+  const auto seed = static_cast<std::uint32_t>(testing::UnitTest::GetInstance()->random_seed());
+  SCOPED_TRACE("--gtest_shuffle --gtest_random_seed=" + std::to_string(seed));
+  std::mt19937 random(seed);
+  RelayPlace publishing("publishing");  // One of the publishers is in the same process as the component.
+  RelayPlace second("second");
+  RelayPlace third("third");
+  const std::array<RelayPlace*, 3> places{&publishing, &second, &third};
+  publishing.components.Add(kRelay);
+  publishing.components.Join();
+  publishing.components.Start();
+  ASSERT_TRUE(publishing.session.WaitForSubscribers("passed", 1, kPatience));
+  std::vector<std::thread> threads;
+  threads.push_back(Publishing(outside_, "all", "far", {}, std::chrono::microseconds(500), seed));
+  threads.push_back(Publishing(publishing.session, "all", "near", {}, std::chrono::microseconds(500), seed + 1));
+  threads.push_back(Publishing(outside_, "newest", "newest", {}, std::chrono::microseconds(300), seed + 2));
+  threads.push_back(
+      Publishing(outside_, "latched", "latched", {.latched = 1}, std::chrono::microseconds(2000), seed + 3));
+  threads.emplace_back([this] { CallUntilEnd(); });
+  std::size_t at = 0;
+  for (int i = 0; i < kMoves && !HasFailure(); ++i) {
+    const std::size_t to = (at + 1 + random() % 2) % places.size();
+    const std::size_t before = seen_count_;
+    Move(*places.at(at), *places.at(to));
+    at = to;
+    EXPECT_TRUE(Await([&] { return seen_count_ > before + random() % 100; }));
+  }
+  stop_ = true;
+  for (std::thread& thread : threads) thread.join();
+
+  for (const char* lossless : {"far", "near", "latched"}) {
+    const std::vector<int> published = PublishedOf(lossless);
+    (void)Await([&] { return SeenOf(lossless).size() >= published.size(); });
+    const std::vector<int> seen = SeenOf(lossless);
+    const auto fault = std::ranges::mismatch(seen, published);
+    EXPECT_TRUE(seen == published) << lossless << ": " << seen.size() << " of " << published.size()
+                                   << " messages. After " << fault.in2 - published.begin() << " comes "
+                                   << (fault.in1 == seen.end() ? 0 : *fault.in1);
+  }
+  const std::vector<int> newest = SeenOf("newest");
+  EXPECT_TRUE(std::ranges::is_sorted(newest, std::less_equal<int>())) << "Doubled or out of order.";
+  EXPECT_FALSE(newest.empty());
+  EXPECT_EQ(backwards_, 0);
+  EXPECT_GT(answers_, 0);
+  RecordProperty("calls_answered", answers_);
+  RecordProperty("calls_failed", static_cast<int>(failures_.size()));
+  for (const std::string& failure : failures_) {
+    EXPECT_THAT(failure, AnyOf(HasSubstr("has moved to another process"), HasSubstr("has ended"),
+                               HasSubstr("ended service"), HasSubstr("Nobody serves")));
+  }
+  const std::vector<std::chrono::nanoseconds> sorted = pauses.Sorted();
+  ASSERT_FALSE(sorted.empty());
+  RecordProperty("median_pause_us", std::to_string(sorted[sorted.size() / 2].count() / 1000));
+  RecordProperty("longest_pause_us", std::to_string(sorted.back().count() / 1000));
+}
+
+}  // namespace
+}  // namespace hgros::test

@@ -1,0 +1,279 @@
+#include "hgros/component/component_move.hpp"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <foxglove/PoseInFrame.pb.h>
+
+#include "hgros/base/error.hpp"
+#include "hgros/component/component.hpp"
+#include "session/domain_fixture.hpp"
+#include "support/await.hpp"
+
+namespace hgros::test {
+namespace {
+
+using foxglove::PoseInFrame;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+PoseInFrame Numbered(int number) {
+  PoseInFrame pose;
+  pose.set_frame_id(std::to_string(number));
+  return pose;
+}
+
+// Adds up the numbers that it gets, publishes them again, and serves the sum.
+class Adder {
+ public:
+  explicit Adder(Context& context) : passed_(context.Advertise<PoseInFrame>("passed")) {
+    context.FromAny<PoseInFrame>("number", Invoke::kSerial, [this](const PoseInFrame& pose) { Take(pose); },
+                                 {.queue = Queue::KeepAll(100'000)});
+    context.Serve<PoseInFrame, PoseInFrame>("sum", [this](const PoseInFrame&) { return Numbered(sum_); });
+    context.CreateTimer("tick", std::chrono::milliseconds(1), [this](const Tick&) { ++ticks; });
+  }
+  void Activate() { active = true; }
+  void Deactivate() { active = false; }
+  [[nodiscard]] PoseInFrame Save() const {
+    if (sum_ == kUnsaved) throw std::runtime_error("it has lost its notes");
+    return Numbered(sum_);
+  }
+  void Restore(const PoseInFrame& state) {
+    sum_ = std::stoi(state.frame_id());
+    if (sum_ == kUnrestored) throw std::runtime_error("it cannot read this");
+  }
+
+  static constexpr int kUnsaved = 1'000'000'001;
+  static constexpr int kUnrestored = 1'000'000'002;
+  static constexpr int kThrows = -1;
+  std::atomic<bool> active = false;
+  std::atomic<int> ticks = 0;
+
+ private:
+  void Take(const PoseInFrame& pose) {
+    const int number = std::stoi(pose.frame_id());
+    if (number == kThrows) throw std::runtime_error("no such number");
+    sum_ += number;
+    (void)passed_(std::make_unique<PoseInFrame>(pose));
+  }
+  Publisher<PoseInFrame> passed_;
+  int sum_ = 0;
+};
+HGROS_COMPONENT(Adder, "test/Adder")
+
+struct Unsaved {
+  explicit Unsaved(Context&) {}
+};
+HGROS_COMPONENT(Unsaved, "test/Unsaved")
+
+ComponentSetup AdderSetup() { return {.name = "adder", .type = "test/Adder"}; }
+
+// A place of the component: a session of its own.
+struct Place {
+  Place() : components(session) {}
+
+  void Start() {
+    components.Add(AdderSetup());
+    components.Join();
+    components.Start();
+  }
+  [[nodiscard]] const Adder* adder() { return components.Find<Adder>("adder"); }
+
+  Session session{Config::Parse("discovery: {lan: false}"), {.name = "place"}};
+  Components components;
+};
+
+class ComponentMoveTest : public DomainFixture {
+ protected:
+  ComponentMoveTest()
+      : number_(outside_.Advertise<PoseInFrame>("number")),
+        passed_(outside_.FromAny<PoseInFrame>("passed", Invoke::kSerial,
+                                              [this](const PoseInFrame& pose) {
+                                                const int number = std::stoi(pose.frame_id());
+                                                const std::scoped_lock lock(mutex_);
+                                                if (number != kNothing) seen_.push_back(number);
+                                              },
+                                              {.queue = Queue::KeepAll(100'000)})) {}
+
+  static constexpr int kNothing = 0;  // Not seen.
+  void Publish(int number) {
+    while (number_(Numbered(number)) == PublishStatus::kFull) Linger(std::chrono::milliseconds(1));
+  }
+  [[nodiscard]] std::vector<int> seen() const {
+    const std::scoped_lock lock(mutex_);
+    return seen_;
+  }
+  [[nodiscard]] bool SeesAny() {
+    return Await([&] { return !seen().empty(); });
+  }
+  [[nodiscard]] bool SeesUpTo(int number) {
+    return Await([&] { return !seen().empty() && seen().back() == number; });
+  }
+  [[nodiscard]] std::string SumOf(Session& session) {
+    const auto sum = session.Call<PoseInFrame, PoseInFrame>("sum", PoseInFrame(), std::chrono::seconds(5)).Wait();
+    return sum ? sum->frame_id() : sum.failure().reason;
+  }
+  // What hgros run does, in one thread.
+  static void Move(Place& from, Place& to, std::chrono::milliseconds most = std::chrono::seconds(2)) {
+    ArrivingComponent arriving(to.components, AdderSetup(), [] {});
+    LeavingComponent leaving(from.components, "adder", [] {});
+    ASSERT_TRUE(to.session.WaitForSubscribers("passed", 1, kPatience));
+    arriving.Restore(leaving.Hold(std::chrono::seconds(1), to.session.id()));
+    arriving.Begin();
+    leaving.Leave();
+    (void)Await(
+        [&] {
+          Exchange(leaving, arriving);
+          return leaving.all_passed();
+        },
+        most);
+    Exchange(leaving, arriving);
+  }
+  static void Exchange(LeavingComponent& leaving, ArrivingComponent& arriving) {
+    arriving.Work();
+    while (const auto message = leaving.Next()) arriving.Hand(*message);
+    for (const InputPosition& position : arriving.Complete()) leaving.Passed(position);
+  }
+
+  mutable std::mutex mutex_;
+  std::vector<int> seen_;
+  Session outside_{Config::Parse("discovery: {lan: false}"), {.name = "outside"}};
+  Publisher<PoseInFrame> number_;
+  Subscription passed_;
+};
+
+std::vector<int> UpTo(int last) {
+  std::vector<int> numbers(static_cast<std::size_t>(last));
+  std::iota(numbers.begin(), numbers.end(), 1);
+  return numbers;
+}
+
+TEST_F(ComponentMoveTest, NothingIsLostDoubledOrOvertakenWhileMessagesFlow) {
+  constexpr int kLast = 20'000;
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  std::thread publisher([this] {
+    std::mt19937 random(7);
+    for (int number = 1; number <= kLast; ++number) {
+      Publish(number);
+      if (random() % 64 == 0) Linger(std::chrono::microseconds(random() % 3000));
+    }
+  });
+  ASSERT_TRUE(SeesAny());
+  bool back = false;
+  while (seen().size() < kLast && !testing::Test::HasFailure()) {
+    back ? Move(other, one) : Move(one, other);
+    back = !back;
+    if (seen().size() < kLast && number_(Numbered(kNothing)) == PublishStatus::kClosed) break;
+  }
+  publisher.join();
+  (void)SeesUpTo(kLast);
+  EXPECT_EQ(seen(), UpTo(kLast));
+  EXPECT_EQ(SumOf(outside_), std::to_string(kLast * (kLast + 1) / 2));
+}
+
+TEST_F(ComponentMoveTest, TakesItsStateServicesAndTimersWithIt) {
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  for (int number = 1; number <= 4; ++number) Publish(number);
+  ASSERT_TRUE(SeesUpTo(4));
+  EXPECT_EQ(SumOf(outside_), "10");
+  Move(one, other, std::chrono::milliseconds(50));  // Quiet.
+  EXPECT_EQ(one.adder(), nullptr);
+  EXPECT_TRUE(other.adder()->active);
+  EXPECT_TRUE(Await([&] { return other.adder()->ticks > 3; }));
+  EXPECT_EQ(SumOf(outside_), "10");
+  Publish(5);
+  EXPECT_TRUE(SeesUpTo(5));
+  EXPECT_EQ(SumOf(outside_), "15");
+}
+
+TEST_F(ComponentMoveTest, AnAbandonedMoveHandlesWhatHasWaited) {
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  Publish(1);
+  ASSERT_TRUE(SeesUpTo(1));
+  {
+    const ArrivingComponent arriving(other.components, AdderSetup(), [] {});
+    std::atomic<int> waiting = 0;
+    LeavingComponent leaving(one.components, "adder", [&] { ++waiting; });
+    (void)leaving.Hold(std::chrono::seconds(1));
+    const int ticks = one.adder()->ticks;
+    Publish(2);
+    Publish(3);
+    ASSERT_TRUE(Await([&] { return waiting == 2; }));
+    EXPECT_THAT(seen(), ElementsAre(1));
+    EXPECT_EQ(one.adder()->ticks, ticks);
+    EXPECT_FALSE(one.adder()->active);
+  }
+  EXPECT_EQ(other.adder(), nullptr);
+  EXPECT_TRUE(one.adder()->active);
+  EXPECT_TRUE(SeesUpTo(3));
+  Publish(4);
+  EXPECT_TRUE(SeesUpTo(4));
+  EXPECT_THAT(seen(), ElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(SumOf(outside_), "10");
+}
+
+TEST_F(ComponentMoveTest, WhatCannotBeSavedOrRestoredStays) {
+  Place one;
+  Place other;
+  one.Start();
+  one.components.Add({.name = "unsaved", .type = "test/Unsaved"});
+  EXPECT_THAT([&] { const LeavingComponent leaving(one.components, "unsaved", [] {}); },
+              ThrowsMessage<Error>(HasSubstr("Give it Save() and Restore().")));
+  EXPECT_THAT([&] { const LeavingComponent leaving(one.components, "nobody", [] {}); },
+              ThrowsMessage<Error>(HasSubstr("no component named \"nobody\"")));
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  Publish(Adder::kUnsaved);
+  ASSERT_TRUE(SeesUpTo(Adder::kUnsaved));
+  EXPECT_THROW(Move(one, other), std::runtime_error);
+  Publish(1);
+  ASSERT_TRUE(SeesUpTo(1));
+  EXPECT_THROW(Move(one, other), std::runtime_error) << "Restore throws.";
+  EXPECT_EQ(other.adder(), nullptr);
+  EXPECT_EQ(SumOf(outside_), std::to_string(Adder::kUnrestored));
+}
+
+TEST_F(ComponentMoveTest, AnExceptionInTheNewPlaceIsCounted) {
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  {
+    ArrivingComponent arriving(other.components, AdderSetup(), [] {});
+    std::atomic<bool> waits = false;
+    LeavingComponent leaving(one.components, "adder", [&] { waits = true; });
+    const MovingState moving = leaving.Hold(std::chrono::seconds(1));
+    Publish(Adder::kThrows);
+    ASSERT_TRUE(Await([&] { return waits.load(); }));
+    arriving.Restore(moving);
+    arriving.Begin();
+    leaving.Leave();
+    ASSERT_TRUE(Await([&] {
+      Exchange(leaving, arriving);
+      return other.components.statuses().front().exceptions == 1;
+    }));
+  }
+  EXPECT_EQ(other.components.statuses().front().exceptions, 1U);
+}
+
+}  // namespace
+}  // namespace hgros::test

@@ -1,0 +1,122 @@
+// Components of the robots in move_test.cpp and bench/placement.
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <foxglove/KeyValuePair.pb.h>
+#include <hgros/component/component.hpp>
+
+namespace {
+
+using foxglove::KeyValuePair;
+
+// Publishes the numbers from 1 while it is active, every one to a subscriber that has room.
+class Counting {
+ public:
+  explicit Counting(hgros::Context& context)
+      : pause_(std::chrono::microseconds(context.Declare("pause_us", 500, {.least = 0}))),
+        numbers_(context.Advertise<KeyValuePair>("number")) {}
+  void Activate() {
+    thread_ = std::jthread([this](const std::stop_token& stop) { Publish(stop); });
+  }
+  void Deactivate() { thread_ = {}; }
+
+ private:
+  void Publish(const std::stop_token& stop) {
+    auto next = std::chrono::steady_clock::now();
+    for (int number = 1; !stop.stop_requested(); ++number) {
+      auto message = std::make_unique<KeyValuePair>();
+      message->set_value(std::to_string(number));
+      (void)numbers_.Wait(std::move(message), std::chrono::steady_clock::now() + std::chrono::seconds(10), stop);
+      next += pause_;
+      std::unique_lock lock(mutex_);
+      (void)never_.wait_until(lock, stop, next, [] { return false; });
+    }
+  }
+  const std::chrono::microseconds pause_;
+  std::mutex mutex_;
+  std::condition_variable_any never_;
+  hgros::Publisher<KeyValuePair> numbers_;
+  std::jthread thread_;
+};
+HGROS_COMPONENT(Counting, "moving/Counting")
+
+// Publishes what it gets, and knows how many that were. Its state has at least `bytes` bytes.
+class Passing {
+ public:
+  explicit Passing(hgros::Context& context)
+      : context_(context),
+        bytes_(static_cast<std::size_t>(context.Declare("bytes", 0, {.least = 0}))),
+        passed_(context.Advertise<KeyValuePair>("passed")) {
+    (void)context.Declare("activate", true);
+    context.FromAny<KeyValuePair>("number", hgros::Invoke::kSerial,
+                                  [this](const KeyValuePair& message) {
+                                    ++count_;
+                                    (void)passed_.Wait(std::make_unique<KeyValuePair>(message),
+                                                       std::chrono::steady_clock::now() + std::chrono::seconds(10));
+                                  },
+                                  {.name = {}, .queue = hgros::Queue::KeepAll(10'000), .executor = {}});
+    context.Serve<KeyValuePair, KeyValuePair>("count", [this](const KeyValuePair&) {
+      KeyValuePair reply;
+      reply.set_value(std::to_string(count_));
+      return reply;
+    });
+  }
+  void Activate() {
+    if (begun_ && !context_.params().Get<bool>("activate")) throw std::runtime_error("it does not want to be here");
+  }
+  [[nodiscard]] KeyValuePair Save() const {
+    KeyValuePair state;
+    state.set_key(std::string(bytes_, 's'));
+    state.set_value(std::to_string(count_));
+    return state;
+  }
+  void Restore(const KeyValuePair& state) {
+    count_ = std::stoll(state.value());
+    begun_ = true;
+  }
+
+ private:
+  hgros::Context& context_;
+  const std::size_t bytes_;
+  hgros::Publisher<KeyValuePair> passed_;
+  long long count_ = 0;
+  bool begun_ = false;
+};
+HGROS_COMPONENT(Passing, "moving/Passing")
+
+// Says which numbers do not come one after the other, and when it is asked how many came.
+class Judging {
+ public:
+  explicit Judging(hgros::Context& context) : log_(context.log()) {
+    context.FromAny<KeyValuePair>("passed", hgros::Invoke::kSerial,
+                                  [this](const KeyValuePair& message) { Take(std::stoi(message.value())); },
+                                  {.name = {}, .queue = hgros::Queue::KeepAll(10'000), .executor = {}});
+    context.FromAny<KeyValuePair>("ask", hgros::Invoke::kSerial, [this](const KeyValuePair& question) {
+      log_.Write(hgros::LogLevel::kInfo, "answers " + question.value() + ": up to " + std::to_string(last_) + ".");
+    });
+  }
+
+ private:
+  void Take(int number) {
+    if (number <= last_) {
+      log_.Write(hgros::LogLevel::kWarning, "again " + std::to_string(number) + " after " + std::to_string(last_));
+      return;
+    }
+    if (number > last_ + 1) {
+      log_.Write(hgros::LogLevel::kWarning, "lost " + std::to_string(last_ + 1) + " to " + std::to_string(number - 1));
+    }
+    last_ = number;
+    if (number % 1000 == 0) log_.Write(hgros::LogLevel::kInfo, "has " + std::to_string(number) + ".");
+  }
+  hgros::Log& log_;
+  std::atomic<int> last_ = 0;
+};
+HGROS_COMPONENT(Judging, "moving/Judging")
+
+}  // namespace

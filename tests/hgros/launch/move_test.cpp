@@ -1,0 +1,231 @@
+// hgros move: real processes, messages that flow, and processes that are killed and stopped meanwhile.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <future>
+#include <random>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
+#include "support/await.hpp"
+
+namespace hgros::cli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+// The passing component moves between a, b and c. Nothing happens to "ends".
+constexpr const char* kMoving =
+    "components:\n"
+    "  counting: {type: moving/Counting}\n"
+    "  passing: {type: moving/Passing, checkpoint: 50ms}\n"
+    "  judging: {type: moving/Judging}\n"
+    "  does: {type: relay/Does}\n"
+    "processes:\n"
+    "  ends: {components: [counting, judging]}\n"
+    "  a: {components: [passing], restart: on-failure}\n"
+    "  b: {restart: on-failure}\n"
+    "  c: {components: [does], restart: on-failure}\n";
+
+class MovingRobot {
+ public:
+  explicit MovingRobot(const std::string& text = kMoving)
+      : folder_(text), run_(folder_.Arguments(), folder_.environment()) {}
+
+  [[nodiscard]] bool Runs() { return run_.Prints("judging") && Ask(); }
+  [[nodiscard]] CommandEnd Move(const std::string& to) const {
+    return RunToEnd({"move", "passing", "--to", to}, folder_.environment());
+  }
+  [[nodiscard]] CommandEnd Command(const std::vector<std::string>& words) const {
+    return RunToEnd(words, folder_.environment());
+  }
+  // Where the component runs, of each process that has it.
+  [[nodiscard]] std::vector<std::string> Places() const {
+    return Matches(RunToEnd({"ps"}, folder_.environment()).out, R"(passing +moving/Passing +(\w+) +\d+ +running)");
+  }
+  [[nodiscard]] pid_t PidOf(const std::string& process) const {
+    const auto pids = Matches(RunToEnd({"ps"}, folder_.environment()).out, " " + process + R"( +(\d+) +)");
+    return pids.empty() ? 0 : std::stoi(pids.front());
+  }
+  // Asks how far the messages have come.
+  [[nodiscard]] int Count() {
+    const std::string question = std::to_string(++questions_);
+    EXPECT_EQ(RunToEnd({"pub", "ask", "{value: " + question + "}"}, folder_.environment()).status, 0);
+    const std::string answer = "answers " + question + ": up to ";
+    if (!run_.Prints(answer)) return -1;
+    const std::string out = run_.out();
+    return std::stoi(out.substr(out.find(answer) + answer.size()));
+  }
+  // Whether messages still come through.
+  [[nodiscard]] bool Ask() {
+    const int now = Count();
+    return test::Await([&] { return Count() > now; });
+  }
+  [[nodiscard]] std::vector<std::string> Faults() const { return Matches(run_.out(), R"(((?:lost|again) \d.*))"); }
+  [[nodiscard]] std::string out() const { return run_.out() + run_.err(); }
+  [[nodiscard]] bool Prints(const std::string& text) const { return run_.Prints(text); }
+  void End() {
+    run_.Signal(SIGINT);
+    EXPECT_EQ(run_.Wait(), 128 + SIGINT) << out();
+  }
+  [[nodiscard]] CommandRun& run() { return run_; }
+
+ private:
+  [[nodiscard]] static std::vector<std::string> Matches(const std::string& text, const std::string& pattern) {
+    std::vector<std::string> found;
+    const std::regex regex(pattern);
+    for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at) found.push_back((*at)[1]);
+    return found;
+  }
+  RobotFolder folder_;
+  CommandRun run_;
+  int questions_ = 0;
+};
+
+TEST(HgrosMove, LosesNothingAndRepeatsNothing) {
+  MovingRobot robot;
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  for (const std::string to : {"b", "c", "ends", "b", "a", "a", "c"}) {
+    const CommandEnd end = test::Await([&] { return robot.Places().size() == 1; }) ? robot.Move(to) : CommandEnd{};
+    if (end.status != 0 && end.err.find("at this moment") != std::string::npos) continue;
+    EXPECT_EQ(end.status, 0) << end.err << robot.out();
+    EXPECT_EQ(end.out + end.err, "");
+    EXPECT_EQ(robot.Places(), std::vector{to});
+  }
+  EXPECT_TRUE(robot.Ask());
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  const int before = robot.Count();
+  const CommandEnd count = robot.Command({"call", "count", "{}"});
+  EXPECT_EQ(count.status, 0) << count.err;
+  const std::size_t number = count.out.find_first_of("0123456789");
+  ASSERT_NE(number, std::string::npos) << count.out;
+  EXPECT_GE(std::stoi(count.out.substr(number)), before) << "Its state went along: it has counted all of them.";
+  robot.End();
+  EXPECT_THAT(robot.out(), AllOf(HasSubstr("It has moved here from \"a\". No message of it was handled for"),
+                                 Not(HasSubstr("error"))));
+}
+
+TEST(HgrosMove, SaysWhyItCannot) {
+  MovingRobot robot(std::string(kMoving) + "programs: {program: {command: [sleep, 100d]}}\n");
+  ASSERT_TRUE(robot.Runs());
+  const auto fault = [&](const std::vector<std::string>& words) {
+    const CommandEnd end = robot.Command(words);
+    EXPECT_NE(end.status, 0);
+    return end.err;
+  };
+  EXPECT_THAT(fault({"move", "passing"}), HasSubstr("Say where: `hgros move passing --to PROCESS`."));
+  EXPECT_THAT(fault({"move", "pasing", "--to", "b"}),
+              HasSubstr("The robot has no component \"pasing\". Did you mean \"passing\"?"));
+  EXPECT_THAT(fault({"move", "passing", "--to", "end"}),
+              HasSubstr("The robot has no process or host \"end\". Did you mean \"ends\"?"));
+  EXPECT_THAT(fault({"move", "passing", "--to", "program"}), HasSubstr("\"program\" is a program."));
+  EXPECT_THAT(fault({"move", "does", "--to", "a"}),
+              AllOf(HasSubstr("\"does\" was not moved to \"a\". It runs on in \"c\"."),
+                    HasSubstr("Give it Save() and Restore().")));
+  EXPECT_THAT(robot.Faults(), IsEmpty());
+  robot.End();
+}
+
+TEST(HgrosMove, AComponentThatCannotBeginInTheNewPlaceStays) {
+  MovingRobot robot;
+  ASSERT_TRUE(robot.Runs());
+  ASSERT_EQ(robot.Command({"param", "set", "passing", "activate", "false"}).status, 0);
+  const CommandEnd end = robot.Move("b");
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.err,
+              HasSubstr("It runs on in \"a\". Component \"passing\" (moving/Passing): it does not want to be here"));
+  EXPECT_EQ(robot.Places(), std::vector<std::string>{"a"});
+  EXPECT_TRUE(robot.Ask()) << robot.out();
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  ASSERT_EQ(robot.Command({"param", "set", "passing", "activate", "true"}).status, 0);
+  EXPECT_EQ(robot.Move("b").status, 0);
+  EXPECT_TRUE(robot.Ask());
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  robot.End();
+}
+
+// Who is killed or stopped, and when.
+struct Fault {
+  bool kills;
+  bool old;  // The process that the component leaves.
+  std::chrono::microseconds after;
+  std::chrono::milliseconds stopped;
+};
+
+// A move while something happens.
+void MoveWith(MovingRobot& robot, const std::string& from, const std::string& to, const Fault& fault) {
+  const pid_t victim = robot.PidOf(fault.old ? from : to);
+  ASSERT_GT(victim, 0);
+  const std::size_t faults = robot.Faults().size();
+  auto moved = std::async(std::launch::async, [&] { return robot.Move(to); });
+  test::Linger(fault.after);
+  ASSERT_EQ(kill(victim, fault.kills ? SIGKILL : SIGSTOP), 0);
+  if (!fault.kills) {
+    test::Linger(fault.stopped);
+    ASSERT_EQ(kill(victim, SIGCONT), 0);
+  }
+  const CommandEnd end = moved.get();
+  std::vector<std::string> at;
+  EXPECT_TRUE(test::Await([&] {
+    at = robot.Places();
+    return at.size() == 1 && robot.PidOf("a") > 0 && robot.PidOf("b") > 0 && robot.PidOf("c") > 0;
+  }));
+  if (end.status == 0 && !fault.kills) {
+    EXPECT_EQ(at, std::vector{to});
+  }
+  if (end.status != 0) {
+    EXPECT_THAT(end.err, HasSubstr("\"" + (at.empty() ? "" : at[0]) + "\"")) << "It says where it runs.";
+  }
+  EXPECT_TRUE(robot.Ask());
+  if (!fault.kills) {
+    EXPECT_EQ(robot.Faults().size(), faults) << "Nobody has died.";
+  }
+}
+
+// 200 rounds: HGROS_MOVE_ROUNDS=200.
+TEST(HgrosMove, WhoeverIsKilledOrStoppedOnePlaceRunsIt) {
+  constexpr int kRoundsOfARobot = 5;  // A process that is killed more often is not started again.
+  const char* wanted = std::getenv("HGROS_MOVE_ROUNDS");
+  const char* chosen = std::getenv("HGROS_MOVE_SEED");
+  const unsigned seed = chosen == nullptr ? std::random_device()() : static_cast<unsigned>(std::stoul(chosen));
+  SCOPED_TRACE("HGROS_MOVE_SEED=" + std::to_string(seed));
+  std::mt19937 random(seed);
+  const std::vector<std::string> processes{"a", "b", "c"};
+  int left = wanted == nullptr ? kRoundsOfARobot : std::stoi(wanted);
+  while (left > 0 && !testing::Test::HasFailure()) {
+    MovingRobot robot;
+    ASSERT_TRUE(robot.Runs()) << robot.out();
+    for (int round = 0; round < kRoundsOfARobot && !testing::Test::HasFailure(); ++round, --left) {
+      const std::vector<std::string> at = robot.Places();
+      ASSERT_EQ(at.size(), 1U) << robot.out();
+      const auto here = std::ranges::find(processes, at[0]) - processes.begin();
+      const std::string to = processes[(static_cast<std::size_t>(here) + 1 + random() % 2) % 3];
+      const Fault fault{random() % 2 == 0, random() % 2 == 0, std::chrono::microseconds(random() % 30'000),
+                        std::chrono::milliseconds(random() % 300)};
+      SCOPED_TRACE(at[0] + " to " + to + ", " + (fault.kills ? "kills " : "stops ") + (fault.old ? at[0] : to) +
+                   " after " + std::to_string(fault.after.count()) + " us");
+      MoveWith(robot, at[0], to, fault);
+    }
+    const std::string pids = robot.Command({"ps"}).out;
+    robot.End();
+    const std::regex pid(R"( (\d{2,}) +running)");
+    for (std::sregex_iterator at(pids.begin(), pids.end(), pid), end; at != end; ++at) {
+      EXPECT_FALSE(cli::Runs(std::stoi((*at)[1]))) << "An orphan.";
+    }
+    if (testing::Test::HasFailure()) printf("%s\n", robot.out().c_str());
+  }
+}
+
+}  // namespace
+}  // namespace hgros::cli
