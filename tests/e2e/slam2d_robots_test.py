@@ -122,6 +122,15 @@ class Slam2dRobots(Slam2dTest):
         self.hgros_until_it_works(running, "param", "set", "source", "rate", "0")
         self.assertEqual(self.hashes(running), self.reference(SCANS))
 
+    def test_a_mapper_that_moves_draws_the_same_map(self):
+        running = self.start("three_processes.yaml", SLOW)
+        self.hgros_until_it_works(running, "call", "save_map", "{}")
+        for place in ("matching", "files", "mapping", "matching"):
+            moved = self.hgros("move", "mapper", "--to", place)
+            self.assertEqual((moved.returncode, moved.stdout, moved.stderr), (0, "", ""))
+        self.hgros_until_it_works(running, "param", "set", "source", "rate", "0")
+        self.assertEqual(self.hashes(running), self.reference(SCANS))
+
     def test_unusable_input_is_an_error_that_names_it(self):
         empty = self.folder / "empty.clf"
         empty.write_text("# nothing\n")
