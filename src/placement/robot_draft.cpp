@@ -25,6 +25,8 @@ using yaml::Section;
 using yaml::Value;
 
 constexpr std::string_view kMain = "main";
+constexpr std::string_view kComponents = "components";
+constexpr std::string_view kComponentsShape = "a map from names to components";
 constexpr std::size_t kMostArguments = 1000;
 constexpr char kNul = '\0';
 
@@ -98,6 +100,12 @@ constexpr std::array<std::string_view, 8> kUnitKeys{"host",     "env",    "cpus"
 constexpr std::uint64_t kLeastMemoryBytes = 1 << 20;
 constexpr std::uint64_t kMostMemoryBytes = std::uint64_t{1} << 50;
 
+std::vector<std::string_view> KnownSections() {
+  std::vector<std::string_view> known(kConfigSections.begin(), kConfigSections.end());
+  known.insert(known.end(), RobotSections().begin(), RobotSections().end());
+  return known;
+}
+
 std::vector<std::string_view> WithUnitKeys(std::initializer_list<std::string_view> more) {
   std::vector<std::string_view> keys(more);
   keys.insert(keys.end(), kUnitKeys.begin(), kUnitKeys.end());
@@ -111,21 +119,30 @@ const std::vector<std::string>& RobotSections() {
   return sections;
 }
 
+bool IsNearComponents(std::string_view key) {
+  const std::vector<std::string_view> known = KnownSections();
+  if (key.size() > kMaxChannelNameLength || std::ranges::find(known, key) != known.end()) return false;
+  return NearestName(key, std::vector<std::string>(known.begin(), known.end())) == kComponents;
+}
+
 RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
-  std::vector<std::string_view> known(kConfigSections.begin(), kConfigSections.end());
-  known.insert(known.end(), RobotSections().begin(), RobotSections().end());
-  const Section top(Value(document_, faults_), "a map with components", known);
+  const Section top(Value(document_, faults_), "a map with components", KnownSections());
   const auto read_all = [&](std::string_view key, std::string_view wanted, auto read) {
     top.Read(key, [&](const Value& map) {
       const std::vector<Field> fields = map.Map(wanted);
       for (const Field& field : fields) faults_.Attempt([&] { read(field); });
     });
   };
-  const Value components = top.Require("components");
-  read_all("components", "a map from names to components", [this](const Field& field) { ReadComponent(field); });
-  if (components.Map("a map from names to components").empty()) {
+  if (!top.Find(kComponents) && std::ranges::any_of(document_.root().entries, [](const yaml::Node::Entry& one) {
+        return IsNearComponents(one.key->text);
+      })) {
+    return {};  // The misspelled key is reported.
+  }
+  const Value components = top.Require(kComponents);
+  if (components.Map(kComponentsShape).empty()) {
     components.Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
   }
+  read_all(kComponents, kComponentsShape, [this](const Field& field) { ReadComponent(field); });
   read_all("hosts", "a map from names to hosts", [this](const Field& field) { ReadHost(field); });
   CheckHosts();
   read_all("processes", "a map from names to processes", [this](const Field& field) { ReadProcess(field); });

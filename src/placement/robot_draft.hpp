@@ -41,5 +41,7 @@ class RobotDraft {
 
 /// The keys at the top of a robot file that a configuration file does not have.
 [[nodiscard]] const std::vector<std::string>& RobotSections();
+/// Whether a key at the top is no known one, and "components" is the nearest.
+[[nodiscard]] bool IsNearComponents(std::string_view key);
 
 }  // namespace hgros

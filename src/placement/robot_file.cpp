@@ -13,13 +13,10 @@
 namespace hgros {
 namespace {
 
-bool HasKey(const yaml::Node& map, std::string_view key) {
-  return std::ranges::any_of(map.entries, [key](const yaml::Node::Entry& one) { return one.key->text == key; });
-}
-
-bool IsMapWith(std::string_view key, const std::filesystem::path& file) {
+bool IsMapWithInclude(const std::filesystem::path& file) {
   try {
-    return HasKey(yaml::Document::Load(file).root(), key);
+    const yaml::Document document = yaml::Document::Load(file);
+    return std::ranges::any_of(document.root().entries, [](const auto& one) { return one.key->text == "include"; });
   } catch (const ConfigError&) {
     return false;
   }
@@ -96,12 +93,17 @@ CheckedRobotFile RobotFile::Check(const yaml::Document& document, const RobotFil
   return checked;
 }
 
-bool RobotFile::Is(const std::filesystem::path& file) {
+bool RobotFile::Is(const std::filesystem::path& file, const std::vector<std::string>& sections_of_program) {
   try {
     const auto any = [](const std::string&) { return std::optional<std::string>("x"); };
-    return HasKey(yaml::Document::Assemble(file, any).root(), "components");
+    const yaml::Document document = yaml::Document::Assemble(file, any);
+    return std::ranges::any_of(document.root().entries, [&](const yaml::Node::Entry& one) {
+      const std::string& key = one.key->text;
+      if (std::ranges::find(sections_of_program, key) != sections_of_program.end()) return false;
+      return std::ranges::find(RobotSections(), key) != RobotSections().end() || IsNearComponents(key);
+    });
   } catch (const ConfigError&) {  // Only robot files include others, which may be what is wrong.
-    return IsMapWith("include", file);
+    return IsMapWithInclude(file);
   }
 }
 

@@ -72,6 +72,15 @@ TEST(HgrosCheck, TellsAllFaultsOfAFileWithTheirPlaces) {
   EXPECT_THAT(files.Findings({"bad.yaml", "--section", "grip"}), testing::Contains(HasSubstr("bad.yaml:4:1: fault:")));
 }
 
+TEST(HgrosCheck, RefusesARobotFileWithAMisspelledKey) {
+  ConfigFiles files;
+  files.Add("robot.yaml", "component:\n  camera: {type: demo/Camera}\n");
+  EXPECT_THAT(files.Findings({"robot.yaml"}),
+              ElementsAre(HasSubstr("robot.yaml:1:1: fault: Unknown key \"component\" at the top level. Did you mean "
+                                    "\"components\"?")));
+  EXPECT_THAT(files.Findings({"robot.yaml", "--section", "component"}), IsEmpty()) << "The section of a program.";
+}
+
 TEST(HgrosCheck, TellsWhichListLacksAChannel) {
   ConfigFiles files;
   files.Add("robot1.yaml", "network:\n  publisher: {ip: 'tcp://*:5553', channels: [pose, scan]}\n");

@@ -158,6 +158,8 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
   ExpectFault("a: 1\ncomponents: {a: {type: x/A}}", "robot.yaml:1:1: Unknown key \"a\" at the top level.");
   ExpectFault("component: {}\ncomponents: {a: {type: x/A}}", "Did you mean \"components\"?");
   ExpectFault("processes: {}", "The file has no \"components\".");
+  ExpectFault("component: {a: {type: x/A}}",
+              "robot.yaml:1:1: Unknown key \"component\" at the top level. Did you mean \"components\"?");
   ExpectFault("components: {}", "components has no component.");
   ExpectFault("components: {a: {typ: y, type: x}}",
               "robot.yaml:1:18: Unknown key \"typ\" in components.a. Did you mean \"type\"?");
@@ -218,6 +220,11 @@ TEST(RobotFileTest, TellsRobotFilesFromOthers) {
   EXPECT_FALSE(RobotFile::Is(folder.path() / "none.yaml"));
   EXPECT_TRUE(RobotFile::Is(folder.Write("d.yaml", "include: none.yaml"))) << "Its fault is that of a robot file.";
   EXPECT_TRUE(RobotFile::Is(folder.Write("e.yaml", "include: e.yaml")));
+  const auto similar = folder.Write("f.yaml", "component: {a: {type: x}}");
+  EXPECT_TRUE(RobotFile::Is(similar));
+  EXPECT_FALSE(RobotFile::Is(similar, {"component"})) << "The section of a program.";
+  EXPECT_TRUE(RobotFile::Is(folder.Write("g.yaml", "processes: {p: {components: [a]}}")));
+  EXPECT_FALSE(RobotFile::Is(folder.Write("h.yaml", "network: {}\ncompass: {}")));
 }
 
 TEST(RobotFileTest, ReadsHosts) {

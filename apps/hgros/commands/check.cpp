@@ -170,7 +170,7 @@ int CheckCommand::Run(Surroundings& surroundings) {
   FileFindings findings;
   std::vector<DescribedProcess> processes;
   for (const std::string& files : files_) {
-    if (RobotFile::Is(files)) {
+    if (RobotFile::Is(files, sections_)) {
       CheckRobotFile(files, surroundings.pause, findings);
     } else if (std::optional<DescribedProcess> process = ReadProcess(files, sections_, findings)) {
       processes.push_back(*std::move(process));

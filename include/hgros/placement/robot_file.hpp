@@ -103,9 +103,10 @@ struct HGROS_EXPORT RobotFile {
   /// The file with what it includes, its variables and the overrides in place, and the same as above from there.
   [[nodiscard]] static yaml::Document Assemble(const std::filesystem::path& file, const RobotFileOptions& options = {});
   [[nodiscard]] static CheckedRobotFile Check(const yaml::Document& document, const RobotFileOptions& options = {});
-  /// Whether a file has components, or includes a file that cannot be read, and so is a robot file. False if the file
-  /// itself cannot be read.
-  [[nodiscard]] static bool Is(const std::filesystem::path& file);
+  /// Whether a file is a robot file: it has a section that only those have, a key similar to "components", or includes
+  /// a file that cannot be read. Keys in `sections_of_program` do not count. False if the file itself cannot be read.
+  [[nodiscard]] static bool Is(const std::filesystem::path& file,
+                               const std::vector<std::string>& sections_of_program = {});
 
   /// Null if there is none of that name.
   [[nodiscard]] const RobotComponent* FindComponent(std::string_view name) const;
