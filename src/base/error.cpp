@@ -1,5 +1,9 @@
 #include "hgros/base/error.hpp"
 
+#include <charconv>
+#include <system_error>
+#include <vector>
+
 namespace hgros {
 namespace {
 
@@ -20,8 +24,30 @@ std::string FilePosition::ToString() const {
   return text;
 }
 
+FilePosition FilePosition::From(std::string_view text) {
+  std::vector<int> numbers;
+  while (numbers.size() < 2) {
+    const std::size_t colon = text.rfind(':');
+    if (colon == std::string_view::npos) break;
+    const std::string_view digits = text.substr(colon + 1);
+    int number = 0;
+    const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    if (fault != std::errc() || end != digits.data() + digits.size()) break;
+    numbers.insert(numbers.begin(), number);
+    text = text.substr(0, colon);
+  }
+  return {std::string(text), numbers.empty() ? 0 : numbers[0], numbers.size() < 2 ? 0 : numbers[1]};
+}
+
 Error::Error(std::string_view what, std::string_view where, std::string_view mend)
     : std::runtime_error(Join(what, where, mend)), where_(where), mend_(mend) {}
+
+std::string Error::sentence() const {
+  std::string text = what();
+  if (!mend_.empty()) text.resize(text.size() - mend_.size() - 1);
+  if (!where_.empty()) text.erase(0, where_.size() + 2);
+  return text;
+}
 
 ConfigError::ConfigError(std::string_view what, const FilePosition& position, std::string_view mend)
     : Error(what, position.ToString(), mend) {}

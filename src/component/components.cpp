@@ -33,18 +33,32 @@ std::string Named(const ComponentSetup& setup) {
   return "Component \"" + setup.name + "\"" + type + ": ";
 }
 
-// The same error with the component's name before it.
-[[noreturn]] void Rethrow(const ComponentSetup& setup) {
+Error NamedError(const ComponentSetup& setup, const Error& error) {
+  return Error(Named(setup) + error.sentence(), error.where(), error.mend());
+}
+
+// The error that is handled, with the component's name.
+Error CurrentError(const ComponentSetup& setup) {
   try {
     throw;
+  } catch (const Error& error) {
+    return NamedError(setup, error);
   } catch (const std::exception& error) {
-    throw Error(Named(setup) + error.what());
+    return Error(Named(setup) + error.what());
   } catch (...) {
-    throw Error(Named(setup) + "it threw something that is no std::exception.");
+    return Error(Named(setup) + "it threw something that is no std::exception.");
   }
 }
 
+std::string AllOf(const std::vector<Error>& faults) {
+  std::string all;
+  for (const Error& one : faults) all += (all.empty() ? "" : " ") + std::string(one.what());
+  return all;
+}
+
 }  // namespace
+
+ComponentError::ComponentError(std::vector<Error> faults) : Error(AllOf(faults)), faults_(std::move(faults)) {}
 
 class Components::Core {
  public:
@@ -92,17 +106,18 @@ class Components::Core {
     if (Find(setup.name) != nullptr) {
       throw Error("There are two components named \"" + setup.name + "\".", {}, "Give one another name.");
     }
+    std::vector<Error> faults;
     try {
       auto one = std::make_unique<One>(
           ContextCore::Means{session_, options_, [this]() -> Transforms& { return SharedTransforms(); }},
           type == nullptr ? FindComponentType(setup.type) : *type, setup);
-      one->component = one->type.construct(one->core.context());
-      one->core.EndConstruction();
-      if (setup.state) Restore(*one, *setup.state);
-      return *all_.emplace_back(std::move(one));
+      faults = Construct(*one, setup);
+      if (faults.empty() && setup.state) Restore(*one, *setup.state);
+      if (faults.empty()) return *all_.emplace_back(std::move(one));
     } catch (...) {
-      Rethrow(setup);
+      faults.push_back(CurrentError(setup));
     }
+    throw ComponentError(std::move(faults));
   }
 
   void Join() {
@@ -116,7 +131,7 @@ class Components::Core {
       } catch (...) {
         one->core.EndInputs();
         one->core.SetState(ComponentState::kFailed, "It could not join.");
-        Rethrow(one->core.setup());
+        throw CurrentError(one->core.setup());
       }
     }
   }
@@ -144,7 +159,7 @@ class Components::Core {
       try {
         state = one.component->Save();
       } catch (...) {
-        Rethrow(one.core.setup());
+        throw CurrentError(one.core.setup());
       }
     };
     if (!one.core.guard()->TryAlone(std::chrono::steady_clock::now() + patience, save)) {
@@ -174,6 +189,19 @@ class Components::Core {
   [[nodiscard]] const std::vector<std::unique_ptr<One>>& all() const noexcept { return all_; }
 
  private:
+  // Returns all faults.
+  static std::vector<Error> Construct(One& one, const ComponentSetup& setup) {
+    std::vector<Error> faults;
+    try {
+      one.component = one.type.construct(one.core.context());
+    } catch (...) {
+      faults.push_back(CurrentError(setup));
+    }
+    const bool returned = one.component != nullptr;
+    for (const Error& fault : one.core.EndConstruction(returned)) faults.push_back(NamedError(setup, fault));
+    return faults;
+  }
+
   static void Restore(One& one, const RawMessage& state) {
     if (one.type.state == nullptr) {
       throw Error("It got the state of another instance, but its class has no Restore.", {},

@@ -36,6 +36,7 @@ void Context::Fail(std::string sentence) { core_.EndBySelf(ComponentState::kFail
 
 Session& Context::session() noexcept { return core_.session(); }
 const std::shared_ptr<ComponentGuard>& Context::guard() noexcept { return core_.guard(); }
+bool Context::NoteFault(std::string_view param, const ParamError& fault) { return core_.NoteFault(param, fault); }
 std::string Context::NameHere(std::string_view name) { return core_.NameHere(name); }
 std::string Context::AddOutput(std::string_view channel, const TypeInfo& type) {
   return core_.AddOutput(channel, type.name, type.fingerprint);

@@ -320,37 +320,51 @@ void ContextCore::EndTimers() { End(timers_); }
 
 void ContextCore::EndInputs() { End(inputs_); }
 
-void ContextCore::EndConstruction() {
+bool ContextCore::NoteFault(std::string_view param, const ParamError& fault) {
+  const std::scoped_lock lock(mutex_);
+  if (!constructed_) faulty_params_.emplace(param, fault);
+  return !constructed_;
+}
+
+std::vector<Error> ContextCore::EndConstruction(bool returned) {
   std::set<std::string> names;
   std::set<std::string> nodes;
+  std::set<std::string> declared;
+  std::vector<Error> faults;
   {
     const std::scoped_lock lock(mutex_);
     constructed_ = true;
     description_.params = params_.Declarations();
     names = names_;
     nodes = nodes_;
-    if (status_.state == ComponentState::kFailed) throw Error(status_.sentence);
+    for (const auto& [param, fault] : faulty_params_) {
+      declared.insert(param);
+      faults.push_back(fault);
+    }
+    if (status_.state == ComponentState::kFailed) faults.emplace_back(status_.sentence);
   }
+  if (!returned) return faults;  // Otherwise its names are not all known.
   for (const auto& [from, to] : setup_.remap) {
     if (names.contains(from)) continue;
-    throw Error("remap names the channel or service " + Quoted(from) + ", which " + setup_.type + " does not use.", {},
-                Offer(from, names, "channels and services"));
+    faults.emplace_back(
+        "remap names the channel or service " + Quoted(from) + ", which " + setup_.type + " does not use.", "",
+        Offer(from, names, "channels and services"));
   }
   for (const auto& [node, override] : setup_.nodes) {
     if (nodes.contains(node)) continue;
-    throw Error("nodes names " + Quoted(node) + ", which is no node of " + setup_.type + ".", {},
-                Offer(node, nodes, "nodes"));
+    faults.emplace_back("nodes names " + Quoted(node) + ", which is no node of " + setup_.type + ".", "",
+                        Offer(node, nodes, "nodes"));
   }
-  std::set<std::string> declared;
   for (const ParamDeclaration& one : description_.params) declared.insert(one.path);
   std::vector<std::string> set;
   AddLeaves(params_.Snapshot(), set);
   for (const std::string& path : set) {
     if (std::ranges::any_of(declared, [&](const std::string& one) { return IsAtOrBelow(path, one); })) continue;
     const ParamView view = params_.Snapshot().At(path);
-    throw ParamError(setup_.type + " has no parameter " + Quoted(path) + ".", view.node()->origin.ToString(),
-                     Offer(path, declared, "parameters"));
+    faults.emplace_back(setup_.type + " has no parameter " + Quoted(path) + ".", view.node()->origin.ToString(),
+                        Offer(path, declared, "parameters"));
   }
+  return faults;
 }
 
 }  // namespace hgros

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -13,6 +14,7 @@
 #include "hgros/component/component_description.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/component/context.hpp"
+#include "hgros/params/param_error.hpp"
 #include "hgros/params/param_server.hpp"
 
 namespace hgros {
@@ -36,8 +38,9 @@ class ContextCore {
   [[nodiscard]] const ComponentDescription& description() const noexcept { return description_; }
   [[nodiscard]] ComponentStatus status() const;
 
-  // The constructor has returned. Throws Error for what the setup names and the component does not have.
-  void EndConstruction();
+  // Returns wrong values of parameters, and if the constructor has returned, what the setup names and the component
+  // does not have.
+  [[nodiscard]] std::vector<Error> EndConstruction(bool returned);
   // The inputs and services.
   void Join();
   // The timers. Does nothing once the component has ended by itself.
@@ -53,6 +56,8 @@ class ContextCore {
   [[nodiscard]] ParamServer& params() noexcept { return params_; }
   [[nodiscard]] Log& log() noexcept { return log_; }
   [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
+  // Keeps what is wrong with a parameter for EndConstruction(). False if the constructor has returned.
+  [[nodiscard]] bool NoteFault(std::string_view param, const ParamError& fault);
   [[nodiscard]] std::string NameHere(std::string_view name);
   [[nodiscard]] std::string AddOutput(std::string_view channel, const std::string& type, std::uint64_t fingerprint);
   [[nodiscard]] std::string AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply);
@@ -99,6 +104,7 @@ class ContextCore {
   bool constructed_ = false;
   std::set<std::string> names_;  // Channels and services that the component has named.
   std::set<std::string> nodes_;  // Names of its nodes, within the component.
+  std::map<std::string, Error> faulty_params_;
   Stage inputs_;
   Stage timers_;
 };

@@ -14,6 +14,16 @@ TEST(FilePosition, OmitsUnknownParts) {
   EXPECT_EQ(FilePosition{}.ToString(), "");
 }
 
+TEST(FilePosition, IsReadFromItsText) {
+  for (const FilePosition& one : {FilePosition{"net.yaml", 3, 7}, FilePosition{"net.yaml", 3, 0},
+                                  FilePosition{"a:b/net.yaml", 0, 0}, FilePosition{}}) {
+    const FilePosition read = FilePosition::From(one.ToString());
+    EXPECT_EQ(read.file, one.file);
+    EXPECT_EQ(read.line, one.line);
+    EXPECT_EQ(read.column, one.column);
+  }
+}
+
 TEST(Error, NamesPlaceFaultAndFix) {
   const Error error("The port is taken.", "net.yaml:3", "Choose another one.");
   EXPECT_STREQ(error.what(), "net.yaml:3: The port is taken. Choose another one.");
@@ -33,6 +43,11 @@ TEST(Error, KeepsItsPartsWhenCopied) {
   }
   EXPECT_STREQ(copy.what(), "where: What. Mend.");
   EXPECT_EQ(copy.where(), "where");
+}
+
+TEST(Error, HasASentenceWithoutPlaceAndMend) {
+  EXPECT_EQ(Error("It is off.", "a.yaml:1", "Turn it on.").sentence(), "It is off.");
+  EXPECT_EQ(Error("It is off.").sentence(), "It is off.");
 }
 
 TEST(ConfigError, PutsTheFilePositionFirstAndIsAnError) {

@@ -222,6 +222,26 @@ TEST(Components, RefuseToRenameOrSetUpWhatTheyDoNotHave) {
               ThrowsMessage<Error>(AllOf(HasSubstr("\"poses\""), HasSubstr("Did you mean \"pose\"?"))));
 }
 
+TEST(Components, TellAllFaultsOfASetup) {
+  Process process;
+  ComponentSetup setup = WithParam("step", "500");
+  setup.params.overrides.push_back({"half", "1", "robot.yaml:8:3"});
+  setup.remap = {{"pos", "front/pose"}};
+  setup.nodes["poses"].queue = Queue::KeepAll(3);
+  try {
+    process.components->Add(setup);
+    FAIL();
+  } catch (const ComponentError& error) {
+    std::vector<std::string> places;
+    for (const Error& fault : error.faults()) {
+      EXPECT_THAT(fault.what(), HasSubstr("Component \"counter\" (test/Counter): "));
+      EXPECT_THAT(error.what(), HasSubstr(fault.what()));
+      places.push_back(fault.where());
+    }
+    EXPECT_THAT(places, ElementsAre("robot.yaml:7:3", "", "", "robot.yaml:8:3"));
+  }
+}
+
 TEST(Components, RefuseATypeThatIsUnknownAndANameThatIsTaken) {
   Process process;
   EXPECT_THAT([&] { process.components->Add({.name = "counter", .type = "test/Conter"}); },

@@ -1,7 +1,6 @@
 #include "check/described_process.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <system_error>
 
@@ -68,22 +67,6 @@ void AddEndpoints(const Document& document, DescribedProcess& process) {
   }
 }
 
-// "file:line:column", where the last parts may be missing.
-FilePosition PositionFrom(std::string_view where) {
-  std::vector<int> numbers;
-  while (numbers.size() < 2) {
-    const std::size_t colon = where.rfind(':');
-    if (colon == std::string_view::npos) break;
-    const std::string_view digits = where.substr(colon + 1);
-    int number = 0;
-    const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (fault != std::errc() || end != digits.data() + digits.size()) break;
-    numbers.insert(numbers.begin(), number);
-    where = where.substr(0, colon);
-  }
-  return {std::string(where), numbers.empty() ? 0 : numbers[0], numbers.size() < 2 ? 0 : numbers[1]};
-}
-
 void AddProgramSections(const Document& document, std::vector<std::string>& sections, FileFindings& findings) {
   const std::vector<std::string> known = ConfigSections();
   for (const Node::Entry& entry : document.root().entries) {
@@ -110,10 +93,7 @@ bool PassesAny(const std::vector<DescribedEndpoint>& endpoints, std::string_view
 }
 
 FileFinding FindingOf(const ConfigError& fault) {
-  std::string what = fault.what();
-  if (!fault.where().empty()) what.erase(0, fault.where().size() + 2);
-  if (!fault.mend().empty()) what.resize(what.size() - fault.mend().size() - 1);
-  return {Severity::kFault, "file", PositionFrom(fault.where()), what, fault.mend()};
+  return {Severity::kFault, "file", FilePosition::From(fault.where()), fault.sentence(), fault.mend()};
 }
 
 FilePosition DescribedProcess::PlaceOf(std::initializer_list<std::string_view> keys) const {

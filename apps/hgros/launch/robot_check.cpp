@@ -22,7 +22,10 @@ CheckedRobot CheckRobot(const RobotFile& robot, const ComponentCatalog& catalog,
     if (tried.description) {
       checked.descriptions.push_back(*std::move(tried.description));
     } else {
-      checked.findings.push_back({true, component.at, std::move(tried.fault), {}});
+      for (const Error& fault : tried.faults) {
+        const FilePosition at = fault.where().empty() ? component.at : FilePosition::From(fault.where());
+        checked.findings.push_back({true, at, fault.sentence(), fault.mend()});
+      }
     }
   }
   for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) checked.findings.push_back(std::move(one));

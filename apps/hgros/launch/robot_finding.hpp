@@ -9,15 +9,11 @@ namespace hgros::cli {
 /// Something that a robot lacks, or that its components do not agree on.
 struct RobotFinding {
   bool fault = false;  ///< Otherwise a warning: a program, or another robot, may have what is missing.
-  FilePosition at;     ///< Of the component.
+  FilePosition at;     ///< Of the wrong value, or of the component.
   std::string what;
   std::string fix;
 
-  /// All of it. A fault of a value has a place of its own.
-  [[nodiscard]] std::string Text() const {
-    const bool has_place = what.find(at.file + ":") != std::string::npos;
-    return (has_place ? what : at.ToString() + ": " + what) + (fix.empty() ? "" : " " + fix);
-  }
+  [[nodiscard]] std::string Text() const { return at.ToString() + ": " + what + (fix.empty() ? "" : " " + fix); }
 };
 
 }  // namespace hgros::cli

@@ -118,7 +118,7 @@ void FarEnd::CheckLibraries(const RobotProcess& process) const {
     if (one.description) {
       descriptions.push_back(*std::move(one.description));
     } else {
-      faults.push_back(std::move(one.fault));
+      for (const Error& fault : one.faults) faults.emplace_back(fault.what());
     }
   }
   std::string mend;

@@ -51,9 +51,11 @@ class Teller {
     step.set_loads(library);
     Tell(step);
   }
-  void Fault(const std::string& what) {
+  void Fault(const Error& fault) {
     TrialStep step;
-    step.set_fault(what);
+    step.mutable_fault()->set_what(fault.sentence());
+    step.mutable_fault()->set_where(fault.where());
+    step.mutable_fault()->set_mend(fault.mend());
     Tell(step);
   }
 
@@ -72,8 +74,10 @@ class DryRun {
       *step.mutable_made() = MessageOf(components_.Add(setup));
       components_.End(setup.name);  // A destructor may fail, too.
       teller_.Tell(step);
+    } catch (const ComponentError& error) {
+      for (const Error& fault : error.faults()) teller_.Fault(fault);
     } catch (const std::exception& error) {
-      teller_.Fault(error.what());
+      teller_.Fault(Error(error.what()));
     }
   }
 
@@ -109,8 +113,8 @@ void TryEach(Teller& teller, const std::vector<ComponentSetup>& setups, const Co
     try {
       teller.Load(catalog.Find(setup.type).file.string());
       (void)catalog.Load(setup.type);
-    } catch (const std::exception& error) {
-      teller.Fault("Component \"" + setup.name + "\": " + error.what());
+    } catch (const Error& error) {
+      teller.Fault(Error("Component \"" + setup.name + "\": " + error.sentence(), error.where(), error.mend()));
       continue;
     }
     teller.Load({});
@@ -139,7 +143,7 @@ using Body = std::function<void(Teller& teller, const TriedNames& known)>;
     step.set_done(true);
     teller.Tell(step);
   } catch (const std::exception& error) {
-    teller.Fault(error.what());
+    teller.Fault(Error(error.what()));
   }
   _exit(0);
 }
@@ -245,10 +249,11 @@ class Trials {
     TrialStep step;
     while (true) {
       switch (trial.Next(step, pause)) {
-        case Trial::Heard::kEnd: return NoteFault(Doing() + "does not return: " + EndText(trial.End(pause)) + ".");
+        case Trial::Heard::kEnd:
+          return NoteFault(Error(Doing() + "does not return: " + EndText(trial.End(pause)) + "."));
         case Trial::Heard::kLate:
           (void)trial.Kill();
-          return NoteFault(Doing() + "took longer than " + std::to_string(kPatience.count()) + " s.");
+          return NoteFault(Error(Doing() + "took longer than " + std::to_string(kPatience.count()) + " s."));
         case Trial::Heard::kStep: break;
       }
       if (step.has_begins()) {
@@ -260,7 +265,7 @@ class Trials {
       } else if (step.has_made()) {
         tried_.push_back({name_, DescriptionFrom(step.made()), {}});
       } else if (step.has_fault()) {
-        NoteFault(step.fault());
+        NoteFault(Error(step.fault().what(), step.fault().where(), step.fault().mend()));
         if (ended_) return;
       } else {
         ended_ = true;
@@ -276,12 +281,13 @@ class Trials {
     return component + (name_.empty() ? "Loading the library " : "loading its library " + loads_ + " ");
   }
 
-  void NoteFault(std::string what) {
+  void NoteFault(const Error& fault) {
     if (name_.empty()) {
-      fault_ = std::move(what);
+      fault_ = fault.what();
       ended_ = true;
     } else {
-      tried_.push_back({name_, {}, std::move(what)});
+      if (tried_.empty() || tried_.back().name != name_) tried_.push_back({name_, {}, {}});
+      tried_.back().faults.push_back(fault);
     }
   }
 

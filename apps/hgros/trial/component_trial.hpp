@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hgros/base/error.hpp"
 #include "hgros/component/component_catalog.hpp"
 #include "hgros/component/component_description.hpp"
 #include "hgros/component/components.hpp"
@@ -17,7 +18,7 @@ class Pause;
 struct TriedComponent {
   std::string name;                                 ///< Of the setup; without one, its type.
   std::optional<ComponentDescription> description;  ///< Empty: it could not be constructed.
-  std::string fault;                                ///< Why not: a sentence that names it.
+  std::vector<Error> faults;                        ///< Why not. Each names it.
 };
 
 /// What a trial of a library has found.

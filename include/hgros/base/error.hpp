@@ -16,6 +16,8 @@ struct HGROS_EXPORT FilePosition {
 
   /// "file:line:column" without the unknown parts.
   [[nodiscard]] std::string ToString() const;
+  /// The same position from such a text.
+  [[nodiscard]] static FilePosition From(std::string_view text);
 };
 
 /// Thrown while a program is set up: configuration, types, names, endpoints. The data path never throws.
@@ -26,6 +28,8 @@ class HGROS_EXPORT Error : public std::runtime_error {
   /// `where` and `mend` may be empty. Sentences, without a final line break.
   explicit Error(std::string_view what, std::string_view where = {}, std::string_view mend = {});
 
+  /// what() without the other two.
+  [[nodiscard]] std::string sentence() const;
   [[nodiscard]] const std::string& where() const noexcept { return where_; }
   [[nodiscard]] const std::string& mend() const noexcept { return mend_; }
 

@@ -16,6 +16,7 @@
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/component/component.hpp"
 #include "hgros/component/component_description.hpp"
+#include "hgros/component/component_error.hpp"
 #include "hgros/session/session.hpp"
 
 namespace hgros {
@@ -80,9 +81,9 @@ class HGROS_EXPORT Components {
   /// Constructs a component, and restores its state if there is one. If components were joined or started before, Join
   /// and Start must follow. Returns what it uses.
   ///
-  /// Errors: throws Error, beginning with the component's name, if the type is not registered, the name is taken, the
-  /// constructor throws, the state cannot be restored, or the setup has a remap, node or parameter that the component
-  /// does not know (it names the nearest). Nothing is left of the component.
+  /// Errors: throws Error if the name is taken, and ComponentError with all faults if the type is not registered, the
+  /// constructor throws, the state cannot be restored, a parameter has a wrong value, or the setup has a remap, node or
+  /// parameter that the component does not know (it names the nearest). Nothing is left of the component.
   const ComponentDescription& Add(const ComponentSetup& setup);
   /// The same with a type that need not be registered; ComponentSetup::type is not used.
   const ComponentDescription& Add(const ComponentType& type, ComponentSetup setup);

@@ -12,6 +12,7 @@
 #include "hgros/component/service_client.hpp"
 #include "hgros/internal/base/call_site.hpp"
 #include "hgros/internal/component/wiring.hpp"
+#include "hgros/params/param_error.hpp"
 #include "hgros/params/param_server.hpp"
 #include "hgros/session/session.hpp"
 
@@ -109,10 +110,15 @@ class HGROS_EXPORT Context {
   /// exists.
   [[nodiscard]] std::unique_ptr<ClockPublisher> PublishClock(std::shared_ptr<SimulatedClock> clock);
 
-  /// As ParamServer::Declare, for a parameter of this component. Declare in the constructor.
+  /// As ParamServer::Declare, in the constructor. A wrong value is an error once that has returned; it gets `fallback`.
   template <class T>
   T Declare(std::string_view path, const T& fallback, ParamInfo info = {}) {
-    return params().Declare(path, fallback, std::move(info));
+    try {
+      return params().Declare(path, fallback, std::move(info));
+    } catch (const ParamError& fault) {
+      if (!NoteFault(path, fault)) throw;
+      return fallback;
+    }
   }
   /// The parameters of this component, which others see under its name.
   [[nodiscard]] ParamServer& params() noexcept;
@@ -131,6 +137,7 @@ class HGROS_EXPORT Context {
  private:
   [[nodiscard]] Session& session() noexcept;
   [[nodiscard]] const std::shared_ptr<ComponentGuard>& guard() noexcept;
+  [[nodiscard]] bool NoteFault(std::string_view param, const ParamError& fault);
   [[nodiscard]] std::string NameHere(std::string_view name);
   [[nodiscard]] std::string AddOutput(std::string_view channel, const TypeInfo& type);
   [[nodiscard]] std::string AddCalled(std::string_view service, const TypeInfo& request, const TypeInfo& reply);

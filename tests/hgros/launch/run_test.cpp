@@ -182,10 +182,32 @@ TEST(HgrosRun, TellsEveryFaultBeforeAnythingRuns) {
       end.err,
       AllOf(HasSubstr("robot.yaml:2:3: Component \"a\": There is no component type \"relay/Number\". Did you mean "
                       "\"relay/Numbers\"?"),
-            HasSubstr("hgros: Component \"b\""), HasSubstr("robot.yaml:3:43: relay/Checker has no parameter"),
+            HasSubstr("robot.yaml:3:43: Component \"b\" (relay/Checker): relay/Checker has no parameter \"cout\"."),
             HasSubstr("Did you mean \"count\"?"), HasSubstr("Did you mean \"number\"?"),
             HasSubstr("robot.yaml:5:3: Component \"d\" (relay/Does): there is no laser at /dev/ttyUSB0"),
             HasSubstr("robot.yaml:8:44"), HasSubstr("foxglove.PoseInFrame")));
+}
+
+TEST(HgrosRun, TellsEveryFaultOfOneComponent) {
+  const RobotFolder robot(
+      "components:\n"
+      "  a:\n"
+      "    type: words/Counter\n"
+      "    params: {step: 11, stop: 1, half: 2}\n"
+      "    remap: {wrd: x, rest: y}\n"
+      "    nodes: {wurd: {queue: latest}}\n");
+  for (const std::string command : {"run", "check"}) {
+    const CommandEnd end = RunToEnd({command, robot.file()}, robot.environment());
+    EXPECT_EQ(end.status, 1);
+    EXPECT_THAT(end.out + end.err,
+                AllOf(ContainsRegex("robot.yaml:4:20: .*step must be from 1.0 to 10.0 words"),
+                      ContainsRegex("robot.yaml:4:30: .*has no parameter \"stop\". Did you mean \"step\"?"),
+                      ContainsRegex("robot.yaml:4:39: .*has no parameter \"half\". It has: step."),
+                      ContainsRegex("robot.yaml:2:3: .*the channel or service \"wrd\".*Did you mean \"word\"?"),
+                      ContainsRegex("robot.yaml:2:3: .*the channel or service \"rest\".*Did you mean \"reset\"?"),
+                      ContainsRegex("robot.yaml:2:3: .*nodes names \"wurd\".*Did you mean \"word\"?")))
+        << command;
+  }
 }
 
 TEST(HgrosRun, WarnsOfChannelsAndServicesWithOneEnd) {

@@ -98,7 +98,7 @@ int ComponentsCommand::Check(const std::vector<TriedLibrary>& tried) const {
   for (const TriedLibrary& library : tried) {
     for (const TriedComponent& one : library.components) {
       if (std::ranges::find(has_, one.name) == has_.end() || one.description) continue;
-      throw Error(one.fault);
+      throw Error(one.faults.front());
     }
   }
   return kDone;
@@ -118,7 +118,7 @@ void ComponentsCommand::List(Console& console, const std::vector<TriedLibrary>& 
     const std::string shown = Visible(library.file.filename().string());
     for (const TriedComponent& one : library.components) {
       if (!one.description) {
-        records.Add({one.name, {}, {}, {}, {}, one.fault, Cell(file, shown)});
+        records.Add({one.name, {}, {}, {}, {}, one.faults.front().what(), Cell(file, shown)});
         continue;
       }
       std::vector<std::string> services;
@@ -199,7 +199,7 @@ int ComponentsCommand::Run(Surroundings& surroundings) {
                                                                          : library.fault);
     if (!has_.empty()) continue;
     for (const TriedComponent& one : library.components) {
-      if (!one.description) say(library.file.string() + ": " + one.fault);
+      if (!one.description) say(library.file.string() + ": " + one.faults.front().what());
     }
   }
   if (!has_.empty()) return faults ? kFailed : Check(tried);
