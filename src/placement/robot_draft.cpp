@@ -149,6 +149,7 @@ RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
   read_all("programs", "a map from names to programs", [this](const Field& field) { ReadProgram(field); });
   PlaceOthers();
   CheckNames();
+  CheckPorts();
   const RobotHost* home = robot_.FindHost({});
   const std::string_view here = home != nullptr && home->name == host ? std::string_view() : host;
   std::array<const RobotProcess*, 2> of_robot{};  // Without sections of their own: their faults are reported once.

@@ -21,6 +21,7 @@ class RobotDraft {
  private:
   void ReadHost(const yaml::Field& field);
   void CheckHosts() const;
+  void CheckPorts() const;
   void ReadHostOf(const yaml::Section& section, RobotUnit& unit) const;
   void ReadComponent(const yaml::Field& field);
   void ReadProcess(const yaml::Field& field);

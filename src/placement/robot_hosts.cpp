@@ -55,13 +55,13 @@ void RobotDraft::ReadHost(const Field& field) {
     throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a host.", field.key_position,
                       "Use letters, digits, \"_\" and \"-\".");
   }
-  const Section section(field.value, "a map with address",
-                        {"address", "port", "key", "secret_key_file", "home", "ssh", "hgros"});
-  RobotHost host;
+  RobotHost& host = robot_.hosts.emplace_back();  // Whatever is wrong with it: others may name it.
   host.name = field.key;
   host.at = field.key_position;
   host.port = kFirstPort;
   host.address = field.key;
+  const Section section(field.value, "a map with address",
+                        {"address", "port", "key", "secret_key_file", "home", "ssh", "hgros"});
   section.Read("address", [&](const Value& address) { host.address = ReadAddress(address); });
   section.Read("port", [&](const Value& port) { host.port = static_cast<int>(port.Integer(1, kMostPort)); });
   section.Read("home", [&](const Value& home) { host.home = home.Boolean(); });
@@ -88,7 +88,6 @@ void RobotDraft::ReadHost(const Field& field) {
         lacks_key ? "Add the public key that `hgros-keygen` has printed."
                   : "Name the file that `hgros-keygen` has written on that host.");
   }
-  robot_.hosts.push_back(std::move(host));
 }
 
 void RobotDraft::CheckHosts() const {
@@ -106,6 +105,25 @@ void RobotDraft::CheckHosts() const {
                       host.at, "`hgros run` is started on one. Keep that one."));
     }
     home = &host;
+  }
+}
+
+// Each process of a host has a port of its own.
+void RobotDraft::CheckPorts() const {
+  const auto end_of = [this](const RobotHost& host) {
+    const std::string name = host.home ? std::string() : host.name;
+    const auto processes = std::ranges::count(robot_.processes, name, &RobotProcess::host);
+    return host.port + std::max(1, static_cast<int>(processes));
+  };
+  for (auto second = robot_.hosts.begin(); second != robot_.hosts.end(); ++second) {
+    for (auto first = robot_.hosts.begin(); first != second; ++first) {
+      const int port = std::max(first->port, second->port);
+      if (first->address != second->address || port >= std::min(end_of(*first), end_of(*second))) continue;
+      faults_.Report(ConfigError("The hosts " + yaml::Quoted(first->name) + " and " + yaml::Quoted(second->name) +
+                                     " have the same address, " + second->address + ", and both use its port " +
+                                     std::to_string(port) + ".",
+                                 second->at, "Correct the address of one, or give it another `port`."));
+    }
   }
 }
 

@@ -161,6 +161,7 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
   ExpectFault("component: {a: {type: x/A}}",
               "robot.yaml:1:1: Unknown key \"component\" at the top level. Did you mean \"components\"?");
   ExpectFault("components: {}", "components has no component.");
+  ExpectFault("components: [a]", "components must be a map from names to components, but is a list.");
   ExpectFault("components: {a: {typ: y, type: x}}",
               "robot.yaml:1:18: Unknown key \"typ\" in components.a. Did you mean \"type\"?");
   ExpectFault("components: {a: {type: [x]}}", "components.a.type must be the name of a component type");
@@ -266,6 +267,12 @@ TEST(RobotFileTest, FaultsOfHostsHaveAPlaceAndTheNearestName) {
   expect("hosts: {b: {key: short, secret_key_file: /k}}", "hosts.b.key has 5 characters, but a key has 40");
   expect("hosts: {b: {secret_key_file: /k}}", "hosts.b has a secret_key_file, but no key");
   expect("hosts: {a: {home: true}, b: {home: true}}", "2:26: Two hosts are home: \"a\" and \"b\".");
+  expect("hosts: {a: {address: 10.0.0.1}, b: {address: 10.0.0.1}}",
+         "2:33: The hosts \"a\" and \"b\" have the same address, 10.0.0.1, and both use its port 5650.");
+  expect("hosts: {a: {address: h, home: true}, b: {address: h, port: 5651}}\nprocesses: {p: {}, q: {}}",
+         "and both use its port 5651. Correct the address of one, or give it another `port`.");
+  expect("hosts: {base: {home: 1}}\nprocesses: {p: {host: base}}", "hosts.base.home must be true or false");
+  expect("hosts: {base: 5}\nprocesses: {p: {host: base}}", "hosts.base must be a map with address");
   expect("hosts: {base: }\nprocesses: {p: {host: bas}}",
          "3:23: processes.p.host is \"bas\", which is no host of the robot. Did you mean \"base\"?");
   const std::string key = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
@@ -273,6 +280,12 @@ TEST(RobotFileTest, FaultsOfHostsHaveAPlaceAndTheNearestName) {
   expect("hosts: {a: {key: '" + key + "', secret_key_file: k}}", "hosts.a.secret_key_file must be a full path");
   expect("hosts: {a: {key: '" + key + "', secret_key_file: /k}, b: }",
          "The host \"b\" has no key, but others have one.");
+}
+
+TEST(RobotFileTest, HostsOfOneAddressMayHavePortsOfTheirOwn) {
+  EXPECT_TRUE(FaultsOf("hosts: {a: {address: h, home: true}, b: {address: h, port: 5652}}\n"
+                       "components: {a: {type: x}}\nprocesses: {p: {}}")
+                  .empty());
 }
 
 TEST(RobotFileTest, SectionsOfTheRobotAreOfNoOtherProcess) {
