@@ -2,27 +2,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace hgros::cli {
 namespace {
-
-class Files {
- public:
-  // Line 0 is empty.
-  const std::vector<std::string>& LinesOf(const std::string& name) {
-    const auto [file, is_new] = lines_.try_emplace(name, 1);
-    std::ifstream in(is_new ? name : std::string());
-    for (std::string line; std::getline(in, line);) file->second.push_back(line);
-    return file->second;
-  }
-
- private:
-  std::map<std::string, std::vector<std::string>> lines_;
-};
 
 bool Ignores(std::string_view line, std::string_view channel) {
   constexpr std::string_view kComment = "hgros check: ignore";
@@ -43,17 +28,26 @@ bool Ignores(std::string_view line, std::string_view channel) {
 
 }  // namespace
 
+const std::vector<std::string>& IgnoreComments::LinesOf(const std::string& file) {
+  const auto [lines, is_new] = lines_.try_emplace(file, 1);
+  std::ifstream in(is_new ? file : std::string());
+  for (std::string line; std::getline(in, line);) lines->second.push_back(line);
+  return lines->second;
+}
+
+bool IgnoreComments::Ignore(const FilePosition& at, std::string_view channel) {
+  const std::vector<std::string>& lines = LinesOf(at.file);
+  const auto line = static_cast<std::size_t>(at.line);
+  if (line == 0 || line >= lines.size()) return false;
+  const bool is_comment_above = lines[line - 1].find_first_not_of(" \t") == lines[line - 1].find('#');
+  return Ignores(lines[line], channel) || (is_comment_above && Ignores(lines[line - 1], channel));
+}
+
 void RemoveIgnored(FileFindings& findings) {
-  Files files;
-  const auto is_ignored_at = [&files](const FilePosition& at, std::string_view channel) {
-    const std::vector<std::string>& lines = files.LinesOf(at.file);
-    const auto line = static_cast<std::size_t>(at.line);
-    if (line == 0 || line >= lines.size()) return false;
-    const bool is_comment_above = lines[line - 1].find_first_not_of(" \t") == lines[line - 1].find('#');
-    return Ignores(lines[line], channel) || (is_comment_above && Ignores(lines[line - 1], channel));
-  };
-  std::erase_if(findings, [&is_ignored_at](const FileFinding& one) {
-    return one.check != "file" && (is_ignored_at(one.at, one.channel) || is_ignored_at(one.other, one.channel));
+  IgnoreComments comments;
+  std::erase_if(findings, [&comments](const FileFinding& one) {
+    return one.check != "file" && one.check != "component" &&
+           (comments.Ignore(one.at, one.channel) || comments.Ignore(one.other, one.channel));
   });
 }
 

@@ -46,7 +46,8 @@ class CheckCommand final : public Command {
            "time, heartbeats. Of a robot file also the components: each is constructed once, and what they use is "
            "compared. "
            "Ends with code 1 if something is wrong. The comment `# hgros check: ignore CHANNEL` in "
-           "a line, or in the line above, ignores what is said about this channel there.";
+           "a line, or in the line above, ignores what is said about this channel there. In a robot file, it ignores "
+           "warnings.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros check robot.yaml desk.yaml", "Checks the files of two sessions, and against each other."},

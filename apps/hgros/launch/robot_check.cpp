@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "check/ignored_findings.hpp"
 #include "launch/robot_graph.hpp"
 #include "trial/component_trial.hpp"
 
@@ -28,7 +29,10 @@ CheckedRobot CheckRobot(const RobotFile& robot, const ComponentCatalog& catalog,
       }
     }
   }
-  for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) checked.findings.push_back(std::move(one));
+  IgnoreComments comments;
+  for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) {
+    if (one.fault || !comments.Ignore(one.at, one.channel)) checked.findings.push_back(std::move(one));
+  }
   return checked;
 }
 

@@ -17,7 +17,8 @@ struct CheckedRobot {
   std::vector<RobotFinding> findings;
 };
 
-/// Constructs each component in another process, where nothing of it runs, and compares what they use.
+/// Constructs each component in another process, where nothing of it runs, and compares what they use. Leaves out
+/// warnings that a comment in the file ignores.
 ///
 /// Threading and errors: as TryComponents().
 [[nodiscard]] CheckedRobot CheckRobot(const RobotFile& robot, const ComponentCatalog& catalog, Pause& pause);

@@ -12,6 +12,7 @@ struct RobotFinding {
   FilePosition at;     ///< Of the wrong value, or of the component.
   std::string what;
   std::string fix;
+  std::string channel = {};  ///< Or the service that it is about, if any.
 
   [[nodiscard]] std::string Text() const { return at.ToString() + ": " + what + (fix.empty() ? "" : " " + fix); }
 };

@@ -73,7 +73,7 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
         findings.push_back({false, end.component->at,
                             "No component publishes the channel " + InQuotes(channel) + ", to which " + InQuotes(name) +
                                 " subscribes.",
-                            nearest});
+                            nearest, channel});
         continue;
       }
       for (const End& publisher : publishers->second) {
@@ -115,7 +115,7 @@ void RobotGraph::CheckServices(std::vector<RobotFinding>& findings) const {
       if (served == served_.end()) {
         findings.push_back({false, caller.request.component->at,
                             "No component serves " + InQuotes(service) + ", which " + InQuotes(name) + " calls.",
-                            NearestKey(service, served_)});
+                            NearestKey(service, served_), service});
         continue;
       }
       const Pair& server = served->second.front();

@@ -220,6 +220,23 @@ TEST(HgrosRun, WarnsOfChannelsAndServicesWithOneEnd) {
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
 }
 
+TEST(HgrosRun, ACommentIgnoresAWarningButNoFault) {
+  const RobotFolder robot(
+      "components:\n"
+      "  a:  # hgros check: ignore number, plan\n"
+      "    type: relay/Pose\n"
+      "  # hgros check: ignore\n"
+      "  b: {type: relay/Pose}\n"
+      "  c: {type: relay/Pose}  # hgros check: ignore plan\n");
+  const auto check = [](const RobotFolder& one) { return RunToEnd({"check", one.file()}, one.environment()).out; };
+  const std::string out = check(robot);
+  EXPECT_THAT(out, AllOf(HasSubstr("robot.yaml:6:3: warning: No component publishes the channel \"number\""),
+                         Not(HasSubstr("plan")), Not(HasSubstr("\"a\"")), Not(HasSubstr("\"b\""))));
+  const RobotFolder faulty(
+      "components: {a: {type: relay/Does, params: {what: throw at start}}}  # hgros check: ignore\n");
+  EXPECT_THAT(check(faulty), HasSubstr("there is no laser"));
+}
+
 TEST(HgrosRun, FaultsOfTheFileAreAllTold) {
   const RobotFolder robot("components:\n  a: {type: x, esential: true}\nprocesses: {p: {nice: 99}}\n");
   const CommandEnd end = robot.Run();
