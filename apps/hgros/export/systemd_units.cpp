@@ -72,7 +72,7 @@ std::string TextOf(RestartPolicy policy) {
 }
 
 UnitsWriter::UnitsWriter(const ExportedRobot& exported, const SystemdOptions& options)
-    : exported_(exported), options_(options), prefix_(EscapedUnitName(exported.name)) {
+    : exported_(exported), options_(options), prefix_(EscapedRobotName(exported.name)) {
   CheckFolder(exported.file.parent_path().string());
   for (const auto& [name, value] : exported.variables) CheckVariable(name, value, {});
 }

@@ -48,6 +48,19 @@ std::string Quoted(std::string_view text) {
 
 }  // namespace
 
+std::string EscapedRobotName(std::string_view name) {
+  constexpr std::string_view kEnd = "-end";  // As in the name of the target that ends a robot.
+  const std::size_t last = name.ends_with(kEnd) ? name.size() - kEnd.size() : name.size() - 1;
+  std::string escaped;
+  for (std::size_t begin = 0; begin < name.size();) {
+    const std::size_t hyphen = std::min(name.find('-', begin), name.size());
+    escaped += EscapedUnitName(name.substr(begin, hyphen - begin));
+    if (hyphen < name.size()) escaped += hyphen == 0 || hyphen >= last ? "\\x2d" : "-";
+    begin = hyphen + 1;
+  }
+  return escaped;
+}
+
 std::string EscapedUnitName(std::string_view name) {
   std::string escaped;
   for (const char letter : name) {

@@ -6,7 +6,9 @@
 
 namespace hgros::cli {
 
-/// A part of a unit's name: characters that systemd does not allow there, and "-", become \xNN, as systemd-escape does.
+/// A part of a unit's name: characters that systemd does not allow there become \xNN, as systemd-escape does. "-" stays
+/// in that of a robot, except at its ends; in that of a unit it becomes \x2d, so that the two parts remain distinct.
+[[nodiscard]] std::string EscapedRobotName(std::string_view name);
 [[nodiscard]] std::string EscapedUnitName(std::string_view name);
 
 /// One word of ExecStart or Environment: quoted if need be, so that systemd reads exactly `text`. Specifiers (%) are

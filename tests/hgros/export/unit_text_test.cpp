@@ -12,6 +12,14 @@ TEST(UnitText, NamesOfUnitsAreEscapedAsSystemdDoes) {
   EXPECT_EQ(EscapedUnitName("\xc3\xa9"), "\\xc3\\xa9");
 }
 
+TEST(UnitText, NamesOfRobotsKeepHyphensButNoUnitHasTwoMeanings) {
+  EXPECT_EQ(EscapedRobotName("my-robot"), "my-robot");
+  EXPECT_EQ(EscapedRobotName("my robot-2"), "my\\x20robot-2");
+  EXPECT_EQ(EscapedRobotName("-a-"), "\\x2da\\x2d");
+  EXPECT_EQ(EscapedRobotName("back-end"), "back\\x2dend") << "back-end.target ends the robot named back.";
+  EXPECT_NE(EscapedRobotName("a-b") + "-" + EscapedUnitName("c"), EscapedRobotName("a") + "-" + EscapedUnitName("b-c"));
+}
+
 TEST(UnitText, WordsAreQuotedIfNeedBe) {
   EXPECT_EQ(UnitWord("A=b/c-1"), "A=b/c-1");
   EXPECT_EQ(UnitWord("A=two words"), "\"A=two words\"");
