@@ -32,7 +32,7 @@ std::string_view RestartOf(RestartPolicy policy) {
 std::string ServiceText(const ExportedRobot& exported, const ContainerOptions& options, const Container& container) {
   const RobotUnit& unit = *container.unit;
   CheckServiceName(unit);
-  std::string text = "  " + unit.name + ":\n    image: " + EngineText(options.image) +
+  std::string text = "  " + EngineText(unit.name) + ":\n    image: " + EngineText(options.image) +
                      "\n    entrypoint: " + EngineList(container.command) +
                      "\n    working_dir: " + EngineText(exported.file.parent_path().string()) +
                      "\n    network_mode: \"service:" + std::string(kNetwork) +
@@ -44,7 +44,7 @@ std::string ServiceText(const ExportedRobot& exported, const ContainerOptions& o
   if (unit.priority > 0) text += "    ulimits: {rtprio: 99}\n";
   std::string before(kNetwork);
   if (container.program) {
-    for (const RobotProcess* one : exported.Processes()) before += ", " + one->name;
+    for (const RobotProcess* one : exported.Processes()) before += ", " + EngineText(one->name);
   }
   text += "    depends_on: [" + before + "]\n";
   const std::map<std::string, std::string> variables = exported.VariablesOf(unit);

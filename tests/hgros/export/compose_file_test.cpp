@@ -48,7 +48,7 @@ TEST(HgrosExportCompose, ServicesHaveWhatTheRobotFileSays) {
   const CommandEnd end = ExportCompose(robot);
   EXPECT_EQ(end.status, 0) << end.err;
   const std::string front =
-      end.out.substr(end.out.find("  front:"), end.out.find("  main:") - end.out.find("  front:"));
+      end.out.substr(end.out.find("  \"front\":"), end.out.find("  \"main\":") - end.out.find("  \"front\":"));
   EXPECT_THAT(front, AllOf(HasSubstr("    image: \"robot:1\"\n"),
                            HasSubstr("    entrypoint: [\"nice\", \"-n\", \"5\", \"hgros\", \"run\", "
                                      "\"/robot/robot.yaml\", \"--process=front\"]\n"),
@@ -56,9 +56,9 @@ TEST(HgrosExportCompose, ServicesHaveWhatTheRobotFileSays) {
                            HasSubstr("    volumes: [\"tmp:/tmp\"]\n"), HasSubstr("    restart: on-failure\n"),
                            HasSubstr("    mem_limit: 200000000b\n"), HasSubstr("    cpuset: \"0,1\"\n"),
                            HasSubstr("      \"LEVEL\": \"3\"\n"), Not(HasSubstr("SYS_NICE"))));
-  const std::string screen = end.out.substr(end.out.find("  screen:"));
+  const std::string screen = end.out.substr(end.out.find("  \"screen\":"));
   EXPECT_THAT(screen, AllOf(HasSubstr("[\"chrt\", \"--fifo\", \"20\", \"python3\""), HasSubstr("cap_add: [SYS_NICE]"),
-                            HasSubstr("restart: always"), HasSubstr("depends_on: [hgros-network, front, main]"),
+                            HasSubstr("restart: always"), HasSubstr("depends_on: [hgros-network, \"front\", \"main\"]"),
                             HasSubstr("$$1; 100%"), Not(HasSubstr("mem_limit"))));
 }
 
@@ -72,6 +72,11 @@ TEST(HgrosExportCompose, ComposeReadsIt) {
   std::string wrong = ExportCompose(robot).out;
   wrong.replace(wrong.find("mem_limit"), 9, "mem_limot");
   EXPECT_THAT(ReadByCompose(robot, wrong), HasSubstr("mem_limot"));
+}
+
+TEST(HgrosExportCompose, NamesThatYamlWouldReadAsSomethingElseAreQuoted) {
+  const RobotFolder robot("components: {a: {type: relay/Does}}\nprocesses: {'no': {components: [a]}}\n");
+  EXPECT_THAT(ExportCompose(robot).out, HasSubstr("\n  \"no\":\n"));
 }
 
 TEST(HgrosExportCompose, WritesAFileIntoAFolder) {
