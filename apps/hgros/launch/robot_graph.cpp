@@ -54,12 +54,17 @@ std::vector<RobotFinding> RobotGraph::Check() const {
   return findings;
 }
 
-bool RobotGraph::MayComeFromOutside(const RobotComponent& component, const std::string& channel) const {
-  if (!robot_.programs.empty()) return true;
+bool RobotGraph::IsListed(const RobotComponent& component, const std::string& channel) const {
   const RobotProcess* process = robot_.FindProcess(component.process);
   return process != nullptr && std::ranges::any_of(process->config.subscribers, [&](const EndpointConfig& endpoint) {
-           return endpoint.all_channels || std::ranges::binary_search(endpoint.channels, channel);
+           return std::ranges::binary_search(endpoint.channels, channel);
          });
+}
+
+bool RobotGraph::MayComeFromOutside(const RobotComponent& component) const {
+  if (!robot_.programs.empty()) return true;
+  const RobotProcess* process = robot_.FindProcess(component.process);
+  return process != nullptr && std::ranges::any_of(process->config.subscribers, &EndpointConfig::all_channels);
 }
 
 void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
@@ -69,7 +74,8 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
       const std::string& name = end.component->setup.name;
       if (publishers == outputs_.end()) {
         const std::string nearest = NearestKey(channel, outputs_);
-        if (nearest.empty() && MayComeFromOutside(*end.component, channel)) continue;
+        if (IsListed(*end.component, channel)) continue;
+        if (nearest.empty() && MayComeFromOutside(*end.component)) continue;
         findings.push_back({false, end.component->at,
                             "No component publishes the channel " + InQuotes(channel) + ", to which " + InQuotes(name) +
                                 " subscribes.",

@@ -40,8 +40,10 @@ class RobotGraph {
   };
   using Pairs = std::map<std::string, std::vector<Pair>>;
 
-  // By a program of the robot, or over an endpoint of the process that lists the channel.
-  [[nodiscard]] bool MayComeFromOutside(const RobotComponent& component, const std::string& channel) const;
+  // Whether an endpoint of the component's process names the channel.
+  [[nodiscard]] bool IsListed(const RobotComponent& component, const std::string& channel) const;
+  // Whether a program of the robot, or an endpoint for all channels, may bring any.
+  [[nodiscard]] bool MayComeFromOutside(const RobotComponent& component) const;
   void CheckChannels(std::vector<RobotFinding>& findings) const;
   void CheckServices(std::vector<RobotFinding>& findings) const;
 

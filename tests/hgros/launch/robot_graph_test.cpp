@@ -100,6 +100,8 @@ TEST_F(RobotGraphTest, DoesNotWarnOfWhatMayComeFromOutside) {
   endpoint.channels = {"joystick"};
   ASSERT_EQ(Findings().size(), 1U) << "One has a nearest name.";
   EXPECT_NE(Findings()[0].find("front/scam"), std::string::npos);
+  endpoint.channels = {"front/scam", "joystick"};
+  EXPECT_TRUE(Findings().empty()) << "Whoever lists it means it.";
   robot_.processes[1].config.subscribers.clear();
   robot_.programs.emplace_back().name = "pad";
   EXPECT_EQ(Findings().size(), 1U);
