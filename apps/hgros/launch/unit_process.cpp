@@ -136,6 +136,8 @@ void UnitProcess::ReadOutput(const std::function<void(std::string_view)>& hear) 
     for (const char letter : std::string_view(buffer.data(), static_cast<std::size_t>(more))) {
       if (letter != '\n') line_ += letter;
       if (letter != '\n' && line_.size() < kMostLineBytes) continue;
+      if (letter == '\n' && line_.ends_with('\r'))
+        line_.pop_back();  // As ssh, and what writes for a terminal, ends it.
       hear(line_);
       line_.clear();
     }
@@ -143,6 +145,7 @@ void UnitProcess::ReadOutput(const std::function<void(std::string_view)>& hear) 
 }
 
 void UnitProcess::ReadLastLine(const std::function<void(std::string_view)>& hear) {
+  if (line_.ends_with('\r')) line_.pop_back();
   if (!line_.empty()) hear(line_);
   line_.clear();
 }

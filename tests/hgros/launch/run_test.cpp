@@ -250,14 +250,15 @@ TEST(HgrosRun, ShowsLogsWithTheComponentsName) {
       "  a: {type: relay/Does, params: {what: log}}\n"
       "  b: {type: relay/Does, params: {what: throw}}\n"
       "  c: {type: relay/Does, params: {what: print}}\n"
-      "programs: {says: {command: [sh, -c, 'echo ${GREETING:-hello}; printf last']}}\n");
+      "programs: {says: {command: [sh, -c, 'echo ${GREETING:-hello}; printf \"back\\rand\\r\\n\"; printf last']}}\n");
   CommandRun run(robot.Arguments(), robot.environment());
   EXPECT_TRUE(run.Prints("says  last"));
   EXPECT_TRUE(run.Prints("in two lines"));
   EXPECT_TRUE(run.Prints("it is too dark"));
   EXPECT_TRUE(run.Prints("a     warning: It is\\n\\x1b[31mdark."));
-  EXPECT_THAT(run.out(), AllOf(ContainsRegex("[0-9][0-9]:[0-9][0-9]:[0-9][0-9]\\.[0-9]{3} a     I run\\."),
-                               HasSubstr("main  printed, and\n"), HasSubstr("says  hello")));
+  EXPECT_THAT(run.out(),
+              AllOf(ContainsRegex("[0-9][0-9]:[0-9][0-9]:[0-9][0-9]\\.[0-9]{3} a     I run\\."),
+                    HasSubstr("main  printed, and\n"), HasSubstr("says  hello"), HasSubstr("says  back\\rand\n")));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
 }
