@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "hgros/base/bytes.hpp"
-#include "hgros/base/error.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -41,10 +40,28 @@ void HostedComponents::Construct(const ComponentCatalog& catalog) {
 }
 
 void HostedComponents::Add(Hosted& one) {
-  (void)components_.Add(one.kept.Continue(one.setup->setup));
+  try {
+    (void)components_.Add(one.kept.Continue(one.setup->setup));
+  } catch (const Error& error) {
+    if (one.kept.params.empty()) throw;
+    ForgetParams(one, error);
+    (void)components_.Add(one.kept.Continue(one.setup->setup));
+  }
   one.changes = components_.params(one.setup->setup.name).OnChange({}, [this, &one](const ParamEvent& event) {
     Keep(one, event);
   });
+}
+
+void HostedComponents::ForgetParams(Hosted& one, const Error& error) {
+  std::string all;
+  for (const auto& [path, value] : one.kept.params) all += (all.empty() ? "" : ", ") + path + ": " + value;
+  reports_.Line(one.setup->setup.name, LogLevel::kWarning,
+                "It cannot be constructed with the parameters that were changed while it ran (" + all +
+                    "), so it begins without them. " + error.what());
+  one.kept.params.clear();
+  RunReport report;
+  report.mutable_changed()->set_component(one.setup->setup.name);
+  reports_.Tell(report);
 }
 
 void HostedComponents::Start() {

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 
+#include "hgros/base/error.hpp"
 #include "hgros/component/component_catalog.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/params/param_server.hpp"
@@ -59,6 +60,8 @@ class HostedComponents {
   };
 
   void Add(Hosted& one);
+  // Those that were changed, because of `error`.
+  void ForgetParams(Hosted& one, const Error& error);
   void Save(Hosted& one);
   void Restart(Hosted& one);
   // Whether it will be constructed again. mutex_ is held.

@@ -6,6 +6,14 @@
 
 namespace hgros::cli {
 
+void KeptComponent::Note(const RunReport::Changed& changed) {
+  if (changed.path().empty()) {
+    params.clear();
+  } else {
+    params[changed.path()] = changed.value();
+  }
+}
+
 ComponentSetup KeptComponent::Continue(ComponentSetup setup) const {
   if (state != nullptr) setup.state = state;
   for (const auto& [path, value] : params) setup.params.overrides.push_back({path, value, "hgros param set " + path});

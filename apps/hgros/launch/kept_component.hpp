@@ -14,6 +14,7 @@ struct KeptComponent {
   std::shared_ptr<const RawMessage> state = nullptr;  ///< Its last checkpoint.
   std::map<std::string, std::string> params = {};     ///< Those that were changed while it ran: path and YAML.
 
+  void Note(const RunReport::Changed& changed);
   /// The setup of the next instance.
   [[nodiscard]] ComponentSetup Continue(ComponentSetup setup) const;
 };

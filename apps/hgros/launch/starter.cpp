@@ -231,9 +231,7 @@ void Starter::Take(Unit& unit, const RunReport& report) {
       return;
     case RunReport::kComponent: return TakeComponent(unit, report.component());
     case RunReport::kSaved: kept_[report.saved().component()].state = StateOf(report.saved()); return;
-    case RunReport::kChanged:
-      kept_[report.changed().component()].params[report.changed().path()] = report.changed().value();
-      return;
+    case RunReport::kChanged: kept_[report.changed().component()].Note(report.changed()); return;
     case RunReport::kLine:
       return log_.Add({report.line().time_ns(), unit.setup->name, report.line().component(),
                        static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});

@@ -162,9 +162,7 @@ void FarEnd::HearStarter() {
     heard_ = Clock::now();
     switch (order.order_case()) {
       case RemoteOrder::kSaved: kept_[order.saved().component()].state = StateOf(order.saved()); break;
-      case RemoteOrder::kChanged:
-        kept_[order.changed().component()].params[order.changed().path()] = order.changed().value();
-        break;
+      case RemoteOrder::kChanged: kept_[order.changed().component()].Note(order.changed()); break;
       case RemoteOrder::kStart:
         if (!start_) start_ = order.start();
         break;

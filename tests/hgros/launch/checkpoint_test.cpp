@@ -87,6 +87,22 @@ TEST(HgrosCheckpoint, ChangedParametersOutliveTheProcess) {
   EXPECT_TRUE(robot.Prints("counts 5."));
 }
 
+TEST(HgrosCheckpoint, AParameterThatTheComponentRefusesIsNotKept) {
+  const std::string refusal =
+      "(what: \"throw at start\"), so it begins without them. Component \"a\" (relay/Does): there is no laser";
+  for (const std::string restarted : {"a", "p"}) {  // The component alone, and its process.
+    RunningRobot robot(
+        "components: {a: {type: relay/Does}, other: {type: relay/Does}}\nprocesses: {p: {components: [a]}}\n");
+    ASSERT_TRUE(robot.Prints("other  I run."));
+    ASSERT_EQ(robot.Ask({"param", "set", "a", "what", "throw at start"}).status, 0);
+    EXPECT_EQ(robot.Ask({"restart", restarted}).status, 0);
+    ASSERT_TRUE(robot.Prints(refusal));
+    EXPECT_THAT(robot.Ask({"param", "get", "a", "what"}).out, HasSubstr("nothing"));
+    EXPECT_EQ(robot.Ask({"restart", "p"}).status, 0);
+    EXPECT_EQ(robot.out().find(refusal), robot.out().rfind(refusal)) << "It was forgotten everywhere.";
+  }
+}
+
 TEST(HgrosCheckpoint, AComponentThatThrowsIsConstructedAgainAlone) {
   RunningRobot robot(
       "components: {counter: {type: relay/Counter, checkpoint: 20ms, restart: on-exception}, other: {type: "
