@@ -283,7 +283,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
 }
 
 void Starter::TakeEnd(Unit& unit) {
-  const int status = unit.running->status();
+  const int status = unit.status = unit.running->status();
   const bool told = unit.stage == Stage::kEnds || unit.again;
   const bool left = unit.process != nullptr && unit.ended.size() < unit.process->components.size();
   const bool failed = unit.failed || left || !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
@@ -298,7 +298,6 @@ void Starter::TakeEnd(Unit& unit) {
     unit.due = Clock::now();
   }
   if (told) return;
-  if (failed) code_ = kFailed;
   if (ending_) return;
   if (early) return EndAll("The robot cannot start without " + Named(unit.setup->name) + ".", kFailed);
   const RestartPolicy policy = unit.setup->restart;

@@ -76,6 +76,7 @@ class Starter {
     const RobotProgram* program = nullptr;
     Stage stage = Stage::kWaits;
     std::unique_ptr<UnitProcess> running{};
+    int status = 0;  // Of its last end.
     std::uint64_t starts = 0;
     Clock::time_point started{};                           // The last time.
     Clock::time_point kill_at = Clock::time_point::max();  // It was told to end.

@@ -93,7 +93,7 @@ void StarterClients::AnswerRestart(Client& client) {
     }
     if (state == "running" && starts > client.before) {
       SendEnd(client, kDone);
-    } else if (state == "ended" || state == "failed" || state == "finished") {
+    } else if (state.starts_with("ended") || state == "failed" || state == "finished") {
       SendEnd(client, kFailed, "\"" + name + "\" has ended again. `hgros logs " + name + "` says why.");
     } else {
       return;

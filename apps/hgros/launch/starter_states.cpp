@@ -53,7 +53,7 @@ std::vector<RobotReply::Unit> Starter::statuses() const {
                    : unit.stage == Stage::kRunning ? "running"
                    : unit.running != nullptr       ? "starting"
                    : unit.stage == Stage::kWaits   ? "waiting"
-                                                   : "ended");
+                                                   : ShortEndText(unit.status));
     if (unit.running != nullptr) {
       told.set_pid(unit.running->pid());
       told.set_seconds(std::chrono::duration<double>(Clock::now() - unit.started).count());

@@ -9,11 +9,22 @@
 
 namespace hgros::cli {
 
+namespace {
+
+std::string SignalText(int status) {
+  const char* name = sigabbrev_np(WTERMSIG(status));
+  return "SIG" + std::string(name != nullptr ? name : std::to_string(WTERMSIG(status)));
+}
+
+}  // namespace
+
+std::string ShortEndText(int status) {
+  if (WIFSIGNALED(status)) return "ended by " + SignalText(status);
+  return WEXITSTATUS(status) == 0 ? "ended" : "ended with code " + std::to_string(WEXITSTATUS(status));
+}
+
 std::string EndText(int status) {
-  if (WIFSIGNALED(status)) {
-    const char* name = sigabbrev_np(WTERMSIG(status));
-    return "it was ended by SIG" + std::string(name != nullptr ? name : std::to_string(WTERMSIG(status)));
-  }
+  if (WIFSIGNALED(status)) return "it was ended by " + SignalText(status);
   return "it ended with exit code " + std::to_string(WEXITSTATUS(status));
 }
 

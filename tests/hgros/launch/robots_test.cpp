@@ -11,6 +11,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <regex>
 #include <string>
 #include <utility>
 
@@ -51,6 +52,23 @@ class DetachedRobot {
   RobotFolder folder_;
   std::string started_;
 };
+
+TEST(HgrosRobots, PsTellsHowAProcessHasEnded) {
+  const DetachedRobot robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\nprocesses: {p: {components: [a]}}\n"
+      "programs: {ends: {command: [sh, -c, 'exit 3']}, done: {command: [\"true\"]}}\n");
+  ASSERT_EQ(kill(PidsIn(robot.started()).at(0), SIGKILL), 0);
+  const auto shows = [&](const std::string& name, const std::string& state) {
+    return test::Await([&] {
+      return std::regex_search(robot.Ask({"ps", "--json"}).out,
+                               std::regex(name + "\"[^\n]*\"state\":\"" + state + "\""));
+    });
+  };
+  EXPECT_TRUE(shows("\"component\":\"a", "ended by SIGKILL"));
+  EXPECT_TRUE(shows("\"process\":\"ends", "ended with code 3"));
+  EXPECT_TRUE(shows("\"process\":\"done", "ended"));
+  EXPECT_TRUE(shows("\"component\":\"b", "running"));
+}
 
 TEST(HgrosRobots, ADetachedRobotIsListedAndStopped) {
   const DetachedRobot robot(kTwo);
