@@ -101,7 +101,7 @@ class Components::Core {
   // The registered type, if `type` is null.
   One& Add(const ComponentType* type, const ComponentSetup& setup) {
     if (const std::string fault = ChannelNameFault(setup.name); !fault.empty()) {
-      throw Error("A component cannot be named \"" + setup.name + "\": " + fault);
+      throw Error("A component cannot be named \"" + setup.name + "\": " + fault + ".");
     }
     if (Find(setup.name) != nullptr) {
       throw Error("There are two components named \"" + setup.name + "\".", {}, "Give one another name.");
